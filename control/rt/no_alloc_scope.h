@@ -1,0 +1,18 @@
+#pragma once
+
+namespace osteon::rt {
+
+/// Counts heap calls and mutex locks of this thread while alive. For tests only: the executable must link
+/// osteon::rt_guard, which interposes glibc's malloc family and pthread_mutex_lock.
+class NoAllocScope {
+ public:
+  NoAllocScope();
+  ~NoAllocScope();
+  NoAllocScope(const NoAllocScope&) = delete;
+  NoAllocScope& operator=(const NoAllocScope&) = delete;
+
+  [[nodiscard]] int heap_calls() const;
+  [[nodiscard]] int locks() const;
+};
+
+}  // namespace osteon::rt

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+
+#include "kinematics/spatial.h"
+
+namespace osteon {
+
+inline constexpr int kMaxHalfSpaces = 8;
+
+/// The half-space { x : n·x >= offset }, n unit.
+struct HalfSpace {
+  Vector3 n{Vector3::UnitZ()};
+  double offset{0.0};
+};
+
+struct HalfSpaceProjection {
+  Vector3 point{Vector3::Zero()};                   ///< the closest point to the origin in the intersection
+  std::array<double, kMaxHalfSpaces> multiplier{};  ///< point = sum of multiplier[i] n_i; >= 0; at most three are not 0
+  double violation{0.0};                            ///< how far the point lies outside the worst half-space; 0 where feasible
+};
+
+/// Closest point to the origin in the intersection of up to eight half-spaces: the constrained proxy of a god-object.
+///
+///     min |x|^2   subject to   n_i·x >= offset_i
+///
+/// Exact and bounded: every set of one, two or three planes is tried (92 for eight planes), and the nearest point that
+/// keeps all planes wins; sets are tried in index order, so equal inputs give equal outputs. Where the intersection is
+/// empty the point with the least violation is returned and `violation` is positive.
+/// @pre 0 <= count <= kMaxHalfSpaces; all values finite.
+[[nodiscard]] HalfSpaceProjection ClosestInHalfSpaces(const std::array<HalfSpace, kMaxHalfSpaces>& planes,
+                                                      int count) noexcept;
+
+}  // namespace osteon

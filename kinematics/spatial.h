@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+
+#include <Eigen/Geometry>
+
+// Spatial types and the letters of the frames. Monogram notation (Drake's): X_AB is the pose of frame B in frame A,
+// p_AB_C the position from A's origin to B's expressed in C, so X_AC = X_AB * X_BC checks by matching letters.
+//
+//   W  world                     T  tool: origin at the apex, +z the feed direction
+//   B  robot base                D  desired tool pose
+//   F  flange                    P  proxy: the tool's collision-free pose
+//   S  force sensor              G  packing (the bone)
+//   H  handle                    C  cup: origin at the centre of its sphere, +z out of the opening
+//
+// SI throughout: metres, radians, seconds, newtons, newton metres, kilograms.
+
+namespace osteon {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+using Pose = Eigen::Isometry3d;
+
+/// Velocity of a frame.
+struct Twist {
+  Vector3 v{Vector3::Zero()};  ///< linear [m/s]
+  Vector3 w{Vector3::Zero()};  ///< angular [rad/s]
+};
+
+/// Force and torque on a frame's origin.
+struct Wrench {
+  Vector3 f{Vector3::Zero()};  ///< force [N]
+  Vector3 t{Vector3::Zero()};  ///< torque [N·m]
+};
+
+/// A Vector3 that is trivially copyable (Eigen's is not), for what crosses a thread or reaches a disk.
+struct PlainVector3 {
+  double x{0.0}, y{0.0}, z{0.0};
+
+  PlainVector3() = default;
+  PlainVector3(const Vector3& v) : x(v.x()), y(v.y()), z(v.z()) {}  // NOLINT: conversion is the point
+  operator Vector3() const { return {x, y, z}; }                    // NOLINT
+};
+
+/// A Pose that is trivially copyable. R by rows.
+struct PlainPose {
+  std::array<double, 9> R{1, 0, 0, 0, 1, 0, 0, 0, 1};
+  PlainVector3 p;
+
+  PlainPose() = default;
+  PlainPose(const Pose& X) : p(Vector3(X.translation())) {  // NOLINT: conversion is the point
+    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data()) = X.linear();
+  }
+  operator Pose() const {  // NOLINT
+    Pose X = Pose::Identity();
+    X.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data());
+    X.translation() = Vector3(p);
+    return X;
+  }
+};
+
+/// A Wrench that is trivially copyable.
+struct PlainWrench {
+  PlainVector3 f, t;
+
+  PlainWrench() = default;
+  PlainWrench(const Wrench& F) : f(F.f), t(F.t) {}      // NOLINT: conversion is the point
+  operator Wrench() const { return {.f = f, .t = t}; }  // NOLINT
+};
+
+/// Rotation vector (axis times angle, |.| <= pi) of a rotation matrix. At an angle of pi the sign is arbitrary.
+[[nodiscard]] inline Vector3 LogRotation(const Matrix3& R) {
+  const Eigen::AngleAxisd a{R};
+  return a.angle() * a.axis();
+}
+
+/// Rotation matrix of a rotation vector; the identity for zero.
+[[nodiscard]] inline Matrix3 ExpRotation(const Vector3& r) {
+  const double angle = r.norm();
+  if (angle == 0.0) return Matrix3::Identity();
+  return Eigen::AngleAxisd(angle, r / angle).toRotationMatrix();
+}
+
+}  // namespace osteon

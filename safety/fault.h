@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+
+namespace osteon::safety {
+
+/// Faults are latched bits: once set, a fault stays until the cell is cleared. Each says what the cell does then.
+enum class Fault : std::uint32_t {
+  kNone = 0,
+  kArmStale = 1u << 0,           ///< no arm message within its deadline: hold; Stop 1
+  kModelStale = 1u << 1,         ///< contact model too old: motion held, then Stop 1
+  kSensorStale = 1u << 2,        ///< force sensor too old: Stop 1
+  kWrenchRate = 1u << 3,         ///< coupling wrench changes faster than 1.5 K v_max: Stop 1
+  kSensorForce = 1u << 4,        ///< hand pushes beyond limit + margin: Stop 1
+  kToolSpeed = 1u << 5,          ///< commanded tool speed beyond its limit despite scaling: Stop 1
+  kWorkspace = 1u << 6,          ///< tool left its workspace: Stop 1
+  kJointLimit = 1u << 7,         ///< joint position, speed or step at its limit: Stop 1
+  kInverseKinematics = 1u << 8,  ///< no joint solution for the commanded pose: hold; Stop 1
+  kSession = 1u << 9,            ///< the arm left COMMANDING_ACTIVE: hold
+  kDevice = 1u << 10,            ///< the simulation's device is lost: Stop 1
+  kNotFinite = 1u << 11,         ///< a value from outside is not finite: Stop 1
+  kTracking = 1u << 12,          ///< measured pose too far from the commanded one: Stop 1
+};
+
+/// The set of latched faults.
+class FaultSet {
+ public:
+  constexpr void Latch(Fault fault) noexcept { bits_ |= static_cast<std::uint32_t>(fault); }
+  constexpr void Latch(FaultSet other) noexcept { bits_ |= other.bits_; }
+  constexpr void Clear() noexcept { bits_ = 0; }
+  [[nodiscard]] constexpr bool Has(Fault fault) const noexcept {
+    return (bits_ & static_cast<std::uint32_t>(fault)) != 0;
+  }
+  [[nodiscard]] constexpr bool Any() const noexcept { return bits_ != 0; }
+  [[nodiscard]] constexpr std::uint32_t bits() const noexcept { return bits_; }
+
+ private:
+  std::uint32_t bits_{0};
+};
+
+struct FaultText {
+  const char* name;       ///< as in the summary, e.g. "contact model stale"
+  const char* reaction;   ///< what the cell does
+  const char* clearing;   ///< how an operator clears it
+};
+
+/// Text for one fault; for screens and reports, not for the tick.
+[[nodiscard]] FaultText Describe(Fault fault);
+
+}  // namespace osteon::safety

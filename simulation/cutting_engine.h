@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "simulation/contact_model.h"
+
+namespace osteon::simulation {
+
+/// What the servo loop asks of the simulation; handed over through rt::LatestValue.
+struct ToolCommand {
+  PlainPose X_WT;  ///< the commanded tool pose (admittance) or the measured one (impedance)
+  double spindle_rad_per_s{0.0};
+  rt::Nanoseconds stamp{0};
+};
+
+/// One frame. Its path runs from the proxy of the frame before to X_WT.
+struct FrameInput {
+  PlainPose X_WT;
+  double spindle_rad_per_s{0.0};
+  double dt_s{0.001};        ///< time that the cut has to give way in this frame
+  rt::Nanoseconds stamp{0};  ///< of X_WT
+};
+
+/// How bone gives way.
+enum class RemovalLaw : std::uint8_t {
+  kRate,       ///< by energy balance: power of the edge over specific cutting energy
+  kImmediate,  ///< up to the tool's pose in every frame (the paper)
+};
+
+struct CuttingParams {
+  double stiffness_N_per_m{20e3};        ///< of the virtual coupling
+  double max_force_N{200.0};             ///< the coupling force that the rate law may count on
+  double normal_enlargement_m{0.24e-3};  ///< e of the lens-weighted normal
+  double contact_margin_m{1.0e-3};       ///< planes are reported up to this gap
+  double contact_tolerance_m{0.02e-3};   ///< overlap that sliding over balls may leave
+  double engaged_layer_m{0.5e-3};        ///< depth of the layer that measures the engaged area
+  RemovalLaw law{RemovalLaw::kRate};
+};
+
+/// The carved state: everything that a frame changes.
+struct CarvedState {
+  std::vector<float> balls;           ///< x y z r [mm] in G for each ball; r = 0 where it is gone
+  std::vector<std::uint8_t> cleared;  ///< 1 for each mass point that is gone
+  PlainPose X_WP;
+  bool has_proxy{false};
+  double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
+  std::uint64_t frame{0};
+};
+
+/// The cutting model: collision, contact, removal. One thread at a time.
+class CuttingEngine {
+ public:
+  virtual ~CuttingEngine() = default;
+
+  /// One frame; never throws. The first frame takes X_WT as free.
+  virtual ContactModel Step(const FrameInput& input) = 0;
+
+  [[nodiscard]] virtual CarvedState Snapshot() const = 0;
+  /// @throws std::invalid_argument where the state is not of this bone.
+  virtual void Restore(const CarvedState& state) = 0;
+
+  /// "reference" or "vulkan".
+  [[nodiscard]] virtual std::string name() const = 0;
+  /// What it runs on, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)".
+  [[nodiscard]] virtual std::string device() const = 0;
+};
+
+/// FNV-1a over balls and cleared points: equal for equal carved states, on any machine.
+[[nodiscard]] std::uint64_t HashState(const CarvedState& state);
+
+}  // namespace osteon::simulation
