@@ -32,8 +32,7 @@ enum class RemovalLaw : std::uint8_t {
 struct CuttingParams {
   double stiffness_N_per_m{20e3};        ///< of the virtual coupling
   double max_force_N{200.0};             ///< the coupling force that the rate law may count on
-  double normal_enlargement_m{0.24e-3};  ///< e of the lens-weighted normal
-  double contact_margin_m{1.0e-3};       ///< planes are reported up to this gap
+  double normal_enlargement_m{0.24e-3};  ///< e of the lens-weighted normal; planes are reported up to this gap
   double contact_tolerance_m{0.02e-3};   ///< overlap that sliding over balls may leave
   double engaged_layer_m{0.5e-3};        ///< depth of the layer that measures the engaged area
   RemovalLaw law{RemovalLaw::kRate};
@@ -43,9 +42,10 @@ struct CuttingParams {
 struct CarvedState {
   std::vector<float> balls;           ///< x y z r [mm] in G for each ball; r = 0 where it is gone
   std::vector<std::uint8_t> cleared;  ///< 1 for each mass point that is gone
-  PlainPose X_WP;
+  PlainPose X_GP;                     ///< proxy in G
   bool has_proxy{false};
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
+  double cutting_debt_J{0.0};  ///< work of cleared points that the edge has not yet done
   std::uint64_t frame{0};
 };
 

@@ -1,0 +1,180 @@
+#include "gpu/context.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+
+namespace osteon::gpu {
+namespace {
+
+constexpr const char* kNoDriver =
+    "no Vulkan driver found; install one (mesa-vulkan-drivers has lavapipe, which needs no GPU)";
+
+std::string Lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+int Rank(vk::PhysicalDeviceType type) {
+  switch (type) {
+    case vk::PhysicalDeviceType::eDiscreteGpu: return 0;
+    case vk::PhysicalDeviceType::eIntegratedGpu: return 1;
+    case vk::PhysicalDeviceType::eVirtualGpu: return 2;
+    case vk::PhysicalDeviceType::eCpu: return 3;
+    default: return 4;
+  }
+}
+
+std::optional<std::uint32_t> ComputeFamily(const vk::raii::PhysicalDevice& device) {
+  const auto families = device.getQueueFamilyProperties();
+  for (std::uint32_t i = 0; i < families.size(); ++i)
+    if (families[i].queueFlags & vk::QueueFlagBits::eCompute) return i;
+  return std::nullopt;
+}
+
+DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
+  const auto chain =
+      device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+  const vk::PhysicalDeviceProperties& p = chain.get<vk::PhysicalDeviceProperties2>().properties;
+  const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
+  static constexpr const char* kKinds[] = {"discrete", "integrated", "virtual", "cpu", "other"};
+  DeviceInfo info{.name = p.deviceName.data(),
+                  .kind = kKinds[Rank(p.deviceType)],
+                  .api_version = std::to_string(VK_API_VERSION_MAJOR(p.apiVersion)) + "." +
+                                 std::to_string(VK_API_VERSION_MINOR(p.apiVersion)) + "." +
+                                 std::to_string(VK_API_VERSION_PATCH(p.apiVersion)),
+                  .driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data(),
+                  .refusal = ""};
+  const auto memory = device.getMemoryProperties();
+  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
+    if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
+      info.memory_bytes = std::max(info.memory_bytes, static_cast<double>(memory.memoryHeaps[i].size));
+  if (p.apiVersion < VK_API_VERSION_1_2) {
+    info.refusal = "Vulkan " + info.api_version + ", 1.2 is needed";
+    return info;
+  }
+  const auto features = device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
+  if (!features.get<vk::PhysicalDeviceVulkan12Features>().scalarBlockLayout)
+    info.refusal = "no scalarBlockLayout";
+  else if (!ComputeFamily(device))
+    info.refusal = "no compute queue";
+  else if (p.limits.maxComputeSharedMemorySize < 20'000)
+    info.refusal = "less than 20 kB of shared memory";
+  return info;
+}
+
+std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance) {
+  vk::raii::PhysicalDevices found(instance);
+  std::vector<vk::raii::PhysicalDevice> devices;
+  for (auto& device : found) devices.push_back(std::move(device));
+  std::stable_sort(devices.begin(), devices.end(), [](const auto& a, const auto& b) {
+    return Rank(a.getProperties().deviceType) < Rank(b.getProperties().deviceType);
+  });
+  return devices;
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL OnValidation(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                            const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  ++static_cast<ValidationLog*>(user)->messages;
+  std::fprintf(stderr, "vulkan validation: %s\n", data->pMessage);
+  return VK_FALSE;
+}
+
+vk::raii::Instance MakeInstance(const vk::raii::Context& loader, bool validation) {
+  const vk::ApplicationInfo application("osteon", 1, nullptr, 0, VK_API_VERSION_1_2);
+  std::vector<const char*> layers, extensions;
+  if (validation) {
+    layers.push_back("VK_LAYER_KHRONOS_validation");
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  }
+  return {loader, vk::InstanceCreateInfo({}, &application, layers, extensions)};
+}
+
+}  // namespace
+
+tl::expected<std::vector<DeviceInfo>, std::string> ListDevices() try {
+  const vk::raii::Context loader;
+  const vk::raii::Instance instance = MakeInstance(loader, false);
+  std::vector<DeviceInfo> infos;
+  for (const auto& device : Devices(instance)) infos.push_back(Inspect(device));
+  if (infos.empty()) return tl::make_unexpected(std::string(kNoDriver));
+  return infos;
+} catch (const std::exception&) {
+  return tl::make_unexpected(std::string(kNoDriver));
+}
+
+tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name, bool validation) try {
+  auto context = std::make_unique<Context>();
+  context->instance = MakeInstance(context->loader, validation);
+  if (validation) {
+    context->validation = std::make_unique<ValidationLog>();
+    using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
+    using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
+    context->messenger.emplace(
+        *context->instance,
+        vk::DebugUtilsMessengerCreateInfoEXT({}, Severity::eWarning | Severity::eError,
+                                             Type::eValidation | Type::eGeneral | Type::ePerformance, OnValidation,
+                                             context->validation.get()));
+  }
+  std::vector<vk::raii::PhysicalDevice> devices = Devices(*context->instance);
+  if (devices.empty()) return tl::make_unexpected(std::string(kNoDriver));
+
+  std::string seen;
+  for (auto& device : devices) {
+    const DeviceInfo info = Inspect(device);
+    seen += "\n  " + info.name + (info.refusal.empty() ? "" : " (unusable: " + info.refusal + ")");
+    if (context->physical || !info.refusal.empty()) continue;
+    if (!name.empty() && Lower(info.name).find(Lower(name)) == std::string::npos) continue;
+    context->info = info;
+    context->physical = std::move(device);
+  }
+  if (!context->physical)
+    return tl::make_unexpected((name.empty() ? std::string("no usable Vulkan device")
+                                             : "no usable Vulkan device is called \"" + name + "\"") +
+                               "; found:" + seen);
+
+  context->queue_family = *ComputeFamily(*context->physical);
+  const float priority = 1.0f;
+  const vk::DeviceQueueCreateInfo queue({}, context->queue_family, 1, &priority);
+  vk::PhysicalDeviceVulkan12Features features;
+  features.scalarBlockLayout = VK_TRUE;
+  vk::DeviceCreateInfo create({}, queue);
+  create.pNext = &features;
+  context->device.emplace(*context->physical, create);
+  context->queue.emplace(*context->device, context->queue_family, 0);
+  return context;
+} catch (const vk::LayerNotPresentError&) {
+  return tl::make_unexpected(std::string("validation layers are not installed (package vulkan-validationlayers)"));
+} catch (const std::exception&) {
+  return tl::make_unexpected(std::string(kNoDriver));
+}
+
+Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placement) {
+  using Usage = vk::BufferUsageFlagBits;
+  using Property = vk::MemoryPropertyFlagBits;
+  Buffer made;
+  made.size = std::max<vk::DeviceSize>(size, 16);
+  made.buffer = vk::raii::Buffer(
+      *context.device,
+      vk::BufferCreateInfo({}, made.size, Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst));
+  const vk::MemoryRequirements needs = made.buffer.getMemoryRequirements();
+  const vk::PhysicalDeviceMemoryProperties memory = context.physical->getMemoryProperties();
+
+  // what the placement asks for, best first; the last is always there
+  const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
+  const std::vector<vk::MemoryPropertyFlags> wishes =
+      placement == Placement::kDevice   ? std::vector<vk::MemoryPropertyFlags>{Property::eDeviceLocal, {}}
+      : placement == Placement::kUpload ? std::vector<vk::MemoryPropertyFlags>{host}
+                                        : std::vector<vk::MemoryPropertyFlags>{host | Property::eHostCached, host};
+  for (const vk::MemoryPropertyFlags wish : wishes)
+    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
+      if (!(needs.memoryTypeBits & (1u << i)) || (memory.memoryTypes[i].propertyFlags & wish) != wish) continue;
+      made.memory = vk::raii::DeviceMemory(*context.device, vk::MemoryAllocateInfo(needs.size, i));
+      made.buffer.bindMemory(*made.memory, 0);
+      if (placement != Placement::kDevice) made.mapped = made.memory.mapMemory(0, VK_WHOLE_SIZE);
+      return made;
+    }
+  throw vk::OutOfDeviceMemoryError("no memory type fits");
+}
+
+}  // namespace osteon::gpu

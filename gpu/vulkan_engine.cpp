@@ -1,0 +1,400 @@
+#include "gpu/vulkan_engine.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+
+#include "gpu/context.h"
+#include "gpu/shaders/layout.h"
+#include "simulation/cutting_math.h"
+#include "simulation/frame_solution.h"
+
+#include "gpu/spirv/advance.h"
+#include "gpu/spirv/contact.h"
+#include "gpu/spirv/planes.h"
+#include "gpu/spirv/remove.h"
+#include "gpu/spirv/slide.h"
+#include "gpu/spirv/solve.h"
+
+namespace osteon::gpu {
+namespace {
+
+using simulation::kMaxContacts;
+
+static_assert(kMaxMaterials == static_cast<uint>(simulation::kMaxMaterials) && kPlanes == kMaxContacts &&
+              kShaft == static_cast<uint>(simulation::kShaftPlane));
+
+constexpr double kMillimetres = 1e3;
+constexpr std::uint64_t kFrameTimeout_ns = 2'000'000'000;
+constexpr int kBuffers = 7;
+
+vec4 ToMillimetres(const Vector3& v, double w) {
+  return {static_cast<float>(v.x() * kMillimetres), static_cast<float>(v.y() * kMillimetres),
+          static_cast<float>(v.z() * kMillimetres), static_cast<float>(w)};
+}
+vec4 Unscaled(const Vector3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
+}
+Vector3 Direction(const vec4& v) { return {v.x, v.y, v.z}; }
+Vector3 ToMetres(const vec4& v) { return Direction(v) / kMillimetres; }
+
+uint ClusterCount(std::size_t count) { return static_cast<uint>((count + kGroupSize - 1) / kGroupSize); }
+
+// Boxes around runs of 64 items; an item is a centre and a radius [mm].
+template <class Items, class Get>
+std::vector<Cluster> Boxes(const Items& items, Get get) {
+  std::vector<Cluster> boxes(ClusterCount(items.size()));
+  for (std::size_t c = 0; c < boxes.size(); ++c) {
+    Eigen::AlignedBox3f box;
+    for (std::size_t i = c * kGroupSize; i < std::min(items.size(), (c + 1) * kGroupSize); ++i) {
+      const vec4 item = get(items[i]);
+      const Eigen::Vector3f p(item.x, item.y, item.z);
+      box.extend(p - Eigen::Vector3f::Constant(item.w)).extend(p + Eigen::Vector3f::Constant(item.w));
+    }
+    boxes[c] = {.low = {box.min().x(), box.min().y(), box.min().z(), 0.0f},
+                .high = {box.max().x(), box.max().y(), box.max().z(), 0.0f}};
+  }
+  return boxes;
+}
+
+}  // namespace
+
+struct VulkanEngine::Impl {
+  std::unique_ptr<Context> context;
+  simulation::Tool tool;
+  std::vector<simulation::Material> materials;
+  Pose X_WG;
+  simulation::CuttingParams params;
+  simulation::FrameMemory memory;
+  std::size_t ball_count{0}, point_count{0};
+  double unit_mm3{1.0};
+  bool lost{false};
+  bool poll{false};
+
+  Buffer frame, frame_in, frame_out, balls, points, ball_clusters, point_clusters, plane_sums, engaged_sums;
+  Frame still{};  // what does not change from frame to frame
+
+  vk::raii::DescriptorSetLayout set_layout{nullptr};
+  vk::raii::PipelineLayout layout{nullptr};
+  std::vector<vk::raii::Pipeline> pipelines;
+  vk::raii::DescriptorPool pool{nullptr};
+  vk::raii::DescriptorSets sets{nullptr};
+  vk::raii::CommandPool command_pool{nullptr};
+  vk::raii::CommandBuffers commands{nullptr};
+  vk::raii::Fence fence{nullptr};
+
+  void Upload(const simulation::Bone& bone);
+  void BuildPipelines();
+  void Record();
+  void Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const;
+  void Write(const Buffer& buffer, const void* data, std::size_t size) const;
+  void Read(const Buffer& buffer, void* data, std::size_t size) const;
+  bool Run();
+  Frame Prepare(const simulation::FrameInput& input) const;
+  simulation::FrameSolution Solution(const Frame& done) const;
+};
+
+void VulkanEngine::Impl::Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const {
+  vk::raii::CommandBuffers once(*context->device, {*command_pool, vk::CommandBufferLevel::ePrimary, 1});
+  once[0].begin(vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
+  once[0].copyBuffer(*from.buffer, *to.buffer, vk::BufferCopy(0, 0, size));
+  once[0].end();
+  const vk::CommandBuffer raw = *once[0];
+  context->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw));
+  context->queue->waitIdle();
+}
+
+void VulkanEngine::Impl::Write(const Buffer& buffer, const void* data, std::size_t size) const {
+  if (size == 0) return;
+  const Buffer staging = MakeBuffer(*context, size, Placement::kUpload);
+  std::memcpy(staging.mapped, data, size);
+  Copy(staging, buffer, size);
+}
+
+void VulkanEngine::Impl::Read(const Buffer& buffer, void* data, std::size_t size) const {
+  if (size == 0) return;
+  const Buffer staging = MakeBuffer(*context, size, Placement::kReadBack);
+  Copy(buffer, staging, size);
+  std::memcpy(data, staging.mapped, size);
+}
+
+void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
+  ball_count = bone.balls.size();
+  point_count = bone.points.size();
+
+  std::vector<vec4> ball_data;
+  ball_data.reserve(ball_count);
+  for (const simulation::Ball& ball : bone.balls)
+    ball_data.push_back(ToMillimetres(ball.center_m, ball.radius_m * kMillimetres));
+
+  // whole units of volume, so that the sum of all points still fits 32 bits
+  double total_mm3 = 0.0;
+  for (const simulation::MassPoint& point : bone.points) total_mm3 += point.volume_m3 * 1e9;
+  unit_mm3 = std::max(total_mm3, 1.0) / 4.0e9;
+  std::vector<Point> point_data;
+  point_data.reserve(point_count);
+  for (const simulation::MassPoint& point : bone.points) {
+    const vec4 p = ToMillimetres(point.p_m, 0.0);
+    const double volume_mm3 = point.volume_m3 * 1e9;
+    point_data.push_back({.x = p.x,
+                          .y = p.y,
+                          .z = p.z,
+                          .volume_mm3 = static_cast<float>(volume_mm3),
+                          .units = static_cast<uint>(std::llround(volume_mm3 / unit_mm3)),
+                          .material = point.material,
+                          .cleared = 0});
+  }
+  const std::vector<Cluster> ball_boxes = Boxes(ball_data, [](const vec4& ball) { return ball; });
+  const std::vector<Cluster> point_boxes =
+      Boxes(point_data, [](const Point& point) { return vec4{point.x, point.y, point.z, 0.0f}; });
+
+  const auto make = [&](std::size_t bytes) { return MakeBuffer(*context, bytes, Placement::kDevice); };
+  balls = make(ball_data.size() * sizeof(vec4));
+  points = make(point_data.size() * sizeof(Point));
+  ball_clusters = make(ball_boxes.size() * sizeof(Cluster));
+  point_clusters = make(point_boxes.size() * sizeof(Cluster));
+  plane_sums = make(ball_boxes.size() * (1 + kPlanes * kPlaneColumns) * sizeof(float));
+  engaged_sums = make(point_boxes.size() * (1 + kEngagedColumns) * sizeof(float));
+  frame = make(sizeof(Frame));
+  frame_in = MakeBuffer(*context, sizeof(Frame), Placement::kUpload);
+  frame_out = MakeBuffer(*context, sizeof(Frame), Placement::kReadBack);
+  Write(balls, ball_data.data(), ball_data.size() * sizeof(vec4));
+  Write(points, point_data.data(), point_data.size() * sizeof(Point));
+  Write(ball_clusters, ball_boxes.data(), ball_boxes.size() * sizeof(Cluster));
+  Write(point_clusters, point_boxes.data(), point_boxes.size() * sizeof(Cluster));
+
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    still.material[i] = {.x = static_cast<float>(materials[i].specific_cutting_energy_J_per_m3 * 1e-6),  // N/mm^2
+                         .y = static_cast<float>(materials[i].cutting_force_ratio),
+                         .z = 0.0f,
+                         .w = 0.0f};
+  still.stiffness_N_per_mm = static_cast<float>(params.stiffness_N_per_m / kMillimetres);
+  still.max_force_N = static_cast<float>(params.max_force_N);
+  still.enlargement_mm = static_cast<float>(params.normal_enlargement_m * kMillimetres);
+  still.tolerance_mm = static_cast<float>(params.contact_tolerance_m * kMillimetres);
+  still.layer_mm = static_cast<float>(params.engaged_layer_m * kMillimetres);
+  still.tool_count = static_cast<uint>(tool.balls.size());
+  still.ball_count = static_cast<uint>(ball_count);
+  still.point_count = static_cast<uint>(point_count);
+  still.material_count = static_cast<uint>(materials.size());
+  still.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;
+}
+
+void VulkanEngine::Impl::BuildPipelines() {
+  const vk::raii::Device& device = *context->device;
+  std::vector<vk::DescriptorSetLayoutBinding> bindings;
+  for (std::uint32_t i = 0; i < kBuffers; ++i)
+    bindings.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
+  set_layout = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
+  layout = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout));
+
+  // the numbers of clusters are specialization constants: loops over them have fixed ends
+  const std::array<uint, 2> counts{ClusterCount(ball_count), ClusterCount(point_count)};
+  const std::array<vk::SpecializationMapEntry, 2> entries{{{0, 0, sizeof(uint)}, {1, sizeof(uint), sizeof(uint)}}};
+  const vk::SpecializationInfo specialization(2, entries.data(), sizeof(counts), counts.data());
+  const auto add = [&](const std::uint32_t* code, std::size_t bytes) {
+    const vk::raii::ShaderModule module(device, vk::ShaderModuleCreateInfo({}, bytes, code));
+    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
+                                                  &specialization);
+    pipelines.emplace_back(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout));
+  };
+  add(kSpirv_contact, sizeof(kSpirv_contact));
+  add(kSpirv_planes, sizeof(kSpirv_planes));
+  add(kSpirv_solve, sizeof(kSpirv_solve));
+  add(kSpirv_slide, sizeof(kSpirv_slide));
+  add(kSpirv_advance, sizeof(kSpirv_advance));
+  add(kSpirv_remove, sizeof(kSpirv_remove));
+
+  const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kBuffers);
+  pool = vk::raii::DescriptorPool(
+      device, vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
+  sets = vk::raii::DescriptorSets(device, vk::DescriptorSetAllocateInfo(*pool, *set_layout));
+  const std::array<const Buffer*, kBuffers> bound{&frame,          &balls,      &points,      &ball_clusters,
+                                                  &point_clusters, &plane_sums, &engaged_sums};
+  for (std::uint32_t i = 0; i < kBuffers; ++i) {
+    const vk::DescriptorBufferInfo info(*bound[i]->buffer, 0, VK_WHOLE_SIZE);
+    device.updateDescriptorSets(
+        vk::WriteDescriptorSet(*sets[0], i, 0, vk::DescriptorType::eStorageBuffer, nullptr, info), nullptr);
+  }
+}
+
+void VulkanEngine::Impl::Record() {
+  using Access = vk::AccessFlagBits;
+  using Stage = vk::PipelineStageFlagBits;
+  commands = vk::raii::CommandBuffers(*context->device, {*command_pool, vk::CommandBufferLevel::ePrimary, 1});
+  const vk::raii::CommandBuffer& c = commands[0];
+  const auto barrier = [&](vk::PipelineStageFlags from, vk::AccessFlags wrote, vk::PipelineStageFlags to,
+                           vk::AccessFlags reads) {
+    c.pipelineBarrier(from, to, {}, vk::MemoryBarrier(wrote, reads), nullptr, nullptr);
+  };
+  c.begin(vk::CommandBufferBeginInfo());
+  c.copyBuffer(*frame_in.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
+  barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader, Access::eShaderRead | Access::eShaderWrite);
+  c.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout, 0, *sets[0], nullptr);
+  const uint b = ClusterCount(ball_count), p = ClusterCount(point_count);
+  const std::array<uint, 6> groups{b, b, 1, b + p, 1, b + p};
+  for (std::size_t i = 0; i < pipelines.size(); ++i) {
+    c.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines[i]);
+    if (groups[i] > 0) c.dispatch(groups[i], 1, 1);
+    barrier(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eTransfer,
+            Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead);
+  }
+  c.copyBuffer(*frame.buffer, *frame_out.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
+  barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
+  c.end();
+}
+
+bool VulkanEngine::Impl::Run() try {
+  const vk::CommandBuffer raw = *commands[0];
+  context->device->resetFences(*fence);
+  context->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence);
+  if (poll) {
+    // a GPU answers within tens of microseconds: asking is quicker than being woken
+    for (int i = 0; i < 20'000; ++i)
+      if (fence.getStatus() == vk::Result::eSuccess) return true;
+  }
+  return context->device->waitForFences(*fence, VK_TRUE, kFrameTimeout_ns) == vk::Result::eSuccess;
+} catch (const std::exception&) {
+  return false;
+}
+
+Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) const {
+  const Pose X_GT = X_WG.inverse() * Pose(input.X_WT);
+  Frame f = still;
+  const simulation::ToolPoints start = PlaceTool(tool, memory.X_GP), goal = PlaceTool(tool, X_GT);
+  for (std::size_t t = 0; t <= tool.balls.size(); ++t) {
+    const bool is_ball = t < tool.balls.size();
+    f.start[t] = ToMillimetres(start[t], is_ball ? tool.balls[t].radius_m * kMillimetres : 0.0);
+    f.goal[t] = ToMillimetres(goal[t], is_ball && tool.balls[t].cutting ? 1.0 : 0.0);
+  }
+  f.axis_x = Unscaled(X_GT.linear().col(0));
+  f.axis_y = Unscaled(X_GT.linear().col(1));
+  f.axis_z = Unscaled(X_GT.linear().col(2));
+  f.turn = Unscaled(LogRotation(X_GT.linear() * memory.X_GP.linear().transpose()));
+  f.spindle_rad_per_s = static_cast<float>(input.spindle_rad_per_s);
+  f.dt_s = static_cast<float>(input.dt_s);
+  f.work_held_back_Nmm =
+      static_cast<float>(memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres);
+  f.contact_bits = f.slide_bits = std::bit_cast<uint>(static_cast<float>(simulation::kNoContact));
+  return f;
+}
+
+simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) const {
+  simulation::FrameSolution s;
+  s.contact_fraction = std::min(1.0f, std::bit_cast<float>(done.contact_bits));
+  s.slide_fraction = std::min(1.0f, std::bit_cast<float>(done.slide_bits));
+  for (std::size_t g = 0; g < kPlanes; ++g) {
+    simulation::SolutionPlane& plane = s.planes[g];
+    plane.present = (done.planes_present >> g & 1u) != 0;
+    if (!plane.present) continue;
+    plane.n = Direction(done.plane_n[g]).normalized();
+    plane.gap_m = done.plane_n[g].w / kMillimetres;
+    plane.point_m = ToMetres(done.plane_point[g]);
+    plane.weight = done.plane_point[g].w * 1e-9;
+    plane.multiplier_m = done.multiplier[g] / kMillimetres;
+  }
+  s.delta = ToMetres(done.delta);
+  s.cutting_m = done.delta.w / kMillimetres;
+  s.n = s.cutting_m > 0.0 ? Vector3(Direction(done.n).normalized()) : Vector3::Zero();
+  s.advance_m = done.advance_mm / kMillimetres;
+  s.edge_work_J = done.edge_work_Nmm / kMillimetres;
+  s.origin_contact = ToMetres(done.origin_contact);
+  s.origin_slid = ToMetres(done.origin_slid);
+  s.origin_end = ToMetres(done.origin_end);
+  for (std::size_t m = 0; m < materials.size(); ++m) {
+    s.engaged_area_m2[m] = done.engaged[2 * m] * 1e-6;
+    s.engaged_moment_m3[m] = done.engaged[2 * m + 1] * 1e-9;
+    s.removed_m3[m] = done.removed[m] * unit_mm3 * 1e-9;
+  }
+  return s;
+}
+
+tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
+    const simulation::Bone& bone, const simulation::Tool& tool, const Pose& X_WG,
+    const simulation::CuttingParams& params, const VulkanParams& vulkan) {
+  if (tool.balls.empty() || tool.balls.size() > kMaxToolBalls)
+    return tl::make_unexpected("tool: " + std::to_string(tool.balls.size()) + " balls, accepted 1 … " +
+                               std::to_string(kMaxToolBalls));
+  if (bone.materials.size() > kMaxMaterials)
+    return tl::make_unexpected("bone: " + std::to_string(bone.materials.size()) + " materials, accepted 1 … " +
+                               std::to_string(kMaxMaterials));
+  auto context = OpenContext(vulkan.device, vulkan.validation);
+  if (!context) return tl::make_unexpected(context.error());
+  try {
+    auto impl = std::make_unique<Impl>();
+    impl->context = std::move(*context);
+    impl->tool = tool;
+    impl->materials = bone.materials;
+    impl->X_WG = X_WG;
+    impl->params = params;
+    impl->poll = impl->context->info.kind != "cpu";
+    impl->command_pool = vk::raii::CommandPool(
+        *impl->context->device, vk::CommandPoolCreateInfo({}, impl->context->queue_family));
+    impl->fence = vk::raii::Fence(*impl->context->device, vk::FenceCreateInfo());
+    impl->Upload(bone);
+    impl->BuildPipelines();
+    impl->Record();
+    return std::unique_ptr<VulkanEngine>(new VulkanEngine(std::move(impl)));
+  } catch (const vk::OutOfDeviceMemoryError&) {
+    return tl::make_unexpected("not enough memory on the Vulkan device for " + std::to_string(bone.balls.size()) +
+                               " balls and " + std::to_string(bone.points.size()) + " mass points");
+  } catch (const std::exception& error) {
+    return tl::make_unexpected(std::string("Vulkan: ") + error.what());
+  }
+}
+
+VulkanEngine::VulkanEngine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+VulkanEngine::~VulkanEngine() = default;
+
+simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input) {
+  simulation::ContactModel refused;
+  if (impl_->lost || !IsUsable(input)) {
+    refused.status = impl_->lost ? simulation::EngineStatus::kDeviceLost : simulation::EngineStatus::kBadInput;
+    return refused;
+  }
+  if (!impl_->memory.has_proxy) impl_->memory.X_GP = impl_->X_WG.inverse() * Pose(input.X_WT);
+  const Frame in = impl_->Prepare(input);
+  std::memcpy(impl_->frame_in.mapped, &in, sizeof(Frame));
+  if (!impl_->Run()) {
+    impl_->lost = true;
+    refused.status = simulation::EngineStatus::kDeviceLost;
+    return refused;
+  }
+  Frame done;
+  std::memcpy(&done, impl_->frame_out.mapped, sizeof(Frame));
+  return FinishFrame(impl_->params, impl_->materials, impl_->X_WG, input, impl_->Solution(done), impl_->memory);
+}
+
+simulation::CarvedState VulkanEngine::Snapshot() const {
+  simulation::CarvedState state;
+  state.balls.resize(impl_->ball_count * 4);
+  impl_->Read(impl_->balls, state.balls.data(), state.balls.size() * sizeof(float));
+  std::vector<Point> points(impl_->point_count);
+  impl_->Read(impl_->points, points.data(), points.size() * sizeof(Point));
+  state.cleared.reserve(points.size());
+  for (const Point& point : points) state.cleared.push_back(static_cast<std::uint8_t>(point.cleared));
+  ToState(impl_->memory, state);
+  return state;
+}
+
+void VulkanEngine::Restore(const simulation::CarvedState& state) {
+  if (state.balls.size() != impl_->ball_count * 4 || state.cleared.size() != impl_->point_count)
+    throw std::invalid_argument("carved state: not of this bone");
+  impl_->Write(impl_->balls, state.balls.data(), state.balls.size() * sizeof(float));
+  std::vector<Point> points(impl_->point_count);
+  impl_->Read(impl_->points, points.data(), points.size() * sizeof(Point));
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].cleared = state.cleared[i];
+  impl_->Write(impl_->points, points.data(), points.size() * sizeof(Point));
+  impl_->memory = simulation::ToMemory(state);
+}
+
+std::string VulkanEngine::device() const { return impl_->context->info.name; }
+
+int VulkanEngine::validation_messages() const {
+  return impl_->context->validation ? impl_->context->validation->messages.load() : 0;
+}
+
+}  // namespace osteon::gpu

@@ -1,0 +1,225 @@
+#include "simulation/frame_solution.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace osteon::simulation {
+namespace {
+
+double Sum(const std::array<double, kMaxMaterials>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v;
+  return sum;
+}
+
+// Mean of mu_c r over the engaged area [m]; 0 where nothing is engaged.
+double CuttingArm(const std::vector<Material>& materials, const FrameSolution& solution) {
+  const double area = Sum(solution.engaged_area_m2);
+  if (area <= 0.0) return 0.0;
+  double moment = 0.0;
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    moment += materials[i].cutting_force_ratio * solution.engaged_moment_m3[i];
+  return moment / area;
+}
+
+double CuttingForce(const CuttingParams& params, const FrameSolution& solution) {
+  return std::min(params.stiffness_N_per_m * solution.cutting_m, params.max_force_N);
+}
+
+}  // namespace
+
+int PlaneGroup(const Vector3& u_T) {
+  if (-u_T.z() > kCapCosine) return kCapPlane;
+  // sixths of a turn by the signs of three lines: no angle, so that both engines agree to the last bit but one
+  const double x = -u_T.x(), y = -u_T.y(), root3 = std::sqrt(3.0);
+  const bool above = y >= 0.0, left_of_60 = y >= root3 * x, left_of_120 = y >= -root3 * x;
+  if (above) return left_of_60 ? (left_of_120 ? 2 : 3) : 1;
+  return left_of_120 ? 6 : (left_of_60 ? 4 : 5);
+}
+
+ToolPoints PlaceTool(const Tool& tool, const Pose& X_GT) {
+  ToolPoints points;
+  points.reserve(tool.balls.size() + 1);
+  for (const ToolBall& ball : tool.balls) points.push_back(X_GT * Vector3(ball.center_m));
+  points.push_back(X_GT.translation());
+  return points;
+}
+
+ToolPoints Between(const ToolPoints& a, const ToolPoints& b, double s) {
+  ToolPoints points(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) points[i] = a[i] + s * (b[i] - a[i]);
+  return points;
+}
+
+void SolveTarget(const Vector3& origin_T, const Vector3& turn, FrameSolution& solution) {
+  std::array<HalfSpace, kMaxHalfSpaces> half_spaces{};
+  std::array<std::size_t, kMaxContacts> group{};
+  HalfSpaceProjection target;
+  for (const bool clipped : {false, true}) {
+    int count = 0;
+    for (std::size_t g = 0; g < solution.planes.size(); ++g) {
+      const SolutionPlane& plane = solution.planes[g];
+      if (!plane.present) continue;
+      const Vector3 motion =
+          origin_T - solution.origin_contact + turn.cross(plane.point_m - solution.origin_contact);
+      const double gap_m = clipped ? std::max(plane.gap_m, 0.0) : plane.gap_m;
+      half_spaces[static_cast<std::size_t>(count)] = {.n = plane.n, .offset = -(gap_m + plane.n.dot(motion))};
+      group[static_cast<std::size_t>(count++)] = g;
+    }
+    target = ClosestInHalfSpaces(half_spaces, count);
+    if (target.violation > 0.0 && !clipped) continue;
+    Vector3 cutting = Vector3::Zero();
+    for (int i = 0; i < count; ++i) {
+      SolutionPlane& plane = solution.planes[group[static_cast<std::size_t>(i)]];
+      plane.multiplier_m = target.multiplier[static_cast<std::size_t>(i)];
+      if (group[static_cast<std::size_t>(i)] != kShaftPlane) cutting += plane.multiplier_m * plane.n;
+    }
+    solution.delta = target.point;
+    solution.cutting_m = cutting.norm();
+    solution.n = solution.cutting_m > 0.0 ? Vector3(cutting / solution.cutting_m) : Vector3::Zero();
+    return;
+  }
+}
+
+Vector3 EndOfAdvance(const FrameSolution& solution) {
+  Vector3 step = -solution.advance_m * solution.n;
+  const SolutionPlane& shaft = solution.planes[kShaftPlane];
+  if (shaft.present) {
+    const double gap_m = shaft.gap_m + shaft.n.dot(solution.origin_slid - solution.origin_contact);
+    const double closing_m = -shaft.n.dot(step) - std::max(0.0, gap_m);
+    if (closing_m > 0.0) step += closing_m * shaft.n;
+  }
+  return solution.origin_slid + step;
+}
+
+FrameAdvance AdvanceOfFrame(const CuttingParams& params, const std::vector<Material>& materials,
+                            const FrameSolution& solution, double spindle_rad_per_s, double dt_s, double debt_J) {
+  const double x = solution.cutting_m;
+  if (x <= 0.0 || spindle_rad_per_s == 0.0 || dt_s <= 0.0) return {};
+  double work_per_m = 0.0;  // J per metre of advance
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    work_per_m += materials[i].specific_cutting_energy_J_per_m3 * solution.engaged_area_m2[i];
+  const double work_J = CuttingForce(params, solution) * std::abs(spindle_rad_per_s) *
+                        CuttingArm(materials, solution) * dt_s;
+  if (params.law == RemovalLaw::kImmediate) return {.advance_m = x, .edge_work_J = work_J};
+  // scraps without mass hold nothing
+  if (work_per_m <= 0.0) return {.advance_m = std::min(x, params.engaged_layer_m), .edge_work_J = 0.0};
+  const double paid_J = std::max(0.0, work_J - debt_J * std::min(1.0, dt_s / kDebtSeconds));
+  const double linear_m = paid_J / work_per_m;
+  const double advance_m = x * -std::expm1(-linear_m / x);
+  return {.advance_m = advance_m, .edge_work_J = linear_m > 0.0 ? work_J * advance_m / linear_m : work_J};
+}
+
+double SpindleTorque(const CuttingParams& params, const std::vector<Material>& materials,
+                     const FrameSolution& solution) {
+  return CuttingForce(params, solution) * CuttingArm(materials, solution);
+}
+
+ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials, const Pose& X_WG,
+                         const FrameInput& input, const FrameSolution& solution, FrameMemory& memory) {
+  const Pose X_WT = input.X_WT;
+  const Pose X_GT = X_WG.inverse() * X_WT;
+  const Matrix3 R_WG = X_WG.linear();
+
+  // proxy: the turn goes as far along its way as the two paths went
+  const double turned = solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.slide_fraction;
+  const Eigen::Quaterniond q_P(memory.X_GP.linear()), q_T(X_GT.linear());
+  memory.X_GP.linear() = q_P.slerp(turned, q_T).toRotationMatrix();
+  memory.X_GP.translation() = solution.origin_end;
+  memory.has_proxy = true;
+  ++memory.frame;
+
+  // books
+  double work_J = 0.0;
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    memory.removed_volume_m3 += solution.removed_m3[i];
+    memory.removed_mass_kg += solution.removed_m3[i] * materials[i].density_kg_per_m3;
+    work_J += solution.removed_m3[i] * materials[i].specific_cutting_energy_J_per_m3;
+  }
+  memory.cutting_work_J += work_J;
+  memory.debt_J = params.law == RemovalLaw::kRate ? memory.debt_J + work_J - solution.edge_work_J : 0.0;
+
+  ContactModel model;
+  model.X_WP = X_WG * memory.X_GP;
+  model.contact_fraction = solution.contact_fraction;
+  model.removed_volume_m3 = memory.removed_volume_m3;
+  model.removed_mass_kg = memory.removed_mass_kg;
+  model.cutting_work_J = memory.cutting_work_J;
+  model.pose_stamp = input.stamp;
+  model.frame = memory.frame;
+  for (const double area : solution.engaged_area_m2) model.engaged_area_m2 += area;
+  const auto dominant = static_cast<MaterialIndex>(
+      std::max_element(solution.engaged_area_m2.begin(), solution.engaged_area_m2.end()) -
+      solution.engaged_area_m2.begin());
+  if (input.spindle_rad_per_s != 0.0) model.spindle_torque_Nm = SpindleTorque(params, materials, solution);
+  const bool cutting = input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
+  if (cutting) model.advance_m_per_s = solution.advance_m / input.dt_s;
+  model.n_W = Vector3(R_WG * solution.n);
+
+  double weight = 0.0;
+  for (const SolutionPlane& plane : solution.planes)
+    if (plane.present) weight += plane.weight;
+
+  Wrench F_T_W;
+  const Pose X_PG = memory.X_GP.inverse();
+  for (int group = 0; group < kMaxContacts; ++group) {
+    const SolutionPlane& plane = solution.planes[static_cast<std::size_t>(group)];
+    if (!plane.present) continue;
+    Contact& contact = model.contacts[static_cast<std::size_t>(model.contact_count++)];
+    // the touching point moved with the tool from first contact to the proxy's end; the plane did not, unless it was cut
+    const Vector3 moved = solution.origin_end - solution.origin_contact;
+    const double gap_m = std::max(0.0, plane.gap_m + plane.n.dot(moved));
+    const Vector3 p_G = plane.point_m + moved;
+    contact.p_TP_m = Vector3(X_PG * p_G);  // fixed to the tool: the same in P as in T
+    contact.n_W = Vector3(R_WG * plane.n);
+    contact.p_W_m = Vector3(X_WG * Vector3(p_G - gap_m * plane.n));
+    const Vector3 p_now_W = X_WT * Vector3(contact.p_TP_m);
+    contact.gap_m = Vector3(contact.n_W).dot(p_now_W - Vector3(contact.p_W_m));
+    contact.stiffness_N_per_m = params.stiffness_N_per_m;
+    contact.material = dominant;
+    contact.mu = dominant < materials.size() ? materials[dominant].friction : 0.0;
+    contact.weight = weight > 0.0 ? plane.weight / weight : 0.0;
+    if (cutting && group != kShaftPlane)
+      contact.advance_m_per_s = model.advance_m_per_s * std::max(0.0, plane.n.dot(solution.n));
+    const Vector3 f = params.stiffness_N_per_m * plane.multiplier_m * Vector3(contact.n_W);
+    F_T_W.f += f;
+    F_T_W.t += (p_now_W - X_WT.translation()).cross(f);
+  }
+  const double size_N = F_T_W.f.norm();
+  if (size_N > params.max_force_N) {
+    F_T_W.f *= params.max_force_N / size_N;
+    F_T_W.t *= params.max_force_N / size_N;
+  }
+  model.F_T_W = F_T_W;
+  return model;
+}
+
+void ToState(const FrameMemory& memory, CarvedState& state) {
+  state.X_GP = memory.X_GP;
+  state.has_proxy = memory.has_proxy;
+  state.removed_volume_m3 = memory.removed_volume_m3;
+  state.removed_mass_kg = memory.removed_mass_kg;
+  state.cutting_work_J = memory.cutting_work_J;
+  state.cutting_debt_J = memory.debt_J;
+  state.frame = memory.frame;
+}
+
+FrameMemory ToMemory(const CarvedState& state) {
+  return {.X_GP = state.X_GP,
+          .has_proxy = state.has_proxy,
+          .removed_volume_m3 = state.removed_volume_m3,
+          .removed_mass_kg = state.removed_mass_kg,
+          .cutting_work_J = state.cutting_work_J,
+          .debt_J = state.cutting_debt_J,
+          .frame = state.frame};
+}
+
+bool IsUsable(const FrameInput& input) {
+  const Pose X = input.X_WT;
+  if (!X.matrix().allFinite() || !std::isfinite(input.spindle_rad_per_s) || !std::isfinite(input.dt_s)) return false;
+  if (input.dt_s < 0.0 || input.dt_s > 1.0) return false;
+  return (X.linear() * X.linear().transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
+         X.linear().determinant() > 0.0;
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,85 @@
+#include "simulation/graded_cells.h"
+
+#include <cmath>
+
+#include "simulation/check_range.h"
+
+namespace osteon::simulation {
+namespace {
+
+struct Descent {
+  const Solid& solid;
+  const GradeParams& params;
+  CellsWanted wanted;
+  std::vector<Cell> cells;
+
+  void Visit(Cell cell) {
+    const Vector3 center = cell.center();
+    cell.signed_distance_m = solid.SignedDistance(center);
+    const double reach = cell.reach_m();
+    if (cell.signed_distance_m > reach) return;
+    if (wanted == CellsWanted::kSurface && cell.signed_distance_m < -reach) return;
+    const bool too_coarse =
+        cell.level > 0 && solid.DepthBelowCup(center) < params.coarser_from_m[cell.level - 1];
+    if (!too_coarse) {
+      cells.push_back(cell);
+      return;
+    }
+    for (int octant = 0; octant < 8; ++octant) {
+      Cell child{.index = {}, .level = cell.level - 1, .side_m = 0.5 * cell.side_m, .signed_distance_m = 0.0};
+      for (int axis = 0; axis < 3; ++axis) child.index[axis] = 2 * cell.index[axis] + ((octant >> axis) & 1);
+      Visit(child);
+    }
+  }
+};
+
+std::uint64_t SplitMix64(std::uint64_t& state) {
+  std::uint64_t z = (state += 0x9e3779b97f4a7c15ULL);
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+  return z ^ (z >> 31);
+}
+
+}  // namespace
+
+void CheckGrade(const std::string& name, const GradeParams& grade, double min_m, double max_m) {
+  constexpr std::size_t kMostCoarser = 4;  // indices of halves of the finest cells stay far within 32 bits
+  CheckRangeMm(name + ": finest side", grade.finest_m, min_m, max_m);
+  const std::vector<double>& from = grade.coarser_from_m;
+  if (from.size() > kMostCoarser)
+    throw std::invalid_argument(
+        fmt::format("{}: found {} coarser levels, accepted 0 … {}", name, from.size(), kMostCoarser));
+  for (std::size_t i = 0; i < from.size(); ++i)
+    CheckRangeMm(fmt::format("{}: depth of level {}", name, i + 1), from[i], i > 0 ? from[i - 1] : 0.0, 1.0);
+}
+
+std::vector<Cell> DivideGraded(const Solid& solid, const GradeParams& params, CellsWanted wanted) {
+  Descent descent{.solid = solid, .params = params, .wanted = wanted, .cells = {}};
+  const int top = static_cast<int>(params.coarser_from_m.size());
+  const double side = std::ldexp(params.finest_m, top);
+  const Eigen::AlignedBox3d box = solid.Bounds();
+  std::array<std::int32_t, 3> first{}, last{};
+  for (int axis = 0; axis < 3; ++axis) {
+    first[axis] = static_cast<std::int32_t>(std::floor(box.min()[axis] / side));
+    last[axis] = static_cast<std::int32_t>(std::floor(box.max()[axis] / side));
+  }
+  for (std::int32_t z = first[2]; z <= last[2]; ++z)
+    for (std::int32_t y = first[1]; y <= last[1]; ++y)
+      for (std::int32_t x = first[0]; x <= last[0]; ++x)
+        descent.Visit({.index = {x, y, z}, .level = top, .side_m = side, .signed_distance_m = 0.0});
+  return std::move(descent.cells);
+}
+
+CellRandom::CellRandom(const Cell& cell, std::uint64_t salt) : state_(salt) {
+  for (const std::int32_t i : cell.index) state_ = NextBits() ^ static_cast<std::uint32_t>(i);
+  state_ = NextBits() ^ static_cast<std::uint64_t>(cell.level);
+}
+
+std::uint64_t CellRandom::NextBits() { return SplitMix64(state_); }
+
+Vector3 CellRandom::NextInUnitCube() {
+  const double x = Next(), y = Next(), z = Next();
+  return {x, y, z};
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "simulation/graded_cells.h"
+#include "simulation/solid.h"
+
+namespace osteon::simulation {
+
+/// How fine a packing is. The defaults give about 30 000 balls in the default acetabulum.
+struct PackingParams {
+  /// Body-centred lattice: spacing of the finest level, and where each coarser one (doubled) may begin.
+  GradeParams lattice{.finest_m = 1.5e-3, .coarser_from_m = {6.5e-3, 12e-3}};
+  double cup_radius_cap_m{3.0e-3};  ///< of balls that reach up to cup_depth_m below the cup
+  double cup_depth_m{4.0e-3};
+  double radius_over_spacing{1.2};  ///< caps the radius of the others; a lattice has no holes from .56 on
+  double least_radius_m{0.15e-3};
+
+  /// Greatest gap between the surface and the union of the balls, at the surface samples: near the cup, how
+  /// it grows with depth below the finest level, and its greatest value.
+  double surface_gap_m{0.08e-3};
+  double surface_gap_growth{0.08};
+  double greatest_surface_gap_m{0.5e-3};
+  /// Spacing of the surface samples.
+  GradeParams samples{.finest_m = 0.25e-3, .coarser_from_m = {5.5e-3, 12e-3}};
+};
+
+/// Fills a solid with overlapping balls, none of which leaves it.
+///
+/// 1. Lattice: a ball at each point of a body-centred lattice, radius = min(cap, distance to the surface).
+/// The spacing
+///    doubles with depth below the cup. Balls that a reamer may cut are capped: a cut takes the more of a
+///    ball, the larger it is.
+/// 2. Surface: a lattice leaves scallops. Samples of the surface are visited in a scrambled order; where one
+/// lies further
+///    than the tolerance from the union, the largest ball that touches the surface there from inside is
+///    added.
+///
+/// The result depends on the arguments alone. It is sorted along a Morton curve.
+/// @throws std::invalid_argument naming the parameter, its value and what is accepted.
+[[nodiscard]] std::vector<Ball> BuildPacking(const Solid& solid, const PackingParams& params);
+
+}  // namespace osteon::simulation

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <vector>
+
+#include "simulation/cutting_engine.h"
+#include "simulation/frame_solution.h"
+
+namespace osteon::simulation {
+
+/// The oracle: the cutting model in double precision by plain loops over every pair, without any culling. What it does, pass
+/// by pass, is what every other engine must reproduce:
+///
+///     1  first contact    P ──▶ T, every tool ball against every bone ball
+///     2  normals          lens-weighted planes around the tool there, then the closest target that keeps all planes
+///        slide            first contact again, from there to that target
+///     3  advance, removal by energy balance; every cutting ball's capsule, then the mass points in it
+///
+/// Sources: Kaluschke et al. 2019 (passes 1 to 3), Zilles and Salisbury 1995 (god-object on several planes).
+class ReferenceEngine final : public CuttingEngine {
+ public:
+  /// @param X_WG  pose of the bone in the world
+  /// @throws std::invalid_argument where the bone has more than kMaxMaterials materials or the tool no ball.
+  ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG, const CuttingParams& params);
+
+  ContactModel Step(const FrameInput& input) override;
+  [[nodiscard]] CarvedState Snapshot() const override;
+  void Restore(const CarvedState& state) override;
+  [[nodiscard]] std::string name() const override { return "reference"; }
+  [[nodiscard]] std::string device() const override { return "CPU, double precision"; }
+
+ private:
+  double FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
+  void FindPlanes(const ToolPoints& at, const Matrix3& R_GT, FrameSolution& solution) const;
+  void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
+  void Remove(const ToolPoints& a, const ToolPoints& b, FrameSolution& solution);
+
+  struct BallState {
+    Vector3 center_m;
+    double radius_m;
+  };
+
+  Tool tool_;
+  std::vector<Material> materials_;
+  std::vector<MassPoint> points_;
+  Pose X_WG_;
+  CuttingParams params_;
+  std::vector<BallState> balls_;
+  std::vector<std::uint8_t> cleared_;
+  FrameMemory memory_;
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,153 @@
+#include "simulation/scenes.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "simulation/check_range.h"
+
+namespace osteon::simulation {
+namespace {
+
+void CheckMaterials(const std::vector<Material>& materials) {
+  const std::array<std::string, 3> names{"cartilage", "cortical", "cancellous"};
+  if (materials.size() != names.size())
+    throw std::invalid_argument(fmt::format(
+        "bone: materials: found {}, accepted exactly 3: cartilage, cortical, cancellous", materials.size()));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Material& m = materials[i];
+    if (m.name != names[i])
+      throw std::invalid_argument(
+          fmt::format("bone: material {}: found name '{}', accepted '{}'", i, m.name, names[i]));
+    const auto positive = [&m](const char* what, double value) {
+      if (!(value > 0.0) || !std::isfinite(value))
+        throw std::invalid_argument(
+            fmt::format("bone: {}: {}: found {:g}, accepted > 0", m.name, what, value));
+    };
+    positive("density_kg_per_m3", m.density_kg_per_m3);
+    positive("specific_cutting_energy_J_per_m3", m.specific_cutting_energy_J_per_m3);
+    positive("cutting_force_ratio", m.cutting_force_ratio);
+    if (!(m.friction >= 0.0 && m.friction <= 2.0))
+      throw std::invalid_argument(
+          fmt::format("bone: {}: friction: found {:g}, accepted 0 … 2", m.name, m.friction));
+  }
+}
+
+Bone Fill(const std::string& name, const Solid& solid, const PackingParams& packing,
+          const MassPointParams& points, const std::vector<Material>& materials) {
+  CheckMaterials(materials);
+  Bone bone;
+  bone.name = name;
+  bone.balls = BuildPacking(solid, packing);
+  bone.points = BuildMassPoints(solid, points);
+  bone.materials = materials;
+  bone.cup = solid.cup();
+  return bone;
+}
+
+Cup Checked(Cup cup) {
+  const Vector3 center = cup.center_m, axis = cup.axis;
+  CheckRangeMm("cup: radius", cup.radius_m, 0.002, 0.100);
+  if (!center.allFinite() || center.cwiseAbs().maxCoeff() > 10.0)
+    throw std::invalid_argument(
+        fmt::format("cup: center: found ({:g}, {:g}, {:g}) mm, accepted within ±10000 mm", center.x() * 1e3,
+                    center.y() * 1e3, center.z() * 1e3));
+  if (!axis.allFinite() || !(axis.norm() > 1e-6))
+    throw std::invalid_argument(fmt::format("cup: axis: found ({:g}, {:g}, {:g}), accepted a direction",
+                                            axis.x(), axis.y(), axis.z()));
+  cup.axis = Vector3(axis.normalized());
+  return cup;
+}
+
+void Check(const MeshTissue& t) {
+  CheckRangeMm("mesh bone: cartilage thickness", t.cartilage_m, 0.0, 0.020);
+  CheckRangeMm("mesh bone: subchondral thickness", t.subchondral_m, 0.0, 0.020);
+  CheckRangeMm("mesh bone: cortical thickness", t.cortical_m, 0.0, 0.020);
+  if (!(t.lining_radii >= 1.0 && t.lining_radii <= 2.0))
+    throw std::invalid_argument(
+        fmt::format("mesh bone: lining_radii: found {:g}, accepted 1 … 2", t.lining_radii));
+}
+
+/// Share of the cup's lower half-sphere that has the solid's surface within `reach_m`.
+double ShareNearSurface(const Solid& solid, double reach_m) {
+  const Cup& cup = solid.cup();
+  const Vector3 z = cup.axis, x = z.unitOrthogonal(), y = z.cross(x);
+  constexpr int kDirections = 200;
+  int near = 0;
+  for (int i = 0; i < kDirections; ++i) {  // a Fibonacci spiral: equal areas
+    const double height = -(i + 0.5) / kDirections, angle = std::numbers::phi * 2.0 * std::numbers::pi * i;
+    const double width = std::sqrt(1.0 - height * height);
+    const Vector3 direction = width * (std::cos(angle) * x + std::sin(angle) * y) + height * z;
+    if (std::abs(solid.SignedDistance(Vector3(cup.center_m) + cup.radius_m * direction)) <= reach_m) ++near;
+  }
+  return static_cast<double>(near) / kDirections;
+}
+
+}  // namespace
+
+std::vector<Material> DefaultBoneMaterials() {
+  const std::string rest = "; cutting force ratio from the same drilling figures; friction assumed";
+  return {
+      {.name = "cartilage",
+       .density_kg_per_m3 = 1100.0,
+       .specific_cutting_energy_J_per_m3 = 0.02e9,
+       .cutting_force_ratio = 0.8,
+       .friction = 0.05,
+       .source = "assumed"},
+      {.name = "cortical",
+       .density_kg_per_m3 = 1850.0,
+       .specific_cutting_energy_J_per_m3 = 1.3e9,
+       .cutting_force_ratio = 0.8,
+       .friction = 0.3,
+       .source = "human femoral cortex, 3.2 mm drill: 1.24 to 1.39 J/mm^3 (MacAvelia 2012); density 1.7 to "
+                 "2.0 g/cm^3" +
+                 rest},
+      {.name = "cancellous",
+       .density_kg_per_m3 = 300.0,
+       .specific_cutting_energy_J_per_m3 = 0.06e9,
+       .cutting_force_ratio = 0.8,
+       .friction = 0.3,
+       .source = "density: vertebral trabecular bone, .09 to .35 g/cm^3; all else assumed"},
+  };
+}
+
+Bone MakeAcetabulum(const AcetabulumParams& params) {
+  return Fill(fmt::format("acetabulum, cup {:g} mm", 2e3 * params.shape.cup_radius_m),
+              AcetabulumSolid(params.shape), params.packing, params.points, params.materials);
+}
+
+tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path, const Cup& cup,
+                                               const MeshBoneParams& params) {
+  Check(params.tissue);
+  const Cup checked = Checked(cup);
+  auto loaded = LoadMesh(path);
+  if (!loaded) return tl::make_unexpected(loaded.error());
+  const MeshSolid solid(loaded->mesh, checked, params.tissue);
+
+  constexpr double kReach = 0.3, kLeastShare = 0.25;
+  const Vector3 c = Vector3(checked.center_m) * 1e3, low = solid.Bounds().min() * 1e3,
+                high = solid.Bounds().max() * 1e3;
+  const std::string where = fmt::format("{}: cup at ({:.4g}, {:.4g}, {:.4g}) mm, radius {:.4g} mm",
+                                        path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3);
+  const double share = ShareNearSurface(solid, kReach * checked.radius_m);
+  if (share < kLeastShare)
+    return tl::make_unexpected(MeshError{
+        MeshErrorKind::kCupOffMesh,
+        fmt::format(
+            "{}: found the mesh's surface within {:.0f} % of the radius of {:.0f} % of the cup's lower "
+            "half, accepted {:.0f} % and more; the mesh spans ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, "
+            "{:.4g}, {:.4g}) mm, the axis points out of the opening",
+            where, 100 * kReach, 100 * share, 100 * kLeastShare, low.x(), low.y(), low.z(), high.x(),
+            high.y(), high.z())});
+  const double inside = -solid.SignedDistance(checked.center_m);
+  if (inside > 0.0)
+    return tl::make_unexpected(
+        MeshError{MeshErrorKind::kCupOffMesh,
+                  fmt::format("{}: found its centre {:.3g} mm inside the bone, accepted in the open", where,
+                              inside * 1e3)});
+  return Fill(path.stem().string(), solid, params.packing, params.points, params.materials);
+}
+
+}  // namespace osteon::simulation

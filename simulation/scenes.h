@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+
+#include "simulation/acetabulum_solid.h"
+#include "simulation/mass_points.h"
+#include "simulation/mesh_solid.h"
+#include "simulation/packing_builder.h"
+#include "simulation/triangle_mesh.h"
+
+namespace osteon::simulation {
+
+/// "cartilage", "cortical", "cancellous", in the order of BoneTissue, with where each figure comes from.
+[[nodiscard]] std::vector<Material> DefaultBoneMaterials();
+
+/// The generated acetabulum.
+struct AcetabulumParams {
+  AcetabulumShape shape;
+  PackingParams packing;
+  MassPointParams points;
+  std::vector<Material> materials{DefaultBoneMaterials()};
+};
+
+/// Block with a hemispherical cup; G at the cup's centre, +z out of it.
+/// @throws std::invalid_argument naming the parameter, its value and what is accepted.
+[[nodiscard]] Bone MakeAcetabulum(const AcetabulumParams& params);
+
+/// A bone from a mesh.
+struct MeshBoneParams {
+  MeshTissue tissue;
+  PackingParams packing;
+  MassPointParams points;
+  std::vector<Material> materials{DefaultBoneMaterials()};
+};
+
+/// The bone that a mesh file bounds (see LoadMesh); G is the file's frame. `cup` says where it is to be
+/// reamed; its axis need not be of unit length. There must be bone all around the lower half of the cup's
+/// sphere: for at least a quarter of that half the surface lies within 30 % of the radius, and the sphere's
+/// centre is in the open.
+/// @throws std::invalid_argument as MakeAcetabulum does: for parameters, never for what the file holds.
+[[nodiscard]] tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path,
+                                                             const Cup& cup, const MeshBoneParams& params);
+
+}  // namespace osteon::simulation

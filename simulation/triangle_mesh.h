@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "kinematics/spatial.h"
+
+namespace osteon::simulation {
+
+/// Triangles over shared vertices; counter-clockwise seen from outside.
+struct TriangleMesh {
+  std::vector<Vector3> vertices_m;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+/// Why a mesh was refused.
+enum class MeshErrorKind : std::uint8_t {
+  kMissing,           ///< no such file
+  kFormat,            ///< not one of the formats read
+  kUnreadable,        ///< the importer gave up
+  kEmpty,             ///< no triangles
+  kNotFinite,         ///< a coordinate is NaN, infinite or absurdly large
+  kOpen,              ///< an edge with one triangle
+  kNonManifold,       ///< an edge with three or more triangles, or two sheets that meet in a vertex only
+  kOrientation,       ///< neighbouring triangles that face opposite ways
+  kNoVolume,          ///< encloses nothing
+  kContradictory,     ///< shells that are solid twice over, or hollow in the void
+  kSelfIntersecting,  ///< the surface passes through itself
+  kCupOffMesh,        ///< the cup named is not where the bone has one
+};
+
+struct MeshError {
+  MeshErrorKind kind{};
+  std::string message;  ///< file, where, what was found, what is accepted
+};
+
+/// What loading did to the file's triangles.
+struct MeshReport {
+  std::size_t dropped_triangles{0};  ///< with two corners in one place
+  bool flipped{false};               ///< the whole mesh was inside out
+  std::size_t shells{0};
+};
+
+struct LoadedMesh {
+  TriangleMesh mesh;
+  MeshReport report;
+};
+
+/// Reads a closed surface from an STL, OBJ or PLY file in millimetres (through assimp), and checks it with
+/// CheckMesh. Vertices at exactly the same place are welded (STL has no others); triangles that lose a corner
+/// by this are dropped.
+[[nodiscard]] tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path);
+
+/// Whether the triangles bound a solid without contradiction; `name` stands for the file in messages.
+///
+/// Each edge joins exactly two triangles, wound alike; vertices are finite and within 10 m; shells nest so
+/// that each has bone on its inner side and none on the outer (cavities are shells wound inwards); no edge
+/// pierces another triangle by more than 0.01 mm (real meshes touch themselves by rounding: less is let pass,
+/// and shifts the surface by less than that). A mesh that is inside out as a whole has its triangles flipped,
+/// since only one reading makes sense.
+[[nodiscard]] tl::expected<MeshReport, MeshError> CheckMesh(TriangleMesh& mesh, const std::string& name);
+
+/// Enclosed volume; negative where the mesh is inside out.
+[[nodiscard]] double SignedVolume_m3(const TriangleMesh& mesh);
+
+}  // namespace osteon::simulation

@@ -1,0 +1,194 @@
+#!/usr/bin/env bash
+# The launcher ./osteon in a made-up checkout, with stand-ins for apt, cmake, ninja and ctest that note how they were
+# called: what is installed when, what reaches the built command, what stays quiet, and what each obstacle is answered.
+set -euo pipefail
+here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+checkout="$work/a checkout" # with a space
+fakes=$work/fakes
+export FAKES=$fakes
+mkdir "$checkout" "$fakes" "$work/elsewhere"
+cp "$here/../../osteon" "$checkout/"
+printf '[run]  comment\ncompiler  # why\nlibrary-dev\n\n[test]\noracle-dev\n' >"$checkout/packages.txt"
+
+fake() { cat >"$fakes/$1"; chmod +x "$fakes/$1"; }
+fake dpkg-query <<'F'
+#!/usr/bin/env bash
+sed 's/$/ installed/' "$FAKES/installed" 2>/dev/null; exit 1
+F
+fake apt-get <<'F'
+#!/usr/bin/env bash
+echo "apt-get $*" >>"$FAKES/calls"; echo "Setting up"
+if [[ -e $FAKES/apt_broken ]]; then echo "E: no network"; exit 100; fi
+if [[ " $* " == *" install "* ]]; then printf '%s\n' "${@##-*}" | grep -E '^(compiler|library-dev|oracle-dev)$' >>"$FAKES/installed"; fi
+F
+fake sudo <<'F'
+#!/usr/bin/env bash
+[[ ! -e $FAKES/sudo_refuses ]] || exit 1
+[[ $1 != -n ]] || shift
+"$@"
+F
+fake cmake <<'F'
+#!/usr/bin/env bash
+echo "cmake $*" >>"$FAKES/calls"; echo "-- Configuring done"
+while [[ $# -gt 0 ]]; do
+  case $1 in -S) root=$2; shift ;; -DOSTEON_TESTS=*) tests=${1#*=} ;; esac
+  shift
+done
+mkdir -p "$root/build/release"
+printf 'CMAKE_HOME_DIRECTORY:INTERNAL=%s\nOSTEON_TESTS:BOOL=%s\n' "$root" "$tests" >"$root/build/release/CMakeCache.txt"
+touch "$root/build/release/build.ninja"
+F
+fake ninja <<'F'
+#!/usr/bin/env bash
+echo "ninja $*" >>"$FAKES/calls"
+mkdir "$FAKES/one_at_a_time" || { echo "FAILED: two at once"; exit 1; }
+trap 'rmdir "$FAKES/one_at_a_time"' EXIT
+trap 'exit 2' TERM
+if [[ -e $FAKES/slow ]]; then touch "$FAKES/started"; for ((i = 0; i < 300; ++i)); do sleep 0.1; [[ -e $FAKES/slow ]] || break; done; fi
+if [[ -e $FAKES/broken ]]; then echo "[1/2] ok"; echo "FAILED: law.o"; echo "law.cpp:7: error: no such law"; exit 1; fi
+if [[ -x $2/app/osteon ]]; then echo "ninja: no work to do."; exit; fi
+echo "[1/1] Linking"
+mkdir -p "$2/app"
+# A command that still held the build's lock would keep every other launcher waiting.
+# shellcheck disable=SC2016
+printf '#!/usr/bin/env bash\n[[ ! -e /proc/$$/fd/9 ]] || echo "lock held"\necho "cwd=$PWD root=$OSTEON_ROOT"; printf "<%%s>" "$@"; exit ${RC:-0}\n' >"$2/app/osteon"
+chmod +x "$2/app/osteon"
+F
+fake ctest <<'F'
+#!/usr/bin/env bash
+echo "ctest $*" >>"$FAKES/calls"; [[ ! -e /proc/$$/fd/9 ]] || echo "lock held"; echo "100% tests passed"; exit "${RC:-0}"
+F
+
+failures=0
+fail() { echo "FAILED: $1"; printf 'exit %s\nstdout: %s\nstderr: %s\ncalls: %s\n' "$rc" "$out" "$err" "$(calls)"; failures=1; }
+calls() { cat "$fakes/calls" 2>/dev/null || true; }
+as_user=() # of run: a prefix of the command
+
+# run COMMAND …: its exit code, stdout and stderr in rc, out, err; the stand-ins' calls are counted from here.
+run() {
+  rm -f "$fakes/calls"
+  rc=0
+  PATH=$fakes:$PATH "${as_user[@]}" "$@" >"$work/out" 2>"$work/err" </dev/null || rc=$?
+  out=$(<"$work/out") err=$(<"$work/err")
+}
+# expect CLAIM CONDITION …: a failure of this test where the condition, a command, does not hold.
+expect() { local name=$1; shift; "$@" || fail "$name"; }
+# shellcheck disable=SC2317  # called through expect
+has() { [[ $1 == *"$2"* ]]; }
+# shellcheck disable=SC2317
+lacks() { ! has "$@"; }
+# shellcheck disable=SC2317
+equal() { [[ $1 == "$2" ]]; }
+
+cd "$work/elsewhere"
+run "$checkout/osteon" demo --seconds '3 s'
+expect 'first start ends well' equal "$rc" 0
+expect 'stdout is the command'\''s alone, in the caller'\''s folder' equal "$out" "cwd=$work/elsewhere root=$checkout
+<demo><--seconds><3 s>"
+expect 'what the demo needs is installed' has "$(calls)" 'install --no-install-recommends compiler library-dev'
+expect 'what only tests need is not' lacks "$(calls)" oracle-dev
+expect 'without test packages, no tests are configured' has "$(calls)" -DOSTEON_TESTS=OFF
+expect 'the command alone is built' has "$(calls)" osteon_app
+
+run "$checkout/osteon" demo
+expect 'a second start is silent' equal "$err" ''
+expect 'a second start asks neither apt nor cmake' equal "$(calls | cut -d' ' -f1)" ninja
+
+ln -s "$checkout/osteon" "$work/link"
+RC=1 run "$work/link"
+expect 'through a link, without arguments: help' has "$out" '<--help>'
+expect 'the exit code is the command'\''s' equal "$rc" 1
+
+RC=8 run "$checkout/osteon" test -R 'a b'
+expect 'tests bring their packages' has "$(calls)" 'install --no-install-recommends oracle-dev'
+expect 'tests are configured' has "$(calls)" -DOSTEON_TESTS=ON
+expect 'ctest gets the arguments' has "$(calls)" "ctest --test-dir $checkout/build/release --output-on-failure -R a b"
+expect 'the exit code is ctest'\''s' equal "$rc" 8
+expect 'the closing line is ctest'\''s' equal "$out" '100% tests passed'
+run "$checkout/osteon" demo
+expect 'the demo keeps the tests'\'' configuration' equal "$(calls | cut -d' ' -f1)" ninja
+
+touch "$fakes/broken"
+run "$checkout/osteon" demo
+expect 'a failed build exits 2' equal "$rc" 2
+expect 'and shows the error' has "$err" 'law.cpp:7: error: no such law'
+expect 'and where the log is' has "$err" "$checkout/build/osteon.log"
+expect 'and runs nothing' equal "$out" ''
+rm "$fakes/broken"
+
+# Two at once take turns: the stand-in for ninja fails where it runs twice.
+touch "$fakes/slow"
+PATH=$fakes:$PATH "$checkout/osteon" one >"$work/one" 2>&1 &
+for ((i = 0; i < 100; ++i)); do [[ ! -e $fakes/started ]] || break; sleep 0.1; done
+PATH=$fakes:$PATH "$checkout/osteon" two >"$work/two" 2>&1 &
+for ((i = 0; i < 100; ++i)); do ! grep -q waiting "$work/two" || break; sleep 0.1; done
+rm "$fakes/slow" "$fakes/started"
+wait
+rc=- out=$(<"$work/one") err=$(<"$work/two")
+expect 'the first of two runs' has "$out" '<one>'
+expect 'the second says that it waits, then runs' equal "$(grep -c -e waiting -e '<two>' <<<"$err")" 2
+
+# Stopped in the middle of a build (a Ctrl-C, but background jobs ignore that one), it starts again as if nothing was.
+touch "$fakes/slow"
+PATH=$fakes:$PATH setsid "$checkout/osteon" demo >"$work/out" 2>"$work/err" &
+stopped=$!
+for ((i = 0; i < 100; ++i)); do [[ ! -e $fakes/started ]] || break; sleep 0.1; done
+kill -TERM -- "-$stopped"
+rc=0
+wait "$stopped" || rc=$?
+rm -f "$fakes/slow" "$fakes/started"
+out=$(<"$work/out") err=$(<"$work/err")
+expect 'interrupted: exit 130' equal "$rc" 130
+expect 'interrupted: says so' has "$err" interrupted
+run "$checkout/osteon" demo
+expect 'after an interruption the next start works' has "$out" '<demo>'
+
+mv "$checkout" "$work/moved"
+checkout=$work/moved
+run "$checkout/osteon" demo
+expect 'a checkout that moved is configured afresh' has "$(calls)" "cmake --fresh -S $checkout"
+
+: >"$fakes/installed"
+touch "$fakes/apt_broken"
+run "$checkout/osteon" demo
+expect 'a failed installation exits 2 with apt'\''s words' has "$rc $err" 'E: no network'
+rm "$fakes/apt_broken"
+
+# Without rights: the one line to run.
+touch "$fakes/sudo_refuses"
+chmod -R a+rwX "$work"
+if [[ $EUID -eq 0 ]]; then as_user=(setpriv --reuid 65534 --clear-groups); fi
+run "$checkout/osteon" demo
+expect 'without rights: exit 2' equal "$rc" 2
+expect 'without rights: the line to run' has "$err" 'apt-get install -y --no-install-recommends compiler library-dev'
+expect 'without rights: nothing tried' equal "$(calls)" ''
+
+# Not Debian: a PATH with neither dpkg-query nor apt-get.
+mkdir "$work/bin"
+for tool in bash env dirname readlink mkdir stat id flock sed sort comm paste fold wc cut grep tac head tail nproc awk cat stty rm; do
+  ln -s "$(command -v "$tool")" "$work/bin/$tool"
+done
+for tool in cmake ninja; do ln -s "$fakes/$tool" "$work/bin/"; done
+as_user=(env "PATH=$work/bin")
+run "$checkout/osteon" demo
+expect 'not Debian: exit 2' equal "$rc" 2
+expect 'not Debian: the packages by name' has "$err" 'compiler library-dev'
+as_user=(env "PATH=$work/bin:$PATH" OSTEON_SKIP_PACKAGES=1)
+run "$checkout/osteon" demo
+expect 'not Debian, equivalents installed: it runs' has "$out" '<demo>'
+
+as_user=()
+run "$checkout/osteon" clean
+expect 'clean removes build/' test ! -e "$checkout/build"
+
+# Where nothing can be written. Root writes everywhere, so it becomes somebody else first.
+chmod a-w "$checkout"
+if [[ $EUID -eq 0 ]]; then as_user=(setpriv --reuid 65534 --clear-groups); fi
+run "$checkout/osteon" demo
+expect 'a read-only checkout: exit 2' equal "$rc" 2
+expect 'a read-only checkout: says what is wrong' has "$err" "cannot write to $checkout/build"
+chmod u+w "$checkout"
+
+exit "$failures"

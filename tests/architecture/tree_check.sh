@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# tree_check.sh CHECK ROOT [BUILD]: one check of the whole tree. Exit 0 kept, 1 broken (each place on a line), 77 skipped.
+#
+#   format   C++ is as clang-format leaves it           shell    shell scripts are shellcheck-clean
+#   paths    no file names a folder of one machine      headers  every header compiles alone (BUILD: CMake's binary folder)
+set -euo pipefail
+check=$1 root=$2 build=${3:-}
+cd "$root"
+
+# The tree's files, as git has them; without git (an unpacked archive) all but builds, results and hidden folders.
+tree_files() {
+  if [[ -e .git ]] && command -v git >/dev/null; then
+    # Untracked files count as well: a check before the commit. Another owner's checkout may be read.
+    git -c safe.directory='*' ls-files -z --cached --others --exclude-standard -- "$@"
+  else
+    local names=() name
+    for name in "$@"; do names+=(${names[@]+-o} -name "$name"); done
+    find . \( -path './.?*' -o -path ./build -o -path './*out' \) -prune -o -type f \( "${names[@]:--true}" \) -printf '%P\0'
+  fi
+}
+
+# Those that still exist: git lists what the working tree has deleted, too.
+existing() { while IFS= read -r -d '' f; do if [[ -f $f ]]; then printf '%s\0' "$f"; fi; done; }
+
+need() { command -v "$1" >/dev/null || { echo "skipped: no $1 here (packages.txt, section test)"; exit 77; }; }
+
+case $check in
+  format)
+    need clang-format
+    if ! found=$(tree_files '*.h' '*.cpp' | existing | xargs -0 -r clang-format --dry-run -Werror 2>&1); then
+      # One line a file: where the first difference is.
+      grep -E ': (error|warning): ' <<<"$found" | sort -s -u -t: -k1,1 || printf '%s\n' "$found"
+      echo "clang-format -i those files (.clang-format holds the style)"
+      exit 1
+    fi
+    ;;
+  shell)
+    need shellcheck
+    mapfile -d '' -t files < <(tree_files | existing)
+    scripts=()
+    for f in "${files[@]}"; do
+      first=''
+      IFS= read -r -n 64 first <"$f" 2>/dev/null || true
+      if [[ $f == *.sh || $first =~ ^'#!'.*[/\ ](ba|da)?sh$ ]]; then scripts+=("$f"); fi
+    done
+    [[ ${#scripts[@]} -gt 0 ]] || { echo "no shell script found in $root"; exit 1; }
+    shellcheck "${scripts[@]}"
+    ;;
+  paths)
+    # Written so that this line does not match itself. A temporary folder is mktemp's or TempDir()'s to name.
+    pattern='(^|[^A-Za-z0-9._~}/-])/(wor[k]|tm[p]|hom[e]|roo[t]|farm)/[A-Za-z0-9_.]'
+    if tree_files | existing | xargs -0 -r grep -nIE -- "$pattern" /dev/null; then
+      echo "paths of one machine: take them from an argument, the environment, or the file's own place"
+      exit 1
+    fi
+    ;;
+  headers)
+    # Where the launcher may be building in the same folder, its lock comes first.
+    lock=()
+    [[ ! -f build/.lock ]] || lock=(flock build/.lock)
+    log=$(mktemp)
+    trap 'rm -f "$log"' EXIT
+    if ! "${lock[@]}" cmake --build "$build" --target all_verify_interface_header_sets >"$log" 2>&1; then
+      sed -n '/^FAILED: /,$p' "$log" | head -n 60
+      exit 1
+    fi
+    # CMake writes one source for each header of a set; a header without one is in no HEADERS of osteon_library().
+    find "$build" -path '*_verify_interface_header_sets/*.cxx' |
+      sed 's|.*_verify_interface_header_sets/||; s|\.cxx$||' | sort -u >"$log"
+    mapfile -t unlisted < <(tree_files '*.h' | existing | tr '\0' '\n' | grep -v '^tests/' | sort -u | comm -23 - "$log")
+    [[ ${#unlisted[@]} -eq 0 ]] || {
+      printf '%s:1: in no HEADERS of osteon_library(): nothing shows that it compiles alone\n' "${unlisted[@]}"
+      exit 1
+    }
+    ;;
+  *)
+    echo "tree_check.sh: found '$check', accepted format, shell, paths or headers" >&2
+    exit 2
+    ;;
+esac

@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# Shows that tree_check.sh fails on what it is there to find, and names the place: each check on a made-up tree.
+set -euo pipefail
+here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
+tree=$(mktemp -d)
+trap 'rm -rf "$tree"' EXIT
+failures=0
+
+# expect EXIT PATTERN CHECK: tree_check's exit code on the made-up tree, and what its output has to match.
+expect() {
+  local rc=0 output
+  output=$("$here/tree_check.sh" "$3" "$tree" "$tree/build" 2>&1) || rc=$?
+  if [[ $rc -eq 77 ]]; then echo "$3: $output"; return; fi
+  if [[ $rc -ne $1 ]] || ! grep -qE -- "$2" <<<"$output"; then
+    printf '%s: expected exit %s and /%s/, found exit %s:\n%s\n' "$3" "$1" "$2" "$rc" "$output"
+    failures=1
+  fi
+}
+
+cp "$here/../../.clang-format" "$tree/"
+mkdir "$tree/control"
+printf 'int a;\n' >"$tree/control/good.cpp"
+# shellcheck disable=SC2016  # the script's own text
+printf '#!/bin/sh\necho "$1"\n' >"$tree/good"
+expect 0 '' format
+expect 0 '' shell
+expect 0 '' paths
+
+printf 'int    a ;\n' >"$tree/control/ill_formed.cpp"
+expect 1 'control/ill_formed\.cpp:1:' format
+
+# shellcheck disable=SC2016
+printf '#!/usr/bin/env bash\nrm -r $1/*\n' >"$tree/unquoted"
+expect 1 'In unquoted line 2' shell
+
+printf 'fine\nopen("/%s/someone/mesh.obj")\n' tmp >"$tree/control/reader.txt"
+expect 1 'control/reader\.txt:2:' paths
+
+# A header that needs another one before it, and one that no library lists, in a CMake project of our own kind.
+cat >"$tree/CMakeLists.txt" <<'CMAKE'
+cmake_minimum_required(VERSION 3.25)
+project(made_up LANGUAGES CXX)
+set(CMAKE_CXX_STANDARD 20)
+add_library(osteon_options INTERFACE)
+add_library(osteon::options ALIAS osteon_options)
+include(${COMMON}/OsteonLibrary.cmake)
+add_subdirectory(control)
+CMAKE
+echo 'osteon_library(control HEADERS law.h)' >"$tree/control/CMakeLists.txt"
+echo 'inline int Law() { return 1; }' >"$tree/control/law.h"
+cmake -G Ninja -S "$tree" -B "$tree/build" -DCOMMON="$here/../../cmake" >/dev/null
+expect 0 '' headers
+echo 'inline std::vector<int> Law() { return {}; }' >"$tree/control/law.h"
+expect 1 'law\.h:1:.*std' headers
+echo 'inline int Law() { return 1; }' >"$tree/control/law.h"
+echo 'inline int Gain() { return 1; }' >"$tree/control/gain.h"
+expect 1 'control/gain\.h:1: in no HEADERS' headers
+
+exit "$failures"
