@@ -2,15 +2,15 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
-#include "config/scene_config.h"
+#include "control/servo_loop.h"
 #include "kinematics/lbr_arm.h"
 #include "simulation/cutting_engine.h"
-#include "simulation/material.h"
+#include "simulation/scenes.h"
 #include "simulation/tool.h"
 
-// What the files under config/ say, in SI. Plain data; the accepted ranges are in the loaders (load.h).
+// What the files under config/ say, in SI: the parameters of the libraries, filled in, and what has no
+// library's type. Plain data; the accepted ranges are in the loaders (load.h).
 
 namespace osteon::config {
 
@@ -28,59 +28,20 @@ struct StartConfig {
   kinematics::JointVector q{kinematics::JointVector::Zero()};
 };
 
-struct LimitsConfig {
-  double max_force_N{0.0};  ///< of the coupling wrench
-  double max_torque_Nm{0.0};
-  double sensor_margin_N{0.0};  ///< trip of the hand's force, above max_force_N
-  int sensor_trip_ticks{0};     ///< in a row
-  double max_tool_speed_m_per_s{0.0};
-  double max_tool_turn_rad_per_s{0.0};
-  double stop_deceleration_m_per_s2{0.0};
-  double joint_margin_rad{0.0};
-  double joint_speed_share{0.0};
-  double joint_jump_rad{0.0};
-  double max_tracking_error_m{0.0};
-};
-
-/// Bounds of the tool's apex, in W.
-struct WorkspaceConfig {
-  Vector3 sphere_center_W_m{Vector3::Zero()};
-  double sphere_radius_m{0.0};
-  Vector3 plane_normal_W{Vector3::UnitZ()};  ///< unit
-  double plane_offset_m{0.0};                ///< keep in: normal·p >= offset
-};
-
-struct WatchdogConfig {
-  double model_full_s{0.0}, model_stop_s{0.0};
-  double sensor_full_s{0.0}, sensor_stop_s{0.0};
-  int arm_misses{0};
-};
-
-/// The virtual tool.
-struct AdmittanceConfig {
-  double mass_kg{0.0};
-  double inertia_kg_m2{0.0};
-  double damping_Ns_per_m{0.0};
-  double rotational_damping_Nms_per_rad{0.0};
-};
-
-struct CouplingConfig {
-  double stiffness_N_per_m{0.0};
-  double damping_Ns_per_m{0.0};
-};
-
 struct FriConfig {
-  std::string host;
+  std::string host;  ///< dotted IPv4 to listen on
   std::uint16_t port{0};
   double period_s{0.0};
 };
 
-/// The simulated operator.
+/// The simulated operator: an arm that holds the tool, and what it is told to do.
 struct OperatorConfig {
   double stiffness_N_per_m{0.0}, damping_Ns_per_m{0.0}, mass_kg{0.0};
-  double rotational_stiffness_Nm_per_rad{0.0}, rotational_damping_Nms_per_rad{0.0};
-  double push_force_N{0.0};
-  double tilt_rad{0.0}, tilt_rate_hz{0.0};
+  double stiffness_Nm_per_rad{0.0}, damping_Nms_per_rad{0.0}, inertia_kg_m2{0.0};
+  double max_force_N{0.0}, max_torque_Nm{0.0};  ///< what the hand can do at all
+  double push_force_N{0.0}, approach_force_N{0.0};
+  double tilt_rad{0.0}, whirl_period_s{0.0};  ///< of the whirlwind about the cup's axis
+  double retract_height_m{0.0};  ///< of the head's centre above the cup's, along the cup's axis, at the end
 };
 
 /// The servo of the simulated arm.
@@ -94,16 +55,12 @@ struct SimulatedArmConfig {
 struct CellConfig {
   kinematics::LbrParams robot;
   ToolConfig tool;
-  SceneConfig scene;
-  std::vector<simulation::Material> materials;
-  Pose X_WB{Pose::Identity()}, X_WG{Pose::Identity()};
+  simulation::AcetabulumParams scene;  ///< with the cell's materials
+  Pose X_WB{Pose::Identity()};         ///< robot base in world
+  Pose X_WG{Pose::Identity()};         ///< bone in world
   StartConfig start;
-  LimitsConfig limits;
-  WorkspaceConfig workspace;
-  WatchdogConfig watchdog;
-  AdmittanceConfig admittance;
-  CouplingConfig coupling;
-  simulation::CuttingParams cutting;  ///< stiffness and force limit as the coupling's and the cell's
+  control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
+  simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   FriConfig fri;
   OperatorConfig hand;
   SimulatedArmConfig simulated_arm;

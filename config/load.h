@@ -15,7 +15,8 @@ namespace osteon::config {
 [[nodiscard]] ToolConfig LoadTool(const std::filesystem::path& path);
 /// In the order of a bone's tissues: cartilage, cortical, cancellous.
 [[nodiscard]] std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& path);
-[[nodiscard]] SceneConfig LoadScene(const std::filesystem::path& path);
+/// Shape and fineness; the materials stay the defaults.
+[[nodiscard]] simulation::AcetabulumParams LoadScene(const std::filesystem::path& path);
 /// A cell and the robot, tool, scene and materials that it names.
 [[nodiscard]] CellConfig LoadCell(const std::filesystem::path& path);
 

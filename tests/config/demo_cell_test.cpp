@@ -32,13 +32,38 @@ TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
   }
   EXPECT_DOUBLE_EQ(cell_.tool.tool.balls.front().radius_m, 0.025);
   EXPECT_NEAR(cell_.tool.spindle_rad_per_s, 26.18, 0.01);
-  ASSERT_EQ(cell_.materials.size(), 3u);
-  EXPECT_EQ(cell_.materials[1].name, "cortical");
-  EXPECT_DOUBLE_EQ(cell_.materials[1].density_kg_per_m3, 1850.0);
-  EXPECT_DOUBLE_EQ(cell_.materials[1].specific_cutting_energy_J_per_m3, 1.31e9);
-  EXPECT_NE(cell_.materials[2].source.find("assumed"), std::string::npos);
+  ASSERT_EQ(cell_.scene.materials.size(), 3u);
+  EXPECT_EQ(cell_.scene.materials[1].name, "cortical");
+  EXPECT_DOUBLE_EQ(cell_.scene.materials[1].density_kg_per_m3, 1850.0);
+  EXPECT_DOUBLE_EQ(cell_.scene.materials[1].specific_cutting_energy_J_per_m3, 1.3e9);
+  EXPECT_NE(cell_.scene.materials[2].source.find("assumed"), std::string::npos);
   EXPECT_DOUBLE_EQ(cell_.cutting.stiffness_N_per_m, 20e3);
   EXPECT_DOUBLE_EQ(cell_.cutting.max_force_N, 200.0);
+}
+
+TEST_F(DemoCellTest, MaterialsAndSceneAreThoseOfTheLibrary) {
+  const simulation::AcetabulumParams defaults;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const simulation::Material &found = cell_.scene.materials[i], &known = defaults.materials[i];
+    EXPECT_EQ(found.name, known.name);
+    EXPECT_DOUBLE_EQ(found.density_kg_per_m3, known.density_kg_per_m3);
+    EXPECT_DOUBLE_EQ(found.specific_cutting_energy_J_per_m3, known.specific_cutting_energy_J_per_m3);
+    EXPECT_DOUBLE_EQ(found.cutting_force_ratio, known.cutting_force_ratio);
+    EXPECT_DOUBLE_EQ(found.friction, known.friction);
+  }
+  EXPECT_DOUBLE_EQ(cell_.scene.shape.cup_radius_m, defaults.shape.cup_radius_m);
+  EXPECT_DOUBLE_EQ(cell_.scene.packing.lattice.finest_m, defaults.packing.lattice.finest_m);
+  EXPECT_DOUBLE_EQ(cell_.scene.packing.surface_gap_m, defaults.packing.surface_gap_m);
+  EXPECT_DOUBLE_EQ(cell_.scene.points.cells.finest_m, defaults.points.cells.finest_m);
+}
+
+TEST_F(DemoCellTest, ServoLoopAndSceneAcceptTheCell) {
+  const kinematics::LbrArm arm(cell_.robot);
+  EXPECT_NO_THROW(
+      control::ServoLoop(cell_.servo, arm, cell_.X_WB, cell_.tool.X_FT, cell_.start.arm_angle_rad));
+  const simulation::Bone bone = simulation::MakeAcetabulum(cell_.scene);
+  EXPECT_GT(bone.balls.size(), 20'000u);
+  EXPECT_LT(bone.balls.size(), 40'000u);
 }
 
 TEST_F(DemoCellTest, ToolStartsAboveTheCupPointingIntoIt) {
@@ -86,9 +111,10 @@ TEST_F(DemoCellTest, ArmReachesAllThatReamingNeedsFarFromLimitsAndSingularities)
           J.bottomRows<3>() *= 0.1;
           least_singular =
               std::min(least_singular, Eigen::JacobiSVD<kinematics::Jacobian>(J).singularValues()[5]);
-          EXPECT_LE((X_WT.translation() - cell_.workspace.sphere_center_W_m).norm(),
-                    cell_.workspace.sphere_radius_m);
-          EXPECT_GE(cell_.workspace.plane_normal_W.dot(X_WT.translation()), cell_.workspace.plane_offset_m);
+          EXPECT_LE((X_WT.translation() - cell_.servo.workspace.sphere_center_W_m).norm(),
+                    cell_.servo.workspace.sphere_radius_m);
+          EXPECT_GE(cell_.servo.workspace.plane_normal_W.dot(X_WT.translation()),
+                    cell_.servo.workspace.plane_offset_m);
           ++poses;
         }
   RecordProperty("least_margin_deg", std::to_string(least_margin_rad / kDegree));

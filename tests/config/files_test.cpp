@@ -189,9 +189,16 @@ TEST_F(ConfigFilesTest, ValuesThatContradictEachOtherAreRefused) {
            Case{"robots/lbr_iiwa_14_r820.yaml", "name: A2", "name: A3", "name: found A3, accepted A2"},
            Case{"scenes/acetabulum.yaml", "cup_radius_mm: 24", "cup_radius_mm: 39",
                 "cup_radius_mm: found 39, accepted at most 38"},
-           Case{"scenes/acetabulum.yaml", "[6.5, 12]", "[12, 6.5]", "coarser_from_mm: accepted two depths"},
-           Case{"cells/demo.yaml", "model_full_ms: 20", "model_full_ms: 250",
-                "model_stop_ms: found 250, accepted more than model_full_ms (250)"},
+           Case{"scenes/acetabulum.yaml", "[6.5, 12]", "[12, 6.5]",
+                "coarser_from_mm: found 6.5 after 12, accepted the smaller depth first"},
+           Case{"cells/demo.yaml", "sensor_full_ms: 20", "sensor_full_ms: 100",
+                "sensor_stop_ms: found 100, accepted more than sensor_full_ms (100)"},
+           Case{"cells/demo.yaml", "gone_ms: 60", "gone_ms: 20",
+                "gone_ms: found 20, accepted more than fresh_ms (20)"},
+           Case{"cells/demo.yaml", "model_stop_ms: 250", "model_stop_ms: 60",
+                "model_stop_ms: found 60, accepted more than the coupling's gone_ms (60)"},
+           Case{"cells/demo.yaml", "push_force_N: 120", "push_force_N: 200",
+                "max_force_N: found 150, accepted more than push_force_N (200)"},
            Case{"cells/demo.yaml", "[620, 0, 225]", "[620, 0, 600]",
                 "tool_in_world: the apex is outside the workspace"},
            Case{"cells/demo.yaml", "base_in_world:\n  position_mm: [0, 0, 0]",
@@ -224,7 +231,7 @@ TEST_F(ConfigFilesTest, DamagedFilesAreRefusedInOrder) {
   int refused = 0, loaded = 0;
   for (const fs::path& file : files_) {
     const std::string text = ReadText(file);
-    for (int n = 0; n < 300; ++n) {
+    for (int n = 0; n < 100; ++n) {
       std::string changed = text;
       const int edits = 1 + static_cast<int>(below(4));
       for (int e = 0; e < edits; ++e) {
@@ -258,8 +265,8 @@ TEST_F(ConfigFilesTest, DamagedFilesAreRefusedInOrder) {
     }
     Write(file, text);
   }
-  EXPECT_GT(refused, 500);
-  EXPECT_GT(loaded, 20) << "a changed comment harms nothing";
+  EXPECT_GT(refused, 200);
+  EXPECT_GT(loaded, 10) << "a changed comment harms nothing";
 }
 
 }  // namespace
