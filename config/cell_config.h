@@ -4,6 +4,7 @@
 #include <string>
 
 #include "control/servo_loop.h"
+#include "hil/simulated_cell.h"
 #include "kinematics/lbr_arm.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/scenes.h"
@@ -20,35 +21,20 @@ struct ToolConfig {
   double spindle_rad_per_s{0.0};
 };
 
-/// Where the arm begins.
+/// Where the arm begins: the tool looks into the cup along its axis.
 struct StartConfig {
-  Pose X_WT{Pose::Identity()};
+  double height_m{0.0};         ///< of the head's centre above the cup's, along the cup's axis
+  double tool_yaw_rad{0.0};     ///< turns the tool about its axis: R_CT = Rx(pi) Rz(yaw)
+  Pose X_WT{Pose::Identity()};  ///< what follows from the two
   double arm_angle_rad{0.0};
   /// The same as joints [rad]: of the arm's solutions the nearest to zero.
   kinematics::JointVector q{kinematics::JointVector::Zero()};
 };
 
+/// Where the arm's messages arrive; the simulated arm sends there.
 struct FriConfig {
-  std::string host;  ///< dotted IPv4 to listen on
+  std::string host;  ///< dotted IPv4
   std::uint16_t port{0};
-  double period_s{0.0};
-};
-
-/// The simulated operator: an arm that holds the tool, and what it is told to do.
-struct OperatorConfig {
-  double stiffness_N_per_m{0.0}, damping_Ns_per_m{0.0}, mass_kg{0.0};
-  double stiffness_Nm_per_rad{0.0}, damping_Nms_per_rad{0.0}, inertia_kg_m2{0.0};
-  double max_force_N{0.0}, max_torque_Nm{0.0};  ///< what the hand can do at all
-  double push_force_N{0.0}, approach_force_N{0.0};
-  double tilt_rad{0.0}, whirl_period_s{0.0};  ///< of the whirlwind about the cup's axis
-  double retract_height_m{0.0};  ///< of the head's centre above the cup's, along the cup's axis, at the end
-};
-
-/// The servo of the simulated arm.
-struct SimulatedArmConfig {
-  double bandwidth_hz{0.0};
-  double damping_ratio{0.0};
-  double dead_time_s{0.0};
 };
 
 /// A cell, with the files it names already read.
@@ -62,8 +48,8 @@ struct CellConfig {
   control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   FriConfig fri;
-  OperatorConfig hand;
-  SimulatedArmConfig simulated_arm;
+  hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that stand in for the real ones
+  hil::ReamingScriptParams script;     ///< what the operator is told to do
 };
 
 }  // namespace osteon::config

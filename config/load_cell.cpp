@@ -1,3 +1,6 @@
+#include <cmath>
+#include <numbers>
+
 #include <fmt/format.h>
 
 #include "config/load.h"
@@ -7,7 +10,8 @@ namespace osteon::config {
 namespace {
 
 void ReadStart(Reader section, StartConfig& start) {
-  start.X_WT = ReadPose(section.Section("tool_in_world"));
+  start.height_m = section.Number("height_mm", 0, 500);
+  start.tool_yaw_rad = section.Number("tool_yaw_deg", -360, 360);
   start.arm_angle_rad = section.Number("arm_angle_deg", -180, 180);
 }
 
@@ -69,32 +73,42 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
   cutting.engaged_layer_m = section.Number("engaged_layer_mm", 0.05, 5);
 }
 
-void ReadFri(Reader section, FriConfig& fri) {
+void ReadFri(Reader section, FriConfig& fri, int& period_ms) {
   fri.host = section.Text("host");
   fri.port = static_cast<std::uint16_t>(section.Whole("port", 1024, 65535));
-  fri.period_s = section.Number("period_ms", 1, 20);
+  period_ms = section.Whole("period_ms", 1, 20);
 }
 
-void ReadOperator(Reader section, OperatorConfig& hand) {
+void ReadHand(Reader section, hil::OperatorHandParams& hand) {
   hand.stiffness_N_per_m = section.Number("stiffness_N_per_m", 50, 50000);
-  hand.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0, 1000);
+  hand.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0.1, 1000);
   hand.mass_kg = section.Number("mass_kg", 0, 10);
   hand.stiffness_Nm_per_rad = section.Number("stiffness_Nm_per_rad", 0.1, 1000);
-  hand.damping_Nms_per_rad = section.Number("damping_Nms_per_rad", 0, 100);
-  hand.inertia_kg_m2 = section.Number("inertia_kg_m2", 0, 1);
+  hand.damping_Nms_per_rad = section.Number("damping_Nms_per_rad", 0.001, 100);
+  hand.inertia_kgm2 = section.Number("inertia_kg_m2", 0, 1);
+  hand.grip_time_s = section.Number("grip_time_ms", 0.5, 500);
   hand.max_force_N = section.Number("max_force_N", 1, 500);
   hand.max_torque_Nm = section.Number("max_torque_Nm", 0.1, 50);
-  hand.push_force_N = section.Number("push_force_N", 0, 500);
-  hand.approach_force_N = section.Number("approach_force_N", 1, 200);
-  hand.tilt_rad = section.Number("tilt_deg", 0, 45);
-  hand.whirl_period_s = section.Number("whirl_period_s", 0.2, 60);
-  hand.retract_height_m = section.Number("retract_height_mm", 0, 300);
+  hand.tremor_N = section.Number("tremor_N", 0, 50);
+  hand.tremor_seed = static_cast<std::uint64_t>(section.Whole("tremor_seed", 0, 1'000'000'000));
 }
 
-void ReadSimulatedArm(Reader section, SimulatedArmConfig& arm) {
+void ReadScript(Reader section, hil::ReamingScriptParams& script) {
+  script.seconds = section.Number("duration_s", 0.1, 36000);
+  script.push_force_N = section.Number("push_force_N", 1, 500);
+  script.approach_force_N = section.Number("approach_force_N", 1, 200);
+  script.full_force_depth_m = section.Number("full_force_depth_mm", 0, 100);
+  script.retract_height_m = section.Number("retract_height_mm", 0, 300);
+  script.tilt_rad = section.Number("tilt_deg", 0, 28);
+  script.whirl_period_s = section.Number("whirl_period_s", 0.2, 60);
+  script.max_target_m_per_s = section.Number("max_target_mm_per_s", 1, 1000);
+  script.max_tilt_rad_per_s = section.Number("max_tilt_deg_per_s", 1, 360);
+}
+
+void ReadSimulatedArm(Reader section, hil::ServoArmParams& arm, int period_ms) {
   arm.bandwidth_hz = section.Number("bandwidth_hz", 0.5, 200);
   arm.damping_ratio = section.Number("damping_ratio", 0.1, 5);
-  arm.dead_time_s = section.Number("dead_time_ms", 0, 30);
+  arm.dead_cycles = static_cast<int>(std::lround(section.Number("dead_time_ms", 0, 30) * 1e3 / period_ms));
 }
 
 // Of two values in ms or N of one section, the second must be the larger.
@@ -107,15 +121,46 @@ void CheckOrder(const Reader& section, const std::string& smaller_key, const std
 
 // The start must be where the cell may be, and where the arm can be.
 void PlaceArm(const Reader& section, CellConfig& cell) {
-  const Vector3 apex = cell.start.X_WT.translation();
+  StartConfig& start = cell.start;
+  const Pose& X_WC = cell.X_WG;  // the generated cup's frame is the bone's
+  const double head_radius_m = cell.tool.tool.balls.front().radius_m;
+  start.X_WT = X_WC * Eigen::Translation3d(0, 0, start.height_m) *
+               Eigen::AngleAxisd(std::numbers::pi, Vector3::UnitX()) *
+               Eigen::AngleAxisd(start.tool_yaw_rad, Vector3::UnitZ()) *
+               Eigen::Translation3d(0, 0, head_radius_m);
+
+  const Vector3 apex = start.X_WT.translation();
   const safety::WorkspaceParams& space = cell.servo.workspace;
   if ((apex - space.sphere_center_W_m).norm() > space.sphere_radius_m ||
       space.plane_normal_W.dot(apex) < space.plane_offset_m)
-    section.Refuse("tool_in_world", "the apex is outside the workspace");
+    section.Refuse("height_mm", "the tool's apex is outside the workspace");
   const kinematics::LbrArm arm(cell.robot);
-  const Pose X_BF = cell.X_WB.inverse() * cell.start.X_WT * cell.tool.X_FT.inverse();
-  if (!arm.Inverse(X_BF, cell.start.arm_angle_rad, kinematics::JointVector::Zero(), cell.start.q))
-    section.Refuse("tool_in_world", "the arm can not be there: out of reach or beyond its joint limits");
+  const Pose X_BF = cell.X_WB.inverse() * start.X_WT * cell.tool.X_FT.inverse();
+  if (!arm.Inverse(X_BF, start.arm_angle_rad, kinematics::JointVector::Zero(), start.q))
+    section.Refuse("height_mm", "the arm can not be there: out of reach or beyond its joint limits");
+}
+
+// What one file says serves in several places.
+void Spread(CellConfig& cell) {
+  control::ServoParams& servo = cell.servo;
+  servo.joints.limits = cell.robot.limits;
+  servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
+  servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
+  servo.period_s = 1e-3 * cell.simulated.fri.send_period_ms;
+  cell.cutting.stiffness_N_per_m = servo.coupling.max_stiffness_N_per_m;
+  cell.cutting.max_force_N = servo.wrench.max_force_N;
+
+  cell.simulated.arm = cell.robot;
+  cell.simulated.X_WB = cell.X_WB;
+  cell.simulated.X_FT = cell.tool.X_FT;
+  for (std::size_t i = 0; i < cell.simulated.q_start.size(); ++i)
+    cell.simulated.q_start[i] = cell.start.q[static_cast<Eigen::Index>(i)];
+
+  cell.script.X_WC = cell.X_WG;
+  cell.script.head_radius_m = cell.tool.tool.balls.front().radius_m;
+  cell.script.tool_yaw_rad = cell.start.tool_yaw_rad;
+  cell.script.start_height_m = cell.start.height_m;
+  cell.script.hand_stiffness_N_per_m = cell.simulated.hand.stiffness_N_per_m;
 }
 
 }  // namespace
@@ -137,10 +182,11 @@ CellConfig LoadCell(const std::filesystem::path& path) {
   ReadAdmittance(reader.Section("admittance"), servo.admittance);
   ReadCoupling(coupling, servo.coupling);
   ReadCutting(reader.Section("cutting"), cell.cutting);
-  ReadFri(reader.Section("fri"), cell.fri);
-  const Reader hand = reader.Section("operator");
-  ReadOperator(hand, cell.hand);
-  ReadSimulatedArm(reader.Section("simulated_arm"), cell.simulated_arm);
+  ReadFri(reader.Section("fri"), cell.fri, cell.simulated.fri.send_period_ms);
+  const Reader hand = reader.Section("operator"), script = reader.Section("script");
+  ReadHand(hand, cell.simulated.hand);
+  ReadScript(script, cell.script);
+  ReadSimulatedArm(reader.Section("simulated_arm"), cell.simulated.servo, cell.simulated.fri.send_period_ms);
   reader.Finish();
 
   CheckOrder(coupling, "fresh_ms", "gone_ms", servo.coupling.fresh_s * 1e3, servo.coupling.gone_s * 1e3);
@@ -148,21 +194,17 @@ CellConfig LoadCell(const std::filesystem::path& path) {
              servo.watchdog.model_stop_s * 1e3);
   CheckOrder(watchdog, "sensor_full_ms", "sensor_stop_ms", servo.watchdog.sensor_full_s * 1e3,
              servo.watchdog.sensor_stop_s * 1e3);
-  CheckOrder(hand, "push_force_N", "max_force_N", cell.hand.push_force_N, cell.hand.max_force_N);
+  CheckOrder(hand, "the script's push_force_N", "max_force_N", cell.script.push_force_N,
+             cell.simulated.hand.max_force_N);
+  CheckOrder(script, "approach_force_N", "push_force_N", cell.script.approach_force_N,
+             cell.script.push_force_N);
 
   cell.robot = LoadRobot(robot);
   cell.tool = LoadTool(tool);
   cell.scene = LoadScene(scene);
   cell.scene.materials = LoadMaterials(materials);
-
-  // what one file says serves in several places
-  servo.joints.limits = cell.robot.limits;
-  servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
-  servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
-  servo.period_s = cell.fri.period_s;
-  cell.cutting.stiffness_N_per_m = servo.coupling.max_stiffness_N_per_m;
-  cell.cutting.max_force_N = servo.wrench.max_force_N;
   PlaceArm(start, cell);
+  Spread(cell);
   return cell;
 }
 

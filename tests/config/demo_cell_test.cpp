@@ -39,6 +39,11 @@ TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
   EXPECT_NE(cell_.scene.materials[2].source.find("assumed"), std::string::npos);
   EXPECT_DOUBLE_EQ(cell_.cutting.stiffness_N_per_m, 20e3);
   EXPECT_DOUBLE_EQ(cell_.cutting.max_force_N, 200.0);
+  EXPECT_DOUBLE_EQ(cell_.servo.period_s, 0.001);
+  EXPECT_DOUBLE_EQ(cell_.servo.spindle_rad_per_s, cell_.tool.spindle_rad_per_s);
+  EXPECT_DOUBLE_EQ(cell_.servo.joints.limits[6].position_rad, 175.0 * kDegree);
+  EXPECT_EQ(cell_.simulated.servo.dead_cycles, 3);
+  EXPECT_DOUBLE_EQ(cell_.script.hand_stiffness_N_per_m, cell_.simulated.hand.stiffness_N_per_m);
 }
 
 TEST_F(DemoCellTest, MaterialsAndSceneAreThoseOfTheLibrary) {
@@ -61,6 +66,8 @@ TEST_F(DemoCellTest, ServoLoopAndSceneAcceptTheCell) {
   const kinematics::LbrArm arm(cell_.robot);
   EXPECT_NO_THROW(
       control::ServoLoop(cell_.servo, arm, cell_.X_WB, cell_.tool.X_FT, cell_.start.arm_angle_rad));
+  const hil::HandScript script = hil::MakeReamingScript(cell_.script);
+  EXPECT_NO_THROW(hil::SimulatedCell(cell_.simulated, script));
   const simulation::Bone bone = simulation::MakeAcetabulum(cell_.scene);
   EXPECT_GT(bone.balls.size(), 20'000u);
   EXPECT_LT(bone.balls.size(), 40'000u);
@@ -72,6 +79,9 @@ TEST_F(DemoCellTest, ToolStartsAboveTheCupPointingIntoIt) {
   const Vector3 p_GT = cell_.X_WG.inverse() * cell_.start.X_WT.translation();
   EXPECT_NEAR(std::hypot(p_GT.x(), p_GT.y()), 0.0, 1e-12);
   EXPECT_GT(p_GT.z(), 0.0);
+  // the operator's script begins exactly where the arm does
+  const Pose X_script = hil::MakeReamingScript(cell_.script).Sample(0.0).X_WT;
+  EXPECT_LT((X_script.matrix() - cell_.start.X_WT.matrix()).cwiseAbs().maxCoeff(), 1e-12);
   // forward kinematics of the start's joints, by the whole chain W B F T
   const kinematics::LbrArm arm(cell_.robot);
   const Pose X_WT = cell_.X_WB * arm.FlangePose(cell_.start.q) * cell_.tool.X_FT;

@@ -198,11 +198,11 @@ TEST_F(ConfigFilesTest, ValuesThatContradictEachOtherAreRefused) {
            Case{"cells/demo.yaml", "model_stop_ms: 250", "model_stop_ms: 60",
                 "model_stop_ms: found 60, accepted more than the coupling's gone_ms (60)"},
            Case{"cells/demo.yaml", "push_force_N: 120", "push_force_N: 200",
-                "max_force_N: found 150, accepted more than push_force_N (200)"},
-           Case{"cells/demo.yaml", "[620, 0, 225]", "[620, 0, 600]",
-                "tool_in_world: the apex is outside the workspace"},
+                "max_force_N: found 150, accepted more than the script's push_force_N (200)"},
+           Case{"cells/demo.yaml", "height_mm: 40 ", "height_mm: 400 ",
+                "height_mm: the tool's apex is outside the workspace"},
            Case{"cells/demo.yaml", "base_in_world:\n  position_mm: [0, 0, 0]",
-                "base_in_world:\n  position_mm: [-500, 0, 0]", "tool_in_world: the arm can not be there"},
+                "base_in_world:\n  position_mm: [-500, 0, 0]", "height_mm: the arm can not be there"},
        }) {
     const fs::path file = root_ / "config" / c.file;
     const std::string text = ReadText(file);
