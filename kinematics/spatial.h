@@ -4,8 +4,9 @@
 
 #include <Eigen/Geometry>
 
-// Spatial types and the letters of the frames. Monogram notation (Drake's): X_AB is the pose of frame B in frame A,
-// p_AB_C the position from A's origin to B's expressed in C, so X_AC = X_AB * X_BC checks by matching letters.
+// Spatial types and the letters of the frames. Monogram notation (Drake's): X_AB is the pose of frame B in
+// frame A, p_AB_C the position from A's origin to B's expressed in C, so X_AC = X_AB * X_BC checks by
+// matching letters.
 //
 //   W  world                     T  tool: origin at the apex, +z the feed direction
 //   B  robot base                D  desired tool pose
@@ -68,7 +69,8 @@ struct PlainWrench {
   operator Wrench() const { return {.f = f, .t = t}; }  // NOLINT
 };
 
-/// Rotation vector (axis times angle, |.| <= pi) of a rotation matrix. At an angle of pi the sign is arbitrary.
+/// Rotation vector (axis times angle, |.| <= pi) of a rotation matrix. At an angle of pi the sign is
+/// arbitrary.
 [[nodiscard]] inline Vector3 LogRotation(const Matrix3& R) {
   const Eigen::AngleAxisd a{R};
   return a.angle() * a.axis();
