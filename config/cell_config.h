@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "control/servo_loop.h"
+#include "hil/simulated_cell.h"
+#include "kinematics/lbr_arm.h"
+#include "simulation/cutting_engine.h"
+#include "simulation/scenes.h"
+#include "simulation/tool.h"
+
+// What the files under config/ say, in SI: the parameters of the libraries, filled in, and what has no
+// library's type. Plain data; the accepted ranges are in the loaders (load.h).
+
+namespace osteon::config {
+
+struct ToolConfig {
+  simulation::Tool tool;
+  Pose X_FT{Pose::Identity()};  ///< tool in the flange's frame
+  double spindle_rad_per_s{0.0};
+};
+
+/// Where the arm begins: the tool looks into the cup along its axis.
+struct StartConfig {
+  double height_m{0.0};         ///< of the head's centre above the cup's, along the cup's axis
+  double tool_yaw_rad{0.0};     ///< turns the tool about its axis: R_CT = Rx(pi) Rz(yaw)
+  Pose X_WT{Pose::Identity()};  ///< what follows from the two
+  double arm_angle_rad{0.0};
+  /// The same as joints [rad]: of the arm's solutions the nearest to zero.
+  kinematics::JointVector q{kinematics::JointVector::Zero()};
+};
+
+/// Where the arm's messages arrive; the simulated arm sends there.
+struct FriConfig {
+  std::string host;  ///< dotted IPv4
+  std::uint16_t port{0};
+};
+
+/// A cell, with the files it names already read.
+struct CellConfig {
+  kinematics::LbrParams robot;
+  ToolConfig tool;
+  simulation::AcetabulumParams scene;  ///< with the cell's materials
+  Pose X_WB{Pose::Identity()};         ///< robot base in world
+  Pose X_WG{Pose::Identity()};         ///< bone in world
+  StartConfig start;
+  control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
+  simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
+  FriConfig fri;
+  hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that stand in for the real ones
+  hil::ReamingScriptParams script;     ///< what the operator is told to do
+};
+
+}  // namespace osteon::config

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "config/cell_config.h"
+#include "config/reader.h"
+
+// One function for each kind of file under config/. Each checks every value against its accepted range, and
+// values against each other; paths inside a file start from its own folder. All throw ConfigError.
+
+namespace osteon::config {
+
+[[nodiscard]] kinematics::LbrParams LoadRobot(const std::filesystem::path& path);
+[[nodiscard]] ToolConfig LoadTool(const std::filesystem::path& path);
+/// In the order of a bone's tissues: cartilage, cortical, cancellous.
+[[nodiscard]] std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& path);
+/// Shape and fineness; the materials stay the defaults.
+[[nodiscard]] simulation::AcetabulumParams LoadScene(const std::filesystem::path& path);
+/// A cell and the robot, tool, scene and materials that it names.
+[[nodiscard]] CellConfig LoadCell(const std::filesystem::path& path);
+
+}  // namespace osteon::config

@@ -1,0 +1,211 @@
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "config/load.h"
+#include "config/read_pose.h"
+
+namespace osteon::config {
+namespace {
+
+void ReadStart(Reader section, StartConfig& start) {
+  start.height_m = section.Number("height_mm", 0, 500);
+  start.tool_yaw_rad = section.Number("tool_yaw_deg", -360, 360);
+  start.arm_angle_rad = section.Number("arm_angle_deg", -180, 180);
+}
+
+void ReadLimits(Reader section, control::ServoParams& servo) {
+  servo.wrench.max_force_N = section.Number("max_force_N", 1, safety::kForceCeiling_N);
+  servo.wrench.max_torque_Nm = section.Number("max_torque_Nm", 0.1, 50);
+  servo.sensor_force.margin_N = section.Number("sensor_margin_N", 1, 200);
+  servo.sensor_force.ticks = section.Whole("sensor_trip_count", 1, 100);
+  servo.twist.max_speed_m_per_s = section.Number("max_tool_speed_mm_per_s", 1, 1000);
+  servo.twist.max_turn_rad_per_s = section.Number("max_tool_turn_deg_per_s", 1, 360);
+  servo.stop_deceleration_m_per_s2 = section.Number("stop_deceleration_mm_per_s2", 100, 20000);
+  servo.stop_deceleration_rad_per_s2 = section.Number("stop_deceleration_rad_per_s2", 0.5, 100);
+  servo.joint_stop_s = section.Number("joint_stop_ms", 10, 1000);
+  servo.joints.position_margin_rad = section.Number("joint_margin_deg", 0, 30);
+  servo.joints.speed_share = section.Number("joint_speed_ratio", 0.01, 1);
+  servo.joints.jump_rad = section.Number("joint_jump_deg", 0.1, 30);
+  servo.max_tracking_error_m = section.Number("max_tracking_error_mm", 1, 200);
+  servo.arm_angle_rate_rad_per_s = section.Number("arm_angle_rate_deg_per_s", 0.1, 57);
+  servo.model_sight_m = section.Number("model_sight_mm", 0.01, 100);
+}
+
+void ReadWorkspace(Reader section, safety::WorkspaceParams& workspace) {
+  workspace.sphere_center_W_m = section.Triple("sphere_center_mm", -5000, 5000);
+  workspace.sphere_radius_m = section.Number("sphere_radius_mm", 10, 2000);
+  workspace.plane_normal_W = section.Direction("plane_normal_axis");
+  workspace.plane_offset_m = section.Number("plane_offset_mm", -5000, 5000);
+}
+
+void ReadWatchdog(Reader section, safety::WatchdogParams& watchdog) {
+  watchdog.model_stop_s = section.Number("model_stop_ms", 1, 1000);
+  watchdog.sensor_full_s = section.Number("sensor_full_ms", 1, 1000);
+  watchdog.sensor_stop_s = section.Number("sensor_stop_ms", 1, 1000);
+  watchdog.arm_misses = section.Whole("arm_miss_count", 1, 100);
+}
+
+void ReadAdmittance(Reader section, control::AdmittanceParams& admittance) {
+  admittance.mass_kg = section.Triple("mass_kg", 0.1, 50);
+  admittance.inertia_kg_m2 = section.Triple("inertia_kg_m2", 0.001, 5);
+  admittance.damping_Ns_per_m = section.Triple("damping_Ns_per_m", 1, 2000);
+  admittance.damping_Nms_per_rad = section.Triple("damping_Nms_per_rad", 0.01, 100);
+  admittance.dead_zone_N = section.Number("dead_zone_N", 0, 50);
+  admittance.dead_zone_Nm = section.Number("dead_zone_Nm", 0, 5);
+}
+
+void ReadCoupling(Reader section, control::CouplingParams& coupling) {
+  coupling.max_stiffness_N_per_m = section.Number("stiffness_N_per_mm", 0.1, 100);
+  coupling.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0, 2000);
+  coupling.damping_share = section.Number("damping_share_ratio", 0, 0.25);
+  coupling.fresh_s = section.Number("fresh_ms", 1, 1000);
+  coupling.gone_s = section.Number("gone_ms", 2, 1000);
+  coupling.ramp_s = section.Number("ramp_ms", 1, 10000);
+}
+
+void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
+  cutting.law = section.Choice("law", {"rate", "immediate"}) == 0 ? simulation::RemovalLaw::kRate
+                                                                  : simulation::RemovalLaw::kImmediate;
+  cutting.normal_enlargement_m = section.Number("normal_enlargement_um", 1, 5000);
+  cutting.contact_tolerance_m = section.Number("contact_tolerance_um", 0.1, 500);
+  cutting.engaged_layer_m = section.Number("engaged_layer_mm", 0.05, 5);
+}
+
+void ReadFri(Reader section, FriConfig& fri, int& period_ms) {
+  fri.host = section.Text("host");
+  fri.port = static_cast<std::uint16_t>(section.Whole("port", 1024, 65535));
+  period_ms = section.Whole("period_ms", 1, 20);
+}
+
+void ReadHand(Reader section, hil::OperatorHandParams& hand) {
+  hand.stiffness_N_per_m = section.Number("stiffness_N_per_m", 50, 50000);
+  hand.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0.1, 1000);
+  hand.mass_kg = section.Number("mass_kg", 0, 10);
+  hand.stiffness_Nm_per_rad = section.Number("stiffness_Nm_per_rad", 0.1, 1000);
+  hand.damping_Nms_per_rad = section.Number("damping_Nms_per_rad", 0.001, 100);
+  hand.inertia_kgm2 = section.Number("inertia_kg_m2", 0, 1);
+  hand.grip_time_s = section.Number("grip_time_ms", 0.5, 500);
+  hand.max_force_N = section.Number("max_force_N", 1, 500);
+  hand.max_torque_Nm = section.Number("max_torque_Nm", 0.1, 50);
+  hand.tremor_N = section.Number("tremor_N", 0, 50);
+  hand.tremor_seed = static_cast<std::uint64_t>(section.Whole("tremor_seed", 0, 1'000'000'000));
+}
+
+void ReadScript(Reader section, hil::ReamingScriptParams& script) {
+  script.seconds = section.Number("duration_s", 0.1, 36000);
+  script.push_force_N = section.Number("push_force_N", 1, 500);
+  script.approach_force_N = section.Number("approach_force_N", 1, 200);
+  script.full_force_depth_m = section.Number("full_force_depth_mm", 0, 100);
+  script.retract_height_m = section.Number("retract_height_mm", 0, 300);
+  script.tilt_rad = section.Number("tilt_deg", 0, 28);
+  script.whirl_period_s = section.Number("whirl_period_s", 0.2, 60);
+  script.max_target_m_per_s = section.Number("max_target_mm_per_s", 1, 1000);
+  script.max_tilt_rad_per_s = section.Number("max_tilt_deg_per_s", 1, 360);
+}
+
+void ReadSimulatedArm(Reader section, hil::ServoArmParams& arm, int period_ms) {
+  arm.bandwidth_hz = section.Number("bandwidth_hz", 0.5, 200);
+  arm.damping_ratio = section.Number("damping_ratio", 0.1, 5);
+  arm.dead_cycles = static_cast<int>(std::lround(section.Number("dead_time_ms", 0, 30) * 1e3 / period_ms));
+}
+
+// Of two values in ms or N of one section, the second must be the larger.
+void CheckOrder(const Reader& section, const std::string& smaller_key, const std::string& larger_key,
+                double smaller, double larger) {
+  if (smaller < larger) return;
+  section.Refuse(larger_key,
+                 fmt::format("found {:.10g}, accepted more than {} ({:.10g})", larger, smaller_key, smaller));
+}
+
+// The start must be where the cell may be, and where the arm can be.
+void PlaceArm(const Reader& section, CellConfig& cell) {
+  StartConfig& start = cell.start;
+  const Pose& X_WC = cell.X_WG;  // the generated cup's frame is the bone's
+  const double head_radius_m = cell.tool.tool.balls.front().radius_m;
+  start.X_WT = X_WC * Eigen::Translation3d(0, 0, start.height_m) *
+               Eigen::AngleAxisd(std::numbers::pi, Vector3::UnitX()) *
+               Eigen::AngleAxisd(start.tool_yaw_rad, Vector3::UnitZ()) *
+               Eigen::Translation3d(0, 0, head_radius_m);
+
+  const Vector3 apex = start.X_WT.translation();
+  const safety::WorkspaceParams& space = cell.servo.workspace;
+  if ((apex - space.sphere_center_W_m).norm() > space.sphere_radius_m ||
+      space.plane_normal_W.dot(apex) < space.plane_offset_m)
+    section.Refuse("height_mm", "the tool's apex is outside the workspace");
+  const kinematics::LbrArm arm(cell.robot);
+  const Pose X_BF = cell.X_WB.inverse() * start.X_WT * cell.tool.X_FT.inverse();
+  if (!arm.Inverse(X_BF, start.arm_angle_rad, kinematics::JointVector::Zero(), start.q))
+    section.Refuse("height_mm", "the arm can not be there: out of reach or beyond its joint limits");
+}
+
+// What one file says serves in several places.
+void Spread(CellConfig& cell) {
+  control::ServoParams& servo = cell.servo;
+  servo.joints.limits = cell.robot.limits;
+  servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
+  servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
+  servo.period_s = 1e-3 * cell.simulated.fri.send_period_ms;
+  cell.cutting.stiffness_N_per_m = servo.coupling.max_stiffness_N_per_m;
+  cell.cutting.max_force_N = servo.wrench.max_force_N;
+
+  cell.simulated.arm = cell.robot;
+  cell.simulated.X_WB = cell.X_WB;
+  cell.simulated.X_FT = cell.tool.X_FT;
+  for (std::size_t i = 0; i < cell.simulated.q_start.size(); ++i)
+    cell.simulated.q_start[i] = cell.start.q[static_cast<Eigen::Index>(i)];
+
+  cell.script.X_WC = cell.X_WG;
+  cell.script.head_radius_m = cell.tool.tool.balls.front().radius_m;
+  cell.script.tool_yaw_rad = cell.start.tool_yaw_rad;
+  cell.script.start_height_m = cell.start.height_m;
+  cell.script.hand_stiffness_N_per_m = cell.simulated.hand.stiffness_N_per_m;
+}
+
+}  // namespace
+
+CellConfig LoadCell(const std::filesystem::path& path) {
+  Reader reader = Reader::Load(path);
+  CellConfig cell;
+  control::ServoParams& servo = cell.servo;
+  const std::filesystem::path robot = reader.File("robot"), tool = reader.File("tool"),
+                              scene = reader.File("scene"), materials = reader.File("materials");
+  cell.X_WB = ReadPose(reader.Section("base_in_world"));
+  cell.X_WG = ReadPose(reader.Section("bone_in_world"));
+  const Reader start = reader.Section("start");
+  ReadStart(start, cell.start);
+  ReadLimits(reader.Section("limits"), servo);
+  ReadWorkspace(reader.Section("workspace"), servo.workspace);
+  const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
+  ReadWatchdog(watchdog, servo.watchdog);
+  ReadAdmittance(reader.Section("admittance"), servo.admittance);
+  ReadCoupling(coupling, servo.coupling);
+  ReadCutting(reader.Section("cutting"), cell.cutting);
+  ReadFri(reader.Section("fri"), cell.fri, cell.simulated.fri.send_period_ms);
+  const Reader hand = reader.Section("operator"), script = reader.Section("script");
+  ReadHand(hand, cell.simulated.hand);
+  ReadScript(script, cell.script);
+  ReadSimulatedArm(reader.Section("simulated_arm"), cell.simulated.servo, cell.simulated.fri.send_period_ms);
+  reader.Finish();
+
+  CheckOrder(coupling, "fresh_ms", "gone_ms", servo.coupling.fresh_s * 1e3, servo.coupling.gone_s * 1e3);
+  CheckOrder(watchdog, "the coupling's gone_ms", "model_stop_ms", servo.coupling.gone_s * 1e3,
+             servo.watchdog.model_stop_s * 1e3);
+  CheckOrder(watchdog, "sensor_full_ms", "sensor_stop_ms", servo.watchdog.sensor_full_s * 1e3,
+             servo.watchdog.sensor_stop_s * 1e3);
+  CheckOrder(hand, "the script's push_force_N", "max_force_N", cell.script.push_force_N,
+             cell.simulated.hand.max_force_N);
+  CheckOrder(script, "approach_force_N", "push_force_N", cell.script.approach_force_N,
+             cell.script.push_force_N);
+
+  cell.robot = LoadRobot(robot);
+  cell.tool = LoadTool(tool);
+  cell.scene = LoadScene(scene);
+  cell.scene.materials = LoadMaterials(materials);
+  PlaceArm(start, cell);
+  Spread(cell);
+  return cell;
+}
+
+}  // namespace osteon::config

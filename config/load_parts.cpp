@@ -1,0 +1,85 @@
+#include <array>
+
+#include <fmt/format.h>
+
+#include "config/load.h"
+#include "config/read_pose.h"
+
+namespace osteon::config {
+
+kinematics::LbrParams LoadRobot(const std::filesystem::path& path) {
+  Reader reader = Reader::Load(path);
+  kinematics::LbrParams params;
+
+  Reader geometry = reader.Section("geometry");
+  params.base_to_shoulder_m = geometry.Number("base_to_shoulder_mm", 100, 1000);
+  params.shoulder_to_elbow_m = geometry.Number("shoulder_to_elbow_mm", 100, 1000);
+  params.elbow_to_wrist_m = geometry.Number("elbow_to_wrist_mm", 100, 1000);
+  params.wrist_to_flange_m = geometry.Number("wrist_to_flange_mm", 10, 500);
+  static_cast<void>(
+      geometry.Text("source"));  // a figure without a source is refused; the text is for the file's reader
+
+  std::vector<Reader> joints = reader.Sections("joints", params.limits.size(), params.limits.size());
+  static_cast<void>(reader.Text("joints_source"));
+  std::array<std::string, 7> names;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    names[i] = joints[i].Text("name");
+    kinematics::JointLimit& limit = params.limits[i];
+    limit.position_rad = joints[i].Number("position_deg", 1, 179);
+    limit.velocity_rad_per_s = joints[i].Number("velocity_deg_per_s", 1, 360);
+    limit.acceleration_rad_per_s2 = joints[i].Number("acceleration_rad_per_s2", 0.1, 100);
+    limit.torque_Nm = joints[i].Number("torque_Nm", 1, 1000);
+  }
+  reader.Finish();
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (names[i] != fmt::format("A{}", i + 1))
+      joints[i].Refuse("name",
+                       fmt::format("found {}, accepted A{}: the joints from the base on", names[i], i + 1));
+  return params;
+}
+
+ToolConfig LoadTool(const std::filesystem::path& path) {
+  Reader reader = Reader::Load(path);
+  ToolConfig config;
+  static_cast<void>(reader.Choice("kind", {"hemispherical_reamer"}));
+  static_cast<void>(reader.Text("source"));
+  config.spindle_rad_per_s = reader.Number("spindle_rpm", 0, 1000);
+  const double head_radius_m = reader.Section("head").Number("radius_mm", 1, 100);
+  Reader shaft = reader.Section("shaft");
+  const double shaft_radius_m = shaft.Number("radius_mm", 0.5, 50),
+               length_m = shaft.Number("length_mm", 0, 500);
+  const double mass_kg = reader.Number("mass_kg", 0.01, 10);
+  const Vector3 center_of_mass_m = reader.Triple("center_of_mass_mm", -500, 500);
+  config.X_FT = ReadPose(reader.Section("mounting"));
+  reader.Finish();
+
+  if (shaft_radius_m >= head_radius_m)
+    shaft.Refuse("radius_mm", fmt::format("found {:.10g}, accepted less than the head's {:.10g}",
+                                          shaft_radius_m * 1e3, head_radius_m * 1e3));
+  config.tool = simulation::MakeReamer(head_radius_m, shaft_radius_m, length_m);
+  config.tool.mass_kg = mass_kg;
+  config.tool.center_of_mass_m = center_of_mass_m;
+  return config;
+}
+
+std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& path) {
+  Reader reader = Reader::Load(path);
+  std::vector<simulation::Material> materials;
+  for (const char* name : {"cartilage", "cortical", "cancellous"}) {
+    Reader tissue = reader.Section(name);
+    simulation::Material& material = materials.emplace_back();
+    material.name = name;
+    material.density_kg_per_m3 = tissue.Number("density_g_per_cm3", 0.01, 10);
+    material.specific_cutting_energy_J_per_m3 = tissue.Number("cutting_energy_J_per_mm3", 0.001, 100);
+    material.cutting_force_ratio = tissue.Number("cutting_force_ratio", 0.01, 5);
+    material.friction = tissue.Number("friction_ratio", 0, 2);
+    material.source.clear();
+    for (const char* figure : {"density", "cutting_energy", "cutting_force", "friction"})
+      material.source += fmt::format("{}{}: {}", material.source.empty() ? "" : "; ", figure,
+                                     tissue.Text(std::string(figure) + "_source"));
+  }
+  reader.Finish();
+  return materials;
+}
+
+}  // namespace osteon::config

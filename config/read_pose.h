@@ -1,0 +1,10 @@
+#pragma once
+
+#include "config/reader.h"
+
+namespace osteon::config {
+
+/// A section with position_mm and rpy_deg: turns about the fixed x, then y, then z axis (as in URDF).
+[[nodiscard]] Pose ReadPose(Reader section);
+
+}  // namespace osteon::config

@@ -1,0 +1,286 @@
+#include "config/reader.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "config/nearest_key.h"
+#include "config/units.h"
+
+namespace osteon::config {
+namespace {
+
+constexpr std::uintmax_t kLargestFile = 1 << 20;  // bytes; ours have a few kB
+
+int LineOf(const YAML::Node& node) { return node.Mark().is_null() ? 0 : node.Mark().line + 1; }
+
+// What a user wrote, short enough for an error.
+std::string Shown(const YAML::Node& node) {
+  if (node.IsMap()) return "a mapping";
+  if (node.IsSequence()) return fmt::format("a list of {}", node.size());
+  if (node.IsNull()) return "nothing";
+  std::string text = node.Scalar().substr(0, 40);
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  return node.Tag() == "!" ? '"' + text + '"' : text;
+}
+
+std::string ShownRange(double min, double max) { return fmt::format("{:.10g} … {:.10g}", min, max); }
+
+// Plain scalars only ("25" in quotes is a text); no locale, no hexadecimal, no nan or inf.
+template <typename T>
+bool ParseNumber(const YAML::Node& node, T& value) {
+  if (!node.IsScalar() || node.Tag() == "!") return false;
+  const std::string& text = node.Scalar();
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && stop == end && std::isfinite(static_cast<double>(value));
+}
+
+double UnitOrThrow(const std::string& key) {
+  const std::optional<double> unit = UnitOf(key);
+  if (!unit) throw std::logic_error("config: the key \"" + key + "\" names no unit");
+  return *unit;
+}
+
+}  // namespace
+
+ConfigError::ConfigError(const std::string& file, int line, const std::string& what)
+    : std::runtime_error(line > 0 ? fmt::format("{}:{}: {}", file, line, what)
+                                  : fmt::format("{}: {}", file, what)),
+      file_(file),
+      line_(line) {}
+
+// One mapping and what has been asked of it. A missing section is a Mapping too: absent, and it notes
+// nothing.
+struct Reader::Mapping {
+  struct Entry {
+    std::string key;
+    YAML::Node key_node, value;
+  };
+  struct Missing {
+    std::string key, accepted;
+  };
+
+  std::filesystem::path file;
+  bool absent{false};
+  int line{0};
+  std::vector<Entry> entries;
+  std::vector<std::string> known;
+  std::vector<Missing> missing;
+  std::vector<std::shared_ptr<Mapping>> inner;
+
+  Mapping(std::filesystem::path file_in, const YAML::Node& node, int line_in, const std::string& key)
+      : file(std::move(file_in)), line(line_in) {
+    if (!node.IsMap()) Fail(line, fmt::format("{}found {}, accepted a mapping", key, Shown(node)));
+    for (const auto& pair : node) {
+      if (!pair.first.IsScalar()) Fail(LineOf(pair.first), "a key must be a word");
+      const Entry entry{pair.first.Scalar(), pair.first, pair.second};
+      for (const Entry& earlier : entries)
+        if (earlier.key == entry.key)
+          Fail(LineOf(entry.key_node),
+               fmt::format("key \"{}\" again, first in line {}", entry.key, LineOf(earlier.key_node)));
+      entries.push_back(entry);
+    }
+  }
+  explicit Mapping(std::filesystem::path file_in) : file(std::move(file_in)), absent(true) {}
+
+  [[noreturn]] void Fail(int at, const std::string& what) const {
+    throw ConfigError(file.string(), at, what);
+  }
+
+  [[noreturn]] void FailValue(const std::string& key, const YAML::Node& node,
+                              const std::string& accepted) const {
+    Fail(LineOfValue(key, node), fmt::format("{}: found {}, accepted {}", key, Shown(node), accepted));
+  }
+
+  // YAML marks a value that is not there at what comes next: then the key's line.
+  [[nodiscard]] int LineOfValue(const std::string& key, const YAML::Node& node) const {
+    if (!node.IsNull()) return LineOf(node);
+    const auto entry =
+        std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.key == key; });
+    return entry == entries.end() ? line : LineOf(entry->key_node);
+  }
+
+  // The value of a key, or null (and the gap is noted).
+  const Entry* Find(const std::string& key, const std::string& accepted) {
+    known.push_back(key);
+    for (const Entry& entry : entries)
+      if (entry.key == key) return &entry;
+    if (!absent) missing.push_back({key, accepted});
+    return nullptr;
+  }
+
+  double NumberIn(const std::string& key, const YAML::Node& node, double min, double max) const {
+    double value = 0.0;
+    if (!ParseNumber(node, value) || value < min || value > max) FailValue(key, node, ShownRange(min, max));
+    return value;
+  }
+
+  void Finish() const {
+    // a key that is not known, beside the missing keys first: it is one of them, misspelt, more likely than
+    // not
+    for (const Entry& entry : entries) {
+      if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
+      std::vector<std::string> candidates;
+      for (const Missing& gap : missing) candidates.push_back(gap.key);
+      std::string nearest = NearestKey(entry.key, candidates);
+      if (nearest.empty()) nearest = NearestKey(entry.key, known);
+      Fail(LineOf(entry.key_node), fmt::format("unknown key \"{}\"{}", entry.key.substr(0, 60),
+                                               nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+    }
+    if (!missing.empty())
+      Fail(line,
+           fmt::format("missing key \"{}\", accepted {}", missing.front().key, missing.front().accepted));
+    for (const auto& mapping : inner) mapping->Finish();
+  }
+};
+
+Reader Reader::Load(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) throw ConfigError(path.string(), 0, "no such file");
+  if (std::filesystem::file_size(path, error) > kLargestFile)
+    throw ConfigError(path.string(), 0, "larger than 1 MiB: not a configuration");
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw ConfigError(path.string(), 0, "can not be read");
+  return Parse(text.str(), path);
+}
+
+Reader Reader::Parse(const std::string& text, const std::filesystem::path& name) {
+  std::vector<YAML::Node> documents;
+  try {
+    documents = YAML::LoadAll(text);
+  } catch (const YAML::Exception& error) {
+    throw ConfigError(name.string(), error.mark.is_null() ? 0 : error.mark.line + 1,
+                      "not YAML: " + error.msg);
+  }
+  if (documents.size() != 1)
+    throw ConfigError(name.string(), 0, fmt::format("found {} documents, accepted 1", documents.size()));
+  return Reader(std::make_shared<Mapping>(name, documents.front(), LineOf(documents.front()), ""));
+}
+
+double Reader::Number(const std::string& key, double min, double max) {
+  const double unit = UnitOrThrow(key);
+  const Mapping::Entry* entry = mapping_->Find(key, ShownRange(min, max));
+  return unit * (entry ? mapping_->NumberIn(key, entry->value, min, max) : min);
+}
+
+std::vector<double> Reader::Numbers(const std::string& key, std::size_t size, double min, double max) {
+  const double unit = UnitOrThrow(key);
+  const std::string accepted = fmt::format("a list of {} numbers {}", size, ShownRange(min, max));
+  std::vector<double> values(size, unit * min);
+  const Mapping::Entry* entry = mapping_->Find(key, accepted);
+  if (!entry) return values;
+  if (!entry->value.IsSequence() || entry->value.size() != size)
+    mapping_->FailValue(key, entry->value, accepted);
+  for (std::size_t i = 0; i < size; ++i)
+    values[i] = unit * mapping_->NumberIn(key, entry->value[i], min, max);
+  return values;
+}
+
+Vector3 Reader::Triple(const std::string& key, double min, double max) {
+  return Vector3(Numbers(key, 3, min, max).data());
+}
+
+Vector3 Reader::Direction(const std::string& key) {
+  const Vector3 found = Triple(key, -1.0, 1.0);
+  const auto is_this = [&](const Mapping::Entry& entry) { return entry.key == key; };
+  if (std::none_of(mapping_->entries.begin(), mapping_->entries.end(), is_this)) return Vector3::UnitZ();
+  if (!(std::abs(found.norm() - 1.0) <= 1e-3))
+    Refuse(key, fmt::format("found a length of {:.6g}, accepted 1", found.norm()));
+  return found.normalized();
+}
+
+int Reader::Whole(const std::string& key, int min, int max) {
+  static_cast<void>(UnitOrThrow(key));
+  const std::string accepted = fmt::format("a whole number {} … {}", min, max);
+  const Mapping::Entry* entry = mapping_->Find(key, accepted);
+  int value = min;
+  if (entry && (!ParseNumber(entry->value, value) || value < min || value > max))
+    mapping_->FailValue(key, entry->value, accepted);
+  return value;
+}
+
+bool Reader::Bool(const std::string& key) { return Choice(key, {"false", "true"}) == 1; }
+
+std::string Reader::Text(const std::string& key) {
+  const std::string accepted = "a text";
+  const Mapping::Entry* entry = mapping_->Find(key, accepted);
+  if (!entry) return {};
+  if (!entry->value.IsScalar() || entry->value.Scalar().empty())
+    mapping_->FailValue(key, entry->value, accepted);
+  return entry->value.Scalar();
+}
+
+std::size_t Reader::Choice(const std::string& key, std::initializer_list<const char*> accepted) {
+  std::string words;
+  for (const char* word : accepted) words += words.empty() ? word : std::string(", ") + word;
+  const Mapping::Entry* entry = mapping_->Find(key, words);
+  if (!entry) return 0;
+  std::size_t place = 0;
+  for (const char* word : accepted) {
+    if (entry->value.IsScalar() && entry->value.Scalar() == word) return place;
+    ++place;
+  }
+  mapping_->FailValue(key, entry->value, words);
+}
+
+std::filesystem::path Reader::File(const std::string& key) {
+  const Mapping::Entry* entry = mapping_->Find(key, "a file's path");
+  if (!entry) return {};
+  if (!entry->value.IsScalar() || entry->value.Scalar().empty())
+    mapping_->FailValue(key, entry->value, "a file's path");
+  const std::filesystem::path path =
+      (mapping_->file.parent_path() / entry->value.Scalar()).lexically_normal();
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    mapping_->FailValue(key, entry->value, fmt::format("an existing file (there is no {})", path.string()));
+  return path;
+}
+
+Reader Reader::Section(const std::string& key) {
+  const Mapping::Entry* entry = mapping_->Find(key, "a mapping");
+  auto inner = entry ? std::make_shared<Mapping>(mapping_->file, entry->value,
+                                                 mapping_->LineOfValue(key, entry->value), key + ": ")
+                     : std::make_shared<Mapping>(mapping_->file);
+  mapping_->inner.push_back(inner);
+  return Reader(inner);
+}
+
+std::vector<Reader> Reader::Sections(const std::string& key, std::size_t min, std::size_t max) {
+  const std::string accepted = min == max ? fmt::format("a list of {} mappings", min)
+                                          : fmt::format("a list of {} … {} mappings", min, max);
+  const Mapping::Entry* entry = mapping_->Find(key, accepted);
+  std::vector<Reader> sections;
+  if (!entry) {
+    for (std::size_t i = 0; i < min; ++i)
+      sections.push_back(Reader(std::make_shared<Mapping>(mapping_->file)));
+    return sections;
+  }
+  const YAML::Node& list = entry->value;
+  if (!list.IsSequence() || list.size() < min || list.size() > max) mapping_->FailValue(key, list, accepted);
+  for (const YAML::Node& node : list) {
+    mapping_->inner.push_back(
+        std::make_shared<Mapping>(mapping_->file, node, mapping_->LineOfValue(key, node), key + ": "));
+    sections.push_back(Reader(mapping_->inner.back()));
+  }
+  return sections;
+}
+
+void Reader::Finish() const { mapping_->Finish(); }
+
+void Reader::Refuse(const std::string& key, const std::string& what) const {
+  int line = mapping_->line;
+  for (const Mapping::Entry& entry : mapping_->entries)
+    if (entry.key == key) line = LineOf(entry.key_node);
+  mapping_->Fail(line, fmt::format("{}: {}", key, what));
+}
+
+}  // namespace osteon::config

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "kinematics/spatial.h"
+
+namespace osteon::config {
+
+/// What is wrong in a configuration file, as "file:line: key: found …, accepted …".
+class ConfigError : public std::runtime_error {
+ public:
+  /// @param line  counted from 1; 0 where the whole file is meant, and then left out of the text.
+  ConfigError(const std::string& file, int line, const std::string& what);
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] int line() const { return line_; }
+
+ private:
+  std::string file_;
+  int line_;
+};
+
+/// Strict reader of one mapping of a YAML file.
+///
+///     Reader reader = Reader::Load("config/tools/reamer_50.yaml");
+///     const double radius_m = reader.Number("radius_mm", 1, 100);   // found in mm, given in m
+///     reader.Finish();                                              // unknown and missing keys are refused
+///     here
+///
+/// A number's unit is the end of its key (units.h) and its value comes back in SI. A value of the wrong type
+/// or out of range throws at once. A missing key is noted, gives a value that is accepted, and throws in
+/// Finish(), where a typo can be told from a gap: so use nothing that was read before Finish() has returned.
+/// Copies are views of the same mapping. One thread at a time.
+class Reader {
+ public:
+  /// @throws ConfigError where the file can not be read, is no YAML, not one document, or not a mapping with
+  /// unique keys.
+  [[nodiscard]] static Reader Load(const std::filesystem::path& path);
+  /// The same for a text; `name` is the file name that errors show, and whose folder File() starts from.
+  [[nodiscard]] static Reader Parse(const std::string& text, const std::filesystem::path& name);
+
+  /// A finite number, min and max in the unit of the key. @returns it in SI.
+  /// @throws std::logic_error where the key names no unit: a mistake of the program, not of the file.
+  [[nodiscard]] double Number(const std::string& key, double min, double max);
+  /// A list of `size` numbers. @returns them in SI.
+  [[nodiscard]] std::vector<double> Numbers(const std::string& key, std::size_t size, double min, double max);
+  /// Three numbers. @returns them in SI.
+  [[nodiscard]] Vector3 Triple(const std::string& key, double min, double max);
+  /// Three numbers of length 1 to within 1e-3. @returns them normalised.
+  [[nodiscard]] Vector3 Direction(const std::string& key);
+  /// A whole number.
+  [[nodiscard]] int Whole(const std::string& key, int min, int max);
+  [[nodiscard]] bool Bool(const std::string& key);
+  /// A text that is not empty.
+  [[nodiscard]] std::string Text(const std::string& key);
+  /// One of the accepted words. @returns its place among them.
+  [[nodiscard]] std::size_t Choice(const std::string& key, std::initializer_list<const char*> accepted);
+  /// An existing file, relative to this file's folder.
+  [[nodiscard]] std::filesystem::path File(const std::string& key);
+
+  /// A mapping inside this one.
+  [[nodiscard]] Reader Section(const std::string& key);
+  /// A list of mappings, min to max of them.
+  [[nodiscard]] std::vector<Reader> Sections(const std::string& key, std::size_t min, std::size_t max);
+
+  /// @throws ConfigError naming the first unknown key (with the nearest known one) or missing key of this
+  /// mapping and of
+  ///   those inside it.
+  void Finish() const;
+
+  /// For what only the caller can check, such as one value against another. @throws ConfigError at the key's
+  /// line, with the key and `what`.
+  [[noreturn]] void Refuse(const std::string& key, const std::string& what) const;
+
+ private:
+  struct Mapping;
+  explicit Reader(std::shared_ptr<Mapping> mapping) : mapping_(std::move(mapping)) {}
+
+  std::shared_ptr<Mapping> mapping_;
+};
+
+}  // namespace osteon::config

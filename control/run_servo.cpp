@@ -1,0 +1,95 @@
+#include "control/run_servo.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::control {
+namespace {
+
+rt::Nanoseconds ToNanoseconds(double seconds) {
+  return static_cast<rt::Nanoseconds>(std::llround(seconds * 1e9));
+}
+
+void Validate(const RunServoParams& params) {
+  const auto require = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument(std::string(name) + ": found " + std::to_string(value) + ", accepted " +
+                                  std::to_string(low) + " … " + std::to_string(high));
+  };
+  require("deadline_s", params.deadline_s, 1e-4, 1.0);
+  require("seconds", params.seconds, 0.0, 1e6);
+  require("give_up_s", params.give_up_s, 0.01, 1e6);
+  require("priority", params.priority, 0, 99);
+}
+
+}  // namespace
+
+RunServoResult RunServo(ServoLoop& loop, ArmLink& link, ForceSensor& sensor,
+                        rt::LatestValue<simulation::ContactModel>& models,
+                        rt::LatestValue<simulation::ToolCommand>& commands, TickRecorder& recorder,
+                        const RunServoParams& params) {
+  Validate(params);
+  RunServoResult result;
+  result.realtime = params.priority > 0 && rt::RequestRealtimePriority(params.priority);
+
+  const rt::Nanoseconds deadline = ToNanoseconds(params.deadline_s);
+  const rt::Nanoseconds give_up = ToNanoseconds(params.give_up_s);
+  rt::Nanoseconds give_up_at = rt::MonotonicNow() + give_up;
+  rt::Nanoseconds active_since = -1, last_active = -1;
+  bool ending = false;
+  const auto end = [&](RunEnd why) {
+    if (ending) return;
+    ending = true;
+    result.end = why;
+    loop.RequestStop();
+    give_up_at = rt::MonotonicNow() + give_up;
+  };
+
+  ArmState state;
+  ArmCommand command;
+  for (;;) {
+    // one tick: receive, compute, answer
+    const ReceiveResult received = link.Receive(state, rt::MonotonicNow() + deadline);
+    const rt::Nanoseconds woken = rt::MonotonicNow();
+    TickRecord record = loop.Tick(state, received, sensor.Latest(), models.Load(), woken, command);
+    if (received == ReceiveResult::kOk && !link.Send(command)) ++result.unsent;
+    const rt::Nanoseconds answered = rt::MonotonicNow();
+    commands.Store(loop.tool_command());
+
+    // what it took; only a message that came has a wake-up
+    ++result.ticks;
+    record.compute_ns = answered - woken;
+    if (received == ReceiveResult::kOk) {
+      record.wakeup_ns = woken - state.stamp;
+      result.wakeup.Add(record.wakeup_ns);
+      result.compute.Add(record.compute_ns);
+      const bool active = state.session == SessionState::kCommandingActive;
+      if (active && last_active >= 0) result.period.Add(state.stamp - last_active);
+      last_active = active ? state.stamp : -1;
+      if (active && active_since < 0) active_since = state.stamp;
+    }
+    if (!recorder.Push(record)) ++result.unrecorded;
+
+    // when to end; a loop that stopped by itself has a fault
+    if (params.stop != nullptr && params.stop->load(std::memory_order_relaxed)) end(RunEnd::kStopFlag);
+    if (loop.faults().Any()) end(RunEnd::kFault);
+    if (params.seconds > 0.0 && active_since >= 0 && woken - active_since >= ToNanoseconds(params.seconds))
+      end(RunEnd::kSeconds);
+    if (received == ReceiveResult::kClosed) {
+      end(RunEnd::kLinkClosed);
+      break;
+    }
+    if (active_since < 0 && woken > give_up_at) end(RunEnd::kNeverActive);
+    if (loop.phase() == Phase::kStopped) {
+      end(RunEnd::kStopFlag);
+      break;
+    }
+    if (ending && woken > give_up_at) break;
+  }
+  result.faults = loop.faults();
+  result.statistics = loop.statistics();
+  return result;
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <atomic>
+
+#include "control/histogram.h"
+#include "control/ports.h"
+#include "control/rt/latest_value.h"
+#include "control/servo_loop.h"
+
+namespace osteon::control {
+
+struct RunServoParams {
+  double deadline_s{0.005};  ///< wait for an arm message; each one missed counts toward arm stale
+  double seconds{10.0};      ///< of answering in COMMANDING_ACTIVE; then an orderly stop. 0: until stopped
+  double give_up_s{30.0};    ///< without reaching COMMANDING_ACTIVE, and without coming to rest after the end
+  int priority{80};          ///< SCHED_FIFO; 0: do not ask
+  const std::atomic<bool>* stop{nullptr};  ///< orderly stop where it becomes true, e.g. by a signal handler
+};
+
+enum class RunEnd : std::uint8_t {
+  kSeconds,      ///< all seconds were run
+  kStopFlag,     ///< asked to stop
+  kFault,        ///< the loop stopped itself: see faults
+  kNeverActive,  ///< the arm did not reach COMMANDING_ACTIVE in time
+  kLinkClosed,
+};
+
+struct RunServoResult {
+  RunEnd end{RunEnd::kSeconds};
+  safety::FaultSet faults;
+  ServoStatistics statistics;
+  std::uint64_t ticks{0};
+  std::uint64_t unsent{0};      ///< answers that the system would not send
+  std::uint64_t unrecorded{0};  ///< ticks that the recorder had no room for
+  bool realtime{false};         ///< SCHED_FIFO was granted
+  DurationHistogram wakeup;     ///< from ArmState::stamp, the link's time of receipt, to the loop running
+  DurationHistogram compute;    ///< from there to the answer sent
+  DurationHistogram period;  ///< between messages answered in COMMANDING_ACTIVE; 1e9 / median: the servo rate
+};
+
+/// Runs the loop in wall time in the calling thread, paced by the arm's messages, until the end condition;
+/// then stops the arm in order and goes on answering until it rests. Allocates nothing and takes no lock
+/// between its first and last tick (what the ports do is theirs). Writer of `commands`, reader of `models`.
+///
+/// The wake-up latency is as good as the stamp: where the link takes the kernel's time of receipt it holds
+/// the scheduler's delay, where it stamps in user space only the way from there.
+[[nodiscard]] RunServoResult RunServo(ServoLoop& loop, ArmLink& link, ForceSensor& sensor,
+                                      rt::LatestValue<simulation::ContactModel>& models,
+                                      rt::LatestValue<simulation::ToolCommand>& commands,
+                                      TickRecorder& recorder, const RunServoParams& params);
+
+}  // namespace osteon::control

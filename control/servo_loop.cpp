@@ -1,0 +1,353 @@
+#include "control/servo_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::control {
+namespace {
+
+using kinematics::JointVector;
+using safety::Fault;
+
+constexpr double kMostOperatorTorque_Nm = 100.0;  // beyond it a reading counts as this much
+constexpr double kSpeedSlack =
+    1.1;  // a pull-back through the joints may leave the straight line by second order
+constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
+
+JointVector ToVector(const JointArray& q) { return Eigen::Map<const JointVector>(q.data()); }
+JointArray ToArray(const JointVector& q) {
+  JointArray a;
+  Eigen::Map<JointVector>(a.data()) = q;
+  return a;
+}
+
+Twist Scaled(const Twist& V, double share) { return {.v = share * V.v, .w = share * V.w}; }
+
+double WrapAngle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+
+ServoParams Validated(const ServoParams& params) {
+  Validate(params.admittance);
+  Validate(params.coupling);
+  const auto require = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument(std::string("servo ") + name + ": found " + std::to_string(value) +
+                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+  };
+  require("max_speed_m_per_s", params.twist.max_speed_m_per_s, 1e-3, 2.0);
+  require("max_turn_rad_per_s", params.twist.max_turn_rad_per_s, 1e-3, 10.0);
+  require("spindle_rad_per_s", params.spindle_rad_per_s, 0.0, 1000.0);
+  require("stop_deceleration_m_per_s2", params.stop_deceleration_m_per_s2, 0.01, 50.0);
+  require("stop_deceleration_rad_per_s2", params.stop_deceleration_rad_per_s2, 0.01, 200.0);
+  require("workspace deceleration_m_per_s2", params.workspace.deceleration_m_per_s2, 0.01,
+          params.stop_deceleration_m_per_s2);
+  require("joint_stop_s", params.joint_stop_s, 0.001, 2.0);
+  require("model_sight_m", params.model_sight_m, 1e-5, 1.0);
+  require("arm_angle_rate_rad_per_s", params.arm_angle_rate_rad_per_s, 0.0, 1.0);
+  require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
+  require("period_s", params.period_s, 1e-4, 0.02);
+  return params;
+}
+
+void RequirePose(const Pose& X, const char* name) {
+  const bool rotation = (X.linear() * X.linear().transpose() - Matrix3::Identity()).norm() < 1e-6 &&
+                        X.linear().determinant() > 0.0;
+  if (!X.matrix().allFinite() || !rotation)
+    throw std::invalid_argument(std::string(name) + ": accepted a finite position and a rotation");
+}
+
+}  // namespace
+
+ServoLoop::ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, const Pose& X_WB,
+                     const Pose& X_FT, double arm_angle_rad)
+    : params_(Validated(params)),
+      arm_(arm),
+      X_WB_(X_WB),
+      X_BW_(X_WB.inverse()),
+      X_FT_(X_FT),
+      X_TF_(X_FT.inverse()),
+      wanted_arm_angle_rad_(arm_angle_rad),
+      wrench_limiter_(params.wrench),
+      rate_trip_(params.coupling.max_stiffness_N_per_m, params.twist.max_speed_m_per_s),
+      sensor_trip_(params.sensor_force, wrench_limiter_.max_force_N()),
+      workspace_(params.workspace),
+      joint_guard_(params.joints),
+      watchdog_(params.watchdog) {
+  RequirePose(X_WB, "X_WB");
+  RequirePose(X_FT, "X_FT");
+  if (!std::isfinite(arm_angle_rad)) throw std::invalid_argument("arm_angle_rad: accepted a finite angle");
+}
+
+Pose ServoLoop::ToolPose(const JointVector& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
+
+simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
+  return {.X_WT = X_WT_,
+          .spindle_rad_per_s = phase_ == Phase::kHaptic ? params_.spindle_rad_per_s : 0.0,
+          .stamp = now_};
+}
+
+TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const ForceReading& reading,
+                           const simulation::ContactModel& model, rt::Nanoseconds now,
+                           ArmCommand& command) OSTEON_RT {
+  now_ = now;
+  TickRecord record;
+  record.tick = tick_++;
+  record.stamp = state.stamp;
+  record.session_state = static_cast<std::uint8_t>(state.session);
+  record.model_frame = model.frame;
+  record.model_age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
+  record.sensor_age_s = reading.stamp == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, reading.stamp);
+  const bool stop = stop_requested_.load(std::memory_order_relaxed);
+
+  const JointVector q_meas = ToVector(state.q_meas);
+  const Pose X_WT_meas = ToolPose(q_meas);
+  if (received != ReceiveResult::kOk) {
+    Miss(received);
+    if (stop && phase_ == Phase::kWaiting) phase_ = Phase::kStopped;
+  } else if (!q_meas.allFinite() || (state.has_ipo && !ToVector(state.q_ipo).allFinite())) {
+    faults_.Latch(Fault::kNotFinite);  // hold this tick: a position that is not known can not be left
+    StartStopping();
+  } else {
+    watchdog_.MeetArm();
+    const bool active = state.session == SessionState::kCommandingActive;
+    if (active) ++statistics_.active_ticks;
+
+    // phases that the arm decides
+    if (!active || phase_ == Phase::kWaiting) {
+      Follow(state);
+      if (phase_ == Phase::kHaptic) faults_.Latch(Fault::kSession);
+      if (phase_ != Phase::kWaiting || stop) phase_ = Phase::kStopped;
+    }
+    if (active && phase_ == Phase::kWaiting) StartRendering(now);
+    if (phase_ == Phase::kHaptic) {
+      const double error_m = (X_WT_meas.translation() - X_WT_.translation()).norm();
+      statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
+      if (!(error_m <= params_.max_tracking_error_m)) faults_.Latch(Fault::kTracking);
+      if (state.safety_state != 0) faults_.Latch(Fault::kSession);
+      if (stop) StartStopping();
+    }
+
+    if (phase_ == Phase::kHaptic)
+      Render(reading, model, now, record);
+    else if (phase_ == Phase::kStopping)
+      Brake();
+  }
+
+  command.q = ToArray(q_);
+  record.phase = phase_;
+  record.faults = faults_.bits();
+  record.q_meas = state.q_meas;
+  record.q_cmd = command.q;
+  record.X_WT_cmd = X_WT_;
+  record.X_WT_meas = X_WT_meas;
+  record.v_WT_cmd_m_per_s = Vector3(share_ * V_WT_.v);
+  record.spindle_rad_per_s = tool_command().spindle_rad_per_s;
+  return record;
+}
+
+// The arm moves by itself, or rests: commanded is what it commands itself.
+void ServoLoop::Follow(const ArmState& state) OSTEON_RT {
+  q_ = ToVector(state.has_ipo ? state.q_ipo : state.q_meas);
+  q_step_.setZero();
+  X_WT_ = ToolPose(q_);
+  V_WT_ = {};
+  share_ = 0.0;
+}
+
+// No message, so nothing can be answered: the arm holds the last command, and so does the virtual tool.
+void ServoLoop::Miss(ReceiveResult received) OSTEON_RT {
+  if (phase_ == Phase::kWaiting && received == ReceiveResult::kTimeout)
+    return;  // the arm may still be booting
+  ++statistics_.missed_messages;
+  if (!watchdog_.MissArm() && received == ReceiveResult::kTimeout) return;
+  if (phase_ == Phase::kStopped) return;
+  faults_.Latch(Fault::kArmStale);
+  V_WT_ = {};
+  share_ = 0.0;
+  phase_ = Phase::kStopped;
+}
+
+void ServoLoop::StartRendering(rt::Nanoseconds now) OSTEON_RT {
+  phase_ = Phase::kHaptic;
+  arm_angle_rad_ = arm_.ArmAngle(q_);
+  coupling_ = {};
+  rate_trip_.Reset();
+  watchdog_.Start(now);
+}
+
+void ServoLoop::Render(const ForceReading& reading, const simulation::ContactModel& model,
+                       rt::Nanoseconds now, TickRecord& record) OSTEON_RT {
+  const double dt_s = params_.period_s;
+  const Pose X_before = X_WT_;
+
+  // the operator
+  Wrench F_operator_T_W = reading.F_T_W;
+  if (record.sensor_age_s >= safety::kNoAge_s) F_operator_T_W = {};
+  const double sensor_share = watchdog_.SensorShare(record.sensor_age_s);
+
+  // the bone
+  const CouplingOutput coupling = EvaluateCoupling(params_.coupling, model, X_WT_, Scaled(V_WT_, share_), now,
+                                                   params_.spindle_rad_per_s > 0.0, coupling_);
+  record.model_age_s = coupling.age_s;
+  const safety::LimitedWrench limited = wrench_limiter_.Limit(coupling.F_T_W);
+  if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
+
+  Supervise(coupling, F_operator_T_W, record.sensor_age_s, now);
+  if (safety::IsFinite(F_operator_T_W)) record.F_operator_T_W = F_operator_T_W;
+  if (faults_.Any()) {
+    StartStopping();
+    Brake();
+    return;
+  }
+
+  // the law: the model's age slows the operator's force and the motion as it fades the coupling
+  const Wrench F_hand_T_W =
+      PastDeadZone(params_.admittance,
+                   safety::ScaleWrench(F_operator_T_W, sensor_trip_.level_N(), kMostOperatorTorque_Nm).F);
+  const double hand = coupling.fade * sensor_share;
+  const Wrench F_T_W{.f = hand * F_hand_T_W.f + limited.F.f, .t = hand * F_hand_T_W.t + limited.F.t};
+  Twist V_next_WT;
+  if (!NextTwist(params_.admittance, X_WT_, V_WT_, F_T_W, dt_s, V_next_WT)) {
+    faults_.Latch(Fault::kNotFinite);
+    StartStopping();
+    Brake();
+    return;
+  }
+  record.F_coupling_T_W = limited.F;
+  record.wrench_scale = limited.share;
+
+  // speed: of the cell, and never farther on one frame's planes than they reach; slower no harder than a stop
+  safety::TwistLimitParams most = params_.twist;
+  const double sight_m_per_s = params_.model_sight_m / std::max(coupling.age_s, 1e-3);
+  const double braked_m_per_s = V_WT_.v.norm() - params_.stop_deceleration_m_per_s2 * dt_s;
+  most.max_speed_m_per_s = std::min(most.max_speed_m_per_s, std::max(sight_m_per_s, braked_m_per_s));
+  const safety::LimitedTwist slow = safety::LimitTwist(V_next_WT, most);
+  const safety::Workspace::Result inside = workspace_.Limit(X_WT_.translation(), slow.V.v, dt_s);
+  V_WT_ = {.v = inside.v_WT, .w = slow.V.w};
+  share_ = coupling.fade;
+
+  // the joints
+  const double turn = WrapAngle(wanted_arm_angle_rad_ - arm_angle_rad_);
+  const double most_turn = params_.arm_angle_rate_rad_per_s * dt_s * share_;
+  bool joints_scaled = false;
+  if (!Reach(Move(X_WT_, V_WT_, share_ * dt_s), arm_angle_rad_ + std::clamp(turn, -most_turn, most_turn),
+             joints_scaled)) {
+    StartStopping();
+    BrakeJoints();
+  }
+
+  // what came out
+  const double speed_m_per_s = (X_WT_.translation() - X_before.translation()).norm() / dt_s;
+  if (speed_m_per_s > kSpeedSlack * params_.twist.max_speed_m_per_s) faults_.Latch(Fault::kToolSpeed);
+  if (workspace_.Violated(X_WT_.translation())) faults_.Latch(Fault::kWorkspace);
+  if (faults_.Any()) StartStopping();
+
+  ServoStatistics& s = statistics_;
+  s.peak_coupling_force_N = std::max(s.peak_coupling_force_N, limited.F.f.norm());
+  s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, limited.F.t.norm());
+  s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
+  Count(s.wrench, limited.share < 1.0, wrench_acted_);
+  Count(s.twist, slow.share < 1.0, twist_acted_);
+  Count(s.workspace, inside.acted, workspace_acted_);
+  Count(s.joints, joints_scaled, joints_acted_);
+  Count(s.model_age, coupling.fade < 1.0, model_acted_);
+  Count(s.sensor_age, sensor_share < 1.0, sensor_acted_);
+}
+
+void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
+                          rt::Nanoseconds now) OSTEON_RT {
+  faults_.Latch(watchdog_.Check(now, coupling.age_s, sensor_age_s));
+  if (coupling.status == ModelStatus::kDeviceLost) faults_.Latch(Fault::kDevice);
+  if (coupling.status == ModelStatus::kNotCredible) faults_.Latch(Fault::kNotFinite);
+  if (rate_trip_.Check(coupling.F_T_W.f, params_.period_s)) faults_.Latch(Fault::kWrenchRate);
+
+  if (!safety::IsFinite(F_operator_T_W)) {
+    faults_.Latch(Fault::kNotFinite);
+  } else {
+    const double force_N = F_operator_T_W.f.stableNorm();
+    statistics_.peak_sensor_force_N = std::max(statistics_.peak_sensor_force_N, force_N);
+    if (sensor_trip_.Check(force_N)) faults_.Latch(Fault::kSensorForce);
+  }
+}
+
+// Puts the arm at a tool pose as far as the joints may go in a tick, and the virtual tool where the arm then
+// is. False, with the fault latched and nothing moved, where no joint motion leads there.
+bool ServoLoop::Reach(const Pose& X_WT, double arm_angle_rad, bool& scaled) OSTEON_RT {
+  JointVector q_next;
+  if (!arm_.Inverse(X_BW_ * X_WT * X_TF_, arm_angle_rad, q_, q_next)) {
+    faults_.Latch(Fault::kInverseKinematics);
+    return false;
+  }
+  const safety::JointGuard::Result guard = joint_guard_.Limit(q_, q_next - q_, params_.period_s);
+  if (guard.jump || guard.violated) {
+    faults_.Latch(Fault::kJointLimit);
+    return false;
+  }
+  scaled = guard.share < 1.0;
+  q_step_ = guard.step;
+  if (!scaled) {
+    q_ = q_next;
+    X_WT_ = X_WT;
+    arm_angle_rad_ = WrapAngle(arm_angle_rad);
+    return true;
+  }
+  q_ += guard.step;
+  X_WT_ = ToolPose(q_);
+  V_WT_ = Scaled(V_WT_, guard.share);
+  arm_angle_rad_ = arm_.ArmAngle(q_);
+  return true;
+}
+
+// From here on V_WT_ is the velocity of the commanded tool itself.
+void ServoLoop::StartStopping() OSTEON_RT {
+  if (phase_ != Phase::kHaptic) return;
+  phase_ = Phase::kStopping;
+  V_WT_ = Scaled(V_WT_, share_);
+  share_ = 1.0;
+}
+
+void ServoLoop::Brake() OSTEON_RT {
+  if (joint_stop_ticks_ > 0) {
+    BrakeJoints();
+    return;
+  }
+  // the whole twist by one factor: the longer of the two halves' braking times counts
+  const double dt_s = params_.period_s;
+  const double time_s = std::max(V_WT_.v.norm() / params_.stop_deceleration_m_per_s2,
+                                 V_WT_.w.norm() / params_.stop_deceleration_rad_per_s2);
+  V_WT_ = Scaled(V_WT_, time_s > dt_s ? 1.0 - dt_s / time_s : 0.0);
+  if (V_WT_.v.norm() < kRest_m_per_s && V_WT_.w.norm() < kRest_rad_per_s) {
+    V_WT_ = {};
+    q_step_.setZero();
+    phase_ = Phase::kStopped;
+    return;
+  }
+  bool scaled = false;
+  if (!Reach(Move(X_WT_, V_WT_, dt_s), arm_angle_rad_, scaled)) BrakeJoints();
+}
+
+void ServoLoop::BrakeJoints() OSTEON_RT {
+  if (joint_stop_ticks_ == 0)
+    joint_stop_ticks_ = std::max(1, static_cast<int>(std::ceil(params_.joint_stop_s / params_.period_s)));
+  --joint_stop_ticks_;
+  q_step_ *= static_cast<double>(joint_stop_ticks_) / (joint_stop_ticks_ + 1);
+  const safety::JointGuard::Result guard = joint_guard_.Limit(q_, q_step_, params_.period_s);
+  q_step_ = guard.step;
+  q_ += q_step_;
+  const Vector3 p_before = X_WT_.translation();
+  X_WT_ = ToolPose(q_);
+  V_WT_ = {.v = (X_WT_.translation() - p_before) / params_.period_s, .w = Vector3::Zero()};
+  if (joint_stop_ticks_ > 0) return;
+  V_WT_ = {};
+  phase_ = Phase::kStopped;
+}
+
+void ServoLoop::Count(LimitCount& count, bool acts, bool& acted) OSTEON_RT {
+  if (acts) ++count.ticks;
+  if (acts && !acted) ++count.events;
+  acted = acts;
+}
+
+}  // namespace osteon::control

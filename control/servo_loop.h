@@ -1,0 +1,159 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "control/admittance_law.h"
+#include "control/ports.h"
+#include "control/rt/marker.h"
+#include "control/tick_record.h"
+#include "control/virtual_coupling.h"
+#include "kinematics/lbr_arm.h"
+#include "safety/fault.h"
+#include "safety/joint_guard.h"
+#include "safety/limits.h"
+#include "safety/watchdog.h"
+#include "safety/workspace.h"
+#include "simulation/contact_model.h"
+#include "simulation/cutting_engine.h"
+
+namespace osteon::control {
+
+/// Everything that the servo loop can be told. Every field has a usable default.
+struct ServoParams {
+  AdmittanceParams admittance;
+  CouplingParams coupling;
+  safety::WrenchLimitParams wrench;
+  safety::SensorForceParams sensor_force;
+  safety::TwistLimitParams twist;
+  safety::WorkspaceParams workspace;  ///< deceleration: should not exceed the stop's
+  safety::JointGuardParams joints{.limits = kinematics::kIiwa14Limits};
+  safety::WatchdogParams watchdog;
+  double spindle_rad_per_s{26.18};           ///< while rendering; 250 rpm; 0 for a still spindle
+  double stop_deceleration_m_per_s2{3.0};    ///< of the tool in a Stop 1
+  double stop_deceleration_rad_per_s2{8.0};  ///< the same, turning
+  double joint_stop_s{0.1};                  ///< time to rest of a stop along the joints
+  double model_sight_m{
+      1.0e-3};  ///< how far the tool may travel on one frame's planes: their reach beyond the tool
+  double arm_angle_rate_rad_per_s{0.1};  ///< from the arm angle found at the start to the wanted one
+  double max_tracking_error_m{0.03};     ///< measured from commanded tool position
+  double period_s{0.001};                ///< of the arm's messages
+};
+
+/// How often and how long something was held back.
+struct LimitCount {
+  std::uint64_t events{0};  ///< times that it began
+  std::uint64_t ticks{0};   ///< ticks that it lasted, in all
+};
+
+/// Peaks and counts since the start.
+struct ServoStatistics {
+  double peak_coupling_force_N{0.0};  ///< rendered: after every limit, as integrated
+  double peak_coupling_torque_Nm{0.0};
+  double peak_sensor_force_N{0.0};      ///< what the sensor said
+  double peak_tool_speed_m_per_s{0.0};  ///< commanded
+  double peak_tracking_error_m{0.0};
+  LimitCount wrench, twist, workspace, joints, model_age, sensor_age;
+  std::uint64_t active_ticks{0};     ///< messages answered in COMMANDING_ACTIVE
+  std::uint64_t missed_messages{0};  ///< deadlines that passed without one, once commanding
+};
+
+/// The 1 kHz admittance loop of an LBR in position mode, one arm message a tick. Knows no socket and no
+/// clock.
+///
+///     message → pose → ages → coupling → wrench trips and limiter → M a + D v = F_operator + F_coupling
+///             → tool speed, workspace → inverse kinematics → joint guard → command
+///
+///   kWaiting ──COMMANDING_ACTIVE──▶ kHaptic ──fault, RequestStop()──▶ kStopping ──at rest──▶ kStopped
+///
+/// - kWaiting follows the arm's own position. The virtual tool starts from the commanded joints: no jump.
+/// - kHaptic renders. The age of the contact model slows the motion down: with s the coupling's fade, the
+/// operator's force
+///   counts s F, the coupling s F_c (in EvaluateCoupling), the tool moves by s v dt. At s = 0 the tool is
+///   held, whoever pushes, and no energy can be made of a force that is not known.
+/// - kStopping is a Stop 1: the tool's twist is scaled down to rest along its own direction, |v|^2 / 2a;
+/// nothing is rendered
+///   and the spindle is still. Where the tool's path has no joints (kInverseKinematics, kJointLimit) the
+///   joints' own last motion is scaled down instead.
+/// - kStopped holds, and follows the arm again where it leaves COMMANDING_ACTIVE. Only a new loop renders
+/// again.
+///
+/// Whatever limits the motion pulls the virtual tool back with it: commanded and integrated pose are one at
+/// every tick.
+class ServoLoop {
+ public:
+  /// @param X_WB robot base in world  @param X_FT tool on the flange  @param arm_angle_rad wanted in the run
+  /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
+  ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, const Pose& X_WB, const Pose& X_FT,
+            double arm_angle_rad);
+
+  /// One tick. `state` counts where `received` is kOk; otherwise the loop holds.
+  /// @param now on the clock of all stamps
+  /// @param[out] command what to answer; always finite, once one message with finite joints was seen
+  TickRecord Tick(const ArmState& state, ReceiveResult received, const ForceReading& reading,
+                  const simulation::ContactModel& model, rt::Nanoseconds now, ArmCommand& command) OSTEON_RT;
+
+  /// Orderly stop. From any thread, and from a signal handler.
+  void RequestStop() OSTEON_RT { stop_requested_.store(true, std::memory_order_relaxed); }
+
+  /// What the simulation should follow: the commanded tool pose of the last tick.
+  [[nodiscard]] simulation::ToolCommand tool_command() const OSTEON_RT;
+
+  [[nodiscard]] Phase phase() const OSTEON_RT { return phase_; }
+  [[nodiscard]] safety::FaultSet faults() const OSTEON_RT { return faults_; }
+  [[nodiscard]] const ServoStatistics& statistics() const OSTEON_RT { return statistics_; }
+  [[nodiscard]] double max_force_N() const OSTEON_RT { return wrench_limiter_.max_force_N(); }
+
+ private:
+  using JointVector = kinematics::JointVector;
+
+  [[nodiscard]] Pose ToolPose(const JointVector& q) const OSTEON_RT;
+  void Follow(const ArmState& state) OSTEON_RT;
+  void Miss(ReceiveResult received) OSTEON_RT;
+  void StartRendering(rt::Nanoseconds now) OSTEON_RT;
+  void Render(const ForceReading& reading, const simulation::ContactModel& model, rt::Nanoseconds now,
+              TickRecord& record) OSTEON_RT;
+  void Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
+                 rt::Nanoseconds now) OSTEON_RT;
+  void StartStopping() OSTEON_RT;
+  void Brake() OSTEON_RT;
+  void BrakeJoints() OSTEON_RT;
+  [[nodiscard]] bool Reach(const Pose& X_WT, double arm_angle_rad, bool& scaled) OSTEON_RT;
+  void Count(LimitCount& count, bool acts, bool& acted) OSTEON_RT;
+
+  ServoParams params_;
+  kinematics::LbrArm arm_;
+  Pose X_WB_, X_BW_, X_FT_, X_TF_;
+  double wanted_arm_angle_rad_;
+  safety::WrenchLimiter wrench_limiter_;
+  safety::WrenchRateTrip rate_trip_;
+  safety::SensorForceTrip sensor_trip_;
+  safety::Workspace workspace_;
+  safety::JointGuard joint_guard_;
+  safety::Watchdog watchdog_;
+
+  Phase phase_{Phase::kWaiting};
+  safety::FaultSet faults_;
+  ServoStatistics statistics_;
+  CouplingState coupling_;
+  std::uint64_t tick_{0};
+  rt::Nanoseconds now_{0};
+
+  // the virtual tool, and the joints that put the arm there: one and the same pose
+  Pose X_WT_{Pose::Identity()};
+  Twist V_WT_;         ///< of the law, before the share below
+  double share_{0.0};  ///< of V_WT_ that moves the tool
+  JointVector q_{JointVector::Zero()};
+  JointVector q_step_{JointVector::Zero()};  ///< of the last tick
+  double arm_angle_rad_{0.0};
+  int joint_stop_ticks_{0};  ///< left of a stop along the joints; 0: none under way
+
+  // what acted in the tick before
+  bool wrench_acted_{false}, twist_acted_{false}, workspace_acted_{false}, joints_acted_{false},
+      model_acted_{false}, sensor_acted_{false};
+
+  std::atomic<bool> stop_requested_{false};
+  static_assert(std::atomic<bool>::is_always_lock_free);
+};
+
+}  // namespace osteon::control

@@ -1,0 +1,170 @@
+#include "control/virtual_coupling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "kinematics/half_spaces.h"
+#include "safety/limits.h"
+#include "safety/watchdog.h"
+
+namespace osteon::control {
+namespace {
+
+using simulation::Contact;
+using simulation::ContactModel;
+using simulation::kMaxContacts;
+
+// Beyond these a value is noise from a broken sender, not a bone in a cell.
+constexpr double kMostPosition_m = 10.0;
+constexpr double kMostStiffness_N_per_m = 1e7;
+constexpr double kMostAdvance_m_per_s = 1.0;
+constexpr double kMostTorque_Nm = 100.0;
+constexpr double kLongestTick_s = 0.005;  // a longer gap between ticks was a stop of the loop, not cutting
+
+bool Within(double value, double low, double high) { return value >= low && value <= high; }  // false for NaN
+
+bool Within(const Vector3& v, double most) {
+  return Within(v.x(), -most, most) && Within(v.y(), -most, most) && Within(v.z(), -most, most);
+}
+
+ModelStatus Judge(const ContactModel& model) {
+  if (model.status == simulation::EngineStatus::kDeviceLost) return ModelStatus::kDeviceLost;
+  if (model.status != simulation::EngineStatus::kOk) return ModelStatus::kNotCredible;
+  if (model.frame == 0) return ModelStatus::kNone;
+  if (model.contact_count < 0 || model.contact_count > kMaxContacts) return ModelStatus::kNotCredible;
+  if (!Within(model.spindle_torque_Nm, 0.0, kMostTorque_Nm) || !safety::IsFinite(Vector3(model.F_T_W.f)))
+    return ModelStatus::kNotCredible;
+  for (int j = 0; j < model.contact_count; ++j) {
+    const Contact& c = model.contacts[static_cast<std::size_t>(j)];
+    if (!Within(Vector3(c.p_TP_m), kMostPosition_m) || !Within(Vector3(c.p_W_m), kMostPosition_m) ||
+        !Within(Vector3(c.n_W).norm(), 0.999, 1.001) ||
+        !Within(c.stiffness_N_per_m, 0.0, kMostStiffness_N_per_m) ||
+        !Within(c.advance_m_per_s, 0.0, kMostAdvance_m_per_s))
+      return ModelStatus::kNotCredible;
+  }
+  return ModelStatus::kOk;
+}
+
+// Time spent cutting up to a stamp: the newest sample not after it, or the oldest there is.
+double CutUpTo(const CouplingState& state, rt::Nanoseconds stamp) {
+  double cut_s = state.cut_s;
+  for (int back = 1; back <= CouplingState::kHistory; ++back) {
+    const int i = (state.next - back + CouplingState::kHistory) % CouplingState::kHistory;
+    const CouplingState::CutSample& sample = state.history[static_cast<std::size_t>(i)];
+    if (sample.stamp < 0) break;
+    cut_s = sample.cut_s;
+    if (sample.stamp <= stamp) break;
+  }
+  return cut_s;
+}
+
+// Books the time since the last tick as cutting or not, and keeps it for the frames to come.
+double AdvanceTime(CouplingState& state, rt::Nanoseconds now) {
+  const double dt_s = state.last < 0 ? 0.0 : std::min(safety::AgeSeconds(now, state.last), kLongestTick_s);
+  state.last = now;
+  if (std::any_of(state.pressed.begin(), state.pressed.end(), [](bool p) { return p; })) state.cut_s += dt_s;
+  state.history[static_cast<std::size_t>(state.next)] = {.stamp = now, .cut_s = state.cut_s};
+  state.next = (state.next + 1) % CouplingState::kHistory;
+  return dt_s;
+}
+
+}  // namespace
+
+void Validate(const CouplingParams& params) {
+  const auto require = [](const char* name, double value, double low, double high) {
+    if (!Within(value, low, high))
+      throw std::invalid_argument(std::string("coupling ") + name + ": found " + std::to_string(value) +
+                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+  };
+  require("max_stiffness_N_per_m", params.max_stiffness_N_per_m, 1.0, kMostStiffness_N_per_m);
+  require("damping_Ns_per_m", params.damping_Ns_per_m, 0.0, 1e4);
+  require("damping_share", params.damping_share, 0.0, 0.25);
+  require("fresh_s", params.fresh_s, 1e-3, 10.0);
+  require("gone_s", params.gone_s, params.fresh_s + 1e-3, 20.0);
+  require("ramp_s", params.ramp_s, 1e-3, 10.0);
+}
+
+CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel& model, const Pose& X_WT,
+                                const Twist& V_WT, rt::Nanoseconds now, bool spindle_on,
+                                CouplingState& state) OSTEON_RT {
+  CouplingOutput out;
+  const double dt_s = AdvanceTime(state, now);
+
+  // how much of this model still counts
+  out.status = Judge(model);
+  out.age_s = out.status == ModelStatus::kOk ? safety::AgeSeconds(now, model.pose_stamp) : safety::kNoAge_s;
+  const double most_fade = safety::AgeShare(out.age_s, params.fresh_s, params.gone_s);
+  state.fade = std::min(most_fade, state.fade + dt_s / params.ramp_s);
+  out.fade = state.fade;
+  const bool fresh = out.age_s <= params.fresh_s;
+  if (out.status != ModelStatus::kOk || !safety::IsFinite(Vector3(X_WT.translation())) ||
+      !X_WT.linear().allFinite()) {
+    state.pressed.fill(false);
+    return out;
+  }
+
+  // where the planes are now: the frame's, receded
+  const bool new_frame = model.frame != state.frame || model.pose_stamp != state.pose_stamp;
+  const double cut_since_pose_s =
+      new_frame ? std::min(state.cut_s - CutUpTo(state, model.pose_stamp), params.fresh_s) : 0.0;
+  state.frame = model.frame;
+  state.pose_stamp = model.pose_stamp;
+  std::array<HalfSpace, kMaxHalfSpaces> planes;
+  std::array<Vector3, kMaxContacts> arm_W;  // from To to the contact point
+  for (int j = 0; j < model.contact_count; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    const Contact& c = model.contacts[i];
+    const Vector3 n_W = Vector3(c.n_W).normalized();
+    arm_W[i] = X_WT.linear() * Vector3(c.p_TP_m);
+    double gap_m = n_W.dot(arm_W[i] + X_WT.translation() - Vector3(c.p_W_m));
+
+    double& recession_m = state.recession_m[i];
+    if (new_frame) recession_m = 0.0;
+    const double since_s = new_frame ? cut_since_pose_s : (state.pressed[i] && fresh ? dt_s : 0.0);
+    const double penetration_m = std::max(0.0, -(gap_m + recession_m));
+    if (spindle_on) recession_m += std::min(c.advance_m_per_s * since_s, penetration_m);
+    gap_m += recession_m;
+    planes[i] = {.n = n_W, .offset = -gap_m};
+  }
+
+  // spring: the constrained proxy
+  const HalfSpaceProjection proxy = ClosestInHalfSpaces(planes, model.contact_count);
+  out.displacement_W = proxy.point;
+  Wrench spring;
+  for (int j = 0; j < model.contact_count; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    const double k = std::min(model.contacts[i].stiffness_N_per_m, params.max_stiffness_N_per_m);
+    out.normal_force_N[i] = k * proxy.multiplier[i];
+    const Vector3 f = out.normal_force_N[i] * planes[i].n;
+    spring.f += f;
+    spring.t += arm_W[i].cross(f);
+  }
+
+  // damping along the resultant, within a share of the spring; then the age
+  const double spring_N = spring.f.norm();
+  double scale = 0.0;
+  if (spring_N > 0.0) {
+    const double approach_m_per_s = -(spring.f.dot(V_WT.v) + spring.t.dot(V_WT.w)) / spring_N;
+    const double damping = params.damping_Ns_per_m * approach_m_per_s / spring_N;
+    scale = state.fade * (1.0 + (damping > -1.0 ? std::min(damping, params.damping_share) : -1.0));
+  }
+  out.F_T_W = {.f = scale * spring.f, .t = scale * spring.t};
+  for (int j = 0; j < kMaxContacts; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    out.normal_force_N[i] *= scale;
+    const bool presses = out.normal_force_N[i] > 0.0;
+    if (presses) ++out.active_count;
+    state.pressed[i] = presses && spindle_on;
+  }
+
+  // axial torque of the cut, for this tick's force
+  const double frame_N = Vector3(model.F_T_W.f).norm();
+  const double force_N = scale * spring_N;
+  if (spindle_on && force_N > 0.0 && frame_N > 0.0)
+    out.F_T_W.t -= model.spindle_torque_Nm * std::min(1.0, force_N / frame_N) * X_WT.linear().col(2);
+  return out;
+}
+
+}  // namespace osteon::control

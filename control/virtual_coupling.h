@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "control/rt/clock.h"
+#include "control/rt/marker.h"
+#include "kinematics/spatial.h"
+#include "simulation/contact_model.h"
+
+namespace osteon::control {
+
+/// Tuning of EvaluateCoupling. Every field has a usable default.
+struct CouplingParams {
+  double max_stiffness_N_per_m{20e3};  ///< a contact that asks for more is rendered with this
+  double damping_Ns_per_m{100.0};      ///< along the resultant
+  double damping_share{0.25};          ///< damping adds at most this share of the spring's force, 0 … 0.25
+  double fresh_s{0.020};               ///< a model up to this age counts in full, and its planes recede
+  double gone_s{0.060};                ///< at this age nothing is left
+  double ramp_s{0.100};                ///< fastest return from nothing to full
+};
+
+/// @throws std::invalid_argument naming the field, the value found and what is accepted.
+void Validate(const CouplingParams& params);
+
+/// What the coupling remembers between ticks.
+struct CouplingState {
+  static constexpr int kHistory = 64;
+  struct CutSample {
+    rt::Nanoseconds stamp{-1};
+    double cut_s{0.0};  ///< time spent cutting up to the stamp
+  };
+
+  rt::Nanoseconds last{-1};  ///< time of the last tick; -1: none
+  double fade{0.0};          ///< share of the coupling that is rendered, 0 … 1
+  std::uint64_t frame{0};    ///< of the planes below
+  rt::Nanoseconds pose_stamp{-1};
+  std::array<double, simulation::kMaxContacts> recession_m{};  ///< of each plane since pose_stamp
+  std::array<bool, simulation::kMaxContacts> pressed{};        ///< in the last tick, with the spindle on
+  double cut_s{0.0};                                           ///< time with any plane pressed, spindle on
+  std::array<CutSample, kHistory> history{};                   ///< the last ticks' cut_s, a ring
+  int next{0};
+};
+
+/// What is wrong with a model; it then renders nothing.
+enum class ModelStatus : std::uint8_t {
+  kOk,
+  kNone,         ///< no frame yet
+  kNotCredible,  ///< a value is not finite or out of all proportion, or the engine says that its input was
+  kDeviceLost,
+};
+
+/// One tick's result.
+struct CouplingOutput {
+  Wrench F_T_W;  ///< on the tool, at To, in W; faded, not yet limited
+  std::array<double, simulation::kMaxContacts> normal_force_N{};  ///< of each contact along its n, >= 0
+  int active_count{0};                                            ///< contacts that press
+  double age_s{0.0};                                              ///< of the model's pose
+  double fade{0.0};                                               ///< share rendered, 0 … 1
+  Vector3 displacement_W{Vector3::Zero()};                        ///< delta: from the tool to its proxy [m]
+  ModelStatus status{ModelStatus::kNone};
+};
+
+/// Virtual coupling of the tool with the planes of the newest contact model, evaluated in every tick.
+///
+///     g_j   = n_j·(X_WT p_TP_j - p_W_j) + r_j                  gap, r_j the plane's recession
+///     delta = min |delta|, n_j·delta >= -g_j  =  sum l_j n_j   the constrained proxy is at p_WT + delta
+///     f     = c sum K_j l_j n_j,   t = c sum (X_WT p_TP_j - p_WTo) × K_j l_j n_j
+///     c     = fade (1 + clamp(b nu / |f_s|, -1, damping_share)),  nu = -(f_s·v + t_s·w) / |f_s|
+///
+/// Damping scales the whole spring wrench (f_s, t_s): it acts along the resultant alone, takes power b nu^2
+/// and never makes the surface pull (c >= 0). As it adds a share of the spring's force at most, a fresh
+/// contact has no step (safety::WrenchRateTrip). Equal stiffnesses make f_s = K delta.
+///
+/// Recession. r_j grows by advance_j dt where the contact pressed in this tick with the spindle on and the
+/// model is younger than fresh_s, never by more than the penetration that is left. A new frame's planes are
+/// as old as its pose; the time spent cutting since that pose (of any contact: the frames' contacts have no
+/// common names) gives them the recession they would have had, so that the hand-over has no step.
+///
+/// Age. fade is 1 up to fresh_s and falls linearly to 0 at gone_s, at once; it rises no faster than 1/ramp_s.
+///
+/// Axial torque of the cut: a spindle that turns about +z of T feels -spindle_torque z, in proportion to this
+/// tick's force over the frame's; zero with the spindle still or no contact.
+///
+/// No friction is rendered: under a turning reamer it acts along the spindle's speed and is the axial torque;
+/// a regularised friction for a still spindle has the gain mu F / v_0, beyond what a sampled loop can keep
+/// passive at 200 N.
+///
+/// @param X_WT  tool pose; its rotation orthonormal  @param V_WT  velocity of T at To, in W
+/// @param now   on the clock of model.pose_stamp; not decreasing
+/// @returns finite values for every model, whatever its bits. A model that is not credible renders nothing.
+[[nodiscard]] CouplingOutput EvaluateCoupling(const CouplingParams& params,
+                                              const simulation::ContactModel& model, const Pose& X_WT,
+                                              const Twist& V_WT, rt::Nanoseconds now, bool spindle_on,
+                                              CouplingState& state) OSTEON_RT;
+
+}  // namespace osteon::control

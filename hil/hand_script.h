@@ -1,0 +1,102 @@
+#pragma once
+
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "kinematics/spatial.h"
+
+namespace osteon::hil {
+
+/// Where a phase of a script ends. Heights are of the tool's apex along the cup's axis, 0 where the centre of
+/// the reamer's head meets the cup's centre, positive out of the cup.
+struct HandKey {
+  double height_m{0.0};
+  double force_limit_N{0.0};  ///< bound on the force along the cup's axis
+  double tilt_rad{0.0};       ///< of the tool's axis away from the cup's
+  double grip{1.0};           ///< share of the hand's wrench that reaches the tool, 0 … 1
+};
+
+struct HandPhase {
+  std::string name;
+  double duration_s{0.0};
+  HandKey end;
+};
+
+/// What the hand wants at one moment.
+struct HandTarget {
+  Pose X_WT{Pose::Identity()};  ///< where it pulls the tool
+  Twist V_WT;                   ///< of T at that pose, in W
+  double height_m{0.0};
+  double force_limit_N{0.0};
+  double grip{0.0};
+};
+
+/// A hand's intentions over time: phases that blend from key to key.
+///
+/// Each figure of a key runs through a phase along the quintic s(u) = 10 u^3 - 15 u^4 + 6 u^5 of the phase's
+/// elapsed share, which is at rest, without acceleration, at both ends: targets are twice continuously
+/// differentiable in time. The tilt's direction turns at constant speed ("whirlwind"), about the centre of
+/// the head, which stays on the cup's axis:
+///
+///     R_CT = R_x(pi) R_z(yaw) Exp(tilt(t) (cos p, sin p, 0)),   p = 2 pi t / whirl_period
+class HandScript {
+ public:
+  /// @param X_WC the cup; @param head_radius_m of the reamer.
+  /// @throws std::invalid_argument on a duration, radius or period that is not positive, or a grip outside 0
+  /// … 1.
+  HandScript(const Pose& X_WC, double head_radius_m, double tool_yaw_rad, double whirl_period_s,
+             const HandKey& start, std::vector<HandPhase> phases);
+
+  /// The target at a time since the script began [s]; before and after it the first and the last.
+  [[nodiscard]] HandTarget Sample(double time_s) const noexcept;
+
+  /// The phase's name at that time; "done" after the last.
+  [[nodiscard]] const char* PhaseName(double time_s) const noexcept;
+
+  [[nodiscard]] double duration_s() const { return duration_s_; }
+  [[nodiscard]] double head_radius_m() const { return head_radius_m_; }
+  [[nodiscard]] const Pose& X_WC() const { return X_WC_; }
+  [[nodiscard]] const HandKey& start() const { return start_; }
+  [[nodiscard]] const std::vector<HandPhase>& phases() const { return phases_; }
+
+ private:
+  Pose X_WC_;
+  double head_radius_m_;
+  double whirl_rad_per_s_;
+  HandKey start_;
+  std::vector<HandPhase> phases_;
+  double duration_s_{0.0};
+  Matrix3 R_WT_upright_;
+};
+
+/// The reaming of one acetabulum.
+struct ReamingScriptParams {
+  PlainPose X_WC{};  ///< the cup: centre of its sphere, +z out of the opening
+  double head_radius_m{0.025};
+  double tool_yaw_rad{0.0};      ///< turns the tool about its axis, e.g. to suit the wrist
+  double seconds{10.0};          ///< >= 0.1
+  double start_height_m{0.040};  ///< heights as in HandKey
+  double retract_height_m{0.030};
+  double full_force_depth_m{
+      0.010};  ///< the push is at full force down to this far below height 0, then fades
+  double push_force_N{120.0};
+  double approach_force_N{20.0};
+  double tilt_rad{10.0 * std::numbers::pi / 180.0};
+  double whirl_period_s{2.0};
+  double hand_stiffness_N_per_m{2000.0};  ///< of the hand that will follow the script
+  double max_target_m_per_s{0.2};         ///< targets of a short script fall short rather than move faster
+  double max_tilt_rad_per_s{0.5};
+};
+
+/// Approach, force ramp, push with whirlwind, unload, retract, scaled to any length. Of 10 s: 1 s of approach
+/// to height 0, 0.7 s of ramp, 7.1 s of push (the tilt grows and fades in 0.8 s each), 0.4 s of unloading,
+/// 0.8 s of retreat.
+///
+/// The push: the target goes below the cup by full_force_depth + push_force / stiffness, so that the hand's
+/// spring asks for more than the force limit, which then is the force; a hand that breaks through ends there,
+/// and not at the table.
+/// @throws std::invalid_argument, naming the parameter and what is accepted.
+[[nodiscard]] HandScript MakeReamingScript(const ReamingScriptParams& params);
+
+}  // namespace osteon::hil

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace osteon::hil {
+
+/// When the simulated arm trusts the connection. KUKA publishes neither which losses cost which quality nor
+/// how many end COMMANDING; this is ours, explicit, to be varied in tests. Reference points: iiQKA tolerates
+/// 5 lost in a row and 25 a second; Franka stops after 20 missed.
+///
+/// Counted over the answers due in the last second:
+///
+///     POOR       fewer than fair_after_answers, or end_after_lost_in_a_row missing at this moment
+///     FAIR       at least fair_after_answers answered
+///     GOOD       at least good_after_answers answered and at most good_max_lost_per_s lost
+///     EXCELLENT  at least excellent_after_answers answered and none lost
+struct QualityPolicyParams {
+  int fair_after_answers{10};
+  int good_after_answers{50};
+  int excellent_after_answers{90};
+  int good_max_lost_per_s{10};
+  int end_after_lost_in_a_row{5};  ///< this many lost in a row end the commanding states
+  int end_after_lost_per_s{25};    ///< this many lost within a second end them as well
+  double good_timeout_s{10.0};     ///< an opened session that is not GOOD by then is closed
+};
+
+/// One answer that was due.
+enum class Answer : std::uint8_t {
+  kExcused,  ///< none came, and the arm itself is to blame
+  kReceived,
+  kLost,
+};
+
+/// Counts the answers of the last second and derives the connection quality from them.
+class LinkQuality {
+ public:
+  static constexpr int kMaxWindow = 1000;
+
+  /// @param answers_per_s answers due in one second, 1 … kMaxWindow.
+  /// @throws std::invalid_argument where a level of the policy can not be reached.
+  LinkQuality(const QualityPolicyParams& params, int answers_per_s);
+
+  void Reset();
+  void Add(Answer answer);
+
+  [[nodiscard]] int level() const;  ///< 0 poor, 1 fair, 2 good, 3 excellent
+  [[nodiscard]] int lost_in_a_row() const { return lost_in_a_row_; }
+  [[nodiscard]] int lost_per_s() const { return lost_; }
+  [[nodiscard]] bool TooManyInARow() const { return lost_in_a_row_ >= params_.end_after_lost_in_a_row; }
+  [[nodiscard]] bool TooManyPerSecond() const { return lost_ >= params_.end_after_lost_per_s; }
+
+ private:
+  QualityPolicyParams params_;
+  int window_;
+  std::array<Answer, kMaxWindow> history_{};
+  int next_{0};
+  int answered_{0}, lost_{0}, lost_in_a_row_{0};
+};
+
+}  // namespace osteon::hil

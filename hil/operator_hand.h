@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "hil/hand_script.h"
+#include "kinematics/spatial.h"
+
+namespace osteon::hil {
+
+/// The operator's arm and grip. Published human arms spread over k 50 … 10000 N/m, b 2 … 80 N s/m, m 0.3 … 4
+/// kg.
+struct OperatorHandParams {
+  double stiffness_N_per_m{2000.0};
+  double damping_Ns_per_m{60.0};
+  double mass_kg{1.5};
+  double stiffness_Nm_per_rad{20.0};
+  double damping_Nms_per_rad{0.8};
+  double inertia_kgm2{0.01};
+  double grip_time_s{0.005};  ///< how fast the handle takes the hand's mass along
+  double max_force_N{150.0};  ///< what the hand can do at all; directions are kept
+  double max_torque_Nm{10.0};
+  double tremor_N{0.0};  ///< peak of the tremor's force along each axis; 0: none
+  std::uint64_t tremor_seed{1};
+};
+
+/// A hand that holds the tool and follows a script: an impedance toward the script's target, with a mass.
+///
+/// At the centre of the reamer's head, which is what a surgeon guides (the tool is rigid, so where the hand
+/// really holds it changes nothing), with n the cup's axis and x the head's centre:
+///
+///     f = k (x_target - x) + b (v_target - v) - f_mass,   n·f bounded by the script's force limit
+///     t = k_r R_WT log(R_T,target) + b_r (w_target - w) - t_mass
+///
+/// **The push** is that bound: the script's target lies out of reach, so that the hand presses with what the
+/// script allows and follows across the axis with its spring. Measured acceleration times mass would need a
+/// derivative of a measured speed, and would close a loop of gain mass / virtual mass through the arm's lag.
+/// So **the mass** hangs on the handle by a damper, as flesh does: its own speed v_m is the state,
+///
+///     f_mass = m v_m' = (m / tau) (v - v_m),   tau = grip_time_s
+///
+/// passive for every tau > 0, and a pure mass below 1 / (2 pi tau) = 32 Hz. The step is backward Euler,
+/// stable and passive at any period. Then f and t are carried to the tool's origin, scaled by the grip, and
+/// limited to what a hand can do.
+class OperatorHand {
+ public:
+  /// @throws std::invalid_argument on a parameter out of range.
+  OperatorHand(const OperatorHandParams& params, HandScript script);
+
+  /// Starts the script, with the tool and the hand at rest.
+  void Begin() noexcept;
+
+  /// One period.
+  /// @param time_s since Begin; @param period_s > 0.
+  /// @param X_WT tool pose; @param V_WT velocity of T, in W.
+  /// @returns F_T_W: what the hand exerts on the tool, at T's origin, in W. |f| <= max_force, |f·n| <= the
+  /// script's force
+  ///   limit at time_s, |t| <= max_torque. Finite for finite input.
+  [[nodiscard]] Wrench Step(double time_s, double period_s, const Pose& X_WT, const Twist& V_WT) noexcept;
+
+  [[nodiscard]] const HandScript& script() const { return script_; }
+
+ private:
+  [[nodiscard]] Vector3 Tremor(double time_s) const noexcept;
+
+  OperatorHandParams params_;
+  HandScript script_;
+  Twist V_mass_;                                           // of the hand's mass, at the head's centre
+  std::array<std::array<double, 3>, 3> tremor_phase_rad_;  // axis, line of the spectrum
+};
+
+}  // namespace osteon::hil

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "control/ports.h"
+#include "control/rt/latest_value.h"
+#include "hil/fri_server.h"
+#include "hil/operator_hand.h"
+#include "hil/servo_arm.h"
+#include "kinematics/lbr_arm.h"
+
+namespace osteon::hil {
+
+/// What plays the device.
+struct SimulatedCellParams {
+  kinematics::LbrParams arm{};
+  ServoArmParams servo{};
+  FriServerParams fri{};
+  OperatorHandParams hand{};
+  PlainPose X_WB{};               ///< robot base in world
+  PlainPose X_FT{};               ///< tool in flange
+  control::JointArray q_start{};  ///< [rad]
+};
+
+/// A force sensor whose readings come from a simulated cell. One writer thread (Store), one reader thread
+/// (Latest); both may be the same.
+class SimulatedForceSensor final : public control::ForceSensor {
+ public:
+  void Store(const control::ForceReading& reading) OSTEON_RT { reading_.Store(reading); }
+  [[nodiscard]] control::ForceReading Latest() OSTEON_RT override { return reading_.Load(); }
+
+ private:
+  rt::LatestValue<control::ForceReading> reading_;
+};
+
+/// What the cell looks like after a step. Plain data.
+struct CellState {
+  std::uint64_t cycle{0};
+  rt::Nanoseconds stamp{0};
+  control::SessionState session{control::SessionState::kIdle};
+  bool active_once{false};  ///< COMMANDING_ACTIVE was reached
+  double cell_time_s{0.0};  ///< since COMMANDING_ACTIVE last began, in periods: the script's time
+  bool script_done{false};
+  FriCounters counters;
+  StopReport stop;
+  control::JointArray q_meas{}, q_cmd{};  ///< [rad]
+  PlainPose X_WT_meas;
+  PlainWrench F_hand_T_W;  ///< what the hand exerts on the tool, at T's origin, in W
+};
+
+/// Arm, operator and ideal force sensor of the cell, in lockstep: one Step() a period, bytes in and bytes
+/// out. The same in wall time (SimulatedCellThread) and in virtual time. Two runs with the same input give
+/// the same bytes.
+///
+/// The arm is "lagging servo" (ServoArm): stiff against the hand, whose wrench reaches the client through the
+/// sensor alone. There is no bone here: in admittance the contact is virtual, and the hand feels it as the
+/// arm's motion.
+///
+/// The hand takes hold when COMMANDING_ACTIVE begins, and lets go when it ends.
+class SimulatedCell {
+ public:
+  /// Opens the session. @throws std::invalid_argument from the parts, on a parameter out of range.
+  SimulatedCell(const SimulatedCellParams& params, HandScript script);
+
+  /// One datagram of the client. True where it answers the current message.
+  bool Receive(std::span<const std::uint8_t> datagram) { return server_.Receive(datagram); }
+
+  /// One period: the client's answer, the arm, the hand, the sensor, the next message.
+  /// @param now time of the message and of the sensor's reading; >= 0.
+  /// @param client_had_its_time false where this side was late: a missing answer is then not held against the
+  /// client.
+  /// @returns the datagram to send, valid until the next call; empty once the session is closed.
+  std::span<const std::uint8_t> Step(rt::Nanoseconds now, bool client_had_its_time = true);
+
+  [[nodiscard]] const CellState& state() const { return state_; }
+  [[nodiscard]] control::ForceReading force() const { return {state_.stamp, state_.F_hand_T_W}; }
+  [[nodiscard]] double period_s() const { return server_.period_s(); }
+  [[nodiscard]] const HandScript& script() const { return hand_.script(); }
+
+ private:
+  kinematics::LbrArm arm_;
+  Pose X_WB_, X_FT_;
+  FriServer server_;
+  ServoArm servo_;
+  OperatorHand hand_;
+  std::uint64_t active_cycles_{0};
+  CellState state_;
+};
+
+}  // namespace osteon::hil

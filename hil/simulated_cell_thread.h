@@ -1,0 +1,73 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <thread>
+
+#include "control/rt/latest_value.h"
+#include "hil/simulated_cell.h"
+
+namespace osteon::hil {
+
+struct CellThreadParams {
+  std::string client_address{
+      "127.0.0.1"};                  ///< dotted IPv4; the loopback unless the client really is elsewhere
+  std::uint16_t client_port{30200};  ///< where the client listens
+  int realtime_priority{80};         ///< SCHED_FIFO, 1 … 99; 0: do not ask
+};
+
+/// What the thread did. Plain data.
+struct CellThreadStatistics {
+  CellState cell;
+  std::uint64_t overruns{0};  ///< cycles in which this thread itself woke more than half a period late
+  rt::Nanoseconds worst_wakeup_ns{0};
+  std::uint64_t undelivered{0};  ///< messages that the system could not hand on, e.g. as nobody listens yet
+  bool realtime{false};          ///< the priority was granted
+};
+
+/// The simulated cell in wall time: its own thread, FRI over a UDP socket, an absolute 1 ms schedule.
+///
+/// The arm is the clock: it sends, sleeps until its next period and then reads what the client answered. Only
+/// the client's address is listened to (the socket is connected to it; the system drops the rest).
+///
+/// **Whose lateness.** A cycle is held against the client only if this thread woke on time and the client had
+/// a whole period from the message: where the message left late within its period, the thread waits that much
+/// longer for a missing answer. Woken more than half a period late, it counts an overrun of its own, excuses
+/// a missing answer, and begins its schedule anew instead of sending the missed cycles in a burst.
+class SimulatedCellThread {
+ public:
+  /// Starts at once. @throws std::system_error where there is no socket, std::invalid_argument on the address
+  /// or port.
+  SimulatedCellThread(const CellThreadParams& params, SimulatedCell cell);
+  ~SimulatedCellThread();
+  SimulatedCellThread(const SimulatedCellThread&) = delete;
+  SimulatedCellThread& operator=(const SimulatedCellThread&) = delete;
+
+  /// Ends the thread after its present period; the socket closes. Safe to call twice.
+  void Stop();
+
+  /// The force sensor; one reader thread.
+  [[nodiscard]] control::ForceSensor& sensor() { return sensor_; }
+
+  /// The newest state; one reader thread (not necessarily the sensor's). Complete after Stop().
+  [[nodiscard]] const CellThreadStatistics& statistics() { return published_.Load(); }
+
+  /// The port that this side sends from.
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+
+ private:
+  void Run();
+  bool ReceiveAll(CellThreadStatistics& statistics);
+
+  CellThreadParams params_;
+  SimulatedCell cell_;
+  int socket_{-1};
+  std::uint16_t port_{0};
+  SimulatedForceSensor sensor_;
+  rt::LatestValue<CellThreadStatistics> published_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace osteon::hil

@@ -1,0 +1,48 @@
+#include "safety/fault.h"
+
+namespace osteon::safety {
+
+FaultText Describe(Fault fault) {
+  switch (fault) {
+    case Fault::kNone:
+      return {"none", "runs", "nothing to clear"};
+    case Fault::kArmStale:
+      return {"arm message stale", "holds the last command, then Stop 1",
+              "check cable and controller, restart the session"};
+    case Fault::kModelStale:
+      return {"contact model stale", "holds the tool, then Stop 1",
+              "check the simulation's load and device, restart the session"};
+    case Fault::kSensorStale:
+      return {"force sensor stale", "fades the operator's force, then Stop 1",
+              "check the sensor's cable and supply, restart the session"};
+    case Fault::kWrenchRate:
+      return {"coupling wrench rate", "Stop 1",
+              "retract by hand guiding, check stiffness against speed limit, restart the session"};
+    case Fault::kSensorForce:
+      return {"sensor force above limit", "Stop 1", "release the handle, restart the session"};
+    case Fault::kToolSpeed:
+      return {"tool speed above limit", "Stop 1", "check limits and inverse kinematics, restart the session"};
+    case Fault::kWorkspace:
+      return {"tool outside workspace", "Stop 1", "guide the tool back inside, restart the session"};
+    case Fault::kJointLimit:
+      return {"joint limit", "Stop 1 along the joints' last motion",
+              "guide the joint away from its limit, restart the session"};
+    case Fault::kInverseKinematics:
+      return {"no joint solution", "Stop 1 along the joints' last motion",
+              "guide the arm to a pose within reach, restart the session"};
+    case Fault::kSession:
+      return {"arm left COMMANDING_ACTIVE", "follows the arm's own position, commands nothing",
+              "clear the arm's own stop, restart the session"};
+    case Fault::kDevice:
+      return {"simulation device lost", "Stop 1", "restart the simulation's device and the session"};
+    case Fault::kNotFinite:
+      return {"value not finite or not credible", "drops the value, Stop 1",
+              "look at the recording's last ticks for its source, restart the session"};
+    case Fault::kTracking:
+      return {"arm far from its command", "Stop 1",
+              "check for a collision or a payload error, restart the session"};
+  }
+  return {"unknown fault", "Stop 1", "restart the session"};
+}
+
+}  // namespace osteon::safety

@@ -1,0 +1,57 @@
+#include "safety/joint_guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "safety/limits.h"
+
+namespace osteon::safety {
+
+JointGuard::JointGuard(const JointGuardParams& params) : params_(params) {
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
+  for (std::size_t i = 0; i < params.limits.size(); ++i) {
+    const kinematics::JointLimit& limit = params.limits[i];
+    if (!positive(limit.position_rad) || !positive(limit.velocity_rad_per_s) ||
+        !positive(limit.acceleration_rad_per_s2))
+      throw std::invalid_argument(
+          "joint A" + std::to_string(i + 1) + ": found position " + std::to_string(limit.position_rad) +
+          " rad, velocity " + std::to_string(limit.velocity_rad_per_s) + " rad/s, acceleration " +
+          std::to_string(limit.acceleration_rad_per_s2) + " rad/s^2, accepted > 0 each");
+    if (!(params.position_margin_rad >= 0.0 && params.position_margin_rad < limit.position_rad))
+      throw std::invalid_argument("position_margin_rad: found " + std::to_string(params.position_margin_rad) +
+                                  ", accepted 0 … below every position limit");
+  }
+  if (!(params.speed_share > 0.0 && params.speed_share <= 1.0))
+    throw std::invalid_argument("speed_share: found " + std::to_string(params.speed_share) +
+                                ", accepted 0 … 1");
+  if (!positive(params.jump_rad))
+    throw std::invalid_argument("jump_rad: found " + std::to_string(params.jump_rad) + ", accepted > 0");
+}
+
+JointGuard::Result JointGuard::Limit(const kinematics::JointVector& q,
+                                     const kinematics::JointVector& wanted_step_rad,
+                                     double dt_s) const OSTEON_RT {
+  Result result;
+  for (int i = 0; i < 7; ++i) {
+    const kinematics::JointLimit& limit = params_.limits[static_cast<std::size_t>(i)];
+    const double step = wanted_step_rad[i];
+    if (!std::isfinite(q[i]) || !(std::abs(step) <= params_.jump_rad)) {
+      result.jump = true;
+      result.share = 0.0;
+      return result;
+    }
+    if (std::abs(q[i]) > limit.position_rad) result.violated = true;
+
+    const double distance =
+        limit.position_rad - params_.position_margin_rad - std::copysign(1.0, step) * q[i];
+    const double speed = std::min(params_.speed_share * limit.velocity_rad_per_s,
+                                  BrakingSpeed(distance, limit.acceleration_rad_per_s2, dt_s));
+    if (std::abs(step) > speed * dt_s) result.share = std::min(result.share, speed * dt_s / std::abs(step));
+  }
+  result.step = result.share * wanted_step_rad;
+  return result;
+}
+
+}  // namespace osteon::safety

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+
+#include "control/rt/marker.h"
+#include "kinematics/lbr_arm.h"
+
+namespace osteon::safety {
+
+struct JointGuardParams {
+  std::array<kinematics::JointLimit, 7> limits{};  ///< the arm's own; position, velocity, acceleration > 0
+  double position_margin_rad{0.0174532925199433};  ///< kept from the position limit (1 deg); >= 0
+  double speed_share{0.9};                         ///< of the velocity limit that a command may use, (0, 1]
+  double jump_rad{0.1};  ///< a step of one joint beyond this is no motion but another branch; > 0
+};
+
+/// Keeps a joint step within position, speed and step limits by scaling the whole step: the arm goes slower
+/// on the same path; a single joint is never clipped, which would turn the tool's direction.
+///
+/// Toward a position limit joint i may move at BrakingSpeed(distance, acceleration_i): one cycle's motion v
+/// dt and the braking after it both fit before the limit.
+class JointGuard {
+ public:
+  /// @throws std::invalid_argument where a value is out of range, naming the joint.
+  explicit JointGuard(const JointGuardParams& params);
+
+  struct Result {
+    kinematics::JointVector step{kinematics::JointVector::Zero()};  ///< [rad]
+    double share{1.0};                                              ///< of the wanted step, 0 … 1
+    bool jump{false};      ///< a joint's wanted step was beyond jump_rad, or not finite; step is then zero
+    bool violated{false};  ///< q is outside the arm's own position limits
+  };
+  [[nodiscard]] Result Limit(const kinematics::JointVector& q, const kinematics::JointVector& wanted_step_rad,
+                             double dt_s) const OSTEON_RT;
+
+ private:
+  JointGuardParams params_;
+};
+
+}  // namespace osteon::safety

@@ -1,0 +1,100 @@
+#include "safety/limits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::safety {
+namespace {
+
+// Rounding in norm, quotient and product may each add half an ulp; this takes the result below the limit.
+constexpr double kRoundDown = 1.0 - 1e-15;
+
+// |v| without overflow for components up to the largest double (where it may be infinite, which scales to
+// zero).
+double SafeNorm(const Vector3& v) {
+  const double largest = v.cwiseAbs().maxCoeff();
+  return largest > 1e100 ? largest * (v / largest).norm() : v.norm();
+}
+
+double ShareWithin(const Vector3& v, double limit) {
+  const double size = SafeNorm(v);
+  return size > limit ? limit / size * kRoundDown : 1.0;
+}
+
+void RequirePositive(double value, const char* name) {
+  if (!(value > 0.0) || !std::isfinite(value))
+    throw std::invalid_argument(std::string(name) + ": found " + std::to_string(value) +
+                                ", accepted > 0 and finite");
+}
+
+}  // namespace
+
+bool IsFinite(const Vector3& v) OSTEON_RT {
+  return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
+}
+bool IsFinite(const Wrench& F) OSTEON_RT { return IsFinite(F.f) && IsFinite(F.t); }
+bool IsFinite(const Twist& V) OSTEON_RT { return IsFinite(V.v) && IsFinite(V.w); }
+
+LimitedWrench ScaleWrench(const Wrench& F, double max_force_N, double max_torque_Nm) OSTEON_RT {
+  if (!IsFinite(F)) return {.F = {}, .share = 0.0};
+  const double share = std::min(ShareWithin(F.f, max_force_N), ShareWithin(F.t, max_torque_Nm));
+  if (share == 1.0) return {.F = F, .share = 1.0};
+  return {.F = {.f = share * F.f, .t = share * F.t}, .share = share};
+}
+
+WrenchLimiter::WrenchLimiter(const WrenchLimitParams& params) : params_(params) {
+  RequirePositive(params.max_force_N, "max_force_N");
+  RequirePositive(params.max_torque_Nm, "max_torque_Nm");
+  params_.max_force_N = std::min(params.max_force_N, kForceCeiling_N);
+}
+
+LimitedWrench WrenchLimiter::Limit(const Wrench& F) const OSTEON_RT {
+  return ScaleWrench(F, params_.max_force_N, params_.max_torque_Nm);
+}
+
+WrenchRateTrip::WrenchRateTrip(double stiffness_N_per_m, double max_speed_m_per_s)
+    : max_rate_N_per_s_(1.5 * stiffness_N_per_m * max_speed_m_per_s) {
+  RequirePositive(stiffness_N_per_m, "stiffness_N_per_m");
+  RequirePositive(max_speed_m_per_s, "max_speed_m_per_s");
+}
+
+bool WrenchRateTrip::Check(const Vector3& f_N, double dt_s) OSTEON_RT {
+  if (!IsFinite(f_N)) return true;
+  const double before_squared = before_N_.squaredNorm();
+  const double s = before_squared > 0.0 ? std::clamp(f_N.dot(before_N_) / before_squared, 0.0, 1.0) : 0.0;
+  const double growth_N = SafeNorm(f_N - s * before_N_);
+  // what comes next is judged against a force of sane size, or one huge value would make the squares overflow
+  before_N_ = ScaleWrench({.f = f_N, .t = Vector3::Zero()}, 1e6, 1.0).F.f;
+  return !(growth_N <= max_rate_N_per_s_ * dt_s);
+}
+
+SensorForceTrip::SensorForceTrip(const SensorForceParams& params, double max_force_N)
+    : level_N_(max_force_N + params.margin_N), ticks_(params.ticks) {
+  RequirePositive(max_force_N, "max_force_N");
+  RequirePositive(params.margin_N, "margin_N");
+  if (params.ticks < 1)
+    throw std::invalid_argument("ticks: found " + std::to_string(params.ticks) + ", accepted >= 1");
+}
+
+bool SensorForceTrip::Check(double force_N) OSTEON_RT {
+  count_ = force_N <= level_N_ ? 0 : std::min(count_ + 1, ticks_);  // NaN counts as beyond
+  return count_ >= ticks_;
+}
+
+LimitedTwist LimitTwist(const Twist& V, const TwistLimitParams& params) OSTEON_RT {
+  if (!IsFinite(V)) return {.V = {}, .share = 0.0};
+  const double share =
+      std::min(ShareWithin(V.v, params.max_speed_m_per_s), ShareWithin(V.w, params.max_turn_rad_per_s));
+  if (share == 1.0) return {.V = V, .share = 1.0};
+  return {.V = {.v = share * V.v, .w = share * V.w}, .share = share};
+}
+
+double BrakingSpeed(double distance, double deceleration, double dt_s) OSTEON_RT {
+  if (!(distance > 0.0)) return 0.0;
+  const double reach = deceleration * dt_s;
+  return std::sqrt(reach * reach + 2.0 * deceleration * distance) - reach;
+}
+
+}  // namespace osteon::safety

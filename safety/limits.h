@@ -1,0 +1,117 @@
+#pragma once
+
+#include <cstdint>
+
+#include "control/rt/marker.h"
+#include "kinematics/spatial.h"
+
+// Bounds on what the loop renders and commands. A limiter scales a whole wrench or twist and keeps its
+// direction; a trip changes nothing and says that the cell must stop.
+
+namespace osteon::safety {
+
+/// No cell may be configured to render more than this.
+inline constexpr double kForceCeiling_N = 200.0;
+
+/// True where every component is finite.
+[[nodiscard]] bool IsFinite(const Vector3& v) OSTEON_RT;
+[[nodiscard]] bool IsFinite(const Wrench& F) OSTEON_RT;
+[[nodiscard]] bool IsFinite(const Twist& V) OSTEON_RT;
+
+struct LimitedWrench {
+  Wrench F;
+  double share{1.0};  ///< of the wrench that was let through, 0 … 1; 0 where it was not finite
+};
+
+/// Scales the whole wrench so that |f| <= max_force_N and |t| <= max_torque_Nm hold to the last bit:
+///
+///     s = min(1, max_force_N / |f|, max_torque_Nm / |t|),   F' = s F
+///
+/// Correct for every finite input up to the largest double. A wrench that is not finite becomes zero.
+[[nodiscard]] LimitedWrench ScaleWrench(const Wrench& F, double max_force_N, double max_torque_Nm) OSTEON_RT;
+
+struct WrenchLimitParams {
+  double max_force_N{kForceCeiling_N};  ///< > 0; above the ceiling the ceiling holds
+  double max_torque_Nm{20.0};           ///< > 0
+};
+
+/// Limits the coupling wrench before a law integrates or an arm receives it.
+class WrenchLimiter {
+ public:
+  /// @throws std::invalid_argument where a limit is not positive.
+  explicit WrenchLimiter(const WrenchLimitParams& params);
+
+  [[nodiscard]] LimitedWrench Limit(const Wrench& F) const OSTEON_RT;
+  /// The limit in force: the smaller of the parameter and kForceCeiling_N.
+  [[nodiscard]] double max_force_N() const OSTEON_RT { return params_.max_force_N; }
+  [[nodiscard]] double max_torque_Nm() const OSTEON_RT { return params_.max_torque_Nm; }
+
+ private:
+  WrenchLimitParams params_;
+};
+
+/// Trips where the coupling force grows or turns faster than any legitimate contact: above 1.5 K v_max.
+///
+///     growth = min over s in [0, 1] of |f - s f_before|,   trip where growth > 1.5 K v_max dt
+///
+/// A force that falls along its own line has no growth, however fast it falls; a force that turns or reverses
+/// has. The displacement of a constrained proxy is 1-Lipschitz in the tool's position, so that a fresh
+/// contact at v_max raises the spring's force by K v_max at most; the coupling's damping may add a share of
+/// the spring's force (a quarter by default) and no more, which is 1.25 K v_max. The rest of the 1.5 is for
+/// rotation.
+class WrenchRateTrip {
+ public:
+  /// @param stiffness_N_per_m  K, the stiffest contact that is rendered; @param max_speed_m_per_s  v_max, of
+  /// the tool.
+  /// @throws std::invalid_argument where one is not positive.
+  WrenchRateTrip(double stiffness_N_per_m, double max_speed_m_per_s);
+
+  /// True where this force must stop the cell. Call once a tick, with the force before the limiter.
+  [[nodiscard]] bool Check(const Vector3& f_N, double dt_s) OSTEON_RT;
+  /// Forgets the force before; the next one counts from zero.
+  void Reset() OSTEON_RT { before_N_.setZero(); }
+  [[nodiscard]] double max_rate_N_per_s() const OSTEON_RT { return max_rate_N_per_s_; }
+
+ private:
+  double max_rate_N_per_s_;
+  Vector3 before_N_{Vector3::Zero()};
+};
+
+struct SensorForceParams {
+  double margin_N{50.0};  ///< beyond the wrench limit's force; > 0
+  int ticks{5};           ///< in a row until the trip; >= 1
+};
+
+/// Trips where the hand pushes beyond limit + margin for some ticks in a row.
+class SensorForceTrip {
+ public:
+  /// @throws std::invalid_argument where a value is out of range.
+  SensorForceTrip(const SensorForceParams& params, double max_force_N);
+
+  [[nodiscard]] bool Check(double force_N) OSTEON_RT;
+  [[nodiscard]] double level_N() const OSTEON_RT { return level_N_; }
+
+ private:
+  double level_N_;
+  int ticks_;
+  int count_{0};
+};
+
+struct TwistLimitParams {
+  double max_speed_m_per_s{0.25};  ///< of the tool's apex; > 0
+  double max_turn_rad_per_s{1.5};  ///< > 0
+};
+
+struct LimitedTwist {
+  Twist V;
+  double share{1.0};  ///< 0 … 1; 0 where the twist was not finite
+};
+
+/// Scales the whole twist so that |v| <= max_speed and |w| <= max_turn; one that is not finite becomes zero.
+[[nodiscard]] LimitedTwist LimitTwist(const Twist& V, const TwistLimitParams& params) OSTEON_RT;
+
+/// Fastest speed from which a stop with the given deceleration ends within the distance, one tick at that
+/// speed included: v dt + v^2 / (2 a) = d. Zero for d <= 0.
+[[nodiscard]] double BrakingSpeed(double distance, double deceleration, double dt_s) OSTEON_RT;
+
+}  // namespace osteon::safety

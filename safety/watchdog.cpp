@@ -1,0 +1,39 @@
+#include "safety/watchdog.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace osteon::safety {
+
+double AgeSeconds(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT {
+  if (now < 0 || stamp < 0) return kNoAge_s;  // from here on the difference can not overflow
+  if (stamp - now > rt::kMillisecond) return kNoAge_s;
+  return std::clamp(rt::ToSeconds(now - stamp), 0.0, kNoAge_s);
+}
+
+double AgeShare(double age_s, double full_s, double gone_s) OSTEON_RT {
+  if (!(age_s < gone_s)) return 0.0;
+  return age_s <= full_s ? 1.0 : (gone_s - age_s) / (gone_s - full_s);
+}
+
+Watchdog::Watchdog(const WatchdogParams& params) : params_(params) {
+  if (!(params.model_stop_s > 0.0)) throw std::invalid_argument("model_stop_s: accepted > 0");
+  if (!(params.sensor_full_s > 0.0 && params.sensor_stop_s > params.sensor_full_s))
+    throw std::invalid_argument("sensor_full_s, sensor_stop_s: accepted 0 < full < stop");
+  if (params.arm_misses < 1) throw std::invalid_argument("arm_misses: accepted >= 1");
+}
+
+FaultSet Watchdog::Check(rt::Nanoseconds now, double model_age_s, double sensor_age_s) const OSTEON_RT {
+  FaultSet faults;
+  const double running_s = AgeSeconds(now, start_);
+  if (std::min(model_age_s, running_s) > params_.model_stop_s) faults.Latch(Fault::kModelStale);
+  if (std::min(sensor_age_s, running_s) > params_.sensor_stop_s) faults.Latch(Fault::kSensorStale);
+  return faults;
+}
+
+bool Watchdog::MissArm() OSTEON_RT {
+  misses_ = std::min(misses_ + 1, params_.arm_misses);
+  return misses_ >= params_.arm_misses;
+}
+
+}  // namespace osteon::safety

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "control/rt/clock.h"
+#include "control/rt/marker.h"
+#include "safety/fault.h"
+
+namespace osteon::safety {
+
+/// Age that stands for "there is none" [s]. Finite, so that it can be recorded.
+inline constexpr double kNoAge_s = 1e6;
+
+/// Age of a value [s], 0 … kNoAge_s. A stamp that is negative, or more than 1 ms ahead of now, is nobody's:
+/// kNoAge_s.
+[[nodiscard]] double AgeSeconds(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT;
+
+/// 1 up to full_s, then linearly down to 0 at gone_s.
+[[nodiscard]] double AgeShare(double age_s, double full_s, double gone_s) OSTEON_RT;
+
+struct WatchdogParams {
+  double model_stop_s{0.250};   ///< contact model older: Stop 1
+  double sensor_full_s{0.020};  ///< operator's force counts in full up to this age
+  double sensor_stop_s{0.100};  ///< faded to nothing, and Stop 1
+  int arm_misses{5};            ///< arm messages missed in a row: Stop 1
+};
+
+/// Watches the ages of what the loop lives on. After the start each source has its full time to show up.
+class Watchdog {
+ public:
+  /// @throws std::invalid_argument where a time is not positive or in the wrong order.
+  explicit Watchdog(const WatchdogParams& params);
+
+  /// Rendering starts.
+  void Start(rt::Nanoseconds now) OSTEON_RT { start_ = now; }
+  /// Faults of the ages; call once a rendering tick.
+  [[nodiscard]] FaultSet Check(rt::Nanoseconds now, double model_age_s, double sensor_age_s) const OSTEON_RT;
+  /// Share of the operator's force that its age lets through.
+  [[nodiscard]] double SensorShare(double sensor_age_s) const OSTEON_RT {
+    return AgeShare(sensor_age_s, params_.sensor_full_s, params_.sensor_stop_s);
+  }
+
+  /// An arm message did not come by its deadline. True from the arm_misses-th in a row on.
+  bool MissArm() OSTEON_RT;
+  void MeetArm() OSTEON_RT { misses_ = 0; }
+
+ private:
+  WatchdogParams params_;
+  rt::Nanoseconds start_{0};
+  int misses_{0};
+};
+
+}  // namespace osteon::safety

@@ -1,0 +1,140 @@
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <Eigen/SVD>
+
+#include "config/load.h"
+
+namespace osteon::config {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+class DemoCellTest : public ::testing::Test {
+ protected:
+  const CellConfig cell_ = LoadCell(std::string(OSTEON_SOURCE_DIR) + "/config/cells/demo.yaml");
+};
+
+TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
+  // the robot's file repeats the library's defaults: two places, one truth
+  const kinematics::LbrParams defaults;
+  EXPECT_DOUBLE_EQ(cell_.robot.base_to_shoulder_m, defaults.base_to_shoulder_m);
+  EXPECT_DOUBLE_EQ(cell_.robot.shoulder_to_elbow_m, defaults.shoulder_to_elbow_m);
+  EXPECT_DOUBLE_EQ(cell_.robot.elbow_to_wrist_m, defaults.elbow_to_wrist_m);
+  EXPECT_DOUBLE_EQ(cell_.robot.wrist_to_flange_m, defaults.wrist_to_flange_m);
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].position_rad, defaults.limits[i].position_rad);
+    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].velocity_rad_per_s, defaults.limits[i].velocity_rad_per_s);
+    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].acceleration_rad_per_s2,
+                     defaults.limits[i].acceleration_rad_per_s2);
+    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].torque_Nm, defaults.limits[i].torque_Nm);
+  }
+  EXPECT_DOUBLE_EQ(cell_.tool.tool.balls.front().radius_m, 0.025);
+  EXPECT_NEAR(cell_.tool.spindle_rad_per_s, 26.18, 0.01);
+  ASSERT_EQ(cell_.scene.materials.size(), 3u);
+  EXPECT_EQ(cell_.scene.materials[1].name, "cortical");
+  EXPECT_DOUBLE_EQ(cell_.scene.materials[1].density_kg_per_m3, 1850.0);
+  EXPECT_DOUBLE_EQ(cell_.scene.materials[1].specific_cutting_energy_J_per_m3, 1.3e9);
+  EXPECT_NE(cell_.scene.materials[2].source.find("assumed"), std::string::npos);
+  EXPECT_DOUBLE_EQ(cell_.cutting.stiffness_N_per_m, 20e3);
+  EXPECT_DOUBLE_EQ(cell_.cutting.max_force_N, 200.0);
+  EXPECT_DOUBLE_EQ(cell_.servo.period_s, 0.001);
+  EXPECT_DOUBLE_EQ(cell_.servo.spindle_rad_per_s, cell_.tool.spindle_rad_per_s);
+  EXPECT_DOUBLE_EQ(cell_.servo.joints.limits[6].position_rad, 175.0 * kDegree);
+  EXPECT_EQ(cell_.simulated.servo.dead_cycles, 3);
+  EXPECT_DOUBLE_EQ(cell_.script.hand_stiffness_N_per_m, cell_.simulated.hand.stiffness_N_per_m);
+}
+
+TEST_F(DemoCellTest, MaterialsAndSceneAreThoseOfTheLibrary) {
+  const simulation::AcetabulumParams defaults;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const simulation::Material &found = cell_.scene.materials[i], &known = defaults.materials[i];
+    EXPECT_EQ(found.name, known.name);
+    EXPECT_DOUBLE_EQ(found.density_kg_per_m3, known.density_kg_per_m3);
+    EXPECT_DOUBLE_EQ(found.specific_cutting_energy_J_per_m3, known.specific_cutting_energy_J_per_m3);
+    EXPECT_DOUBLE_EQ(found.cutting_force_ratio, known.cutting_force_ratio);
+    EXPECT_DOUBLE_EQ(found.friction, known.friction);
+  }
+  EXPECT_DOUBLE_EQ(cell_.scene.shape.cup_radius_m, defaults.shape.cup_radius_m);
+  EXPECT_DOUBLE_EQ(cell_.scene.packing.lattice.finest_m, defaults.packing.lattice.finest_m);
+  EXPECT_DOUBLE_EQ(cell_.scene.packing.surface_gap_m, defaults.packing.surface_gap_m);
+  EXPECT_DOUBLE_EQ(cell_.scene.points.cells.finest_m, defaults.points.cells.finest_m);
+}
+
+TEST_F(DemoCellTest, ServoLoopAndSceneAcceptTheCell) {
+  const kinematics::LbrArm arm(cell_.robot);
+  EXPECT_NO_THROW(
+      control::ServoLoop(cell_.servo, arm, cell_.X_WB, cell_.tool.X_FT, cell_.start.arm_angle_rad));
+  const hil::HandScript script = hil::MakeReamingScript(cell_.script);
+  EXPECT_NO_THROW(hil::SimulatedCell(cell_.simulated, script));
+  const simulation::Bone bone = simulation::MakeAcetabulum(cell_.scene);
+  EXPECT_GT(bone.balls.size(), 20'000u);
+  EXPECT_LT(bone.balls.size(), 40'000u);
+}
+
+TEST_F(DemoCellTest, ToolStartsAboveTheCupPointingIntoIt) {
+  const Vector3 feed_W = cell_.start.X_WT.linear().col(2), cup_axis_W = cell_.X_WG.linear().col(2);
+  EXPECT_NEAR(feed_W.dot(cup_axis_W), -1.0, 1e-12);
+  const Vector3 p_GT = cell_.X_WG.inverse() * cell_.start.X_WT.translation();
+  EXPECT_NEAR(std::hypot(p_GT.x(), p_GT.y()), 0.0, 1e-12);
+  EXPECT_GT(p_GT.z(), 0.0);
+  // the operator's script begins exactly where the arm does
+  const Pose X_script = hil::MakeReamingScript(cell_.script).Sample(0.0).X_WT;
+  EXPECT_LT((X_script.matrix() - cell_.start.X_WT.matrix()).cwiseAbs().maxCoeff(), 1e-12);
+  // forward kinematics of the start's joints, by the whole chain W B F T
+  const kinematics::LbrArm arm(cell_.robot);
+  const Pose X_WT = cell_.X_WB * arm.FlangePose(cell_.start.q) * cell_.tool.X_FT;
+  EXPECT_LT((X_WT.matrix() - cell_.start.X_WT.matrix()).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+// Where reaming happens: the head's centre from 100 mm above the cup's to 40 mm below it and 20 mm to each
+// side, tilted by up to 15 deg any way about that centre. Everywhere the arm must have room in its joints,
+// and move the tool in every direction: the smallest singular value of the apex's Jacobian, with rotation
+// weighed at the head's radius of .1 m/rad.
+TEST_F(DemoCellTest, ArmReachesAllThatReamingNeedsFarFromLimitsAndSingularities) {
+  const kinematics::LbrArm arm(cell_.robot);
+  const double head_m = cell_.tool.tool.balls.front().radius_m;
+  double least_margin_rad = 10.0, least_singular = 10.0;
+  int poses = 0;
+  for (double z_m = -0.04; z_m <= 0.1001; z_m += 0.02)
+    for (const double x_m : {-0.02, 0.0, 0.02})
+      for (const double y_m : {-0.02, 0.0, 0.02})
+        for (int direction = 0; direction <= 12; ++direction) {
+          const double tilt = direction == 12 ? 0.0 : 15.0 * kDegree, toward = direction * 30.0 * kDegree;
+          Pose X_WT = Pose::Identity();
+          X_WT.linear() = Eigen::AngleAxisd(tilt, Vector3(std::cos(toward), std::sin(toward), 0.0)) *
+                          cell_.start.X_WT.linear();
+          X_WT.translation() = cell_.X_WG * Vector3(x_m, y_m, z_m) + head_m * X_WT.linear().col(2);
+          kinematics::JointVector q;
+          ASSERT_TRUE(arm.Inverse(cell_.X_WB.inverse() * X_WT * cell_.tool.X_FT.inverse(),
+                                  cell_.start.arm_angle_rad, cell_.start.q, q));
+          EXPECT_LT((q - cell_.start.q).cwiseAbs().maxCoeff(), 90.0 * kDegree)
+              << "another branch of the inverse";
+          for (int i = 0; i < 7; ++i)
+            least_margin_rad =
+                std::min(least_margin_rad,
+                         cell_.robot.limits[static_cast<std::size_t>(i)].position_rad - std::abs(q[i]));
+          kinematics::Jacobian J = arm.FlangeJacobian(q);
+          const Vector3 p_FT = arm.FlangePose(q).linear() * cell_.tool.X_FT.translation();
+          for (int i = 0; i < 7; ++i) J.col(i).head<3>() += Vector3(J.col(i).tail<3>()).cross(p_FT);
+          J.bottomRows<3>() *= 0.1;
+          least_singular =
+              std::min(least_singular, Eigen::JacobiSVD<kinematics::Jacobian>(J).singularValues()[5]);
+          EXPECT_LE((X_WT.translation() - cell_.servo.workspace.sphere_center_W_m).norm(),
+                    cell_.servo.workspace.sphere_radius_m);
+          EXPECT_GE(cell_.servo.workspace.plane_normal_W.dot(X_WT.translation()),
+                    cell_.servo.workspace.plane_offset_m);
+          ++poses;
+        }
+  RecordProperty("least_margin_deg", std::to_string(least_margin_rad / kDegree));
+  RecordProperty("least_singular_value", std::to_string(least_singular));
+  EXPECT_EQ(poses, 8 * 9 * 13);
+  EXPECT_GE(least_margin_rad, 20.0 * kDegree);
+  // .0384 found; to move at .25 m/s in the worst direction then takes less than .25/.035 = 7.1 rad/s of all
+  // joints together
+  EXPECT_GE(least_singular, 0.035);
+}
+
+}  // namespace
+}  // namespace osteon::config

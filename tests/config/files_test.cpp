@@ -1,0 +1,273 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <random>
+#include <sstream>
+
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include "config/load.h"
+#include "config/units.h"
+
+namespace osteon::config {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string ReadText(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+// Reads a file of config/ by its folder, as its user would.
+void LoadAny(const fs::path& path) {
+  const std::string folder = path.parent_path().filename().string();
+  if (folder == "robots") return static_cast<void>(LoadRobot(path));
+  if (folder == "tools") return static_cast<void>(LoadTool(path));
+  if (folder == "materials") return static_cast<void>(LoadMaterials(path));
+  if (folder == "scenes") return static_cast<void>(LoadScene(path));
+  if (folder == "cells") return static_cast<void>(LoadCell(path));
+  FAIL() << path << ": no loader for this folder";
+}
+
+struct Scalar {
+  std::string key;  // the nearest mapping's
+  std::size_t begin;
+  int line;
+  std::string text;
+};
+
+// All plain scalars that are numbers, with where they stand in the text.
+void CollectNumbers(const YAML::Node& node, const std::string& key, std::vector<Scalar>& numbers) {
+  if (node.IsMap())
+    for (const auto& pair : node) CollectNumbers(pair.second, pair.first.Scalar(), numbers);
+  if (node.IsSequence())
+    for (const YAML::Node& item : node) CollectNumbers(item, key, numbers);
+  if (!node.IsScalar() || node.Tag() == "!") return;
+  std::size_t used = 0;
+  try {
+    static_cast<void>(std::stod(node.Scalar(), &used));
+  } catch (const std::exception&) {
+    return;
+  }
+  if (used != node.Scalar().size()) return;
+  numbers.push_back({key, static_cast<std::size_t>(node.Mark().pos), node.Mark().line + 1, node.Scalar()});
+}
+
+// A copy of config/ in a folder of its own, one file of which a test may change.
+class ConfigFilesTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    root_ =
+        fs::path(::testing::TempDir()) / ("osteon_config_" + std::to_string(::getpid()) + "_" + info->name());
+    fs::remove_all(root_);
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(OSTEON_SOURCE_DIR) / "config")) {
+      if (entry.path().extension() != ".yaml") continue;
+      const fs::path copy = root_ / fs::relative(entry.path(), OSTEON_SOURCE_DIR);
+      fs::create_directories(copy.parent_path());
+      fs::copy_file(entry.path(), copy);
+      files_.push_back(copy);
+    }
+    std::sort(files_.begin(), files_.end());
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  static void Write(const fs::path& path, const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+  }
+
+  fs::path root_;
+  std::vector<fs::path> files_;
+};
+
+TEST_F(ConfigFilesTest, EveryFileLoads) {
+  ASSERT_GE(files_.size(), 5u);
+  for (const fs::path& file : files_) {
+    try {
+      LoadAny(file);
+    } catch (const std::exception& error) {
+      ADD_FAILURE() << error.what();
+    }
+  }
+}
+
+TEST_F(ConfigFilesTest, EveryNumberHasAUnitIsReadAndIsBounded) {
+  std::size_t total = 0;
+  for (const fs::path& file : files_) {
+    const std::string text = ReadText(file);
+    std::vector<Scalar> numbers;
+    CollectNumbers(YAML::Load(text), "", numbers);
+    total += numbers.size();
+    EXPECT_FALSE(numbers.empty()) << file;
+    for (const Scalar& number : numbers) {
+      ASSERT_EQ(text.substr(number.begin, number.text.size()), number.text)
+          << file << " line " << number.line;
+      EXPECT_TRUE(UnitOf(number.key)) << file << ":" << number.line << ": " << number.key << " names no unit";
+      for (const char* absurd : {"1e12", "-1e12"}) {
+        std::string changed = text;
+        changed.replace(number.begin, number.text.size(), absurd);
+        Write(file, changed);
+        const std::string where =
+            file.string() + ":" + std::to_string(number.line) + ": " + number.key + ": ";
+        try {
+          LoadAny(file);
+          ADD_FAILURE() << where << absurd << " is accepted: not read, or without a bound";
+        } catch (const ConfigError& error) {
+          const std::string what = error.what();
+          EXPECT_TRUE(what.starts_with(where + "found " + absurd + ", accepted ")) << what;
+        }
+      }
+    }
+    Write(file, text);
+  }
+  EXPECT_GT(total, 100u);
+}
+
+// Not one key can go: each is read, and none has a silent default.
+TEST_F(ConfigFilesTest, EveryKeyIsNeeded) {
+  for (const fs::path& file : files_) {
+    const std::string text = ReadText(file);
+    std::vector<Scalar> keys;
+    const std::function<void(const YAML::Node&)> collect = [&](const YAML::Node& node) {
+      if (node.IsSequence())
+        for (const YAML::Node& item : node) collect(item);
+      if (!node.IsMap()) return;
+      for (const auto& pair : node) {
+        keys.push_back({pair.first.Scalar(), static_cast<std::size_t>(pair.first.Mark().pos),
+                        pair.first.Mark().line + 1, pair.first.Scalar()});
+        collect(pair.second);
+      }
+    };
+    collect(YAML::Load(text));
+    for (const Scalar& key : keys) {
+      std::string changed = text;
+      changed.insert(key.begin, "x");
+      Write(file, changed);
+      const std::string expected = file.string() + ":" + std::to_string(key.line) + ": unknown key \"x" +
+                                   key.text + "\"; did you mean \"" + key.text + "\"?";
+      try {
+        LoadAny(file);
+        ADD_FAILURE() << expected << " was not said";
+      } catch (const ConfigError& error) {
+        EXPECT_EQ(error.what(), expected);
+      }
+    }
+    Write(file, text);
+  }
+}
+
+TEST_F(ConfigFilesTest, NegativeRadiusIsAnsweredWithFileLineAndRange) {
+  const fs::path file = root_ / "config/tools/reamer_50.yaml";
+  std::string text = ReadText(file);
+  text.replace(text.find("radius_mm: 25"), 13, "radius_mm: -25");
+  Write(file, text);
+  const fs::path before = fs::current_path();
+  fs::current_path(root_);
+  std::string what;
+  try {
+    static_cast<void>(LoadCell("config/cells/demo.yaml"));
+  } catch (const ConfigError& error) {
+    what = error.what();
+  }
+  fs::current_path(before);
+  EXPECT_EQ(what, "config/tools/reamer_50.yaml:7: radius_mm: found -25, accepted 1 … 100");
+}
+
+TEST_F(ConfigFilesTest, ValuesThatContradictEachOtherAreRefused) {
+  struct Case {
+    const char *file, *from, *to, *expected;
+  };
+  for (const Case& c : {
+           Case{"tools/reamer_50.yaml", "radius_mm: 8", "radius_mm: 25",
+                "radius_mm: found 25, accepted less than the head's 25"},
+           Case{"robots/lbr_iiwa_14_r820.yaml", "name: A2", "name: A3", "name: found A3, accepted A2"},
+           Case{"scenes/acetabulum.yaml", "cup_radius_mm: 24", "cup_radius_mm: 39",
+                "cup_radius_mm: found 39, accepted at most 38"},
+           Case{"scenes/acetabulum.yaml", "[6.5, 12]", "[12, 6.5]",
+                "coarser_from_mm: found 6.5 after 12, accepted the smaller depth first"},
+           Case{"cells/demo.yaml", "sensor_full_ms: 20", "sensor_full_ms: 100",
+                "sensor_stop_ms: found 100, accepted more than sensor_full_ms (100)"},
+           Case{"cells/demo.yaml", "gone_ms: 60", "gone_ms: 20",
+                "gone_ms: found 20, accepted more than fresh_ms (20)"},
+           Case{"cells/demo.yaml", "model_stop_ms: 250", "model_stop_ms: 60",
+                "model_stop_ms: found 60, accepted more than the coupling's gone_ms (60)"},
+           Case{"cells/demo.yaml", "push_force_N: 120", "push_force_N: 200",
+                "max_force_N: found 150, accepted more than the script's push_force_N (200)"},
+           Case{"cells/demo.yaml", "height_mm: 40 ", "height_mm: 400 ",
+                "height_mm: the tool's apex is outside the workspace"},
+           Case{"cells/demo.yaml", "base_in_world:\n  position_mm: [0, 0, 0]",
+                "base_in_world:\n  position_mm: [-500, 0, 0]", "height_mm: the arm can not be there"},
+       }) {
+    const fs::path file = root_ / "config" / c.file;
+    const std::string text = ReadText(file);
+    const std::size_t at = text.find(c.from);
+    ASSERT_NE(at, std::string::npos) << c.from;
+    std::string changed = text;
+    changed.replace(at, std::string(c.from).size(), c.to);
+    Write(file, changed);
+    try {
+      LoadAny(file);
+      ADD_FAILURE() << c.expected;
+    } catch (const ConfigError& error) {
+      EXPECT_NE(std::string(error.what()).find(c.expected), std::string::npos) << error.what();
+      EXPECT_GT(error.line(), 0);
+    }
+    Write(file, text);
+  }
+}
+
+// Cut, flipped, doubled and shuffled bytes: a file loads or is refused with a ConfigError; nothing else may
+// come out.
+TEST_F(ConfigFilesTest, DamagedFilesAreRefusedInOrder) {
+  std::mt19937 random{99};
+  const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
+  const std::string spice = "{}[]&*!|>'\"%@`-:#,? \n\t~<=\\0x1e.";
+  int refused = 0, loaded = 0;
+  for (const fs::path& file : files_) {
+    const std::string text = ReadText(file);
+    for (int n = 0; n < 100; ++n) {
+      std::string changed = text;
+      const int edits = 1 + static_cast<int>(below(4));
+      for (int e = 0; e < edits; ++e) {
+        const std::size_t at = below(changed.size());
+        switch (below(5)) {
+          case 0:
+            changed.resize(at);
+            break;
+          case 1:
+            changed.insert(at, 1, spice[below(spice.size())]);
+            break;
+          case 2:
+            if (!changed.empty()) changed[at] = static_cast<char>(below(256));
+            break;
+          case 3:
+            changed.erase(at, 1 + below(20));
+            break;
+          default:
+            changed.insert(at, changed.substr(below(changed.size()), below(60)));
+            break;
+        }
+      }
+      Write(file, changed);
+      try {
+        LoadAny(file);
+        ++loaded;
+      } catch (const ConfigError& error) {
+        ++refused;
+        EXPECT_TRUE(std::string(error.what()).starts_with(root_.string())) << error.what();
+      }
+    }
+    Write(file, text);
+  }
+  EXPECT_GT(refused, 200);
+  EXPECT_GT(loaded, 10) << "a changed comment harms nothing";
+}
+
+}  // namespace
+}  // namespace osteon::config

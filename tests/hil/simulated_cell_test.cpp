@@ -1,0 +1,205 @@
+#include "hil/simulated_cell.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "test_client.h"
+
+namespace osteon::hil {
+namespace {
+
+using control::SessionState;
+using kinematics::JointVector;
+
+SimulatedCellParams CellParams() {
+  SimulatedCellParams params;
+  params.arm.limits = Iiwa14Limits();
+  Pose X_WB = Pose::Identity();
+  X_WB.linear() = ExpRotation({0.0, 0.0, 0.8});
+  X_WB.translation() = Vector3(0.1, 0.2, 0.3);
+  params.X_WB = X_WB;
+  Pose X_FT = Pose::Identity();
+  X_FT.linear() = ExpRotation({0.0, 0.2, 0.0});
+  X_FT.translation() = Vector3(0.02, -0.01, 0.18);
+  params.X_FT = X_FT;
+  params.q_start = {0.2, 0.6, -0.1, -1.3, 0.15, 0.9, 0.3};
+  return params;
+}
+
+Pose ToolPose(const SimulatedCellParams& params, const JointVector& q) {
+  return Pose(params.X_WB) * kinematics::LbrArm(params.arm).FlangePose(q) * Pose(params.X_FT);
+}
+
+// A cup right below the tool's start pose.
+HandScript ScriptBelow(const SimulatedCellParams& params, double seconds) {
+  const Pose X_WT = ToolPose(params, Eigen::Map<const JointVector>(params.q_start.data()));
+  Pose X_WC;
+  X_WC.linear() = X_WT.linear() * ExpRotation({std::numbers::pi, 0.0, 0.0}).transpose();
+  X_WC.translation() = X_WT * Vector3(0.0, 0.0, 0.040 - 0.025);
+  return MakeReamingScript({.X_WC = X_WC, .seconds = seconds});
+}
+
+// A small admittance controller, as a client: M V' + D V = F_sensor + wall, joints by closed-form inverse.
+// The wall is a spring-damper below height 0 on the cup's axis, on the commanded pose.
+class AdmittanceClient {
+ public:
+  AdmittanceClient(const SimulatedCellParams& params, const HandScript& script)
+      : params_(params),
+        arm_(params.arm),
+        X_WC_(script.X_WC()),
+        q_(Eigen::Map<const JointVector>(params.q_start.data())),
+        X_WT_(ToolPose(params, q_)),
+        arm_angle_(arm_.ArmAngle(q_)) {}
+
+  Bytes Answer(std::span<const std::uint8_t> message, const control::ForceReading& reading) {
+    const auto state = static_cast<SessionState>(UintAt(message, {4, 1}));
+    if (state != SessionState::kCommandingActive) return mirror_.Answer(message);
+    const double T = 1e-3;
+    const Vector3 n = X_WC_.linear().col(2);
+    const double height_m = n.dot(X_WT_.translation() - X_WC_.translation()) + 0.025;
+    Wrench F = reading.F_T_W;
+    wall_N = height_m < 0.0 ? std::max(0.0, -20000.0 * height_m - 200.0 * n.dot(V_.v)) : 0.0;
+    F.f += wall_N * n;
+    V_.v = (V_.v + T / 3.0 * F.f) / (1.0 + T * 60.0 / 3.0);
+    V_.w = (V_.w + T / 0.05 * F.t) / (1.0 + T * 2.0 / 0.05);
+    X_WT_.translation() += T * V_.v;
+    X_WT_.linear() = ExpRotation(T * V_.w) * X_WT_.linear();
+    reached &=
+        arm_.Inverse(Pose(params_.X_WB).inverse() * X_WT_ * Pose(params_.X_FT).inverse(), arm_angle_, q_, q_);
+    return Command(++mirror_.sequence, static_cast<std::uint32_t>(UintAt(message, {1, 2})),
+                   {q_.data(), q_.data() + 7});
+  }
+
+  double wall_N{0.0};
+  bool reached{true};
+
+ private:
+  SimulatedCellParams params_;
+  kinematics::LbrArm arm_;
+  Pose X_WC_;
+  JointVector q_;
+  Pose X_WT_;
+  double arm_angle_;
+  Twist V_;
+  TestClient mirror_;
+};
+
+struct Outcome {
+  Bytes bytes;  // everything the cell sent
+  CellState end;
+  double peak_axial_N{0.0}, wall_at_push_N{0.0}, end_height_m{0.0};
+  bool reached{true};
+};
+
+Outcome RunCell(double seconds) {
+  const SimulatedCellParams params = CellParams();
+  const HandScript script = ScriptBelow(params, seconds);
+  SimulatedCell cell(params, script);
+  AdmittanceClient client(params, script);
+  Outcome run;
+  const Vector3 n = script.X_WC().linear().col(2);
+  for (int k = 0; k < 60000 && !cell.state().script_done; ++k) {
+    const auto message = cell.Step(k * rt::kMillisecond);
+    run.bytes.insert(run.bytes.end(), message.begin(), message.end());
+    cell.Receive(client.Answer(message, cell.force()));
+    const Vector3 f = cell.state().F_hand_T_W.f;
+    run.peak_axial_N = std::max(run.peak_axial_N, std::abs(n.dot(f)));
+    if (std::abs(cell.state().cell_time_s - 0.5 * seconds) < 1e-6) run.wall_at_push_N = client.wall_N;
+  }
+  run.end = cell.state();
+  run.end_height_m = n.dot(Vector3(run.end.X_WT_meas.p) - script.X_WC().translation()) + 0.025;
+  run.reached = client.reached;
+  return run;
+}
+
+// The whole circle: session, hand, sensor, client, arm. A hand that pushes with 120 N is felt with 120 N at
+// the wall.
+TEST(SimulatedCell, AHandReamsThroughAnAdmittanceClient) {
+  const Outcome run = RunCell(10.0);
+  EXPECT_TRUE(run.end.script_done);
+  EXPECT_TRUE(run.reached);
+  EXPECT_EQ(run.end.session, SessionState::kCommandingActive) << Describe(run.end.stop);
+  EXPECT_EQ(run.end.counters.lost, 0u);
+  EXPECT_LE(run.peak_axial_N, 120.0 + 1e-9);
+  EXPECT_NEAR(run.wall_at_push_N, 120.0, 0.5);
+  EXPECT_NEAR(run.end_height_m, 0.030, 1e-3);  // retracted
+}
+
+TEST(SimulatedCell, TwoRunsGiveTheSameBytes) {
+  const Outcome a = RunCell(2.0), b = RunCell(2.0);
+  ASSERT_GT(a.bytes.size(), 2000u * 400u);
+  EXPECT_EQ(a.bytes, b.bytes);
+  EXPECT_EQ(a.end.q_meas, b.end.q_meas);
+}
+
+TEST(SimulatedCell, TheHandHoldsOnlyWhileTheArmIsCommanded) {
+  const SimulatedCellParams params = CellParams();
+  SimulatedCell cell(params, ScriptBelow(params, 10.0));
+  TestClient client;
+  int active_cycles = 0;
+  for (int k = 0; k < 1500; ++k) {
+    const auto message = cell.Step(k * rt::kMillisecond);
+    const bool active = cell.state().session == SessionState::kCommandingActive;
+    active_cycles += active;
+    EXPECT_NEAR(cell.state().cell_time_s, active_cycles * 1e-3, 1e-12);
+    if (!active) {
+      EXPECT_EQ(Vector3(cell.force().F_T_W.f).norm(), 0.0);
+    }
+    EXPECT_EQ(cell.force().stamp, k * rt::kMillisecond);
+    cell.Receive(client.Answer(message));
+  }
+  ASSERT_GT(active_cycles, 500);
+  EXPECT_GT(Vector3(cell.force().F_T_W.f).norm(), 1.0);  // the arm stands still, the target leaves
+  for (int k = 0; k < 6; ++k) (void)cell.Step((1500 + k) * rt::kMillisecond);
+  EXPECT_EQ(cell.state().stop.reason, StopReason::kLostInARow);
+  EXPECT_EQ(Vector3(cell.force().F_T_W.f).norm(), 0.0);
+}
+
+// tau_i is the work of the hand's wrench for a unit turn of joint i: from differences of the forward
+// kinematics alone.
+TEST(SimulatedCell, ExternalTorqueIsTheHandsVirtualWork) {
+  const SimulatedCellParams params = CellParams();
+  SimulatedCell cell(params, ScriptBelow(params, 1.0));
+  TestClient client;
+  Bytes message;
+  for (int k = 0; k < 5000 && cell.state().cell_time_s < 0.5; ++k) {
+    const auto bytes = cell.Step(k * rt::kMillisecond);
+    message.assign(bytes.begin(), bytes.end());
+    cell.Receive(client.Answer(message));
+  }
+  const Wrench F = cell.force().F_T_W;
+  ASSERT_GT(F.f.norm(), 10.0);
+  ASSERT_GT(F.t.norm(), 0.1);
+  const auto tau = DoublesAt(message, {3, 5, 1});
+  ASSERT_EQ(tau.size(), 7u);
+  const double h = 1e-6;
+  for (int i = 0; i < 7; ++i) {
+    JointVector a = Eigen::Map<const JointVector>(cell.state().q_meas.data()), b = a;
+    a[i] -= h, b[i] += h;
+    const Pose X_a = ToolPose(params, a), X_b = ToolPose(params, b);
+    const double work = F.f.dot(X_b.translation() - X_a.translation()) +
+                        F.t.dot(LogRotation(X_b.linear() * X_a.linear().transpose()));
+    EXPECT_NEAR(tau[static_cast<std::size_t>(i)], work / (2 * h), 1e-6) << i;
+  }
+}
+
+TEST(SimulatedCell, MeasuredToolPoseIsTheArmsAndLagsTheCommand) {
+  const SimulatedCellParams params = CellParams();
+  SimulatedCell cell(params, ScriptBelow(params, 10.0));
+  TestClient client;
+  for (int k = 0; k < 2000; ++k) {
+    if (cell.state().session == SessionState::kCommandingActive) client.offset[0] += 2e-4;  // A1 at 0.2 rad/s
+    cell.Receive(client.Answer(cell.Step(k * rt::kMillisecond)));
+  }
+  const CellState& s = cell.state();
+  ASSERT_EQ(s.session, SessionState::kCommandingActive);
+  const Pose X_WT = ToolPose(params, Eigen::Map<const JointVector>(s.q_meas.data()));
+  EXPECT_TRUE(Pose(s.X_WT_meas).isApprox(X_WT, 1e-12));
+  // 2 z / w = 21.2 ms, dead time 3 ms, hold 0.5 ms, and the state shown is one period after the command
+  EXPECT_NEAR(s.q_cmd[0] - s.q_meas[0], 0.2 * (0.02122 + 0.0030 + 0.0005 - 0.001), 1e-5);
+}
+
+}  // namespace
+}  // namespace osteon::hil

@@ -1,0 +1,137 @@
+#include "hil/simulated_cell_thread.h"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <stdexcept>
+
+#include "test_client.h"
+
+namespace osteon::hil {
+namespace {
+
+using control::SessionState;
+
+// A UDP socket on the loopback at a port that the system chooses.
+class LoopbackSocket {
+ public:
+  LoopbackSocket() : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    sockaddr_in own = Loopback(0);
+    socklen_t size = sizeof(own);
+    if (fd_ < 0 || bind(fd_, reinterpret_cast<sockaddr*>(&own), size) != 0 ||
+        getsockname(fd_, reinterpret_cast<sockaddr*>(&own), &size) != 0)
+      throw std::runtime_error("no UDP on the loopback");
+    port_ = ntohs(own.sin_port);
+    const timeval timeout{.tv_sec = 2, .tv_usec = 0};
+    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout));
+  }
+  ~LoopbackSocket() { close(fd_); }
+  LoopbackSocket(const LoopbackSocket&) = delete;
+  LoopbackSocket& operator=(const LoopbackSocket&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  // The oldest datagram; empty after 2 s without one.
+  Bytes Receive() {
+    Bytes bytes(2000);
+    const ssize_t n = recv(fd_, bytes.data(), bytes.size(), 0);
+    bytes.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
+    return bytes;
+  }
+  void SendTo(std::uint16_t port, const Bytes& bytes) {
+    const sockaddr_in to = Loopback(port);
+    sendto(fd_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof(to));
+  }
+
+ private:
+  static sockaddr_in Loopback(std::uint16_t port) {
+    sockaddr_in a{};
+    a.sin_family = AF_INET;
+    a.sin_port = htons(port);
+    a.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    return a;
+  }
+  int fd_;
+  std::uint16_t port_{0};
+};
+
+// A cell that no delay of a busy machine can end: these tests look at what crosses the socket, not at time.
+SimulatedCell PatientCell() {
+  SimulatedCellParams params;
+  params.arm.limits = Iiwa14Limits();
+  params.fri.quality.end_after_lost_in_a_row = 1000000;
+  params.fri.quality.end_after_lost_per_s = 1000000;
+  params.fri.quality.good_max_lost_per_s = 1000000;
+  params.fri.quality.good_timeout_s = 3600.0;
+  params.q_start = {0.0, 0.6, 0.0, -1.3, 0.0, 0.9, 0.0};
+  return SimulatedCell(params, MakeReamingScript({}));
+}
+
+TEST(SimulatedCellThread, ReachesCommandingActiveOverUdp) {
+  LoopbackSocket socket, stranger;
+  SimulatedCellThread cell({.client_port = socket.port()}, PatientCell());
+  TestClient client;
+  SessionState seen = SessionState::kIdle;
+  for (int i = 0; i < 5000 && seen != SessionState::kCommandingActive; ++i) {
+    const Bytes message = socket.Receive();
+    ASSERT_FALSE(message.empty());
+    seen = static_cast<SessionState>(UintAt(message, {4, 1}));
+    socket.SendTo(cell.port(), client.Answer(message));
+    stranger.SendTo(cell.port(), Bytes{1, 2, 3});  // from another port: must not arrive
+  }
+  EXPECT_EQ(seen, SessionState::kCommandingActive);
+  EXPECT_GT(cell.sensor().Latest().stamp, 0);
+  cell.Stop();
+  const CellThreadStatistics& s = cell.statistics();
+  EXPECT_EQ(s.cell.counters.sent, s.cell.cycle);
+  EXPECT_EQ(s.cell.counters.answered + s.cell.counters.lost + s.cell.counters.excused, s.cell.cycle - 1);
+  EXPECT_EQ(s.cell.counters.malformed, 0u);
+  EXPECT_EQ(s.cell.stop.reason, StopReason::kNone);
+}
+
+TEST(SimulatedCellThread, HostileDatagramsOfTheClientAreCounted) {
+  LoopbackSocket socket;
+  SimulatedCellThread cell({.client_port = socket.port()}, PatientCell());
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_FALSE(socket.Receive().empty());
+    socket.SendTo(cell.port(), Bytes(static_cast<std::size_t>(100 * i), 0xff));  // from nothing to oversized
+  }
+  while (!socket.Receive().empty() && cell.statistics().cell.counters.malformed < 20) {
+  }
+  cell.Stop();
+  EXPECT_EQ(cell.statistics().cell.counters.malformed, 20u);
+  EXPECT_EQ(cell.statistics().cell.counters.answered, 0u);
+}
+
+TEST(SimulatedCellThread, StopsInOrderThoughNobodyListens) {
+  std::uint16_t port = 0;
+  { port = LoopbackSocket().port(); }
+  SimulatedCellThread cell({.client_port = port}, PatientCell());
+  while (cell.statistics().cell.cycle < 20) rt::SleepUntil(rt::MonotonicNow() + rt::kMillisecond);
+  cell.Stop();
+  const std::uint64_t cycles = cell.statistics().cell.cycle;
+  EXPECT_EQ(cell.statistics().cell.session, SessionState::kMonitoringWait);
+  EXPECT_GT(cell.statistics().undelivered, 0u);
+  cell.Stop();  // again: nothing happens
+  EXPECT_EQ(cell.statistics().cell.cycle, cycles);
+}
+
+TEST(SimulatedCellThread, SendsNothingAfterStop) {
+  LoopbackSocket socket;
+  SimulatedCellThread cell({.client_port = socket.port()}, PatientCell());
+  ASSERT_FALSE(socket.Receive().empty());
+  cell.Stop();
+  std::uint64_t received = 1;
+  while (received < cell.statistics().cell.counters.sent && !socket.Receive().empty()) ++received;
+  EXPECT_EQ(received, cell.statistics().cell.counters.sent);
+}
+
+TEST(SimulatedCellThread, RefusesAnAddressThatIsNone) {
+  EXPECT_THROW(SimulatedCellThread({.client_address = "localhost"}, PatientCell()), std::invalid_argument);
+  EXPECT_THROW(SimulatedCellThread({.client_port = 0}, PatientCell()), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace osteon::hil
