@@ -60,16 +60,16 @@ case $check in
     [[ ! -f build/.lock ]] || lock=(flock build/.lock)
     log=$(mktemp)
     trap 'rm -f "$log"' EXIT
-    if ! "${lock[@]}" cmake --build "$build" --target all_verify_interface_header_sets >"$log" 2>&1; then
+    if ! "${lock[@]}" cmake --build "$build" --target all_verify_interface_header_sets \
+      osteon_verify_private_headers >"$log" 2>&1; then
       sed -n '/^FAILED: /,$p' "$log" | head -n 60
       exit 1
     fi
-    # CMake writes one source for each header of a set; a header without one is in no HEADERS of osteon_library().
-    find "$build" -path '*_verify_interface_header_sets/*.cxx' |
-      sed 's|.*_verify_interface_header_sets/||; s|\.cxx$||' | sort -u >"$log"
+    # One source is generated for each listed header; a header without one is in no list of osteon_library().
+    find "$build" -path '*_verify_*header*/*.cxx' | sed 's|.*_verify_[a-z_]*/||; s|\.cxx$||' | sort -u >"$log"
     mapfile -t unlisted < <(tree_files '*.h' | existing | tr '\0' '\n' | grep -v '^tests/' | sort -u | comm -23 - "$log")
     [[ ${#unlisted[@]} -eq 0 ]] || {
-      printf '%s:1: in no HEADERS of osteon_library(): nothing shows that it compiles alone\n' "${unlisted[@]}"
+      printf '%s:1: in neither HEADERS nor PRIVATE_HEADERS of an osteon_library(): nothing shows that it compiles alone\n' "${unlisted[@]}"
       exit 1
     }
     ;;
