@@ -48,7 +48,7 @@ case $check in
     ;;
   paths)
     # Written so that this line does not match itself. A temporary folder is mktemp's or TempDir()'s to name.
-    pattern='(^|[^A-Za-z0-9._~}/-])/(wor[k]|tm[p]|hom[e]|roo[t]|farm)/[A-Za-z0-9_.]'
+    pattern='(^|[^A-Za-z0-9._~}/-])/(wor[k]|tm[p]|hom[e]|roo[t])/[A-Za-z0-9_.]'
     if tree_files | existing | xargs -0 -r grep -nIE -- "$pattern" /dev/null; then
       echo "paths of one machine: take them from an argument, the environment, or the file's own place"
       exit 1
