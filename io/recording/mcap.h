@@ -6,11 +6,11 @@
 // The part of MCAP that recordings use (https://mcap.dev/spec): records of opcode u8, length u64, content;
 // little-endian.
 //
-//     magic | Header | Schema, Channel, Message … | DataEnd | Schema …, Channel …, Statistics | Footer |
-//     magic
+//     magic | Header | Chunk, MessageIndex … | DataEnd | Schema …, Channel …, Statistics, ChunkIndex … |
+//     Footer | magic
 //
-// No chunks: each message reaches the disk at the next flush, so that a torn file loses as little as
-// possible.
+// Chunks hold Schema, Channel and Message records, uncompressed. They and their indexes let a standard reader
+// seek.
 
 namespace osteon::io::mcap {
 
@@ -23,6 +23,8 @@ enum Opcode : std::uint8_t {
   kChannel = 0x04,
   kMessage = 0x05,
   kChunk = 0x06,
+  kMessageIndex = 0x07,
+  kChunkIndex = 0x08,
   kStatistics = 0x0b,
   kDataEnd = 0x0f,
 };

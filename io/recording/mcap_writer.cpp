@@ -42,10 +42,10 @@ std::string Explain(const std::filesystem::path& path, const char* what, int err
 }  // namespace
 
 tl::expected<McapWriter, std::string> McapWriter::Create(const std::filesystem::path& path,
-                                                         std::string_view library) {
+                                                         std::string_view library, std::size_t chunk_bytes) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr) return tl::unexpected(Explain(path, "cannot create the recording", errno));
-  McapWriter writer(path, file);
+  McapWriter writer(path, file, chunk_bytes);
   std::string header;
   AppendString(header, "");  // no profile: plain protobuf channels
   AppendString(header, library);
@@ -73,27 +73,87 @@ std::uint16_t McapWriter::AddChannel(std::string_view topic, std::string_view me
   Channel& added = channels_.emplace_back();
   AppendRecord(added.schema_record, mcap::kSchema, schema);
   AppendRecord(added.channel_record, mcap::kChannel, channel);
-  Put(added.schema_record);
-  Put(added.channel_record);
   return id;
 }
 
-void McapWriter::Write(std::uint16_t channel, std::int64_t stamp_ns, std::string_view bytes) {
+void McapWriter::TimeRange::Add(std::uint64_t time_ns) {
+  first_ns = messages == 0 ? time_ns : std::min(first_ns, time_ns);
+  last_ns = std::max(last_ns, time_ns);
+  ++messages;
+}
+
+void McapWriter::Write(std::uint16_t channel_id, std::int64_t stamp_ns, std::string_view bytes) {
   const auto time = static_cast<std::uint64_t>(std::max<std::int64_t>(0, stamp_ns));
-  first_ns_ = messages_ == 0 ? time : std::min(first_ns_, time);
-  last_ns_ = std::max(last_ns_, time);
-  ++messages_;
+  times_.Add(time);
+  chunk_times_.Add(time);
+
+  // a channel's first message brings its schema and itself along
+  Channel& channel = channels_[channel_id];
+  if (channel.messages == 0) {
+    chunk_ += channel.schema_record;
+    chunk_ += channel.channel_record;
+  }
+  AppendInt(channel.chunk_index, time);
+  AppendInt(channel.chunk_index, std::uint64_t{chunk_.size()});
 
   constexpr std::size_t kFixed = 2 + 4 + 8 + 8;  // channel, sequence, two times
-  record_.clear();
-  record_.push_back(static_cast<char>(mcap::kMessage));
-  AppendInt(record_, std::uint64_t{kFixed + bytes.size()});
-  AppendInt(record_, channel);
-  AppendInt(record_, channels_[channel].messages++);
-  AppendInt(record_, time);
-  AppendInt(record_, time);
-  record_.append(bytes);
-  Put(record_);
+  chunk_.push_back(static_cast<char>(mcap::kMessage));
+  AppendInt(chunk_, std::uint64_t{kFixed + bytes.size()});
+  AppendInt(chunk_, channel_id);
+  AppendInt(chunk_, channel.messages++);
+  AppendInt(chunk_, time);
+  AppendInt(chunk_, time);
+  chunk_.append(bytes);
+  if (chunk_.size() > chunk_bytes_) EndChunk();
+}
+
+void McapWriter::EndChunk() {
+  if (chunk_.empty()) return;
+  const std::uint64_t start = size_;
+  std::string content, record;
+  AppendInt(content, chunk_times_.first_ns);
+  AppendInt(content, chunk_times_.last_ns);
+  AppendInt(content, std::uint64_t{chunk_.size()});
+  AppendInt(content, Crc(0, chunk_));
+  AppendString(content, "");  // not compressed
+  AppendInt(content, std::uint64_t{chunk_.size()});
+  content += chunk_;
+  AppendRecord(record, mcap::kChunk, content);
+  Put(record);
+  const std::uint64_t length = record.size();
+
+  // where in the chunk each channel's messages are
+  const std::uint64_t indexes_start = size_;
+  std::string index_offsets;
+  for (std::size_t id = 0; id < channels_.size(); ++id) {
+    if (channels_[id].chunk_index.empty()) continue;
+    AppendInt(index_offsets, static_cast<std::uint16_t>(id));
+    AppendInt(index_offsets, size_);
+    content.clear();
+    record.clear();
+    AppendInt(content, static_cast<std::uint16_t>(id));
+    AppendString(content, channels_[id].chunk_index);
+    AppendRecord(record, mcap::kMessageIndex, content);
+    Put(record);
+    channels_[id].chunk_index.clear();
+  }
+
+  // where in the file the chunk is, for the summary
+  content.clear();
+  AppendInt(content, chunk_times_.first_ns);
+  AppendInt(content, chunk_times_.last_ns);
+  AppendInt(content, start);
+  AppendInt(content, length);
+  AppendString(content, index_offsets);
+  AppendInt(content, size_ - indexes_start);
+  AppendString(content, "");
+  AppendInt(content, std::uint64_t{chunk_.size()});  // compressed
+  AppendInt(content, std::uint64_t{chunk_.size()});  // uncompressed
+  AppendRecord(chunk_indexes_, mcap::kChunkIndex, content);
+
+  ++chunks_;
+  chunk_.clear();
+  chunk_times_ = {};
 }
 
 void McapWriter::Put(std::string_view bytes) {
@@ -110,29 +170,36 @@ void McapWriter::Flush() {
 }
 
 tl::expected<std::uint64_t, std::string> McapWriter::Finish() {
-  std::string data_end;
+  EndChunk();
+  std::string data_end, tail;
   AppendInt(data_end, crc_);
-  std::string tail;
   AppendRecord(tail, mcap::kDataEnd, data_end);
   Put(tail);
 
-  // summary: schemas, channels, statistics
+  // summary: schemas and channels in use, statistics, chunks
   const std::uint64_t summary_start = size_;
-  std::string summary, statistics, counts;
-  for (const Channel& channel : channels_) summary += channel.schema_record;
-  for (const Channel& channel : channels_) summary += channel.channel_record;
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    AppendInt(counts, static_cast<std::uint16_t>(i));
-    AppendInt(counts, std::uint64_t{channels_[i].messages});
+  std::string summary, channel_records, statistics, counts;
+  std::uint32_t used = 0;
+  for (std::size_t id = 0; id < channels_.size(); ++id) {
+    if (channels_[id].messages == 0) continue;
+    ++used;
+    summary += channels_[id].schema_record;
+    channel_records += channels_[id].channel_record;
+    AppendInt(counts, static_cast<std::uint16_t>(id));
+    AppendInt(counts, std::uint64_t{channels_[id].messages});
   }
-  AppendInt(statistics, messages_);
-  AppendInt(statistics, static_cast<std::uint16_t>(channels_.size()));  // schemas
-  AppendInt(statistics, static_cast<std::uint32_t>(channels_.size()));
-  for (int i = 0; i < 3; ++i) AppendInt(statistics, std::uint32_t{0});  // attachments, metadata, chunks
-  AppendInt(statistics, first_ns_);
-  AppendInt(statistics, last_ns_);
+  summary += channel_records;
+  AppendInt(statistics, times_.messages);
+  AppendInt(statistics, static_cast<std::uint16_t>(used));  // schemas
+  AppendInt(statistics, used);                              // channels
+  AppendInt(statistics, std::uint32_t{0});                  // attachments
+  AppendInt(statistics, std::uint32_t{0});                  // metadata
+  AppendInt(statistics, chunks_);
+  AppendInt(statistics, times_.first_ns);
+  AppendInt(statistics, times_.last_ns);
   AppendString(statistics, counts);
   AppendRecord(summary, mcap::kStatistics, statistics);
+  summary += chunk_indexes_;
 
   // footer; its own CRC covers the summary and the footer up to that CRC
   std::string footer;

@@ -26,6 +26,7 @@ tl::expected<std::unique_ptr<Recorder>, std::string> Recorder::Open(const Record
   recorder->event_channel_ = file.AddChannel("event", "osteon.Event", schema);
   Encode(session, recorder->bytes_);
   file.Write(session_channel, session.stamp, recorder->bytes_);
+  file.EndChunk();
   file.Flush();
   if (file.failed()) return tl::unexpected(recorder->Close().error());  // a full disk shows at once
 
@@ -91,6 +92,7 @@ void Recorder::Drain() {
       ++event;
     }
   }
+  if (!events.empty()) writer_.EndChunk();  // an event and what led to it must survive a crash
   writer_.Flush();
 }
 

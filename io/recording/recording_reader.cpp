@@ -19,6 +19,11 @@ namespace {
 
 constexpr std::uint64_t kMaxRecord = 64u << 20;  // [bytes] ours have at most a configuration's text
 
+std::uint32_t Crc(std::uint32_t crc, std::string_view bytes) {
+  return static_cast<std::uint32_t>(
+      crc32_z(crc, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
+}
+
 // Little-endian fields of one record. Reading past the end gives zeros and is remembered.
 class Cursor {
  public:
@@ -83,7 +88,7 @@ class Pass {
       case mcap::kMessage:
         return data_ended_ ? "message after the end of data" : OnMessage(Cursor(content));
       case mcap::kChunk:
-        return "chunked data, which this recorder never writes";
+        return data_ended_ ? "chunk after the end of data" : OnChunk(Cursor(content));
       case mcap::kDataEnd:
         return OnDataEnd(Cursor(content), crc_before);
       case mcap::kFooter:
@@ -144,6 +149,38 @@ class Pass {
     return {};
   }
 
+  std::string OnChunk(Cursor cursor) {
+    cursor.Int<std::uint64_t>();  // first time
+    cursor.Int<std::uint64_t>();  // last time
+    cursor.Int<std::uint64_t>();  // size
+    const auto expected = cursor.Int<std::uint32_t>();
+    const std::string_view compression = cursor.String();
+    const auto size = cursor.Int<std::uint64_t>();
+    if (!cursor.ok() || size != cursor.rest().size()) return "chunk is cut off";
+    if (!compression.empty())
+      return "chunk compressed with '" + std::string(compression) + "', accepted: not compressed";
+    const std::string_view records(cursor.rest().data(), cursor.rest().size());
+    if (expected != 0 && expected != Crc(0, records))
+      return "the chunk does not match its CRC: the file was changed";
+
+    std::size_t at = 0;
+    while (at < records.size()) {
+      const auto error = [&](const std::string& reason) {
+        return "in the chunk's byte " + std::to_string(at) + ": " + reason;
+      };
+      Cursor head(cursor.rest().subspan(at));
+      const auto opcode = head.Int<std::uint8_t>();
+      const auto length = head.Int<std::uint64_t>();
+      if (!head.ok() || length > head.rest().size()) return error("record is cut off");
+      if (opcode != mcap::kSchema && opcode != mcap::kChannel && opcode != mcap::kMessage)
+        return error("a record of opcode " + std::to_string(opcode) + " has no place in a chunk");
+      const std::string reason = OnRecord(opcode, head.rest().first(length), 0);
+      if (!reason.empty()) return error(reason);
+      at += mcap::kRecordHead + length;
+    }
+    return {};
+  }
+
   std::string OnDataEnd(Cursor cursor, std::uint32_t crc) {
     const auto expected = cursor.Int<std::uint32_t>();
     if (!cursor.ok()) return "end of data is cut off";
@@ -181,11 +218,7 @@ tl::expected<Recording, std::string> ReadRecording(const std::filesystem::path& 
   if (!file || std::string_view(magic.data(), magic.size()) != mcap::kMagic)
     return error("not an MCAP file (its first 8 bytes are not the magic)");
 
-  const auto crc_of = [](std::uint32_t crc, std::string_view bytes) {
-    return static_cast<std::uint32_t>(
-        crc32_z(crc, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
-  };
-  std::uint32_t crc = crc_of(0, mcap::kMagic);
+  std::uint32_t crc = Crc(0, mcap::kMagic);
   offset = magic.size();
   Pass pass;
   std::string record;
@@ -205,7 +238,7 @@ tl::expected<Recording, std::string> ReadRecording(const std::filesystem::path& 
     const std::string reason =
         pass.OnRecord(opcode, std::span<const char>(record).subspan(mcap::kRecordHead), crc);
     if (!reason.empty()) return error(reason);
-    crc = crc_of(crc, record);
+    crc = Crc(crc, record);
     offset += record.size();
   }
 
