@@ -53,10 +53,10 @@ struct Look {
   std::array<double, 3> color;
 };
 constexpr std::array<Look, 5> kLooks{{{"cartilage", "#d3e6f3", {0.76, 0.87, 0.94}},
-                                      {"subchondral", "#efe0b4", {0.93, 0.86, 0.70}},
-                                      {"cortical", "#efe0b4", {0.93, 0.86, 0.70}},
-                                      {"cancellous", "#f4cfb4", {0.84, 0.50, 0.33}},
-                                      {"trabecular", "#f4cfb4", {0.84, 0.50, 0.33}}}};
+                                      {"subchondral", "#efe0b4", {0.95, 0.89, 0.72}},
+                                      {"cortical", "#efe0b4", {0.95, 0.89, 0.72}},
+                                      {"cancellous", "#f4cfb4", {0.88, 0.64, 0.50}},
+                                      {"trabecular", "#f4cfb4", {0.88, 0.64, 0.50}}}};
 constexpr std::array<Look, 4> kOtherLooks{{{"", "#e2d9ee", {0.78, 0.72, 0.86}},
                                            {"", "#d6ead3", {0.72, 0.84, 0.70}},
                                            {"", "#f0d7e0", {0.88, 0.70, 0.76}},

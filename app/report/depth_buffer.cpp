@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace osteon::app {
 
@@ -32,7 +33,17 @@ Camera LookAt(const Vector3& eye, const Vector3& target, const Vector3& up, doub
 DepthBuffer RenderDepth(std::span<const simulation::Ball> balls, const Camera& camera) {
   DepthBuffer buffer{.width = camera.width, .height = camera.height};
   buffer.depth_m.assign(static_cast<std::size_t>(camera.width) * camera.height, DepthBuffer::kNothing);
-  for (const simulation::Ball& ball : balls) {
+
+  // front to back, so that most of what is hidden is found hidden before its root is taken
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const double nearest_m =
+        (Vector3(balls[i].center_m) - camera.eye).dot(camera.forward) - balls[i].radius_m;
+    if (std::isfinite(nearest_m)) order.emplace_back(nearest_m, i);
+  }
+  std::sort(order.begin(), order.end());
+  for (const auto& [nearest_m, index] : order) {
+    const simulation::Ball& ball = balls[index];
     const double r = ball.radius_m;
     const Vector3 to_center = Vector3(ball.center_m) - camera.eye;
     const double z = to_center.dot(camera.forward);
@@ -56,6 +67,7 @@ DepthBuffer RenderDepth(std::span<const simulation::Ball> balls, const Camera& c
       const double dy = (camera.center_y_px - (j + 0.5)) / f;
       float* row = buffer.depth_m.data() + static_cast<std::size_t>(j) * camera.width;
       for (int i = i0; i <= i1; ++i) {
+        if (static_cast<double>(row[i]) <= nearest_m) continue;
         const double dx = (i + 0.5 - camera.center_x_px) / f;
         const double d2 = dx * dx + dy * dy + 1.0, dc = dx * x + dy * y + z;
         const double discriminant = dc * dc - d2 * c2;

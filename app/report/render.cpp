@@ -144,7 +144,7 @@ std::uint8_t ToSrgb(float linear) {
 Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& materials,
                                const Camera& camera, const Layer<LocalPlane>& planes) {
   constexpr double kBelow_m = 0.3e-3;  // look up a little below the surface, where the bone is
-  constexpr int kReach = 2;
+  constexpr int kReach = 5;
   std::array<Vector3f, 256> table;
   for (std::size_t i = 0; i < table.size(); ++i) {
     const Vector3 color = MaterialColor(bone, static_cast<simulation::MaterialIndex>(i));
@@ -163,14 +163,16 @@ Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& 
     for (int x = 0; x < planes.width; ++x) {
       if (planes(x, y).z >= DepthBuffer::kNothing) continue;
       Vector3f sum = Vector3f::Zero();
-      float weight = 0.0f;
+      float total = 0.0f;
       for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, planes.height - 1); ++v)
         for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, planes.width - 1); ++u) {
           if (std::abs(planes(u, v).z - planes(x, y).z) > 1.5e-3f) continue;
-          sum += raw(u, v);
-          weight += 1.0f;
+          const auto weight =
+              static_cast<float>((kReach + 1 - std::abs(u - x)) * (kReach + 1 - std::abs(v - y)));
+          sum += weight * raw(u, v);
+          total += weight;
         }
-      smooth(x, y) = sum / weight;
+      smooth(x, y) = sum / total;
     }
   return smooth;
 }
@@ -220,7 +222,7 @@ Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, cons
   constexpr int kFine = 2;  // depth samples a pixel, each way, for smooth outlines
   const DepthBuffer depth = RenderDepth(balls, camera), fine = RenderDepth(balls, camera.Scaled(kFine));
 
-  // surface: three fits, each nearer to the edges than the one before
+  // surface: a wide fit, then one that keeps the edges
   Layer<LocalPlane> planes(camera.width, camera.height, {});
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) planes(x, y).z = depth.At(x, y);
@@ -229,8 +231,7 @@ Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, cons
   const int reach_px = std::clamp(static_cast<int>(std::lround(1.1 * px_per_mm)), 3, 14);
   const int stride_px = std::max(1, reach_px / 4);
   planes = FitPlanes(depth, planes, reach_px, stride_px, 1.2e-3f);
-  planes = FitPlanes(depth, planes, reach_px, stride_px, 0.35e-3f);
-  planes = FitPlanes(depth, planes, reach_px, stride_px, 0.25e-3f);
+  planes = FitPlanes(depth, planes, reach_px, stride_px, 0.3e-3f);
   const Layer<Vector3f> colors = MaterialColors(bone, materials, camera, planes);
 
   // light from the upper left, far enough away to be nearly parallel
@@ -255,7 +256,7 @@ Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, cons
       const Vector3f half = (key + Vector3f::UnitZ()).normalized();
       const float gloss =
           0.10f * std::pow(std::max(n.dot(half), 0.0f), 30.0f) * (direct > 0.0f ? 1.0f : 0.0f);
-      const float strength = 0.78f * direct + sky * sky * (0.26f + 0.16f * fill);
+      const float strength = 0.60f * direct + sky * sky * (0.26f + 0.12f * fill + 0.30f * n.z());
       shaded(x, y) = colors(x, y) * strength + Vector3f::Constant(gloss * direct);
     }
   }

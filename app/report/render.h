@@ -7,7 +7,7 @@
 namespace osteon::app {
 
 struct RenderParams {
-  int width{900}, height{700};
+  int width{860}, height{700};
   double tilt_rad{0.62};           ///< of the view against the cup's axis
   double turn_rad{0.45};           ///< of the view around the cup's axis
   double reach_in_cup_radii{3.2};  ///< what is farther from the cup's centre need not fit into the picture

@@ -1,5 +1,6 @@
 #include "app/report/report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -8,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "app/report/png_file.h"
-#include "app/report/render.h"
 #include "app/report/run_charts.h"
 #include "app/report/svg_plot.h"
 #include "app/report/svg_text.h"
@@ -94,10 +94,10 @@ std::string Faults(const ReportInput& input) {
 
 std::string ErrorTable(const ReportFigures& figures) {
   std::string out =
-      "<table>\n<tr><th>measured</th><th class=\"n\">mean, signed [mm]</th><th class=\"n\">mean size "
-      "[mm]</th>"
-      "<th class=\"n\">95 % below [mm]</th><th class=\"n\">largest over-cut [mm]</th>"
-      "<th class=\"n\">largest under-cut [mm]</th></tr>\n";
+      "<table>\n<tr><th>cavity against swept tool [mm]</th><th class=\"n\">mean, signed</th><th "
+      "class=\"n\">mean size</th>"
+      "<th class=\"n\">95 % below</th><th class=\"n\">most over-cut</th><th class=\"n\">most "
+      "under-cut</th></tr>\n";
   const auto row = [&out](const char* name, const CavityError& error) {
     out += fmt::format("<tr><td>{}</td>", name);
     for (const double value_m :
@@ -124,13 +124,22 @@ std::string ErrorChart(const Section& section) {
     series.x.push_back(angle_deg);
     series.y.push_back(1e3 * sample.error_m);
   }
-  return Svg(LineChart{.title = "Cavity against swept tool",
-                       .x_label = "angle about the reamer's centre, 0 along the axis into the cup [°]",
-                       .y_label = "error [mm]",
-
-                       .series = {std::move(series)},
-
-                       .plot_height_px = 150.0});
+  LineChart chart{.title = "Cavity against swept tool along this section",
+                  .x_label = "angle about the reamer's centre, 0 along the axis into the cup [°]",
+                  .y_label = "error [mm]",
+                  .series = {std::move(series)},
+                  .plot_height_px = 150.0};
+  // at the rim whole balls go with the edge: such a peak must not flatten the rest
+  const CavityError& error = section.error;
+  const double shown_m = 4.0 * error.p95_m;
+  if (shown_m > 0.0 && std::max(error.max_over_m, -error.max_under_m) > 1.5 * shown_m) {
+    chart.y = NiceRange({1e3 * std::max(-shown_m, std::min(error.max_under_m, 0.0)),
+                         1e3 * std::min(shown_m, error.max_over_m)},
+                        4);
+    chart.title += fmt::format(" (peaks run off the axis: {} to {} mm)", Number(1e3 * error.max_under_m, 2),
+                               Number(1e3 * error.max_over_m, 2));
+  }
+  return Svg(chart);
 }
 
 std::string Timing(const ReportInput& input) {
@@ -154,7 +163,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
 
   // pictures
   const MaterialMap materials(input.bone.points);
-  const Camera camera = CupCamera(input.bone);
+  const Camera camera = CupCamera(input.bone, input.pictures);
   const auto before = Picture(RenderBone(input.bone, input.bone.balls, materials, camera), "Before");
   if (!before) return tl::unexpected(before.error());
   const auto after =
@@ -190,8 +199,10 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
       "materials from the mass points; the swept tool is the union of the reamer's head over every recorded "
       "proxy pose.");
   if (section.error.samples > 0)
-    html += Figure(ErrorChart(section),
-                   "Positive: the cavity is larger than the swept tool. Only where bone was cut.");
+    html += Figure(SectionDetailSvg(section, input.bone), "") +
+            Figure(ErrorChart(section),
+                   "Positive: the cavity is larger than the swept tool. Only where bone was cut; at the rim "
+                   "the balls that made up the edge are gone.");
   html += ErrorTable(report.figures);
   html += "<h2>Force</h2>\n" + Figure(ForceChart(input.ticks, input.force_limit_N), "");
   html += "<h2>Progress</h2>\n" + Figure(ProgressChart(input.ticks, input.frames), "");

@@ -8,6 +8,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/report/render.h"
 #include "app/report/section.h"
 #include "control/tick_record.h"
 #include "simulation/bone.h"
@@ -46,6 +47,7 @@ struct ReportInput {
   std::string config_text{};   ///< the configuration as read
   std::string command_line{};  ///< that repeats the run
   std::string version{};
+  RenderParams pictures{};
 };
 
 /// What the report has measured by itself.

@@ -32,7 +32,7 @@ std::vector<NamedSpan> PhaseSpans(std::span<const TickRecord> ticks) {
     const double to_s = rt::ToSeconds(ticks[std::min(end, ticks.size() - 1)].stamp - start);
     switch (ticks[i].phase) {
       case Phase::kWaiting:
-        spans.push_back({from_s, to_s, "waiting for the arm", "#e8ebef"});
+        spans.push_back({from_s, to_s, "waiting for the arm", "#e6eef5"});
         break;
       case Phase::kHaptic:
         break;
@@ -40,7 +40,7 @@ std::vector<NamedSpan> PhaseSpans(std::span<const TickRecord> ticks) {
         spans.push_back({from_s, to_s, "stopping", "#f6dcc8"});
         break;
       case Phase::kStopped:
-        spans.push_back({from_s, to_s, "stopped", "#e8ebef"});
+        spans.push_back({from_s, to_s, "stopped", "#e4e4e4"});
         break;
     }
     i = end;
@@ -78,8 +78,7 @@ std::string ForceChart(std::span<const TickRecord> ticks, double force_limit_N) 
     axial.y.push_back(-F_T_W.f.dot(feed_W));
     hand.y.push_back(Wrench(tick.F_operator_T_W).f.norm());
   }
-  LineChart chart{.title = "Force",
-                  .x_label = "time [s]",
+  LineChart chart{.x_label = "time [s]",
                   .y_label = "force [N]",
                   .series = {std::move(hand), std::move(coupling), std::move(axial)},
                   .limits = {{force_limit_N, fmt::format("limit {:g} N", force_limit_N)}},
@@ -117,7 +116,7 @@ std::string ProgressChart(std::span<const TickRecord> ticks, std::span<const Fra
   if (!ticks.empty()) {
     const double end_s = rt::ToSeconds(ticks.back().stamp - start);
     if (end_s > 0.0)
-      for (LineChart& panel : panels) panel.x = Range{0.0, end_s};
+      for (LineChart& panel : panels) panel.x = Range{0.0, end_s + 1e-3};
   }
   return Svg(panels);
 }

@@ -60,8 +60,8 @@ PlanarGrid SweptField(const SweptTool& swept, const SectionPlane& plane, const V
   return grid;
 }
 
-/// Where each material lies in the plane, from the nearest mass points: share of a 3×3 neighbourhood, so that
-/// the outline does not follow single points.
+/// Where each material lies in the plane, from the nearest mass points; by majority in a neighbourhood of 5×5
+/// nodes, so that the outline does not follow single points.
 std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane& plane, const Vector2& min,
                                             const Vector2& max, double step_m) {
   std::vector<MaterialRegion> regions;
@@ -77,29 +77,35 @@ std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane
       label[static_cast<std::size_t>(j) * shape.nx + i] = *material;
       greatest = std::max(greatest, static_cast<int>(*material));
     }
+  // share of each material around each node
   constexpr int kReach = 2;
+  const std::size_t nodes = shape.values.size();
+  std::vector<std::vector<float>> share(static_cast<std::size_t>(greatest + 1),
+                                        std::vector<float>(nodes, 0.0f));
+  for (int j = 0; j < shape.ny; ++j)
+    for (int i = 0; i < shape.nx; ++i)
+      for (int dj = -kReach; dj <= kReach; ++dj)
+        for (int di = -kReach; di <= kReach; ++di) {
+          const int x = std::clamp(i + di, 0, shape.nx - 1), y = std::clamp(j + dj, 0, shape.ny - 1);
+          const int material = label[static_cast<std::size_t>(y) * shape.nx + x];
+          const int weight = (kReach + 1 - std::abs(di)) * (kReach + 1 - std::abs(dj));
+          if (material >= 0)
+            share[material][static_cast<std::size_t>(j) * shape.nx + i] += static_cast<float>(weight);
+        }
+  // a material lies where it has the greatest share; a little beyond, so that neighbours leave no seam
+  constexpr float kOverlap = 1.0f;
   for (int material = 0; material <= greatest; ++material) {
-    PlanarGrid field(min, max, step_m, 0.5f);
-    bool any = false;
-    for (int j = 0; j < shape.ny; ++j)
-      for (int i = 0; i < shape.nx; ++i) {
-        int share = 0, of = 0;
-        for (int dj = -kReach; dj <= kReach; ++dj)
-          for (int di = -kReach; di <= kReach; ++di) {
-            const int x = std::clamp(i + di, 0, shape.nx - 1), y = std::clamp(j + dj, 0, shape.ny - 1);
-            const int weight = (kReach + 1 - std::abs(di)) * (kReach + 1 - std::abs(dj));
-            share += weight * (label[static_cast<std::size_t>(y) * shape.nx + x] == material ? 1 : 0);
-            of += weight;
-          }
-        any |= share > 0;
-        // a little below one half, so that neighbouring regions overlap rather than leave a seam
-        field.At(i, j) = 0.45f - static_cast<float>(share) / static_cast<float>(of);
-      }
-    if (!any) continue;
-    field.CloseBorder(0.5f);
+    PlanarGrid field(min, max, step_m, 1.0f);
+    for (std::size_t node = 0; node < nodes; ++node) {
+      float other = 0.0f;
+      for (int k = 0; k <= greatest; ++k)
+        if (k != material) other = std::max(other, share[k][node]);
+      field.values[node] = share[material][node] > 0.0f ? other - share[material][node] - kOverlap : 1.0f;
+    }
+    field.CloseBorder(1.0f);
     MaterialRegion region{.material = static_cast<simulation::MaterialIndex>(material)};
     for (const Polyline& line : Contour(field)) region.outline.push_back(Simplify(line, 0.1 * step_m));
-    regions.push_back(std::move(region));
+    if (!region.outline.empty()) regions.push_back(std::move(region));
   }
   return regions;
 }
@@ -209,18 +215,21 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
     high = high.cwiseMax(c + Vector2::Constant(ball.radius_m));
   }
   if (!(low.x() <= high.x())) low = high = Vector2::Zero();
-  section.min = low.cwiseMax(Vector2::Constant(-reach_m)) - Vector2::Constant(params.margin_m);
+  const double down_m = params.depth_in_cup_radii / params.reach_in_cup_radii * reach_m;
+  section.min = low.cwiseMax(Vector2(-reach_m, -down_m)) - Vector2::Constant(params.margin_m);
   section.max = high.cwiseMin(Vector2::Constant(reach_m)) + Vector2::Constant(params.margin_m);
   section.min = section.min.cwiseMin(Vector2::Constant(-params.margin_m));
   section.max = section.max.cwiseMax(Vector2::Constant(params.margin_m));
 
+  // outlines stay open at the window's border: what ends there was not cut, only the picture was
+  const double tolerance_m = 0.04 * params.step_m;
   PlanarGrid field = SliceField(before.balls(), plane, section.min, section.max, params.step_m);
-  field.CloseBorder(static_cast<float>(params.step_m));
-  section.before = SimplifyAll(Contour(field), 0.1 * params.step_m);
+  section.before = SimplifyAll(Contour(field), tolerance_m);
   field = SliceField(left.balls(), plane, section.min, section.max, params.step_m);
-  field.CloseBorder(static_cast<float>(params.step_m));
   const std::vector<Polyline> outline = Contour(field);
-  section.after = SimplifyAll(outline, 0.1 * params.step_m);
+  section.after = SimplifyAll(outline, tolerance_m);
+  field.CloseBorder(static_cast<float>(params.step_m));
+  section.solid = SimplifyAll(Contour(field), tolerance_m);
   section.materials = MaterialRegions(bone, plane, section.min, section.max, 2.5 * params.step_m);
 
   const simulation::ToolBall* head = CuttingHead(tool);
@@ -228,8 +237,8 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
   if (head == nullptr || swept.empty()) return section;
   section.head_center = plane.Project(DeepestHead(bone, *head, X_GP));
   section.head_radius_m = head->radius_m;
-  section.swept = SimplifyAll(Contour(SweptField(swept, plane, section.min, section.max, params.step_m)),
-                              0.1 * params.step_m);
+  section.swept =
+      SimplifyAll(Contour(SweptField(swept, plane, section.min, section.max, params.step_m)), tolerance_m);
   section.samples = MeasureOutline(outline, plane, before, swept, section.head_center, params.cut_depth_m);
   section.error = Summarize(section.samples);
   return section;

@@ -58,8 +58,8 @@ struct MaterialRegion {
 struct SectionParams {
   double step_m{0.1e-3};
   double margin_m{6e-3};  ///< around the bone
-  double reach_in_cup_radii{
-      2.2};  ///< at most this far from the cup's centre, so that a whole hip still shows its cup
+  /// At most this far from the cup's centre, sideways and down, so that a whole hip still shows its cup.
+  double reach_in_cup_radii{2.2}, depth_in_cup_radii{1.7};
   double cut_depth_m{0.05e-3};  ///< a place was cut if it lay this deep in the bone before
   int directions{4000};         ///< of CavityErrorByDirection over the hemisphere
 };
@@ -67,8 +67,9 @@ struct SectionParams {
 struct Section {
   SectionPlane plane;
   Vector2 min{Vector2::Zero()}, max{Vector2::Zero()};  ///< what is shown [m]
-  std::vector<Polyline> before, after;                 ///< closed, bone on the left
-  std::vector<Polyline> swept;                         ///< open where it leaves the window
+  std::vector<Polyline> before, after;                 ///< bone on the left; open where they leave the window
+  std::vector<Polyline> swept;                         ///< the same, swept volume on the left
+  std::vector<Polyline> solid;                         ///< closed: the bone in the window after the cut
   std::vector<MaterialRegion> materials;               ///< of the bone after the cut
   Vector2 head_center{Vector2::Zero()};                ///< deepest, in the plane
   double head_radius_m{0.0};                           ///< 0: no cutting ball, or no path
@@ -97,6 +98,10 @@ struct Section {
 /// The drawing: bone after the cut by material, outline before, swept tool; equal axes in mm.
 [[nodiscard]] std::string SectionSvg(const Section& section, const simulation::Bone& bone,
                                      double width_px = 920.0);
+
+/// The same, enlarged, around the deepest place of the head's path; empty text where there is no path.
+[[nodiscard]] std::string SectionDetailSvg(const Section& section, const simulation::Bone& bone,
+                                           double width_px = 920.0);
 
 /// SectionSvg into a file. @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteSectionSvg(const Section& section,

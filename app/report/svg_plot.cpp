@@ -35,7 +35,11 @@ Range CommonX(std::span<const LineChart> panels) {
   }
   if (!extent.Any()) return {0.0, 1.0};
   if (!(extent.max > extent.min)) return NiceRange({extent.min, extent.max}, 5);
-  return {extent.min, extent.max};
+  // a run of 9.999 s ends at its tick of 10 s
+  const Range nice = NiceRange({extent.min, extent.max}, 10);
+  const double near = 0.01 * (extent.max - extent.min);
+  return {extent.min - nice.min < near ? nice.min : extent.min,
+          nice.max - extent.max < near ? nice.max : extent.max};
 }
 
 /// The y range, up to the next tick.
@@ -44,7 +48,7 @@ Range YRange(const LineChart& panel, int max_ticks) {
   Extent extent;
   for (const Series& series : panel.series)
     for (const double y : series.y) extent.Add(y);
-  for (const LimitLine& limit : panel.limits) extent.Add(limit.value);
+  for (const LimitLine& limit : panel.limits) extent.Add(1.05 * limit.value);  // not on the frame
   if (panel.y_from_zero) extent.Add(0.0);
   if (!extent.Any()) return {0.0, 1.0};
   if (panel.y_from_zero && extent.min == 0.0 && extent.max == 0.0) return {0.0, 1.0};

@@ -178,8 +178,7 @@ TEST(LineChart, TextStaysInsideTheDrawing) {
 }
 
 TEST(LineChart, DrawsAPeakAtItsPlace) {
-  LineChart chart{
-      .x_label = "x", .y_label = "y", .x = Range{0, 10}, .y = Range{0, 100}, .series = {{}}};
+  LineChart chart{.x_label = "x", .y_label = "y", .x = Range{0, 10}, .y = Range{0, 100}, .series = {{}}};
   for (int i = 0; i <= 10'000; ++i) {
     chart.series[0].x.push_back(1e-3 * i);
     chart.series[0].y.push_back(i == 5000 ? 100.0 : 0.0);
