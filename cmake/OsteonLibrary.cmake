@@ -1,10 +1,13 @@
-# osteon_library(NAME SOURCES a.cpp … HEADERS a.h … [LINK osteon::x …] [PRIVATE yaml-cpp …])
-# A static library of one folder, with the alias osteon::NAME. Its headers form a header set, so that the target
-# <name>_verify_interface_header_sets (all of them: all_verify_interface_header_sets) compiles each header alone.
+# osteon_library(NAME SOURCES a.cpp … HEADERS a.h … [PRIVATE_HEADERS b.h …] [LINK osteon::x …] [PRIVATE yaml-cpp …])
+# A static library of one folder, with the alias osteon::NAME. HEADERS are what others include; they form a header set,
+# so that the target <name>_verify_interface_header_sets (all of them: all_verify_interface_header_sets) compiles each
+# alone, with LINK only. PRIVATE_HEADERS are the library's own, may need what PRIVATE names, and are compiled alone by
+# the target osteon_verify_private_headers.
 set(CMAKE_VERIFY_INTERFACE_HEADER_SETS ON)
+add_custom_target(osteon_verify_private_headers)
 
 function(osteon_library NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;LINK;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;PRIVATE_HEADERS;LINK;PRIVATE" ${ARGN})
   if(ARG_SOURCES)
     add_library(osteon_${NAME} STATIC ${ARG_SOURCES})
     target_link_libraries(osteon_${NAME} PUBLIC osteon::options ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
@@ -16,4 +19,18 @@ function(osteon_library NAME)
   endif()
   add_library(osteon::${NAME} ALIAS osteon_${NAME})
   target_sources(osteon_${NAME} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
+
+  if(ARG_PRIVATE_HEADERS)
+    set(target osteon_${NAME}_verify_private_headers)
+    set(sources)
+    foreach(header ${ARG_PRIVATE_HEADERS})
+      cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE folder)
+      set(source ${CMAKE_CURRENT_BINARY_DIR}/${target}/${folder}/${header}.cxx)
+      file(CONFIGURE OUTPUT ${source} CONTENT "#include \"${folder}/${header}\"\n" @ONLY)
+      list(APPEND sources ${source})
+    endforeach()
+    add_library(${target} OBJECT EXCLUDE_FROM_ALL ${sources})
+    target_link_libraries(${target} PRIVATE osteon_${NAME} ${ARG_PRIVATE})
+    add_dependencies(osteon_verify_private_headers ${target})
+  endif()
 endfunction()

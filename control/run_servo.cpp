@@ -72,14 +72,14 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, ForceSensor& sensor,
     if (!recorder.Push(record)) ++result.unrecorded;
 
     // when to end; a loop that stopped by itself has a fault
-    if (params.stop != nullptr && params.stop->load(std::memory_order_relaxed)) end(RunEnd::kStopFlag);
-    if (loop.faults().Any()) end(RunEnd::kFault);
-    if (params.seconds > 0.0 && active_since >= 0 && woken - active_since >= ToNanoseconds(params.seconds))
-      end(RunEnd::kSeconds);
     if (received == ReceiveResult::kClosed) {
       end(RunEnd::kLinkClosed);
       break;
     }
+    if (params.stop != nullptr && params.stop->load(std::memory_order_relaxed)) end(RunEnd::kStopFlag);
+    if (loop.faults().Any()) end(RunEnd::kFault);
+    if (params.seconds > 0.0 && active_since >= 0 && woken - active_since >= ToNanoseconds(params.seconds))
+      end(RunEnd::kSeconds);
     if (active_since < 0 && woken > give_up_at) end(RunEnd::kNeverActive);
     if (loop.phase() == Phase::kStopped) {
       end(RunEnd::kStopFlag);

@@ -94,8 +94,9 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
 
   // how much of this model still counts
   out.status = Judge(model);
-  out.age_s = out.status == ModelStatus::kOk ? safety::AgeSeconds(now, model.pose_stamp) : safety::kNoAge_s;
-  const double most_fade = safety::AgeShare(out.age_s, params.fresh_s, params.gone_s);
+  out.age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
+  const double most_fade =
+      out.status == ModelStatus::kOk ? safety::AgeShare(out.age_s, params.fresh_s, params.gone_s) : 0.0;
   state.fade = std::min(most_fade, state.fade + dt_s / params.ramp_s);
   out.fade = state.fade;
   const bool fresh = out.age_s <= params.fresh_s;

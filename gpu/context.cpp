@@ -15,6 +15,10 @@ std::string Lower(std::string text) {
   return text;
 }
 
+const vk::SubgroupFeatureFlags kSubgroupNeeds = vk::SubgroupFeatureFlagBits::eBasic |
+                                                vk::SubgroupFeatureFlagBits::eArithmetic |
+                                                vk::SubgroupFeatureFlagBits::eBallot;
+
 int Rank(vk::PhysicalDeviceType type) {
   switch (type) {
     case vk::PhysicalDeviceType::eDiscreteGpu: return 0;
@@ -34,9 +38,11 @@ std::optional<std::uint32_t> ComputeFamily(const vk::raii::PhysicalDevice& devic
 
 DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
   const auto chain =
-      device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+      device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties,
+                            vk::PhysicalDeviceSubgroupProperties>();
   const vk::PhysicalDeviceProperties& p = chain.get<vk::PhysicalDeviceProperties2>().properties;
   const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
+  const auto& subgroup = chain.get<vk::PhysicalDeviceSubgroupProperties>();
   static constexpr const char* kKinds[] = {"discrete", "integrated", "virtual", "cpu", "other"};
   DeviceInfo info{.name = p.deviceName.data(),
                   .kind = kKinds[Rank(p.deviceType)],
@@ -58,8 +64,10 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
     info.refusal = "no scalarBlockLayout";
   else if (!ComputeFamily(device))
     info.refusal = "no compute queue";
-  else if (p.limits.maxComputeSharedMemorySize < 20'000)
-    info.refusal = "less than 20 kB of shared memory";
+  else if ((subgroup.supportedOperations & kSubgroupNeeds) != kSubgroupNeeds || subgroup.subgroupSize > 64)
+    info.refusal = "no subgroup arithmetic and ballot in subgroups of up to 64";
+  else if (p.limits.maxComputeSharedMemorySize < 8'000)
+    info.refusal = "less than 8 kB of shared memory";
   return info;
 }
 
@@ -156,7 +164,8 @@ Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placeme
   made.size = std::max<vk::DeviceSize>(size, 16);
   made.buffer = vk::raii::Buffer(
       *context.device,
-      vk::BufferCreateInfo({}, made.size, Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst));
+      vk::BufferCreateInfo({}, made.size, Usage::eStorageBuffer | Usage::eIndirectBuffer | Usage::eTransferSrc |
+                                      Usage::eTransferDst));
   const vk::MemoryRequirements needs = made.buffer.getMemoryRequirements();
   const vk::PhysicalDeviceMemoryProperties memory = context.physical->getMemoryProperties();
 

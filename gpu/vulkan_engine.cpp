@@ -13,11 +13,19 @@
 #include "simulation/frame_solution.h"
 
 #include "gpu/spirv/advance.h"
+#include "gpu/spirv/clear.h"
 #include "gpu/spirv/contact.h"
+#include "gpu/spirv/engage.h"
+#include "gpu/spirv/near.h"
+#include "gpu/spirv/pick_balls.h"
+#include "gpu/spirv/pick_points.h"
+#include "gpu/spirv/place.h"
 #include "gpu/spirv/planes.h"
+#include "gpu/spirv/reach.h"
 #include "gpu/spirv/remove.h"
 #include "gpu/spirv/slide.h"
 #include "gpu/spirv/solve.h"
+
 
 namespace osteon::gpu {
 namespace {
@@ -29,7 +37,11 @@ static_assert(kMaxMaterials == static_cast<uint>(simulation::kMaxMaterials) && k
 
 constexpr double kMillimetres = 1e3;
 constexpr std::uint64_t kFrameTimeout_ns = 2'000'000'000;
-constexpr int kBuffers = 7;
+constexpr std::uint64_t kWarmUpTimeout_ns = 120'000'000'000;  // software drivers compile a pass when it first runs
+constexpr int kBuffers = 10;
+constexpr std::uint32_t kPassCount = 13;
+constexpr std::array<const char*, kPassCount> kPassNames{"reach", "contact", "place", "near",   "pick_balls", "pick_points", "planes",
+                                                         "solve", "slide",   "engage", "advance",    "remove",      "clear"};
 
 vec4 ToMillimetres(const Vector3& v, double w) {
   return {static_cast<float>(v.x() * kMillimetres), static_cast<float>(v.y() * kMillimetres),
@@ -54,8 +66,14 @@ std::vector<Cluster> Boxes(const Items& items, Get get) {
       const Eigen::Vector3f p(item.x, item.y, item.z);
       box.extend(p - Eigen::Vector3f::Constant(item.w)).extend(p + Eigen::Vector3f::Constant(item.w));
     }
-    boxes[c] = {.low = {box.min().x(), box.min().y(), box.min().z(), 0.0f},
-                .high = {box.max().x(), box.max().y(), box.max().z(), 0.0f}};
+    boxes[c] = {.low_x = box.min().x(),
+                .low_y = box.min().y(),
+                .low_z = box.min().z(),
+                .alive = static_cast<uint>(std::min<std::size_t>(kGroupSize, items.size() - c * kGroupSize)),
+                .high_x = box.max().x(),
+                .high_y = box.max().y(),
+                .high_z = box.max().z(),
+                .pad = 0};
   }
   return boxes;
 }
@@ -74,7 +92,8 @@ struct VulkanEngine::Impl {
   bool lost{false};
   bool poll{false};
 
-  Buffer frame, frame_in, frame_out, balls, points, ball_clusters, point_clusters, plane_sums, engaged_sums;
+  Buffer frame, frame_in, frame_out, balls, points, ball_clusters, point_clusters, path_list, near_list, near_point_list, live_list,
+      live_point_list;
   Frame still{};  // what does not change from frame to frame
 
   vk::raii::DescriptorSetLayout set_layout{nullptr};
@@ -85,6 +104,8 @@ struct VulkanEngine::Impl {
   vk::raii::CommandPool command_pool{nullptr};
   vk::raii::CommandBuffers commands{nullptr};
   vk::raii::Fence fence{nullptr};
+  vk::raii::QueryPool stamps{nullptr};
+  double stamp_period_ns{0.0};  ///< 0: the device has no timestamps
 
   void Upload(const simulation::Bone& bone);
   void BuildPipelines();
@@ -92,7 +113,8 @@ struct VulkanEngine::Impl {
   void Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const;
   void Write(const Buffer& buffer, const void* data, std::size_t size) const;
   void Read(const Buffer& buffer, void* data, std::size_t size) const;
-  bool Run();
+  bool Run(std::uint64_t timeout_ns);
+  bool WarmUp(const simulation::Bone& bone);
   Frame Prepare(const simulation::FrameInput& input) const;
   simulation::FrameSolution Solution(const Frame& done) const;
 };
@@ -156,8 +178,11 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   points = make(point_data.size() * sizeof(Point));
   ball_clusters = make(ball_boxes.size() * sizeof(Cluster));
   point_clusters = make(point_boxes.size() * sizeof(Cluster));
-  plane_sums = make(ball_boxes.size() * (1 + kPlanes * kPlaneColumns) * sizeof(float));
-  engaged_sums = make(point_boxes.size() * (1 + kEngagedColumns) * sizeof(float));
+  path_list = make(ball_boxes.size() * sizeof(Active));
+  near_list = make(ball_boxes.size() * sizeof(Active));
+  near_point_list = make(point_boxes.size() * sizeof(Active));
+  live_list = make(ball_count * sizeof(Active));
+  live_point_list = make(point_count * sizeof(Active));
   frame = make(sizeof(Frame));
   frame_in = MakeBuffer(*context, sizeof(Frame), Placement::kUpload);
   frame_out = MakeBuffer(*context, sizeof(Frame), Placement::kReadBack);
@@ -176,9 +201,12 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   still.enlargement_mm = static_cast<float>(params.normal_enlargement_m * kMillimetres);
   still.tolerance_mm = static_cast<float>(params.contact_tolerance_m * kMillimetres);
   still.layer_mm = static_cast<float>(params.engaged_layer_m * kMillimetres);
+  still.max_slide_mm = static_cast<float>(params.max_slide_m * kMillimetres);
   still.tool_count = static_cast<uint>(tool.balls.size());
   still.ball_count = static_cast<uint>(ball_count);
   still.point_count = static_cast<uint>(point_count);
+  for (std::size_t t = 0; t < tool.balls.size(); ++t)
+    if (tool.balls[t].cutting) (t < 32 ? still.cutting_low : still.cutting_high) |= 1u << (t % 32);
   still.material_count = static_cast<uint>(materials.size());
   still.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;
 }
@@ -201,19 +229,27 @@ void VulkanEngine::Impl::BuildPipelines() {
                                                   &specialization);
     pipelines.emplace_back(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout));
   };
+  add(kSpirv_reach, sizeof(kSpirv_reach));
   add(kSpirv_contact, sizeof(kSpirv_contact));
+  add(kSpirv_place, sizeof(kSpirv_place));
+  add(kSpirv_near, sizeof(kSpirv_near));
+  add(kSpirv_pick_balls, sizeof(kSpirv_pick_balls));
+  add(kSpirv_pick_points, sizeof(kSpirv_pick_points));
   add(kSpirv_planes, sizeof(kSpirv_planes));
   add(kSpirv_solve, sizeof(kSpirv_solve));
   add(kSpirv_slide, sizeof(kSpirv_slide));
+  add(kSpirv_engage, sizeof(kSpirv_engage));
   add(kSpirv_advance, sizeof(kSpirv_advance));
   add(kSpirv_remove, sizeof(kSpirv_remove));
+  add(kSpirv_clear, sizeof(kSpirv_clear));
 
   const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kBuffers);
   pool = vk::raii::DescriptorPool(
       device, vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
   sets = vk::raii::DescriptorSets(device, vk::DescriptorSetAllocateInfo(*pool, *set_layout));
-  const std::array<const Buffer*, kBuffers> bound{&frame,          &balls,      &points,      &ball_clusters,
-                                                  &point_clusters, &plane_sums, &engaged_sums};
+  const std::array<const Buffer*, kBuffers> bound{&frame, &balls, &points, &ball_clusters,
+                                                  &point_clusters, &path_list, &near_list,
+                                                  &near_point_list, &live_list, &live_point_list};
   for (std::uint32_t i = 0; i < kBuffers; ++i) {
     const vk::DescriptorBufferInfo info(*bound[i]->buffer, 0, VK_WHOLE_SIZE);
     device.updateDescriptorSets(
@@ -231,23 +267,54 @@ void VulkanEngine::Impl::Record() {
     c.pipelineBarrier(from, to, {}, vk::MemoryBarrier(wrote, reads), nullptr, nullptr);
   };
   c.begin(vk::CommandBufferBeginInfo());
+  const auto stamp = [&](std::uint32_t i) {
+    if (stamp_period_ns > 0.0) c.writeTimestamp(Stage::eBottomOfPipe, *stamps, i);
+  };
+  if (stamp_period_ns > 0.0) c.resetQueryPool(*stamps, 0, kPassCount + 1);
+  stamp(0);
   c.copyBuffer(*frame_in.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
   barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader, Access::eShaderRead | Access::eShaderWrite);
   c.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout, 0, *sets[0], nullptr);
-  const uint b = ClusterCount(ball_count), p = ClusterCount(point_count);
-  const std::array<uint, 6> groups{b, b, 1, b + p, 1, b + p};
+  // in the order of the pipelines: a number of workgroups, or where the passes before have written it
+  struct Launch {
+    uint groups;
+    vk::DeviceSize indirect;
+    bool barrier;  // false where the next pass does not need this one's results
+  };
+  const uint clusters = ClusterCount(ball_count), all = clusters + ClusterCount(point_count);
+  const auto groups_for = [](uint invocations) { return std::max(1u, (invocations + kGroupSize - 1) / kGroupSize); };
+  const auto indirect = [](std::size_t offset, bool wait) { return Launch{0, offset, wait}; };
+  const std::array<Launch, kPassCount> launches{{{groups_for(clusters), 0, true},
+                                                 indirect(offsetof(Frame, path_balls), true),
+                                                 {1, 0, true},
+                                                 {groups_for(all), 0, true},
+                                                 indirect(offsetof(Frame, near_balls), false),
+                                                 indirect(offsetof(Frame, near_points), true),
+                                                 indirect(offsetof(Frame, live_balls), true),
+                                                 {1, 0, true},
+                                                 indirect(offsetof(Frame, live_balls), false),
+                                                 indirect(offsetof(Frame, live_points), true),
+                                                 {1, 0, true},
+                                                 indirect(offsetof(Frame, live_balls), false),
+                                                 indirect(offsetof(Frame, live_points), true)}};
   for (std::size_t i = 0; i < pipelines.size(); ++i) {
     c.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines[i]);
-    if (groups[i] > 0) c.dispatch(groups[i], 1, 1);
-    barrier(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eTransfer,
-            Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead);
+    if (launches[i].groups > 0)
+      c.dispatch(launches[i].groups, 1, 1);
+    else
+      c.dispatchIndirect(*frame.buffer, launches[i].indirect);
+    if (launches[i].barrier)
+      barrier(Stage::eComputeShader, Access::eShaderWrite,
+              Stage::eComputeShader | Stage::eDrawIndirect | Stage::eTransfer,
+              Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead | Access::eTransferRead);
+    stamp(static_cast<std::uint32_t>(i) + 1);
   }
   c.copyBuffer(*frame.buffer, *frame_out.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
   barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
   c.end();
 }
 
-bool VulkanEngine::Impl::Run() try {
+bool VulkanEngine::Impl::Run(std::uint64_t timeout_ns) try {
   const vk::CommandBuffer raw = *commands[0];
   context->device->resetFences(*fence);
   context->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence);
@@ -256,9 +323,25 @@ bool VulkanEngine::Impl::Run() try {
     for (int i = 0; i < 20'000; ++i)
       if (fence.getStatus() == vk::Result::eSuccess) return true;
   }
-  return context->device->waitForFences(*fence, VK_TRUE, kFrameTimeout_ns) == vk::Result::eSuccess;
+  return context->device->waitForFences(*fence, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
 } catch (const std::exception&) {
   return false;
+}
+
+// Runs every pass once, with a still spindle at the first ball: nothing changes, and no later frame waits for a compiler.
+bool VulkanEngine::Impl::WarmUp(const simulation::Bone& bone) {
+  if (bone.balls.empty()) return true;
+  simulation::FrameInput input;
+  Pose X_GT = Pose::Identity();
+  X_GT.translation() = Vector3(bone.balls.front().center_m);
+  input.X_WT = X_WG * X_GT;
+  input.dt_s = 0.0;
+  memory.X_GP = X_GT;
+  Frame f = Prepare(input);
+  f.reach_mm = 1e6f;  // every cluster is near
+  std::memcpy(frame_in.mapped, &f, sizeof(Frame));
+  memory = {};
+  return Run(kWarmUpTimeout_ns);
 }
 
 Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) const {
@@ -278,6 +361,13 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) const {
   f.dt_s = static_cast<float>(input.dt_s);
   f.work_held_back_Nmm =
       static_cast<float>(memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres);
+  f.path_balls = f.near_balls = f.near_points = f.live_balls = f.live_points = {.x = 0, .y = 1, .z = 1};
+  for (uint& bits : f.plane_gap_bits) bits = std::numeric_limits<uint>::max();
+  double way_m = 0.0;
+  for (std::size_t t = 0; t < start.size(); ++t) way_m = std::max(way_m, (goal[t] - start[t]).norm());
+  const double step_m = params.law == simulation::RemovalLaw::kImmediate ? way_m : params.max_slide_m;
+  f.reach_mm = static_cast<float>(kMillimetres * std::max({params.normal_enlargement_m, params.engaged_layer_m,
+                                                           params.max_slide_m + step_m}));
   f.contact_bits = f.slide_bits = std::bit_cast<uint>(static_cast<float>(simulation::kNoContact));
   return f;
 }
@@ -285,7 +375,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) const {
 simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) const {
   simulation::FrameSolution s;
   s.contact_fraction = std::min(1.0f, std::bit_cast<float>(done.contact_bits));
-  s.slide_fraction = std::min(1.0f, std::bit_cast<float>(done.slide_bits));
+  s.slide_fraction = std::min(done.slide_limit, std::bit_cast<float>(done.slide_bits));
   for (std::size_t g = 0; g < kPlanes; ++g) {
     simulation::SolutionPlane& plane = s.planes[g];
     plane.present = (done.planes_present >> g & 1u) != 0;
@@ -301,9 +391,9 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) const 
   s.n = s.cutting_m > 0.0 ? Vector3(Direction(done.n).normalized()) : Vector3::Zero();
   s.advance_m = done.advance_mm / kMillimetres;
   s.edge_work_J = done.edge_work_Nmm / kMillimetres;
-  s.origin_contact = ToMetres(done.origin_contact);
-  s.origin_slid = ToMetres(done.origin_slid);
-  s.origin_end = ToMetres(done.origin_end);
+  s.origin_contact = ToMetres(done.contact[tool.balls.size()]);
+  s.origin_slid = ToMetres(done.slid[tool.balls.size()]);
+  s.origin_end = ToMetres(done.end[tool.balls.size()]);
   for (std::size_t m = 0; m < materials.size(); ++m) {
     s.engaged_area_m2[m] = done.engaged[2 * m] * 1e-6;
     s.engaged_moment_m3[m] = done.engaged[2 * m + 1] * 1e-9;
@@ -334,9 +424,16 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
     impl->command_pool = vk::raii::CommandPool(
         *impl->context->device, vk::CommandPoolCreateInfo({}, impl->context->queue_family));
     impl->fence = vk::raii::Fence(*impl->context->device, vk::FenceCreateInfo());
+    const auto families = impl->context->physical->getQueueFamilyProperties();
+    if (families[impl->context->queue_family].timestampValidBits > 0) {
+      impl->stamp_period_ns = impl->context->physical->getProperties().limits.timestampPeriod;
+      impl->stamps = vk::raii::QueryPool(*impl->context->device,
+                                         vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kPassCount + 1));
+    }
     impl->Upload(bone);
     impl->BuildPipelines();
     impl->Record();
+    if (!impl->WarmUp(bone)) return tl::make_unexpected(std::string("the Vulkan device did not finish a frame"));
     return std::unique_ptr<VulkanEngine>(new VulkanEngine(std::move(impl)));
   } catch (const vk::OutOfDeviceMemoryError&) {
     return tl::make_unexpected("not enough memory on the Vulkan device for " + std::to_string(bone.balls.size()) +
@@ -358,7 +455,7 @@ simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input)
   if (!impl_->memory.has_proxy) impl_->memory.X_GP = impl_->X_WG.inverse() * Pose(input.X_WT);
   const Frame in = impl_->Prepare(input);
   std::memcpy(impl_->frame_in.mapped, &in, sizeof(Frame));
-  if (!impl_->Run()) {
+  if (!impl_->Run(kFrameTimeout_ns)) {
     impl_->lost = true;
     refused.status = simulation::EngineStatus::kDeviceLost;
     return refused;
@@ -392,6 +489,17 @@ void VulkanEngine::Restore(const simulation::CarvedState& state) {
 }
 
 std::string VulkanEngine::device() const { return impl_->context->info.name; }
+
+std::vector<PassTime> VulkanEngine::LastPassTimes() const {
+  std::vector<PassTime> times;
+  if (impl_->stamp_period_ns <= 0.0 || impl_->memory.frame == 0) return times;
+  const auto [result, ticks] = impl_->stamps.getResults<std::uint64_t>(
+      0, kPassCount + 1, (kPassCount + 1) * sizeof(std::uint64_t), sizeof(std::uint64_t), vk::QueryResultFlagBits::e64);
+  if (result != vk::Result::eSuccess) return times;
+  for (std::size_t i = 0; i < kPassCount; ++i)
+    times.push_back({kPassNames[i], static_cast<double>(ticks[i + 1] - ticks[i]) * impl_->stamp_period_ns * 1e-9});
+  return times;
+}
 
 int VulkanEngine::validation_messages() const {
   return impl_->context->validation ? impl_->context->validation->messages.load() : 0;

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -16,14 +17,22 @@ struct VulkanParams {
   bool validation{false};  ///< run under the validation layers
 };
 
-/// The cutting model as Vulkan compute. A frame is one submit of six dispatches, recorded once:
+/// Device time of one pass of the last frame.
+struct PassTime {
+  const char* pass;
+  double seconds;
+};
+
+/// The cutting model as Vulkan compute. A frame is one submit of thirteen dispatches, recorded once:
 ///
-///     contact ─▶ planes ─▶ solve ─▶ slide + engaged area ─▶ advance ─▶ remove
+///     reach ─▶ contact ─▶ place ─▶ near ─▶ pick (balls, points) ─▶ planes ─▶ solve ─▶ slide, engage ─▶ advance ─▶ remove, clear
 ///
-/// Balls and points lie in clusters of 64 along a space-filling curve, each with the box that it had at the start; a
-/// workgroup whose box no tool ball reaches ends at once. The box stays valid because bone only shrinks inside itself.
-/// Sums go in a fixed order or over whole numbers: equal inputs give equal bits on one device. What every pass does is told
-/// by simulation::ReferenceEngine, its oracle.
+/// Balls and points lie in clusters of 64 along a space-filling curve, each with the box that it had at the start; reach and
+/// near list the clusters whose box a tool ball can meet, pick lists the balls and points that it can, and the passes after
+/// them are dispatched over those lists alone.
+/// A box stays valid for ever because bone only shrinks inside itself. Sums are whole numbers (fixed point): equal inputs
+/// give equal bits, whatever the order of execution. No pass over balls or points has a barrier: software drivers pay
+/// microseconds a workgroup for one. What every pass computes is told by simulation::ReferenceEngine, its oracle.
 class VulkanEngine final : public simulation::CuttingEngine {
  public:
   /// An error text where the device is unknown, memory does not suffice, or bone and tool are beyond the engine's sizes.
@@ -37,6 +46,9 @@ class VulkanEngine final : public simulation::CuttingEngine {
   void Restore(const simulation::CarvedState& state) override;
   [[nodiscard]] std::string name() const override { return "vulkan"; }
   [[nodiscard]] std::string device() const override;
+
+  /// Device time by pass of the last frame; empty where the device has no timestamps.
+  [[nodiscard]] std::vector<PassTime> LastPassTimes() const;
 
   /// What the validation layers have said so far; 0 without them.
   [[nodiscard]] int validation_messages() const;

@@ -67,6 +67,8 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   std::copy_n(servo_.q().data(), control::kJoints, state_.q_meas.begin());
   std::copy_n(server_.q_commanded().data(), control::kJoints, state_.q_cmd.begin());
   state_.X_WT_meas = X_WT;
+  state_.v_WT_meas_m_per_s = V_WT.v;
+  state_.w_WT_meas_rad_per_s = V_WT.w;
   state_.F_hand_T_W = F_T_W;
   return datagram;
 }

@@ -46,6 +46,7 @@ struct CellState {
   StopReport stop;
   control::JointArray q_meas{}, q_cmd{};  ///< [rad]
   PlainPose X_WT_meas;
+  PlainVector3 v_WT_meas_m_per_s, w_WT_meas_rad_per_s;  ///< velocity of T, in W
   PlainWrench F_hand_T_W;  ///< what the hand exerts on the tool, at T's origin, in W
 };
 

@@ -48,6 +48,10 @@ inline constexpr double kNoContact = 2.0;
   return std::numbers::pi * over * over * (d * d + 2.0 * d * (r1 + r2) - 3.0 * dr * dr) / (12.0 * d);
 }
 
+/// Lens volumes count up to this [m^3] in a normal: overlaps beyond it are no contacts any more, and the shaders' sums stay
+/// within their range.
+inline constexpr double kLargestLensVolume = 0.5e-9;
+
 /// Closest point to p on the segment from a to b.
 [[nodiscard]] inline Vector3 ClosestOnSegment(const Vector3& p, const Vector3& a, const Vector3& b) {
   const Vector3 m = b - a;

@@ -7,6 +7,8 @@
 namespace osteon::simulation {
 namespace {
 
+constexpr std::size_t kMostCells = 20'000'000;
+
 struct Descent {
   const Solid& solid;
   const GradeParams& params;
@@ -19,9 +21,15 @@ struct Descent {
     const double reach = cell.reach_m();
     if (cell.signed_distance_m > reach) return;
     if (wanted == CellsWanted::kSurface && cell.signed_distance_m < -reach) return;
-    const bool too_coarse =
-        cell.level > 0 && solid.DepthBelowCup(center) < params.coarser_from_m[cell.level - 1];
+    const int top = static_cast<int>(params.coarser_from_m.size());
+    const bool too_coarse = cell.level > top || (cell.level > 0 && solid.DepthBelowCup(center) <
+                                                                       params.coarser_from_m[cell.level - 1]);
     if (!too_coarse) {
+      if (cells.size() == kMostCells)
+        throw std::invalid_argument(
+            fmt::format("bone: found more than {} cells at {:g} mm, accepted fewer: take a larger spacing or "
+                        "a smaller solid",
+                        kMostCells, params.finest_m * 1e3));
       cells.push_back(cell);
       return;
     }
@@ -55,7 +63,10 @@ void CheckGrade(const std::string& name, const GradeParams& grade, double min_m,
 
 std::vector<Cell> DivideGraded(const Solid& solid, const GradeParams& params, CellsWanted wanted) {
   Descent descent{.solid = solid, .params = params, .wanted = wanted, .cells = {}};
-  const int top = static_cast<int>(params.coarser_from_m.size());
+  // Start above the coarsest level, so that large empty parts go in one question each.
+  const double least_side = 0.125 * solid.Bounds().sizes().maxCoeff();
+  int top = static_cast<int>(params.coarser_from_m.size());
+  while (std::ldexp(params.finest_m, top) < least_side) ++top;
   const double side = std::ldexp(params.finest_m, top);
   const Eigen::AlignedBox3d box = solid.Bounds();
   std::array<std::int32_t, 3> first{}, last{};

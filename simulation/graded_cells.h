@@ -39,6 +39,7 @@ enum class CellsWanted {
 };
 
 /// Divides the solid into cubes that grow with depth below the cup: an octree, descended depth first.
+/// @throws std::invalid_argument where that would be more than 20 million cells.
 [[nodiscard]] std::vector<Cell> DivideGraded(const Solid& solid, const GradeParams& params,
                                              CellsWanted wanted);
 

@@ -147,7 +147,11 @@ std::optional<MeshCrossing> MeshBvh::FindCrossing(double tolerance_m) const {
     const double before = normal.dot(from - a), after = normal.dot(to - a);
     if (!(std::min(std::abs(before), std::abs(after)) > s.tolerance_m) || before * after > 0.0) return;
     const Vector3 at = from + before / (before - after) * (to - from);
-    if ((NearestOnTriangle(at, a, b, c).p - at).norm() > 1e-3 * s.tolerance_m) return;
+    // how far inside the triangle's border; negative outside
+    double inside = std::numeric_limits<double>::infinity();
+    for (const auto& [p, q] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}})
+      inside = std::min(inside, normal.cross(q - p).normalized().dot(at - p));
+    if (!(inside > s.tolerance_m)) return;
     s.crossing = {.p_m = at, .edge_triangle = s.edge_triangle, .triangle = t};
     args->valid[0] = -1;
   };

@@ -39,8 +39,8 @@ class MeshBvh {
   /// Nearest point of the surface; of equally near triangles, the one that comes first.
   [[nodiscard]] TriangleHit Nearest(const Vector3& p_m) const;
 
-  /// Some edge that passes through a triangle with which it shares no corner, its ends more than
-  /// `tolerance_m` off the triangle's plane on both sides.
+  /// Some edge that passes through a triangle with which it shares no corner: its ends lie more than
+  /// `tolerance_m` off the triangle's plane on both sides, and the crossing more than that inside its border.
   [[nodiscard]] std::optional<MeshCrossing> FindCrossing(double tolerance_m) const;
 
  private:

@@ -13,6 +13,7 @@ namespace osteon::simulation {
 namespace {
 
 constexpr double kLargestCoordinate_m = 10.0;
+constexpr double kLargestSize_m = 1.0;
 constexpr double kLeastVolume_m3 = 1e-9;
 constexpr double kCrossingTolerance_m = 1e-5;
 constexpr std::size_t kMostShells = 64;
@@ -45,13 +46,23 @@ Problem CheckCoordinates(const TriangleMesh& mesh, const std::string& name) {
   if (mesh.triangles.empty())
     return MeshError{MeshErrorKind::kEmpty,
                      fmt::format("{}: found no triangles, accepted a closed surface", name)};
+  Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < mesh.vertices_m.size(); ++i) {
-    if (mesh.vertices_m[i].cwiseAbs().maxCoeff() <= kLargestCoordinate_m && mesh.vertices_m[i].allFinite())
-      continue;
-    return MeshError{MeshErrorKind::kNotFinite,
-                     fmt::format("{}: vertex {}: found {}, accepted finite coordinates within ±{:g} mm", name,
-                                 i, Mm(mesh.vertices_m[i]), kLargestCoordinate_m * 1e3)};
+    const Vector3& v = mesh.vertices_m[i];
+    box.extend(v);
+    if (!v.allFinite())
+      return MeshError{MeshErrorKind::kNotFinite,
+                       fmt::format("{}: vertex {}: found {}, accepted finite coordinates", name, i, Mm(v))};
+    if (v.cwiseAbs().maxCoeff() > kLargestCoordinate_m)
+      return MeshError{MeshErrorKind::kTooLarge,
+                       fmt::format("{}: vertex {}: found {}, accepted within ±{:g} mm", name, i, Mm(v),
+                                   kLargestCoordinate_m * 1e3)};
   }
+  if (box.sizes().maxCoeff() > kLargestSize_m)
+    return MeshError{
+        MeshErrorKind::kTooLarge,
+        fmt::format("{}: found a size of {:.6g} mm, accepted up to {:g} mm (files are read in millimetres)",
+                    name, box.sizes().maxCoeff() * 1e3, kLargestSize_m * 1e3)};
   return std::nullopt;
 }
 

@@ -10,13 +10,19 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kIndexCell_m = 2.0e-3;
+/// Side of the index's cells: 2 mm, more where the solid is so large that their number would count.
+double IndexCell_m(const Eigen::AlignedBox3d& box) {
+  return std::max(2.0e-3, box.sizes().maxCoeff() / 150.0);
+}
+
 constexpr std::uint64_t kSampleSalt = 1;
 
 class Builder {
  public:
   Builder(const Solid& solid, const PackingParams& params)
-      : solid_(solid), params_(params), index_(solid.Bounds(), kIndexCell_m, params.greatest_surface_gap_m) {}
+      : solid_(solid),
+        params_(params),
+        index_(solid.Bounds(), IndexCell_m(solid.Bounds()), params.greatest_surface_gap_m) {}
 
   std::vector<Ball> Build() {
     AddLattice();

@@ -46,7 +46,10 @@ ContactModel ReferenceEngine::Step(const FrameInput& input) {
   SolveTarget(goal.back(), turn, solution);
   ToolPoints target = goal;
   for (Vector3& point : target) point += solution.delta;
-  solution.slide_fraction = std::min(1.0, FirstContact(contact, target, params_.contact_tolerance_m));
+  double longest = 0.0;
+  for (std::size_t t = 0; t < target.size(); ++t) longest = std::max(longest, (target[t] - contact[t]).norm());
+  solution.slide_fraction = std::min(longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0,
+                                     FirstContact(contact, target, params_.contact_tolerance_m));
   const ToolPoints slid = Between(contact, target, solution.slide_fraction);
   solution.origin_slid = slid.back();
 
@@ -86,7 +89,8 @@ void ReferenceEngine::FindPlanes(const ToolPoints& at, const Matrix3& R_GT, Fram
       const double r_t = tool_.balls[t].radius_m;
       const Vector3 from_bone = at[t] - ball.center_m;
       const double distance = from_bone.norm();
-      const double weight = LensVolume(r_t + params_.normal_enlargement_m, ball.radius_m, distance);
+      const double weight = std::min(LensVolume(r_t + params_.normal_enlargement_m, ball.radius_m, distance),
+                                     kLargestLensVolume);
       if (weight <= 0.0 || distance <= 0.0) continue;
       const Vector3 u = from_bone / distance;
       const int group = tool_.balls[t].cutting ? PlaneGroup(R_GT.transpose() * u) : kShaftPlane;

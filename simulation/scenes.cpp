@@ -70,19 +70,23 @@ void Check(const MeshTissue& t) {
         fmt::format("mesh bone: lining_radii: found {:g}, accepted 1 … 2", t.lining_radii));
 }
 
-/// Share of the cup's lower half-sphere that has the solid's surface within `reach_m`.
-double ShareNearSurface(const Solid& solid, double reach_m) {
+/// Share of the directions into the cup's lower half in which bone begins between these distances from the
+/// centre.
+double ShareWithBoneBetween(const Solid& solid, double near_m, double far_m) {
   const Cup& cup = solid.cup();
   const Vector3 z = cup.axis, x = z.unitOrthogonal(), y = z.cross(x);
   constexpr int kDirections = 200;
-  int near = 0;
+  int found = 0;
   for (int i = 0; i < kDirections; ++i) {  // a Fibonacci spiral: equal areas
     const double height = -(i + 0.5) / kDirections, angle = std::numbers::phi * 2.0 * std::numbers::pi * i;
     const double width = std::sqrt(1.0 - height * height);
     const Vector3 direction = width * (std::cos(angle) * x + std::sin(angle) * y) + height * z;
-    if (std::abs(solid.SignedDistance(Vector3(cup.center_m) + cup.radius_m * direction)) <= reach_m) ++near;
+    const Vector3 center = cup.center_m;
+    if (solid.SignedDistance(center + near_m * direction) > 0.0 &&
+        solid.SignedDistance(center + far_m * direction) < 0.0)
+      ++found;
   }
-  return static_cast<double>(near) / kDirections;
+  return static_cast<double>(found) / kDirections;
 }
 
 }  // namespace
@@ -126,27 +130,21 @@ tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path
   if (!loaded) return tl::make_unexpected(loaded.error());
   const MeshSolid solid(loaded->mesh, checked, params.tissue);
 
-  constexpr double kReach = 0.3, kLeastShare = 0.25;
-  const Vector3 c = Vector3(checked.center_m) * 1e3, low = solid.Bounds().min() * 1e3,
-                high = solid.Bounds().max() * 1e3;
-  const std::string where = fmt::format("{}: cup at ({:.4g}, {:.4g}, {:.4g}) mm, radius {:.4g} mm",
-                                        path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3);
-  const double share = ShareNearSurface(solid, kReach * checked.radius_m);
-  if (share < kLeastShare)
-    return tl::make_unexpected(MeshError{
-        MeshErrorKind::kCupOffMesh,
-        fmt::format(
-            "{}: found the mesh's surface within {:.0f} % of the radius of {:.0f} % of the cup's lower "
-            "half, accepted {:.0f} % and more; the mesh spans ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, "
-            "{:.4g}, {:.4g}) mm, the axis points out of the opening",
-            where, 100 * kReach, 100 * share, 100 * kLeastShare, low.x(), low.y(), low.z(), high.x(),
-            high.y(), high.z())});
-  const double inside = -solid.SignedDistance(checked.center_m);
-  if (inside > 0.0)
+  constexpr double kNear = 0.7, kFar = 1.3, kLeastShare = 0.25;
+  const double share = ShareWithBoneBetween(solid, kNear * checked.radius_m, kFar * checked.radius_m);
+  if (share < kLeastShare) {
+    const Vector3 c = Vector3(checked.center_m) * 1e3;
+    const Vector3 low = solid.Bounds().min() * 1e3, high = solid.Bounds().max() * 1e3;
     return tl::make_unexpected(
         MeshError{MeshErrorKind::kCupOffMesh,
-                  fmt::format("{}: found its centre {:.3g} mm inside the bone, accepted in the open", where,
-                              inside * 1e3)});
+                  fmt::format("{}: cup at ({:.4g}, {:.4g}, {:.4g}) mm, radius {:.4g} mm: found bone to begin "
+                              "within 30 % of the "
+                              "radius in {:.0f} % of its lower half, accepted {:.0f} % and more; the mesh "
+                              "spans ({:.4g}, {:.4g}, "
+                              "{:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm, the axis points out of the opening",
+                              path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * share,
+                              100 * kLeastShare, low.x(), low.y(), low.z(), high.x(), high.y(), high.z())});
+  }
   return Fill(path.stem().string(), solid, params.packing, params.points, params.materials);
 }
 

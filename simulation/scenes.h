@@ -34,10 +34,10 @@ struct MeshBoneParams {
 };
 
 /// The bone that a mesh file bounds (see LoadMesh); G is the file's frame. `cup` says where it is to be
-/// reamed; its axis need not be of unit length. There must be bone all around the lower half of the cup's
-/// sphere: for at least a quarter of that half the surface lies within 30 % of the radius, and the sphere's
-/// centre is in the open.
-/// @throws std::invalid_argument as MakeAcetabulum does: for parameters, never for what the file holds.
+/// reamed; its axis need not be of unit length. In at least a quarter of the directions into the cup's lower
+/// half, bone must begin within 30 % of its radius.
+/// @throws std::invalid_argument as MakeAcetabulum does, and where the solid takes more than 20 million
+/// cells.
 [[nodiscard]] tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path,
                                                              const Cup& cup, const MeshBoneParams& params);
 

@@ -29,6 +29,7 @@ enum class MeshErrorKind : std::uint8_t {
   kNonManifold,       ///< an edge with three or more triangles, or two sheets that meet in a vertex only
   kOrientation,       ///< neighbouring triangles that face opposite ways
   kNoVolume,          ///< encloses nothing
+  kTooLarge,          ///< further than 10 m away, or wider than 1 m: hardly in millimetres
   kContradictory,     ///< shells that are solid twice over, or hollow in the void
   kSelfIntersecting,  ///< the surface passes through itself
   kCupOffMesh,        ///< the cup named is not where the bone has one
@@ -58,11 +59,11 @@ struct LoadedMesh {
 
 /// Whether the triangles bound a solid without contradiction; `name` stands for the file in messages.
 ///
-/// Each edge joins exactly two triangles, wound alike; vertices are finite and within 10 m; shells nest so
-/// that each has bone on its inner side and none on the outer (cavities are shells wound inwards); no edge
-/// pierces another triangle by more than 0.01 mm (real meshes touch themselves by rounding: less is let pass,
-/// and shifts the surface by less than that). A mesh that is inside out as a whole has its triangles flipped,
-/// since only one reading makes sense.
+/// Each edge joins exactly two triangles, wound alike; vertices are finite, within 10 m, and within 1 m of
+/// each other; shells nest so that each has bone on its inner side and none on the outer (cavities are shells
+/// wound inwards); no edge pierces another triangle by more than 0.01 mm (real meshes touch themselves by
+/// rounding: less is let pass, and shifts the surface by less than that). A mesh that is inside out as a
+/// whole has its triangles flipped, since only one reading makes sense.
 [[nodiscard]] tl::expected<MeshReport, MeshError> CheckMesh(TriangleMesh& mesh, const std::string& name);
 
 /// Enclosed volume; negative where the mesh is inside out.

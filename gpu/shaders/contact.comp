@@ -5,24 +5,18 @@
 // independent of scheduling.
 #include "common.glsl"
 #include "first_contact.glsl"
-#include "tool_mask.glsl"
-
-shared uint first;
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
-  if (gl_LocalInvocationID.x == 0) first = floatBitsToUint(2.0);
-  if (!MaskTool(ball_clusters[gl_WorkGroupID.x], 0, 0.0, false)) return;
-  if (i < frame.ball_count && balls[i].w > 0.0) {
-    vec4 ball = balls[i];
-    float s = 2.0;
-    for (uint t = 0; t < frame.tool_count; ++t) {
-      if (!InMask(t)) continue;
-      vec3 a = frame.start[t].xyz;
-      s = min(s, FirstContactFraction(ball.xyz - a, frame.goal[t].xyz - a, frame.start[t].w + ball.w));
-    }
-    if (s < 2.0) atomicMin(first, floatBitsToUint(s));
+  Active mine = path_balls[gl_WorkGroupID.x];
+  uint i = mine.index * kGroupSize + gl_LocalInvocationID.x;
+  if (frame.contact_bits == 0u || i >= frame.ball_count) return;  // nothing is earlier than at once
+  vec4 ball = balls[i];
+  if (ball.w <= 0.0) return;
+  float s = 2.0;
+  for (uvec2 rest = Tools(mine); Any(rest); rest = WithoutLowest(rest)) {
+    uint t = Lowest(rest);
+    vec3 a = frame.start[t].xyz;
+    s = min(s, FirstContactFraction(ball.xyz - a, frame.goal[t].xyz - a, frame.start[t].w + ball.w));
   }
-  barrier();
-  if (gl_LocalInvocationID.x == 0 && first < floatBitsToUint(2.0)) atomicMin(frame.contact_bits, first);
+  if (s < 2.0) atomicMin(frame.contact_bits, floatBitsToUint(s));
 }

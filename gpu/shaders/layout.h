@@ -9,6 +9,7 @@
 #include <cstdint>
 namespace osteon::gpu {
 using uint = std::uint32_t;
+using std::int32_t;
 struct vec4 {
   float x, y, z, w;
 };
@@ -19,19 +20,34 @@ struct vec4 {
 #define OSTEON_ARRAY(type, name, count) type name[count]
 #endif
 
-OSTEON_CONST uint kGroupSize = 64;      // invocations of a workgroup; balls or points of a cluster
+OSTEON_CONST uint kGroupSize = 64;     // invocations of a workgroup; balls or points of a cluster
 OSTEON_CONST uint kMaxToolBalls = 64;
 OSTEON_CONST uint kMaxMaterials = 8;
-OSTEON_CONST uint kPlanes = 8;          // groups of contacts, see PlaneGroup
+OSTEON_CONST uint kPlanes = 8;         // groups of contacts, see PlaneGroup
 OSTEON_CONST uint kShaft = 7;
-OSTEON_CONST uint kPlaneColumns = 8;    // weight, weight u (3), weight point (3), smallest gap
-OSTEON_CONST uint kEngagedColumns = 16; // area and moment by material
+OSTEON_CONST uint kPlaneColumns = 7;   // weight, weight u (3), weight point (3)
+
+// A sum in fixed point: high * 2^16 + low, in units of 1/scale. Whole numbers add up to the same in any order, so that a
+// frame's result does not depend on scheduling.
+struct Sum {
+  int high;
+  uint low;
+};
+
+// Arguments of an indirect dispatch.
+struct Groups {
+  uint x, y, z;
+};
 
 // One frame: what the host writes, then what the passes find. Copied to the device before them and back after.
 struct Frame {
   // host
   OSTEON_ARRAY(vec4, start, kMaxToolBalls + 1);  // tool ball centres at the proxy; w: radius. Entry tool_count: T's origin
   OSTEON_ARRAY(vec4, goal, kMaxToolBalls + 1);   // the same at the tool's pose; w: 1 cutting, 0 not
+  OSTEON_ARRAY(vec4, contact, kMaxToolBalls + 1);  // found: the same at first contact; w: radius
+  OSTEON_ARRAY(vec4, target, kMaxToolBalls + 1);   // found: the constrained target
+  OSTEON_ARRAY(vec4, slid, kMaxToolBalls + 1);     // found: after the slide
+  OSTEON_ARRAY(vec4, end, kMaxToolBalls + 1);      // found: after the advance, the new proxy
   OSTEON_ARRAY(vec4, material, kMaxMaterials);   // x specific cutting energy [N/mm^2], y cutting-force ratio
   vec4 axis_x, axis_y, axis_z;                   // T's axes in G at the tool's pose
   vec4 turn;                                     // rotation vector from the proxy to the tool's pose
@@ -48,15 +64,22 @@ struct Frame {
   uint point_count;
   uint material_count;
   uint immediate;
+  float max_slide_mm;
+  float reach_mm;        // balls and points further than this from the tool at first contact play no part after it
   // passes
-  uint contact_bits;  // fraction of first contact, as the bits of a float: order of bits is order of fractions
+  uint contact_bits;     // fraction of first contact, as the bits of a float: order of bits is order of fractions
   uint slide_bits;
-  uint pad;
+  float slide_limit;     // fraction of the way to the target that the slide may take
+  Groups path_balls;     // clusters that the way from proxy to tool meets
+  Groups near_balls;     // clusters within reach at first contact
+  Groups near_points;
+  Groups live_balls;     // workgroups for the balls within reach
+  Groups live_points;
+  uint live_ball_count, live_point_count;
+  uint cutting_low, cutting_high;  // mask of the tool balls that cut
+  OSTEON_ARRAY(uint, pad, 3);
   vec4 delta;             // to the constrained target; w: length of the cutting planes' share
   vec4 n;                 // direction of the cutting planes' resultant
-  vec4 origin_contact;
-  vec4 origin_slid;
-  vec4 origin_end;
   float advance_mm;
   float edge_work_Nmm;
   uint planes_present;    // bit per plane
@@ -64,13 +87,26 @@ struct Frame {
   OSTEON_ARRAY(vec4, plane_n, kPlanes);      // w: smallest gap
   OSTEON_ARRAY(vec4, plane_point, kPlanes);  // w: lens volume
   OSTEON_ARRAY(float, multiplier, kPlanes);
-  OSTEON_ARRAY(float, engaged, kEngagedColumns);
+  OSTEON_ARRAY(uint, plane_gap_bits, kPlanes);  // smallest gap, as bits that order like the float
+  OSTEON_ARRAY(Sum, plane_sums, kPlanes * kPlaneColumns);
+  OSTEON_ARRAY(Sum, engaged_sums, 2 * kMaxMaterials);  // area and moment by material
+  OSTEON_ARRAY(float, engaged, 2 * kMaxMaterials);
   OSTEON_ARRAY(uint, removed, kMaxMaterials);  // cleared volume in units of the bone's
 };
 
-// Box around a cluster of balls (whole balls) or of points, as they were at the start: conservative for ever.
+// Box around a cluster of balls (whole balls) or of points, as they were at the start: conservative for ever. A cluster of
+// which nothing is left is passed over.
 struct Cluster {
-  vec4 low, high;
+  float low_x, low_y, low_z;
+  uint alive;
+  float high_x, high_y, high_z;
+  uint pad;
+};
+
+// A cluster, ball or point that a pass has to look at, and the tool balls that can reach it.
+struct Active {
+  uint index;
+  uint tool_low, tool_high;  // mask
 };
 
 // A mass point. units: its volume in the bone's units; material; cleared: 1 where it is gone.
@@ -84,12 +120,10 @@ struct Point {
 
 #ifdef __cplusplus
 static_assert(sizeof(Frame) % 16 == 0);
-static_assert(offsetof(Frame, material) == 16 * 2 * 65);
-static_assert(offsetof(Frame, spindle_rad_per_s) == 16 * (2 * 65 + 8 + 4));
-static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 64);
-static_assert(offsetof(Frame, plane_n) == offsetof(Frame, delta) + 96);
-static_assert(offsetof(Frame, removed) == offsetof(Frame, plane_n) + 2 * 128 + 32 + 64);
-static_assert(sizeof(Cluster) == 32 && sizeof(Point) == 28);
+static_assert(offsetof(Frame, material) == 16 * 6 * 65);
+static_assert(offsetof(Frame, spindle_rad_per_s) == 16 * (6 * 65 + 8 + 4));
+static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 40 * 4);
+static_assert(sizeof(Cluster) == 32 && sizeof(Point) == 28 && sizeof(Active) == 12 && sizeof(Sum) == 8);
 }  // namespace osteon::gpu
 #endif
 #undef OSTEON_CONST

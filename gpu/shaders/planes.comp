@@ -1,14 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass 2, first half: sums of the lens-weighted normals (equation 4, corrected) by group, a workgroup a cluster.
+// Pass 2, first half: sums of the lens-weighted normals (equation 4, corrected) by group, over the balls within reach.
 #include "common.glsl"
-#include "tool_mask.glsl"
-
-shared float rows[64 * 64];  // invocation × (group, column)
-shared uint groups_seen;
 
 const float kPi = 3.14159265358979;
 const float kCapCosine = 0.766;
+const float kLargestLens = 0.5;  // mm^3, simulation::kLargestLensVolume
 
 float LensVolume(float r1, float r2, float d) {
   if (d >= r1 + r2) return 0.0;
@@ -30,53 +27,40 @@ uint PlaneGroup(vec3 u) {
 }
 
 void main() {
-  uint lane = gl_LocalInvocationID.x, i = gl_GlobalInvocationID.x;
-  uint base = gl_WorkGroupID.x * kPlaneStride;
-  bool reached = MaskTool(ball_clusters[gl_WorkGroupID.x], 2, frame.enlargement_mm, false);
-  if (lane == 0) groups_seen = 0;
-  barrier();
-  vec4 ball = i < frame.ball_count ? balls[i] : vec4(0.0);
-  bool cleared = false;
-  if (reached && ball.w > 0.0) {
-    for (uint t = 0; t < frame.tool_count; ++t) {
-      if (!InMask(t)) continue;
-      float r_t = frame.start[t].w;
-      vec3 at = AtContact(t);
-      vec3 from_bone = at - ball.xyz;
-      float d = length(from_bone);
-      float w = LensVolume(r_t + frame.enlargement_mm, ball.w, d);
-      if (w <= 0.0 || d <= 0.0) continue;
-      if (!cleared) {
-        for (uint c = 0; c < 64; ++c) rows[lane * 64 + c] = (c % kPlaneColumns) == 7 ? kInfinity : 0.0;
-        cleared = true;
-      }
-      vec3 u = from_bone / d;
-      uint group = frame.goal[t].w > 0.5 ? PlaneGroup(u) : kShaft;
-      atomicOr(groups_seen, 1u << group);
-      uint row = lane * 64 + group * kPlaneColumns;
-      vec3 point = at - r_t * u;
-      rows[row + 0] += w;
-      rows[row + 1] += w * u.x;
-      rows[row + 2] += w * u.y;
-      rows[row + 3] += w * u.z;
-      rows[row + 4] += w * point.x;
-      rows[row + 5] += w * point.y;
-      rows[row + 6] += w * point.z;
-      rows[row + 7] = min(rows[row + 7], d - r_t - ball.w);
+  uint slot = gl_GlobalInvocationID.x;
+  if (slot >= frame.live_ball_count) return;
+  Active mine = live_balls[slot];
+  uint i = mine.index;
+  vec4 ball = balls[i];
+  if (ball.w <= 0.0) return;
+  vec3 origin = frame.contact[frame.tool_count].xyz;
+  for (uvec2 rest = Tools(mine); Any(rest); rest = WithoutLowest(rest)) {
+    uint t = Lowest(rest);
+    vec4 tool = frame.contact[t];
+    float r_t = tool.w;
+    vec3 at = tool.xyz;
+    vec3 from_bone = at - ball.xyz;
+    float d = length(from_bone);
+    float w = min(LensVolume(r_t + frame.enlargement_mm, ball.w, d), kLargestLens);
+    if (w <= 0.0 || d <= 0.0) continue;
+    vec3 u = from_bone / d;
+    uint group = frame.goal[t].w > 0.5 ? PlaneGroup(u) : kShaft;
+    vec3 point = at - r_t * u - origin;
+    // neighbours in the list mostly touch the same group: one addition a group and subgroup
+    for (bool pending = true; pending;) {
+      uint same = subgroupBroadcastFirst(group);
+      if (same != group) continue;
+      uint row = same * kPlaneColumns;
+      ADD_TO(frame.plane_sums[row + 0], w * kNormalScale)
+      ADD_TO(frame.plane_sums[row + 1], w * u.x * kNormalScale)
+      ADD_TO(frame.plane_sums[row + 2], w * u.y * kNormalScale)
+      ADD_TO(frame.plane_sums[row + 3], w * u.z * kNormalScale)
+      ADD_TO(frame.plane_sums[row + 4], w * point.x * kPointScale)
+      ADD_TO(frame.plane_sums[row + 5], w * point.y * kPointScale)
+      ADD_TO(frame.plane_sums[row + 6], w * point.z * kPointScale)
+      uint gap = subgroupMin(OrderedBits(d - r_t - ball.w));
+      if (subgroupElect()) atomicMin(frame.plane_gap_bits[same], gap);
+      pending = false;
     }
   }
-  barrier();
-  uint seen = groups_seen;
-  if (lane == 0) plane_sums[base] = float(seen);
-  if (seen == 0) return;
-  if (!cleared) {
-    for (uint c = 0; c < 64; ++c) rows[lane * 64 + c] = (c % kPlaneColumns) == 7 ? kInfinity : 0.0;
-  }
-  barrier();
-  // each invocation adds up one column, in the order of the balls: the sum does not depend on scheduling
-  if ((seen & (1u << (lane / kPlaneColumns))) == 0u) return;
-  bool smallest = (lane % kPlaneColumns) == 7;
-  float sum = smallest ? kInfinity : 0.0;
-  for (uint r = 0; r < 64; ++r) sum = smallest ? min(sum, rows[r * 64 + lane]) : sum + rows[r * 64 + lane];
-  plane_sums[base + 1 + lane] = sum;
 }

@@ -1,11 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Pass 3, second half: every cutting ball's capsules take their share of each bone ball (equation 5, corrected; twin of
-// simulation::ShrinkBall), one invocation a ball; and of the mass points, one invocation a point.
+// simulation::ShrinkBall), one invocation a ball: the result does not depend on scheduling.
 #include "common.glsl"
-#include "tool_mask.glsl"
-
-layout(constant_id = 0) const uint kBallClusters = 1;
 
 const float kLeastBallRadius = 1e-3;  // mm
 
@@ -31,45 +28,21 @@ void Shrink(inout vec4 ball, vec3 a, vec3 b, float r_t) {
   ball.w -= 0.5 * p;
 }
 
-bool Inside(vec3 p, vec3 a, vec3 b, float r_t) {
-  return distance(p, ClosestOnSegment(p, a, b)) < r_t;
-}
-
 void main() {
+  uint slot = gl_GlobalInvocationID.x;
+  if (slot >= frame.live_ball_count) return;
+  Active mine = live_balls[slot];
+  uint i = mine.index;
   if (frame.spindle_rad_per_s == 0.0) return;
-  bool is_ball = gl_WorkGroupID.x < kBallClusters;
-  uint cluster = is_ball ? gl_WorkGroupID.x : gl_WorkGroupID.x - kBallClusters;
-  uint i = cluster * kGroupSize + gl_LocalInvocationID.x;
-  // contact to end bounds the path from there over the slid proxy only together with the slide's length
-  float bend = distance(AtSlid(frame.tool_count), frame.origin_contact.xyz);
-  Cluster box;
-  if (is_ball) box = ball_clusters[cluster];
-  else box = point_clusters[cluster];
-  if (!MaskTool(box, 3, bend, true)) return;
-
-  if (is_ball) {
-    if (i >= frame.ball_count) return;
-    vec4 ball = balls[i];
-    if (ball.w <= 0.0) return;
-    float before = ball.w;
-    for (uint part = 0; part < 2; ++part)
-      for (uint t = 0; t < frame.tool_count; ++t) {
-        if (!InMask(t)) continue;
-        vec3 a = part == 0 ? AtContact(t) : AtSlid(t), b = part == 0 ? AtSlid(t) : AtEnd(t);
-        Shrink(ball, a, b, frame.start[t].w);
-      }
-    if (ball.w != before) balls[i] = ball;
-  } else {
-    if (i >= frame.point_count || points[i].cleared != 0u) return;
-    vec3 p = vec3(points[i].x, points[i].y, points[i].z);
-    for (uint part = 0; part < 2; ++part)
-      for (uint t = 0; t < frame.tool_count; ++t) {
-        if (!InMask(t)) continue;
-        vec3 a = part == 0 ? AtContact(t) : AtSlid(t), b = part == 0 ? AtSlid(t) : AtEnd(t);
-        if (!Inside(p, a, b, frame.start[t].w)) continue;
-        points[i].cleared = 1u;
-        atomicAdd(frame.removed[points[i].material], points[i].units);  // whole numbers: exact in any order
-        return;
-      }
-  }
+  vec4 ball = balls[i];
+  float before = ball.w;
+  if (before <= 0.0) return;
+  for (uint part = 0; part < 2; ++part)
+    for (uvec2 rest = CuttingTools(mine); Any(rest); rest = WithoutLowest(rest)) {
+      uint t = Lowest(rest);
+      vec4 slid = frame.slid[t];
+      Shrink(ball, part == 0 ? frame.contact[t].xyz : slid.xyz, part == 0 ? slid.xyz : frame.end[t].xyz, slid.w);
+    }
+  if (ball.w == 0.0) atomicAdd(ball_clusters[i / kGroupSize].alive, 0xffffffffu);
+  if (ball.w != before) balls[i] = ball;
 }

@@ -4,10 +4,7 @@
 // them (twin of kinematics/half_spaces.cpp): every set of one, two or three planes is one candidate.
 #include "common.glsl"
 
-layout(constant_id = 0) const uint kBallClusters = 1;
-
-shared float columns[64];
-shared uint seen_all;
+shared uint solved;
 shared vec4 plane[kPlanes];    // n, offset
 shared uint plane_group[kPlanes];
 shared uint plane_count;
@@ -75,34 +72,18 @@ void Try(uint k) {
 
 void main() {
   uint lane = gl_LocalInvocationID.x;
-  if (lane == 0) seen_all = 0;
-  barrier();
-
-  // sum the clusters' columns, in their order
-  uint group = lane / kPlaneColumns;
-  bool smallest = (lane % kPlaneColumns) == 7;
-  float sum = smallest ? kInfinity : 0.0;
-  uint seen = 0;
-  for (uint w = 0; w < kBallClusters; ++w) {
-    uint mask = uint(plane_sums[w * kPlaneStride]);
-    if ((mask & (1u << group)) == 0u) continue;
-    seen = 1;
-    float value = plane_sums[w * kPlaneStride + 1 + lane];
-    sum = smallest ? min(sum, value) : sum + value;
-  }
-  columns[lane] = sum;
-  if (seen != 0 && smallest) atomicOr(seen_all, 1u << group);
-  barrier();
-
   if (lane < kPlanes) {
-    bool present = (seen_all & (1u << lane)) != 0u;
-    uint c = lane * kPlaneColumns;
-    vec3 n = vec3(columns[c + 1], columns[c + 2], columns[c + 3]);
-    float weight = columns[c], size = length(n);
-    present = present && size > 1e-6 * weight;
-    frame.plane_n[lane] = present ? vec4(n / size, columns[c + 7]) : vec4(0.0);
-    frame.plane_point[lane] =
-        present ? vec4(vec3(columns[c + 4], columns[c + 5], columns[c + 6]) / weight, weight) : vec4(0.0);
+    uint row = lane * kPlaneColumns;
+    float weight = Total(frame.plane_sums[row], kNormalScale);
+    vec3 n = vec3(Total(frame.plane_sums[row + 1], kNormalScale), Total(frame.plane_sums[row + 2], kNormalScale),
+                  Total(frame.plane_sums[row + 3], kNormalScale));
+    vec3 point = vec3(Total(frame.plane_sums[row + 4], kPointScale), Total(frame.plane_sums[row + 5], kPointScale),
+                      Total(frame.plane_sums[row + 6], kPointScale));
+    float size = length(n);
+    bool present = size > 1e-6 * weight;
+    frame.plane_n[lane] =
+        present ? vec4(n / size, FromOrderedBits(frame.plane_gap_bits[lane])) : vec4(0.0);
+    frame.plane_point[lane] = present ? vec4(frame.contact[frame.tool_count].xyz + point / weight, weight) : vec4(0.0);
     frame.multiplier[lane] = 0.0;
   }
   memoryBarrierBuffer();
@@ -110,7 +91,7 @@ void main() {
 
   for (uint clipped = 0; clipped < 2; ++clipped) {
     if (lane == 0) {
-      vec3 origin = AtContact(frame.tool_count);
+      vec3 origin = frame.contact[frame.tool_count].xyz;
       vec3 motion = frame.goal[frame.tool_count].xyz - origin;
       vec3 turn = (1.0 - ContactFraction()) * frame.turn.xyz;
       uint count = 0, present = 0;
@@ -127,7 +108,6 @@ void main() {
       }
       plane_count = count;
       frame.planes_present = present;
-      frame.origin_contact = vec4(origin, 0.0);
     }
     barrier();
     for (uint k = lane; k < 92; k += 64) Try(k);
@@ -166,9 +146,16 @@ void main() {
       float size = length(cutting);
       frame.delta = vec4(delta, size);
       frame.n = size > 0.0 ? vec4(cutting / size, 0.0) : vec4(0.0);
-      seen_all = feasible ? 1u : 0u;  // tells the others whether a second round is due
+      solved = feasible ? 1u : 0u;  // tells the others whether a second round is due
+      float longest = 0.0;
+      for (uint t = 0; t <= frame.tool_count; ++t) {
+        vec3 target = frame.goal[t].xyz + delta;
+        frame.target[t] = vec4(target, 0.0);
+        longest = max(longest, distance(frame.contact[t].xyz, target));
+      }
+      frame.slide_limit = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
     }
     barrier();
-    if (seen_all == 1u) break;
+    if (solved == 1u) break;
   }
 }

@@ -48,7 +48,7 @@ case $check in
     ;;
   paths)
     # Written so that this line does not match itself. A temporary folder is mktemp's or TempDir()'s to name.
-    pattern='(^|[^A-Za-z0-9._~}/-])/(wor[k]|tm[p]|hom[e]|roo[t]|farm)/[A-Za-z0-9_.]'
+    pattern='(^|[^A-Za-z0-9._~}/-])/(wor[k]|tm[p]|hom[e]|roo[t])/[A-Za-z0-9_.]'
     if tree_files | existing | xargs -0 -r grep -nIE -- "$pattern" /dev/null; then
       echo "paths of one machine: take them from an argument, the environment, or the file's own place"
       exit 1
@@ -60,16 +60,16 @@ case $check in
     [[ ! -f build/.lock ]] || lock=(flock build/.lock)
     log=$(mktemp)
     trap 'rm -f "$log"' EXIT
-    if ! "${lock[@]}" cmake --build "$build" --target all_verify_interface_header_sets >"$log" 2>&1; then
+    if ! "${lock[@]}" cmake --build "$build" --target all_verify_interface_header_sets \
+      osteon_verify_private_headers >"$log" 2>&1; then
       sed -n '/^FAILED: /,$p' "$log" | head -n 60
       exit 1
     fi
-    # CMake writes one source for each header of a set; a header without one is in no HEADERS of osteon_library().
-    find "$build" -path '*_verify_interface_header_sets/*.cxx' |
-      sed 's|.*_verify_interface_header_sets/||; s|\.cxx$||' | sort -u >"$log"
+    # One source is generated for each listed header; a header without one is in no list of osteon_library().
+    find "$build" -path '*_verify_*header*/*.cxx' | sed 's|.*_verify_[a-z_]*/||; s|\.cxx$||' | sort -u >"$log"
     mapfile -t unlisted < <(tree_files '*.h' | existing | tr '\0' '\n' | grep -v '^tests/' | sort -u | comm -23 - "$log")
     [[ ${#unlisted[@]} -eq 0 ]] || {
-      printf '%s:1: in no HEADERS of osteon_library(): nothing shows that it compiles alone\n' "${unlisted[@]}"
+      printf '%s:1: in neither HEADERS nor PRIVATE_HEADERS of an osteon_library(): nothing shows that it compiles alone\n' "${unlisted[@]}"
       exit 1
     }
     ;;

@@ -54,6 +54,12 @@ echo 'inline std::vector<int> Law() { return {}; }' >"$tree/control/law.h"
 expect 1 'law\.h:1:.*std' headers
 echo 'inline int Law() { return 1; }' >"$tree/control/law.h"
 echo 'inline int Gain() { return 1; }' >"$tree/control/gain.h"
-expect 1 'control/gain\.h:1: in no HEADERS' headers
+expect 1 'control/gain\.h:1: in neither HEADERS' headers
+# A private header may need what PRIVATE names, and no more.
+echo 'int Law() { return 1; }' >"$tree/control/law.cpp"
+echo 'osteon_library(control SOURCES law.cpp HEADERS law.h PRIVATE_HEADERS gain.h)' >"$tree/control/CMakeLists.txt"
+expect 0 '' headers
+echo 'inline std::vector<int> Gain() { return {}; }' >"$tree/control/gain.h"
+expect 1 'gain\.h:1:.*std' headers
 
 exit "$failures"

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "app/report/cell_grid.h"
+#include "simulation/bone.h"
+#include "simulation/cutting_engine.h"
+
+namespace osteon::app {
+
+/// The union of balls, in G, for queries.
+class BallField {
+ public:
+  /// Balls without a finite centre and a positive radius are left out.
+  explicit BallField(std::vector<simulation::Ball> balls);
+
+  [[nodiscard]] const std::vector<simulation::Ball>& balls() const { return balls_; }
+  /// Depth [m] of p below the surface of the ball that holds it deepest: a lower bound of the depth below the
+  /// union's surface. Negative infinity outside.
+  [[nodiscard]] double Depth(const Vector3& p_G) const;
+  /// Distance [m] along the ray from o in direction d (unit) to the first ball; none within max_m. A ray that
+  /// starts inside a ball hits at 0.
+  [[nodiscard]] std::optional<double> FirstHit(const Vector3& o_G, const Vector3& d_G, double max_m) const;
+
+ private:
+  std::vector<simulation::Ball> balls_;
+  CellGrid grid_;
+};
+
+/// The balls of a bone as a carved state leaves them: those that are gone left out. All of the bone's balls
+/// where the state holds none (nothing was simulated). A state of another bone gives no balls.
+[[nodiscard]] std::vector<simulation::Ball> CarvedBalls(const simulation::Bone& bone,
+                                                        const simulation::CarvedState& state);
+
+/// Material by position: that of the nearest mass point, cleared or not.
+class MaterialMap {
+ public:
+  explicit MaterialMap(std::span<const simulation::MassPoint> points);
+
+  /// None where no mass point lies within reach (eight cells).
+  [[nodiscard]] std::optional<simulation::MaterialIndex> At(const Vector3& p_G) const;
+
+ private:
+  std::vector<simulation::MassPoint> points_;
+  CellGrid grid_;
+};
+
+/// "#rrggbb" for a material in drawings: faint; cartilage bluish, cortical bone ivory, cancellous bone
+/// reddish-yellow, by name, anything else by index.
+[[nodiscard]] const char* MaterialTint(const simulation::Bone& bone, simulation::MaterialIndex material);
+
+/// sRGB 0 … 1 for a material in shaded pictures.
+[[nodiscard]] Vector3 MaterialColor(const simulation::Bone& bone, simulation::MaterialIndex material);
+
+}  // namespace osteon::app

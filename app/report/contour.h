@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace osteon::app {
+
+using Vector2 = Eigen::Vector2d;
+
+/// Samples of a scalar field on a plane; node (i, j) lies at min + step (i, j).
+struct PlanarGrid {
+  Vector2 min{Vector2::Zero()};
+  double step{1.0};
+  int nx{0}, ny{0};
+  std::vector<float> values;
+
+  PlanarGrid(const Vector2& min_corner, const Vector2& max_corner, double step_size, float fill);
+  [[nodiscard]] Vector2 Node(int i, int j) const { return min + step * Vector2(i, j); }
+  [[nodiscard]] float& At(int i, int j) { return values[static_cast<std::size_t>(j) * nx + i]; }
+  [[nodiscard]] float At(int i, int j) const { return values[static_cast<std::size_t>(j) * nx + i]; }
+  /// Sets the nodes of the border to `value`, so that every contour closes.
+  void CloseBorder(float value);
+};
+
+struct Polyline {
+  std::vector<Vector2> points{};
+  bool closed{false};
+};
+
+/// Lines on which the field is zero, linear between nodes (marching squares), the negative side on their
+/// left. Lines that leave the grid stay open. An ambiguous cell is decided by the mean of its corners.
+[[nodiscard]] std::vector<Polyline> Contour(const PlanarGrid& grid);
+
+/// Leaves out the points that a chord passes within `tolerance`.
+[[nodiscard]] Polyline Simplify(const Polyline& line, double tolerance);
+
+}  // namespace osteon::app

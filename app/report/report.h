@@ -1,0 +1,70 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/report/render.h"
+#include "app/report/section.h"
+#include "control/tick_record.h"
+#include "simulation/bone.h"
+#include "simulation/cutting_engine.h"
+#include "simulation/frame_record.h"
+#include "simulation/tool.h"
+
+namespace osteon::app {
+
+/// A row of the summary: what, and its value with its unit.
+struct SummaryRow {
+  std::string key, value;
+};
+
+/// A fault as the report shows it.
+struct FaultRow {
+  std::string name;
+  double time_s{0.0};    ///< since the run's start; not finite: not known
+  std::string reaction;  ///< what the cell did
+};
+
+/// Everything that a report is made of. Views must outlive the call.
+struct ReportInput {
+  std::string title{"Reaming an acetabulum"};
+  std::string subtitle{};             ///< e.g. engine, device, date
+  std::vector<SummaryRow> summary{};  ///< as the terminal shows it
+  std::span<const control::TickRecord> ticks{};
+  std::span<const simulation::FrameRecord> frames{};
+  const simulation::Bone& bone;  ///< as it was before
+  const simulation::CarvedState& after;
+  const simulation::Tool& tool;
+  Pose X_WG{Pose::Identity()};
+  double force_limit_N{200.0};
+  double tool_speed_limit_m_per_s{0.0};  ///< 0: no line drawn
+  std::vector<FaultRow> faults{};
+  std::string config_text{};   ///< the configuration as read
+  std::string command_line{};  ///< that repeats the run
+  std::string version{};
+  RenderParams pictures{};
+};
+
+/// What the report has measured by itself.
+struct ReportFigures {
+  CavityError cavity_section;    ///< along the section's outline
+  CavityError cavity_direction;  ///< over directions in space
+};
+
+/// The report as one HTML page: no script, no reference to anything outside the file.
+struct Report {
+  std::string html;
+  ReportFigures figures;
+};
+[[nodiscard]] tl::expected<Report, std::string> MakeReport(const ReportInput& input);
+
+/// MakeReport into a file, which appears whole or not at all. @returns an error that names the file.
+[[nodiscard]] tl::expected<ReportFigures, std::string> WriteReport(const ReportInput& input,
+                                                                   const std::filesystem::path& path);
+
+}  // namespace osteon::app

@@ -1,0 +1,170 @@
+#include "app/report/run_charts.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/report/svg_plot.h"
+
+namespace osteon::app {
+namespace {
+
+using control::Phase;
+using control::TickRecord;
+using simulation::FrameRecord;
+
+rt::Nanoseconds Start(std::span<const TickRecord> ticks, std::span<const FrameRecord> frames) {
+  if (!ticks.empty()) return ticks.front().stamp;
+  return frames.empty() ? 0 : frames.front().stamp;
+}
+
+/// Names the parts of the run in which the loop did not render.
+std::vector<NamedSpan> PhaseSpans(std::span<const TickRecord> ticks) {
+  std::vector<NamedSpan> spans;
+  const rt::Nanoseconds start = Start(ticks, {});
+  for (std::size_t i = 0; i < ticks.size();) {
+    std::size_t end = i;
+    while (end < ticks.size() && ticks[end].phase == ticks[i].phase) ++end;
+    const double from_s = rt::ToSeconds(ticks[i].stamp - start);
+    const double to_s = rt::ToSeconds(ticks[std::min(end, ticks.size() - 1)].stamp - start);
+    switch (ticks[i].phase) {
+      case Phase::kWaiting:
+        spans.push_back({from_s, to_s, "waiting for the arm", "#e6eef5"});
+        break;
+      case Phase::kHaptic:
+        break;
+      case Phase::kStopping:
+        spans.push_back({from_s, to_s, "stopping", "#f6dcc8"});
+        break;
+      case Phase::kStopped:
+        spans.push_back({from_s, to_s, "stopped", "#e4e4e4"});
+        break;
+    }
+    i = end;
+  }
+  return spans;
+}
+
+std::string LatencyHistogram(std::string title, std::vector<double> values) {
+  if (std::none_of(values.begin(), values.end(), [](double value) { return value > 0.0; })) return {};
+  return Svg(Histogram{.title = std::move(title),
+                       .x_label = "time [µs]",
+                       .values = std::move(values),
+                       .log_x = true,
+                       .log_y = true,
+                       .unit = "µs"});
+}
+
+std::vector<double> Times(std::span<const TickRecord> ticks) {
+  std::vector<double> t_s;
+  for (const TickRecord& tick : ticks) t_s.push_back(rt::ToSeconds(tick.stamp - Start(ticks, {})));
+  return t_s;
+}
+
+}  // namespace
+
+std::string ForceChart(std::span<const TickRecord> ticks, double force_limit_N) {
+  const std::vector<double> t_s = Times(ticks);
+  Series coupling{.name = "rendered coupling force", .x = t_s};
+  Series axial{.name = "its part along the tool (resisting)", .x = t_s, .width_px = 1.1};
+  Series hand{.name = "hand's force (sensor)", .x = t_s, .width_px = 1.1};
+  for (const TickRecord& tick : ticks) {
+    const Wrench F_T_W = tick.F_coupling_T_W;
+    const Vector3 feed_W = Pose(tick.X_WT_cmd).linear().col(2);
+    coupling.y.push_back(F_T_W.f.norm());
+    axial.y.push_back(-F_T_W.f.dot(feed_W));
+    hand.y.push_back(Wrench(tick.F_operator_T_W).f.norm());
+  }
+  LineChart chart{.x_label = "time [s]",
+                  .y_label = "force [N]",
+                  .series = {std::move(hand), std::move(coupling), std::move(axial)},
+                  .limits = {{force_limit_N, fmt::format("limit {:g} N", force_limit_N)}},
+                  .spans = PhaseSpans(ticks),
+                  .plot_height_px = 270.0};
+  chart.series[0].color = "#009e73";
+  chart.series[1].color = "#0072b2";
+  chart.series[2].color = "#d55e00";
+  return Svg(chart);
+}
+
+std::string ProgressChart(std::span<const TickRecord> ticks, std::span<const FrameRecord> frames) {
+  const rt::Nanoseconds start = Start(ticks, frames);
+  Series depth{.name = "", .color = "#0072b2", .width_px = 1.8};
+  Series volume{.name = "", .color = "#d55e00", .width_px = 1.8};
+  for (const FrameRecord& frame : frames) {
+    const double t_s = rt::ToSeconds(frame.stamp - start);
+    depth.x.push_back(t_s);
+    depth.y.push_back(1e3 * frame.cup_depth_m);
+    volume.x.push_back(t_s);
+    volume.y.push_back(1e9 * frame.model.removed_volume_m3);
+  }
+  std::vector<LineChart> panels(2);
+  panels[0] = {.title = "Cup depth",
+               .x_label = "",
+               .y_label = "depth [mm]",
+               .series = {std::move(depth)},
+               .spans = PhaseSpans(ticks),
+               .plot_height_px = 170.0};
+  panels[1] = {.title = "Removed volume",
+               .x_label = "time [s]",
+               .y_label = "volume [mm³]",
+               .series = {std::move(volume)},
+               .plot_height_px = 170.0};
+  if (!ticks.empty()) {
+    const double end_s = rt::ToSeconds(ticks.back().stamp - start);
+    if (end_s > 0.0)
+      for (LineChart& panel : panels) panel.x = Range{0.0, end_s + 1e-3};
+  }
+  return Svg(panels);
+}
+
+std::string MotionChart(std::span<const TickRecord> ticks, double speed_limit_m_per_s) {
+  const std::vector<double> t_s = Times(ticks);
+  Series speed{.name = "", .x = t_s, .y = {}, .color = "#0072b2", .width_px = 1.1};
+  Series age{.name = "", .x = t_s, .y = {}, .color = "#009e73", .width_px = 1.1};
+  for (const TickRecord& tick : ticks) {
+    speed.y.push_back(1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm());
+    // before the first frame there is no model to be old
+    age.y.push_back(tick.model_frame == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                          : 1e3 * tick.model_age_s);
+  }
+  std::vector<LineChart> panels(2);
+  panels[0] = {.title = "Speed of the tool's apex",
+               .x_label = "",
+               .y_label = "speed [mm/s]",
+               .series = {std::move(speed)},
+               .spans = PhaseSpans(ticks),
+               .plot_height_px = 150.0};
+  panels[1] = {.title = "Age of the contact model",
+               .x_label = "time [s]",
+               .y_label = "age [ms]",
+               .series = {std::move(age)},
+               .plot_height_px = 130.0};
+  if (speed_limit_m_per_s > 0.0)
+    panels[0].limits = {
+        {1e3 * speed_limit_m_per_s, fmt::format("limit {:g} mm/s", 1e3 * speed_limit_m_per_s)}};
+  return Svg(panels);
+}
+
+std::string WakeupHistogram(std::span<const TickRecord> ticks) {
+  std::vector<double> values;
+  for (const TickRecord& tick : ticks) values.push_back(1e-3 * static_cast<double>(tick.wakeup_ns));
+  return LatencyHistogram("Tick: message to wake-up", std::move(values));
+}
+
+std::string ComputeHistogram(std::span<const TickRecord> ticks) {
+  std::vector<double> values;
+  for (const TickRecord& tick : ticks) values.push_back(1e-3 * static_cast<double>(tick.compute_ns));
+  return LatencyHistogram("Tick: wake-up to answer", std::move(values));
+}
+
+std::string FrameTimeHistogram(std::span<const FrameRecord> frames) {
+  std::vector<double> values;
+  for (const FrameRecord& frame : frames) values.push_back(1e-3 * static_cast<double>(frame.duration_ns));
+  return LatencyHistogram("Simulation frame", std::move(values));
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "control/tick_record.h"
+#include "kinematics/spatial.h"
+#include "simulation/frame_record.h"
+
+// The plots of a run's records, as SVG. Time counts from the first tick (or frame, where there is none).
+
+namespace osteon::app {
+
+/// Sizes of the rendered coupling force and of the hand's force, and the coupling force along the tool, with
+/// the limit.
+[[nodiscard]] std::string ForceChart(std::span<const control::TickRecord> ticks, double force_limit_N);
+
+/// Cup depth and removed volume, one above the other.
+[[nodiscard]] std::string ProgressChart(std::span<const control::TickRecord> ticks,
+                                        std::span<const simulation::FrameRecord> frames);
+
+/// Tool speed and the contact model's age, one above the other; no limit line where the limit is 0.
+[[nodiscard]] std::string MotionChart(std::span<const control::TickRecord> ticks, double speed_limit_m_per_s);
+
+/// Histograms; empty text where nothing was measured (virtual time).
+[[nodiscard]] std::string WakeupHistogram(std::span<const control::TickRecord> ticks);
+[[nodiscard]] std::string ComputeHistogram(std::span<const control::TickRecord> ticks);
+[[nodiscard]] std::string FrameTimeHistogram(std::span<const simulation::FrameRecord> frames);
+
+}  // namespace osteon::app

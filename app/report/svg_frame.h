@@ -1,0 +1,71 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/report/ticks.h"
+
+// What every plot is made of: elements, the plot area with its axes, and a legend that wraps.
+
+namespace osteon::app {
+
+inline constexpr double kFontPx = 12.5;
+inline constexpr double kTitlePx = 14.5;
+inline constexpr double kLegendRowPx = 20.0;
+
+/// One <text> element. `anchor` is start, middle or end; `extra` further attributes.
+[[nodiscard]] std::string SvgText(double x, double y, std::string_view text,
+                                  std::string_view anchor = "start", std::string_view color = "#1b1f24",
+                                  double size_px = kFontPx, std::string_view extra = {});
+[[nodiscard]] std::string SvgLine(double x1, double y1, double x2, double y2, std::string_view color,
+                                  double width_px = 1.0, std::string_view dash = {});
+[[nodiscard]] std::string SvgRect(double x, double y, double width, double height, std::string_view fill,
+                                  std::string_view extra = {});
+/// <svg …> body </svg>, on white.
+[[nodiscard]] std::string SvgDocument(double width, double height, std::string_view title,
+                                      std::string_view body);
+
+/// The area between the axes and what its edges stand for.
+struct PlotArea {
+  double left{0.0}, top{0.0}, width{0.0}, height{0.0};  ///< [px]
+  Range x{}, y{};
+  bool log_x{false}, log_y{false};
+
+  [[nodiscard]] double X(double value) const;
+  [[nodiscard]] double Y(double value) const;
+};
+
+/// Grid lines and the frame around the area, below the data.
+[[nodiscard]] std::string DrawGrid(const PlotArea& area, const Ticks& x, const Ticks& y);
+/// Texts of the ticks, and the axis labels; above the data. `y_label_x` is the middle of the turned y label.
+[[nodiscard]] std::string DrawTickTexts(const PlotArea& area, const Ticks& x, const Ticks& y);
+[[nodiscard]] std::string DrawAxisLabels(const PlotArea& area, std::string_view x_label, double x_label_y,
+                                         std::string_view y_label, double y_label_x);
+/// Width of the widest of the labels [px].
+[[nodiscard]] double WidestLabel(const Ticks& ticks);
+/// Drops labels (not marks) of x ticks that would come closer than a digit to their neighbour.
+void SpreadLabels(const PlotArea& area, Ticks& x);
+
+/// What a legend shows: a line, a dashed line or a filled square, and a text.
+struct LegendEntry {
+  enum class Mark { kLine, kDash, kFill };
+  std::string text{};
+  std::string color{};
+  Mark mark{Mark::kLine};
+};
+
+struct LegendBlock {
+  std::string svg{};
+  double height_px{0.0};
+};
+
+/// Title and legend from (x, y) down, within `width_px`; entries wrap into rows. A text too wide for a row of
+/// its own is cut with an ellipsis.
+[[nodiscard]] LegendBlock DrawLegend(double x, double y, double width_px, std::string_view title,
+                                     const std::vector<LegendEntry>& entries);
+
+/// `text`, cut with an ellipsis where it is wider than `width_px`.
+[[nodiscard]] std::string Fit(std::string_view text, double width_px, double size_px = kFontPx);
+
+}  // namespace osteon::app

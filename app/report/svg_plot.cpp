@@ -1,0 +1,264 @@
+#include "app/report/svg_plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "app/report/svg_frame.h"
+#include "app/report/svg_text.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kLabelStrip =
+    19.0;  ///< height of the strip for the names of spans, width of a turned axis label
+
+struct Extent {
+  double min{std::numeric_limits<double>::infinity()}, max{-std::numeric_limits<double>::infinity()};
+  void Add(double value) {
+    if (!std::isfinite(value)) return;
+    min = std::min(min, value);
+    max = std::max(max, value);
+  }
+  [[nodiscard]] bool Any() const { return min <= max; }
+};
+
+Range CommonX(std::span<const LineChart> panels) {
+  Extent extent;
+  for (const LineChart& panel : panels) {
+    if (panel.x) return *panel.x;
+    for (const Series& series : panel.series)
+      for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i)
+        if (std::isfinite(series.y[i])) extent.Add(series.x[i]);
+  }
+  if (!extent.Any()) return {0.0, 1.0};
+  if (!(extent.max > extent.min)) return NiceRange({extent.min, extent.max}, 5);
+  // a run of 9.999 s ends at its tick of 10 s
+  const Range nice = NiceRange({extent.min, extent.max}, 10);
+  const double near = 0.01 * (extent.max - extent.min);
+  return {extent.min - nice.min < near ? nice.min : extent.min,
+          nice.max - extent.max < near ? nice.max : extent.max};
+}
+
+/// The y range, up to the next tick.
+Range YRange(const LineChart& panel, int max_ticks) {
+  if (panel.y) return *panel.y;
+  Extent extent;
+  for (const Series& series : panel.series)
+    for (const double y : series.y) extent.Add(y);
+  for (const LimitLine& limit : panel.limits) extent.Add(1.05 * limit.value);  // not on the frame
+  if (panel.y_from_zero) extent.Add(0.0);
+  if (!extent.Any()) return {0.0, 1.0};
+  if (panel.y_from_zero && extent.min == 0.0 && extent.max == 0.0) return {0.0, 1.0};
+  return NiceRange({extent.min, extent.max}, max_ticks);
+}
+
+std::string DrawSeries(const PlotArea& area, const Series& series, const std::string& color) {
+  std::string path;
+  bool any = false;
+  const int columns = std::max(1, static_cast<int>(area.width));
+  for (const auto& run : DecimateMinMax(series.x, series.y, area.x, columns)) {
+    char command = 'M';
+    for (const PlotPoint& point : run) {
+      path += fmt::format("{}{} {}", command, Pixels(area.X(point.x)),
+                          Pixels(area.Y(std::clamp(point.y, area.y.min, area.y.max))));
+      command = 'L';
+      any = true;
+    }
+    if (run.size() == 1) path += "h0.1";  // a lone point is a dot
+  }
+  if (!any) return {};
+  return fmt::format(R"(<path d="{}" fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round" )"
+                     R"(stroke-linecap="round"/>)"
+                     "\n",
+                     path, color, Pixels(series.width_px));
+}
+
+/// Names of limits in the right margin, pushed apart where they would meet.
+std::string DrawLimits(const PlotArea& area, std::vector<LimitLine> limits) {
+  std::string out;
+  std::erase_if(limits, [&area](const LimitLine& limit) {
+    return !(limit.value >= area.y.min && limit.value <= area.y.max);
+  });
+  std::sort(limits.begin(), limits.end(), [](const auto& a, const auto& b) { return a.value > b.value; });
+  double free_from = -1e9;
+  for (const LimitLine& limit : limits) {
+    const double y = area.Y(limit.value), right = area.left + area.width;
+    out += SvgLine(area.left, y, right, y, kLimitColor, 1.4, "7 4");
+    const double baseline = std::max(y + 4.3, free_from);
+    out += SvgText(right + 6, baseline, limit.label, "start", kLimitColor);
+    free_from = baseline + kFontPx + 2.0;
+  }
+  return out;
+}
+
+struct PanelPlan {
+  PlotArea area;
+  Ticks y_ticks;
+  std::vector<LegendEntry> legend;
+  std::vector<std::string> colors;
+  bool strip{false};  ///< some span is wide enough for its name
+  bool data{false};
+};
+
+}  // namespace
+
+std::string Svg(std::span<const LineChart> panels, double width_px) {
+  const Range x = CommonX(panels);
+  std::vector<PanelPlan> plans;
+  double left = 0.0, right = 16.0;
+
+  // margins that serve every panel
+  for (const LineChart& panel : panels) {
+    PanelPlan plan;
+    const int max_ticks = std::max(2, static_cast<int>(panel.plot_height_px / 34.0));
+    plan.area = {.height = panel.plot_height_px, .x = x, .y = YRange(panel, max_ticks)};
+    plan.y_ticks = LinearTicks(plan.area.y, max_ticks + 1);
+    left = std::max(left, WidestLabel(plan.y_ticks));
+    for (const LimitLine& limit : panel.limits)
+      right = std::max(right, TextWidth(limit.label, kFontPx) + 12.0);
+    plans.push_back(std::move(plan));
+  }
+  left += 14.0 + kLabelStrip;
+  right = std::min(right, width_px / 3);
+  Ticks x_ticks = LinearTicks(x, 10);
+  if (!x_ticks.labels.empty()) right = std::max(right, TextWidth(x_ticks.labels.back(), kFontPx) / 2 + 4.0);
+
+  std::string body;
+  double cursor = 2.0;
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    const LineChart& panel = panels[p];
+    PanelPlan& plan = plans[p];
+    plan.area.left = left;
+    plan.area.width = width_px - left - right;
+
+    // legend: series, then spans too narrow for their name
+    for (std::size_t s = 0; s < panel.series.size(); ++s) {
+      const Series& series = panel.series[s];
+      plan.colors.push_back(series.color.empty() ? kPalette[s % kPalette.size()] : series.color);
+      if (!series.name.empty()) plan.legend.push_back({.text = series.name, .color = plan.colors.back()});
+      plan.data |= std::any_of(series.y.begin(), series.y.end(), [](double y) { return std::isfinite(y); });
+    }
+    std::vector<std::string> named;
+    for (const NamedSpan& span : panel.spans) {
+      const double pixels = plan.area.X(std::min(span.end, x.max)) - plan.area.X(std::max(span.begin, x.min));
+      if (TextWidth(span.name, kFontPx) + 8.0 <= pixels) {
+        plan.strip = true;
+      } else if (pixels > 0.0 && std::find(named.begin(), named.end(), span.name) == named.end()) {
+        plan.legend.push_back({.text = span.name, .color = span.color, .mark = LegendEntry::Mark::kFill});
+        named.push_back(span.name);
+      }
+    }
+    const LegendBlock legend =
+        DrawLegend(left, cursor, plan.area.width + right - 4.0, panel.title, plan.legend);
+    body += legend.svg;
+    plan.area.top = cursor + legend.height_px + (plan.strip ? kLabelStrip : 6.0);
+
+    // spans, grid, data, limits, texts
+    for (const NamedSpan& span : panel.spans) {
+      const double begin = plan.area.X(std::max(span.begin, x.min)),
+                   end = plan.area.X(std::min(span.end, x.max));
+      if (!(end > begin)) continue;
+      body +=
+          SvgRect(begin, plan.area.top, end - begin, plan.area.height, span.color, R"(fill-opacity="0.65")");
+      if (TextWidth(span.name, kFontPx) + 8.0 <= end - begin)
+        body += SvgText((begin + end) / 2, plan.area.top - 5, span.name, "middle", kMutedColor);
+    }
+    body += DrawGrid(plan.area, x_ticks, plan.y_ticks);
+    for (std::size_t s = 0; s < panel.series.size(); ++s)
+      body += DrawSeries(plan.area, panel.series[s], plan.colors[s]);
+    body += DrawLimits(plan.area, panel.limits);
+    if (!plan.data)
+      body += SvgText(left + plan.area.width / 2, plan.area.top + plan.area.height / 2, "no data", "middle",
+                      kMutedColor);
+    const bool last = p + 1 == panels.size();
+    Ticks shown = x_ticks;
+    if (!last) std::fill(shown.labels.begin(), shown.labels.end(), std::string());
+    SpreadLabels(plan.area, shown);
+    body += DrawTickTexts(plan.area, shown, plan.y_ticks);
+    const double bottom = plan.area.top + plan.area.height;
+    body += DrawAxisLabels(plan.area, last ? panel.x_label : "", bottom + 38, panel.y_label, 14.0);
+    cursor = bottom + (last ? 46.0 : 16.0);
+  }
+  return SvgDocument(width_px, cursor, panels.empty() ? "" : panels.front().title, body);
+}
+
+std::string Svg(const Histogram& histogram, double width_px) {
+  std::vector<double> values;
+  for (const double value : histogram.values)
+    if (std::isfinite(value)) values.push_back(value);
+  Extent extent;
+  for (const double value : values)
+    if (!histogram.log_x || value > 0.0) extent.Add(value);
+  const bool log_x = histogram.log_x && extent.Any();
+
+  // bins
+  PlotArea area{.height = histogram.plot_height_px, .log_x = log_x, .log_y = histogram.log_y};
+  area.x = extent.Any() ? Range{extent.min, extent.max} : Range{0.0, 1.0};
+  if (log_x) {
+    area.x = {area.x.min * 0.9, area.x.max * 1.1};
+  } else {
+    area.x = NiceRange(area.x, 6);
+  }
+  const int bins = std::max(1, histogram.bins);
+  std::vector<std::size_t> counts(static_cast<std::size_t>(bins), 0);
+  const PlotArea unit{.width = static_cast<double>(bins), .x = area.x, .log_x = log_x};
+  for (const double value : values) {
+    const double at = log_x && !(value > 0.0) ? 0.0 : unit.X(value);
+    ++counts[static_cast<std::size_t>(std::clamp(static_cast<int>(at), 0, bins - 1))];
+  }
+  const double highest =
+      static_cast<double>(std::max<std::size_t>(1, *std::max_element(counts.begin(), counts.end())));
+  area.y = histogram.log_y ? Range{0.7, std::max(highest * 1.4, 10.0)} : NiceRange({0.0, highest}, 5);
+  const Ticks y_ticks = histogram.log_y ? LogTicks(area.y, 8) : LinearTicks(area.y, 6);
+
+  // legend with the percentiles
+  struct Marker {
+    double at;
+    const char* color;
+  };
+  std::vector<LegendEntry> legend;
+  std::vector<Marker> markers;
+  if (histogram.percentiles && !values.empty()) {
+    const auto add = [&](const char* name, double p, const char* color) {
+      const double at = Percentile(values, p);
+      legend.push_back({.text = fmt::format("{} {} {}", name, Number(at), histogram.unit),
+                        .color = color,
+                        .mark = LegendEntry::Mark::kDash});
+      markers.push_back({at, color});
+    };
+    add("median", 0.5, kPalette[2]);
+    add("99 %", 0.99, kPalette[4]);
+    add("99.9 %", 0.999, kPalette[1]);
+    add("max", 1.0, kLimitColor);
+  }
+  area.left = WidestLabel(y_ticks) + 14.0 + kLabelStrip;
+  area.width = width_px - area.left - 22.0;
+  const LegendBlock title = DrawLegend(area.left, 2.0, area.width + 18.0, histogram.title, {});
+  const LegendBlock block = DrawLegend(area.left, 2.0 + title.height_px, area.width + 18.0, "", legend);
+  area.top = 2.0 + title.height_px + block.height_px + 6.0;
+  Ticks x_ticks = log_x ? LogTicks(area.x, 9) : LinearTicks(area.x, 6);
+  SpreadLabels(area, x_ticks);
+
+  std::string body = title.svg + block.svg + DrawGrid(area, x_ticks, y_ticks);
+  const double base = area.top + area.height;
+  for (int i = 0; i < bins; ++i) {
+    const auto count = static_cast<double>(counts[static_cast<std::size_t>(i)]);
+    if (count == 0.0) continue;
+    const double x0 = area.left + area.width * i / bins, x1 = area.left + area.width * (i + 1) / bins;
+    const double top = area.Y(count);
+    body += SvgRect(x0 + 0.4, top, x1 - x0 - 0.8, base - top, kPalette[0]);
+  }
+  for (const Marker& marker : markers)
+    if (!log_x || marker.at > 0.0)
+      body += SvgLine(area.X(marker.at), area.top, area.X(marker.at), base, marker.color, 1.5, "5 3");
+  if (values.empty())
+    body += SvgText(area.left + area.width / 2, area.top + area.height / 2, "no data", "middle", kMutedColor);
+  body += DrawTickTexts(area, x_ticks, y_ticks);
+  body += DrawAxisLabels(area, histogram.x_label, base + 38, histogram.y_label, 14.0);
+  return SvgDocument(width_px, base + 46.0, histogram.title, body);
+}
+
+}  // namespace osteon::app

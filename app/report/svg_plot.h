@@ -1,0 +1,76 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/report/ticks.h"
+
+// Plots as SVG text, without a library and without a script. What is drawn never overlaps: every text has its
+// own strip (title, legend, names of spans, axis labels), whose height and width follow from the text.
+//
+//     title      ─── series a   ─── series b          <- wraps into rows
+//            name of span │ name of span
+//      200 ┤·············│··················│ limit   <- right margin as wide as the widest limit label
+//   y    0 ┤─────────────│──────────────────│
+//          0      2      4      6      8   10
+//                        x
+
+namespace osteon::app {
+
+struct Series {
+  std::string name{};
+  std::vector<double> x{}, y{};  ///< same length; non-finite points leave a gap
+  std::string color{};           ///< empty: the palette's next
+  double width_px{1.4};
+};
+
+/// A horizontal line that a curve must not cross.
+struct LimitLine {
+  double value{0.0};
+  std::string label{};  ///< written in the right margin
+};
+
+/// A part of the x axis with a name.
+struct NamedSpan {
+  double begin{0.0}, end{0.0};
+  std::string name{};
+  std::string color{"#f1e4c8"};
+};
+
+struct LineChart {
+  std::string title{};
+  std::string x_label{}, y_label{};  ///< with unit, e.g. "time [s]"
+  std::optional<Range> x{}, y{};     ///< where absent, from the data
+  bool y_from_zero{true};            ///< the y range, where taken from the data, holds 0
+  std::vector<Series> series{};
+  std::vector<LimitLine> limits{};
+  std::vector<NamedSpan> spans{};
+  double plot_height_px{230.0};  ///< of the area between the axes
+};
+
+/// Panels one above the other with one common x axis, whose ticks and label stand below the last. A panel
+/// without a single finite point says "no data".
+/// @returns one <svg> element with its size in px and a viewBox.
+[[nodiscard]] std::string Svg(std::span<const LineChart> panels, double width_px = 920.0);
+[[nodiscard]] inline std::string Svg(const LineChart& chart, double width_px = 920.0) {
+  return Svg(std::span(&chart, 1), width_px);
+}
+
+struct Histogram {
+  std::string title{};
+  std::string x_label{};         ///< with unit
+  std::vector<double> values{};  ///< what is not finite is left out and not counted
+  bool log_x{false};             ///< what is not positive goes into the lowest bin
+  bool log_y{false};             ///< so that a single outlier among thousands is seen
+  int bins{60};
+  std::string y_label{"count"};
+  std::string unit{};      ///< of the percentiles in the legend
+  bool percentiles{true};  ///< lines at the median, 99 %, 99.9 % and the maximum
+  double plot_height_px{200.0};
+};
+
+[[nodiscard]] std::string Svg(const Histogram& histogram, double width_px = 450.0);
+
+}  // namespace osteon::app

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kinematics/spatial.h"
+#include "simulation/frame_record.h"
+#include "simulation/tool.h"
+
+namespace osteon::app {
+
+/// What a tool's cutting balls sweep along a path of poses: the union of capsules between consecutive poses,
+/// in G.
+class SweptTool {
+ public:
+  /// Points of the path that a chord passes within `tolerance_m` are left out. Poses that are not finite are
+  /// skipped.
+  SweptTool(const simulation::Tool& tool, std::span<const Pose> X_GP, double tolerance_m = 1e-6);
+
+  /// Signed distance [m] to the union: negative inside. Exact outside; inside, its size is a lower bound of
+  /// the distance to the union's surface. Infinity where nothing was swept.
+  [[nodiscard]] double SignedDistance(const Vector3& p_G) const;
+  [[nodiscard]] bool empty() const { return capsules_.empty(); }
+  [[nodiscard]] std::size_t capsule_count() const { return capsules_.size(); }
+
+ private:
+  struct Capsule {
+    Vector3 a, b;
+    double radius_m;
+  };
+  /// Consecutive capsules and a box around their axes.
+  struct Chunk {
+    Vector3 min, max;
+    std::size_t begin, end;
+    double radius_m;
+  };
+  std::vector<Capsule> capsules_;
+  std::vector<Chunk> chunks_;
+};
+
+/// The proxy's path in G from the frames of a run. Frames in which the engine reported an error, or that are
+/// no frame (number 0), are left out.
+[[nodiscard]] std::vector<Pose> ProxyPath(std::span<const simulation::FrameRecord> frames, const Pose& X_WG);
+
+/// The largest cutting ball, null where the tool has none.
+[[nodiscard]] const simulation::ToolBall* CuttingHead(const simulation::Tool& tool);
+
+}  // namespace osteon::app

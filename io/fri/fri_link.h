@@ -1,0 +1,62 @@
+#pragma once
+
+#include <netinet/in.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "control/ports.h"
+#include "io/fri/fri_session.h"
+
+namespace osteon::io {
+
+struct FriLinkParams {
+  std::string bind_address{"127.0.0.1"};  ///< IPv4 address of the network card that the arm is on
+  std::uint16_t port{30200};              ///< 30200 … 30209 on KUKA's side; 0 lets the system choose
+};
+
+/// FRI over UDP. The arm speaks first; answers go to where its message came from. The first sender of a valid
+/// message is the peer: others are counted as rejected, until the peer has been silent for a second (an arm
+/// that was restarted may come back from another port). Of several messages that wait, the newest counts and
+/// the others are late.
+///
+/// ArmState::stamp is the arrival in the kernel where the system tells it (SO_TIMESTAMPNS, carried over to
+/// CLOCK_MONOTONIC), so that the loop can see its own wake-up latency; the time of reading otherwise.
+/// One thread at a time; no allocation, no system calls but the socket's and the clock's.
+class FriLink final : public control::ArmLink {
+ public:
+  /// The error names address and port, and says what to do.
+  [[nodiscard]] static tl::expected<std::unique_ptr<FriLink>, std::string> Open(const FriLinkParams& params);
+  ~FriLink() override;
+  FriLink(const FriLink&) = delete;
+  FriLink& operator=(const FriLink&) = delete;
+
+  /// `deadline` is on CLOCK_MONOTONIC; messages that have arrived are taken even where it has passed.
+  control::ReceiveResult Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT override;
+
+  /// True as well where the session state owes no answer.
+  bool Send(const control::ArmCommand& command) OSTEON_RT override;
+
+  /// The bound port.
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+
+ private:
+  FriLink(int socket, std::uint16_t port) : socket_(socket), port_(port) {}
+
+  enum class Read : std::uint8_t { kMessage, kIgnored, kEmpty, kBroken };
+  Read ReadOne(control::ArmState& state) OSTEON_RT;
+
+  int socket_;
+  std::uint16_t port_;
+  sockaddr_in peer_{};
+  bool has_peer_{false};
+  rt::Nanoseconds heard_{0};  // when the peer last sent a valid message
+  FriSession session_;
+  std::array<std::uint8_t, kFriMaxDatagram + 1> buffer_{};  // one more, to see what is too long
+};
+
+}  // namespace osteon::io

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+// The part of MCAP that recordings use (https://mcap.dev/spec): records of opcode u8, length u64, content;
+// little-endian.
+//
+//     magic | Header | Chunk, MessageIndex … | DataEnd | Schema …, Channel …, Statistics, ChunkIndex … |
+//     Footer | magic
+//
+// Chunks hold Schema, Channel and Message records, uncompressed. They and their indexes let a standard reader
+// seek.
+
+namespace osteon::io::mcap {
+
+inline constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
+
+enum Opcode : std::uint8_t {
+  kHeader = 0x01,
+  kFooter = 0x02,
+  kSchema = 0x03,
+  kChannel = 0x04,
+  kMessage = 0x05,
+  kChunk = 0x06,
+  kMessageIndex = 0x07,
+  kChunkIndex = 0x08,
+  kStatistics = 0x0b,
+  kDataEnd = 0x0f,
+};
+
+inline constexpr std::size_t kRecordHead = 9;  // opcode and length
+
+}  // namespace osteon::io::mcap

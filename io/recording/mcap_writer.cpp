@@ -1,0 +1,221 @@
+#include "io/recording/mcap_writer.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+
+#include "io/recording/mcap.h"
+
+namespace osteon::io {
+namespace {
+
+template <class T>
+void AppendInt(std::string& out, T value) {
+  static_assert(std::is_unsigned_v<T>);
+  for (std::size_t i = 0; i < sizeof(T); ++i) out.push_back(static_cast<char>(value >> (8 * i) & 0xff));
+}
+
+void AppendString(std::string& out, std::string_view text) {
+  AppendInt(out, static_cast<std::uint32_t>(text.size()));
+  out.append(text);
+}
+
+void AppendRecord(std::string& out, mcap::Opcode opcode, std::string_view content) {
+  out.push_back(static_cast<char>(opcode));
+  AppendInt(out, std::uint64_t{content.size()});
+  out.append(content);
+}
+
+std::uint32_t Crc(std::uint32_t crc, std::string_view bytes) {
+  return static_cast<std::uint32_t>(
+      crc32_z(crc, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
+}
+
+std::string Explain(const std::filesystem::path& path, const char* what, int error) {
+  return path.string() + ": " + what + ": " + std::generic_category().message(error);
+}
+
+}  // namespace
+
+tl::expected<McapWriter, std::string> McapWriter::Create(const std::filesystem::path& path,
+                                                         std::string_view library, std::size_t chunk_bytes) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return tl::unexpected(Explain(path, "cannot create the recording", errno));
+  McapWriter writer(path, file, chunk_bytes);
+  std::string header;
+  AppendString(header, "");  // no profile: plain protobuf channels
+  AppendString(header, library);
+  std::string start(mcap::kMagic);
+  AppendRecord(start, mcap::kHeader, header);
+  writer.Put(start);
+  return writer;
+}
+
+std::uint16_t McapWriter::AddChannel(std::string_view topic, std::string_view message_type,
+                                     std::string_view descriptor_set) {
+  const auto id = static_cast<std::uint16_t>(channels_.size());
+  const auto schema_id = static_cast<std::uint16_t>(id + 1);  // 0 would mean "no schema"
+  std::string schema, channel;
+  AppendInt(schema, schema_id);
+  AppendString(schema, message_type);
+  AppendString(schema, "protobuf");
+  AppendString(schema, descriptor_set);
+  AppendInt(channel, id);
+  AppendInt(channel, schema_id);
+  AppendString(channel, topic);
+  AppendString(channel, "protobuf");
+  AppendInt(channel, std::uint32_t{0});  // no metadata
+
+  Channel& added = channels_.emplace_back();
+  AppendRecord(added.schema_record, mcap::kSchema, schema);
+  AppendRecord(added.channel_record, mcap::kChannel, channel);
+  return id;
+}
+
+void McapWriter::TimeRange::Add(std::uint64_t time_ns) {
+  first_ns = messages == 0 ? time_ns : std::min(first_ns, time_ns);
+  last_ns = std::max(last_ns, time_ns);
+  ++messages;
+}
+
+void McapWriter::Write(std::uint16_t channel_id, std::int64_t stamp_ns, std::string_view bytes) {
+  const auto time = static_cast<std::uint64_t>(std::max<std::int64_t>(0, stamp_ns));
+  times_.Add(time);
+  chunk_times_.Add(time);
+
+  // a channel's first message brings its schema and itself along
+  Channel& channel = channels_[channel_id];
+  if (channel.messages == 0) {
+    chunk_ += channel.schema_record;
+    chunk_ += channel.channel_record;
+  }
+  AppendInt(channel.chunk_index, time);
+  AppendInt(channel.chunk_index, std::uint64_t{chunk_.size()});
+
+  constexpr std::size_t kFixed = 2 + 4 + 8 + 8;  // channel, sequence, two times
+  chunk_.push_back(static_cast<char>(mcap::kMessage));
+  AppendInt(chunk_, std::uint64_t{kFixed + bytes.size()});
+  AppendInt(chunk_, channel_id);
+  AppendInt(chunk_, channel.messages++);
+  AppendInt(chunk_, time);
+  AppendInt(chunk_, time);
+  chunk_.append(bytes);
+  if (chunk_.size() > chunk_bytes_) EndChunk();
+}
+
+void McapWriter::EndChunk() {
+  if (chunk_.empty()) return;
+  const std::uint64_t start = size_;
+  std::string content, record;
+  AppendInt(content, chunk_times_.first_ns);
+  AppendInt(content, chunk_times_.last_ns);
+  AppendInt(content, std::uint64_t{chunk_.size()});
+  AppendInt(content, Crc(0, chunk_));
+  AppendString(content, "");  // not compressed
+  AppendInt(content, std::uint64_t{chunk_.size()});
+  content += chunk_;
+  AppendRecord(record, mcap::kChunk, content);
+  Put(record);
+  const std::uint64_t length = record.size();
+
+  // where in the chunk each channel's messages are
+  const std::uint64_t indexes_start = size_;
+  std::string index_offsets;
+  for (std::size_t id = 0; id < channels_.size(); ++id) {
+    if (channels_[id].chunk_index.empty()) continue;
+    AppendInt(index_offsets, static_cast<std::uint16_t>(id));
+    AppendInt(index_offsets, size_);
+    content.clear();
+    record.clear();
+    AppendInt(content, static_cast<std::uint16_t>(id));
+    AppendString(content, channels_[id].chunk_index);
+    AppendRecord(record, mcap::kMessageIndex, content);
+    Put(record);
+    channels_[id].chunk_index.clear();
+  }
+
+  // where in the file the chunk is, for the summary
+  content.clear();
+  AppendInt(content, chunk_times_.first_ns);
+  AppendInt(content, chunk_times_.last_ns);
+  AppendInt(content, start);
+  AppendInt(content, length);
+  AppendString(content, index_offsets);
+  AppendInt(content, size_ - indexes_start);
+  AppendString(content, "");
+  AppendInt(content, std::uint64_t{chunk_.size()});  // compressed
+  AppendInt(content, std::uint64_t{chunk_.size()});  // uncompressed
+  AppendRecord(chunk_indexes_, mcap::kChunkIndex, content);
+
+  ++chunks_;
+  chunk_.clear();
+  chunk_times_ = {};
+}
+
+void McapWriter::Put(std::string_view bytes) {
+  if (failed()) return;
+  crc_ = Crc(crc_, bytes);
+  size_ += bytes.size();
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) Fail();
+}
+
+void McapWriter::Fail() { error_ = Explain(path_, "cannot write the recording", errno); }
+
+void McapWriter::Flush() {
+  if (!failed() && std::fflush(file_.get()) != 0) Fail();
+}
+
+tl::expected<std::uint64_t, std::string> McapWriter::Finish() {
+  EndChunk();
+  std::string data_end, tail;
+  AppendInt(data_end, crc_);
+  AppendRecord(tail, mcap::kDataEnd, data_end);
+  Put(tail);
+
+  // summary: schemas and channels in use, statistics, chunks
+  const std::uint64_t summary_start = size_;
+  std::string summary, channel_records, statistics, counts;
+  std::uint32_t used = 0;
+  for (std::size_t id = 0; id < channels_.size(); ++id) {
+    if (channels_[id].messages == 0) continue;
+    ++used;
+    summary += channels_[id].schema_record;
+    channel_records += channels_[id].channel_record;
+    AppendInt(counts, static_cast<std::uint16_t>(id));
+    AppendInt(counts, std::uint64_t{channels_[id].messages});
+  }
+  summary += channel_records;
+  AppendInt(statistics, times_.messages);
+  AppendInt(statistics, static_cast<std::uint16_t>(used));  // schemas
+  AppendInt(statistics, used);                              // channels
+  AppendInt(statistics, std::uint32_t{0});                  // attachments
+  AppendInt(statistics, std::uint32_t{0});                  // metadata
+  AppendInt(statistics, chunks_);
+  AppendInt(statistics, times_.first_ns);
+  AppendInt(statistics, times_.last_ns);
+  AppendString(statistics, counts);
+  AppendRecord(summary, mcap::kStatistics, statistics);
+  summary += chunk_indexes_;
+
+  // footer; its own CRC covers the summary and the footer up to that CRC
+  std::string footer;
+  AppendInt(footer, summary_start);
+  AppendInt(footer, std::uint64_t{0});  // no summary offsets
+  AppendInt(footer, std::uint32_t{0});
+  AppendRecord(summary, mcap::kFooter, footer);
+  summary.resize(summary.size() - sizeof(std::uint32_t));
+  AppendInt(summary, Crc(0, summary));
+  summary += mcap::kMagic;
+  Put(summary);
+
+  Flush();
+  if (std::fclose(file_.release()) != 0 && !failed()) Fail();
+  if (failed()) return tl::unexpected(error_);
+  return size_;
+}
+
+}  // namespace osteon::io

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace osteon::io {
+
+/// Writes one MCAP file, front to back. The same calls give the same bytes: no clock, no address, no library
+/// version but the string given. After the first failed write nothing more is written, and Finish tells.
+class McapWriter {
+ public:
+  /// Messages gathered before they are written: at 1 kHz ticks and frames, some 40 ms of them.
+  static constexpr std::size_t kChunkBytes = 64u << 10;
+
+  /// Creates or overwrites the file. The error names the path and the system's reason.
+  [[nodiscard]] static tl::expected<McapWriter, std::string> Create(const std::filesystem::path& path,
+                                                                    std::string_view library,
+                                                                    std::size_t chunk_bytes = kChunkBytes);
+
+  /// Adds a topic of protobuf messages; the schema is a serialised FileDescriptorSet that holds
+  /// `message_type`.
+  /// @returns the channel for Write.
+  std::uint16_t AddChannel(std::string_view topic, std::string_view message_type,
+                           std::string_view descriptor_set);
+
+  /// One message. Its log and publish time are `stamp_ns` (negative: 0, MCAP has no times before zero).
+  void Write(std::uint16_t channel, std::int64_t stamp_ns, std::string_view bytes);
+
+  /// Ends the chunk being filled, so that the next Flush hands over every message so far.
+  void EndChunk();
+
+  /// Hands the complete chunks to the system, so that they outlive this process.
+  void Flush();
+
+  /// Summary, footer, closed file. @returns the file's size in bytes.
+  tl::expected<std::uint64_t, std::string> Finish();
+
+  [[nodiscard]] bool failed() const { return !error_.empty(); }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  struct Channel {
+    std::string schema_record, channel_record;
+    std::uint32_t messages{0};
+    std::string chunk_index;  // time and offset of each of its messages in the chunk
+  };
+  struct TimeRange {
+    std::uint64_t first_ns{0}, last_ns{0}, messages{0};
+    void Add(std::uint64_t time_ns);
+  };
+
+  McapWriter(const std::filesystem::path& path, std::FILE* file, std::size_t chunk_bytes)
+      : path_(path), file_(file), chunk_bytes_(chunk_bytes) {}
+  void Put(std::string_view bytes);
+  void Fail();
+
+  std::filesystem::path path_;
+  std::unique_ptr<std::FILE, Close> file_;
+  std::size_t chunk_bytes_;
+  std::vector<Channel> channels_;
+  std::string chunk_;  // the records of the chunk being filled
+  TimeRange chunk_times_;
+  std::string chunk_indexes_;  // ChunkIndex records so far, for the summary
+  std::uint32_t chunks_{0};
+  TimeRange times_;
+  std::uint64_t size_{0};  // bytes so far
+  std::uint32_t crc_{0};   // of all of them
+  std::string error_;
+};
+
+}  // namespace osteon::io

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace osteon::app {
+
+/// First error of a page or drawing that has to be well-formed like XML: tags balanced, attributes quoted and
+/// unique, entities known, no stray markup character. Empty where there is none. Knows `<!DOCTYPE …>` and the
+/// raw text of
+/// `<style>`.
+[[nodiscard]] std::string MarkupError(std::string_view markup);
+
+/// First <text> of a drawing that is estimated to reach out of its viewBox; empty where there is none.
+[[nodiscard]] std::string TextOutside(std::string_view svg);
+
+/// Value of an attribute of the first element of that name; empty where there is none.
+[[nodiscard]] std::string AttributeOf(std::string_view markup, std::string_view element,
+                                      std::string_view attribute);
+
+}  // namespace osteon::app

@@ -1,0 +1,73 @@
+#include "control/rt/latest_value.h"
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "control/rt/no_alloc_scope.h"
+
+namespace osteon::rt {
+namespace {
+
+// Large enough that a copy takes many instructions: a torn one would show.
+struct Large {
+  std::array<std::uint64_t, 200> words{};
+};
+
+Large Filled(std::uint64_t value) {
+  Large large;
+  large.words.fill(value);
+  return large;
+}
+
+TEST(LatestValue, ReturnsTheInitialValueThenTheNewest) {
+  LatestValue<int> value(7);
+  EXPECT_EQ(value.Load(), 7);
+  value.Store(1);
+  value.Store(2);
+  value.Store(3);
+  EXPECT_EQ(value.Load(), 3) << "what was not read is overwritten";
+  EXPECT_EQ(value.Load(), 3) << "and a value may be read again";
+  value.Store(4);
+  EXPECT_EQ(value.Load(), 4);
+}
+
+TEST(LatestValue, WhatIsReadIsWholeNeverOlderAndInTheEndTheLast) {
+  constexpr std::uint64_t kLast = 100'000;
+  LatestValue<Large> value;
+  std::atomic<bool> done{false};
+  std::thread writer([&] {
+    for (std::uint64_t i = 1; i <= kLast; ++i) value.Store(Filled(i));
+    done.store(true, std::memory_order_release);
+  });
+  std::uint64_t before = 0, torn = 0, backwards = 0;
+  for (bool last = false; !last;) {
+    last = done.load(std::memory_order_acquire);
+    const Large& now = value.Load();
+    for (const std::uint64_t word : now.words) torn += word != now.words[0];
+    backwards += now.words[0] < before;
+    before = now.words[0];
+  }
+  writer.join();
+  EXPECT_EQ(torn, 0u);
+  EXPECT_EQ(backwards, 0u);
+  EXPECT_EQ(before, kLast) << "what was stored before the reader last looked is seen";
+}
+
+TEST(LatestValue, NeitherEndAllocatesOrLocks) {
+  LatestValue<Large> value;
+  const Large large = Filled(3);
+  NoAllocScope scope;
+  value.Store(large);
+  const std::uint64_t word = value.Load().words[5];
+  const int heap_calls = scope.heap_calls(), locks = scope.locks();
+  EXPECT_EQ(word, 3u);
+  EXPECT_EQ(heap_calls, 0);
+  EXPECT_EQ(locks, 0);
+}
+
+}  // namespace
+}  // namespace osteon::rt

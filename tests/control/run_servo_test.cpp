@@ -1,0 +1,170 @@
+#include "control/run_servo.h"
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "control/rt/clock.h"
+#include "servo_bench.h"
+
+namespace osteon::control {
+namespace {
+
+// An arm as a port: paces the loop by sleeping, goes active after some messages, follows at once.
+class FakeArm : public ArmLink {
+ public:
+  explicit FakeArm(int active_after = 3, int closes_after = 1 << 30)
+      : active_after_(active_after), closes_after_(closes_after) {
+    Eigen::Map<kinematics::JointVector>(state_.q_meas.data()) = ServoBench::StartJoints();
+    next_ = rt::MonotonicNow();
+  }
+
+  ReceiveResult Receive(ArmState& state, rt::Nanoseconds deadline) OSTEON_RT override {
+    if (received >= closes_after_) return ReceiveResult::kClosed;
+    if (silent) {
+      rt::SleepUntil(deadline);
+      return ReceiveResult::kTimeout;
+    }
+    next_ += rt::kMillisecond;
+    rt::SleepUntil(next_);
+    state_.session =
+        received < active_after_ ? SessionState::kCommandingWait : SessionState::kCommandingActive;
+    state_.stamp = next_;
+    state_.q_ipo = state_.q_meas;
+    state_.has_ipo = true;
+    ++state_.sequence;
+    ++received;
+    state = state_;
+    return ReceiveResult::kOk;
+  }
+  bool Send(const ArmCommand& command) OSTEON_RT override {
+    state_.q_meas = command.q;
+    ++sent;
+    return true;
+  }
+
+  int received{0}, sent{0};
+  bool silent{false};
+
+ private:
+  int active_after_, closes_after_;
+  ArmState state_;
+  rt::Nanoseconds next_;
+};
+
+// Pushes, and serves as the simulation as well: a fresh model of free space at each reading.
+class FakeWorld : public ForceSensor {
+ public:
+  explicit FakeWorld(rt::LatestValue<simulation::ContactModel>& models) : models_(models) {}
+  ForceReading Latest() OSTEON_RT override {
+    const rt::Nanoseconds now = rt::MonotonicNow();
+    if (simulates) {
+      ++model_.frame;
+      model_.pose_stamp = now;
+      models_.Store(model_);
+    }
+    return {.stamp = now, .F_T_W = Wrench{.f = {0.0, 0.5, 0.0}, .t = Vector3::Zero()}};
+  }
+  bool simulates{true};
+
+ private:
+  rt::LatestValue<simulation::ContactModel>& models_;
+  simulation::ContactModel model_;
+};
+
+class FakeRecorder : public TickRecorder {
+ public:
+  FakeRecorder() { records.reserve(20'000); }
+  bool Push(const TickRecord& record) OSTEON_RT override {
+    if (records.size() == records.capacity()) return false;
+    records.push_back(record);
+    return true;
+  }
+  std::vector<TickRecord> records;
+};
+
+struct Rig {
+  ServoLoop loop{ServoBench::Params(), kinematics::LbrArm({}), Pose::Identity(), ServoBench::FlangeToTool(),
+                 kinematics::LbrArm({}).ArmAngle(ServoBench::StartJoints())};
+  rt::LatestValue<simulation::ContactModel> models;
+  rt::LatestValue<simulation::ToolCommand> commands;
+  FakeWorld world{models};
+  FakeRecorder recorder;
+
+  RunServoResult Run(FakeArm& arm, RunServoParams params) {
+    params.priority = 0;
+    return RunServo(loop, arm, world, models, commands, recorder, params);
+  }
+};
+
+TEST(RunServo, RunsItsSecondsThenStopsInOrderAndAnswersEveryMessage) {
+  Rig rig;
+  FakeArm arm;
+  const RunServoResult result = rig.Run(arm, {.seconds = 0.2});
+  EXPECT_EQ(result.end, RunEnd::kSeconds);
+  EXPECT_EQ(result.faults.bits(), 0u);
+  EXPECT_EQ(arm.sent, arm.received) << "to the last one";
+  EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
+  EXPECT_EQ(result.ticks, rig.recorder.records.size());
+  EXPECT_EQ(rig.recorder.records.back().phase, Phase::kStopped);
+  EXPECT_EQ(result.wakeup.count(), static_cast<std::uint64_t>(arm.received));
+  EXPECT_EQ(result.period.count(), result.statistics.active_ticks - 1);
+  // the fake arm's stamps are exactly 1 ms apart, however late the machine wakes up: the histogram's bin is
+  // left
+  EXPECT_NEAR(1e9 / static_cast<double>(result.period.Quantile(0.5)), 1000.0, 5.0);
+  EXPECT_EQ(rig.commands.Load().stamp, rig.loop.tool_command().stamp);
+}
+
+TEST(RunServo, AStopFlagStopsInOrder) {
+  Rig rig;
+  FakeArm arm;
+  std::atomic<bool> stop{false};
+  struct StopAfter : FakeRecorder {
+    std::atomic<bool>* flag{nullptr};
+    bool Push(const TickRecord& record) OSTEON_RT override {
+      if (records.size() == 50) flag->store(true);
+      return FakeRecorder::Push(record);
+    }
+  } recorder;
+  recorder.flag = &stop;
+  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.models, rig.commands, recorder,
+                                         {.seconds = 0.0, .priority = 0, .stop = &stop});
+  EXPECT_EQ(result.end, RunEnd::kStopFlag);
+  EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
+  EXPECT_EQ(result.faults.bits(), 0u);
+}
+
+TEST(RunServo, AFaultEndsItByName) {
+  Rig rig;
+  rig.world.simulates = false;
+  FakeArm arm;
+  const RunServoResult result = rig.Run(arm, {.seconds = 5.0});
+  EXPECT_EQ(result.end, RunEnd::kFault);
+  EXPECT_TRUE(result.faults.Has(safety::Fault::kModelStale));
+}
+
+TEST(RunServo, AnArmThatNeverComesOrGoesAwayEndsIt) {
+  Rig silent;
+  FakeArm nobody;
+  nobody.silent = true;
+  EXPECT_EQ(silent.Run(nobody, {.give_up_s = 0.05}).end, RunEnd::kNeverActive);
+  EXPECT_FALSE(silent.loop.faults().Any()) << "nothing was started, nothing failed";
+
+  Rig closing;
+  FakeArm closes(3, 40);
+  const RunServoResult result = closing.Run(closes, {.seconds = 5.0});
+  EXPECT_EQ(result.end, RunEnd::kLinkClosed);
+  EXPECT_TRUE(result.faults.Has(safety::Fault::kArmStale));
+}
+
+TEST(RunServo, RefusesParametersOutOfRange) {
+  Rig rig;
+  FakeArm arm;
+  EXPECT_THROW(rig.Run(arm, {.deadline_s = 0.0}), std::invalid_argument);
+  EXPECT_THROW(rig.Run(arm, {.seconds = -1.0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace osteon::control

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <vector>
+
+#include "control/servo_loop.h"
+
+namespace osteon::control {
+
+/// Virtual time round a servo loop: an arm that is where it was told to be a tick later, a simulation that
+/// knows one plane ahead of the tool and reports it late, and a hand that pushes with a given wrench.
+class ServoBench {
+ public:
+  static constexpr rt::Nanoseconds kTick = rt::kMillisecond;
+
+  static kinematics::JointVector StartJoints() {
+    kinematics::JointVector q;
+    q << 0.1, 0.5, 0.05, -1.4, 0.1, 0.9, 0.2;
+    return q;
+  }
+  static Pose FlangeToTool() {
+    Pose X_FT = Pose::Identity();
+    X_FT.translation() << 0.0, 0.0, 0.20;
+    return X_FT;
+  }
+  static Pose StartPose() { return kinematics::LbrArm({}).FlangePose(StartJoints()) * FlangeToTool(); }
+  /// Workspace round the start, the spindle still.
+  static ServoParams Params() {
+    ServoParams params;
+    params.workspace.sphere_center_W_m = StartPose().translation();
+    params.workspace.sphere_radius_m = 0.2;
+    params.workspace.plane_offset_m = StartPose().translation().z() - 0.2;
+    params.spindle_rad_per_s = 0.0;
+    return params;
+  }
+
+  explicit ServoBench(const ServoParams& params = Params(), double plane_ahead_m = 0.005)
+      : loop(params, kinematics::LbrArm({}), Pose::Identity(), FlangeToTool(),
+             kinematics::LbrArm({}).ArmAngle(StartJoints())) {
+    Eigen::Map<kinematics::JointVector>(arm.q_meas.data()) = StartJoints();
+    arm.q_ipo = arm.q_meas;
+    arm.has_ipo = true;
+    arm.session = SessionState::kCommandingWait;
+    feed_W = StartPose().linear().col(2);
+    plane_W = StartPose().translation() + plane_ahead_m * feed_W;
+  }
+
+  /// One tick. The arm's joints follow the command of the tick before.
+  TickRecord Tick(ReceiveResult received = ReceiveResult::kOk) {
+    now += kTick;
+    if (received == ReceiveResult::kOk) {
+      arm.stamp = now;
+      ++arm.sequence;
+      if (answered_) arm.q_meas = command.q;
+      answered_ = true;
+      if (arm.session != SessionState::kCommandingActive) arm.q_ipo = arm.q_meas;
+    }
+    if (sensor_lives) {
+      reading.stamp = now;
+      reading.F_T_W = Wrench{.f = push_N * feed_W + side_W_N, .t = Vector3::Zero()};
+    }
+    if (simulation_lives && ticks % frame_ticks == 0) Simulate();
+    const TickRecord record = loop.Tick(arm, received, reading, model, now, command);
+    ++ticks;
+    last_command = loop.tool_command();
+    return record;
+  }
+
+  TickRecord Run(int count) {
+    TickRecord record;
+    for (int i = 0; i < count; ++i) record = Tick();
+    return record;
+  }
+
+  void Activate() { arm.session = SessionState::kCommandingActive; }
+
+  /// Depth of the commanded apex in the plane [m].
+  [[nodiscard]] double Depth() const {
+    return feed_W.dot(Pose(loop.tool_command().X_WT).translation() - plane_W);
+  }
+
+  ServoLoop loop;
+  ArmState arm;
+  ArmCommand command;
+  ForceReading reading;
+  simulation::ContactModel model;
+  simulation::ToolCommand last_command;
+  rt::Nanoseconds now{rt::kSecond};
+  int ticks{0}, frame_ticks{2};
+  double push_N{0.0};
+  Vector3 side_W_N{Vector3::Zero()};
+  bool sensor_lives{true}, simulation_lives{true};
+  Vector3 feed_W, plane_W;
+
+ private:
+  bool answered_{false};
+
+  // A frame of the command of the tick before.
+  void Simulate() {
+    model = {};
+    model.frame = static_cast<std::uint64_t>(ticks + 1);
+    model.pose_stamp = ticks > 0 ? last_command.stamp : now;
+    model.contact_count = 1;
+    model.contacts[0].p_W_m = plane_W;
+    model.contacts[0].n_W = Vector3(-feed_W);
+    model.contacts[0].stiffness_N_per_m = 20e3;
+  }
+};
+
+}  // namespace osteon::control

@@ -1,0 +1,73 @@
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "io/recording/recording_reader.h"
+#include "tests/io/recording_samples.h"
+#include "tests/io/temporary_folder.h"
+
+// Fixed-seed damage to a recording. The reader may refuse it with byte and reason, or take it as torn; it
+// never crashes, and where it says "complete" the data are the ones recorded.
+
+namespace osteon::io {
+namespace {
+
+constexpr unsigned kSeed = 20240608;
+
+TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
+  SCOPED_TRACE(kSeed);
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "fuzz.mcap";
+  std::string whole;
+  std::size_t summary = 0;
+  {
+    auto recorder = Recorder::Open({.path = path, .writer_thread = false}, test::SomeSession());
+    ASSERT_TRUE(recorder) << recorder.error();
+    for (std::uint64_t i = 0; i < 5; ++i) {
+      (*recorder)->Push(test::SomeTick(i));
+      (*recorder)->PushFrame(test::SomeFrame(i));
+    }
+    ASSERT_TRUE((*recorder)->Close());
+    whole = test::ReadAll(path);
+    // the footer's first field, 8 + 20 bytes before the end
+    for (std::size_t i = 0; i < 8; ++i)
+      summary |= std::size_t{static_cast<unsigned char>(whole[whole.size() - 28 + i])} << (8 * i);
+    ASSERT_LT(summary, whole.size());
+  }
+
+  std::mt19937 random(kSeed);
+  int refused = 0, torn = 0;
+  for (int i = 0; i < 500; ++i) {
+    std::string bytes = whole;
+    const std::size_t at = random() % summary;  // the data section
+    switch (random() % 4) {
+      case 0:
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8));
+        break;
+      case 1:
+        bytes.resize(at);
+        break;
+      case 2:
+        bytes.erase(at, 1 + random() % 4);
+        break;
+      default:
+        bytes.insert(at, 1 + random() % 4, static_cast<char>(random() % 256));
+    }
+    test::WriteAll(path, bytes);
+    const auto recording = ReadRecording(path);
+    if (!recording) {
+      ++refused;
+      EXPECT_NE(recording.error().find(": byte "), std::string::npos) << recording.error();
+    } else {
+      ++torn;
+      // A file's CRC cannot see damage to itself when that turns it to 0 ("not available"); the odds are
+      // 2^-30.
+      ASSERT_FALSE(recording->complete) << "mutation " << i << " at byte " << at;
+    }
+  }
+  EXPECT_GT(refused, 100);
+  EXPECT_GT(torn, 30);
+}
+
+}  // namespace
+}  // namespace osteon::io

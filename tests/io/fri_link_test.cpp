@@ -1,0 +1,179 @@
+#include "io/fri/fri_link.h"
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include "control/rt/no_alloc_scope.h"
+#include "tests/io/fri_oracle.h"
+
+namespace osteon::io {
+namespace {
+
+using control::ArmCommand;
+using control::ArmState;
+using control::ReceiveResult;
+using test::Bytes;
+using test::Joints;
+using test::Monitoring;
+
+// The arm's side: a plain UDP socket.
+class Peer {
+ public:
+  explicit Peer(std::uint16_t port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(port);
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  }
+  ~Peer() { close(socket_); }
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+
+  void Send(const std::vector<std::uint8_t>& bytes) const {
+    EXPECT_EQ(send(socket_, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
+  }
+  void Send(std::uint32_t sequence, fri::SessionState state) const {
+    Send(Bytes(Monitoring(sequence, state)));
+  }
+  // Loopback delivers within the sender's call, so what is not here now was never sent.
+  [[nodiscard]] std::vector<std::uint8_t> Answer() const {
+    std::vector<std::uint8_t> bytes(2000);
+    const ssize_t size = recv(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+    bytes.resize(size < 0 ? 0 : static_cast<std::size_t>(size));
+    return bytes;
+  }
+
+ private:
+  int socket_;
+};
+
+rt::Nanoseconds Soon() { return rt::MonotonicNow() + 2 * rt::kSecond; }
+
+std::unique_ptr<FriLink> OpenAnywhere() {
+  auto link = FriLink::Open({.port = 0});
+  EXPECT_TRUE(link) << link.error();
+  return std::move(*link);
+}
+
+TEST(FriLink, AnswersTheArmAtTheAddressItSpokeFrom) {
+  const auto link = OpenAnywhere();
+  ASSERT_NE(link->port(), 0);
+  const Peer arm(link->port());
+  ArmState state;
+  EXPECT_FALSE(link->Send(ArmCommand{})) << "never speaks first";
+  arm.Send(1, fri::COMMANDING_ACTIVE);
+  const rt::Nanoseconds before = rt::MonotonicNow() - rt::kSecond;
+  ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
+  EXPECT_GT(state.stamp, before);
+  EXPECT_LE(state.stamp, rt::MonotonicNow());
+  ASSERT_TRUE(link->Send(ArmCommand{Joints(0.9)}));
+  CommandMessage answer;
+  ASSERT_EQ(DecodeCommand(arm.Answer(), answer), CodecError::kNone);
+  EXPECT_EQ(answer.q, Joints(0.9));
+  EXPECT_EQ(answer.reflected_sequence, 1u);
+}
+
+TEST(FriLink, TimesOutWhereTheArmIsSilent) {
+  const auto link = OpenAnywhere();
+  ArmState state;
+  EXPECT_EQ(link->Receive(state, rt::MonotonicNow() + rt::kMillisecond), ReceiveResult::kTimeout);
+  EXPECT_EQ(link->Receive(state, 0), ReceiveResult::kTimeout) << "a deadline in the past";
+}
+
+TEST(FriLink, TakesTheNewestOfWhatWaits) {
+  const auto link = OpenAnywhere();
+  const Peer arm(link->port());
+  for (std::uint32_t i = 1; i <= 5; ++i) arm.Send(i, fri::COMMANDING_ACTIVE);
+  ArmState state;
+  ASSERT_EQ(link->Receive(state, 0), ReceiveResult::kOk)
+      << "what has arrived is taken after the deadline too";
+  EXPECT_EQ(state.sequence, 5u);
+  EXPECT_EQ(state.late, 4u);
+  EXPECT_EQ(state.lost, 0u);
+  EXPECT_EQ(link->Receive(state, 0), ReceiveResult::kTimeout);
+}
+
+TEST(FriLink, SkipsHostileBytesAndCountsThem) {
+  const auto link = OpenAnywhere();
+  const Peer arm(link->port());
+  arm.Send({});
+  arm.Send(std::vector<std::uint8_t>(2000, 0x0a));
+  arm.Send({0xff, 0xff});
+  arm.Send(1, fri::MONITORING_READY);
+  arm.Send({0xff, 0xff});
+  ArmState state;
+  ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
+  EXPECT_EQ(state.sequence, 1u);
+  EXPECT_EQ(state.rejected, 4u);
+}
+
+TEST(FriLink, KeepsToTheFirstPeer) {
+  const auto link = OpenAnywhere();
+  const Peer arm(link->port()), stranger(link->port());
+  ArmState state;
+  stranger.Send({1, 2, 3});  // noise does not make a peer
+  arm.Send(1, fri::COMMANDING_ACTIVE);
+  ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
+  stranger.Send(2, fri::COMMANDING_ACTIVE);
+  arm.Send(3, fri::COMMANDING_ACTIVE);
+  ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
+  EXPECT_EQ(state.sequence, 3u);
+  EXPECT_EQ(state.lost, 1u) << "the stranger's 2 is not the arm's";
+  EXPECT_EQ(state.rejected, 2u);
+  ASSERT_TRUE(link->Send(ArmCommand{}));
+  EXPECT_TRUE(stranger.Answer().empty());
+  EXPECT_FALSE(arm.Answer().empty());
+}
+
+TEST(FriLink, TakesANewPeerAfterASecondOfSilence) {
+  const auto link = OpenAnywhere();
+  ArmState state;
+  {
+    const Peer arm(link->port());
+    arm.Send(5000, fri::COMMANDING_ACTIVE);
+    ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
+  }
+  rt::SleepUntil(rt::MonotonicNow() + rt::kSecond + 50 * rt::kMillisecond);
+  const Peer restarted(link->port());
+  restarted.Send(1, fri::MONITORING_WAIT);
+  ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
+  EXPECT_EQ(state.sequence, 1u);
+  ASSERT_TRUE(link->Send(ArmCommand{}));
+  EXPECT_EQ(restarted.Answer().size(), 77u);
+}
+
+TEST(FriLink, ErrorsSayWhatIsWrong) {
+  const auto first = OpenAnywhere();
+  const auto taken = FriLink::Open({.port = first->port()});
+  ASSERT_FALSE(taken);
+  EXPECT_NE(taken.error().find("127.0.0.1:" + std::to_string(first->port()) + " is taken"), std::string::npos)
+      << taken.error();
+  const auto no_address = FriLink::Open({.bind_address = "localhost", .port = 0});
+  ASSERT_FALSE(no_address);
+  EXPECT_NE(no_address.error().find("'localhost' is not an IPv4 address"), std::string::npos);
+  const auto not_ours = FriLink::Open({.bind_address = "192.0.2.1", .port = 0});  // TEST-NET-1: nobody's
+  ASSERT_FALSE(not_ours);
+  EXPECT_NE(not_ours.error().find("no network card with that address"), std::string::npos)
+      << not_ours.error();
+}
+
+TEST(FriLink, DoesNotAllocate) {
+  const auto link = OpenAnywhere();
+  const Peer arm(link->port());
+  arm.Send(1, fri::COMMANDING_ACTIVE);
+  ArmState state;
+  rt::NoAllocScope scope;
+  const ReceiveResult received = link->Receive(state, Soon());
+  const bool sent = link->Send(ArmCommand{state.q_ipo});
+  EXPECT_EQ(scope.heap_calls(), 0);
+  EXPECT_EQ(scope.locks(), 0);
+  EXPECT_EQ(received, ReceiveResult::kOk);
+  EXPECT_TRUE(sent);
+}
+
+}  // namespace
+}  // namespace osteon::io

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "io/recording/recorder.h"
+
+// Records with a different value in every field, so that a swapped or forgotten field shows.
+
+namespace osteon::io::test {
+
+inline PlainVector3 Vector(double first) { return Vector3(first, first + 0.25, first + 0.5); }
+
+inline PlainPose SomePose(double first) {
+  PlainPose X;
+  for (std::size_t i = 0; i < 9; ++i) X.R[i] = first + static_cast<double>(i) / 16;
+  X.p = Vector(first + 2);
+  return X;
+}
+
+inline PlainWrench SomeWrench(double first) { return Wrench{.f = Vector(first), .t = Vector(first + 1)}; }
+
+inline control::TickRecord SomeTick(std::uint64_t i) {
+  control::TickRecord r;
+  const auto base = static_cast<double>(i);
+  r.tick = i;
+  r.stamp = static_cast<rt::Nanoseconds>(i) * rt::kMillisecond;
+  r.phase = static_cast<control::Phase>(i % 4);
+  r.session_state = static_cast<std::uint8_t>(i % 5);
+  r.faults = static_cast<std::uint32_t>(1u << (i % 13));
+  for (std::size_t j = 0; j < 7; ++j) {
+    r.q_meas[j] = base + 0.01 * static_cast<double>(j);
+    r.q_cmd[j] = base - 0.01 * static_cast<double>(j);
+  }
+  r.X_WT_cmd = SomePose(base + 10);
+  r.X_WT_meas = SomePose(base + 20);
+  r.v_WT_cmd_m_per_s = Vector(base + 30);
+  r.F_operator_T_W = SomeWrench(base + 40);
+  r.F_coupling_T_W = SomeWrench(base + 50);
+  r.wrench_scale = 0.1;
+  r.model_age_s = base + 60;
+  r.sensor_age_s = base + 61;
+  r.model_frame = i + 62;
+  r.spindle_rad_per_s = base + 63;
+  r.wakeup_ns = static_cast<rt::Nanoseconds>(i) + 64;
+  r.compute_ns = static_cast<rt::Nanoseconds>(i) + 65;
+  return r;
+}
+
+inline simulation::FrameRecord SomeFrame(std::uint64_t i) {
+  simulation::FrameRecord r;
+  const auto base = static_cast<double>(i);
+  r.stamp = static_cast<rt::Nanoseconds>(i) * 2 * rt::kMillisecond + 1;
+  r.duration_ns = 71;
+  r.cup_depth_m = base + 72;
+  simulation::ContactModel& m = r.model;
+  m.X_WP = SomePose(base);
+  m.contact_count = static_cast<std::int32_t>(i % (simulation::kMaxContacts + 1));
+  for (int k = 0; k < m.contact_count; ++k) {
+    simulation::Contact& c = m.contacts[static_cast<std::size_t>(k)];
+    const double c_base = base + 100 * (k + 1);
+    c.p_TP_m = Vector(c_base);
+    c.p_W_m = Vector(c_base + 1);
+    c.n_W = Vector(c_base + 2);
+    c.gap_m = -c_base;
+    c.stiffness_N_per_m = c_base + 3;
+    c.mu = c_base + 4;
+    c.advance_m_per_s = c_base + 5;
+    c.weight = c_base + 6;
+    c.material = static_cast<simulation::MaterialIndex>(k + 7);
+  }
+  m.status = static_cast<simulation::EngineStatus>(i % 3);
+  m.n_W = Vector(base + 3);
+  m.contact_fraction = base + 4;
+  m.F_T_W = SomeWrench(base + 5);
+  m.advance_m_per_s = base + 6;
+  m.engaged_area_m2 = base + 7;
+  m.spindle_torque_Nm = base + 8;
+  m.removed_volume_m3 = base + 9;
+  m.removed_mass_kg = base + 10;
+  m.cutting_work_J = base + 11;
+  m.pose_stamp = static_cast<rt::Nanoseconds>(i) + 12;
+  m.frame = i;
+  return r;
+}
+
+inline SessionInfo SomeSession() {
+  return {.stamp = 3,
+          .version = "0.1.0",
+          .engine = "vulkan",
+          .device = "llvmpipe",
+          .scene = "cup",
+          .tool = "reamer_50",
+          .force_limit_N = 200.0,
+          .config_text = "force_limit_N: 200\n"};
+}
+
+}  // namespace osteon::io::test

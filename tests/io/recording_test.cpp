@@ -1,0 +1,350 @@
+#include "io/recording/recording_reader.h"
+
+#include <cstring>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "control/rt/no_alloc_scope.h"
+#include "tests/io/recording_samples.h"
+#include "tests/io/temporary_folder.h"
+
+namespace osteon::io {
+namespace {
+
+using test::ReadAll;
+using test::SomeFrame;
+using test::SomeSession;
+using test::SomeTick;
+using test::TemporaryFolder;
+using test::WriteAll;
+
+// Compares every byte of a plain record, field by field through its own encoding: equal bytes, equal fields.
+template <class Record>
+std::string Encoded(const Record& record) {
+  std::string bytes;
+  Encode(record, bytes);
+  return bytes;
+}
+
+// 400 ms in virtual time, drained every tick; long enough for several chunks.
+constexpr std::uint64_t kTicks = 400;
+
+std::string RecordVirtualTime(const std::filesystem::path& path) {
+  auto recorder = Recorder::Open({.path = path, .writer_thread = false}, SomeSession());
+  EXPECT_TRUE(recorder) << recorder.error();
+  for (std::uint64_t i = 0; i < kTicks; ++i) {
+    if (i % 2 == 0) {
+      EXPECT_TRUE((*recorder)->PushFrame(SomeFrame(i / 2)));
+    }
+    EXPECT_TRUE((*recorder)->Push(SomeTick(i)));
+    if (i == 250) (*recorder)->PushEvent(SomeTick(i).stamp, "contact model stale");
+    (*recorder)->Drain();
+  }
+  const auto counts = (*recorder)->Close();
+  EXPECT_TRUE(counts) << counts.error();
+  EXPECT_EQ(counts->ticks, kTicks);
+  EXPECT_EQ(counts->frames, kTicks / 2);
+  EXPECT_EQ(counts->events, 1u);
+  EXPECT_EQ(counts->bytes, std::filesystem::file_size(path));
+  return ReadAll(path);
+}
+
+TEST(Recording, ComesBackBitForBit) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "session.mcap";
+  RecordVirtualTime(path);
+  const auto recording = ReadRecording(path);
+  ASSERT_TRUE(recording) << recording.error();
+  EXPECT_TRUE(recording->complete);
+  EXPECT_EQ(recording->read_bytes, std::filesystem::file_size(path));
+  EXPECT_EQ(recording->session.stamp, 3);
+  EXPECT_EQ(recording->session.version, "0.1.0");
+  EXPECT_EQ(recording->session.engine, "vulkan");
+  EXPECT_EQ(recording->session.device, "llvmpipe");
+  EXPECT_EQ(recording->session.scene, "cup");
+  EXPECT_EQ(recording->session.tool, "reamer_50");
+  EXPECT_EQ(recording->session.force_limit_N, 200.0);
+  EXPECT_EQ(recording->session.config_text, "force_limit_N: 200\n");
+  ASSERT_EQ(recording->ticks.size(), kTicks);
+  ASSERT_EQ(recording->frames.size(), kTicks / 2);
+  ASSERT_EQ(recording->events.size(), 1u);
+  for (std::uint64_t i = 0; i < kTicks; ++i) EXPECT_EQ(Encoded(recording->ticks[i]), Encoded(SomeTick(i)));
+  for (std::uint64_t i = 0; i < kTicks / 2; ++i)
+    EXPECT_EQ(Encoded(recording->frames[i]), Encoded(SomeFrame(i)));
+  EXPECT_EQ(recording->events[0].stamp, SomeTick(250).stamp);
+  EXPECT_EQ(recording->events[0].text, "contact model stale");
+}
+
+// Encoded() of the test above cannot see a field that the encoder forgets, so each is read back by hand as
+// well.
+TEST(Recording, CarriesEveryFieldOfATick) {
+  const control::TickRecord sent = SomeTick(7);
+  control::TickRecord r;
+  ASSERT_EQ(Decode(Encoded(sent), r), "");
+  EXPECT_EQ(r.tick, sent.tick);
+  EXPECT_EQ(r.stamp, sent.stamp);
+  EXPECT_EQ(r.phase, sent.phase);
+  EXPECT_EQ(r.session_state, sent.session_state);
+  EXPECT_EQ(r.faults, sent.faults);
+  EXPECT_EQ(r.q_meas, sent.q_meas);
+  EXPECT_EQ(r.q_cmd, sent.q_cmd);
+  EXPECT_EQ(r.X_WT_cmd.R, sent.X_WT_cmd.R);
+  EXPECT_EQ(Vector3(r.X_WT_cmd.p), Vector3(sent.X_WT_cmd.p));
+  EXPECT_EQ(r.X_WT_meas.R, sent.X_WT_meas.R);
+  EXPECT_EQ(Vector3(r.X_WT_meas.p), Vector3(sent.X_WT_meas.p));
+  EXPECT_EQ(Vector3(r.v_WT_cmd_m_per_s), Vector3(sent.v_WT_cmd_m_per_s));
+  EXPECT_EQ(Vector3(r.F_operator_T_W.f), Vector3(sent.F_operator_T_W.f));
+  EXPECT_EQ(Vector3(r.F_operator_T_W.t), Vector3(sent.F_operator_T_W.t));
+  EXPECT_EQ(Vector3(r.F_coupling_T_W.f), Vector3(sent.F_coupling_T_W.f));
+  EXPECT_EQ(Vector3(r.F_coupling_T_W.t), Vector3(sent.F_coupling_T_W.t));
+  EXPECT_EQ(r.wrench_scale, sent.wrench_scale);
+  EXPECT_EQ(r.model_age_s, sent.model_age_s);
+  EXPECT_EQ(r.sensor_age_s, sent.sensor_age_s);
+  EXPECT_EQ(r.model_frame, sent.model_frame);
+  EXPECT_EQ(r.spindle_rad_per_s, sent.spindle_rad_per_s);
+  EXPECT_EQ(r.wakeup_ns, sent.wakeup_ns);
+  EXPECT_EQ(r.compute_ns, sent.compute_ns);
+}
+
+TEST(Recording, CarriesEveryFieldOfAFrame) {
+  const simulation::FrameRecord sent = SomeFrame(8);
+  simulation::FrameRecord r;
+  ASSERT_EQ(Decode(Encoded(sent), r), "");
+  const simulation::ContactModel &a = r.model, &b = sent.model;
+  EXPECT_EQ(r.stamp, sent.stamp);
+  EXPECT_EQ(r.duration_ns, sent.duration_ns);
+  EXPECT_EQ(r.cup_depth_m, sent.cup_depth_m);
+  EXPECT_EQ(a.X_WP.R, b.X_WP.R);
+  EXPECT_EQ(Vector3(a.X_WP.p), Vector3(b.X_WP.p));
+  ASSERT_EQ(a.contact_count, simulation::kMaxContacts);
+  for (std::size_t k = 0; k < simulation::kMaxContacts; ++k) {
+    const simulation::Contact &c = a.contacts[k], &d = b.contacts[k];
+    EXPECT_EQ(Vector3(c.p_TP_m), Vector3(d.p_TP_m));
+    EXPECT_EQ(Vector3(c.p_W_m), Vector3(d.p_W_m));
+    EXPECT_EQ(Vector3(c.n_W), Vector3(d.n_W));
+    EXPECT_EQ(c.gap_m, d.gap_m);
+    EXPECT_EQ(c.stiffness_N_per_m, d.stiffness_N_per_m);
+    EXPECT_EQ(c.mu, d.mu);
+    EXPECT_EQ(c.advance_m_per_s, d.advance_m_per_s);
+    EXPECT_EQ(c.weight, d.weight);
+    EXPECT_EQ(c.material, d.material);
+  }
+  EXPECT_EQ(a.status, b.status);
+  EXPECT_EQ(Vector3(a.n_W), Vector3(b.n_W));
+  EXPECT_EQ(a.contact_fraction, b.contact_fraction);
+  EXPECT_EQ(Vector3(a.F_T_W.f), Vector3(b.F_T_W.f));
+  EXPECT_EQ(Vector3(a.F_T_W.t), Vector3(b.F_T_W.t));
+  EXPECT_EQ(a.advance_m_per_s, b.advance_m_per_s);
+  EXPECT_EQ(a.engaged_area_m2, b.engaged_area_m2);
+  EXPECT_EQ(a.spindle_torque_Nm, b.spindle_torque_Nm);
+  EXPECT_EQ(a.removed_volume_m3, b.removed_volume_m3);
+  EXPECT_EQ(a.removed_mass_kg, b.removed_mass_kg);
+  EXPECT_EQ(a.cutting_work_J, b.cutting_work_J);
+  EXPECT_EQ(a.pose_stamp, b.pose_stamp);
+  EXPECT_EQ(a.frame, b.frame);
+}
+
+TEST(Recording, KeepsNegativeZeroAndNaN) {
+  control::TickRecord sent = SomeTick(1), r;
+  sent.wrench_scale = -0.0;
+  sent.model_age_s = std::numeric_limits<double>::quiet_NaN();
+  sent.q_cmd[3] = std::numeric_limits<double>::infinity();
+  ASSERT_EQ(Decode(Encoded(sent), r), "");
+  EXPECT_TRUE(std::signbit(r.wrench_scale));
+  EXPECT_TRUE(std::isnan(r.model_age_s));
+  EXPECT_EQ(r.q_cmd[3], sent.q_cmd[3]);
+}
+
+TEST(Recording, TwoEqualRunsGiveEqualBytes) {
+  const TemporaryFolder folder;
+  const std::string first = RecordVirtualTime(folder.path() / "first.mcap");
+  const std::string second = RecordVirtualTime(folder.path() / "second.mcap");
+  ASSERT_GT(first.size(), 10'000u);
+  EXPECT_TRUE(first == second);
+}
+
+TEST(Recording, DrainMergesByStampAndTicksGoFirst) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "merged.mcap";
+  auto recorder = Recorder::Open({.path = path, .writer_thread = false}, SomeSession());
+  ASSERT_TRUE(recorder) << recorder.error();
+  // Message times in the file's order: read from the raw records, as the reader keeps the lists apart.
+  simulation::FrameRecord frame = SomeFrame(0);
+  for (const rt::Nanoseconds stamp : {20, 40}) {
+    frame.stamp = stamp;
+    (*recorder)->PushFrame(frame);
+  }
+  (*recorder)->PushEvent(20, "e");
+  control::TickRecord tick = SomeTick(0);
+  for (const rt::Nanoseconds stamp : {10, 20, 30}) {
+    tick.stamp = stamp;
+    (*recorder)->Push(tick);
+  }
+  ASSERT_TRUE((*recorder)->Close());
+
+  const std::string bytes = ReadAll(path);
+  std::vector<std::pair<int, std::uint64_t>> order;  // channel, log time
+  for (std::size_t at = 8; at + 9 <= bytes.size();) {
+    std::uint64_t length = 0, time = 0;
+    std::memcpy(&length, bytes.data() + at + 1, 8);
+    if (bytes[at] == 6) {  // into the chunk: its times, size, CRC, empty compression, length
+      at += 9 + 8 + 8 + 8 + 4 + 4 + 8;
+      continue;
+    }
+    if (bytes[at] == 5) {
+      std::memcpy(&time, bytes.data() + at + 9 + 6, 8);
+      order.emplace_back(bytes[at + 9], time);
+    }
+    at += 9 + length;
+  }
+  const std::vector<std::pair<int, std::uint64_t>> expected{{0, 3},  {1, 10}, {1, 20}, {2, 20},
+                                                            {3, 20}, {1, 30}, {2, 40}};
+  EXPECT_EQ(order, expected);
+}
+
+TEST(Recording, WriterThreadLosesNothing) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "wall.mcap";
+  auto recorder = Recorder::Open({.path = path}, SomeSession());
+  ASSERT_TRUE(recorder) << recorder.error();
+  constexpr std::uint64_t kCount = 2000;
+  std::thread servo([&] {
+    for (std::uint64_t i = 0; i < kCount; ++i) (*recorder)->Push(SomeTick(i));
+  });
+  std::thread simulation([&] {
+    for (std::uint64_t i = 0; i < kCount; ++i) (*recorder)->PushFrame(SomeFrame(i));
+  });
+  (*recorder)->PushEvent(1, "from the main thread");
+  servo.join();
+  simulation.join();
+  const auto counts = (*recorder)->Close();
+  ASSERT_TRUE(counts) << counts.error();
+  EXPECT_EQ(counts->dropped_ticks + counts->dropped_frames, 0u);
+  const auto recording = ReadRecording(path);
+  ASSERT_TRUE(recording) << recording.error();
+  EXPECT_TRUE(recording->complete);
+  ASSERT_EQ(recording->ticks.size(), kCount);
+  ASSERT_EQ(recording->frames.size(), kCount);
+  for (std::uint64_t i = 0; i < kCount; ++i) ASSERT_EQ(recording->ticks[i].tick, i);
+}
+
+TEST(Recording, CountsWhatTheDiskWasTooSlowFor) {
+  const TemporaryFolder folder;
+  auto recorder = Recorder::Open(
+      {.path = folder.path() / "full.mcap", .tick_capacity = 4, .frame_capacity = 2, .writer_thread = false},
+      SomeSession());
+  ASSERT_TRUE(recorder) << recorder.error();
+  for (std::uint64_t i = 0; i < 10; ++i) EXPECT_EQ((*recorder)->Push(SomeTick(i)), i < 4);
+  for (std::uint64_t i = 0; i < 5; ++i) EXPECT_EQ((*recorder)->PushFrame(SomeFrame(i)), i < 2);
+  const auto counts = (*recorder)->Close();
+  ASSERT_TRUE(counts) << counts.error();
+  EXPECT_EQ(counts->ticks, 4u);
+  EXPECT_EQ(counts->frames, 2u);
+  EXPECT_EQ(counts->dropped_ticks, 6u);
+  EXPECT_EQ(counts->dropped_frames, 3u);
+  EXPECT_EQ((*recorder)->Close()->dropped_ticks, 6u) << "closing again gives the same answer";
+}
+
+TEST(Recording, PushDoesNotAllocate) {
+  const TemporaryFolder folder;
+  auto recorder = Recorder::Open({.path = folder.path() / "rt.mcap", .writer_thread = false}, SomeSession());
+  ASSERT_TRUE(recorder) << recorder.error();
+  const control::TickRecord tick = SomeTick(1);
+  const simulation::FrameRecord frame = SomeFrame(1);
+  rt::NoAllocScope scope;
+  const bool pushed = (*recorder)->Push(tick) && (*recorder)->PushFrame(frame);
+  EXPECT_EQ(scope.heap_calls(), 0);
+  EXPECT_EQ(scope.locks(), 0);
+  EXPECT_TRUE(pushed);
+}
+
+TEST(Recording, AnUnwritablePathIsNamed) {
+  const auto nowhere = Recorder::Open({.path = "/nowhere/at/all.mcap"}, SomeSession());
+  ASSERT_FALSE(nowhere);
+  EXPECT_NE(nowhere.error().find("/nowhere/at/all.mcap"), std::string::npos);
+  const auto full = Recorder::Open({.path = "/dev/full"}, SomeSession());
+  ASSERT_FALSE(full);
+  EXPECT_EQ(full.error(), "/dev/full: cannot write the recording: No space left on device");
+}
+
+TEST(Recording, ATornFileGivesWhatCameBefore) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "torn.mcap";
+  const std::string whole = RecordVirtualTime(folder.path() / "whole.mcap");
+  WriteAll(path, whole.substr(0, whole.size() / 2));
+  const auto half = ReadRecording(path);
+  ASSERT_TRUE(half) << half.error();
+  EXPECT_FALSE(half->complete);
+  EXPECT_GT(half->ticks.size(), 0u);
+  EXPECT_LT(half->ticks.size(), kTicks);
+  EXPECT_LE(half->read_bytes, whole.size() / 2);
+  for (std::uint64_t i = 0; i < half->ticks.size(); ++i) EXPECT_EQ(half->ticks[i].tick, i);
+
+  WriteAll(path, whole.substr(0, whole.size() - 3));  // all the data, a part of the closing magic
+  const auto nearly = ReadRecording(path);
+  ASSERT_TRUE(nearly) << nearly.error();
+  EXPECT_FALSE(nearly->complete);
+  EXPECT_EQ(nearly->ticks.size(), kTicks);
+}
+
+// As another program would find the file now, were this one killed.
+TEST(Recording, AProcessThatDiedLeavesWhatWasDrained) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "live.mcap";
+  auto recorder = Recorder::Open({.path = path, .writer_thread = false}, SomeSession());
+  ASSERT_TRUE(recorder) << recorder.error();
+  auto found = ReadRecording(path);
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_EQ(found->session.tool, "reamer_50") << "the session is on the disk at once";
+
+  for (std::uint64_t i = 0; i < kTicks; ++i) (*recorder)->Push(SomeTick(i));
+  (*recorder)->Drain();
+  found = ReadRecording(path);
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_FALSE(found->complete);
+  const std::size_t lost = kTicks - found->ticks.size();
+  EXPECT_LE(lost * Encoded(SomeTick(1)).size(), McapWriter::kChunkBytes) << "no more than one chunk";
+
+  (*recorder)->PushEvent(SomeTick(kTicks).stamp, "arm stopped");
+  (*recorder)->Drain();
+  found = ReadRecording(path);
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_EQ(found->ticks.size(), kTicks) << "an event brings everything before it to the disk";
+  EXPECT_EQ(found->events.size(), 1u);
+}
+
+TEST(Recording, ErrorsNameByteAndReason) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "bad.mcap";
+  const std::string whole = RecordVirtualTime(folder.path() / "whole.mcap");
+  const auto error_of = [&](const std::string& bytes) {
+    WriteAll(path, bytes);
+    const auto recording = ReadRecording(path);
+    return recording ? std::string("accepted") : recording.error().substr(path.string().size());
+  };
+  EXPECT_EQ(error_of("PNG"), ": byte 0: not an MCAP file (its first 8 bytes are not the magic)");
+  EXPECT_EQ(error_of(whole.substr(0, 8)),
+            ": byte 8: no osteon.Session in it: not a recording of this program");
+
+  std::string bad = whole;
+  bad[8] = 5;  // the header's opcode
+  EXPECT_EQ(error_of(bad), ": byte 8: the first record is not a header");
+  bad = whole;
+  bad[8 + 1 + 7] = '\x7f';  // top byte of the header's length
+  EXPECT_EQ(error_of(bad).find(": byte 8: record of 9151314442816847"), 0u) << error_of(bad);
+
+  bad = whole;  // one bit of one double: still a message, no longer what was recorded
+  std::string double_bytes(sizeof(double), '\0');
+  const double value = SomeTick(200).X_WT_cmd.p.x;
+  std::memcpy(double_bytes.data(), &value, sizeof value);
+  const std::size_t at = bad.find(double_bytes);
+  ASSERT_NE(at, std::string::npos);
+  bad[at] = static_cast<char>(bad[at] ^ 1);
+  EXPECT_NE(error_of(bad).find("the chunk does not match its CRC"), std::string::npos) << error_of(bad);
+
+  EXPECT_NE(ReadRecording(folder.path() / "missing.mcap").error().find("No such file"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace osteon::io

@@ -1,0 +1,91 @@
+#include "safety/joint_guard.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "control/rt/no_alloc_scope.h"
+
+namespace osteon::safety {
+namespace {
+
+using kinematics::JointVector;
+constexpr double kDt_s = 0.001;
+
+JointGuardParams Params() {
+  JointGuardParams params;
+  params.limits.fill(
+      {.position_rad = 2.0, .velocity_rad_per_s = 1.5, .acceleration_rad_per_s2 = 10.0, .torque_Nm = 100.0});
+  return params;
+}
+
+TEST(JointGuard, ScalesTheWholeStepAndClipsNoSingleJoint) {
+  const JointGuard guard(Params());
+  JointVector wanted;
+  wanted << 0.01, -0.005, 0.001, 0.0, 0.0, 0.002, -0.003;  // A1 wants 10 rad/s, 1.35 are allowed
+  const JointGuard::Result result = guard.Limit(JointVector::Zero(), wanted, kDt_s);
+  EXPECT_NEAR(result.share, 0.135, 1e-12);
+  EXPECT_TRUE(result.step.isApprox(0.135 * wanted, 1e-12));
+  EXPECT_FALSE(result.jump);
+  EXPECT_FALSE(result.violated);
+}
+
+TEST(JointGuard, ApproachToAPositionLimitIsMonotoneAndEndsBeforeIt) {
+  const JointGuard guard(Params());
+  for (const double sign : {1.0, -1.0}) {
+    JointVector q = JointVector::Zero(), wanted = JointVector::Zero();
+    q[3] = sign * 1.5;
+    wanted[3] = sign * 1.35 * kDt_s;
+    double last_step = 1.0;
+    for (int i = 0; i < 3000; ++i) {
+      const JointVector step = guard.Limit(q, wanted, kDt_s).step;
+      ASSERT_GE(sign * step[3], 0.0) << "never back";
+      ASSERT_LE(sign * step[3], last_step) << "slower and slower: no chatter";
+      last_step = sign * step[3];
+      q += step;
+      ASSERT_LE(sign * q[3], 2.0 - Params().position_margin_rad + 1e-12);
+    }
+    EXPECT_GT(sign * q[3], 2.0 - Params().position_margin_rad - 1e-3) << "and gets there";
+    wanted[3] = -sign * 1e-3;
+    EXPECT_EQ(guard.Limit(q, wanted, kDt_s).share, 1.0) << "the way back is free";
+  }
+}
+
+TEST(JointGuard, AnotherBranchIsNoMotion) {
+  const JointGuard guard(Params());
+  JointVector wanted = JointVector::Zero();
+  wanted[6] = 3.0;
+  const JointGuard::Result result = guard.Limit(JointVector::Zero(), wanted, kDt_s);
+  EXPECT_TRUE(result.jump);
+  EXPECT_TRUE(result.step.isZero(0.0));
+  wanted[6] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(guard.Limit(JointVector::Zero(), wanted, kDt_s).jump);
+}
+
+TEST(JointGuard, OutsideTheArmsOwnLimitsIsViolation) {
+  JointVector q = JointVector::Zero();
+  q[1] = -2.01;
+  EXPECT_TRUE(JointGuard(Params()).Limit(q, JointVector::Zero(), kDt_s).violated);
+}
+
+TEST(JointGuard, RefusesLimitsThatAreNotSet) {
+  EXPECT_THROW(JointGuard(JointGuardParams{}), std::invalid_argument) << "all limits zero";
+  JointGuardParams params = Params();
+  params.position_margin_rad = 2.5;
+  EXPECT_THROW(JointGuard{params}, std::invalid_argument);
+}
+
+TEST(JointGuard, DoesNotAllocate) {
+  const JointGuard guard(Params());
+  const JointVector q = JointVector::Constant(0.3), wanted = JointVector::Constant(0.01);
+  rt::NoAllocScope scope;
+  const JointGuard::Result result = guard.Limit(q, wanted, kDt_s);
+  const int heap_calls = scope.heap_calls();
+  EXPECT_LT(result.share, 1.0);
+  EXPECT_EQ(heap_calls, 0);
+}
+
+}  // namespace
+}  // namespace osteon::safety
