@@ -117,9 +117,8 @@ TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedWhateverComesIn) {
   EXPECT_GT(limited + faulted, 250) << "the draws must reach the limits to prove anything";
 }
 
-// A wall that moves in as fast as the rate trip allows, against a strong hand: the limiter, not a trip, must
-// hold the line.
-TEST(ServoLimit, AWallThatPushesInIsLimitedAtTheCeilingWithItsDirection) {
+// 240 N are below the sensor's trip: the limiter alone must hold the line.
+TEST(ServoLimit, AHandStrongerThanTheLimitMeetsTheLimitWithItsDirection) {
   ServoParams params = ServoBench::Params();
   params.max_tracking_error_m = 1.0;
   ServoBench bench(params);

@@ -126,6 +126,12 @@ TEST(ServoLoop, PushedTowardsAJointLimitItSlowsDownAndStaysInside) {
   }
   EXPECT_GT(before, start_a4 + 0.15 - params.joints.position_margin_rad - 2e-3) << "and gets there";
   EXPECT_GT(bench.loop.statistics().joints.ticks, 0u);
+
+  // the virtual tool's velocity went with it: nothing has wound up behind the limit
+  EXPECT_LT(Vector3(bench.Tick().v_WT_cmd_m_per_s).norm(), 0.01);
+  bench.side_W_N *= -1.0;
+  bench.Run(3);
+  EXPECT_LT(std::abs(bench.Tick().q_cmd[3]), before) << "pulled back it leaves at once";
 }
 
 // Oracle: v^2 / 2a.
