@@ -1,0 +1,163 @@
+#include "app/cell_run.h"
+
+#include <chrono>
+#include <optional>
+
+#include "app/simulation_thread.h"
+#include "control/rt/clock.h"
+#include "io/fri/fri_link.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr int kFrameTicks = 2;          // virtual time: ticks from one frame to the next, and from its pose to its model
+constexpr double kVirtualGiveUp_s = 30.0;  // without COMMANDING_ACTIVE, or without rest after the end
+
+hil::SimulatedCell MakeCell(const CellSetup& setup, double seconds) {
+  hil::ReamingScriptParams script = setup.config.script;
+  script.seconds = seconds;
+  return {setup.config.simulated, MakeReamingScript(script)};
+}
+
+void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSet faults, safety::FaultSet& known) {
+  for (std::uint32_t bit = 1; bit != 0; bit <<= 1) {
+    const auto fault = static_cast<safety::Fault>(bit);
+    if (!faults.Has(fault) || known.Has(fault)) continue;
+    known.Latch(fault);
+    const safety::FaultText text = safety::Describe(fault);
+    recorder.PushEvent(stamp, std::string("fault: ") + text.name + "; " + text.reaction);
+  }
+}
+
+struct Loop {
+  kinematics::LbrArm arm;
+  control::ServoLoop servo;
+  explicit Loop(const config::CellConfig& c)
+      : arm(c.robot), servo(c.servo, arm, c.X_WB, c.tool.X_FT, c.start.arm_angle_rad) {}
+};
+
+tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
+                                                 FrameRunner& runner, io::Recorder& recorder,
+                                                 const CellRunParams& params) {
+  auto link = io::FriLink::Open({.bind_address = setup.config.fri.host, .port = setup.config.fri.port});
+  if (!link) return tl::make_unexpected(link.error());
+
+  CellRunResult result;
+  Loop loop(setup.config);
+  rt::LatestValue<simulation::ContactModel> models;
+  rt::LatestValue<simulation::ToolCommand> commands;
+  control::RunServoResult servo;
+  {
+    SimulationThread simulation(runner, commands, models, recorder);
+    hil::SimulatedCellThread arm({.client_address = setup.config.fri.host, .client_port = (*link)->port()},
+                                 MakeCell(setup, params.seconds));
+    std::atomic<bool> done{false};
+    std::thread servo_thread([&] {
+      servo = RunServo(loop.servo, **link, arm.sensor(), models, commands, recorder,
+                       {.seconds = params.seconds, .stop = params.stop});
+      done.store(true);
+    });
+    while (!done.load()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      if (params.progress) params.progress(arm.statistics().cell.cell_time_s);
+    }
+    servo_thread.join();
+    arm.Stop();
+    simulation.Stop();
+    result.cell = arm.statistics().cell;
+    result.arm_overruns = arm.statistics().overruns;
+  }
+  result.end = servo.end;
+  result.faults = servo.faults;
+  result.statistics = servo.statistics;
+  result.realtime = servo.realtime;
+  safety::FaultSet known;
+  RecordFaults(recorder, rt::MonotonicNow(), servo.faults, known);
+  result.after = engine.Snapshot();
+  return result;
+}
+
+CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engine, FrameRunner& runner,
+                         io::Recorder& recorder, const CellRunParams& params) {
+  CellRunResult result;
+  Loop loop(setup.config);
+  hil::SimulatedCell cell = MakeCell(setup, params.seconds);
+  io::FriSession session;
+  control::ArmState state;
+  control::ArmCommand command;
+  simulation::ContactModel model;
+  std::optional<simulation::FrameRecord> pending;
+  safety::FaultSet known;
+  bool stopped_by_user = false;
+
+  const auto period = static_cast<rt::Nanoseconds>(cell.period_s() * 1e9);
+  const auto wanted = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
+  const auto patience = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
+  std::int64_t since_progress = 0;
+  for (std::int64_t tick = 1; loop.servo.phase() != control::Phase::kStopped && since_progress < patience; ++tick) {
+    const rt::Nanoseconds now = tick * period;
+    const auto message = cell.Step(now);
+    const bool accepted = !message.empty() && session.Accept(message, now, state) == io::FriAccept::kAccepted;
+    const auto received = accepted ? control::ReceiveResult::kOk : control::ReceiveResult::kTimeout;
+
+    // the frame of two ticks ago has arrived
+    if (tick % kFrameTicks == 0 && pending) {
+      model = pending->model;
+      pending->stamp = now;
+      recorder.PushFrame(*pending);
+      pending.reset();
+    }
+    recorder.Push(loop.servo.Tick(state, received, cell.force(), model, now, command));
+    if (accepted) cell.Receive(session.Answer(command));
+    if (tick % kFrameTicks == 0) pending = runner.Run(loop.servo.tool_command());
+
+    RecordFaults(recorder, now, loop.servo.faults(), known);
+    stopped_by_user = params.stop && params.stop->load();
+    const std::uint64_t active = loop.servo.statistics().active_ticks;
+    since_progress = active > 0 && active < wanted && !stopped_by_user ? 0 : since_progress + 1;
+    if (active >= wanted || stopped_by_user) loop.servo.RequestStop();
+    if (tick % 100 == 0) {
+      recorder.Drain();
+      if (params.progress) params.progress(cell.state().cell_time_s);
+    }
+  }
+  result.faults = loop.servo.faults();
+  result.statistics = loop.servo.statistics();
+  result.end = result.faults.Any()                       ? control::RunEnd::kFault
+               : stopped_by_user                         ? control::RunEnd::kStopFlag
+               : result.statistics.active_ticks < wanted ? control::RunEnd::kNeverActive
+                                                         : control::RunEnd::kSeconds;
+  result.cell = cell.state();
+  result.after = engine.Snapshot();
+  return result;
+}
+
+}  // namespace
+
+tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulation::CuttingEngine& engine,
+                                                 const CellRunParams& params) {
+  const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
+  FrameRunner runner(engine, depth, setup.X_WG);
+  auto recorder = io::Recorder::Open(
+      {.path = params.recording, .writer_thread = !params.virtual_time},
+      {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
+       .version = OSTEON_VERSION,
+       .engine = engine.name(),
+       .device = engine.device(),
+       .scene = setup.bone.name,
+       .tool = setup.config.tool.tool.name,
+       .force_limit_N = setup.config.servo.wrench.max_force_N,
+       .config_text = setup.config_text});
+  if (!recorder) return tl::make_unexpected(recorder.error());
+
+  auto result = params.virtual_time
+                    ? tl::expected<CellRunResult, std::string>(RunVirtual(setup, engine, runner, **recorder, params))
+                    : RunWall(setup, engine, runner, **recorder, params);
+  auto counts = (*recorder)->Close();
+  if (!result) return result;
+  if (!counts) return tl::make_unexpected(counts.error());
+  result->recording = *counts;
+  return result;
+}
+
+}  // namespace osteon::app

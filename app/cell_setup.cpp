@@ -1,0 +1,112 @@
+#include "app/cell_setup.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "config/load.h"
+#include "gpu/vulkan_engine.h"
+#include "simulation/cup_frame.h"
+#include "simulation/mesh_solid.h"
+#include "simulation/reference_engine.h"
+
+namespace osteon::app {
+namespace {
+
+// A cell's file and what it names, as text for the recording.
+std::string ConfigText(const std::filesystem::path& cell_yaml) {
+  std::ostringstream text;
+  const std::filesystem::path root = cell_yaml.parent_path().parent_path();
+  for (const char* folder : {"cells", "robots", "tools", "scenes", "materials"}) {
+    std::vector<std::filesystem::path> files;
+    if (std::string(folder) == "cells") {
+      files.push_back(cell_yaml);
+    } else if (std::filesystem::is_directory(root / folder)) {
+      for (const auto& entry : std::filesystem::directory_iterator(root / folder)) files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+    for (const auto& file : files) {
+      text << "# " << folder << '/' << file.filename().string() << '\n';
+      text << std::ifstream(file).rdbuf() << '\n';
+    }
+  }
+  return text.str();
+}
+
+}  // namespace
+
+tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
+  static constexpr std::array<const char*, 7> kNames{"X", "Y", "Z", "NX", "NY", "NZ", "R"};
+  static constexpr double kFar_mm = 2000.0, kLeastRadius_mm = 5.0, kMostRadius_mm = 60.0;
+  std::array<double, 7> values{};
+  std::istringstream parts(text);
+  std::string part;
+  std::size_t count = 0;
+  while (std::getline(parts, part, ',')) {
+    if (count < values.size()) {
+      const char* end = part.data() + part.size();
+      const auto [rest, error] = std::from_chars(part.data(), end, values[count]);
+      if (error != std::errc{} || rest != end || !std::isfinite(values[count]))
+        return tl::make_unexpected(
+            fmt::format("--cup: {}: found \"{}\", accepted a number", kNames[count], part));
+    }
+    ++count;
+  }
+  if (count != values.size())
+    return tl::make_unexpected(
+        fmt::format("--cup: found {} values in \"{}\", accepted 7: X,Y,Z,NX,NY,NZ,R in mm", count, text));
+  for (std::size_t i = 0; i < 3; ++i)
+    if (std::abs(values[i]) > kFar_mm)
+      return tl::make_unexpected(
+          fmt::format("--cup: {}: found {} mm, accepted {} … {}", kNames[i], values[i], -kFar_mm, kFar_mm));
+  if (!(values[6] >= kLeastRadius_mm && values[6] <= kMostRadius_mm))
+    return tl::make_unexpected(
+        fmt::format("--cup: R: found {} mm, accepted {} … {}", values[6], kLeastRadius_mm, kMostRadius_mm));
+  const Vector3 axis(values[3], values[4], values[5]);
+  if (axis.norm() < 1e-6)
+    return tl::make_unexpected(std::string("--cup: NX,NY,NZ: found a zero vector, accepted the axis out of the opening"));
+  return simulation::Cup{.center_m = 1e-3 * Vector3(values[0], values[1], values[2]),
+                         .axis = Vector3(axis.normalized()),
+                         .radius_m = 1e-3 * values[6]};
+}
+
+tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell_yaml,
+                                               const std::optional<MeshChoice>& mesh) {
+  CellSetup setup;
+  setup.config = config::LoadCell(cell_yaml);
+  setup.config_text = ConfigText(cell_yaml);
+  const simulation::AcetabulumParams& scene = setup.config.scene;
+  if (!mesh) {
+    setup.bone = simulation::MakeAcetabulum(scene);
+    setup.solid = std::make_shared<simulation::AcetabulumSolid>(scene.shape);
+  } else {
+    const simulation::MeshBoneParams params{
+        .tissue = {}, .packing = scene.packing, .points = scene.points, .materials = scene.materials};
+    auto bone = simulation::MakeBoneFromMesh(mesh->file, mesh->cup, params);
+    if (!bone) return tl::make_unexpected(bone.error().message);
+    setup.bone = std::move(*bone);
+    auto shape = simulation::LoadMesh(mesh->file);
+    if (!shape) return tl::make_unexpected(shape.error().message);
+    setup.solid = std::make_shared<simulation::MeshSolid>(std::move(*shape), setup.bone.cup, params.tissue);
+  }
+  // the bone lies so that its cup is where the cell wants it: X_WG of the configuration is the pose of the scene's cup
+  setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.cup).inverse();
+  return setup;
+}
+
+tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(const CellSetup& setup,
+                                                                                 const std::string& engine,
+                                                                                 const std::string& device) {
+  const config::CellConfig& config = setup.config;
+  if (engine == "reference")
+    return std::make_unique<simulation::ReferenceEngine>(setup.bone, config.tool.tool, setup.X_WG, config.cutting);
+  auto made = gpu::VulkanEngine::Create(setup.bone, config.tool.tool, setup.X_WG, config.cutting, {.device = device});
+  if (!made) return tl::make_unexpected(made.error());
+  return std::unique_ptr<simulation::CuttingEngine>(std::move(*made));
+}
+
+}  // namespace osteon::app

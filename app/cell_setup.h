@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "config/cell_config.h"
+#include "simulation/bone.h"
+#include "simulation/cutting_engine.h"
+#include "simulation/solid.h"
+
+namespace osteon::app {
+
+/// A mesh instead of the generated scene.
+struct MeshChoice {
+  std::filesystem::path file;
+  simulation::Cup cup;  ///< in the file's frame
+};
+
+/// Reads "X,Y,Z,NX,NY,NZ,R" (mm; the axis in any length). The error names the part, what was found and what is accepted.
+[[nodiscard]] tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text);
+
+/// A cell that is ready to run, but for its engine.
+struct CellSetup {
+  config::CellConfig config;
+  simulation::Bone bone;
+  std::shared_ptr<const simulation::Solid> solid;  ///< what the bone was packed from
+  Pose X_WG{Pose::Identity()};
+  std::string config_text;  ///< the YAML files as read, one after the other
+};
+
+/// Loads the cell's YAML and makes its bone; a mesh is placed so that its cup lies where the scene's would.
+/// @param config_root  the folder with cells/, robots/ …
+/// @throws config::ConfigError; other errors (of the mesh) come back as text.
+[[nodiscard]] tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell_yaml,
+                                                             const std::optional<MeshChoice>& mesh);
+
+/// @param engine  "vulkan" or "reference";  @param device  part of a Vulkan device's name, or empty
+[[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(
+    const CellSetup& setup, const std::string& engine, const std::string& device);
+
+}  // namespace osteon::app

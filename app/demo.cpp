@@ -1,0 +1,118 @@
+#include "app/demo.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "app/cell_run.h"
+#include "app/interrupt.h"
+#include "app/summary.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kLeastSeconds = 0.1, kMostSeconds = 3600.0;
+
+int Fail(const std::string& message) {
+  fmt::print(stderr, "osteon demo: {}\n", message);
+  return 2;
+}
+
+// A bar on a terminal, a line a tenth elsewhere.
+class Progress {
+ public:
+  explicit Progress(double seconds) : seconds_(seconds), terminal_(isatty(STDERR_FILENO) != 0) {}
+  void Show(double at_s) {
+    const double share = std::min(1.0, at_s / seconds_);
+    if (terminal_) {
+      constexpr int kWidth = 40;
+      const int filled = static_cast<int>(share * kWidth);
+      fmt::print(stderr, "\r[{:{}}] {:4.1f} of {:.1f} s", std::string(static_cast<std::size_t>(filled), '#'), kWidth,
+                 share * seconds_, seconds_);
+    } else if (share >= next_) {
+      fmt::print(stderr, "osteon demo: {:.1f} of {:.1f} s\n", share * seconds_, seconds_);
+      next_ = std::floor(share * 10.0) / 10.0 + 0.1;
+    }
+    std::fflush(stderr);
+  }
+  void Done() const {
+    if (terminal_) fmt::print(stderr, "\r\033[K");
+  }
+
+ private:
+  double seconds_;
+  bool terminal_;
+  double next_{0.1};
+};
+
+void PrintTable(const RunSummary& summary) {
+  fmt::print("Osteon demo: {} with a {}\n", summary.scene, summary.tool);
+  for (const SummaryRow& row : Rows(summary)) fmt::print("  {:<30} {}\n", row.key, row.value);
+}
+
+}  // namespace
+
+int RunDemo(const DemoOptions& options) {
+  if (!(options.seconds >= kLeastSeconds && options.seconds <= kMostSeconds))
+    return Fail(fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kLeastSeconds, kMostSeconds));
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (error) return Fail(fmt::format("--out {}: {}", options.out.string(), error.message()));
+
+  auto setup = SetUpCell(options.cell, options.mesh);
+  if (!setup) return Fail(setup.error());
+  if (options.port) setup->config.fri.port = *options.port;
+  auto engine = MakeEngine(*setup, options.engine, options.device);
+  if (!engine) return Fail(engine.error());
+
+  InstallInterrupt();
+  Progress progress(options.seconds);
+  const CellRunParams params{.seconds = options.seconds,
+                             .virtual_time = options.virtual_time,
+                             .recording = options.out / "recording.mcap",
+                             .stop = &Interrupted(),
+                             .progress = [&](double at_s) { progress.Show(at_s); }};
+  auto result = RunCell(*setup, **engine, params);
+  progress.Done();
+  if (!result) return Fail(result.error());
+
+  // everything that is shown comes from the recording
+  const auto recording = io::ReadRecording(params.recording);
+  if (!recording) return Fail(recording.error());
+  RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
+  const ReportInput report{
+      .title = "Reaming an acetabulum",
+      .subtitle = summary.engine + " on " + summary.device + (options.virtual_time ? ", virtual time" : ""),
+      .summary = Rows(summary),
+      .ticks = recording->ticks,
+      .frames = recording->frames,
+      .bone = setup->bone,
+      .after = result->after,
+      .tool = setup->config.tool.tool,
+      .X_WG = setup->X_WG,
+      .force_limit_N = summary.force_limit_N,
+      .tool_speed_limit_m_per_s = setup->config.servo.twist.max_speed_m_per_s,
+      .faults = summary.faults,
+      .config_text = setup->config_text,
+      .command_line = options.command_line,
+      .version = OSTEON_VERSION};
+  const std::filesystem::path page = options.out / "report.html";
+  const auto figures = WriteReport(report, page);
+  if (!figures) return Fail(figures.error());
+  summary.section = *figures;
+
+  const std::string json = ToJson(summary, "osteon.demo/1");
+  for (const std::filesystem::path& file : {options.out / "summary.json", options.json}) {
+    if (file.empty()) continue;
+    if (const auto written = WriteText(file, json); !written) return Fail(written.error());
+  }
+  PrintTable(summary);
+  fmt::print("  {:<30} {}\n", "Report", page.string());
+  if (result->end == control::RunEnd::kStopFlag) return kExitInterrupted;
+  return result->end == control::RunEnd::kSeconds && summary.faults.empty() ? 0 : 1;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "app/cell_setup.h"
+
+namespace osteon::app {
+
+struct DemoOptions {
+  double seconds{10.0};
+  std::filesystem::path out{"demo_out"};
+  std::filesystem::path cell;          ///< the cell's YAML
+  std::optional<MeshChoice> mesh{};
+  bool virtual_time{false};
+  std::string device{};
+  std::string engine{"vulkan"};
+  std::optional<std::uint16_t> port{};  ///< instead of the cell's
+  std::filesystem::path json{};         ///< a further copy of summary.json
+  std::string command_line{};
+};
+
+/// The whole cell, simulated: runs it, writes summary.json, report.html and the recording into `out`, prints the summary.
+/// @returns the process's exit code: 0 done; 1 ended by a fault; 2 something was wrong with the input (said on stderr);
+///   130 ended by Ctrl-C, everything written.
+[[nodiscard]] int RunDemo(const DemoOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <atomic>
+
+namespace osteon::app {
+
+/// Set by the first Ctrl-C (SIGINT) or SIGTERM once InstallInterrupt was called; a second one ends the process at once.
+[[nodiscard]] std::atomic<bool>& Interrupted();
+void InstallInterrupt();
+
+/// Exit code of a run that was ended by Ctrl-C, as a shell reports it: 128 + SIGINT.
+inline constexpr int kExitInterrupted = 130;
+
+}  // namespace osteon::app

@@ -1,0 +1,105 @@
+// The command `osteon`: reads the command line and hands over to a subcommand. Exit codes: 0 done, 1 the thing asked for
+// failed, 2 wrong usage or bad input, 130 ended by Ctrl-C.
+
+#include <cstdlib>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "app/demo.h"
+#include "app/doctor.h"
+#include "config/reader.h"
+
+namespace {
+
+std::string CommandLine(int argc, char** argv) {
+  std::string line = "./osteon";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = word.find_first_of(" \"'$\\") == std::string::npos;
+    line += plain ? " " + word : " '" + word + "'";
+  }
+  return line;
+}
+
+int Run(int argc, char** argv) {
+  const char* root = std::getenv("OSTEON_ROOT");
+  std::filesystem::path config_root = std::filesystem::path(root ? root : ".") / "config";
+
+  CLI::App app{"Osteon: haptic controller and cutting simulation for a hip-reaming robot cell", "osteon"};
+  app.set_version_flag("--version", "osteon " OSTEON_VERSION);
+  app.require_subcommand(0, 1);
+  app.add_option("--config-root", config_root, "folder with cells/, robots/, tools/ …")->capture_default_str();
+  app.footer("The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
+             "  clean                       removes what was built\n\nosteon SUBCOMMAND --help shows examples.");
+
+  osteon::app::DemoOptions demo;
+  std::string mesh, cup, cell = "demo";
+  CLI::App* demo_app = app.add_subcommand("demo", "reams an acetabulum on the simulated cell and leaves a report");
+  demo_app->add_option("--seconds", demo.seconds, "time in COMMANDING_ACTIVE, 0.1 … 3600")->capture_default_str();
+  demo_app->add_option("--out", demo.out, "folder for summary.json, report.html, recording.mcap")
+      ->capture_default_str();
+  auto* mesh_option = demo_app->add_option("--mesh", mesh, "closed triangle mesh instead of the scene: STL, OBJ, PLY, in mm");
+  auto* cup_option = demo_app->add_option("--cup", cup, "X,Y,Z,NX,NY,NZ,R: its cup's centre, axis out of the opening, radius; mm");
+  mesh_option->needs(cup_option);
+  cup_option->needs(mesh_option);
+  demo_app->add_flag("--virtual-time", demo.virtual_time, "lockstep, as fast as it goes; two runs give equal bits");
+  demo_app->add_option("--device", demo.device, "part of a Vulkan device's name (osteon doctor lists them)");
+  demo_app->add_option("--engine", demo.engine, "vulkan, or reference: double precision, slow, virtual time only")
+      ->check(CLI::IsMember({"vulkan", "reference"}))
+      ->capture_default_str();
+  demo_app->add_option("--cell", cell, "a name under cells/, or a YAML file")->capture_default_str();
+  demo_app->add_option("--port", demo.port, "FRI port on loopback instead of the cell's; 0: any free one");
+  demo_app->add_option("--json", demo.json, "a further copy of summary.json");
+  demo_app->footer(
+      "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
+      "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21");
+
+  std::uint16_t port = 30200;
+  std::filesystem::path doctor_json;
+  CLI::App* doctor_app = app.add_subcommand("doctor", "what this machine can do, with a verdict each");
+  doctor_app->add_option("--port", port, "FRI port to try")->capture_default_str();
+  doctor_app->add_option("--json", doctor_json, "write the checks there");
+  doctor_app->footer("Examples:\n  osteon doctor\n  osteon doctor --json doctor.json");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (*demo_app) {
+    demo.command_line = CommandLine(argc, argv);
+    demo.cell = cell.ends_with(".yaml") ? std::filesystem::path(cell) : config_root / "cells" / (cell + ".yaml");
+    if (demo.engine == "reference" && !demo.virtual_time) {
+      fmt::print(stderr, "osteon demo: --engine reference: found wall time, accepted with --virtual-time only\n");
+      return 2;
+    }
+    if (!mesh.empty()) {
+      const auto parsed = osteon::app::ParseCup(cup);
+      if (!parsed) {
+        fmt::print(stderr, "osteon demo: {}\n", parsed.error());
+        return 2;
+      }
+      demo.mesh = osteon::app::MeshChoice{.file = mesh, .cup = *parsed};
+    }
+    return osteon::app::RunDemo(demo);
+  }
+  if (*doctor_app) return osteon::app::RunDoctor(port, doctor_json);
+  fmt::print("{}", app.help());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return Run(argc, argv);
+  } catch (const osteon::config::ConfigError& error) {
+    fmt::print(stderr, "osteon: {}\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "osteon: {}\n", error.what());
+    return 2;
+  }
+}

@@ -1,0 +1,55 @@
+#include "app/simulation_thread.h"
+
+#include <algorithm>
+
+namespace osteon::app {
+
+FrameRunner::FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth, const Pose& X_WG,
+                         double dt_limit_s)
+    : engine_(engine), depth_(depth), X_GW_(X_WG.inverse()), dt_limit_s_(dt_limit_s) {}
+
+simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command) {
+  const double dt_s = last_stamp_ == 0 ? 0.0 : rt::ToSeconds(command.stamp - last_stamp_);
+  last_stamp_ = command.stamp;
+  simulation::FrameRecord record;
+  record.model = engine_.Step({.X_WT = command.X_WT,
+                               .spindle_rad_per_s = command.spindle_rad_per_s,
+                               .dt_s = std::clamp(dt_s, 0.0, dt_limit_s_),
+                               .stamp = command.stamp});
+  if (record.model.status == simulation::EngineStatus::kOk)
+    deepest_m_ = std::max(deepest_m_, depth_.Of(X_GW_ * Pose(record.model.X_WP)));
+  record.cup_depth_m = deepest_m_;
+  return record;
+}
+
+SimulationThread::SimulationThread(FrameRunner& runner, rt::LatestValue<simulation::ToolCommand>& commands,
+                                   rt::LatestValue<simulation::ContactModel>& models, io::Recorder& recorder)
+    : runner_(runner), commands_(commands), models_(models), recorder_(recorder), thread_([this] { Loop(); }) {}
+
+SimulationThread::~SimulationThread() { Stop(); }
+
+void SimulationThread::Stop() {
+  stop_.store(true);
+  if (thread_.joinable()) thread_.join();
+}
+
+void SimulationThread::Loop() {
+  rt::Nanoseconds done = 0;
+  while (!stop_.load(std::memory_order_relaxed)) {
+    const simulation::ToolCommand command = commands_.Load();
+    const rt::Nanoseconds start = rt::MonotonicNow();
+    if (command.stamp == done) {
+      rt::SleepUntil(start + 50'000);  // a command a millisecond: twenty looks at it
+      continue;
+    }
+    done = command.stamp;
+    simulation::FrameRecord record = runner_.Run(command);
+    models_.Store(record.model);
+    record.stamp = rt::MonotonicNow();
+    record.duration_ns = record.stamp - start;
+    recorder_.PushFrame(record);
+    if (record.model.status == simulation::EngineStatus::kDeviceLost) return;  // the servo loop saw it, and stops
+  }
+}
+
+}  // namespace osteon::app

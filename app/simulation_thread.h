@@ -1,0 +1,58 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <thread>
+
+#include "control/rt/latest_value.h"
+#include "io/recording/recorder.h"
+#include "simulation/cut_metrics.h"
+#include "simulation/cutting_engine.h"
+#include "simulation/frame_record.h"
+
+namespace osteon::app {
+
+/// One frame after the other, and what is recorded of each. Used in both clocks.
+class FrameRunner {
+ public:
+  /// @param dt_limit_s  the longest time that a single frame may cut for: what is missed in a stall is not made up for
+  FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth, const Pose& X_WG,
+              double dt_limit_s = 0.1);
+
+  /// Steps the engine to the command. The first command is the free pose that everything starts from.
+  [[nodiscard]] simulation::FrameRecord Run(const simulation::ToolCommand& command);
+
+ private:
+  simulation::CuttingEngine& engine_;
+  const simulation::ApexDepth& depth_;
+  Pose X_GW_;
+  double dt_limit_s_;
+  rt::Nanoseconds last_stamp_{0};
+  double deepest_m_{0.0};
+};
+
+/// The simulation in wall time: its own thread, at its own rate, from the newest command to a new contact model.
+/// Reader of `commands`, writer of `models`.
+class SimulationThread {
+ public:
+  SimulationThread(FrameRunner& runner, rt::LatestValue<simulation::ToolCommand>& commands,
+                   rt::LatestValue<simulation::ContactModel>& models, io::Recorder& recorder);
+  ~SimulationThread();
+  SimulationThread(const SimulationThread&) = delete;
+  SimulationThread& operator=(const SimulationThread&) = delete;
+
+  /// Ends after the present frame. Safe to call twice.
+  void Stop();
+
+ private:
+  void Loop();
+
+  FrameRunner& runner_;
+  rt::LatestValue<simulation::ToolCommand>& commands_;
+  rt::LatestValue<simulation::ContactModel>& models_;
+  io::Recorder& recorder_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,243 @@
+#include "app/summary.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "simulation/cut_metrics.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kSweepCell_m = 0.4e-3;
+
+const char* EndText(control::RunEnd end) {
+  switch (end) {
+    case control::RunEnd::kSeconds: return "completed";
+    case control::RunEnd::kStopFlag: return "interrupted";
+    case control::RunEnd::kFault: return "fault";
+    case control::RunEnd::kNeverActive: return "arm never ready";
+    case control::RunEnd::kLinkClosed: return "link closed";
+  }
+  return "";
+}
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double RateOf(const std::vector<rt::Nanoseconds>& stamps) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(rt::ToSeconds(stamps[i] - stamps[i - 1]));
+  const double step_s = Median(std::move(steps));
+  return step_s > 0.0 ? 1.0 / step_s : 0.0;
+}
+
+// When each fault first showed, from the ticks.
+std::vector<FaultRow> FaultRows(safety::FaultSet faults, const io::Recording& recording) {
+  std::vector<FaultRow> rows;
+  for (std::uint32_t bit = 1; bit != 0; bit <<= 1) {
+    const auto fault = static_cast<safety::Fault>(bit);
+    if (!faults.Has(fault)) continue;
+    const auto first = std::find_if(recording.ticks.begin(), recording.ticks.end(),
+                                    [&](const control::TickRecord& t) { return (t.faults & bit) != 0; });
+    const double time_s = first == recording.ticks.end()
+                              ? std::nan("")
+                              : rt::ToSeconds(first->stamp - recording.ticks.front().stamp);
+    const safety::FaultText text = safety::Describe(fault);
+    rows.push_back({.name = text.name, .time_s = time_s, .reaction = text.reaction});
+  }
+  return rows;
+}
+
+nlohmann::json ToJson(const DurationFigures& d) {
+  return {{"p50", d.p50_s * 1e6}, {"p99", d.p99_s * 1e6}, {"p999", d.p999_s * 1e6}, {"max", d.max_s * 1e6}};
+}
+
+std::string Text(const DurationFigures& d) {
+  return fmt::format("{:.0f} / {:.0f} / {:.0f} µs", d.p50_s * 1e6, d.p99_s * 1e6, d.max_s * 1e6);
+}
+
+}  // namespace
+
+DurationFigures Quantiles(std::vector<double> seconds) {
+  if (seconds.empty()) return {};
+  std::sort(seconds.begin(), seconds.end());
+  const auto at = [&](double share) {
+    return seconds[std::min(seconds.size() - 1, static_cast<std::size_t>(share * static_cast<double>(seconds.size())))];
+  };
+  return {.count = seconds.size(), .p50_s = at(0.5), .p99_s = at(0.99), .p999_s = at(0.999), .max_s = seconds.back()};
+}
+
+RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& engine, const CellRunParams& params,
+                     const CellRunResult& result, const io::Recording& recording) {
+  const simulation::Tool& tool = setup.config.tool.tool;
+  RunSummary s;
+  s.engine = engine.name();
+  s.device = engine.device();
+  s.scene = setup.bone.name;
+  s.tool = tool.name;
+  s.recording = params.recording.string();
+  s.ended = EndText(result.end);
+  s.virtual_time = params.virtual_time;
+  s.realtime = result.realtime;
+  s.balls = setup.bone.balls.size();
+  s.points = setup.bone.points.size();
+  s.ticks = recording.ticks.size();
+  s.frames = recording.frames.size();
+  s.dropped = result.recording.dropped_ticks + result.recording.dropped_frames;
+  s.peak_force_N = result.statistics.peak_coupling_force_N;
+  s.peak_torque_Nm = result.statistics.peak_coupling_torque_Nm;
+  s.peak_sensor_force_N = result.statistics.peak_sensor_force_N;
+  s.peak_tool_speed_m_per_s = result.statistics.peak_tool_speed_m_per_s;
+  s.force_limit_N = setup.config.servo.wrench.max_force_N;
+
+  // rates and latencies, from the ticks answered in COMMANDING_ACTIVE
+  std::vector<rt::Nanoseconds> stamps;
+  std::vector<double> wakeup, compute, frame;
+  for (const control::TickRecord& tick : recording.ticks) {
+    if (tick.session_state != static_cast<std::uint8_t>(control::SessionState::kCommandingActive)) continue;
+    stamps.push_back(tick.stamp);
+    wakeup.push_back(rt::ToSeconds(tick.wakeup_ns));
+    compute.push_back(rt::ToSeconds(tick.compute_ns));
+  }
+  s.servo_rate_hz = RateOf(stamps);
+  s.seconds = stamps.size() < 2 ? 0.0 : rt::ToSeconds(stamps.back() - stamps.front());
+  std::vector<rt::Nanoseconds> frame_stamps;
+  std::vector<Pose> X_GP;
+  const Pose X_GW = setup.X_WG.inverse();
+  for (const simulation::FrameRecord& record : recording.frames) {
+    frame_stamps.push_back(record.stamp);
+    frame.push_back(rt::ToSeconds(record.duration_ns));
+    if (record.model.status == simulation::EngineStatus::kOk) X_GP.push_back(X_GW * Pose(record.model.X_WP));
+  }
+  s.simulation_rate_hz = RateOf(frame_stamps);
+  if (!params.virtual_time) {
+    s.wakeup = Quantiles(std::move(wakeup));
+    s.compute = Quantiles(std::move(compute));
+    s.frame = Quantiles(std::move(frame));
+  }
+
+  // the cut
+  s.removed_volume_m3 = result.after.removed_volume_m3;
+  s.removed_mass_kg = result.after.removed_mass_kg;
+  s.cutting_work_J = result.after.cutting_work_J;
+  s.swept_volume_m3 = simulation::SweptVolume(*setup.solid, tool, X_GP, kSweepCell_m);
+  if (!recording.frames.empty()) s.cup_depth_m = recording.frames.back().cup_depth_m;
+  const simulation::ApexDepth depth(setup.bone, tool);
+  const auto floor_m = simulation::FirstHit(simulation::LiveBalls(result.after), setup.bone.cup.center_m,
+                                            -Vector3(setup.bone.cup.axis));
+  s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
+  s.state_hash = fmt::format("{:016x}", simulation::HashState(result.after));
+  s.faults = FaultRows(result.faults, recording);
+  if (result.cell.stop.reason != hil::StopReason::kNone) s.arm_stop = hil::Describe(result.cell.stop);
+  return s;
+}
+
+std::vector<SummaryRow> Rows(const RunSummary& s) {
+  std::vector<SummaryRow> rows{
+      {"Ended", s.ended + (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop)},
+      {"Engine", s.engine + " on " + s.device},
+      {"Scene", fmt::format("{}: {} balls, {} mass points", s.scene, s.balls, s.points)},
+      {"Tool", s.tool},
+      {"Servo loop", fmt::format("{} ticks, median {:.1f} Hz{}", s.ticks, s.servo_rate_hz,
+                                 s.virtual_time ? " (virtual time)" : s.realtime ? ", SCHED_FIFO" : ", no SCHED_FIFO")},
+      {"Simulation", fmt::format("{} frames, median {:.0f} frames/s", s.frames, s.simulation_rate_hz)}};
+  if (s.wakeup.count > 0) {
+    rows.push_back({"Tick wake-up, p50 / p99 / max", Text(s.wakeup)});
+    rows.push_back({"Tick compute, p50 / p99 / max", Text(s.compute)});
+    rows.push_back({"Frame, p50 / p99 / max", Text(s.frame)});
+  }
+  rows.push_back({"Peak rendered force", fmt::format("{:.1f} N of {:.0f} N allowed", s.peak_force_N, s.force_limit_N)});
+  rows.push_back({"Peak sensor force", fmt::format("{:.1f} N", s.peak_sensor_force_N)});
+  rows.push_back({"Peak tool speed", fmt::format("{:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3)});
+  const double swept_share = s.swept_volume_m3 > 0.0 ? s.removed_volume_m3 / s.swept_volume_m3 - 1.0 : 0.0;
+  rows.push_back({"Bone removed", fmt::format("{:.0f} mm³, {:.2f} g; swept {:.0f} mm³ ({:+.1f} %)",
+                                              s.removed_volume_m3 * 1e9, s.removed_mass_kg * 1e3,
+                                              s.swept_volume_m3 * 1e9, 100.0 * swept_share)});
+  rows.push_back({"Cup deeper by", fmt::format("{:.2f} mm (tool's apex), {} (carved floor)", s.cup_depth_m * 1e3,
+                                               s.cavity_depth_m < 0.0 && s.cavity_depth_m <= -1.0
+                                                   ? std::string("carved through")
+                                                   : fmt::format("{:.2f} mm", s.cavity_depth_m * 1e3))});
+  if (s.section.cavity_section.samples > 0)
+    rows.push_back({"Cavity against swept tool", fmt::format("mean {:.3f} mm, p95 {:.3f} mm",
+                                                             s.section.cavity_section.mean_abs_m * 1e3,
+                                                             s.section.cavity_section.p95_m * 1e3)});
+  rows.push_back({"State hash", s.state_hash});
+  std::string faults;
+  for (const FaultRow& fault : s.faults) faults += (faults.empty() ? "" : "; ") + fault.name;
+  rows.push_back({"Faults", faults.empty() ? "none" : faults});
+  rows.push_back({"Recording", s.recording});
+  return rows;
+}
+
+std::string ToJson(const RunSummary& s, const std::string& schema) {
+  nlohmann::json faults = nlohmann::json::array();
+  for (const FaultRow& fault : s.faults) faults.push_back(fault.name);
+  const CavityError& section = s.section.cavity_section;
+  nlohmann::json out{
+      {"schema", schema},
+      {"version", OSTEON_VERSION},
+      {"engine", s.engine},
+      {"device", s.device},
+      {"scene", s.scene},
+      {"tool", s.tool},
+      {"virtual_time", s.virtual_time},
+      {"ended", s.ended},
+      {"seconds", s.seconds},
+      {"spheres", s.balls},
+      {"mass_points", s.points},
+      {"ticks", s.ticks},
+      {"frames", s.frames},
+      {"dropped_records", s.dropped},
+      {"servo_rate_hz", s.servo_rate_hz},
+      {"simulation_rate_hz", s.simulation_rate_hz},
+      {"peak_force_N", s.peak_force_N},
+      {"peak_torque_Nm", s.peak_torque_Nm},
+      {"peak_sensor_force_N", s.peak_sensor_force_N},
+      {"force_limit_N", s.force_limit_N},
+      {"peak_tool_speed_mm_per_s", s.peak_tool_speed_m_per_s * 1e3},
+      {"removed_volume_mm3", s.removed_volume_m3 * 1e9},
+      {"removed_mass_g", s.removed_mass_kg * 1e3},
+      {"swept_volume_mm3", s.swept_volume_m3 * 1e9},
+      {"cutting_work_J", s.cutting_work_J},
+      {"cup_depth_mm", s.cup_depth_m * 1e3},
+      {"cavity_depth_mm", s.cavity_depth_m <= -1.0 ? nlohmann::json(nullptr) : nlohmann::json(s.cavity_depth_m * 1e3)},
+      {"cavity_error_mean_mm",
+       section.samples > 0 ? nlohmann::json(section.mean_abs_m * 1e3) : nlohmann::json(nullptr)},
+      {"cavity_error_p95_mm", section.samples > 0 ? nlohmann::json(section.p95_m * 1e3) : nlohmann::json(nullptr)},
+      {"state_hash", s.state_hash},
+      {"faults", faults},
+      {"recording", s.recording}};
+  if (s.wakeup.count > 0) {
+    out["wakeup_us"] = ToJson(s.wakeup);
+    out["compute_us"] = ToJson(s.compute);
+    out["frame_us"] = ToJson(s.frame);
+    out["realtime_priority"] = s.realtime;
+  }
+  if (!s.arm_stop.empty()) out["arm_stop"] = s.arm_stop;
+  return out.dump(2) + "\n";
+}
+
+tl::expected<void, std::string> WriteText(const std::filesystem::path& path, const std::string& text) {
+  const std::filesystem::path part = path.string() + ".part";
+  std::ofstream file(part, std::ios::binary);
+  file << text;
+  file.close();
+  std::error_code error;
+  if (file) std::filesystem::rename(part, path, error);
+  if (file && !error) return {};
+  const std::string reason = error ? error.message() : std::strerror(errno);
+  std::filesystem::remove(part, error);
+  return tl::make_unexpected(path.string() + ": can't be written: " + reason);
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/cell_run.h"
+#include "app/report/report.h"
+#include "io/recording/recording_reader.h"
+
+namespace osteon::app {
+
+/// Median and tail of a duration, from the recording [s]. Zero count: not measured (virtual time).
+struct DurationFigures {
+  std::size_t count{0};
+  double p50_s{0.0}, p99_s{0.0}, p999_s{0.0}, max_s{0.0};
+};
+[[nodiscard]] DurationFigures Quantiles(std::vector<double> seconds);
+
+/// The figures of a run: what the terminal, summary.json and the report show.
+struct RunSummary {
+  std::string engine, device, scene, tool, recording, ended;
+  bool virtual_time{false}, realtime{false};
+  std::size_t balls{0}, points{0};
+  double seconds{0.0};  ///< in COMMANDING_ACTIVE
+  std::uint64_t ticks{0}, frames{0}, dropped{0};
+  double servo_rate_hz{0.0};       ///< 1 / median period of the arm's messages in COMMANDING_ACTIVE
+  double simulation_rate_hz{0.0};  ///< 1 / median interval between frames
+  double peak_force_N{0.0}, peak_torque_Nm{0.0}, peak_sensor_force_N{0.0}, force_limit_N{0.0};
+  double peak_tool_speed_m_per_s{0.0};
+  double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
+  double swept_volume_m3{0.0};  ///< of the solid, by the proxy's cutting surface; a grid's count, no engine's
+  double cup_depth_m{0.0};      ///< deepest proxy apex below the cup's first floor
+  double cavity_depth_m{0.0};   ///< floor of the carved balls below the first floor; < 0: carved through
+  ReportFigures section;
+  DurationFigures wakeup, compute, frame;
+  std::string state_hash;  ///< of the carved state, hexadecimal
+  std::vector<FaultRow> faults;
+  std::string arm_stop;  ///< why the simulated arm ended the session; empty where it did not
+};
+
+/// Everything that is read from the recording and the carved state; `section` is filled by the report.
+[[nodiscard]] RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& engine,
+                                   const CellRunParams& params, const CellRunResult& result,
+                                   const io::Recording& recording);
+
+/// Rows for the terminal and the report.
+[[nodiscard]] std::vector<SummaryRow> Rows(const RunSummary& summary);
+
+/// One JSON object by the contract of docs/commands.md, with `schema`.
+[[nodiscard]] std::string ToJson(const RunSummary& summary, const std::string& schema);
+
+/// Writes text to a file, which appears whole or not at all. The error names the path.
+[[nodiscard]] tl::expected<void, std::string> WriteText(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace osteon::app

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace osteon::io {
+
+/// Whether this kernel speaks SocketCAN (many containers and virtual machines do not).
+[[nodiscard]] bool HasSocketCan();
+
+}  // namespace osteon::io

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "simulation/bone.h"
+
+namespace osteon::simulation {
+
+/// X_GC: frame C of a cup in G, +z along its axis; the turn about the axis is the shortest from G's z.
+[[nodiscard]] inline Pose CupPose(const Cup& cup) {
+  Pose X_GC = Pose::Identity();
+  X_GC.linear() =
+      Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), Vector3(cup.axis).normalized()).toRotationMatrix();
+  X_GC.translation() = Vector3(cup.center_m);
+  return X_GC;
+}
+
+}  // namespace osteon::simulation
