@@ -91,7 +91,7 @@ tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell
     setup.bone = std::move(*bone);
     auto shape = simulation::LoadMesh(mesh->file);
     if (!shape) return tl::make_unexpected(shape.error().message);
-    setup.solid = std::make_shared<simulation::MeshSolid>(std::move(*shape), setup.bone.cup, params.tissue);
+    setup.solid = std::make_shared<simulation::MeshSolid>(std::move(shape->mesh), setup.bone.cup, params.tissue);
   }
   // the bone lies so that its cup is where the cell wants it: X_WG of the configuration is the pose of the scene's cup
   setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.cup).inverse();

@@ -39,7 +39,8 @@ struct PlainVector3 {
   double x{0.0}, y{0.0}, z{0.0};
 
   PlainVector3() = default;
-  PlainVector3(const Vector3& v) : x(v.x()), y(v.y()), z(v.z()) {}  // NOLINT: conversion is the point
+  template <class Derived>
+  PlainVector3(const Eigen::MatrixBase<Derived>& v) : x(v(0)), y(v(1)), z(v(2)) {}  // NOLINT: conversion is the point
   operator Vector3() const { return {x, y, z}; }                    // NOLINT
 };
 
