@@ -146,10 +146,13 @@ CavityError Summarize(std::span<const ErrorSample> samples) {
   return error;
 }
 
-/// Samples at the middles of the pieces of `lines` that the cut has laid bare.
+/// Samples at the middles of the pieces of `lines` that the cut has laid bare: that lay in the bone before,
+/// and are seen from the swept volume. (A ball that reaches through to another face of the bone recedes there
+/// as well when it is cut; that is not the cavity's surface.)
 std::vector<ErrorSample> MeasureOutline(const std::vector<Polyline>& lines, const SectionPlane& plane,
-                                        const BallField& before, const SweptTool& swept, const Vector2& head,
-                                        double cut_depth_m) {
+                                        const BallField& before, const BallField& left,
+                                        const SweptTool& swept, const Vector2& head, double cut_depth_m) {
+  constexpr double kClear_m = 20e-6;  // off the outline's own ball: its chords lie some micrometres inside
   std::vector<ErrorSample> samples;
   for (const Polyline& line : lines) {
     const std::size_t pieces = line.closed ? line.points.size() : line.points.size() - 1;
@@ -158,8 +161,13 @@ std::vector<ErrorSample> MeasureOutline(const std::vector<Polyline>& lines, cons
       const Vector2 middle = 0.5 * (a + b);
       const Vector3 p_G = plane.Point(middle);
       if (!(before.Depth(p_G) > cut_depth_m)) continue;
+      const SweptDistance from = swept.Nearest(p_G);
+      if (from.distance_m > kClear_m) {
+        const Vector3 d = (from.axis_G - p_G).normalized();
+        if (left.FirstHit(p_G + kClear_m * d, d, from.distance_m - kClear_m)) continue;
+      }
       samples.push_back({.angle_rad = std::atan2(middle.x() - head.x(), head.y() - middle.y()),
-                         .error_m = swept.SignedDistance(p_G),
+                         .error_m = from.distance_m,
                          .weight = (b - a).norm()});
     }
   }
@@ -239,7 +247,8 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
   section.head_radius_m = head->radius_m;
   section.swept =
       SimplifyAll(Contour(SweptField(swept, plane, section.min, section.max, params.step_m)), tolerance_m);
-  section.samples = MeasureOutline(outline, plane, before, swept, section.head_center, params.cut_depth_m);
+  section.samples =
+      MeasureOutline(outline, plane, before, left, swept, section.head_center, params.cut_depth_m);
   section.error = Summarize(section.samples);
   return section;
 }
@@ -270,7 +279,7 @@ CavityError CavityErrorByDirection(const Bone& bone, const simulation::CarvedSta
       end_m += inside_m;
     }
     if (!(before.Depth(origin + end_m * d) > params.cut_depth_m)) continue;
-    const auto hit_m = left.FirstHit(origin, d, end_m + 2.0 * head->radius_m);
+    const auto hit_m = left.FirstHit(origin, d, end_m + params.open_gap_m);
     if (!hit_m) {
       ++open;
       continue;

@@ -61,6 +61,7 @@ struct SectionParams {
   /// At most this far from the cup's centre, sideways and down, so that a whole hip still shows its cup.
   double reach_in_cup_radii{2.2}, depth_in_cup_radii{1.7};
   double cut_depth_m{0.05e-3};  ///< a place was cut if it lay this deep in the bone before
+  double open_gap_m{5e-3};      ///< a surface farther than this behind the sweep is another one: cut through
   int directions{4000};         ///< of CavityErrorByDirection over the hemisphere
 };
 

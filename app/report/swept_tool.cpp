@@ -8,11 +8,11 @@
 namespace osteon::app {
 namespace {
 
-double DistanceToSegment(const Vector3& p, const Vector3& a, const Vector3& b) {
+Vector3 NearestOnSegment(const Vector3& p, const Vector3& a, const Vector3& b) {
   const Vector3 m = b - a;
   const double length2 = m.squaredNorm();
   const double s = length2 > 0.0 ? std::clamp((p - a).dot(m) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - s * m).norm();
+  return a + s * m;
 }
 
 /// Douglas and Peucker's thinning, with an explicit stack: a path may have 100 k points.
@@ -27,7 +27,7 @@ std::vector<Vector3> Thin(const std::vector<Vector3>& path, double tolerance_m) 
     double worst = tolerance_m;
     std::size_t at = 0;
     for (std::size_t i = first + 1; i < last; ++i) {
-      const double distance = DistanceToSegment(path[i], path[first], path[last]);
+      const double distance = (path[i] - NearestOnSegment(path[i], path[first], path[last])).norm();
       if (distance > worst) {
         worst = distance;
         at = i;
@@ -70,13 +70,16 @@ SweptTool::SweptTool(const simulation::Tool& tool, std::span<const Pose> X_GP, d
   }
 }
 
-double SweptTool::SignedDistance(const Vector3& p_G) const {
-  double best = std::numeric_limits<double>::infinity();
+SweptDistance SweptTool::Nearest(const Vector3& p_G) const {
+  SweptDistance best{std::numeric_limits<double>::infinity(), p_G};
   for (const Chunk& chunk : chunks_) {
     const double to_box = (chunk.min - p_G).cwiseMax(p_G - chunk.max).cwiseMax(0.0).norm();
-    if (to_box - chunk.radius_m >= best) continue;
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i)
-      best = std::min(best, DistanceToSegment(p_G, capsules_[i].a, capsules_[i].b) - capsules_[i].radius_m);
+    if (to_box - chunk.radius_m >= best.distance_m) continue;
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const Vector3 axis_G = NearestOnSegment(p_G, capsules_[i].a, capsules_[i].b);
+      const double distance_m = (p_G - axis_G).norm() - capsules_[i].radius_m;
+      if (distance_m < best.distance_m) best = {distance_m, axis_G};
+    }
   }
   return best;
 }

@@ -9,6 +9,13 @@
 
 namespace osteon::app {
 
+/// Distance to a swept volume, and where it is from.
+struct SweptDistance {
+  double distance_m;  ///< to the volume's surface; negative inside
+  Vector3
+      axis_G;  ///< centre of the nearest ball on its path; the asking point itself where nothing was swept
+};
+
 /// What a tool's cutting balls sweep along a path of poses: the union of capsules between consecutive poses,
 /// in G.
 class SweptTool {
@@ -19,7 +26,9 @@ class SweptTool {
 
   /// Signed distance [m] to the union: negative inside. Exact outside; inside, its size is a lower bound of
   /// the distance to the union's surface. Infinity where nothing was swept.
-  [[nodiscard]] double SignedDistance(const Vector3& p_G) const;
+  [[nodiscard]] double SignedDistance(const Vector3& p_G) const { return Nearest(p_G).distance_m; }
+
+  [[nodiscard]] SweptDistance Nearest(const Vector3& p_G) const;
   [[nodiscard]] bool empty() const { return capsules_.empty(); }
   [[nodiscard]] std::size_t capsule_count() const { return capsules_.size(); }
 
