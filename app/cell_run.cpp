@@ -55,6 +55,7 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
     std::thread servo_thread([&] {
       servo = RunServo(loop.servo, **link, arm.sensor(), models, commands, recorder,
                        {.seconds = params.seconds, .stop = params.stop});
+      arm.Stop();  // at once: a client that is gone is no loss on the arm's books
       done.store(true);
     });
     while (!done.load()) {
@@ -62,7 +63,6 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
       if (params.progress) params.progress(arm.statistics().cell.cell_time_s);
     }
     servo_thread.join();
-    arm.Stop();
     simulation.Stop();
     result.cell = arm.statistics().cell;
     result.arm_overruns = arm.statistics().overruns;

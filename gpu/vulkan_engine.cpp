@@ -15,6 +15,7 @@
 #include "gpu/spirv/advance.h"
 #include "gpu/spirv/clear.h"
 #include "gpu/spirv/contact.h"
+#include "gpu/spirv/contact_live.h"
 #include "gpu/spirv/engage.h"
 #include "gpu/spirv/near.h"
 #include "gpu/spirv/pick_balls.h"
@@ -39,9 +40,13 @@ constexpr double kMillimetres = 1e3;
 constexpr std::uint64_t kFrameTimeout_ns = 2'000'000'000;
 constexpr std::uint64_t kWarmUpTimeout_ns = 120'000'000'000;  // software drivers compile a pass when it first runs
 constexpr int kBuffers = 10;
-constexpr std::uint32_t kPassCount = 13;
-constexpr std::array<const char*, kPassCount> kPassNames{"reach", "contact", "place", "near",   "pick_balls", "pick_points", "planes",
-                                                         "solve", "slide",   "engage", "advance",    "remove",      "clear"};
+constexpr std::uint32_t kPassCount = 16;
+constexpr std::array<const char*, kPassCount> kPassNames{
+    "contact_live", "place", "reach", "contact", "place_again", "near",   "pick_balls", "pick_points",
+    "planes",  "planes_shaft",     "solve", "slide", "engage",  "advance",     "remove", "clear"};
+// How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut are mostly far
+// from bone, so a wide margin costs nothing.
+constexpr double kCuttingMargin_m = 0.25e-3, kShaftMargin_m = 3e-3;
 
 vec4 ToMillimetres(const Vector3& v, double w) {
   return {static_cast<float>(v.x() * kMillimetres), static_cast<float>(v.y() * kMillimetres),
@@ -96,6 +101,15 @@ struct VulkanEngine::Impl {
       live_point_list;
   Frame still{};  // what does not change from frame to frame
 
+  // the lists of live balls and points that lie on the device, as the last frame left them
+  struct Lists {
+    bool made{false};
+    float reach_mm{0.0f};
+    Groups live_balls{0, 1, 1}, live_points{0, 1, 1}, shaft_balls{0, 1, 1};
+    uint ball_count{0}, point_count{0};
+    decltype(Frame::built) built{};
+  } lists;
+
   vk::raii::DescriptorSetLayout set_layout{nullptr};
   vk::raii::PipelineLayout layout{nullptr};
   std::vector<vk::raii::Pipeline> pipelines;
@@ -116,6 +130,7 @@ struct VulkanEngine::Impl {
   bool Run(std::uint64_t timeout_ns);
   bool WarmUp(const simulation::Bone& bone);
   Frame Prepare(const simulation::FrameInput& input) const;
+  void KeepLists(const Frame& done);
   simulation::FrameSolution Solution(const Frame& done) const;
 };
 
@@ -201,6 +216,10 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   still.enlargement_mm = static_cast<float>(params.normal_enlargement_m * kMillimetres);
   still.tolerance_mm = static_cast<float>(params.contact_tolerance_m * kMillimetres);
   still.layer_mm = static_cast<float>(params.engaged_layer_m * kMillimetres);
+  for (std::size_t t = 0; t <= tool.balls.size(); ++t) {
+    const bool cuts = t < tool.balls.size() && tool.balls[t].cutting;
+    lists.built[t].w = static_cast<float>(kMillimetres * (cuts ? kCuttingMargin_m : kShaftMargin_m));
+  }
   still.max_slide_mm = static_cast<float>(params.max_slide_m * kMillimetres);
   still.tool_count = static_cast<uint>(tool.balls.size());
   still.ball_count = static_cast<uint>(ball_count);
@@ -219,29 +238,49 @@ void VulkanEngine::Impl::BuildPipelines() {
   set_layout = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
   layout = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout));
 
-  // the numbers of clusters are specialization constants: loops over them have fixed ends
-  const std::array<uint, 2> counts{ClusterCount(ball_count), ClusterCount(point_count)};
-  const std::array<vk::SpecializationMapEntry, 2> entries{{{0, 0, sizeof(uint)}, {1, sizeof(uint), sizeof(uint)}}};
-  const vk::SpecializationInfo specialization(2, entries.data(), sizeof(counts), counts.data());
-  const auto add = [&](const std::uint32_t* code, std::size_t bytes) {
+  // specialization: numbers of clusters; which of the two kinds of planes; what a tool with a single cutting ball saves
+  struct Constants {
+    uint ball_clusters, point_clusters;
+    VkBool32 shaft_pass, sum_points;
+    uint only_cutting;
+  } constants{ClusterCount(ball_count), ClusterCount(point_count), VK_FALSE, VK_TRUE, 0};
+  const auto cuts = [](const simulation::ToolBall& ball) { return ball.cutting; };
+  if (std::count_if(tool.balls.begin(), tool.balls.end(), cuts) == 1) {
+    constants.sum_points = VK_FALSE;
+    constants.only_cutting =
+        static_cast<uint>(std::find_if(tool.balls.begin(), tool.balls.end(), cuts) - tool.balls.begin());
+  }
+  const std::array<vk::SpecializationMapEntry, 5> entries{{{0, offsetof(Constants, ball_clusters), sizeof(uint)},
+                                                           {1, offsetof(Constants, point_clusters), sizeof(uint)},
+                                                           {2, offsetof(Constants, shaft_pass), sizeof(VkBool32)},
+                                                           {3, offsetof(Constants, sum_points), sizeof(VkBool32)},
+                                                           {4, offsetof(Constants, only_cutting), sizeof(uint)}}};
+  const auto add = [&](const std::uint32_t* code, std::size_t bytes, const Constants& values) {
+    const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                                sizeof(values), &values);
     const vk::raii::ShaderModule module(device, vk::ShaderModuleCreateInfo({}, bytes, code));
     const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
                                                   &specialization);
     pipelines.emplace_back(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout));
   };
-  add(kSpirv_reach, sizeof(kSpirv_reach));
-  add(kSpirv_contact, sizeof(kSpirv_contact));
-  add(kSpirv_place, sizeof(kSpirv_place));
-  add(kSpirv_near, sizeof(kSpirv_near));
-  add(kSpirv_pick_balls, sizeof(kSpirv_pick_balls));
-  add(kSpirv_pick_points, sizeof(kSpirv_pick_points));
-  add(kSpirv_planes, sizeof(kSpirv_planes));
-  add(kSpirv_solve, sizeof(kSpirv_solve));
-  add(kSpirv_slide, sizeof(kSpirv_slide));
-  add(kSpirv_engage, sizeof(kSpirv_engage));
-  add(kSpirv_advance, sizeof(kSpirv_advance));
-  add(kSpirv_remove, sizeof(kSpirv_remove));
-  add(kSpirv_clear, sizeof(kSpirv_clear));
+  add(kSpirv_contact_live, sizeof(kSpirv_contact_live), constants);
+  add(kSpirv_place, sizeof(kSpirv_place), constants);
+  add(kSpirv_reach, sizeof(kSpirv_reach), constants);
+  add(kSpirv_contact, sizeof(kSpirv_contact), constants);
+  add(kSpirv_place, sizeof(kSpirv_place), constants);
+  add(kSpirv_near, sizeof(kSpirv_near), constants);
+  add(kSpirv_pick_balls, sizeof(kSpirv_pick_balls), constants);
+  add(kSpirv_pick_points, sizeof(kSpirv_pick_points), constants);
+  add(kSpirv_planes, sizeof(kSpirv_planes), constants);
+  Constants shaft = constants;
+  shaft.shaft_pass = shaft.sum_points = VK_TRUE;
+  add(kSpirv_planes, sizeof(kSpirv_planes), shaft);
+  add(kSpirv_solve, sizeof(kSpirv_solve), constants);
+  add(kSpirv_slide, sizeof(kSpirv_slide), constants);
+  add(kSpirv_engage, sizeof(kSpirv_engage), constants);
+  add(kSpirv_advance, sizeof(kSpirv_advance), constants);
+  add(kSpirv_remove, sizeof(kSpirv_remove), constants);
+  add(kSpirv_clear, sizeof(kSpirv_clear), constants);
 
   const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kBuffers);
   pool = vk::raii::DescriptorPool(
@@ -281,16 +320,17 @@ void VulkanEngine::Impl::Record() {
     vk::DeviceSize indirect;
     bool barrier;  // false where the next pass does not need this one's results
   };
-  const uint clusters = ClusterCount(ball_count), all = clusters + ClusterCount(point_count);
-  const auto groups_for = [](uint invocations) { return std::max(1u, (invocations + kGroupSize - 1) / kGroupSize); };
   const auto indirect = [](std::size_t offset, bool wait) { return Launch{0, offset, wait}; };
-  const std::array<Launch, kPassCount> launches{{{groups_for(clusters), 0, true},
-                                                 indirect(offsetof(Frame, path_balls), true),
+  const std::array<Launch, kPassCount> launches{{indirect(offsetof(Frame, live_balls), true),
                                                  {1, 0, true},
-                                                 {groups_for(all), 0, true},
+                                                 indirect(offsetof(Frame, reach_groups), true),
+                                                 indirect(offsetof(Frame, path_balls), true),
+                                                 indirect(offsetof(Frame, place_groups), true),
+                                                 indirect(offsetof(Frame, near_groups), true),
                                                  indirect(offsetof(Frame, near_balls), false),
                                                  indirect(offsetof(Frame, near_points), true),
-                                                 indirect(offsetof(Frame, live_balls), true),
+                                                 indirect(offsetof(Frame, live_balls), false),
+                                                 indirect(offsetof(Frame, shaft_balls), true),
                                                  {1, 0, true},
                                                  indirect(offsetof(Frame, live_balls), false),
                                                  indirect(offsetof(Frame, live_points), true),
@@ -361,15 +401,40 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) const {
   f.dt_s = static_cast<float>(input.dt_s);
   f.work_held_back_Nmm =
       static_cast<float>(memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres);
-  f.path_balls = f.near_balls = f.near_points = f.live_balls = f.live_points = {.x = 0, .y = 1, .z = 1};
+  f.path_balls = f.near_balls = f.near_points = f.reach_groups = f.place_groups = f.near_groups = {.x = 0, .y = 1, .z = 1};
   for (uint& bits : f.plane_gap_bits) bits = std::numeric_limits<uint>::max();
   double way_m = 0.0;
   for (std::size_t t = 0; t < start.size(); ++t) way_m = std::max(way_m, (goal[t] - start[t]).norm());
   const double step_m = params.law == simulation::RemovalLaw::kImmediate ? way_m : params.max_slide_m;
   f.reach_mm = static_cast<float>(kMillimetres * std::max({params.normal_enlargement_m, params.engaged_layer_m,
                                                            params.max_slide_m + step_m}));
+  // the lists of the frames before
+  f.live_balls = lists.live_balls;
+  f.live_points = lists.live_points;
+  f.shaft_balls = lists.shaft_balls;
+  f.live_ball_count = lists.ball_count;
+  f.live_point_count = lists.point_count;
+  f.built = lists.built;
+  f.lists_serve = lists.made && f.reach_mm <= lists.reach_mm ? 1 : 0;
+  if (f.lists_serve == 0) f.live_balls.x = 0;
   f.contact_bits = f.slide_bits = std::bit_cast<uint>(static_cast<float>(simulation::kNoContact));
   return f;
+}
+
+void VulkanEngine::Impl::KeepLists(const Frame& done) {
+  if (done.rebuilt == 0) return;
+  lists.made = true;
+  lists.reach_mm = done.reach_mm;
+  lists.live_balls = done.live_balls;
+  lists.live_points = done.live_points;
+  lists.shaft_balls = done.shaft_balls;
+  lists.ball_count = done.live_ball_count;
+  lists.point_count = done.live_point_count;
+  for (std::size_t t = 0; t <= tool.balls.size(); ++t) {
+    const float margin = lists.built[t].w;
+    lists.built[t] = done.contact[t];
+    lists.built[t].w = margin;
+  }
 }
 
 simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) const {
@@ -425,7 +490,7 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
         *impl->context->device, vk::CommandPoolCreateInfo({}, impl->context->queue_family));
     impl->fence = vk::raii::Fence(*impl->context->device, vk::FenceCreateInfo());
     const auto families = impl->context->physical->getQueueFamilyProperties();
-    if (families[impl->context->queue_family].timestampValidBits > 0) {
+    if (vulkan.time_passes && families[impl->context->queue_family].timestampValidBits > 0) {
       impl->stamp_period_ns = impl->context->physical->getProperties().limits.timestampPeriod;
       impl->stamps = vk::raii::QueryPool(*impl->context->device,
                                          vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kPassCount + 1));
@@ -462,6 +527,7 @@ simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input)
   }
   Frame done;
   std::memcpy(&done, impl_->frame_out.mapped, sizeof(Frame));
+  impl_->KeepLists(done);
   return FinishFrame(impl_->params, impl_->materials, impl_->X_WG, input, impl_->Solution(done), impl_->memory);
 }
 
@@ -486,6 +552,7 @@ void VulkanEngine::Restore(const simulation::CarvedState& state) {
   for (std::size_t i = 0; i < points.size(); ++i) points[i].cleared = state.cleared[i];
   impl_->Write(impl_->points, points.data(), points.size() * sizeof(Point));
   impl_->memory = simulation::ToMemory(state);
+  impl_->lists.made = false;
 }
 
 std::string VulkanEngine::device() const { return impl_->context->info.name; }

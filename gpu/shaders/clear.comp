@@ -10,7 +10,7 @@ void main() {
   if (slot >= frame.live_point_count) return;
   Active mine = live_points[slot];
   uint i = mine.index;
-  if (frame.spindle_rad_per_s == 0.0) return;
+  if (frame.spindle_rad_per_s == 0.0 || points[i].cleared != 0u) return;
   vec3 p = vec3(points[i].x, points[i].y, points[i].z);
   bool inside = false;
   for (uvec2 rest = Tools(mine); Any(rest); rest = WithoutLowest(rest)) {

@@ -55,6 +55,7 @@ uvec2 WithoutLowest(uvec2 mask) {
 }
 uvec2 Bit(uint t) { return t < 32u ? uvec2(1u << t, 0u) : uvec2(0u, 1u << (t - 32u)); }
 uvec2 Tools(Active a) { return uvec2(a.tool_low, a.tool_high); }
+uvec2 ShaftTools(Active a) { return Tools(a) & ~uvec2(frame.cutting_low, frame.cutting_high); }
 uvec2 CuttingTools(Active a) { return Tools(a) & uvec2(frame.cutting_low, frame.cutting_high); }
 
 float ContactFraction() { return min(1.0, uintBitsToFloat(frame.contact_bits)); }

@@ -9,7 +9,7 @@ void main() {
   if (slot >= frame.live_point_count) return;
   Active mine = live_points[slot];
   uint i = mine.index;
-  if (frame.delta.w <= 0.0) return;
+  if (frame.delta.w <= 0.0 || points[i].cleared != 0u) return;
   vec3 p = vec3(points[i].x, points[i].y, points[i].z);
   float nearest = frame.layer_mm, projection = 0.0;
   for (uvec2 rest = Tools(mine); Any(rest); rest = WithoutLowest(rest)) {

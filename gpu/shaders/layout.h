@@ -44,6 +44,8 @@ struct Frame {
   // host
   OSTEON_ARRAY(vec4, start, kMaxToolBalls + 1);  // tool ball centres at the proxy; w: radius. Entry tool_count: T's origin
   OSTEON_ARRAY(vec4, goal, kMaxToolBalls + 1);   // the same at the tool's pose; w: 1 cutting, 0 not
+  OSTEON_ARRAY(vec4, built, kMaxToolBalls + 1);    // where the tool was when the lists of live balls and points were made;
+                                                   // w: how far from there they serve
   OSTEON_ARRAY(vec4, contact, kMaxToolBalls + 1);  // found: the same at first contact; w: radius
   OSTEON_ARRAY(vec4, target, kMaxToolBalls + 1);   // found: the constrained target
   OSTEON_ARRAY(vec4, slid, kMaxToolBalls + 1);     // found: after the slide
@@ -75,9 +77,15 @@ struct Frame {
   Groups near_points;
   Groups live_balls;     // workgroups for the balls within reach
   Groups live_points;
+  Groups shaft_balls;    // the same list, as far as balls of it meet the shaft's margin
   uint live_ball_count, live_point_count;
   uint cutting_low, cutting_high;  // mask of the tool balls that cut
-  OSTEON_ARRAY(uint, pad, 3);
+  Groups reach_groups;   // workgroups of the passes that run only where the lists have to be made anew
+  Groups place_groups;
+  Groups near_groups;
+  uint rebuilt;          // the lists were made anew at this frame's first contact
+  uint pad;
+  uint lists_serve;      // 0: there are no lists yet, or they reach less far than this frame asks
   vec4 delta;             // to the constrained target; w: length of the cutting planes' share
   vec4 n;                 // direction of the cutting planes' resultant
   float advance_mm;
@@ -120,9 +128,9 @@ struct Point {
 
 #ifdef __cplusplus
 static_assert(sizeof(Frame) % 16 == 0);
-static_assert(offsetof(Frame, material) == 16 * 6 * 65);
-static_assert(offsetof(Frame, spindle_rad_per_s) == 16 * (6 * 65 + 8 + 4));
-static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 40 * 4);
+static_assert(offsetof(Frame, material) == 16 * 7 * 65);
+static_assert(offsetof(Frame, spindle_rad_per_s) == 16 * (7 * 65 + 8 + 4));
+static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 52 * 4);
 static_assert(sizeof(Cluster) == 32 && sizeof(Point) == 28 && sizeof(Active) == 12 && sizeof(Sum) == 8);
 }  // namespace osteon::gpu
 #endif

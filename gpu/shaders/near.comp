@@ -16,7 +16,7 @@ void main() {
   else box = point_clusters[own];
   Active entry = Active(own, 0u, 0u);
   for (uint t = 0; t < frame.tool_count; ++t) {
-    if (BoxDistance(box, frame.contact[t].xyz) > frame.contact[t].w + frame.reach_mm) continue;
+    if (BoxDistance(box, frame.contact[t].xyz) > frame.contact[t].w + frame.reach_mm + frame.built[t].w) continue;
     if (t < 32) entry.tool_low |= 1u << t;
     else entry.tool_high |= 1u << (t - 32);
   }

@@ -11,12 +11,14 @@ void main() {
   for (uvec2 rest = Tools(mine); Any(rest); rest = WithoutLowest(rest)) {
     uint t = Lowest(rest);
     vec4 tool = frame.contact[t];
-    float r = tool.w + ball.w + frame.reach_mm;
+    float r = tool.w + ball.w + frame.reach_mm + frame.built[t].w;
     vec3 away = tool.xyz - ball.xyz;
     if (dot(away, away) < r * r) reached |= Bit(t);
   }
   if (ball.w <= 0.0 || !Any(reached)) return;
   uint slot = atomicAdd(frame.live_ball_count, 1u);
   if (slot % kGroupSize == 0u) atomicAdd(frame.live_balls.x, 1u);
-  live_balls[slot] = Active(i, reached.x, reached.y);
+  Active entry = Active(i, reached.x, reached.y);
+  live_balls[slot] = entry;
+  if (Any(ShaftTools(entry))) atomicMax(frame.shaft_balls.x, slot / kGroupSize + 1u);
 }

@@ -3,6 +3,12 @@
 // Pass 2, first half: sums of the lens-weighted normals (equation 4, corrected) by group, over the balls within reach.
 #include "common.glsl"
 
+// Two pipelines of this source: the balls that cut, in seven groups, and those that do not, in one. The second is dispatched
+// only where such a ball is near.
+layout(constant_id = 2) const bool kShaftPass = false;
+// Whether the mean touching point is summed; for a single cutting ball it follows from the normal.
+layout(constant_id = 3) const bool kSumPoints = true;
+
 const float kPi = 3.14159265358979;
 const float kCapCosine = 0.766;
 const float kLargestLens = 0.5;  // mm^3, simulation::kLargestLensVolume
@@ -34,7 +40,7 @@ void main() {
   vec4 ball = balls[i];
   if (ball.w <= 0.0) return;
   vec3 origin = frame.contact[frame.tool_count].xyz;
-  for (uvec2 rest = Tools(mine); Any(rest); rest = WithoutLowest(rest)) {
+  for (uvec2 rest = kShaftPass ? ShaftTools(mine) : CuttingTools(mine); Any(rest); rest = WithoutLowest(rest)) {
     uint t = Lowest(rest);
     vec4 tool = frame.contact[t];
     float r_t = tool.w;
@@ -44,7 +50,7 @@ void main() {
     float w = min(LensVolume(r_t + frame.enlargement_mm, ball.w, d), kLargestLens);
     if (w <= 0.0 || d <= 0.0) continue;
     vec3 u = from_bone / d;
-    uint group = frame.goal[t].w > 0.5 ? PlaneGroup(u) : kShaft;
+    uint group = kShaftPass ? kShaft : PlaneGroup(u);
     vec3 point = at - r_t * u - origin;
     // neighbours in the list mostly touch the same group: one addition a group and subgroup
     for (bool pending = true; pending;) {
@@ -55,9 +61,11 @@ void main() {
       ADD_TO(frame.plane_sums[row + 1], w * u.x * kNormalScale)
       ADD_TO(frame.plane_sums[row + 2], w * u.y * kNormalScale)
       ADD_TO(frame.plane_sums[row + 3], w * u.z * kNormalScale)
-      ADD_TO(frame.plane_sums[row + 4], w * point.x * kPointScale)
-      ADD_TO(frame.plane_sums[row + 5], w * point.y * kPointScale)
-      ADD_TO(frame.plane_sums[row + 6], w * point.z * kPointScale)
+      if (kSumPoints) {
+        ADD_TO(frame.plane_sums[row + 4], w * point.x * kPointScale)
+        ADD_TO(frame.plane_sums[row + 5], w * point.y * kPointScale)
+        ADD_TO(frame.plane_sums[row + 6], w * point.z * kPointScale)
+      }
       uint gap = subgroupMin(OrderedBits(d - r_t - ball.w));
       if (subgroupElect()) atomicMin(frame.plane_gap_bits[same], gap);
       pending = false;

@@ -4,6 +4,9 @@
 // them (twin of kinematics/half_spaces.cpp): every set of one, two or three planes is one candidate.
 #include "common.glsl"
 
+layout(constant_id = 3) const bool kSumPoints = true;  // false: one cutting ball, number kOnlyCutting
+layout(constant_id = 4) const uint kOnlyCutting = 0;
+
 shared uint solved;
 shared vec4 plane[kPlanes];    // n, offset
 shared uint plane_group[kPlanes];
@@ -83,7 +86,10 @@ void main() {
     bool present = size > 1e-6 * weight;
     frame.plane_n[lane] =
         present ? vec4(n / size, FromOrderedBits(frame.plane_gap_bits[lane])) : vec4(0.0);
-    frame.plane_point[lane] = present ? vec4(frame.contact[frame.tool_count].xyz + point / weight, weight) : vec4(0.0);
+    vec4 head = frame.contact[kOnlyCutting];
+    vec3 mean = kSumPoints || lane == kShaft ? frame.contact[frame.tool_count].xyz + point / weight
+                                             : head.xyz - head.w * (n / size);
+    frame.plane_point[lane] = present ? vec4(mean, weight) : vec4(0.0);
     frame.multiplier[lane] = 0.0;
   }
   memoryBarrierBuffer();
