@@ -10,7 +10,8 @@
 namespace osteon::app {
 namespace {
 
-constexpr int kFrameTicks = 2;          // virtual time: ticks from one frame to the next, and from its pose to its model
+constexpr int kFrameTicks =
+    2;  // virtual time: ticks from one frame to the next, and from its pose to its model
 constexpr double kVirtualGiveUp_s = 30.0;  // without COMMANDING_ACTIVE, or without rest after the end
 
 hil::SimulatedCell MakeCell(const CellSetup& setup, double seconds) {
@@ -19,7 +20,8 @@ hil::SimulatedCell MakeCell(const CellSetup& setup, double seconds) {
   return {setup.config.simulated, MakeReamingScript(script)};
 }
 
-void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSet faults, safety::FaultSet& known) {
+void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSet faults,
+                  safety::FaultSet& known) {
   for (std::uint32_t bit = 1; bit != 0; bit <<= 1) {
     const auto fault = static_cast<safety::Fault>(bit);
     if (!faults.Has(fault) || known.Has(fault)) continue;
@@ -94,7 +96,8 @@ CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engi
   const auto wanted = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
   const auto patience = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
   std::int64_t since_progress = 0;
-  for (std::int64_t tick = 1; loop.servo.phase() != control::Phase::kStopped && since_progress < patience; ++tick) {
+  for (std::int64_t tick = 1; loop.servo.phase() != control::Phase::kStopped && since_progress < patience;
+       ++tick) {
     const rt::Nanoseconds now = tick * period;
     const auto message = cell.Step(now);
     const bool accepted = !message.empty() && session.Accept(message, now, state) == io::FriAccept::kAccepted;
@@ -138,21 +141,21 @@ tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulat
                                                  const CellRunParams& params) {
   const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
   FrameRunner runner(engine, depth, setup.X_WG);
-  auto recorder = io::Recorder::Open(
-      {.path = params.recording, .writer_thread = !params.virtual_time},
-      {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
-       .version = OSTEON_VERSION,
-       .engine = engine.name(),
-       .device = engine.device(),
-       .scene = setup.bone.name,
-       .tool = setup.config.tool.tool.name,
-       .force_limit_N = setup.config.servo.wrench.max_force_N,
-       .config_text = setup.config_text});
+  auto recorder = io::Recorder::Open({.path = params.recording, .writer_thread = !params.virtual_time},
+                                     {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
+                                      .version = OSTEON_VERSION,
+                                      .engine = engine.name(),
+                                      .device = engine.device(),
+                                      .scene = setup.bone.name,
+                                      .tool = setup.config.tool.tool.name,
+                                      .force_limit_N = setup.config.servo.wrench.max_force_N,
+                                      .config_text = setup.config_text});
   if (!recorder) return tl::make_unexpected(recorder.error());
 
-  auto result = params.virtual_time
-                    ? tl::expected<CellRunResult, std::string>(RunVirtual(setup, engine, runner, **recorder, params))
-                    : RunWall(setup, engine, runner, **recorder, params);
+  auto result =
+      params.virtual_time
+          ? tl::expected<CellRunResult, std::string>(RunVirtual(setup, engine, runner, **recorder, params))
+          : RunWall(setup, engine, runner, **recorder, params);
   auto counts = (*recorder)->Close();
   if (!result) return result;
   if (!counts) return tl::make_unexpected(counts.error());

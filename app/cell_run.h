@@ -15,7 +15,7 @@
 namespace osteon::app {
 
 struct CellRunParams {
-  double seconds{10.0};             ///< of COMMANDING_ACTIVE
+  double seconds{10.0};  ///< of COMMANDING_ACTIVE
   bool virtual_time{false};
   std::filesystem::path recording;  ///< the MCAP file to write
   const std::atomic<bool>* stop{nullptr};
@@ -36,10 +36,10 @@ struct CellRunResult {
 
 /// Runs the simulated cell: arm over FRI, operator, servo loop and cutting engine.
 ///
-/// In wall time the arm is a thread behind a real UDP socket on loopback, the servo loop and the simulation have threads of
-/// their own. In virtual time all of it runs in lockstep in the calling thread, the same datagrams handed over in memory:
-/// the simulation takes every second tick's command and its frame is seen two ticks later, as a 500 Hz simulation's would.
-/// The error says what could not be opened.
+/// In wall time the arm is a thread behind a real UDP socket on loopback, the servo loop and the simulation
+/// have threads of their own. In virtual time all of it runs in lockstep in the calling thread, the same
+/// datagrams handed over in memory: the simulation takes every second tick's command and its frame is seen
+/// two ticks later, as a 500 Hz simulation's would. The error says what could not be opened.
 [[nodiscard]] tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup,
                                                                simulation::CuttingEngine& engine,
                                                                const CellRunParams& params);

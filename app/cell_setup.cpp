@@ -26,7 +26,8 @@ std::string ConfigText(const std::filesystem::path& cell_yaml) {
     if (std::string(folder) == "cells") {
       files.push_back(cell_yaml);
     } else if (std::filesystem::is_directory(root / folder)) {
-      for (const auto& entry : std::filesystem::directory_iterator(root / folder)) files.push_back(entry.path());
+      for (const auto& entry : std::filesystem::directory_iterator(root / folder))
+        files.push_back(entry.path());
     }
     std::sort(files.begin(), files.end());
     for (const auto& file : files) {
@@ -68,7 +69,8 @@ tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
         fmt::format("--cup: R: found {} mm, accepted {} … {}", values[6], kLeastRadius_mm, kMostRadius_mm));
   const Vector3 axis(values[3], values[4], values[5]);
   if (axis.norm() < 1e-6)
-    return tl::make_unexpected(std::string("--cup: NX,NY,NZ: found a zero vector, accepted the axis out of the opening"));
+    return tl::make_unexpected(
+        std::string("--cup: NX,NY,NZ: found a zero vector, accepted the axis out of the opening"));
   return simulation::Cup{.center_m = 1e-3 * Vector3(values[0], values[1], values[2]),
                          .axis = Vector3(axis.normalized()),
                          .radius_m = 1e-3 * values[6]};
@@ -91,9 +93,11 @@ tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell
     setup.bone = std::move(*bone);
     auto shape = simulation::LoadMesh(mesh->file);
     if (!shape) return tl::make_unexpected(shape.error().message);
-    setup.solid = std::make_shared<simulation::MeshSolid>(std::move(shape->mesh), setup.bone.cup, params.tissue);
+    setup.solid =
+        std::make_shared<simulation::MeshSolid>(std::move(shape->mesh), setup.bone.cup, params.tissue);
   }
-  // the bone lies so that its cup is where the cell wants it: X_WG of the configuration is the pose of the scene's cup
+  // the bone lies so that its cup is where the cell wants it: X_WG of the configuration is the pose of the
+  // scene's cup
   setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.cup).inverse();
   return setup;
 }
@@ -103,8 +107,10 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine
                                                                                  const std::string& device) {
   const config::CellConfig& config = setup.config;
   if (engine == "reference")
-    return std::make_unique<simulation::ReferenceEngine>(setup.bone, config.tool.tool, setup.X_WG, config.cutting);
-  auto made = gpu::VulkanEngine::Create(setup.bone, config.tool.tool, setup.X_WG, config.cutting, {.device = device});
+    return std::make_unique<simulation::ReferenceEngine>(setup.bone, config.tool.tool, setup.X_WG,
+                                                         config.cutting);
+  auto made =
+      gpu::VulkanEngine::Create(setup.bone, config.tool.tool, setup.X_WG, config.cutting, {.device = device});
   if (!made) return tl::make_unexpected(made.error());
   return std::unique_ptr<simulation::CuttingEngine>(std::move(*made));
 }

@@ -20,7 +20,8 @@ struct MeshChoice {
   simulation::Cup cup;  ///< in the file's frame
 };
 
-/// Reads "X,Y,Z,NX,NY,NZ,R" (mm; the axis in any length). The error names the part, what was found and what is accepted.
+/// Reads "X,Y,Z,NX,NY,NZ,R" (mm; the axis in any length). The error names the part, what was found and what
+/// is accepted.
 [[nodiscard]] tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text);
 
 /// A cell that is ready to run, but for its engine.

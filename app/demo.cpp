@@ -30,8 +30,8 @@ class Progress {
     if (terminal_) {
       constexpr int kWidth = 40;
       const int filled = static_cast<int>(share * kWidth);
-      fmt::print(stderr, "\r[{:{}}] {:4.1f} of {:.1f} s", std::string(static_cast<std::size_t>(filled), '#'), kWidth,
-                 share * seconds_, seconds_);
+      fmt::print(stderr, "\r[{:{}}] {:4.1f} of {:.1f} s", std::string(static_cast<std::size_t>(filled), '#'),
+                 kWidth, share * seconds_, seconds_);
     } else if (share >= next_) {
       fmt::print(stderr, "osteon demo: {:.1f} of {:.1f} s\n", share * seconds_, seconds_);
       next_ = std::floor(share * 10.0) / 10.0 + 0.1;
@@ -57,7 +57,8 @@ void PrintTable(const RunSummary& summary) {
 
 int RunDemo(const DemoOptions& options) {
   if (!(options.seconds >= kLeastSeconds && options.seconds <= kMostSeconds))
-    return Fail(fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kLeastSeconds, kMostSeconds));
+    return Fail(
+        fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kLeastSeconds, kMostSeconds));
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
   if (error) return Fail(fmt::format("--out {}: {}", options.out.string(), error.message()));

@@ -11,7 +11,7 @@ namespace osteon::app {
 struct DemoOptions {
   double seconds{10.0};
   std::filesystem::path out{"demo_out"};
-  std::filesystem::path cell;          ///< the cell's YAML
+  std::filesystem::path cell;  ///< the cell's YAML
   std::optional<MeshChoice> mesh{};
   bool virtual_time{false};
   std::string device{};
@@ -21,8 +21,10 @@ struct DemoOptions {
   std::string command_line{};
 };
 
-/// The whole cell, simulated: runs it, writes summary.json, report.html and the recording into `out`, prints the summary.
-/// @returns the process's exit code: 0 done; 1 ended by a fault; 2 something was wrong with the input (said on stderr);
+/// The whole cell, simulated: runs it, writes summary.json, report.html and the recording into `out`, prints
+/// the summary.
+/// @returns the process's exit code: 0 done; 1 ended by a fault; 2 something was wrong with the input (said
+/// on stderr);
 ///   130 ended by Ctrl-C, everything written.
 [[nodiscard]] int RunDemo(const DemoOptions& options);
 

@@ -33,14 +33,17 @@ void ExamineVulkan(std::vector<Check>& checks) {
   for (const gpu::DeviceInfo& device : *devices) {
     const bool runs = device.refusal.empty();
     const bool gpu = device.kind == "discrete" || device.kind == "integrated";
-    checks.push_back({"Vulkan device", fmt::format("{} ({}, Vulkan {}, {}, {:.1f} GiB)", device.name, device.kind,
-                                                   device.api_version, device.driver,
-                                                   device.memory_bytes / (1024.0 * 1024.0 * 1024.0)),
-                      !runs ? kMissing : gpu ? kGood : kUsable,
-                      !runs  ? "refused: " + device.refusal
-                      : !gpu ? "runs on the processor: fine for tests, not for a million spheres"
-                      : first ? "taken by default"
-                              : "choose it with --device"});
+    checks.push_back(
+        {"Vulkan device",
+         fmt::format("{} ({}, Vulkan {}, {}, {:.1f} GiB)", device.name, device.kind, device.api_version,
+                     device.driver, device.memory_bytes / (1024.0 * 1024.0 * 1024.0)),
+         !runs ? kMissing
+         : gpu ? kGood
+               : kUsable,
+         !runs   ? "refused: " + device.refusal
+         : !gpu  ? "runs on the processor: fine for tests, not for a million spheres"
+         : first ? "taken by default"
+                 : "choose it with --device"});
     first = false;
   }
 }
@@ -64,11 +67,14 @@ void ExamineTimer(std::vector<Check>& checks) {
                     realtime ? kGood : kUsable,
                     realtime ? "" : "run as root, or give the user rtprio 80 in /etc/security/limits.conf"});
   const bool good = f.max_s < 200e-6, usable = f.p99_s < 500e-6;
-  checks.push_back({"Timer latency, 1000 wake-ups",
-                    fmt::format("p50 {:.0f}, p99 {:.0f}, max {:.0f} µs", f.p50_s * 1e6, f.p99_s * 1e6, f.max_s * 1e6),
-                    good ? kGood : usable ? kUsable : kMissing,
-                    good ? "one second is a glance: measure for hours before an arm moves"
-                         : "simulation only; for an arm: PREEMPT_RT kernel, an isolated core, no virtual machine"});
+  checks.push_back(
+      {"Timer latency, 1000 wake-ups",
+       fmt::format("p50 {:.0f}, p99 {:.0f}, max {:.0f} µs", f.p50_s * 1e6, f.p99_s * 1e6, f.max_s * 1e6),
+       good     ? kGood
+       : usable ? kUsable
+                : kMissing,
+       good ? "one second is a glance: measure for hours before an arm moves"
+            : "simulation only; for an arm: PREEMPT_RT kernel, an isolated core, no virtual machine"});
 }
 
 void ExamineMemory(std::vector<Check>& checks) {
@@ -77,16 +83,16 @@ void ExamineMemory(std::vector<Check>& checks) {
   static char page[4096];
   const bool locked = mlock(page, sizeof(page)) == 0;
   if (locked) munlock(page, sizeof(page));
-  checks.push_back({"Locked memory",
-                    limit.rlim_cur == RLIM_INFINITY ? "unlimited" : fmt::format("{} KiB", limit.rlim_cur / 1024),
-                    locked ? kGood : kUsable,
-                    locked ? "" : "memlock unlimited in /etc/security/limits.conf"});
+  checks.push_back(
+      {"Locked memory",
+       limit.rlim_cur == RLIM_INFINITY ? "unlimited" : fmt::format("{} KiB", limit.rlim_cur / 1024),
+       locked ? kGood : kUsable, locked ? "" : "memlock unlimited in /etc/security/limits.conf"});
 }
 
 void ExamineNetwork(std::vector<Check>& checks, std::uint16_t fri_port) {
   const auto link = io::FriLink::Open({.port = fri_port});
-  checks.push_back({"FRI port", fmt::format("127.0.0.1:{}", fri_port), link ? kGood : kMissing,
-                    link ? "" : link.error()});
+  checks.push_back(
+      {"FRI port", fmt::format("127.0.0.1:{}", fri_port), link ? kGood : kMissing, link ? "" : link.error()});
   const bool can = io::HasSocketCan();
   checks.push_back({"SocketCAN", can ? "in this kernel" : "not in this kernel", can ? kGood : kUsable,
                     can ? "" : "needed for a real force sensor and spindle; the demo runs without"});
@@ -98,10 +104,12 @@ std::vector<Check> Examine(std::uint16_t fri_port) {
   std::vector<Check> checks;
   utsname system{};
   uname(&system);
-  checks.push_back({"System", fmt::format("{} {}, {} processors", system.sysname, system.release,
-                                          std::thread::hardware_concurrency()),
-                    std::thread::hardware_concurrency() >= 2 ? kGood : kUsable,
-                    std::thread::hardware_concurrency() >= 2 ? "" : "servo loop and simulation share one processor"});
+  checks.push_back(
+      {"System",
+       fmt::format("{} {}, {} processors", system.sysname, system.release,
+                   std::thread::hardware_concurrency()),
+       std::thread::hardware_concurrency() >= 2 ? kGood : kUsable,
+       std::thread::hardware_concurrency() >= 2 ? "" : "servo loop and simulation share one processor"});
   ExamineVulkan(checks);
   ExamineTimer(checks);
   ExamineMemory(checks);

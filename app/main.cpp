@@ -1,11 +1,11 @@
-// The command `osteon`: reads the command line and hands over to a subcommand. Exit codes: 0 done, 1 the thing asked for
-// failed, 2 wrong usage or bad input, 130 ended by Ctrl-C.
+// The command `osteon`: reads the command line and hands over to a subcommand. Exit codes: 0 done, 1 the
+// thing asked for failed, 2 wrong usage or bad input, 130 ended by Ctrl-C.
 
 #include <cstdlib>
 #include <exception>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "app/demo.h"
 #include "app/doctor.h"
@@ -30,23 +30,31 @@ int Run(int argc, char** argv) {
   CLI::App app{"Osteon: haptic controller and cutting simulation for a hip-reaming robot cell", "osteon"};
   app.set_version_flag("--version", "osteon " OSTEON_VERSION);
   app.require_subcommand(0, 1);
-  app.add_option("--config-root", config_root, "folder with cells/, robots/, tools/ …")->capture_default_str();
-  app.footer("The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
-             "  clean                       removes what was built\n\nosteon SUBCOMMAND --help shows examples.");
+  app.add_option("--config-root", config_root, "folder with cells/, robots/, tools/ …")
+      ->capture_default_str();
+  app.footer(
+      "The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
+      "  clean                       removes what was built\n\nosteon SUBCOMMAND --help shows examples.");
 
   osteon::app::DemoOptions demo;
   std::string mesh, cup, cell = "demo";
-  CLI::App* demo_app = app.add_subcommand("demo", "reams an acetabulum on the simulated cell and leaves a report");
-  demo_app->add_option("--seconds", demo.seconds, "time in COMMANDING_ACTIVE, 0.1 … 3600")->capture_default_str();
+  CLI::App* demo_app =
+      app.add_subcommand("demo", "reams an acetabulum on the simulated cell and leaves a report");
+  demo_app->add_option("--seconds", demo.seconds, "time in COMMANDING_ACTIVE, 0.1 … 3600")
+      ->capture_default_str();
   demo_app->add_option("--out", demo.out, "folder for summary.json, report.html, recording.mcap")
       ->capture_default_str();
-  auto* mesh_option = demo_app->add_option("--mesh", mesh, "closed triangle mesh instead of the scene: STL, OBJ, PLY, in mm");
-  auto* cup_option = demo_app->add_option("--cup", cup, "X,Y,Z,NX,NY,NZ,R: its cup's centre, axis out of the opening, radius; mm");
+  auto* mesh_option =
+      demo_app->add_option("--mesh", mesh, "closed triangle mesh instead of the scene: STL, OBJ, PLY, in mm");
+  auto* cup_option = demo_app->add_option(
+      "--cup", cup, "X,Y,Z,NX,NY,NZ,R: its cup's centre, axis out of the opening, radius; mm");
   mesh_option->needs(cup_option);
   cup_option->needs(mesh_option);
-  demo_app->add_flag("--virtual-time", demo.virtual_time, "lockstep, as fast as it goes; two runs give equal bits");
+  demo_app->add_flag("--virtual-time", demo.virtual_time,
+                     "lockstep, as fast as it goes; two runs give equal bits");
   demo_app->add_option("--device", demo.device, "part of a Vulkan device's name (osteon doctor lists them)");
-  demo_app->add_option("--engine", demo.engine, "vulkan, or reference: double precision, slow, virtual time only")
+  demo_app
+      ->add_option("--engine", demo.engine, "vulkan, or reference: double precision, slow, virtual time only")
       ->check(CLI::IsMember({"vulkan", "reference"}))
       ->capture_default_str();
   demo_app->add_option("--cell", cell, "a name under cells/, or a YAML file")->capture_default_str();
@@ -70,9 +78,11 @@ int Run(int argc, char** argv) {
   }
   if (*demo_app) {
     demo.command_line = CommandLine(argc, argv);
-    demo.cell = cell.ends_with(".yaml") ? std::filesystem::path(cell) : config_root / "cells" / (cell + ".yaml");
+    demo.cell =
+        cell.ends_with(".yaml") ? std::filesystem::path(cell) : config_root / "cells" / (cell + ".yaml");
     if (demo.engine == "reference" && !demo.virtual_time) {
-      fmt::print(stderr, "osteon demo: --engine reference: found wall time, accepted with --virtual-time only\n");
+      fmt::print(stderr,
+                 "osteon demo: --engine reference: found wall time, accepted with --virtual-time only\n");
       return 2;
     }
     if (!mesh.empty()) {

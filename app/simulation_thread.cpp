@@ -4,8 +4,8 @@
 
 namespace osteon::app {
 
-FrameRunner::FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth, const Pose& X_WG,
-                         double dt_limit_s)
+FrameRunner::FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth,
+                         const Pose& X_WG, double dt_limit_s)
     : engine_(engine), depth_(depth), X_GW_(X_WG.inverse()), dt_limit_s_(dt_limit_s) {}
 
 simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command) {
@@ -24,7 +24,9 @@ simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command)
 
 SimulationThread::SimulationThread(FrameRunner& runner, rt::LatestValue<simulation::ToolCommand>& commands,
                                    rt::LatestValue<simulation::ContactModel>& models, io::Recorder& recorder)
-    : runner_(runner), commands_(commands), models_(models), recorder_(recorder), thread_([this] { Loop(); }) {}
+    : runner_(runner), commands_(commands), models_(models), recorder_(recorder), thread_([this] {
+        Loop();
+      }) {}
 
 SimulationThread::~SimulationThread() { Stop(); }
 
@@ -48,7 +50,8 @@ void SimulationThread::Loop() {
     record.stamp = rt::MonotonicNow();
     record.duration_ns = record.stamp - start;
     recorder_.PushFrame(record);
-    if (record.model.status == simulation::EngineStatus::kDeviceLost) return;  // the servo loop saw it, and stops
+    if (record.model.status == simulation::EngineStatus::kDeviceLost)
+      return;  // the servo loop saw it, and stops
   }
 }
 

@@ -15,7 +15,8 @@ namespace osteon::app {
 /// One frame after the other, and what is recorded of each. Used in both clocks.
 class FrameRunner {
  public:
-  /// @param dt_limit_s  the longest time that a single frame may cut for: what is missed in a stall is not made up for
+  /// @param dt_limit_s  the longest time that a single frame may cut for: what is missed in a stall is not
+  /// made up for
   FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth, const Pose& X_WG,
               double dt_limit_s = 0.1);
 
@@ -31,8 +32,8 @@ class FrameRunner {
   double deepest_m_{0.0};
 };
 
-/// The simulation in wall time: its own thread, at its own rate, from the newest command to a new contact model.
-/// Reader of `commands`, writer of `models`.
+/// The simulation in wall time: its own thread, at its own rate, from the newest command to a new contact
+/// model. Reader of `commands`, writer of `models`.
 class SimulationThread {
  public:
   SimulationThread(FrameRunner& runner, rt::LatestValue<simulation::ToolCommand>& commands,

@@ -18,11 +18,16 @@ constexpr double kSweepCell_m = 0.4e-3;
 
 const char* EndText(control::RunEnd end) {
   switch (end) {
-    case control::RunEnd::kSeconds: return "completed";
-    case control::RunEnd::kStopFlag: return "interrupted";
-    case control::RunEnd::kFault: return "fault";
-    case control::RunEnd::kNeverActive: return "arm never ready";
-    case control::RunEnd::kLinkClosed: return "link closed";
+    case control::RunEnd::kSeconds:
+      return "completed";
+    case control::RunEnd::kStopFlag:
+      return "interrupted";
+    case control::RunEnd::kFault:
+      return "fault";
+    case control::RunEnd::kNeverActive:
+      return "arm never ready";
+    case control::RunEnd::kLinkClosed:
+      return "link closed";
   }
   return "";
 }
@@ -72,13 +77,19 @@ DurationFigures Quantiles(std::vector<double> seconds) {
   if (seconds.empty()) return {};
   std::sort(seconds.begin(), seconds.end());
   const auto at = [&](double share) {
-    return seconds[std::min(seconds.size() - 1, static_cast<std::size_t>(share * static_cast<double>(seconds.size())))];
+    return seconds[std::min(seconds.size() - 1,
+                            static_cast<std::size_t>(share * static_cast<double>(seconds.size())))];
   };
-  return {.count = seconds.size(), .p50_s = at(0.5), .p99_s = at(0.99), .p999_s = at(0.999), .max_s = seconds.back()};
+  return {.count = seconds.size(),
+          .p50_s = at(0.5),
+          .p99_s = at(0.99),
+          .p999_s = at(0.999),
+          .max_s = seconds.back()};
 }
 
-RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& engine, const CellRunParams& params,
-                     const CellRunResult& result, const io::Recording& recording) {
+RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& engine,
+                     const CellRunParams& params, const CellRunResult& result,
+                     const io::Recording& recording) {
   const simulation::Tool& tool = setup.config.tool.tool;
   RunSummary s;
   s.engine = engine.name();
@@ -149,28 +160,32 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
       {"Scene", fmt::format("{}: {} balls, {} mass points", s.scene, s.balls, s.points)},
       {"Tool", s.tool},
       {"Servo loop", fmt::format("{} ticks, median {:.1f} Hz{}", s.ticks, s.servo_rate_hz,
-                                 s.virtual_time ? " (virtual time)" : s.realtime ? ", SCHED_FIFO" : ", no SCHED_FIFO")},
+                                 s.virtual_time ? " (virtual time)"
+                                 : s.realtime   ? ", SCHED_FIFO"
+                                                : ", no SCHED_FIFO")},
       {"Simulation", fmt::format("{} frames, median {:.0f} frames/s", s.frames, s.simulation_rate_hz)}};
   if (s.wakeup.count > 0) {
     rows.push_back({"Tick wake-up, p50 / p99 / max", Text(s.wakeup)});
     rows.push_back({"Tick compute, p50 / p99 / max", Text(s.compute)});
     rows.push_back({"Frame, p50 / p99 / max", Text(s.frame)});
   }
-  rows.push_back({"Peak rendered force", fmt::format("{:.1f} N of {:.0f} N allowed", s.peak_force_N, s.force_limit_N)});
+  rows.push_back(
+      {"Peak rendered force", fmt::format("{:.1f} N of {:.0f} N allowed", s.peak_force_N, s.force_limit_N)});
   rows.push_back({"Peak sensor force", fmt::format("{:.1f} N", s.peak_sensor_force_N)});
   rows.push_back({"Peak tool speed", fmt::format("{:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3)});
   const double swept_share = s.swept_volume_m3 > 0.0 ? s.removed_volume_m3 / s.swept_volume_m3 - 1.0 : 0.0;
-  rows.push_back({"Bone removed", fmt::format("{:.0f} mm³, {:.2f} g; swept {:.0f} mm³ ({:+.1f} %)",
-                                              s.removed_volume_m3 * 1e9, s.removed_mass_kg * 1e3,
-                                              s.swept_volume_m3 * 1e9, 100.0 * swept_share)});
-  rows.push_back({"Cup deeper by", fmt::format("{:.2f} mm (tool's apex), {} (carved floor)", s.cup_depth_m * 1e3,
-                                               s.cavity_depth_m < 0.0 && s.cavity_depth_m <= -1.0
-                                                   ? std::string("carved through")
-                                                   : fmt::format("{:.2f} mm", s.cavity_depth_m * 1e3))});
+  rows.push_back({"Bone removed",
+                  fmt::format("{:.0f} mm³, {:.2f} g; swept {:.0f} mm³ ({:+.1f} %)", s.removed_volume_m3 * 1e9,
+                              s.removed_mass_kg * 1e3, s.swept_volume_m3 * 1e9, 100.0 * swept_share)});
+  rows.push_back(
+      {"Cup deeper by", fmt::format("{:.2f} mm (tool's apex), {} (carved floor)", s.cup_depth_m * 1e3,
+                                    s.cavity_depth_m < 0.0 && s.cavity_depth_m <= -1.0
+                                        ? std::string("carved through")
+                                        : fmt::format("{:.2f} mm", s.cavity_depth_m * 1e3))});
   if (s.section.cavity_section.samples > 0)
-    rows.push_back({"Cavity against swept tool", fmt::format("mean {:.3f} mm, p95 {:.3f} mm",
-                                                             s.section.cavity_section.mean_abs_m * 1e3,
-                                                             s.section.cavity_section.p95_m * 1e3)});
+    rows.push_back({"Cavity against swept tool",
+                    fmt::format("mean {:.3f} mm, p95 {:.3f} mm", s.section.cavity_section.mean_abs_m * 1e3,
+                                s.section.cavity_section.p95_m * 1e3)});
   rows.push_back({"State hash", s.state_hash});
   std::string faults;
   for (const FaultRow& fault : s.faults) faults += (faults.empty() ? "" : "; ") + fault.name;
@@ -183,40 +198,41 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
   nlohmann::json faults = nlohmann::json::array();
   for (const FaultRow& fault : s.faults) faults.push_back(fault.name);
   const CavityError& section = s.section.cavity_section;
-  nlohmann::json out{
-      {"schema", schema},
-      {"version", OSTEON_VERSION},
-      {"engine", s.engine},
-      {"device", s.device},
-      {"scene", s.scene},
-      {"tool", s.tool},
-      {"virtual_time", s.virtual_time},
-      {"ended", s.ended},
-      {"seconds", s.seconds},
-      {"spheres", s.balls},
-      {"mass_points", s.points},
-      {"ticks", s.ticks},
-      {"frames", s.frames},
-      {"dropped_records", s.dropped},
-      {"servo_rate_hz", s.servo_rate_hz},
-      {"simulation_rate_hz", s.simulation_rate_hz},
-      {"peak_force_N", s.peak_force_N},
-      {"peak_torque_Nm", s.peak_torque_Nm},
-      {"peak_sensor_force_N", s.peak_sensor_force_N},
-      {"force_limit_N", s.force_limit_N},
-      {"peak_tool_speed_mm_per_s", s.peak_tool_speed_m_per_s * 1e3},
-      {"removed_volume_mm3", s.removed_volume_m3 * 1e9},
-      {"removed_mass_g", s.removed_mass_kg * 1e3},
-      {"swept_volume_mm3", s.swept_volume_m3 * 1e9},
-      {"cutting_work_J", s.cutting_work_J},
-      {"cup_depth_mm", s.cup_depth_m * 1e3},
-      {"cavity_depth_mm", s.cavity_depth_m <= -1.0 ? nlohmann::json(nullptr) : nlohmann::json(s.cavity_depth_m * 1e3)},
-      {"cavity_error_mean_mm",
-       section.samples > 0 ? nlohmann::json(section.mean_abs_m * 1e3) : nlohmann::json(nullptr)},
-      {"cavity_error_p95_mm", section.samples > 0 ? nlohmann::json(section.p95_m * 1e3) : nlohmann::json(nullptr)},
-      {"state_hash", s.state_hash},
-      {"faults", faults},
-      {"recording", s.recording}};
+  nlohmann::json out{{"schema", schema},
+                     {"version", OSTEON_VERSION},
+                     {"engine", s.engine},
+                     {"device", s.device},
+                     {"scene", s.scene},
+                     {"tool", s.tool},
+                     {"virtual_time", s.virtual_time},
+                     {"ended", s.ended},
+                     {"seconds", s.seconds},
+                     {"spheres", s.balls},
+                     {"mass_points", s.points},
+                     {"ticks", s.ticks},
+                     {"frames", s.frames},
+                     {"dropped_records", s.dropped},
+                     {"servo_rate_hz", s.servo_rate_hz},
+                     {"simulation_rate_hz", s.simulation_rate_hz},
+                     {"peak_force_N", s.peak_force_N},
+                     {"peak_torque_Nm", s.peak_torque_Nm},
+                     {"peak_sensor_force_N", s.peak_sensor_force_N},
+                     {"force_limit_N", s.force_limit_N},
+                     {"peak_tool_speed_mm_per_s", s.peak_tool_speed_m_per_s * 1e3},
+                     {"removed_volume_mm3", s.removed_volume_m3 * 1e9},
+                     {"removed_mass_g", s.removed_mass_kg * 1e3},
+                     {"swept_volume_mm3", s.swept_volume_m3 * 1e9},
+                     {"cutting_work_J", s.cutting_work_J},
+                     {"cup_depth_mm", s.cup_depth_m * 1e3},
+                     {"cavity_depth_mm", s.cavity_depth_m <= -1.0 ? nlohmann::json(nullptr)
+                                                                  : nlohmann::json(s.cavity_depth_m * 1e3)},
+                     {"cavity_error_mean_mm", section.samples > 0 ? nlohmann::json(section.mean_abs_m * 1e3)
+                                                                  : nlohmann::json(nullptr)},
+                     {"cavity_error_p95_mm",
+                      section.samples > 0 ? nlohmann::json(section.p95_m * 1e3) : nlohmann::json(nullptr)},
+                     {"state_hash", s.state_hash},
+                     {"faults", faults},
+                     {"recording", s.recording}};
   if (s.wakeup.count > 0) {
     out["wakeup_us"] = ToJson(s.wakeup);
     out["compute_us"] = ToJson(s.compute);

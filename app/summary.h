@@ -52,6 +52,7 @@ struct RunSummary {
 [[nodiscard]] std::string ToJson(const RunSummary& summary, const std::string& schema);
 
 /// Writes text to a file, which appears whole or not at all. The error names the path.
-[[nodiscard]] tl::expected<void, std::string> WriteText(const std::filesystem::path& path, const std::string& text);
+[[nodiscard]] tl::expected<void, std::string> WriteText(const std::filesystem::path& path,
+                                                        const std::string& text);
 
 }  // namespace osteon::app

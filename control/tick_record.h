@@ -19,23 +19,23 @@ enum class Phase : std::uint8_t {
 /// One tick of the servo loop as it is recorded. Plain data.
 struct TickRecord {
   std::uint64_t tick{0};
-  rt::Nanoseconds stamp{0};         ///< time of the arm message that this tick answers
+  rt::Nanoseconds stamp{0};  ///< time of the arm message that this tick answers
   Phase phase{Phase::kWaiting};
-  std::uint8_t session_state{0};    ///< FRI session state, 0 … 4
-  std::uint32_t faults{0};          ///< safety::FaultSet bits
-  std::array<double, 7> q_meas{};   ///< [rad]
-  std::array<double, 7> q_cmd{};    ///< [rad]
-  PlainPose X_WT_cmd, X_WT_meas;    ///< tool in world, commanded and measured
-  PlainVector3 v_WT_cmd_m_per_s;    ///< velocity of the tool's apex
-  PlainWrench F_operator_T_W;       ///< what the hand exerts, from the sensor, on T, in W
-  PlainWrench F_coupling_T_W;       ///< rendered: after every limit, as integrated
-  double wrench_scale{1.0};         ///< share of the coupling wrench that the limits let through, 0 … 1
-  double model_age_s{0.0};          ///< of the contact model's pose
+  std::uint8_t session_state{0};   ///< FRI session state, 0 … 4
+  std::uint32_t faults{0};         ///< safety::FaultSet bits
+  std::array<double, 7> q_meas{};  ///< [rad]
+  std::array<double, 7> q_cmd{};   ///< [rad]
+  PlainPose X_WT_cmd, X_WT_meas;   ///< tool in world, commanded and measured
+  PlainVector3 v_WT_cmd_m_per_s;   ///< velocity of the tool's apex
+  PlainWrench F_operator_T_W;      ///< what the hand exerts, from the sensor, on T, in W
+  PlainWrench F_coupling_T_W;      ///< rendered: after every limit, as integrated
+  double wrench_scale{1.0};        ///< share of the coupling wrench that the limits let through, 0 … 1
+  double model_age_s{0.0};         ///< of the contact model's pose
   double sensor_age_s{0.0};
   std::uint64_t model_frame{0};
   double spindle_rad_per_s{0.0};
-  rt::Nanoseconds wakeup_ns{0};     ///< from the arm's message to the loop's wake-up; 0 in virtual time
-  rt::Nanoseconds compute_ns{0};    ///< from wake-up to answer; 0 in virtual time
+  rt::Nanoseconds wakeup_ns{0};   ///< from the arm's message to the loop's wake-up; 0 in virtual time
+  rt::Nanoseconds compute_ns{0};  ///< from wake-up to answer; 0 in virtual time
 };
 
 }  // namespace osteon::control

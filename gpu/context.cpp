@@ -21,11 +21,16 @@ const vk::SubgroupFeatureFlags kSubgroupNeeds = vk::SubgroupFeatureFlagBits::eBa
 
 int Rank(vk::PhysicalDeviceType type) {
   switch (type) {
-    case vk::PhysicalDeviceType::eDiscreteGpu: return 0;
-    case vk::PhysicalDeviceType::eIntegratedGpu: return 1;
-    case vk::PhysicalDeviceType::eVirtualGpu: return 2;
-    case vk::PhysicalDeviceType::eCpu: return 3;
-    default: return 4;
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return 0;
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return 1;
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return 2;
+    case vk::PhysicalDeviceType::eCpu:
+      return 3;
+    default:
+      return 4;
   }
 }
 
@@ -37,9 +42,8 @@ std::optional<std::uint32_t> ComputeFamily(const vk::raii::PhysicalDevice& devic
 }
 
 DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
-  const auto chain =
-      device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties,
-                            vk::PhysicalDeviceSubgroupProperties>();
+  const auto chain = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties,
+                                           vk::PhysicalDeviceSubgroupProperties>();
   const vk::PhysicalDeviceProperties& p = chain.get<vk::PhysicalDeviceProperties2>().properties;
   const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
   const auto& subgroup = chain.get<vk::PhysicalDeviceSubgroupProperties>();
@@ -59,7 +63,8 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
     info.refusal = "Vulkan " + info.api_version + ", 1.2 is needed";
     return info;
   }
-  const auto features = device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
+  const auto features =
+      device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
   if (!features.get<vk::PhysicalDeviceVulkan12Features>().scalarBlockLayout)
     info.refusal = "no scalarBlockLayout";
   else if (!ComputeFamily(device))
@@ -81,7 +86,8 @@ std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance
   return devices;
 }
 
-VKAPI_ATTR VkBool32 VKAPI_CALL OnValidation(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+VKAPI_ATTR VkBool32 VKAPI_CALL OnValidation(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                            VkDebugUtilsMessageTypeFlagsEXT,
                                             const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   ++static_cast<ValidationLog*>(user)->messages;
   std::fprintf(stderr, "vulkan validation: %s\n", data->pMessage);
@@ -111,7 +117,8 @@ tl::expected<std::vector<DeviceInfo>, std::string> ListDevices() try {
   return tl::make_unexpected(std::string(kNoDriver));
 }
 
-tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name, bool validation) try {
+tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name,
+                                                                bool validation) try {
   auto context = std::make_unique<Context>();
   context->instance = MakeInstance(context->loader, validation);
   if (validation) {
@@ -121,8 +128,8 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
     context->messenger.emplace(
         *context->instance,
         vk::DebugUtilsMessengerCreateInfoEXT({}, Severity::eWarning | Severity::eError,
-                                             Type::eValidation | Type::eGeneral | Type::ePerformance, OnValidation,
-                                             context->validation.get()));
+                                             Type::eValidation | Type::eGeneral | Type::ePerformance,
+                                             OnValidation, context->validation.get()));
   }
   std::vector<vk::raii::PhysicalDevice> devices = Devices(*context->instance);
   if (devices.empty()) return tl::make_unexpected(std::string(kNoDriver));
@@ -152,7 +159,8 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   context->queue.emplace(*context->device, context->queue_family, 0);
   return context;
 } catch (const vk::LayerNotPresentError&) {
-  return tl::make_unexpected(std::string("validation layers are not installed (package vulkan-validationlayers)"));
+  return tl::make_unexpected(
+      std::string("validation layers are not installed (package vulkan-validationlayers)"));
 } catch (const std::exception&) {
   return tl::make_unexpected(std::string(kNoDriver));
 }
@@ -162,22 +170,24 @@ Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placeme
   using Property = vk::MemoryPropertyFlagBits;
   Buffer made;
   made.size = std::max<vk::DeviceSize>(size, 16);
-  made.buffer = vk::raii::Buffer(
-      *context.device,
-      vk::BufferCreateInfo({}, made.size, Usage::eStorageBuffer | Usage::eIndirectBuffer | Usage::eTransferSrc |
-                                      Usage::eTransferDst));
+  made.buffer =
+      vk::raii::Buffer(*context.device, vk::BufferCreateInfo({}, made.size,
+                                                             Usage::eStorageBuffer | Usage::eIndirectBuffer |
+                                                                 Usage::eTransferSrc | Usage::eTransferDst));
   const vk::MemoryRequirements needs = made.buffer.getMemoryRequirements();
   const vk::PhysicalDeviceMemoryProperties memory = context.physical->getMemoryProperties();
 
   // what the placement asks for, best first; the last is always there
   const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
   const std::vector<vk::MemoryPropertyFlags> wishes =
-      placement == Placement::kDevice   ? std::vector<vk::MemoryPropertyFlags>{Property::eDeviceLocal, {}}
-      : placement == Placement::kUpload ? std::vector<vk::MemoryPropertyFlags>{host}
-                                        : std::vector<vk::MemoryPropertyFlags>{host | Property::eHostCached, host};
+      placement == Placement::kDevice ? std::vector<vk::MemoryPropertyFlags>{Property::eDeviceLocal, {}}
+      : placement == Placement::kUpload
+          ? std::vector<vk::MemoryPropertyFlags>{host}
+          : std::vector<vk::MemoryPropertyFlags>{host | Property::eHostCached, host};
   for (const vk::MemoryPropertyFlags wish : wishes)
     for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
-      if (!(needs.memoryTypeBits & (1u << i)) || (memory.memoryTypes[i].propertyFlags & wish) != wish) continue;
+      if (!(needs.memoryTypeBits & (1u << i)) || (memory.memoryTypes[i].propertyFlags & wish) != wish)
+        continue;
       made.memory = vk::raii::DeviceMemory(*context.device, vk::MemoryAllocateInfo(needs.size, i));
       made.buffer.bindMemory(*made.memory, 0);
       if (placement != Placement::kDevice) made.mapped = made.memory.mapMemory(0, VK_WHOLE_SIZE);

@@ -35,7 +35,8 @@ struct Context {
 };
 
 /// @param name  part of a device's name, in any case; empty: the default device.
-[[nodiscard]] tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name, bool validation);
+[[nodiscard]] tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name,
+                                                                              bool validation);
 
 /// A buffer with memory of its own.
 struct Buffer {

@@ -27,7 +27,6 @@
 #include "gpu/spirv/slide.h"
 #include "gpu/spirv/solve.h"
 
-
 namespace osteon::gpu {
 namespace {
 
@@ -38,14 +37,15 @@ static_assert(kMaxMaterials == static_cast<uint>(simulation::kMaxMaterials) && k
 
 constexpr double kMillimetres = 1e3;
 constexpr std::uint64_t kFrameTimeout_ns = 2'000'000'000;
-constexpr std::uint64_t kWarmUpTimeout_ns = 120'000'000'000;  // software drivers compile a pass when it first runs
+constexpr std::uint64_t kWarmUpTimeout_ns =
+    120'000'000'000;  // software drivers compile a pass when it first runs
 constexpr int kBuffers = 10;
 constexpr std::uint32_t kPassCount = 16;
 constexpr std::array<const char*, kPassCount> kPassNames{
-    "contact_live", "place", "reach", "contact", "place_again", "near",   "pick_balls", "pick_points",
-    "planes",  "planes_shaft",     "solve", "slide", "engage",  "advance",     "remove", "clear"};
-// How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut are mostly far
-// from bone, so a wide margin costs nothing.
+    "contact_live", "place",        "reach", "contact", "place_again", "near",    "pick_balls", "pick_points",
+    "planes",       "planes_shaft", "solve", "slide",   "engage",      "advance", "remove",     "clear"};
+// How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
+// are mostly far from bone, so a wide margin costs nothing.
 constexpr double kCuttingMargin_m = 0.25e-3, kShaftMargin_m = 3e-3;
 
 vec4 ToMillimetres(const Vector3& v, double w) {
@@ -97,8 +97,8 @@ struct VulkanEngine::Impl {
   bool lost{false};
   bool poll{false};
 
-  Buffer frame, frame_in, frame_out, balls, points, ball_clusters, point_clusters, path_list, near_list, near_point_list, live_list,
-      live_point_list;
+  Buffer frame, frame_in, frame_out, balls, points, ball_clusters, point_clusters, path_list, near_list,
+      near_point_list, live_list, live_point_list;
   Frame still{};  // what does not change from frame to frame
 
   // the lists of live balls and points that lie on the device, as the last frame left them
@@ -185,8 +185,9 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
                           .cleared = 0});
   }
   const std::vector<Cluster> ball_boxes = Boxes(ball_data, [](const vec4& ball) { return ball; });
-  const std::vector<Cluster> point_boxes =
-      Boxes(point_data, [](const Point& point) { return vec4{point.x, point.y, point.z, 0.0f}; });
+  const std::vector<Cluster> point_boxes = Boxes(point_data, [](const Point& point) {
+    return vec4{point.x, point.y, point.z, 0.0f};
+  });
 
   const auto make = [&](std::size_t bytes) { return MakeBuffer(*context, bytes, Placement::kDevice); };
   balls = make(ball_data.size() * sizeof(vec4));
@@ -207,10 +208,11 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   Write(point_clusters, point_boxes.data(), point_boxes.size() * sizeof(Cluster));
 
   for (std::size_t i = 0; i < materials.size(); ++i)
-    still.material[i] = {.x = static_cast<float>(materials[i].specific_cutting_energy_J_per_m3 * 1e-6),  // N/mm^2
-                         .y = static_cast<float>(materials[i].cutting_force_ratio),
-                         .z = 0.0f,
-                         .w = 0.0f};
+    still.material[i] = {
+        .x = static_cast<float>(materials[i].specific_cutting_energy_J_per_m3 * 1e-6),  // N/mm^2
+        .y = static_cast<float>(materials[i].cutting_force_ratio),
+        .z = 0.0f,
+        .w = 0.0f};
   still.stiffness_N_per_mm = static_cast<float>(params.stiffness_N_per_m / kMillimetres);
   still.max_force_N = static_cast<float>(params.max_force_N);
   still.enlargement_mm = static_cast<float>(params.normal_enlargement_m * kMillimetres);
@@ -238,7 +240,8 @@ void VulkanEngine::Impl::BuildPipelines() {
   set_layout = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
   layout = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout));
 
-  // specialization: numbers of clusters; which of the two kinds of planes; what a tool with a single cutting ball saves
+  // specialization: numbers of clusters; which of the two kinds of planes; what a tool with a single cutting
+  // ball saves
   struct Constants {
     uint ball_clusters, point_clusters;
     VkBool32 shaft_pass, sum_points;
@@ -250,11 +253,12 @@ void VulkanEngine::Impl::BuildPipelines() {
     constants.only_cutting =
         static_cast<uint>(std::find_if(tool.balls.begin(), tool.balls.end(), cuts) - tool.balls.begin());
   }
-  const std::array<vk::SpecializationMapEntry, 5> entries{{{0, offsetof(Constants, ball_clusters), sizeof(uint)},
-                                                           {1, offsetof(Constants, point_clusters), sizeof(uint)},
-                                                           {2, offsetof(Constants, shaft_pass), sizeof(VkBool32)},
-                                                           {3, offsetof(Constants, sum_points), sizeof(VkBool32)},
-                                                           {4, offsetof(Constants, only_cutting), sizeof(uint)}}};
+  const std::array<vk::SpecializationMapEntry, 5> entries{
+      {{0, offsetof(Constants, ball_clusters), sizeof(uint)},
+       {1, offsetof(Constants, point_clusters), sizeof(uint)},
+       {2, offsetof(Constants, shaft_pass), sizeof(VkBool32)},
+       {3, offsetof(Constants, sum_points), sizeof(VkBool32)},
+       {4, offsetof(Constants, only_cutting), sizeof(uint)}}};
   const auto add = [&](const std::uint32_t* code, std::size_t bytes, const Constants& values) {
     const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
                                                 sizeof(values), &values);
@@ -286,9 +290,9 @@ void VulkanEngine::Impl::BuildPipelines() {
   pool = vk::raii::DescriptorPool(
       device, vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
   sets = vk::raii::DescriptorSets(device, vk::DescriptorSetAllocateInfo(*pool, *set_layout));
-  const std::array<const Buffer*, kBuffers> bound{&frame, &balls, &points, &ball_clusters,
-                                                  &point_clusters, &path_list, &near_list,
-                                                  &near_point_list, &live_list, &live_point_list};
+  const std::array<const Buffer*, kBuffers> bound{
+      &frame,     &balls,     &points,          &ball_clusters, &point_clusters,
+      &path_list, &near_list, &near_point_list, &live_list,     &live_point_list};
   for (std::uint32_t i = 0; i < kBuffers; ++i) {
     const vk::DescriptorBufferInfo info(*bound[i]->buffer, 0, VK_WHOLE_SIZE);
     device.updateDescriptorSets(
@@ -312,7 +316,8 @@ void VulkanEngine::Impl::Record() {
   if (stamp_period_ns > 0.0) c.resetQueryPool(*stamps, 0, kPassCount + 1);
   stamp(0);
   c.copyBuffer(*frame_in.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
-  barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader, Access::eShaderRead | Access::eShaderWrite);
+  barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader,
+          Access::eShaderRead | Access::eShaderWrite);
   c.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout, 0, *sets[0], nullptr);
   // in the order of the pipelines: a number of workgroups, or where the passes before have written it
   struct Launch {
@@ -344,9 +349,10 @@ void VulkanEngine::Impl::Record() {
     else
       c.dispatchIndirect(*frame.buffer, launches[i].indirect);
     if (launches[i].barrier)
-      barrier(Stage::eComputeShader, Access::eShaderWrite,
-              Stage::eComputeShader | Stage::eDrawIndirect | Stage::eTransfer,
-              Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead | Access::eTransferRead);
+      barrier(
+          Stage::eComputeShader, Access::eShaderWrite,
+          Stage::eComputeShader | Stage::eDrawIndirect | Stage::eTransfer,
+          Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead | Access::eTransferRead);
     stamp(static_cast<std::uint32_t>(i) + 1);
   }
   c.copyBuffer(*frame.buffer, *frame_out.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
@@ -368,7 +374,8 @@ bool VulkanEngine::Impl::Run(std::uint64_t timeout_ns) try {
   return false;
 }
 
-// Runs every pass once, with a still spindle at the first ball: nothing changes, and no later frame waits for a compiler.
+// Runs every pass once, with a still spindle at the first ball: nothing changes, and no later frame waits for
+// a compiler.
 bool VulkanEngine::Impl::WarmUp(const simulation::Bone& bone) {
   if (bone.balls.empty()) return true;
   simulation::FrameInput input;
@@ -401,13 +408,15 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) const {
   f.dt_s = static_cast<float>(input.dt_s);
   f.work_held_back_Nmm =
       static_cast<float>(memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres);
-  f.path_balls = f.near_balls = f.near_points = f.reach_groups = f.place_groups = f.near_groups = {.x = 0, .y = 1, .z = 1};
+  f.path_balls = f.near_balls = f.near_points = f.reach_groups = f.place_groups =
+      f.near_groups = {.x = 0, .y = 1, .z = 1};
   for (uint& bits : f.plane_gap_bits) bits = std::numeric_limits<uint>::max();
   double way_m = 0.0;
   for (std::size_t t = 0; t < start.size(); ++t) way_m = std::max(way_m, (goal[t] - start[t]).norm());
   const double step_m = params.law == simulation::RemovalLaw::kImmediate ? way_m : params.max_slide_m;
-  f.reach_mm = static_cast<float>(kMillimetres * std::max({params.normal_enlargement_m, params.engaged_layer_m,
-                                                           params.max_slide_m + step_m}));
+  f.reach_mm =
+      static_cast<float>(kMillimetres * std::max({params.normal_enlargement_m, params.engaged_layer_m,
+                                                  params.max_slide_m + step_m}));
   // the lists of the frames before
   f.live_balls = lists.live_balls;
   f.live_points = lists.live_points;
@@ -474,8 +483,8 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
     return tl::make_unexpected("tool: " + std::to_string(tool.balls.size()) + " balls, accepted 1 … " +
                                std::to_string(kMaxToolBalls));
   if (bone.materials.size() > kMaxMaterials)
-    return tl::make_unexpected("bone: " + std::to_string(bone.materials.size()) + " materials, accepted 1 … " +
-                               std::to_string(kMaxMaterials));
+    return tl::make_unexpected("bone: " + std::to_string(bone.materials.size()) +
+                               " materials, accepted 1 … " + std::to_string(kMaxMaterials));
   auto context = OpenContext(vulkan.device, vulkan.validation);
   if (!context) return tl::make_unexpected(context.error());
   try {
@@ -486,23 +495,25 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
     impl->X_WG = X_WG;
     impl->params = params;
     impl->poll = impl->context->info.kind != "cpu";
-    impl->command_pool = vk::raii::CommandPool(
-        *impl->context->device, vk::CommandPoolCreateInfo({}, impl->context->queue_family));
+    impl->command_pool = vk::raii::CommandPool(*impl->context->device,
+                                               vk::CommandPoolCreateInfo({}, impl->context->queue_family));
     impl->fence = vk::raii::Fence(*impl->context->device, vk::FenceCreateInfo());
     const auto families = impl->context->physical->getQueueFamilyProperties();
     if (vulkan.time_passes && families[impl->context->queue_family].timestampValidBits > 0) {
       impl->stamp_period_ns = impl->context->physical->getProperties().limits.timestampPeriod;
-      impl->stamps = vk::raii::QueryPool(*impl->context->device,
-                                         vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kPassCount + 1));
+      impl->stamps = vk::raii::QueryPool(
+          *impl->context->device, vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kPassCount + 1));
     }
     impl->Upload(bone);
     impl->BuildPipelines();
     impl->Record();
-    if (!impl->WarmUp(bone)) return tl::make_unexpected(std::string("the Vulkan device did not finish a frame"));
+    if (!impl->WarmUp(bone))
+      return tl::make_unexpected(std::string("the Vulkan device did not finish a frame"));
     return std::unique_ptr<VulkanEngine>(new VulkanEngine(std::move(impl)));
   } catch (const vk::OutOfDeviceMemoryError&) {
-    return tl::make_unexpected("not enough memory on the Vulkan device for " + std::to_string(bone.balls.size()) +
-                               " balls and " + std::to_string(bone.points.size()) + " mass points");
+    return tl::make_unexpected("not enough memory on the Vulkan device for " +
+                               std::to_string(bone.balls.size()) + " balls and " +
+                               std::to_string(bone.points.size()) + " mass points");
   } catch (const std::exception& error) {
     return tl::make_unexpected(std::string("Vulkan: ") + error.what());
   }
@@ -514,7 +525,8 @@ VulkanEngine::~VulkanEngine() = default;
 simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input) {
   simulation::ContactModel refused;
   if (impl_->lost || !IsUsable(input)) {
-    refused.status = impl_->lost ? simulation::EngineStatus::kDeviceLost : simulation::EngineStatus::kBadInput;
+    refused.status =
+        impl_->lost ? simulation::EngineStatus::kDeviceLost : simulation::EngineStatus::kBadInput;
     return refused;
   }
   if (!impl_->memory.has_proxy) impl_->memory.X_GP = impl_->X_WG.inverse() * Pose(input.X_WT);
@@ -528,7 +540,8 @@ simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input)
   Frame done;
   std::memcpy(&done, impl_->frame_out.mapped, sizeof(Frame));
   impl_->KeepLists(done);
-  return FinishFrame(impl_->params, impl_->materials, impl_->X_WG, input, impl_->Solution(done), impl_->memory);
+  return FinishFrame(impl_->params, impl_->materials, impl_->X_WG, input, impl_->Solution(done),
+                     impl_->memory);
 }
 
 simulation::CarvedState VulkanEngine::Snapshot() const {
@@ -560,11 +573,13 @@ std::string VulkanEngine::device() const { return impl_->context->info.name; }
 std::vector<PassTime> VulkanEngine::LastPassTimes() const {
   std::vector<PassTime> times;
   if (impl_->stamp_period_ns <= 0.0 || impl_->memory.frame == 0) return times;
-  const auto [result, ticks] = impl_->stamps.getResults<std::uint64_t>(
-      0, kPassCount + 1, (kPassCount + 1) * sizeof(std::uint64_t), sizeof(std::uint64_t), vk::QueryResultFlagBits::e64);
+  const auto [result, ticks] =
+      impl_->stamps.getResults<std::uint64_t>(0, kPassCount + 1, (kPassCount + 1) * sizeof(std::uint64_t),
+                                              sizeof(std::uint64_t), vk::QueryResultFlagBits::e64);
   if (result != vk::Result::eSuccess) return times;
   for (std::size_t i = 0; i < kPassCount; ++i)
-    times.push_back({kPassNames[i], static_cast<double>(ticks[i + 1] - ticks[i]) * impl_->stamp_period_ns * 1e-9});
+    times.push_back(
+        {kPassNames[i], static_cast<double>(ticks[i + 1] - ticks[i]) * impl_->stamp_period_ns * 1e-9});
   return times;
 }
 

@@ -40,8 +40,9 @@ struct PlainVector3 {
 
   PlainVector3() = default;
   template <class Derived>
-  PlainVector3(const Eigen::MatrixBase<Derived>& v) : x(v(0)), y(v(1)), z(v(2)) {}  // NOLINT: conversion is the point
-  operator Vector3() const { return {x, y, z}; }                    // NOLINT
+  PlainVector3(const Eigen::MatrixBase<Derived>& v)
+      : x(v(0)), y(v(1)), z(v(2)) {}              // NOLINT: conversion is the point
+  operator Vector3() const { return {x, y, z}; }  // NOLINT
 };
 
 /// A Pose that is trivially copyable. R by rows.

@@ -4,7 +4,8 @@
 
 namespace osteon::safety {
 
-/// Faults are latched bits: once set, a fault stays until the cell is cleared. Each says what the cell does then.
+/// Faults are latched bits: once set, a fault stays until the cell is cleared. Each says what the cell does
+/// then.
 enum class Fault : std::uint32_t {
   kNone = 0,
   kArmStale = 1u << 0,           ///< no arm message within its deadline: hold; Stop 1
@@ -39,9 +40,9 @@ class FaultSet {
 };
 
 struct FaultText {
-  const char* name;       ///< as in the summary, e.g. "contact model stale"
-  const char* reaction;   ///< what the cell does
-  const char* clearing;   ///< how an operator clears it
+  const char* name;      ///< as in the summary, e.g. "contact model stale"
+  const char* reaction;  ///< what the cell does
+  const char* clearing;  ///< how an operator clears it
 };
 
 /// Text for one fault; for screens and reports, not for the tick.

@@ -14,8 +14,9 @@ struct Ball {
   double radius_m{0.0};
 };
 
-/// One point of the mass cloud, in G: it stands for `volume_m3` of `material` around it. Removed volume and mass are sums
-/// over the points that a cutting surface has swept (overlapping balls have no share of mass of their own).
+/// One point of the mass cloud, in G: it stands for `volume_m3` of `material` around it. Removed volume and
+/// mass are sums over the points that a cutting surface has swept (overlapping balls have no share of mass of
+/// their own).
 struct MassPoint {
   PlainVector3 p_m;
   double volume_m3{0.0};
@@ -29,8 +30,8 @@ struct Cup {
   double radius_m{0.024};
 };
 
-/// A bone: balls for contact and shape, points for mass and material. Both are sorted along a space-filling curve, so that
-/// neighbours in the list are neighbours in space.
+/// A bone: balls for contact and shape, points for mass and material. Both are sorted along a space-filling
+/// curve, so that neighbours in the list are neighbours in space.
 struct Bone {
   std::string name;
   std::vector<Ball> balls;

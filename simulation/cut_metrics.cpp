@@ -12,12 +12,14 @@ constexpr double kPathTolerance_m = 2e-6;
 
 // The first cutting ball is the head.
 const ToolBall& Head(const Tool& tool) {
-  const auto head = std::find_if(tool.balls.begin(), tool.balls.end(), [](const ToolBall& b) { return b.cutting; });
+  const auto head =
+      std::find_if(tool.balls.begin(), tool.balls.end(), [](const ToolBall& b) { return b.cutting; });
   return head != tool.balls.end() ? *head : tool.balls.front();
 }
 
 // Points of a path that keep it within the tolerance (Douglas and Peucker, 1973).
-void Simplify(const std::vector<Vector3>& path, std::size_t first, std::size_t last, std::vector<bool>& keep) {
+void Simplify(const std::vector<Vector3>& path, std::size_t first, std::size_t last,
+              std::vector<bool>& keep) {
   std::vector<std::pair<std::size_t, std::size_t>> open{{first, last}};
   while (!open.empty()) {
     const auto [a, b] = open.back();
@@ -60,7 +62,8 @@ bool Within(const Vector3& p, const std::vector<Vector3>& path, double radius_m)
 
 }  // namespace
 
-std::optional<double> FirstHit(std::span<const Ball> balls, const Vector3& origin_m, const Vector3& direction) {
+std::optional<double> FirstHit(std::span<const Ball> balls, const Vector3& origin_m,
+                               const Vector3& direction) {
   std::optional<double> first;
   for (const Ball& ball : balls) {
     const Vector3 D = Vector3(ball.center_m) - origin_m;
@@ -88,7 +91,8 @@ ApexDepth::ApexDepth(const Bone& bone, const Tool& tool)
     : cup_(bone.cup),
       head_T_m_(Head(tool).center_m),
       head_radius_m_(Head(tool).radius_m),
-      floor_m_(FirstHit(bone.balls, bone.cup.center_m, -Vector3(bone.cup.axis)).value_or(bone.cup.radius_m)) {}
+      floor_m_(FirstHit(bone.balls, bone.cup.center_m, -Vector3(bone.cup.axis)).value_or(bone.cup.radius_m)) {
+}
 
 double ApexDepth::Of(const Pose& X_GP) const {
   const double along = Vector3(cup_.axis).dot(X_GP * head_T_m_ - Vector3(cup_.center_m));
@@ -116,8 +120,9 @@ double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X
     for (int j = 0; j < count.y(); ++j)
       for (int k = 0; k < count.z(); ++k) {
         const Vector3 p = cells.min() + step.cwiseProduct(Vector3(i + 0.5, j + 0.5, k + 0.5));
-        const bool swept = std::any_of(sweeps.begin(), sweeps.end(),
-                                       [&](const auto& sweep) { return Within(p, sweep.first, sweep.second); });
+        const bool swept = std::any_of(sweeps.begin(), sweeps.end(), [&](const auto& sweep) {
+          return Within(p, sweep.first, sweep.second);
+        });
         if (swept && solid.SignedDistance(p) < 0.0) ++inside;
       }
   return static_cast<double>(inside) * step.prod();

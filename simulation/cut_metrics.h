@@ -13,15 +13,16 @@
 
 namespace osteon::simulation {
 
-/// Distance from `origin_m` along the unit vector `direction` to the first ball of a union; nothing where none is met,
-/// 0 where the origin lies in one.
+/// Distance from `origin_m` along the unit vector `direction` to the first ball of a union; nothing where
+/// none is met, 0 where the origin lies in one.
 [[nodiscard]] std::optional<double> FirstHit(std::span<const Ball> balls, const Vector3& origin_m,
                                              const Vector3& direction);
 
 /// The balls that are left.
 [[nodiscard]] std::vector<Ball> LiveBalls(const CarvedState& state);
 
-/// How far the tool's apex was below the cup's first floor (of the uncut balls, along the cup's axis) at one proxy pose [m].
+/// How far the tool's apex was below the cup's first floor (of the uncut balls, along the cup's axis) at one
+/// proxy pose [m].
 class ApexDepth {
  public:
   ApexDepth(const Bone& bone, const Tool& tool);
@@ -37,9 +38,11 @@ class ApexDepth {
   double floor_m_;
 };
 
-/// Volume of the solid that the tool's cutting balls sweep along a path of proxy poses: the solid's cells of a regular grid
-/// whose centre lies within a ball's radius of its centre's path. Independent of balls and mass points.
+/// Volume of the solid that the tool's cutting balls sweep along a path of proxy poses: the solid's cells of
+/// a regular grid whose centre lies within a ball's radius of its centre's path. Independent of balls and
+/// mass points.
 /// @param cell_m  edge of a cell; the error falls with the cell's size over the cut's
-[[nodiscard]] double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP, double cell_m);
+[[nodiscard]] double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP,
+                                 double cell_m);
 
 }  // namespace osteon::simulation

@@ -6,9 +6,9 @@
 
 #include "kinematics/spatial.h"
 
-// The closed forms of the cutting model, one pair at a time, in double precision. The shaders hold their float twins
-// (gpu/shaders/cutting_math.glsl). Source: Kaluschke et al., IEEE VR 2019, equations 3 to 5, corrected; each function
-// says what was wrong.
+// The closed forms of the cutting model, one pair at a time, in double precision. The shaders hold their
+// float twins (gpu/shaders/cutting_math.glsl). Source: Kaluschke et al., IEEE VR 2019, equations 3 to 5,
+// corrected; each function says what was wrong.
 
 namespace osteon::simulation {
 
@@ -23,8 +23,10 @@ inline constexpr double kNoContact = 2.0;
 /// @param D  from the tool ball's centre at the start of the path to the bone ball's centre
 /// @param m  the tool ball's path
 /// @param R  sum of both radii
-/// @returns s in [0, 1], or kNoContact. Balls that overlap already: 0 where the path leads inwards (D·m > 0), no contact
-///   where it leads out. The paper takes positive roots alone and so drops every overlapping pair: the tool tunnels.
+/// @returns s in [0, 1], or kNoContact. Balls that overlap already: 0 where the path leads inwards (D·m > 0),
+/// no contact
+///   where it leads out. The paper takes positive roots alone and so drops every overlapping pair: the tool
+///   tunnels.
 [[nodiscard]] inline double FirstContactFraction(const Vector3& D, const Vector3& m, double R) {
   const double Dm = D.dot(m);
   if (Dm <= 0.0) return kNoContact;  // parts, or does not move
@@ -48,8 +50,8 @@ inline constexpr double kNoContact = 2.0;
   return std::numbers::pi * over * over * (d * d + 2.0 * d * (r1 + r2) - 3.0 * dr * dr) / (12.0 * d);
 }
 
-/// Lens volumes count up to this [m^3] in a normal: overlaps beyond it are no contacts any more, and the shaders' sums stay
-/// within their range.
+/// Lens volumes count up to this [m^3] in a normal: overlaps beyond it are no contacts any more, and the
+/// shaders' sums stay within their range.
 inline constexpr double kLargestLensVolume = 0.5e-9;
 
 /// Closest point to p on the segment from a to b.
@@ -63,13 +65,14 @@ inline constexpr double kLargestLensVolume = 0.5e-9;
 /// Balls smaller than this are gone [m].
 inline constexpr double kLeastBallRadius = 1e-6;
 
-/// Pass 3. Shrinks a bone ball to the largest ball that lies inside it and outside a capsule (equation 5, with the vector
-/// read as the penetration; printed, its units do not agree).
+/// Pass 3. Shrinks a bone ball to the largest ball that lies inside it and outside a capsule (equation 5,
+/// with the vector read as the penetration; printed, its units do not agree).
 ///
 ///     p = r_b + r_t - |c_b - q| ;   p >= 2 r_b: gone ;   else  c_b += u p/2,  r_b -= p/2
 ///
-/// with q the closest point of the capsule's axis and u from q to c_b; on the axis any perpendicular direction serves and
-/// a fixed one is taken. Invariant: |c' - c| = r - r', so the new ball lies inside the old one.
+/// with q the closest point of the capsule's axis and u from q to c_b; on the axis any perpendicular
+/// direction serves and a fixed one is taken. Invariant: |c' - c| = r - r', so the new ball lies inside the
+/// old one.
 /// @param c, r  the bone ball; r = 0: gone
 /// @param a, b  the capsule's axis;  r_t its radius
 /// @returns whether the ball changed.
@@ -89,9 +92,10 @@ inline bool ShrinkBall(Vector3& c, double& r, const Vector3& a, const Vector3& b
   } else {
     // the axis of the world that is least along the segment, made perpendicular to it
     const Vector3 m = b - a;
-    const Vector3 pick = std::abs(m.x()) <= std::abs(m.y()) && std::abs(m.x()) <= std::abs(m.z()) ? Vector3::UnitX()
-                         : std::abs(m.y()) <= std::abs(m.z())                                     ? Vector3::UnitY()
-                                                                                                  : Vector3::UnitZ();
+    const Vector3 pick = std::abs(m.x()) <= std::abs(m.y()) && std::abs(m.x()) <= std::abs(m.z())
+                             ? Vector3::UnitX()
+                         : std::abs(m.y()) <= std::abs(m.z()) ? Vector3::UnitY()
+                                                              : Vector3::UnitZ();
     const double mm = m.squaredNorm();
     u = (mm > 0.0 ? Vector3(pick - pick.dot(m) / mm * m) : pick).normalized();
   }

@@ -30,7 +30,8 @@ double CuttingForce(const CuttingParams& params, const FrameSolution& solution) 
 
 int PlaneGroup(const Vector3& u_T) {
   if (-u_T.z() > kCapCosine) return kCapPlane;
-  // sixths of a turn by the signs of three lines: no angle, so that both engines agree to the last bit but one
+  // sixths of a turn by the signs of three lines: no angle, so that both engines agree to the last bit but
+  // one
   const double x = -u_T.x(), y = -u_T.y(), root3 = std::sqrt(3.0);
   const bool above = y >= 0.0, left_of_60 = y >= root3 * x, left_of_120 = y >= -root3 * x;
   if (above) return left_of_60 ? (left_of_120 ? 2 : 3) : 1;
@@ -93,14 +94,15 @@ Vector3 EndOfAdvance(const FrameSolution& solution) {
 }
 
 FrameAdvance AdvanceOfFrame(const CuttingParams& params, const std::vector<Material>& materials,
-                            const FrameSolution& solution, double spindle_rad_per_s, double dt_s, double debt_J) {
+                            const FrameSolution& solution, double spindle_rad_per_s, double dt_s,
+                            double debt_J) {
   const double x = solution.cutting_m;
   if (x <= 0.0 || spindle_rad_per_s == 0.0 || dt_s <= 0.0) return {};
   double work_per_m = 0.0;  // J per metre of advance
   for (std::size_t i = 0; i < materials.size(); ++i)
     work_per_m += materials[i].specific_cutting_energy_J_per_m3 * solution.engaged_area_m2[i];
-  const double work_J = CuttingForce(params, solution) * std::abs(spindle_rad_per_s) *
-                        CuttingArm(materials, solution) * dt_s;
+  const double work_J =
+      CuttingForce(params, solution) * std::abs(spindle_rad_per_s) * CuttingArm(materials, solution) * dt_s;
   if (params.law == RemovalLaw::kImmediate) return {.advance_m = x, .edge_work_J = work_J};
   // scraps without mass hold nothing
   if (work_per_m <= 0.0) return {.advance_m = std::min(x, params.max_slide_m), .edge_work_J = 0.0};
@@ -115,14 +117,16 @@ double SpindleTorque(const CuttingParams& params, const std::vector<Material>& m
   return CuttingForce(params, solution) * CuttingArm(materials, solution);
 }
 
-ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials, const Pose& X_WG,
-                         const FrameInput& input, const FrameSolution& solution, FrameMemory& memory) {
+ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials,
+                         const Pose& X_WG, const FrameInput& input, const FrameSolution& solution,
+                         FrameMemory& memory) {
   const Pose X_WT = input.X_WT;
   const Pose X_GT = X_WG.inverse() * X_WT;
   const Matrix3 R_WG = X_WG.linear();
 
   // proxy: the turn goes as far along its way as the two paths went
-  const double turned = solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.slide_fraction;
+  const double turned =
+      solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.slide_fraction;
   const Eigen::Quaterniond q_P(memory.X_GP.linear()), q_T(X_GT.linear());
   memory.X_GP.linear() = q_P.slerp(turned, q_T).toRotationMatrix();
   memory.X_GP.translation() = solution.origin_end;
@@ -166,7 +170,8 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
     const SolutionPlane& plane = solution.planes[static_cast<std::size_t>(group)];
     if (!plane.present) continue;
     Contact& contact = model.contacts[static_cast<std::size_t>(model.contact_count++)];
-    // the touching point moved with the tool from first contact to the proxy's end; the plane did not, unless it was cut
+    // the touching point moved with the tool from first contact to the proxy's end; the plane did not, unless
+    // it was cut
     const Vector3 moved = solution.origin_end - solution.origin_contact;
     const double gap_m = std::max(0.0, plane.gap_m + plane.n.dot(moved));
     const Vector3 p_G = plane.point_m + moved;
@@ -216,7 +221,8 @@ FrameMemory ToMemory(const CarvedState& state) {
 
 bool IsUsable(const FrameInput& input) {
   const Pose X = input.X_WT;
-  if (!X.matrix().allFinite() || !std::isfinite(input.spindle_rad_per_s) || !std::isfinite(input.dt_s)) return false;
+  if (!X.matrix().allFinite() || !std::isfinite(input.spindle_rad_per_s) || !std::isfinite(input.dt_s))
+    return false;
   if (input.dt_s < 0.0 || input.dt_s > 1.0) return false;
   return (X.linear() * X.linear().transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
          X.linear().determinant() > 0.0;

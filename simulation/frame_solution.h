@@ -8,13 +8,14 @@
 #include "simulation/cutting_engine.h"
 #include "simulation/tool.h"
 
-// What both engines share: how a frame is prepared from poses, and how its solution becomes a ContactModel. What lies
-// between (the passes over balls and points) each engine does in its own way.
+// What both engines share: how a frame is prepared from poses, and how its solution becomes a ContactModel.
+// What lies between (the passes over balls and points) each engine does in its own way.
 
 namespace osteon::simulation {
 
 inline constexpr int kMaxMaterials = 8;
-/// Planes are grouped by the side of the tool they touch: 0 the cap ahead, 1 … 6 sectors around, 7 balls that do not cut.
+/// Planes are grouped by the side of the tool they touch: 0 the cap ahead, 1 … 6 sectors around, 7 balls that
+/// do not cut.
 inline constexpr int kCapPlane = 0, kShaftPlane = 7;
 /// Cosine of the cap's half angle (40 degrees) about the feed direction.
 inline constexpr double kCapCosine = 0.766;
@@ -32,35 +33,38 @@ using ToolPoints = std::vector<Vector3>;
 /// One plane as the passes find it, at the pose of first contact, in G.
 struct SolutionPlane {
   bool present{false};
-  Vector3 n{Vector3::Zero()};      ///< lens-weighted, unit, from bone to tool
-  double gap_m{0.0};               ///< smallest gap of a ball in the group
-  Vector3 point_m{Vector3::Zero()};///< lens-weighted mean of the touching points on the tool
-  double weight{0.0};              ///< lens volume
-  double multiplier_m{0.0};        ///< its share of the proxy's displacement
+  Vector3 n{Vector3::Zero()};        ///< lens-weighted, unit, from bone to tool
+  double gap_m{0.0};                 ///< smallest gap of a ball in the group
+  Vector3 point_m{Vector3::Zero()};  ///< lens-weighted mean of the touching points on the tool
+  double weight{0.0};                ///< lens volume
+  double multiplier_m{0.0};          ///< its share of the proxy's displacement
 };
 
 /// What the passes of a frame have found, in G.
 struct FrameSolution {
-  double contact_fraction{1.0};    ///< first contact on the path from the proxy to the tool
-  double slide_fraction{1.0};      ///< of the way from there to the constrained target
+  double contact_fraction{1.0};  ///< first contact on the path from the proxy to the tool
+  double slide_fraction{1.0};    ///< of the way from there to the constrained target
   std::array<SolutionPlane, kMaxContacts> planes{};
-  Vector3 delta{Vector3::Zero()};  ///< from the tool's pose to the constrained target
-  Vector3 n{Vector3::Zero()};      ///< direction of the cutting planes' resultant
-  double cutting_m{0.0};           ///< length of the cutting planes' share of delta
-  double advance_m{0.0};           ///< how far the bone gave way along -n
-  double edge_work_J{0.0};         ///< of the edge in this frame
-  std::array<double, kMaxMaterials> engaged_area_m2{};    ///< projected on n, by material
-  std::array<double, kMaxMaterials> engaged_moment_m3{};  ///< the same, times the distance to the spindle's axis
-  Vector3 origin_contact{Vector3::Zero()};  ///< T's origin at first contact
-  Vector3 origin_slid{Vector3::Zero()};     ///< after sliding
-  Vector3 origin_end{Vector3::Zero()};      ///< after the advance: the new proxy
+  Vector3 delta{Vector3::Zero()};                       ///< from the tool's pose to the constrained target
+  Vector3 n{Vector3::Zero()};                           ///< direction of the cutting planes' resultant
+  double cutting_m{0.0};                                ///< length of the cutting planes' share of delta
+  double advance_m{0.0};                                ///< how far the bone gave way along -n
+  double edge_work_J{0.0};                              ///< of the edge in this frame
+  std::array<double, kMaxMaterials> engaged_area_m2{};  ///< projected on n, by material
+  std::array<double, kMaxMaterials>
+      engaged_moment_m3{};                         ///< the same, times the distance to the spindle's axis
+  Vector3 origin_contact{Vector3::Zero()};         ///< T's origin at first contact
+  Vector3 origin_slid{Vector3::Zero()};            ///< after sliding
+  Vector3 origin_end{Vector3::Zero()};             ///< after the advance: the new proxy
   std::array<double, kMaxMaterials> removed_m3{};  ///< cleared in this frame, by material
 };
 
 /// Closest target to the tool's pose that keeps all planes: fills multipliers, delta, n and cutting_m.
-/// Planes are moved to the tool's pose by the first-order motion of their points. Where no target keeps all planes (a slot
-/// that is tighter than the tool by less than the tolerance), gaps below zero count as zero, and one exists.
-/// @param origin_T  T's origin at the tool's pose;  @param turn  rotation vector from first contact to there, in G
+/// Planes are moved to the tool's pose by the first-order motion of their points. Where no target keeps all
+/// planes (a slot that is tighter than the tool by less than the tolerance), gaps below zero count as zero,
+/// and one exists.
+/// @param origin_T  T's origin at the tool's pose;  @param turn  rotation vector from first contact to there,
+/// in G
 void SolveTarget(const Vector3& origin_T, const Vector3& turn, FrameSolution& solution);
 
 /// The slid proxy moved by the advance along -n, held back by the plane of the balls that do not cut.
@@ -75,13 +79,14 @@ struct FrameAdvance {
 ///
 ///     power = F w sum(mu_c r dA) / sum(dA)        work per advance = sum(u_c dA)
 ///
-/// with dA the engaged area projected on the plane normal to n (only that projection sweeps volume), F = K x at most
-/// max_force. With x the penetration the law x' = -c K x has the exact solution used here, so that the result does not
-/// depend on the frame rate; the advance never exceeds the penetration. `debt_J` is work that was done but not paid for
-/// (points cleared in excess of the balance); it is paid back over kDebtSeconds.
+/// with dA the engaged area projected on the plane normal to n (only that projection sweeps volume), F = K x
+/// at most max_force. With x the penetration the law x' = -c K x has the exact solution used here, so that
+/// the result does not depend on the frame rate; the advance never exceeds the penetration. `debt_J` is work
+/// that was done but not paid for (points cleared in excess of the balance); it is paid back over
+/// kDebtSeconds.
 [[nodiscard]] FrameAdvance AdvanceOfFrame(const CuttingParams& params, const std::vector<Material>& materials,
-                                          const FrameSolution& solution, double spindle_rad_per_s, double dt_s,
-                                          double debt_J);
+                                          const FrameSolution& solution, double spindle_rad_per_s,
+                                          double dt_s, double debt_J);
 inline constexpr double kDebtSeconds = 0.1;
 
 /// Axial torque of the cut: force times the engaged area's mean of mu_c r.
@@ -98,8 +103,8 @@ struct FrameMemory {
 
 /// Books the solution in `memory` (proxy, volumes, debt) and writes the frame's ContactModel.
 [[nodiscard]] ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials,
-                                       const Pose& X_WG, const FrameInput& input, const FrameSolution& solution,
-                                       FrameMemory& memory);
+                                       const Pose& X_WG, const FrameInput& input,
+                                       const FrameSolution& solution, FrameMemory& memory);
 
 /// The part of a CarvedState that is not balls and points.
 void ToState(const FrameMemory& memory, CarvedState& state);

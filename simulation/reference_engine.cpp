@@ -9,7 +9,8 @@
 
 namespace osteon::simulation {
 
-ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG, const CuttingParams& params)
+ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG,
+                                 const CuttingParams& params)
     : tool_(tool),
       materials_(bone.materials),
       points_(bone.points),
@@ -19,7 +20,8 @@ ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose&
   if (materials_.size() > kMaxMaterials) throw std::invalid_argument("bone: more than 8 materials");
   if (tool_.balls.empty()) throw std::invalid_argument("tool: no ball");
   balls_.reserve(bone.balls.size());
-  for (const Ball& ball : bone.balls) balls_.push_back({.center_m = ball.center_m, .radius_m = ball.radius_m});
+  for (const Ball& ball : bone.balls)
+    balls_.push_back({.center_m = ball.center_m, .radius_m = ball.radius_m});
 }
 
 ContactModel ReferenceEngine::Step(const FrameInput& input) {
@@ -41,13 +43,14 @@ ContactModel ReferenceEngine::Step(const FrameInput& input) {
 
   // pass 2: planes around it there; the closest target that keeps them; and the way to it, ball by ball
   FindPlanes(contact, X_GT.linear(), solution);
-  const Vector3 turn = (1.0 - solution.contact_fraction) *
-                       LogRotation(X_GT.linear() * memory_.X_GP.linear().transpose());
+  const Vector3 turn =
+      (1.0 - solution.contact_fraction) * LogRotation(X_GT.linear() * memory_.X_GP.linear().transpose());
   SolveTarget(goal.back(), turn, solution);
   ToolPoints target = goal;
   for (Vector3& point : target) point += solution.delta;
   double longest = 0.0;
-  for (std::size_t t = 0; t < target.size(); ++t) longest = std::max(longest, (target[t] - contact[t]).norm());
+  for (std::size_t t = 0; t < target.size(); ++t)
+    longest = std::max(longest, (target[t] - contact[t]).norm());
   solution.slide_fraction = std::min(longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0,
                                      FirstContact(contact, target, params_.contact_tolerance_m));
   const ToolPoints slid = Between(contact, target, solution.slide_fraction);
@@ -111,7 +114,8 @@ void ReferenceEngine::FindPlanes(const ToolPoints& at, const Matrix3& R_GT, Fram
   }
 }
 
-// Area of the cutting surface that lies in bone: volume of the mass points within a layer of it over the layer's depth.
+// Area of the cutting surface that lies in bone: volume of the mass points within a layer of it over the
+// layer's depth.
 void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G,
                                         FrameSolution& solution) const {
   if (solution.cutting_m <= 0.0) return;
@@ -168,8 +172,9 @@ void ReferenceEngine::Restore(const CarvedState& state) {
   if (state.balls.size() != balls_.size() * 4 || state.cleared.size() != cleared_.size())
     throw std::invalid_argument("carved state: not of this bone");
   for (std::size_t i = 0; i < balls_.size(); ++i)
-    balls_[i] = {.center_m = 1e-3 * Vector3(state.balls[4 * i], state.balls[4 * i + 1], state.balls[4 * i + 2]),
-                 .radius_m = 1e-3 * state.balls[4 * i + 3]};
+    balls_[i] = {
+        .center_m = 1e-3 * Vector3(state.balls[4 * i], state.balls[4 * i + 1], state.balls[4 * i + 2]),
+        .radius_m = 1e-3 * state.balls[4 * i + 3]};
   cleared_ = state.cleared;
   memory_ = ToMemory(state);
 }

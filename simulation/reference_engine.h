@@ -7,11 +7,12 @@
 
 namespace osteon::simulation {
 
-/// The oracle: the cutting model in double precision by plain loops over every pair, without any culling. What it does, pass
-/// by pass, is what every other engine must reproduce:
+/// The oracle: the cutting model in double precision by plain loops over every pair, without any culling.
+/// What it does, pass by pass, is what every other engine must reproduce:
 ///
 ///     1  first contact    P ──▶ T, every tool ball against every bone ball
-///     2  normals          lens-weighted planes around the tool there, then the closest target that keeps all planes
+///     2  normals          lens-weighted planes around the tool there, then the closest target that keeps all
+///     planes
 ///        slide            first contact again, from there to that target
 ///     3  advance, removal by energy balance; every cutting ball's capsule, then the mass points in it
 ///

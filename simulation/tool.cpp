@@ -8,10 +8,12 @@ namespace osteon::simulation {
 Tool MakeReamer(double head_radius_m, double shaft_radius_m, double shaft_length_m) {
   if (!(head_radius_m > 0.0) || !(shaft_radius_m > 0.0) || !(shaft_length_m >= 0.0))
     throw std::invalid_argument("reamer: radii must be positive and the shaft's length not negative");
-  if (shaft_radius_m >= head_radius_m) throw std::invalid_argument("reamer: the shaft is as wide as the head");
+  if (shaft_radius_m >= head_radius_m)
+    throw std::invalid_argument("reamer: the shaft is as wide as the head");
   Tool tool;
   tool.name = "hemispherical reamer " + std::to_string(std::lround(head_radius_m * 2000.0)) + " mm";
-  tool.balls.push_back({.center_m = Vector3(0, 0, -head_radius_m), .radius_m = head_radius_m, .cutting = true});
+  tool.balls.push_back(
+      {.center_m = Vector3(0, 0, -head_radius_m), .radius_m = head_radius_m, .cutting = true});
   // shaft balls overlap by half, the first one inside the head, so that no bone slips between two of them
   const int count = static_cast<int>(std::ceil(shaft_length_m / shaft_radius_m));
   for (int i = 1; i <= count; ++i)

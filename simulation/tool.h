@@ -22,7 +22,8 @@ struct Tool {
   PlainVector3 center_of_mass_m;  ///< in T
 };
 
-/// Hemispherical reamer: one analytic ball for the head, its apex at T's origin, and a row of balls along -z for the shaft.
+/// Hemispherical reamer: one analytic ball for the head, its apex at T's origin, and a row of balls along -z
+/// for the shaft.
 /// @throws std::invalid_argument where a size is not positive or the shaft is wider than the head.
 [[nodiscard]] Tool MakeReamer(double head_radius_m, double shaft_radius_m, double shaft_length_m);
 

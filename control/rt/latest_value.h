@@ -9,13 +9,15 @@
 
 namespace osteon::rt {
 
-/// The newest value of a stream, handed from one writer thread to one reader thread without a lock: a triple buffer.
+/// The newest value of a stream, handed from one writer thread to one reader thread without a lock: a triple
+/// buffer.
 ///
 ///     writer: back ──exchange──▶ middle ◀──exchange── front : reader
 ///
-/// The writer never waits and overwrites what was not read; the reader always gets the newest complete value. The three
-/// slots' roles live in one atomic byte: bits 0-1 the middle slot, bit 2 "middle is newer than front".
-/// Memory order: Store's exchange releases the slot it wrote and acquires the one it gets back; Load's the same.
+/// The writer never waits and overwrites what was not read; the reader always gets the newest complete value.
+/// The three slots' roles live in one atomic byte: bits 0-1 the middle slot, bit 2 "middle is newer than
+/// front". Memory order: Store's exchange releases the slot it wrote and acquires the one it gets back;
+/// Load's the same.
 template <class T>
 class LatestValue {
   static_assert(std::is_trivially_copyable_v<T>, "a torn-free hand-over is promised for plain data only");

@@ -5,7 +5,8 @@
 
 #include <cstddef>
 
-// Counts every way into glibc's heap, and every mutex lock. Compiled out under sanitizers, which bring their own.
+// Counts every way into glibc's heap, and every mutex lock. Compiled out under sanitizers, which bring their
+// own.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define OSTEON_COUNTS_HEAP 0
 #else

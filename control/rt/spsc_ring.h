@@ -11,7 +11,8 @@ namespace osteon::rt {
 
 /// Queue of plain values from one writer thread to one reader thread; bounded, allocated once, no lock.
 /// A full ring refuses the value and counts it: the tick never waits for a disk.
-/// Memory order: the writer releases head_ after the value is in place, the reader releases tail_ after it is read.
+/// Memory order: the writer releases head_ after the value is in place, the reader releases tail_ after it is
+/// read.
 template <class T>
 class SpscRing {
   static_assert(std::is_trivially_copyable_v<T>);

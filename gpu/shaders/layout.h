@@ -1,5 +1,6 @@
-// What the shaders and C++ both see: sizes, bindings, and the memory layout of every buffer. Included by both.
-// Lengths in millimetres relative to the packing's origin, forces in newtons, work in newton millimetres.
+// What the shaders and C++ both see: sizes, bindings, and the memory layout of every buffer. Included by
+// both. Lengths in millimetres relative to the packing's origin, forces in newtons, work in newton
+// millimetres.
 #ifndef OSTEON_GPU_LAYOUT_H
 #define OSTEON_GPU_LAYOUT_H
 
@@ -20,15 +21,15 @@ struct vec4 {
 #define OSTEON_ARRAY(type, name, count) type name[count]
 #endif
 
-OSTEON_CONST uint kGroupSize = 64;     // invocations of a workgroup; balls or points of a cluster
+OSTEON_CONST uint kGroupSize = 64;  // invocations of a workgroup; balls or points of a cluster
 OSTEON_CONST uint kMaxToolBalls = 64;
 OSTEON_CONST uint kMaxMaterials = 8;
-OSTEON_CONST uint kPlanes = 8;         // groups of contacts, see PlaneGroup
+OSTEON_CONST uint kPlanes = 8;  // groups of contacts, see PlaneGroup
 OSTEON_CONST uint kShaft = 7;
-OSTEON_CONST uint kPlaneColumns = 7;   // weight, weight u (3), weight point (3)
+OSTEON_CONST uint kPlaneColumns = 7;  // weight, weight u (3), weight point (3)
 
-// A sum in fixed point: high * 2^16 + low, in units of 1/scale. Whole numbers add up to the same in any order, so that a
-// frame's result does not depend on scheduling.
+// A sum in fixed point: high * 2^16 + low, in units of 1/scale. Whole numbers add up to the same in any
+// order, so that a frame's result does not depend on scheduling.
 struct Sum {
   int high;
   uint low;
@@ -39,20 +40,22 @@ struct Groups {
   uint x, y, z;
 };
 
-// One frame: what the host writes, then what the passes find. Copied to the device before them and back after.
+// One frame: what the host writes, then what the passes find. Copied to the device before them and back
+// after.
 struct Frame {
   // host
-  OSTEON_ARRAY(vec4, start, kMaxToolBalls + 1);  // tool ball centres at the proxy; w: radius. Entry tool_count: T's origin
+  OSTEON_ARRAY(vec4, start,
+               kMaxToolBalls + 1);  // tool ball centres at the proxy; w: radius. Entry tool_count: T's origin
   OSTEON_ARRAY(vec4, goal, kMaxToolBalls + 1);   // the same at the tool's pose; w: 1 cutting, 0 not
-  OSTEON_ARRAY(vec4, built, kMaxToolBalls + 1);    // where the tool was when the lists of live balls and points were made;
-                                                   // w: how far from there they serve
+  OSTEON_ARRAY(vec4, built, kMaxToolBalls + 1);  // where the tool was when the lists of live balls and points
+                                                 // were made; w: how far from there they serve
   OSTEON_ARRAY(vec4, contact, kMaxToolBalls + 1);  // found: the same at first contact; w: radius
   OSTEON_ARRAY(vec4, target, kMaxToolBalls + 1);   // found: the constrained target
   OSTEON_ARRAY(vec4, slid, kMaxToolBalls + 1);     // found: after the slide
   OSTEON_ARRAY(vec4, end, kMaxToolBalls + 1);      // found: after the advance, the new proxy
-  OSTEON_ARRAY(vec4, material, kMaxMaterials);   // x specific cutting energy [N/mm^2], y cutting-force ratio
-  vec4 axis_x, axis_y, axis_z;                   // T's axes in G at the tool's pose
-  vec4 turn;                                     // rotation vector from the proxy to the tool's pose
+  OSTEON_ARRAY(vec4, material, kMaxMaterials);  // x specific cutting energy [N/mm^2], y cutting-force ratio
+  vec4 axis_x, axis_y, axis_z;                  // T's axes in G at the tool's pose
+  vec4 turn;                                    // rotation vector from the proxy to the tool's pose
   float spindle_rad_per_s;
   float dt_s;
   float stiffness_N_per_mm;
@@ -67,43 +70,44 @@ struct Frame {
   uint material_count;
   uint immediate;
   float max_slide_mm;
-  float reach_mm;        // balls and points further than this from the tool at first contact play no part after it
+  float reach_mm;  // balls and points further than this from the tool at first contact play no part after it
   // passes
-  uint contact_bits;     // fraction of first contact, as the bits of a float: order of bits is order of fractions
+  uint
+      contact_bits;  // fraction of first contact, as the bits of a float: order of bits is order of fractions
   uint slide_bits;
-  float slide_limit;     // fraction of the way to the target that the slide may take
-  Groups path_balls;     // clusters that the way from proxy to tool meets
-  Groups near_balls;     // clusters within reach at first contact
+  float slide_limit;  // fraction of the way to the target that the slide may take
+  Groups path_balls;  // clusters that the way from proxy to tool meets
+  Groups near_balls;  // clusters within reach at first contact
   Groups near_points;
-  Groups live_balls;     // workgroups for the balls within reach
+  Groups live_balls;  // workgroups for the balls within reach
   Groups live_points;
-  Groups shaft_balls;    // the same list, as far as balls of it meet the shaft's margin
+  Groups shaft_balls;  // the same list, as far as balls of it meet the shaft's margin
   uint live_ball_count, live_point_count;
   uint cutting_low, cutting_high;  // mask of the tool balls that cut
-  Groups reach_groups;   // workgroups of the passes that run only where the lists have to be made anew
+  Groups reach_groups;  // workgroups of the passes that run only where the lists have to be made anew
   Groups place_groups;
   Groups near_groups;
-  uint rebuilt;          // the lists were made anew at this frame's first contact
+  uint rebuilt;  // the lists were made anew at this frame's first contact
   uint pad;
-  uint lists_serve;      // 0: there are no lists yet, or they reach less far than this frame asks
-  vec4 delta;             // to the constrained target; w: length of the cutting planes' share
-  vec4 n;                 // direction of the cutting planes' resultant
+  uint lists_serve;  // 0: there are no lists yet, or they reach less far than this frame asks
+  vec4 delta;        // to the constrained target; w: length of the cutting planes' share
+  vec4 n;            // direction of the cutting planes' resultant
   float advance_mm;
   float edge_work_Nmm;
-  uint planes_present;    // bit per plane
+  uint planes_present;  // bit per plane
   uint pad2;
   OSTEON_ARRAY(vec4, plane_n, kPlanes);      // w: smallest gap
   OSTEON_ARRAY(vec4, plane_point, kPlanes);  // w: lens volume
   OSTEON_ARRAY(float, multiplier, kPlanes);
   OSTEON_ARRAY(uint, plane_gap_bits, kPlanes);  // smallest gap, as bits that order like the float
-  OSTEON_ARRAY(Sum, plane_sums, kPlanes * kPlaneColumns);
+  OSTEON_ARRAY(Sum, plane_sums, kPlanes* kPlaneColumns);
   OSTEON_ARRAY(Sum, engaged_sums, 2 * kMaxMaterials);  // area and moment by material
   OSTEON_ARRAY(float, engaged, 2 * kMaxMaterials);
   OSTEON_ARRAY(uint, removed, kMaxMaterials);  // cleared volume in units of the bone's
 };
 
-// Box around a cluster of balls (whole balls) or of points, as they were at the start: conservative for ever. A cluster of
-// which nothing is left is passed over.
+// Box around a cluster of balls (whole balls) or of points, as they were at the start: conservative for ever.
+// A cluster of which nothing is left is passed over.
 struct Cluster {
   float low_x, low_y, low_z;
   uint alive;
