@@ -70,6 +70,7 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
                                                                   : simulation::RemovalLaw::kImmediate;
   cutting.normal_enlargement_m = section.Number("normal_enlargement_um", 1, 5000);
   cutting.contact_tolerance_m = section.Number("contact_tolerance_um", 0.1, 500);
+  cutting.max_slide_m = section.Number("max_slide_um", 10, 5000);
   cutting.engaged_layer_m = section.Number("engaged_layer_mm", 0.05, 5);
 }
 
@@ -109,6 +110,34 @@ void ReadSimulatedArm(Reader section, hil::ServoArmParams& arm, int period_ms) {
   arm.bandwidth_hz = section.Number("bandwidth_hz", 0.5, 200);
   arm.damping_ratio = section.Number("damping_ratio", 0.1, 5);
   arm.dead_cycles = static_cast<int>(std::lround(section.Number("dead_time_ms", 0, 30) * 1e3 / period_ms));
+}
+
+void ReadLinkQuality(Reader section, hil::QualityPolicyParams& quality) {
+  quality.fair_after_answers = section.Whole("fair_answered_count", 1, 1000);
+  quality.good_after_answers = section.Whole("good_answered_count", 1, 1000);
+  quality.excellent_after_answers = section.Whole("excellent_answered_count", 1, 1000);
+  quality.good_max_lost_per_s = section.Whole("good_lost_count", 0, 1000);
+  quality.end_after_lost_in_a_row = section.Whole("end_lost_in_a_row_count", 1, 1000);
+  quality.end_after_lost_per_s = section.Whole("end_lost_count", 1, 1000);
+  quality.good_timeout_s = section.Number("good_timeout_s", 0.1, 600);
+}
+
+// What hil::LinkQuality would refuse, at the line that is to blame.
+void CheckLinkQuality(const Reader& section, const hil::FriServerParams& fri) {
+  const hil::QualityPolicyParams& quality = fri.quality;
+  const auto at_least = [&](const char* key, int value, const char* other_key, int other) {
+    if (value < other)
+      section.Refuse(key, fmt::format("found {}, accepted at least {} ({})", value, other_key, other));
+  };
+  at_least("good_answered_count", quality.good_after_answers, "fair_answered_count",
+           quality.fair_after_answers);
+  at_least("excellent_answered_count", quality.excellent_after_answers, "good_answered_count",
+           quality.good_after_answers);
+  const int due = 1000 / (fri.send_period_ms * fri.receive_multiplier);
+  if (quality.excellent_after_answers > due)
+    section.Refuse("excellent_answered_count",
+                   fmt::format("found {}, accepted at most {}: the answers due in a second at this period_ms",
+                               quality.excellent_after_answers, due));
 }
 
 // Of two values in ms or N of one section, the second must be the larger.
@@ -187,8 +216,11 @@ CellConfig LoadCell(const std::filesystem::path& path) {
   ReadHand(hand, cell.simulated.hand);
   ReadScript(script, cell.script);
   ReadSimulatedArm(reader.Section("simulated_arm"), cell.simulated.servo, cell.simulated.fri.send_period_ms);
+  const Reader link_quality = reader.Section("link_quality");
+  ReadLinkQuality(link_quality, cell.simulated.fri.quality);
   reader.Finish();
 
+  CheckLinkQuality(link_quality, cell.simulated.fri);
   CheckOrder(coupling, "fresh_ms", "gone_ms", servo.coupling.fresh_s * 1e3, servo.coupling.gone_s * 1e3);
   CheckOrder(watchdog, "the coupling's gone_ms", "model_stop_ms", servo.coupling.gone_s * 1e3,
              servo.watchdog.model_stop_s * 1e3);
