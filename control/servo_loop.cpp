@@ -85,7 +85,7 @@ Pose ServoLoop::ToolPose(const JointVector& q) const OSTEON_RT { return X_WB_ * 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
   return {.X_WT = X_WT_,
           .spindle_rad_per_s = phase_ == Phase::kHaptic ? params_.spindle_rad_per_s : 0.0,
-          .stamp = now_};
+          .stamp = has_pose_ ? now_ : 0};
 }
 
 TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const ForceReading& reading,
@@ -147,13 +147,16 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   return record;
 }
 
-// The arm moves by itself, or rests: commanded is what it commands itself.
+// The arm moves by itself, or rests: commanded is what it commands itself. An idle one need not say where it
+// is.
 void ServoLoop::Follow(const ArmState& state) OSTEON_RT {
-  q_ = ToVector(state.has_ipo ? state.q_ipo : state.q_meas);
   q_step_.setZero();
-  X_WT_ = ToolPose(q_);
   V_WT_ = {};
   share_ = 0.0;
+  if (state.session == SessionState::kIdle) return;
+  q_ = ToVector(state.has_ipo ? state.q_ipo : state.q_meas);
+  X_WT_ = ToolPose(q_);
+  has_pose_ = true;
 }
 
 // No message, so nothing can be answered: the arm holds the last command, and so does the virtual tool.

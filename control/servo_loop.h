@@ -96,7 +96,8 @@ class ServoLoop {
   /// Orderly stop. From any thread, and from a signal handler.
   void RequestStop() OSTEON_RT { stop_requested_.store(true, std::memory_order_relaxed); }
 
-  /// What the simulation should follow: the commanded tool pose of the last tick.
+  /// What the simulation should follow: the commanded tool pose of the last tick. Its stamp is 0 until the
+  /// arm has said where it is: there is no pose yet.
   [[nodiscard]] simulation::ToolCommand tool_command() const OSTEON_RT;
 
   [[nodiscard]] Phase phase() const OSTEON_RT { return phase_; }
@@ -139,7 +140,8 @@ class ServoLoop {
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};
 
-  // the virtual tool, and the joints that put the arm there: one and the same pose
+  // the virtual tool, and the joints that put the arm there: one and the same pose, once it is known
+  bool has_pose_{false};
   Pose X_WT_{Pose::Identity()};
   Twist V_WT_;         ///< of the law, before the share below
   double share_{0.0};  ///< of V_WT_ that moves the tool
