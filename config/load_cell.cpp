@@ -140,6 +140,21 @@ void CheckLinkQuality(const Reader& section, const hil::FriServerParams& fri) {
                                quality.excellent_after_answers, due));
 }
 
+// Bone beyond the planes of a frame (normal_enlargement) is met as deep as the tool travels until the next
+// one: the step of the coupling's force must stay below the trip on its rate, 1.5 K v_max a tick; K cancels
+// out.
+void CheckSight(const Reader& limits, const CellConfig& cell) {
+  const control::ServoParams& servo = cell.servo;
+  const double step_m =
+      1.5 * servo.twist.max_speed_m_per_s * servo.period_s / (1.0 + servo.coupling.damping_share);
+  const double most_m = cell.cutting.normal_enlargement_m + step_m;
+  if (servo.model_sight_m > most_m)
+    limits.Refuse("model_sight_mm",
+                  fmt::format("found {:.10g}, accepted at most {:.3g}: normal_enlargement_um + 1.5 "
+                              "max_tool_speed_mm_per_s × period_ms / (1 + damping_share_ratio)",
+                              servo.model_sight_m * 1e3, most_m * 1e3));
+}
+
 // Of two values in ms or N of one section, the second must be the larger.
 void CheckOrder(const Reader& section, const std::string& smaller_key, const std::string& larger_key,
                 double smaller, double larger) {
@@ -175,7 +190,6 @@ void Spread(CellConfig& cell) {
   servo.joints.limits = cell.robot.limits;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
-  servo.period_s = 1e-3 * cell.simulated.fri.send_period_ms;
   cell.cutting.stiffness_N_per_m = servo.coupling.max_stiffness_N_per_m;
   cell.cutting.max_force_N = servo.wrench.max_force_N;
 
@@ -204,7 +218,8 @@ CellConfig LoadCell(const std::filesystem::path& path) {
   cell.X_WG = ReadPose(reader.Section("bone_in_world"));
   const Reader start = reader.Section("start");
   ReadStart(start, cell.start);
-  ReadLimits(reader.Section("limits"), servo);
+  const Reader limits = reader.Section("limits");
+  ReadLimits(limits, servo);
   ReadWorkspace(reader.Section("workspace"), servo.workspace);
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
@@ -230,6 +245,9 @@ CellConfig LoadCell(const std::filesystem::path& path) {
              cell.simulated.hand.max_force_N);
   CheckOrder(script, "approach_force_N", "push_force_N", cell.script.approach_force_N,
              cell.script.push_force_N);
+
+  servo.period_s = 1e-3 * cell.simulated.fri.send_period_ms;
+  CheckSight(limits, cell);
 
   cell.robot = LoadRobot(robot);
   cell.tool = LoadTool(tool);

@@ -205,6 +205,8 @@ TEST_F(ConfigFilesTest, ValuesThatContradictEachOtherAreRefused) {
                 "excellent_answered_count: found 40, accepted at least good_answered_count (50)"},
            Case{"cells/demo.yaml", "period_ms: 1", "period_ms: 20",
                 "excellent_answered_count: found 90, accepted at most 50"},
+           Case{"cells/demo.yaml", "model_sight_mm: 0.5", "model_sight_mm: 1",
+                "model_sight_mm: found 1, accepted at most 0.54: normal_enlargement_um"},
            Case{"cells/demo.yaml", "height_mm: 40 ", "height_mm: 400 ",
                 "height_mm: the tool's apex is outside the workspace"},
            Case{"cells/demo.yaml", "base_in_world:\n  position_mm: [0, 0, 0]",

@@ -29,6 +29,29 @@ TEST(ServoInput, NoPoseIsToldToTheSimulationBeforeTheArmHasToldOne) {
   EXPECT_LT((Pose(record.X_WT_cmd).matrix() - ServoBench::StartPose().matrix()).norm(), 1e-9);
 }
 
+// The planes of a frame reach a quarter of a millimetre beyond the tool (CuttingParams). Bone farther away is
+// news of the next frame, when the tool may be in it: the step must stay below the trip on the wrench's rate.
+TEST(ServoInput, BoneThatNoFrameKnewOfYetIsMetWithoutAFault) {
+  for (const bool one_frame_behind : {false, true})
+    for (const int frame_ticks : {1, 2, 3, 5, 8}) {
+      // contact at every place in a frame's time
+      for (double ahead_m = 0.020; ahead_m < 0.0221; ahead_m += 0.0001) {
+        ServoBench bench(ServoBench::Params(), ahead_m);
+        bench.reach_m = simulation::CuttingParams{}.normal_enlargement_m;
+        bench.frame_ticks = frame_ticks;
+        bench.one_frame_behind = one_frame_behind;
+        bench.push_N = 40.0;
+        bench.Activate();
+        for (int i = 0; i < 2500 && bench.Depth() < 1e-3; ++i) {
+          const TickRecord record = bench.Tick();
+          ASSERT_EQ(record.faults, 0u) << "frame of " << frame_ticks << " ms, depth " << bench.Depth() * 1e3
+                                       << " mm, model of " << record.model_age_s * 1e3 << " ms";
+        }
+        EXPECT_GE(bench.Depth(), 1e-3) << "it was reached";
+      }
+    }
+}
+
 // Time of the simulation's clock that is ahead of ours, behind it, or none at all.
 TEST(ServoInput, AModelOrReadingOfAnotherTimeIsNotFresh) {
   for (const rt::Nanoseconds offset :
