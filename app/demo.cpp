@@ -105,6 +105,7 @@ int RunDemo(const DemoOptions& options) {
       .bone = setup->bone,
       .after = result->after,
       .tool = setup->config.tool.tool,
+      .solid = setup->solid.get(),
       .X_WG = setup->X_WG,
       .force_limit_N = summary.force_limit_N,
       .tool_speed_limit_m_per_s = setup->config.servo.twist.max_speed_m_per_s,

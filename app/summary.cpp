@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -124,11 +126,14 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.seconds = stamps.size() < 2 ? 0.0 : rt::ToSeconds(stamps.back() - stamps.front());
   std::vector<rt::Nanoseconds> frame_stamps;
   std::vector<Pose> X_GP;
+  std::vector<bool> touching;
   const Pose X_GW = setup.X_WG.inverse();
   for (const simulation::FrameRecord& record : recording.frames) {
     frame_stamps.push_back(record.stamp);
     frame.push_back(rt::ToSeconds(record.duration_ns));
-    if (record.model.status == simulation::EngineStatus::kOk) X_GP.push_back(X_GW * Pose(record.model.X_WP));
+    if (record.model.status != simulation::EngineStatus::kOk) continue;
+    X_GP.push_back(X_GW * Pose(record.model.X_WP));
+    touching.push_back(Vector3(record.model.F_T_W.f).norm() > 0.0);
   }
   s.simulation_rate_hz = RateOf(frame_stamps);
   if (!params.virtual_time) {
@@ -142,8 +147,15 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.removed_mass_kg = result.after.removed_mass_kg;
   s.cutting_work_J = result.after.cutting_work_J;
   s.swept_volume_m3 = simulation::SweptVolume(*setup.solid, tool, X_GP, kSweepCell_m);
-  if (!recording.frames.empty()) s.cup_depth_m = recording.frames.back().cup_depth_m;
   const simulation::ApexDepth depth(setup.bone, tool);
+  s.cup_depth_m = X_GP.empty() ? 0.0 : -std::numeric_limits<double>::infinity();
+  std::optional<double> first_touch_m;
+  for (std::size_t i = 0; i < X_GP.size(); ++i) {
+    const double at_m = depth.Of(X_GP[i]);
+    s.cup_depth_m = std::max(s.cup_depth_m, at_m);
+    if (touching[i] && !first_touch_m) first_touch_m = at_m;
+  }
+  if (first_touch_m) s.reamed_depth_m = s.cup_depth_m - *first_touch_m;
   const auto floor_m = simulation::FirstHit(simulation::LiveBalls(result.after), setup.bone.cup.center_m,
                                             -Vector3(setup.bone.cup.axis));
   s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
@@ -178,10 +190,11 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
                   fmt::format("{:.0f} mm³, {:.2f} g; swept {:.0f} mm³ ({:+.1f} %)", s.removed_volume_m3 * 1e9,
                               s.removed_mass_kg * 1e3, s.swept_volume_m3 * 1e9, 100.0 * swept_share)});
   rows.push_back(
-      {"Cup deeper by", fmt::format("{:.2f} mm (tool's apex), {} (carved floor)", s.cup_depth_m * 1e3,
-                                    s.cavity_depth_m < 0.0 && s.cavity_depth_m <= -1.0
-                                        ? std::string("carved through")
-                                        : fmt::format("{:.2f} mm", s.cavity_depth_m * 1e3))});
+      {"Reamed since first touch", fmt::format("{:.2f} mm along the cup's axis", s.reamed_depth_m * 1e3)});
+  const std::string floor =
+      s.cavity_depth_m <= -1.0 ? "carved through" : fmt::format("{:.2f} mm", s.cavity_depth_m * 1e3);
+  rows.push_back({"Below the first floor",
+                  fmt::format("{:.2f} mm (tool's apex), {} (carved floor)", s.cup_depth_m * 1e3, floor)});
   if (s.section.cavity_section.samples > 0)
     rows.push_back({"Cavity against swept tool",
                     fmt::format("mean {:.3f} mm, p95 {:.3f} mm", s.section.cavity_section.mean_abs_m * 1e3,
@@ -224,6 +237,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                      {"swept_volume_mm3", s.swept_volume_m3 * 1e9},
                      {"cutting_work_J", s.cutting_work_J},
                      {"cup_depth_mm", s.cup_depth_m * 1e3},
+                     {"reamed_depth_mm", s.reamed_depth_m * 1e3},
                      {"cavity_depth_mm", s.cavity_depth_m <= -1.0 ? nlohmann::json(nullptr)
                                                                   : nlohmann::json(s.cavity_depth_m * 1e3)},
                      {"cavity_error_mean_mm", section.samples > 0 ? nlohmann::json(section.mean_abs_m * 1e3)

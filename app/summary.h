@@ -31,8 +31,9 @@ struct RunSummary {
   double peak_tool_speed_m_per_s{0.0};
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
   double swept_volume_m3{0.0};  ///< of the solid, by the proxy's cutting surface; a grid's count, no engine's
-  double cup_depth_m{0.0};      ///< deepest proxy apex below the cup's first floor
-  double cavity_depth_m{0.0};   ///< floor of the carved balls below the first floor; < 0: carved through
+  double cup_depth_m{0.0};      ///< deepest proxy apex below the cup's first floor; negative: it stayed above
+  double reamed_depth_m{0.0};  ///< deepest proxy apex below where it first touched bone, along the cup's axis
+  double cavity_depth_m{0.0};  ///< floor of the carved balls below the first floor; < 0: carved through
   ReportFigures section;
   DurationFigures wakeup, compute, frame;
   std::string state_hash;  ///< of the carved state, hexadecimal

@@ -46,7 +46,7 @@ constexpr std::array<const char*, kPassCount> kPassNames{
     "planes",       "planes_shaft", "solve", "slide",   "engage",      "advance", "remove",     "clear"};
 // How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
 // are mostly far from bone, so a wide margin costs nothing.
-constexpr double kCuttingMargin_m = 0.25e-3, kShaftMargin_m = 3e-3;
+constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 3e-3;
 
 vec4 ToMillimetres(const Vector3& v, double w) {
   return {static_cast<float>(v.x() * kMillimetres), static_cast<float>(v.y() * kMillimetres),
@@ -104,7 +104,7 @@ struct VulkanEngine::Impl {
   // the lists of live balls and points that lie on the device, as the last frame left them
   struct Lists {
     bool made{false};
-    float reach_mm{0.0f};
+    float ball_reach_mm{0.0f}, point_reach_mm{0.0f};
     Groups live_balls{0, 1, 1}, live_points{0, 1, 1}, shaft_balls{0, 1, 1};
     uint ball_count{0}, point_count{0};
     decltype(Frame::built) built{};
@@ -385,7 +385,7 @@ bool VulkanEngine::Impl::WarmUp(const simulation::Bone& bone) {
   input.dt_s = 0.0;
   memory.X_GP = X_GT;
   Frame f = Prepare(input);
-  f.reach_mm = 1e6f;  // every cluster is near
+  f.ball_reach_mm = f.point_reach_mm = 1e6f;  // every cluster is near
   std::memcpy(frame_in.mapped, &f, sizeof(Frame));
   memory = {};
   return Run(kWarmUpTimeout_ns);
@@ -413,10 +413,10 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) const {
   for (uint& bits : f.plane_gap_bits) bits = std::numeric_limits<uint>::max();
   double way_m = 0.0;
   for (std::size_t t = 0; t < start.size(); ++t) way_m = std::max(way_m, (goal[t] - start[t]).norm());
-  const double step_m = params.law == simulation::RemovalLaw::kImmediate ? way_m : params.max_slide_m;
-  f.reach_mm =
-      static_cast<float>(kMillimetres * std::max({params.normal_enlargement_m, params.engaged_layer_m,
-                                                  params.max_slide_m + step_m}));
+  // slide and advance together: at most max_slide, but for the immediate law, which goes all the way
+  const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
+  f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
+  f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
   // the lists of the frames before
   f.live_balls = lists.live_balls;
   f.live_points = lists.live_points;
@@ -424,7 +424,9 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) const {
   f.live_ball_count = lists.ball_count;
   f.live_point_count = lists.point_count;
   f.built = lists.built;
-  f.lists_serve = lists.made && f.reach_mm <= lists.reach_mm ? 1 : 0;
+  f.lists_serve =
+      lists.made && f.ball_reach_mm <= lists.ball_reach_mm && f.point_reach_mm <= lists.point_reach_mm ? 1
+                                                                                                       : 0;
   if (f.lists_serve == 0) f.live_balls.x = 0;
   f.contact_bits = f.slide_bits = std::bit_cast<uint>(static_cast<float>(simulation::kNoContact));
   return f;
@@ -433,7 +435,8 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) const {
 void VulkanEngine::Impl::KeepLists(const Frame& done) {
   if (done.rebuilt == 0) return;
   lists.made = true;
-  lists.reach_mm = done.reach_mm;
+  lists.ball_reach_mm = done.ball_reach_mm;
+  lists.point_reach_mm = done.point_reach_mm;
   lists.live_balls = done.live_balls;
   lists.live_points = done.live_points;
   lists.shaft_balls = done.shaft_balls;

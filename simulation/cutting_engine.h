@@ -35,7 +35,7 @@ struct CuttingParams {
   double normal_enlargement_m{
       0.24e-3};                         ///< e of the lens-weighted normal; planes are reported up to this gap
   double contact_tolerance_m{0.02e-3};  ///< overlap that sliding over balls may leave
-  double max_slide_m{0.25e-3};          ///< the longest way that the proxy slides, or cuts, in one frame
+  double max_slide_m{0.25e-3};          ///< the longest way of the proxy's slide and advance in one frame
   double engaged_layer_m{0.5e-3};       ///< depth of the layer that measures the engaged area
   RemovalLaw law{RemovalLaw::kRate};
 };

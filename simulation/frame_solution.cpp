@@ -105,10 +105,11 @@ FrameAdvance AdvanceOfFrame(const CuttingParams& params, const std::vector<Mater
       CuttingForce(params, solution) * std::abs(spindle_rad_per_s) * CuttingArm(materials, solution) * dt_s;
   if (params.law == RemovalLaw::kImmediate) return {.advance_m = x, .edge_work_J = work_J};
   // scraps without mass hold nothing
-  if (work_per_m <= 0.0) return {.advance_m = std::min(x, params.max_slide_m), .edge_work_J = 0.0};
+  const double most_m = std::max(0.0, params.max_slide_m - solution.slide_m);
+  if (work_per_m <= 0.0) return {.advance_m = std::min(x, most_m), .edge_work_J = 0.0};
   const double paid_J = std::max(0.0, work_J - debt_J * std::min(1.0, dt_s / kDebtSeconds));
   const double linear_m = paid_J / work_per_m;
-  const double advance_m = std::min(x * -std::expm1(-linear_m / x), params.max_slide_m);
+  const double advance_m = std::min(x * -std::expm1(-linear_m / x), most_m);
   return {.advance_m = advance_m, .edge_work_J = linear_m > 0.0 ? work_J * advance_m / linear_m : work_J};
 }
 

@@ -44,6 +44,7 @@ struct SolutionPlane {
 struct FrameSolution {
   double contact_fraction{1.0};  ///< first contact on the path from the proxy to the tool
   double slide_fraction{1.0};    ///< of the way from there to the constrained target
+  double slide_m{0.0};           ///< length of that part, of the tool point that moves farthest
   std::array<SolutionPlane, kMaxContacts> planes{};
   Vector3 delta{Vector3::Zero()};                       ///< from the tool's pose to the constrained target
   Vector3 n{Vector3::Zero()};                           ///< direction of the cutting planes' resultant

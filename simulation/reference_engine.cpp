@@ -53,6 +53,7 @@ ContactModel ReferenceEngine::Step(const FrameInput& input) {
     longest = std::max(longest, (target[t] - contact[t]).norm());
   solution.slide_fraction = std::min(longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0,
                                      FirstContact(contact, target, params_.contact_tolerance_m));
+  solution.slide_m = solution.slide_fraction * longest;
   const ToolPoints slid = Between(contact, target, solution.slide_fraction);
   solution.origin_slid = slid.back();
 

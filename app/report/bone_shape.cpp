@@ -148,7 +148,8 @@ std::vector<Ball> CarvedBalls(const Bone& bone, const simulation::CarvedState& s
   return balls;
 }
 
-MaterialMap::MaterialMap(std::span<const MassPoint> points) {
+MaterialMap::MaterialMap(std::span<const MassPoint> points, const simulation::Solid* solid) : solid_(solid) {
+  if (solid_) return;
   for (const MassPoint& point : points)
     if (Finite(point.p_m)) points_.push_back(point);
   const auto items = Boxes(points_);
@@ -156,6 +157,7 @@ MaterialMap::MaterialMap(std::span<const MassPoint> points) {
 }
 
 std::optional<MaterialIndex> MaterialMap::At(const Vector3& p_G) const {
+  if (solid_) return solid_->MaterialAt(p_G);
   if (grid_.empty()) return std::nullopt;
   constexpr int kReach = 8;
   const CellGrid::Index at = grid_.At(p_G);

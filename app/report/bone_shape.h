@@ -7,6 +7,7 @@
 #include "app/report/cell_grid.h"
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
+#include "simulation/solid.h"
 
 namespace osteon::app {
 
@@ -34,15 +35,19 @@ class BallField {
 [[nodiscard]] std::vector<simulation::Ball> CarvedBalls(const simulation::Bone& bone,
                                                         const simulation::CarvedState& state);
 
-/// Material by position: that of the nearest mass point, cleared or not.
+/// Material by position: the solid's own where there is one, else that of the nearest mass point, cleared or
+/// not.
 class MaterialMap {
  public:
-  explicit MaterialMap(std::span<const simulation::MassPoint> points);
+  /// @param solid  what the bone was packed from, or null; must outlive this
+  explicit MaterialMap(std::span<const simulation::MassPoint> points,
+                       const simulation::Solid* solid = nullptr);
 
-  /// None where no mass point lies within reach (eight cells).
+  /// Without a solid none where no mass point lies within reach (eight cells).
   [[nodiscard]] std::optional<simulation::MaterialIndex> At(const Vector3& p_G) const;
 
  private:
+  const simulation::Solid* solid_;
   std::vector<simulation::MassPoint> points_;
   CellGrid grid_;
 };

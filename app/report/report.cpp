@@ -162,7 +162,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   const std::vector<Pose> X_GP = ProxyPath(input.frames, input.X_WG);
 
   // pictures
-  const MaterialMap materials(input.bone.points);
+  const MaterialMap materials(input.bone.points, input.solid);
   const Camera camera = CupCamera(input.bone, input.pictures);
   const auto before = Picture(RenderBone(input.bone, input.bone.balls, materials, camera), "Before");
   if (!before) return tl::unexpected(before.error());
@@ -171,7 +171,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   if (!after) return tl::unexpected(after.error());
 
   // section
-  const Section section = ComputeSection(input.bone, input.after, input.tool, X_GP);
+  const Section section = ComputeSection(input.bone, input.after, input.tool, X_GP, {.solid = input.solid});
   report.figures.cavity_section = section.error;
   report.figures.cavity_direction = CavityErrorByDirection(input.bone, input.after, input.tool, X_GP);
 
@@ -193,11 +193,10 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
         "below shows the balls as they are.</p>\n",
         Escape(tints));
   html += "<h2>Section</h2>\n";
-  html += Figure(
-      SectionSvg(section, input.bone),
-      "In the plane of the cup's axis and of the path's farthest point from it. Balls cut by the plane; "
-      "materials from the mass points; the swept tool is the union of the reamer's head over every recorded "
-      "proxy pose.");
+  html += Figure(SectionSvg(section, input.bone),
+                 "In the plane of the cup's axis and of the path's farthest point from it. Balls cut by the "
+                 "plane; the swept "
+                 "tool is the union of the reamer's head over every recorded proxy pose.");
   if (section.error.samples > 0)
     html += Figure(SectionDetailSvg(section, input.bone), "") +
             Figure(ErrorChart(section),

@@ -40,6 +40,8 @@ struct ReportInput {
   const simulation::Bone& bone;  ///< as it was before
   const simulation::CarvedState& after;
   const simulation::Tool& tool;
+  const simulation::Solid* solid{
+      nullptr};  ///< what the bone was packed from, for crisp materials; may be null
   Pose X_WG{Pose::Identity()};
   double force_limit_N{200.0};
   double tool_speed_limit_m_per_s{0.0};  ///< 0: no line drawn

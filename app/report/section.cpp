@@ -63,10 +63,11 @@ PlanarGrid SweptField(const SweptTool& swept, const SectionPlane& plane, const V
 /// Where each material lies in the plane, from the nearest mass points; by majority in a neighbourhood of 5×5
 /// nodes, so that the outline does not follow single points.
 std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane& plane, const Vector2& min,
-                                            const Vector2& max, double step_m) {
+                                            const Vector2& max, double step_m,
+                                            const simulation::Solid* solid) {
   std::vector<MaterialRegion> regions;
   if (bone.points.empty()) return regions;
-  const MaterialMap map(bone.points);
+  const MaterialMap map(bone.points, solid);
   const PlanarGrid shape(min, max, step_m, 0.0f);
   std::vector<int> label(shape.values.size(), -1);
   int greatest = -1;
@@ -238,7 +239,8 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
   section.after = SimplifyAll(outline, tolerance_m);
   field.CloseBorder(static_cast<float>(params.step_m));
   section.solid = SimplifyAll(Contour(field), tolerance_m);
-  section.materials = MaterialRegions(bone, plane, section.min, section.max, 2.5 * params.step_m);
+  section.materials =
+      MaterialRegions(bone, plane, section.min, section.max, 2.5 * params.step_m, params.solid);
 
   const simulation::ToolBall* head = CuttingHead(tool);
   const SweptTool swept(tool, X_GP);

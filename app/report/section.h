@@ -62,7 +62,8 @@ struct SectionParams {
   double reach_in_cup_radii{2.2}, depth_in_cup_radii{1.7};
   double cut_depth_m{0.05e-3};  ///< a place was cut if it lay this deep in the bone before
   double open_gap_m{5e-3};      ///< a surface farther than this behind the sweep is another one: cut through
-  int directions{4000};         ///< of CavityErrorByDirection over the hemisphere
+  const simulation::Solid* solid{nullptr};  ///< for the materials; null: from the mass points
+  int directions{4000};                     ///< of CavityErrorByDirection over the hemisphere
 };
 
 struct Section {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -115,10 +116,21 @@ std::string SectionSvg(const Section& section, const simulation::Bone& bone, dou
 
 std::string SectionDetailSvg(const Section& section, const simulation::Bone& bone, double width_px) {
   if (!(section.head_radius_m > 0.0)) return {};
-  const Vector2 apex = section.head_center - Vector2(0.0, section.head_radius_m);
+  // where the head's apex was, or, where that hung in the air, the cut nearest to it
+  const auto nearest = std::min_element(section.samples.begin(), section.samples.end(),
+                                        [](const ErrorSample& a, const ErrorSample& b) {
+                                          return std::abs(a.angle_rad) < std::abs(b.angle_rad);
+                                        });
+  if (nearest == section.samples.end()) return {};
+  constexpr double kUnderTheApex_rad = 0.08;
+  const double angle = std::abs(nearest->angle_rad) < kUnderTheApex_rad ? 0.0 : nearest->angle_rad;
+  const Vector2 apex =
+      section.head_center + section.head_radius_m * Vector2(std::sin(angle), -std::cos(angle));
   const double half_m = 0.16 * section.head_radius_m;
   const Vector2 low = apex - Vector2(half_m, 0.3 * half_m), high = apex + Vector2(half_m, 0.3 * half_m);
-  return Draw(section, bone, {low, high, "Detail at the deepest place", false}, width_px);
+  return Draw(section, bone,
+              {low, high, angle == 0.0 ? "Detail at the deepest place" : "Detail of the cut", false},
+              width_px);
 }
 
 tl::expected<void, std::string> WriteSectionSvg(const Section& section, const simulation::Bone& bone,

@@ -21,6 +21,7 @@ void main() {
       moment += frame.material[m].y * engaged[2 * m + 1];
       work_per_mm += frame.material[m].x * engaged[2 * m];
     }
+    float most = max(0.0, frame.max_slide_mm - SlideFraction() * frame.way_mm);
     float arm = area > 0.0 ? moment / area : 0.0;
     float force = min(frame.stiffness_N_per_mm * x, frame.max_force_N);
     float work = force * abs(frame.spindle_rad_per_s) * arm * frame.dt_s;
@@ -28,12 +29,12 @@ void main() {
       advance = x;
       edge_work = work;
     } else if (work_per_mm <= 0.0) {
-      advance = min(x, frame.max_slide_mm);
+      advance = min(x, most);
     } else {
       float linear = max(0.0, work - frame.work_held_back_Nmm) / work_per_mm;
       float y = linear / x;
       // x (1 - exp(-y)); the series where the difference would cancel
-      advance = min(x * (y < 1e-2 ? y * (1.0 - y * (0.5 - y / 6.0)) : 1.0 - exp(-y)), frame.max_slide_mm);
+      advance = min(x * (y < 1e-2 ? y * (1.0 - y * (0.5 - y / 6.0)) : 1.0 - exp(-y)), most);
       edge_work = linear > 0.0 ? work * advance / linear : work;
     }
   }

@@ -70,10 +70,11 @@ struct Frame {
   uint material_count;
   uint immediate;
   float max_slide_mm;
-  float reach_mm;  // balls and points further than this from the tool at first contact play no part after it
+  // balls and points further than this from the tool at first contact play no part after it
+  float ball_reach_mm;
+  float point_reach_mm;
   // passes
-  uint
-      contact_bits;  // fraction of first contact, as the bits of a float: order of bits is order of fractions
+  uint contact_bits;  // fraction of first contact, as bits: those of floats of one sign order like the floats
   uint slide_bits;
   float slide_limit;  // fraction of the way to the target that the slide may take
   Groups path_balls;  // clusters that the way from proxy to tool meets
@@ -87,8 +88,8 @@ struct Frame {
   Groups reach_groups;  // workgroups of the passes that run only where the lists have to be made anew
   Groups place_groups;
   Groups near_groups;
-  uint rebuilt;  // the lists were made anew at this frame's first contact
-  uint pad;
+  uint rebuilt;      // the lists were made anew at this frame's first contact
+  float way_mm;      // from first contact to the target, of the tool point that moves farthest
   uint lists_serve;  // 0: there are no lists yet, or they reach less far than this frame asks
   vec4 delta;        // to the constrained target; w: length of the cutting planes' share
   vec4 n;            // direction of the cutting planes' resultant
@@ -131,10 +132,10 @@ struct Point {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) % 16 == 0);
+static_assert(sizeof(Frame) % 4 == 0);
 static_assert(offsetof(Frame, material) == 16 * 7 * 65);
 static_assert(offsetof(Frame, spindle_rad_per_s) == 16 * (7 * 65 + 8 + 4));
-static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 52 * 4);
+static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 53 * 4);
 static_assert(sizeof(Cluster) == 32 && sizeof(Point) == 28 && sizeof(Active) == 12 && sizeof(Sum) == 8);
 }  // namespace osteon::gpu
 #endif

@@ -14,9 +14,10 @@ void main() {
   Cluster box;
   if (is_ball) box = ball_clusters[own];
   else box = point_clusters[own];
+  float reach = is_ball ? frame.ball_reach_mm : frame.point_reach_mm;
   Active entry = Active(own, 0u, 0u);
   for (uint t = 0; t < frame.tool_count; ++t) {
-    if (BoxDistance(box, frame.contact[t].xyz) > frame.contact[t].w + frame.reach_mm + frame.built[t].w) continue;
+    if (BoxDistance(box, frame.contact[t].xyz) > frame.contact[t].w + reach + frame.built[t].w) continue;
     if (t < 32) entry.tool_low |= 1u << t;
     else entry.tool_high |= 1u << (t - 32);
   }

@@ -11,7 +11,7 @@ void main() {
   for (uvec2 rest = Tools(mine); Any(rest); rest = WithoutLowest(rest)) {
     uint t = Lowest(rest);
     vec4 tool = frame.contact[t];
-    float r = tool.w + ball.w + frame.reach_mm + frame.built[t].w;
+    float r = tool.w + ball.w + frame.ball_reach_mm + frame.built[t].w;
     vec3 away = tool.xyz - ball.xyz;
     if (dot(away, away) < r * r) reached |= Bit(t);
   }

@@ -12,7 +12,7 @@ void main() {
   for (uvec2 rest = CuttingTools(mine); Any(rest); rest = WithoutLowest(rest)) {
     uint t = Lowest(rest);
     vec4 tool = frame.contact[t];
-    float r = tool.w + frame.reach_mm + frame.built[t].w;
+    float r = tool.w + frame.point_reach_mm + frame.built[t].w;
     vec3 away = tool.xyz - p;
     if (dot(away, away) < r * r) reached |= Bit(t);
   }

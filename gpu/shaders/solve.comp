@@ -159,6 +159,7 @@ void main() {
         frame.target[t] = vec4(target, 0.0);
         longest = max(longest, distance(frame.contact[t].xyz, target));
       }
+      frame.way_mm = longest;
       frame.slide_limit = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
     }
     barrier();
