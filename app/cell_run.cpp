@@ -1,6 +1,7 @@
 #include "app/cell_run.h"
 
 #include <chrono>
+#include <memory>
 #include <optional>
 
 #include "app/simulation_thread.h"
@@ -38,12 +39,8 @@ struct Loop {
       : arm(c.robot), servo(c.servo, arm, c.X_WB, c.tool.X_FT, c.start.arm_angle_rad) {}
 };
 
-tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
-                                                 FrameRunner& runner, io::Recorder& recorder,
-                                                 const CellRunParams& params) {
-  auto link = io::FriLink::Open({.bind_address = setup.config.fri.host, .port = setup.config.fri.port});
-  if (!link) return tl::make_unexpected(link.error());
-
+CellRunResult RunWall(const CellSetup& setup, simulation::CuttingEngine& engine, FrameRunner& runner,
+                      io::FriLink& link, io::Recorder& recorder, const CellRunParams& params) {
   CellRunResult result;
   Loop loop(setup.config);
   rt::LatestValue<simulation::ContactModel> models;
@@ -51,11 +48,11 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
   control::RunServoResult servo;
   {
     SimulationThread simulation(runner, commands, models, recorder);
-    hil::SimulatedCellThread arm({.client_address = setup.config.fri.host, .client_port = (*link)->port()},
+    hil::SimulatedCellThread arm({.client_address = setup.config.fri.host, .client_port = link.port()},
                                  MakeCell(setup, params.seconds));
     std::atomic<bool> done{false};
     std::thread servo_thread([&] {
-      servo = RunServo(loop.servo, **link, arm.sensor(), models, commands, recorder,
+      servo = RunServo(loop.servo, link, arm.sensor(), models, commands, recorder,
                        {.seconds = params.seconds, .stop = params.stop});
       arm.Stop();  // at once: a client that is gone is no loss on the arm's books
       done.store(true);
@@ -141,6 +138,18 @@ tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulat
                                                  const CellRunParams& params) {
   const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
   FrameRunner runner(engine, depth, setup.X_WG);
+  // what may be refused comes first: an earlier run's recording is only overwritten by a run
+  std::unique_ptr<io::FriLink> link;
+  if (!params.virtual_time) {
+    auto opened = io::FriLink::Open({.bind_address = setup.config.fri.host, .port = setup.config.fri.port});
+    if (!opened) return tl::make_unexpected(opened.error());
+    link = std::move(*opened);
+  }
+  if (const auto folder = params.recording.parent_path(); !folder.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) return tl::make_unexpected(folder.string() + ": cannot make the folder: " + error.message());
+  }
   auto recorder = io::Recorder::Open({.path = params.recording, .writer_thread = !params.virtual_time},
                                      {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
                                       .version = OSTEON_VERSION,
@@ -152,14 +161,11 @@ tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulat
                                       .config_text = setup.config_text});
   if (!recorder) return tl::make_unexpected(recorder.error());
 
-  auto result =
-      params.virtual_time
-          ? tl::expected<CellRunResult, std::string>(RunVirtual(setup, engine, runner, **recorder, params))
-          : RunWall(setup, engine, runner, **recorder, params);
-  auto counts = (*recorder)->Close();
-  if (!result) return result;
+  CellRunResult result = params.virtual_time ? RunVirtual(setup, engine, runner, **recorder, params)
+                                             : RunWall(setup, engine, runner, *link, **recorder, params);
+  const auto counts = (*recorder)->Close();
   if (!counts) return tl::make_unexpected(counts.error());
-  result->recording = *counts;
+  result.recording = *counts;
   return result;
 }
 

@@ -39,7 +39,8 @@ struct CellRunResult {
 /// In wall time the arm is a thread behind a real UDP socket on loopback, the servo loop and the simulation
 /// have threads of their own. In virtual time all of it runs in lockstep in the calling thread, the same
 /// datagrams handed over in memory: the simulation takes every second tick's command and its frame is seen
-/// two ticks later, as a 500 Hz simulation's would. The error says what could not be opened.
+/// two ticks later, as a 500 Hz simulation's would. The recording's folder is made where it is not there. The
+/// error says what could not be opened.
 [[nodiscard]] tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup,
                                                                simulation::CuttingEngine& engine,
                                                                const CellRunParams& params);

@@ -57,6 +57,7 @@ tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
     }
     ++count;
   }
+  if (text.ends_with(',')) ++count;  // getline ends without the empty part behind it
   if (count != values.size())
     return tl::make_unexpected(
         fmt::format("--cup: found {} values in \"{}\", accepted 7: X,Y,Z,NX,NY,NZ,R in mm", count, text));
@@ -68,11 +69,11 @@ tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
     return tl::make_unexpected(
         fmt::format("--cup: R: found {} mm, accepted {} … {}", values[6], kLeastRadius_mm, kMostRadius_mm));
   const Vector3 axis(values[3], values[4], values[5]);
-  if (axis.norm() < 1e-6)
+  if (axis.stableNorm() < 1e-6)
     return tl::make_unexpected(
         std::string("--cup: NX,NY,NZ: found a zero vector, accepted the axis out of the opening"));
   return simulation::Cup{.center_m = 1e-3 * Vector3(values[0], values[1], values[2]),
-                         .axis = Vector3(axis.normalized()),
+                         .axis = Vector3(axis.stableNormalized()),
                          .radius_m = 1e-3 * values[6]};
 }
 

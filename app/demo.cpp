@@ -14,11 +14,25 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kLeastSeconds = 0.1, kMostSeconds = 3600.0;
+constexpr int kFailed = 1, kBadInput = 2;
 
-int Fail(const std::string& message) {
+int Fail(const std::string& message, int code = kBadInput) {
   fmt::print(stderr, "osteon demo: {}\n", message);
-  return 2;
+  return code;
+}
+
+// What can be said about the places to write to before anything is run. The folder itself is made by RunCell,
+// so that a refused run leaves nothing.
+std::string WrongPlace(const DemoOptions& options) {
+  std::error_code error;
+  if (options.out.empty()) return "--out: found no name, accepted a folder";
+  const auto out = std::filesystem::status(options.out, error);
+  if (std::filesystem::exists(out) && !std::filesystem::is_directory(out))
+    return fmt::format("--out {}: found a file, accepted a folder", options.out.string());
+  const std::filesystem::path parent = options.json.parent_path();
+  if (!parent.empty() && !std::filesystem::is_directory(parent, error))
+    return fmt::format("--json {}: no folder {}", options.json.string(), parent.string());
+  return "";
 }
 
 // A bar on a terminal, a line a tenth elsewhere.
@@ -59,9 +73,7 @@ int RunDemo(const DemoOptions& options) {
   if (!(options.seconds >= kLeastSeconds && options.seconds <= kMostSeconds))
     return Fail(
         fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kLeastSeconds, kMostSeconds));
-  std::error_code error;
-  std::filesystem::create_directories(options.out, error);
-  if (error) return Fail(fmt::format("--out {}: {}", options.out.string(), error.message()));
+  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail(wrong);
 
   auto setup = SetUpCell(options.cell, options.mesh);
   if (!setup) return Fail(setup.error());
@@ -82,7 +94,7 @@ int RunDemo(const DemoOptions& options) {
 
   // everything that is shown comes from the recording
   const auto recording = io::ReadRecording(params.recording);
-  if (!recording) return Fail(recording.error());
+  if (!recording) return Fail(recording.error(), kFailed);
   RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
   const ReportInput report{
       .title = "Reaming an acetabulum",
@@ -103,13 +115,13 @@ int RunDemo(const DemoOptions& options) {
       .version = OSTEON_VERSION};
   const std::filesystem::path page = options.out / "report.html";
   const auto figures = WriteReport(report, page);
-  if (!figures) return Fail(figures.error());
+  if (!figures) return Fail(figures.error(), kFailed);
   summary.section = *figures;
 
   const std::string json = ToJson(summary, "osteon.demo/1");
   for (const std::filesystem::path& file : {options.out / "summary.json", options.json}) {
     if (file.empty()) continue;
-    if (const auto written = WriteText(file, json); !written) return Fail(written.error());
+    if (const auto written = WriteText(file, json); !written) return Fail(written.error(), kFailed);
   }
   PrintTable(summary);
   fmt::print("  {:<30} {}\n", "Report", page.string());

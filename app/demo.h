@@ -8,6 +8,9 @@
 
 namespace osteon::app {
 
+/// Accepted for DemoOptions::seconds.
+inline constexpr double kLeastSeconds = 0.1, kMostSeconds = 3600.0;
+
 struct DemoOptions {
   double seconds{10.0};
   std::filesystem::path out{"demo_out"};
@@ -23,9 +26,9 @@ struct DemoOptions {
 
 /// The whole cell, simulated: runs it, writes summary.json, report.html and the recording into `out`, prints
 /// the summary.
-/// @returns the process's exit code: 0 done; 1 ended by a fault; 2 something was wrong with the input (said
-/// on stderr);
-///   130 ended by Ctrl-C, everything written.
+/// @returns the process's exit code: 0 done; 1 ended by a fault, or what was run could not be written; 2
+/// something was wrong with the input, nothing was run (both said on stderr); 130 ended by Ctrl-C, everything
+/// written.
 [[nodiscard]] int RunDemo(const DemoOptions& options);
 
 }  // namespace osteon::app

@@ -3,12 +3,15 @@
 
 #include <cstdlib>
 #include <exception>
+#include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include "app/demo.h"
 #include "app/doctor.h"
+#include "app/usage.h"
 #include "config/reader.h"
 
 namespace {
@@ -23,6 +26,15 @@ std::string CommandLine(int argc, char** argv) {
   return line;
 }
 
+// The cells of a configuration folder, in alphabetical order.
+std::string CellNames(const std::filesystem::path& config_root) {
+  std::set<std::string> names;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(config_root / "cells", error))
+    if (entry.path().extension() == ".yaml") names.insert(entry.path().stem().string());
+  return names.empty() ? "there is none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
 int Run(int argc, char** argv) {
   const char* root = std::getenv("OSTEON_ROOT");
   std::filesystem::path config_root = std::filesystem::path(root ? root : ".") / "config";
@@ -34,13 +46,15 @@ int Run(int argc, char** argv) {
       ->capture_default_str();
   app.footer(
       "The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
-      "  clean                       removes what was built\n\nosteon SUBCOMMAND --help shows examples.");
+      "  clean                       removes what was built\n\n"
+      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon doctor");
 
   osteon::app::DemoOptions demo;
   std::string mesh, cup, cell = "demo";
   CLI::App* demo_app =
       app.add_subcommand("demo", "reams an acetabulum on the simulated cell and leaves a report");
   demo_app->add_option("--seconds", demo.seconds, "time in COMMANDING_ACTIVE, 0.1 … 3600")
+      ->check(osteon::app::NumberWithin(osteon::app::kLeastSeconds, osteon::app::kMostSeconds))
       ->capture_default_str();
   demo_app->add_option("--out", demo.out, "folder for summary.json, report.html, recording.mcap")
       ->capture_default_str();
@@ -55,10 +69,11 @@ int Run(int argc, char** argv) {
   demo_app->add_option("--device", demo.device, "part of a Vulkan device's name (osteon doctor lists them)");
   demo_app
       ->add_option("--engine", demo.engine, "vulkan, or reference: double precision, slow, virtual time only")
-      ->check(CLI::IsMember({"vulkan", "reference"}))
+      ->check(osteon::app::OneOf({"vulkan", "reference"}))
       ->capture_default_str();
   demo_app->add_option("--cell", cell, "a name under cells/, or a YAML file")->capture_default_str();
-  demo_app->add_option("--port", demo.port, "FRI port on loopback instead of the cell's; 0: any free one");
+  demo_app->add_option("--port", demo.port, "FRI port on loopback instead of the cell's; 0: any free one")
+      ->check(osteon::app::PortNumber());
   demo_app->add_option("--json", demo.json, "a further copy of summary.json");
   demo_app->footer(
       "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
@@ -67,25 +82,38 @@ int Run(int argc, char** argv) {
   std::uint16_t port = 30200;
   std::filesystem::path doctor_json;
   CLI::App* doctor_app = app.add_subcommand("doctor", "what this machine can do, with a verdict each");
-  doctor_app->add_option("--port", port, "FRI port to try")->capture_default_str();
+  doctor_app->add_option("--port", port, "FRI port to try")
+      ->check(osteon::app::PortNumber())
+      ->capture_default_str();
   doctor_app->add_option("--json", doctor_json, "write the checks there");
   doctor_app->footer("Examples:\n  osteon doctor\n  osteon doctor --json doctor.json");
 
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    fmt::print(stderr, "{}", osteon::app::UsageError(app, error));
+    return 2;
   }
   if (*demo_app) {
     demo.command_line = CommandLine(argc, argv);
     demo.cell =
         cell.ends_with(".yaml") ? std::filesystem::path(cell) : config_root / "cells" / (cell + ".yaml");
+    if (!std::filesystem::is_regular_file(demo.cell)) {
+      fmt::print(stderr, "osteon demo: --cell {}: no file {}; accepted: a YAML file, or one of {}: {}\n",
+                 cell, demo.cell.string(), (config_root / "cells").string(), CellNames(config_root));
+      return 2;
+    }
     if (demo.engine == "reference" && !demo.virtual_time) {
       fmt::print(stderr,
                  "osteon demo: --engine reference: found wall time, accepted with --virtual-time only\n");
       return 2;
     }
-    if (!mesh.empty()) {
+    if (*mesh_option) {
+      if (mesh.empty()) {
+        fmt::print(stderr, "osteon demo: --mesh: found no name, accepted a file\n");
+        return 2;
+      }
       const auto parsed = osteon::app::ParseCup(cup);
       if (!parsed) {
         fmt::print(stderr, "osteon demo: {}\n", parsed.error());

@@ -254,7 +254,8 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
     out["realtime_priority"] = s.realtime;
   }
   if (!s.arm_stop.empty()) out["arm_stop"] = s.arm_stop;
-  return out.dump(2) + "\n";
+  // a path may be any bytes; JSON is UTF-8
+  return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 tl::expected<void, std::string> WriteText(const std::filesystem::path& path, const std::string& text) {

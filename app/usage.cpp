@@ -1,0 +1,74 @@
+#include "app/usage.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "config/nearest_key.h"
+
+namespace osteon::app {
+namespace {
+
+template <typename T>
+CLI::Validator Within(T min, T max) {
+  const std::string range = fmt::format("{} … {}", min, max);
+  return {[min, max, range](std::string& text) {
+            T value{};
+            const char* end = text.data() + text.size();
+            const auto [rest, error] = std::from_chars(text.data(), end, value);
+            const bool good = error == std::errc{} && rest == end && value >= min && value <= max;
+            return good ? std::string() : fmt::format("found {}, accepted {}", text, range);
+          },
+          ""};
+}
+
+}  // namespace
+
+CLI::Validator NumberWithin(double min, double max) { return Within(min, max); }
+
+CLI::Validator PortNumber() { return Within(0, int{UINT16_MAX}); }
+
+CLI::Validator OneOf(const std::vector<std::string>& words) {
+  return {[words](std::string& text) {
+            return std::ranges::find(words, text) != words.end()
+                       ? std::string()
+                       : fmt::format("found {}, accepted {}", text, fmt::join(words, ", "));
+          },
+          ""};
+}
+
+std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
+  const auto chosen = app.get_subcommands();
+  const CLI::App& at = chosen.empty() ? app : *chosen.front();
+  const std::string name = chosen.empty() ? app.get_name() : app.get_name() + " " + at.get_name();
+
+  std::string what = error.what();
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (!unknown.empty()) {
+    // an unknown option leaves its value unknown too: the option is what matters
+    const auto option = std::ranges::find_if(unknown, [](const auto& word) { return word.starts_with("-"); });
+    const bool is_option = option != unknown.end();
+    const std::string word = (is_option ? *option : unknown.front()).substr(0, 60);
+    std::vector<std::string> known;
+    if (is_option) {
+      for (const CLI::Option* each : at.get_options()) known.push_back(each->get_name());
+    } else {
+      for (const CLI::App* each : at.get_subcommands(nullptr)) known.push_back(each->get_name());
+    }
+    const std::string nearest = config::NearestKey(word.substr(0, word.find('=')), known);
+    what = fmt::format("unknown {} {}; {}",
+                       is_option        ? "option"
+                       : chosen.empty() ? "subcommand"
+                                        : "word",
+                       word,
+                       !nearest.empty() ? "did you mean " + nearest + "?"
+                       : known.empty()  ? "accepted: options"
+                                        : fmt::format("accepted: {}", fmt::join(known, ", ")));
+  }
+  return fmt::format("{}: {} ({} --help shows all)\n", name, what, name);
+}
+
+}  // namespace osteon::app

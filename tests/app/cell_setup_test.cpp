@@ -1,0 +1,109 @@
+#include "app/cell_setup.h"
+
+#include <gtest/gtest.h>
+
+#include "config/load.h"
+#include "simulation/cup_frame.h"
+#include "tests/simulation/mesh_shapes.h"
+
+namespace osteon::app {
+namespace {
+
+const std::filesystem::path kDemoCell = OSTEON_SOURCE_DIR "/config/cells/demo.yaml";
+
+std::string ErrorOf(const std::string& text) {
+  const auto cup = ParseCup(text);
+  return cup ? "accepted" : cup.error();
+}
+
+TEST(ParseCup, ReadsMillimetresAndAnAxisOfAnyLength) {
+  const auto cup = ParseCup("8.5,-132,5e2,0,-3,4,21");
+  ASSERT_TRUE(cup) << cup.error();
+  // one rounding in each factor of 1e-3 and in the norm
+  constexpr double kTolerance = 1e-15;
+  EXPECT_LT((Vector3(cup->center_m) - Vector3(0.0085, -0.132, 0.5)).norm(), kTolerance);
+  EXPECT_LT((Vector3(cup->axis) - Vector3(0.0, -0.6, 0.8)).norm(), kTolerance);
+  EXPECT_NEAR(cup->radius_m, 0.021, kTolerance);
+}
+
+TEST(ParseCup, TakesTheEndsOfItsRanges) {
+  EXPECT_TRUE(ParseCup("2000,-2000,0,0,0,1,5"));
+  EXPECT_TRUE(ParseCup("0,0,0,0,0,-1,60"));
+  EXPECT_NE(ErrorOf("2000.1,0,0,0,0,1,21"), "accepted");
+  EXPECT_NE(ErrorOf("0,0,0,0,0,1,60.1"), "accepted");
+  EXPECT_NE(ErrorOf("0,0,0,0,0,1,4.9"), "accepted");
+}
+
+TEST(ParseCup, NamesThePartTheValueAndWhatIsAccepted) {
+  EXPECT_EQ(ErrorOf("1,2,3"), "--cup: found 3 values in \"1,2,3\", accepted 7: X,Y,Z,NX,NY,NZ,R in mm");
+  EXPECT_EQ(ErrorOf("1,2,3,0,0,1,21,8"),
+            "--cup: found 8 values in \"1,2,3,0,0,1,21,8\", accepted 7: X,Y,Z,NX,NY,NZ,R in mm");
+  EXPECT_EQ(ErrorOf("1,2,3,0,0,1,-21"), "--cup: R: found -21 mm, accepted 5 … 60");
+  EXPECT_EQ(ErrorOf("1,2,3,0,north,1,21"), "--cup: NY: found \"north\", accepted a number");
+  EXPECT_EQ(ErrorOf("1,2,3000,0,0,1,21"), "--cup: Z: found 3000 mm, accepted -2000 … 2000");
+  EXPECT_EQ(ErrorOf("1,2,3,0,0,0,21"),
+            "--cup: NX,NY,NZ: found a zero vector, accepted the axis out of the opening");
+}
+
+TEST(ParseCup, RefusesWhatIsNoFiniteNumber) {
+  for (const char* text :
+       {"", ",,,,,,", "nan,0,0,0,0,1,21", "0,inf,0,0,0,1,21", "0,0,0,0,0,1,nan", "0,0,0,0,0,1e999,21",
+        "1mm,0,0,0,0,1,21", "0x10,0,0,0,0,1,21", "0,0,0,0,0,1,21,", "0;0;0;0;0;1;21"})
+    EXPECT_TRUE(ErrorOf(text).starts_with("--cup: ")) << '"' << text << '"';
+}
+
+TEST(ParseCup, GivesAUnitAxisForAnyLengthThatItTakes) {
+  for (const char* text : {"0,0,0,1e-5,0,0,21", "0,0,0,1e150,0,0,21", "0,0,0,1e300,1e300,0,21"}) {
+    const auto cup = ParseCup(text);
+    // it may refuse a length, but not hand on an axis that is none
+    if (cup) {
+      EXPECT_NEAR(Vector3(cup->axis).norm(), 1.0, 1e-12) << text;
+    }
+  }
+}
+
+TEST(SetUpCell, PutsAMeshsCupWhereTheScenesWouldBe) {
+  // a block around a round hollow, somewhere far off, its cup looking along an odd axis
+  const Vector3 center(0.3, -0.2, 0.9), axis = Vector3(1.0, -2.0, 2.0) / 3.0;
+  const Vector3 half(0.035, 0.035, 0.035);
+  const simulation::TriangleMesh mesh =
+      simulation::Join(simulation::MakeBox(center - half, center + half),
+                       simulation::InsideOut(simulation::MakeIcosphere(center, 0.024, 3)));
+  const simulation::TemporaryFile file(".obj", simulation::ObjText(mesh));
+  const simulation::Cup cup{.center_m = center, .axis = axis, .radius_m = 0.024};
+
+  const auto setup = SetUpCell(kDemoCell, MeshChoice{.file = file.path(), .cup = cup});
+  ASSERT_TRUE(setup) << setup.error();
+  const Pose X_WC = setup->X_WG * simulation::CupPose(cup);
+  EXPECT_LT((X_WC.matrix() - setup->config.X_WG.matrix()).norm(), 1e-12);
+  EXPECT_GT(setup->bone.balls.size(), 1000u);
+  EXPECT_GT(setup->bone.points.size(), 1000u);
+}
+
+TEST(SetUpCell, KeepsTheConfigurationAsItWasRead) {
+  const auto setup = SetUpCell(kDemoCell, std::nullopt);
+  ASSERT_TRUE(setup) << setup.error();
+  for (const char* key : {"# cells/demo.yaml", "# robots/lbr_iiwa_14_r820.yaml", "# tools/reamer_50.yaml",
+                          "# scenes/acetabulum.yaml", "# materials/bone.yaml", "max_force_N: 200"})
+    EXPECT_NE(setup->config_text.find(key), std::string::npos) << key;
+  // the scene's cup is in its own origin: the bone's frame stays as configured
+  EXPECT_LT((setup->X_WG.matrix() - setup->config.X_WG.matrix()).norm(), 1e-12);
+}
+
+TEST(SetUpCell, SaysWhyAMeshIsRefused) {
+  const simulation::Cup cup{};
+  const auto missing = SetUpCell(kDemoCell, MeshChoice{.file = "missing.obj", .cup = cup});
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().find("missing.obj"), std::string::npos) << missing.error();
+}
+
+TEST(MakeEngine, NamesTheDevicesWhereNoneIsCalledThat) {
+  CellSetup setup;
+  setup.config = config::LoadCell(kDemoCell);
+  const auto engine = MakeEngine(setup, "vulkan", "no such device");
+  ASSERT_FALSE(engine);
+  EXPECT_NE(engine.error().find("\"no such device\""), std::string::npos) << engine.error();
+}
+
+}  // namespace
+}  // namespace osteon::app

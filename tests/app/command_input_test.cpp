@@ -1,0 +1,193 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "io/fri/fri_link.h"
+#include "tests/app/command.h"
+#include "tests/simulation/mesh_shapes.h"
+
+// Wrong input: exit code 2, one line on stderr that says what was found and what is accepted, nothing done.
+
+namespace osteon::app {
+namespace {
+
+const std::string kGoodCup = "0,0,0,0,0,1,24";
+
+class WrongInput : public testing::Test {
+ protected:
+  /// Runs it and expects a refusal whose line holds each of the texts.
+  void ExpectRefused(const std::vector<std::string>& arguments, const std::vector<std::string>& texts,
+                     const std::vector<std::string>& environment = {}) {
+    std::string line;
+    for (const std::string& argument : arguments) line += argument + " ";
+    SCOPED_TRACE(line);
+    const CommandResult run = RunCommand(folder_.path(), arguments, environment);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_EQ(run.out, "");
+    for (const std::string& text : texts) EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
+    EXPECT_TRUE(run.err.starts_with("osteon")) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'),
+              one_line_ ? 1 : std::ranges::count(run.err, '\n'))
+        << run.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "demo_out")) << "a refused run leaves nothing";
+  }
+
+  std::filesystem::path Write(const std::string& name, const std::string& text) {
+    io::test::WriteAll(folder_.path() / name, text);
+    return folder_.path() / name;
+  }
+
+  /// A copy of config/ with one text of one file replaced.
+  std::string ConfigWith(const std::string& file, const std::string& text, const std::string& replacement) {
+    const auto root = folder_.path() / "config";
+    std::filesystem::remove_all(root);
+    std::filesystem::copy(OSTEON_SOURCE_DIR "/config", root, std::filesystem::copy_options::recursive);
+    std::string content = io::test::ReadAll(root / file);
+    const std::size_t at = content.find(text);
+    EXPECT_NE(at, std::string::npos) << file << " has no " << text;
+    if (at != std::string::npos) content.replace(at, text.size(), replacement);
+    io::test::WriteAll(root / file, content);
+    return root.string();
+  }
+
+  TemporaryFolder folder_;
+  bool one_line_{true};
+};
+
+TEST_F(WrongInput, Seconds) {
+  for (const char* value : {"0", "-1", "nan", "inf", "3601"})
+    ExpectRefused({"demo", "--virtual-time", "--seconds", value}, {"--seconds", value, "0.1 … 3600"});
+  ExpectRefused({"demo", "--seconds", "abc"}, {"--seconds", "abc", "0.1 … 3600"});
+  ExpectRefused({"demo", "--seconds"}, {"--seconds", "required"});
+}
+
+TEST_F(WrongInput, OptionsAndSubcommands) {
+  ExpectRefused({"demo", "--secnods", "3"}, {"--secnods", "--seconds", "--help"});
+  ExpectRefused({"dmeo"}, {"dmeo", "did you mean demo?"});
+  ExpectRefused({"frobnicate"}, {"frobnicate", "accepted: demo, doctor"});
+  ExpectRefused({"demo", "extra"}, {"extra"});
+  ExpectRefused({"--nonsense"}, {"--nonsense"});
+  ExpectRefused({"demo", "--port", "70000"}, {"--port", "70000", "0 … 65535"});
+  ExpectRefused({"demo", "--port", "-1"}, {"--port", "-1", "0 … 65535"});
+  ExpectRefused({"doctor", "--port", "x"}, {"--port", "x", "0 … 65535"});
+  ExpectRefused({"demo", "--engine", "cuda"}, {"--engine", "cuda", "vulkan", "reference"});
+  ExpectRefused({"demo", "--engine", "reference"}, {"--engine reference", "--virtual-time"});
+}
+
+TEST_F(WrongInput, Cup) {
+  const auto mesh = Write(
+      "box.obj", simulation::ObjText(simulation::MakeBox(Vector3::Constant(-0.03), Vector3::Constant(0.03))));
+  ExpectRefused({"demo", "--mesh", mesh.string()}, {"--mesh", "--cup"});
+  ExpectRefused({"demo", "--cup", kGoodCup}, {"--cup", "--mesh"});
+  const std::vector<std::pair<std::string, std::vector<std::string>>> cups{
+      {"1,2,3", {"found 3 values", "7: X,Y,Z,NX,NY,NZ,R"}},
+      {"1,2,3,0,0,1,24,8", {"found 8 values", "7: X,Y,Z,NX,NY,NZ,R"}},
+      {"1,2,3,0,0,1,-24", {"R: found -24 mm", "5 … 60"}},
+      {"1,2,3,0,up,1,24", {"NY: found \"up\"", "a number"}},
+      {"1,2,3,0,0,0,24", {"NX,NY,NZ: found a zero vector"}},
+      {"", {"found 0 values"}}};
+  for (const auto& [cup, texts] : cups) {
+    std::vector<std::string> wanted = texts;
+    wanted.insert(wanted.end(), {"--cup", "accepted"});
+    ExpectRefused({"demo", "--mesh", mesh.string(), "--cup", cup}, wanted);
+  }
+}
+
+TEST_F(WrongInput, Mesh) {
+  ExpectRefused({"demo", "--mesh", "missing.obj", "--cup", kGoodCup}, {"missing.obj"});
+  ExpectRefused({"demo", "--mesh", "", "--cup", kGoodCup}, {"--mesh"});
+  ExpectRefused({"demo", "--mesh", folder_.path().string(), "--cup", kGoodCup}, {folder_.path().string()});
+
+  const auto garbage = Write("garbage.stl", std::string(3000, '\x9b'));
+  ExpectRefused({"demo", "--mesh", garbage.string(), "--cup", kGoodCup}, {garbage.string()});
+  const auto text = Write("notes.txt", "no mesh at all");
+  ExpectRefused({"demo", "--mesh", text.string(), "--cup", kGoodCup}, {text.string()});
+
+  simulation::TriangleMesh box = simulation::MakeBox(Vector3::Constant(-0.03), Vector3::Constant(0.03));
+  const auto far = Write("far.obj", simulation::ObjText(box));
+  ExpectRefused({"demo", "--mesh", far.string(), "--cup", "500,0,0,0,0,1,24"},
+                {far.string(), "cup at (500, 0, 0) mm", "accepted", "spans"});
+  box.triangles.pop_back();
+  const auto open = Write("open.obj", simulation::ObjText(box));
+  ExpectRefused({"demo", "--mesh", open.string(), "--cup", kGoodCup},
+                {open.string(), "open edges", "accepted 2"});
+}
+
+TEST_F(WrongInput, CellAndConfiguration) {
+  ExpectRefused({"demo", "--cell", "nosuch"}, {"nosuch", "accepted", "demo"});
+  ExpectRefused({"demo", "--cell", "nosuch.yaml"}, {"nosuch.yaml"});
+  ExpectRefused({"--config-root", "/nonexistent", "demo"}, {"/nonexistent"});
+
+  std::string root = ConfigWith("tools/reamer_50.yaml", "radius_mm: 25", "raduis_mm: 25");
+  ExpectRefused({"--config-root", root, "demo"},
+                {root + "/tools/reamer_50.yaml:7: ", "unknown key \"raduis_mm\"", "\"radius_mm\""});
+  root = ConfigWith("tools/reamer_50.yaml", "radius_mm: 25", "radius_mm: -25");
+  ExpectRefused({"--config-root", root, "demo"},
+                {root + "/tools/reamer_50.yaml:7: radius_mm: found -25, accepted 1 … 100"});
+  root = ConfigWith("cells/demo.yaml", "max_force_N: 200", "max_force_N: 2000");
+  ExpectRefused({"--config-root", root, "demo"}, {root + "/cells/demo.yaml:", "max_force_N: found 2000"});
+  root = ConfigWith("cells/demo.yaml", "fri:", "fri: [");
+  ExpectRefused({"--config-root", root, "demo"}, {root + "/cells/demo.yaml:"});
+  root = ConfigWith("cells/demo.yaml", "reamer_50.yaml", "reamer_51.yaml");
+  ExpectRefused({"--config-root", root, "demo"}, {root + "/cells/demo.yaml:", "reamer_51.yaml"});
+}
+
+TEST_F(WrongInput, Device) {
+  one_line_ = false;  // the devices follow, one a line
+  ExpectRefused({"demo", "--device", "nosuch"}, {"\"nosuch\"", "found:\n  "});
+}
+
+TEST_F(WrongInput, NoVulkanDriver) {
+  ExpectRefused({"demo"}, {"no Vulkan driver", "install", "mesa-vulkan-drivers"},
+                {"VK_DRIVER_FILES=/nonexistent", "VK_ICD_FILENAMES=/nonexistent"});
+}
+
+TEST_F(WrongInput, PortTaken) {
+  const auto other = io::FriLink::Open({.port = 0});
+  ASSERT_TRUE(other) << other.error();
+  const std::string port = std::to_string((*other)->port());
+  ExpectRefused({"demo", "--port", port}, {"127.0.0.1:" + port, "taken", "another port"});
+}
+
+TEST_F(WrongInput, APortTakenLeavesAnEarlierRunAlone) {
+  const auto out = folder_.path() / "kept";
+  std::filesystem::create_directory(out);
+  io::test::WriteAll(out / "recording.mcap", "an earlier run's");
+  io::test::WriteAll(out / "summary.json", "an earlier run's");
+  const auto other = io::FriLink::Open({.port = 0});
+  ASSERT_TRUE(other) << other.error();
+  ExpectRefused({"demo", "--out", "kept", "--port", std::to_string((*other)->port())}, {"FRI"});
+  EXPECT_EQ(io::test::ReadAll(out / "recording.mcap"), "an earlier run's");
+  EXPECT_EQ(io::test::ReadAll(out / "summary.json"), "an earlier run's");
+}
+
+TEST_F(WrongInput, Out) {
+  const auto file = Write("taken", "a file");
+  ExpectRefused({"demo", "--virtual-time", "--out", file.string()}, {"--out", file.string(), "folder"});
+  EXPECT_EQ(io::test::ReadAll(file), "a file");
+  ExpectRefused({"demo", "--virtual-time", "--out", (file / "below").string()},
+                {file.string(), "Not a directory"});
+  ExpectRefused({"demo", "--virtual-time", "--out", ""}, {"--out"});
+  std::filesystem::create_directories(folder_.path() / "odd/recording.mcap");
+  ExpectRefused({"demo", "--virtual-time", "--out", "odd"}, {"odd/recording.mcap"});
+}
+
+TEST_F(WrongInput, Json) {
+  ExpectRefused({"demo", "--virtual-time", "--seconds", "3600", "--json", "nowhere/summary.json"},
+                {"--json", "nowhere/summary.json", "no folder"});
+}
+
+TEST_F(WrongInput, UnwritableOut) {
+  if (geteuid() == 0) GTEST_SKIP() << "skipped: root may write anywhere";
+  const auto locked = folder_.path() / "locked";
+  std::filesystem::create_directory(locked);
+  std::filesystem::permissions(locked,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  ExpectRefused({"demo", "--virtual-time", "--out", locked.string()}, {locked.string(), "Permission denied"});
+  ExpectRefused({"demo", "--virtual-time", "--out", (locked / "out").string()},
+                {locked.string(), "Permission denied"});
+}
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,97 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+
+#include "control/ports.h"
+#include "tests/app/command.h"
+
+// Wall time and Ctrl-C. How fast this machine is, is nowhere asserted.
+
+namespace osteon::app {
+namespace {
+
+using control::Phase;
+
+double SpeedOf(const control::TickRecord& tick) { return Vector3(tick.v_WT_cmd_m_per_s).norm(); }
+
+// After the request the commanded speed only falls, to rest; and the recording shows all of it.
+void ExpectOrderlyStop(const io::Recording& recording) {
+  ASSERT_FALSE(recording.ticks.empty());
+  const auto is_stopping = [](const control::TickRecord& t) { return t.phase == Phase::kStopping; };
+  const auto first = std::find_if(recording.ticks.begin(), recording.ticks.end(), is_stopping);
+  ASSERT_NE(first, recording.ticks.begin());
+  double speed = std::prev(first)->phase == Phase::kHaptic ? SpeedOf(*std::prev(first)) : 0.0;
+  for (auto tick = first; tick != recording.ticks.end(); ++tick) {
+    EXPECT_TRUE(tick->phase == Phase::kStopping || tick->phase == Phase::kStopped) << "tick " << tick->tick;
+    // 1 um/s: the apex's velocity is a difference of poses over a millisecond
+    EXPECT_LE(SpeedOf(*tick), speed + 1e-6) << "tick " << tick->tick;
+    speed = SpeedOf(*tick);
+  }
+  EXPECT_EQ(recording.ticks.back().phase, Phase::kStopped);
+  EXPECT_LT(speed, 1e-6);
+}
+
+void ExpectInterrupted(const CommandResult& run, const std::filesystem::path& out) {
+  EXPECT_EQ(run.exit_code, 130) << run.err;
+  const nlohmann::json summary = ReadJson(out / "summary.json");
+  EXPECT_EQ(summary.at("ended"), "interrupted");
+  EXPECT_TRUE(summary.at("faults").empty()) << summary.at("faults");
+  EXPECT_NE(run.out.find("interrupted"), std::string::npos) << run.out;
+  const io::Recording recording = ReadComplete(out / "recording.mcap");
+  EXPECT_EQ(summary.at("ticks"), recording.ticks.size());
+  ExpectOrderlyStop(recording);
+  EXPECT_NE(io::test::ReadAll(out / "report.html").find("</html>"), std::string::npos);
+}
+
+TEST(WallDemo, RunsOverUdpAndNamesWhateverStoppedIt) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), {"demo", "--seconds", "3", "--port", "0"});
+  ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 1) << run.exit_code << ": " << run.err;
+  const nlohmann::json summary = ReadJson(folder.path() / "demo_out/summary.json");
+  EXPECT_EQ(summary.at("virtual_time"), false);
+  // a machine that is busy with other things may well stall the loop: then it says so
+  EXPECT_EQ(summary.at("faults").empty(), run.exit_code == 0) << summary.dump(2);
+  EXPECT_EQ(summary.at("ended"), run.exit_code == 0 ? "completed" : "fault");
+  EXPECT_GT(summary.at("ticks").get<int>(), 0);
+  EXPECT_GT(summary.at("frames").get<int>(), 0);
+  for (const char* key : {"wakeup_us", "compute_us", "frame_us"})
+    EXPECT_GT(summary.at(key).at("max").get<double>(), 0.0) << key;
+  const io::Recording recording = ReadComplete(folder.path() / "demo_out/recording.mcap");
+  const bool active =
+      std::any_of(recording.ticks.begin(), recording.ticks.end(), [](const control::TickRecord& tick) {
+        return tick.session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive);
+      });
+  EXPECT_TRUE(active) << "the arm never reached COMMANDING_ACTIVE";
+  double peak_N = 0.0;
+  for (const auto& tick : recording.ticks) peak_N = std::max(peak_N, Vector3(tick.F_coupling_T_W.f).norm());
+  EXPECT_LE(peak_N, summary.at("force_limit_N").get<double>() * (1.0 + 1e-12));
+}
+
+TEST(WallDemo, StopsInOrderAtCtrlC) {
+  const TemporaryFolder folder;
+  Command demo(folder.path(), {"demo", "--seconds", "20", "--port", "0"});
+  // a tenth of the time: the tool is on its way
+  ASSERT_TRUE(demo.WaitUntil([&] { return demo.Err().find("osteon demo: ") != std::string::npos; }))
+      << demo.Err();
+  demo.Send(SIGINT);
+  ExpectInterrupted(demo.Wait(), folder.path() / "demo_out");
+}
+
+TEST(VirtualDemo, StopsInOrderAtCtrlC) {
+  const TemporaryFolder folder;
+  Command demo(folder.path(), {"demo", "--virtual-time", "--seconds", "600"});
+  const auto recording = folder.path() / "demo_out/recording.mcap";
+  // some 0.3 kB a tick: about a second into the session, the tool moving
+  const auto moves = [&] {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(recording, error);
+    return !error && size > 500'000;
+  };
+  ASSERT_TRUE(demo.WaitUntil(moves)) << demo.Err();
+  demo.Send(SIGTERM);  // what a service manager sends counts as Ctrl-C
+  ExpectInterrupted(demo.Wait(), folder.path() / "demo_out");
+}
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "app/cell_run.h"
+#include "app/summary.h"
+#include "tests/app/command.h"
+
+// The demo in virtual time: what it leaves, and whether that is true.
+
+namespace osteon::app {
+namespace {
+
+double ForceOf(const control::TickRecord& tick) { return Vector3(tick.F_coupling_T_W.f).norm(); }
+
+// Every key that docs promise for the demo, with its kind.
+void ExpectContract(const nlohmann::json& summary) {
+  EXPECT_EQ(summary.at("schema"), "osteon.demo/1");
+  for (const char* key : {"engine", "device", "recording", "scene", "tool", "state_hash", "ended", "version"})
+    EXPECT_TRUE(summary.at(key).is_string() && !summary.at(key).get<std::string>().empty()) << key;
+  for (const char* key : {"ticks", "frames", "spheres", "mass_points", "dropped_records"})
+    EXPECT_TRUE(summary.at(key).is_number_unsigned()) << key;
+  for (const char* key : {"servo_rate_hz", "simulation_rate_hz", "peak_force_N", "peak_sensor_force_N",
+                          "force_limit_N", "removed_volume_mm3", "removed_mass_g", "cup_depth_mm"})
+    EXPECT_TRUE(summary.at(key).is_number()) << key;
+  EXPECT_TRUE(summary.at("faults").is_array());
+}
+
+void ExpectForceWithinLimit(const nlohmann::json& summary, const io::Recording& recording) {
+  const double limit_N = summary.at("force_limit_N");
+  EXPECT_EQ(limit_N, recording.session.force_limit_N);
+  double peak_N = 0.0;
+  for (const control::TickRecord& tick : recording.ticks) peak_N = std::max(peak_N, ForceOf(tick));
+  // the limiter scales a vector: a rounding in each component
+  EXPECT_LE(peak_N, limit_N * (1.0 + 1e-12));
+  EXPECT_NEAR(summary.at("peak_force_N").get<double>(), peak_N, 1e-9);
+  EXPECT_LE(summary.at("peak_force_N").get<double>(), limit_N * (1.0 + 1e-12));
+}
+
+TEST(VirtualDemo, TwoRunsGiveEqualBits) {
+  const TemporaryFolder first, second;
+  for (const TemporaryFolder* folder : {&first, &second}) {
+    const CommandResult run = RunCommand(folder->path(), {"demo", "--virtual-time", "--seconds", "1.5"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_NE(run.out.find("State hash"), std::string::npos) << run.out;
+  }
+  const auto a = first.path() / "demo_out", b = second.path() / "demo_out";
+  const std::string bytes = io::test::ReadAll(a / "recording.mcap");
+  EXPECT_GT(bytes.size(), 100'000u);
+  EXPECT_TRUE(bytes == io::test::ReadAll(b / "recording.mcap"));
+  EXPECT_EQ(io::test::ReadAll(a / "summary.json"), io::test::ReadAll(b / "summary.json"));
+  EXPECT_TRUE(io::test::ReadAll(a / "report.html") == io::test::ReadAll(b / "report.html"));
+}
+
+TEST(VirtualDemo, LeavesWhatItPromises) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(
+      folder.path(), {"demo", "--virtual-time", "--seconds", "1.5", "--out", "a/b", "--json", "copy.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto out = folder.path() / "a/b";
+
+  const nlohmann::json summary = ReadJson(out / "summary.json");
+  ExpectContract(summary);
+  EXPECT_EQ(summary.at("ended"), "completed");
+  EXPECT_TRUE(summary.at("faults").empty());
+  EXPECT_NEAR(summary.at("servo_rate_hz").get<double>(), 1000.0, 1e-3);
+  EXPECT_NEAR(summary.at("seconds").get<double>(), 1.5, 0.2);  // and the ordered stop after them
+  EXPECT_EQ(ReadJson(folder.path() / "copy.json"), summary);
+
+  const io::Recording recording = ReadComplete(out / "recording.mcap");
+  EXPECT_EQ(summary.at("ticks"), recording.ticks.size());
+  EXPECT_EQ(summary.at("frames"), recording.frames.size());
+  EXPECT_NE(recording.session.config_text.find("max_force_N"), std::string::npos);
+  ExpectForceWithinLimit(summary, recording);
+
+  const std::string page = io::test::ReadAll(out / "report.html");
+  EXPECT_NE(page.find("</html>"), std::string::npos);
+  // nothing is fetched: the one address is the name of SVG's namespace, and pictures are data
+  const std::string svg = "http://www.w3.org/2000/svg";
+  for (std::size_t at = page.find("://"); at != std::string::npos; at = page.find("://", at + 1))
+    EXPECT_EQ(page.substr(at - std::min(at, std::size_t{4}), svg.size()), svg) << "at byte " << at;
+  for (const char* outside : {"src=\"//", "href=\"//", "<script", "@import"})
+    EXPECT_EQ(page.find(outside), std::string::npos) << outside;
+
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(out)) files += entry.is_regular_file() ? 1 : 0;
+  EXPECT_EQ(files, 3u) << "something is left over";
+}
+
+// The bars of the first cut, on the product's engine.
+TEST(VirtualDemo, ReamsTheWholeCup) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), {"demo", "--virtual-time"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json summary = ReadJson(folder.path() / "demo_out/summary.json");
+  EXPECT_EQ(summary.at("engine"), "vulkan");
+  EXPECT_TRUE(summary.at("faults").empty()) << summary.at("faults");
+  const double removed_mm3 = summary.at("removed_volume_mm3"), swept_mm3 = summary.at("swept_volume_mm3");
+  EXPECT_GE(removed_mm3, 2000.0);
+  EXPECT_NEAR(removed_mm3, swept_mm3, 0.05 * swept_mm3);
+  EXPECT_GE(summary.at("cup_depth_mm").get<double>(), 1.0);
+  EXPECT_LE(summary.at("cavity_error_mean_mm").get<double>(), 0.3);
+  // lockstep: a frame in every second tick, whatever the machine
+  EXPECT_NEAR(summary.at("simulation_rate_hz").get<double>(), 500.0, 1e-6);
+  // mass: bone is between cancellous and cortical
+  const double density_g_per_cm3 = summary.at("removed_mass_g").get<double>() / removed_mm3 * 1e3;
+  EXPECT_GT(density_g_per_cm3, 0.3);
+  EXPECT_LT(density_g_per_cm3, 1.85);
+  ExpectForceWithinLimit(summary, ReadComplete(folder.path() / "demo_out/recording.mcap"));
+}
+
+// The same run on plain loops in double precision.
+TEST(VirtualDemo, AgreesWithTheReferenceEngine) {
+  const TemporaryFolder folder;
+  nlohmann::json of[2];
+  for (const int i : {0, 1}) {
+    const std::string engine = i == 0 ? "vulkan" : "reference";
+    const CommandResult run = RunCommand(
+        folder.path(), {"demo", "--virtual-time", "--seconds", "4", "--engine", engine, "--out", engine});
+    ASSERT_EQ(run.exit_code, 0) << engine << ": " << run.err;
+    of[i] = ReadJson(folder.path() / engine / "summary.json");
+    ASSERT_EQ(of[i].at("engine"), engine);
+    const double removed_mm3 = of[i].at("removed_volume_mm3"), swept_mm3 = of[i].at("swept_volume_mm3");
+    ASSERT_GT(removed_mm3, 200.0) << engine;  // else there is nothing to compare
+    EXPECT_NEAR(removed_mm3, swept_mm3, 0.05 * swept_mm3) << engine;
+    EXPECT_LE(of[i].at("cavity_error_mean_mm").get<double>(), 0.3) << engine;
+  }
+  const double reference_mm3 = of[1].at("removed_volume_mm3");
+  EXPECT_NEAR(of[0].at("removed_volume_mm3").get<double>(), reference_mm3, 0.05 * reference_mm3);
+  EXPECT_NEAR(of[0].at("cup_depth_mm").get<double>(), of[1].at("cup_depth_mm").get<double>(), 0.05);
+  // as the arm and hand are the same, so are the forces, to what single precision makes of a contact
+  EXPECT_NEAR(of[0].at("peak_force_N").get<double>(), of[1].at("peak_force_N").get<double>(), 5.0);
+}
+
+}  // namespace
+}  // namespace osteon::app

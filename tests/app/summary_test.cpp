@@ -1,0 +1,171 @@
+#include "app/summary.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/io/temporary_folder.h"
+
+namespace osteon::app {
+namespace {
+
+using io::test::ReadAll;
+using io::test::TemporaryFolder;
+
+TEST(Quantiles, AreThoseOfTheSortedList) {
+  // 0, 1, … 999 ms in any order: the share p has p·1000 values below it
+  std::vector<double> seconds(1000);
+  for (std::size_t i = 0; i < seconds.size(); ++i) seconds[i] = 1e-3 * static_cast<double>(i);
+  std::shuffle(seconds.begin(), seconds.end(), std::mt19937(7));
+  const DurationFigures figures = Quantiles(seconds);
+  EXPECT_EQ(figures.count, 1000u);
+  EXPECT_DOUBLE_EQ(figures.p50_s, 0.500);
+  EXPECT_DOUBLE_EQ(figures.p99_s, 0.990);
+  EXPECT_DOUBLE_EQ(figures.p999_s, 0.999);
+  EXPECT_DOUBLE_EQ(figures.max_s, 0.999);
+}
+
+TEST(Quantiles, OfFewValuesStayWithinThem) {
+  EXPECT_EQ(Quantiles({}).count, 0u);
+  EXPECT_EQ(Quantiles({}).max_s, 0.0);
+  const DurationFigures one = Quantiles({0.25});
+  EXPECT_EQ(one.p50_s, 0.25);
+  EXPECT_EQ(one.p999_s, 0.25);
+  const DurationFigures two = Quantiles({3.0, 1.0});
+  EXPECT_LE(two.p50_s, two.p99_s);
+  EXPECT_EQ(two.max_s, 3.0);
+}
+
+TEST(WriteText, LeavesTheWholeFileAndNothingElse) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "summary.json";
+  ASSERT_TRUE(WriteText(path, "first, and longer"));
+  ASSERT_TRUE(WriteText(path, "second\n"));
+  EXPECT_EQ(ReadAll(path), "second\n");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(WriteText, NamesThePathWhereItCanNotWrite) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "nowhere" / "summary.json";
+  const auto written = WriteText(path, "text");
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error(), path.string() + ": can't be written: No such file or directory");
+}
+
+TEST(WriteText, LeavesNothingBesideAFolderThatIsInItsPlace) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "summary.json";
+  std::filesystem::create_directories(path / "full");
+  const auto written = WriteText(path, "text");
+  ASSERT_FALSE(written);
+  EXPECT_TRUE(written.error().starts_with(path.string() + ": ")) << written.error();
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(WriteText, FailsOnAFullDisk) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "skipped, no /dev/full";
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "summary.json";
+  std::filesystem::create_symlink("/dev/full", path.string() + ".part");
+  const auto written = WriteText(path, "text");
+  ASSERT_FALSE(written) << "a full disk was not noticed";
+  EXPECT_EQ(written.error(), path.string() + ": can't be written: No space left on device");
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+RunSummary Sample() {
+  RunSummary s;
+  s.engine = "vulkan";
+  s.device = "a \"quoted\" device\\ with\nlines";
+  s.scene = "acetabulum";
+  s.tool = "reamer";
+  s.recording = "out/µ.mcap";
+  s.ended = "completed";
+  s.balls = 30000;
+  s.ticks = 10000;
+  s.frames = 5000;
+  s.servo_rate_hz = 1000.0;
+  s.simulation_rate_hz = 500.0;
+  s.peak_force_N = 123.4;
+  s.force_limit_N = 200.0;
+  s.removed_volume_m3 = 2.5e-6;
+  s.removed_mass_kg = 3.5e-3;
+  s.swept_volume_m3 = 2.0e-6;
+  s.cup_depth_m = 1.5e-3;
+  s.cavity_depth_m = 1.25e-3;
+  s.state_hash = "0123456789abcdef";
+  return s;
+}
+
+std::string RowOf(const RunSummary& summary, const std::string& key) {
+  for (const SummaryRow& row : Rows(summary))
+    if (row.key == key) return row.value;
+  return "no such row";
+}
+
+TEST(SummaryJson, GivesBackWhatItWasMadeOf) {
+  const nlohmann::json json = nlohmann::json::parse(ToJson(Sample(), "osteon.demo/1"));
+  EXPECT_EQ(json.at("schema"), "osteon.demo/1");
+  EXPECT_EQ(json.at("device"), Sample().device);
+  EXPECT_EQ(json.at("recording"), Sample().recording);
+  EXPECT_EQ(json.at("ticks"), 10000);
+  EXPECT_NEAR(json.at("removed_volume_mm3").get<double>(), 2500.0, 1e-9);
+  EXPECT_NEAR(json.at("removed_mass_g").get<double>(), 3.5, 1e-12);
+  EXPECT_NEAR(json.at("cup_depth_mm").get<double>(), 1.5, 1e-12);
+  EXPECT_EQ(json.at("faults"), nlohmann::json::array());
+  EXPECT_FALSE(json.contains("frame_us")) << "virtual time measures no durations";
+}
+
+TEST(SummaryJson, NamesTheFaults) {
+  RunSummary s = Sample();
+  s.faults = {{.name = "arm stale", .time_s = std::nan(""), .reaction = "Stop 1"},
+              {.name = "model stale", .time_s = 1.0, .reaction = "Stop 1"}};
+  const nlohmann::json json = nlohmann::json::parse(ToJson(s, "osteon.demo/1"));
+  EXPECT_EQ(json.at("faults"), nlohmann::json({"arm stale", "model stale"}));
+  EXPECT_EQ(RowOf(s, "Faults"), "arm stale; model stale");
+}
+
+TEST(SummaryJson, SaysNullWhereNothingWasMeasured) {
+  RunSummary s = Sample();
+  s.section.cavity_section = {};
+  s.cavity_depth_m = -1.0;  // carved through
+  const std::string text = ToJson(s, "osteon.demo/1");
+  const nlohmann::json json = nlohmann::json::parse(text);
+  EXPECT_TRUE(json.at("cavity_error_mean_mm").is_null());
+  EXPECT_TRUE(json.at("cavity_depth_mm").is_null());
+  EXPECT_EQ(text.find("nan"), std::string::npos);
+  EXPECT_NE(RowOf(s, "Cup deeper by").find("carved through"), std::string::npos);
+}
+
+TEST(SummaryJson, SurvivesTextThatIsNotUtf8) {
+  // a folder's name on disk may be any bytes
+  RunSummary s = Sample();
+  s.recording = "out\xff/recording.mcap";
+  std::string text;
+  ASSERT_NO_THROW(text = ToJson(s, "osteon.demo/1"));
+  EXPECT_TRUE(nlohmann::json::parse(text).at("recording").is_string());
+}
+
+TEST(SummaryRows, HoldNoNanForARunThatDidNothing) {
+  for (const SummaryRow& row : Rows(RunSummary{})) {
+    EXPECT_EQ(row.value.find("nan"), std::string::npos) << row.key << ": " << row.value;
+    EXPECT_EQ(row.value.find("inf"), std::string::npos) << row.key << ": " << row.value;
+    EXPECT_FALSE(row.key.empty());
+  }
+}
+
+TEST(SummaryRows, ShowVolumesBesideEachOther) {
+  EXPECT_EQ(RowOf(Sample(), "Bone removed"), "2500 mm³, 3.50 g; swept 2000 mm³ (+25.0 %)");
+  EXPECT_EQ(RowOf(Sample(), "Peak rendered force"), "123.4 N of 200 N allowed");
+}
+
+}  // namespace
+}  // namespace osteon::app
