@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   const simulation::Bone bone = MakeBone(fineness);
-  const simulation::Tool tool = simulation::MakeReamer(0.025, 0.008, 0.12);
+  const simulation::Tool tool = simulation::MakeReamer(0.025, 0.008, 0.12, 0.9, Vector3(0, 0, -0.025));
   std::vector<double> frame_us;
   std::map<std::string, std::vector<double>> pass_us;
   std::string name;
