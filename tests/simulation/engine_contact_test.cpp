@@ -62,6 +62,23 @@ TEST_P(EngineContact, PressingIsResistedAlongTheSurfacesNormalByStiffnessTimesDe
   }
 }
 
+// "Positive roots only" drops every pair that overlaps already, and the tool tunnels.
+TEST_P(EngineContact, OverlapThatIsThereFromTheStartHoldsTheToolInwardsAndLetsItOut) {
+  Bone bone = EmptyBone();
+  bone.balls.push_back({.center_m = Vector3(0, 0, -1e-3), .radius_m = 1e-3});
+  const auto engine = Make(bone, BallTool(5e-3));
+  engine->Step(At(Down({0, 0, -0.3e-3})));  // the first pose counts as free
+  for (int i = 1; i <= 40; ++i) {
+    const ContactModel model = engine->Step(At(Down({0, 0, -0.3e-3 - 0.1e-3 * i})));
+    ASSERT_EQ(model.contact_fraction, 0.0) << i;
+    ASSERT_GE(ApexOf(model).z(), -0.3e-3 - kFloat_m) << i;
+    ASSERT_GT(Vector3(model.F_T_W.f).z(), 0.0) << i;
+  }
+  const ContactModel out = engine->Step(At(Down({0.1e-3, 0, 2e-3})));
+  EXPECT_EQ(out.contact_fraction, 1.0);
+  EXPECT_NEAR(ApexOf(out).z(), 2e-3, kFloat_m);
+}
+
 TEST_P(EngineContact, ForceIsLimited) {
   const auto engine = Make(Slab(24e-3, 3e-3), BallTool(10e-3));
   engine->Step(At(Down({0, 0, 1e-3})));
