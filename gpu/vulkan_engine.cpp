@@ -129,6 +129,8 @@ struct VulkanEngine::Impl {
   void Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const;
   void Write(const Buffer& buffer, const void* data, std::size_t size) const;
   void Read(const Buffer& buffer, void* data, std::size_t size) const;
+  template <class Alive>
+  void Recount(const Buffer& clusters, std::size_t count, Alive alive) const;
   bool Run(std::uint64_t timeout_ns);
   bool WarmUp(const simulation::Bone& bone);
   Frame Prepare(const simulation::FrameInput& input) const;
@@ -158,6 +160,16 @@ void VulkanEngine::Impl::Read(const Buffer& buffer, void* data, std::size_t size
   const Buffer staging = MakeBuffer(*context, size, Placement::kReadBack);
   Copy(buffer, staging, size);
   std::memcpy(data, staging.mapped, size);
+}
+
+// Counts again what is left in each cluster of `count` balls or points: a state may give back what was cut.
+template <class Alive>
+void VulkanEngine::Impl::Recount(const Buffer& clusters, std::size_t count, Alive alive) const {
+  std::vector<Cluster> boxes(ClusterCount(count));
+  Read(clusters, boxes.data(), boxes.size() * sizeof(Cluster));
+  for (Cluster& box : boxes) box.alive = 0;
+  for (std::size_t i = 0; i < count; ++i) boxes[i / kGroupSize].alive += alive(i) ? 1 : 0;
+  Write(clusters, boxes.data(), boxes.size() * sizeof(Cluster));
 }
 
 void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
@@ -580,6 +592,10 @@ void VulkanEngine::Restore(const simulation::CarvedState& state) {
   impl_->Read(impl_->points, points.data(), points.size() * sizeof(Point));
   for (std::size_t i = 0; i < points.size(); ++i) points[i].cleared = state.cleared[i];
   impl_->Write(impl_->points, points.data(), points.size() * sizeof(Point));
+  impl_->Recount(impl_->ball_clusters, impl_->ball_count,
+                 [&](std::size_t i) { return state.balls[4 * i + 3] > 0.0f; });
+  impl_->Recount(impl_->point_clusters, impl_->point_count,
+                 [&](std::size_t i) { return state.cleared[i] == 0; });
   impl_->memory = simulation::ToMemory(state);
   impl_->lists.made = false;
 }

@@ -7,8 +7,8 @@
 #include "kinematics/spatial.h"
 
 // The closed forms of the cutting model, one pair at a time, in double precision. The shaders hold their
-// float twins (gpu/shaders/cutting_math.glsl). Source: Kaluschke et al., IEEE VR 2019, equations 3 to 5,
-// corrected; each function says what was wrong.
+// float twins (gpu/shaders: first_contact.glsl, planes.comp, remove.comp). Source: Kaluschke et al., IEEE VR
+// 2019, equations 3 to 5, corrected; each function says what was wrong.
 
 namespace osteon::simulation {
 
@@ -64,6 +64,8 @@ inline constexpr double kLargestLensVolume = 0.5e-9;
 
 /// Balls smaller than this are gone [m].
 inline constexpr double kLeastBallRadius = 1e-6;
+/// Closer to a capsule's axis than this share of its radius, a centre's direction from it is checked.
+inline constexpr double kOnAxis = 1e-3;
 
 /// Pass 3. Shrinks a bone ball to the largest ball that lies inside it and outside a capsule (equation 5,
 /// with the vector read as the penetration; printed, its units do not agree).
@@ -86,17 +88,19 @@ inline bool ShrinkBall(Vector3& c, double& r, const Vector3& a, const Vector3& b
     r = 0.0;
     return true;
   }
-  Vector3 u;
-  if (distance > 0.0) {
-    u = away / distance;
+  Vector3 u = away;
+  const Vector3 m = b - a;
+  const double mm = m.squaredNorm(), along = (c - a).dot(m);
+  // beside the axis u is perpendicular to it; so close to it, what rounding has left along it would count
+  if (distance < kOnAxis * r_t && along > 0.0 && along < mm) u -= u.dot(m) / mm * m;
+  if (u.norm() > kOnAxis * distance) {
+    u.normalize();
   } else {
-    // the axis of the world that is least along the segment, made perpendicular to it
-    const Vector3 m = b - a;
+    // on the axis: the axis of the world that is least along the segment, made perpendicular to it
     const Vector3 pick = std::abs(m.x()) <= std::abs(m.y()) && std::abs(m.x()) <= std::abs(m.z())
                              ? Vector3::UnitX()
                          : std::abs(m.y()) <= std::abs(m.z()) ? Vector3::UnitY()
                                                               : Vector3::UnitZ();
-    const double mm = m.squaredNorm();
     u = (mm > 0.0 ? Vector3(pick - pick.dot(m) / mm * m) : pick).normalized();
   }
   c += 0.5 * p * u;

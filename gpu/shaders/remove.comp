@@ -5,6 +5,7 @@
 #include "common.glsl"
 
 const float kLeastBallRadius = 1e-3;  // mm
+const float kOnAxis = 1e-3;           // simulation::kOnAxis
 
 void Shrink(inout vec4 ball, vec3 a, vec3 b, float r_t) {
   vec3 away = ball.xyz - ClosestOnSegment(ball.xyz, a, b);
@@ -15,13 +16,14 @@ void Shrink(inout vec4 ball, vec3 a, vec3 b, float r_t) {
     ball.w = 0.0;
     return;
   }
-  vec3 u;
-  if (d > 0.0) {
-    u = away / d;
+  vec3 u = away, m = b - a;
+  float mm = dot(m, m), along = dot(ball.xyz - a, m);
+  if (d < kOnAxis * r_t && along > 0.0 && along < mm) u -= dot(u, m) / mm * m;
+  if (length(u) > kOnAxis * d) {
+    u = normalize(u);
   } else {
-    vec3 m = b - a, s = abs(m);
+    vec3 s = abs(m);
     vec3 pick = s.x <= s.y && s.x <= s.z ? vec3(1, 0, 0) : s.y <= s.z ? vec3(0, 1, 0) : vec3(0, 0, 1);
-    float mm = dot(m, m);
     u = normalize(mm > 0.0 ? pick - dot(pick, m) / mm * m : pick);
   }
   ball.xyz += 0.5 * p * u;

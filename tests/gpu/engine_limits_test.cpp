@@ -1,0 +1,189 @@
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "gpu/devices.h"
+#include "simulation/reference_engine.h"
+#include "tests/gpu/contract_bench.h"
+
+// Devices, sizes, and what is refused.
+
+namespace osteon::gpu {
+namespace {
+
+using simulation::ContactModel;
+
+Pose Down(const Vector3& p) {
+  Pose X = Pose::Identity();
+  X.linear() = ExpRotation({M_PI, 0, 0});
+  X.translation() = p;
+  return X;
+}
+
+simulation::Tool Ball(double radius_m) {
+  simulation::Tool tool;
+  tool.balls = {{.center_m = Vector3(0, 0, -radius_m), .radius_m = radius_m, .cutting = true}};
+  return tool;
+}
+
+std::string ErrorOf(const simulation::Bone& bone, const simulation::Tool& tool, const VulkanParams& vulkan) {
+  const auto engine = VulkanEngine::Create(bone, tool, Pose::Identity(), {}, vulkan);
+  return engine ? "" : engine.error();
+}
+
+/// A strip of balls of 1 mm, .8 mm apart, their tops at z = 0, with a point in the middle of each.
+simulation::Bone Strip(int count) {
+  simulation::Bone bone;
+  bone.materials = {{.name = "soft", .specific_cutting_energy_J_per_m3 = 1e6}};
+  for (int i = 0; i < count; ++i) {
+    const Vector3 c(0.8e-3 * (i - 0.5 * (count - 1)), 0, -1e-3);
+    bone.balls.push_back({.center_m = c, .radius_m = 1e-3});
+    bone.points.push_back({.p_m = c, .volume_m3 = 1e-9, .material = 0});
+  }
+  return bone;
+}
+
+TEST(Devices, ListHasOneThatIsUsable) {
+  const auto devices = ListDevices();
+  ASSERT_TRUE(devices.has_value()) << devices.error();
+  int usable = 0;
+  for (const DeviceInfo& device : *devices) {
+    EXPECT_FALSE(device.name.empty());
+    EXPECT_TRUE(
+        (std::set<std::string>{"discrete", "integrated", "virtual", "cpu", "other"}.contains(device.kind)))
+        << device.kind;
+    EXPECT_GT(device.memory_bytes, 1e6);
+    usable += device.refusal.empty() ? 1 : 0;
+  }
+  EXPECT_GE(usable, 1);
+}
+
+TEST(Devices, AreFoundByAnyPartOfTheirNameInAnyCase) {
+  const auto devices = ListDevices();
+  ASSERT_TRUE(devices.has_value());
+  for (const DeviceInfo& device : *devices) {
+    if (!device.refusal.empty()) continue;
+    std::string part = device.name.substr(1, 4);
+    for (char& c : part) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    EXPECT_EQ(Open(Strip(1), Ball(3e-3), {.device = device.name})->device(), device.name);
+    EXPECT_FALSE(Open(Strip(1), Ball(3e-3), {.device = part})->device().empty());
+  }
+}
+
+TEST(VulkanEngine, NamesTheDevicesWhereOneIsUnknown) {
+  const std::string error = ErrorOf(Strip(1), Ball(3e-3), {.device = "no such card"});
+  EXPECT_NE(error.find("\"no such card\""), std::string::npos) << error;
+  const auto devices = ListDevices();
+  ASSERT_TRUE(devices.has_value());
+  for (const DeviceInfo& device : *devices) EXPECT_NE(error.find(device.name), std::string::npos) << error;
+}
+
+TEST(VulkanEngine, RefusesToolsAndBonesBeyondItsSizes) {
+  simulation::Tool tool = Ball(3e-3);
+  tool.balls.resize(65, tool.balls.front());
+  EXPECT_EQ(ErrorOf(Strip(1), tool, {}), "tool: 65 balls, accepted 1 … 64");
+  EXPECT_EQ(ErrorOf(Strip(1), {}, {}), "tool: 0 balls, accepted 1 … 64");
+  simulation::Bone bone = Strip(1);
+  bone.materials.resize(9);
+  EXPECT_EQ(ErrorOf(bone, Ball(3e-3), {}), "bone: 9 materials, accepted 1 … 8");
+}
+
+TEST(VulkanEngine, CutsWithAsManyToolBallsAndMaterialsAsItAccepts) {
+  simulation::Tool tool;
+  for (int i = 0; i < 64; ++i)  // a rake along x
+    tool.balls.push_back(
+        {.center_m = Vector3(0.4e-3 * (i - 31.5), 0, -2e-3), .radius_m = 2e-3, .cutting = i % 3 != 0});
+  simulation::Bone bone = Strip(40);
+  bone.materials.resize(8, bone.materials.front());
+  for (std::size_t i = 0; i < bone.points.size(); ++i)
+    bone.points[i].material = static_cast<simulation::MaterialIndex>(i % 8);
+  simulation::ReferenceEngine reference(bone, tool, Pose::Identity(), {});
+  const auto vulkan = Open(bone, tool);
+  for (int i = 0; i < 60; ++i) {
+    const simulation::FrameInput input{.X_WT = Down({0, 0, 0.3e-3 - 0.05e-3 * i}),
+                                       .spindle_rad_per_s = kSpindle_rad_per_s};
+    const ContactModel a = reference.Step(input), b = vulkan->Step(input);
+    ASSERT_NEAR((Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm(), 0.0, 1e-6) << i;
+    ASSERT_NEAR((Vector3(a.F_T_W.f) - Vector3(b.F_T_W.f)).norm(), 0.0, 0.05) << i;
+  }
+}
+
+TEST(VulkanEngine, OfAnEmptyBoneMovesFreely) {
+  simulation::Bone bone;
+  const auto engine = Open(bone, DefaultReamer());
+  for (int i = 0; i < 10; ++i) {
+    const ContactModel model =
+        engine->Step({.X_WT = Down({0, 0, -0.01 * i}), .spindle_rad_per_s = kSpindle_rad_per_s});
+    ASSERT_EQ(model.status, simulation::EngineStatus::kOk);
+    ASSERT_EQ(model.contact_fraction, 1.0);
+    ASSERT_EQ(model.contact_count, 0);
+    ASSERT_NEAR(Vector3(model.X_WP.p).z(), -0.01 * i, 1e-8);
+  }
+  const simulation::CarvedState state = engine->Snapshot();
+  EXPECT_TRUE(state.balls.empty());
+  EXPECT_TRUE(state.cleared.empty());
+  engine->Restore(state);
+}
+
+TEST(VulkanEngine, WithBallsAndNoPointsOrPointsAndNoBallsWorks) {
+  simulation::Bone balls = Strip(10), points = Strip(10);
+  balls.points.clear();
+  points.balls.clear();
+  const auto on_balls = Open(balls, Ball(5e-3)), on_points = Open(points, Ball(5e-3));
+  ContactModel touched, free;
+  for (int i = 0; i < 30; ++i) {
+    const simulation::FrameInput input{.X_WT = Down({0, 0, 0.5e-3 - 0.05e-3 * i})};
+    touched = on_balls->Step(input);
+    free = on_points->Step(input);
+  }
+  EXPECT_GT(Vector3(touched.F_T_W.f).z(), 15.0);
+  EXPECT_EQ(Vector3(free.F_T_W.f).norm(), 0.0);
+}
+
+class Sizes : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(, Sizes, testing::Values(1, 2, 63, 64, 65, 127, 129, 200));
+
+// Workgroups and clusters hold 64: the last one is full, or not, or lacks one, or holds one.
+TEST_P(Sizes, AgreeWithTheReferenceBallByBall) {
+  const simulation::Bone bone = Strip(GetParam());
+  simulation::CuttingParams params;
+  params.law = simulation::RemovalLaw::kImmediate;
+  simulation::ReferenceEngine reference(bone, Ball(4e-3), Pose::Identity(), params);
+  const auto vulkan = Open(bone, Ball(4e-3), {}, params);
+  // along the strip, from end to end and beyond, .3 mm deep; beside its middle, where the sectors of contacts
+  // meet
+  const double reach = 0.4e-3 * GetParam() + 2e-3;
+  const int frames = static_cast<int>(2.0 * reach / 0.1e-3);  // slower than the proxy may slide
+  for (int i = 0; i <= frames; ++i) {
+    const simulation::FrameInput input{.X_WT = Down({reach * (2.0 * i / frames - 1.0), 0.3e-3, -0.3e-3}),
+                                       .spindle_rad_per_s = kSpindle_rad_per_s};
+    const ContactModel a = reference.Step(input), b = vulkan->Step(input);
+    // the same tolerance that sliding has: on single balls, which one is met first is decided by rounding
+    ASSERT_EQ(b.status, simulation::EngineStatus::kOk);
+    ASSERT_NEAR((Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm(), 0.0, 2e-5) << i;
+  }
+  const simulation::CarvedState one = reference.Snapshot(), two = vulkan->Snapshot();
+  ASSERT_EQ(one.balls.size(), two.balls.size());
+  for (std::size_t i = 0; i < one.balls.size(); ++i) ASSERT_NEAR(one.balls[i], two.balls[i], 2e-2) << i;
+  EXPECT_EQ(one.cleared, two.cleared);
+  EXPECT_LT(two.balls[3], 1.0f);  // the first ball, and the last one, were cut
+  EXPECT_LT(two.balls.back(), 1.0f);
+}
+
+TEST(VulkanEngine, TimesItsPassesWhereAsked) {
+  const auto timed = Open(Strip(10), Ball(4e-3), {.device = "", .time_passes = true}),
+             plain = Open(Strip(10), Ball(4e-3));
+  EXPECT_TRUE(timed->LastPassTimes().empty()) << "before the first frame";
+  for (const auto& engine : {timed.get(), plain.get()}) engine->Step({.X_WT = Down({0, 0, 0.1e-3})});
+  std::set<std::string> names;
+  for (const PassTime& pass : timed->LastPassTimes()) {
+    names.insert(pass.pass);
+    EXPECT_GE(pass.seconds, 0.0);
+  }
+  for (const char* name : {"contact", "planes", "solve", "slide", "engage", "advance", "remove", "clear"})
+    EXPECT_TRUE(names.contains(name)) << name;
+  EXPECT_TRUE(plain->LastPassTimes().empty());
+}
+
+}  // namespace
+}  // namespace osteon::gpu

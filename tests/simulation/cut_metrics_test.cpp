@@ -1,0 +1,127 @@
+#include "simulation/cut_metrics.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "simulation/scenes.h"
+
+namespace osteon::simulation {
+namespace {
+
+Ball BallAt(const Vector3& c, double r) { return {.center_m = c, .radius_m = r}; }
+
+TEST(FirstHit, IsWhereTheRayEntersTheNearestBall) {
+  const std::vector<Ball> balls{BallAt({0, 0, 10}, 2), BallAt({0, 0, 5}, 1), BallAt({5, 0, 3}, 1)};
+  EXPECT_DOUBLE_EQ(FirstHit(balls, {0, 0, 0}, Vector3::UnitZ()).value(), 4.0);
+  EXPECT_DOUBLE_EQ(FirstHit(balls, {0.6, 0, 0}, Vector3::UnitZ()).value(), 5.0 - 0.8);
+  EXPECT_DOUBLE_EQ(FirstHit(balls, {0, 1.2, 0}, Vector3::UnitZ()).value(),
+                   10.0 - 1.6);  // past the nearer one
+  const Vector3 slanting = Vector3(5, 0, 3).normalized();
+  EXPECT_NEAR(FirstHit(balls, {0, 0, 0}, slanting).value(), std::sqrt(34.0) - 1.0, 1e-12);
+}
+
+TEST(FirstHit, IsZeroInsideAndNothingWhereAllIsMissedOrBehind) {
+  const std::vector<Ball> balls{BallAt({0, 0, 10}, 2)};
+  EXPECT_EQ(FirstHit(balls, {0, 0, 9}, Vector3::UnitX()).value(), 0.0);
+  EXPECT_FALSE(FirstHit(balls, {0, 0, 0}, Vector3::UnitX()).has_value());
+  EXPECT_FALSE(FirstHit(balls, {0, 0, 0}, -Vector3::UnitZ()).has_value());
+  EXPECT_FALSE(FirstHit(std::vector<Ball>{BallAt({0, 0, 10}, 0)}, {0, 0, 0}, Vector3::UnitZ()).has_value());
+  EXPECT_FALSE(FirstHit({}, {0, 0, 0}, Vector3::UnitZ()).has_value());
+}
+
+TEST(LiveBalls, AreThoseWithARadiusInMetres) {
+  CarvedState state;
+  state.balls = {1, 2, 3, 4, 5, 6, 7, 0, -1, -2, -3, 0.5f};
+  const std::vector<Ball> live = LiveBalls(state);
+  ASSERT_EQ(live.size(), 2u);
+  EXPECT_LT((Vector3(live[0].center_m) - Vector3(1e-3, 2e-3, 3e-3)).norm(), 1e-15);
+  EXPECT_DOUBLE_EQ(live[1].radius_m, 0.5e-3);
+}
+
+/// Feed along -z of G, apex at p.
+Pose Down(const Vector3& p) {
+  Pose X = Pose::Identity();
+  X.linear() = ExpRotation({M_PI, 0, 0});
+  X.translation() = p;
+  return X;
+}
+
+TEST(ApexDepth, CountsFromTheFirstFloorAlongTheCupsAxis) {
+  Bone bone;
+  bone.cup = {.center_m = Vector3(0.1, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.024};
+  bone.balls = {BallAt({0.1, 0, -0.035}, 0.010)};  // its top lies 25 mm below the centre
+  const ApexDepth depth(bone, MakeReamer(0.022, 0.008, 0.1));
+  EXPECT_NEAR(depth.floor_m(), 0.025, 1e-15);
+  EXPECT_NEAR(depth.Of(Down({0.1, 0, -0.025})), 0.0, 1e-15);
+  EXPECT_NEAR(depth.Of(Down({0.1, 0, -0.027})), 0.002, 1e-15);
+  EXPECT_NEAR(depth.Of(Down({0.1, 0, -0.020})), -0.005, 1e-15);
+  // of the head, however the tool is turned about it
+  Pose tilted = Pose::Identity();
+  tilted.linear() = ExpRotation({0, 0.3, 0}) * ExpRotation({M_PI, 0, 0});
+  tilted.translation() = Vector3(0.1, 0, -0.005) - tilted.linear() * Vector3(0, 0, -0.022);
+  EXPECT_NEAR(depth.Of(tilted), 0.002, 1e-12);
+}
+
+TEST(ApexDepth, WithoutAFloorCountsFromTheCupsRadius) {
+  const ApexDepth depth(Bone{}, MakeReamer(0.022, 0.008, 0.1));
+  EXPECT_EQ(depth.floor_m(), 0.024);
+}
+
+/// Volume that a ball of R, its centre on the cup's axis d below the cup's centre, takes below the cup's
+/// sphere of r: ball minus lens.
+double BelowTheCup(double R, double r, double d) {
+  // lens of two balls from the volumes of its two caps (independent of LensVolume)
+  const double x = (d * d + r * r - R * R) / (2 * d);  // of the common plane, from the cup's centre
+  const auto cap = [](double radius, double height) {
+    return M_PI * height * height * (radius - height / 3.0);
+  };
+  const double lens = cap(r, r - x) + cap(R, R - (d - x));
+  return 4.0 / 3.0 * M_PI * R * R * R - lens;
+}
+
+TEST(SweptVolume, OfAPlungeIntoTheAcetabulumIsTheCrescentBelowTheCup) {
+  const AcetabulumSolid solid{AcetabulumShape{}};
+  const double r = 0.024;
+  for (const auto& [R, depth] : {std::pair{0.020, 0.003}, std::pair{0.023, 0.003}}) {
+    // a head that is smaller than the cup, and below the top face wherever it leaves the cup
+    const Tool tool = MakeReamer(R, 0.008, 0.1);
+    std::vector<Pose> path;
+    for (int i = 0; i <= 20; ++i) path.push_back(Down({0, 0, -R - (r - R + depth) * i / 20.0}));
+    const double expected = BelowTheCup(R, r, r - R + depth);
+    EXPECT_NEAR(SweptVolume(solid, tool, path, 0.25e-3), expected, 0.01 * expected) << R;
+  }
+}
+
+TEST(SweptVolume, CountsWhatIsSweptTwiceOnceAndOfTheShaftNothing) {
+  const AcetabulumSolid solid{AcetabulumShape{}};
+  const Tool tool = MakeReamer(0.023, 0.008, 0.1);
+  Tool head = tool;
+  head.balls.resize(1);
+  std::vector<Pose> there{Down({0, 0, -0.023}), Down({0, 0, -0.027})}, and_back = there;
+  and_back.push_back(there[0]);
+  and_back.push_back(there[1]);
+  const double once = SweptVolume(solid, tool, there, 0.5e-3);
+  EXPECT_GT(once, 1e-6);
+  EXPECT_EQ(SweptVolume(solid, tool, and_back, 0.5e-3), once);
+  EXPECT_EQ(SweptVolume(solid, head, there, 0.5e-3), once);
+  EXPECT_EQ(SweptVolume(solid, tool, {}, 0.5e-3), 0.0);
+  const std::vector<Pose> away{Down({0, 0, 0.1})};
+  EXPECT_EQ(SweptVolume(solid, tool, away, 0.5e-3), 0.0);
+}
+
+TEST(SweptVolume, OfACoarsePathIsThatOfItsChords) {
+  // two poses sweep what two hundred on the straight line between them sweep
+  const AcetabulumSolid solid{AcetabulumShape{}};
+  const Tool tool = MakeReamer(0.010, 0.005, 0.1);
+  const Vector3 a(-0.010, 0, -0.025), b(0.010, 0.004, -0.030);
+  std::vector<Pose> fine;
+  for (int i = 0; i <= 200; ++i) fine.push_back(Down(a + i / 200.0 * (b - a)));
+  const std::vector<Pose> coarse{Down(a), Down(b)};
+  const double volume = SweptVolume(solid, tool, coarse, 0.5e-3);
+  EXPECT_GT(volume, 1e-6);
+  EXPECT_NEAR(SweptVolume(solid, tool, fine, 0.5e-3), volume, 1e-3 * volume);
+}
+
+}  // namespace
+}  // namespace osteon::simulation

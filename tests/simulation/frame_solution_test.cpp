@@ -1,0 +1,445 @@
+#include "simulation/frame_solution.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace osteon::simulation {
+namespace {
+
+// ---- groups of planes
+
+Vector3 Around(double azimuth_deg, double z) {
+  const double a = azimuth_deg * M_PI / 180.0, s = std::sqrt(1.0 - z * z);
+  return {s * std::cos(a), s * std::sin(a), z};
+}
+
+TEST(PlaneGroup, CoversEveryDirectionWithTheCapAndSixSectors) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  std::array<int, kMaxContacts> count{};
+  constexpr int kTries = 60'000;
+  for (int i = 0; i < kTries; ++i) {
+    const Vector3 u = Vector3(normal(random), normal(random), normal(random)).normalized();
+    const int group = PlaneGroup(u);
+    ASSERT_GE(group, 0);
+    ASSERT_LT(group, kShaftPlane);
+    ++count[static_cast<std::size_t>(group)];
+    ASSERT_EQ(group == kCapPlane, -u.z() > kCapCosine);
+  }
+  // areas on the unit sphere: the cap has (1 - cos)/2 of it, the sectors a sixth of the rest each
+  const double cap = 0.5 * (1.0 - kCapCosine), sector = (1.0 - cap) / 6.0;
+  EXPECT_NEAR(count[0], kTries * cap, 5.0 * std::sqrt(kTries * cap));  // five standard deviations
+  for (std::size_t g = 1; g <= 6; ++g)
+    EXPECT_NEAR(count[g], kTries * sector, 5.0 * std::sqrt(kTries * sector)) << g;
+}
+
+TEST(PlaneGroup, OfASectorIsASixthOfATurnOfContactPlaces) {
+  // u points from bone to tool: bone that lies at azimuth a of the tool has u at a + 180 deg
+  std::set<int> seen;
+  for (int sector = 0; sector < 6; ++sector) {
+    const int group = PlaneGroup(Around(60.0 * sector + 180.0 + 1.0, 0.1));
+    for (const double inside : {2.0, 30.0, 59.0})
+      EXPECT_EQ(PlaneGroup(Around(60.0 * sector + 180.0 + inside, -0.3)), group) << sector;
+    seen.insert(group);
+  }
+  EXPECT_EQ(seen.size(), 6u);
+}
+
+TEST(PlaneGroup, CapIsFortyDegreesAboutTheFeed) {
+  EXPECT_EQ(PlaneGroup({0, 0, -1}), kCapPlane);
+  EXPECT_EQ(PlaneGroup(Around(77, -std::cos(39.9 * M_PI / 180.0))), kCapPlane);
+  EXPECT_NE(PlaneGroup(Around(77, -std::cos(40.1 * M_PI / 180.0))), kCapPlane);
+  EXPECT_NE(PlaneGroup({0, 0, 1}), kCapPlane);
+}
+
+// ---- placing
+
+TEST(PlaceTool, PutsBallsAndThenTheOriginIntoG) {
+  const Tool tool = MakeReamer(0.025, 0.008, 0.016);
+  Pose X = Pose::Identity();
+  X.linear() = ExpRotation({M_PI, 0, 0});  // feed down
+  X.translation() = Vector3(0.1, 0.2, 0.3);
+  const ToolPoints points = PlaceTool(tool, X);
+  ASSERT_EQ(points.size(), tool.balls.size() + 1);
+  EXPECT_LT((points[0] - Vector3(0.1, 0.2, 0.325)).norm(), 1e-15);
+  EXPECT_EQ(points.back(), Vector3(0.1, 0.2, 0.3));
+  const ToolPoints half = Between(points, PlaceTool(tool, Pose::Identity()), 0.5);
+  EXPECT_LT((half[0] - Vector3(0.05, 0.1, 0.15)).norm(), 1e-15);
+}
+
+// ---- the constrained target
+
+SolutionPlane Plane(const Vector3& n, double gap_m, double weight = 1.0) {
+  return {.present = true, .n = n, .gap_m = gap_m, .weight = weight};
+}
+
+TEST(SolveTarget, OfOnePlaneLiftsTheToolOutAlongIt) {
+  FrameSolution s;
+  s.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.1e-3);
+  SolveTarget({3e-3, 0, -2e-3}, Vector3::Zero(), s);  // 2 mm down, .1 mm of them free
+  EXPECT_LT((s.delta - Vector3(0, 0, 1.9e-3)).norm(), 1e-15);
+  EXPECT_NEAR(s.cutting_m, 1.9e-3, 1e-15);
+  EXPECT_LT((s.n - Vector3::UnitZ()).norm(), 1e-15);
+  EXPECT_NEAR(s.planes[kCapPlane].multiplier_m, 1.9e-3, 1e-15);
+}
+
+TEST(SolveTarget, OfAPoseThatKeepsAllPlanesIsThePose) {
+  FrameSolution s;
+  s.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.1e-3);
+  s.planes[2] = Plane(Vector3::UnitX(), 0.2e-3);
+  SolveTarget({-0.1e-3, 0, -0.05e-3}, Vector3::Zero(), s);
+  EXPECT_EQ(s.delta, Vector3::Zero());
+  EXPECT_EQ(s.cutting_m, 0.0);
+  EXPECT_EQ(s.n, Vector3::Zero());
+}
+
+TEST(SolveTarget, OfACornerIsTheSumOfBothWalls) {
+  FrameSolution s;
+  s.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
+  s.planes[4] = Plane(Vector3::UnitX(), 0.0);
+  SolveTarget({-3e-3, 1e-3, -4e-3}, Vector3::Zero(), s);
+  EXPECT_LT((s.delta - Vector3(3e-3, 0, 4e-3)).norm(), 1e-15);
+  EXPECT_NEAR(s.cutting_m, 5e-3, 1e-15);
+  EXPECT_LT((s.n - Vector3(0.6, 0, 0.8)).norm(), 1e-12);
+}
+
+TEST(SolveTarget, OfASlotTighterThanTheToolByLessThanTheToleranceStaysFeasible) {
+  FrameSolution s;
+  s.planes[1] = Plane(Vector3::UnitX(), -0.01e-3);
+  s.planes[4] = Plane(-Vector3::UnitX(), -0.01e-3);  // both walls overlap the tool: no target keeps both
+  s.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
+  SolveTarget({0.5e-3, 0, -2e-3}, Vector3::Zero(), s);
+  // gaps count as zero: back to the middle, and up to the floor
+  EXPECT_LT((s.delta - Vector3(-0.5e-3, 0, 2e-3)).norm(), 1e-8);
+}
+
+TEST(SolveTarget, LeavesTheShaftOutOfTheCut) {
+  FrameSolution s;
+  s.planes[kShaftPlane] = Plane(Vector3::UnitX(), 0.0);
+  s.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
+  SolveTarget({-3e-3, 0, -4e-3}, Vector3::Zero(), s);
+  EXPECT_LT((s.delta - Vector3(3e-3, 0, 4e-3)).norm(), 1e-15);
+  EXPECT_NEAR(s.cutting_m, 4e-3, 1e-15);
+  EXPECT_LT((s.n - Vector3::UnitZ()).norm(), 1e-12);
+}
+
+TEST(SolveTarget, CountsTheTurnAtEachPlanesLever) {
+  FrameSolution s;
+  s.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
+  s.planes[kCapPlane].point_m = Vector3(10e-3, 0, 0);
+  // 1 mrad about +y lowers the point at +10 mm by 10 um
+  SolveTarget(Vector3::Zero(), {0, 1e-3, 0}, s);
+  EXPECT_NEAR(s.delta.z(), 10e-6, 1e-15);
+}
+
+TEST(EndOfAdvance, IsHeldBackByThePlaneThatDoesNotCut) {
+  FrameSolution s;
+  s.n = Vector3::UnitZ();
+  s.advance_m = 0.2e-3;
+  EXPECT_LT((EndOfAdvance(s) - Vector3(0, 0, -0.2e-3)).norm(), 1e-18);
+  s.planes[kShaftPlane] = Plane(Vector3::UnitZ(), 0.05e-3);
+  EXPECT_LT((EndOfAdvance(s) - Vector3(0, 0, -0.05e-3)).norm(), 1e-18);
+  s.planes[kShaftPlane] = Plane(Vector3::UnitX(), 0.0);  // a wall along the way does not matter
+  EXPECT_LT((EndOfAdvance(s) - Vector3(0, 0, -0.2e-3)).norm(), 1e-18);
+}
+
+// ---- the rate law
+
+constexpr double kSpindle = 250.0 * 2.0 * M_PI / 60.0;
+
+struct Cut {
+  CuttingParams params;
+  std::vector<Material> materials{{.name = "bone", .specific_cutting_energy_J_per_m3 = 50e6}};
+  FrameSolution solution;
+  Cut() {
+    solution.n = Vector3::UnitZ();
+    solution.cutting_m = 2e-3;
+    solution.engaged_area_m2[0] = 500e-6;
+    solution.engaged_moment_m3[0] = 500e-6 * 15e-3;
+  }
+  FrameAdvance Advance(double dt_s, double spindle = kSpindle, double debt_J = 0.0) const {
+    return AdvanceOfFrame(params, materials, solution, spindle, dt_s, debt_J);
+  }
+};
+
+TEST(AdvanceOfFrame, IsTheExactSolutionOfTheRateLaw) {
+  const Cut cut;
+  // x' = -c K x with c = mu_c r_eff w / (u_c A)
+  const double c = 0.8 * 15e-3 * kSpindle / (50e6 * 500e-6);
+  for (const double dt : {1e-5, 1e-3, 4e-3}) {
+    const double expected = 2e-3 * (1.0 - std::exp(-c * 20e3 * dt));
+    EXPECT_NEAR(cut.Advance(dt).advance_m, expected, 1e-9 * expected) << dt;
+  }
+}
+
+TEST(AdvanceOfFrame, InTwoHalfStepsIsOneStep) {
+  for (const double dt : {1e-4, 1e-3, 10e-3}) {
+    Cut cut;
+    cut.params.max_slide_m = 1.0;  // the limit on a frame's way is not part of the law
+    const double whole = cut.Advance(dt).advance_m;
+    const double first = cut.Advance(0.5 * dt).advance_m;
+    cut.solution.cutting_m -= first;
+    const double second = cut.Advance(0.5 * dt).advance_m;
+    EXPECT_NEAR(first + second, whole, 1e-9 * whole) << dt;
+  }
+}
+
+TEST(AdvanceOfFrame, NeverExceedsThePenetration) {
+  Cut cut;
+  cut.params.max_slide_m = 1.0;
+  cut.materials[0].specific_cutting_energy_J_per_m3 = 1.0;  // like air
+  EXPECT_LE(cut.Advance(1.0).advance_m, cut.solution.cutting_m);
+  cut.solution.engaged_area_m2[0] = 0.0;  // scraps without mass hold nothing
+  EXPECT_EQ(cut.Advance(1.0).advance_m, cut.solution.cutting_m);
+}
+
+TEST(AdvanceOfFrame, IsHeldToTheLongestWayOfAFrame) {
+  Cut cut;
+  cut.materials[0].specific_cutting_energy_J_per_m3 = 1.0;
+  EXPECT_EQ(cut.Advance(1.0).advance_m, cut.params.max_slide_m);
+}
+
+TEST(AdvanceOfFrame, OfAStillSpindleIsNone) {
+  Cut cut;
+  for (const RemovalLaw law : {RemovalLaw::kRate, RemovalLaw::kImmediate}) {
+    cut.params.law = law;
+    EXPECT_EQ(cut.Advance(1e-3, 0.0).advance_m, 0.0);
+    EXPECT_EQ(cut.Advance(1e-3, 0.0).edge_work_J, 0.0);
+    EXPECT_EQ(cut.Advance(0.0).advance_m, 0.0);
+  }
+}
+
+TEST(AdvanceOfFrame, DoesNotDependOnTheSpindlesSense) {
+  const Cut cut;
+  EXPECT_EQ(cut.Advance(1e-3, kSpindle).advance_m, cut.Advance(1e-3, -kSpindle).advance_m);
+}
+
+TEST(AdvanceOfFrame, WithTheImmediateLawGoesAllTheWay) {
+  Cut cut;
+  cut.params.law = RemovalLaw::kImmediate;
+  EXPECT_EQ(cut.Advance(1e-3).advance_m, cut.solution.cutting_m);
+}
+
+TEST(AdvanceOfFrame, CountsOnNoMoreThanTheLargestForce) {
+  Cut cut;
+  cut.materials[0].specific_cutting_energy_J_per_m3 = 1e12;  // so hard that the law is linear
+  cut.solution.cutting_m = 10e-3;                            // at the limit of 200 N
+  const double at_limit = cut.Advance(1e-3).advance_m;
+  cut.solution.cutting_m = 20e-3;
+  EXPECT_NEAR(cut.Advance(1e-3).advance_m, at_limit, 1e-6 * at_limit);
+}
+
+TEST(AdvanceOfFrame, WorkOfTheEdgeIsTheEnergyOfTheVolumeItSweeps) {
+  const Cut cut;
+  const FrameAdvance frame = cut.Advance(1e-3);
+  EXPECT_NEAR(frame.edge_work_J, 50e6 * 500e-6 * frame.advance_m, 1e-12);
+}
+
+TEST(AdvanceOfFrame, PaysItsDebtFirst) {
+  const Cut cut;
+  const double dt = 1e-3, work_J = 40.0 * 0.8 * 15e-3 * kSpindle * dt;
+  const double free_m = cut.Advance(dt).advance_m;
+  // a debt of which this frame's share takes half of its work
+  const double debt_J = 0.5 * work_J * kDebtSeconds / dt;
+  const FrameAdvance paying = cut.Advance(dt, kSpindle, debt_J);
+  EXPECT_NEAR(paying.advance_m, 0.5 * free_m, 1e-2 * free_m);  // up to the law's curvature over the frame
+  // and the edge has worked as much as without the debt, up to the same
+  EXPECT_NEAR(paying.edge_work_J, work_J, 1e-2 * work_J);
+  // a debt beyond the frame's work holds the tool, and the edge still works
+  const FrameAdvance held = cut.Advance(dt, kSpindle, 10.0 * debt_J);
+  EXPECT_EQ(held.advance_m, 0.0);
+  EXPECT_NEAR(held.edge_work_J, work_J, 1e-12);
+}
+
+TEST(SpindleTorque, IsTheCuttingForceAtItsArm) {
+  const Cut cut;
+  EXPECT_NEAR(SpindleTorque(cut.params, cut.materials, cut.solution), 0.8 * 40.0 * 15e-3, 1e-12);
+}
+
+// ---- the frame's end
+
+struct Frame {
+  CuttingParams params;
+  std::vector<Material> materials{{.name = "bone", .specific_cutting_energy_J_per_m3 = 50e6}};
+  FrameInput input;
+  FrameSolution solution;
+  FrameMemory memory;
+  ContactModel Finish(const Pose& X_WG = Pose::Identity()) {
+    return FinishFrame(params, materials, X_WG, input, solution, memory);
+  }
+};
+
+TEST(FinishFrame, GivesAForceAlongTheNormalOfStiffnessTimesDepth) {
+  Frame frame;
+  frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
+  frame.solution.planes[kCapPlane].multiplier_m = 3e-3;
+  const ContactModel model = frame.Finish();
+  EXPECT_EQ(model.contact_count, 1);
+  EXPECT_LT((Vector3(model.F_T_W.f) - Vector3(0, 0, 60.0)).norm(), 1e-12);
+}
+
+TEST(FinishFrame, LimitsTheWrenchWithoutTurningIt) {
+  Frame frame;
+  SolutionPlane& floor = frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
+  SolutionPlane& wall = frame.solution.planes[4] = Plane(Vector3::UnitX(), 0.0);
+  floor.point_m = Vector3(5e-3, 0, 0);
+  wall.point_m = Vector3(0, 20e-3, 0);
+  floor.multiplier_m = 3e-3;
+  wall.multiplier_m = 4e-3;
+  const Wrench free = frame.Finish().F_T_W;
+  EXPECT_LT((free.f - Vector3(80, 0, 60)).norm(), 1e-10);
+  floor.multiplier_m *= 5.0;
+  wall.multiplier_m *= 5.0;
+  const Wrench limited = frame.Finish().F_T_W;
+  EXPECT_NEAR(limited.f.norm(), 200.0, 1e-10);
+  EXPECT_LT((limited.f - 2.0 * free.f).norm(), 1e-10);
+  EXPECT_LT((limited.t - 2.0 * free.t).norm(), 1e-12);
+}
+
+TEST(FinishFrame, TorqueIsTheLeverOfTheTouchingPointAboutTheTool) {
+  Frame frame;
+  Pose X_WT = Pose::Identity();
+  X_WT.translation() = Vector3(0.3, -0.2, 0.5);
+  frame.input.X_WT = X_WT;
+  frame.memory.X_GP = X_WT;
+  frame.solution.origin_contact = frame.solution.origin_slid = frame.solution.origin_end = X_WT.translation();
+  SolutionPlane& plane = frame.solution.planes[3] = Plane(Vector3::UnitZ(), 0.0);
+  plane.point_m = X_WT.translation() + Vector3(10e-3, 4e-3, 0);
+  plane.multiplier_m = 1e-3;
+  const ContactModel model = frame.Finish();
+  EXPECT_LT((Vector3(model.contacts[0].p_TP_m) - Vector3(10e-3, 4e-3, 0)).norm(), 1e-15);
+  EXPECT_LT((Vector3(model.F_T_W.t) - Vector3(10e-3, 4e-3, 0).cross(Vector3(0, 0, 20))).norm(), 1e-12);
+}
+
+TEST(FinishFrame, TurnsEverythingFromTheBonesFrameIntoTheWorlds) {
+  Frame frame;
+  frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
+  frame.solution.planes[kCapPlane].multiplier_m = 1e-3;
+  frame.solution.n = Vector3::UnitZ();
+  Pose X_WG = Pose::Identity();
+  X_WG.linear() = ExpRotation({0, 0.5 * M_PI, 0});  // z of G is x of W
+  X_WG.translation() = Vector3(1, 2, 3);
+  frame.input.X_WT = X_WG;
+  const ContactModel model = frame.Finish(X_WG);
+  EXPECT_LT((Vector3(model.F_T_W.f) - Vector3(20, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((Vector3(model.n_W) - Vector3::UnitX()).norm(), 1e-12);
+  EXPECT_LT((Vector3(model.contacts[0].n_W) - Vector3::UnitX()).norm(), 1e-12);
+  EXPECT_LT((Pose(model.X_WP).matrix() - X_WG.matrix()).norm(), 1e-12);
+}
+
+TEST(FinishFrame, WeightsOfTheContactsAreSharesOfTheirLenses) {
+  Frame frame;
+  frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0, 3.0);
+  frame.solution.planes[2] = Plane(Vector3::UnitX(), 0.0, 1.0);
+  const ContactModel model = frame.Finish();
+  ASSERT_EQ(model.contact_count, 2);
+  EXPECT_DOUBLE_EQ(model.contacts[0].weight, 0.75);
+  EXPECT_DOUBLE_EQ(model.contacts[1].weight, 0.25);
+}
+
+TEST(FinishFrame, BooksVolumeMassWorkAndDebt) {
+  Frame frame;
+  frame.materials.push_back(
+      {.name = "hard", .density_kg_per_m3 = 2000.0, .specific_cutting_energy_J_per_m3 = 1e9});
+  frame.solution.removed_m3[0] = 10e-9;
+  frame.solution.removed_m3[1] = 1e-9;
+  frame.solution.edge_work_J = 0.9;
+  ContactModel model = frame.Finish();
+  EXPECT_NEAR(model.removed_volume_m3, 11e-9, 1e-20);
+  EXPECT_NEAR(model.removed_mass_kg, 10e-9 * 1000 + 1e-9 * 2000, 1e-18);
+  EXPECT_NEAR(model.cutting_work_J, 0.5 + 1.0, 1e-12);
+  EXPECT_NEAR(frame.memory.debt_J, 1.5 - 0.9, 1e-12);
+  model = frame.Finish();
+  EXPECT_NEAR(model.removed_volume_m3, 22e-9, 1e-20);
+  EXPECT_EQ(model.frame, 2u);
+}
+
+TEST(FinishFrame, TurnsTheProxyAsFarAsItsPathWent) {
+  Frame frame;
+  Pose X_WT = Pose::Identity();
+  X_WT.linear() = ExpRotation({0, 0, 0.4});
+  frame.input.X_WT = X_WT;
+  frame.solution.contact_fraction = 0.5;
+  frame.solution.slide_fraction = 0.5;
+  const Pose X_WP = frame.Finish().X_WP;
+  EXPECT_LT((LogRotation(X_WP.linear()) - Vector3(0, 0, 0.3)).norm(), 1e-12);
+}
+
+TEST(FinishFrame, StillSpindleHasNoTorque) {
+  Frame frame;
+  frame.solution.cutting_m = 1e-3;
+  frame.solution.engaged_area_m2[0] = 1e-4;
+  frame.solution.engaged_moment_m3[0] = 1e-6;
+  EXPECT_EQ(frame.Finish().spindle_torque_Nm, 0.0);
+  frame.input.spindle_rad_per_s = -kSpindle;
+  EXPECT_GT(frame.Finish().spindle_torque_Nm, 0.0);
+}
+
+TEST(FrameMemory, SurvivesAState) {
+  FrameMemory memory{.has_proxy = true,
+                     .removed_volume_m3 = 1,
+                     .removed_mass_kg = 2,
+                     .cutting_work_J = 3,
+                     .debt_J = -4,
+                     .frame = 5};
+  memory.X_GP.translation() = Vector3(1, 2, 3);
+  CarvedState state;
+  ToState(memory, state);
+  const FrameMemory again = ToMemory(state);
+  EXPECT_EQ(again.X_GP.matrix(), memory.X_GP.matrix());
+  EXPECT_TRUE(again.has_proxy);
+  EXPECT_EQ(again.removed_volume_m3, 1);
+  EXPECT_EQ(again.removed_mass_kg, 2);
+  EXPECT_EQ(again.cutting_work_J, 3);
+  EXPECT_EQ(again.debt_J, -4);
+  EXPECT_EQ(again.frame, 5u);
+}
+
+// ---- input
+
+TEST(IsUsable, TakesAnyRotationAndUpToASecond) {
+  FrameInput input;
+  EXPECT_TRUE(IsUsable(input));
+  Pose X = Pose::Identity();
+  X.linear() = ExpRotation({1.0, -2.0, 0.5});
+  input.X_WT = X;
+  input.dt_s = 0.0;
+  EXPECT_TRUE(IsUsable(input));
+  input.dt_s = 1.0;
+  input.spindle_rad_per_s = -1e3;
+  EXPECT_TRUE(IsUsable(input));
+}
+
+TEST(IsUsable, RefusesWhatIsNotFiniteNotARotationOrBackInTime) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {nan, inf, -inf}) {
+    for (std::size_t i = 0; i < 9; ++i) {
+      FrameInput input;
+      input.X_WT.R[i] = bad;
+      EXPECT_FALSE(IsUsable(input)) << i;
+    }
+    FrameInput input;
+    input.X_WT.p.y = bad;
+    EXPECT_FALSE(IsUsable(input));
+    input = {};
+    input.spindle_rad_per_s = bad;
+    EXPECT_FALSE(IsUsable(input));
+    input = {};
+    input.dt_s = bad;
+    EXPECT_FALSE(IsUsable(input));
+  }
+  FrameInput mirrored, scaled, zero, back, long_ago;
+  mirrored.X_WT.R[8] = -1.0;
+  scaled.X_WT.R[4] = 1.001;
+  zero.X_WT.R = {};
+  back.dt_s = -1e-9;
+  long_ago.dt_s = 1.1;
+  for (const FrameInput& input : {mirrored, scaled, zero, back, long_ago}) EXPECT_FALSE(IsUsable(input));
+}
+
+}  // namespace
+}  // namespace osteon::simulation
