@@ -16,7 +16,9 @@ namespace osteon::gpu {
 inline constexpr double kSpindle_rad_per_s = 250.0 * 2.0 * M_PI / 60.0;
 
 inline simulation::Bone DefaultBone() { return simulation::MakeAcetabulum({}); }
-inline simulation::Tool DefaultReamer() { return simulation::MakeReamer(0.025, 0.008, 0.12); }
+inline simulation::Tool DefaultReamer() {
+  return simulation::MakeReamer(0.025, 0.008, 0.12, 0.9, Vector3::Zero());
+}
 
 /// A hand that pushes the tool into the cup: damped admittance along the axis, a slow tilt, and some tenths
 /// of a millimetre sideways. Driven by one engine's force, so that another one can be given the same poses.

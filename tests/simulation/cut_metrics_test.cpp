@@ -51,7 +51,7 @@ TEST(ApexDepth, CountsFromTheFirstFloorAlongTheCupsAxis) {
   Bone bone;
   bone.cup = {.center_m = Vector3(0.1, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.024};
   bone.balls = {BallAt({0.1, 0, -0.035}, 0.010)};  // its top lies 25 mm below the centre
-  const ApexDepth depth(bone, MakeReamer(0.022, 0.008, 0.1));
+  const ApexDepth depth(bone, MakeReamer(0.022, 0.008, 0.1, 0.9, Vector3::Zero()));
   EXPECT_NEAR(depth.floor_m(), 0.025, 1e-15);
   EXPECT_NEAR(depth.Of(Down({0.1, 0, -0.025})), 0.0, 1e-15);
   EXPECT_NEAR(depth.Of(Down({0.1, 0, -0.027})), 0.002, 1e-15);
@@ -64,7 +64,7 @@ TEST(ApexDepth, CountsFromTheFirstFloorAlongTheCupsAxis) {
 }
 
 TEST(ApexDepth, WithoutAFloorCountsFromTheCupsRadius) {
-  const ApexDepth depth(Bone{}, MakeReamer(0.022, 0.008, 0.1));
+  const ApexDepth depth(Bone{}, MakeReamer(0.022, 0.008, 0.1, 0.9, Vector3::Zero()));
   EXPECT_EQ(depth.floor_m(), 0.024);
 }
 
@@ -85,7 +85,7 @@ TEST(SweptVolume, OfAPlungeIntoTheAcetabulumIsTheCrescentBelowTheCup) {
   const double r = 0.024;
   for (const auto& [R, depth] : {std::pair{0.020, 0.003}, std::pair{0.023, 0.003}}) {
     // a head that is smaller than the cup, and below the top face wherever it leaves the cup
-    const Tool tool = MakeReamer(R, 0.008, 0.1);
+    const Tool tool = MakeReamer(R, 0.008, 0.1, 0.9, Vector3::Zero());
     std::vector<Pose> path;
     for (int i = 0; i <= 20; ++i) path.push_back(Down({0, 0, -R - (r - R + depth) * i / 20.0}));
     const double expected = BelowTheCup(R, r, r - R + depth);
@@ -95,7 +95,7 @@ TEST(SweptVolume, OfAPlungeIntoTheAcetabulumIsTheCrescentBelowTheCup) {
 
 TEST(SweptVolume, CountsWhatIsSweptTwiceOnceAndOfTheShaftNothing) {
   const AcetabulumSolid solid{AcetabulumShape{}};
-  const Tool tool = MakeReamer(0.023, 0.008, 0.1);
+  const Tool tool = MakeReamer(0.023, 0.008, 0.1, 0.9, Vector3::Zero());
   Tool head = tool;
   head.balls.resize(1);
   std::vector<Pose> there{Down({0, 0, -0.023}), Down({0, 0, -0.027})}, and_back = there;
@@ -113,7 +113,7 @@ TEST(SweptVolume, CountsWhatIsSweptTwiceOnceAndOfTheShaftNothing) {
 TEST(SweptVolume, OfACoarsePathIsThatOfItsChords) {
   // two poses sweep what two hundred on the straight line between them sweep
   const AcetabulumSolid solid{AcetabulumShape{}};
-  const Tool tool = MakeReamer(0.010, 0.005, 0.1);
+  const Tool tool = MakeReamer(0.010, 0.005, 0.1, 0.9, Vector3::Zero());
   const Vector3 a(-0.010, 0, -0.025), b(0.010, 0.004, -0.030);
   std::vector<Pose> fine;
   for (int i = 0; i <= 200; ++i) fine.push_back(Down(a + i / 200.0 * (b - a)));

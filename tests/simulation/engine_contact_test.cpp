@@ -27,7 +27,7 @@ ContactModel Hold(CuttingEngine& engine, const Pose& X_WT, int frames) {
 }
 
 TEST_P(EngineContact, FreeMotionIsFree) {
-  const auto engine = Make(Slab(12e-3, 2e-3), MakeReamer(5e-3, 2e-3, 10e-3));
+  const auto engine = Make(Slab(12e-3, 2e-3), MakeReamer(5e-3, 2e-3, 10e-3, 0.9, Vector3::Zero()));
   std::mt19937 random(1);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   for (int i = 0; i < 100; ++i) {

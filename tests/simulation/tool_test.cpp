@@ -9,7 +9,7 @@ namespace osteon::simulation {
 namespace {
 
 TEST(Reamer, HasOneCuttingHeadWithItsApexAtTheToolsOrigin) {
-  const Tool tool = MakeReamer(0.025, 0.008, 0.12);
+  const Tool tool = MakeReamer(0.025, 0.008, 0.12, 0.9, Vector3::Zero());
   int cutting = 0;
   for (const ToolBall& ball : tool.balls) cutting += ball.cutting ? 1 : 0;
   EXPECT_EQ(cutting, 1);
@@ -21,7 +21,7 @@ TEST(Reamer, HasOneCuttingHeadWithItsApexAtTheToolsOrigin) {
 }
 
 TEST(Reamer, HasAShaftWithoutGapsOfTheLengthAskedFor) {
-  const Tool tool = MakeReamer(0.025, 0.008, 0.12);
+  const Tool tool = MakeReamer(0.025, 0.008, 0.12, 0.9, Vector3::Zero());
   double last_z = -0.025, reach = -0.05;
   for (const ToolBall& ball : tool.balls) {
     if (ball.cutting) continue;
@@ -37,14 +37,16 @@ TEST(Reamer, HasAShaftWithoutGapsOfTheLengthAskedFor) {
   EXPECT_NEAR(reach, -0.05 - 0.12, 0.008 + 1e-12);  // the last centre is within a ball of the end
 }
 
-TEST(Reamer, WithoutAShaftIsTheHeadAlone) { EXPECT_EQ(MakeReamer(0.01, 0.005, 0.0).balls.size(), 1u); }
+TEST(Reamer, WithoutAShaftIsTheHeadAlone) {
+  EXPECT_EQ(MakeReamer(0.01, 0.005, 0.0, 0.9, Vector3::Zero()).balls.size(), 1u);
+}
 
 TEST(Reamer, RefusesImpossibleSizes) {
-  EXPECT_THROW((void)MakeReamer(0.0, 0.008, 0.12), std::invalid_argument);
-  EXPECT_THROW((void)MakeReamer(0.025, -0.008, 0.12), std::invalid_argument);
-  EXPECT_THROW((void)MakeReamer(0.025, 0.008, -0.1), std::invalid_argument);
-  EXPECT_THROW((void)MakeReamer(0.025, 0.025, 0.1), std::invalid_argument);
-  EXPECT_THROW((void)MakeReamer(std::nan(""), 0.008, 0.1), std::invalid_argument);
+  EXPECT_THROW((void)MakeReamer(0.0, 0.008, 0.12, 0.9, Vector3::Zero()), std::invalid_argument);
+  EXPECT_THROW((void)MakeReamer(0.025, -0.008, 0.12, 0.9, Vector3::Zero()), std::invalid_argument);
+  EXPECT_THROW((void)MakeReamer(0.025, 0.008, -0.1, 0.9, Vector3::Zero()), std::invalid_argument);
+  EXPECT_THROW((void)MakeReamer(0.025, 0.025, 0.1, 0.9, Vector3::Zero()), std::invalid_argument);
+  EXPECT_THROW((void)MakeReamer(std::nan(""), 0.008, 0.1, 0.9, Vector3::Zero()), std::invalid_argument);
 }
 
 }  // namespace
