@@ -108,7 +108,7 @@ CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engi
       pending.reset();
     }
     recorder.Push(loop.servo.Tick(state, received, cell.force(), model, now, command));
-    if (accepted) cell.Receive(session.Answer(command));
+    if (const auto answer = session.Answer(command); accepted && !answer.empty()) cell.Receive(answer);
     if (tick % kFrameTicks == 0) pending = runner.Run(loop.servo.tool_command());
 
     RecordFaults(recorder, now, loop.servo.faults(), known);

@@ -70,6 +70,7 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
                                                                   : simulation::RemovalLaw::kImmediate;
   cutting.normal_enlargement_m = section.Number("normal_enlargement_um", 1, 5000);
   cutting.contact_tolerance_m = section.Number("contact_tolerance_um", 0.1, 500);
+  cutting.max_slide_m = section.Number("max_slide_um", 10, 5000);
   cutting.engaged_layer_m = section.Number("engaged_layer_mm", 0.05, 5);
 }
 
@@ -111,6 +112,49 @@ void ReadSimulatedArm(Reader section, hil::ServoArmParams& arm, int period_ms) {
   arm.dead_cycles = static_cast<int>(std::lround(section.Number("dead_time_ms", 0, 30) * 1e3 / period_ms));
 }
 
+void ReadLinkQuality(Reader section, hil::QualityPolicyParams& quality) {
+  quality.fair_after_answers = section.Whole("fair_answered_count", 1, 1000);
+  quality.good_after_answers = section.Whole("good_answered_count", 1, 1000);
+  quality.excellent_after_answers = section.Whole("excellent_answered_count", 1, 1000);
+  quality.good_max_lost_per_s = section.Whole("good_lost_count", 0, 1000);
+  quality.end_after_lost_in_a_row = section.Whole("end_lost_in_a_row_count", 1, 1000);
+  quality.end_after_lost_per_s = section.Whole("end_lost_count", 1, 1000);
+  quality.good_timeout_s = section.Number("good_timeout_s", 0.1, 600);
+}
+
+// What hil::LinkQuality would refuse, at the line that is to blame.
+void CheckLinkQuality(const Reader& section, const hil::FriServerParams& fri) {
+  const hil::QualityPolicyParams& quality = fri.quality;
+  const auto at_least = [&](const char* key, int value, const char* other_key, int other) {
+    if (value < other)
+      section.Refuse(key, fmt::format("found {}, accepted at least {} ({})", value, other_key, other));
+  };
+  at_least("good_answered_count", quality.good_after_answers, "fair_answered_count",
+           quality.fair_after_answers);
+  at_least("excellent_answered_count", quality.excellent_after_answers, "good_answered_count",
+           quality.good_after_answers);
+  const int due = 1000 / (fri.send_period_ms * fri.receive_multiplier);
+  if (quality.excellent_after_answers > due)
+    section.Refuse("excellent_answered_count",
+                   fmt::format("found {}, accepted at most {}: the answers due in a second at this period_ms",
+                               quality.excellent_after_answers, due));
+}
+
+// Bone beyond the planes of a frame (normal_enlargement) is met as deep as the tool travels until the next
+// one: the step of the coupling's force must stay below the trip on its rate, 1.5 K v_max a tick; K cancels
+// out.
+void CheckSight(const Reader& limits, const CellConfig& cell) {
+  const control::ServoParams& servo = cell.servo;
+  const double step_m =
+      1.5 * servo.twist.max_speed_m_per_s * servo.period_s / (1.0 + servo.coupling.damping_share);
+  const double most_m = cell.cutting.normal_enlargement_m + step_m;
+  if (servo.model_sight_m > most_m)
+    limits.Refuse("model_sight_mm",
+                  fmt::format("found {:.10g}, accepted at most {:.3g}: normal_enlargement_um + 1.5 "
+                              "max_tool_speed_mm_per_s × period_ms / (1 + damping_share_ratio)",
+                              servo.model_sight_m * 1e3, most_m * 1e3));
+}
+
 // Of two values in ms or N of one section, the second must be the larger.
 void CheckOrder(const Reader& section, const std::string& smaller_key, const std::string& larger_key,
                 double smaller, double larger) {
@@ -146,7 +190,6 @@ void Spread(CellConfig& cell) {
   servo.joints.limits = cell.robot.limits;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
-  servo.period_s = 1e-3 * cell.simulated.fri.send_period_ms;
   cell.cutting.stiffness_N_per_m = servo.coupling.max_stiffness_N_per_m;
   cell.cutting.max_force_N = servo.wrench.max_force_N;
 
@@ -175,7 +218,8 @@ CellConfig LoadCell(const std::filesystem::path& path) {
   cell.X_WG = ReadPose(reader.Section("bone_in_world"));
   const Reader start = reader.Section("start");
   ReadStart(start, cell.start);
-  ReadLimits(reader.Section("limits"), servo);
+  const Reader limits = reader.Section("limits");
+  ReadLimits(limits, servo);
   ReadWorkspace(reader.Section("workspace"), servo.workspace);
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
@@ -187,8 +231,11 @@ CellConfig LoadCell(const std::filesystem::path& path) {
   ReadHand(hand, cell.simulated.hand);
   ReadScript(script, cell.script);
   ReadSimulatedArm(reader.Section("simulated_arm"), cell.simulated.servo, cell.simulated.fri.send_period_ms);
+  const Reader link_quality = reader.Section("link_quality");
+  ReadLinkQuality(link_quality, cell.simulated.fri.quality);
   reader.Finish();
 
+  CheckLinkQuality(link_quality, cell.simulated.fri);
   CheckOrder(coupling, "fresh_ms", "gone_ms", servo.coupling.fresh_s * 1e3, servo.coupling.gone_s * 1e3);
   CheckOrder(watchdog, "the coupling's gone_ms", "model_stop_ms", servo.coupling.gone_s * 1e3,
              servo.watchdog.model_stop_s * 1e3);
@@ -198,6 +245,9 @@ CellConfig LoadCell(const std::filesystem::path& path) {
              cell.simulated.hand.max_force_N);
   CheckOrder(script, "approach_force_N", "push_force_N", cell.script.approach_force_N,
              cell.script.push_force_N);
+
+  servo.period_s = 1e-3 * cell.simulated.fri.send_period_ms;
+  CheckSight(limits, cell);
 
   cell.robot = LoadRobot(robot);
   cell.tool = LoadTool(tool);

@@ -56,9 +56,7 @@ ToolConfig LoadTool(const std::filesystem::path& path) {
   if (shaft_radius_m >= head_radius_m)
     shaft.Refuse("radius_mm", fmt::format("found {:.10g}, accepted less than the head's {:.10g}",
                                           shaft_radius_m * 1e3, head_radius_m * 1e3));
-  config.tool = simulation::MakeReamer(head_radius_m, shaft_radius_m, length_m);
-  config.tool.mass_kg = mass_kg;
-  config.tool.center_of_mass_m = center_of_mass_m;
+  config.tool = simulation::MakeReamer(head_radius_m, shaft_radius_m, length_m, mass_kg, center_of_mass_m);
   return config;
 }
 

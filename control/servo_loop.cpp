@@ -15,6 +15,8 @@ using safety::Fault;
 constexpr double kMostOperatorTorque_Nm = 100.0;  // beyond it a reading counts as this much
 constexpr double kSpeedSlack =
     1.1;  // a pull-back through the joints may leave the straight line by second order
+constexpr double kSightMemory_s =
+    0.1;  // many frames, or the speed limit would follow each one's age up and down
 constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
 
 JointVector ToVector(const JointArray& q) { return Eigen::Map<const JointVector>(q.data()); }
@@ -85,7 +87,7 @@ Pose ServoLoop::ToolPose(const JointVector& q) const OSTEON_RT { return X_WB_ * 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
   return {.X_WT = X_WT_,
           .spindle_rad_per_s = phase_ == Phase::kHaptic ? params_.spindle_rad_per_s : 0.0,
-          .stamp = now_};
+          .stamp = has_pose_ ? now_ : 0};
 }
 
 TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const ForceReading& reading,
@@ -147,13 +149,16 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   return record;
 }
 
-// The arm moves by itself, or rests: commanded is what it commands itself.
+// The arm moves by itself, or rests: commanded is what it commands itself. An idle one need not say where it
+// is.
 void ServoLoop::Follow(const ArmState& state) OSTEON_RT {
-  q_ = ToVector(state.has_ipo ? state.q_ipo : state.q_meas);
   q_step_.setZero();
-  X_WT_ = ToolPose(q_);
   V_WT_ = {};
   share_ = 0.0;
+  if (state.session == SessionState::kIdle) return;
+  q_ = ToVector(state.has_ipo ? state.q_ipo : state.q_meas);
+  X_WT_ = ToolPose(q_);
+  has_pose_ = true;
 }
 
 // No message, so nothing can be answered: the arm holds the last command, and so does the virtual tool.
@@ -173,6 +178,7 @@ void ServoLoop::StartRendering(rt::Nanoseconds now) OSTEON_RT {
   phase_ = Phase::kHaptic;
   arm_angle_rad_ = arm_.ArmAngle(q_);
   coupling_ = {};
+  sight_age_s_ = 0.0;
   rate_trip_.Reset();
   watchdog_.Start(now);
 }
@@ -218,9 +224,13 @@ void ServoLoop::Render(const ForceReading& reading, const simulation::ContactMod
   record.F_coupling_T_W = limited.F;
   record.wrench_scale = limited.share;
 
-  // speed: of the cell, and never farther on one frame's planes than they reach; slower no harder than a stop
+  // speed: of the cell, and by how far the tool gets before a frame tells what is there; slower no harder
+  // than a stop, so that a simulation that stalls while the tool flies is outrun (the model's age then holds
+  // the tool)
   safety::TwistLimitParams most = params_.twist;
-  const double sight_m_per_s = params_.model_sight_m / std::max(coupling.age_s, 1e-3);
+  sight_age_s_ = std::max(std::min(coupling.age_s, params_.coupling.gone_s),
+                          (1.0 - dt_s / kSightMemory_s) * sight_age_s_);
+  const double sight_m_per_s = params_.model_sight_m / std::max(sight_age_s_, dt_s);
   const double braked_m_per_s = V_WT_.v.norm() - params_.stop_deceleration_m_per_s2 * dt_s;
   most.max_speed_m_per_s = std::min(most.max_speed_m_per_s, std::max(sight_m_per_s, braked_m_per_s));
   const safety::LimitedTwist slow = safety::LimitTwist(V_next_WT, most);

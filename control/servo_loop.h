@@ -33,8 +33,11 @@ struct ServoParams {
   double stop_deceleration_m_per_s2{3.0};    ///< of the tool in a Stop 1
   double stop_deceleration_rad_per_s2{8.0};  ///< the same, turning
   double joint_stop_s{0.1};                  ///< time to rest of a stop along the joints
-  double model_sight_m{
-      1.0e-3};  ///< how far the tool may travel on one frame's planes: their reach beyond the tool
+  /// How far the apex may travel between a frame's pose and the next frame's arrival: bone that its planes do
+  /// not reach yet may be met that deep. They reach e = CuttingParams::normal_enlargement_m beyond the tool,
+  /// so the step stays below the trip on the wrench's rate up to e + 1.5 max_speed period / (1 +
+  /// damping_share).
+  double model_sight_m{0.5e-3};
   double arm_angle_rate_rad_per_s{0.1};  ///< from the arm angle found at the start to the wanted one
   double max_tracking_error_m{0.03};     ///< measured from commanded tool position
   double period_s{0.001};                ///< of the arm's messages
@@ -96,7 +99,8 @@ class ServoLoop {
   /// Orderly stop. From any thread, and from a signal handler.
   void RequestStop() OSTEON_RT { stop_requested_.store(true, std::memory_order_relaxed); }
 
-  /// What the simulation should follow: the commanded tool pose of the last tick.
+  /// What the simulation should follow: the commanded tool pose of the last tick. Its stamp is 0 until the
+  /// arm has said where it is: there is no pose yet.
   [[nodiscard]] simulation::ToolCommand tool_command() const OSTEON_RT;
 
   [[nodiscard]] Phase phase() const OSTEON_RT { return phase_; }
@@ -139,10 +143,12 @@ class ServoLoop {
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};
 
-  // the virtual tool, and the joints that put the arm there: one and the same pose
+  // the virtual tool, and the joints that put the arm there: one and the same pose, once it is known
+  bool has_pose_{false};
   Pose X_WT_{Pose::Identity()};
-  Twist V_WT_;         ///< of the law, before the share below
-  double share_{0.0};  ///< of V_WT_ that moves the tool
+  Twist V_WT_;               ///< of the law, before the share below
+  double share_{0.0};        ///< of V_WT_ that moves the tool
+  double sight_age_s_{0.0};  ///< the models' greatest age of late
   JointVector q_{JointVector::Zero()};
   JointVector q_step_{JointVector::Zero()};  ///< of the last tick
   double arm_angle_rad_{0.0};

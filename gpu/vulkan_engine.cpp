@@ -36,6 +36,8 @@ static_assert(kMaxMaterials == static_cast<uint>(simulation::kMaxMaterials) && k
               kShaft == static_cast<uint>(simulation::kShaftPlane));
 
 constexpr double kMillimetres = 1e3;
+constexpr double kLargestSummand = 4'194'304.0;  // 2^22 units: half of what a sum over a subgroup can take
+constexpr double kLargestLens_mm3 = simulation::kLargestLensVolume * 1e9;
 constexpr std::uint64_t kFrameTimeout_ns = 2'000'000'000;
 constexpr std::uint64_t kWarmUpTimeout_ns =
     120'000'000'000;  // software drivers compile a pass when it first runs
@@ -222,6 +224,17 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
     const bool cuts = t < tool.balls.size() && tool.balls[t].cutting;
     lists.built[t].w = static_cast<float>(kMillimetres * (cuts ? kCuttingMargin_m : kShaftMargin_m));
   }
+  // the largest summands: a touching point as far out as the tool reaches, a whole mass point in the engaged
+  // layer
+  double reach_mm = 1.0, largest_mm3 = 1e-3;
+  for (const simulation::ToolBall& ball : tool.balls)
+    reach_mm = std::max(reach_mm, kMillimetres * (Vector3(ball.center_m).norm() + ball.radius_m));
+  for (const Point& point : point_data)
+    largest_mm3 = std::max(largest_mm3, static_cast<double>(point.volume_mm3));
+  const double largest_mm2 = largest_mm3 / (params.engaged_layer_m * kMillimetres);
+  still.point_scale = static_cast<float>(kLargestSummand / (kLargestLens_mm3 * reach_mm));
+  still.area_scale = static_cast<float>(kLargestSummand / largest_mm2);
+  still.moment_scale = static_cast<float>(kLargestSummand / (largest_mm2 * reach_mm));
   still.max_slide_mm = static_cast<float>(params.max_slide_m * kMillimetres);
   still.tool_count = static_cast<uint>(tool.balls.size());
   still.ball_count = static_cast<uint>(ball_count);

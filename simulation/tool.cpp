@@ -5,11 +5,14 @@
 
 namespace osteon::simulation {
 
-Tool MakeReamer(double head_radius_m, double shaft_radius_m, double shaft_length_m) {
+Tool MakeReamer(double head_radius_m, double shaft_radius_m, double shaft_length_m, double mass_kg,
+                const Vector3& center_of_mass_m) {
   if (!(head_radius_m > 0.0) || !(shaft_radius_m > 0.0) || !(shaft_length_m >= 0.0))
     throw std::invalid_argument("reamer: radii must be positive and the shaft's length not negative");
   if (shaft_radius_m >= head_radius_m)
     throw std::invalid_argument("reamer: the shaft is as wide as the head");
+  if (!(mass_kg > 0.0) || !center_of_mass_m.allFinite())
+    throw std::invalid_argument("reamer: the mass must be positive and the centre of mass finite");
   Tool tool;
   tool.name = "hemispherical reamer " + std::to_string(std::lround(head_radius_m * 2000.0)) + " mm";
   tool.balls.push_back(
@@ -20,8 +23,8 @@ Tool MakeReamer(double head_radius_m, double shaft_radius_m, double shaft_length
     tool.balls.push_back({.center_m = Vector3(0, 0, -2.0 * head_radius_m - (i - 1) * shaft_radius_m),
                           .radius_m = shaft_radius_m,
                           .cutting = false});
-  tool.mass_kg = 0.9;
-  tool.center_of_mass_m = Vector3(0, 0, -head_radius_m);
+  tool.mass_kg = mass_kg;
+  tool.center_of_mass_m = center_of_mass_m;
   return tool;
 }
 

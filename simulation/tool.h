@@ -24,7 +24,10 @@ struct Tool {
 
 /// Hemispherical reamer: one analytic ball for the head, its apex at T's origin, and a row of balls along -z
 /// for the shaft.
-/// @throws std::invalid_argument where a size is not positive or the shaft is wider than the head.
-[[nodiscard]] Tool MakeReamer(double head_radius_m, double shaft_radius_m, double shaft_length_m);
+/// @param center_of_mass_m  of head and shaft together, in T
+/// @throws std::invalid_argument where a size or the mass is not positive, the shaft is wider than the head,
+/// or the centre of mass is not finite.
+[[nodiscard]] Tool MakeReamer(double head_radius_m, double shaft_radius_m, double shaft_length_m,
+                              double mass_kg, const Vector3& center_of_mass_m);
 
 }  // namespace osteon::simulation

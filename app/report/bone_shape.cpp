@@ -6,6 +6,8 @@
 #include <limits>
 #include <string_view>
 
+#include "simulation/cut_metrics.h"
+
 namespace osteon::app {
 namespace {
 
@@ -138,14 +140,8 @@ std::optional<double> BallField::FirstHit(const Vector3& o_G, const Vector3& d_G
 
 std::vector<Ball> CarvedBalls(const Bone& bone, const simulation::CarvedState& state) {
   if (state.balls.empty()) return bone.balls;
-  std::vector<Ball> balls;
-  if (state.balls.size() != 4 * bone.balls.size()) return balls;
-  for (std::size_t i = 0; i < bone.balls.size(); ++i) {
-    const float* b = state.balls.data() + 4 * i;
-    if (b[3] > 0.0f)
-      balls.push_back({.center_m = Vector3(1e-3 * b[0], 1e-3 * b[1], 1e-3 * b[2]), .radius_m = 1e-3 * b[3]});
-  }
-  return balls;
+  if (state.balls.size() != 4 * bone.balls.size()) return {};
+  return simulation::LiveBalls(state);
 }
 
 MaterialMap::MaterialMap(std::span<const MassPoint> points, const simulation::Solid* solid) : solid_(solid) {

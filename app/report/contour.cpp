@@ -6,6 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "simulation/thin_path.h"
+
 namespace osteon::app {
 namespace {
 
@@ -136,31 +138,7 @@ std::vector<Polyline> Contour(const PlanarGrid& grid) {
 
 Polyline Simplify(const Polyline& line, double tolerance) {
   if (line.points.size() < 4) return line;
-  const auto& p = line.points;
-  std::vector<char> keep(p.size(), 0);
-  keep.front() = keep.back() = 1;
-  std::vector<std::pair<std::size_t, std::size_t>> stack{{0, p.size() - 1}};
-  while (!stack.empty()) {
-    const auto [first, last] = stack.back();
-    stack.pop_back();
-    double worst = tolerance;
-    std::size_t at = 0;
-    for (std::size_t i = first + 1; i < last; ++i) {
-      const double distance = DistanceToChord(p[i], p[first], p[last]);
-      if (distance > worst) {
-        worst = distance;
-        at = i;
-      }
-    }
-    if (at == 0) continue;
-    keep[at] = 1;
-    stack.emplace_back(first, at);
-    stack.emplace_back(at, last);
-  }
-  Polyline out{.closed = line.closed};
-  for (std::size_t i = 0; i < p.size(); ++i)
-    if (keep[i]) out.points.push_back(p[i]);
-  return out;
+  return {.points = simulation::ThinPath(line.points, tolerance, DistanceToChord), .closed = line.closed};
 }
 
 }  // namespace osteon::app

@@ -162,7 +162,7 @@ std::vector<ErrorSample> MeasureOutline(const std::vector<Polyline>& lines, cons
       const Vector2 middle = 0.5 * (a + b);
       const Vector3 p_G = plane.Point(middle);
       if (!(before.Depth(p_G) > cut_depth_m)) continue;
-      const SweptDistance from = swept.Nearest(p_G);
+      const simulation::SweptDistance from = swept.Nearest(p_G);
       if (from.distance_m > kClear_m) {
         const Vector3 d = (from.axis_G - p_G).normalized();
         if (left.FirstHit(p_G + kClear_m * d, d, from.distance_m - kClear_m)) continue;

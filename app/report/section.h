@@ -9,7 +9,7 @@
 
 #include "app/report/bone_shape.h"
 #include "app/report/contour.h"
-#include "app/report/swept_tool.h"
+#include "simulation/swept_tool.h"
 
 // A section through the bone by a plane that holds the cup's axis, and what it says about the cut.
 //
@@ -22,6 +22,10 @@
 //                    origin: the cup's centre
 
 namespace osteon::app {
+
+using simulation::CuttingHead;
+using simulation::ProxyPath;
+using simulation::SweptTool;
 
 /// The plane, in G. p_G = origin + x u + y v.
 struct SectionPlane {

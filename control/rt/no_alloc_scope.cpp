@@ -13,6 +13,7 @@
 #define OSTEON_COUNTS_HEAP 1
 #endif
 
+// NOLINTBEGIN(bugprone-reserved-identifier): glibc's own names for what is wrapped here
 extern "C" {
 void* __libc_memalign(std::size_t, std::size_t);
 void* __libc_malloc(std::size_t);
@@ -20,6 +21,7 @@ void* __libc_calloc(std::size_t, std::size_t);
 void* __libc_realloc(void*, std::size_t);
 void __libc_free(void*);
 }
+// NOLINTEND(bugprone-reserved-identifier)
 
 namespace {
 thread_local bool t_armed = false;

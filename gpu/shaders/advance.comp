@@ -7,8 +7,8 @@ void main() {
   if (gl_LocalInvocationID.x != 0) return;
   float engaged[2 * kMaxMaterials];
   for (uint m = 0; m < kMaxMaterials; ++m) {
-    engaged[2 * m] = Total(frame.engaged_sums[2 * m], kAreaScale);
-    engaged[2 * m + 1] = Total(frame.engaged_sums[2 * m + 1], kMomentScale);
+    engaged[2 * m] = Total(frame.engaged_sums[2 * m], frame.area_scale);
+    engaged[2 * m + 1] = Total(frame.engaged_sums[2 * m + 1], frame.moment_scale);
     frame.engaged[2 * m] = engaged[2 * m];
     frame.engaged[2 * m + 1] = engaged[2 * m + 1];
   }

@@ -20,9 +20,6 @@ layout(scalar, binding = 8) buffer LiveBalls { Active live_balls[]; };
 layout(scalar, binding = 9) buffer LivePoints { Active live_points[]; };
 
 const float kNormalScale = 16777216.0;  // units per mm^3
-const float kPointScale = 65536.0;      // units per mm^4
-const float kAreaScale = 65536.0;       // units per mm^2
-const float kMomentScale = 2048.0;      // units per mm^3
 
 // Adds the values of this subgroup's active invocations to a fixed-point sum. A value's size times its scale is below 2^23,
 // so that 64 of them fit an int. Whole numbers: exact in any order.

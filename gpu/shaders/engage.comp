@@ -28,8 +28,8 @@ void main() {
   for (bool pending = true; pending;) {
     uint same = subgroupBroadcastFirst(m);
     if (same != m) continue;
-    ADD_TO(frame.engaged_sums[2 * same], area * kAreaScale)
-    ADD_TO(frame.engaged_sums[2 * same + 1], area * arm * kMomentScale)
+    ADD_TO(frame.engaged_sums[2 * same], area * frame.area_scale)
+    ADD_TO(frame.engaged_sums[2 * same + 1], area * arm * frame.moment_scale)
     pending = false;
   }
 }

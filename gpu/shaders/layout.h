@@ -69,6 +69,10 @@ struct Frame {
   uint point_count;
   uint material_count;
   uint immediate;
+  // units of the fixed-point sums: no summand reaches 2^23 of them
+  float point_scale;   // per mm^4, of lens volume times a touching point's place
+  float area_scale;    // per mm^2
+  float moment_scale;  // per mm^3
   float max_slide_mm;
   // balls and points further than this from the tool at first contact play no part after it
   float ball_reach_mm;
@@ -135,7 +139,7 @@ struct Point {
 static_assert(sizeof(Frame) % 4 == 0);
 static_assert(offsetof(Frame, material) == 16 * 7 * 65);
 static_assert(offsetof(Frame, spindle_rad_per_s) == 16 * (7 * 65 + 8 + 4));
-static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 53 * 4);
+static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 56 * 4);
 static_assert(sizeof(Cluster) == 32 && sizeof(Point) == 28 && sizeof(Active) == 12 && sizeof(Sum) == 8);
 }  // namespace osteon::gpu
 #endif

@@ -62,9 +62,9 @@ void main() {
       ADD_TO(frame.plane_sums[row + 2], w * u.y * kNormalScale)
       ADD_TO(frame.plane_sums[row + 3], w * u.z * kNormalScale)
       if (kSumPoints) {
-        ADD_TO(frame.plane_sums[row + 4], w * point.x * kPointScale)
-        ADD_TO(frame.plane_sums[row + 5], w * point.y * kPointScale)
-        ADD_TO(frame.plane_sums[row + 6], w * point.z * kPointScale)
+        ADD_TO(frame.plane_sums[row + 4], w * point.x * frame.point_scale)
+        ADD_TO(frame.plane_sums[row + 5], w * point.y * frame.point_scale)
+        ADD_TO(frame.plane_sums[row + 6], w * point.z * frame.point_scale)
       }
       uint gap = subgroupMin(OrderedBits(d - r_t - ball.w));
       if (subgroupElect()) atomicMin(frame.plane_gap_bits[same], gap);

@@ -80,8 +80,8 @@ void main() {
     float weight = Total(frame.plane_sums[row], kNormalScale);
     vec3 n = vec3(Total(frame.plane_sums[row + 1], kNormalScale), Total(frame.plane_sums[row + 2], kNormalScale),
                   Total(frame.plane_sums[row + 3], kNormalScale));
-    vec3 point = vec3(Total(frame.plane_sums[row + 4], kPointScale), Total(frame.plane_sums[row + 5], kPointScale),
-                      Total(frame.plane_sums[row + 6], kPointScale));
+    vec3 point = vec3(Total(frame.plane_sums[row + 4], frame.point_scale), Total(frame.plane_sums[row + 5], frame.point_scale),
+                      Total(frame.plane_sums[row + 6], frame.point_scale));
     float size = length(n);
     bool present = size > 1e-6 * weight;
     frame.plane_n[lane] =

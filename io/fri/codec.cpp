@@ -26,16 +26,13 @@ extern "C" bool osteon_fri_JointValues_callback(pb_istream_t* in, pb_ostream_t* 
   return true;
 }
 
-extern "C" bool osteon_fri_RobotInfo_callback(pb_istream_t* in, pb_ostream_t* out, const pb_field_t* field) {
-  if (in != nullptr) {
-    auto& drives = *static_cast<OsteonFriDriveStates*>(field->pData);
-    if (drives.count >= kOsteonFriArraySize) return false;
-    return pb_decode_varint32(in, &drives.value[drives.count++]);
-  }
-  const auto& drives = *static_cast<const OsteonFriDriveStates*>(field->pData);
-  for (std::uint32_t i = 0; i < drives.count; ++i)
-    if (!pb_encode_tag_for_field(out, field) || !pb_encode_varint(out, drives.value[i])) return false;
-  return true;
+// Ours never writes drive states: only the arm has drives.
+extern "C" bool osteon_fri_RobotInfo_callback(pb_istream_t* in, pb_ostream_t* /*out*/,
+                                              const pb_field_t* field) {
+  if (in == nullptr) return false;
+  auto& drives = *static_cast<OsteonFriDriveStates*>(field->pData);
+  if (drives.count >= kOsteonFriArraySize) return false;
+  return pb_decode_varint32(in, &drives.value[drives.count++]);
 }
 
 namespace osteon::io {
@@ -115,7 +112,7 @@ const char* Describe(CodecError error) {
     case CodecError::kMissingField:
       return "a field that this session state needs is missing";
     case CodecError::kWrongCount:
-      return "not exactly 7 joint values or 6 of a wrench";
+      return "not exactly 7 joint values or drive states";
     case CodecError::kNotFinite:
       return "a value is NaN or infinite";
     case CodecError::kOutOfRange:
@@ -181,77 +178,6 @@ CodecError DecodeMonitoring(std::span<const std::uint8_t> datagram, MonitoringMe
   const bool commanding = m.session >= SessionState::kCommandingWait;
   if ((m.session != SessionState::kIdle && !m.q_meas) || (commanding && !m.q_ipo))
     check.Fail(CodecError::kMissingField);
-
-  if (check.error() == CodecError::kNone) message = m;
-  return check.error();
-}
-
-CodecError EncodeMonitoring(const MonitoringMessage& message, std::span<std::uint8_t> buffer,
-                            std::size_t& size) OSTEON_RT {
-  osteon_fri_FRIMonitoringMessage wire{};
-  wire.header = {kFriMonitoringId, message.sequence, message.reflected_sequence};
-
-  wire.has_robotInfo = true;
-  auto& robot = wire.robotInfo;
-  robot.has_numberOfJoints = robot.has_safetyState = robot.has_operationMode = robot.has_controlMode = true;
-  robot.numberOfJoints = control::kJoints;
-  robot.safetyState = static_cast<std::uint32_t>(message.safety);
-  robot.operationMode = static_cast<std::uint32_t>(message.operation);
-  robot.controlMode = static_cast<std::uint32_t>(message.control);
-  for (const FriDriveState drive : message.drives)
-    robot.driveState.value[robot.driveState.count++] = static_cast<std::uint32_t>(drive);
-
-  wire.has_monitorData = true;
-  auto& monitor = wire.monitorData;
-  bool finite = PutJoints(message.q_meas, monitor.has_measuredJointPosition, monitor.measuredJointPosition);
-  finite &= PutJoints(message.tau_meas, monitor.has_measuredTorque, monitor.measuredTorque);
-  finite &= PutJoints(message.q_cmd, monitor.has_commandedJointPosition, monitor.commandedJointPosition);
-  finite &= PutJoints(message.tau_cmd, monitor.has_commandedTorque, monitor.commandedTorque);
-  finite &= PutJoints(message.tau_ext, monitor.has_externalTorque, monitor.externalTorque);
-  monitor.has_timestamp = message.time.has_value();
-  if (message.time) monitor.timestamp = {message.time->sec, message.time->nanosec};
-
-  wire.has_connectionInfo = true;
-  wire.connectionInfo = {static_cast<std::uint32_t>(message.session),
-                         static_cast<std::uint32_t>(message.quality),
-                         true,
-                         message.send_period_ms,
-                         true,
-                         message.receive_multiplier};
-
-  wire.has_ipoData = true;
-  auto& ipo = wire.ipoData;
-  finite &= PutJoints(message.q_ipo, ipo.has_jointPosition, ipo.jointPosition);
-  ipo.has_clientCommandMode = ipo.has_overlayType = ipo.has_trackingPerformance = true;
-  ipo.clientCommandMode = static_cast<std::uint32_t>(message.command_mode);
-  ipo.overlayType = static_cast<std::uint32_t>(message.overlay);
-  ipo.trackingPerformance = message.tracking_performance;
-  finite &= std::isfinite(message.tracking_performance);
-
-  if (!finite) return CodecError::kNotFinite;
-  return Write(osteon_fri_FRIMonitoringMessage_fields, &wire, buffer, size);
-}
-
-CodecError DecodeCommand(std::span<const std::uint8_t> datagram, CommandMessage& message) OSTEON_RT {
-  osteon_fri_FRICommandMessage wire{};
-  const CodecError parsed = Parse(datagram, osteon_fri_FRICommandMessage_fields, &wire);
-  if (parsed != CodecError::kNone) return parsed;
-  if (wire.header.messageIdentifier != kFriCommandId) return CodecError::kWrongId;
-
-  Check check;
-  CommandMessage m;
-  m.sequence = wire.header.sequenceCounter;
-  m.reflected_sequence = wire.header.reflectedSequenceCounter;
-  const auto& data = wire.commandData;
-  check.Joints(data.has_jointPosition, data.jointPosition, m.q);
-  check.Joints(data.has_jointTorque, data.jointTorque, m.tau);
-  if (data.has_cartesianWrenchFeedForward) {
-    const auto& wrench = data.cartesianWrenchFeedForward;
-    if (wrench.element_count != 6) check.Fail(CodecError::kWrongCount);
-    auto& elements = m.wire_wrench.emplace();
-    std::copy(std::begin(wrench.element), std::end(wrench.element), elements.begin());
-    for (const double element : elements) check.Finite(element);
-  }
 
   if (check.error() == CodecError::kNone) message = m;
   return check.error();

@@ -7,9 +7,9 @@
 #include "control/rt/marker.h"
 #include "io/fri/messages.h"
 
-// FRI 1.15 datagrams to plain structs and back, by nanopb in fixed memory. Both directions of both messages,
-// because the simulated arm speaks the same code as the client. What comes in is hostile until these
-// functions have said kNone.
+// FRI 1.15 datagrams to plain structs and back, by nanopb in fixed memory: what a client reads and writes.
+// The simulated arm (hil) has a codec of its own, over libprotobuf, so that the two check each other. What
+// comes in is hostile until DecodeMonitoring has said kNone.
 
 namespace osteon::io {
 
@@ -24,7 +24,7 @@ enum class CodecError : std::uint8_t {
   kMalformed,     ///< not a protobuf of this message, or an array longer than the wire's fixed size
   kWrongId,       ///< the header's message identifier is another one
   kMissingField,  ///< without connection info, measured position (beyond IDLE) or ipo position (COMMANDING_*)
-  kWrongCount,    ///< not exactly seven joint values (six of a wrench), or an arm of another number of joints
+  kWrongCount,    ///< not exactly seven joint values or drive states, or an arm of another number of joints
   kNotFinite,     ///< NaN or infinity
   kOutOfRange,    ///< an enum, a period or a multiplier that does not exist
   kNoSpace,       ///< the caller's buffer is too small
@@ -36,15 +36,6 @@ enum class CodecError : std::uint8_t {
 /// Parses and checks a message from the arm. `message` changes on kNone only.
 [[nodiscard]] CodecError DecodeMonitoring(std::span<const std::uint8_t> datagram,
                                           MonitoringMessage& message) OSTEON_RT;
-
-/// Writes a message of the arm; `size` is the datagram's length on kNone. Never encodes a value that is not
-/// finite.
-[[nodiscard]] CodecError EncodeMonitoring(const MonitoringMessage& message, std::span<std::uint8_t> buffer,
-                                          std::size_t& size) OSTEON_RT;
-
-/// Parses and checks a client's answer. `message` changes on kNone only.
-[[nodiscard]] CodecError DecodeCommand(std::span<const std::uint8_t> datagram,
-                                       CommandMessage& message) OSTEON_RT;
 
 /// Writes a client's answer; `size` is the datagram's length on kNone. Never encodes a value that is not
 /// finite.

@@ -53,6 +53,7 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
   if (!has_last_ || restarted) {
     seen_ = 1;
     due_ = 1;
+    held_.reset();  // sent to another arm, or to this one before it moved by itself
     return FriAccept::kAccepted;
   }
   if (step > 0) {

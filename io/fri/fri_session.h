@@ -72,7 +72,7 @@ class FriSession {
   std::uint32_t due_{0};   // messages of the arm since our last answer, lost ones included
   bool pending_{false};    // last_ is not answered yet
   std::uint32_t command_sequence_{0};
-  std::optional<control::JointArray> held_;  // what was last sent
+  std::optional<control::JointArray> held_;  // what was last sent in this session
   Counters counters_;
   CodecError last_error_{CodecError::kNone};
   std::array<std::uint8_t, kFriMaxDatagram> buffer_{};

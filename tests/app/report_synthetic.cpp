@@ -80,7 +80,8 @@ SyntheticRun MakeSyntheticRun(const SyntheticParams& params) {
                                  .volume_m3 = 0.5 * std::pow(params.point_spacing_m, 3),
                                  .material = MaterialAt(p, params)});
   });
-  run.tool = simulation::MakeReamer(params.tool_radius_m, 0.3 * params.tool_radius_m, 0.03);
+  run.tool = simulation::MakeReamer(params.tool_radius_m, 0.3 * params.tool_radius_m, 0.03, 0.9,
+                                    Vector3(0.0, 0.0, -params.tool_radius_m));
 
   // proxy: down the axis, whirlwind, up again
   std::vector<Ball> balls = run.bone.balls;

@@ -43,6 +43,13 @@ TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
   EXPECT_DOUBLE_EQ(cell_.servo.spindle_rad_per_s, cell_.tool.spindle_rad_per_s);
   EXPECT_DOUBLE_EQ(cell_.servo.joints.limits[6].position_rad, 175.0 * kDegree);
   EXPECT_EQ(cell_.simulated.servo.dead_cycles, 3);
+  EXPECT_DOUBLE_EQ(cell_.cutting.max_slide_m, simulation::CuttingParams{}.max_slide_m);
+  EXPECT_DOUBLE_EQ(cell_.tool.tool.mass_kg, 0.9);
+  EXPECT_DOUBLE_EQ(Vector3(cell_.tool.tool.center_of_mass_m).z(), -0.08);
+  EXPECT_EQ(cell_.simulated.fri.quality.end_after_lost_in_a_row, 20) << "Franka's figure";
+  EXPECT_EQ(cell_.simulated.fri.quality.end_after_lost_per_s, 200);
+  EXPECT_EQ(hil::QualityPolicyParams{}.end_after_lost_in_a_row, 5) << "the library's own stay the design's";
+  EXPECT_EQ(hil::QualityPolicyParams{}.end_after_lost_per_s, 25);
   EXPECT_DOUBLE_EQ(cell_.script.hand_stiffness_N_per_m, cell_.simulated.hand.stiffness_N_per_m);
 }
 

@@ -7,7 +7,8 @@
 namespace osteon::control {
 
 /// Virtual time round a servo loop: an arm that is where it was told to be a tick later, a simulation that
-/// knows one plane ahead of the tool and reports it late, and a hand that pushes with a given wrench.
+/// knows one plane ahead of the tool (from reach_m away) and reports it late, and a hand that pushes with a
+/// given wrench.
 class ServoBench {
  public:
   static constexpr rt::Nanoseconds kTick = rt::kMillisecond;
@@ -89,6 +90,8 @@ class ServoBench {
   double push_N{0.0};
   Vector3 side_W_N{Vector3::Zero()};
   bool sensor_lives{true}, simulation_lives{true};
+  double reach_m{10.0};          ///< of the simulation's planes beyond the tool
+  bool one_frame_behind{false};  ///< a frame arrives when the next one begins
   Vector3 feed_W, plane_W;
 
  private:
@@ -96,14 +99,19 @@ class ServoBench {
 
   // A frame of the command of the tick before.
   void Simulate() {
-    model = {};
-    model.frame = static_cast<std::uint64_t>(ticks + 1);
-    model.pose_stamp = ticks > 0 ? last_command.stamp : now;
-    model.contact_count = 1;
-    model.contacts[0].p_W_m = plane_W;
-    model.contacts[0].n_W = Vector3(-feed_W);
-    model.contacts[0].stiffness_N_per_m = 20e3;
+    simulation::ContactModel frame;
+    frame.frame = static_cast<std::uint64_t>(ticks + 1);
+    frame.pose_stamp = ticks > 0 ? last_command.stamp : now;
+    const double gap_m = feed_W.dot(plane_W - Vector3(last_command.X_WT.p));
+    frame.contact_count = gap_m <= reach_m ? 1 : 0;
+    frame.contacts[0].p_W_m = plane_W;
+    frame.contacts[0].n_W = Vector3(-feed_W);
+    frame.contacts[0].stiffness_N_per_m = 20e3;
+    model = one_frame_behind ? in_work_ : frame;
+    in_work_ = frame;
   }
+
+  simulation::ContactModel in_work_;
 };
 
 }  // namespace osteon::control

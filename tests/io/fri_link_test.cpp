@@ -71,10 +71,10 @@ TEST(FriLink, AnswersTheArmAtTheAddressItSpokeFrom) {
   EXPECT_GT(state.stamp, before);
   EXPECT_LE(state.stamp, rt::MonotonicNow());
   ASSERT_TRUE(link->Send(ArmCommand{Joints(0.9)}));
-  CommandMessage answer;
-  ASSERT_EQ(DecodeCommand(arm.Answer(), answer), CodecError::kNone);
-  EXPECT_EQ(answer.q, Joints(0.9));
-  EXPECT_EQ(answer.reflected_sequence, 1u);
+  const auto answer = test::Command(arm.Answer());
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(test::Values(answer->commanddata().jointposition()), Joints(0.9));
+  EXPECT_EQ(answer->header().reflectedsequencecounter(), 1u);
 }
 
 TEST(FriLink, TimesOutWhereTheArmIsSilent) {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,7 +13,7 @@
 
 #include "control/ports.h"
 
-// Datagrams of the arm as libprotobuf writes them from the same .proto: independent of nanopb.
+// The arm's side as libprotobuf writes and reads it from the same .proto: independent of nanopb.
 
 namespace osteon::io::test {
 
@@ -61,6 +64,22 @@ inline fri::FRIMonitoringMessage Monitoring(std::uint32_t sequence, fri::Session
 inline std::vector<std::uint8_t> Bytes(const google::protobuf::MessageLite& message) {
   const std::string text = message.SerializePartialAsString();
   return {text.begin(), text.end()};
+}
+
+/// A client's datagram as libprotobuf reads it; empty where it is none.
+inline std::optional<fri::FRICommandMessage> Command(std::span<const std::uint8_t> datagram) {
+  fri::FRICommandMessage m;
+  if (!m.ParseFromArray(datagram.data(), static_cast<int>(datagram.size()))) return std::nullopt;
+  if (m.header().messageidentifier() != 0x34001) return std::nullopt;
+  return m;
+}
+
+/// The first seven of the values; NaN where there are fewer.
+inline control::JointArray Values(const fri::JointValues& joints) {
+  control::JointArray q;
+  q.fill(std::numeric_limits<double>::quiet_NaN());
+  std::copy_n(joints.value().begin(), std::min(joints.value_size(), control::kJoints), q.begin());
+  return q;
 }
 
 }  // namespace osteon::io::test

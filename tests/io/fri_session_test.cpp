@@ -129,6 +129,17 @@ TEST_F(FriSessionTest, HoldsTheLastPositionWhereTheCommandIsNotFinite) {
   EXPECT_EQ(Position(Answer(bad)), Joints(0.4));
 }
 
+// What was sent to another arm, or to this one before it moved by itself, is nothing to hold.
+TEST_F(FriSessionTest, ANewSessionHoldsNothingOfTheOneBefore) {
+  control::JointArray bad{};
+  bad.fill(std::numeric_limits<double>::quiet_NaN());
+  Take(1000, fri::COMMANDING_ACTIVE);
+  ASSERT_EQ(Position(Answer(Joints(0.9))), Joints(0.9));
+  session_.StartOver();
+  Take(5, fri::COMMANDING_ACTIVE);
+  EXPECT_EQ(Position(Answer(bad)), Joints(0.3)) << "the interpolator's";
+}
+
 TEST_F(FriSessionTest, HoldsTheInterpolatorWhereTheFirstCommandOfAllIsNotFinite) {
   Take(1, fri::COMMANDING_ACTIVE);
   control::JointArray bad{};

@@ -7,7 +7,7 @@
 #include "simulation/frame_record.h"
 #include "simulation/tool.h"
 
-namespace osteon::app {
+namespace osteon::simulation {
 
 /// Distance to a swept volume, and where it is from.
 struct SweptDistance {
@@ -22,13 +22,15 @@ class SweptTool {
  public:
   /// Points of the path that a chord passes within `tolerance_m` are left out. Poses that are not finite are
   /// skipped.
-  SweptTool(const simulation::Tool& tool, std::span<const Pose> X_GP, double tolerance_m = 1e-6);
+  SweptTool(const Tool& tool, std::span<const Pose> X_GP, double tolerance_m = 1e-6);
 
   /// Signed distance [m] to the union: negative inside. Exact outside; inside, its size is a lower bound of
   /// the distance to the union's surface. Infinity where nothing was swept.
   [[nodiscard]] double SignedDistance(const Vector3& p_G) const { return Nearest(p_G).distance_m; }
 
   [[nodiscard]] SweptDistance Nearest(const Vector3& p_G) const;
+  /// A box around the swept volume; empty where nothing was swept.
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const;
   [[nodiscard]] bool empty() const { return capsules_.empty(); }
   [[nodiscard]] std::size_t capsule_count() const { return capsules_.size(); }
 
@@ -49,9 +51,9 @@ class SweptTool {
 
 /// The proxy's path in G from the frames of a run. Frames in which the engine reported an error, or that are
 /// no frame (number 0), are left out.
-[[nodiscard]] std::vector<Pose> ProxyPath(std::span<const simulation::FrameRecord> frames, const Pose& X_WG);
+[[nodiscard]] std::vector<Pose> ProxyPath(std::span<const FrameRecord> frames, const Pose& X_WG);
 
 /// The largest cutting ball, null where the tool has none.
-[[nodiscard]] const simulation::ToolBall* CuttingHead(const simulation::Tool& tool);
+[[nodiscard]] const ToolBall* CuttingHead(const Tool& tool);
 
-}  // namespace osteon::app
+}  // namespace osteon::simulation

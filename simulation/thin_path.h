@@ -1,0 +1,41 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+namespace osteon::simulation {
+
+/// The points of a path that keep it within a tolerance of what it was; both ends stay.
+/// @param distance  distance(p, a, b): of a point from the chord between two others
+/// Source: Douglas and Peucker, 1973; with an explicit stack, since a path may have 100 k points.
+template <class Point, class Distance>
+[[nodiscard]] std::vector<Point> ThinPath(const std::vector<Point>& path, double tolerance,
+                                          Distance distance) {
+  if (path.size() < 3) return path;
+  std::vector<char> keep(path.size(), 0);
+  keep.front() = keep.back() = 1;
+  std::vector<std::pair<std::size_t, std::size_t>> stack{{0, path.size() - 1}};
+  while (!stack.empty()) {
+    const auto [first, last] = stack.back();
+    stack.pop_back();
+    double worst = tolerance;
+    std::size_t at = 0;
+    for (std::size_t i = first + 1; i < last; ++i) {
+      const double off = distance(path[i], path[first], path[last]);
+      if (off > worst) {
+        worst = off;
+        at = i;
+      }
+    }
+    if (at == 0) continue;
+    keep[at] = 1;
+    stack.emplace_back(first, at);
+    stack.emplace_back(at, last);
+  }
+  std::vector<Point> thin;
+  for (std::size_t i = 0; i < path.size(); ++i)
+    if (keep[i]) thin.push_back(path[i]);
+  return thin;
+}
+
+}  // namespace osteon::simulation

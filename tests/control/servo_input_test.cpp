@@ -1,0 +1,135 @@
+// What the loop makes of values that are missing, late, of the future or of the past.
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "servo_bench.h"
+
+namespace osteon::control {
+namespace {
+
+using safety::Fault;
+
+// The simulation takes the first pose that it is told as free: it must be the tool's, not the world's origin.
+TEST(ServoInput, NoPoseIsToldToTheSimulationBeforeTheArmHasToldOne) {
+  ServoBench bench;
+  for (int i = 0; i < 10; ++i) bench.Tick(ReceiveResult::kTimeout);
+  EXPECT_EQ(bench.loop.tool_command().stamp, 0) << "no message yet";
+  const JointArray q = bench.arm.q_meas;
+  bench.arm.session = SessionState::kIdle;
+  bench.arm.q_meas = {};  // an idle arm need not say where it is
+  bench.arm.has_ipo = false;
+  bench.Tick();
+  EXPECT_EQ(bench.loop.tool_command().stamp, 0) << "idle";
+  bench.arm.session = SessionState::kMonitoringReady;
+  bench.arm.q_meas = q;
+  const TickRecord record = bench.loop.Tick(bench.arm, ReceiveResult::kOk, {}, {}, bench.now, bench.command);
+  EXPECT_EQ(bench.loop.tool_command().stamp, bench.now);
+  EXPECT_LT((Pose(record.X_WT_cmd).matrix() - ServoBench::StartPose().matrix()).norm(), 1e-9);
+}
+
+// The planes of a frame reach a quarter of a millimetre beyond the tool (CuttingParams). Bone farther away is
+// news of the next frame, when the tool may be in it: the step must stay below the trip on the wrench's rate.
+TEST(ServoInput, BoneThatNoFrameKnewOfYetIsMetWithoutAFault) {
+  for (const bool one_frame_behind : {false, true})
+    for (const int frame_ticks : {1, 2, 3, 5, 8}) {
+      // contact at every place in a frame's time
+      for (double ahead_m = 0.020; ahead_m < 0.0221; ahead_m += 0.0001) {
+        ServoBench bench(ServoBench::Params(), ahead_m);
+        bench.reach_m = simulation::CuttingParams{}.normal_enlargement_m;
+        bench.frame_ticks = frame_ticks;
+        bench.one_frame_behind = one_frame_behind;
+        bench.push_N = 40.0;
+        bench.Activate();
+        for (int i = 0; i < 2500 && bench.Depth() < 1e-3; ++i) {
+          const TickRecord record = bench.Tick();
+          ASSERT_EQ(record.faults, 0u) << "frame of " << frame_ticks << " ms, depth " << bench.Depth() * 1e3
+                                       << " mm, model of " << record.model_age_s * 1e3 << " ms";
+        }
+        EXPECT_GE(bench.Depth(), 1e-3) << "it was reached";
+      }
+    }
+}
+
+// Time of the simulation's clock that is ahead of ours, behind it, or none at all.
+TEST(ServoInput, AModelOrReadingOfAnotherTimeIsNotFresh) {
+  for (const rt::Nanoseconds offset :
+       {2 * rt::kMillisecond, 70 * rt::kMillisecond, 3600 * rt::kSecond, -80 * rt::kMillisecond,
+        -3600 * rt::kSecond, std::numeric_limits<rt::Nanoseconds>::max() / 2,
+        std::numeric_limits<rt::Nanoseconds>::min() / 2}) {
+    ServoBench bench;
+    bench.Activate();
+    bench.push_N = 120.0;
+    bench.Run(2000);
+    ASSERT_GT(bench.loop.statistics().peak_coupling_force_N, 100.0);
+    bench.simulation_lives = false;
+    simulation::ContactModel model = bench.model;
+    model.pose_stamp = bench.now + offset;
+    model.frame += 1000;
+    TickRecord record =
+        bench.loop.Tick(bench.arm, ReceiveResult::kOk, bench.reading, model, bench.now, bench.command);
+    EXPECT_EQ(Vector3(record.F_coupling_T_W.f).norm(), 0.0) << "offset " << offset;
+
+    ServoBench other(ServoBench::Params(), 1.0);
+    other.Activate();
+    other.Run(200);
+    ForceReading reading = other.reading;
+    reading.stamp = other.now + offset;
+    reading.F_T_W = Wrench{.f = Vector3(0.0, 0.0, 200.0), .t = Vector3::Zero()};
+    if (offset == -80 * rt::kMillisecond) continue;  // fades to 0 at 100 ms
+    record = other.loop.Tick(other.arm, ReceiveResult::kOk, reading, other.model, other.now, other.command);
+    EXPECT_TRUE(other.loop.faults().Has(Fault::kSensorStale)) << "offset " << offset;
+    EXPECT_EQ(Vector3(record.v_WT_cmd_m_per_s).norm(), 0.0) << "not moved by it";
+  }
+}
+
+// An older frame after a newer one counts as old as it is; nothing jumps, since it describes the same bone.
+TEST(ServoInput, AnOlderFrameAfterANewerOneIsUsedAtItsAge) {
+  ServoBench bench;
+  bench.Activate();
+  bench.push_N = 120.0;
+  bench.Run(2000);
+  bench.simulation_lives = false;
+  const simulation::ContactModel newest = bench.model;
+  double before_N = 120.0;
+  for (int i = 0; i < 200; ++i) {
+    bench.now += ServoBench::kTick;
+    bench.reading.stamp = bench.now;
+    simulation::ContactModel model = newest;
+    const bool old = i % 3 == 0;
+    model.frame = newest.frame + 100 + static_cast<std::uint64_t>(i) - (old ? 50 : 0);
+    model.pose_stamp = bench.now - (old ? 45 : 1) * rt::kMillisecond;
+    const TickRecord record =
+        bench.loop.Tick(bench.arm, ReceiveResult::kOk, bench.reading, model, bench.now, bench.command);
+    ASSERT_EQ(record.faults, 0u) << "tick " << i;
+    const double f_N = Vector3(record.F_coupling_T_W.f).norm();
+    ASSERT_LE(f_N, std::max(0.4 * 120.0, before_N) + 2.5) << "falls with the age at once, comes back slowly";
+    before_N = f_N;
+    bench.arm.q_meas = bench.command.q;
+  }
+}
+
+// A clock that is set back or forward moves nothing by more than a tick does.
+TEST(ServoInput, AJumpOfTheClockMakesNoJumpOfTheForceUpwards) {
+  for (const rt::Nanoseconds jump : {-10 * rt::kSecond, -2 * rt::kMillisecond, 10 * rt::kSecond}) {
+    ServoBench bench;
+    bench.Activate();
+    bench.push_N = 120.0;
+    double before_N = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+      if (i == 800) bench.now += jump;
+      const Vector3 p = Pose(bench.loop.tool_command().X_WT).translation();
+      const TickRecord record = bench.Tick();
+      const double f_N = Vector3(record.F_coupling_T_W.f).norm();
+      if (i >= 800) {
+        ASSERT_LE(f_N, before_N + 7.5) << "tick " << i << " jump " << jump;
+        ASSERT_LE((Pose(record.X_WT_cmd).translation() - p).norm(), 0.25e-3 * 1.01);
+      }
+      before_N = f_N;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace osteon::control

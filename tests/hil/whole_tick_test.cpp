@@ -1,0 +1,157 @@
+// The bar: no allocation and no lock in the tick, from the datagram's arrival to the record in the ring.
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <span>
+
+#include <gtest/gtest.h>
+
+#include "control/rt/latest_value.h"
+#include "control/rt/no_alloc_scope.h"
+#include "control/servo_loop.h"
+#include "hil/simulated_cell.h"
+#include "io/fri/fri_link.h"
+#include "io/recording/recorder.h"
+#include "test_client.h"
+#include "tests/io/temporary_folder.h"
+
+namespace osteon::hil {
+namespace {
+
+using control::Phase;
+
+// The simulated arm's socket: connected to the client's port, answers taken where they wait.
+class ArmSocket {
+ public:
+  explicit ArmSocket(std::uint16_t client_port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(client_port);
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  }
+  ~ArmSocket() { close(socket_); }
+  ArmSocket(const ArmSocket&) = delete;
+  ArmSocket& operator=(const ArmSocket&) = delete;
+
+  void Send(std::span<const std::uint8_t> bytes) const {
+    EXPECT_EQ(send(socket_, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
+  }
+  // Loopback delivers within the sender's call.
+  void TakeAnswers(SimulatedCell& cell) const {
+    std::array<std::uint8_t, 2000> bytes{};
+    for (;;) {
+      const ssize_t size = recv(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+      if (size < 0) return;
+      cell.Receive({bytes.data(), static_cast<std::size_t>(size)});
+    }
+  }
+
+ private:
+  int socket_;
+};
+
+// The cell of the hand's tests: a cup right below the tool, its bottom a plane for the contact model.
+struct Cell {
+  Cell() {
+    params.arm.limits = Iiwa14Limits();
+    params.q_start = {0.1, 0.5, 0.05, -1.4, 0.1, 0.9, 0.2};
+    Pose X_FT = Pose::Identity();
+    X_FT.translation().z() = 0.2;
+    params.X_FT = X_FT;
+    X_WT = arm.FlangePose(Eigen::Map<const kinematics::JointVector>(params.q_start.data())) * X_FT;
+  }
+  [[nodiscard]] HandScript Script() const {
+    Pose X_WC = X_WT;
+    X_WC.linear() = X_WT.linear() * ExpRotation({std::numbers::pi, 0.0, 0.0}).transpose();
+    X_WC.translation() = X_WT * Vector3(0.0, 0.0, 0.040 - 0.025);
+    return MakeReamingScript({.X_WC = X_WC, .seconds = 2.0});
+  }
+  [[nodiscard]] control::ServoParams Servo() const {
+    control::ServoParams servo;
+    servo.workspace.sphere_center_W_m = X_WT.translation();
+    servo.workspace.sphere_radius_m = 0.2;
+    servo.workspace.plane_offset_m = -2.0;
+    return servo;
+  }
+
+  kinematics::LbrArm arm{{}};
+  SimulatedCellParams params;
+  Pose X_WT;
+};
+
+TEST(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
+  const Cell setup;
+  SimulatedCell cell(setup.params, setup.Script());
+  control::ServoLoop loop(
+      setup.Servo(), setup.arm, Pose::Identity(), setup.params.X_FT,
+      setup.arm.ArmAngle(Eigen::Map<const kinematics::JointVector>(setup.params.q_start.data())));
+  auto link = io::FriLink::Open({.port = 0});
+  ASSERT_TRUE(link) << link.error();
+  const ArmSocket arm((*link)->port());
+  const io::test::TemporaryFolder folder;
+  auto recorder = io::Recorder::Open({.path = folder.path() / "tick.mcap", .writer_thread = false}, {});
+  ASSERT_TRUE(recorder) << recorder.error();
+
+  rt::LatestValue<simulation::ContactModel> models;
+  rt::LatestValue<simulation::ToolCommand> commands;
+  SimulatedForceSensor sensor;
+  control::ArmState state;
+  control::ArmCommand command;
+  const Vector3 feed_W = setup.X_WT.linear().col(2);
+  std::array<int, 4> ticks_in_phase{};
+  int heap_calls = 0, locks = 0;
+  double peak_N = 0.0;
+  for (int tick = 0; tick < 3500 && loop.phase() != Phase::kStopped; ++tick) {
+    // the arm and the simulation, which may do as they like
+    const rt::Nanoseconds now = (tick + 1) * rt::kMillisecond;  // virtual: the test does not wait for a clock
+    arm.Send(cell.Step(now));
+    sensor.Store(cell.force());
+    const simulation::ToolCommand wanted = commands.Load();
+    if (tick % 2 == 0 && wanted.stamp > 0) {
+      simulation::ContactModel model;
+      model.frame = static_cast<std::uint64_t>(tick + 1);
+      model.pose_stamp = wanted.stamp;
+      model.contact_count = 1;
+      model.contacts[0].p_W_m = Vector3(setup.X_WT * Vector3(0.0, 0.0, 0.03));
+      model.contacts[0].n_W = Vector3(-feed_W);
+      model.contacts[0].stiffness_N_per_m = 20e3;
+      models.Store(model);
+    }
+    if (tick == 3000) loop.RequestStop();
+
+    // the tick
+    rt::NoAllocScope scope;
+    const control::ReceiveResult received = (*link)->Receive(state, rt::MonotonicNow() + rt::kSecond);
+    const control::TickRecord record =
+        loop.Tick(state, received, sensor.Latest(), models.Load(), now, command);
+    const bool answered = (*link)->Send(command);
+    commands.Store(loop.tool_command());
+    const bool recorded = (*recorder)->Push(record);
+    heap_calls += scope.heap_calls();
+    locks += scope.locks();
+
+    ASSERT_EQ(received, control::ReceiveResult::kOk);
+    ASSERT_TRUE(answered && recorded);
+    ++ticks_in_phase[static_cast<std::size_t>(record.phase)];
+    peak_N = std::max(peak_N, Vector3(record.F_coupling_T_W.f).norm());
+    arm.TakeAnswers(cell);
+    if (tick % 1000 == 0) (*recorder)->Drain();
+  }
+  EXPECT_EQ(heap_calls, 0);
+  EXPECT_EQ(locks, 0);
+  EXPECT_GT(ticks_in_phase[static_cast<std::size_t>(Phase::kWaiting)], 100);
+  EXPECT_GT(ticks_in_phase[static_cast<std::size_t>(Phase::kHaptic)], 2000);
+  EXPECT_GT(peak_N, 20.0) << "the bone was felt";
+  EXPECT_EQ(loop.faults().bits(), 0u);
+  EXPECT_EQ(loop.phase(), Phase::kStopped);
+  EXPECT_EQ(cell.state().counters.lost, 0u);
+}
+
+}  // namespace
+}  // namespace osteon::hil
