@@ -44,6 +44,26 @@ void ExpectInterrupted(const CommandResult& run, const std::filesystem::path& ou
   EXPECT_NE(io::test::ReadAll(out / "report.html").find("</html>"), std::string::npos);
 }
 
+// About 1.1 kB a tick: a second into the session, the tool on its way.
+constexpr std::uintmax_t kSomeBytes = 1'500'000;
+
+// How far the recording of a running demo has grown.
+std::uintmax_t Recorded(const std::filesystem::path& folder) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(folder / "demo_out/recording.mcap", error);
+  return error ? 0 : bytes;
+}
+
+// Whether all that went wrong was that something came too late (an arm whose client is late ends the
+// session).
+bool IsStall(const nlohmann::json& summary) {
+  const nlohmann::json& faults = summary.at("faults");
+  return !faults.empty() && std::all_of(faults.begin(), faults.end(), [](const nlohmann::json& fault) {
+    const std::string name = fault;
+    return name.ends_with(" stale") || name == "arm left COMMANDING_ACTIVE";
+  });
+}
+
 TEST(WallDemo, RunsOverUdpAndNamesWhateverStoppedIt) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"demo", "--seconds", "3", "--port", "0"});
@@ -51,7 +71,7 @@ TEST(WallDemo, RunsOverUdpAndNamesWhateverStoppedIt) {
   const nlohmann::json summary = ReadJson(folder.path() / "demo_out/summary.json");
   EXPECT_EQ(summary.at("virtual_time"), false);
   // a machine that is busy with other things may well stall the loop: then it says so
-  EXPECT_EQ(summary.at("faults").empty(), run.exit_code == 0) << summary.dump(2);
+  EXPECT_TRUE(run.exit_code == 0 ? summary.at("faults").empty() : IsStall(summary)) << summary.dump(2);
   EXPECT_EQ(summary.at("ended"), run.exit_code == 0 ? "completed" : "fault");
   EXPECT_GT(summary.at("ticks").get<int>(), 0);
   EXPECT_GT(summary.at("frames").get<int>(), 0);
@@ -69,26 +89,30 @@ TEST(WallDemo, RunsOverUdpAndNamesWhateverStoppedIt) {
 }
 
 TEST(WallDemo, StopsInOrderAtCtrlC) {
-  const TemporaryFolder folder;
-  Command demo(folder.path(), {"demo", "--seconds", "20", "--port", "0"});
-  // a tenth of the time: the tool is on its way
-  ASSERT_TRUE(demo.WaitUntil([&] { return demo.Err().find("osteon demo: ") != std::string::npos; }))
-      << demo.Err();
-  demo.Send(SIGINT);
-  ExpectInterrupted(demo.Wait(), folder.path() / "demo_out");
+  // a machine that is busy with other things may stall the loop, which then stops itself: that is no answer
+  constexpr int kAttempts = 3;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const TemporaryFolder folder;
+    Command demo(folder.path(), {"demo", "--seconds", "30", "--port", "0"});
+    const bool runs = demo.WaitUntil([&] { return Recorded(folder.path()) > kSomeBytes; });
+    if (runs) demo.Send(SIGINT);
+    const CommandResult run = demo.Wait();
+    if (run.exit_code == 1) {
+      const nlohmann::json summary = ReadJson(folder.path() / "demo_out/summary.json");
+      ASSERT_TRUE(IsStall(summary)) << summary.dump(2);
+      continue;
+    }
+    ASSERT_TRUE(runs) << run.err;
+    ExpectInterrupted(run, folder.path() / "demo_out");
+    return;
+  }
+  GTEST_SKIP() << "skipped, this machine is too busy: " << kAttempts << " runs ended by a stall";
 }
 
 TEST(VirtualDemo, StopsInOrderAtCtrlC) {
   const TemporaryFolder folder;
   Command demo(folder.path(), {"demo", "--virtual-time", "--seconds", "600"});
-  const auto recording = folder.path() / "demo_out/recording.mcap";
-  // some 0.3 kB a tick: about a second into the session, the tool moving
-  const auto moves = [&] {
-    std::error_code error;
-    const auto size = std::filesystem::file_size(recording, error);
-    return !error && size > 500'000;
-  };
-  ASSERT_TRUE(demo.WaitUntil(moves)) << demo.Err();
+  ASSERT_TRUE(demo.WaitUntil([&] { return Recorded(folder.path()) > kSomeBytes; })) << demo.Err();
   demo.Send(SIGTERM);  // what a service manager sends counts as Ctrl-C
   ExpectInterrupted(demo.Wait(), folder.path() / "demo_out");
 }
