@@ -30,25 +30,12 @@ double CuttingForce(const CuttingParams& params, const FrameSolution& solution) 
 
 int PlaneGroup(const Vector3& u_T) {
   if (-u_T.z() > kCapCosine) return kCapPlane;
-  if (u_T.z() > kRearSine) return kRearPlane;
-  // the nearest of five directions around the tool to where the bone lies; no angle is computed, so that both
-  // engines agree
-  static constexpr std::array<std::array<double, 2>, kSectors> kAround{
-      {{1.0, 0.0},
-       {0.30901699437494745, 0.95105651629515353},
-       {-0.80901699437494734, 0.58778525229247325},
-       {-0.80901699437494734, -0.58778525229247325},
-       {0.30901699437494745, -0.95105651629515353}}};
-  int nearest = 0;
-  double most = -2.0;
-  for (int k = 0; k < kSectors; ++k) {
-    const auto& direction = kAround[static_cast<std::size_t>(k)];
-    const double along = -u_T.x() * direction[0] - u_T.y() * direction[1];
-    if (along <= most) continue;
-    most = along;
-    nearest = k;
-  }
-  return 1 + nearest;
+  // sixths of a turn by the signs of three lines: no angle, so that both engines agree to the last bit but
+  // one
+  const double x = -u_T.x(), y = -u_T.y(), root3 = std::sqrt(3.0);
+  const bool above = y >= 0.0, left_of_60 = y >= root3 * x, left_of_120 = y >= -root3 * x;
+  if (above) return left_of_60 ? (left_of_120 ? 2 : 3) : 1;
+  return left_of_120 ? 6 : (left_of_60 ? 4 : 5);
 }
 
 ToolPoints PlaceTool(const Tool& tool, const Pose& X_GT) {

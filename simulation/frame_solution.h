@@ -14,12 +14,11 @@
 namespace osteon::simulation {
 
 inline constexpr int kMaxMaterials = 8;
-/// Planes are grouped by the side of the tool they touch: 0 the cap ahead, 1 … 5 sectors around, 6 the rear
-/// (an undercut that holds the tool when it is drawn back), 7 balls that do not cut.
-inline constexpr int kCapPlane = 0, kSectors = 5, kRearPlane = 6, kShaftPlane = 7;
-/// Cosine of the cap's half angle (40 degrees) about the feed direction, and the sine of how far the sectors
-/// reach behind the tool's equator (10 degrees).
-inline constexpr double kCapCosine = 0.766, kRearSine = 0.174;
+/// Planes are grouped by the side of the tool they touch: 0 the cap ahead, 1 … 6 sectors around, 7 balls that
+/// do not cut.
+inline constexpr int kCapPlane = 0, kShaftPlane = 7;
+/// Cosine of the cap's half angle (40 degrees) about the feed direction.
+inline constexpr double kCapCosine = 0.766;
 
 /// Group of a cutting ball's contact. @param u_T  unit, from bone to tool, in T.
 [[nodiscard]] int PlaneGroup(const Vector3& u_T);

@@ -11,7 +11,6 @@ layout(constant_id = 3) const bool kSumPoints = true;
 
 const float kPi = 3.14159265358979;
 const float kCapCosine = 0.766;
-const float kRearSine = 0.174;
 const float kLargestLens = 0.5;  // mm^3, simulation::kLargestLensVolume
 
 float LensVolume(float r1, float r2, float d) {
@@ -25,18 +24,12 @@ float LensVolume(float r1, float r2, float d) {
 
 // Twin of simulation::PlaneGroup; u in G.
 uint PlaneGroup(vec3 u) {
-  float z = dot(u, frame.axis_z.xyz);
-  if (-z > kCapCosine) return 0;
-  if (z > kRearSine) return 6;
+  if (-dot(u, frame.axis_z.xyz) > kCapCosine) return 0;
   float x = -dot(u, frame.axis_x.xyz), y = -dot(u, frame.axis_y.xyz);
-  float a = 0.30901699 * x, b = 0.95105652 * y, c = -0.80901699 * x, d = 0.58778525 * y;
-  uint nearest = 1;
-  float most = x;
-  if (a + b > most) { most = a + b; nearest = 2; }
-  if (c + d > most) { most = c + d; nearest = 3; }
-  if (c - d > most) { most = c - d; nearest = 4; }
-  if (a - b > most) { nearest = 5; }
-  return nearest;
+  const float root3 = 1.7320508075688772;
+  bool above = y >= 0.0, left_of_60 = y >= root3 * x, left_of_120 = y >= -root3 * x;
+  if (above) return left_of_60 ? (left_of_120 ? 2 : 3) : 1;
+  return left_of_120 ? 6 : (left_of_60 ? 4 : 5);
 }
 
 void main() {

@@ -234,26 +234,6 @@ TEST_P(EngineCutting, ToolWithdrawsFromItsOwnSlot) {
   EXPECT_LT((Pose(model.X_WP).translation() - tilted(0.15, 7.5e-3).translation()).norm(), 1e-7);
 }
 
-// A slot cut sideways, deeper than the head's centre, holds the head when it is drawn back with the spindle
-// still.
-TEST_P(EngineCutting, UndercutPullsBackAgainstTheHand) {
-  CuttingParams params;
-  params.law = RemovalLaw::kImmediate;
-  const auto engine =
-      Make(Slab(16e-3, 6e-3, false), MakeReamer(2e-3, 1e-3, 6e-3, 0.9, Vector3::Zero()), params);
-  engine->Step(At(Down({-3e-3, 0, 0.1e-3}), kSpindle_rad_per_s));
-  for (int i = 0; i <= 200; ++i)
-    engine->Step(At(Down({-3e-3 + 0.03e-3 * i, 0, std::max(-3e-3, -0.04e-3 * i)}), kSpindle_rad_per_s));
-  ContactModel model;
-  for (int i = 0; i <= 40; ++i) model = engine->Step(At(Down({3e-3, 0, -3e-3 + 0.05e-3 * i})));
-  // 2 mm up, of which the slot's play takes a little; the bone pulls down, the proxy stays in the slot
-  const Vector3 f = model.F_T_W.f;
-  EXPECT_LT(f.z(), -0.6 * params.stiffness_N_per_m * 2e-3);
-  EXPECT_GE(f.z(), -1.01 * params.stiffness_N_per_m * 2e-3);
-  EXPECT_LT(f.head<2>().norm(), 0.3 * f.norm());
-  EXPECT_LT(Pose(model.X_WP).translation().z(), -2.2e-3);
-}
-
 TEST_P(EngineCutting, AdvanceFollowsTheEnergyBalance) {
   // held 4 mm deep in the slab: x' = -c K x with the area of this moment
   const double R = 10e-3;

@@ -17,7 +17,7 @@ Vector3 Around(double azimuth_deg, double z) {
   return {s * std::cos(a), s * std::sin(a), z};
 }
 
-TEST(PlaneGroup, CoversEveryDirectionWithCapSectorsAndRear) {
+TEST(PlaneGroup, CoversEveryDirectionWithTheCapAndSixSectors) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   std::array<int, kMaxContacts> count{};
@@ -29,27 +29,24 @@ TEST(PlaneGroup, CoversEveryDirectionWithCapSectorsAndRear) {
     ASSERT_LT(group, kShaftPlane);
     ++count[static_cast<std::size_t>(group)];
     ASSERT_EQ(group == kCapPlane, -u.z() > kCapCosine);
-    ASSERT_EQ(group == kRearPlane, u.z() > kRearSine);
   }
-  // areas on the unit sphere: cap and rear by their heights, the sectors a fifth of the rest each
-  const double cap = 0.5 * (1.0 - kCapCosine), rear = 0.5 * (1.0 - kRearSine),
-               sector = (1.0 - cap - rear) / kSectors;
-  EXPECT_NEAR(count[kCapPlane], kTries * cap, 5.0 * std::sqrt(kTries * cap));  // five standard deviations
-  EXPECT_NEAR(count[kRearPlane], kTries * rear, 5.0 * std::sqrt(kTries * rear));
-  for (std::size_t g = 1; g <= kSectors; ++g)
+  // areas on the unit sphere: the cap has (1 - cos)/2 of it, the sectors a sixth of the rest each
+  const double cap = 0.5 * (1.0 - kCapCosine), sector = (1.0 - cap) / 6.0;
+  EXPECT_NEAR(count[0], kTries * cap, 5.0 * std::sqrt(kTries * cap));  // five standard deviations
+  for (std::size_t g = 1; g <= 6; ++g)
     EXPECT_NEAR(count[g], kTries * sector, 5.0 * std::sqrt(kTries * sector)) << g;
 }
 
-TEST(PlaneGroup, OfASectorIsAFifthOfATurnOfContactPlaces) {
+TEST(PlaneGroup, OfASectorIsASixthOfATurnOfContactPlaces) {
   // u points from bone to tool: bone that lies at azimuth a of the tool has u at a + 180 deg
   std::set<int> seen;
-  for (int sector = 0; sector < kSectors; ++sector) {
-    const int group = PlaneGroup(Around(72.0 * sector + 180.0, 0.1));
-    for (const double inside : {-35.0, -1.0, 35.0})
-      EXPECT_EQ(PlaneGroup(Around(72.0 * sector + 180.0 + inside, -0.3)), group) << sector;
+  for (int sector = 0; sector < 6; ++sector) {
+    const int group = PlaneGroup(Around(60.0 * sector + 180.0 + 1.0, 0.1));
+    for (const double inside : {2.0, 30.0, 59.0})
+      EXPECT_EQ(PlaneGroup(Around(60.0 * sector + 180.0 + inside, -0.3)), group) << sector;
     seen.insert(group);
   }
-  EXPECT_EQ(seen.size(), static_cast<std::size_t>(kSectors));
+  EXPECT_EQ(seen.size(), 6u);
 }
 
 TEST(PlaneGroup, CapIsFortyDegreesAboutTheFeed) {
