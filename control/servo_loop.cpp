@@ -17,6 +17,7 @@ constexpr double kSpeedSlack =
     1.1;  // a pull-back through the joints may leave the straight line by second order
 constexpr double kSightMemory_s =
     0.1;  // many frames, or the speed limit would follow each one's age up and down
+constexpr double kSamePeriod_s = 1e-6;
 constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
 
 JointVector ToVector(const JointArray& q) { return Eigen::Map<const JointVector>(q.data()); }
@@ -96,7 +97,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   now_ = now;
   TickRecord record;
   record.tick = tick_++;
-  record.stamp = state.stamp;
+  record.stamp = received == ReceiveResult::kOk ? state.stamp : now;
   record.session_state = static_cast<std::uint8_t>(state.session);
   record.model_frame = model.frame;
   record.model_age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
@@ -121,6 +122,12 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
       Follow(state);
       if (phase_ == Phase::kHaptic) faults_.Latch(Fault::kSession);
       if (phase_ != Phase::kWaiting || stop) phase_ = Phase::kStopped;
+    }
+    if (active && phase_ != Phase::kStopped &&
+        !(std::abs(state.period_s - params_.period_s) < kSamePeriod_s)) {
+      faults_.Latch(Fault::kPeriod);  // each tick steps by the loop's period: another one is another speed
+      V_WT_ = {};
+      phase_ = Phase::kStopped;
     }
     if (active && phase_ == Phase::kWaiting) StartRendering(now);
     if (phase_ == Phase::kHaptic) {

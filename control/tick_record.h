@@ -19,7 +19,7 @@ enum class Phase : std::uint8_t {
 /// One tick of the servo loop as it is recorded. Plain data.
 struct TickRecord {
   std::uint64_t tick{0};
-  rt::Nanoseconds stamp{0};  ///< time of the arm message that this tick answers
+  rt::Nanoseconds stamp{0};  ///< time of the arm message that this tick answers; of the tick where none came
   Phase phase{Phase::kWaiting};
   std::uint8_t session_state{0};   ///< FRI session state, 0 … 4
   std::uint32_t faults{0};         ///< safety::FaultSet bits

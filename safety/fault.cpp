@@ -41,6 +41,9 @@ FaultText Describe(Fault fault) {
     case Fault::kTracking:
       return {"arm far from its command", "Stop 1",
               "check for a collision or a payload error, restart the session"};
+    case Fault::kPeriod:
+      return {"arm's period is not the cell's", "holds, renders nothing",
+              "set the cell's period_ms to the arm's send period, restart the session"};
   }
   return {"unknown fault", "Stop 1", "restart the session"};
 }

@@ -21,6 +21,7 @@ enum class Fault : std::uint32_t {
   kDevice = 1u << 10,            ///< the simulation's device is lost: Stop 1
   kNotFinite = 1u << 11,         ///< a value from outside is not finite: Stop 1
   kTracking = 1u << 12,          ///< measured pose too far from the commanded one: Stop 1
+  kPeriod = 1u << 13,            ///< the arm's period is not the one that the loop steps by: hold
 };
 
 /// The set of latched faults.

@@ -52,6 +52,31 @@ TEST(ServoInput, BoneThatNoFrameKnewOfYetIsMetWithoutAFault) {
     }
 }
 
+// Every speed is a step by the period: an arm that asks five times as often would be moved five times as
+// fast.
+TEST(ServoInput, AnArmOfAnotherPeriodThanTheCellsIsNotMoved) {
+  for (const double period_s : {0.001, 0.010, 0.0, std::numeric_limits<double>::quiet_NaN()}) {
+    ServoParams params = ServoBench::Params();
+    params.period_s = 0.005;
+    ServoBench bench(params, 10.0);
+    bench.arm.period_s = period_s;
+    bench.push_N = 40.0;
+    bench.Activate();
+    const TickRecord record = bench.Run(100);
+    EXPECT_EQ(record.phase, Phase::kStopped);
+    EXPECT_EQ(record.faults, static_cast<std::uint32_t>(Fault::kPeriod));
+    EXPECT_LT((Pose(record.X_WT_cmd).translation() - ServoBench::StartPose().translation()).norm(), 1e-9);
+  }
+}
+
+// A recording's time goes on while the arm is silent, and begins where the loop did.
+TEST(ServoInput, ATickWithoutAMessageIsRecordedAtItsOwnTime) {
+  ServoBench bench;
+  EXPECT_EQ(bench.Tick(ReceiveResult::kTimeout).stamp, bench.now) << "before the first message";
+  EXPECT_EQ(bench.Tick().stamp, bench.arm.stamp);
+  EXPECT_EQ(bench.Tick(ReceiveResult::kTimeout).stamp, bench.now) << "not the stamp of the message before";
+}
+
 // Time of the simulation's clock that is ahead of ours, behind it, or none at all.
 TEST(ServoInput, AModelOrReadingOfAnotherTimeIsNotFresh) {
   for (const rt::Nanoseconds offset :

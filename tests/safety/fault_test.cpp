@@ -10,7 +10,7 @@ namespace {
 
 TEST(FaultText, EveryFaultSaysItsNameReactionAndClearing) {
   std::set<std::string> names;
-  for (int bit = 0; bit <= 12; ++bit) {
+  for (int bit = 0; bit <= 13; ++bit) {
     const FaultText text = Describe(static_cast<Fault>(1u << bit));
     EXPECT_TRUE(names.insert(text.name).second) << text.name << " twice";
     EXPECT_NE(std::string(text.name), "unknown fault") << "bit " << bit;
