@@ -52,8 +52,9 @@ CellRunResult RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
                                  MakeCell(setup, params.seconds));
     std::atomic<bool> done{false};
     std::thread servo_thread([&] {
-      servo = RunServo(loop.servo, link, arm.sensor(), models, commands, recorder,
-                       {.seconds = params.seconds, .stop = params.stop});
+      servo = RunServo(
+          loop.servo, link, arm.sensor(), models, commands, recorder,
+          {.deadline_s = 5.0 * setup.config.servo.period_s, .seconds = params.seconds, .stop = params.stop});
       arm.Stop();  // at once: a client that is gone is no loss on the arm's books
       done.store(true);
     });

@@ -38,7 +38,8 @@ static_assert(kMaxMaterials == static_cast<uint>(simulation::kMaxMaterials) && k
 constexpr double kMillimetres = 1e3;
 constexpr double kLargestSummand = 4'194'304.0;  // 2^22 units: half of what a sum over a subgroup can take
 constexpr double kLargestLens_mm3 = simulation::kLargestLensVolume * 1e9;
-constexpr std::uint64_t kFrameTimeout_ns = 2'000'000'000;
+// The servo loop stops on the model's age long before; this ends a wait for a device that hangs.
+constexpr std::uint64_t kFrameTimeout_ns = 20'000'000'000;
 constexpr std::uint64_t kWarmUpTimeout_ns =
     120'000'000'000;  // software drivers compile a pass when it first runs
 constexpr int kBuffers = 10;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
 #include <unordered_map>
 
 #include <assimp/postprocess.h>
@@ -24,6 +25,17 @@ tl::unexpected<MeshError> Refuse(MeshErrorKind kind, std::string message) {
   return tl::make_unexpected(MeshError{.kind = kind, .message = std::move(message)});
 }
 
+// A PLY header is a few hundred bytes; comments may make it longer.
+constexpr std::size_t kPlyHeader = 65536;
+
+bool HasPlyHeader(const std::filesystem::path& path) {
+  std::string head(kPlyHeader, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head.starts_with("ply") && head.find("\nend_header") != std::string::npos;
+}
+
 }  // namespace
 
 tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path) {
@@ -37,6 +49,13 @@ tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path) 
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored))
     return Refuse(MeshErrorKind::kMissing, fmt::format("{}: no such file", name));
+
+  if (extension == ".ply" && !HasPlyHeader(path))  // without its end assimp's parser never ends either
+    return Refuse(
+        MeshErrorKind::kUnreadable,
+        fmt::format("{}: cannot be read as ply: found no complete header in the first {} bytes, accepted "
+                    "\"ply\" … \"end_header\"",
+                    name, kPlyHeader));
 
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 
@@ -178,15 +177,10 @@ TEST_F(WrongInput, Json) {
                 {"--json", "nowhere/summary.json", "no folder"});
 }
 
+// In /proc nobody makes a file, root neither.
 TEST_F(WrongInput, UnwritableOut) {
-  if (geteuid() == 0) GTEST_SKIP() << "skipped: root may write anywhere";
-  const auto locked = folder_.path() / "locked";
-  std::filesystem::create_directory(locked);
-  std::filesystem::permissions(locked,
-                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
-  ExpectRefused({"demo", "--virtual-time", "--out", locked.string()}, {locked.string(), "Permission denied"});
-  ExpectRefused({"demo", "--virtual-time", "--out", (locked / "out").string()},
-                {locked.string(), "Permission denied"});
+  ExpectRefused({"demo", "--virtual-time", "--out", "/proc"}, {"/proc"});
+  ExpectRefused({"demo", "--virtual-time", "--out", "/proc/osteon_out"}, {"/proc/osteon_out"});
 }
 
 }  // namespace

@@ -65,6 +65,14 @@ TEST(MeshErrors, GarbageIsRefusedInEveryFormat) {
   }
 }
 
+// Found by review: assimp's parser never returns from a header without an end.
+TEST(MeshErrors, PlyWithoutTheEndOfItsHeaderIsRefused) {
+  const TemporaryFile file(".ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n");
+  const MeshError error = LoadRefusal(file.path());
+  EXPECT_EQ(error.kind, MeshErrorKind::kUnreadable);
+  EXPECT_THAT(error.message, HasSubstr("end_header"));
+}
+
 TEST(MeshErrors, AnEmptyFileIsRefused) {
   for (const char* extension : {".stl", ".obj", ".ply"}) {
     const TemporaryFile file(extension, "");
