@@ -17,8 +17,8 @@ simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command)
                                .dt_s = std::clamp(dt_s, 0.0, dt_limit_s_),
                                .stamp = command.stamp});
   if (record.model.status == simulation::EngineStatus::kOk)
-    deepest_m_ = std::max(deepest_m_, depth_.Of(X_GW_ * Pose(record.model.X_WP)));
-  record.cup_depth_m = deepest_m_;
+    deepest_m_ = std::max(deepest_m_.value_or(-1.0), depth_.Of(X_GW_ * Pose(record.model.X_WP)));
+  record.cup_depth_m = deepest_m_.value_or(0.0);
   return record;
 }
 

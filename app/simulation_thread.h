@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <thread>
 
 #include "control/rt/latest_value.h"
@@ -29,7 +30,7 @@ class FrameRunner {
   Pose X_GW_;
   double dt_limit_s_;
   rt::Nanoseconds last_stamp_{0};
-  double deepest_m_{0.0};
+  std::optional<double> deepest_m_;
 };
 
 /// The simulation in wall time: its own thread, at its own rate, from the newest command to a new contact

@@ -191,10 +191,12 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
                               s.removed_mass_kg * 1e3, s.swept_volume_m3 * 1e9, 100.0 * swept_share)});
   rows.push_back(
       {"Reamed since first touch", fmt::format("{:.2f} mm along the cup's axis", s.reamed_depth_m * 1e3)});
-  const std::string floor =
-      s.cavity_depth_m <= -1.0 ? "carved through" : fmt::format("{:.2f} mm", s.cavity_depth_m * 1e3);
-  rows.push_back({"Below the first floor",
-                  fmt::format("{:.2f} mm (tool's apex), {} (carved floor)", s.cup_depth_m * 1e3, floor)});
+  const auto below = [](double depth_m) {
+    return fmt::format("{:.2f} mm {}", std::abs(depth_m) * 1e3, depth_m < 0.0 ? "above" : "below");
+  };
+  rows.push_back({"Against the first floor",
+                  fmt::format("tool's apex {}, carved floor {}", below(s.cup_depth_m),
+                              s.cavity_depth_m <= -1.0 ? "carved through" : below(s.cavity_depth_m))});
   if (s.section.cavity_section.samples > 0)
     rows.push_back({"Cavity against swept tool",
                     fmt::format("mean {:.3f} mm, p95 {:.3f} mm", s.section.cavity_section.mean_abs_m * 1e3,

@@ -94,15 +94,18 @@ std::string ProgressChart(std::span<const TickRecord> ticks, std::span<const Fra
   const rt::Nanoseconds start = Start(ticks, frames);
   Series depth{.name = "", .color = "#0072b2", .width_px = 1.8};
   Series volume{.name = "", .color = "#d55e00", .width_px = 1.8};
+  bool touched = false;
   for (const FrameRecord& frame : frames) {
     const double t_s = rt::ToSeconds(frame.stamp - start);
+    // the way there says nothing: from first touch on
+    touched = touched || Wrench(frame.model.F_T_W).f.norm() > 0.0 || frame.model.removed_volume_m3 > 0.0;
     depth.x.push_back(t_s);
-    depth.y.push_back(1e3 * frame.cup_depth_m);
+    depth.y.push_back(touched ? 1e3 * frame.cup_depth_m : std::numeric_limits<double>::quiet_NaN());
     volume.x.push_back(t_s);
     volume.y.push_back(1e9 * frame.model.removed_volume_m3);
   }
   std::vector<LineChart> panels(2);
-  panels[0] = {.title = "Cup depth",
+  panels[0] = {.title = "Deepest apex below the first floor",
                .x_label = "",
                .y_label = "depth [mm]",
                .series = {std::move(depth)},

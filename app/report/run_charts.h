@@ -15,7 +15,7 @@ namespace osteon::app {
 /// the limit.
 [[nodiscard]] std::string ForceChart(std::span<const control::TickRecord> ticks, double force_limit_N);
 
-/// Cup depth and removed volume, one above the other.
+/// Deepest apex and removed volume, one above the other.
 [[nodiscard]] std::string ProgressChart(std::span<const control::TickRecord> ticks,
                                         std::span<const simulation::FrameRecord> frames);
 

@@ -116,14 +116,13 @@ std::string SectionSvg(const Section& section, const simulation::Bone& bone, dou
 
 std::string SectionDetailSvg(const Section& section, const simulation::Bone& bone, double width_px) {
   if (!(section.head_radius_m > 0.0)) return {};
-  // where the head's apex was, or, where that hung in the air, the cut nearest to it
-  const auto nearest = std::min_element(section.samples.begin(), section.samples.end(),
-                                        [](const ErrorSample& a, const ErrorSample& b) {
-                                          return std::abs(a.angle_rad) < std::abs(b.angle_rad);
-                                        });
-  if (nearest == section.samples.end()) return {};
+  // where the head's apex was, or, where that hung in the air, the middle of the cut
+  if (section.samples.empty()) return {};
   constexpr double kUnderTheApex_rad = 0.08;
-  const double angle = std::abs(nearest->angle_rad) < kUnderTheApex_rad ? 0.0 : nearest->angle_rad;
+  const bool at_apex =
+      std::any_of(section.samples.begin(), section.samples.end(),
+                  [](const ErrorSample& sample) { return std::abs(sample.angle_rad) < kUnderTheApex_rad; });
+  const double angle = at_apex ? 0.0 : section.samples[section.samples.size() / 2].angle_rad;
   const Vector2 apex =
       section.head_center + section.head_radius_m * Vector2(std::sin(angle), -std::cos(angle));
   const double half_m = 0.16 * section.head_radius_m;

@@ -142,7 +142,7 @@ TEST(SummaryJson, SaysNullWhereNothingWasMeasured) {
   EXPECT_TRUE(json.at("cavity_error_mean_mm").is_null());
   EXPECT_TRUE(json.at("cavity_depth_mm").is_null());
   EXPECT_EQ(text.find("nan"), std::string::npos);
-  EXPECT_NE(RowOf(s, "Below the first floor").find("carved through"), std::string::npos);
+  EXPECT_NE(RowOf(s, "Against the first floor").find("carved through"), std::string::npos);
 }
 
 TEST(SummaryJson, SurvivesTextThatIsNotUtf8) {
