@@ -7,25 +7,9 @@
 #include <limits>
 #include <stdexcept>
 
-#include "gpu/context.h"
-#include "gpu/shaders/layout.h"
+#include "gpu/frame_program.h"
 #include "simulation/cutting_math.h"
 #include "simulation/frame_solution.h"
-
-#include "gpu/spirv/advance.h"
-#include "gpu/spirv/clear.h"
-#include "gpu/spirv/contact.h"
-#include "gpu/spirv/contact_live.h"
-#include "gpu/spirv/engage.h"
-#include "gpu/spirv/near.h"
-#include "gpu/spirv/pick_balls.h"
-#include "gpu/spirv/pick_points.h"
-#include "gpu/spirv/place.h"
-#include "gpu/spirv/planes.h"
-#include "gpu/spirv/reach.h"
-#include "gpu/spirv/remove.h"
-#include "gpu/spirv/slide.h"
-#include "gpu/spirv/solve.h"
 
 namespace osteon::gpu {
 namespace {
@@ -42,11 +26,6 @@ constexpr double kLargestLens_mm3 = simulation::kLargestLensVolume * 1e9;
 constexpr std::uint64_t kFrameTimeout_ns = 20'000'000'000;
 constexpr std::uint64_t kWarmUpTimeout_ns =
     120'000'000'000;  // software drivers compile a pass when it first runs
-constexpr int kBuffers = 10;
-constexpr std::uint32_t kPassCount = 16;
-constexpr std::array<const char*, kPassCount> kPassNames{
-    "contact_live", "place",        "reach", "contact", "place_again", "near",    "pick_balls", "pick_points",
-    "planes",       "planes_shaft", "solve", "slide",   "engage",      "advance", "remove",     "clear"};
 // How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
 // are mostly far from bone, so a wide margin costs nothing.
 constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 3e-3;
@@ -60,8 +39,6 @@ vec4 Unscaled(const Vector3& v) {
 }
 Vector3 Direction(const vec4& v) { return {v.x, v.y, v.z}; }
 Vector3 ToMetres(const vec4& v) { return Direction(v) / kMillimetres; }
-
-uint ClusterCount(std::size_t count) { return static_cast<uint>((count + kGroupSize - 1) / kGroupSize); }
 
 // Boxes around runs of 64 items; an item is a centre and a radius [mm].
 template <class Items, class Get>
@@ -88,20 +65,15 @@ std::vector<Cluster> Boxes(const Items& items, Get get) {
 
 }  // namespace
 
-struct VulkanEngine::Impl {
-  std::unique_ptr<Context> context;
+struct VulkanEngine::Impl : FrameProgram {
   simulation::Tool tool;
   std::vector<simulation::Material> materials;
   Pose X_WG;
   simulation::CuttingParams params;
   simulation::FrameMemory memory;
-  std::size_t ball_count{0}, point_count{0};
   double unit_mm3{1.0};
   bool lost{false};
-  bool poll{false};
 
-  Buffer frame, frame_in, frame_out, balls, points, ball_clusters, point_clusters, path_list, near_list,
-      near_point_list, live_list, live_point_list;
   Frame still{};  // what does not change from frame to frame
 
   // the lists of live balls and points that lie on the device, as the last frame left them
@@ -113,57 +85,15 @@ struct VulkanEngine::Impl {
     decltype(Frame::built) built{};
   } lists;
 
-  vk::raii::DescriptorSetLayout set_layout{nullptr};
-  vk::raii::PipelineLayout layout{nullptr};
-  std::vector<vk::raii::Pipeline> pipelines;
-  vk::raii::DescriptorPool pool{nullptr};
-  vk::raii::DescriptorSets sets{nullptr};
-  vk::raii::CommandPool command_pool{nullptr};
-  vk::raii::CommandBuffers commands{nullptr};
-  vk::raii::Fence fence{nullptr};
-  vk::raii::QueryPool stamps{nullptr};
-  double stamp_period_ns{0.0};  ///< 0: the device has no timestamps
-
   void Upload(const simulation::Bone& bone);
-  void BuildPipelines();
-  void Record();
-  void Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const;
-  void Write(const Buffer& buffer, const void* data, std::size_t size) const;
-  void Read(const Buffer& buffer, void* data, std::size_t size) const;
   template <class Alive>
   void Recount(const Buffer& clusters, std::size_t count, Alive alive) const;
-  bool Run(std::uint64_t timeout_ns);
   bool WarmUp(const simulation::Bone& bone);
   Frame Prepare(const simulation::FrameInput& input) const;
   void KeepLists(const Frame& done);
   simulation::FrameSolution Solution(const Frame& done) const;
 };
 
-void VulkanEngine::Impl::Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const {
-  vk::raii::CommandBuffers once(*context->device, {*command_pool, vk::CommandBufferLevel::ePrimary, 1});
-  once[0].begin(vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
-  once[0].copyBuffer(*from.buffer, *to.buffer, vk::BufferCopy(0, 0, size));
-  once[0].end();
-  const vk::CommandBuffer raw = *once[0];
-  context->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw));
-  context->queue->waitIdle();
-}
-
-void VulkanEngine::Impl::Write(const Buffer& buffer, const void* data, std::size_t size) const {
-  if (size == 0) return;
-  const Buffer staging = MakeBuffer(*context, size, Placement::kUpload);
-  std::memcpy(staging.mapped, data, size);
-  Copy(staging, buffer, size);
-}
-
-void VulkanEngine::Impl::Read(const Buffer& buffer, void* data, std::size_t size) const {
-  if (size == 0) return;
-  const Buffer staging = MakeBuffer(*context, size, Placement::kReadBack);
-  Copy(buffer, staging, size);
-  std::memcpy(data, staging.mapped, size);
-}
-
-// Counts again what is left in each cluster of `count` balls or points: a state may give back what was cut.
 template <class Alive>
 void VulkanEngine::Impl::Recount(const Buffer& clusters, std::size_t count, Alive alive) const {
   std::vector<Cluster> boxes(ClusterCount(count));
@@ -256,148 +186,6 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
     if (tool.balls[t].cutting) (t < 32 ? still.cutting_low : still.cutting_high) |= 1u << (t % 32);
   still.material_count = static_cast<uint>(materials.size());
   still.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;
-}
-
-void VulkanEngine::Impl::BuildPipelines() {
-  const vk::raii::Device& device = *context->device;
-  std::vector<vk::DescriptorSetLayoutBinding> bindings;
-  for (std::uint32_t i = 0; i < kBuffers; ++i)
-    bindings.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
-  set_layout = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
-  layout = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout));
-
-  // specialization: numbers of clusters; which of the two kinds of planes; what a tool with a single cutting
-  // ball saves
-  struct Constants {
-    uint ball_clusters, point_clusters;
-    VkBool32 shaft_pass, sum_points;
-    uint only_cutting;
-  } constants{ClusterCount(ball_count), ClusterCount(point_count), VK_FALSE, VK_TRUE, 0};
-  const auto cuts = [](const simulation::ToolBall& ball) { return ball.cutting; };
-  if (std::count_if(tool.balls.begin(), tool.balls.end(), cuts) == 1) {
-    constants.sum_points = VK_FALSE;
-    constants.only_cutting =
-        static_cast<uint>(std::find_if(tool.balls.begin(), tool.balls.end(), cuts) - tool.balls.begin());
-  }
-  const std::array<vk::SpecializationMapEntry, 5> entries{
-      {{0, offsetof(Constants, ball_clusters), sizeof(uint)},
-       {1, offsetof(Constants, point_clusters), sizeof(uint)},
-       {2, offsetof(Constants, shaft_pass), sizeof(VkBool32)},
-       {3, offsetof(Constants, sum_points), sizeof(VkBool32)},
-       {4, offsetof(Constants, only_cutting), sizeof(uint)}}};
-  const auto add = [&](const std::uint32_t* code, std::size_t bytes, const Constants& values) {
-    const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                                sizeof(values), &values);
-    const vk::raii::ShaderModule module(device, vk::ShaderModuleCreateInfo({}, bytes, code));
-    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
-                                                  &specialization);
-    pipelines.emplace_back(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout));
-  };
-  add(kSpirv_contact_live, sizeof(kSpirv_contact_live), constants);
-  add(kSpirv_place, sizeof(kSpirv_place), constants);
-  add(kSpirv_reach, sizeof(kSpirv_reach), constants);
-  add(kSpirv_contact, sizeof(kSpirv_contact), constants);
-  add(kSpirv_place, sizeof(kSpirv_place), constants);
-  add(kSpirv_near, sizeof(kSpirv_near), constants);
-  add(kSpirv_pick_balls, sizeof(kSpirv_pick_balls), constants);
-  add(kSpirv_pick_points, sizeof(kSpirv_pick_points), constants);
-  add(kSpirv_planes, sizeof(kSpirv_planes), constants);
-  Constants shaft = constants;
-  shaft.shaft_pass = shaft.sum_points = VK_TRUE;
-  add(kSpirv_planes, sizeof(kSpirv_planes), shaft);
-  add(kSpirv_solve, sizeof(kSpirv_solve), constants);
-  add(kSpirv_slide, sizeof(kSpirv_slide), constants);
-  add(kSpirv_engage, sizeof(kSpirv_engage), constants);
-  add(kSpirv_advance, sizeof(kSpirv_advance), constants);
-  add(kSpirv_remove, sizeof(kSpirv_remove), constants);
-  add(kSpirv_clear, sizeof(kSpirv_clear), constants);
-
-  const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kBuffers);
-  pool = vk::raii::DescriptorPool(
-      device, vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
-  sets = vk::raii::DescriptorSets(device, vk::DescriptorSetAllocateInfo(*pool, *set_layout));
-  const std::array<const Buffer*, kBuffers> bound{
-      &frame,     &balls,     &points,          &ball_clusters, &point_clusters,
-      &path_list, &near_list, &near_point_list, &live_list,     &live_point_list};
-  for (std::uint32_t i = 0; i < kBuffers; ++i) {
-    const vk::DescriptorBufferInfo info(*bound[i]->buffer, 0, VK_WHOLE_SIZE);
-    device.updateDescriptorSets(
-        vk::WriteDescriptorSet(*sets[0], i, 0, vk::DescriptorType::eStorageBuffer, nullptr, info), nullptr);
-  }
-}
-
-void VulkanEngine::Impl::Record() {
-  using Access = vk::AccessFlagBits;
-  using Stage = vk::PipelineStageFlagBits;
-  commands = vk::raii::CommandBuffers(*context->device, {*command_pool, vk::CommandBufferLevel::ePrimary, 1});
-  const vk::raii::CommandBuffer& c = commands[0];
-  const auto barrier = [&](vk::PipelineStageFlags from, vk::AccessFlags wrote, vk::PipelineStageFlags to,
-                           vk::AccessFlags reads) {
-    c.pipelineBarrier(from, to, {}, vk::MemoryBarrier(wrote, reads), nullptr, nullptr);
-  };
-  c.begin(vk::CommandBufferBeginInfo());
-  const auto stamp = [&](std::uint32_t i) {
-    if (stamp_period_ns > 0.0) c.writeTimestamp(Stage::eBottomOfPipe, *stamps, i);
-  };
-  if (stamp_period_ns > 0.0) c.resetQueryPool(*stamps, 0, kPassCount + 1);
-  stamp(0);
-  c.copyBuffer(*frame_in.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
-  barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader,
-          Access::eShaderRead | Access::eShaderWrite);
-  c.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout, 0, *sets[0], nullptr);
-  // in the order of the pipelines: a number of workgroups, or where the passes before have written it
-  struct Launch {
-    uint groups;
-    vk::DeviceSize indirect;
-    bool barrier;  // false where the next pass does not need this one's results
-  };
-  const auto indirect = [](std::size_t offset, bool wait) { return Launch{0, offset, wait}; };
-  const std::array<Launch, kPassCount> launches{{indirect(offsetof(Frame, live_balls), true),
-                                                 {1, 0, true},
-                                                 indirect(offsetof(Frame, reach_groups), true),
-                                                 indirect(offsetof(Frame, path_balls), true),
-                                                 indirect(offsetof(Frame, place_groups), true),
-                                                 indirect(offsetof(Frame, near_groups), true),
-                                                 indirect(offsetof(Frame, near_balls), false),
-                                                 indirect(offsetof(Frame, near_points), true),
-                                                 indirect(offsetof(Frame, live_balls), false),
-                                                 indirect(offsetof(Frame, shaft_balls), true),
-                                                 {1, 0, true},
-                                                 indirect(offsetof(Frame, live_balls), false),
-                                                 indirect(offsetof(Frame, live_points), true),
-                                                 {1, 0, true},
-                                                 indirect(offsetof(Frame, live_balls), false),
-                                                 indirect(offsetof(Frame, live_points), true)}};
-  for (std::size_t i = 0; i < pipelines.size(); ++i) {
-    c.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines[i]);
-    if (launches[i].groups > 0)
-      c.dispatch(launches[i].groups, 1, 1);
-    else
-      c.dispatchIndirect(*frame.buffer, launches[i].indirect);
-    if (launches[i].barrier)
-      barrier(
-          Stage::eComputeShader, Access::eShaderWrite,
-          Stage::eComputeShader | Stage::eDrawIndirect | Stage::eTransfer,
-          Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead | Access::eTransferRead);
-    stamp(static_cast<std::uint32_t>(i) + 1);
-  }
-  c.copyBuffer(*frame.buffer, *frame_out.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
-  barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
-  c.end();
-}
-
-bool VulkanEngine::Impl::Run(std::uint64_t timeout_ns) try {
-  const vk::CommandBuffer raw = *commands[0];
-  context->device->resetFences(*fence);
-  context->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence);
-  if (poll) {
-    // a GPU answers within tens of microseconds: asking is quicker than being woken
-    for (int i = 0; i < 20'000; ++i)
-      if (fence.getStatus() == vk::Result::eSuccess) return true;
-  }
-  return context->device->waitForFences(*fence, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
-} catch (const std::exception&) {
-  return false;
 }
 
 // Runs every pass once, with a still spindle at the first ball: nothing changes, and no later frame waits for
@@ -518,24 +306,13 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
   if (!context) return tl::make_unexpected(context.error());
   try {
     auto impl = std::make_unique<Impl>();
-    impl->context = std::move(*context);
     impl->tool = tool;
     impl->materials = bone.materials;
     impl->X_WG = X_WG;
     impl->params = params;
-    impl->poll = impl->context->info.kind != "cpu";
-    impl->command_pool = vk::raii::CommandPool(*impl->context->device,
-                                               vk::CommandPoolCreateInfo({}, impl->context->queue_family));
-    impl->fence = vk::raii::Fence(*impl->context->device, vk::FenceCreateInfo());
-    const auto families = impl->context->physical->getQueueFamilyProperties();
-    if (vulkan.time_passes && families[impl->context->queue_family].timestampValidBits > 0) {
-      impl->stamp_period_ns = impl->context->physical->getProperties().limits.timestampPeriod;
-      impl->stamps = vk::raii::QueryPool(
-          *impl->context->device, vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kPassCount + 1));
-    }
+    impl->Open(std::move(*context), vulkan.time_passes);
     impl->Upload(bone);
-    impl->BuildPipelines();
-    impl->Record();
+    impl->Build(tool);
     if (!impl->WarmUp(bone))
       return tl::make_unexpected(std::string("the Vulkan device did not finish a frame"));
     return std::unique_ptr<VulkanEngine>(new VulkanEngine(std::move(impl)));
@@ -575,13 +352,14 @@ simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input)
 
 simulation::CarvedState VulkanEngine::Snapshot() const {
   simulation::CarvedState state;
+  ToState(impl_->memory, state);
+  if (impl_->lost) return state;  // the books alone: what lay on the device is gone
   state.balls.resize(impl_->ball_count * 4);
   impl_->Read(impl_->balls, state.balls.data(), state.balls.size() * sizeof(float));
   std::vector<Point> points(impl_->point_count);
   impl_->Read(impl_->points, points.data(), points.size() * sizeof(Point));
   state.cleared.reserve(points.size());
   for (const Point& point : points) state.cleared.push_back(static_cast<std::uint8_t>(point.cleared));
-  ToState(impl_->memory, state);
   return state;
 }
 
@@ -604,16 +382,7 @@ void VulkanEngine::Restore(const simulation::CarvedState& state) {
 std::string VulkanEngine::device() const { return impl_->context->info.name; }
 
 std::vector<PassTime> VulkanEngine::LastPassTimes() const {
-  std::vector<PassTime> times;
-  if (impl_->stamp_period_ns <= 0.0 || impl_->memory.frame == 0) return times;
-  const auto [result, ticks] =
-      impl_->stamps.getResults<std::uint64_t>(0, kPassCount + 1, (kPassCount + 1) * sizeof(std::uint64_t),
-                                              sizeof(std::uint64_t), vk::QueryResultFlagBits::e64);
-  if (result != vk::Result::eSuccess) return times;
-  for (std::size_t i = 0; i < kPassCount; ++i)
-    times.push_back(
-        {kPassNames[i], static_cast<double>(ticks[i + 1] - ticks[i]) * impl_->stamp_period_ns * 1e-9});
-  return times;
+  return impl_->memory.frame == 0 ? std::vector<PassTime>{} : impl_->PassTimes();
 }
 
 int VulkanEngine::validation_messages() const {
