@@ -31,7 +31,12 @@ const float kNormalScale = 16777216.0;  // units per mm^3
       atomicAdd(sum.low, uint(whole & 0xffff));          \
     }                                                    \
   }
-float Total(Sum sum, float scale) { return (float(sum.high) * 65536.0 + float(sum.low)) / scale; }
+// The sum's value. How it is split into high and low depends on who added with whom, so the carry goes over first: what is
+// rounded to a float is then the same for equal sums.
+float Total(Sum sum, float scale) {
+  int high = sum.high + int(sum.low >> 16);
+  return (float(high) * 65536.0 + float(sum.low & 0xffffu)) / scale;
+}
 
 // Bits that order like the float, negative ones too, and back.
 uint OrderedBits(float v) {
