@@ -65,7 +65,6 @@ CellRunResult RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
     servo_thread.join();
     simulation.Stop();
     result.cell = arm.statistics().cell;
-    result.arm_overruns = arm.statistics().overruns;
   }
   result.end = servo.end;
   result.faults = servo.faults;

@@ -31,7 +31,6 @@ struct CellRunResult {
   io::RecordingCounts recording;
   simulation::CarvedState after;
   hil::CellState cell;
-  std::uint64_t arm_overruns{0};  ///< cycles in which the simulated arm itself was late (wall time)
 };
 
 /// Runs the simulated cell: arm over FRI, operator, servo loop and cutting engine.

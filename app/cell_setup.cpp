@@ -89,13 +89,10 @@ tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell
   } else {
     const simulation::MeshBoneParams params{
         .tissue = {}, .packing = scene.packing, .points = scene.points, .materials = scene.materials};
-    auto bone = simulation::MakeBoneFromMesh(mesh->file, mesh->cup, params);
-    if (!bone) return tl::make_unexpected(bone.error().message);
-    setup.bone = std::move(*bone);
-    auto shape = simulation::LoadMesh(mesh->file);
-    if (!shape) return tl::make_unexpected(shape.error().message);
-    setup.solid =
-        std::make_shared<simulation::MeshSolid>(std::move(shape->mesh), setup.bone.cup, params.tissue);
+    const auto solid = simulation::LoadMeshSolid(mesh->file, mesh->cup, params.tissue);
+    if (!solid) return tl::make_unexpected(solid.error().message);
+    setup.bone = simulation::PackMeshBone(mesh->file, **solid, params);
+    setup.solid = *solid;
   }
   // the bone lies so that its cup is where the cell wants it: X_WG of the configuration is the pose of the
   // scene's cup

@@ -5,13 +5,12 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <limits>
-#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "simulation/cut_metrics.h"
+#include "simulation/swept_tool.h"
 
 namespace osteon::app {
 namespace {
@@ -125,15 +124,9 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.servo_rate_hz = RateOf(stamps);
   s.seconds = stamps.size() < 2 ? 0.0 : rt::ToSeconds(stamps.back() - stamps.front());
   std::vector<rt::Nanoseconds> frame_stamps;
-  std::vector<Pose> X_GP;
-  std::vector<bool> touching;
-  const Pose X_GW = setup.X_WG.inverse();
   for (const simulation::FrameRecord& record : recording.frames) {
     frame_stamps.push_back(record.stamp);
     frame.push_back(rt::ToSeconds(record.duration_ns));
-    if (record.model.status != simulation::EngineStatus::kOk) continue;
-    X_GP.push_back(X_GW * Pose(record.model.X_WP));
-    touching.push_back(Vector3(record.model.F_T_W.f).norm() > 0.0);
   }
   s.simulation_rate_hz = RateOf(frame_stamps);
   if (!params.virtual_time) {
@@ -146,16 +139,15 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.removed_volume_m3 = result.after.removed_volume_m3;
   s.removed_mass_kg = result.after.removed_mass_kg;
   s.cutting_work_J = result.after.cutting_work_J;
-  s.swept_volume_m3 = simulation::SweptVolume(*setup.solid, tool, X_GP, kSweepCell_m);
+  s.swept_volume_m3 = simulation::SweptVolume(
+      *setup.solid, tool, simulation::ProxyPath(recording.frames, setup.X_WG), kSweepCell_m);
   const simulation::ApexDepth depth(setup.bone, tool);
-  s.cup_depth_m = X_GP.empty() ? 0.0 : -std::numeric_limits<double>::infinity();
-  std::optional<double> first_touch_m;
-  for (std::size_t i = 0; i < X_GP.size(); ++i) {
-    const double at_m = depth.Of(X_GP[i]);
-    s.cup_depth_m = std::max(s.cup_depth_m, at_m);
-    if (touching[i] && !first_touch_m) first_touch_m = at_m;
-  }
-  if (first_touch_m) s.reamed_depth_m = s.cup_depth_m - *first_touch_m;
+  if (!recording.frames.empty()) s.cup_depth_m = recording.frames.back().cup_depth_m;
+  const auto first_touch = std::find_if(
+      recording.frames.begin(), recording.frames.end(),
+      [](const simulation::FrameRecord& record) { return Vector3(record.model.F_T_W.f).norm() > 0.0; });
+  if (first_touch != recording.frames.end())
+    s.reamed_depth_m = s.cup_depth_m - depth.Of(setup.X_WG.inverse() * Pose(first_touch->model.X_WP));
   const auto floor_m = simulation::FirstHit(simulation::LiveBalls(result.after), setup.bone.cup.center_m,
                                             -Vector3(setup.bone.cup.axis));
   s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;

@@ -122,19 +122,20 @@ Bone MakeAcetabulum(const AcetabulumParams& params) {
               AcetabulumSolid(params.shape), params.packing, params.points, params.materials);
 }
 
-tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path, const Cup& cup,
-                                               const MeshBoneParams& params) {
-  Check(params.tissue);
+tl::expected<std::shared_ptr<const MeshSolid>, MeshError> LoadMeshSolid(const std::filesystem::path& path,
+                                                                        const Cup& cup,
+                                                                        const MeshTissue& tissue) {
+  Check(tissue);
   const Cup checked = Checked(cup);
   auto loaded = LoadMesh(path);
   if (!loaded) return tl::make_unexpected(loaded.error());
-  const MeshSolid solid(loaded->mesh, checked, params.tissue);
+  auto solid = std::make_shared<const MeshSolid>(std::move(loaded->mesh), checked, tissue);
 
   constexpr double kNear = 0.7, kFar = 1.3, kLeastShare = 0.25;
-  const double share = ShareWithBoneBetween(solid, kNear * checked.radius_m, kFar * checked.radius_m);
+  const double share = ShareWithBoneBetween(*solid, kNear * checked.radius_m, kFar * checked.radius_m);
   if (share < kLeastShare) {
     const Vector3 c = Vector3(checked.center_m) * 1e3;
-    const Vector3 low = solid.Bounds().min() * 1e3, high = solid.Bounds().max() * 1e3;
+    const Vector3 low = solid->Bounds().min() * 1e3, high = solid->Bounds().max() * 1e3;
     return tl::make_unexpected(
         MeshError{MeshErrorKind::kCupOffMesh,
                   fmt::format("{}: cup at ({:.4g}, {:.4g}, {:.4g}) mm, radius {:.4g} mm: found bone to begin "
@@ -145,7 +146,18 @@ tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path
                               path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * share,
                               100 * kLeastShare, low.x(), low.y(), low.z(), high.x(), high.y(), high.z())});
   }
+  return solid;
+}
+
+Bone PackMeshBone(const std::filesystem::path& path, const MeshSolid& solid, const MeshBoneParams& params) {
   return Fill(path.stem().string(), solid, params.packing, params.points, params.materials);
+}
+
+tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path, const Cup& cup,
+                                               const MeshBoneParams& params) {
+  const auto solid = LoadMeshSolid(path, cup, params.tissue);
+  if (!solid) return tl::make_unexpected(solid.error());
+  return PackMeshBone(path, **solid, params);
 }
 
 }  // namespace osteon::simulation

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "simulation/acetabulum_solid.h"
 #include "simulation/mass_points.h"
@@ -33,11 +34,20 @@ struct MeshBoneParams {
   std::vector<Material> materials{DefaultBoneMaterials()};
 };
 
-/// The bone that a mesh file bounds (see LoadMesh); G is the file's frame. `cup` says where it is to be
+/// The solid that a mesh file bounds (see LoadMesh); G is the file's frame. `cup` says where it is to be
 /// reamed; its axis need not be of unit length. In at least a quarter of the directions into the cup's lower
 /// half, bone must begin within 30 % of its radius.
+/// @throws std::invalid_argument as MakeAcetabulum does.
+[[nodiscard]] tl::expected<std::shared_ptr<const MeshSolid>, MeshError> LoadMeshSolid(
+    const std::filesystem::path& path, const Cup& cup, const MeshTissue& tissue);
+
+/// Packs the solid of a mesh file; the bone takes the file's name.
 /// @throws std::invalid_argument as MakeAcetabulum does, and where the solid takes more than 20 million
 /// cells.
+[[nodiscard]] Bone PackMeshBone(const std::filesystem::path& path, const MeshSolid& solid,
+                                const MeshBoneParams& params);
+
+/// Both in one.
 [[nodiscard]] tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path,
                                                              const Cup& cup, const MeshBoneParams& params);
 

@@ -44,8 +44,8 @@ struct Groups {
 // after.
 struct Frame {
   // host
-  OSTEON_ARRAY(vec4, start,
-               kMaxToolBalls + 1);  // tool ball centres at the proxy; w: radius. Entry tool_count: T's origin
+  // tool ball centres at the proxy; w: radius. Entry tool_count: T's origin
+  OSTEON_ARRAY(vec4, start, kMaxToolBalls + 1);
   OSTEON_ARRAY(vec4, goal, kMaxToolBalls + 1);   // the same at the tool's pose; w: 1 cutting, 0 not
   OSTEON_ARRAY(vec4, built, kMaxToolBalls + 1);  // where the tool was when the lists of live balls and points
                                                  // were made; w: how far from there they serve
@@ -99,8 +99,7 @@ struct Frame {
   vec4 n;            // direction of the cutting planes' resultant
   float advance_mm;
   float edge_work_Nmm;
-  uint planes_present;  // bit per plane
-  uint pad2;
+  uint planes_present;                       // bit per plane
   OSTEON_ARRAY(vec4, plane_n, kPlanes);      // w: smallest gap
   OSTEON_ARRAY(vec4, plane_point, kPlanes);  // w: lens volume
   OSTEON_ARRAY(float, multiplier, kPlanes);
