@@ -22,10 +22,11 @@ const AcetabulumShape& Checked(const AcetabulumShape& s) {
 }  // namespace
 
 AcetabulumSolid::AcetabulumSolid(const AcetabulumShape& shape)
-    : Solid({.center_m = Vector3(Vector3::Zero()),
-             .axis = Vector3(Vector3::UnitZ()),
-             .radius_m = Checked(shape).cup_radius_m}),
-      shape_(shape),
+    : shape_(Checked(shape)),
+      cup_({.center_m = Vector3(Vector3::Zero()),
+            .axis = Vector3(Vector3::UnitZ()),
+            .radius_m = shape.cup_radius_m}),
+      zone_(cup_),
       block_(Vector3(-0.5 * shape.width_m, -0.5 * shape.width_m, -shape.height_m),
              Vector3(0.5 * shape.width_m, 0.5 * shape.width_m, 0.0)) {}
 
@@ -62,7 +63,7 @@ SurfacePoint AcetabulumSolid::NearestSurface(const Vector3& p_m) const {
 }
 
 MaterialIndex AcetabulumSolid::MaterialAt(const Vector3& p_m) const {
-  const double depth = DepthBelowCup(p_m);
+  const double depth = zone_.DepthAt(p_m);
   if (depth < shape_.cartilage_m) return kCartilage;
   if (depth < shape_.cartilage_m + shape_.subchondral_m) return kCortical;
   return kCancellous;

@@ -11,6 +11,7 @@ constexpr std::size_t kMostCells = 20'000'000;
 
 struct Descent {
   const Solid& solid;
+  const CutZone& zone;
   const GradeParams& params;
   CellsWanted wanted;
   std::vector<Cell> cells;
@@ -22,8 +23,8 @@ struct Descent {
     if (cell.signed_distance_m > reach) return;
     if (wanted == CellsWanted::kSurface && cell.signed_distance_m < -reach) return;
     const int top = static_cast<int>(params.coarser_from_m.size());
-    const bool too_coarse = cell.level > top || (cell.level > 0 && solid.DepthBelowCup(center) <
-                                                                       params.coarser_from_m[cell.level - 1]);
+    const bool too_coarse =
+        cell.level > top || (cell.level > 0 && zone.DepthAt(center) < params.coarser_from_m[cell.level - 1]);
     if (!too_coarse) {
       if (cells.size() == kMostCells)
         throw std::invalid_argument(
@@ -61,8 +62,9 @@ void CheckGrade(const std::string& name, const GradeParams& grade, double min_m,
     CheckRangeMm(fmt::format("{}: depth of level {}", name, i + 1), from[i], i > 0 ? from[i - 1] : 0.0, 1.0);
 }
 
-std::vector<Cell> DivideGraded(const Solid& solid, const GradeParams& params, CellsWanted wanted) {
-  Descent descent{.solid = solid, .params = params, .wanted = wanted, .cells = {}};
+std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone, const GradeParams& params,
+                               CellsWanted wanted) {
+  Descent descent{.solid = solid, .zone = zone, .params = params, .wanted = wanted, .cells = {}};
   // Start above the coarsest level, so that large empty parts go in one question each.
   const double least_side = 0.125 * solid.Bounds().sizes().maxCoeff();
   int top = static_cast<int>(params.coarser_from_m.size());

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "simulation/solid.h"
+#include "simulation/cut_zone.h"
 
 namespace osteon::simulation {
 
-/// How fine space is divided, by depth below the cup.
+/// How fine space is divided, by depth below the cut zone.
 struct GradeParams {
   double finest_m{0.001};  ///< side of the finest cells
   std::vector<double>
@@ -38,10 +38,10 @@ enum class CellsWanted {
   kSurface,  ///< those that the surface may pass through
 };
 
-/// Divides the solid into cubes that grow with depth below the cup: an octree, descended depth first.
+/// Divides the solid into cubes that grow with depth below the cut zone: an octree, descended depth first.
 /// @throws std::invalid_argument where that would be more than 20 million cells.
-[[nodiscard]] std::vector<Cell> DivideGraded(const Solid& solid, const GradeParams& params,
-                                             CellsWanted wanted);
+[[nodiscard]] std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone,
+                                             const GradeParams& params, CellsWanted wanted);
 
 /// Numbers for a cell, equal on every machine: the jitter of samples comes from its place and a salt, from
 /// nothing else.

@@ -45,12 +45,13 @@ void AddPoint(const Solid& solid, const Cell& cell, std::size_t place, int n,
 
 }  // namespace
 
-std::vector<MassPoint> BuildMassPoints(const Solid& solid, const MassPointParams& params) {
+std::vector<MassPoint> BuildMassPoints(const Solid& solid, const CutZone& zone,
+                                       const MassPointParams& params) {
   CheckGrade("mass points: cells", params.cells, 0.1e-3, 0.050);
   if (params.samples_along_axis < 2 || params.samples_along_axis > 16)
     throw std::invalid_argument(fmt::format("mass points: samples along an axis: found {}, accepted 2 … 16",
                                             params.samples_along_axis));
-  const std::vector<Cell> cells = DivideGraded(solid, params.cells, CellsWanted::kSolid);
+  const std::vector<Cell> cells = DivideGraded(solid, zone, params.cells, CellsWanted::kSolid);
   std::vector<MassPoint> points;
   points.reserve(cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i)

@@ -20,6 +20,7 @@ struct MassPointParams {
 /// so the errors of many cells cancel in a sum, over the solid as over any region cut from it. Sorted along a
 /// Morton curve. The result depends on the arguments alone.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
-[[nodiscard]] std::vector<MassPoint> BuildMassPoints(const Solid& solid, const MassPointParams& params);
+[[nodiscard]] std::vector<MassPoint> BuildMassPoints(const Solid& solid, const CutZone& zone,
+                                                     const MassPointParams& params);
 
 }  // namespace osteon::simulation

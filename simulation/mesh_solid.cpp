@@ -7,7 +7,7 @@
 namespace osteon::simulation {
 
 MeshSolid::MeshSolid(const TriangleMesh& mesh, const Cup& cup, const MeshTissue& tissue)
-    : Solid(cup), bvh_(mesh), tissue_(tissue), triangles_(mesh.triangles.size()) {
+    : cup_(cup), bvh_(mesh), tissue_(tissue), triangles_(mesh.triangles.size()) {
   for (const Vector3& v : mesh.vertices_m) box_.extend(v);
   std::vector<Vector3> corner_normals(mesh.vertices_m.size(), Vector3::Zero());
   using EdgeEnds = std::pair<std::uint32_t, std::uint32_t>;
@@ -58,9 +58,9 @@ SurfacePoint MeshSolid::NearestSurface(const Vector3& p_m) const {
 MaterialIndex MeshSolid::MaterialAt(const Vector3& p_m) const {
   const TriangleHit hit = bvh_.Nearest(p_m);
   const double depth = std::max(0.0, -Signed(p_m, hit));
-  const Vector3 from_center = hit.p_m - Vector3(cup().center_m);
-  const bool lining = from_center.norm() <= tissue_.lining_radii * cup().radius_m &&
-                      from_center.dot(Vector3(cup().axis)) <= 0.0 && NormalAt(hit).dot(from_center) < 0.0;
+  const Vector3 from_center = hit.p_m - Vector3(cup_.center_m);
+  const bool lining = from_center.norm() <= tissue_.lining_radii * cup_.radius_m &&
+                      from_center.dot(Vector3(cup_.axis)) <= 0.0 && NormalAt(hit).dot(from_center) < 0.0;
   if (!lining) return depth < tissue_.cortical_m ? kCortical : kCancellous;
   if (depth < tissue_.cartilage_m) return kCartilage;
   return depth < tissue_.cartilage_m + tissue_.subchondral_m ? kCortical : kCancellous;

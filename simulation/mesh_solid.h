@@ -28,6 +28,7 @@ class MeshSolid final : public Solid {
   [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override;
   [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return box_; }
+  [[nodiscard]] const Cup& cup() const { return cup_; }
 
  private:
   struct Triangle {
@@ -37,6 +38,7 @@ class MeshSolid final : public Solid {
   [[nodiscard]] const Vector3& NormalAt(const TriangleHit& hit) const;
   [[nodiscard]] double Signed(const Vector3& p_m, const TriangleHit& hit) const;
 
+  Cup cup_;
   MeshBvh bvh_;
   MeshTissue tissue_;
   Eigen::AlignedBox3d box_;

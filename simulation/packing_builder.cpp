@@ -19,8 +19,9 @@ constexpr std::uint64_t kSampleSalt = 1;
 
 class Builder {
  public:
-  Builder(const Solid& solid, const PackingParams& params)
+  Builder(const Solid& solid, const CutZone& zone, const PackingParams& params)
       : solid_(solid),
+        zone_(zone),
         params_(params),
         index_(solid.Bounds(), IndexCell_m(solid.Bounds()), params.greatest_surface_gap_m) {}
 
@@ -59,7 +60,7 @@ class Builder {
       auto operator<=>(const Site&) const = default;
     };
     std::vector<Site> sites;
-    for (const Cell& cell : DivideGraded(solid_, params_.lattice, CellsWanted::kSolid)) {
+    for (const Cell& cell : DivideGraded(solid_, zone_, params_.lattice, CellsWanted::kSolid)) {
       const auto site = [&cell](int dx, int dy, int dz) {
         return Site{{(2 * cell.index[0] + dx) << cell.level, (2 * cell.index[1] + dy) << cell.level,
                      (2 * cell.index[2] + dz) << cell.level},
@@ -76,14 +77,14 @@ class Builder {
     for (const Site& site : sites) {
       const Vector3 p = 0.5 * params_.lattice.finest_m * Vector3(site.at[0], site.at[1], site.at[2]);
       const double spacing = std::ldexp(params_.lattice.finest_m, site.level);
-      const double radius = std::min(-solid_.SignedDistance(p), RadiusCap(spacing, solid_.DepthBelowCup(p)));
+      const double radius = std::min(-solid_.SignedDistance(p), RadiusCap(spacing, zone_.DepthAt(p)));
       // a smaller one adds less than the surface's own balls
       if (radius >= 0.25 * spacing) Add(p, radius);
     }
   }
 
   void AddSurface() {
-    std::vector<Cell> cells = DivideGraded(solid_, params_.samples, CellsWanted::kSurface);
+    std::vector<Cell> cells = DivideGraded(solid_, zone_, params_.samples, CellsWanted::kSurface);
     // Scrambled, so that accepted balls do not line up with the division.
     std::vector<std::pair<std::uint64_t, std::size_t>> order(cells.size());
     for (std::size_t i = 0; i < cells.size(); ++i)
@@ -99,7 +100,7 @@ class Builder {
     const Vector3 p = cell.least_corner() + cell.side_m * random.NextInUnitCube();
     const SurfacePoint foot = solid_.NearestSurface(p);
     if (std::abs(foot.distance_m) < 1e-9) return;  // too close to tell the normal
-    const double depth = solid_.DepthBelowCup(foot.p_m);
+    const double depth = zone_.DepthAt(foot.p_m);
     const std::vector<double>& from = params_.lattice.coarser_from_m;
     const double below_finest = from.empty() ? 0.0 : std::max(0.0, depth - from.front());
     const double gap = std::min(params_.surface_gap_m + params_.surface_gap_growth * below_finest,
@@ -108,7 +109,7 @@ class Builder {
 
     const Vector3 inward = (p - foot.p_m) / -foot.distance_m;
     double radius = RadiusCap(SpacingAt(depth), depth);
-    if (solid_.DepthBelowCup(foot.p_m + radius * inward) - radius < params_.cup_depth_m)
+    if (zone_.DepthAt(foot.p_m + radius * inward) - radius < params_.cup_depth_m)
       radius = std::min(radius, params_.cup_radius_cap_m);
     // Shrinking ball (Ma, Bae, Choi, The Visual Computer 28, 2012): through the foot and the surface point
     // nearest to the centre there is one ball tangent at the foot; it takes a few rounds until nothing lies
@@ -130,6 +131,7 @@ class Builder {
   }
 
   const Solid& solid_;
+  const CutZone& zone_;
   const PackingParams& params_;
   CoverIndex index_;
   std::vector<Ball> balls_;
@@ -146,9 +148,9 @@ void Check(const PackingParams& p) {
 
 }  // namespace
 
-std::vector<Ball> BuildPacking(const Solid& solid, const PackingParams& params) {
+std::vector<Ball> BuildPacking(const Solid& solid, const CutZone& zone, const PackingParams& params) {
   Check(params);
-  return Builder(solid, params).Build();
+  return Builder(solid, zone, params).Build();
 }
 
 }  // namespace osteon::simulation

@@ -38,6 +38,7 @@ struct PackingParams {
 ///
 /// The result depends on the arguments alone. It is sorted along a Morton curve.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
-[[nodiscard]] std::vector<Ball> BuildPacking(const Solid& solid, const PackingParams& params);
+[[nodiscard]] std::vector<Ball> BuildPacking(const Solid& solid, const CutZone& zone,
+                                             const PackingParams& params);
 
 }  // namespace osteon::simulation

@@ -35,15 +35,16 @@ void CheckMaterials(const std::vector<Material>& materials) {
   }
 }
 
-Bone Fill(const std::string& name, const Solid& solid, const PackingParams& packing,
+Bone Fill(const std::string& name, const Solid& solid, const Cup& cup, const PackingParams& packing,
           const MassPointParams& points, const std::vector<Material>& materials) {
   CheckMaterials(materials);
+  const CupZone zone(cup);
   Bone bone;
   bone.name = name;
-  bone.balls = BuildPacking(solid, packing);
-  bone.points = BuildMassPoints(solid, points);
+  bone.balls = BuildPacking(solid, zone, packing);
+  bone.points = BuildMassPoints(solid, zone, points);
   bone.materials = materials;
-  bone.cup = solid.cup();
+  bone.cup = cup;
   return bone;
 }
 
@@ -72,8 +73,7 @@ void Check(const MeshTissue& t) {
 
 /// Share of the directions into the cup's lower half in which bone begins between these distances from the
 /// centre.
-double ShareWithBoneBetween(const Solid& solid, double near_m, double far_m) {
-  const Cup& cup = solid.cup();
+double ShareWithBoneBetween(const Solid& solid, const Cup& cup, double near_m, double far_m) {
   const Vector3 z = cup.axis, x = z.unitOrthogonal(), y = z.cross(x);
   constexpr int kDirections = 200;
   int found = 0;
@@ -118,8 +118,9 @@ std::vector<Material> DefaultBoneMaterials() {
 }
 
 Bone MakeAcetabulum(const AcetabulumParams& params) {
-  return Fill(fmt::format("acetabulum, cup {:g} mm", 2e3 * params.shape.cup_radius_m),
-              AcetabulumSolid(params.shape), params.packing, params.points, params.materials);
+  const AcetabulumSolid solid(params.shape);
+  return Fill(fmt::format("acetabulum, cup {:g} mm", 2e3 * params.shape.cup_radius_m), solid, solid.cup(),
+              params.packing, params.points, params.materials);
 }
 
 tl::expected<std::shared_ptr<const MeshSolid>, MeshError> LoadMeshSolid(const std::filesystem::path& path,
@@ -132,7 +133,8 @@ tl::expected<std::shared_ptr<const MeshSolid>, MeshError> LoadMeshSolid(const st
   auto solid = std::make_shared<const MeshSolid>(std::move(loaded->mesh), checked, tissue);
 
   constexpr double kNear = 0.7, kFar = 1.3, kLeastShare = 0.25;
-  const double share = ShareWithBoneBetween(*solid, kNear * checked.radius_m, kFar * checked.radius_m);
+  const double share =
+      ShareWithBoneBetween(*solid, checked, kNear * checked.radius_m, kFar * checked.radius_m);
   if (share < kLeastShare) {
     const Vector3 c = Vector3(checked.center_m) * 1e3;
     const Vector3 low = solid->Bounds().min() * 1e3, high = solid->Bounds().max() * 1e3;
@@ -150,7 +152,7 @@ tl::expected<std::shared_ptr<const MeshSolid>, MeshError> LoadMeshSolid(const st
 }
 
 Bone PackMeshBone(const std::filesystem::path& path, const MeshSolid& solid, const MeshBoneParams& params) {
-  return Fill(path.stem().string(), solid, params.packing, params.points, params.materials);
+  return Fill(path.stem().string(), solid, solid.cup(), params.packing, params.points, params.materials);
 }
 
 tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path, const Cup& cup,

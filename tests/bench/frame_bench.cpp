@@ -37,8 +37,8 @@ simulation::Bone MakeBone(double fineness) {
   points.cells.finest_m /= fineness;
   simulation::Bone bone;
   bone.name = "acetabulum";
-  bone.balls = BuildPacking(solid, packing);
-  bone.points = BuildMassPoints(solid, points);
+  bone.balls = BuildPacking(solid, simulation::CupZone(solid.cup()), packing);
+  bone.points = BuildMassPoints(solid, simulation::CupZone(solid.cup()), points);
   bone.materials = {
       {.name = "cartilage", .density_kg_per_m3 = 1100, .specific_cutting_energy_J_per_m3 = 2e7},
       {.name = "cortical", .density_kg_per_m3 = 1850, .specific_cutting_energy_J_per_m3 = 1.3e9},

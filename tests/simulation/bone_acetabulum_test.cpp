@@ -66,11 +66,11 @@ TEST(AcetabulumSolid, TissueIsLayeredBelowTheCup) {
   EXPECT_EQ(solid.MaterialAt({0.039, 0.039, -0.059}), kCancellous);  // saw cut
 }
 
-TEST(AcetabulumSolid, DepthIsMeasuredFromWhatAReamerOfTheCupsRadiusSweeps) {
-  const AcetabulumSolid solid{{}};
-  EXPECT_NEAR(solid.DepthBelowCup({0, 0, -0.030}), 0.006, 1e-15);
-  EXPECT_NEAR(solid.DepthBelowCup({0.030, 0, 0.010}), 0.006, 1e-15);  // beside the way in
-  EXPECT_LT(solid.DepthBelowCup({0.010, 0, 0.050}), 0.0);
+TEST(CupZone, DepthIsMeasuredFromWhatAReamerOfTheCupsRadiusSweeps) {
+  const CupZone zone(AcetabulumSolid{{}}.cup());
+  EXPECT_NEAR(zone.DepthAt({0, 0, -0.030}), 0.006, 1e-15);
+  EXPECT_NEAR(zone.DepthAt({0.030, 0, 0.010}), 0.006, 1e-15);  // beside the way in
+  EXPECT_LT(zone.DepthAt({0.010, 0, 0.050}), 0.0);
 }
 
 TEST(AcetabulumSolid, WrongSizesAreNamedWithTheirRange) {

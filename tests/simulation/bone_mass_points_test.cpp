@@ -19,7 +19,9 @@ double HalfShell_m3(double inner_m, double outer_m) {
 
 class MassPoints : public testing::Test {
  protected:
-  static void SetUpTestSuite() { points_ = BuildMassPoints(AcetabulumSolid{{}}, {}); }
+  static void SetUpTestSuite() {
+    points_ = BuildMassPoints(AcetabulumSolid{{}}, CupZone{AcetabulumSolid{{}}.cup()}, {});
+  }
   template <typename Where>
   static double Volume_m3(Where where) {
     double sum = 0.0;
@@ -86,7 +88,8 @@ TEST_F(MassPoints, SumToTheVolumeThatAReamerSweeps) {
 }
 
 TEST_F(MassPoints, AreTheSameEachTime) {
-  const std::vector<MassPoint> again = BuildMassPoints(AcetabulumSolid{{}}, {});
+  const std::vector<MassPoint> again =
+      BuildMassPoints(AcetabulumSolid{{}}, CupZone{AcetabulumSolid{{}}.cup()}, {});
   ASSERT_EQ(again.size(), points_.size());
   for (std::size_t i = 0; i < again.size(); ++i) {
     ASSERT_EQ(Vector3(again[i].p_m), Vector3(points_[i].p_m));

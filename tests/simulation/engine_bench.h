@@ -23,9 +23,7 @@ inline constexpr double kSpindle_rad_per_s = 250.0 * 2.0 * M_PI / 60.0;
 /// A box of one tissue, for mass points.
 class BoxSolid final : public Solid {
  public:
-  BoxSolid(const Vector3& low, const Vector3& high)
-      : Solid({.center_m = Vector3(Vector3::Zero()), .axis = Vector3(Vector3::UnitZ()), .radius_m = 1.0}),
-        box_(low, high) {}
+  BoxSolid(const Vector3& low, const Vector3& high) : box_(low, high) {}
 
   [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p) const override {
     if (!box_.contains(p)) {
@@ -69,8 +67,8 @@ inline void AddBox(const Vector3& low, const Vector3& high, Bone& bone, bool wit
         bone.balls.push_back({.center_m = c, .radius_m = kBallRadius_m});
       }
   if (!with_points) return;
-  const auto points =
-      BuildMassPoints(BoxSolid(low, high), {.cells = {.finest_m = 0.5e-3, .coarser_from_m = {}}});
+  const auto points = BuildMassPoints(BoxSolid(low, high), EverywhereZone(),
+                                      {.cells = {.finest_m = 0.5e-3, .coarser_from_m = {}}});
   bone.points.insert(bone.points.end(), points.begin(), points.end());
 }
 

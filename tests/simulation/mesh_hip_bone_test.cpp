@@ -43,6 +43,7 @@ TEST_F(HipBone, BecomesAPackingThatFollowsItsCup) {
   const auto loaded = LoadMesh(path_);
   const TriangleMesh& mesh = loaded->mesh;
   const MeshSolid solid(mesh, bone->cup, {});
+  const CupZone zone(bone->cup);
   double volume = 0.0, protrusion = -1.0;
   for (const MassPoint& point : bone->points) volume += point.volume_m3;
   EXPECT_NEAR(volume, SignedVolume_m3(mesh), 0.005 * SignedVolume_m3(mesh));
@@ -56,7 +57,7 @@ TEST_F(HipBone, BecomesAPackingThatFollowsItsCup) {
   double sum = 0.0;
   for (const auto& t : mesh.triangles) {
     const Vector3 p = (mesh.vertices_m[t[0]] + mesh.vertices_m[t[1]] + mesh.vertices_m[t[2]]) / 3.0;
-    if (solid.DepthBelowCup(p) > 4e-3) continue;
+    if (zone.DepthAt(p) > 4e-3) continue;
     gaps.push_back(std::max(0.0, index.Gap(p)));
     sum += gaps.back();
   }

@@ -35,7 +35,9 @@ Spread Summarize(std::vector<double> values_m) {
 
 class Packing : public testing::Test {
  protected:
-  static void SetUpTestSuite() { balls_ = BuildPacking(AcetabulumSolid{{}}, {}); }
+  static void SetUpTestSuite() {
+    balls_ = BuildPacking(AcetabulumSolid{{}}, CupZone{AcetabulumSolid{{}}.cup()}, {});
+  }
   /// Uniform on the lower half of the unit sphere.
   Vector3 Downwards() {
     Vector3 u = Vector3(normal_(random_), normal_(random_), normal_(random_)).normalized();
@@ -141,7 +143,7 @@ TEST_F(Packing, StaysCloseToAReamersSweepOnceCut) {
 
 TEST_F(Packing, IsTheSameEachTimeAndInMortonOrder) {
   const AcetabulumSolid solid{{}};
-  const std::vector<Ball> again = BuildPacking(solid, {});
+  const std::vector<Ball> again = BuildPacking(solid, CupZone{solid.cup()}, {});
   ASSERT_EQ(again.size(), balls_.size());
   for (std::size_t i = 0; i < again.size(); ++i) {
     ASSERT_EQ(Vector3(again[i].center_m), Vector3(balls_[i].center_m));
@@ -156,7 +158,8 @@ TEST_F(Packing, IsTheSameEachTimeAndInMortonOrder) {
 TEST_F(Packing, RefusesWrongParametersByName) {
   const auto message = [](const PackingParams& params) -> std::string {
     try {
-      return std::to_string(BuildPacking(AcetabulumSolid{{}}, params).size());
+      return std::to_string(
+          BuildPacking(AcetabulumSolid{{}}, CupZone{AcetabulumSolid{{}}.cup()}, params).size());
     } catch (const std::invalid_argument& error) {
       return error.what();
     }

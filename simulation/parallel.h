@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace osteon::simulation {
+
+/// Threads to use where 0 was asked for: one a core.
+[[nodiscard]] inline int ThreadCount(int asked) {
+  return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+/// Calls `body(begin, end)` for chunks that together cover [0, count), on so many threads; returns when all
+/// are done. Which thread takes which chunk is not determined: a body that writes only to its own elements
+/// makes a result that is, whatever the number of threads. The chunks' borders do not depend on it either.
+/// @throws what a body throws first; the remaining chunks are then left out.
+template <typename Body>
+void ParallelFor(std::size_t count, int threads, const Body& body, std::size_t chunk = 256) {
+  const std::size_t chunks = (count + chunk - 1) / chunk;
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr error;
+  std::mutex error_mutex;
+  const auto work = [&] {
+    try {
+      for (std::size_t i = next++; i < chunks; i = next++) body(i * chunk, std::min(count, (i + 1) * chunk));
+    } catch (...) {
+      next = chunks;
+      const std::scoped_lock lock(error_mutex);
+      if (!error) error = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    const std::size_t useful = std::min(chunks, static_cast<std::size_t>(ThreadCount(threads)));
+    for (std::size_t i = 1; i < useful; ++i) others.emplace_back(work);
+    work();
+  }
+  if (error) std::rethrow_exception(error);
+}
+
+}  // namespace osteon::simulation
