@@ -16,7 +16,7 @@ TEST(PathZone, DepthIsTheDistanceToTheSweptCapsules) {
   EXPECT_NEAR(zone.DepthAt({-0.003, 0, 0}), 0.001, 1e-15);
   EXPECT_NEAR(zone.DepthAt({0.014, 0.005, 0.003}), 0.003, 1e-15);
   EXPECT_NEAR(zone.DepthAt({0.010, 0.004, 0}), -0.002, 1e-15);
-  EXPECT_NEAR(PathZone({{1, 0, 0}}, 0.5).DepthAt({0, 0, 0}), 0.5, 1e-15);
+  EXPECT_NEAR(PathZone({{1, 0, 0}}, 0.05).DepthAt({0, 0, 0}), 0.95, 1e-15);
 }
 
 TEST(PathZone, RefusesWhatIsNoPath) {
