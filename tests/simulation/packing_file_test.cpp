@@ -126,7 +126,7 @@ TEST_F(PackingFileTest, ALoadedPackingSavesToTheSameBytes) {
 // The middle of these lies on half a millimetre, where rounding it could go either way.
 TEST_F(PackingFileTest, TheOriginOfASymmetricPackingStaysWhenItIsSavedAgain) {
   Bone bone = SomeBone(1, 0);
-  for (const double width_mm : {1.0, 3.0, 20.0 + 1.0 / 3.0, 21.0 + 1e-5}) {
+  for (const double width_mm : {1.0, 1.0 - 1e-6, 3.0, 20.0 + 1.0 / 3.0, 21.0 + 1e-5}) {
     bone.balls = {{.center_m = Vector3::Zero(), .radius_m = 1e-3},
                   {.center_m = Vector3::Constant(width_mm * 1e-3), .radius_m = 1e-3}};
     const std::string first = Saved(bone);
