@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <assimp/Importer.hpp>
 
+#include "simulation/check_range.h"
+
 namespace osteon::simulation {
 namespace {
 
@@ -38,7 +40,10 @@ bool HasPlyHeader(const std::filesystem::path& path) {
 
 }  // namespace
 
-tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path) {
+tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path, const MeshParams& params) {
+  if (!(params.scale >= 1e-6 && params.scale <= 1e6))
+    throw std::invalid_argument(fmt::format("mesh: scale: found {:g}, accepted 1e-6 … 1e6", params.scale));
+  CheckRangeMm("mesh: weld tolerance", params.weld_tolerance_m, 0.0, 1e-4);
   const std::string name = path.string();
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -81,7 +86,7 @@ tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path) 
         const std::array<float, 3> place{v.x + 0.0f, v.y + 0.0f, v.z + 0.0f};
         const auto [at, is_new] =
             welded.try_emplace(place, static_cast<std::uint32_t>(mesh.vertices_m.size()));
-        if (is_new) mesh.vertices_m.push_back(Vector3(v.x, v.y, v.z) * 1e-3);
+        if (is_new) mesh.vertices_m.push_back(Vector3(v.x, v.y, v.z) * (1e-3 * params.scale));
         triangle[k] = at->second;
       }
       if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0])

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,15 +48,31 @@ struct MeshReport {
   std::size_t shells{0};
 };
 
+/// A closed shell inside the solid that tells one tissue from another and bounds nothing.
+struct MeshRegion {
+  std::string name;
+  TriangleMesh mesh;                  ///< its shell, and the cavities within it
+  std::optional<std::size_t> parent;  ///< the region it lies in; none: the solid itself
+};
+
 struct LoadedMesh {
-  TriangleMesh mesh;
+  TriangleMesh mesh;                ///< what bounds the solid: outer shells and cavities
+  std::vector<MeshRegion> regions;  ///< outer ones before those inside them
   MeshReport report;
 };
 
-/// Reads a closed surface from an STL, OBJ or PLY file in millimetres (through assimp), and checks it with
-/// CheckMesh. Vertices at exactly the same place are welded (STL has no others); triangles that lose a corner
-/// by this are dropped.
-[[nodiscard]] tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path);
+/// How a mesh file is read.
+struct MeshParams {
+  double scale{1.0};              ///< millimetres to a unit of the file; 1e-6 … 1e6
+  double weld_tolerance_m{1e-6};  ///< 0 … 0.1 mm: how far apart the two sides of a slit may lie
+};
+
+/// Reads a closed surface from an STL, OBJ or PLY file (through assimp), and checks it with CheckMesh.
+/// Vertices at exactly the same place are welded (STL has no others); triangles that lose a corner by this
+/// are dropped.
+/// @throws std::invalid_argument where the parameters are out of range.
+[[nodiscard]] tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path,
+                                                           const MeshParams& params = {});
 
 /// Whether the triangles bound a solid without contradiction; `name` stands for the file in messages.
 ///

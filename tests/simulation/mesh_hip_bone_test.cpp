@@ -42,7 +42,7 @@ TEST_F(HipBone, BecomesAPackingThatFollowsItsCup) {
   EXPECT_LT(bone->points.size(), 120'000u);
   const auto loaded = LoadMesh(path_);
   const TriangleMesh& mesh = loaded->mesh;
-  const MeshSolid solid(mesh, bone->cup, {});
+  const MeshSolid solid(mesh);
   const CupZone zone(bone->cup);
   double volume = 0.0, protrusion = -1.0;
   for (const MassPoint& point : bone->points) volume += point.volume_m3;
