@@ -309,7 +309,8 @@ class PackingReader {
     for (const Finding& finding : findings)
       if (!error_ && finding.first_bad != SIZE_MAX) {
         const std::size_t i = finding.first_bad;
-        (this->*fail)(records[i], fmt::format("{} {}", NameOf(entry), i), entry.offset + i * sizeof(Record));
+        (this->*fail)(records[i], fmt::format("{} {}", entry.kind == kBalls ? "ball" : "mass point", i),
+                      entry.offset + i * sizeof(Record));
       }
     return records;
   }

@@ -28,11 +28,11 @@ struct PackedPoint {
 /// What a packing was made of and how. Everything that decided the result belongs here; what did not
 /// (threads, time, folder) does not, so that equal packings are equal files.
 struct PackingProvenance {
-  std::string program;                      ///< with its version
-  std::string source;                       ///< file name of the mesh, or the shape
-  std::optional<std::uint32_t> source_crc;  ///< CRC-32 of the mesh file
+  std::string program{};                      ///< with its version
+  std::string source{};                       ///< file name of the mesh, or the shape
+  std::optional<std::uint32_t> source_crc{};  ///< CRC-32 of the mesh file
   /// In the order given: key ([a-z0-9_], with its unit at the end) and value.
-  std::vector<std::pair<std::string, std::string>> parameters;
+  std::vector<std::pair<std::string, std::string>> parameters{};
 
   bool operator==(const PackingProvenance&) const = default;
 };

@@ -31,7 +31,6 @@ inline constexpr std::uint32_t kMostSections = 16;
 inline constexpr double kGrid_mm = 0x1p-15;  ///< 31 nm; float32 holds its multiples up to 512 mm
 inline constexpr float kReach_mm = 512.0f;   ///< greatest distance from the origin along an axis
 inline constexpr float kMostVolume_mm3 = 1e9f;
-inline constexpr std::size_t kMostMaterials = 8;
 inline constexpr std::size_t kMostTextBytes = std::size_t{1} << 20;
 
 enum SectionKind : std::uint32_t {

@@ -3,28 +3,34 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
 
-#include "simulation/packing_layout.h"
-
 namespace osteon::simulation {
 namespace {
-
-using packing_layout::kMostMaterials;
 
 struct Figure {
   const char* key;
   double Material::*value;
-  double least, greatest;  ///< accepted
+  const char* source_key;      ///< where the figure comes from, ...
+  const char* assumption_key;  ///< ... or on what it was assumed
+  FigureSource Material::*source;
+  bool may_be_zero;  ///< else above it
+  double greatest;
 };
+/// As CheckMaterials has it.
+constexpr double kAny = std::numeric_limits<double>::max();
 constexpr std::array<Figure, 4> kFigures{{
-    {"density_kg_per_m3", &Material::density_kg_per_m3, 1e-3, 1e5},
-    {"specific_cutting_energy_J_per_m3", &Material::specific_cutting_energy_J_per_m3, 1.0, 1e13},
-    {"cutting_force_ratio", &Material::cutting_force_ratio, 1e-3, 100.0},
-    {"friction", &Material::friction, 0.0, 10.0},
+    {"density_kg_per_m3", &Material::density_kg_per_m3, "density_source", "density_assumption",
+     &Material::density_source, false, kAny},
+    {"specific_cutting_energy_J_per_m3", &Material::specific_cutting_energy_J_per_m3, "cutting_energy_source",
+     "cutting_energy_assumption", &Material::cutting_energy_source, false, kAny},
+    {"cutting_force_ratio", &Material::cutting_force_ratio, "cutting_force_source",
+     "cutting_force_assumption", &Material::cutting_force_source, false, kAny},
+    {"friction", &Material::friction, "friction_source", "friction_assumption", &Material::friction_source,
+     true, 2.0},
 }};
 
 constexpr const char* kCrcKey = "source_crc32";
@@ -99,15 +105,18 @@ class LineReader {
     return value;
   }
 
-  double Number(const Figure& figure) {
+  void ReadFigure(const Figure& figure, Material& material) {
     const std::string text = Value(figure.key);
-    double value = 0.0;
+    double& value = material.*figure.value;
     const auto [rest, wrong] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool good = wrong == std::errc{} && rest == text.data() + text.size() && value >= figure.least &&
-                      value <= figure.greatest;
-    if (!good)
-      FailValue(figure.key, Shown(text), fmt::format("a number, {} … {}", figure.least, figure.greatest));
-    return value;
+    const bool in_range = value <= figure.greatest && (figure.may_be_zero ? value >= 0.0 : value > 0.0);
+    if (wrong != std::errc{} || rest != text.data() + text.size() || !in_range)
+      FailValue(figure.key, Shown(text),
+                figure.greatest == kAny ? "a finite number above 0" : fmt::format("0 … {}", figure.greatest));
+    const std::string accepted = fmt::format("a line {}=… or {}=…", figure.source_key, figure.assumption_key);
+    auto [key, source] = Next(accepted);
+    if (key != figure.source_key && key != figure.assumption_key) Fail("a line " + Shown(key), accepted);
+    material.*figure.source = {.text = source, .assumed = key == figure.assumption_key};
   }
 
   /// At the beginning of the line that was read last.
@@ -165,8 +174,11 @@ tl::expected<std::string, TextError> MaterialsToText(const std::vector<Material>
   std::string text;
   for (const Material& material : materials) {
     text += fmt::format("material={}\n", Escaped(material.name));
-    for (const Figure& figure : kFigures) text += fmt::format("{}={}\n", figure.key, material.*figure.value);
-    text += fmt::format("source={}\n", Escaped(material.source));
+    for (const Figure& figure : kFigures) {
+      const FigureSource& source = material.*figure.source;
+      text += fmt::format("{}={}\n{}={}\n", figure.key, material.*figure.value,
+                          source.assumed ? figure.assumption_key : figure.source_key, Escaped(source.text));
+    }
   }
   // one set of rules: what may be written is what can be read
   if (const auto read = MaterialsFromText(text); !read) return tl::make_unexpected(read.error());
@@ -174,7 +186,7 @@ tl::expected<std::string, TextError> MaterialsToText(const std::vector<Material>
 }
 
 tl::expected<std::vector<Material>, TextError> MaterialsFromText(std::string_view text) {
-  const std::string accepted = fmt::format("1 … {} materials", kMostMaterials);
+  const std::string accepted = fmt::format("1 … {} materials", kMaxMaterials);
   std::vector<Material> materials;
   std::set<std::string> names;
   LineReader reader(text);
@@ -182,12 +194,11 @@ tl::expected<std::vector<Material>, TextError> MaterialsFromText(std::string_vie
   while (!reader.AtEnd()) {
     Material material;
     material.name = reader.Value("material");
-    if (materials.size() == kMostMaterials) reader.Fail("a material more", accepted);
+    if (materials.size() == kMaxMaterials) reader.Fail("a material more", accepted);
     if (material.name.empty()) reader.FailValue("material", "no name", "a name");
     if (!names.insert(material.name).second)
       reader.FailValue("material", Shown(material.name) + " a second time", "each name once");
-    for (const Figure& figure : kFigures) material.*figure.value = reader.Number(figure);
-    material.source = reader.Value("source");
+    for (const Figure& figure : kFigures) reader.ReadFigure(figure, material);
     materials.push_back(std::move(material));
   }
   if (reader.error()) return tl::make_unexpected(*reader.error());

@@ -80,7 +80,11 @@ TEST_F(PackingFileTest, WhatIsSavedIsWhatIsLoaded) {
               bone.materials[i].specific_cutting_energy_J_per_m3);
     EXPECT_EQ(loaded.materials[i].cutting_force_ratio, bone.materials[i].cutting_force_ratio);
     EXPECT_EQ(loaded.materials[i].friction, bone.materials[i].friction);
-    EXPECT_EQ(loaded.materials[i].source, bone.materials[i].source);
+    for (const auto source : {&Material::density_source, &Material::cutting_energy_source,
+                              &Material::cutting_force_source, &Material::friction_source}) {
+      EXPECT_EQ((loaded.materials[i].*source).text, (bone.materials[i].*source).text);
+      EXPECT_EQ((loaded.materials[i].*source).assumed, (bone.materials[i].*source).assumed);
+    }
   }
   EXPECT_EQ(Vector3(loaded.cup.center_m), Vector3(bone.cup.center_m));
   EXPECT_EQ(Vector3(loaded.cup.axis), Vector3(bone.cup.axis));
@@ -183,7 +187,7 @@ TEST_F(PackingFileTest, TheFirstBadBallIsNamedForAnyNumberOfThreads) {
   for (const int threads : {1, 2, 8}) {
     const auto file = PackingFile::Open(Path("bad.osp"), threads);
     ASSERT_FALSE(file);
-    EXPECT_THAT(file.error().Text(), HasSubstr("balls 140001: radius: found nan mm"));
+    EXPECT_THAT(file.error().Text(), HasSubstr("ball 140001: radius: found nan mm"));
   }
 }
 
@@ -205,9 +209,10 @@ struct Malformed {
 
 std::string MaterialLines(const std::string& name) {
   return "material=" + name +
-         "\ndensity_kg_per_m3=1000\nspecific_cutting_energy_J_per_m3=1e9\ncutting_force_ratio=0.8\nfriction="
-         "0.2\n"
-         "source=assumed\n";
+         "\ndensity_kg_per_m3=1000\ndensity_source=weighed\nspecific_cutting_energy_J_per_m3=1e9\n"
+         "cutting_energy_assumption=\ncutting_force_ratio=0.8\ncutting_force_assumption=as "
+         "bone\nfriction=0.2\n"
+         "friction_assumption=\n";
 }
 
 std::string At(std::size_t byte) { return ": byte " + std::to_string(byte) + ": "; }
@@ -394,30 +399,33 @@ std::vector<Malformed> MalformedFiles(const std::string& good) {
        {At(16), "size of the file", "the end of the last section"}},
       {"NaN in a ball",
        within(section(0) + 16 * 3 + 4, kNan),
-       {At(section(0) + 16 * 3 + 4), "balls 3: y: found nan mm, accepted -512 … 512 mm"}},
+       {At(section(0) + 16 * 3 + 4), "ball 3: y: found nan mm, accepted -512 … 512 mm"}},
       {"an infinite ball",
        within(section(0) + 16 * 3, std::numeric_limits<float>::infinity()),
-       {At(section(0) + 48), "balls 3: x: found inf mm"}},
-      {"a ball far away", within(section(0) + 16 * 39 + 8, 513.0f), {"balls 39: z: found 513 mm"}},
+       {At(section(0) + 48), "ball 3: x: found inf mm"}},
+      {"a ball far away", within(section(0) + 16 * 39 + 8, 513.0f), {"ball 39: z: found 513 mm"}},
       {"a negative radius",
        within(section(0) + 16 * 3 + 12, -1.0f),
-       {At(section(0) + 60), "balls 3: radius: found -1 mm, accepted above 0, up to 512 mm"}},
-      {"a radius of zero", within(section(0) + 12, 0.0f), {"balls 0: radius: found 0 mm"}},
-      {"a NaN radius", within(section(0) + 12, kNan), {"balls 0: radius: found nan mm"}},
+       {At(section(0) + 60), "ball 3: radius: found -1 mm, accepted above 0, up to 512 mm"}},
+      {"a radius of zero", within(section(0) + 12, 0.0f), {"ball 0: radius: found 0 mm"}},
+      {"a NaN radius", within(section(0) + 12, kNan), {"ball 0: radius: found nan mm"}},
       {"NaN in a point",
        within(section(1) + 16 * 2, kNan),
-       {At(section(1) + 32), "mass points 2: x: found nan mm"}},
+       {At(section(1) + 32), "mass point 2: x: found nan mm"}},
       {"a volume of zero",
        within(section(1) + 16 * 2 + 12, 0.0f),
-       {At(section(1) + 44), "mass points 2: volume: found 0 mm^3, accepted above 0"}},
-      {"a negative volume", within(section(1) + 12, -0.5f), {"mass points 0: volume: found -0.5 mm^3"}},
+       {At(section(1) + 44), "mass point 2: volume: found 0 mm^3, accepted above 0"}},
+      {"a negative volume", within(section(1) + 12, -0.5f), {"mass point 0: volume: found -0.5 mm^3"}},
       {"a material that is not listed",
        within(section(2) + 6, MaterialIndex{3}),
        {At(section(2) + 6), "mass point 6: found material 3, accepted 0 … 2: 3 materials are listed"}},
       {"a figure that is none",
        text("friction=0.2", "friction=-.2"),
-       {"section \"materials\": friction: found \"-.2\", accepted a number, 0 … 10"}},
+       {"section \"materials\": friction: found \"-.2\", accepted 0 … 2"}},
       {"a figure that is words", text("friction=0.2", "friction=abc"), {"friction: found \"abc\""}},
+      {"a source that is neither",
+       text("friction_assumption=", "friction_assumptiom="),
+       {"found a line \"friction_assumptiom\", accepted a line friction_source=… or friction_assumption=…"}},
       {"an unknown line",
        text("friction=0.2", "frictiom=0.2"),
        {"found a line \"frictiom\", accepted a line friction=…"}},
@@ -549,7 +557,7 @@ TEST_F(PackingFileTest, ABoneThatHasNoPlaceInAFileIsRefusedAndNothingIsLeft) {
               }),
               HasSubstr("materials: found a material more, accepted 1 … 8"));
   EXPECT_THAT(refused([](Bone& b) { b.materials[1].friction = kNan; }), HasSubstr("friction: found \"nan\""));
-  EXPECT_THAT(refused([](Bone& b) { b.materials[1].source = "\xff"; }),
+  EXPECT_THAT(refused([](Bone& b) { b.materials[1].density_source.text = "\xff"; }),
               HasSubstr("found \"\\xff\", accepted UTF-8"));
   EXPECT_THAT(refused([](Bone& b) { b.cup.radius_m = -1; }), HasSubstr("site: radius: found -1 m"));
   EXPECT_THAT(refused([](Bone& b) { b.cup.axis = Vector3(0, 0, 2); }),

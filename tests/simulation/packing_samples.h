@@ -35,7 +35,9 @@ inline Bone SomeBone(std::size_t balls = 40, std::size_t points = 25) {
     Material material;
     material.name = name;
     material.density_kg_per_m3 = uniform(300, 3000);
-    material.source = std::string("measured on a \\ of ") + name + ";\nsecond line, µ = 0,3";
+    material.density_source = {.text = std::string("measured on a \\ of ") + name + ";\nsecond line, µ = 0,3",
+                               .assumed = false};
+    material.friction_source = {.text = "as bone", .assumed = true};
     bone.materials.push_back(material);
   }
   bone.cup = {.center_m = middle + Vector3(0.01, 0.02, 0.03),
