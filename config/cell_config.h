@@ -4,6 +4,7 @@
 #include <string>
 
 #include "control/servo_loop.h"
+#include "hil/scripts.h"
 #include "hil/simulated_cell.h"
 #include "kinematics/lbr_arm.h"
 #include "simulation/cutting_engine.h"
@@ -49,7 +50,7 @@ struct CellConfig {
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   FriConfig fri;
   hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that stand in for the real ones
-  hil::ReamingScriptParams script;     ///< what the operator is told to do
+  hil::ScriptParams script;            ///< what the operator is told to do
 };
 
 }  // namespace osteon::config

@@ -50,7 +50,8 @@ TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
   EXPECT_EQ(cell_.simulated.fri.quality.end_after_lost_per_s, 200);
   EXPECT_EQ(hil::QualityPolicyParams{}.end_after_lost_in_a_row, 5) << "the library's own stay the design's";
   EXPECT_EQ(hil::QualityPolicyParams{}.end_after_lost_per_s, 25);
-  EXPECT_DOUBLE_EQ(cell_.script.hand_stiffness_N_per_m, cell_.simulated.hand.stiffness_N_per_m);
+  EXPECT_DOUBLE_EQ(std::get<hil::ReamingScriptParams>(cell_.script).hand_stiffness_N_per_m,
+                   cell_.simulated.hand.stiffness_N_per_m);
 }
 
 TEST_F(DemoCellTest, MaterialsAndSceneAreThoseOfTheLibrary) {
@@ -83,7 +84,7 @@ TEST_F(DemoCellTest, ServoLoopAndSceneAcceptTheCell) {
   const kinematics::LbrArm arm(cell_.robot);
   EXPECT_NO_THROW(
       control::ServoLoop(cell_.servo, arm, cell_.X_WB, cell_.tool.X_FT, cell_.start.arm_angle_rad));
-  const hil::HandScript script = hil::MakeReamingScript(cell_.script);
+  const hil::HandScript script = hil::MakeScript(cell_.script);
   EXPECT_NO_THROW(hil::SimulatedCell(cell_.simulated, script));
   const simulation::Bone bone = simulation::PackScene(simulation::MakeSceneSolid(cell_.scene), cell_.scene);
   EXPECT_GT(bone.balls.size(), 20'000u);
@@ -97,7 +98,7 @@ TEST_F(DemoCellTest, ToolStartsAboveTheCupPointingIntoIt) {
   EXPECT_NEAR(std::hypot(p_GT.x(), p_GT.y()), 0.0, 1e-12);
   EXPECT_GT(p_GT.z(), 0.0);
   // the operator's script begins exactly where the arm does
-  const Pose X_script = hil::MakeReamingScript(cell_.script).Sample(0.0).X_WT;
+  const Pose X_script = hil::MakeScript(cell_.script).Sample(0.0).X_WT;
   EXPECT_LT((X_script.matrix() - cell_.start.X_WT.matrix()).cwiseAbs().maxCoeff(), 1e-12);
   // forward kinematics of the start's joints, by the whole chain W B F T
   const kinematics::LbrArm arm(cell_.robot);
