@@ -16,9 +16,9 @@ constexpr int kFrameTicks =
 constexpr double kVirtualGiveUp_s = 30.0;  // without COMMANDING_ACTIVE, or without rest after the end
 
 hil::SimulatedCell MakeCell(const CellSetup& setup, double seconds) {
-  hil::ReamingScriptParams script = setup.config.script;
-  script.seconds = seconds;
-  return {setup.config.simulated, MakeReamingScript(script)};
+  hil::ScriptParams script = setup.config.script;
+  std::visit([seconds](auto& s) { s.seconds = seconds; }, script);
+  return {setup.config.simulated, MakeScript(script)};
 }
 
 void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSet faults,

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "control/servo_loop.h"
+#include "hil/scripts.h"
 #include "hil/simulated_cell.h"
 #include "kinematics/lbr_arm.h"
 #include "simulation/cutting_engine.h"
@@ -41,15 +42,15 @@ struct FriConfig {
 struct CellConfig {
   kinematics::LbrParams robot;
   ToolConfig tool;
-  simulation::AcetabulumParams scene;  ///< with the cell's materials
+  simulation::SceneParams scene;  ///< with those of the cell's materials that it needs
   Pose X_WB{Pose::Identity()};         ///< robot base in world
-  Pose X_WG{Pose::Identity()};         ///< bone in world
+  Pose X_WG{Pose::Identity()};         ///< bone in world: the frame C of its site
   StartConfig start;
   control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   FriConfig fri;
   hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that stand in for the real ones
-  hil::ReamingScriptParams script;     ///< what the operator is told to do
+  hil::ScriptParams script;            ///< what the operator is told to do
 };
 
 }  // namespace osteon::config

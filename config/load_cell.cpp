@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -5,6 +6,7 @@
 
 #include "config/load.h"
 #include "config/read_pose.h"
+#include "config/read_script.h"
 
 namespace osteon::config {
 namespace {
@@ -94,18 +96,6 @@ void ReadHand(Reader section, hil::OperatorHandParams& hand) {
   hand.tremor_seed = static_cast<std::uint64_t>(section.Whole("tremor_seed", 0, 1'000'000'000));
 }
 
-void ReadScript(Reader section, hil::ReamingScriptParams& script) {
-  script.seconds = section.Number("duration_s", 0.1, 36000);
-  script.push_force_N = section.Number("push_force_N", 1, 500);
-  script.approach_force_N = section.Number("approach_force_N", 1, 200);
-  script.full_force_depth_m = section.Number("full_force_depth_mm", 0, 100);
-  script.retract_height_m = section.Number("retract_height_mm", 0, 300);
-  script.tilt_rad = section.Number("tilt_deg", 0, 28);
-  script.whirl_period_s = section.Number("whirl_period_s", 0.2, 60);
-  script.max_target_m_per_s = section.Number("max_target_mm_per_s", 1, 1000);
-  script.max_tilt_rad_per_s = section.Number("max_tilt_deg_per_s", 1, 360);
-}
-
 void ReadSimulatedArm(Reader section, hil::ServoArmParams& arm, int period_ms) {
   arm.bandwidth_hz = section.Number("bandwidth_hz", 0.5, 200);
   arm.damping_ratio = section.Number("damping_ratio", 0.1, 5);
@@ -166,7 +156,7 @@ void CheckOrder(const Reader& section, const std::string& smaller_key, const std
 // The start must be where the cell may be, and where the arm can be.
 void PlaceArm(const Reader& section, CellConfig& cell) {
   StartConfig& start = cell.start;
-  const Pose& X_WC = cell.X_WG;  // the generated cup's frame is the bone's
+  const Pose& X_WC = cell.X_WG;  // the site's frame, wherever the bone's own is
   const double head_radius_m = cell.tool.tool.balls.front().radius_m;
   start.X_WT = X_WC * Eigen::Translation3d(0, 0, start.height_m) *
                Eigen::AngleAxisd(std::numbers::pi, Vector3::UnitX()) *
@@ -184,6 +174,25 @@ void PlaceArm(const Reader& section, CellConfig& cell) {
     section.Refuse("height_mm", "the arm can not be there: out of reach or beyond its joint limits");
 }
 
+// The materials that a scene needs, in its order, from those of a file.
+std::vector<simulation::Material> Pick(const Reader& cell, const std::filesystem::path& file,
+                                       const std::vector<std::string>& names) {
+  const std::vector<simulation::Material> found = LoadMaterials(file);
+  std::vector<simulation::Material> picked;
+  for (const std::string& name : names) {
+    const auto at =
+        std::find_if(found.begin(), found.end(), [&](const auto& material) { return material.name == name; });
+    if (at == found.end()) {
+      std::string all;
+      for (const simulation::Material& material : found) all += (all.empty() ? "" : ", ") + material.name;
+      cell.Refuse("materials", fmt::format("found {} with {}; accepted one with {}, which the scene needs",
+                                           file.filename().string(), all, name));
+    }
+    picked.push_back(*at);
+  }
+  return picked;
+}
+
 // What one file says serves in several places.
 void Spread(CellConfig& cell) {
   control::ServoParams& servo = cell.servo;
@@ -199,11 +208,15 @@ void Spread(CellConfig& cell) {
   for (std::size_t i = 0; i < cell.simulated.q_start.size(); ++i)
     cell.simulated.q_start[i] = cell.start.q[static_cast<Eigen::Index>(i)];
 
-  cell.script.X_WC = cell.X_WG;
-  cell.script.head_radius_m = cell.tool.tool.balls.front().radius_m;
-  cell.script.tool_yaw_rad = cell.start.tool_yaw_rad;
-  cell.script.start_height_m = cell.start.height_m;
-  cell.script.hand_stiffness_N_per_m = cell.simulated.hand.stiffness_N_per_m;
+  std::visit(
+      [&cell](auto& script) {
+        script.X_WC = cell.X_WG;
+        script.head_radius_m = cell.tool.tool.balls.front().radius_m;
+        script.tool_yaw_rad = cell.start.tool_yaw_rad;
+        script.start_height_m = cell.start.height_m;
+        script.hand_stiffness_N_per_m = cell.simulated.hand.stiffness_N_per_m;
+      },
+      cell.script);
 }
 
 }  // namespace
@@ -229,7 +242,7 @@ CellConfig LoadCell(const std::filesystem::path& path) {
   ReadFri(reader.Section("fri"), cell.fri, cell.simulated.fri.send_period_ms);
   const Reader hand = reader.Section("operator"), script = reader.Section("script");
   ReadHand(hand, cell.simulated.hand);
-  ReadScript(script, cell.script);
+  cell.script = ReadScript(script);
   ReadSimulatedArm(reader.Section("simulated_arm"), cell.simulated.servo, cell.simulated.fri.send_period_ms);
   const Reader link_quality = reader.Section("link_quality");
   ReadLinkQuality(link_quality, cell.simulated.fri.quality);
@@ -241,10 +254,6 @@ CellConfig LoadCell(const std::filesystem::path& path) {
              servo.watchdog.model_stop_s * 1e3);
   CheckOrder(watchdog, "sensor_full_ms", "sensor_stop_ms", servo.watchdog.sensor_full_s * 1e3,
              servo.watchdog.sensor_stop_s * 1e3);
-  CheckOrder(hand, "the script's push_force_N", "max_force_N", cell.script.push_force_N,
-             cell.simulated.hand.max_force_N);
-  CheckOrder(script, "approach_force_N", "push_force_N", cell.script.approach_force_N,
-             cell.script.push_force_N);
 
   servo.period_s = 1e-3 * cell.simulated.fri.send_period_ms;
   CheckSight(limits, cell);
@@ -252,9 +261,10 @@ CellConfig LoadCell(const std::filesystem::path& path) {
   cell.robot = LoadRobot(robot);
   cell.tool = LoadTool(tool);
   cell.scene = LoadScene(scene);
-  cell.scene.materials = LoadMaterials(materials);
+  cell.scene.materials = Pick(reader, materials, cell.scene.material_names);
   PlaceArm(start, cell);
   Spread(cell);
+  CheckScript(script, cell.script, hand, cell.simulated.hand.max_force_N);
   return cell;
 }
 

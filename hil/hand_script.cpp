@@ -1,17 +1,13 @@
 #include "hil/hand_script.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string_view>
 #include <utility>
+
+#include "hil/script_phases.h"
 
 namespace osteon::hil {
 namespace {
-
-constexpr double kQuinticPeakSlope = 1.875;  // of s(u), at u = 1/2
 
 struct Blend {
   double s, slope;  // s(u) and ds/du
@@ -38,35 +34,36 @@ Vector3 AngularVelocity(const Vector3& r, const Vector3& rdot) {
   return c * rdot + (1.0 - c) * axis.dot(rdot) * axis + (1.0 - std::cos(angle)) / angle * axis.cross(rdot);
 }
 
-void Require(bool accepted, std::string_view name, double found, std::string_view range) {
-  if (!accepted)
-    throw std::invalid_argument(
-        fmt::format("operator's script: {}: found {}, accepted {}", name, found, range));
-}
-
 }  // namespace
 
 HandScript::HandScript(const Pose& X_WC, double head_radius_m, double tool_yaw_rad, double whirl_period_s,
-                       const HandKey& start, std::vector<HandPhase> phases)
+                       const HandKey& start, std::vector<HandPhase> phases, double swing_period_s)
     : X_WC_(X_WC),
       head_radius_m_(head_radius_m),
       whirl_rad_per_s_(2.0 * std::numbers::pi / whirl_period_s),
+      swing_rad_per_s_(2.0 * std::numbers::pi / swing_period_s),
       start_(start),
       phases_(std::move(phases)) {
-  Require(head_radius_m > 0.0, "head_radius_m", head_radius_m, "> 0");
-  Require(whirl_period_s > 0.0, "whirl_period_s", whirl_period_s, "> 0");
-  const auto check = [](const HandKey& key) {
-    Require(key.grip >= 0.0 && key.grip <= 1.0, "grip", key.grip, "0 … 1");
-    Require(key.force_limit_N >= 0.0, "force_limit_N", key.force_limit_N, ">= 0");
-    Require(std::isfinite(key.height_m) && std::isfinite(key.tilt_rad), "height_m, tilt_rad",
-            key.height_m + key.tilt_rad, "finite values");
+  RequireInScript(head_radius_m > 0.0, "head_radius_m", head_radius_m, "> 0");
+  RequireInScript(whirl_period_s > 0.0, "whirl_period_s", whirl_period_s, "> 0");
+  RequireInScript(swing_period_s > 0.0, "swing_period_s", swing_period_s, "> 0");
+  const auto check = [this](const HandKey& key) {
+    RequireInScript(key.swing_m >= 0.0 && std::isfinite(key.swing_m), "swing_m", key.swing_m, ">= 0");
+    swings_ |= key.swing_m > 0.0;
+    RequireInScript(key.grip >= 0.0 && key.grip <= 1.0, "grip", key.grip, "0 … 1");
+    RequireInScript(key.force_limit_N >= 0.0, "force_limit_N", key.force_limit_N, ">= 0");
+    RequireInScript(std::isfinite(key.height_m) && std::isfinite(key.tilt_rad), "height_m, tilt_rad",
+                    key.height_m + key.tilt_rad, "finite values");
   };
   check(start);
   for (const HandPhase& phase : phases_) {
-    Require(phase.duration_s > 0.0, "duration_s of phase " + phase.name, phase.duration_s, "> 0");
+    RequireInScript(phase.duration_s > 0.0, "duration_s of phase " + phase.name, phase.duration_s, "> 0");
     check(phase.end);
     duration_s_ += phase.duration_s;
   }
+  RequireInScript(start_.swing_m == 0.0, "swing_m at the start", start_.swing_m, "0");
+  if (!phases_.empty())
+    RequireInScript(phases_.back().end.swing_m == 0.0, "swing_m at the end", phases_.back().end.swing_m, "0");
   R_WT_upright_ = X_WC.linear() * (Eigen::AngleAxisd(std::numbers::pi, Vector3::UnitX()) *
                                    Eigen::AngleAxisd(tool_yaw_rad, Vector3::UnitZ()))
                                       .toRotationMatrix();
@@ -108,6 +105,15 @@ HandTarget HandScript::Sample(double time_s) const noexcept {
   target.X_WT.translation() = X_WC_.translation() + height.value * axis_W + p_center_apex_W;
   target.V_WT.v = height.rate * axis_W + target.V_WT.w.cross(p_center_apex_W);
 
+  // off the axis, on its circle; rate zero outside the script, where the swing is zero as well
+  if (swings_) {
+    const Moving swing = Between(from.swing_m, to.swing_m, blend, duration_s);
+    const double q = swing_rad_per_s_ * std::clamp(time_s, 0.0, duration_s_);
+    const Vector3 out_C{std::cos(q), std::sin(q), 0.0}, on_C{-std::sin(q), std::cos(q), 0.0};
+    target.X_WT.translation() += X_WC_.linear() * (swing.value * out_C);
+    target.V_WT.v += X_WC_.linear() * (swing.rate * out_C + swing.value * swing_rad_per_s_ * on_C);
+  }
+
   target.height_m = height.value;
   target.force_limit_N = Between(from.force_limit_N, to.force_limit_N, blend, duration_s).value;
   target.grip = Between(from.grip, to.grip, blend, duration_s).value;
@@ -123,42 +129,35 @@ const char* HandScript::PhaseName(double time_s) const noexcept {
 }
 
 HandScript MakeReamingScript(const ReamingScriptParams& p) {
-  Require(p.seconds >= 0.1 && p.seconds <= 36000.0, "seconds", p.seconds, "0.1 … 36000");
-  Require(p.push_force_N > 0.0 && p.push_force_N <= 1000.0, "push_force_N", p.push_force_N,
-          "0 … 1000, not 0");
-  Require(p.approach_force_N > 0.0 && p.approach_force_N <= p.push_force_N, "approach_force_N",
-          p.approach_force_N, "0 … push_force_N, not 0");
-  Require(p.hand_stiffness_N_per_m > 0.0, "hand_stiffness_N_per_m", p.hand_stiffness_N_per_m, "> 0");
-  Require(p.full_force_depth_m >= 0.0, "full_force_depth_m", p.full_force_depth_m, ">= 0");
-  Require(std::abs(p.tilt_rad) <= 0.5, "tilt_rad", p.tilt_rad, "±0.5");
-  Require(p.max_target_m_per_s > 0.0, "max_target_m_per_s", p.max_target_m_per_s, "> 0");
-  Require(p.max_tilt_rad_per_s > 0.0, "max_tilt_rad_per_s", p.max_tilt_rad_per_s, "> 0");
+  RequireInScript(p.seconds >= 0.1 && p.seconds <= 36000.0, "seconds", p.seconds, "0.1 … 36000");
+  RequireInScript(p.push_force_N > 0.0 && p.push_force_N <= 1000.0, "push_force_N", p.push_force_N,
+                  "0 … 1000, not 0");
+  RequireInScript(p.approach_force_N > 0.0 && p.approach_force_N <= p.push_force_N, "approach_force_N",
+                  p.approach_force_N, "0 … push_force_N, not 0");
+  RequireInScript(p.hand_stiffness_N_per_m > 0.0, "hand_stiffness_N_per_m", p.hand_stiffness_N_per_m, "> 0");
+  RequireInScript(p.full_force_depth_m >= 0.0, "full_force_depth_m", p.full_force_depth_m, ">= 0");
+  RequireInScript(std::abs(p.tilt_rad) <= 0.5, "tilt_rad", p.tilt_rad, "±0.5");
+  RequireInScript(p.max_target_m_per_s > 0.0, "max_target_m_per_s", p.max_target_m_per_s, "> 0");
+  RequireInScript(p.max_tilt_rad_per_s > 0.0, "max_tilt_rad_per_s", p.max_tilt_rad_per_s, "> 0");
 
-  HandKey key{
-      .height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .tilt_rad = 0.0, .grip = 0.0};
-  const HandKey start = key;
-  std::vector<HandPhase> phases;
-  // Appends a phase that goes as far toward the wanted key as the speed bounds let it.
+  ScriptPhases phases(
+      {.seconds = p.seconds,
+       .max_target_m_per_s = p.max_target_m_per_s,
+       .max_tilt_rad_per_s = p.max_tilt_rad_per_s},
+      {.height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .tilt_rad = 0.0, .grip = 0.0});
   const auto add = [&](const char* name, double share, double height_m, double force_N, double tilt_rad) {
-    const double duration_s = share * p.seconds;
-    const double reach_m = p.max_target_m_per_s * duration_s / kQuinticPeakSlope;
-    const double reach_rad = p.max_tilt_rad_per_s * duration_s / kQuinticPeakSlope;
-    key.height_m += std::clamp(height_m - key.height_m, -reach_m, reach_m);
-    key.tilt_rad += std::clamp(tilt_rad - key.tilt_rad, -reach_rad, reach_rad);
-    key.force_limit_N = force_N;
-    key.grip = 1.0;
-    phases.push_back({name, duration_s, key});
+    phases.Add(name, share, {.height_m = height_m, .force_limit_N = force_N, .tilt_rad = tilt_rad});
   };
   const double push_height_m = -(p.full_force_depth_m + p.push_force_N / p.hand_stiffness_N_per_m);
   add("grasp", 0.02, p.start_height_m, p.approach_force_N, 0.0);
   add("approach", 0.08, 0.0, p.approach_force_N, 0.0);
   add("ramp", 0.07, push_height_m, p.push_force_N, 0.0);
   add("tilt", 0.08, push_height_m, p.push_force_N, p.tilt_rad);
-  add("whirlwind", 0.55, push_height_m, p.push_force_N, key.tilt_rad);
+  add("whirlwind", 0.55, push_height_m, p.push_force_N, phases.key().tilt_rad);
   add("upright", 0.08, push_height_m, p.push_force_N, 0.0);
   add("unload", 0.04, 0.0, p.approach_force_N, 0.0);
   add("retract", 0.08, p.retract_height_m, p.approach_force_N, 0.0);
-  return HandScript(p.X_WC, p.head_radius_m, p.tool_yaw_rad, p.whirl_period_s, start, std::move(phases));
+  return HandScript(p.X_WC, p.head_radius_m, p.tool_yaw_rad, p.whirl_period_s, phases.start(), phases.Take());
 }
 
 }  // namespace osteon::hil

@@ -8,13 +8,14 @@
 
 namespace osteon::hil {
 
-/// Where a phase of a script ends. Heights are of the tool's apex along the cup's axis, 0 where the centre of
-/// the reamer's head meets the cup's centre, positive out of the cup.
+/// Where a phase of a script ends. Heights are along the site's axis, 0 where the centre of the tool's head
+/// meets the site's centre, positive out of the bone.
 struct HandKey {
   double height_m{0.0};
   double force_limit_N{0.0};  ///< bound on the force along the cup's axis
   double tilt_rad{0.0};       ///< of the tool's axis away from the cup's
   double grip{1.0};           ///< share of the hand's wrench that reaches the tool, 0 … 1
+  double swing_m{0.0};        ///< radius of the circle about the axis on which the head's centre runs
 };
 
 struct HandPhase {
@@ -37,16 +38,17 @@ struct HandTarget {
 /// Each figure of a key runs through a phase along the quintic s(u) = 10 u^3 - 15 u^4 + 6 u^5 of the phase's
 /// elapsed share, which is at rest, without acceleration, at both ends: targets are twice continuously
 /// differentiable in time. The tilt's direction turns at constant speed ("whirlwind"), about the centre of
-/// the head, which stays on the cup's axis:
+/// the head, which runs on a circle about the site's axis, or stays on it where no key swings:
 ///
 ///     R_CT = R_x(pi) R_z(yaw) Exp(tilt(t) (cos p, sin p, 0)),   p = 2 pi t / whirl_period
+///     p_C_head = (swing(t) cos q, swing(t) sin q, height(t)),   q = 2 pi t / swing_period
 class HandScript {
  public:
-  /// @param X_WC the cup; @param head_radius_m of the reamer.
-  /// @throws std::invalid_argument on a duration, radius or period that is not positive, or a grip outside 0
-  /// … 1.
+  /// @param X_WC the site that is cut: its centre, +z out of the bone; @param head_radius_m of the tool.
+  /// @throws std::invalid_argument on a duration, radius or period that is not positive, a grip outside 0
+  /// … 1, or a swing at the start or the end, where the circle's run would begin or end with a jolt.
   HandScript(const Pose& X_WC, double head_radius_m, double tool_yaw_rad, double whirl_period_s,
-             const HandKey& start, std::vector<HandPhase> phases);
+             const HandKey& start, std::vector<HandPhase> phases, double swing_period_s = 1.0);
 
   /// The target at a time since the script began [s]; before and after it the first and the last.
   [[nodiscard]] HandTarget Sample(double time_s) const noexcept;
@@ -63,7 +65,8 @@ class HandScript {
  private:
   Pose X_WC_;
   double head_radius_m_;
-  double whirl_rad_per_s_;
+  double whirl_rad_per_s_, swing_rad_per_s_;
+  bool swings_{false};  // any key does
   HandKey start_;
   std::vector<HandPhase> phases_;
   double duration_s_{0.0};

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "hil/hand_script.h"
+
+// What the scripts of hand_script.h, drilling_script.h and opening_script.h are made with.
+
+namespace osteon::hil {
+
+/// @throws std::invalid_argument "operator's script: NAME: found …, accepted RANGE" unless accepted.
+void RequireInScript(bool accepted, std::string_view name, double found, std::string_view range);
+
+struct ScriptBounds {
+  double seconds{10.0};            ///< of the whole script
+  double max_target_m_per_s{0.2};  ///< along the axis, and of a swing that grows or shrinks
+  double max_tilt_rad_per_s{0.5};
+};
+
+/// Phases one after the other, each as far toward its key as the bounds on the targets' speed let it go: a
+/// short script falls short rather than move faster.
+class ScriptPhases {
+ public:
+  ScriptPhases(const ScriptBounds& bounds, const HandKey& start);
+
+  /// How far a target may travel in a phase of this share.
+  [[nodiscard]] static double Reach(const ScriptBounds& bounds, double share);
+
+  /// A phase of this share of the script, at full grip.
+  void Add(std::string_view name, double share, const HandKey& wanted);
+
+  /// Where the last phase ends.
+  [[nodiscard]] const HandKey& key() const { return key_; }
+  [[nodiscard]] const HandKey& start() const { return start_; }
+  [[nodiscard]] std::vector<HandPhase> Take() { return std::move(phases_); }
+
+ private:
+  ScriptBounds bounds_;
+  HandKey start_, key_;
+  std::vector<HandPhase> phases_;
+};
+
+}  // namespace osteon::hil
