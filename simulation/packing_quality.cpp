@@ -147,6 +147,8 @@ PackingQuality MeasurePacking(const Solid& solid, std::span<const Ball> balls, c
   quality.surface_gap_mean_m = sum / m;
   quality.surface_gap_p95_m = gaps[gaps.size() * 95 / 100];
   quality.surface_gap_max_m = gaps.back();
+  for (std::size_t i = 0; i <= 100; ++i)
+    quality.surface_gap_percentiles_m[i] = gaps[std::min(gaps.size() * i / 100, gaps.size() - 1)];
 
   if (balls.empty()) return quality;
   const auto [least, greatest] = std::minmax_element(

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -37,6 +38,8 @@ struct PackingQuality {
 
   /// Distance from a point of the surface to the union of the balls, 0 within it.
   double surface_gap_mean_m{0.0}, surface_gap_p95_m{0.0}, surface_gap_max_m{0.0};
+  /// Every hundredth of the surface: [0] the least gap, [100] the greatest.
+  std::array<double, 101> surface_gap_percentiles_m{};
   std::size_t surface_samples{0};
   double surface_area_m2{0.0};  ///< by these samples
 

@@ -184,12 +184,20 @@ SceneSolid MakeSceneSolid(const SceneParams& scene) {
 
 tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& path, double scale,
                                                    const Cup& site, const SceneParams& scene) {
-  const Cup checked = Checked(site);
-  CheckTissue(scene.mesh_tissue, scene.material_names.size());
-  auto loaded = LoadMesh(path, {.scale = scale});
+  static_cast<void>(Checked(site));  // before the mesh, which takes longer
+  const auto loaded = LoadMesh(path, {.scale = scale});
   if (!loaded) return tl::make_unexpected(loaded.error());
-  auto solid =
-      std::make_shared<const MeshSolid>(*loaded, TissueOf(scene.mesh_tissue, loaded->regions, checked));
+  return MakeMeshSolid(*loaded, path, site, scene);
+}
+
+tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, const std::filesystem::path& path,
+                                                  const std::optional<Cup>& site, const SceneParams& scene) {
+  CheckTissue(scene.mesh_tissue, scene.material_names.size());
+  const Cup checked = site ? Checked(*site) : Cup{.radius_m = 0.0};
+  TissueMap tissue = TissueOf(scene.mesh_tissue, loaded.regions, checked);
+  if (!site) tissue.lining.reset();
+  auto solid = std::make_shared<const MeshSolid>(loaded, std::move(tissue));
+  if (!site) return SceneSolid{.name = path.stem().string(), .solid = solid, .site = checked};
 
   constexpr double kNear = 0.7, kFar = 1.3, kLeastShare = 0.25;
   const double share =

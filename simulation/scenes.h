@@ -94,6 +94,13 @@ struct SceneSolid {
                                                                  double scale, const Cup& site,
                                                                  const SceneParams& scene);
 
+/// The same for a mesh that was read before; the file's name stands for it in names and messages. Without a
+/// site there is no lining, and nothing that must be on the mesh; the site's radius is then 0.
+[[nodiscard]] tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded,
+                                                                const std::filesystem::path& path,
+                                                                const std::optional<Cup>& site,
+                                                                const SceneParams& scene);
+
 /// @param solid  must outlive the zone
 /// @throws std::invalid_argument as the zones do.
 [[nodiscard]] std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const Cup& site, const Solid& solid);
