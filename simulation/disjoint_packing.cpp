@@ -1,11 +1,12 @@
 #include "simulation/disjoint_packing.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <compare>
 #include <map>
 #include <stdexcept>
-#include <tuple>
 
 #include <fmt/format.h>
 
@@ -75,25 +76,56 @@ class Packer {
     return static_cast<int>(std::floor(std::log(radius_m) / -std::log(kClassRatio)));
   }
 
-  /// One round: fills the holes of the largest class that are still free.
-  void FillLargest() {
+  /// A hole's turn within its class.
+  struct Turn {
+    int capped_first{0};
+    double key{0.0};  ///< where the cap leaves room, the lower first; elsewhere the larger
+    std::uint64_t tie{0};
+    std::size_t index{0};
+    auto operator<=>(const Turn&) const = default;
+  };
+
+  /// Takes the holes whose turn it is out of the largest class.
+  std::vector<Ball> TakeLargest() {
     const auto largest = std::prev(holes_.end());
     limit_m_ = std::pow(kClassRatio, -(largest->first + 1));
     std::vector<Ball> holes = std::move(largest->second);
-    holes_.erase(largest);
+    largest->second.clear();
+    std::vector<Turn> turns(holes.size());
+    ParallelFor(holes.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) turns[i] = TurnOf(holes[i], i);
+    });
+    std::sort(turns.begin(), turns.end());
+    // Capped balls are piled up from below: where each leans on others that rest, they come to lie much denser than
+    // where they grow from everywhere at once (in the hip bone, capped at 2 mm: .56 of the volume against .44).
+    const bool piled = turns.front().capped_first == 0;
+    const double top = turns.front().key + limit_m_;
+    std::vector<Ball> now;
+    for (const Turn& turn : turns)
+      (piled && (turn.capped_first > 0 || turn.key > top) ? largest->second : now).push_back(holes[turn.index]);
+    if (largest->second.empty()) holes_.erase(largest);
+    return now;
+  }
+
+  [[nodiscard]] Turn TurnOf(const Ball& hole, std::size_t index) const {
+    const bool capped = cap_.radius_m < limit_m_ && hole.radius_m > (1.0 - 1e-6) * cap_.At(hole.center_m);
+    std::uint64_t tie = params_.seed;
+    for (const double x : {hole.center_m.x, hole.center_m.y, hole.center_m.z})
+      tie = Scramble(tie ^ std::bit_cast<std::uint64_t>(x));
+    return {capped ? 0 : 1, capped ? hole.center_m.z : -hole.radius_m, tie, index};
+  }
+
+  /// One round: fills such of the largest holes as are still free.
+  void FillLargest() {
+    const std::vector<Ball> holes = TakeLargest();
     std::vector<char> is_free(holes.size());
     ParallelFor(holes.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) is_free[i] = IsFree(holes[i]);
     });
 
-    // the larger first; scrambled where radii are equal, as are those that are capped
-    std::vector<std::tuple<double, std::uint64_t, std::size_t>> order(holes.size());
-    for (std::size_t i = 0; i < holes.size(); ++i) order[i] = {-holes[i].radius_m, Tie(holes[i]), i};
-    std::sort(order.begin(), order.end());
-
     const std::size_t first = balls_.balls().size();
     std::vector<Ball> cut;
-    for (const auto& [minus_radius, tie, i] : order) {
+    for (std::size_t i = 0; i < holes.size(); ++i) {
       const Ball& hole = holes[i];
       if (is_free[i] && IsFree(hole)) {
         balls_.Insert({.center_m = hole.center_m, .radius_m = hole.radius_m - kGuard_m});
@@ -117,13 +149,6 @@ class Packer {
 
   [[nodiscard]] bool IsFree(const Ball& hole) const {
     return balls_.Clearance(hole.center_m, hole.radius_m) >= hole.radius_m - kGuard_m;
-  }
-
-  [[nodiscard]] std::uint64_t Tie(const Ball& hole) const {
-    std::uint64_t bits = params_.seed;
-    for (const double x : {hole.center_m.x, hole.center_m.y, hole.center_m.z})
-      bits = Scramble(bits ^ std::bit_cast<std::uint64_t>(x));
-    return bits;
   }
 
   /// Where balls are counted, holes much smaller than the last one need not be kept. The number of balls
