@@ -11,6 +11,7 @@
 
 #include "app/demo.h"
 #include "app/doctor.h"
+#include "app/pack.h"
 #include "app/usage.h"
 #include "config/reader.h"
 
@@ -35,6 +36,110 @@ std::string CellNames(const std::filesystem::path& config_root) {
   return names.empty() ? "there is none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
+// Options of `pack` that are texts on the command line and more than that in PackOptions.
+struct PackTexts {
+  std::string mode{"overlap"}, cup, region;
+  std::vector<std::string> path;
+};
+
+CLI::App* AddPack(CLI::App& app, osteon::app::PackOptions& pack, PackTexts& texts) {
+  using osteon::app::NumberWithin;
+  CLI::App* sub =
+      app.add_subcommand("pack", "fills a mesh or shape with spheres and mass points, and says how well");
+  sub->add_option(
+         "input", pack.source.input,
+         "closed mesh (.stl, .obj, .ply, in mm), a scene's name or YAML, ball:R, box:X,Y,Z (mm), or a "
+         "packing (.osp) to be saved in another format")
+      ->required();
+  sub->add_option("-o,--out", pack.outputs,
+                  "FILE.osp (packing), FILE.ply or FILE.csv (spheres alone); several times")
+      ->required()
+      ->expected(1)
+      ->take_all();
+  const auto packing = [&](CLI::Option* option) { return option->group("Packing"); };
+  packing(sub->add_option("--mode", texts.mode, "overlap (for cutting) or disjoint")
+              ->check(osteon::app::OneOf({"overlap", "disjoint"}))
+              ->capture_default_str());
+  packing(sub->add_option("--count", pack.count,
+                          "spheres; without it what a gap of 0.08 mm asks for, or 10 000 "
+                          "disjoint ones")
+              ->check(NumberWithin(1, 100e6)));
+  packing(
+      sub->add_option("--r-min-mm", pack.r_min_mm, "no sphere is smaller")->check(NumberWithin(0.001, 100)));
+  packing(sub->add_option("--r-max-mm", pack.r_max_mm, "no sphere where it is cut is larger")
+              ->check(NumberWithin(0.001, 500)));
+  packing(sub->add_option("--grade", pack.grade,
+                          "A: the greatest radius grows by this times the depth below where "
+                          "it is cut")
+              ->check(NumberWithin(0, 100)));
+  packing(sub->add_option("--seed", pack.seed, "another one, another packing that is as good")
+              ->capture_default_str());
+  packing(sub->add_option("--threads", pack.threads, "0: one a core; the result does not depend on it")
+              ->check(NumberWithin(0, 1024))
+              ->capture_default_str());
+  packing(sub->add_flag("--points,!--no-points", pack.points, "mass points as well (they are the default)"));
+  packing(sub->add_option("--point-spacing-mm", pack.point_spacing_mm,
+                          "mean spacing of the mass points, where finest")
+              ->check(NumberWithin(0.02, 20)));
+  const auto mesh = [](CLI::Option* option) { return option->group("Mesh and site"); };
+  mesh(sub->add_option("--scale", pack.source.scale, "millimetres to a unit of the mesh file")
+           ->check(NumberWithin(1e-6, 1e6)));
+  mesh(sub->add_option("--scene", pack.source.scene,
+                       "a mesh takes this scene's place: its tissue, and with --cup "
+                       "its zone (acetabulum)"));
+  mesh(sub->add_option("--materials", pack.source.materials, "YAML file with the materials"));
+  auto* cup = mesh(
+      sub->add_option("--cup", texts.cup, "X,Y,Z,NX,NY,NZ,R: the site that is cut, as a cup or entry; mm"));
+  auto* region =
+      mesh(sub->add_option("--region", texts.region, "X,Y,Z,R: the surface is cut within this ball; mm"));
+  auto* path = mesh(sub->add_option("--path", texts.path,
+                                    "FILE.csv R: it is cut along this path (x_mm,y_mm,z_mm) by a "
+                                    "tool of radius R mm")
+                        ->expected(2));
+  region->excludes(path);
+  path->excludes(region);
+  static_cast<void>(cup);
+  sub->add_option("--report", pack.report, "folder for report.html");
+  sub->add_option("--json", pack.json, "write the figures there");
+  sub->footer(
+      "Examples:\n  osteon pack hip.obj -o hip.osp --report hip_report\n"
+      "  osteon pack hip.obj -o hip.osp --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21 --count 25000 --grade "
+      "0.3\n"
+      "  osteon pack tooth.obj -o tooth.osp --scene molar --count 36000\n"
+      "  osteon pack acetabulum -o acetabulum.osp\n"
+      "  osteon pack ball:20 -o ball.ply --mode disjoint --count 5000\n"
+      "  osteon pack hip.osp -o hip.ply -o hip.csv");
+  return sub;
+}
+
+// @returns what is wrong with them.
+std::string ReadPack(const PackTexts& texts, const CLI::App& sub, osteon::app::PackOptions& pack) {
+  pack.disjoint = texts.mode == "disjoint";
+  if (sub.count("--cup") > 0) {
+    const auto parsed = osteon::app::ParseCup(texts.cup);
+    if (!parsed) return parsed.error();
+    pack.source.cup = *parsed;
+  }
+  if (sub.count("--region") > 0) {
+    const auto parsed = osteon::app::ParseRegion(texts.region);
+    if (!parsed) return parsed.error();
+    pack.source.region = *parsed;
+  }
+  if (sub.count("--path") > 0) {
+    const auto radius = osteon::app::ParseNumbers(texts.path[1], 1, "--path: R");
+    if (!radius) return radius.error();
+    if (!(radius->front() >= 0.1 && radius->front() <= 100.0))
+      return fmt::format("--path: R: found {} mm, accepted 0.1 … 100", radius->front());
+    pack.source.path = {.file = texts.path[0], .radius_m = 1e-3 * radius->front()};
+  }
+  pack.source.graded = pack.grade.value_or(0.0) > 0.0;
+  for (const CLI::Option* option : sub.get_options())
+    if (option->count() > 0 && (option->get_group() == "Packing" || option->get_group() == "Mesh and site") &&
+        option->get_name() != "--threads")
+      pack.packing_options.push_back(option->get_name());
+  return "";
+}
+
 int Run(int argc, char** argv) {
   const char* root = std::getenv("OSTEON_ROOT");
   std::filesystem::path config_root = std::filesystem::path(root ? root : ".") / "config";
@@ -47,7 +152,7 @@ int Run(int argc, char** argv) {
   app.footer(
       "The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
       "  clean                       removes what was built\n\n"
-      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon doctor");
+      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon pack --help\n  osteon doctor");
 
   osteon::app::DemoOptions demo;
   std::string mesh, cup, cell = "demo";
@@ -84,6 +189,10 @@ int Run(int argc, char** argv) {
       "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
       "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21\n"
       "  osteon demo --cell molar --mesh tooth.obj --scale 0.041 --cup 0.4,1.2,8.3,0,0,1,1.75");
+
+  osteon::app::PackOptions pack;
+  PackTexts pack_texts;
+  CLI::App* pack_app = AddPack(app, pack, pack_texts);
 
   std::uint16_t port = 30200;
   std::filesystem::path doctor_json;
@@ -128,6 +237,15 @@ int Run(int argc, char** argv) {
       demo.mesh = osteon::app::MeshChoice{.file = mesh, .cup = *parsed, .scale = scale};
     }
     return osteon::app::RunDemo(demo);
+  }
+  if (*pack_app) {
+    pack.command_line = CommandLine(argc, argv);
+    pack.source.config_root = config_root;
+    if (const std::string wrong = ReadPack(pack_texts, *pack_app, pack); !wrong.empty()) {
+      fmt::print(stderr, "osteon pack: {}\n", wrong);
+      return 2;
+    }
+    return osteon::app::RunPack(pack);
   }
   if (*doctor_app) return osteon::app::RunDoctor(port, doctor_json);
   fmt::print("{}", app.help());

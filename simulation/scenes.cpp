@@ -193,7 +193,8 @@ tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& 
 tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, const std::filesystem::path& path,
                                                   const std::optional<Cup>& site, const SceneParams& scene) {
   CheckTissue(scene.mesh_tissue, scene.material_names.size());
-  const Cup checked = site ? Checked(*site) : Cup{.radius_m = 0.0};
+  const Cup checked =
+      site ? Checked(*site) : Cup{.center_m = {}, .axis = Vector3(Vector3::UnitZ()), .radius_m = 0.0};
   TissueMap tissue = TissueOf(scene.mesh_tissue, loaded.regions, checked);
   if (!site) tissue.lining.reset();
   auto solid = std::make_shared<const MeshSolid>(loaded, std::move(tissue));

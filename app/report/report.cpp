@@ -8,62 +8,13 @@
 
 #include <fmt/format.h>
 
-#include "app/report/png_file.h"
+#include "app/report/page.h"
 #include "app/report/run_charts.h"
 #include "app/report/svg_plot.h"
 #include "app/report/svg_text.h"
 
 namespace osteon::app {
 namespace {
-
-constexpr const char* kStyle = R"(
-:root { color-scheme: light; }
-* { box-sizing: border-box; }
-body { margin: 0; background: #fff; color: #1b1f24; line-height: 1.5; font-size: 15px;
-  font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif; }
-main { width: 984px; max-width: 100%; margin: 0 auto; padding: 36px 32px 64px; }
-h1 { font-size: 27px; line-height: 1.2; margin: 0 0 4px; letter-spacing: -0.01em; }
-h2 { font-size: 18px; margin: 44px 0 10px; padding-bottom: 6px; border-bottom: 1px solid #d9dee3; }
-p { margin: 8px 0; max-width: 76ch; }
-.sub { color: #59636e; margin: 0 0 18px; }
-.verdict { display: inline-block; padding: 5px 13px; border-radius: 999px; font-weight: 600; font-size: 14px; }
-.good { background: #e2f2ea; color: #0b5a3c; } .bad { background: #fbe5e3; color: #8c1d18; }
-.summary { columns: 2; column-gap: 40px; margin: 18px 0 0; padding: 0; list-style: none; }
-.summary li { display: flex; justify-content: space-between; gap: 18px; padding: 5px 0; border-bottom: 1px solid #eceff2;
-  break-inside: avoid; }
-.summary span { color: #59636e; flex: none; max-width: 60%; }
-.summary b { font-weight: 600; text-align: right; overflow-wrap: anywhere; min-width: 0;
-  font-variant-numeric: tabular-nums; }
-figure { margin: 14px 0 0; break-inside: avoid; }
-figure svg, figure img { display: block; max-width: 100%; height: auto; }
-figcaption { color: #59636e; font-size: 13.5px; margin-top: 6px; max-width: 92ch; }
-.pair { display: grid; grid-template-columns: 1fr 1fr; gap: 20px; }
-table { border-collapse: collapse; width: 100%; margin-top: 10px; }
-th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid #eceff2; vertical-align: top; }
-th { color: #59636e; font-weight: 500; font-size: 13.5px; }
-td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-pre { background: #f5f7f9; border-radius: 6px; padding: 12px 14px; font-size: 12.5px; line-height: 1.45;
-  white-space: pre-wrap; overflow-wrap: anywhere; }
-footer { margin-top: 44px; color: #59636e; font-size: 13px; }
-@media (max-width: 700px) { .summary { columns: 1; } .pair { grid-template-columns: 1fr; } main { padding: 20px 16px; } }
-@page { size: A4; margin: 14mm; }
-@media print { main { width: auto; padding: 0; } body { font-size: 10.5pt; } h2 { break-after: avoid; margin-top: 24px; }
-  .verdict { border: 1px solid currentColor; } pre { font-size: 8pt; } }
-)";
-
-std::string Figure(const std::string& content, const std::string& caption) {
-  return fmt::format("<figure>\n{}{}</figure>\n", content,
-                     caption.empty() ? "" : "<figcaption>" + Escape(caption) + "</figcaption>\n");
-}
-
-tl::expected<std::string, std::string> Picture(const Image& image, const std::string& caption) {
-  const auto png = EncodePng(image);
-  if (!png) return tl::unexpected(png.error());
-  return Figure(fmt::format(R"(<img width="{}" height="{}" alt="{}" src="data:image/png;base64,{}"/>)"
-                            "\n",
-                            image.width, image.height, Escape(caption), Base64(*png)),
-                caption);
-}
 
 std::string Head(const ReportInput& input) {
   std::string out = fmt::format("<header>\n<h1>{}</h1>\n", Escape(input.title));
@@ -176,11 +127,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   report.figures.cavity_direction = CavityErrorByDirection(input.bone, input.after, input.tool, X_GP);
 
   std::string& html = report.html;
-  html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n"
-      "<style>{}</style>\n</head>\n<body>\n<main>\n",
-      Escape(input.title), kStyle);
+  html = PageBegin(input.title);
   html += Head(input);
   html += Faults(input);
   html += "<h2>The cup</h2>\n<div class=\"pair\">\n" + *before + *after + "</div>\n";
@@ -212,7 +159,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   if (!input.config_text.empty())
     html += "<h2>Configuration</h2>\n<pre>" + Escape(input.config_text) + "</pre>\n";
   if (!input.version.empty()) html += "<footer>Osteon " + Escape(input.version) + "</footer>\n";
-  html += "</main>\n</body>\n</html>\n";
+  html += kPageEnd;
   return report;
 }
 
@@ -220,15 +167,7 @@ tl::expected<ReportFigures, std::string> WriteReport(const ReportInput& input,
                                                      const std::filesystem::path& path) {
   const auto report = MakeReport(input);
   if (!report) return tl::unexpected(path.string() + ": " + report.error());
-  std::filesystem::path part = path;
-  part += ".part";
-  std::ofstream file(part, std::ios::binary);
-  file << report->html;
-  file.close();
-  if (!file) return tl::unexpected(path.string() + ": cannot write the report");
-  std::error_code error;
-  std::filesystem::rename(part, path, error);
-  if (error) return tl::unexpected(path.string() + ": " + error.message());
+  if (const auto written = WritePage(report->html, path); !written) return tl::unexpected(written.error());
   return report->figures;
 }
 

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/pack_source.h"
+
+namespace osteon::app {
+
+struct PackOptions {
+  SourceOptions source;
+  std::vector<std::filesystem::path> outputs;  ///< .osp, .ply, .csv
+  bool disjoint{false};
+  std::optional<std::size_t> count{};
+  std::optional<double> r_min_mm{}, r_max_mm{}, grade{};
+  std::uint64_t seed{0};
+  int threads{0};  ///< 0: one a core
+  bool points{true};
+  std::optional<double> point_spacing_mm{};
+  std::filesystem::path report{};  ///< folder; empty: none
+  std::filesystem::path json{};
+  std::string command_line{};
+  std::vector<std::string> packing_options{};  ///< those given that a packing file has no use for
+};
+
+/// Fills a mesh or shape with balls and mass points and saves them; or saves a packing file in other formats.
+/// Prints how good it is.
+/// @returns the process's exit code: 0 done; 1 a tolerance was not kept, or what was made could not be
+/// written;
+///   2 something was wrong with the input, nothing was written (both said on stderr); 130 ended by Ctrl-C,
+///   every file that is there complete.
+[[nodiscard]] int RunPack(const PackOptions& options);
+
+}  // namespace osteon::app

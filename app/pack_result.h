@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/phase_progress.h"
+#include "app/report/report.h"
+#include "simulation/mass_points.h"
+#include "simulation/mass_properties.h"
+#include "simulation/packing_file.h"
+#include "simulation/packing_quality.h"
+
+namespace osteon::app {
+
+/// What `osteon pack` has made, and how good it is: what terminal, JSON and report show.
+struct PackResult {
+  simulation::Bone bone{};
+  std::string mode{};     ///< overlap, disjoint; of a packing file what it says
+  bool converted{false};  ///< read from a packing file: nothing was packed, and not all is known
+  simulation::PackingQuality quality{};
+  simulation::PackingProvenance provenance{};
+  std::size_t triangles{0};
+  std::uint64_t seed{0};
+  int threads{0};
+  std::string zone{};
+  simulation::MassPointParams point_params{};
+  simulation::MassProperties mass{};                        ///< of the mass points, with their materials
+  std::optional<simulation::MassProperties> even_points{};  ///< the same, every material 1000 kg/m³
+  std::optional<simulation::MassProperties> even_solid{};   ///< in closed form
+  double seconds{0.0};                                      ///< of the packing itself
+  std::vector<PhaseProgress::Phase> phases{};
+  std::vector<std::filesystem::path> outputs{};
+};
+
+/// Accepted by the product: balls that reach further out of their solid, or into each other, are a fault of
+/// the packing.
+inline constexpr double kMostProtrusion_m = 0.05e-3, kMostDisjointOverlap_m = 1e-6;
+[[nodiscard]] bool KeepsTolerances(const PackResult& result);
+
+/// Mass, centre and inertia of an even body by the points, against the closed form's.
+struct MassComparison {
+  double volume_error{0.0};  ///< relative, signed
+  double center_error_m{0.0};
+  double inertia_error{0.0};  ///< greatest difference of an element over the greatest element
+};
+[[nodiscard]] std::optional<MassComparison> CompareMass(const PackResult& result);
+
+/// Rows for the terminal and the report.
+[[nodiscard]] std::vector<SummaryRow> Rows(const PackResult& result);
+
+/// One JSON object, schema osteon.pack/1.
+[[nodiscard]] std::string ToJson(const PackResult& result);
+
+/// What is known of a packing's quality, as parameters of its provenance, and back.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> QualityParameters(
+    const simulation::PackingQuality& quality);
+void ReadQualityParameters(const simulation::PackingProvenance& provenance,
+                           simulation::PackingQuality& quality);
+
+}  // namespace osteon::app

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace osteon::app {
+
+/// Shows on stderr which of several phases a command is in: on a terminal a bar that moves from phase to
+/// phase with the time of the running one, elsewhere a line a phase. Keeps each phase's time.
+class PhaseProgress {
+ public:
+  struct Phase {
+    std::string name;
+    double seconds{0.0};
+  };
+
+  /// @param command  begins each line  @param phases  how many there will be
+  PhaseProgress(std::string command, int phases);
+  ~PhaseProgress();
+  PhaseProgress(const PhaseProgress&) = delete;
+  PhaseProgress& operator=(const PhaseProgress&) = delete;
+
+  /// Ends the phase before.
+  void Begin(const std::string& name);
+  /// Ends the last one and clears the bar.
+  void Done();
+  [[nodiscard]] const std::vector<Phase>& phases() const { return done_; }
+
+ private:
+  void EndPhase();
+  void Draw(std::stop_token stop);
+
+  std::string command_;
+  int count_;
+  bool terminal_;
+  std::string running_;
+  double begun_s_{0.0};
+  std::vector<Phase> done_;
+  std::mutex mutex_;  ///< guards running_, begun_s_ and done_ against the drawing thread
+  std::condition_variable_any wake_;
+  std::jthread drawer_;
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/report/report.h"
+#include "simulation/cut_zone.h"
+#include "simulation/mass_points.h"
+#include "simulation/mass_properties.h"
+#include "simulation/packing_file.h"
+#include "simulation/packing_quality.h"
+
+namespace osteon::app {
+
+/// Everything that a packing's report is made of. Views must outlive the call.
+struct PackReportInput {
+  std::string verdict{};  ///< in a few words ...
+  bool good{true};        ///< ... and whether it is good
+  std::vector<SummaryRow> summary{};
+  const simulation::Bone& bone;
+  const simulation::PackingQuality& quality;
+  const simulation::Solid& solid;
+  const simulation::CutZone& zone;
+  simulation::MassPointParams point_params{};
+  simulation::MassProperties mass{};                        ///< of the points
+  std::optional<simulation::MassProperties> even_points{};  ///< of the points, all of 1000 kg/m³
+  std::optional<simulation::MassProperties> even_solid{};   ///< the same of the solid, in closed form
+  simulation::PackingProvenance provenance{};
+  std::vector<SummaryRow> times{};
+  std::string command_line{};
+  std::string version{};
+  int threads{0};
+};
+
+/// The report as one HTML page: figures, pictures of the outside and of a half, a section, radii, gaps, the
+/// mass points' spectrum, mass and inertia against the solid's, materials with their sources and assumptions.
+[[nodiscard]] tl::expected<std::string, std::string> MakePackReport(const PackReportInput& input);
+
+/// MakePackReport into a file, which appears whole or not at all; makes its folder. The error names the file.
+[[nodiscard]] tl::expected<void, std::string> WritePackReport(const PackReportInput& input,
+                                                              const std::filesystem::path& path);
+
+}  // namespace osteon::app

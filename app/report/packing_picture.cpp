@@ -1,0 +1,194 @@
+#include "app/report/packing_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "simulation/bone.h"
+
+namespace osteon::app {
+namespace {
+
+using simulation::Ball;
+
+constexpr int kFine = 2;  ///< samples a pixel, each way
+
+/// What a ray meets first.
+struct Hit {
+  double depth_m{std::numeric_limits<double>::infinity()};
+  std::size_t ball{0};
+  bool in_plane{false};
+};
+
+std::uint8_t ToByte(double value) {
+  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
+}
+
+/// Depths s of a ray o + s d in and out of a ball, after the part in front of the plane is taken away.
+class Tracer {
+ public:
+  Tracer(std::span<const Ball> balls, const Camera& camera, const std::optional<CutAway>& cut)
+      : balls_(balls),
+        camera_(camera),
+        cut_(cut),
+        hits_(static_cast<std::size_t>(camera.width) * camera.height) {
+    for (std::size_t i = 0; i < balls.size(); ++i) Draw(i);
+  }
+
+  [[nodiscard]] const Hit& At(int x, int y) const {
+    return hits_[static_cast<std::size_t>(y) * camera_.width + x];
+  }
+
+ private:
+  void Draw(std::size_t index) {
+    const double r = balls_[index].radius_m;
+    const Vector3 center = balls_[index].center_m, to_center = center - camera_.eye;
+    const double z = to_center.dot(camera_.forward);
+    if (!(r > 0.0) || !(z > 1.01 * r)) return;
+    if (cut_ && (center - cut_->point).dot(cut_->normal) > r) return;
+    const Vector3 middle = camera_.Project(center);
+    const double reach = camera_.focal_px * r / (z - r) * 1.5 + 1.0;  // 1.5: seen at up to 45 degrees, ample
+    const int i0 = static_cast<int>(std::max(middle.x() - reach, 0.0));
+    const int i1 = static_cast<int>(std::min(middle.x() + reach, camera_.width - 1.0));
+    const int j0 = static_cast<int>(std::max(middle.y() - reach, 0.0));
+    const int j1 = static_cast<int>(std::min(middle.y() + reach, camera_.height - 1.0));
+    for (int j = j0; j <= j1; ++j)
+      for (int i = i0; i <= i1; ++i) {
+        Hit& best = hits_[static_cast<std::size_t>(j) * camera_.width + i];
+        if (z - r >= best.depth_m) continue;
+        const Vector3 ray = camera_.Ray(i + 0.5, j + 0.5);
+        const double d2 = ray.squaredNorm(), dc = ray.dot(to_center);
+        const double discriminant = dc * dc - d2 * (to_center.squaredNorm() - r * r);
+        if (discriminant < 0.0) continue;
+        const double root = std::sqrt(discriminant);
+        const double in = (dc - root) / d2, out = (dc + root) / d2;
+        double depth = in;
+        bool in_plane = false;
+        if (cut_) {
+          // the eye is on the side taken away: the ray enters what is left where it crosses the plane
+          const double along = ray.dot(cut_->normal), ahead = (cut_->point - camera_.eye).dot(cut_->normal);
+          if (!(along < 0.0)) continue;
+          const double plane = ahead / along;
+          if (out <= plane) continue;
+          in_plane = in < plane;
+          depth = std::max(in, plane);
+        }
+        // of balls that overlap in the plane the one whose middle is nearer to it covers the other
+        const bool nearer = depth < best.depth_m - 1e-9;
+        const bool deeper = in_plane && best.in_plane && std::abs(depth - best.depth_m) <= 1e-9 &&
+                            balls_[best.ball].radius_m < r;
+        if (nearer || deeper) best = {.depth_m = depth, .ball = index, .in_plane = in_plane};
+      }
+  }
+
+  std::span<const Ball> balls_;
+  const Camera& camera_;
+  const std::optional<CutAway>& cut_;
+  std::vector<Hit> hits_;
+};
+
+Eigen::AlignedBox3d BoxOf(const simulation::Bone& bone) {
+  Eigen::AlignedBox3d box;
+  for (const Ball& ball : bone.balls) {
+    box.extend(Vector3(ball.center_m) + Vector3::Constant(ball.radius_m));
+    box.extend(Vector3(ball.center_m) - Vector3::Constant(ball.radius_m));
+  }
+  return box;
+}
+
+}  // namespace
+
+CutAway MiddlePlane(const simulation::Bone& bone) {
+  const Eigen::AlignedBox3d box = BoxOf(bone);
+  Eigen::Index thinnest = 0;
+  box.sizes().minCoeff(&thinnest);
+  CutAway plane{.point = box.center(), .normal = Vector3::Unit(thinnest)};
+  if (bone.cup.radius_m > 0.0) {
+    const Vector3 axis = bone.cup.axis;
+    Vector3 across = plane.normal - plane.normal.dot(axis) * axis;
+    if (across.norm() < 0.3) {  // the site looks along the thinnest extent: any plane with its axis
+      const Vector3 other = Vector3::Unit((thinnest + 1) % 3);
+      across = other - other.dot(axis) * axis;
+    }
+    plane = {.point = bone.cup.center_m, .normal = across.normalized()};
+  }
+  return plane;
+}
+
+Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int width, int height) {
+  const Eigen::AlignedBox3d box = BoxOf(bone);
+  // up: the site's axis, or the longest extent
+  Eigen::Index longest = 0;
+  box.sizes().maxCoeff(&longest);
+  Vector3 up = bone.cup.radius_m > 0.0 ? Vector3(bone.cup.axis) : Vector3(Vector3::Unit(longest));
+  up = (up - up.dot(plane.normal) * plane.normal).normalized();
+  const Vector3 side = up.cross(plane.normal);
+  const Vector3 towards = (plane.normal + 0.28 * up + 0.22 * side).normalized();
+  const double far_m = 3.0 * box.diagonal().norm();
+  Camera camera = LookAt(box.center() + far_m * towards, box.center(), up, 1.0, width, height);
+
+  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Ball& ball : bone.balls) {
+    const Vector3 at = camera.Project(ball.center_m);
+    const double r = ball.radius_m / at.z();
+    low = low.cwiseMin(at - Vector3::Constant(r));
+    high = high.cwiseMax(at + Vector3::Constant(r));
+  }
+  constexpr double kMargin = 0.96;
+  camera.focal_px = kMargin * std::min(width / (high.x() - low.x()), height / (high.y() - low.y()));
+  camera.center_x_px = width / 2.0 - camera.focal_px * (0.5 * (low.x() + high.x()) - width / 2.0);
+  camera.center_y_px = height / 2.0 - camera.focal_px * (0.5 * (low.y() + high.y()) - height / 2.0);
+  return camera;
+}
+
+Image RenderPacking(std::span<const Ball> balls, const Camera& camera, const std::optional<CutAway>& cut,
+                    const BallColor& color) {
+  const Camera fine = camera.Scaled(kFine);
+  const Tracer tracer(balls, fine, cut);
+  const Vector3 key = (-0.45 * camera.right + 0.65 * camera.up - 0.62 * camera.forward).normalized();
+  const auto shade = [&](int x, int y) -> Vector3 {
+    const Hit& hit = tracer.At(x, y);
+    if (!std::isfinite(hit.depth_m)) return Vector3::Ones();
+    const Vector3 p = camera.eye + hit.depth_m * fine.Ray(x + 0.5, y + 0.5);
+    const Vector3 c = balls[hit.ball].center_m;
+    const Vector3 base = color(hit.ball, p);
+    if (hit.in_plane) {
+      const double r = balls[hit.ball].radius_m, h = (c - cut->point).dot(cut->normal);
+      const double disc = std::sqrt(std::max(r * r - h * h, 1e-18));
+      const double at = (p - c - (-h) * cut->normal).norm() / disc;  // 0 middle of the disc … 1 rim
+      return base * (at > 0.88 ? 0.72 : 1.0);
+    }
+    const Vector3 n = (p - c).normalized();
+    const double direct = std::max(0.0, n.dot(key)), facing = std::max(0.0, -n.dot(camera.forward));
+    // what is cut away leaves the inside in shade
+    const double behind =
+        cut ? std::exp((p - cut->point).dot(cut->normal) / (3.0 * balls[hit.ball].radius_m + 1e-3)) : 1.0;
+    return base * (0.25 + 0.35 * facing + 0.45 * direct) * (0.55 + 0.45 * behind);
+  };
+
+  Image image{.width = camera.width, .height = camera.height};
+  image.rgb.resize(3 * static_cast<std::size_t>(camera.width) * camera.height);
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      Vector3 sum = Vector3::Zero();
+      for (int s = 0; s < kFine * kFine; ++s) sum += shade(kFine * x + s % kFine, kFine * y + s / kFine);
+      for (int k = 0; k < 3; ++k)
+        image.rgb[3 * (static_cast<std::size_t>(y) * camera.width + x) + k] =
+            ToByte(sum[k] / (kFine * kFine));
+    }
+  return image;
+}
+
+Vector3 Viridis(double share) {
+  // Smith, van der Walt, matplotlib 2015: at quarters, linear between
+  static const std::array<Vector3, 5> kStops{Vector3(0.267, 0.005, 0.329), Vector3(0.230, 0.322, 0.546),
+                                             Vector3(0.128, 0.567, 0.551), Vector3(0.369, 0.789, 0.383),
+                                             Vector3(0.993, 0.906, 0.144)};
+  const double at = 4.0 * std::clamp(share, 0.0, 1.0);
+  const auto i = std::min<std::size_t>(static_cast<std::size_t>(at), 3);
+  const double t = at - static_cast<double>(i);
+  return (1.0 - t) * kStops[i] + t * kStops[i + 1];
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "app/report/depth_buffer.h"
+#include "app/report/png_file.h"
+
+namespace osteon::app {
+
+/// Half of space that is taken away: where (p - point)·normal > 0. In G.
+struct CutAway {
+  Vector3 point{Vector3::Zero()}, normal{Vector3::UnitZ()};
+};
+
+/// The plane that shows most of a packing: through its middle, across its thinnest extent; where there is a
+/// site, through the site's axis.
+[[nodiscard]] CutAway MiddlePlane(const simulation::Bone& bone);
+
+/// A view on that plane, from the side that is taken away, a little from above, that holds all of the
+/// packing.
+[[nodiscard]] Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int width, int height);
+
+/// Colour (sRGB 0 … 1) of ball i at a place on its surface, or in the plane that cuts it.
+using BallColor = std::function<Vector3(std::size_t i, const Vector3& p_G)>;
+
+/// Shaded picture of the balls as they are, each exact to the pixel: what lies in the part taken away is left
+/// out, and balls that the plane passes through show their inside, flat, with a darker rim.
+[[nodiscard]] Image RenderPacking(std::span<const simulation::Ball> balls, const Camera& camera,
+                                  const std::optional<CutAway>& cut, const BallColor& color);
+
+/// Viridis, from dark violet (0) to yellow (1); sRGB.
+[[nodiscard]] Vector3 Viridis(double share);
+
+}  // namespace osteon::app

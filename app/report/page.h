@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "app/report/png_file.h"
+
+// What every report is made of: one HTML file that opens anywhere, without a script and without the network.
+
+namespace osteon::app {
+
+/// From <!DOCTYPE to <main>, with the style sheet.
+[[nodiscard]] std::string PageBegin(const std::string& title);
+inline constexpr const char* kPageEnd = "</main>\n</body>\n</html>\n";
+
+/// @param content  markup;  @param caption  text, or empty
+[[nodiscard]] std::string Figure(const std::string& content, const std::string& caption);
+
+/// A picture within the page. @returns libpng's message where it fails.
+[[nodiscard]] tl::expected<std::string, std::string> Picture(const Image& image, const std::string& caption);
+
+/// The file appears whole or not at all. The error names it.
+[[nodiscard]] tl::expected<void, std::string> WritePage(const std::string& html,
+                                                        const std::filesystem::path& path);
+
+}  // namespace osteon::app
