@@ -60,15 +60,15 @@ tl::expected<std::string, std::string> Pictures(const PackReportInput& input) {
     return MaterialColor(bone, input.solid.MaterialAt(p_G));
   };
   const Camera camera = PackingCamera(bone, plane, 470, 470);
-  const auto outside =
-      Picture(RenderPacking(bone.balls, camera, std::nullopt, by_radius), "All spheres, by radius.");
+  const auto outside = Picture(RenderPacking(bone.balls, camera, std::nullopt, by_radius, input.threads),
+                               "All spheres, by radius.");
   if (!outside) return outside;
-  const auto half = Picture(RenderPacking(bone.balls, camera, plane, by_radius),
+  const auto half = Picture(RenderPacking(bone.balls, camera, plane, by_radius, input.threads),
                             "The half behind the middle plane: spheres that it cuts show their inside.");
   if (!half) return half;
-  const auto inside =
-      Picture(RenderPacking(bone.balls, PackingCamera(bone, plane, 920, 640), plane, by_material),
-              "The same half by material, as the solid has it there; gaps show what lies behind them.");
+  const auto inside = Picture(
+      RenderPacking(bone.balls, PackingCamera(bone, plane, 760, 560), plane, by_material, input.threads),
+      "The same half by material, as the solid has it there; gaps show what lies behind them.");
   if (!inside) return inside;
   std::string tints;
   for (const simulation::Material& material : bone.materials) {

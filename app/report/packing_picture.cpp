@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "simulation/bone.h"
+#include "simulation/parallel.h"
 
 namespace osteon::app {
 namespace {
@@ -25,15 +25,37 @@ std::uint8_t ToByte(double value) {
   return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
 }
 
-/// Depths s of a ray o + s d in and out of a ball, after the part in front of the plane is taken away.
+/// The first ball that each pixel's ray meets, after the part in front of the plane is taken away.
+///
+/// Nothing lies in front of the plane: once all pixels of a tile show it, the tile is done. Balls that cross
+/// it come first, the larger before the smaller, then the rest from front to back; a tile is left out where
+/// the ball lies behind all that it shows.
 class Tracer {
  public:
   Tracer(std::span<const Ball> balls, const Camera& camera, const std::optional<CutAway>& cut)
       : balls_(balls),
         camera_(camera),
         cut_(cut),
+        columns_((camera.width + kTile - 1) / kTile),
+        tiles_(static_cast<std::size_t>(columns_) * ((camera.height + kTile - 1) / kTile)),
         hits_(static_cast<std::size_t>(camera.width) * camera.height) {
-    for (std::size_t i = 0; i < balls.size(); ++i) Draw(i);
+    struct Entry {
+      bool behind;  ///< the plane
+      double key;
+      std::size_t ball;
+      auto operator<=>(const Entry&) const = default;
+    };
+    std::vector<Entry> order;
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+      const Vector3 center = balls[i].center_m;
+      const double r = balls[i].radius_m, z = (center - camera.eye).dot(camera.forward);
+      const double above = cut ? (center - cut->point).dot(cut->normal) : -r;
+      if (!(r > 0.0) || !(z > 1.01 * r) || above > r) continue;
+      const bool crosses = above > -r;
+      order.push_back({.behind = !crosses, .key = crosses ? -r : z - r, .ball = i});
+    }
+    std::ranges::sort(order);
+    for (const Entry& entry : order) Draw(entry.ball);
   }
 
   [[nodiscard]] const Hit& At(int x, int y) const {
@@ -41,50 +63,69 @@ class Tracer {
   }
 
  private:
+  static constexpr int kTile = 16;
+  struct Tile {
+    double farthest_m{std::numeric_limits<double>::infinity()};
+    bool done{false};
+  };
+
   void Draw(std::size_t index) {
     const double r = balls_[index].radius_m;
-    const Vector3 center = balls_[index].center_m, to_center = center - camera_.eye;
+    const Vector3 to_center = Vector3(balls_[index].center_m) - camera_.eye;
     const double z = to_center.dot(camera_.forward);
-    if (!(r > 0.0) || !(z > 1.01 * r)) return;
-    if (cut_ && (center - cut_->point).dot(cut_->normal) > r) return;
-    const Vector3 middle = camera_.Project(center);
-    const double reach = camera_.focal_px * r / (z - r) * 1.5 + 1.0;  // 1.5: seen at up to 45 degrees, ample
-    const int i0 = static_cast<int>(std::max(middle.x() - reach, 0.0));
+    const Vector3 middle = camera_.Project(balls_[index].center_m);
+    const double reach = camera_.focal_px * r / (z - r) * 1.2 + 1.0;  // 1.2: seen at up to 30 degrees
+    const int i0 = static_cast<int>(std::max(middle.x() - reach, 0.0)) / kTile;
     const int i1 = static_cast<int>(std::min(middle.x() + reach, camera_.width - 1.0));
-    const int j0 = static_cast<int>(std::max(middle.y() - reach, 0.0));
+    const int j0 = static_cast<int>(std::max(middle.y() - reach, 0.0)) / kTile;
     const int j1 = static_cast<int>(std::min(middle.y() + reach, camera_.height - 1.0));
-    for (int j = j0; j <= j1; ++j)
-      for (int i = i0; i <= i1; ++i) {
-        Hit& best = hits_[static_cast<std::size_t>(j) * camera_.width + i];
-        if (z - r >= best.depth_m) continue;
-        const Vector3 ray = camera_.Ray(i + 0.5, j + 0.5);
+    for (int j = j0; j * kTile <= j1; ++j)
+      for (int i = i0; i * kTile <= i1; ++i) {
+        Tile& tile = tiles_[static_cast<std::size_t>(j) * columns_ + i];
+        if (!tile.done && z - r < tile.farthest_m) DrawInTile(index, to_center, i * kTile, j * kTile, tile);
+      }
+  }
+
+  void DrawInTile(std::size_t index, const Vector3& to_center, int x0, int y0, Tile& tile) {
+    const double r = balls_[index].radius_m, c2 = to_center.squaredNorm() - r * r;
+    bool changed = false;
+    const int x1 = std::min(x0 + kTile, camera_.width), y1 = std::min(y0 + kTile, camera_.height);
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) {
+        Hit& best = hits_[static_cast<std::size_t>(y) * camera_.width + x];
+        if (best.in_plane) continue;
+        const Vector3 ray = camera_.Ray(x + 0.5, y + 0.5);
         const double d2 = ray.squaredNorm(), dc = ray.dot(to_center);
-        const double discriminant = dc * dc - d2 * (to_center.squaredNorm() - r * r);
+        const double discriminant = dc * dc - d2 * c2;
         if (discriminant < 0.0) continue;
         const double root = std::sqrt(discriminant);
         const double in = (dc - root) / d2, out = (dc + root) / d2;
-        double depth = in;
-        bool in_plane = false;
+        double plane = -std::numeric_limits<double>::infinity();
         if (cut_) {
           // the eye is on the side taken away: the ray enters what is left where it crosses the plane
-          const double along = ray.dot(cut_->normal), ahead = (cut_->point - camera_.eye).dot(cut_->normal);
+          const double along = ray.dot(cut_->normal);
           if (!(along < 0.0)) continue;
-          const double plane = ahead / along;
-          if (out <= plane) continue;
-          in_plane = in < plane;
-          depth = std::max(in, plane);
+          plane = (cut_->point - camera_.eye).dot(cut_->normal) / along;
         }
-        // of balls that overlap in the plane the one whose middle is nearer to it covers the other
-        const bool nearer = depth < best.depth_m - 1e-9;
-        const bool deeper = in_plane && best.in_plane && std::abs(depth - best.depth_m) <= 1e-9 &&
-                            balls_[best.ball].radius_m < r;
-        if (nearer || deeper) best = {.depth_m = depth, .ball = index, .in_plane = in_plane};
+        if (out <= plane || std::max(in, plane) >= best.depth_m) continue;
+        best = {.depth_m = std::max(in, plane), .ball = index, .in_plane = in < plane};
+        changed = true;
+      }
+    if (!changed) return;
+    tile = {.farthest_m = 0.0, .done = true};
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) {
+        const Hit& hit = At(x, y);
+        tile.farthest_m = std::max(tile.farthest_m, hit.depth_m);
+        tile.done = tile.done && hit.in_plane;
       }
   }
 
   std::span<const Ball> balls_;
   const Camera& camera_;
   const std::optional<CutAway>& cut_;
+  int columns_;
+  std::vector<Tile> tiles_;
   std::vector<Hit> hits_;
 };
 
@@ -143,40 +184,55 @@ Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int wid
 }
 
 Image RenderPacking(std::span<const Ball> balls, const Camera& camera, const std::optional<CutAway>& cut,
-                    const BallColor& color) {
+                    const BallColor& color, int threads) {
   const Camera fine = camera.Scaled(kFine);
   const Tracer tracer(balls, fine, cut);
   const Vector3 key = (-0.45 * camera.right + 0.65 * camera.up - 0.62 * camera.forward).normalized();
-  const auto shade = [&](int x, int y) -> Vector3 {
-    const Hit& hit = tracer.At(x, y);
-    if (!std::isfinite(hit.depth_m)) return Vector3::Ones();
-    const Vector3 p = camera.eye + hit.depth_m * fine.Ray(x + 0.5, y + 0.5);
+  const auto shade = [&](const Hit& hit, const Vector3& p, const Vector3& base) -> Vector3 {
     const Vector3 c = balls[hit.ball].center_m;
-    const Vector3 base = color(hit.ball, p);
+    const double r = balls[hit.ball].radius_m;
     if (hit.in_plane) {
-      const double r = balls[hit.ball].radius_m, h = (c - cut->point).dot(cut->normal);
-      const double disc = std::sqrt(std::max(r * r - h * h, 1e-18));
-      const double at = (p - c - (-h) * cut->normal).norm() / disc;  // 0 middle of the disc … 1 rim
-      return base * (at > 0.88 ? 0.72 : 1.0);
+      const double h = (c - cut->point).dot(cut->normal), disc = std::sqrt(std::max(r * r - h * h, 1e-18));
+      const double from_rim_m = disc - (p - (c - h * cut->normal)).norm();
+      const double rim_m = std::min(0.12 * disc, 1.2 * hit.depth_m / camera.focal_px);  // of a pixel's width
+      return base * (from_rim_m < rim_m ? 0.7 : 1.0);
     }
     const Vector3 n = (p - c).normalized();
     const double direct = std::max(0.0, n.dot(key)), facing = std::max(0.0, -n.dot(camera.forward));
     // what is cut away leaves the inside in shade
-    const double behind =
-        cut ? std::exp((p - cut->point).dot(cut->normal) / (3.0 * balls[hit.ball].radius_m + 1e-3)) : 1.0;
-    return base * (0.25 + 0.35 * facing + 0.45 * direct) * (0.55 + 0.45 * behind);
+    const double light = cut ? std::exp((p - cut->point).dot(cut->normal) / (3.0 * r + 1e-3)) : 1.0;
+    return base * (0.25 + 0.35 * facing + 0.45 * direct) * (0.55 + 0.45 * light);
   };
 
   Image image{.width = camera.width, .height = camera.height};
   image.rgb.resize(3 * static_cast<std::size_t>(camera.width) * camera.height);
-  for (int y = 0; y < camera.height; ++y)
+  const auto draw_row = [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
-      Vector3 sum = Vector3::Zero();
-      for (int s = 0; s < kFine * kFine; ++s) sum += shade(kFine * x + s % kFine, kFine * y + s / kFine);
+      Vector3 sum = Vector3::Zero(), base = Vector3::Ones();
+      const Hit* colored = nullptr;  // a colour may cost a search: one for all samples of a ball
+      for (int s = 0; s < kFine * kFine; ++s) {
+        const int u = kFine * x + s % kFine, v = kFine * y + s / kFine;
+        const Hit& hit = tracer.At(u, v);
+        if (!std::isfinite(hit.depth_m)) {
+          sum += Vector3::Ones();
+          continue;
+        }
+        const Vector3 p = camera.eye + hit.depth_m * fine.Ray(u + 0.5, v + 0.5);
+        if (!colored || colored->ball != hit.ball) base = color(hit.ball, p);
+        colored = &hit;
+        sum += shade(hit, p, base);
+      }
       for (int k = 0; k < 3; ++k)
         image.rgb[3 * (static_cast<std::size_t>(y) * camera.width + x) + k] =
             ToByte(sum[k] / (kFine * kFine));
     }
+  };
+  simulation::ParallelFor(
+      static_cast<std::size_t>(camera.height), threads,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) draw_row(static_cast<int>(y));
+      },
+      16);
   return image;
 }
 

@@ -22,13 +22,14 @@ struct CutAway {
 /// packing.
 [[nodiscard]] Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int width, int height);
 
-/// Colour (sRGB 0 … 1) of ball i at a place on its surface, or in the plane that cuts it.
+/// Colour (sRGB 0 … 1) of ball i at a place on its surface, or in the plane that cuts it. Called from several
+/// threads.
 using BallColor = std::function<Vector3(std::size_t i, const Vector3& p_G)>;
 
 /// Shaded picture of the balls as they are, each exact to the pixel: what lies in the part taken away is left
 /// out, and balls that the plane passes through show their inside, flat, with a darker rim.
 [[nodiscard]] Image RenderPacking(std::span<const simulation::Ball> balls, const Camera& camera,
-                                  const std::optional<CutAway>& cut, const BallColor& color);
+                                  const std::optional<CutAway>& cut, const BallColor& color, int threads = 0);
 
 /// Viridis, from dark violet (0) to yellow (1); sRGB.
 [[nodiscard]] Vector3 Viridis(double share);
