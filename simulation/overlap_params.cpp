@@ -64,8 +64,9 @@ PackingParams OverlapParamsFor(const Solid& solid, const CutZone&, const Overlap
   params.lattice.finest_m = params.cup_radius_cap_m / (options.count > 0 ? 2.0 : params.radius_over_spacing);
   params.lattice.coarser_from_m = DoublingDepths(params.cup_radius_cap_m, options.grade);
   params.samples.coarser_from_m = params.lattice.coarser_from_m;
+  if (params.samples.coarser_from_m.size() > 2) params.samples.coarser_from_m.resize(2);
   params.surface_gap_growth = options.grade * params.surface_gap_m / params.cup_radius_cap_m;
-  params.greatest_surface_gap_m = 20.0 * params.surface_gap_m;
+  params.greatest_surface_gap_m = 5.0 * params.surface_gap_m;
 
   const Size size = Measure(solid, options.threads);
   if (options.count > 0) {

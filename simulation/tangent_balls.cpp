@@ -39,18 +39,20 @@ class Search {
         // no ball inside is larger
         most_m_(0.5 * solid.Bounds().sizes().minCoeff()) {}
 
-  /// Largest radius of a ball at the foot that the cap at its centre allows. The caps grow by at most as much
-  /// as depth does, so a smaller ball at the same foot keeps them too.
+  /// Largest radius of a ball at the foot that the cap at its centre allows. Caps grow by no more than depth
+  /// does, hence by no more than the radius: every smaller ball keeps them too.
   [[nodiscard]] double Cap(const Foot& foot, double depth_m) const {
     const double spacing = params_.SpacingAt(depth_m);
-    double radius = most_m_;
-    constexpr int kMostRounds = 8;
-    for (int round = 0; round < kMostRounds; ++round) {
-      const double cap = params_.RadiusCapAt(zone_.DepthAt(foot.p_m + radius * foot.inward), spacing);
-      if (radius <= cap) return radius;
-      radius = cap;
+    const auto allowed = [&](double radius) {
+      return radius <= params_.RadiusCapAt(zone_.DepthAt(foot.p_m + radius * foot.inward), spacing);
+    };
+    if (allowed(most_m_)) return most_m_;
+    double low = std::min(most_m_, params_.cup_radius_cap_m), high = most_m_;
+    while (high - low > 1e-3 * low) {
+      const double middle = 0.5 * (low + high);
+      (allowed(middle) ? low : high) = middle;
     }
-    return std::min(most_m_, params_.cup_radius_cap_m);
+    return low;
   }
 
   /// The largest ball at the foot with at most this radius, up to a slack; none under the least radius.
