@@ -156,6 +156,9 @@ class Builder {
     }
   }
 
+  [[nodiscard]] static std::uint64_t OrderBits(const Cell& cell) {
+    return CellRandom(cell, kOrderSalt).NextBits();
+  }
   using Order = std::vector<std::pair<std::uint64_t, std::uint32_t>>;
 
   /// The k-th sample of a cell to be tried; `bits` are the cell's.
@@ -164,62 +167,73 @@ class Builder {
     return static_cast<int>((bits % samples_ + k * kStride) % samples_);
   }
 
+  /// Whether some site lies nearer to a sample of the cell than `factor` separations.
+  [[nodiscard]] bool Refused(const Vector3& p, std::uint32_t cell, double factor) const {
+    const auto near_in = [&](std::uint32_t other, double reach) {
+      for (std::uint32_t i = first_site_[other]; i != kNone; i = sites_[i].next)
+        if ((sites_[i].p_m - p).squaredNorm() < reach * reach) return true;
+      return false;
+    };
+    const auto reach_of = [&](double side) {
+      return factor * 0.5 * kMassPointSeparation * (cells_[cell].side_m + side);
+    };
+    if (near_in(cell, reach_of(cells_[cell].side_m))) return true;  // the likeliest
+    bool refused = false;
+    for (int level = 0; level < lookup_.levels() && !refused; ++level) {
+      const double reach = reach_of(lookup_.side_m(level));
+      const Vector3 margin = Vector3::Constant(reach);
+      lookup_.ForEachIn(level, p - margin, p + margin,
+                        [&](std::uint32_t other) { refused = refused || near_in(other, reach); });
+    }
+    return refused;
+  }
+
   /// One sample of each cell, in random order: it becomes a site where it keeps its distance from all so far.
   /// Since each trial may fall anywhere, sites do not line up with the cells.
   void DrawOnce(const Order& order, int turn) {
-    for (const auto& [bits, index] : order) {
-      const Cell& cell = cells_[index];
-      const Vector3 p = SampleOf(cell, BitsOf(cell), Turn(bits, turn));
-      const auto refuses = [&](std::uint32_t near, double squared_reach) {
-        for (std::uint32_t i = first_site_[near]; i != kNone; i = sites_[i].next)
-          if ((sites_[i].p_m - p).squaredNorm() < squared_reach) return true;
-        return false;
-      };
-      // in its own cell it is the likeliest
-      const double side = kMassPointSeparation * cell.side_m;
-      if (refuses(index, side * side)) continue;
-      bool refused = false;
-      for (int level = 0; level < lookup_.levels() && !refused; ++level) {
-        const double reach = 0.5 * kMassPointSeparation * (cell.side_m + lookup_.side_m(level));
-        const Vector3 margin = Vector3::Constant(reach);
-        lookup_.ForEachIn(level, p - margin, p + margin,
-                          [&](std::uint32_t near) { refused = refused || refuses(near, reach * reach); });
-      }
-      if (!refused) AddSite(p, index);
+    for (const auto& [bits, cell] : order) {
+      const Vector3 p = SampleOf(cells_[cell], BitsOf(cells_[cell]), Turn(bits, turn));
+      if (!Refused(p, cell, 1.0)) AddSite(p, cell);
     }
   }
 
-  /// All samples of each cell in turn: those that lie `factor` separations from all sites so far become
-  /// sites. A cell's neighbours are gathered once.
-  void DrawAll(const Order& order, double factor, bool inside_alone) {
-    struct Neighbor {
-      Vector3 p_m;
-      double squared_reach_m2;
-    };
-    std::vector<Vector3> samples;
-    std::vector<Neighbor> neighbors;
-    for (const auto& [bits, cell] : order) {
-      const double side = factor * kMassPointSeparation * cells_[cell].side_m;
-      neighbors.clear();
-      ForEachSiteNear(cells_[cell], factor, [&](std::uint32_t i, double squared_reach) {
-        neighbors.push_back({sites_[i].p_m, squared_reach});
-      });
-      SamplesOf(cells_[cell], samples);
-      std::size_t last = 0;  // the one that refused the last sample often refuses the next
-      for (int k = 0; k < samples_; ++k) {
-        const int i = Turn(bits, k);
-        if (inside_alone && !Inside(cell, i)) continue;
-        const Vector3& p = samples[i];
-        const auto refuses = [&p](const Neighbor& near) {
-          return (near.p_m - p).squaredNorm() < near.squared_reach_m2;
-        };
-        if (last < neighbors.size() && refuses(neighbors[last])) continue;
-        last = std::find_if(neighbors.begin(), neighbors.end(), refuses) - neighbors.begin();
-        if (last < neighbors.size()) continue;
-        AddSite(p, cell);
-        neighbors.push_back({p, side * side});
+  /// All samples that lie `factor` separations from all sites so far become sites, cell by cell. Which ones
+  /// the sites before refuse already, nearly all, is found on all threads.
+  void DrawRest(const Order& order, double factor, bool inside_alone) {
+    std::vector<std::vector<std::uint16_t>> open(cells_.size());
+    ParallelFor(cells_.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
+      struct Neighbor {
+        Vector3 p_m;
+        double squared_reach_m2;
+      };
+      std::vector<Vector3> samples;
+      std::vector<Neighbor> neighbors;
+      for (auto cell = static_cast<std::uint32_t>(begin); cell < end; ++cell) {
+        if (inside_alone && crossed_[cell] == kNone) continue;
+        const std::uint64_t bits = OrderBits(cells_[cell]);
+        neighbors.clear();
+        ForEachSiteNear(cells_[cell], factor, [&](std::uint32_t i, double squared_reach) {
+          neighbors.push_back({sites_[i].p_m, squared_reach});
+        });
+        SamplesOf(cells_[cell], samples);
+        std::size_t last = 0;  // what refused the last sample often refuses the next
+        for (int k = 0; k < samples_; ++k) {
+          const int i = Turn(bits, k);
+          if (inside_alone && !Inside(cell, i)) continue;
+          const auto refuses = [&p = samples[i]](const Neighbor& near) {
+            return (near.p_m - p).squaredNorm() < near.squared_reach_m2;
+          };
+          if (last < neighbors.size() && refuses(neighbors[last])) continue;
+          last = std::find_if(neighbors.begin(), neighbors.end(), refuses) - neighbors.begin();
+          if (last == neighbors.size()) open[cell].push_back(static_cast<std::uint16_t>(i));
+        }
       }
-    }
+    });
+    for (const auto& [bits, cell] : order)
+      for (const int i : open[cell]) {
+        const Vector3 p = SampleOf(cells_[cell], BitsOf(cells_[cell]), i);
+        if (!Refused(p, cell, factor)) AddSite(p, cell);
+      }
   }
 
   void AddSite(const Vector3& p, std::uint32_t cell) {
@@ -229,14 +243,13 @@ class Builder {
 
   void DrawSites() {
     Order order(cells_.size());
-    for (std::uint32_t i = 0; i < cells_.size(); ++i)
-      order[i] = {CellRandom(cells_[i], kOrderSalt).NextBits(), i};
+    for (std::uint32_t i = 0; i < cells_.size(); ++i) order[i] = {OrderBits(cells_[i]), i};
     std::sort(order.begin(), order.end());
     first_site_.resize(cells_.size(), kNone);
     sites_.reserve(cells_.size() + cells_.size() / 4);
     constexpr int kTrials = 4;  // most of the sites
     for (int turn = 0; turn < kTrials; ++turn) DrawOnce(order, turn);
-    DrawAll(order, 1.0, false);
+    DrawRest(order, 1.0, false);
 
     std::vector<char> inside(sites_.size());
     ParallelFor(sites_.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
@@ -248,8 +261,7 @@ class Builder {
     first_site_.assign(cells_.size(), kNone);
     for (std::size_t i = 0; i < drawn.size(); ++i)
       if (inside[i]) AddSite(drawn[i].p_m, drawn[i].cell);
-    std::erase_if(order, [this](const auto& cell) { return crossed_[cell.second] == kNone; });
-    DrawAll(order, kGreatestHole, true);
+    DrawRest(order, kGreatestHole, true);
   }
 
   [[nodiscard]] DepthPlane PlaneIn(const Cell& cell) const {
