@@ -15,7 +15,8 @@ std::uint64_t BallGrid::Key(std::int64_t x, std::int64_t y, std::int64_t z) {
   constexpr std::int64_t kHalf = 1 << 20;
   constexpr std::uint64_t kMask = (1 << 21) - 1;
   return (static_cast<std::uint64_t>(x + kHalf) & kMask) << 42 |
-         (static_cast<std::uint64_t>(y + kHalf) & kMask) << 21 | (static_cast<std::uint64_t>(z + kHalf) & kMask);
+         (static_cast<std::uint64_t>(y + kHalf) & kMask) << 21 |
+         (static_cast<std::uint64_t>(z + kHalf) & kMask);
 }
 
 std::size_t BallGrid::Slot(const Octave& octave, std::uint64_t key) {
@@ -94,8 +95,7 @@ void BallGrid::Gather(const Vector3& p_m, double reach_m, std::vector<Ball>& fou
 
 double BallGrid::Clearance(const Vector3& p_m, double reach_m) const {
   double clearance = reach_m;
-  VisitNear(p_m, reach_m,
-            [&clearance](const Ball&, double gap) { clearance = std::min(clearance, gap); });
+  VisitNear(p_m, reach_m, [&clearance](const Ball&, double gap) { clearance = std::min(clearance, gap); });
   return clearance;
 }
 

@@ -12,9 +12,9 @@ namespace osteon::simulation {
 
 /// Balls of widely differing radii, found by their distance to a point.
 ///
-/// One uniform grid an octave of radii, each ball once, in the cell of its centre; a cell is as wide as two of its
-/// octave's largest balls. A grid keeps only cells that hold something (a hash table with linear probing), so
-/// that ten million balls take about 600 MB.
+/// One uniform grid an octave of radii, each ball once, in the cell of its centre; a cell is as wide as two
+/// of its octave's largest balls. A grid keeps only cells that hold something (a hash table with linear
+/// probing), so that ten million balls take about 600 MB.
 ///
 /// Reads may run on any number of threads, as long as none inserts. What they return, order included, depends
 /// on the insertions alone.
