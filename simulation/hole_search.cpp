@@ -60,18 +60,8 @@ void HoleSearch::AroundBall(std::size_t index, double least_m, double most_m, st
   }
   radius_m_.fill(most_m);
   climb_.Look(center, r + 2.0 * most_m);
-  for (const Ball& other : climb_.seen()) {
-    // |c + (r + s) u - c'| = r' + s, solved for s
-    const Vector3 d = center - Vector3(other.center_m);
-    const double dx = d.x(), dy = d.y(), dz = d.z(), d2 = d.squaredNorm();
-    if (d2 < r * r) continue;  // itself
-    const double constant = d2 + r * r - other.radius_m * other.radius_m, difference = other.radius_m - r;
-    for (int j = 0; j < kDirections; ++j) {
-      const double along = x_[j] * dx + y_[j] * dy + z_[j] * dz;
-      const double s = (constant + 2.0 * r * along) / (2.0 * (difference - along));
-      radius_m_[j] = difference > along && s < radius_m_[j] ? s : radius_m_[j];
-    }
-  }
+  for (const Ball& other : climb_.seen())
+    if ((center - Vector3(other.center_m)).squaredNorm() > r * r) BoundByBall(ball, other);  // not by itself
   if (depths_.LowerBound(center) < r + 2.0 * most_m) BoundBySurface(ball, most_m);
   const bool capped = BoundByCap(ball, most_m);
 
@@ -96,7 +86,7 @@ void HoleSearch::AroundBall(std::size_t index, double least_m, double most_m, st
   if (all_capped) climb_from(0);
 }
 
-/// Bounds the radii by the tangent planes at the surface points nearest to a dozen places around the ball.
+/// Bounds the radii by the surface, as it is nearest to a dozen places around the ball.
 void HoleSearch::BoundBySurface(const Ball& ball, double most_m) {
   constexpr int kProbes = 12;
   static const Lattice<kProbes> lattice;
@@ -113,13 +103,21 @@ void HoleSearch::BoundBySurface(const Ball& ball, double most_m) {
                     [&n](const Vector3& m) { return m.dot(n) > 0.98; }))
       continue;
     normals[count++] = n;
-    // n·(c + (r + s) u - p) = s, solved for s
-    const double height = n.dot(center - surface.p_m);
-    for (int j = 0; j < kDirections; ++j) {
-      const double along = n.x() * x_[j] + n.y() * y_[j] + n.z() * z_[j];
-      const double s = (height + r * along) / (1.0 - along);
-      radius_m_[j] = along < 1.0 && s < radius_m_[j] ? s : radius_m_[j];
-    }
+    // As if a ball lay on the other side: a plane would hide the holes beside a surface that bulges inwards.
+    BoundByBall(ball, {.center_m = surface.p_m - 2.0 * r * n, .radius_m = 2.0 * r});
+  }
+}
+
+/// |c + (r + s) u - c'| = r' + s, solved for the radius s.
+void HoleSearch::BoundByBall(const Ball& ball, const Ball& other) {
+  const Vector3 d = Vector3(ball.center_m) - Vector3(other.center_m);
+  const double dx = d.x(), dy = d.y(), dz = d.z(), r = ball.radius_m;
+  const double constant = d.squaredNorm() + r * r - other.radius_m * other.radius_m;
+  const double difference = other.radius_m - r;
+  for (int j = 0; j < kDirections; ++j) {
+    const double along = x_[j] * dx + y_[j] * dy + z_[j] * dz;
+    const double s = (constant + 2.0 * r * along) / (2.0 * (difference - along));
+    radius_m_[j] = difference > along && s < radius_m_[j] ? s : radius_m_[j];
   }
 }
 

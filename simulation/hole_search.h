@@ -45,6 +45,7 @@ class HoleSearch {
   struct Fan;
   struct CubeSearch;
 
+  void BoundByBall(const Ball& ball, const Ball& other);
   void BoundBySurface(const Ball& ball, double most_m);
   /// @returns whether the cap is the bound anywhere
   bool BoundByCap(const Ball& ball, double most_m);
