@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "simulation/bone.h"
+
+namespace osteon::simulation {
+
+/// Balls of widely differing radii, found by their distance to a point.
+///
+/// One uniform grid an octave of radii, each ball once, in the cell of its centre; a cell is as wide as two
+/// of its octave's largest balls. A grid keeps only cells that hold something (a hash table with linear
+/// probing), so that ten million balls take about 600 MB.
+///
+/// Reads may run on any number of threads, as long as none inserts. What they return, order included, depends
+/// on the insertions alone.
+class BallGrid {
+ public:
+  /// @param origin_m  near the balls: cells are counted from here, 2^20 of them in each direction
+  explicit BallGrid(const Vector3& origin_m) : origin_m_(origin_m) {}
+
+  void Insert(const Ball& ball);
+  [[nodiscard]] const std::vector<Ball>& balls() const { return balls_; }
+
+  /// Appends the balls whose surfaces come nearer than `reach` to p, or contain it.
+  void Gather(const Vector3& p_m, double reach_m, std::vector<Ball>& found) const;
+
+  /// Distance from p to the nearest ball's surface, negative inside a ball; `reach` where that is less.
+  [[nodiscard]] double Clearance(const Vector3& p_m, double reach_m) const;
+
+ private:
+  /// Balls with radii in [2^(exponent-1), 2^exponent).
+  struct Octave {
+    int exponent{0};
+    double cell_m{0.0};
+    std::vector<std::uint64_t> keys;   ///< of cells; kNoKey where the slot is free; a power of two of them
+    std::vector<std::uint32_t> heads;  ///< last ball of the cell
+    std::size_t cells{0};
+    std::vector<std::uint32_t> balls;  ///< all of the octave's
+  };
+  static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
+  static constexpr std::uint32_t kNoBall = ~std::uint32_t{0};
+  /// An octave of so few balls is searched one by one.
+  static constexpr std::size_t kFewBalls = 48;
+
+  [[nodiscard]] std::array<std::int64_t, 3> CellOf(const Octave& octave, const Vector3& p_m) const;
+  [[nodiscard]] static std::uint64_t Key(std::int64_t x, std::int64_t y, std::int64_t z);
+  [[nodiscard]] static std::size_t Slot(const Octave& octave, std::uint64_t key);
+  static void Grow(Octave& octave);
+  template <typename Visit>
+  void VisitNear(const Vector3& p_m, double reach_m, const Visit& visit) const;
+
+  Vector3 origin_m_;
+  std::vector<Ball> balls_;
+  std::vector<std::uint32_t> next_;  ///< the ball before it in its cell
+  std::vector<Octave> octaves_;      ///< descending
+};
+
+}  // namespace osteon::simulation
