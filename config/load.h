@@ -13,7 +13,8 @@ namespace osteon::config {
 
 [[nodiscard]] kinematics::LbrParams LoadRobot(const std::filesystem::path& path);
 [[nodiscard]] ToolConfig LoadTool(const std::filesystem::path& path);
-/// In the order of a bone's tissues: cartilage, cortical, cancellous.
+/// 1 … 8 materials of different names, in the file's order; each figure with its source, or marked as
+/// assumed.
 [[nodiscard]] std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& path);
 /// Shape and fineness; the materials stay the defaults.
 [[nodiscard]] simulation::AcetabulumParams LoadScene(const std::filesystem::path& path);

@@ -11,33 +11,21 @@
 namespace osteon::simulation {
 namespace {
 
-void CheckMaterials(const std::vector<Material>& materials) {
+void CheckBoneMaterials(const std::vector<Material>& materials) {
   const std::array<std::string, 3> names{"cartilage", "cortical", "cancellous"};
-  if (materials.size() != names.size())
+  if (materials.size() < names.size())
     throw std::invalid_argument(fmt::format(
-        "bone: materials: found {}, accepted exactly 3: cartilage, cortical, cancellous", materials.size()));
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const Material& m = materials[i];
-    if (m.name != names[i])
+        "bone: materials: found {}, accepted at least 3: cartilage, cortical, cancellous", materials.size()));
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (materials[i].name != names[i])
       throw std::invalid_argument(
-          fmt::format("bone: material {}: found name '{}', accepted '{}'", i, m.name, names[i]));
-    const auto positive = [&m](const char* what, double value) {
-      if (!(value > 0.0) || !std::isfinite(value))
-        throw std::invalid_argument(
-            fmt::format("bone: {}: {}: found {:g}, accepted > 0", m.name, what, value));
-    };
-    positive("density_kg_per_m3", m.density_kg_per_m3);
-    positive("specific_cutting_energy_J_per_m3", m.specific_cutting_energy_J_per_m3);
-    positive("cutting_force_ratio", m.cutting_force_ratio);
-    if (!(m.friction >= 0.0 && m.friction <= 2.0))
-      throw std::invalid_argument(
-          fmt::format("bone: {}: friction: found {:g}, accepted 0 … 2", m.name, m.friction));
-  }
+          fmt::format("bone: material {}: found name '{}', accepted '{}'", i, materials[i].name, names[i]));
+  CheckMaterials(materials);
 }
 
 Bone Fill(const std::string& name, const Solid& solid, const Cup& cup, const PackingParams& packing,
           const MassPointParams& points, const std::vector<Material>& materials) {
-  CheckMaterials(materials);
+  CheckBoneMaterials(materials);
   const CupZone zone(cup);
   Bone bone;
   bone.name = name;
@@ -91,32 +79,6 @@ double ShareWithBoneBetween(const Solid& solid, const Cup& cup, double near_m, d
 
 }  // namespace
 
-std::vector<Material> DefaultBoneMaterials() {
-  const std::string rest = "; cutting force ratio from the same drilling figures; friction assumed";
-  return {
-      {.name = "cartilage",
-       .density_kg_per_m3 = 1100.0,
-       .specific_cutting_energy_J_per_m3 = 0.02e9,
-       .cutting_force_ratio = 0.8,
-       .friction = 0.05,
-       .source = "assumed"},
-      {.name = "cortical",
-       .density_kg_per_m3 = 1850.0,
-       .specific_cutting_energy_J_per_m3 = 1.3e9,
-       .cutting_force_ratio = 0.8,
-       .friction = 0.3,
-       .source = "human femoral cortex, 3.2 mm drill: 1.24 to 1.39 J/mm^3 (MacAvelia 2012); density 1.7 to "
-                 "2.0 g/cm^3" +
-                 rest},
-      {.name = "cancellous",
-       .density_kg_per_m3 = 300.0,
-       .specific_cutting_energy_J_per_m3 = 0.06e9,
-       .cutting_force_ratio = 0.8,
-       .friction = 0.3,
-       .source = "density: vertebral trabecular bone, .09 to .35 g/cm^3; all else assumed"},
-  };
-}
-
 Bone MakeAcetabulum(const AcetabulumParams& params) {
   const AcetabulumSolid solid(params.shape);
   return Fill(fmt::format("acetabulum, cup {:g} mm", 2e3 * params.shape.cup_radius_m), solid, solid.cup(),
@@ -130,7 +92,7 @@ tl::expected<std::shared_ptr<const MeshSolid>, MeshError> LoadMeshSolid(const st
   const Cup checked = Checked(cup);
   auto loaded = LoadMesh(path);
   if (!loaded) return tl::make_unexpected(loaded.error());
-  auto solid = std::make_shared<const MeshSolid>(std::move(loaded->mesh), checked, tissue);
+  auto solid = std::make_shared<const MeshSolid>(*loaded, CupBoneTissue(tissue, checked));
 
   constexpr double kNear = 0.7, kFar = 1.3, kLeastShare = 0.25;
   const double share =
@@ -152,7 +114,8 @@ tl::expected<std::shared_ptr<const MeshSolid>, MeshError> LoadMeshSolid(const st
 }
 
 Bone PackMeshBone(const std::filesystem::path& path, const MeshSolid& solid, const MeshBoneParams& params) {
-  return Fill(path.stem().string(), solid, solid.cup(), params.packing, params.points, params.materials);
+  return Fill(path.stem().string(), solid, solid.tissue().lining.value().cup, params.packing, params.points,
+              params.materials);
 }
 
 tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path, const Cup& cup,

@@ -11,9 +11,6 @@
 
 namespace osteon::simulation {
 
-/// "cartilage", "cortical", "cancellous", in the order of BoneTissue, with where each figure comes from.
-[[nodiscard]] std::vector<Material> DefaultBoneMaterials();
-
 /// The generated acetabulum.
 struct AcetabulumParams {
   AcetabulumShape shape;

@@ -1,5 +1,6 @@
 #include "simulation/mesh_solid.h"
 
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ TEST(MeshSolid, AnIcosphereIsASphereUpToItsSagitta) {
     sag = std::max(sag, radius - n.dot(a - center));
   }
   ASSERT_LT(sag, 0.002 * radius);
-  const MeshSolid solid(mesh, {}, {});
+  const MeshSolid solid(mesh);
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> scale(0.0, 2.0);
@@ -38,7 +39,7 @@ TEST(MeshSolid, AnIcosphereIsASphereUpToItsSagitta) {
 
 TEST(MeshSolid, TheDistanceToABoxIsExactAtItsFacesEdgesAndCorners) {
   const Vector3 half(0.02, 0.015, 0.01);
-  const MeshSolid solid(MakeBox(-half, half), {}, {});
+  const MeshSolid solid(MakeBox(-half, half));
   std::mt19937 random(8);
   std::uniform_real_distribution<double> u(-0.04, 0.04);
   for (int i = 0; i < 3000; ++i) {
@@ -57,7 +58,7 @@ TEST(MeshSolid, TheSignAgreesWithCountedCrossingsOnASpikyMesh) {
   std::uniform_real_distribution<double> stretch(0.4, 1.6);
   for (Vector3& v : mesh.vertices_m) v *= stretch(random);  // star-shaped: no self-intersection
   ASSERT_TRUE(CheckMesh(mesh, "spikes"));
-  const MeshSolid solid(mesh, {}, {});
+  const MeshSolid solid(mesh);
   const auto inside_by_parity = [&mesh](const Vector3& p) {
     const Vector3 way = Vector3(0.3, 0.5, 0.81).normalized();
     int crossings = 0;
@@ -79,13 +80,67 @@ TEST(MeshSolid, TheSignAgreesWithCountedCrossingsOnASpikyMesh) {
   EXPECT_GT(inside, 200);
 }
 
+/// The nearest of all triangles, the first of equally near ones.
+TriangleHit NearestOfAll(const TriangleMesh& mesh, const Vector3& p) {
+  TriangleHit best;
+  best.distance_m = std::numeric_limits<double>::infinity();
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const TriangleMesh one{.vertices_m = mesh.vertices_m, .triangles = {mesh.triangles[i]}};
+    TriangleHit hit = MeshBvh(one).Nearest(p);
+    hit.triangle = i;
+    if (hit.distance_m < best.distance_m) best = hit;
+  }
+  return best;
+}
+
+// The tree only proposes triangles, in floats; what it leaves out must not matter to the last bit. Needles
+// are where floats know no normal; small meshes are where nodes and leaves are not full.
+TEST(MeshBvh, FindsTheNearestOfAllTrianglesToTheLastBit) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  const auto point = [&](double size) -> Vector3 { return size * Vector3(u(random), u(random), u(random)); };
+  TriangleMesh needles;  // .1 um wide, 30 mm long, half a metre from the origin
+  for (int i = 0; i < 40; ++i) {
+    const Vector3 a = Vector3(0.3, 0.4, 0.1) + point(0.02), along = point(0.015), across = point(1e-7);
+    needles.vertices_m.insert(needles.vertices_m.end(), {a, a + along, a + along + across});
+    needles.triangles.push_back({3u * i, 3u * i + 1, 3u * i + 2});
+  }
+  TriangleMesh soup;
+  for (int i = 0; i < 7; ++i) {
+    soup.vertices_m.insert(soup.vertices_m.end(), {point(0.02), point(0.02), point(0.02)});
+    soup.triangles.push_back({3u * i, 3u * i + 1, 3u * i + 2});
+  }
+  TriangleMesh triangle = soup;
+  triangle.triangles.resize(1);
+  for (const TriangleMesh& mesh :
+       {MakeIcosphere({0.1, -0.2, 0.5}, 0.02, 2), MakeBox({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01}), needles,
+        soup, triangle}) {
+    const MeshBvh bvh(mesh);
+    Eigen::AlignedBox3d box;
+    for (const Vector3& v : mesh.vertices_m) box.extend(v);
+    for (int i = 0; i < 300; ++i) {
+      Vector3 p = box.center() + point(box.sizes().maxCoeff());
+      // at a corner, on a face, far away; on a box's diagonals many are equally near
+      if (i % 5 == 1) p = mesh.vertices_m[random() % mesh.vertices_m.size()];
+      if (i % 5 == 2) p = bvh.Nearest(p).p_m;
+      if (i % 25 == 3) p *= 50.0;
+      if (i % 25 == 4) p = box.center();
+      const TriangleHit found = bvh.Nearest(p), exact = NearestOfAll(mesh, p);
+      ASSERT_EQ(found.distance_m, exact.distance_m) << p.transpose();
+      ASSERT_EQ(found.triangle, exact.triangle);
+      ASSERT_EQ(found.feature, exact.feature);
+      ASSERT_EQ(found.p_m, exact.p_m);
+    }
+  }
+}
+
 TEST(MeshSolid, TissueOfACupInABlockIsLayeredAndTheRestHasACorticalShell) {
   // A hollow cup: a sphere's lower half would do, but a cavity (a whole sphere wound inwards) has the same
   // floor.
   const Cup cup{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.02};
   const TriangleMesh mesh =
       Join(MakeBox({-0.04, -0.04, -0.04}, {0.04, 0.04, 0.04}), InsideOut(MakeIcosphere({0, 0, 0}, 0.02, 4)));
-  const MeshSolid solid(mesh, cup, {});
+  const MeshSolid solid(mesh, CupBoneTissue({}, cup));
   const Vector3 down = Vector3(0.3, 0.2, -1).normalized();
   EXPECT_EQ(solid.MaterialAt(0.0215 * down), kCartilage);
   EXPECT_EQ(solid.MaterialAt(0.0225 * down), kCortical);
