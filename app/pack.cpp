@@ -73,6 +73,7 @@ simulation::MassPointParams PointParams(const PackOptions& options, const PackSo
     if (!source.zone_is_uniform) spacing_m = std::min(spacing_m, kMostAtZone_m);
     params.cells.finest_m = spacing_m;
   }
+  params.threads = options.threads;
   if (options.point_spacing_mm) params.cells.finest_m = 1e-3 * *options.point_spacing_mm;
   if (source.zone_is_uniform) params.cells.coarser_from_m.clear();
   return params;

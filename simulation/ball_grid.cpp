@@ -15,7 +15,8 @@ std::uint64_t BallGrid::Key(std::int64_t x, std::int64_t y, std::int64_t z) {
   constexpr std::int64_t kHalf = 1 << 20;
   constexpr std::uint64_t kMask = (1 << 21) - 1;
   return (static_cast<std::uint64_t>(x + kHalf) & kMask) << 42 |
-         (static_cast<std::uint64_t>(y + kHalf) & kMask) << 21 | (static_cast<std::uint64_t>(z + kHalf) & kMask);
+         (static_cast<std::uint64_t>(y + kHalf) & kMask) << 21 |
+         (static_cast<std::uint64_t>(z + kHalf) & kMask);
 }
 
 std::size_t BallGrid::Slot(const Octave& octave, std::uint64_t key) {
@@ -63,7 +64,7 @@ void BallGrid::Insert(const Ball& ball) {
   }
   next_.push_back(octave->heads[slot]);
   octave->heads[slot] = index;
-  if (++octave->count <= kFewBalls) octave->balls.push_back(index);
+  octave->balls.push_back(index);
 }
 
 template <typename Visit>
@@ -74,12 +75,14 @@ void BallGrid::VisitNear(const Vector3& p_m, double reach_m, const Visit& visit)
     if (squared < within * within) visit(ball, std::sqrt(squared) - ball.radius_m);
   };
   for (const Octave& octave : octaves_) {
-    if (octave.count <= kFewBalls) {
+    const Vector3 span = Vector3::Constant(reach_m + std::ldexp(1.0, octave.exponent));
+    const auto low = CellOf(octave, p_m - span), high = CellOf(octave, p_m + span);
+    double cells = 1.0;
+    for (int axis = 0; axis < 3; ++axis) cells *= static_cast<double>(high[axis] - low[axis] + 1);
+    if (octave.balls.size() <= kFewBalls || cells > static_cast<double>(octave.balls.size())) {
       for (const std::uint32_t i : octave.balls) look_at(balls_[i]);
       continue;
     }
-    const Vector3 span = Vector3::Constant(reach_m + std::ldexp(1.0, octave.exponent));
-    const auto low = CellOf(octave, p_m - span), high = CellOf(octave, p_m + span);
     for (std::int64_t x = low[0]; x <= high[0]; ++x)
       for (std::int64_t y = low[1]; y <= high[1]; ++y)
         for (std::int64_t z = low[2]; z <= high[2]; ++z)
@@ -94,8 +97,7 @@ void BallGrid::Gather(const Vector3& p_m, double reach_m, std::vector<Ball>& fou
 
 double BallGrid::Clearance(const Vector3& p_m, double reach_m) const {
   double clearance = reach_m;
-  VisitNear(p_m, reach_m,
-            [&clearance](const Ball&, double gap) { clearance = std::min(clearance, gap); });
+  VisitNear(p_m, reach_m, [&clearance](const Ball&, double gap) { clearance = std::min(clearance, gap); });
   return clearance;
 }
 

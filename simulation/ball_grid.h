@@ -12,9 +12,9 @@ namespace osteon::simulation {
 
 /// Balls of widely differing radii, found by their distance to a point.
 ///
-/// One uniform grid an octave of radii, each ball once, in the cell of its centre; a cell is as wide as two of its
-/// octave's largest balls. A grid keeps only cells that hold something (a hash table with linear probing), so
-/// that ten million balls take about 600 MB.
+/// One uniform grid an octave of radii, each ball once, in the cell of its centre; a cell is as wide as two
+/// of its octave's largest balls. A grid keeps only cells that hold something (a hash table with linear
+/// probing), so that ten million balls take about 600 MB.
 ///
 /// Reads may run on any number of threads, as long as none inserts. What they return, order included, depends
 /// on the insertions alone.
@@ -40,8 +40,7 @@ class BallGrid {
     std::vector<std::uint64_t> keys;   ///< of cells; kNoKey where the slot is free; a power of two of them
     std::vector<std::uint32_t> heads;  ///< last ball of the cell
     std::size_t cells{0};
-    std::vector<std::uint32_t> balls;  ///< all of the octave's, until they are too many for that to be of use
-    std::size_t count{0};
+    std::vector<std::uint32_t> balls;  ///< all of the octave's
   };
   static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
   static constexpr std::uint32_t kNoBall = ~std::uint32_t{0};

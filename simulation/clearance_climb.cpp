@@ -25,7 +25,8 @@ double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
     double clearance = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < seen_.size(); ++k) {
       const Ball& ball = seen_[k];
-      const double x = p_m.x() - ball.center_m.x, y = p_m.y() - ball.center_m.y, z = p_m.z() - ball.center_m.z;
+      const double x = p_m.x() - ball.center_m.x, y = p_m.y() - ball.center_m.y,
+                   z = p_m.z() - ball.center_m.z;
       gaps_m_[k] = std::sqrt(x * x + y * y + z * z) - ball.radius_m;
       clearance = std::min(clearance, gaps_m_[k]);
     }
@@ -80,6 +81,7 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double least_m) {
     if (!(gain > 1e-7 * std::abs(clearance))) break;
     last_bounds_ = bounds_;
     const bool inner = step.norm() < 0.99 * most;
+    if (inner) most = std::min(most, std::max(step.norm(), 0.01 * scale_m));
     const double there = Measure(p + step, 2.0 * most);
     if (there > clearance + 0.1 * gain) {
       p += step;
@@ -97,8 +99,8 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double least_m) {
   return {.center_m = p, .radius_m = clearance};
 }
 
-/// Newton's method for the place where a ball of the cap's radius touches the three nearest obstacles, each step the
-/// shortest that the linearised equations allow. Where it leads nowhere, the ball stays.
+/// Newton's method for the place where a ball of the cap's radius touches the three nearest obstacles, each
+/// step the shortest that the linearised equations allow. Where it leads nowhere, the ball stays.
 Ball ClearanceClimb::Settle(const Vector3& p_m, double clearance_m) {
   const Ball unsettled{.center_m = p_m, .radius_m = std::min(clearance_m, cap_.At(p_m))};
   Vector3 p = p_m;

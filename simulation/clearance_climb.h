@@ -22,10 +22,11 @@ struct RadiusCap {
   }
 };
 
-/// Climbs to local maxima of the clearance: the distance to the surface or to the nearest ball, whichever is less.
+/// Climbs to local maxima of the clearance: the distance to the surface or to the nearest ball, whichever is
+/// less.
 ///
-/// One object a thread. It keeps what it has seen of a neighbourhood between climbs; nothing may be inserted into the
-/// balls meanwhile.
+/// One object a thread. It keeps what it has seen of a neighbourhood between climbs; nothing may be inserted
+/// into the balls meanwhile.
 class ClearanceClimb {
  public:
   ClearanceClimb(const Solid& solid, const DistanceGrid& depths, const BallGrid& balls, const RadiusCap& cap)
@@ -36,11 +37,12 @@ class ClearanceClimb {
   /// The balls that the last Look took up.
   [[nodiscard]] std::span<const Ball> seen() const { return seen_; }
 
-  /// The largest ball around the local maximum that a climb from p ends on. Where the cap leaves room, the climb ends as
-  /// soon as there is enough of it, and the ball settles: it comes to rest against its three nearest neighbours.
+  /// The largest ball around the local maximum that a climb from p ends on. Where the cap leaves room, the
+  /// climb ends as soon as there is enough of it, and the ball settles: it comes to rest against its three
+  /// nearest neighbours.
   ///
-  /// The ball overlaps nothing by more than rounding. A climb that cannot come to `least` may be abandoned; what
-  /// it returns is then less.
+  /// The ball overlaps nothing by more than rounding. A climb that cannot come to `least` may be abandoned;
+  /// what it returns is then less.
   /// @param scale_m  about the radius expected: the first steps' length
   [[nodiscard]] Ball Climb(const Vector3& p_m, double scale_m, double least_m);
 

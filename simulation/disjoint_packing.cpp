@@ -96,13 +96,15 @@ class Packer {
       for (std::size_t i = begin; i < end; ++i) turns[i] = TurnOf(holes[i], i);
     });
     std::sort(turns.begin(), turns.end());
-    // Capped balls are piled up from below: where each leans on others that rest, they come to lie much denser than
-    // where they grow from everywhere at once (in the hip bone, capped at 2 mm: .56 of the volume against .44).
+    // Capped balls are piled up from below: where each leans on others that rest, they come to lie much
+    // denser than where they grow from everywhere at once (in the hip bone, capped at 2 mm: .56 of the volume
+    // against .44).
     const bool piled = turns.front().capped_first == 0;
     const double top = turns.front().key + limit_m_;
     std::vector<Ball> now;
     for (const Turn& turn : turns)
-      (piled && (turn.capped_first > 0 || turn.key > top) ? largest->second : now).push_back(holes[turn.index]);
+      (piled && (turn.capped_first > 0 || turn.key > top) ? largest->second : now)
+          .push_back(holes[turn.index]);
     if (largest->second.empty()) holes_.erase(largest);
     return now;
   }
@@ -152,7 +154,8 @@ class Packer {
   }
 
   /// Where balls are counted, holes much smaller than the last one need not be kept. The number of balls
-  /// larger than r goes about as r^-2.4 (measured; 2.47 for Apollonian packings), so that the last radius can be told.
+  /// larger than r goes about as r^-2.4 (measured; 2.47 for Apollonian packings), so that the last radius can
+  /// be told.
   void EstimateLeast() {
     if (params_.count == 0) return;
     const double share = static_cast<double>(balls_.balls().size()) / static_cast<double>(params_.count);
@@ -163,7 +166,6 @@ class Packer {
   /// Searches all of space for holes, such as there are of the largest sizes that may have been missed.
   /// @returns whether there are any
   bool LookEverywhere() {
-    if (getenv("VERB")) fprintf(stderr, "look limit %g dropped %g least %g n %zu holes %zu\n", limit_m_, dropped_m_, least_m_, balls_.balls().size(), holes_.size());
     const Eigen::AlignedBox3d box = solid_.Bounds();
     const double side = 4.0 * depths_.spacing_m();
     std::array<std::size_t, 3> count{};
@@ -177,9 +179,9 @@ class Packer {
       Search(cubes, [&](HoleSearch& search, std::size_t i, std::vector<Ball>& found) {
         if (!has_holes_[i]) return;
         const std::size_t before = found.size();
-        const Eigen::Array3d at = Eigen::Array<std::size_t, 3, 1>(i % count[0], i / count[0] % count[1],
-                                                                  i / count[0] / count[1])
-                                      .cast<double>();
+        const Eigen::Array3d at =
+            Eigen::Array<std::size_t, 3, 1>(i % count[0], i / count[0] % count[1], i / count[0] / count[1])
+                .cast<double>();
         search.InCube(box.min() + side * (at + 0.5).matrix(), side, least_m_, found);
         has_holes_[i] = found.size() > before;
       });
@@ -214,12 +216,14 @@ void Check(const DisjointParams& p) {
   if (!(p.grade >= 0.0 && p.grade <= 1.0))
     throw std::invalid_argument(fmt::format("disjoint packing: grade: found {:g}, accepted 0 … 1", p.grade));
   if (p.threads < 0 || p.threads > 1024)
-    throw std::invalid_argument(fmt::format("disjoint packing: threads: found {}, accepted 0 … 1024", p.threads));
+    throw std::invalid_argument(
+        fmt::format("disjoint packing: threads: found {}, accepted 0 … 1024", p.threads));
 }
 
 }  // namespace
 
-std::vector<Ball> BuildDisjointPacking(const Solid& solid, const CutZone& zone, const DisjointParams& params) {
+std::vector<Ball> BuildDisjointPacking(const Solid& solid, const CutZone& zone,
+                                       const DisjointParams& params) {
   Check(params);
   return Packer(solid, zone, params).Build();
 }

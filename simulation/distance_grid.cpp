@@ -34,8 +34,7 @@ DistanceGrid::DistanceGrid(const Solid& solid, int nodes_along, int threads) {
       if (solid.SignedDistance(center) > half_diagonal) continue;
       for (int z = z0; z < z0 + kBlock; ++z)
         for (int y = y0; y < y0 + kBlock; ++y)
-          for (int x = x0; x < x0 + kBlock; ++x)
-            depth_m_[At(x, y, z)] = -solid.SignedDistance(Node(x, y, z));
+          for (int x = x0; x < x0 + kBlock; ++x) depth_m_[At(x, y, z)] = -solid.SignedDistance(Node(x, y, z));
     }
   };
   ParallelFor(static_cast<std::size_t>(blocks[0]) * blocks[1] * blocks[2], threads, fill, 8);

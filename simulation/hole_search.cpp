@@ -18,10 +18,12 @@ Vector3 SpherePoint(int i, int count) {
 
 /// A rotation that is uniform over the seeds. Source: Shoemake, Graphics Gems III, 1992.
 Matrix3 RandomRotation(std::uint64_t bits) {
-  const double a = Uniform(bits = Scramble(bits)), b = Uniform(bits = Scramble(bits)) * 2.0 * std::numbers::pi;
+  const double a = Uniform(bits = Scramble(bits)),
+               b = Uniform(bits = Scramble(bits)) * 2.0 * std::numbers::pi;
   const double c = Uniform(Scramble(bits)) * 2.0 * std::numbers::pi;
   const double s = std::sqrt(1.0 - a), t = std::sqrt(a);
-  return Eigen::Quaterniond(t * std::cos(c), s * std::sin(b), s * std::cos(b), t * std::sin(c)).toRotationMatrix();
+  return Eigen::Quaterniond(t * std::cos(c), s * std::sin(b), s * std::cos(b), t * std::sin(c))
+      .toRotationMatrix();
 }
 
 constexpr int kNeighbors = 6;
@@ -58,18 +60,8 @@ void HoleSearch::AroundBall(std::size_t index, double least_m, double most_m, st
   }
   radius_m_.fill(most_m);
   climb_.Look(center, r + 2.0 * most_m);
-  for (const Ball& other : climb_.seen()) {
-    // |c + (r + s) u - c'| = r' + s, solved for s
-    const Vector3 d = center - Vector3(other.center_m);
-    const double dx = d.x(), dy = d.y(), dz = d.z(), d2 = d.squaredNorm();
-    if (d2 < r * r) continue;  // itself
-    const double constant = d2 + r * r - other.radius_m * other.radius_m, difference = other.radius_m - r;
-    for (int j = 0; j < kDirections; ++j) {
-      const double along = x_[j] * dx + y_[j] * dy + z_[j] * dz;
-      const double s = (constant + 2.0 * r * along) / (2.0 * (difference - along));
-      radius_m_[j] = difference > along && s < radius_m_[j] ? s : radius_m_[j];
-    }
-  }
+  for (const Ball& other : climb_.seen())
+    if ((center - Vector3(other.center_m)).squaredNorm() > r * r) BoundByBall(ball, other);  // not by itself
   if (depths_.LowerBound(center) < r + 2.0 * most_m) BoundBySurface(ball, most_m);
   const bool capped = BoundByCap(ball, most_m);
 
@@ -81,7 +73,8 @@ void HoleSearch::AroundBall(std::size_t index, double least_m, double most_m, st
   bool all_capped = true;
   for (int j = 0; j < kDirections; ++j) {
     all_capped &= capped_[j] != 0.0;
-    if (radius_m_[j] < 0.6 * least_m) continue;  // climbing on from there makes up for the lattice's coarseness
+    if (radius_m_[j] < 0.6 * least_m)
+      continue;  // climbing on from there makes up for the lattice's coarseness
     bool is_maximum = true, at_rim = false;
     for (const int k : lattice.neighbors[j]) {
       is_maximum &= radius_m_[k] < radius_m_[j] || (radius_m_[k] == radius_m_[j] && k > j);
@@ -93,7 +86,7 @@ void HoleSearch::AroundBall(std::size_t index, double least_m, double most_m, st
   if (all_capped) climb_from(0);
 }
 
-/// Bounds the radii by the tangent planes at the surface points nearest to a dozen places around the ball.
+/// Bounds the radii by the surface, as it is nearest to a dozen places around the ball.
 void HoleSearch::BoundBySurface(const Ball& ball, double most_m) {
   constexpr int kProbes = 12;
   static const Lattice<kProbes> lattice;
@@ -106,16 +99,25 @@ void HoleSearch::BoundBySurface(const Ball& ball, double most_m) {
     const SurfacePoint surface = solid_.NearestSurface(p);
     if (std::abs(surface.distance_m) < 1e-9) continue;  // too near to tell the normal
     const Vector3 n = (p - surface.p_m) / -surface.distance_m;
-    if (std::any_of(normals.begin(), normals.begin() + count, [&n](const Vector3& m) { return m.dot(n) > 0.98; }))
+    if (std::any_of(normals.begin(), normals.begin() + count,
+                    [&n](const Vector3& m) { return m.dot(n) > 0.98; }))
       continue;
     normals[count++] = n;
-    // n·(c + (r + s) u - p) = s, solved for s
-    const double height = n.dot(center - surface.p_m);
-    for (int j = 0; j < kDirections; ++j) {
-      const double along = n.x() * x_[j] + n.y() * y_[j] + n.z() * z_[j];
-      const double s = (height + r * along) / (1.0 - along);
-      radius_m_[j] = along < 1.0 && s < radius_m_[j] ? s : radius_m_[j];
-    }
+    // As if a ball lay on the other side: a plane would hide the holes beside a surface that bulges inwards.
+    BoundByBall(ball, {.center_m = surface.p_m - 2.0 * r * n, .radius_m = 2.0 * r});
+  }
+}
+
+/// |c + (r + s) u - c'| = r' + s, solved for the radius s.
+void HoleSearch::BoundByBall(const Ball& ball, const Ball& other) {
+  const Vector3 d = Vector3(ball.center_m) - Vector3(other.center_m);
+  const double dx = d.x(), dy = d.y(), dz = d.z(), r = ball.radius_m;
+  const double constant = d.squaredNorm() + r * r - other.radius_m * other.radius_m;
+  const double difference = other.radius_m - r;
+  for (int j = 0; j < kDirections; ++j) {
+    const double along = x_[j] * dx + y_[j] * dy + z_[j] * dz;
+    const double s = (constant + 2.0 * r * along) / (2.0 * (difference - along));
+    radius_m_[j] = difference > along && s < radius_m_[j] ? s : radius_m_[j];
   }
 }
 
@@ -124,7 +126,8 @@ bool HoleSearch::BoundByCap(const Ball& ball, double most_m) {
   const Vector3 center = ball.center_m;
   const double cap = cap_.At(center), r = ball.radius_m;
   if (cap - cap_.grade * (r + most_m) > most_m) return false;
-  Vector3 slope = Vector3::Zero();  // of the cap; the zone's depth is not smooth everywhere, but a start will do
+  Vector3 slope =
+      Vector3::Zero();  // of the cap; the zone's depth is not smooth everywhere, but a start will do
   if (cap_.grade > 0.0)
     for (int axis = 0; axis < 3; ++axis)
       slope[axis] = (cap_.At(center + 0.1 * r * Vector3::Unit(axis)) - cap) / (0.1 * r);
@@ -144,7 +147,8 @@ bool HoleSearch::BoundByCap(const Ball& ball, double most_m) {
 void HoleSearch::Report(const Ball& hole, double least_m, std::size_t first, std::vector<Ball>& found) const {
   if (!(hole.radius_m >= least_m)) return;
   for (std::size_t i = first; i < found.size(); ++i)
-    if ((Vector3(hole.center_m) - Vector3(found[i].center_m)).squaredNorm() < 1e-4 * hole.radius_m * hole.radius_m)
+    if ((Vector3(hole.center_m) - Vector3(found[i].center_m)).squaredNorm() <
+        1e-4 * hole.radius_m * hole.radius_m)
       return;
   found.push_back(hole);
 }
@@ -156,9 +160,9 @@ Ball HoleSearch::From(const Vector3& p_m, double scale_m, double least_m) {
 
 struct HoleSearch::CubeSearch {
   double least_m;
-  std::size_t first;          ///< of the holes found here
+  std::size_t first;  ///< of the holes found here
   std::vector<Ball>& found;
-  std::vector<Ball> near;     ///< a stack: the balls that matter within the cube, then those within its part, …
+  std::vector<Ball> near;  ///< a stack: the balls that matter within the cube, then those within its part, …
 };
 
 void HoleSearch::InCube(const Vector3& center_m, double side_m, double least_m, std::vector<Ball>& found) {
@@ -170,8 +174,8 @@ void HoleSearch::InCube(const Vector3& center_m, double side_m, double least_m, 
 /// @param depth_m  a lower bound of the centre's depth in the solid
 /// @param first, last  what of search.near matters here
 /// @param climbed  whether a cube around this one has been climbed from without there being surely a hole
-void HoleSearch::Divide(CubeSearch& search, const Vector3& center_m, double side_m, double depth_m, std::size_t first,
-                        std::size_t last, bool climbed) {
+void HoleSearch::Divide(CubeSearch& search, const Vector3& center_m, double side_m, double depth_m,
+                        std::size_t first, std::size_t last, bool climbed) {
   // The clearance within the cube is at most its centre's and half the diagonal.
   const double reach = std::sqrt(0.75) * side_m, sure = kSure * search.least_m;
   double clearance = sure + reach;

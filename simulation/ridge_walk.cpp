@@ -33,8 +33,7 @@ Nearest OfTriangle(const std::array<Vector3, 4>& p, int a, int b, int c) {
   if (area > 1e-20) {
     // barycentric coordinates of the origin's projection
     const double wb = ac.cross(p[a]).dot(normal), wc = p[a].cross(ab).dot(normal);
-    if (wb > 0.0 && wc > 0.0 && wb + wc < area)
-      return {normal.dot(p[a]) / area * normal, {a, b, c}, 3};
+    if (wb > 0.0 && wc > 0.0 && wb + wc < area) return {normal.dot(p[a]) / area * normal, {a, b, c}, 3};
   }
   return Nearer(Nearer(OfSegment(p, a, b), OfSegment(p, a, c)), OfSegment(p, b, c));
 }

@@ -19,10 +19,10 @@ struct RidgeWalk {
 
 /// The step |δ| <= most to the greatest clearance t <= value + gradient·δ for every bound.
 ///
-/// Straight away from the nearest obstacle until a second one is as near, along the ridge between these two until a
-/// third is, then between the three: the direction is always the shortest vector in the hull of the active gradients
-/// (that of steepest ascent), and those it is not made of are dropped. The walk ends where the hull holds the
-/// origin, since no direction leads away from all of them, or at the length allowed.
+/// Straight away from the nearest obstacle until a second one is as near, along the ridge between these two
+/// until a third is, then between the three: the direction is always the shortest vector in the hull of the
+/// active gradients (that of steepest ascent), and those it is not made of are dropped. The walk ends where
+/// the hull holds the origin, since no direction leads away from all of them, or at the length allowed.
 /// @pre at least one bound.
 [[nodiscard]] RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double most_m);
 

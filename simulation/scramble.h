@@ -13,6 +13,8 @@ namespace osteon::simulation {
 }
 
 /// In [0, 1), of the bits' upper 53.
-[[nodiscard]] constexpr double Uniform(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1.0p-53; }
+[[nodiscard]] constexpr double Uniform(std::uint64_t bits) {
+  return static_cast<double>(bits >> 11) * 0x1.0p-53;
+}
 
 }  // namespace osteon::simulation

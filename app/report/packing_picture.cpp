@@ -163,7 +163,9 @@ Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int wid
   Eigen::Index longest = 0;
   box.sizes().maxCoeff(&longest);
   Vector3 up = bone.cup.radius_m > 0.0 ? Vector3(bone.cup.axis) : Vector3(Vector3::Unit(longest));
-  up = (up - up.dot(plane.normal) * plane.normal).normalized();
+  up -= up.dot(plane.normal) * plane.normal;
+  if (up.norm() < 0.1) up = plane.normal.unitOrthogonal();  // a cube's longest extent is its thinnest, too
+  up.normalize();
   const Vector3 side = up.cross(plane.normal);
   const Vector3 towards = (plane.normal + 0.28 * up + 0.22 * side).normalized();
   const double far_m = 3.0 * box.diagonal().norm();
