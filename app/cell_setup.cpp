@@ -11,6 +11,7 @@
 #include "config/load.h"
 #include "gpu/vulkan_engine.h"
 #include "simulation/cup_frame.h"
+#include "simulation/packing_file.h"
 #include "simulation/reference_engine.h"
 
 namespace osteon::app {
@@ -35,6 +36,21 @@ std::string ConfigText(const std::filesystem::path& cell_yaml) {
     }
   }
   return text.str();
+}
+
+// A bone that `osteon pack` has saved.
+tl::expected<simulation::Bone, std::string> LoadPacking(const MeshChoice& choice) {
+  const auto file = simulation::PackingFile::Open(choice.file);
+  if (!file) return tl::make_unexpected(file.error().Text());
+  const auto refuse = [&](const char* found, const char* accepted) {
+    return tl::make_unexpected(
+        fmt::format("{}: found a packing without {}, accepted {}", choice.file.string(), found, accepted));
+  };
+  if (!file->site() && !choice.cup) return refuse("a site", "one with it, or --cup");
+  if (file->points().empty()) return refuse("mass points", "one with them (osteon pack without --no-points)");
+  simulation::Bone bone = file->ToBone();
+  if (choice.cup) bone.cup = *choice.cup;
+  return bone;
 }
 
 }  // namespace
@@ -82,16 +98,23 @@ tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell
   setup.config = config::LoadCell(cell_yaml);
   setup.config_text = ConfigText(cell_yaml);
   const simulation::SceneParams& scene = setup.config.scene;
-  simulation::SceneSolid made;
-  if (!mesh) {
-    made = simulation::MakeSceneSolid(scene);
+  if (mesh && mesh->file.extension() == ".osp") {
+    auto bone = LoadPacking(*mesh);
+    if (!bone) return tl::make_unexpected(bone.error());
+    setup.bone = std::move(*bone);
   } else {
-    auto loaded = simulation::LoadSceneSolid(mesh->file, mesh->scale, mesh->cup, scene);
-    if (!loaded) return tl::make_unexpected(loaded.error().message);
-    made = std::move(*loaded);
+    simulation::SceneSolid made;
+    if (!mesh) {
+      made = simulation::MakeSceneSolid(scene);
+    } else {
+      auto loaded =
+          simulation::LoadSceneSolid(mesh->file, mesh->scale, mesh->cup.value_or(simulation::Cup{}), scene);
+      if (!loaded) return tl::make_unexpected(loaded.error().message);
+      made = std::move(*loaded);
+    }
+    setup.bone = simulation::PackScene(made, scene);
+    setup.solid = made.solid;
   }
-  setup.bone = simulation::PackScene(made, scene);
-  setup.solid = made.solid;
   // the bone lies so that its site is where the cell wants it: X_WG of the configuration is the pose of the
   // site's frame
   setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.cup).inverse();

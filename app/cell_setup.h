@@ -14,11 +14,12 @@
 
 namespace osteon::app {
 
-/// A mesh instead of the generated scene.
+/// A mesh, or a packing file, instead of the generated scene.
 struct MeshChoice {
   std::filesystem::path file;
-  simulation::Cup cup;  ///< the site that is cut, in the file's frame, after scaling
-  double scale{1.0};    ///< millimetres to a unit of the file
+  /// The site that is cut, in the file's frame, after scaling; a packing may have its own.
+  std::optional<simulation::Cup> cup{};
+  double scale{1.0};  ///< millimetres to a unit of the file
 };
 
 /// Reads "X,Y,Z,NX,NY,NZ,R" (mm; the axis in any length). The error names the part, what was found and what
@@ -29,7 +30,7 @@ struct MeshChoice {
 struct CellSetup {
   config::CellConfig config;
   simulation::Bone bone;
-  std::shared_ptr<const simulation::Solid> solid;  ///< what the bone was packed from
+  std::shared_ptr<const simulation::Solid> solid;  ///< what the bone was packed from; null: not known
   Pose X_WG{Pose::Identity()};
   std::string config_text;  ///< the YAML files as read, one after the other
 };

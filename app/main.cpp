@@ -163,8 +163,8 @@ int Run(int argc, char** argv) {
       ->capture_default_str();
   demo_app->add_option("--out", demo.out, "folder for summary.json, report.html, recording.mcap")
       ->capture_default_str();
-  auto* mesh_option =
-      demo_app->add_option("--mesh", mesh, "closed triangle mesh instead of the scene: STL, OBJ, PLY, in mm");
+  auto* mesh_option = demo_app->add_option(
+      "--mesh", mesh, "closed triangle mesh instead of the scene: STL, OBJ, PLY, in mm; or a packing: .osp");
   auto* cup_option = demo_app->add_option("--cup", cup,
                                           "X,Y,Z,NX,NY,NZ,R: its cup, or the circle where a drill enters: "
                                           "centre, axis out of the bone, radius; mm");
@@ -172,7 +172,6 @@ int Run(int argc, char** argv) {
       ->check(osteon::app::NumberWithin(1e-4, 1e4))
       ->needs(mesh_option)
       ->capture_default_str();
-  mesh_option->needs(cup_option);
   cup_option->needs(mesh_option);
   demo_app->add_flag("--virtual-time", demo.virtual_time,
                      "lockstep, as fast as it goes; two runs give equal bits");
@@ -225,16 +224,20 @@ int Run(int argc, char** argv) {
       return 2;
     }
     if (*mesh_option) {
-      if (mesh.empty()) {
-        fmt::print(stderr, "osteon demo: --mesh: found no name, accepted a file\n");
+      demo.mesh = osteon::app::MeshChoice{.file = mesh, .scale = scale};
+      std::string wrong = mesh.empty() ? "--mesh: found no name, accepted a file" : "";
+      if (*cup_option) {
+        const auto parsed = osteon::app::ParseCup(cup);
+        if (!parsed && wrong.empty()) wrong = parsed.error();
+        if (parsed) demo.mesh->cup = *parsed;
+      } else if (wrong.empty() && demo.mesh->file.extension() != ".osp") {
+        wrong = fmt::format("--mesh {}: found no --cup, accepted with it (a packing file may have its own)",
+                            mesh);
+      }
+      if (!wrong.empty()) {
+        fmt::print(stderr, "osteon demo: {}\n", wrong);
         return 2;
       }
-      const auto parsed = osteon::app::ParseCup(cup);
-      if (!parsed) {
-        fmt::print(stderr, "osteon demo: {}\n", parsed.error());
-        return 2;
-      }
-      demo.mesh = osteon::app::MeshChoice{.file = mesh, .cup = *parsed, .scale = scale};
     }
     return osteon::app::RunDemo(demo);
   }

@@ -139,9 +139,10 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.removed_volume_m3 = result.after.removed_volume_m3;
   s.removed_mass_kg = result.after.removed_mass_kg;
   s.cutting_work_J = result.after.cutting_work_J;
-  s.swept_volume_m3 =
-      simulation::SweptVolume(*setup.solid, tool, simulation::ProxyPath(recording.frames, setup.X_WG),
-                              std::min(kSweepCell_m, tool.balls.front().radius_m / kSweepCellsARadius));
+  if (setup.solid)  // of a loaded packing only the balls are known
+    s.swept_volume_m3 =
+        simulation::SweptVolume(*setup.solid, tool, simulation::ProxyPath(recording.frames, setup.X_WG),
+                                std::min(kSweepCell_m, tool.balls.front().radius_m / kSweepCellsARadius));
   const simulation::ApexDepth depth(setup.bone, tool);
   if (!recording.frames.empty()) s.cup_depth_m = recording.frames.back().cup_depth_m;
   const auto first_touch = std::find_if(
