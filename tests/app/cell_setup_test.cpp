@@ -4,7 +4,9 @@
 
 #include "config/load.h"
 #include "simulation/cup_frame.h"
+#include "tests/io/temporary_folder.h"
 #include "tests/simulation/mesh_shapes.h"
+#include "tests/simulation/packing_samples.h"
 
 namespace osteon::app {
 namespace {
@@ -78,6 +80,46 @@ TEST(SetUpCell, PutsAMeshsCupWhereTheScenesWouldBe) {
   EXPECT_LT((X_WC.matrix() - setup->config.X_WG.matrix()).norm(), 1e-12);
   EXPECT_GT(setup->bone.balls.size(), 1000u);
   EXPECT_GT(setup->bone.points.size(), 1000u);
+}
+
+TEST(SetUpCell, TakesAPackingFileWithItsOwnSite) {
+  const io::test::TemporaryFolder folder;
+  const auto file = folder.path() / "bone.osp";
+  const simulation::Bone bone = simulation::test::SomeBone();
+  ASSERT_TRUE(simulation::WritePackingFile(file, bone, {}));
+  const auto setup = SetUpCell(kDemoCell, MeshChoice{.file = file});
+  ASSERT_TRUE(setup) << setup.error();
+  EXPECT_EQ(setup->bone.balls.size(), bone.balls.size());
+  EXPECT_EQ(setup->bone.materials.size(), 3u);
+  EXPECT_EQ(setup->solid, nullptr);
+  const Pose X_WC = setup->X_WG * simulation::CupPose(bone.cup);
+  EXPECT_LT((X_WC.matrix() - setup->config.X_WG.matrix()).norm(), 1e-12);
+
+  // another site than the file's
+  const simulation::Cup other{
+      .center_m = Vector3(0.1, 0.2, 0.3), .axis = Vector3(Vector3::UnitX()), .radius_m = 0.01};
+  const auto moved = SetUpCell(kDemoCell, MeshChoice{.file = file, .cup = other});
+  ASSERT_TRUE(moved) << moved.error();
+  EXPECT_EQ(moved->bone.cup.radius_m, 0.01);
+}
+
+TEST(SetUpCell, SaysWhatAPackingFileLacks) {
+  const io::test::TemporaryFolder folder;
+  const auto file = folder.path() / "bone.osp";
+  const auto refusal = [&](const simulation::Bone& bone) {
+    EXPECT_TRUE(simulation::WritePackingFile(file, bone, {}));
+    const auto setup = SetUpCell(kDemoCell, MeshChoice{.file = file});
+    return setup ? std::string("accepted") : setup.error();
+  };
+  simulation::Bone bone = simulation::test::SomeBone();
+  bone.cup.radius_m = 0.0;
+  EXPECT_NE(refusal(bone).find("found a packing without a site, accepted one with it, or --cup"),
+            std::string::npos);
+  EXPECT_NE(refusal(simulation::test::SomeBone(5, 0)).find("without mass points"), std::string::npos);
+  io::test::WriteAll(file, "no packing");
+  const auto setup = SetUpCell(kDemoCell, MeshChoice{.file = file});
+  ASSERT_FALSE(setup);
+  EXPECT_NE(setup.error().find("bone.osp: byte 0: found"), std::string::npos) << setup.error();
 }
 
 TEST(SetUpCell, KeepsTheConfigurationAsItWasRead) {
