@@ -7,22 +7,39 @@
 namespace osteon::simulation {
 namespace {
 
-struct Size {
+constexpr double kLatticeShare = 0.38;  // of a count, to begin with
+
+/// What a solid asks for at the finest spacing, counted coarsely.
+struct Demand {
   double area_m2{0.0}, volume_m3{0.0};
+  double sampled_area_m2{0.0};    ///< of the surface, a quarter for each coarser level of the samples
+  double lattice_volume_m3{0.0};  ///< deeper than the cap, an eighth for each coarser level of the lattice
 };
 
-/// Surface and volume to about 5 %, counted in cells of a fortieth of the solid. On average as many centres
-/// lie within half a cell's diagonal of a surface as this layer has room for.
-Size Measure(const Solid& solid, int threads) {
-  const double side = solid.Bounds().sizes().maxCoeff() / 40.0;
-  Size size;
+double CoarserBy(const std::vector<double>& from_m, double depth_m, double factor) {
+  const auto level = std::upper_bound(from_m.begin(), from_m.end(), depth_m) - from_m.begin();
+  return std::pow(factor, static_cast<double>(level));
+}
+
+/// To about 5 %, in cells of a fortieth of the solid. On average as many centres lie within half a cell's
+/// diagonal of a surface as this layer has room for.
+Demand Measure(const Solid& solid, const CutZone& zone, const PackingParams& params) {
+  const double side = solid.Bounds().sizes().maxCoeff() / 40.0, volume = side * side * side;
+  Demand demand;
   for (const Cell& cell : DivideGraded(solid, EverywhereZone(), {.finest_m = side, .coarser_from_m = {}},
-                                       CellsWanted::kSolid, threads)) {
-    if (cell.signed_distance_m < 0.0) size.volume_m3 += side * side * side;
-    if (std::abs(cell.signed_distance_m) <= cell.reach_m())
-      size.area_m2 += side * side * side / (2.0 * cell.reach_m());
+                                       CellsWanted::kSolid, params.threads)) {
+    const double distance = cell.signed_distance_m, depth = zone.DepthAt(cell.center());
+    if (std::abs(distance) <= cell.reach_m()) {
+      const double area = volume / (2.0 * cell.reach_m());
+      demand.area_m2 += area;
+      demand.sampled_area_m2 += area * CoarserBy(params.samples.coarser_from_m, depth, 0.25);
+    }
+    if (distance >= 0.0) continue;
+    demand.volume_m3 += volume;
+    if (-distance >= 0.9 * params.RadiusCapAt(depth, params.SpacingAt(depth)))
+      demand.lattice_volume_m3 += volume * CoarserBy(params.lattice.coarser_from_m, depth, 0.125);
   }
-  return size;
+  return demand;
 }
 
 /// Samples for each ball wanted: the more, the better the choice. Millions lie densely anyway.
@@ -42,7 +59,7 @@ std::vector<double> DoublingDepths(double cap_m, double growth) {
 
 }  // namespace
 
-PackingParams OverlapParamsFor(const Solid& solid, const CutZone&, const OverlapOptions& options) {
+PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone, const OverlapOptions& options) {
   const double most = 0.5 * solid.Bounds().sizes().minCoeff();  // no ball inside is larger
   PackingParams params;
   params.count = options.count;
@@ -60,21 +77,27 @@ PackingParams OverlapParamsFor(const Solid& solid, const CutZone&, const Overlap
   params.cup_radius_cap_m = std::min(cap, most);
   params.radius_growth = options.grade;
 
-  // Near the cut zone a wanted count may buy balls of twice the spacing; FittingLattice widens it.
-  params.lattice.finest_m = params.cup_radius_cap_m / (options.count > 0 ? 2.0 : params.radius_over_spacing);
   params.lattice.coarser_from_m = DoublingDepths(params.cup_radius_cap_m, options.grade);
+  // Samples grow less, or they are too few to choose from where a count is large.
   params.samples.coarser_from_m = params.lattice.coarser_from_m;
   if (params.samples.coarser_from_m.size() > 2) params.samples.coarser_from_m.resize(2);
   params.surface_gap_growth = options.grade * params.surface_gap_m / params.cup_radius_cap_m;
   params.greatest_surface_gap_m = 5.0 * params.surface_gap_m;
 
-  const Size size = Measure(solid, options.threads);
+  // At spacings of half the cap the lattice's balls overlap as heavily as a cut asks for (1.5 mm for balls of
+  // 3 mm).
+  params.lattice.finest_m = params.cup_radius_cap_m / (options.count > 0 ? 2.0 : params.radius_over_spacing);
+  const Demand demand = Measure(solid, zone, params);
   if (options.count > 0) {
-    params.samples.finest_m =
-        std::sqrt(size.area_m2 / (SamplesPerBall(options.count) * static_cast<double>(options.count)));
+    const auto count = static_cast<double>(options.count);
+    const double widest = params.cup_radius_cap_m / 0.6;  // just short of holes; BuildPacking decides on them
+    const double fitting = std::cbrt(2.0 * demand.lattice_volume_m3 / (kLatticeShare * count));
+    params.lattice.finest_m = std::clamp(fitting, params.lattice.finest_m, widest);
+    params.samples.finest_m = std::sqrt(demand.sampled_area_m2 / (SamplesPerBall(options.count) * count));
   } else {
     // balls of a typical radius r close a gap g over about sqrt(2 g r)
-    const double radius = std::min(params.cup_radius_cap_m, size.volume_m3 / std::max(1e-12, size.area_m2));
+    const double radius =
+        std::min(params.cup_radius_cap_m, demand.volume_m3 / std::max(1e-12, demand.area_m2));
     params.samples.finest_m = 0.75 * std::sqrt(2.0 * params.surface_gap_m * radius);
   }
   params.samples.finest_m = std::clamp(params.samples.finest_m, 0.001e-3, 0.010);
