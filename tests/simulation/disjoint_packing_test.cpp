@@ -152,7 +152,7 @@ bool SameBits(const std::vector<Ball>& a, const std::vector<Ball>& b) {
 }
 
 TEST(DisjointPacking, IsTheSameToTheBitForAnyNumberOfThreads) {
-  const MeshSolid mesh(MakeIcosphere(Vector3(0.1, 0, 0), 0.02, 2), {}, {});
+  const MeshSolid mesh(MakeBox(Vector3(0.1, 0, 0), Vector3(0.13, 0.04, 0.05)), {}, {});
   const AcetabulumSolid acetabulum({});
   const CupZone cup(acetabulum.cup());
   const EverywhereZone everywhere;
