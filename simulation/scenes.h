@@ -7,6 +7,7 @@
 #include "simulation/mass_points.h"
 #include "simulation/mesh_solid.h"
 #include "simulation/packing_builder.h"
+#include "simulation/scene_events.h"
 #include "simulation/triangle_mesh.h"
 
 namespace osteon::simulation {
@@ -20,6 +21,7 @@ struct AcetabulumParams {
   PackingParams packing;
   MassPointParams points;
   std::vector<Material> materials{DefaultBoneMaterials()};
+  SceneEventParams events;
 };
 
 /// Block with a hemispherical cup; G at the cup's centre, +z out of it.
