@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "config/load.h"
+#include "config/read_events.h"
 
 namespace osteon::config {
 namespace {
@@ -47,6 +48,7 @@ simulation::AcetabulumParams LoadScene(const std::filesystem::path& path) {
   Reader points = reader.Section("mass_points");
   scene.points.cells = ReadGrade(points, "", 0.1, 10);
   scene.points.samples_along_axis = points.Whole("axis_sample_count", 1, 16);
+  scene.events = ReadEvents(reader.Section("events"));
   reader.Finish();
 
   constexpr double kLeastWall_m = 0.002;  // bone beside and below the cup

@@ -106,7 +106,7 @@ TEST(MotionFile, RefusesWhatIsNoRowOfAMotion) {
            Case{"0.011,10001,-12.3457,200,1,0,0,0,250", "x_mm: found 10001, accepted -10000 … 10000"},
            Case{"0.011,1,-12.3457,200,0,0,0,0,250", "found a quaternion of length 0, accepted 1 ± 1e-05"},
            Case{"0.011,1,-12.3457,200,1.001,0,0,0,250", "found a quaternion of length 1.001"},
-           Case{"0.011,1,-12.3457,200,1e308,1e308,0,0,250", "found a quaternion of length inf"},
+           Case{"0.011,1,-12.3457,200,1e308,1e308,1e308,1e308,250", "found a quaternion of length inf"},
            Case{"0.011,1,-12.3457,200,0,1,0,0,250", "found a turn of 180 deg from the row before"},
            Case{"0.011,1,-12.3457,200,1,0,0,0,-1", "spindle_rpm: found -1, accepted 0 … 500000"},
        }) {
