@@ -11,7 +11,6 @@
 #include "config/load.h"
 #include "gpu/vulkan_engine.h"
 #include "simulation/cup_frame.h"
-#include "simulation/mesh_solid.h"
 #include "simulation/reference_engine.h"
 
 namespace osteon::app {
@@ -42,7 +41,7 @@ std::string ConfigText(const std::filesystem::path& cell_yaml) {
 
 tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
   static constexpr std::array<const char*, 7> kNames{"X", "Y", "Z", "NX", "NY", "NZ", "R"};
-  static constexpr double kFar_mm = 2000.0, kLeastRadius_mm = 5.0, kMostRadius_mm = 60.0;
+  static constexpr double kFar_mm = 2000.0, kLeastRadius_mm = 0.5, kMostRadius_mm = 60.0;
   std::array<double, 7> values{};
   std::istringstream parts(text);
   std::string part;
@@ -82,20 +81,19 @@ tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell
   CellSetup setup;
   setup.config = config::LoadCell(cell_yaml);
   setup.config_text = ConfigText(cell_yaml);
-  const simulation::AcetabulumParams& scene = setup.config.scene;
+  const simulation::SceneParams& scene = setup.config.scene;
+  simulation::SceneSolid made;
   if (!mesh) {
-    setup.bone = simulation::MakeAcetabulum(scene);
-    setup.solid = std::make_shared<simulation::AcetabulumSolid>(scene.shape);
+    made = simulation::MakeSceneSolid(scene);
   } else {
-    const simulation::MeshBoneParams params{
-        .tissue = {}, .packing = scene.packing, .points = scene.points, .materials = scene.materials};
-    const auto solid = simulation::LoadMeshSolid(mesh->file, mesh->cup, params.tissue);
-    if (!solid) return tl::make_unexpected(solid.error().message);
-    setup.bone = simulation::PackMeshBone(mesh->file, **solid, params);
-    setup.solid = *solid;
+    auto loaded = simulation::LoadSceneSolid(mesh->file, mesh->scale, mesh->cup, scene);
+    if (!loaded) return tl::make_unexpected(loaded.error().message);
+    made = std::move(*loaded);
   }
-  // the bone lies so that its cup is where the cell wants it: X_WG of the configuration is the pose of the
-  // scene's cup
+  setup.bone = simulation::PackScene(made, scene);
+  setup.solid = made.solid;
+  // the bone lies so that its site is where the cell wants it: X_WG of the configuration is the pose of the
+  // site's frame
   setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.cup).inverse();
   return setup;
 }

@@ -17,7 +17,8 @@ namespace osteon::app {
 /// A mesh instead of the generated scene.
 struct MeshChoice {
   std::filesystem::path file;
-  simulation::Cup cup;  ///< in the file's frame
+  simulation::Cup cup;  ///< the site that is cut, in the file's frame, after scaling
+  double scale{1.0};    ///< millimetres to a unit of the file
 };
 
 /// Reads "X,Y,Z,NX,NY,NZ,R" (mm; the axis in any length). The error names the part, what was found and what
@@ -33,7 +34,8 @@ struct CellSetup {
   std::string config_text;  ///< the YAML files as read, one after the other
 };
 
-/// Loads the cell's YAML and makes its bone; a mesh is placed so that its cup lies where the scene's would.
+/// Loads the cell's YAML and makes its bone; a mesh is placed so that its site (a cup, or the
+/// circle where a drill enters) lies where the scene's would.
 /// @param config_root  the folder with cells/, robots/ …
 /// @throws config::ConfigError; other errors (of the mesh) come back as text.
 [[nodiscard]] tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell_yaml,

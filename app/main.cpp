@@ -51,8 +51,8 @@ int Run(int argc, char** argv) {
 
   osteon::app::DemoOptions demo;
   std::string mesh, cup, cell = "demo";
-  CLI::App* demo_app =
-      app.add_subcommand("demo", "reams an acetabulum on the simulated cell and leaves a report");
+  double scale = 1.0;
+  CLI::App* demo_app = app.add_subcommand("demo", "cuts bone on the simulated cell and leaves a report");
   demo_app->add_option("--seconds", demo.seconds, "time in COMMANDING_ACTIVE, 0.1 … 3600")
       ->check(osteon::app::NumberWithin(osteon::app::kLeastSeconds, osteon::app::kMostSeconds))
       ->capture_default_str();
@@ -60,8 +60,13 @@ int Run(int argc, char** argv) {
       ->capture_default_str();
   auto* mesh_option =
       demo_app->add_option("--mesh", mesh, "closed triangle mesh instead of the scene: STL, OBJ, PLY, in mm");
-  auto* cup_option = demo_app->add_option(
-      "--cup", cup, "X,Y,Z,NX,NY,NZ,R: its cup's centre, axis out of the opening, radius; mm");
+  auto* cup_option = demo_app->add_option("--cup", cup,
+                                          "X,Y,Z,NX,NY,NZ,R: its cup, or the circle where a drill enters: "
+                                          "centre, axis out of the bone, radius; mm");
+  demo_app->add_option("--scale", scale, "millimetres to a unit of the mesh")
+      ->check(osteon::app::NumberWithin(1e-4, 1e4))
+      ->needs(mesh_option)
+      ->capture_default_str();
   mesh_option->needs(cup_option);
   cup_option->needs(mesh_option);
   demo_app->add_flag("--virtual-time", demo.virtual_time,
@@ -79,7 +84,8 @@ int Run(int argc, char** argv) {
                        "write the tool's motion there (CSV), to be played again");
   demo_app->footer(
       "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
-      "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21");
+      "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21\n"
+      "  osteon demo --cell molar --mesh tooth.obj --scale 0.041 --cup 0.4,1.2,8.3,0,0,1,1.75");
 
   std::uint16_t port = 30200;
   std::filesystem::path doctor_json;
@@ -121,7 +127,7 @@ int Run(int argc, char** argv) {
         fmt::print(stderr, "osteon demo: {}\n", parsed.error());
         return 2;
       }
-      demo.mesh = osteon::app::MeshChoice{.file = mesh, .cup = *parsed};
+      demo.mesh = osteon::app::MeshChoice{.file = mesh, .cup = *parsed, .scale = scale};
     }
     return osteon::app::RunDemo(demo);
   }

@@ -42,9 +42,9 @@ struct FriConfig {
 struct CellConfig {
   kinematics::LbrParams robot;
   ToolConfig tool;
-  simulation::AcetabulumParams scene;  ///< with the cell's materials
+  simulation::SceneParams scene;  ///< with those of the cell's materials that it needs
   Pose X_WB{Pose::Identity()};         ///< robot base in world
-  Pose X_WG{Pose::Identity()};         ///< bone in world
+  Pose X_WG{Pose::Identity()};         ///< bone in world: the frame C of its site
   StartConfig start;
   control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit

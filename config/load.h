@@ -13,10 +13,11 @@ namespace osteon::config {
 
 [[nodiscard]] kinematics::LbrParams LoadRobot(const std::filesystem::path& path);
 [[nodiscard]] ToolConfig LoadTool(const std::filesystem::path& path);
-/// In the order of a bone's tissues: cartilage, cortical, cancellous.
+/// 1 … 8 materials of different names, in the file's order; each figure with its source, or marked as
+/// assumed.
 [[nodiscard]] std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& path);
-/// Shape and fineness; the materials stay the defaults.
-[[nodiscard]] simulation::AcetabulumParams LoadScene(const std::filesystem::path& path);
+/// Shape, site and fineness, and the names of the materials that are needed; the materials stay empty.
+[[nodiscard]] simulation::SceneParams LoadScene(const std::filesystem::path& path);
 /// A cell and the robot, tool, scene and materials that it names.
 [[nodiscard]] CellConfig LoadCell(const std::filesystem::path& path);
 

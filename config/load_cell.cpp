@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -155,7 +156,7 @@ void CheckOrder(const Reader& section, const std::string& smaller_key, const std
 // The start must be where the cell may be, and where the arm can be.
 void PlaceArm(const Reader& section, CellConfig& cell) {
   StartConfig& start = cell.start;
-  const Pose& X_WC = cell.X_WG;  // the generated cup's frame is the bone's
+  const Pose& X_WC = cell.X_WG;  // the site's frame, wherever the bone's own is
   const double head_radius_m = cell.tool.tool.balls.front().radius_m;
   start.X_WT = X_WC * Eigen::Translation3d(0, 0, start.height_m) *
                Eigen::AngleAxisd(std::numbers::pi, Vector3::UnitX()) *
@@ -171,6 +172,25 @@ void PlaceArm(const Reader& section, CellConfig& cell) {
   const Pose X_BF = cell.X_WB.inverse() * start.X_WT * cell.tool.X_FT.inverse();
   if (!arm.Inverse(X_BF, start.arm_angle_rad, kinematics::JointVector::Zero(), start.q))
     section.Refuse("height_mm", "the arm can not be there: out of reach or beyond its joint limits");
+}
+
+// The materials that a scene needs, in its order, from those of a file.
+std::vector<simulation::Material> Pick(const Reader& cell, const std::filesystem::path& file,
+                                       const std::vector<std::string>& names) {
+  const std::vector<simulation::Material> found = LoadMaterials(file);
+  std::vector<simulation::Material> picked;
+  for (const std::string& name : names) {
+    const auto at =
+        std::find_if(found.begin(), found.end(), [&](const auto& material) { return material.name == name; });
+    if (at == found.end()) {
+      std::string all;
+      for (const simulation::Material& material : found) all += (all.empty() ? "" : ", ") + material.name;
+      cell.Refuse("materials", fmt::format("found {} with {}; accepted one with {}, which the scene needs",
+                                           file.filename().string(), all, name));
+    }
+    picked.push_back(*at);
+  }
+  return picked;
 }
 
 // What one file says serves in several places.
@@ -241,7 +261,7 @@ CellConfig LoadCell(const std::filesystem::path& path) {
   cell.robot = LoadRobot(robot);
   cell.tool = LoadTool(tool);
   cell.scene = LoadScene(scene);
-  cell.scene.materials = LoadMaterials(materials);
+  cell.scene.materials = Pick(reader, materials, cell.scene.material_names);
   PlaceArm(start, cell);
   Spread(cell);
   CheckScript(script, cell.script, hand, cell.simulated.hand.max_force_N);

@@ -60,24 +60,4 @@ ToolConfig LoadTool(const std::filesystem::path& path) {
   return config;
 }
 
-std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& path) {
-  Reader reader = Reader::Load(path);
-  std::vector<simulation::Material> materials;
-  for (const char* name : {"cartilage", "cortical", "cancellous"}) {
-    Reader tissue = reader.Section(name);
-    simulation::Material& material = materials.emplace_back();
-    material.name = name;
-    material.density_kg_per_m3 = tissue.Number("density_g_per_cm3", 0.01, 10);
-    material.specific_cutting_energy_J_per_m3 = tissue.Number("cutting_energy_J_per_mm3", 0.001, 100);
-    material.cutting_force_ratio = tissue.Number("cutting_force_ratio", 0.01, 5);
-    material.friction = tissue.Number("friction_ratio", 0, 2);
-    material.source.clear();
-    for (const char* figure : {"density", "cutting_energy", "cutting_force", "friction"})
-      material.source += fmt::format("{}{}: {}", material.source.empty() ? "" : "; ", figure,
-                                     tissue.Text(std::string(figure) + "_source"));
-  }
-  reader.Finish();
-  return materials;
-}
-
 }  // namespace osteon::config

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -7,6 +8,121 @@
 
 namespace osteon::config {
 namespace {
+
+using simulation::SceneParams;
+
+/// The materials that a scene speaks of: a name's place is its index.
+class Names {
+ public:
+  explicit Names(std::vector<std::string> names) : names_(std::move(names)) {}
+
+  /// Reads the name of a material.
+  simulation::MaterialIndex Read(Reader& section, const std::string& key) {
+    constexpr std::size_t kMost = 8;
+    const std::string name = section.Text(key);
+    if (name.empty()) return 0;  // missing: Finish() says so
+    const auto at = std::find(names_.begin(), names_.end(), name);
+    if (at == names_.end()) {
+      if (names_.size() == kMost)
+        section.Refuse(key, fmt::format("found {}, accepted at most {} materials a scene", name, kMost));
+      names_.push_back(name);
+      return static_cast<simulation::MaterialIndex>(names_.size() - 1);
+    }
+    return static_cast<simulation::MaterialIndex>(at - names_.begin());
+  }
+  [[nodiscard]] const std::vector<std::string>& list() const { return names_; }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+std::vector<simulation::TissueLayer> ReadLayers(Reader& section, Names& names) {
+  std::vector<simulation::TissueLayer> layers;
+  for (Reader& layer : section.Sections("layers", 0, 8)) {
+    simulation::TissueLayer& read = layers.emplace_back();
+    read.material = names.Read(layer, "material");
+    read.thickness_m = layer.Number("thickness_mm", 0, 100);
+  }
+  return layers;
+}
+
+// The kinds of shape, with how the section `shape` of each is read.
+void ReadAcetabulum(Reader shape, SceneParams& scene, Names&) {
+  simulation::AcetabulumShape s;
+  s.width_m = shape.Number("width_mm", 10, 500);
+  s.height_m = shape.Number("height_mm", 5, 500);
+  s.cup_radius_m = shape.Number("cup_radius_mm", 2, 100);
+  s.cartilage_m = shape.Number("cartilage_mm", 0, 20);
+  s.subchondral_m = shape.Number("subchondral_mm", 0, 20);
+  scene.shape = s;
+}
+
+void ReadMolar(Reader shape, SceneParams& scene, Names&) {
+  simulation::MolarShape s;
+  s.length_m = shape.Number("length_mm", 10, 40);
+  s.enamel_m = shape.Number("enamel_mm", 0, 4.8);
+  s.pulp_width = shape.Number("pulp_width_ratio", 0.6, 1.3);
+  scene.shape = s;
+}
+
+void ReadFemur(Reader shape, SceneParams& scene, Names&) {
+  simulation::FemurShape s;
+  s.length_m = shape.Number("length_mm", 20, 400);
+  s.flare_m = shape.Number("flare_mm", 5, 400);
+  s.shaft_radius_m = shape.Number("shaft_radius_mm", 5, 40);
+  s.top_radius_m = shape.Number("top_radius_mm", 5, 60);
+  s.oval_ratio = shape.Number("oval_ratio", 1, 1.6);
+  s.medial_shift_m = shape.Number("medial_shift_mm", 0, 30);
+  s.shaft_wall_m = shape.Number("shaft_wall_mm", 0.2, 28);
+  s.top_wall_m = shape.Number("top_wall_mm", 0.2, 30);
+  s.shaft_lining_m = shape.Number("shaft_lining_mm", 0, 40);
+  s.top_marrow_radius_m = shape.Number("top_marrow_radius_mm", 0.2, 60);
+  scene.shape = s;
+}
+
+void ReadBlock(Reader shape, SceneParams& scene, Names& names) {
+  simulation::BlockShape s;
+  s.width_m = shape.Number("width_mm", 0.1, 500);
+  s.depth_m = shape.Number("depth_mm", 0.1, 500);
+  s.height_m = shape.Number("height_mm", 0.1, 500);
+  s.layers = ReadLayers(shape, names);
+  s.core = names.Read(shape, "core");
+  scene.shape = s;
+}
+
+// What is read after it depends on the kind: without one the rest would be refused for the wrong reason.
+std::size_t ReadKind(Reader& section, std::initializer_list<const char*> accepted) {
+  if (section.Text("kind").empty()) section.Finish();
+  return section.Choice("kind", accepted);
+}
+
+void ReadZone(Reader section, simulation::ZoneParams& zone) {
+  using Kind = simulation::ZoneParams::Kind;
+  constexpr Kind kKinds[] = {Kind::kCup, Kind::kPath, Kind::kSurface, Kind::kEverywhere};
+  zone.kind = kKinds[ReadKind(section, {"cup", "path", "surface", "everywhere"})];
+  if (zone.kind == Kind::kPath || zone.kind == Kind::kSurface)
+    zone.radius_m = section.Number("radius_mm", 0.01, 100);
+  if (zone.kind == Kind::kPath)
+    for (Reader& point : section.Sections("path", 1, 1000))
+      zone.path_C_m.push_back(point.Triple("at_mm", -500, 500));
+}
+
+void ReadMeshTissue(Reader section, simulation::MeshSceneTissue& tissue, Names& names) {
+  tissue.solid.layers = ReadLayers(section, names);
+  tissue.solid.core = names.Read(section, "core");
+  for (Reader& region : section.Sections("regions", 0, 8)) {
+    auto& read = tissue.regions.emplace_back();
+    read.name = region.Text("name");
+    read.tissue.layers = ReadLayers(region, names);
+    read.tissue.core = names.Read(region, "core");
+  }
+  for (Reader& lining : section.Sections("lining", 0, 1)) {
+    auto& read = tissue.lining.emplace();
+    read.lining_radii = lining.Number("reach_ratio", 1, 2);
+    read.layers = ReadLayers(lining, names);
+    read.core = names.Read(lining, "core");
+  }
+}
 
 // Spacing in mm at the finest, and the two depths from which it may double.
 simulation::GradeParams ReadGrade(Reader& section, const std::string& prefix, double min_mm, double max_mm) {
@@ -20,47 +136,69 @@ void CheckAscending(const Reader& section, const std::string& key, const simulat
                                     grade.coarser_from_m[1] * 1e3, grade.coarser_from_m[0] * 1e3));
 }
 
+void ReadPacking(Reader& section, simulation::PackingParams& packing) {
+  packing.lattice = ReadGrade(section, "", 0.2, 20);
+  packing.cup_radius_cap_m = section.Number("cup_radius_cap_mm", 0.1, 50);
+  packing.cup_depth_m = section.Number("cup_depth_mm", 0, 100);
+  packing.radius_over_spacing = section.Number("radius_over_spacing_ratio", 0.56, 5);
+  packing.least_radius_m = section.Number("least_radius_mm", 0.01, 5);
+  packing.surface_gap_m = section.Number("surface_gap_mm", 0.005, 5);
+  packing.surface_gap_growth = section.Number("surface_gap_growth_ratio", 0, 1);
+  packing.greatest_surface_gap_m = section.Number("greatest_surface_gap_mm", 0.005, 10);
+  packing.samples = ReadGrade(section, "sample_", 0.05, 10);
+}
+
+// Sizes of a shape against each other.
+void CheckShape(const Reader& section, const simulation::SceneShape& shape) {
+  if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&shape)) {
+    constexpr double kLeastWall_m = 0.002;  // bone beside and below the cup
+    const double most_m = std::min(0.5 * cup->width_m, cup->height_m) - kLeastWall_m;
+    if (cup->cup_radius_m > most_m)
+      section.Refuse("cup_radius_mm",
+                     fmt::format("found {:.10g}, accepted at most {:.10g}: 2 mm less than half the width "
+                                 "and the height",
+                                 cup->cup_radius_m * 1e3, most_m * 1e3));
+  }
+  try {
+    simulation::CheckShape(shape);
+  } catch (const std::invalid_argument& error) {
+    section.Refuse("shape", error.what());
+  }
+}
+
 }  // namespace
 
-simulation::AcetabulumParams LoadScene(const std::filesystem::path& path) {
+SceneParams LoadScene(const std::filesystem::path& path) {
   Reader reader = Reader::Load(path);
-  simulation::AcetabulumParams scene;
-  static_cast<void>(reader.Choice("kind", {"acetabulum"}));
-
-  Reader shape = reader.Section("shape");
-  scene.shape.width_m = shape.Number("width_mm", 10, 500);
-  scene.shape.height_m = shape.Number("height_mm", 5, 500);
-  scene.shape.cup_radius_m = shape.Number("cup_radius_mm", 2, 100);
-  scene.shape.cartilage_m = shape.Number("cartilage_mm", 0, 20);
-  scene.shape.subchondral_m = shape.Number("subchondral_mm", 0, 20);
-
+  SceneParams scene;
+  const std::size_t kind = ReadKind(reader, {"acetabulum", "molar", "femoral_canal", "block"});
+  constexpr std::size_t kAcetabulum = 0;
+  const auto read_shape = std::array{ReadAcetabulum, ReadMolar, ReadFemur, ReadBlock}[kind];
+  const simulation::SceneShape kinds[] = {simulation::AcetabulumShape{}, simulation::MolarShape{},
+                                          simulation::FemurShape{}, simulation::BlockShape{}};
+  Names names(simulation::MaterialNames(kinds[kind]));
+  const Reader shape = reader.Section("shape");
+  read_shape(shape, scene, names);
+  if (kind != kAcetabulum) {  // an acetabulum's cup is its site
+    Reader site = reader.Section("site");
+    const std::vector<double> place_m = site.Numbers("place_mm", 2, -500, 500);
+    scene.site = {.x_m = place_m[0], .y_m = place_m[1], .radius_m = site.Number("radius_mm", 0.5, 100)};
+  }
+  ReadZone(reader.Section("zone"), scene.zone);
+  ReadMeshTissue(reader.Section("mesh_tissue"), scene.mesh_tissue, names);
   Reader packing = reader.Section("packing");
-  scene.packing.lattice = ReadGrade(packing, "", 0.2, 20);
-  scene.packing.cup_radius_cap_m = packing.Number("cup_radius_cap_mm", 0.1, 50);
-  scene.packing.cup_depth_m = packing.Number("cup_depth_mm", 0, 100);
-  scene.packing.radius_over_spacing = packing.Number("radius_over_spacing_ratio", 0.56, 5);
-  scene.packing.least_radius_m = packing.Number("least_radius_mm", 0.01, 5);
-  scene.packing.surface_gap_m = packing.Number("surface_gap_mm", 0.005, 5);
-  scene.packing.surface_gap_growth = packing.Number("surface_gap_growth_ratio", 0, 1);
-  scene.packing.greatest_surface_gap_m = packing.Number("greatest_surface_gap_mm", 0.005, 10);
-  scene.packing.samples = ReadGrade(packing, "sample_", 0.05, 10);
-
+  ReadPacking(packing, scene.packing);
   Reader points = reader.Section("mass_points");
   scene.points.cells = ReadGrade(points, "", 0.1, 10);
-  scene.points.samples_along_axis = points.Whole("axis_sample_count", 1, 16);
+  scene.points.samples_along_axis = points.Whole("axis_sample_count", 2, 16);
   scene.events = ReadEvents(reader.Section("events"));
   reader.Finish();
 
-  constexpr double kLeastWall_m = 0.002;  // bone beside and below the cup
-  const double room_m = std::min(0.5 * scene.shape.width_m, scene.shape.height_m) - kLeastWall_m;
-  if (scene.shape.cup_radius_m > room_m)
-    shape.Refuse("cup_radius_mm",
-                 fmt::format("found {:.10g}, accepted at most {:.10g}: 2 mm less than half the width "
-                             "and the height",
-                             scene.shape.cup_radius_m * 1e3, room_m * 1e3));
+  CheckShape(shape, scene.shape);
   CheckAscending(packing, "coarser_from_mm", scene.packing.lattice);
   CheckAscending(packing, "sample_coarser_from_mm", scene.packing.samples);
   CheckAscending(points, "coarser_from_mm", scene.points.cells);
+  scene.material_names = names.list();
   return scene;
 }
 

@@ -9,20 +9,19 @@ namespace {
 
 constexpr double kLeastWall_m = 0.002;  // bone beside and below the cup
 
-const AcetabulumShape& Checked(const AcetabulumShape& s) {
+}  // namespace
+
+void CheckShape(const AcetabulumShape& s) {
   CheckRangeMm("acetabulum: width", s.width_m, 0.010, 0.500);
   CheckRangeMm("acetabulum: height", s.height_m, 0.005, 0.500);
   CheckRangeMm("acetabulum: cup radius", s.cup_radius_m, 0.002,
                std::min(0.5 * s.width_m, s.height_m) - kLeastWall_m);
   CheckRangeMm("acetabulum: cartilage thickness", s.cartilage_m, 0.0, 0.020);
   CheckRangeMm("acetabulum: subchondral thickness", s.subchondral_m, 0.0, 0.020);
-  return s;
 }
 
-}  // namespace
-
 AcetabulumSolid::AcetabulumSolid(const AcetabulumShape& shape)
-    : shape_(Checked(shape)),
+    : shape_((CheckShape(shape), shape)),
       cup_({.center_m = Vector3(Vector3::Zero()),
             .axis = Vector3(Vector3::UnitZ()),
             .radius_m = shape.cup_radius_m}),

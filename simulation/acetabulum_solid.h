@@ -13,6 +13,9 @@ struct AcetabulumShape {
   double subchondral_m{0.001};  ///< thickness of the cortical plate below it
 };
 
+/// @throws std::invalid_argument naming the size, its value and what is accepted.
+void CheckShape(const AcetabulumShape& shape);
+
 /// Block minus ball. G has its origin at the cup's centre, on the top face; +z points out of the opening, and
 /// the block fills |x|, |y| <= width/2, -height <= z <= 0.
 ///
@@ -20,7 +23,7 @@ struct AcetabulumShape {
 /// cancellous bone. The outer faces are saw cuts through cancellous bone: they carry no shell.
 class AcetabulumSolid final : public Solid {
  public:
-  /// @throws std::invalid_argument naming the size, its value and what is accepted.
+  /// @throws std::invalid_argument as CheckShape does.
   explicit AcetabulumSolid(const AcetabulumShape& shape);
 
   /// Exact everywhere, outside as well.

@@ -13,7 +13,6 @@
 
 namespace osteon::simulation {
 
-inline constexpr int kMaxMaterials = 8;
 /// Planes are grouped by the side of the tool they touch: 0 the cap ahead, 1 … 6 sectors around, 7 balls that
 /// do not cut.
 inline constexpr int kCapPlane = 0, kShaftPlane = 7;

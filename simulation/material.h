@@ -6,17 +6,38 @@
 
 namespace osteon::simulation {
 
-/// What the cutting model needs to know of a tissue. `source` says where the figures come from, or "assumed".
+/// Index into a bone's list of materials.
+using MaterialIndex = std::uint8_t;
+
+/// Longest list of materials that a bone may have.
+inline constexpr int kMaxMaterials = 8;
+
+/// Where a figure comes from; or, where no source was found for it, on what it was assumed.
+struct FigureSource {
+  std::string text;
+  bool assumed{true};
+};
+
+/// What the cutting model needs to know of a tissue, each figure with its source.
 struct Material {
   std::string name;
   double density_kg_per_m3{1000.0};
   double specific_cutting_energy_J_per_m3{1e9};  ///< u_c, work of the edge per volume removed
   double cutting_force_ratio{0.8};               ///< mu_c, cutting force over normal force
   double friction{0.2};                          ///< mu of a still tool on it
-  std::string source{"assumed"};
+
+  FigureSource density_source{}, cutting_energy_source{}, cutting_force_source{}, friction_source{};
 };
 
-/// Index into a bone's list of materials.
-using MaterialIndex = std::uint8_t;
+/// @throws std::invalid_argument naming the material, the figure, its value and what is accepted: 1 … 8
+///   materials of different names, positive finite figures, friction of 0 … 2.
+void CheckMaterials(const std::vector<Material>& materials);
+
+/// One line for each figure that has no source: "cancellous: friction .3 (as cortical bone)".
+[[nodiscard]] std::vector<std::string> Assumptions(const std::vector<Material>& materials);
+
+/// "cartilage", "cortical", "cancellous", "marrow", in the order of BoneTissue: the same as
+/// config/materials/bone.yaml.
+[[nodiscard]] std::vector<Material> DefaultBoneMaterials();
 
 }  // namespace osteon::simulation

@@ -5,9 +5,24 @@
 #include <map>
 
 namespace osteon::simulation {
+namespace {
 
-MeshSolid::MeshSolid(const TriangleMesh& mesh, const Cup& cup, const MeshTissue& tissue)
-    : cup_(cup), bvh_(mesh), tissue_(tissue), triangles_(mesh.triangles.size()) {
+// Whether some of a tissue may be of this material.
+bool Mentions(const LiningTissue& tissue, MaterialIndex material) {
+  return tissue.core == material || std::ranges::any_of(tissue.layers, [material](const TissueLayer& layer) {
+           return layer.material == material;
+         });
+}
+
+bool Mentions(const ShellTissue& tissue, MaterialIndex material) {
+  const auto is_it = [material](const auto& part) { return part.material == material; };
+  return tissue.core == material || std::ranges::any_of(tissue.layers, is_it) ||
+         (tissue.image && std::ranges::any_of(tissue.image->classes, is_it));
+}
+
+}  // namespace
+
+MeshDistance::MeshDistance(const TriangleMesh& mesh) : bvh_(mesh), triangles_(mesh.triangles.size()) {
   for (const Vector3& v : mesh.vertices_m) box_.extend(v);
   std::vector<Vector3> corner_normals(mesh.vertices_m.size(), Vector3::Zero());
   using EdgeEnds = std::pair<std::uint32_t, std::uint32_t>;
@@ -36,34 +51,67 @@ MeshSolid::MeshSolid(const TriangleMesh& mesh, const Cup& cup, const MeshTissue&
     }
 }
 
-const Vector3& MeshSolid::NormalAt(const TriangleHit& hit) const {
-  const Triangle& t = triangles_[hit.triangle];
-  const auto feature = static_cast<int>(hit.feature);
+MeshDistance::Point MeshDistance::Nearest(const Vector3& p_m) const {
+  Point point{.hit = bvh_.Nearest(p_m)};
+  const Triangle& t = triangles_[point.hit.triangle];
+  const auto feature = static_cast<int>(point.hit.feature);
   if (feature >= static_cast<int>(TriangleFeature::kCorner0))
-    return t.corner_normals[feature - static_cast<int>(TriangleFeature::kCorner0)];
-  if (feature >= static_cast<int>(TriangleFeature::kEdge0))
-    return t.edge_normals[feature - static_cast<int>(TriangleFeature::kEdge0)];
-  return t.face_normal;
+    point.normal = t.corner_normals[feature - static_cast<int>(TriangleFeature::kCorner0)];
+  else if (feature >= static_cast<int>(TriangleFeature::kEdge0))
+    point.normal = t.edge_normals[feature - static_cast<int>(TriangleFeature::kEdge0)];
+  else
+    point.normal = t.face_normal;
+  point.distance_m =
+      point.normal.dot(p_m - point.hit.p_m) < 0.0 ? -point.hit.distance_m : point.hit.distance_m;
+  return point;
 }
 
-double MeshSolid::Signed(const Vector3& p_m, const TriangleHit& hit) const {
-  return NormalAt(hit).dot(p_m - hit.p_m) < 0.0 ? -hit.distance_m : hit.distance_m;
+MeshSolid::MeshSolid(const LoadedMesh& loaded, TissueMap tissue)
+    : boundary_(loaded.mesh), tissue_(std::move(tissue)) {
+  for (const MeshRegion& region : loaded.regions)
+    regions_.push_back(std::make_unique<MeshDistance>(region.mesh));
+}
+
+MeshSolid::MeshSolid(const TriangleMesh& mesh, TissueMap tissue)
+    : boundary_(mesh), tissue_(std::move(tissue)) {}
+
+const ShellTissue& MeshSolid::Tissue(std::size_t shell) const {
+  return tissue_.shells[std::min(shell, tissue_.shells.size() - 1)];
 }
 
 SurfacePoint MeshSolid::NearestSurface(const Vector3& p_m) const {
-  const TriangleHit hit = bvh_.Nearest(p_m);
-  return {.p_m = hit.p_m, .distance_m = Signed(p_m, hit)};
+  const MeshDistance::Point nearest = boundary_.Nearest(p_m);
+  return {.p_m = nearest.hit.p_m, .distance_m = nearest.distance_m};
+}
+
+std::optional<SurfacePoint> MeshSolid::RegionDistance(MaterialIndex material, const Vector3& p_m) const {
+  if (Mentions(Tissue(0), material) || (tissue_.lining && Mentions(*tissue_.lining, material)))
+    return std::nullopt;
+  std::optional<SurfacePoint> nearest;
+  for (std::size_t i = 0; i < regions_.size(); ++i) {
+    const ShellTissue& tissue = Tissue(i + 1);
+    if (!Mentions(tissue, material)) continue;
+    if (!tissue.IsUniform()) return std::nullopt;
+    const MeshDistance::Point point = regions_[i]->Nearest(p_m);
+    if (!nearest || point.distance_m < nearest->distance_m)
+      nearest = SurfacePoint{.p_m = point.hit.p_m, .distance_m = point.distance_m};
+  }
+  return nearest;
 }
 
 MaterialIndex MeshSolid::MaterialAt(const Vector3& p_m) const {
-  const TriangleHit hit = bvh_.Nearest(p_m);
-  const double depth = std::max(0.0, -Signed(p_m, hit));
-  const Vector3 from_center = hit.p_m - Vector3(cup_.center_m);
-  const bool lining = from_center.norm() <= tissue_.lining_radii * cup_.radius_m &&
-                      from_center.dot(Vector3(cup_.axis)) <= 0.0 && NormalAt(hit).dot(from_center) < 0.0;
-  if (!lining) return depth < tissue_.cortical_m ? kCortical : kCancellous;
-  if (depth < tissue_.cartilage_m) return kCartilage;
-  return depth < tissue_.cartilage_m + tissue_.subchondral_m ? kCortical : kCancellous;
+  for (std::size_t i = regions_.size(); i-- > 0;) {
+    if (!regions_[i]->bounds().contains(p_m)) continue;
+    const double distance = regions_[i]->Nearest(p_m).distance_m;
+    if (distance < 0.0) return Tissue(i + 1).MaterialAt(-distance, p_m);
+  }
+  const ShellTissue& shell = Tissue(0);
+  if (shell.IsUniform() && !tissue_.lining) return shell.core;
+  const MeshDistance::Point nearest = boundary_.Nearest(p_m);
+  const double depth = std::max(0.0, -nearest.distance_m);
+  if (tissue_.lining && tissue_.lining->Covers(nearest.hit.p_m, nearest.normal))
+    return tissue_.lining->MaterialAt(depth);
+  return shell.MaterialAt(depth, p_m);
 }
 
 }  // namespace osteon::simulation

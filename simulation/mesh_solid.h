@@ -1,48 +1,68 @@
 #pragma once
 
+#include <array>
 #include <memory>
+#include <vector>
 
 #include "simulation/mesh_bvh.h"
 #include "simulation/solid.h"
+#include "simulation/tissue_map.h"
 
 namespace osteon::simulation {
 
-/// Tissue of a bone that comes as a mesh: thicknesses below its surface.
-struct MeshTissue {
-  double cartilage_m{0.002};    ///< inside the cup
-  double subchondral_m{0.001};  ///< cortical plate below the cartilage
-  double cortical_m{0.0015};    ///< shell everywhere else; cancellous below
-  /// The cup's lining is where the surface lies within this many cup radii of the cup's centre, not above the
-  /// opening, and faces the centre.
-  double lining_radii{1.25};
-};
-
-/// The solid that a closed mesh bounds.
-class MeshSolid final : public Solid {
+/// Signed distances to a closed surface: negative inside.
+///
+/// Sign by the angle-weighted pseudonormal of the nearest face, edge or vertex, which is right for every
+/// closed manifold. Source: Baerentzen, Aanaes, IEEE Trans. Vis. Comput. Graph. 11, 2005.
+class MeshDistance {
  public:
   /// @pre CheckMesh accepts the mesh.
-  MeshSolid(const TriangleMesh& mesh, const Cup& cup, const MeshTissue& tissue);
+  explicit MeshDistance(const TriangleMesh& mesh);
 
-  /// Sign by the angle-weighted pseudonormal of the nearest face, edge or vertex, which is right for every
-  /// closed manifold. Source: Baerentzen, Aanaes, IEEE Trans. Vis. Comput. Graph. 11, 2005.
-  [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override;
-  [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
-  [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return box_; }
-  [[nodiscard]] const Cup& cup() const { return cup_; }
+  struct Point {
+    TriangleHit hit;
+    Vector3 normal{Vector3::Zero()};  ///< outward at the nearest point, not of unit length
+    double distance_m{0.0};           ///< signed
+  };
+  [[nodiscard]] Point Nearest(const Vector3& p_m) const;
+  [[nodiscard]] const Eigen::AlignedBox3d& bounds() const { return box_; }
 
  private:
   struct Triangle {
     Vector3 face_normal;
     std::array<Vector3, 3> edge_normals, corner_normals;  ///< not of unit length
   };
-  [[nodiscard]] const Vector3& NormalAt(const TriangleHit& hit) const;
-  [[nodiscard]] double Signed(const Vector3& p_m, const TriangleHit& hit) const;
-
-  Cup cup_;
   MeshBvh bvh_;
-  MeshTissue tissue_;
   Eigen::AlignedBox3d box_;
   std::vector<Triangle> triangles_;
+};
+
+/// The solid that a closed mesh bounds, with the regions of other tissue in it.
+class MeshSolid final : public Solid {
+ public:
+  /// @pre CheckMesh accepts the mesh; `tissue` passes CheckTissueMap.
+  MeshSolid(const LoadedMesh& loaded, TissueMap tissue);
+  /// A mesh without regions.
+  explicit MeshSolid(const TriangleMesh& mesh, TissueMap tissue = {});
+
+  /// To the solid's boundary: its outer surface and its cavities. Regions bound nothing.
+  [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override;
+  /// The tissue of the innermost region around p, by the depth below that region's surface; outside them all,
+  /// that of the solid. At most one search for each region whose box holds p, and one more; none where the
+  /// tissue is the same at every depth.
+  [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
+  /// Of a material that regions, and they alone, are made of throughout: the nearest of their surfaces.
+  [[nodiscard]] std::optional<SurfacePoint> RegionDistance(MaterialIndex material,
+                                                           const Vector3& p_m) const override;
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return boundary_.bounds(); }
+  [[nodiscard]] const TissueMap& tissue() const { return tissue_; }
+
+ private:
+  [[nodiscard]] const ShellTissue& Tissue(std::size_t shell) const;
+
+  MeshDistance boundary_;
+  std::vector<std::unique_ptr<MeshDistance>> regions_;  ///< outer ones before those inside them
+  TissueMap tissue_;
 };
 
 }  // namespace osteon::simulation

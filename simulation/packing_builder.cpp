@@ -148,6 +148,14 @@ void Check(const PackingParams& p) {
 
 }  // namespace
 
+PackingParams OverlapParamsFor(const Solid&, const CutZone&, const OverlapOptions& options) {
+  PackingParams params;
+  params.count = options.count;
+  params.seed = options.seed;
+  params.threads = options.threads;
+  return params;
+}
+
 std::vector<Ball> BuildPacking(const Solid& solid, const CutZone& zone, const PackingParams& params) {
   Check(params);
   return Builder(solid, zone, params).Build();

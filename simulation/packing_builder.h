@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "simulation/graded_cells.h"
@@ -23,7 +25,27 @@ struct PackingParams {
   double greatest_surface_gap_m{0.5e-3};
   /// Spacing of the surface samples.
   GradeParams samples{.finest_m = 0.25e-3, .coarser_from_m = {5.5e-3, 12e-3}};
+
+  std::size_t count{0};   ///< balls wanted, as good as so many can be; 0: what the tolerances ask for
+  std::uint64_t seed{0};  ///< moves the surface samples
+  int threads{0};         ///< 0: one a core; the result does not depend on it
 };
+
+/// What a caller asks of an overlapping packing; zeros stand for values that suit the solid.
+struct OverlapOptions {
+  std::size_t count{0};           ///< balls wanted; 0: what a gap of .08 mm asks for
+  double least_radius_m{0.0};     ///< no ball is smaller
+  double greatest_radius_m{0.0};  ///< r0: cap on the radius at the cut zone
+  double grade{0.0};              ///< a: the cap is r0 + a·depth below the cut zone; 0: the same everywhere
+  std::uint64_t seed{0};          ///< moves the surface samples
+  int threads{0};                 ///< 0: one a core; the result does not depend on it
+};
+
+/// Parameters for BuildPacking that meet the options on this solid: spacings of lattice and samples from its
+/// surface and volume (measured coarsely), the wanted count and the caps.
+/// @throws std::invalid_argument naming the option, its value and what is accepted.
+[[nodiscard]] PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone,
+                                             const OverlapOptions& options);
 
 /// Fills a solid with overlapping balls, none of which leaves it.
 ///

@@ -1,56 +1,45 @@
 #include "simulation/scenes.h"
 
-#include <array>
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "simulation/check_range.h"
+#include "simulation/cup_frame.h"
 
 namespace osteon::simulation {
 namespace {
 
-void CheckMaterials(const std::vector<Material>& materials) {
-  const std::array<std::string, 3> names{"cartilage", "cortical", "cancellous"};
+/// The materials must be those that the scene's indices stand for.
+void CheckNames(const std::vector<Material>& materials, const std::vector<std::string>& names) {
   if (materials.size() != names.size())
-    throw std::invalid_argument(fmt::format(
-        "bone: materials: found {}, accepted exactly 3: cartilage, cortical, cancellous", materials.size()));
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const Material& m = materials[i];
-    if (m.name != names[i])
+    throw std::invalid_argument(fmt::format("bone: materials: found {}, accepted exactly {}: {}",
+                                            materials.size(), names.size(), fmt::join(names, ", ")));
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (materials[i].name != names[i])
       throw std::invalid_argument(
-          fmt::format("bone: material {}: found name '{}', accepted '{}'", i, m.name, names[i]));
-    const auto positive = [&m](const char* what, double value) {
-      if (!(value > 0.0) || !std::isfinite(value))
-        throw std::invalid_argument(
-            fmt::format("bone: {}: {}: found {:g}, accepted > 0", m.name, what, value));
-    };
-    positive("density_kg_per_m3", m.density_kg_per_m3);
-    positive("specific_cutting_energy_J_per_m3", m.specific_cutting_energy_J_per_m3);
-    positive("cutting_force_ratio", m.cutting_force_ratio);
-    if (!(m.friction >= 0.0 && m.friction <= 2.0))
-      throw std::invalid_argument(
-          fmt::format("bone: {}: friction: found {:g}, accepted 0 … 2", m.name, m.friction));
-  }
+          fmt::format("bone: material {}: found name '{}', accepted '{}'", i, materials[i].name, names[i]));
+  CheckMaterials(materials);
 }
 
-Bone Fill(const std::string& name, const Solid& solid, const Cup& cup, const PackingParams& packing,
+Bone Fill(const SceneSolid& scene, const CutZone& zone, const PackingParams& packing,
           const MassPointParams& points, const std::vector<Material>& materials) {
-  CheckMaterials(materials);
-  const CupZone zone(cup);
   Bone bone;
-  bone.name = name;
-  bone.balls = BuildPacking(solid, zone, packing);
-  bone.points = BuildMassPoints(solid, zone, points);
+  bone.name = scene.name;
+  bone.balls = BuildPacking(*scene.solid, zone, packing);
+  bone.points = BuildMassPoints(*scene.solid, zone, points);
   bone.materials = materials;
-  bone.cup = cup;
+  bone.cup = scene.site;
   return bone;
 }
 
 Cup Checked(Cup cup) {
   const Vector3 center = cup.center_m, axis = cup.axis;
-  CheckRangeMm("cup: radius", cup.radius_m, 0.002, 0.100);
+  CheckRangeMm("cup: radius", cup.radius_m, 0.0005, 0.100);
   if (!center.allFinite() || center.cwiseAbs().maxCoeff() > 10.0)
     throw std::invalid_argument(
         fmt::format("cup: center: found ({:g}, {:g}, {:g}) mm, accepted within ±10000 mm", center.x() * 1e3,
@@ -60,15 +49,6 @@ Cup Checked(Cup cup) {
                                             axis.x(), axis.y(), axis.z()));
   cup.axis = Vector3(axis.normalized());
   return cup;
-}
-
-void Check(const MeshTissue& t) {
-  CheckRangeMm("mesh bone: cartilage thickness", t.cartilage_m, 0.0, 0.020);
-  CheckRangeMm("mesh bone: subchondral thickness", t.subchondral_m, 0.0, 0.020);
-  CheckRangeMm("mesh bone: cortical thickness", t.cortical_m, 0.0, 0.020);
-  if (!(t.lining_radii >= 1.0 && t.lining_radii <= 2.0))
-    throw std::invalid_argument(
-        fmt::format("mesh bone: lining_radii: found {:g}, accepted 1 … 2", t.lining_radii));
 }
 
 /// Share of the directions into the cup's lower half in which bone begins between these distances from the
@@ -89,77 +69,195 @@ double ShareWithBoneBetween(const Solid& solid, const Cup& cup, double near_m, d
   return static_cast<double>(found) / kDirections;
 }
 
+/// Whether the site's circle lies on the surface, the outside above it.
+bool IsEntry(const Solid& solid, const Cup& site) {
+  const Vector3 center = site.center_m, up = site.radius_m * Vector3(site.axis);
+  return std::abs(solid.SignedDistance(center)) <= 0.25 * site.radius_m &&
+         solid.SignedDistance(center + up) > 0.0 && solid.SignedDistance(center - up) < 0.0;
+}
+
+/// Where the vertical line through the site first meets the solid from above.
+Cup SiteFromAbove(const SiteParams& site, const Solid& solid) {
+  CheckRangeMm("site: radius", site.radius_m, 0.0005, 0.100);
+  const Eigen::AlignedBox3d box = solid.Bounds();
+  constexpr double kStill_m = 1e-9;
+  // sphere tracing: signed distances grow no faster than the way
+  Vector3 p(site.x_m, site.y_m, box.max().z() + 1e-3);
+  for (double distance_m = 1.0; p.z() > box.min().z();) {
+    distance_m = solid.SignedDistance(p);
+    if (distance_m < kStill_m)
+      return {.center_m = p, .axis = Vector3(Vector3::UnitZ()), .radius_m = site.radius_m};
+    p.z() -= distance_m;
+  }
+  throw std::invalid_argument(
+      fmt::format("site: found ({:g}, {:g}) mm, accepted a place above the solid, which spans "
+                  "({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) mm",
+                  site.x_m * 1e3, site.y_m * 1e3, box.min().x() * 1e3, box.min().y() * 1e3,
+                  box.max().x() * 1e3, box.max().y() * 1e3));
+}
+
+bool SameWord(const std::string& a, const std::string& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+}
+
+TissueMap TissueOf(const MeshSceneTissue& tissue, const std::vector<MeshRegion>& regions, const Cup& cup) {
+  TissueMap map;
+  map.shells = {tissue.solid};
+  for (const MeshRegion& region : regions) {
+    const auto fits = [&](const MeshSceneTissue::Region& r) {
+      return r.name == "*" || SameWord(r.name, region.name);
+    };
+    const auto found = std::find_if(tissue.regions.begin(), tissue.regions.end(), fits);
+    map.shells.push_back(found != tissue.regions.end() ? found->tissue : tissue.solid);
+  }
+  if (tissue.lining)
+    map.lining = LiningTissue{.cup = cup,
+                              .lining_radii = tissue.lining->lining_radii,
+                              .layers = tissue.lining->layers,
+                              .core = tissue.lining->core};
+  return map;
+}
+
+/// Whatever regions the mesh turns out to have.
+void CheckTissue(const MeshSceneTissue& tissue, std::size_t material_count) {
+  std::vector<MeshRegion> all(tissue.regions.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i].name = tissue.regions[i].name;
+  CheckTissueMap(TissueOf(tissue, all, Cup{}), material_count);
+}
+
+MeshSceneTissue AsSceneTissue(const MeshTissue& tissue) {
+  const TissueMap map = CupBoneTissue(tissue, Cup{});
+  return {
+      .solid = map.shells.front(),
+      .regions = {},
+      .lining = MeshSceneTissue::Lining{
+          .lining_radii = map.lining->lining_radii, .layers = map.lining->layers, .core = map.lining->core}};
+}
+
+/// The names of a bone's materials, the first three of which are those of BoneTissue.
+std::vector<std::string> BoneNames(const std::vector<Material>& materials) {
+  std::vector<std::string> names = MaterialNames(AcetabulumShape{});
+  if (materials.size() < names.size())
+    throw std::invalid_argument(fmt::format("bone: materials: found {}, accepted at least {}: {}",
+                                            materials.size(), names.size(), fmt::join(names, ", ")));
+  for (std::size_t i = names.size(); i < materials.size(); ++i) names.push_back(materials[i].name);
+  return names;
+}
+
 }  // namespace
 
-std::vector<Material> DefaultBoneMaterials() {
-  const std::string rest = "; cutting force ratio from the same drilling figures; friction assumed";
-  return {
-      {.name = "cartilage",
-       .density_kg_per_m3 = 1100.0,
-       .specific_cutting_energy_J_per_m3 = 0.02e9,
-       .cutting_force_ratio = 0.8,
-       .friction = 0.05,
-       .source = "assumed"},
-      {.name = "cortical",
-       .density_kg_per_m3 = 1850.0,
-       .specific_cutting_energy_J_per_m3 = 1.3e9,
-       .cutting_force_ratio = 0.8,
-       .friction = 0.3,
-       .source = "human femoral cortex, 3.2 mm drill: 1.24 to 1.39 J/mm^3 (MacAvelia 2012); density 1.7 to "
-                 "2.0 g/cm^3" +
-                 rest},
-      {.name = "cancellous",
-       .density_kg_per_m3 = 300.0,
-       .specific_cutting_energy_J_per_m3 = 0.06e9,
-       .cutting_force_ratio = 0.8,
-       .friction = 0.3,
-       .source = "density: vertebral trabecular bone, .09 to .35 g/cm^3; all else assumed"},
-  };
+std::vector<std::string> MaterialNames(const SceneShape& shape) {
+  if (std::holds_alternative<AcetabulumShape>(shape)) return {"cartilage", "cortical", "cancellous"};
+  if (std::holds_alternative<MolarShape>(shape)) return {"enamel", "dentine", "pulp"};
+  if (std::holds_alternative<FemurShape>(shape)) return {"cortical", "cancellous", "marrow"};
+  return {};
 }
 
-Bone MakeAcetabulum(const AcetabulumParams& params) {
-  const AcetabulumSolid solid(params.shape);
-  return Fill(fmt::format("acetabulum, cup {:g} mm", 2e3 * params.shape.cup_radius_m), solid, solid.cup(),
-              params.packing, params.points, params.materials);
+void CheckShape(const SceneShape& shape) {
+  std::visit([](const auto& s) { CheckShape(s); }, shape);
 }
 
-tl::expected<std::shared_ptr<const MeshSolid>, MeshError> LoadMeshSolid(const std::filesystem::path& path,
-                                                                        const Cup& cup,
-                                                                        const MeshTissue& tissue) {
-  Check(tissue);
-  const Cup checked = Checked(cup);
-  auto loaded = LoadMesh(path);
+SceneSolid MakeSceneSolid(const SceneParams& scene) {
+  if (const auto* cup = std::get_if<AcetabulumShape>(&scene.shape)) {
+    const auto solid = std::make_shared<const AcetabulumSolid>(*cup);
+    return {.name = fmt::format("acetabulum, cup {:g} mm", 2e3 * cup->cup_radius_m),
+            .solid = solid,
+            .site = solid->cup()};
+  }
+  SceneSolid made;
+  if (const auto* molar = std::get_if<MolarShape>(&scene.shape)) {
+    made.name = fmt::format("molar, {:g} mm", 1e3 * molar->length_m);
+    made.solid = std::make_shared<const MolarSolid>(*molar);
+  } else if (const auto* femur = std::get_if<FemurShape>(&scene.shape)) {
+    made.name = fmt::format("femoral canal, shaft {:g} mm", 2e3 * femur->shaft_radius_m);
+    made.solid = std::make_shared<const FemurSolid>(*femur);
+  } else {
+    const auto& block = std::get<BlockShape>(scene.shape);
+    made.name = fmt::format("block, {:g} × {:g} × {:g} mm", 1e3 * block.width_m, 1e3 * block.depth_m,
+                            1e3 * block.height_m);
+    made.solid = std::make_shared<const BoxSolid>(block);
+  }
+  made.site = SiteFromAbove(scene.site, *made.solid);
+  return made;
+}
+
+tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& path, double scale,
+                                                   const Cup& site, const SceneParams& scene) {
+  const Cup checked = Checked(site);
+  CheckTissue(scene.mesh_tissue, scene.material_names.size());
+  auto loaded = LoadMesh(path, {.scale = scale});
   if (!loaded) return tl::make_unexpected(loaded.error());
-  auto solid = std::make_shared<const MeshSolid>(std::move(loaded->mesh), checked, tissue);
+  auto solid =
+      std::make_shared<const MeshSolid>(*loaded, TissueOf(scene.mesh_tissue, loaded->regions, checked));
 
   constexpr double kNear = 0.7, kFar = 1.3, kLeastShare = 0.25;
   const double share =
       ShareWithBoneBetween(*solid, checked, kNear * checked.radius_m, kFar * checked.radius_m);
-  if (share < kLeastShare) {
+  if (share < kLeastShare && !IsEntry(*solid, checked)) {
     const Vector3 c = Vector3(checked.center_m) * 1e3;
     const Vector3 low = solid->Bounds().min() * 1e3, high = solid->Bounds().max() * 1e3;
-    return tl::make_unexpected(
-        MeshError{MeshErrorKind::kCupOffMesh,
-                  fmt::format("{}: cup at ({:.4g}, {:.4g}, {:.4g}) mm, radius {:.4g} mm: found bone to begin "
-                              "within 30 % of the "
-                              "radius in {:.0f} % of its lower half, accepted {:.0f} % and more; the mesh "
-                              "spans ({:.4g}, {:.4g}, "
-                              "{:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm, the axis points out of the opening",
-                              path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * share,
-                              100 * kLeastShare, low.x(), low.y(), low.z(), high.x(), high.y(), high.z())});
+    return tl::make_unexpected(MeshError{
+        MeshErrorKind::kCupOffMesh,
+        fmt::format(
+            "{}: cup at ({:.4g}, {:.4g}, {:.4g}) mm, radius {:.4g} mm: found bone to begin within "
+            "30 % of the radius in {:.0f} % of its lower half, accepted {:.0f} % and more, and found "
+            "the surface {:.4g} mm from its centre, accepted a quarter of the radius with the outside "
+            "above; the mesh spans ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm, the axis "
+            "points out of the opening",
+            path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * share, 100 * kLeastShare,
+            std::abs(solid->SignedDistance(checked.center_m)) * 1e3, low.x(), low.y(), low.z(), high.x(),
+            high.y(), high.z())});
   }
-  return solid;
+  return SceneSolid{.name = path.stem().string(), .solid = solid, .site = checked};
 }
 
-Bone PackMeshBone(const std::filesystem::path& path, const MeshSolid& solid, const MeshBoneParams& params) {
-  return Fill(path.stem().string(), solid, solid.cup(), params.packing, params.points, params.materials);
+std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const Cup& site, const Solid& solid) {
+  switch (zone.kind) {
+    case ZoneParams::Kind::kCup:
+      return std::make_unique<CupZone>(site);
+    case ZoneParams::Kind::kPath: {
+      const Pose X_GC = CupPose(site);
+      std::vector<Vector3> path;
+      for (const Vector3& p_C : zone.path_C_m) path.push_back(X_GC * p_C);
+      return std::make_unique<PathZone>(std::move(path), zone.radius_m);
+    }
+    case ZoneParams::Kind::kSurface:
+      CheckRangeMm("surface zone: radius", zone.radius_m, 0.01e-3, 1.0);
+      return std::make_unique<SurfaceZone>(solid, Ball{.center_m = site.center_m, .radius_m = zone.radius_m});
+    case ZoneParams::Kind::kEverywhere:
+      break;
+  }
+  return std::make_unique<EverywhereZone>();
+}
+
+Bone PackScene(const SceneSolid& solid, const SceneParams& scene) {
+  CheckNames(scene.materials, scene.material_names);
+  return Fill(solid, *MakeZone(scene.zone, solid.site, *solid.solid), scene.packing, scene.points,
+              scene.materials);
+}
+
+Bone MakeAcetabulum(const AcetabulumParams& params) {
+  SceneParams scene;
+  scene.shape = params.shape;
+  scene.material_names = BoneNames(params.materials);
+  scene.materials = params.materials;
+  scene.packing = params.packing;
+  scene.points = params.points;
+  return PackScene(MakeSceneSolid(scene), scene);
 }
 
 tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path, const Cup& cup,
                                                const MeshBoneParams& params) {
-  const auto solid = LoadMeshSolid(path, cup, params.tissue);
+  SceneParams scene;
+  scene.mesh_tissue = AsSceneTissue(params.tissue);
+  scene.material_names = BoneNames(params.materials);
+  scene.materials = params.materials;
+  scene.packing = params.packing;
+  scene.points = params.points;
+  const auto solid = LoadSceneSolid(path, 1.0, cup, scene);
   if (!solid) return tl::make_unexpected(solid.error());
-  return PackMeshBone(path, **solid, params);
+  return PackScene(*solid, scene);
 }
 
 }  // namespace osteon::simulation

@@ -8,8 +8,8 @@
 
 namespace osteon::simulation {
 
-/// The three tissues of a bone scene: indices into Bone::materials.
-enum BoneTissue : MaterialIndex { kCartilage = 0, kCortical = 1, kCancellous = 2 };
+/// The tissues of a bone scene: indices into Bone::materials.
+enum BoneTissue : MaterialIndex { kCartilage = 0, kCortical = 1, kCancellous = 2, kMarrow = 3 };
 
 /// The nearest point of a solid's surface.
 struct SurfacePoint {

@@ -36,7 +36,7 @@ TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
   EXPECT_EQ(cell_.scene.materials[1].name, "cortical");
   EXPECT_DOUBLE_EQ(cell_.scene.materials[1].density_kg_per_m3, 1850.0);
   EXPECT_DOUBLE_EQ(cell_.scene.materials[1].specific_cutting_energy_J_per_m3, 1.3e9);
-  EXPECT_NE(cell_.scene.materials[2].source.find("assumed"), std::string::npos);
+  EXPECT_TRUE(cell_.scene.materials[2].cutting_energy_source.assumed);
   EXPECT_DOUBLE_EQ(cell_.cutting.stiffness_N_per_m, 20e3);
   EXPECT_DOUBLE_EQ(cell_.cutting.max_force_N, 200.0);
   EXPECT_DOUBLE_EQ(cell_.servo.period_s, 0.001);
@@ -56,15 +56,25 @@ TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
 
 TEST_F(DemoCellTest, MaterialsAndSceneAreThoseOfTheLibrary) {
   const simulation::AcetabulumParams defaults;
-  for (std::size_t i = 0; i < 3; ++i) {
+  ASSERT_LE(cell_.scene.materials.size(), defaults.materials.size());
+  for (std::size_t i = 0; i < cell_.scene.materials.size(); ++i) {
     const simulation::Material &found = cell_.scene.materials[i], &known = defaults.materials[i];
     EXPECT_EQ(found.name, known.name);
     EXPECT_DOUBLE_EQ(found.density_kg_per_m3, known.density_kg_per_m3);
     EXPECT_DOUBLE_EQ(found.specific_cutting_energy_J_per_m3, known.specific_cutting_energy_J_per_m3);
     EXPECT_DOUBLE_EQ(found.cutting_force_ratio, known.cutting_force_ratio);
     EXPECT_DOUBLE_EQ(found.friction, known.friction);
+    EXPECT_EQ(found.density_source.text, known.density_source.text);
+    EXPECT_EQ(found.density_source.assumed, known.density_source.assumed);
+    EXPECT_EQ(found.cutting_energy_source.text, known.cutting_energy_source.text);
+    EXPECT_EQ(found.cutting_energy_source.assumed, known.cutting_energy_source.assumed);
+    EXPECT_EQ(found.cutting_force_source.text, known.cutting_force_source.text);
+    EXPECT_EQ(found.cutting_force_source.assumed, known.cutting_force_source.assumed);
+    EXPECT_EQ(found.friction_source.text, known.friction_source.text);
+    EXPECT_EQ(found.friction_source.assumed, known.friction_source.assumed);
   }
-  EXPECT_DOUBLE_EQ(cell_.scene.shape.cup_radius_m, defaults.shape.cup_radius_m);
+  EXPECT_DOUBLE_EQ(std::get<simulation::AcetabulumShape>(cell_.scene.shape).cup_radius_m,
+                   defaults.shape.cup_radius_m);
   EXPECT_DOUBLE_EQ(cell_.scene.packing.lattice.finest_m, defaults.packing.lattice.finest_m);
   EXPECT_DOUBLE_EQ(cell_.scene.packing.surface_gap_m, defaults.packing.surface_gap_m);
   EXPECT_DOUBLE_EQ(cell_.scene.points.cells.finest_m, defaults.points.cells.finest_m);
@@ -76,7 +86,7 @@ TEST_F(DemoCellTest, ServoLoopAndSceneAcceptTheCell) {
       control::ServoLoop(cell_.servo, arm, cell_.X_WB, cell_.tool.X_FT, cell_.start.arm_angle_rad));
   const hil::HandScript script = hil::MakeScript(cell_.script);
   EXPECT_NO_THROW(hil::SimulatedCell(cell_.simulated, script));
-  const simulation::Bone bone = simulation::MakeAcetabulum(cell_.scene);
+  const simulation::Bone bone = simulation::PackScene(simulation::MakeSceneSolid(cell_.scene), cell_.scene);
   EXPECT_GT(bone.balls.size(), 20'000u);
   EXPECT_LT(bone.balls.size(), 40'000u);
 }

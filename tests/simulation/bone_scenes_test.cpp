@@ -61,11 +61,11 @@ TEST(BoneScenes, AnAcetabulumHasBallsPointsAndTheThreeTissues) {
   const Bone bone = MakeAcetabulum({});
   EXPECT_EQ(bone.name, "acetabulum, cup 48 mm");
   EXPECT_EQ(bone.cup.radius_m, 0.024);
-  ASSERT_EQ(bone.materials.size(), 3u);
+  ASSERT_EQ(bone.materials.size(), 4u);
   EXPECT_EQ(bone.materials[kCortical].name, "cortical");
   std::array<int, 3> points{};
   for (const MassPoint& point : bone.points) ++points.at(point.material);
-  for (const int count : points) EXPECT_GT(count, 5000);
+  for (const int count : points) EXPECT_GT(count, 5000);  // none of marrow
   EXPECT_GT(bone.balls.size(), 28'000u);
 }
 
@@ -85,8 +85,8 @@ TEST(BoneScenes, MaterialsMustBeTheThreeByNameAndPositive) {
   materials = DefaultBoneMaterials();
   materials[2].density_kg_per_m3 = 0.0;
   EXPECT_EQ(message(materials), "bone: cancellous: density_kg_per_m3: found 0, accepted > 0");
-  materials.pop_back();
-  EXPECT_THAT(message(materials), HasSubstr("found 2, accepted exactly 3"));
+  materials.resize(2);
+  EXPECT_THAT(message(materials), HasSubstr("found 2, accepted at least 3"));
 }
 
 TEST(BoneScenes, AMeshOfACupBecomesTheBoneItBounds) {

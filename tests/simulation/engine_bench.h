@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "gpu/vulkan_engine.h"
+#include "simulation/box_solid.h"
 #include "simulation/mass_points.h"
 #include "simulation/reference_engine.h"
-#include "simulation/solid.h"
 #include "simulation/tool.h"
 
 // What the engines' tests share: small scenes whose surfaces are known exactly, and every claim made of both
@@ -19,32 +19,6 @@
 namespace osteon::simulation {
 
 inline constexpr double kSpindle_rad_per_s = 250.0 * 2.0 * M_PI / 60.0;
-
-/// A box of one tissue, for mass points.
-class BoxSolid final : public Solid {
- public:
-  BoxSolid(const Vector3& low, const Vector3& high) : box_(low, high) {}
-
-  [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p) const override {
-    if (!box_.contains(p)) {
-      const Vector3 foot = p.cwiseMax(box_.min()).cwiseMin(box_.max());
-      return {.p_m = foot, .distance_m = (p - foot).norm()};
-    }
-    SurfacePoint nearest{.p_m = p, .distance_m = -1.0};
-    for (int axis = 0; axis < 3; ++axis)
-      for (const double wall : {box_.min()[axis], box_.max()[axis]})
-        if (-std::abs(wall - p[axis]) > nearest.distance_m) {
-          nearest = {.p_m = p, .distance_m = -std::abs(wall - p[axis])};
-          nearest.p_m[axis] = wall;
-        }
-    return nearest;
-  }
-  [[nodiscard]] MaterialIndex MaterialAt(const Vector3&) const override { return 0; }
-  [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return box_; }
-
- private:
-  Eigen::AlignedBox3d box_;
-};
 
 /// A box of equal balls on a cubic lattice of half a millimetre. Each of its six faces is touched by a row of
 /// balls .5 mm apart: a tool of R >= 2 mm rests within .125 / (2 (R + r)) < .03 mm of the plane through them

@@ -21,7 +21,7 @@ TEST(MeshSolid, AnIcosphereIsASphereUpToItsSagitta) {
     sag = std::max(sag, radius - n.dot(a - center));
   }
   ASSERT_LT(sag, 0.002 * radius);
-  const MeshSolid solid(mesh, {}, {});
+  const MeshSolid solid(mesh);
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> scale(0.0, 2.0);
@@ -38,7 +38,7 @@ TEST(MeshSolid, AnIcosphereIsASphereUpToItsSagitta) {
 
 TEST(MeshSolid, TheDistanceToABoxIsExactAtItsFacesEdgesAndCorners) {
   const Vector3 half(0.02, 0.015, 0.01);
-  const MeshSolid solid(MakeBox(-half, half), {}, {});
+  const MeshSolid solid(MakeBox(-half, half));
   std::mt19937 random(8);
   std::uniform_real_distribution<double> u(-0.04, 0.04);
   for (int i = 0; i < 3000; ++i) {
@@ -57,7 +57,7 @@ TEST(MeshSolid, TheSignAgreesWithCountedCrossingsOnASpikyMesh) {
   std::uniform_real_distribution<double> stretch(0.4, 1.6);
   for (Vector3& v : mesh.vertices_m) v *= stretch(random);  // star-shaped: no self-intersection
   ASSERT_TRUE(CheckMesh(mesh, "spikes"));
-  const MeshSolid solid(mesh, {}, {});
+  const MeshSolid solid(mesh);
   const auto inside_by_parity = [&mesh](const Vector3& p) {
     const Vector3 way = Vector3(0.3, 0.5, 0.81).normalized();
     int crossings = 0;
@@ -85,7 +85,7 @@ TEST(MeshSolid, TissueOfACupInABlockIsLayeredAndTheRestHasACorticalShell) {
   const Cup cup{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.02};
   const TriangleMesh mesh =
       Join(MakeBox({-0.04, -0.04, -0.04}, {0.04, 0.04, 0.04}), InsideOut(MakeIcosphere({0, 0, 0}, 0.02, 4)));
-  const MeshSolid solid(mesh, cup, {});
+  const MeshSolid solid(mesh, CupBoneTissue({}, cup));
   const Vector3 down = Vector3(0.3, 0.2, -1).normalized();
   EXPECT_EQ(solid.MaterialAt(0.0215 * down), kCartilage);
   EXPECT_EQ(solid.MaterialAt(0.0225 * down), kCortical);

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "simulation/bone.h"
+
+namespace osteon::simulation {
+
+/// A layer of tissue below a shell's surface.
+struct TissueLayer {
+  MaterialIndex material{0};
+  double thickness_m{0.0};
+};
+
+/// One class of bone by its density: what is less dense than this, and not in a class before it.
+struct DensityClass {
+  double below_kg_per_m3{std::numeric_limits<double>::infinity()};
+  MaterialIndex material{0};
+};
+
+/// Density of bone as an image along the inward normal, as a CT profile or a graded foam gives it.
+///
+///     rows      depth below the shell's surface: row 0 at the surface, each further one row_step_m deeper
+///     columns   place along `axis`: the first column at height first_column_m, the last at last_column_m,
+///               evenly between; one column alone is the density everywhere
+///
+/// Between the samples the density is bilinear; before the first and behind the last column it is theirs. The
+/// image ends at the depth of its last row, (rows - 1) row_step_m. `classes` turn the density into a
+/// material.
+struct DensityImage {
+  int rows{0}, columns{0};
+  double row_step_m{0.0};
+  std::vector<float> density_kg_per_m3;            ///< rows × columns, row by row
+  PlainVector3 axis{Vector3::UnitZ()};             ///< unit, in G
+  double first_column_m{0.0}, last_column_m{0.0};  ///< heights along the axis, from G's origin
+  std::vector<DensityClass> classes;  ///< ascending; the last one takes all that is denser as well
+
+  [[nodiscard]] double DepthOfLastRow_m() const { return (rows - 1) * row_step_m; }
+  /// At this depth below the surface and this height along the axis.
+  [[nodiscard]] double DensityAt(double depth_m, double height_m) const;
+  [[nodiscard]] MaterialIndex MaterialAt(double depth_m, double height_m) const;
+};
+
+/// What one shell of a mesh encloses: from its surface inwards the layers, then the image (whose row 0 lies
+/// at the surface as well: layers cover its beginning), then the core.
+struct ShellTissue {
+  std::vector<TissueLayer> layers;
+  MaterialIndex core{0};
+  std::optional<DensityImage> image;
+
+  /// Whether all of it is `core`, so that no depth is needed.
+  [[nodiscard]] bool IsUniform() const { return layers.empty() && !image; }
+  /// @param depth_m below the shell's surface  @param p_m the place, in G
+  [[nodiscard]] MaterialIndex MaterialAt(double depth_m, const Vector3& p_m) const;
+};
+
+/// The lining of a cup: other layers, where the surface of the outermost shell lies within `lining_radii` cup
+/// radii of the cup's centre, not above its opening, and faces the centre.
+struct LiningTissue {
+  Cup cup;
+  double lining_radii{1.25};
+  std::vector<TissueLayer> layers;
+  MaterialIndex core{0};
+
+  /// @param p_m nearest point of the surface  @param normal outward there, of any length
+  [[nodiscard]] bool Covers(const Vector3& p_m, const Vector3& normal) const;
+  [[nodiscard]] MaterialIndex MaterialAt(double depth_m) const;
+};
+
+/// Which material lies where in a solid that a mesh bounds.
+struct TissueMap {
+  /// [0] what the solid's outer surface encloses, then one for each region (LoadedMesh::regions), in their
+  /// order; where there are fewer, the last one stands for the rest.
+  std::vector<ShellTissue> shells{ShellTissue{}};
+  std::optional<LiningTissue> lining;
+};
+
+/// @throws std::invalid_argument naming the part, its value and what is accepted: thicknesses of 0 … 100 mm,
+///   materials below `material_count`, one shell and more, an image whose size, steps, densities and classes
+///   fit together, lining_radii of 1 … 2.
+void CheckTissueMap(const TissueMap& map, std::size_t material_count);
+
+/// Tissue of a bone with a cup: thicknesses below its surface.
+struct MeshTissue {
+  double cartilage_m{0.002};    ///< inside the cup
+  double subchondral_m{0.001};  ///< cortical plate below the cartilage
+  double cortical_m{0.0015};    ///< shell everywhere else; cancellous below
+  double lining_radii{1.25};    ///< see LiningTissue
+};
+
+/// The same as a map onto the materials of BoneTissue.
+[[nodiscard]] TissueMap CupBoneTissue(const MeshTissue& tissue, const Cup& cup);
+
+}  // namespace osteon::simulation
