@@ -34,6 +34,10 @@ tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const io::Recor
   std::nth_element(steps_s.begin(), middle, steps_s.end());
 
   simulation::FittedMotion fitted = simulation::FitMotion(samples);
+  if (fitted.samples.size() > simulation::kMostMotionRows)
+    return tl::make_unexpected(
+        fmt::format("motion: found {} samples to keep, accepted at most {}: a shorter run",
+                    fitted.samples.size(), simulation::kMostMotionRows));
   origin.error =
       fmt::format("{:.2f} um and {:.2f} urad at most, between {} samples and the {} recorded at {:.0f} Hz",
                   fitted.position_error_m * 1e6, fitted.rotation_error_rad * 1e6, fitted.samples.size(),

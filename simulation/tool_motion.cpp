@@ -21,7 +21,7 @@ constexpr std::size_t kColumnCount = 9;
 constexpr std::array<std::string_view, kColumnCount> kColumnNames{
     "time_s", "x_mm", "y_mm", "z_mm", "q_w", "q_x", "q_y", "q_z", "spindle_rpm"};
 
-constexpr std::size_t kMostBytes = std::size_t{16} << 20, kMostRows = 200'000;
+constexpr std::size_t kMostBytes = std::size_t{16} << 20;
 constexpr double kMostSeconds = 36000.0, kFar_mm = 10000.0, kMostRpm = 500'000.0;
 constexpr double kUnitTolerance = 1e-5;  // a rounding of 1e-7 in four places, and some
 constexpr double kMostSpeed_m_per_s = 5.0;
@@ -180,8 +180,8 @@ tl::expected<ToolMotion, std::string> ParseMotion(const std::string& text, const
   std::array<double, kColumnCount> row{};
   while (lines.Next(line)) {
     if (!lines.whole()) return refuse("found a row without a line end, accepted a file that is complete");
-    if (motion.samples.size() == kMostRows)
-      return refuse(fmt::format("found more rows, accepted at most {}", kMostRows));
+    if (motion.samples.size() == kMostMotionRows)
+      return refuse(fmt::format("found more rows, accepted at most {}", kMostMotionRows));
     if (const std::string wrong = ReadRow(line, row); !wrong.empty()) return refuse(wrong);
     const MotionSample sample = Sample(row);
     if (motion.samples.empty()) {

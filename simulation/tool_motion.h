@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -33,6 +34,9 @@ struct ToolMotion {
   MotionOrigin origin;
   std::vector<MotionSample> samples;  ///< at least two; the first at time 0, times ascend strictly
 };
+
+/// Rows that a motion file may have.
+inline constexpr std::size_t kMostMotionRows = 200'000;
 
 /// Text of a motion file: a first line "# osteon motion 1", the origin in comment lines "# key: value", a
 /// line that names the columns, and a row a sample:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "simulation/molar_solid.h"
 #include "tests/simulation/engine_bench.h"
 
 namespace osteon::simulation {
@@ -190,6 +191,29 @@ TEST(SceneEvents, RefusesWhatTheSceneHasNot) {
   EXPECT_THROW(make({.least_wall_m = std::nan("")}), std::invalid_argument);
   EXPECT_THROW(make({.least_wall_m = 1e-3, .opening_widening = 0.5}), std::invalid_argument);
   EXPECT_THROW(make({.least_wall_m = 1e-3, .wall_spacing_m = 0.0}), std::invalid_argument);
+}
+
+// The generated molar knows its pulp exactly: where the distance is negative, and there alone, the tissue is
+// pulp; the nearest point lies on its border.
+TEST(SceneEvents, MolarKnowsItsPulp) {
+  const MolarSolid molar({});
+  int inside = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Vector3 share(0.5 + 0.5 * std::sin(1.7 * i), 0.5 + 0.5 * std::sin(2.9 * i),
+                        0.5 + 0.5 * std::sin(0.7 * i));
+    const Eigen::AlignedBox3d box = molar.Bounds();
+    const Vector3 p = box.min() + share.cwiseProduct(box.sizes());
+    const auto pulp = molar.RegionDistance(MolarSolid::kPulp, p);
+    ASSERT_TRUE(pulp);
+    EXPECT_NEAR((pulp->p_m - p).norm(), std::abs(pulp->distance_m), 1e-12);
+    if (molar.SignedDistance(p) < 0.0) {
+      EXPECT_EQ(pulp->distance_m < 0.0, molar.MaterialAt(p) == MolarSolid::kPulp) << p.transpose();
+    }
+    inside += pulp->distance_m < 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(inside, 20);
+  EXPECT_FALSE(molar.RegionDistance(MolarSolid::kDentine, Vector3::Zero()));  // no region of its own
+  EXPECT_FALSE(molar.RegionDistance(MolarSolid::kEnamel, Vector3::Zero()));
 }
 
 TEST(SurfaceSamples, CoverABoxAtTheirSpacing) {
