@@ -123,7 +123,7 @@ int RunDemo(const DemoOptions& options) {
   if (!recording) return Fail(recording.error(), kFailed);
   RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
   const ReportInput report{
-      .title = "Reaming an acetabulum",
+      .title = "Osteon demo: " + summary.scene,
       .subtitle = summary.engine + " on " + summary.device + (options.virtual_time ? ", virtual time" : ""),
       .summary = Rows(summary),
       .ticks = recording->ticks,

@@ -15,7 +15,7 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kSweepCell_m = 0.4e-3;
+constexpr double kSweepCell_m = 0.4e-3, kSweepCellsARadius = 25.0;  // of the grid that counts the sweep
 
 const char* EndText(control::RunEnd end) {
   switch (end) {
@@ -151,8 +151,9 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.removed_volume_m3 = result.after.removed_volume_m3;
   s.removed_mass_kg = result.after.removed_mass_kg;
   s.cutting_work_J = result.after.cutting_work_J;
-  s.swept_volume_m3 = simulation::SweptVolume(
-      *setup.solid, tool, simulation::ProxyPath(recording.frames, setup.X_WG), kSweepCell_m);
+  s.swept_volume_m3 =
+      simulation::SweptVolume(*setup.solid, tool, simulation::ProxyPath(recording.frames, setup.X_WG),
+                              std::min(kSweepCell_m, tool.balls.front().radius_m / kSweepCellsARadius));
   const simulation::ApexDepth depth(setup.bone, tool);
   if (!recording.frames.empty()) s.cup_depth_m = recording.frames.back().cup_depth_m;
   const auto first_touch = std::find_if(

@@ -199,6 +199,8 @@ SceneParams LoadScene(const std::filesystem::path& path) {
   CheckAscending(packing, "sample_coarser_from_mm", scene.packing.samples);
   CheckAscending(points, "coarser_from_mm", scene.points.cells);
   scene.material_names = names.list();
+  scene.name = path.stem().string();
+  std::replace(scene.name.begin(), scene.name.end(), '_', ' ');
   return scene;
 }
 

@@ -62,6 +62,21 @@ struct PlainPose {
   }
 };
 
+/// A symmetric Matrix3 that is trivially copyable, such as an inertia [kg·m²]: the elements of the matrix, so
+/// that xy is minus the product of inertia.
+struct PlainInertia {
+  double xx{0.0}, yy{0.0}, zz{0.0}, xy{0.0}, xz{0.0}, yz{0.0};
+
+  PlainInertia() = default;
+  PlainInertia(const Matrix3& I)  // NOLINT: conversion is the point
+      : xx(I(0, 0)), yy(I(1, 1)), zz(I(2, 2)), xy(I(0, 1)), xz(I(0, 2)), yz(I(1, 2)) {}
+  operator Matrix3() const {  // NOLINT
+    Matrix3 I;
+    I << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    return I;
+  }
+};
+
 /// A Wrench that is trivially copyable.
 struct PlainWrench {
   PlainVector3 f, t;

@@ -174,7 +174,7 @@ SceneSolid MakeSceneSolid(const SceneParams& scene) {
     made.solid = std::make_shared<const FemurSolid>(*femur);
   } else {
     const auto& block = std::get<BlockShape>(scene.shape);
-    made.name = fmt::format("block, {:g} × {:g} × {:g} mm", 1e3 * block.width_m, 1e3 * block.depth_m,
+    made.name = fmt::format("{}, {:g} × {:g} × {:g} mm", scene.name, 1e3 * block.width_m, 1e3 * block.depth_m,
                             1e3 * block.height_m);
     made.solid = std::make_shared<const BoxSolid>(block);
   }

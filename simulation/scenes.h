@@ -61,6 +61,7 @@ struct MeshSceneTissue {
 
 /// A scene: what to make, of what, and how fine.
 struct SceneParams {
+  std::string name{"block"};  ///< of a block; the other shapes have their own
   SceneShape shape;
   SiteParams site;
   ZoneParams zone;

@@ -68,11 +68,4 @@ std::vector<Pose> ProxyPath(std::span<const FrameRecord> frames, const Pose& X_W
   return path;
 }
 
-const ToolBall* CuttingHead(const Tool& tool) {
-  const ToolBall* head = nullptr;
-  for (const ToolBall& ball : tool.balls)
-    if (ball.cutting && (head == nullptr || ball.radius_m > head->radius_m)) head = &ball;
-  return head;
-}
-
 }  // namespace osteon::simulation

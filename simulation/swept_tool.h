@@ -53,7 +53,4 @@ class SweptTool {
 /// no frame (number 0), are left out.
 [[nodiscard]] std::vector<Pose> ProxyPath(std::span<const FrameRecord> frames, const Pose& X_WG);
 
-/// The largest cutting ball, null where the tool has none.
-[[nodiscard]] const ToolBall* CuttingHead(const Tool& tool);
-
 }  // namespace osteon::simulation

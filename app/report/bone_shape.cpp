@@ -54,11 +54,17 @@ struct Look {
   const char* tint;
   std::array<double, 3> color;
 };
-constexpr std::array<Look, 5> kLooks{{{"cartilage", "#d3e6f3", {0.76, 0.87, 0.94}},
-                                      {"subchondral", "#efe0b4", {0.95, 0.89, 0.72}},
-                                      {"cortical", "#efe0b4", {0.95, 0.89, 0.72}},
-                                      {"cancellous", "#f4cfb4", {0.88, 0.64, 0.50}},
-                                      {"trabecular", "#f4cfb4", {0.88, 0.64, 0.50}}}};
+constexpr std::array<Look, 11> kLooks{{{"cartilage", "#d3e6f3", {0.76, 0.87, 0.94}},
+                                       {"subchondral", "#efe0b4", {0.95, 0.89, 0.72}},
+                                       {"cortical", "#efe0b4", {0.95, 0.89, 0.72}},
+                                       {"cancellous", "#f4cfb4", {0.88, 0.64, 0.50}},
+                                       {"trabecular", "#f4cfb4", {0.88, 0.64, 0.50}},
+                                       {"marrow", "#f3dc9c", {0.90, 0.72, 0.36}},
+                                       {"enamel", "#e3ebf4", {0.93, 0.94, 0.95}},
+                                       {"dentine", "#f3e3bf", {0.94, 0.84, 0.64}},
+                                       {"pulp", "#f2bcb8", {0.82, 0.38, 0.36}},
+                                       {"shell", "#d6e2cf", {0.74, 0.80, 0.66}},
+                                       {"foam_20", "#f1e2b8", {0.90, 0.80, 0.56}}}};
 constexpr std::array<Look, 4> kOtherLooks{{{"", "#e2d9ee", {0.78, 0.72, 0.86}},
                                            {"", "#d6ead3", {0.72, 0.84, 0.70}},
                                            {"", "#f0d7e0", {0.88, 0.70, 0.76}},
@@ -142,6 +148,17 @@ std::vector<Ball> CarvedBalls(const Bone& bone, const simulation::CarvedState& s
   if (state.balls.empty()) return bone.balls;
   if (state.balls.size() != 4 * bone.balls.size()) return {};
   return simulation::LiveBalls(state);
+}
+
+double SiteReach(const Bone& bone, double radii) {
+  constexpr double kAround_m = 25e-3, kAtRadii = 3.2;
+  const Vector3 center = bone.cup.center_m;
+  double farthest_m = 0.0;
+  for (const Ball& ball : bone.balls)
+    if (const Vector3 c = ball.center_m; c.allFinite())
+      farthest_m = std::max(farthest_m, (c - center).norm() + ball.radius_m);
+  return std::max(radii * std::max(bone.cup.radius_m, 1e-3),
+                  std::min(farthest_m, kAround_m * radii / kAtRadii));
 }
 
 MaterialMap::MaterialMap(std::span<const MassPoint> points, const simulation::Solid* solid) : solid_(solid) {

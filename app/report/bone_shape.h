@@ -35,6 +35,10 @@ class BallField {
 [[nodiscard]] std::vector<simulation::Ball> CarvedBalls(const simulation::Bone& bone,
                                                         const simulation::CarvedState& state);
 
+/// How much of a bone around its site a picture shows: so many of the site's radii, but all within 25 mm of
+/// it for each 3.2 radii asked for, so that a small opening still shows the bone that it is in.
+[[nodiscard]] double SiteReach(const simulation::Bone& bone, double radii);
+
 /// Material by position: the solid's own where there is one, else that of the nearest mass point, cleared or
 /// not.
 class MaterialMap {

@@ -187,10 +187,10 @@ Camera CupCamera(const simulation::Bone& bone, const RenderParams& params) {
   const Vector3 side = std::cos(params.turn_rad) * u - std::sin(params.turn_rad) * w;
   const Vector3 towards = std::cos(params.tilt_rad) * axis - std::sin(params.tilt_rad) * w +
                           0.25 * std::sin(params.tilt_rad) * side;
-  const double radius_m = std::max(bone.cup.radius_m, 1e-3), reach_m = params.reach_in_cup_radii * radius_m;
+  const double reach_m = SiteReach(bone, params.reach_in_cup_radii);
   const Vector3 center = bone.cup.center_m;
   Camera camera =
-      LookAt(center + 16.0 * radius_m * towards.normalized(), center, axis, 1.0, params.width, params.height);
+      LookAt(center + 5.0 * reach_m * towards.normalized(), center, axis, 1.0, params.width, params.height);
 
   // focal length and centre so that what is near the cup fills the picture but for a margin
   Vector3 low = Vector3::Constant(1e9), high = -low;
@@ -237,9 +237,9 @@ Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, cons
   // light from the upper left, far enough away to be nearly parallel
   const Vector3f key = Vector3f(-0.55f, 0.62f, 0.56f).normalized();
   const Vector3 key_G = key.x() * camera.right + key.y() * camera.up - key.z() * camera.forward;
-  const double far_m = 60.0 * std::max(bone.cup.radius_m, 1e-3);
+  const double near_m = SiteReach(bone, 3.2), far_m = 18.75 * near_m;
   const int shadow_px = 700;
-  const double reach_m = 4.0 * std::max(bone.cup.radius_m, 1e-3);
+  const double reach_m = 1.25 * near_m;
   const Camera light = LookAt(Vector3(bone.cup.center_m) + far_m * key_G, bone.cup.center_m, camera.up,
                               0.5 * shadow_px * far_m / reach_m, shadow_px, shadow_px);
   const DepthBuffer shadow = RenderDepth(balls, light);

@@ -125,7 +125,7 @@ std::string ErrorChart(const Section& section) {
     series.y.push_back(1e3 * sample.error_m);
   }
   LineChart chart{.title = "Cavity against swept tool along this section",
-                  .x_label = "angle about the reamer's centre, 0 along the axis into the cup [°]",
+                  .x_label = "angle about the head's centre, 0 along the axis into the bone [°]",
                   .y_label = "error [mm]",
                   .series = {std::move(series)},
                   .plot_height_px = 150.0};
@@ -183,7 +183,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
       Escape(input.title), kStyle);
   html += Head(input);
   html += Faults(input);
-  html += "<h2>The cup</h2>\n<div class=\"pair\">\n" + *before + *after + "</div>\n";
+  html += "<h2>The bone</h2>\n<div class=\"pair\">\n" + *before + *after + "</div>\n";
   std::string tints;
   for (const simulation::Material& material : input.bone.materials)
     tints += (tints.empty() ? "" : ", ") + material.name;
@@ -194,9 +194,9 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
         Escape(tints));
   html += "<h2>Section</h2>\n";
   html += Figure(SectionSvg(section, input.bone),
-                 "In the plane of the cup's axis and of the path's farthest point from it. Balls cut by the "
+                 "In the plane of the site's axis and of the path's farthest point from it. Balls cut by the "
                  "plane; the swept "
-                 "tool is the union of the reamer's head over every recorded proxy pose.");
+                 "tool is the union of the tool's head over every recorded proxy pose.");
   if (section.error.samples > 0)
     html += Figure(SectionDetailSvg(section, input.bone), "") +
             Figure(ErrorChart(section),

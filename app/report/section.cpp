@@ -214,7 +214,7 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
   const BallField before(bone.balls), left(CarvedBalls(bone, after));
 
   // the window: the bone's slice, but not farther than the reach around the cup
-  const double reach_m = params.reach_in_cup_radii * std::max(bone.cup.radius_m, 1e-3);
+  const double reach_m = SiteReach(bone, params.reach_in_cup_radii);
   Vector2 low = Vector2::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const Ball& ball : before.balls()) {
     if (std::abs((Vector3(ball.center_m) - plane.origin).dot(plane.u.cross(plane.v))) > ball.radius_m)

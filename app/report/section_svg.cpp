@@ -104,8 +104,9 @@ std::string Draw(const Section& section, const simulation::Bone& bone, const Win
                     kMutedColor);
   body += DrawTickTexts(area, x_ticks, y_ticks);
   const double bottom = area.top + area.height;
-  body += DrawAxisLabels(area, "across the cup [mm]", bottom + 38, "along the cup's axis [mm]", 14.0);
-  return SvgDocument(width_px, bottom + 46.0, "Section through the cup", body);
+  body +=
+      DrawAxisLabels(area, "across the site's axis [mm]", bottom + 38, "along the site's axis [mm]", 14.0);
+  return SvgDocument(width_px, bottom + 46.0, "Section through the site", body);
 }
 
 }  // namespace

@@ -27,18 +27,18 @@ TEST(ParseCup, ReadsMillimetresAndAnAxisOfAnyLength) {
 }
 
 TEST(ParseCup, TakesTheEndsOfItsRanges) {
-  EXPECT_TRUE(ParseCup("2000,-2000,0,0,0,1,5"));
+  EXPECT_TRUE(ParseCup("2000,-2000,0,0,0,1,0.5"));
   EXPECT_TRUE(ParseCup("0,0,0,0,0,-1,60"));
   EXPECT_NE(ErrorOf("2000.1,0,0,0,0,1,21"), "accepted");
   EXPECT_NE(ErrorOf("0,0,0,0,0,1,60.1"), "accepted");
-  EXPECT_NE(ErrorOf("0,0,0,0,0,1,4.9"), "accepted");
+  EXPECT_NE(ErrorOf("0,0,0,0,0,1,0.49"), "accepted");
 }
 
 TEST(ParseCup, NamesThePartTheValueAndWhatIsAccepted) {
   EXPECT_EQ(ErrorOf("1,2,3"), "--cup: found 3 values in \"1,2,3\", accepted 7: X,Y,Z,NX,NY,NZ,R in mm");
   EXPECT_EQ(ErrorOf("1,2,3,0,0,1,21,8"),
             "--cup: found 8 values in \"1,2,3,0,0,1,21,8\", accepted 7: X,Y,Z,NX,NY,NZ,R in mm");
-  EXPECT_EQ(ErrorOf("1,2,3,0,0,1,-21"), "--cup: R: found -21 mm, accepted 5 … 60");
+  EXPECT_EQ(ErrorOf("1,2,3,0,0,1,-21"), "--cup: R: found -21 mm, accepted 0.5 … 60");
   EXPECT_EQ(ErrorOf("1,2,3,0,north,1,21"), "--cup: NY: found \"north\", accepted a number");
   EXPECT_EQ(ErrorOf("1,2,3000,0,0,1,21"), "--cup: Z: found 3000 mm, accepted -2000 … 2000");
   EXPECT_EQ(ErrorOf("1,2,3,0,0,0,21"),

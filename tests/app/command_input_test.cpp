@@ -82,7 +82,7 @@ TEST_F(WrongInput, Cup) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> cups{
       {"1,2,3", {"found 3 values", "7: X,Y,Z,NX,NY,NZ,R"}},
       {"1,2,3,0,0,1,24,8", {"found 8 values", "7: X,Y,Z,NX,NY,NZ,R"}},
-      {"1,2,3,0,0,1,-24", {"R: found -24 mm", "5 … 60"}},
+      {"1,2,3,0,0,1,-24", {"R: found -24 mm", "0.5 … 60"}},
       {"1,2,3,0,up,1,24", {"NY: found \"up\"", "a number"}},
       {"1,2,3,0,0,0,24", {"NX,NY,NZ: found a zero vector"}},
       {"", {"found 0 values"}}};

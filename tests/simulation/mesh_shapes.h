@@ -85,13 +85,15 @@ class TemporaryFile {
   std::filesystem::path path_;
 };
 
-inline std::string ObjText(const TriangleMesh& mesh) {
+/// @param before  vertices already in the file
+inline std::string ObjText(const TriangleMesh& mesh, std::uint32_t before = 0) {
   std::string text;
   for (const Vector3& v : mesh.vertices_m)
     text += "v " + std::to_string(v.x() * 1e3) + " " + std::to_string(v.y() * 1e3) + " " +
             std::to_string(v.z() * 1e3) + "\n";
   for (const auto& [i, j, k] : mesh.triangles)
-    text += "f " + std::to_string(i + 1) + " " + std::to_string(j + 1) + " " + std::to_string(k + 1) + "\n";
+    text += "f " + std::to_string(before + i + 1) + " " + std::to_string(before + j + 1) + " " +
+            std::to_string(before + k + 1) + "\n";
   return text;
 }
 
@@ -121,6 +123,40 @@ inline std::string PlyText(const TriangleMesh& mesh) {
   for (const auto& [i, j, k] : mesh.triangles)
     text += "3 " + std::to_string(i) + " " + std::to_string(j) + " " + std::to_string(k) + "\n";
   return text;
+}
+
+/// Adds the bytes of a value, little-endian like the machines we run on.
+template <typename T>
+void AppendBytes(std::string& bytes, T value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+}
+
+inline void AppendPoint(std::string& bytes, const Vector3& p_m) {
+  for (const double x : {p_m.x(), p_m.y(), p_m.z()}) AppendBytes(bytes, static_cast<float>(x * 1e3));
+}
+
+inline std::string BinaryStl(const TriangleMesh& mesh) {
+  std::string bytes(80, '\0');
+  AppendBytes(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
+  for (const auto& t : mesh.triangles) {
+    AppendPoint(bytes, Vector3::Zero());  // a normal that nobody reads
+    for (const std::uint32_t v : t) AppendPoint(bytes, mesh.vertices_m[v]);
+    AppendBytes(bytes, std::uint16_t{0});
+  }
+  return bytes;
+}
+
+inline std::string BinaryPly(const TriangleMesh& mesh) {
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices_m.size()) +
+      "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+      std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const Vector3& v : mesh.vertices_m) AppendPoint(bytes, v);
+  for (const auto& t : mesh.triangles) {
+    AppendBytes(bytes, std::uint8_t{3});
+    for (const std::uint32_t v : t) AppendBytes(bytes, static_cast<std::int32_t>(v));
+  }
+  return bytes;
 }
 
 }  // namespace osteon::simulation

@@ -1,0 +1,87 @@
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "app/cell_run.h"
+#include "app/cell_setup.h"
+#include "simulation/cup_frame.h"
+#include "tests/io/temporary_folder.h"
+
+// Every cell of config/ starts, and so do the meshes of the data in a cell that suits them.
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kCells = OSTEON_SOURCE_DIR "/config/cells";
+
+/// .3 s of virtual time on the reference engine.
+void ExpectToRun(const CellSetup& setup) {
+  const io::test::TemporaryFolder folder;
+  auto engine = MakeEngine(setup, "reference", "");
+  ASSERT_TRUE(engine) << engine.error();
+  const auto result =
+      RunCell(setup, **engine, {.seconds = 0.3, .virtual_time = true, .recording = folder.path() / "r.mcap"});
+  ASSERT_TRUE(result) << result.error();
+  EXPECT_EQ(result->end, control::RunEnd::kSeconds);
+  EXPECT_FALSE(result->faults.Any());
+  EXPECT_GE(result->statistics.active_ticks, 300u);
+}
+
+TEST(SceneCells, EachRunsWithoutAFault) {
+  int cells = 0;
+  for (const auto& entry : fs::directory_iterator(kCells)) {
+    SCOPED_TRACE(entry.path().filename());
+    const auto setup = SetUpCell(entry.path(), std::nullopt);
+    ASSERT_TRUE(setup) << setup.error();
+    // the tool looks at the site along its axis, from outside the bone
+    const Pose X_WC = setup->X_WG * simulation::CupPose(setup->bone.cup);
+    const Pose& X_WT = setup->config.start.X_WT;
+    EXPECT_NEAR(X_WT.linear().col(2).dot(X_WC.linear().col(2)), -1.0, 1e-9);
+    const Vector3 p_CT = X_WC.inverse() * X_WT.translation();
+    EXPECT_LT(p_CT.head<2>().norm(), 1e-6);
+    for (const simulation::ToolBall& ball : setup->config.tool.tool.balls) {
+      const Vector3 c = setup->X_WG.inverse() * (X_WT * Vector3(ball.center_m));
+      ASSERT_GT(setup->solid->SignedDistance(c), ball.radius_m) << "the tool begins in the bone";
+    }
+    ExpectToRun(*setup);
+    ++cells;
+  }
+  EXPECT_GE(cells, 5);
+}
+
+class DataMeshes : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const char* data = std::getenv("OSTEON_DATA_DIR");
+    tooth_.file = fs::path(data ? data : "") / "tooth_molar_with_pulp.obj";
+    if (!data || !fs::exists(tooth_.file)) GTEST_SKIP() << "skipped, no anatomical meshes";
+  }
+  MeshChoice tooth_{
+      .file = {},
+      .cup = {.center_m = Vector3(0, 0.0005, 0.0080), .axis = Vector3(0, 0, 1), .radius_m = 0.00175},
+      .scale = 0.041};
+};
+
+TEST_F(DataMeshes, TheToothRunsInTheMolarsCellWithItsPulpOfPulp) {
+  const auto setup = SetUpCell(kCells / "molar.yaml", tooth_);
+  ASSERT_TRUE(setup) << setup.error();
+  EXPECT_LT(setup->bone.balls.size(), 40'000u);
+  std::vector<double> volume_mm3(setup->bone.materials.size());
+  for (const simulation::MassPoint& point : setup->bone.points)
+    volume_mm3.at(point.material) += point.volume_m3 * 1e9;
+  ASSERT_EQ(setup->bone.materials[2].name, "pulp");
+  EXPECT_GT(volume_mm3[2], 20.0);
+  EXPECT_GT(volume_mm3[1], volume_mm3[2]);
+  ExpectToRun(*setup);
+}
+
+TEST_F(DataMeshes, TheToothIsAcceptedByTheDemosCellWhereTheCupLiesOnIt) {
+  const auto setup = SetUpCell(kCells / "demo.yaml", tooth_);
+  ASSERT_TRUE(setup) << setup.error();
+  EXPECT_GT(setup->bone.balls.size(), 100u);
+}
+
+}  // namespace
+}  // namespace osteon::app

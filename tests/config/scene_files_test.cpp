@@ -1,0 +1,182 @@
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include "config/load.h"
+
+// The scenes and cells of config/: that each holds what it says, and what is answered to one that does not.
+
+namespace osteon::config {
+namespace {
+
+namespace fs = std::filesystem;
+using simulation::SceneParams;
+
+const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
+
+std::vector<fs::path> FilesOf(const char* folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(kConfig / folder)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+SceneParams Scene(const char* name) { return LoadScene(kConfig / "scenes" / (std::string(name) + ".yaml")); }
+
+TEST(SceneFiles, EachShapeIsTheLibrarysDefault) {
+  const auto molar = std::get<simulation::MolarShape>(Scene("molar").shape);
+  const simulation::MolarShape tooth;
+  EXPECT_DOUBLE_EQ(molar.length_m, tooth.length_m);
+  EXPECT_DOUBLE_EQ(molar.enamel_m, tooth.enamel_m);
+  EXPECT_DOUBLE_EQ(molar.pulp_width, tooth.pulp_width);
+  const auto femur = std::get<simulation::FemurShape>(Scene("femoral_canal").shape);
+  const simulation::FemurShape bone;
+  EXPECT_DOUBLE_EQ(femur.length_m, bone.length_m);
+  EXPECT_DOUBLE_EQ(femur.flare_m, bone.flare_m);
+  EXPECT_DOUBLE_EQ(femur.shaft_radius_m, bone.shaft_radius_m);
+  EXPECT_DOUBLE_EQ(femur.top_radius_m, bone.top_radius_m);
+  EXPECT_DOUBLE_EQ(femur.oval_ratio, bone.oval_ratio);
+  EXPECT_DOUBLE_EQ(femur.medial_shift_m, bone.medial_shift_m);
+  EXPECT_DOUBLE_EQ(femur.shaft_wall_m, bone.shaft_wall_m);
+  EXPECT_DOUBLE_EQ(femur.top_wall_m, bone.top_wall_m);
+  EXPECT_DOUBLE_EQ(femur.shaft_lining_m, bone.shaft_lining_m);
+  EXPECT_DOUBLE_EQ(femur.top_marrow_radius_m, bone.top_marrow_radius_m);
+}
+
+TEST(SceneFiles, LayersAndTissuesNameTheirMaterialsOnce) {
+  const SceneParams sawbone = Scene("sawbone_block");
+  const auto& block = std::get<simulation::BlockShape>(sawbone.shape);
+  ASSERT_EQ(block.layers.size(), 2u);
+  EXPECT_DOUBLE_EQ(block.layers[0].thickness_m, 0.003);
+  EXPECT_EQ(std::set<std::string>(sawbone.material_names.begin(), sawbone.material_names.end()).size(),
+            sawbone.material_names.size());
+  EXPECT_NE(sawbone.material_names.at(block.layers[0].material), sawbone.material_names.at(block.core));
+  EXPECT_EQ(sawbone.mesh_tissue.solid.core, block.core) << "the same name, the same index";
+
+  const SceneParams molar = Scene("molar");
+  ASSERT_EQ(molar.mesh_tissue.regions.size(), 1u);
+  EXPECT_EQ(molar.material_names.at(molar.mesh_tissue.regions[0].tissue.core), "pulp");
+  EXPECT_EQ(molar.material_names.at(molar.mesh_tissue.solid.core), "dentine");
+  ASSERT_TRUE(Scene("acetabulum").mesh_tissue.lining);
+}
+
+// The cells choose the materials: so this packs each cell's scene.
+TEST(SceneFiles, EachCellsSceneIsPackedWithItsMaterialsWithin40000Balls) {
+  for (const fs::path& file : FilesOf("cells")) {
+    SCOPED_TRACE(file.filename());
+    const CellConfig cell = LoadCell(file);
+    const simulation::SceneSolid solid = simulation::MakeSceneSolid(cell.scene);
+    const simulation::Bone bone = simulation::PackScene(solid, cell.scene);
+    EXPECT_GT(bone.balls.size(), 3'000u);
+    EXPECT_LT(bone.balls.size(), 40'000u);
+    EXPECT_GT(bone.points.size(), 5'000u);
+    EXPECT_LT(bone.points.size(), 120'000u);
+    std::vector<double> volume_m3(bone.materials.size());
+    for (const simulation::MassPoint& point : bone.points) volume_m3.at(point.material) += point.volume_m3;
+    for (std::size_t i = 0; i < volume_m3.size(); ++i) EXPECT_GT(volume_m3[i], 0.0) << bone.materials[i].name;
+    for (std::size_t i = 0; i < bone.balls.size(); i += 7) {
+      const double outside_m = bone.balls[i].radius_m + solid.solid->SignedDistance(bone.balls[i].center_m);
+      ASSERT_LE(outside_m, 1e-9) << "ball " << i << " leaves the solid";
+    }
+    // the tool goes into bone, and comes from where there is none
+    const Vector3 site = bone.cup.center_m, axis = bone.cup.axis;
+    EXPECT_GT(solid.solid->SignedDistance(site + 1e-3 * axis), 0.0);
+    EXPECT_LT(solid.solid->SignedDistance(site - 1.05 * bone.cup.radius_m * axis), 1.1e-3);
+  }
+}
+
+class SceneRefusals : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = fs::path(::testing::TempDir()) / ("osteon_scenes_" + std::to_string(::getpid()));
+    fs::remove_all(root_);
+    fs::copy(kConfig, root_, fs::copy_options::recursive);
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  /// What is said to a scene or a cell in which one text stands for another.
+  std::string Refusal(const char* name, const std::string& from, const std::string& to) {
+    const fs::path file = root_ / name;
+    std::ostringstream before;
+    before << std::ifstream(file, std::ios::binary).rdbuf();
+    std::string text = before.str();
+    const std::size_t at = text.find(from);
+    if (at == std::string::npos) return "the test is out of date: no " + from;
+    text.replace(at, from.size(), to);
+    std::ofstream(file, std::ios::binary) << text;
+    std::string what = "accepted";
+    try {
+      if (std::string(name).starts_with("cells"))
+        static_cast<void>(LoadCell(file));
+      else
+        static_cast<void>(LoadScene(file));
+    } catch (const ConfigError& error) {
+      what = std::string(error.what()).substr(root_.string().size() + 1);
+      EXPECT_GT(error.line(), 0) << what;
+    }
+    std::ofstream(file, std::ios::binary) << before.str();
+    return what;
+  }
+  fs::path root_;
+};
+
+TEST_F(SceneRefusals, NameFileLineValueAndWhatIsAccepted) {
+  struct Case {
+    const char *file, *from, *to, *expected;
+  };
+  for (const Case& c : {
+           Case{"scenes/molar.yaml", "kind: molar", "kind: premolar",
+                "kind: found premolar, accepted acetabulum, molar, femoral_canal, block"},
+           Case{"scenes/molar.yaml", "kind: molar", "mind: molar",
+                "unknown key \"mind\"; did you mean \"kind\"?"},
+           Case{"scenes/molar.yaml", "length_mm: 20.6", "length_mm: 200",
+                "length_mm: found 200, accepted 10 … 40"},
+           Case{"scenes/molar.yaml", "enamel_mm: 2 ", "enamel_mm: 3 ",
+                "shape: molar: enamel thickness: found 3 mm, accepted 0 … 2.472 mm"},
+           Case{"scenes/molar.yaml", "pulp_width_ratio: 1 ", "pulp_width_ratio: 5 ",
+                "pulp_width_ratio: found 5, accepted 0.6 … 1.3"},
+           Case{"scenes/molar.yaml", "radius_mm: 1.75", "radius_mm: 0",
+                "radius_mm: found 0, accepted 0.5 … 100"},
+           Case{"scenes/molar.yaml", "kind: path", "kind: line",
+                "kind: found line, accepted cup, path, surface, everywhere"},
+           Case{"scenes/molar.yaml", "kind: path", "kind: cup", "unknown key \"radius_mm\""},
+           Case{"scenes/molar.yaml", "at_mm: [0, 0, 3]", "at_mm: [0, 3]",
+                "at_mm: found a list of 2, accepted a list of 3 numbers -500 … 500"},
+           Case{"scenes/femoral_canal.yaml", "flare_mm: 65", "flare_mm: 165",
+                "shape: femur: flare: found 165 mm, accepted 5 … 110 mm"},
+           Case{"scenes/femoral_canal.yaml", "shaft_lining_mm: 1.8", "shaft_lining_mm: 9",
+                "shape: femur: shaft lining: found 9 mm"},
+           Case{"scenes/sawbone_block.yaml", "thickness_mm: 15", "thickness_mm: 50",
+                "shape: block: layers, in all: found 53 mm, accepted 0 … 40 mm"},
+           Case{"scenes/sawbone_block.yaml", "core: ", "material: ", "unknown key \"material\""},
+           Case{"scenes/thin_plate.yaml", "height_mm: 2 ", "height_mm: 0 ",
+                "height_mm: found 0, accepted 0.1 … 500"},
+           Case{"scenes/thin_plate.yaml", "lining: []", "lining: [1, 2]", "lining: found a list"},
+           Case{"scenes/acetabulum.yaml", "reach_ratio: 1.25", "reach_ratio: 3",
+                "reach_ratio: found 3, accepted 1 … 2"},
+           Case{"cells/molar.yaml", "materials/tooth.yaml", "materials/bone.yaml",
+                "materials: found bone.yaml with cartilage, cortical, cancellous, marrow; accepted one with "
+                "enamel, which the scene needs"},
+       }) {
+    const std::string what = Refusal(c.file, c.from, c.to);
+    EXPECT_TRUE(what.starts_with(std::string(c.file) + ":")) << what;
+    EXPECT_NE(what.find(c.expected), std::string::npos) << what << "\n  expected: " << c.expected;
+  }
+}
+
+TEST_F(SceneRefusals, MoreThanEightMaterialsAreTooMany) {
+  std::string layers = "layers:";
+  for (const char* name : {"a", "b", "c", "d", "e", "f", "g", "h"})
+    layers += std::string("\n    - {material: ") + name + ", thickness_mm: 0.1}";
+  EXPECT_NE(Refusal("scenes/thin_plate.yaml", "layers: []", layers)
+                .find("core: found cortical, accepted at most 8 materials a scene"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace osteon::config
