@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "config/cell_config.h"
@@ -12,13 +14,30 @@
 namespace osteon::config {
 
 [[nodiscard]] kinematics::LbrParams LoadRobot(const std::filesystem::path& path);
-[[nodiscard]] ToolConfig LoadTool(const std::filesystem::path& path);
+
+/// A size that a tool does not come in: "found …, accepted …". Who asked for it knows where.
+class ToolSizeError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+/// @param diameter_m  one of the sizes that the file lists; none: the file's default
+/// @throws ToolSizeError where the tool does not come in that size.
+[[nodiscard]] ToolConfig LoadTool(const std::filesystem::path& path,
+                                  const std::optional<double>& diameter_m = {});
+
+/// A tool to take instead of the cell's.
+struct ToolChoice {
+  std::filesystem::path file;
+  std::optional<double> diameter_m{};
+};
 /// 1 … 8 materials of different names, in the file's order; each figure with its source, or marked as
 /// assumed.
 [[nodiscard]] std::vector<simulation::Material> LoadMaterials(const std::filesystem::path& path);
 /// Shape, site and fineness, and the names of the materials that are needed; the materials stay empty.
 [[nodiscard]] simulation::SceneParams LoadScene(const std::filesystem::path& path);
 /// A cell and the robot, tool, scene and materials that it names.
-[[nodiscard]] CellConfig LoadCell(const std::filesystem::path& path);
+/// @throws ToolSizeError where `tool` does not come in the size asked for.
+[[nodiscard]] CellConfig LoadCell(const std::filesystem::path& path,
+                                  const std::optional<ToolChoice>& tool = {});
 
 }  // namespace osteon::config

@@ -199,6 +199,16 @@ std::vector<simulation::Material> Pick(const Reader& cell, const std::filesystem
   return picked;
 }
 
+// The tool that was asked for, or the cell's own.
+ToolConfig ChooseTool(const Reader& reader, const ToolChoice& own, const std::optional<ToolChoice>& wanted) {
+  if (wanted) return LoadTool(wanted->file, wanted->diameter_m);
+  try {
+    return LoadTool(own.file, own.diameter_m);
+  } catch (const ToolSizeError& error) {
+    reader.Refuse("tool_diameter_mm", fmt::format("{} ({})", error.what(), own.file.string()));
+  }
+}
+
 // What one file says serves in several places.
 void Spread(CellConfig& cell) {
   control::ServoParams& servo = cell.servo;
@@ -227,12 +237,14 @@ void Spread(CellConfig& cell) {
 
 }  // namespace
 
-CellConfig LoadCell(const std::filesystem::path& path) {
+CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolChoice>& tool) {
   Reader reader = Reader::Load(path);
   CellConfig cell;
   control::ServoParams& servo = cell.servo;
-  const std::filesystem::path robot = reader.File("robot"), tool = reader.File("tool"),
-                              scene = reader.File("scene"), materials = reader.File("materials");
+  const std::filesystem::path robot = reader.File("robot"), scene = reader.File("scene"),
+                              materials = reader.File("materials");
+  ToolChoice own_tool{.file = reader.File("tool")};
+  if (reader.Has("tool_diameter_mm")) own_tool.diameter_m = reader.Number("tool_diameter_mm", 0.1, 200);
   cell.X_WB = ReadPose(reader.Section("base_in_world"));
   cell.X_WG = ReadPose(reader.Section("bone_in_world"));
   const Reader start = reader.Section("start");
@@ -265,7 +277,7 @@ CellConfig LoadCell(const std::filesystem::path& path) {
   CheckSight(limits, cell);
 
   cell.robot = LoadRobot(robot);
-  cell.tool = LoadTool(tool);
+  cell.tool = ChooseTool(reader, own_tool, tool);
   cell.scene = LoadScene(scene);
   cell.scene.materials = Pick(reader, materials, cell.scene.material_names);
   PlaceArm(start, cell);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "config/load.h"
-#include "config/read_pose.h"
 
 namespace osteon::config {
 
@@ -36,28 +35,6 @@ kinematics::LbrParams LoadRobot(const std::filesystem::path& path) {
       joints[i].Refuse("name",
                        fmt::format("found {}, accepted A{}: the joints from the base on", names[i], i + 1));
   return params;
-}
-
-ToolConfig LoadTool(const std::filesystem::path& path) {
-  Reader reader = Reader::Load(path);
-  ToolConfig config;
-  static_cast<void>(reader.Choice("kind", {"hemispherical_reamer"}));
-  static_cast<void>(reader.Text("source"));
-  config.spindle_rad_per_s = reader.Number("spindle_rpm", 0, 1000);
-  const double head_radius_m = reader.Section("head").Number("radius_mm", 1, 100);
-  Reader shaft = reader.Section("shaft");
-  const double shaft_radius_m = shaft.Number("radius_mm", 0.5, 50),
-               length_m = shaft.Number("length_mm", 0, 500);
-  const double mass_kg = reader.Number("mass_kg", 0.01, 10);
-  const Vector3 center_of_mass_m = reader.Triple("center_of_mass_mm", -500, 500);
-  config.X_FT = ReadPose(reader.Section("mounting"));
-  reader.Finish();
-
-  if (shaft_radius_m >= head_radius_m)
-    shaft.Refuse("radius_mm", fmt::format("found {:.10g}, accepted less than the head's {:.10g}",
-                                          shaft_radius_m * 1e3, head_radius_m * 1e3));
-  config.tool = simulation::MakeReamer(head_radius_m, shaft_radius_m, length_m, mass_kg, center_of_mass_m);
-  return config;
 }
 
 }  // namespace osteon::config

@@ -166,6 +166,12 @@ Reader Reader::Parse(const std::string& text, const std::filesystem::path& name)
   return Reader(std::make_shared<Mapping>(name, documents.front(), LineOf(documents.front()), ""));
 }
 
+bool Reader::Has(const std::string& key) {
+  mapping_->known.push_back(key);
+  return std::any_of(mapping_->entries.begin(), mapping_->entries.end(),
+                     [&](const Mapping::Entry& entry) { return entry.key == key; });
+}
+
 double Reader::Number(const std::string& key, double min, double max) {
   const double unit = UnitOrThrow(key);
   const Mapping::Entry* entry = mapping_->Find(key, ShownRange(min, max));

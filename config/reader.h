@@ -27,7 +27,7 @@ class ConfigError : public std::runtime_error {
 
 /// Strict reader of one mapping of a YAML file.
 ///
-///     Reader reader = Reader::Load("config/tools/reamer_50.yaml");
+///     Reader reader = Reader::Load("config/tools/reamer.yaml");
 ///     const double radius_m = reader.Number("radius_mm", 1, 100);   // found in mm, given in m
 ///     reader.Finish();                                              // unknown and missing keys are refused
 ///     here
@@ -43,6 +43,9 @@ class Reader {
   [[nodiscard]] static Reader Load(const std::filesystem::path& path);
   /// The same for a text; `name` is the file name that errors show, and whose folder File() starts from.
   [[nodiscard]] static Reader Parse(const std::string& text, const std::filesystem::path& name);
+
+  /// Whether the file has a key that need not be there.
+  [[nodiscard]] bool Has(const std::string& key);
 
   /// A finite number, min and max in the unit of the key. @returns it in SI.
   /// @throws std::logic_error where the key names no unit: a mistake of the program, not of the file.

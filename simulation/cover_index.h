@@ -12,50 +12,78 @@
 
 namespace osteon::simulation {
 
-/// Balls in a grid, to ask how far a point is from their union. A cell lists every ball within `margin_m` of
-/// it.
+/// Balls in a grid, to ask how far a point is from their union. A cell lists the balls within `margin_m` of
+/// it, unless one of them holds all of it: then it is covered, and no list is kept. So the lists are about as
+/// long as the union's surface is wide, however much the balls overlap: 8 bytes an entry, 4 bytes a cell.
 class CoverIndex {
  public:
   CoverIndex(const Eigen::AlignedBox3d& box, double cell_m, double margin_m)
-      : origin_(box.min()), cell_m_(cell_m), margin_m_(margin_m) {
-    for (int axis = 0; axis < 3; ++axis)
-      size_[axis] = static_cast<int>(std::floor(box.sizes()[axis] / cell_m)) + 1;
-    cells_.resize(static_cast<std::size_t>(size_[0]) * size_[1] * size_[2]);
+      : origin_(box.min() - Vector3::Constant(margin_m)), cell_m_(cell_m), margin_m_(margin_m) {
+    std::size_t cells = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      size_[axis] = static_cast<int>(std::floor((box.sizes()[axis] + 2.0 * margin_m) / cell_m)) + 1;
+      cells *= static_cast<std::size_t>(size_[axis]);
+    }
+    first_.resize(cells, kNone);
   }
 
   void Insert(const Ball& ball) {
     const Vector3 c = ball.center_m;
     const double reach = ball.radius_m + margin_m_;
-    const auto low = CellOf(c - Vector3::Constant(reach)), high = CellOf(c + Vector3::Constant(reach));
+    std::array<int, 3> low{}, high{};
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::max(0, CellAlong(axis, c[axis] - reach));
+      high[axis] = std::min(size_[axis] - 1, CellAlong(axis, c[axis] + reach));
+    }
+    const auto number = static_cast<std::uint32_t>(balls_.size());
+    balls_.push_back(ball);
     for (int z = low[2]; z <= high[2]; ++z)
       for (int y = low[1]; y <= high[1]; ++y)
-        for (int x = low[0]; x <= high[0]; ++x) cells_[At({x, y, z})].push_back(ball);
+        for (int x = low[0]; x <= high[0]; ++x) {
+          std::uint32_t& first = first_[At({x, y, z})];
+          if (first == kCovered) continue;
+          // the cell's nearest and furthest points from the ball's centre
+          const Vector3 from_center = origin_ + cell_m_ * Vector3(x + 0.5, y + 0.5, z + 0.5) - c;
+          const Vector3 furthest = from_center.cwiseAbs().array() + 0.5 * cell_m_;
+          if (furthest.squaredNorm() <= ball.radius_m * ball.radius_m) {
+            first = kCovered;
+            continue;
+          }
+          const Vector3 nearest = (from_center.cwiseAbs().array() - 0.5 * cell_m_).max(0.0);
+          if (nearest.squaredNorm() > reach * reach) continue;
+          entries_.push_back({.ball = number, .next = first});
+          first = static_cast<std::uint32_t>(entries_.size() - 1);
+        }
   }
 
-  /// Whether p lies within `gap_m` of some ball. @pre gap_m <= margin_m
-  [[nodiscard]] bool Covers(const Vector3& p, double gap_m) const {
-    const std::vector<Ball>& near = cells_[At(CellOf(p))];
-    return std::any_of(near.begin(), near.end(), [&](const Ball& ball) {
-      const double reach = ball.radius_m + gap_m;
-      return (p - Vector3(ball.center_m)).squaredNorm() <= reach * reach;
-    });
-  }
+  /// Whether p lies within `gap_m` of some ball. @pre 0 <= gap_m <= margin_m
+  [[nodiscard]] bool Covers(const Vector3& p, double gap_m) const { return Gap(p) <= gap_m; }
 
-  /// Distance from p to the union of the balls, negative inside some ball; margin_m where none is near.
+  /// Distance from p to the union of the balls, 0 or negative inside; margin_m where none is so near.
   [[nodiscard]] double Gap(const Vector3& p) const {
+    std::array<int, 3> cell{};
+    for (int axis = 0; axis < 3; ++axis) {
+      cell[axis] = CellAlong(axis, p[axis]);
+      if (cell[axis] < 0 || cell[axis] >= size_[axis]) return margin_m_;
+    }
+    std::uint32_t entry = first_[At(cell)];
+    if (entry == kCovered) return 0.0;
     double gap = margin_m_;
-    for (const Ball& ball : cells_[At(CellOf(p))])
+    for (; entry != kNone; entry = entries_[entry].next) {
+      const Ball& ball = balls_[entries_[entry].ball];
       gap = std::min(gap, (p - Vector3(ball.center_m)).norm() - ball.radius_m);
+    }
     return gap;
   }
 
  private:
-  [[nodiscard]] std::array<int, 3> CellOf(const Vector3& p) const {
-    std::array<int, 3> cell{};
-    for (int axis = 0; axis < 3; ++axis)
-      cell[axis] =
-          std::clamp(static_cast<int>(std::floor((p[axis] - origin_[axis]) / cell_m_)), 0, size_[axis] - 1);
-    return cell;
+  static constexpr std::uint32_t kNone = 0xffffffff, kCovered = 0xfffffffe;
+  struct Entry {
+    std::uint32_t ball, next;
+  };
+
+  [[nodiscard]] int CellAlong(int axis, double x) const {
+    return static_cast<int>(std::clamp(std::floor((x - origin_[axis]) / cell_m_), -1e9, 1e9));
   }
   [[nodiscard]] std::size_t At(const std::array<int, 3>& c) const {
     return (static_cast<std::size_t>(c[2]) * size_[1] + c[1]) * size_[0] + c[0];
@@ -65,7 +93,9 @@ class CoverIndex {
   double cell_m_;
   double margin_m_;
   std::array<int, 3> size_{};
-  std::vector<std::vector<Ball>> cells_;
+  std::vector<std::uint32_t> first_;  ///< of each cell's list; kNone, kCovered
+  std::vector<Entry> entries_;
+  std::vector<Ball> balls_;
 };
 
 }  // namespace osteon::simulation

@@ -3,44 +3,12 @@
 #include <cmath>
 
 #include "simulation/check_range.h"
+#include "simulation/graded_descent.h"
 
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kMostCells = 20'000'000;
-
-struct Descent {
-  const Solid& solid;
-  const CutZone& zone;
-  const GradeParams& params;
-  CellsWanted wanted;
-  std::vector<Cell> cells;
-
-  void Visit(Cell cell) {
-    const Vector3 center = cell.center();
-    cell.signed_distance_m = solid.SignedDistance(center);
-    const double reach = cell.reach_m();
-    if (cell.signed_distance_m > reach) return;
-    if (wanted == CellsWanted::kSurface && cell.signed_distance_m < -reach) return;
-    const int top = static_cast<int>(params.coarser_from_m.size());
-    const bool too_coarse =
-        cell.level > top || (cell.level > 0 && zone.DepthAt(center) < params.coarser_from_m[cell.level - 1]);
-    if (!too_coarse) {
-      if (cells.size() == kMostCells)
-        throw std::invalid_argument(
-            fmt::format("bone: found more than {} cells at {:g} mm, accepted fewer: take a larger spacing or "
-                        "a smaller solid",
-                        kMostCells, params.finest_m * 1e3));
-      cells.push_back(cell);
-      return;
-    }
-    for (int octant = 0; octant < 8; ++octant) {
-      Cell child{.index = {}, .level = cell.level - 1, .side_m = 0.5 * cell.side_m, .signed_distance_m = 0.0};
-      for (int axis = 0; axis < 3; ++axis) child.index[axis] = 2 * cell.index[axis] + ((octant >> axis) & 1);
-      Visit(child);
-    }
-  }
-};
+constexpr std::size_t kMostCells = 100'000'000;  // 4 GB of them
 
 std::uint64_t SplitMix64(std::uint64_t& state) {
   std::uint64_t z = (state += 0x9e3779b97f4a7c15ULL);
@@ -62,25 +30,36 @@ void CheckGrade(const std::string& name, const GradeParams& grade, double min_m,
     CheckRangeMm(fmt::format("{}: depth of level {}", name, i + 1), from[i], i > 0 ? from[i - 1] : 0.0, 1.0);
 }
 
-std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone, const GradeParams& params,
-                               CellsWanted wanted) {
-  Descent descent{.solid = solid, .zone = zone, .params = params, .wanted = wanted, .cells = {}};
+std::vector<Cell> GradedRoots(const Solid& solid, const GradeParams& params) {
   // Start above the coarsest level, so that large empty parts go in one question each.
-  const double least_side = 0.125 * solid.Bounds().sizes().maxCoeff();
+  const Eigen::AlignedBox3d box = solid.Bounds();
+  const double least_side = 0.125 * box.sizes().maxCoeff();
   int top = static_cast<int>(params.coarser_from_m.size());
   while (std::ldexp(params.finest_m, top) < least_side) ++top;
   const double side = std::ldexp(params.finest_m, top);
-  const Eigen::AlignedBox3d box = solid.Bounds();
   std::array<std::int32_t, 3> first{}, last{};
   for (int axis = 0; axis < 3; ++axis) {
     first[axis] = static_cast<std::int32_t>(std::floor(box.min()[axis] / side));
     last[axis] = static_cast<std::int32_t>(std::floor(box.max()[axis] / side));
   }
+  std::vector<Cell> roots;
   for (std::int32_t z = first[2]; z <= last[2]; ++z)
     for (std::int32_t y = first[1]; y <= last[1]; ++y)
       for (std::int32_t x = first[0]; x <= last[0]; ++x)
-        descent.Visit({.index = {x, y, z}, .level = top, .side_m = side, .signed_distance_m = 0.0});
-  return std::move(descent.cells);
+        roots.push_back({.index = {x, y, z}, .level = top, .side_m = side, .signed_distance_m = 0.0});
+  return roots;
+}
+
+std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone, const GradeParams& params,
+                               CellsWanted wanted, int threads) {
+  const auto add = [&](Cell cell, std::vector<Cell>& cells) {
+    cell.signed_distance_m = solid.SignedDistance(cell.center());
+    const double reach = cell.reach_m();
+    if (cell.signed_distance_m > reach) return;
+    if (wanted == CellsWanted::kSurface && cell.signed_distance_m < -reach) return;
+    cells.push_back(cell);
+  };
+  return DescendGraded<Cell>(solid, zone, params, wanted, threads, kMostCells, add);
 }
 
 CellRandom::CellRandom(const Cell& cell, std::uint64_t salt) : state_(salt) {

@@ -39,9 +39,13 @@ enum class CellsWanted {
 };
 
 /// Divides the solid into cubes that grow with depth below the cut zone: an octree, descended depth first.
-/// @throws std::invalid_argument where that would be more than 20 million cells.
+/// The cells and their order do not depend on the number of threads (0: one a core).
+/// @throws std::invalid_argument where that would be more than 100 million cells.
 [[nodiscard]] std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone,
-                                             const GradeParams& params, CellsWanted wanted);
+                                             const GradeParams& params, CellsWanted wanted, int threads = 0);
+
+/// Cubes above the coarsest level that together hold the solid: where a descent begins.
+[[nodiscard]] std::vector<Cell> GradedRoots(const Solid& solid, const GradeParams& params);
 
 /// Numbers for a cell, equal on every machine: the jitter of samples comes from its place and a salt, from
 /// nothing else.

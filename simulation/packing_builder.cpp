@@ -4,161 +4,118 @@
 #include <cmath>
 
 #include "simulation/check_range.h"
-#include "simulation/cover_index.h"
+#include "simulation/graded_descent.h"
 #include "simulation/morton.h"
+#include "simulation/surface_gaps.h"
+#include "simulation/tangent_balls.h"
 
 namespace osteon::simulation {
 namespace {
 
-/// Side of the index's cells: 2 mm, more where the solid is so large that their number would count.
-double IndexCell_m(const Eigen::AlignedBox3d& box) {
-  return std::max(2.0e-3, box.sizes().maxCoeff() / 150.0);
-}
+constexpr std::size_t kMostBalls = 100'000'000;
 
-constexpr std::uint64_t kSampleSalt = 1;
-
-class Builder {
- public:
-  Builder(const Solid& solid, const CutZone& zone, const PackingParams& params)
-      : solid_(solid),
-        zone_(zone),
-        params_(params),
-        index_(solid.Bounds(), IndexCell_m(solid.Bounds()), params.greatest_surface_gap_m) {}
-
-  std::vector<Ball> Build() {
-    AddLattice();
-    AddSurface();
-    const Eigen::AlignedBox3d box = solid_.Bounds();
-    SortAlongMortonCurve(balls_, box, [](const Ball& ball) { return Vector3(ball.center_m); });
-    return std::move(balls_);
-  }
-
- private:
-  void Add(const Vector3& center, double radius) {
-    balls_.push_back({.center_m = center, .radius_m = radius});
-    index_.Insert(balls_.back());
-  }
-
-  /// The cap on a ball's radius where the lattice has this spacing; depth is that of its centre.
-  [[nodiscard]] double RadiusCap(double spacing_m, double depth_m) const {
-    return std::max(params_.cup_radius_cap_m,
-                    std::min(params_.radius_over_spacing * spacing_m, depth_m - params_.cup_depth_m));
-  }
-
-  [[nodiscard]] double SpacingAt(double depth_m) const {
-    const std::vector<double>& from = params_.lattice.coarser_from_m;
-    const auto level = std::upper_bound(from.begin(), from.end(), depth_m) - from.begin();
-    return std::ldexp(params_.lattice.finest_m, static_cast<int>(level));
-  }
-
-  void AddLattice() {
-    // Corners and centres of the cells, in halves of the finest spacing. Where levels meet, the finer one's
-    // spacing counts.
-    struct Site {
-      std::array<std::int32_t, 3> at;
-      int level;
-      auto operator<=>(const Site&) const = default;
-    };
-    std::vector<Site> sites;
-    for (const Cell& cell : DivideGraded(solid_, zone_, params_.lattice, CellsWanted::kSolid)) {
-      const auto site = [&cell](int dx, int dy, int dz) {
-        return Site{{(2 * cell.index[0] + dx) << cell.level, (2 * cell.index[1] + dy) << cell.level,
-                     (2 * cell.index[2] + dz) << cell.level},
-                    cell.level};
-      };
-      sites.push_back(site(1, 1, 1));
-      for (int corner = 0; corner < 8; ++corner)
-        sites.push_back(site(2 * (corner & 1), corner & 2, (corner >> 1) & 2));
-    }
-    std::sort(sites.begin(), sites.end());
-    const auto same_place = [](const Site& a, const Site& b) { return a.at == b.at; };
-    sites.erase(std::unique(sites.begin(), sites.end(), same_place), sites.end());
-
-    for (const Site& site : sites) {
-      const Vector3 p = 0.5 * params_.lattice.finest_m * Vector3(site.at[0], site.at[1], site.at[2]);
-      const double spacing = std::ldexp(params_.lattice.finest_m, site.level);
-      const double radius = std::min(-solid_.SignedDistance(p), RadiusCap(spacing, zone_.DepthAt(p)));
-      // a smaller one adds less than the surface's own balls
-      if (radius >= 0.25 * spacing) Add(p, radius);
-    }
-  }
-
-  void AddSurface() {
-    std::vector<Cell> cells = DivideGraded(solid_, zone_, params_.samples, CellsWanted::kSurface);
-    // Scrambled, so that accepted balls do not line up with the division.
-    std::vector<std::pair<std::uint64_t, std::size_t>> order(cells.size());
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      order[i] = {CellRandom(cells[i], kSampleSalt).NextBits(), i};
-    std::sort(order.begin(), order.end());
-    for (const auto& [bits, i] : order) AddTouchingBall(cells[i]);
-  }
-
-  /// Adds the largest ball that touches the surface from inside at a sample in the cell, unless the sample is
-  /// covered.
-  void AddTouchingBall(const Cell& cell) {
-    CellRandom random(cell, kSampleSalt + 1);
-    const Vector3 p = cell.least_corner() + cell.side_m * random.NextInUnitCube();
-    const SurfacePoint foot = solid_.NearestSurface(p);
-    if (std::abs(foot.distance_m) < 1e-9) return;  // too close to tell the normal
-    const double depth = zone_.DepthAt(foot.p_m);
-    const std::vector<double>& from = params_.lattice.coarser_from_m;
-    const double below_finest = from.empty() ? 0.0 : std::max(0.0, depth - from.front());
-    const double gap = std::min(params_.surface_gap_m + params_.surface_gap_growth * below_finest,
-                                params_.greatest_surface_gap_m);
-    if (index_.Covers(foot.p_m, gap)) return;
-
-    const Vector3 inward = (p - foot.p_m) / -foot.distance_m;
-    double radius = RadiusCap(SpacingAt(depth), depth);
-    if (zone_.DepthAt(foot.p_m + radius * inward) - radius < params_.cup_depth_m)
-      radius = std::min(radius, params_.cup_radius_cap_m);
-    // Shrinking ball (Ma, Bae, Choi, The Visual Computer 28, 2012): through the foot and the surface point
-    // nearest to the centre there is one ball tangent at the foot; it takes a few rounds until nothing lies
-    // inside.
-    constexpr int kMostRounds = 30;
-    for (int round = 0; round < kMostRounds; ++round) {
-      const Vector3 center = foot.p_m + radius * inward;
-      const SurfacePoint nearest = solid_.NearestSurface(center);
-      const Vector3 chord = nearest.p_m - foot.p_m;
-      const double sagitta = chord.dot(inward);
-      if (-nearest.distance_m >= radius * (1.0 - 1e-6) || sagitta <= 0.0) {
-        radius = std::min(radius, -nearest.distance_m);
-        if (radius >= params_.least_radius_m) Add(center, radius);
-        return;
-      }
-      radius = std::min(0.999999 * radius, chord.squaredNorm() / (2.0 * sagitta));
-      if (radius < params_.least_radius_m) return;
-    }
-  }
-
-  const Solid& solid_;
-  const CutZone& zone_;
-  const PackingParams& params_;
-  CoverIndex index_;
-  std::vector<Ball> balls_;
-};
+/// A lattice may take this share of a wanted count; more where it would have holes otherwise.
+constexpr double kLatticeShare = 0.4, kLatticeShareWithHoles = 0.75;
+/// Fewer samples than this for each ball wanted from them are too few to choose from.
+constexpr double kLeastSamplesPerBall = 1.5;
 
 void Check(const PackingParams& p) {
-  CheckGrade("packing: lattice", p.lattice, 0.2e-3, 0.050);
-  CheckGrade("packing: surface samples", p.samples, 0.05e-3, 0.010);
-  CheckRangeMm("packing: cup radius cap", p.cup_radius_cap_m, 0.56 * p.lattice.finest_m, 0.050);
-  CheckRangeMm("packing: least radius", p.least_radius_m, 0.01e-3, p.cup_radius_cap_m);
-  CheckRangeMm("packing: surface gap", p.surface_gap_m, 0.005e-3, p.greatest_surface_gap_m);
-  CheckRangeMm("packing: greatest surface gap", p.greatest_surface_gap_m, p.surface_gap_m, 0.010);
+  CheckGrade("packing: lattice", p.lattice, 0.02e-3, 0.500);
+  CheckGrade("packing: surface samples", p.samples, 0.001e-3, 0.010);
+  CheckRangeMm("packing: cup radius cap", p.cup_radius_cap_m, 0.56 * p.lattice.finest_m, 0.500);
+  CheckRangeMm("packing: least radius", p.least_radius_m, 0.001e-3, p.cup_radius_cap_m);
+  CheckRangeMm("packing: surface gap", p.surface_gap_m, 0.001e-3, p.greatest_surface_gap_m);
+  CheckRangeMm("packing: greatest surface gap", p.greatest_surface_gap_m, p.surface_gap_m, 0.050);
+  if (p.radius_growth && !(*p.radius_growth >= 0.0 && *p.radius_growth <= 1.0))
+    throw std::invalid_argument(
+        fmt::format("packing: radius growth: found {:g}, accepted 0 … 1", *p.radius_growth));
+  if (p.count > kMostBalls)
+    throw std::invalid_argument(
+        fmt::format("packing: count: found {}, accepted 0 … {}", p.count, kMostBalls));
+}
+
+/// Body-centred: each cell gives its centre and its least corner, where a ball of the cap's size, or nearly
+/// so, fits in. Nearer to the surface the balls that touch it do the same with fewer.
+std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const PackingParams& params) {
+  const auto add = [&](const Cell& cell, std::vector<Ball>& balls) {
+    const auto site = [&](const Vector3& p, double distance_m) {
+      constexpr double kLeastOfCap = 0.9;
+      const double cap = params.RadiusCapAt(zone.DepthAt(p), cell.side_m);
+      if (-distance_m >= kLeastOfCap * cap)
+        balls.push_back({.center_m = p, .radius_m = std::min(-distance_m, cap)});
+    };
+    const double distance = solid.SignedDistance(cell.center());
+    if (distance > cell.reach_m()) return;
+    site(cell.center(), distance);
+    site(cell.least_corner(), solid.SignedDistance(cell.least_corner()));
+  };
+  return DescendGraded<Ball>(solid, zone, params.lattice, CellsWanted::kSolid, params.threads, kMostBalls,
+                             add);
+}
+
+/// The lattice, its spacing widened until it leaves enough of a wanted count to the surface.
+std::vector<Ball> FittingLattice(const Solid& solid, const CutZone& zone, PackingParams& params) {
+  const auto count = static_cast<double>(params.count);
+  for (;;) {
+    std::vector<Ball> balls = LatticeBalls(solid, zone, params);
+    const auto found = static_cast<double>(balls.size());
+    // a body-centred lattice has no holes where its balls have .56 of its spacing
+    const bool at_holes = params.cup_radius_cap_m < 0.6 * params.lattice.finest_m;
+    const double share = at_holes ? kLatticeShareWithHoles : kLatticeShare;
+    if (params.count == 0 || found <= share * count) return balls;
+    double wider = std::max(1.02, std::cbrt(found / (0.97 * share * count)));
+    if (!at_holes)
+      wider = std::min(wider, std::max(1.02, params.cup_radius_cap_m / (0.599 * params.lattice.finest_m)));
+    params.lattice.finest_m *= wider;
+  }
+}
+
+/// Tangent balls to choose from along a Morton curve; where `wanted` asks for more, from a finer sample.
+std::vector<TangentBall> EnoughTangentBalls(const Solid& solid, const CutZone& zone,
+                                            const PackingParams& params, std::size_t wanted) {
+  GradeParams samples = params.samples;
+  constexpr int kMostRounds = 6;
+  for (int round = 0;; ++round) {
+    std::vector<TangentBall> balls = FindTangentBalls(solid, zone, params, samples);
+    const double per_ball =
+        static_cast<double>(balls.size()) / static_cast<double>(std::max<std::size_t>(1, wanted));
+    if (wanted == 0 || per_ball >= kLeastSamplesPerBall || round == kMostRounds) {
+      SortAlongMortonCurve(balls, solid.Bounds(), [](const TangentBall& ball) { return ball.foot_m; });
+      return balls;
+    }
+    samples.finest_m *= std::clamp(std::sqrt(per_ball / (1.3 * kLeastSamplesPerBall)), 0.2, 0.9);
+  }
 }
 
 }  // namespace
 
-PackingParams OverlapParamsFor(const Solid&, const CutZone&, const OverlapOptions& options) {
-  PackingParams params;
-  params.count = options.count;
-  params.seed = options.seed;
-  params.threads = options.threads;
-  return params;
+double PackingParams::SpacingAt(double depth_m) const {
+  const std::vector<double>& from = lattice.coarser_from_m;
+  const auto level = std::upper_bound(from.begin(), from.end(), depth_m) - from.begin();
+  return std::ldexp(lattice.finest_m, static_cast<int>(level));
 }
 
-std::vector<Ball> BuildPacking(const Solid& solid, const CutZone& zone, const PackingParams& params) {
-  Check(params);
-  return Builder(solid, zone, params).Build();
+double PackingParams::RadiusCapAt(double depth_m, double spacing_m) const {
+  if (radius_growth) return cup_radius_cap_m + *radius_growth * std::max(0.0, depth_m);
+  return std::max(cup_radius_cap_m, std::min(radius_over_spacing * spacing_m, depth_m - cup_depth_m));
+}
+
+double PackingParams::SurfaceGapAt(double depth_m) const {
+  const std::vector<double>& from = lattice.coarser_from_m;
+  const double below_finest = from.empty() ? 0.0 : std::max(0.0, depth_m - from.front());
+  return std::min(surface_gap_m + surface_gap_growth * below_finest, greatest_surface_gap_m);
+}
+
+std::vector<Ball> BuildPacking(const Solid& solid, const CutZone& zone, const PackingParams& asked) {
+  Check(asked);
+  PackingParams params = asked;
+  std::vector<Ball> balls = FittingLattice(solid, zone, params);
+  const std::size_t wanted = params.count - std::min(params.count, balls.size());
+  const std::vector<TangentBall> samples = EnoughTangentBalls(solid, zone, params, wanted);
+  const std::vector<Ball> cover = CoverSurface(samples, wanted);
+  balls.insert(balls.end(), cover.begin(), cover.end());
+  SortAlongMortonCurve(balls, solid.Bounds(), [](const Ball& ball) { return Vector3(ball.center_m); });
+  return balls;
 }
 
 }  // namespace osteon::simulation

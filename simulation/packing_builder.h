@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "simulation/graded_cells.h"
@@ -16,11 +17,14 @@ struct PackingParams {
   double cup_radius_cap_m{3.0e-3};  ///< of balls that reach up to cup_depth_m below the cup
   double cup_depth_m{4.0e-3};
   double radius_over_spacing{1.2};  ///< caps the radius of the others; a lattice has no holes from .56 on
+  /// The cap is cup_radius_cap_m plus this times the depth of a ball's centre below the cut zone, 0 … 1,
+  /// instead of what the three values above say.
+  std::optional<double> radius_growth;
   double least_radius_m{0.15e-3};
 
   /// Greatest gap between the surface and the union of the balls, at the surface samples: near the cup, how
   /// it grows with depth below the finest level, and its greatest value.
-  double surface_gap_m{0.08e-3};
+  double surface_gap_m{0.04e-3};
   double surface_gap_growth{0.08};
   double greatest_surface_gap_m{0.5e-3};
   /// Spacing of the surface samples.
@@ -29,13 +33,20 @@ struct PackingParams {
   std::size_t count{0};   ///< balls wanted, as good as so many can be; 0: what the tolerances ask for
   std::uint64_t seed{0};  ///< moves the surface samples
   int threads{0};         ///< 0: one a core; the result does not depend on it
+
+  /// Spacing of the lattice at this depth below the cut zone.
+  [[nodiscard]] double SpacingAt(double depth_m) const;
+  /// Greatest radius of a ball whose centre lies so deep, where the lattice has this spacing.
+  [[nodiscard]] double RadiusCapAt(double depth_m, double spacing_m) const;
+  /// Greatest gap at a surface point so deep.
+  [[nodiscard]] double SurfaceGapAt(double depth_m) const;
 };
 
 /// What a caller asks of an overlapping packing; zeros stand for values that suit the solid.
 struct OverlapOptions {
-  std::size_t count{0};           ///< balls wanted; 0: what a gap of .08 mm asks for
+  std::size_t count{0};           ///< balls wanted; 0: what a gap of .04 mm asks for
   double least_radius_m{0.0};     ///< no ball is smaller
-  double greatest_radius_m{0.0};  ///< r0: cap on the radius at the cut zone
+  double greatest_radius_m{0.0};  ///< r0: cap on the radius at the cut zone; 0: as large as fits in
   double grade{0.0};              ///< a: the cap is r0 + a·depth below the cut zone; 0: the same everywhere
   std::uint64_t seed{0};          ///< moves the surface samples
   int threads{0};                 ///< 0: one a core; the result does not depend on it

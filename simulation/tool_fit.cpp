@@ -74,8 +74,7 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
 
   const double largest_m = 0.5 * solid.Bounds().sizes().maxCoeff();
   std::vector<ToolBall> candidates;
-  const std::size_t stride =
-      std::max<std::size_t>(1, sorted.size() / std::max<std::size_t>(3000, 20 * params.greatest_count));
+  const std::size_t stride = std::clamp<std::size_t>(sorted.size() / 3000, 1, 4);
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     if (!sorted[i].edge && i % stride != 0) continue;
     const auto ball = sorted[i].edge ? BallBelowEdge(solid, sorted[i], largest_m, params.least_radius_m)
@@ -103,24 +102,29 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
   };
   for (const ToolBall& ball : first) add(ball);
 
+  std::vector<const ToolBall*> serving;
   for (std::size_t i = 0; i < sorted.size() && fit.balls.size() < params.greatest_count; ++i) {
     if (gap[i] <= sorted[i].gap_m) continue;
+    serving.clear();
     const ToolBall* best = nullptr;
-    std::size_t most = 0;
     double best_gap = 0.9 * gap[i];  // where none serves, the one that comes nearest
     for (const ToolBall& ball : candidates) {
       if (ball.cutting != sorted[i].cutting) continue;
       const double left = Gap(sorted[i].p_m, ball);
-      if (left > sorted[i].gap_m) {
-        if (most == 0 && left < best_gap) best = &ball, best_gap = left;
-        continue;
-      }
+      if (left <= sorted[i].gap_m) serving.push_back(&ball);
+      if (left < best_gap) best = &ball, best_gap = left;
+    }
+    // of many, a fair share is looked at: neighbours serve almost the same
+    constexpr std::size_t kLookedAt = 256;
+    std::size_t most = 0;
+    const std::size_t step = serving.size() / kLookedAt + 1;
+    for (std::size_t k = 0; k < serving.size(); k += step) {
+      const ToolBall& ball = *serving[k];
       std::size_t served = 0;
-      for_near(ball, [&](std::size_t k) {
-        if (gap[k] > sorted[k].gap_m && Gap(sorted[k].p_m, ball) <= sorted[k].gap_m) ++served;
+      for_near(ball, [&](std::size_t j) {
+        if (gap[j] > sorted[j].gap_m && Gap(sorted[j].p_m, ball) <= sorted[j].gap_m) ++served;
       });
-      if (served > most || (served == most && best && ball.radius_m > best->radius_m))
-        best = &ball, most = served;
+      if (served > most || (served == most && ball.radius_m > best->radius_m)) best = &ball, most = served;
     }
     if (best) add(*best);
   }

@@ -87,16 +87,24 @@ void CheckBallsAndHolder(const std::string& name, const BallParams& balls, const
   CheckDensity(name + ": density", density_kg_per_m3);
 }
 
-Tool FitBalls(const std::string& name, const Solid& solid, std::vector<SurfaceSample> samples,
+Tool FitBalls(const std::string& name, const Solid& solid,
+              const std::function<std::vector<SurfaceSample>(std::size_t)>& sample,
               const std::vector<ToolBall>& first, std::size_t greatest_count) {
-  for (SurfaceSample& sample : samples) sample.gap_m *= kFitShare;
+  constexpr std::size_t kSamplesPerBall = 120;
   const ToolFitParams params{.greatest_count = greatest_count};
-  ToolFit fit = FitTool(solid, samples, first, params);
+  std::vector<SurfaceSample> samples;
+  ToolFit fit;
+  for (std::size_t count = 32'000;; count *= 4) {
+    samples = sample(count);
+    for (SurfaceSample& s : samples) s.gap_m *= kFitShare;
+    fit = FitTool(solid, samples, first, params);
+    if (fit.balls.size() * kSamplesPerBall <= count) break;
+  }
   if (fit.worst_ratio > 1.0) {
     double scale = 1.0;  // that the balls suffice for
     while (fit.worst_ratio > 1.0 && scale < 1e3) {
       scale *= 1.1;
-      for (SurfaceSample& sample : samples) sample.gap_m *= 1.1;
+      for (SurfaceSample& s : samples) s.gap_m *= 1.1;
       fit = FitTool(solid, samples, first, params);
     }
     throw std::invalid_argument(fmt::format(
@@ -117,9 +125,8 @@ BuiltTool MakeTurnedTool(const std::string& name, std::vector<ProfilePiece> piec
                          const std::vector<ToolBall>& first) {
   CheckBallsAndHolder(name, balls, holder, density_kg_per_m3);
   const auto profile = std::make_shared<const ToolProfile>(std::move(pieces));
-  std::vector<SurfaceSample> samples =
-      profile->Sample(std::max<std::size_t>(8000, 40 * balls.greatest_count), 0);
-  BuiltTool built{.tool = FitBalls(name, *profile, std::move(samples), first, balls.greatest_count),
+  const auto sample = [&](std::size_t count) { return profile->Sample(count, 0); };
+  BuiltTool built{.tool = FitBalls(name, *profile, sample, first, balls.greatest_count),
                   .length_m = profile->length_m() + holder.length_m,
                   .profile = profile};
   const std::array<MassProperties, 2> bodies{RevolvedMassProperties(profile->pieces(), density_kg_per_m3),

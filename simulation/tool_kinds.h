@@ -1,6 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "simulation/tool.h"
 #include "simulation/tool_fit.h"
@@ -98,9 +101,12 @@ struct TwistDrillParams {
 void CheckBallsAndHolder(const std::string& name, const BallParams& balls, const HolderParams& holder,
                          double density_kg_per_m3);
 
-/// A tool without mass by FitTool, with room for what lies between the samples.
+/// A tool without mass by FitTool, with room for what lies between the samples; more samples where the tool
+/// needs more balls.
+/// @param sample  gives so many samples of the surface, or some more
 /// @throws std::invalid_argument where the balls do not suffice for the samples' gaps.
-[[nodiscard]] Tool FitBalls(const std::string& name, const Solid& solid, std::vector<SurfaceSample> samples,
+[[nodiscard]] Tool FitBalls(const std::string& name, const Solid& solid,
+                            const std::function<std::vector<SurfaceSample>(std::size_t count)>& sample,
                             const std::vector<ToolBall>& first, std::size_t greatest_count);
 
 }  // namespace osteon::simulation

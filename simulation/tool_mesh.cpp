@@ -54,10 +54,9 @@ BuiltTool MakeMeshTool(const TriangleMesh& mesh, const MeshToolParams& params) {
   CheckRangeMm(params.name + ": cutting from z", params.cutting_back_z_m, -1.0, params.cutting_front_z_m);
   CheckBallsAndHolder(params.name, params.balls, params.holder, params.density_kg_per_m3);
 
-  std::vector<SurfaceSample> samples =
-      SampleMesh(mesh, params, std::max<std::size_t>(4000, 40 * params.balls.greatest_count), 0);
-  const auto cuts = [](const SurfaceSample& sample) { return sample.cutting; };
-  if (std::none_of(samples.begin(), samples.end(), cuts))
+  const auto sample = [&](std::size_t count) { return SampleMesh(mesh, params, count, 0); };
+  const std::vector<SurfaceSample> some = sample(4000);
+  if (std::none_of(some.begin(), some.end(), [](const SurfaceSample& s) { return s.cutting; }))
     throw std::invalid_argument(fmt::format(
         "{}: nothing of the mesh lies in z {:.6g} … {:.6g} mm, where it is to cut; it spans {:.6g} … "
         "{:.6g} mm",
@@ -67,7 +66,7 @@ BuiltTool MakeMeshTool(const TriangleMesh& mesh, const MeshToolParams& params) {
       MeshMassProperties(mesh, params.density_kg_per_m3),
       CylinderMassProperties(params.holder.radius_m, box.min().z(), box.min().z() - params.holder.length_m,
                              params.holder.density_kg_per_m3)};
-  BuiltTool built{.tool = FitBalls(params.name, solid, std::move(samples), {}, params.balls.greatest_count),
+  BuiltTool built{.tool = FitBalls(params.name, solid, sample, {}, params.balls.greatest_count),
                   .length_m = params.holder.length_m - box.min().z()};
   SetMass(Combine(bodies), built.tool);
   return built;

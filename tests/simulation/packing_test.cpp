@@ -166,7 +166,7 @@ TEST_F(Packing, RefusesWrongParametersByName) {
   };
   PackingParams params;
   params.lattice.finest_m = -1e-3;
-  EXPECT_EQ(message(params), "packing: lattice: finest side: found -1 mm, accepted 0.2 … 50 mm");
+  EXPECT_EQ(message(params), "packing: lattice: finest side: found -1 mm, accepted 0.02 … 500 mm");
   params = {};
   params.lattice.coarser_from_m = {12e-3, 6e-3};
   EXPECT_EQ(message(params), "packing: lattice: depth of level 2: found 6 mm, accepted 12 … 1000 mm");
