@@ -25,8 +25,8 @@ MaterialIndex FindMaterial(const Bone& bone, const RegionWatch& region) {
                                           region.name, region.material, names));
 }
 
-std::vector<SurfaceSample> PointsOf(const Bone& bone, MaterialIndex material) {
-  std::vector<SurfaceSample> points;
+std::vector<OrientedPoint> PointsOf(const Bone& bone, MaterialIndex material) {
+  std::vector<OrientedPoint> points;
   for (const MassPoint& point : bone.points)
     if (point.material == material) points.push_back({.p_m = point.p_m});
   return points;
@@ -49,13 +49,13 @@ SceneWatch::SceneWatch(const Solid& solid, const Bone& bone, const Tool& tool, c
     regions_.push_back(std::move(region));
   }
   if (params.least_wall_m > 0.0) {
-    std::vector<SurfaceSample> samples = SampleSurface(solid, params.wall_spacing_m);
-    std::erase_if(samples, [this](const SurfaceSample& sample) { return IsOpening(sample); });
+    std::vector<OrientedPoint> samples = PointsOfSurface(solid, params.wall_spacing_m);
+    std::erase_if(samples, [this](const OrientedPoint& sample) { return IsOpening(sample); });
     walls_ = SampleIndex(std::move(samples));
   }
 }
 
-bool SceneWatch::IsOpening(const SurfaceSample& sample) const {
+bool SceneWatch::IsOpening(const OrientedPoint& sample) const {
   const Vector3 axis = site_.axis, from_center = sample.p_m - Vector3(site_.center_m);
   if (sample.normal.dot(axis) > kSixtyDegrees) return true;
   const Vector3 off_axis = from_center - from_center.dot(axis) * axis;
@@ -65,12 +65,12 @@ bool SceneWatch::IsOpening(const SurfaceSample& sample) const {
 
 // The wall's point nearest to c, near a sample: along the tangent plane as far as c is off its normal, back
 // to the surface, and again, while that comes nearer and stays on a wall that c looks at.
-SurfaceSample SceneWatch::Refined(const Vector3& c_m, SurfaceSample at) const {
+OrientedPoint SceneWatch::Refined(const Vector3& c_m, OrientedPoint at) const {
   for (int i = 0; i < kRefinements; ++i) {
     const Vector3 way = c_m - at.p_m;
     const Vector3 aside = way - way.dot(at.normal) * at.normal;
     if (aside.norm() < kRefined_m) break;
-    SurfaceSample next;
+    OrientedPoint next;
     next.p_m = solid_.NearestSurface(at.p_m + aside).p_m;
     next.normal = SurfaceNormal(solid_, next.p_m);
     const bool nearer = (next.p_m - c_m).norm() < way.norm();
@@ -137,7 +137,7 @@ std::optional<SceneWatch::Wall> SceneWatch::ThinnestWall(const Pose& X_GP) const
                                  : std::numeric_limits<double>::infinity();
     const auto sample = walls_.Nearest(c, limit_m, true);
     if (!sample) continue;
-    const SurfaceSample foot = Refined(c, *sample);
+    const OrientedPoint foot = Refined(c, *sample);
     const double way_m = (foot.p_m - c).norm(), thickness_m = way_m - ball.radius_m;
     // from outside of the bone, past its edge, there is air on the way
     const Vector3 middle = foot.p_m + 0.5 * thickness_m / way_m * (c - foot.p_m);

@@ -80,8 +80,8 @@ class SceneWatch {
   };
   void StepRegion(Region& region, const Pose& X_GP, rt::Nanoseconds stamp, std::vector<SceneEvent>& events);
   [[nodiscard]] std::optional<Wall> ThinnestWall(const Pose& X_GP) const;
-  [[nodiscard]] SurfaceSample Refined(const Vector3& c_m, SurfaceSample at) const;
-  [[nodiscard]] bool IsOpening(const SurfaceSample& sample) const;
+  [[nodiscard]] OrientedPoint Refined(const Vector3& c_m, OrientedPoint at) const;
+  [[nodiscard]] bool IsOpening(const OrientedPoint& sample) const;
   [[nodiscard]] double DepthOf(const Vector3& p_G) const;
 
   const Solid& solid_;

@@ -16,7 +16,7 @@ constexpr double kNormalStep_m = 1e-5;  // of the differences that a normal is m
 // Collects the surface's points of one cell, halving it while the surface may cross it: distances change by
 // no more than the way.
 void Collect(const Solid& solid, const Vector3& middle, double half_m, double spacing_m,
-             std::vector<SurfaceSample>& samples) {
+             std::vector<OrientedPoint>& samples) {
   const SurfacePoint nearest = solid.NearestSurface(middle);
   if (std::abs(nearest.distance_m) > std::sqrt(3.0) * half_m) return;
   if (2.0 * half_m > 1.001 * spacing_m) {
@@ -43,7 +43,7 @@ Vector3 SurfaceNormal(const Solid& solid, const Vector3& p_m) {
   return gradient.norm() > 1e-3 * kNormalStep_m ? Vector3(gradient.normalized()) : Vector3(Vector3::UnitZ());
 }
 
-std::vector<SurfaceSample> SampleSurface(const Solid& solid, double spacing_m) {
+std::vector<OrientedPoint> PointsOfSurface(const Solid& solid, double spacing_m) {
   CheckRangeMm("surface samples: spacing", spacing_m, 0.05e-3, 0.020);
   const Eigen::AlignedBox3d box = solid.Bounds();
   const double side_m = box.sizes().maxCoeff();
@@ -54,7 +54,7 @@ std::vector<SurfaceSample> SampleSurface(const Solid& solid, double spacing_m) {
   while (cell_m < side_m / 8.0) cell_m *= 2.0;
   const Eigen::Vector3i count = (box.sizes() / cell_m).array().floor().cast<int>() + 1;
   const auto cells = static_cast<std::size_t>(count.prod());
-  std::vector<std::vector<SurfaceSample>> of_cell(cells);
+  std::vector<std::vector<OrientedPoint>> of_cell(cells);
   ParallelFor(
       cells, 0,
       [&](std::size_t begin, std::size_t end) {
@@ -67,24 +67,24 @@ std::vector<SurfaceSample> SampleSurface(const Solid& solid, double spacing_m) {
         }
       },
       1);
-  std::vector<SurfaceSample> samples;
+  std::vector<OrientedPoint> samples;
   for (const auto& some : of_cell) samples.insert(samples.end(), some.begin(), some.end());
   return samples;
 }
 
-SampleIndex::SampleIndex(std::vector<SurfaceSample> samples) : samples_(std::move(samples)) {
+SampleIndex::SampleIndex(std::vector<OrientedPoint> samples) : samples_(std::move(samples)) {
   Eigen::AlignedBox3d all;
-  for (const SurfaceSample& sample : samples_) all.extend(sample.p_m);
+  for (const OrientedPoint& sample : samples_) all.extend(sample.p_m);
   if (!samples_.empty())
-    SortAlongMortonCurve(samples_, all, [](const SurfaceSample& sample) { return sample.p_m; });
+    SortAlongMortonCurve(samples_, all, [](const OrientedPoint& sample) { return sample.p_m; });
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     if (i % kChunk == 0) boxes_.emplace_back();
     boxes_.back().extend(samples_[i].p_m);
   }
 }
 
-std::optional<SurfaceSample> SampleIndex::Nearest(const Vector3& c_m, double limit_m, bool only_ahead) const {
-  std::optional<SurfaceSample> nearest;
+std::optional<OrientedPoint> SampleIndex::Nearest(const Vector3& c_m, double limit_m, bool only_ahead) const {
+  std::optional<OrientedPoint> nearest;
   double best = limit_m * limit_m;
   for (std::size_t chunk = 0; chunk < boxes_.size(); ++chunk) {
     if (boxes_[chunk].squaredExteriorDistance(c_m) >= best) continue;

@@ -220,8 +220,8 @@ TEST(SurfaceSamples, CoverABoxAtTheirSpacing) {
   const Vector3 low(-0.005, -0.004, -0.010), high(0.005, 0.004, 0.0);
   const BoxSolid solid(low, high);
   const double spacing_m = 0.6e-3;
-  const SampleIndex samples(SampleSurface(solid, spacing_m));
-  for (const SurfaceSample& sample : samples.samples()) {
+  const SampleIndex samples(PointsOfSurface(solid, spacing_m));
+  for (const OrientedPoint& sample : samples.samples()) {
     EXPECT_LT(std::abs(solid.SignedDistance(sample.p_m)), 1e-9);
     EXPECT_NEAR(sample.normal.norm(), 1.0, 1e-12);
   }
@@ -237,15 +237,15 @@ TEST(SurfaceSamples, CoverABoxAtTheirSpacing) {
 
 // The index gives what a look at every sample gives.
 TEST(SurfaceSamples, IndexFindsTheNearest) {
-  const std::vector<SurfaceSample> all =
-      SampleSurface(BoxSolid({-0.01, -0.01, -0.02}, {0.01, 0.01, 0.0}), 0.9e-3);
+  const std::vector<OrientedPoint> all =
+      PointsOfSurface(BoxSolid({-0.01, -0.01, -0.02}, {0.01, 0.01, 0.0}), 0.9e-3);
   const SampleIndex index(all);
   ASSERT_EQ(index.size(), all.size());
   for (int i = 0; i < 200; ++i) {
     const Vector3 c(0.012 * std::sin(1.7 * i), 0.012 * std::sin(2.9 * i), -0.01 + 0.012 * std::sin(0.7 * i));
     for (const bool only_ahead : {false, true}) {
       double least = 0.004;
-      for (const SurfaceSample& s : all)
+      for (const OrientedPoint& s : all)
         if (!only_ahead || (s.p_m - c).dot(s.normal) > 0.0) least = std::min(least, (s.p_m - c).norm());
       const auto found = index.Nearest(c, 0.004, only_ahead);
       EXPECT_NEAR(found ? (found->p_m - c).norm() : 0.004, least, 1e-15) << i;
