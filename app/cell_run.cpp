@@ -105,6 +105,7 @@ CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engi
       model = pending->model;
       pending->stamp = now;
       recorder.PushFrame(*pending);
+      runner.RecordEvents(recorder, now);
       pending.reset();
     }
     recorder.Push(loop.servo.Tick(state, received, cell.force(), model, now, command));
@@ -137,7 +138,8 @@ CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engi
 tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulation::CuttingEngine& engine,
                                                  const CellRunParams& params) {
   const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
-  FrameRunner runner(engine, depth, setup.X_WG);
+  simulation::SceneWatch watch(*setup.solid, setup.bone, setup.config.tool.tool, setup.config.scene.events);
+  FrameRunner runner(engine, depth, watch, setup.X_WG);
   // what may be refused comes first: an earlier run's recording is only overwritten by a run
   std::unique_ptr<io::FriLink> link;
   if (!params.virtual_time) {
@@ -166,6 +168,8 @@ tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulat
   const auto counts = (*recorder)->Close();
   if (!counts) return tl::make_unexpected(counts.error());
   result.recording = *counts;
+  result.events = runner.events();
+  result.least_wall_m = watch.least_wall_m();
   return result;
 }
 

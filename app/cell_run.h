@@ -3,7 +3,9 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -11,6 +13,7 @@
 #include "control/run_servo.h"
 #include "hil/simulated_cell_thread.h"
 #include "io/recording/recorder.h"
+#include "simulation/scene_events.h"
 
 namespace osteon::app {
 
@@ -30,6 +33,8 @@ struct CellRunResult {
   bool realtime{false};
   io::RecordingCounts recording;
   simulation::CarvedState after;
+  std::vector<simulation::SceneEvent> events;  ///< stamps as in the recording
+  std::optional<double> least_wall_m;  ///< that was left beside the cut; nothing where none is watched
   hil::CellState cell;
 };
 

@@ -4,11 +4,13 @@
 
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "app/cell_run.h"
 #include "app/interrupt.h"
+#include "app/recorded_motion.h"
 #include "app/summary.h"
 
 namespace osteon::app {
@@ -29,9 +31,14 @@ std::string WrongPlace(const DemoOptions& options) {
   const auto out = std::filesystem::status(options.out, error);
   if (std::filesystem::exists(out) && !std::filesystem::is_directory(out))
     return fmt::format("--out {}: found a file, accepted a folder", options.out.string());
-  const std::filesystem::path parent = options.json.parent_path();
-  if (!parent.empty() && !std::filesystem::is_directory(parent, error))
-    return fmt::format("--json {}: no folder {}", options.json.string(), parent.string());
+  for (const auto& [name, file] :
+       {std::pair("--json", options.json), std::pair("--save-motion", options.save_motion)}) {
+    const std::filesystem::path parent = file.parent_path();
+    if (!parent.empty() && !std::filesystem::is_directory(parent, error))
+      return fmt::format("{} {}: no folder {}", name, file.string(), parent.string());
+    if (std::filesystem::is_directory(file, error))
+      return fmt::format("{} {}: found a folder, accepted a file", name, file.string());
+  }
   return "";
 }
 
@@ -61,6 +68,25 @@ class Progress {
   bool terminal_;
   double next_{0.1};
 };
+
+// The tool's motion into a file that can be played again; an empty string, or what is wrong.
+std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const RunSummary& summary,
+                       const io::Recording& recording) {
+  const auto motion =
+      RecordedMotion(recording, setup.X_WG,
+                     {.made_by = "osteon " OSTEON_VERSION
+                                 ": the simulated operator of hil/, at the simulated cell; no person's hand",
+                      .scene = summary.scene,
+                      .cell = "config/cells/" + options.cell.filename().string(),
+                      .tool = summary.tool,
+                      .engine = summary.engine + " on " + summary.device,
+                      .clock = summary.virtual_time ? "virtual time" : "wall time",
+                      .command = options.command_line,
+                      .error = {}});
+  if (!motion) return motion.error();
+  const auto written = WriteText(options.save_motion, simulation::MotionText(*motion));
+  return written ? std::string() : written.error();
+}
 
 void PrintTable(const RunSummary& summary) {
   fmt::print("Osteon demo: {} with a {}\n", summary.scene, summary.tool);
@@ -123,6 +149,9 @@ int RunDemo(const DemoOptions& options) {
     if (file.empty()) continue;
     if (const auto written = WriteText(file, json); !written) return Fail(written.error(), kFailed);
   }
+  if (!options.save_motion.empty())
+    if (const std::string wrong = SaveMotion(options, *setup, summary, *recording); !wrong.empty())
+      return Fail(wrong, kFailed);
   PrintTable(summary);
   fmt::print("  {:<30} {}\n", "Report", page.string());
   if (result->end == control::RunEnd::kStopFlag) return kExitInterrupted;

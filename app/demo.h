@@ -21,6 +21,7 @@ struct DemoOptions {
   std::string engine{"vulkan"};
   std::optional<std::uint16_t> port{};  ///< instead of the cell's
   std::filesystem::path json{};         ///< a further copy of summary.json
+  std::filesystem::path save_motion{};  ///< the tool's motion, as a file that can be played again
   std::string command_line{};
 };
 

@@ -184,6 +184,8 @@ int Run(int argc, char** argv) {
   demo_app->add_option("--port", demo.port, "FRI port on loopback instead of the cell's; 0: any free one")
       ->check(osteon::app::PortNumber());
   demo_app->add_option("--json", demo.json, "a further copy of summary.json");
+  demo_app->add_option("--save-motion", demo.save_motion,
+                       "write the tool's motion there (CSV), to be played again");
   demo_app->footer(
       "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
       "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21\n"

@@ -4,33 +4,43 @@
 #include <functional>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "control/rt/latest_value.h"
 #include "io/recording/recorder.h"
 #include "simulation/cut_metrics.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/frame_record.h"
+#include "simulation/scene_events.h"
 
 namespace osteon::app {
 
 /// One frame after the other, and what is recorded of each. Used in both clocks.
 class FrameRunner {
  public:
+  /// @param watch  looks at every frame's proxy
   /// @param dt_limit_s  the longest time that a single frame may cut for: what is missed in a stall is not
   /// made up for
-  FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth, const Pose& X_WG,
-              double dt_limit_s = 0.1);
+  FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth,
+              simulation::SceneWatch& watch, const Pose& X_WG, double dt_limit_s = 0.1);
 
   /// Steps the engine to the command. The first command is the free pose that everything starts from.
   [[nodiscard]] simulation::FrameRecord Run(const simulation::ToolCommand& command);
 
+  /// Records the events of the frames since the last call, at `stamp`; their own stamp becomes this.
+  void RecordEvents(io::Recorder& recorder, rt::Nanoseconds stamp);
+  /// All events so far that were recorded. Once the simulation's thread has ended.
+  [[nodiscard]] const std::vector<simulation::SceneEvent>& events() const { return events_; }
+
  private:
   simulation::CuttingEngine& engine_;
   const simulation::ApexDepth& depth_;
+  simulation::SceneWatch& watch_;
   Pose X_GW_;
   double dt_limit_s_;
   rt::Nanoseconds last_stamp_{0};
   std::optional<double> deepest_m_;
+  std::vector<simulation::SceneEvent> new_events_, events_;
 };
 
 /// The simulation in wall time: its own thread, at its own rate, from the newest command to a new contact

@@ -64,6 +64,18 @@ std::vector<FaultRow> FaultRows(safety::FaultSet faults, const io::Recording& re
   return rows;
 }
 
+std::vector<EventRow> EventRows(const std::vector<simulation::SceneEvent>& events,
+                                const io::Recording& recording) {
+  std::vector<EventRow> rows;
+  const rt::Nanoseconds start = recording.ticks.empty() ? 0 : recording.ticks.front().stamp;
+  for (const simulation::SceneEvent& event : events)
+    rows.push_back({.name = event.name,
+                    .time_s = rt::ToSeconds(event.stamp - start),
+                    .value = 1e3 * event.value,  // all are lengths
+                    .unit = "mm"});
+  return rows;
+}
+
 nlohmann::json ToJson(const DurationFigures& d) {
   return {{"p50", d.p50_s * 1e6}, {"p99", d.p99_s * 1e6}, {"p999", d.p999_s * 1e6}, {"max", d.max_s * 1e6}};
 }
@@ -156,6 +168,8 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.state_hash = fmt::format("{:016x}", simulation::HashState(result.after));
   s.faults = FaultRows(result.faults, recording);
   s.assumptions = simulation::Assumptions(setup.bone.materials);
+  s.events = EventRows(result.events, recording);
+  s.least_wall_m = result.least_wall_m;
   if (result.cell.stop.reason != hil::StopReason::kNone) s.arm_stop = hil::Describe(result.cell.stop);
   return s;
 }
@@ -196,6 +210,12 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
     rows.push_back({"Cavity against swept tool",
                     fmt::format("mean {:.3f} mm, p95 {:.3f} mm", s.section.cavity_section.mean_abs_m * 1e3,
                                 s.section.cavity_section.p95_m * 1e3)});
+  std::string events;
+  for (const EventRow& event : s.events)
+    events += fmt::format("{}{} at {:.2f} s ({:.2f} {})", events.empty() ? "" : "; ", event.name,
+                          event.time_s, event.value, event.unit);
+  if (!events.empty()) rows.push_back({"Events", events});
+  if (s.least_wall_m) rows.push_back({"Thinnest wall left", fmt::format("{:.2f} mm", *s.least_wall_m * 1e3)});
   rows.push_back({"State hash", s.state_hash});
   std::string faults;
   for (const FaultRow& fault : s.faults) faults += (faults.empty() ? "" : "; ") + fault.name;
@@ -207,6 +227,10 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
 std::string ToJson(const RunSummary& s, const std::string& schema) {
   nlohmann::json faults = nlohmann::json::array();
   for (const FaultRow& fault : s.faults) faults.push_back(fault.name);
+  nlohmann::json events = nlohmann::json::array();
+  for (const EventRow& event : s.events)
+    events.push_back(
+        {{"time_s", event.time_s}, {"name", event.name}, {"value", event.value}, {"unit", event.unit}});
   const CavityError& section = s.section.cavity_section;
   nlohmann::json out{{"schema", schema},
                      {"version", OSTEON_VERSION},
@@ -245,6 +269,8 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                      {"faults", faults},
                      {"assumptions", s.assumptions},
                      {"recording", s.recording}};
+  out["events"] = events;
+  out["least_wall_mm"] = s.least_wall_m ? nlohmann::json(*s.least_wall_m * 1e3) : nlohmann::json(nullptr);
   if (s.wakeup.count > 0) {
     out["wakeup_us"] = ToJson(s.wakeup);
     out["compute_us"] = ToJson(s.compute);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,14 @@ struct DurationFigures {
   double p50_s{0.0}, p99_s{0.0}, p999_s{0.0}, max_s{0.0};
 };
 [[nodiscard]] DurationFigures Quantiles(std::vector<double> seconds);
+
+/// Something that happened in the scene, as simulation::SceneEvent, at its time since the run's start.
+struct EventRow {
+  std::string name;
+  double time_s{0.0};
+  double value{0.0};  ///< in `unit`
+  std::string unit;
+};
 
 /// The figures of a run: what the terminal, summary.json and the report show.
 struct RunSummary {
@@ -39,7 +48,9 @@ struct RunSummary {
   std::string state_hash;  ///< of the carved state, hexadecimal
   std::vector<FaultRow> faults;
   std::vector<std::string> assumptions;  ///< figures of the materials without a source
-  std::string arm_stop;  ///< why the simulated arm ended the session; empty where it did not
+  std::vector<EventRow> events;        ///< of the scene, in their order
+  std::optional<double> least_wall_m;  ///< thinnest wall beside the cut; nothing where none is watched
+  std::string arm_stop;                ///< why the simulated arm ended the session; empty where it did not
 };
 
 /// Everything that is read from the recording and the carved state; `section` is filled by the report.

@@ -153,11 +153,17 @@ void CheckOrder(const Reader& section, const std::string& smaller_key, const std
                  fmt::format("found {:.10g}, accepted more than {} ({:.10g})", larger, smaller_key, smaller));
 }
 
+// Of the part that cuts: the hand guides the point so far behind the apex.
+double HeadRadius(const simulation::Tool& tool) {
+  const simulation::ToolBall* head = simulation::CuttingHead(tool);
+  return head ? head->radius_m : tool.balls.front().radius_m;
+}
+
 // The start must be where the cell may be, and where the arm can be.
 void PlaceArm(const Reader& section, CellConfig& cell) {
   StartConfig& start = cell.start;
   const Pose& X_WC = cell.X_WG;  // the site's frame, wherever the bone's own is
-  const double head_radius_m = cell.tool.tool.balls.front().radius_m;
+  const double head_radius_m = HeadRadius(cell.tool.tool);
   start.X_WT = X_WC * Eigen::Translation3d(0, 0, start.height_m) *
                Eigen::AngleAxisd(std::numbers::pi, Vector3::UnitX()) *
                Eigen::AngleAxisd(start.tool_yaw_rad, Vector3::UnitZ()) *
@@ -221,7 +227,7 @@ void Spread(CellConfig& cell) {
   std::visit(
       [&cell](auto& script) {
         script.X_WC = cell.X_WG;
-        script.head_radius_m = cell.tool.tool.balls.front().radius_m;
+        script.head_radius_m = HeadRadius(cell.tool.tool);
         script.tool_yaw_rad = cell.start.tool_yaw_rad;
         script.start_height_m = cell.start.height_m;
         script.hand_stiffness_N_per_m = cell.simulated.hand.stiffness_N_per_m;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "config/load.h"
+#include "config/read_events.h"
 
 namespace osteon::config {
 namespace {
@@ -190,6 +191,7 @@ SceneParams LoadScene(const std::filesystem::path& path) {
   Reader points = reader.Section("mass_points");
   scene.points.cells = ReadGrade(points, "", 0.1, 10);
   scene.points.samples_along_axis = points.Whole("axis_sample_count", 2, 16);
+  scene.events = ReadEvents(reader.Section("events"));
   reader.Finish();
 
   CheckShape(shape, scene.shape);

@@ -5,6 +5,22 @@
 #include <map>
 
 namespace osteon::simulation {
+namespace {
+
+// Whether some of a tissue may be of this material.
+bool Mentions(const LiningTissue& tissue, MaterialIndex material) {
+  return tissue.core == material || std::ranges::any_of(tissue.layers, [material](const TissueLayer& layer) {
+           return layer.material == material;
+         });
+}
+
+bool Mentions(const ShellTissue& tissue, MaterialIndex material) {
+  const auto is_it = [material](const auto& part) { return part.material == material; };
+  return tissue.core == material || std::ranges::any_of(tissue.layers, is_it) ||
+         (tissue.image && std::ranges::any_of(tissue.image->classes, is_it));
+}
+
+}  // namespace
 
 MeshDistance::MeshDistance(const TriangleMesh& mesh)
     : bvh_(mesh),
@@ -69,6 +85,21 @@ const ShellTissue& MeshSolid::Tissue(std::size_t shell) const {
 SurfacePoint MeshSolid::NearestSurface(const Vector3& p_m) const {
   const MeshDistance::Point nearest = boundary_.Nearest(p_m);
   return {.p_m = nearest.hit.p_m, .distance_m = nearest.distance_m};
+}
+
+std::optional<SurfacePoint> MeshSolid::RegionDistance(MaterialIndex material, const Vector3& p_m) const {
+  if (Mentions(Tissue(0), material) || (tissue_.lining && Mentions(*tissue_.lining, material)))
+    return std::nullopt;
+  std::optional<SurfacePoint> nearest;
+  for (std::size_t i = 0; i < regions_.size(); ++i) {
+    const ShellTissue& tissue = Tissue(i + 1);
+    if (!Mentions(tissue, material)) continue;
+    if (!tissue.IsUniform()) return std::nullopt;
+    const MeshDistance::Point point = regions_[i]->Nearest(p_m);
+    if (!nearest || point.distance_m < nearest->distance_m)
+      nearest = SurfacePoint{.p_m = point.hit.p_m, .distance_m = point.distance_m};
+  }
+  return nearest;
 }
 
 MaterialIndex MeshSolid::MaterialAt(const Vector3& p_m) const {

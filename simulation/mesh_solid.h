@@ -50,6 +50,9 @@ class MeshSolid final : public Solid {
   /// that of the solid. At most one search for each region whose box holds p, and one more; none where the
   /// tissue is the same at every depth.
   [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
+  /// Of a material that regions, and they alone, are made of throughout: the nearest of their surfaces.
+  [[nodiscard]] std::optional<SurfacePoint> RegionDistance(MaterialIndex material,
+                                                           const Vector3& p_m) const override;
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return boundary_.bounds(); }
   [[nodiscard]] const TissueMap& tissue() const { return tissue_; }
 

@@ -34,6 +34,10 @@ class MolarSolid final : public Solid {
     return mesh_.NearestSurface(p_m);
   }
   [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
+  [[nodiscard]] std::optional<SurfacePoint> RegionDistance(MaterialIndex material,
+                                                           const Vector3& p_m) const override {
+    return mesh_.RegionDistance(material, p_m);
+  }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return mesh_.Bounds(); }
 
   /// Thickness of the enamel where the surface is at this height.

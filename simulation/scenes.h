@@ -12,6 +12,7 @@
 #include "simulation/mesh_solid.h"
 #include "simulation/molar_solid.h"
 #include "simulation/packing_builder.h"
+#include "simulation/scene_events.h"
 #include "simulation/triangle_mesh.h"
 
 namespace osteon::simulation {
@@ -69,6 +70,7 @@ struct SceneParams {
   std::vector<Material> materials;          ///< of these names, in their order
   PackingParams packing;
   MassPointParams points;
+  SceneEventParams events;
 };
 
 /// A solid, and where it is cut.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Geometry>
 
 #include "simulation/bone.h"
@@ -30,6 +32,13 @@ class Solid {
   [[nodiscard]] virtual SurfacePoint NearestSurface(const Vector3& p_m) const = 0;
   [[nodiscard]] virtual MaterialIndex MaterialAt(const Vector3& p_m) const = 0;
   [[nodiscard]] virtual Eigen::AlignedBox3d Bounds() const = 0;
+
+  /// Nearest point of the boundary of what is of this material, with the signed distance to it (negative
+  /// within), where the solid knows that exactly; nothing elsewhere.
+  [[nodiscard]] virtual std::optional<SurfacePoint> RegionDistance(MaterialIndex /*material*/,
+                                                                   const Vector3& /*p_m*/) const {
+    return std::nullopt;
+  }
 
   [[nodiscard]] virtual double SignedDistance(const Vector3& p_m) const {
     return NearestSurface(p_m).distance_m;

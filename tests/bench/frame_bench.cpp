@@ -1,55 +1,133 @@
-// Times cutting frames on one Vulkan device: a 50 mm reamer pressed into the generated acetabulum. Links
-// little more than the Vulkan loader, so that the executable travels to a machine with a GPU.
+// Times cutting frames on one Vulkan device: a reamer pressed into the generated acetabulum, or the recorded
+// motion of any scene played again. Links the Vulkan loader and the readers of config/, little more, so that
+// the executable travels to a machine with a GPU.
 //
-//     osteon_frame_bench [FRAMES] [FINENESS] [DEVICE]
+//     osteon_frame_bench [FRAMES] [FINENESS] [DEVICE] [--scene CELL.yaml --motion FILE.csv] [--rate HZ]
+//                        [--spheres N]
 //
-// FINENESS divides the packing's and the points' finest spacing. Prints a CSV header and one row; times are
-// wall time around CuttingEngine::Step, and the device's own by pass in a second run (timestamps slow
-// software drivers down).
+// FINENESS divides the packing's and the points' finest lengths; with --spheres the packing has so many
+// balls. Prints a CSV header and one row; times are wall time around CuttingEngine::Step, and the device's
+// own by pass in a second run (timestamps slow software drivers down).
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "config/load.h"
 #include "gpu/vulkan_engine.h"
-#include "simulation/acetabulum_solid.h"
-#include "simulation/mass_points.h"
-#include "simulation/packing_builder.h"
+#include "simulation/motion_player.h"
+#include "simulation/scenes.h"
 
 namespace {
 
 using namespace osteon;
 
-simulation::Bone MakeBone(double fineness) {
-  const simulation::AcetabulumSolid solid({});
-  simulation::PackingParams packing;
+struct Options {
+  int frames{2000};
+  double fineness{1.0};
+  std::string device, scene, motion;
+  double rate_hz{1000.0};
+  std::size_t spheres{0};
+};
+
+// What is worked on, and how.
+struct Work {
+  simulation::Bone bone;
+  simulation::Tool tool;
+  simulation::CuttingParams cutting;
+  std::optional<simulation::MotionPlayer> player;  // nothing: pressed
+};
+
+template <typename T>
+bool Read(const std::string& text, T& value, T least, T most) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() && value >= least && value <= most;
+}
+
+// An empty string, or what is wrong.
+std::string ReadOptions(const std::vector<std::string>& words, Options& options) {
+  int place = 0;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    const bool option = word.starts_with("--");
+    if (option && i + 1 == words.size()) return word + ": found nothing after it";
+    const std::string& value = option ? words[++i] : word;
+    bool good = true;
+    if (word == "--scene")
+      options.scene = value;
+    else if (word == "--motion")
+      options.motion = value;
+    else if (word == "--device")
+      options.device = value;
+    else if (word == "--rate")
+      good = Read(value, options.rate_hz, 10.0, 1e4);
+    else if (word == "--spheres")
+      good = Read(value, options.spheres, std::size_t{100}, std::size_t{10'000'000});
+    else if (option)
+      return "unknown option " + word;
+    else if (place == 0)
+      good = Read(value, options.frames, 2, 10'000'000);
+    else if (place == 1)
+      good = Read(value, options.fineness, 0.1, 10.0);
+    else
+      options.device = value;
+    if (!option) ++place;
+    if (!good) return word + ": found " + value + ", which is no number or out of range";
+  }
+  if (options.scene.empty() != options.motion.empty()) return "--scene and --motion belong together";
+  return "";
+}
+
+void Refine(double fineness, simulation::PackingParams& packing, simulation::MassPointParams& points) {
   packing.lattice.finest_m /= fineness;
   packing.cup_radius_cap_m /= fineness;
   packing.least_radius_m /= fineness;
   packing.surface_gap_m /= fineness;
   packing.samples.finest_m /= fineness;
-  simulation::MassPointParams points;
   points.cells.finest_m /= fineness;
-  simulation::Bone bone;
-  bone.name = "acetabulum";
-  bone.balls = BuildPacking(solid, simulation::CupZone(solid.cup()), packing);
-  bone.points = BuildMassPoints(solid, simulation::CupZone(solid.cup()), points);
-  bone.materials = {
-      {.name = "cartilage", .density_kg_per_m3 = 1100, .specific_cutting_energy_J_per_m3 = 2e7},
-      {.name = "cortical", .density_kg_per_m3 = 1850, .specific_cutting_energy_J_per_m3 = 1.3e9},
-      {.name = "cancellous", .density_kg_per_m3 = 300, .specific_cutting_energy_J_per_m3 = 6e7}};
-  bone.cup = solid.cup();
-  return bone;
+}
+
+Work MakeWork(const Options& options) {
+  Work work;
+  if (options.scene.empty()) {
+    simulation::AcetabulumParams params;
+    Refine(options.fineness, params.packing, params.points);
+    params.packing.count = options.spheres;
+    work.bone = simulation::MakeAcetabulum(params);
+    work.tool = simulation::MakeReamer(0.025, 0.008, 0.12, 0.9, Vector3(0, 0, -0.025));
+    return work;
+  }
+  config::CellConfig cell = config::LoadCell(options.scene);
+  Refine(options.fineness, cell.scene.packing, cell.scene.points);
+  cell.scene.packing.count = options.spheres;
+  work.bone = simulation::PackScene(simulation::MakeSceneSolid(cell.scene), cell.scene);
+  work.tool = cell.tool.tool;
+  work.cutting = cell.cutting;
+  const auto motion = simulation::LoadMotion(options.motion);
+  if (!motion) throw std::runtime_error(motion.error());
+  work.player.emplace(*motion, options.rate_hz);
+  return work;
 }
 
 double At(std::vector<double>& sorted, double share) {
   return sorted[std::min(sorted.size() - 1,
                          static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
+}
+
+// One frame, and how long it took [us].
+double Timed(gpu::VulkanEngine& engine, const simulation::FrameInput& input,
+             simulation::ContactModel& model) {
+  const auto start = std::chrono::steady_clock::now();
+  model = engine.Step(input);
+  const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
+  return took.count();
 }
 
 // Reams for `frames` milliseconds under up to 120 N; calls `done` after each frame of the second half.
@@ -66,59 +144,88 @@ simulation::ContactModel Ream(gpu::VulkanEngine& engine, int frames, Done done) 
     Pose X_WT = Pose::Identity();
     X_WT.linear() = Eigen::DiagonalMatrix<double, 3>(1, -1, -1);
     X_WT.translation() = Vector3(0, 0, height_m - kHead_m);
-    const auto start = std::chrono::steady_clock::now();
-    model = engine.Step({.X_WT = X_WT,
-                         .spindle_rad_per_s = 250.0 * 2.0 * std::numbers::pi / 60.0,
-                         .dt_s = kStep_s,
-                         .stamp = k});
-    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
-    if (k >= frames / 2) done(took.count());
+    const double took_us = Timed(engine,
+                                 {.X_WT = X_WT,
+                                  .spindle_rad_per_s = 250.0 * 2.0 * std::numbers::pi / 60.0,
+                                  .dt_s = kStep_s,
+                                  .stamp = k},
+                                 model);
+    if (k >= frames / 2) done(took_us);
   }
   return model;
 }
 
-}  // namespace
+// Plays a motion, all of it; calls `done` after each frame.
+template <class Done>
+simulation::ContactModel Play(gpu::VulkanEngine& engine, const simulation::MotionPlayer& player, Done done) {
+  simulation::ContactModel model;
+  for (std::size_t k = 0; k < player.frame_count(); ++k) done(Timed(engine, player.Frame(k), model));
+  return model;
+}
 
-int main(int argc, char** argv) {
-  const int frames = argc > 1 ? std::atoi(argv[1]) : 2000;
-  const double fineness = argc > 2 ? std::atof(argv[2]) : 1.0;
-  const std::string device = argc > 3 ? argv[3] : "";
-  if (frames < 2 || !(fineness > 0.1 && fineness < 10.0)) {
-    std::fprintf(stderr, "usage: osteon_frame_bench [FRAMES, at least 2] [FINENESS, 0.1 … 10] [DEVICE]\n");
-    return 2;
-  }
-  const simulation::Bone bone = MakeBone(fineness);
-  const simulation::Tool tool = simulation::MakeReamer(0.025, 0.008, 0.12, 0.9, Vector3(0, 0, -0.025));
+int Run(const Options& options) {
+  const Work work = MakeWork(options);
   std::vector<double> frame_us;
   std::map<std::string, std::vector<double>> pass_us;
   std::string name;
-  double removed_mm3 = 0.0;
+  simulation::ContactModel last;
   for (const bool time_passes : {false, true}) {
-    auto engine = gpu::VulkanEngine::Create(bone, tool, Pose::Identity(), {},
-                                            {.device = device, .time_passes = time_passes});
-    if (!engine) {
-      std::fprintf(stderr, "osteon_frame_bench: %s\n", engine.error().c_str());
-      return 1;
-    }
+    auto engine = gpu::VulkanEngine::Create(work.bone, work.tool, Pose::Identity(), work.cutting,
+                                            {.device = options.device, .time_passes = time_passes});
+    if (!engine) throw std::runtime_error(engine.error());
     name = (*engine)->device();
-    const simulation::ContactModel last = Ream(**engine, frames, [&](double took_us) {
+    const auto done = [&](double took_us) {
       if (!time_passes) frame_us.push_back(took_us);
       for (const gpu::PassTime& pass : (*engine)->LastPassTimes())
         pass_us[pass.pass].push_back(pass.seconds * 1e6);
-    });
-    removed_mm3 = last.removed_volume_m3 * 1e9;
+    };
+    last = work.player ? Play(**engine, *work.player, done) : Ream(**engine, options.frames, done);
+    if (last.status != simulation::EngineStatus::kOk) throw std::runtime_error("the last frame was refused");
   }
+  double sum_us = 0.0;
+  for (const double us : frame_us) sum_us += us;
   std::sort(frame_us.begin(), frame_us.end());
-  std::printf(
-      "device,spheres,mass_points,frames,frame_us_p50,frame_us_p95,frame_us_p99,frame_us_max,removed_mm3");
+  if (work.player)
+    std::printf(
+        "device,scene,spheres,mass_points,frames,frames_per_s_mean,frame_us_p50,frame_us_p95,"
+        "frame_us_p99,frame_us_p999,frame_us_max,removed_mm3");
+  else
+    std::printf(
+        "device,spheres,mass_points,frames,frame_us_p50,frame_us_p95,frame_us_p99,frame_us_max,"
+        "removed_mm3");
   for (const auto& [pass, times] : pass_us) std::printf(",%s_us_p50", pass.c_str());
-  std::printf("\n\"%s\",%zu,%zu,%zu,%.1f,%.1f,%.1f,%.1f,%.1f", name.c_str(), bone.balls.size(),
-              bone.points.size(), frame_us.size(), At(frame_us, 0.5), At(frame_us, 0.95), At(frame_us, 0.99),
-              frame_us.back(), removed_mm3);
+  std::printf("\n\"%s\",", name.c_str());
+  if (work.player) std::printf("\"%s\",", work.bone.name.c_str());
+  std::printf("%zu,%zu,%zu,", work.bone.balls.size(), work.bone.points.size(), frame_us.size());
+  if (work.player) std::printf("%.0f,", 1e6 * static_cast<double>(frame_us.size()) / sum_us);
+  std::printf("%.1f,%.1f,%.1f,", At(frame_us, 0.5), At(frame_us, 0.95), At(frame_us, 0.99));
+  if (work.player) std::printf("%.1f,", At(frame_us, 0.999));
+  std::printf("%.1f,%.1f", frame_us.back(), last.removed_volume_m3 * 1e9);
   for (auto& [pass, times] : pass_us) {
     std::sort(times.begin(), times.end());
     std::printf(",%.1f", At(times, 0.5));
   }
   std::printf("\n");
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  if (const std::string wrong = ReadOptions({argv + 1, argv + argc}, options); !wrong.empty()) {
+    std::fprintf(
+        stderr,
+        "osteon_frame_bench: %s\nusage: osteon_frame_bench [FRAMES, at least 2] [FINENESS, 0.1 … 10] "
+        "[DEVICE] [--device NAME]\n           [--scene CELL.yaml --motion FILE.csv] [--rate HZ, 10 … "
+        "10000] [--spheres N, 100 … 10000000]\n",
+        wrong.c_str());
+    return 2;
+  }
+  try {
+    return Run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "osteon_frame_bench: %s\n", error.what());
+    return 1;
+  }
 }

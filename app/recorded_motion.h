@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "io/recording/recording_reader.h"
+#include "simulation/motion_player.h"
+
+namespace osteon::app {
+
+/// The tool's motion of a recorded run, for a motion file: of each tick from the first that rendered to the
+/// last before rest, the *commanded* tool pose relative to the bone, thinned out (simulation::FitMotion).
+/// @param origin  all but `error`, which is written here
+/// The error says what was found, where the run never rendered or is too long for a file.
+[[nodiscard]] tl::expected<simulation::ToolMotion, std::string> RecordedMotion(
+    const io::Recording& recording, const Pose& X_WG, simulation::MotionOrigin origin);
+
+}  // namespace osteon::app

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/rt/clock.h"
+#include "simulation/bone.h"
+#include "simulation/solid.h"
+#include "simulation/surface_samples.h"
+#include "simulation/tool.h"
+
+namespace osteon::simulation {
+
+/// A region of tissue that the tool should not reach, or that it is to reach.
+struct RegionWatch {
+  std::string name;      ///< the event is "NAME reached"
+  std::string material;  ///< of the bone: the region is all of it
+};
+
+/// What is to be noticed of a scene.
+struct SceneEventParams {
+  std::vector<RegionWatch> regions{};
+  double least_wall_m{0.0};       ///< a wall thinner than this is an event; 0: walls are not watched
+  double opening_widening{1.5};   ///< the opening reaches so many radii of the site from its axis
+  double wall_spacing_m{0.5e-3};  ///< of the surface's samples
+};
+
+/// Something that happened in a frame, once in a run.
+struct SceneEvent {
+  std::string name;          ///< "pulp reached", "wall too thin"
+  rt::Nanoseconds stamp{0};  ///< of the frame
+  double value{0.0};         ///< SI: see SceneWatch
+  std::string unit{"m"};
+  PlainVector3 p_G_m;  ///< where
+};
+
+/// Looks at the proxy after each frame and says what the cut has come to. Only frames that removed bone
+/// count.
+///
+/// **A region is reached** once a cutting ball's surface meets it: signed distance of the ball's centre to
+/// the region minus the radius <= 0. Exact where the solid knows that distance (Solid::RegionDistance);
+/// elsewhere the region's mass points stand for it, and it is reached once the first of them is cut. Value:
+/// the depth of the place below the site's centre, along the site's axis.
+///
+/// **A wall** is what is left between the cut and a surface that is not the opening: from a cutting ball to
+/// the nearest such point of the surface that it looks at from within, with bone between the two, minus its
+/// radius; negative once it is through. Samples of the surface say where to look, the solid's own nearest
+/// points refine that: the foot is exact on a plane, and to second order in the spacing elsewhere. The
+/// opening is what looks out the way the site does (normal within 60 degrees of its axis), and, up to
+/// `opening_widening` radii from the axis, what faces the axis (within 60 degrees). Value: the wall's
+/// thickness.
+///
+/// A query or two of the solid a frame: for the simulation's thread, not for the tick.
+class SceneWatch {
+ public:
+  /// @param solid  what the bone was packed from; must outlive the watch
+  /// @throws std::invalid_argument where the bone has no such material, or a figure is out of range.
+  SceneWatch(const Solid& solid, const Bone& bone, const Tool& tool, const SceneEventParams& params);
+
+  /// One frame. @param removed_volume_m3  since the start, as in ContactModel
+  /// @returns the events that began in it, mostly none.
+  [[nodiscard]] std::vector<SceneEvent> Step(const Pose& X_GP, double removed_volume_m3,
+                                             rt::Nanoseconds stamp);
+
+  /// Thickness of the thinnest wall so far; nothing where none was seen.
+  [[nodiscard]] std::optional<double> least_wall_m() const { return least_wall_m_; }
+
+ private:
+  struct Region {
+    std::string name;
+    MaterialIndex material;
+    std::optional<SampleIndex> points;  // where the solid does not know the distance
+    bool reached{false};
+  };
+  struct Wall {
+    double thickness_m;
+    Vector3 p_G_m;
+  };
+  void StepRegion(Region& region, const Pose& X_GP, rt::Nanoseconds stamp, std::vector<SceneEvent>& events);
+  [[nodiscard]] std::optional<Wall> ThinnestWall(const Pose& X_GP) const;
+  [[nodiscard]] OrientedPoint Refined(const Vector3& c_m, OrientedPoint at) const;
+  [[nodiscard]] bool IsOpening(const OrientedPoint& sample) const;
+  [[nodiscard]] double DepthOf(const Vector3& p_G) const;
+
+  const Solid& solid_;
+  Cup site_;
+  SceneEventParams params_;
+  std::vector<ToolBall> cutting_;
+  std::vector<Region> regions_;
+  SampleIndex walls_;
+  double removed_volume_m3_{0.0};
+  std::optional<double> least_wall_m_;
+  bool wall_too_thin_{false};
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "app/cell_setup.h"
+#include "simulation/motion_player.h"
+#include "tests/app/command.h"
+
+// Motions that the demo saves, and the events of a scene: in virtual time, as a user runs them.
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
+
+// The bone's place in the world, as the cell's file says it.
+Pose BoneInWorld(const std::string& cell) {
+  auto setup = SetUpCell(kConfig / "cells" / (cell + ".yaml"), {});
+  if (!setup) throw std::runtime_error(setup.error());
+  return setup->X_WG;
+}
+
+TEST(SavedMotion, IsTheSameBytesForTheSameRun) {
+  const TemporaryFolder folder;
+  std::string bytes[2];
+  for (std::string& b : bytes) {
+    const CommandResult run =
+        RunCommand(folder.path(), {"demo", "--virtual-time", "--seconds", "0.4", "--engine", "reference",
+                                   "--save-motion", "motion.csv"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    b = io::test::ReadAll(folder.path() / "motion.csv");
+    fs::remove(folder.path() / "motion.csv");
+  }
+  EXPECT_TRUE(bytes[0] == bytes[1]);
+  EXPECT_TRUE(bytes[0].starts_with("# osteon motion 1\n# made by: osteon "));
+}
+
+TEST(SavedMotion, IsTheCommandedMotionToFiveMicrometres) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(
+      folder.path(), {"demo", "--virtual-time", "--seconds", "1.5", "--save-motion", "motion.csv"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto motion = simulation::LoadMotion(folder.path() / "motion.csv");
+  ASSERT_TRUE(motion) << motion.error();
+  const simulation::MotionCurve curve(motion->samples);
+  const io::Recording recording = ReadComplete(folder.path() / "demo_out/recording.mcap");
+  const Pose X_GW = BoneInWorld("demo").inverse();
+
+  std::size_t ticks = 0;
+  rt::Nanoseconds start = 0;
+  double worst_m = 0.0, worst_lever_m = 0.0, way_m = 0.0;
+  Vector3 last = Vector3::Zero();
+  for (const control::TickRecord& tick : recording.ticks) {
+    if (tick.phase != control::Phase::kHaptic) continue;
+    if (ticks++ == 0) start = tick.stamp;
+    const Pose X_GT = X_GW * Pose(tick.X_WT_cmd), found = curve.X_GT(rt::ToSeconds(tick.stamp - start));
+    const Vector3 lever(0, 0, -0.1);  // what a turn does 100 mm from the apex
+    worst_m = std::max(worst_m, (found.translation() - X_GT.translation()).norm());
+    worst_lever_m = std::max(worst_lever_m, (found * lever - X_GT * lever).norm());
+    if (ticks > 1) way_m += (X_GT.translation() - last).norm();
+    last = X_GT.translation();
+    EXPECT_NEAR(curve.SpindleAt(rt::ToSeconds(tick.stamp - start)), tick.spindle_rad_per_s, 1e-4);
+  }
+  EXPECT_GE(ticks, 1500u);
+  EXPECT_GT(way_m, 0.02) << "the hand did nothing";
+  EXPECT_LT(worst_m, 5e-6);
+  EXPECT_LT(worst_lever_m, 10e-6);
+  std::printf("[ MEASURED ] %zu ticks, %zu samples, %zu bytes: %.2f um, %.2f um at 100 mm\n", ticks,
+              motion->samples.size(), io::test::ReadAll(folder.path() / "motion.csv").size(), worst_m * 1e6,
+              worst_lever_m * 1e6);
+
+  // nothing happened in the scene; the wall beside the cup is watched: half the block's width less the
+  // reamer's reach
+  const nlohmann::json summary = ReadJson(folder.path() / "demo_out/summary.json");
+  EXPECT_TRUE(summary.at("events").empty());
+  EXPECT_NEAR(summary.at("least_wall_mm").get<double>(), 40.0 - 25.0, 1.0);
+
+  // it says by whom, how and how well
+  EXPECT_NE(motion->origin.made_by.find("simulated operator"), std::string::npos);
+  EXPECT_EQ(motion->origin.cell, "config/cells/demo.yaml");
+  EXPECT_EQ(motion->origin.clock, "virtual time");
+  EXPECT_NE(motion->origin.command.find("demo --virtual-time --seconds 1.5"), std::string::npos);
+  EXPECT_NE(motion->origin.error.find("recorded at 1000 Hz"), std::string::npos) << motion->origin.error;
+}
+
+TEST(SavedMotion, NamesThePlaceThatItCanNotBeWrittenTo) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"demo", "--virtual-time", "--save-motion", "none/m.csv"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("--save-motion none/m.csv: no folder none"), std::string::npos) << run.err;
+  EXPECT_FALSE(fs::exists(folder.path() / "demo_out"));
+}
+
+// A copy of the configuration in which the scene watches its walls otherwise.
+void CopyConfig(const fs::path& to, const std::string& scene, const std::string& from_text,
+                const std::string& to_text) {
+  fs::copy(kConfig, to, fs::copy_options::recursive);
+  const fs::path file = to / "scenes" / (scene + ".yaml");
+  std::string text = io::test::ReadAll(file);
+  const std::size_t at = text.find(from_text);
+  ASSERT_NE(at, std::string::npos) << from_text;
+  io::test::WriteAll(file, text.replace(at, from_text.size(), to_text));
+}
+
+TEST(DemoEvents, BothEnginesSeeTheSame) {
+  const TemporaryFolder folder;
+  // thicker than the bone beside the cup: an event with the first cut
+  CopyConfig(folder.path() / "config", "acetabulum", "least_wall_mm: 2 ", "least_wall_mm: 20 ");
+  nlohmann::json of[2];
+  for (const int i : {0, 1}) {
+    const std::string engine = i == 0 ? "vulkan" : "reference";
+    const CommandResult run =
+        RunCommand(folder.path(), {"--config-root", "config", "demo", "--virtual-time", "--seconds", "0.8",
+                                   "--engine", engine, "--out", engine});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_NE(run.out.find("wall too thin at "), std::string::npos) << run.out;
+    of[i] = ReadJson(folder.path() / engine / "summary.json");
+
+    // in the recording and in the report as well
+    const io::Recording recording = ReadComplete(folder.path() / engine / "recording.mcap");
+    const auto event = std::ranges::find_if(
+        recording.events, [](const io::RecordedEvent& e) { return e.text.starts_with("wall too thin: "); });
+    ASSERT_NE(event, recording.events.end());
+    EXPECT_NEAR(of[i].at("events")[0].at("time_s").get<double>(),
+                rt::ToSeconds(event->stamp - recording.ticks.front().stamp), 1e-12);
+    EXPECT_NE(io::test::ReadAll(folder.path() / engine / "report.html").find("wall too thin"),
+              std::string::npos);
+  }
+  for (const nlohmann::json& summary : of) {
+    ASSERT_EQ(summary.at("events").size(), 1u) << summary.at("events");
+    EXPECT_EQ(summary.at("events")[0].at("name"), "wall too thin");
+    EXPECT_EQ(summary.at("events")[0].at("unit"), "mm");
+  }
+  // a frame of 2 ms more or less; what single precision makes of a proxy's place
+  EXPECT_NEAR(of[0].at("events")[0].at("time_s").get<double>(),
+              of[1].at("events")[0].at("time_s").get<double>(), 0.010);
+  EXPECT_NEAR(of[0].at("events")[0].at("value").get<double>(),
+              of[1].at("events")[0].at("value").get<double>(), 0.05);
+  EXPECT_NEAR(of[0].at("least_wall_mm").get<double>(), of[1].at("least_wall_mm").get<double>(), 0.05);
+}
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,102 @@
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "config/read_events.h"
+#include "config/read_script.h"
+
+namespace osteon::config {
+namespace {
+
+const std::string kCommon =
+    "  duration_s: 8\n  push_force_N: 40\n  approach_force_N: 5\n  retract_height_mm: 20\n"
+    "  max_target_mm_per_s: 150\n";
+const std::string kDrilling = "script:\n  kind: drilling\n" + kCommon +
+                              "  full_force_depth_mm: 9\n  peck_count: 3\n  peck_height_mm: 1\n";
+const std::string kOpening = "script:\n  kind: opening\n" + kCommon +
+                             "  full_force_depth_mm: 4\n  opening_radius_mm: 1.6\n  loop_period_s: 0.7\n"
+                             "  turn_count: 2\n";
+
+hil::ScriptParams Script(const std::string& text) {
+  Reader reader = Reader::Parse(text, "cell.yaml");
+  const Reader section = reader.Section("script");
+  const hil::ScriptParams script = ReadScript(section);
+  reader.Finish();
+  return script;
+}
+
+std::string ErrorOf(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ScriptSection, DrillingComesInSI) {
+  const auto script = std::get<hil::DrillingScriptParams>(Script(kDrilling));
+  EXPECT_DOUBLE_EQ(script.seconds, 8.0);
+  EXPECT_DOUBLE_EQ(script.push_force_N, 40.0);
+  EXPECT_DOUBLE_EQ(script.approach_force_N, 5.0);
+  EXPECT_DOUBLE_EQ(script.retract_height_m, 0.020);
+  EXPECT_DOUBLE_EQ(script.max_target_m_per_s, 0.15);
+  EXPECT_DOUBLE_EQ(script.depth_m, 0.009);
+  EXPECT_EQ(script.pecks, 3);
+  EXPECT_DOUBLE_EQ(script.peck_height_m, 0.001);
+}
+
+TEST(ScriptSection, OpeningComesInSI) {
+  const auto script = std::get<hil::OpeningScriptParams>(Script(kOpening));
+  EXPECT_DOUBLE_EQ(script.depth_m, 0.004);
+  EXPECT_DOUBLE_EQ(script.site_radius_m, 0.0016);
+  EXPECT_DOUBLE_EQ(script.loop_period_s, 0.7);
+  EXPECT_EQ(script.turns, 2);
+}
+
+TEST(ScriptSection, RefusesAnotherKindsKeys) {
+  std::string text = kDrilling;
+  text.replace(text.find("drilling"), 8, "opening");
+  EXPECT_EQ(ErrorOf([&] { (void)Script(text); }), "cell.yaml:9: unknown key \"peck_count\"");
+  text.replace(text.find("opening"), 7, "boring");
+  EXPECT_NE(ErrorOf([&] { (void)Script(text); }).find("found boring, accepted reaming, drilling, opening"),
+            std::string::npos)
+      << ErrorOf([&] { (void)Script(text); });
+}
+
+// What only tool, hand and script together can tell.
+TEST(ScriptSection, IsCheckedAgainstToolAndHand) {
+  Reader reader = Reader::Parse(kOpening + "operator:\n  max_force_N: 60\n", "cell.yaml");
+  const Reader section = reader.Section("script"), hand = reader.Section("operator");
+  auto script = std::get<hil::OpeningScriptParams>(ReadScript(section));
+  script.head_radius_m = 0.0008;
+  EXPECT_EQ(ErrorOf([&] { CheckScript(section, script, hand, 60.0); }), "accepted");
+  EXPECT_NE(ErrorOf([&] {
+              CheckScript(section, script, hand, 40.0);
+            }).find("max_force_N: found 40, accepted more than the script's push_force_N (40)"),
+            std::string::npos);
+  script.head_radius_m = 0.002;  // a burr wider than the opening
+  const std::string error = ErrorOf([&] { CheckScript(section, script, hand, 60.0); });
+  EXPECT_NE(error.find("cell.yaml:2: kind: operator's script: site_radius_m: found 0.0016"),
+            std::string::npos)
+      << error;
+}
+
+TEST(EventsSection, ComesInSI) {
+  Reader reader = Reader::Parse(
+      "events:\n  regions:\n    - {name: nerve, material: pulp}\n  least_wall_mm: 0.8\n"
+      "  opening_widening_ratio: 1.5\n  wall_spacing_mm: 0.4\n",
+      "scene.yaml");
+  const simulation::SceneEventParams events = ReadEvents(reader.Section("events"));
+  reader.Finish();
+  ASSERT_EQ(events.regions.size(), 1u);
+  EXPECT_EQ(events.regions[0].name, "nerve");
+  EXPECT_EQ(events.regions[0].material, "pulp");
+  EXPECT_DOUBLE_EQ(events.least_wall_m, 0.0008);
+  EXPECT_DOUBLE_EQ(events.opening_widening, 1.5);
+  EXPECT_DOUBLE_EQ(events.wall_spacing_m, 0.0004);
+}
+
+}  // namespace
+}  // namespace osteon::config
