@@ -94,7 +94,7 @@ Tool FitBalls(const std::string& name, const Solid& solid,
   const ToolFitParams params{.greatest_count = greatest_count};
   std::vector<SurfaceSample> samples;
   ToolFit fit;
-  for (std::size_t count = 32'000;; count *= 4) {
+  for (std::size_t count = 16'000;; count *= 4) {
     samples = sample(count);
     for (SurfaceSample& s : samples) s.gap_m *= kFitShare;
     fit = FitTool(solid, samples, first, params);
