@@ -1,6 +1,7 @@
 #include "simulation/mesh_solid.h"
 
 #include <limits>
+#include <memory>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -80,20 +81,33 @@ TEST(MeshSolid, TheSignAgreesWithCountedCrossingsOnASpikyMesh) {
   EXPECT_GT(inside, 200);
 }
 
-/// The nearest of all triangles, the first of equally near ones.
-TriangleHit NearestOfAll(const TriangleMesh& mesh, const Vector3& p) {
-  TriangleHit best;
-  best.distance_m = std::numeric_limits<double>::infinity();
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const TriangleMesh one{.vertices_m = mesh.vertices_m, .triangles = {mesh.triangles[i]}};
-    TriangleHit hit = MeshBvh(one).Nearest(p);
-    hit.triangle = i;
-    if (hit.distance_m < best.distance_m) best = hit;
+/// The nearest of all triangles, the first of equally near ones: each one asked by itself.
+class NearestOfAll {
+ public:
+  explicit NearestOfAll(const TriangleMesh& mesh) {
+    for (const auto& triangle : mesh.triangles) {
+      TriangleMesh one;
+      for (const std::uint32_t i : triangle) one.vertices_m.push_back(mesh.vertices_m[i]);
+      one.triangles.push_back({0, 1, 2});
+      triangles_.push_back(std::make_unique<MeshBvh>(one));
+    }
   }
-  return best;
-}
+  [[nodiscard]] TriangleHit operator()(const Vector3& p) const {
+    TriangleHit best;
+    best.distance_m = std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+      TriangleHit hit = triangles_[i]->Nearest(p);
+      hit.triangle = i;
+      if (hit.distance_m < best.distance_m) best = hit;
+    }
+    return best;
+  }
 
-// The tree only proposes triangles, in floats; what it leaves out must not matter to the last bit. Needles
+ private:
+  std::vector<std::unique_ptr<MeshBvh>> triangles_;
+};
+
+// Embree only proposes triangles, in floats; what it leaves out must not matter to the last bit. Needles
 // are where floats know no normal; small meshes are where nodes and leaves are not full.
 TEST(MeshBvh, FindsTheNearestOfAllTrianglesToTheLastBit) {
   std::mt19937 random(11);
@@ -116,6 +130,7 @@ TEST(MeshBvh, FindsTheNearestOfAllTrianglesToTheLastBit) {
        {MakeIcosphere({0.1, -0.2, 0.5}, 0.02, 2), MakeBox({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01}), needles,
         soup, triangle}) {
     const MeshBvh bvh(mesh);
+    const NearestOfAll nearest_of_all(mesh);
     Eigen::AlignedBox3d box;
     for (const Vector3& v : mesh.vertices_m) box.extend(v);
     for (int i = 0; i < 300; ++i) {
@@ -125,7 +140,7 @@ TEST(MeshBvh, FindsTheNearestOfAllTrianglesToTheLastBit) {
       if (i % 5 == 2) p = bvh.Nearest(p).p_m;
       if (i % 25 == 3) p *= 50.0;
       if (i % 25 == 4) p = box.center();
-      const TriangleHit found = bvh.Nearest(p), exact = NearestOfAll(mesh, p);
+      const TriangleHit found = bvh.Nearest(p), exact = nearest_of_all(p);
       ASSERT_EQ(found.distance_m, exact.distance_m) << p.transpose();
       ASSERT_EQ(found.triangle, exact.triangle);
       ASSERT_EQ(found.feature, exact.feature);
