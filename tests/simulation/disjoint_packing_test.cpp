@@ -81,7 +81,7 @@ double LargestHole_m(const Solid& solid, std::span<const Ball> balls, int probes
 TEST(DisjointPacking, LiesInsideAndIsDisjointInEveryShape) {
   const AcetabulumSolid acetabulum({});
   const BoxSolid plate(Vector3(0.06, 0.04, 0.002));
-  const MeshSolid mesh(MakeIcosphere(Vector3(0.1, 0, 0), 0.02, 1), {}, {});
+  const MeshSolid mesh(MakeIcosphere(Vector3(0.1, 0, 0), 0.02, 1));
   for (const Solid* solid : std::initializer_list<const Solid*>{&acetabulum, &plate, &mesh})
     for (const double greatest : {1.0, 1.5e-3}) {
       const DisjointParams params{.count = 800, .greatest_radius_m = greatest, .seed = 5};
@@ -152,7 +152,7 @@ bool SameBits(const std::vector<Ball>& a, const std::vector<Ball>& b) {
 }
 
 TEST(DisjointPacking, IsTheSameToTheBitForAnyNumberOfThreads) {
-  const MeshSolid mesh(MakeBox(Vector3(0.1, 0, 0), Vector3(0.13, 0.04, 0.05)), {}, {});
+  const MeshSolid mesh(MakeBox(Vector3(0.1, 0, 0), Vector3(0.13, 0.04, 0.05)));
   const AcetabulumSolid acetabulum({});
   const CupZone cup(acetabulum.cup());
   const EverywhereZone everywhere;
@@ -249,7 +249,7 @@ TEST(DisjointPacking, CoversTheHipBoneBetterThanOpenVdb) {
   if (!folder || !std::filesystem::exists(path)) GTEST_SKIP() << "no anatomical meshes";
   const auto loaded = LoadMesh(path);
   ASSERT_TRUE(loaded) << loaded.error().message;
-  const MeshSolid solid(loaded->mesh, {}, {});
+  const MeshSolid solid(loaded->mesh);
   const std::vector<Ball> balls = BuildDisjointPacking(solid, EverywhereZone(), {.count = 5000});
   const double coverage = Volume_m3(balls) / SignedVolume_m3(loaded->mesh);
   printf("coverage of the hip bone by 5000 balls: %.4f\n", coverage);
