@@ -154,6 +154,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
   s.state_hash = fmt::format("{:016x}", simulation::HashState(result.after));
   s.faults = FaultRows(result.faults, recording);
+  s.assumptions = simulation::Assumptions(setup.bone.materials);
   if (result.cell.stop.reason != hil::StopReason::kNone) s.arm_stop = hil::Describe(result.cell.stop);
   return s;
 }
@@ -241,6 +242,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                       section.samples > 0 ? nlohmann::json(section.p95_m * 1e3) : nlohmann::json(nullptr)},
                      {"state_hash", s.state_hash},
                      {"faults", faults},
+                     {"assumptions", s.assumptions},
                      {"recording", s.recording}};
   if (s.wakeup.count > 0) {
     out["wakeup_us"] = ToJson(s.wakeup);

@@ -38,6 +38,7 @@ struct RunSummary {
   DurationFigures wakeup, compute, frame;
   std::string state_hash;  ///< of the carved state, hexadecimal
   std::vector<FaultRow> faults;
+  std::vector<std::string> assumptions;  ///< figures of the materials without a source
   std::string arm_stop;  ///< why the simulated arm ended the session; empty where it did not
 };
 
