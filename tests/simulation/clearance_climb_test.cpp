@@ -62,7 +62,7 @@ class InABox : public testing::Test {
     ClearanceClimb climb(solid_, depths, balls_, cap);
     return climb.Climb(p, 2e-3, 0.1e-3);
   }
-  BoxSolid solid_{Vector3(0.1, 0.1, 0.1)};
+  BoxSolid solid_ = CenteredBox(Vector3(0.1, 0.1, 0.1));
   EverywhereZone zone_;
   BallGrid balls_{Vector3::Zero()};
 };
@@ -97,7 +97,7 @@ TEST_F(InABox, ACappedBallRestsOnItsThreeNearest) {
 }
 
 TEST(DistanceGrid, NeverSaysMoreThanTheDistance) {
-  const BoxSolid solid(Vector3(0.1, 0.03, 0.006));
+  const BoxSolid solid = CenteredBox(Vector3(0.1, 0.03, 0.006));
   const DistanceGrid depths(solid, 48, 2);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> at(-0.06, 0.06);

@@ -80,7 +80,7 @@ double LargestHole_m(const Solid& solid, std::span<const Ball> balls, int probes
 
 TEST(DisjointPacking, LiesInsideAndIsDisjointInEveryShape) {
   const AcetabulumSolid acetabulum({});
-  const BoxSolid plate(Vector3(0.06, 0.04, 0.002));
+  const BoxSolid plate = CenteredBox(Vector3(0.06, 0.04, 0.002));
   const MeshSolid mesh(MakeIcosphere(Vector3(0.1, 0, 0), 0.02, 1));
   for (const Solid* solid : std::initializer_list<const Solid*>{&acetabulum, &plate, &mesh})
     for (const double greatest : {1.0, 1.5e-3}) {
@@ -93,17 +93,16 @@ TEST(DisjointPacking, LiesInsideAndIsDisjointInEveryShape) {
 
 // In a cube: its inscribed ball, then the eight that touch three faces and that one, r = (2 - sqrt 3) a/2.
 TEST(DisjointPacking, StartsWithTheInscribedBallAndFillsTheCornersNext) {
-  const std::vector<double> radii =
-      RadiiDescending(BuildDisjointPacking(BoxSolid(Vector3(0.1, 0.1, 0.1)), EverywhereZone(), {.count = 9}));
+  const std::vector<double> radii = RadiiDescending(
+      BuildDisjointPacking(CenteredBox(Vector3(0.1, 0.1, 0.1)), EverywhereZone(), {.count = 9}));
   ASSERT_EQ(radii.size(), 9u);
   EXPECT_NEAR(radii[0], 0.05, 1e-6 * 0.05);  // where climbs end
   for (int i = 1; i < 9; ++i) EXPECT_NEAR(radii[i], (2.0 - std::sqrt(3.0)) * 0.05, 1e-5 * 0.05);
 }
 
 TEST(DisjointPacking, ABallTakesOneBallAndThenIsFull) {
-  const Vector3 center(0.3, -0.2, 0.7);
   const std::vector<Ball> balls =
-      BuildDisjointPacking(BallSolid(center, 0.02), EverywhereZone(), {.count = 0, .least_radius_m = 1e-3});
+      BuildDisjointPacking(BallSolid(0.02), EverywhereZone(), {.count = 0, .least_radius_m = 1e-3});
   ASSERT_EQ(balls.size(), 1u);
   EXPECT_NEAR(balls[0].radius_m, 0.02, 1e-6 * 0.02);
 }
@@ -124,7 +123,7 @@ TEST(DisjointPacking, LeavesNoHoleLargerThanItsSmallestBall) {
 TEST(DisjointPacking, WithoutACountGoesOnUntilNothingFits) {
   const AcetabulumSolid acetabulum(
       {.width_m = 0.04, .height_m = 0.03, .cup_radius_m = 0.012, .cartilage_m = 1e-3, .subchondral_m = 1e-3});
-  const BoxSolid plate(Vector3(0.06, 0.04, 0.003));
+  const BoxSolid plate = CenteredBox(Vector3(0.06, 0.04, 0.003));
   for (const Solid* solid : std::initializer_list<const Solid*>{&acetabulum, &plate})
     for (const double greatest : {1.0, 1.4e-3}) {
       const double least = 1.2e-3;
@@ -137,7 +136,7 @@ TEST(DisjointPacking, WithoutACountGoesOnUntilNothingFits) {
 }
 
 TEST(DisjointPacking, SaysWithFewerBallsThatNoMoreFit) {
-  const BoxSolid box(Vector3(0.02, 0.02, 0.02));
+  const BoxSolid box = CenteredBox(Vector3(0.02, 0.02, 0.02));
   const DisjointParams to_the_end{.count = 0, .least_radius_m = 1e-3};
   const DisjointParams too_many{.count = 100'000, .least_radius_m = 1e-3};
   const auto full = BuildDisjointPacking(box, EverywhereZone(), to_the_end);
@@ -200,20 +199,20 @@ TEST(DisjointPacking, RadiiGrowWithDepthAsTheyMay) {
 // walls (loose random packings: Onoda, Liniger, Phys. Rev. Lett. 64, 1990: .555). The walls of 20 diameters
 // take .03.
 TEST(DisjointPacking, CappedBallsLieAsDenseAsPouredOnes) {
-  const BoxSolid box(Vector3(0.04, 0.04, 0.04));
+  const BoxSolid box = CenteredBox(Vector3(0.04, 0.04, 0.04));
   const std::vector<Ball> balls = BuildDisjointPacking(
       box, EverywhereZone(), {.count = 0, .least_radius_m = 0.999e-3, .greatest_radius_m = 1e-3});
-  EXPECT_GT(Volume_m3(balls) / box.volume_m3(), 0.52);
+  EXPECT_GT(Volume_m3(balls) / Volume_m3(box), 0.52);
 }
 
 // Coverage of a cube. The bounds are this packer's own, less 1 %: a change that makes it worse should be
 // noticed. One ball covers pi/6; ten thousand .90.
 TEST(DisjointPacking, CoversACubeNoWorseThanItDid) {
-  const BoxSolid box(Vector3(0.1, 0.1, 0.1));
+  const BoxSolid box = CenteredBox(Vector3(0.1, 0.1, 0.1));
   double last = 0.0;
   for (const auto& [count, least] : {std::pair{1, 0.523}, {100, 0.7}, {1000, 0.8}, {8000, 0.85}}) {
     const DisjointParams params{.count = static_cast<std::size_t>(count)};
-    const double coverage = Volume_m3(BuildDisjointPacking(box, EverywhereZone(), params)) / box.volume_m3();
+    const double coverage = Volume_m3(BuildDisjointPacking(box, EverywhereZone(), params)) / Volume_m3(box);
     printf("coverage of a cube by %5d balls: %.4f\n", count, coverage);
     EXPECT_GT(coverage, least);
     EXPECT_GT(coverage, last);
@@ -224,7 +223,7 @@ TEST(DisjointPacking, CoversACubeNoWorseThanItDid) {
 TEST(DisjointPacking, RefusesBadParameters) {
   const auto message = [](const DisjointParams& params) -> std::string {
     try {
-      (void)BuildDisjointPacking(BoxSolid(Vector3(0.01, 0.01, 0.01)), EverywhereZone(), params);
+      (void)BuildDisjointPacking(CenteredBox(Vector3(0.01, 0.01, 0.01)), EverywhereZone(), params);
     } catch (const std::invalid_argument& error) {
       return error.what();
     }

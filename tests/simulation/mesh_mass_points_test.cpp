@@ -38,8 +38,8 @@ TEST_P(MeshMassPoints, HaveTheMeshsVolumeMassAndCenterOfMass) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, MeshMassPoints, testing::Values("hip_bone_left.obj", "tooth_molar_with_pulp.obj"),
-                         [](const auto& info) {
-                           return std::string(info.param).substr(0, std::string(info.param).find('_'));
+                         [](const auto& mesh) {
+                           return std::string(mesh.param).substr(0, std::string(mesh.param).find('_'));
                          });
 
 }  // namespace

@@ -231,7 +231,7 @@ TEST(PackingCount, CoversTheHipBone) {
   const auto loaded = LoadMesh(path);
   ASSERT_TRUE(loaded) << loaded.error().message;
   const TriangleMesh& mesh = loaded->mesh;
-  const MeshSolid solid(mesh, Cup{}, {});
+  const MeshSolid solid(mesh);
   const std::vector<Ball> balls = Pack(solid, EverywhereZone(), {.count = 5000});
   EXPECT_EQ(balls.size(), 5000u);
   CoverIndex index(solid.Bounds(), 2e-3, 3e-3);
