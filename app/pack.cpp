@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <thread>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -211,9 +211,7 @@ int Convert(const PackOptions& options) {
   return 0;
 }
 
-}  // namespace
-
-int RunPack(const PackOptions& options) {
+int Run(const PackOptions& options) {
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail(wrong);
   if (Has(options.source.input, ".osp")) return Convert(options);
 
@@ -286,6 +284,16 @@ int RunPack(const PackOptions& options) {
           result.quality.protrusion_max_m * 1e3, result.quality.overlap_max_m * 1e3, kMostProtrusion_m * 1e3,
           kMostDisjointOverlap_m * 1e3),
       kFailed);
+}
+
+}  // namespace
+
+int RunPack(const PackOptions& options) {
+  try {
+    return Run(options);
+  } catch (const std::invalid_argument& error) {  // a builder's word on a value that it was given
+    return Fail(error.what());
+  }
 }
 
 }  // namespace osteon::app

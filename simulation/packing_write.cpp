@@ -28,8 +28,10 @@ constexpr double kRounding_grids = 1e-4;
 
 double ToGrid(double length_m) { return std::nearbyint(length_m * 1e3 / kGrid_mm); }
 
-/// A multiple of the grid, in millimetres from the origin.
-float FromOrigin(double grids, double origin_mm) { return static_cast<float>(grids * kGrid_mm - origin_mm); }
+/// A multiple of the grid, in millimetres from the origin; zero without a sign, which would not come back.
+float FromOrigin(double grids, double origin_mm) {
+  return static_cast<float>(grids * kGrid_mm - origin_mm + 0.0);
+}
 
 class PackingWriter {
  public:

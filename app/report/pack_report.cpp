@@ -94,17 +94,13 @@ std::string SectionFigure(const PackReportInput& input) {
   axis -= axis.dot(plane.normal) * plane.normal;
   if (axis.norm() < 0.1) axis = plane.normal.unitOrthogonal();
   bone.cup = {.center_m = middle, .axis = axis.normalized(), .radius_m = 0.5 * box.diagonal().norm()};
-  // ComputeSection turns the plane about the axis by itself: what it is given is only what the plane shows
-  std::erase_if(bone.points, [&](const simulation::MassPoint& p) {
-    return std::abs((Vector3(p.p_m) - middle).dot(plane.normal)) > 4e-3;
-  });
   const Section section = ComputeSection(bone, {}, {}, {},
                                          {.step_m = box.diagonal().norm() / 900.0,
                                           .reach_in_cup_radii = 1.0,
                                           .depth_in_cup_radii = 1.0,
                                           .solid = &input.solid});
   return "<h2>Section</h2>\n" +
-         Figure(SectionSvg(section, bone), "Union of the spheres in the middle plane.");
+         Figure(SectionSvg(section, bone), "Union of the spheres in a plane through the middle.");
 }
 
 std::string Histograms(const PackReportInput& input) {
@@ -168,28 +164,38 @@ std::string Spectrum(const PackReportInput& input) {
                             points.size(), windows.size()));
 }
 
-std::string MassRow(const char* name, const MassProperties& m) {
-  const Vector3 c = m.center_of_mass_m * 1e3;
-  const Matrix3 i = m.inertia_kg_m2 * 1e9;
-  std::string out = fmt::format("<tr><td>{}</td>", name);
-  for (const std::string& value :
-       {fmt::format("{:.2f}", m.volume_m3 * 1e9), fmt::format("{:.4f}", m.mass_kg * 1e3),
-        fmt::format("{:.3f}, {:.3f}, {:.3f}", c.x(), c.y(), c.z()),
-        fmt::format("{:.5g}, {:.5g}, {:.5g}", i(0, 0), i(1, 1), i(2, 2)),
-        fmt::format("{:.5g}, {:.5g}, {:.5g}", i(0, 1), i(0, 2), i(1, 2))})
-    out += "<td class=\"n\">" + value + "</td>";
-  return out + "</tr>\n";
-}
-
 std::string Mass(const PackReportInput& input) {
   if (input.bone.points.empty()) return {};
-  std::string out =
-      "<h2>Mass</h2>\n<table>\n<tr><th></th><th class=\"n\">volume [mm³]</th><th class=\"n\">mass [g]</th>"
-      "<th class=\"n\">centre [mm]</th><th class=\"n\">Ixx, Iyy, Izz [g mm²]</th>"
-      "<th class=\"n\">Ixy, Ixz, Iyz</th></tr>\n";
-  out += MassRow("mass points, their materials", input.mass);
-  if (input.even_points) out += MassRow("mass points, all of 1 g/cm³", *input.even_points);
-  if (input.even_solid) out += MassRow("the solid itself, of 1 g/cm³", *input.even_solid);
+  std::string out = "<h2>Mass</h2>\n<table>\n<tr><th></th><th class=\"n\">points, their materials</th>";
+  std::vector<MassProperties> columns{input.mass};
+  if (input.even_points) {
+    out += "<th class=\"n\">points, all of 1 g/cm³</th>";
+    columns.push_back(*input.even_points);
+  }
+  if (input.even_solid) {
+    out += "<th class=\"n\">the solid itself, of 1 g/cm³</th>";
+    columns.push_back(*input.even_solid);
+  }
+  out += "</tr>\n";
+  const auto row = [&](const char* name, const auto& text) {
+    out += fmt::format("<tr><td>{}</td>", name);
+    for (const MassProperties& m : columns) out += "<td class=\"n\">" + text(m) + "</td>";
+    out += "</tr>\n";
+  };
+  row("volume [mm³]", [](const MassProperties& m) { return fmt::format("{:.2f}", m.volume_m3 * 1e9); });
+  row("mass [g]", [](const MassProperties& m) { return fmt::format("{:.4f}", m.mass_kg * 1e3); });
+  row("centre of mass [mm]", [](const MassProperties& m) {
+    const Vector3 c = m.center_of_mass_m * 1e3;
+    return fmt::format("{:.3f}, {:.3f}, {:.3f}", c.x(), c.y(), c.z());
+  });
+  row("Ixx, Iyy, Izz [g cm²]", [](const MassProperties& m) {
+    const Matrix3 i = m.inertia_kg_m2 * 1e7;
+    return fmt::format("{:.5g}, {:.5g}, {:.5g}", i(0, 0), i(1, 1), i(2, 2));
+  });
+  row("Ixy, Ixz, Iyz [g cm²]", [](const MassProperties& m) {
+    const Matrix3 i = m.inertia_kg_m2 * 1e7;
+    return fmt::format("{:.5g}, {:.5g}, {:.5g}", i(0, 1), i(0, 2), i(1, 2));
+  });
   out += "</table>\n<p class=\"sub\">Inertia about the centre of mass, along the axes of the bone's frame.";
   if (input.even_solid) out += " The solid's own figures are exact (closed form).";
   return out + "</p>\n";

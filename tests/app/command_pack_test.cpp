@@ -97,8 +97,8 @@ TEST_F(PackCommand, ABallIsPackedWithItsVolumeMassAndInertia) {
 TEST_F(PackCommand, TheSameArgumentsGiveTheSameBytesForAnyNumberOfThreads) {
   for (const char* mode : {"overlap", "disjoint"}) {
     const auto bytes = [&](const char* threads, const char* seed) {
-      Pack({"box:20,12,9", "-o", "out.osp", "--mode", mode, "--count", "400", "--threads", threads, "--seed",
-            seed});
+      Pack({"box:20,12,9", "-o", "out.osp", "--mode", mode, "--count", "400", "--point-spacing-mm", "0.7",
+            "--threads", threads, "--seed", seed});
       return io::test::ReadAll(Path("out.osp"));
     };
     const std::string one = bytes("1", "3");
@@ -124,8 +124,8 @@ TEST_F(PackCommand, DisjointSpheresDoNotOverlap) {
 }
 
 TEST_F(PackCommand, AMeshIsPackedInItsOwnFrameAndScale) {
-  Pack(
-      {WriteBox("box.obj", 0.002), "-o", "out.osp", "--scale", "10", "--count", "300", "--json", "out.json"});
+  Pack({WriteBox("box.obj", 0.002), "-o", "out.osp", "--scale", "10", "--count", "300", "--point-spacing-mm",
+        "1", "--json", "out.json"});
   const nlohmann::json json = ReadJson(Path("out.json"));
   EXPECT_EQ(json["triangles"], 12);
   EXPECT_NEAR(json["against_solid"]["solid"]["volume_mm3"].get<double>(), 8000.0, 1e-6);
@@ -155,7 +155,7 @@ TEST_F(PackCommand, AGradeMakesTheInsideCoarser) {
 }
 
 TEST_F(PackCommand, APackingIsConvertedWithWhatIsKnownOfIt) {
-  Pack({"ball:10", "-o", "out.osp", "--count", "300", "--json", "out.json"});
+  Pack({"ball:10", "-o", "out.osp", "--count", "300", "--point-spacing-mm", "0.7", "--json", "out.json"});
   const std::string before = io::test::ReadAll(Path("out.osp"));
   Pack({"out.osp", "-o", "again.osp", "-o", "again.ply", "--json", "again.json"});
   EXPECT_TRUE(io::test::ReadAll(Path("again.osp")) == before);

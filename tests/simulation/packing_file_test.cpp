@@ -127,6 +127,20 @@ TEST_F(PackingFileTest, ALoadedPackingSavesToTheSameBytes) {
   }
 }
 
+TEST_F(PackingFileTest, AZeroLosesItsSign) {
+  Bone bone = SomeBone(3, 2);
+  // rounds to minus zero on the grid, and the origin is zero
+  bone.balls = {{.center_m = Vector3(-1e-12, -0.0, 0.01), .radius_m = 1e-3},
+                {.center_m = Vector3(0.0, 0.0, -0.01), .radius_m = 1e-3}};
+  bone.points = {{.p_m = Vector3(-1e-13, 0.0, -0.0), .volume_m3 = 1e-9, .material = 0}};
+  const std::string first = Saved(bone);
+  const auto file = PackingFile::Open(Path());
+  ASSERT_TRUE(file) << file.error().Text();
+  ASSERT_TRUE(WritePackingFile(Path("again.osp"), file->ToBone(), file->provenance()));
+  EXPECT_TRUE(ReadAll(Path("again.osp")) == first);
+  EXPECT_FALSE(std::signbit(file->balls().front().x_mm));
+}
+
 // The middle of these lies on half a millimetre, where rounding it could go either way.
 TEST_F(PackingFileTest, TheOriginOfASymmetricPackingStaysWhenItIsSavedAgain) {
   Bone bone = SomeBone(1, 0);
