@@ -168,6 +168,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.faults = FaultRows(result.faults, recording);
   s.events = EventRows(result.events, recording);
   s.least_wall_m = result.least_wall_m;
+  s.assumptions = simulation::Assumptions(setup.bone.materials);
   if (result.cell.stop.reason != hil::StopReason::kNone) s.arm_stop = hil::Describe(result.cell.stop);
   return s;
 }
@@ -265,6 +266,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                       section.samples > 0 ? nlohmann::json(section.p95_m * 1e3) : nlohmann::json(nullptr)},
                      {"state_hash", s.state_hash},
                      {"faults", faults},
+                     {"assumptions", s.assumptions},
                      {"recording", s.recording}};
   out["events"] = events;
   out["least_wall_mm"] = s.least_wall_m ? nlohmann::json(*s.least_wall_m * 1e3) : nlohmann::json(nullptr);

@@ -41,7 +41,7 @@ ServoParams Validated(const ServoParams& params) {
   };
   require("max_speed_m_per_s", params.twist.max_speed_m_per_s, 1e-3, 2.0);
   require("max_turn_rad_per_s", params.twist.max_turn_rad_per_s, 1e-3, 10.0);
-  require("spindle_rad_per_s", params.spindle_rad_per_s, 0.0, 1000.0);
+  require("spindle_rad_per_s", params.spindle_rad_per_s, 0.0, 50000.0);
   require("stop_deceleration_m_per_s2", params.stop_deceleration_m_per_s2, 0.01, 50.0);
   require("stop_deceleration_rad_per_s2", params.stop_deceleration_rad_per_s2, 0.01, 200.0);
   require("workspace deceleration_m_per_s2", params.workspace.deceleration_m_per_s2, 0.01,

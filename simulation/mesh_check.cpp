@@ -114,7 +114,7 @@ Problem CheckVertices(const TriangleMesh& mesh, const std::vector<MeshEdge>& edg
 
 /// The whole surface is free of edges through triangles.
 Problem CheckCrossings(const PartedMesh& parted, const std::string& name) {
-  const auto crossing = MeshBvh(parted.mesh).FindCrossing(kCrossingTolerance_m);
+  const auto crossing = FindCrossing(parted.mesh, kCrossingTolerance_m);
   if (!crossing) return std::nullopt;
   const auto part = [&parted](std::uint32_t triangle) -> std::string {
     if (parted.part_of_triangle.empty() || parted.parts.size() < 2) return "";

@@ -22,7 +22,11 @@ bool Mentions(const ShellTissue& tissue, MaterialIndex material) {
 
 }  // namespace
 
-MeshDistance::MeshDistance(const TriangleMesh& mesh) : bvh_(mesh), triangles_(mesh.triangles.size()) {
+MeshDistance::MeshDistance(const TriangleMesh& mesh)
+    : bvh_(mesh),
+      face_normals_(mesh.triangles.size()),
+      edge_normals_(3 * mesh.triangles.size()),
+      corner_normals_(3 * mesh.triangles.size()) {
   for (const Vector3& v : mesh.vertices_m) box_.extend(v);
   std::vector<Vector3> corner_normals(mesh.vertices_m.size(), Vector3::Zero());
   using EdgeEnds = std::pair<std::uint32_t, std::uint32_t>;
@@ -36,7 +40,7 @@ MeshDistance::MeshDistance(const TriangleMesh& mesh) : bvh_(mesh), triangles_(me
     for (int k = 0; k < 3; ++k) p[k] = mesh.vertices_m[mesh.triangles[t][k]];
     const Vector3 normal =
         (p[1] - p[0]).cross(p[2] - p[0]).normalized();  // zero where the triangle is a needle
-    triangles_[t].face_normal = normal;
+    face_normals_[t] = normal;
     for (int k = 0; k < 3; ++k) {
       edge_normals.try_emplace(edge(t, k), Vector3::Zero()).first->second += normal;
       const Vector3 to_next = p[(k + 1) % 3] - p[k], to_last = p[(k + 2) % 3] - p[k];
@@ -46,21 +50,20 @@ MeshDistance::MeshDistance(const TriangleMesh& mesh) : bvh_(mesh), triangles_(me
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
-      triangles_[t].edge_normals[k] = edge_normals.at(edge(t, k));
-      triangles_[t].corner_normals[k] = corner_normals[mesh.triangles[t][k]];
+      edge_normals_[3 * t + k] = edge_normals.at(edge(t, k));
+      corner_normals_[3 * t + k] = corner_normals[mesh.triangles[t][k]];
     }
 }
 
 MeshDistance::Point MeshDistance::Nearest(const Vector3& p_m) const {
   Point point{.hit = bvh_.Nearest(p_m)};
-  const Triangle& t = triangles_[point.hit.triangle];
-  const auto feature = static_cast<int>(point.hit.feature);
-  if (feature >= static_cast<int>(TriangleFeature::kCorner0))
-    point.normal = t.corner_normals[feature - static_cast<int>(TriangleFeature::kCorner0)];
-  else if (feature >= static_cast<int>(TriangleFeature::kEdge0))
-    point.normal = t.edge_normals[feature - static_cast<int>(TriangleFeature::kEdge0)];
-  else
-    point.normal = t.face_normal;
+  const std::size_t t = point.hit.triangle;
+  const auto feature = static_cast<std::size_t>(point.hit.feature);
+  constexpr auto kEdge = static_cast<std::size_t>(TriangleFeature::kEdge0);
+  constexpr auto kCorner = static_cast<std::size_t>(TriangleFeature::kCorner0);
+  point.normal = feature >= kCorner ? corner_normals_[3 * t + feature - kCorner]
+                 : feature >= kEdge ? edge_normals_[3 * t + feature - kEdge]
+                                    : face_normals_[t];
   point.distance_m =
       point.normal.dot(p_m - point.hit.p_m) < 0.0 ? -point.hit.distance_m : point.hit.distance_m;
   return point;

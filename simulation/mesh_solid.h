@@ -28,13 +28,12 @@ class MeshDistance {
   [[nodiscard]] const Eigen::AlignedBox3d& bounds() const { return box_; }
 
  private:
-  struct Triangle {
-    Vector3 face_normal;
-    std::array<Vector3, 3> edge_normals, corner_normals;  ///< not of unit length
-  };
   MeshBvh bvh_;
   Eigen::AlignedBox3d box_;
-  std::vector<Triangle> triangles_;
+  // Apart, since nearly every search ends on a face and should load no more than that. Only faces' have unit
+  // length.
+  std::vector<Vector3> face_normals_;                   ///< by triangle
+  std::vector<Vector3> edge_normals_, corner_normals_;  ///< three a triangle
 };
 
 /// The solid that a closed mesh bounds, with the regions of other tissue in it.

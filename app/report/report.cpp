@@ -155,6 +155,17 @@ std::string Timing(const ReportInput& input) {
          "</div>\n<p class=\"sub\">Counts on a logarithmic axis, so that a single late tick is seen.</p>\n";
 }
 
+/// Figures of the materials that no source was found for.
+std::string Assumed(const simulation::Bone& bone) {
+  const std::vector<std::string> assumptions = simulation::Assumptions(bone.materials);
+  if (assumptions.empty()) return {};
+  std::string out =
+      "<h2>Assumed</h2>\n<p>No source was found for these figures; in brackets, what was gone "
+      "by.</p>\n<ul>\n";
+  for (const std::string& line : assumptions) out += "<li>" + Escape(line) + "</li>\n";
+  return out + "</ul>\n";
+}
+
 }  // namespace
 
 tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
@@ -207,6 +218,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   html += "<h2>Progress</h2>\n" + Figure(ProgressChart(input.ticks, input.frames), "");
   html += "<h2>Motion</h2>\n" + Figure(MotionChart(input.ticks, input.tool_speed_limit_m_per_s), "");
   html += Timing(input);
+  html += Assumed(input.bone);
   if (!input.command_line.empty())
     html += "<h2>How to repeat it</h2>\n<pre>" + Escape(input.command_line) + "</pre>\n";
   if (!input.config_text.empty())

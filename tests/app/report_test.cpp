@@ -95,6 +95,23 @@ TEST(Report, OfARunIsOneValidFileWithEverythingInIt) {
   EXPECT_FALSE(std::filesystem::exists(file.string() + ".part"));
 }
 
+TEST(Report, ListsTheFiguresWithoutASource) {
+  SyntheticRun run = MakeSyntheticRun(
+      {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
+  for (simulation::Material& material : run.bone.materials)
+    material.density_source = material.cutting_energy_source = material.cutting_force_source =
+        material.friction_source = {.text = "measured", .assumed = false};
+  const auto sourced = MakeReport(InputOf(run));
+  ASSERT_TRUE(sourced.has_value());
+  EXPECT_EQ(sourced->html.find("<h2>Assumed</h2>"), std::string::npos);
+  run.bone.materials[2].friction = 0.25;
+  run.bone.materials[2].friction_source = {.text = "wet & rough", .assumed = true};
+  ExpectValid(InputOf(run));
+  const auto report = MakeReport(InputOf(run));
+  EXPECT_NE(report->html.find("<li>cancellous: friction 0.25 (wet &amp; rough)</li>"), std::string::npos);
+  EXPECT_EQ(report->html.find("cartilage: friction"), std::string::npos);
+}
+
 TEST(Report, VirtualTimeSaysThatNothingWasMeasured) {
   SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 50, .frames = 20});

@@ -133,6 +133,13 @@ TEST(SummaryJson, NamesTheFaults) {
   EXPECT_EQ(RowOf(s, "Faults"), "arm stale; model stale");
 }
 
+TEST(SummaryJson, ListsWhatWasAssumed) {
+  RunSummary s = Sample();
+  EXPECT_EQ(nlohmann::json::parse(ToJson(s, "osteon.demo/1")).at("assumptions"), nlohmann::json::array());
+  s.assumptions = {"pulp: friction 0.05 (lubricated)"};
+  EXPECT_EQ(nlohmann::json::parse(ToJson(s, "osteon.demo/1")).at("assumptions")[0], s.assumptions[0]);
+}
+
 TEST(SummaryJson, SaysNullWhereNothingWasMeasured) {
   RunSummary s = Sample();
   s.section.cavity_section = {};

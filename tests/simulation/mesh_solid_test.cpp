@@ -1,5 +1,6 @@
 #include "simulation/mesh_solid.h"
 
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -77,6 +78,60 @@ TEST(MeshSolid, TheSignAgreesWithCountedCrossingsOnASpikyMesh) {
     inside += inside_by_parity(p) ? 1 : 0;
   }
   EXPECT_GT(inside, 200);
+}
+
+/// The nearest of all triangles, the first of equally near ones.
+TriangleHit NearestOfAll(const TriangleMesh& mesh, const Vector3& p) {
+  TriangleHit best;
+  best.distance_m = std::numeric_limits<double>::infinity();
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const TriangleMesh one{.vertices_m = mesh.vertices_m, .triangles = {mesh.triangles[i]}};
+    TriangleHit hit = MeshBvh(one).Nearest(p);
+    hit.triangle = i;
+    if (hit.distance_m < best.distance_m) best = hit;
+  }
+  return best;
+}
+
+// The tree only proposes triangles, in floats; what it leaves out must not matter to the last bit. Needles
+// are where floats know no normal; small meshes are where nodes and leaves are not full.
+TEST(MeshBvh, FindsTheNearestOfAllTrianglesToTheLastBit) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  const auto point = [&](double size) -> Vector3 { return size * Vector3(u(random), u(random), u(random)); };
+  TriangleMesh needles;  // .1 um wide, 30 mm long, half a metre from the origin
+  for (int i = 0; i < 40; ++i) {
+    const Vector3 a = Vector3(0.3, 0.4, 0.1) + point(0.02), along = point(0.015), across = point(1e-7);
+    needles.vertices_m.insert(needles.vertices_m.end(), {a, a + along, a + along + across});
+    needles.triangles.push_back({3u * i, 3u * i + 1, 3u * i + 2});
+  }
+  TriangleMesh soup;
+  for (int i = 0; i < 7; ++i) {
+    soup.vertices_m.insert(soup.vertices_m.end(), {point(0.02), point(0.02), point(0.02)});
+    soup.triangles.push_back({3u * i, 3u * i + 1, 3u * i + 2});
+  }
+  TriangleMesh triangle = soup;
+  triangle.triangles.resize(1);
+  for (const TriangleMesh& mesh :
+       {MakeIcosphere({0.1, -0.2, 0.5}, 0.02, 2), MakeBox({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01}), needles,
+        soup, triangle}) {
+    const MeshBvh bvh(mesh);
+    Eigen::AlignedBox3d box;
+    for (const Vector3& v : mesh.vertices_m) box.extend(v);
+    for (int i = 0; i < 300; ++i) {
+      Vector3 p = box.center() + point(box.sizes().maxCoeff());
+      // at a corner, on a face, far away; on a box's diagonals many are equally near
+      if (i % 5 == 1) p = mesh.vertices_m[random() % mesh.vertices_m.size()];
+      if (i % 5 == 2) p = bvh.Nearest(p).p_m;
+      if (i % 25 == 3) p *= 50.0;
+      if (i % 25 == 4) p = box.center();
+      const TriangleHit found = bvh.Nearest(p), exact = NearestOfAll(mesh, p);
+      ASSERT_EQ(found.distance_m, exact.distance_m) << p.transpose();
+      ASSERT_EQ(found.triangle, exact.triangle);
+      ASSERT_EQ(found.feature, exact.feature);
+      ASSERT_EQ(found.p_m, exact.p_m);
+    }
+  }
 }
 
 TEST(MeshSolid, TissueOfACupInABlockIsLayeredAndTheRestHasACorticalShell) {

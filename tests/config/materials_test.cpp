@@ -1,0 +1,123 @@
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "config/load.h"
+
+namespace osteon::config {
+namespace {
+
+using testing::HasSubstr;
+
+std::filesystem::path Shipped(const std::string& name) {
+  return std::filesystem::path(OSTEON_SOURCE_DIR) / "config/materials" / name;
+}
+
+std::vector<std::string> Names(const std::vector<simulation::Material>& materials) {
+  std::vector<std::string> names;
+  for (const simulation::Material& m : materials) names.push_back(m.name);
+  return names;
+}
+
+/// A file of one material, one line of which is replaced.
+std::string Refusal(const std::string& from, const std::string& to) {
+  std::string text =
+      "materials:\n"
+      "  - name: foam\n"
+      "    density_g_per_cm3: 0.32\n"
+      "    density_source: by definition\n"
+      "    density_assumed: false\n"
+      "    cutting_energy_J_per_mm3: 0.05\n"
+      "    cutting_energy_source: a guess\n"
+      "    cutting_energy_assumed: true\n"
+      "    cutting_force_ratio: 0.8\n"
+      "    cutting_force_source: a guess\n"
+      "    cutting_force_assumed: true\n"
+      "    friction_ratio: 0.3\n"
+      "    friction_source: a guess\n"
+      "    friction_assumed: true\n";
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  if (at != std::string::npos) text.replace(at, from.size(), to);
+  const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+  const auto path =
+      std::filesystem::path(testing::TempDir()) / (std::string("osteon_") + test->name() + ".yaml");
+  std::ofstream(path, std::ios::binary) << text;
+  std::string what;
+  try {
+    static_cast<void>(LoadMaterials(path));
+  } catch (const ConfigError& error) {
+    what = error.what();
+  }
+  std::filesystem::remove(path);
+  const std::string folder = path.parent_path().string();
+  return what.starts_with(folder) ? what.substr(folder.size() + 1) : what;
+}
+
+TEST(MaterialsConfig, EachShippedListIsSoundAndInTheOrderItsScenesExpect) {
+  using testing::ElementsAre;
+  EXPECT_THAT(Names(LoadMaterials(Shipped("bone.yaml"))),
+              ElementsAre("cartilage", "cortical", "cancellous", "marrow"));
+  EXPECT_THAT(Names(LoadMaterials(Shipped("tooth.yaml"))), ElementsAre("enamel", "dentine", "pulp"));
+  EXPECT_THAT(Names(LoadMaterials(Shipped("sawbone.yaml"))),
+              ElementsAre("foam_10", "foam_15", "foam_20", "foam_40", "shell"));
+  for (const char* name : {"bone.yaml", "tooth.yaml", "sawbone.yaml"})
+    EXPECT_NO_THROW(simulation::CheckMaterials(LoadMaterials(Shipped(name)))) << name;
+}
+
+// A pound a cubic foot is 16.018 kg/m^3; the file gives three digits.
+TEST(MaterialsConfig, FoamsHaveTheDensityOfTheirGrade) {
+  const std::vector<simulation::Material> foams = LoadMaterials(Shipped("sawbone.yaml"));
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(foams[i].density_kg_per_m3, 16.018 * std::stod(foams[i].name.substr(5)), 0.5);
+    EXPECT_FALSE(foams[i].density_source.assumed);
+  }
+  EXPECT_NEAR(foams[4].specific_cutting_energy_J_per_m3, 0.5e9, 1.0);
+  EXPECT_FALSE(foams[4].cutting_energy_source.assumed);
+}
+
+TEST(MaterialsConfig, WhatHasNoSourceIsMarkedAndListed) {
+  const std::vector<simulation::Material> tooth = LoadMaterials(Shipped("tooth.yaml"));
+  EXPECT_FALSE(tooth[0].density_source.assumed);
+  EXPECT_THAT(tooth[0].density_source.text, HasSubstr("Manly"));
+  EXPECT_TRUE(tooth[0].cutting_energy_source.assumed);
+  const std::vector<std::string> assumed = simulation::Assumptions(tooth);
+  EXPECT_THAT(assumed, testing::Contains(HasSubstr("enamel: cutting energy 6.3 J/mm^3 (dentine's")));
+  EXPECT_THAT(assumed, testing::Not(testing::Contains(HasSubstr("dentine: density"))));
+}
+
+TEST(MaterialsConfig, MistakesAreAnsweredWithLineAndWhatIsAccepted) {
+  EXPECT_EQ(Refusal("foam", "foam"), "");
+  EXPECT_THAT(Refusal("0.32", "320"), HasSubstr(".yaml:3: density_g_per_cm3: found 320, accepted 0.01 … 10"));
+  EXPECT_THAT(Refusal("density_assumed: false", "density_assumed: perhaps"),
+              HasSubstr(".yaml:5: density_assumed: found perhaps, accepted false, true"));
+  EXPECT_THAT(Refusal("    density_assumed: false\n", ""), HasSubstr("missing key \"density_assumed\""));
+  EXPECT_THAT(Refusal("    friction_source: a guess\n", ""), HasSubstr("missing key \"friction_source\""));
+  EXPECT_THAT(Refusal("name: foam", "name:"), HasSubstr(".yaml:2: name: found nothing, accepted a text"));
+  EXPECT_THAT(Refusal("materials:\n", "tissues:\n"), HasSubstr("unknown key \"tissues\""));
+  EXPECT_THAT(Refusal("materials:\n", "materials:\n  - {}\n"), HasSubstr("missing key \"name\""));
+  std::string nine = "materials:\n";
+  for (int i = 0; i < 8; ++i) nine += "  - {}\n";
+  EXPECT_THAT(Refusal("materials:\n", nine),
+              HasSubstr("materials: found a list of 9, accepted a list of 1 … 8 mappings"));
+}
+
+TEST(MaterialsConfig, ANameIsUsedOnce) {
+  std::ifstream file(Shipped("tooth.yaml"));
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  text.replace(text.find("name: pulp"), 10, "name: enamel");
+  const auto path = std::filesystem::path(testing::TempDir()) / "osteon_twice.yaml";
+  std::ofstream(path) << text;
+  try {
+    static_cast<void>(LoadMaterials(path));
+    ADD_FAILURE() << "accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("name: found enamel again, accepted another name"));
+    EXPECT_GT(error.line(), 20);
+  }
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace osteon::config
