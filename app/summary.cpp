@@ -167,9 +167,9 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
   s.state_hash = fmt::format("{:016x}", simulation::HashState(result.after));
   s.faults = FaultRows(result.faults, recording);
-  s.assumptions = simulation::Assumptions(setup.bone.materials);
   s.events = EventRows(result.events, recording);
   s.least_wall_m = result.least_wall_m;
+  s.assumptions = simulation::Assumptions(setup.bone.materials);
   if (result.cell.stop.reason != hil::StopReason::kNone) s.arm_stop = hil::Describe(result.cell.stop);
   return s;
 }

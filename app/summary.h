@@ -47,10 +47,10 @@ struct RunSummary {
   DurationFigures wakeup, compute, frame;
   std::string state_hash;  ///< of the carved state, hexadecimal
   std::vector<FaultRow> faults;
+  std::vector<EventRow> events;          ///< of the scene, in their order
+  std::optional<double> least_wall_m;    ///< thinnest wall beside the cut; nothing where none is watched
   std::vector<std::string> assumptions;  ///< figures of the materials without a source
-  std::vector<EventRow> events;        ///< of the scene, in their order
-  std::optional<double> least_wall_m;  ///< thinnest wall beside the cut; nothing where none is watched
-  std::string arm_stop;                ///< why the simulated arm ended the session; empty where it did not
+  std::string arm_stop;                  ///< why the simulated arm ended the session; empty where it did not
 };
 
 /// Everything that is read from the recording and the carved state; `section` is filled by the report.

@@ -57,10 +57,11 @@ SceneWatch::SceneWatch(const Solid& solid, const Bone& bone, const Tool& tool, c
 
 bool SceneWatch::IsOpening(const OrientedPoint& sample) const {
   const Vector3 axis = site_.axis, from_center = sample.p_m - Vector3(site_.center_m);
-  if (sample.normal.dot(axis) > kSixtyDegrees) return true;
+  const double out = sample.normal.dot(axis);
+  if (out > kSixtyDegrees) return true;
   const Vector3 off_axis = from_center - from_center.dot(axis) * axis;
-  return off_axis.norm() < params_.opening_widening * site_.radius_m &&
-         sample.normal.dot(-off_axis) > kSixtyDegrees * off_axis.norm();
+  if (off_axis.norm() < params_.opening_widening * site_.radius_m) return out > -kSixtyDegrees;
+  return out > 0.0 && sample.normal.dot(off_axis) < 0.0;
 }
 
 // The wall's point nearest to c, near a sample: along the tangent plane as far as c is off its normal, back

@@ -48,8 +48,9 @@ struct SceneEvent {
 /// the nearest such point of the surface that it looks at from within, with bone between the two, minus its
 /// radius; negative once it is through. Samples of the surface say where to look, the solid's own nearest
 /// points refine that: the foot is exact on a plane, and to second order in the spacing elsewhere. The
-/// opening is what looks out the way the site does (normal within 60 degrees of its axis), and, up to
-/// `opening_widening` radii from the axis, what faces the axis (within 60 degrees). Value: the wall's
+/// opening is what looks out the way the site does (normal within 60 degrees of its axis); up to
+/// `opening_widening` radii from the axis all but what looks the other way (within 60 degrees: a floor);
+/// beyond them what looks out and towards the axis, such as a cusp's inner slope. Value: the wall's
 /// thickness.
 ///
 /// A query or two of the solid a frame: for the simulation's thread, not for the tick.

@@ -147,6 +147,25 @@ TEST(SceneEvents, OpeningIsNoWall) {
   EXPECT_NEAR(*burr.watch().least_wall_m(), 0.0011, 1e-9);  // to the floor at -10 mm
 }
 
+// Above a molar's site lie fissures and the cusps' inner slopes, steep as they are: none of it is a wall. The
+// crown's sides are, some 3 mm away from an opening in the middle.
+TEST(SceneEvents, CuspsAreNoWall) {
+  const MolarSolid molar({});
+  Bone bone = DentineAndPulp();
+  const double top_m = 0.0051;  // of the fissures
+  bone.cup = {.center_m = Vector3(0, 0, top_m), .axis = Vector3::UnitZ(), .radius_m = 0.00175};
+  SceneWatch watch(molar, bone, BallTool(kBurr_m), {.least_wall_m = 1e-3, .wall_spacing_m = 0.25e-3});
+  double volume_m3 = 0.0;
+  for (double depth = 0.0; depth < 0.003; depth += 0.3e-3)
+    for (double angle = 0.0; angle < 6.2; angle += 0.4) {
+      const Vector3 apex(0.75e-3 * std::cos(angle), 0.75e-3 * std::sin(angle), top_m - depth);
+      EXPECT_TRUE(watch.Step(Down(apex), volume_m3 += 1e-9, 1).empty()) << apex.transpose();
+    }
+  ASSERT_TRUE(watch.least_wall_m());
+  EXPECT_GT(*watch.least_wall_m(), 0.002);
+  EXPECT_LT(*watch.least_wall_m(), 0.0045);
+}
+
 // Outside of the wall, cutting it from there, is not a cut behind it.
 TEST(SceneEvents, WallIsSeenFromWithinOnly) {
   SceneEventParams params = kPulpAndWall;
