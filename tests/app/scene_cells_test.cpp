@@ -58,10 +58,11 @@ class DataMeshes : public ::testing::Test {
     tooth_.file = fs::path(data ? data : "") / "tooth_molar_with_pulp.obj";
     if (!data || !fs::exists(tooth_.file)) GTEST_SKIP() << "skipped, no anatomical meshes";
   }
-  MeshChoice tooth_{
-      .file = {},
-      .cup = {.center_m = Vector3(0, 0.0005, 0.0080), .axis = Vector3(0, 0, 1), .radius_m = 0.00175},
-      .scale = 0.041};
+  MeshChoice tooth_{.file = {},
+                    .cup = simulation::Cup{.center_m = Vector3(0, 0.0005, 0.0080),
+                                           .axis = Vector3(0, 0, 1),
+                                           .radius_m = 0.00175},
+                    .scale = 0.041};
 };
 
 TEST_F(DataMeshes, TheToothRunsInTheMolarsCellWithItsPulpOfPulp) {
