@@ -194,10 +194,14 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
       {"Peak rendered force", fmt::format("{:.1f} N of {:.0f} N allowed", s.peak_force_N, s.force_limit_N)});
   rows.push_back({"Peak sensor force", fmt::format("{:.1f} N", s.peak_sensor_force_N)});
   rows.push_back({"Peak tool speed", fmt::format("{:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3)});
+  // without the solid (a loaded packing) what was swept is not known
   const double swept_share = s.swept_volume_m3 > 0.0 ? s.removed_volume_m3 / s.swept_volume_m3 - 1.0 : 0.0;
-  rows.push_back({"Bone removed",
-                  fmt::format("{:.0f} mm³, {:.2f} g; swept {:.0f} mm³ ({:+.1f} %)", s.removed_volume_m3 * 1e9,
-                              s.removed_mass_kg * 1e3, s.swept_volume_m3 * 1e9, 100.0 * swept_share)});
+  const std::string swept =
+      s.swept_volume_m3 > 0.0
+          ? fmt::format("; swept {:.0f} mm³ ({:+.1f} %)", s.swept_volume_m3 * 1e9, 100.0 * swept_share)
+          : "";
+  rows.push_back({"Bone removed", fmt::format("{:.0f} mm³, {:.2f} g{}", s.removed_volume_m3 * 1e9,
+                                              s.removed_mass_kg * 1e3, swept)});
   rows.push_back(
       {"Reamed since first touch", fmt::format("{:.2f} mm along the cup's axis", s.reamed_depth_m * 1e3)});
   const auto below = [](double depth_m) {
