@@ -43,8 +43,8 @@ struct CellConfig {
   kinematics::LbrParams robot;
   ToolConfig tool;
   simulation::SceneParams scene;  ///< with those of the cell's materials that it needs
-  Pose X_WB{Pose::Identity()};         ///< robot base in world
-  Pose X_WG{Pose::Identity()};         ///< bone in world: the frame C of its site
+  Pose X_WB{Pose::Identity()};    ///< robot base in world
+  Pose X_WG{Pose::Identity()};    ///< bone in world: the frame C of its site
   StartConfig start;
   control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include "config/nearest_key.h"
@@ -29,6 +30,34 @@ std::string Shown(const YAML::Node& node) {
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   return node.Tag() == "!" ? '"' + text + '"' : text;
 }
+
+// Notes how many documents a parser finds, and whether there is anything in them.
+class DocumentCounter final : public YAML::EventHandler {
+ public:
+  int count{0};
+  int line{0};  // where the last one begins
+  bool has_content{false};
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    ++count;
+    line = mark.line + 1;
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override { has_content = true; }
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {
+    has_content = true;
+  }
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {
+    has_content = true;
+  }
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    has_content = true;
+  }
+  void OnMapEnd() override {}
+};
 
 std::string ShownRange(double min, double max) { return fmt::format("{:.10g} … {:.10g}", min, max); }
 
@@ -154,16 +183,25 @@ Reader Reader::Load(const std::filesystem::path& path) {
 }
 
 Reader Reader::Parse(const std::string& text, const std::filesystem::path& name) {
-  std::vector<YAML::Node> documents;
+  YAML::Node document;
   try {
-    documents = YAML::LoadAll(text);
+    // YAML::LoadAll goes on for ever over a text that begins with what no document can (", a"): it takes
+    // nothing of it, and finds the same again. So documents are counted first, to the second one.
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    DocumentCounter counter;
+    while (counter.count < 2 && parser.HandleNextDocument(counter)) {
+    }
+    if (counter.count > 1 && !counter.has_content)
+      throw ConfigError(name.string(), counter.line, "not YAML: a document can not begin like this");
+    if (counter.count != 1)
+      throw ConfigError(name.string(), 0, fmt::format("found {} documents, accepted 1", counter.count));
+    document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw ConfigError(name.string(), error.mark.is_null() ? 0 : error.mark.line + 1,
                       "not YAML: " + error.msg);
   }
-  if (documents.size() != 1)
-    throw ConfigError(name.string(), 0, fmt::format("found {} documents, accepted 1", documents.size()));
-  return Reader(std::make_shared<Mapping>(name, documents.front(), LineOf(documents.front()), ""));
+  return Reader(std::make_shared<Mapping>(name, document, LineOf(document), ""));
 }
 
 bool Reader::Has(const std::string& key) {

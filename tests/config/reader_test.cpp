@@ -163,6 +163,10 @@ TEST(ReaderTest, FilesThatAreNoMappingAreRefused) {
   EXPECT_EQ(ErrorOf("", nothing), "config/tools/reamer_50.yaml: found 0 documents, accepted 1");
   EXPECT_EQ(ErrorOf("a: 1\n---\nb: 2\n", nothing),
             "config/tools/reamer_50.yaml: found 2 documents, accepted 1");
+  for (const char* endless : {", a\n", "# c\n, a: 1\n", "]\n", "}\n"}) {
+    const std::string error = ErrorOf(endless, nothing);
+    EXPECT_NE(error.find("not YAML: "), std::string::npos) << endless << error;
+  }
   EXPECT_EQ(ErrorOf("a: 1\nb: 2\na: 3\n", nothing),
             "config/tools/reamer_50.yaml:3: key \"a\" again, first in line 1");
   EXPECT_EQ(ErrorOf("[1, 2]: 3\n", nothing), "config/tools/reamer_50.yaml:1: a key must be a word");
