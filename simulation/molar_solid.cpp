@@ -97,7 +97,7 @@ double Pulp(const Vector3& p, double width) {
   };
   for (const Canal& canal : {Canal{1.0, 1.0}, Canal{1.0, -1.0}, Canal{-1.0, 0.0}}) {
     constexpr int kPieces = 6;
-    constexpr double kFrom = 0.08, kTo = 0.90;  // of the root's length
+    constexpr double kFrom = 0.08, kTo = 0.87;  // of the root's length
     const auto at = [&](int i) {
       const double s = static_cast<double>(i) / kPieces, t = kFrom + s * (kTo - kFrom);
       Vector3 place = RootAxis(canal.front, t);
