@@ -184,7 +184,9 @@ SceneSolid MakeSceneSolid(const SceneParams& scene) {
 
 tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& path, double scale,
                                                    const Cup& site, const SceneParams& scene) {
-  static_cast<void>(Checked(site));  // before the mesh, which takes longer
+  // before the mesh, which takes longer
+  CheckTissue(scene.mesh_tissue, scene.material_names.size());
+  static_cast<void>(Checked(site));
   const auto loaded = LoadMesh(path, {.scale = scale});
   if (!loaded) return tl::make_unexpected(loaded.error());
   return MakeMeshSolid(*loaded, path, site, scene);

@@ -42,8 +42,9 @@ TEST_P(SceneMotion, CutsItsSceneWithoutAFault) {
   auto engine = gpu::VulkanEngine::Create(setup->bone, setup->config.tool.tool, Pose::Identity(),
                                           setup->config.cutting, {});
   ASSERT_TRUE(engine) << engine.error();
-  // few frames a second, to be done soon: each still cuts at most what the spindle can in its time
-  const simulation::MotionPlayer player(*motion, 60.0);
+  // a quarter of the recording's rate, to be done soon: each frame cuts at most what the spindle can in its
+  // time
+  const simulation::MotionPlayer player(*motion, 250.0);
   simulation::ContactModel last;
   double most_N = 0.0;
   for (std::size_t k = 0; k < player.frame_count(); ++k) {
