@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "config/density_image.h"
 #include "config/load.h"
 #include "config/read_events.h"
 
@@ -107,14 +108,24 @@ void ReadZone(Reader section, simulation::ZoneParams& zone) {
       zone.path_C_m.push_back(point.Triple("at_mm", -500, 500));
 }
 
+// What a shell of a mesh encloses; its density image need not be there.
+simulation::ShellTissue ReadShellTissue(Reader& section, Names& names) {
+  simulation::ShellTissue read;
+  read.layers = ReadLayers(section, names);
+  read.core = names.Read(section, "core");
+  if (section.Has("density_image"))
+    read.image =
+        ReadDensityImage(section.Section("density_image"),
+                         [&names](Reader& inner, const std::string& key) { return names.Read(inner, key); });
+  return read;
+}
+
 void ReadMeshTissue(Reader section, simulation::MeshSceneTissue& tissue, Names& names) {
-  tissue.solid.layers = ReadLayers(section, names);
-  tissue.solid.core = names.Read(section, "core");
+  tissue.solid = ReadShellTissue(section, names);
   for (Reader& region : section.Sections("regions", 0, 8)) {
     auto& read = tissue.regions.emplace_back();
     read.name = region.Text("name");
-    read.tissue.layers = ReadLayers(region, names);
-    read.tissue.core = names.Read(region, "core");
+    read.tissue = ReadShellTissue(region, names);
   }
   for (Reader& lining : section.Sections("lining", 0, 1)) {
     auto& read = tissue.lining.emplace();

@@ -69,7 +69,7 @@ class ConfigFilesTest : public ::testing::Test {
     fs::remove_all(root_);
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(OSTEON_SOURCE_DIR) / "config")) {
       const bool yaml = entry.path().extension() == ".yaml";
-      if (!yaml && entry.path().extension() != ".obj") continue;
+      if (!yaml && entry.path().extension() != ".obj" && entry.path().extension() != ".png") continue;
       const fs::path copy = root_ / fs::relative(entry.path(), OSTEON_SOURCE_DIR);
       fs::create_directories(copy.parent_path());
       fs::copy_file(entry.path(), copy);
