@@ -43,7 +43,7 @@ TEST_P(SceneMotion, CutsItsSceneWithoutAFault) {
                                           setup->config.cutting, {});
   ASSERT_TRUE(engine) << engine.error();
   // few frames a second, to be done soon: each still cuts at most what the spindle can in its time
-  const simulation::MotionPlayer player(*motion, 60.0);
+  const simulation::MotionPlayer player(*motion, 30.0);
   simulation::ContactModel last;
   double most_N = 0.0;
   for (std::size_t k = 0; k < player.frame_count(); ++k) {
