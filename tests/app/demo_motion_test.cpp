@@ -30,7 +30,7 @@ TEST(SavedMotion, IsTheSameBytesForTheSameRun) {
   std::string bytes[2];
   for (std::string& b : bytes) {
     const CommandResult run =
-        RunCommand(folder.path(), {"demo", "--virtual-time", "--seconds", "0.4", "--engine", "reference",
+        RunCommand(folder.path(), {"demo", "--virtual-time", "--seconds", "0.2", "--engine", "reference",
                                    "--save-motion", "motion.csv"});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     b = io::test::ReadAll(folder.path() / "motion.csv");
