@@ -11,6 +11,7 @@
 
 #include "app/demo.h"
 #include "app/doctor.h"
+#include "app/tool_choice.h"
 #include "app/usage.h"
 #include "config/reader.h"
 
@@ -50,7 +51,7 @@ int Run(int argc, char** argv) {
       "Examples:\n  osteon demo\n  osteon demo --help\n  osteon doctor");
 
   osteon::app::DemoOptions demo;
-  std::string mesh, cup, cell = "demo";
+  std::string mesh, cup, tool, cell = "demo";
   double scale = 1.0;
   CLI::App* demo_app = app.add_subcommand("demo", "cuts bone on the simulated cell and leaves a report");
   demo_app->add_option("--seconds", demo.seconds, "time in COMMANDING_ACTIVE, 0.1 … 3600")
@@ -77,6 +78,8 @@ int Run(int argc, char** argv) {
       ->check(osteon::app::OneOf({"vulkan", "reference"}))
       ->capture_default_str();
   demo_app->add_option("--cell", cell, "a name under cells/, or a YAML file")->capture_default_str();
+  auto* tool_option = demo_app->add_option(
+      "--tool", tool, "NAME[:DIAMETER]: instead of the cell's; a name under tools/, or a YAML file; mm");
   demo_app->add_option("--port", demo.port, "FRI port on loopback instead of the cell's; 0: any free one")
       ->check(osteon::app::PortNumber());
   demo_app->add_option("--json", demo.json, "a further copy of summary.json");
@@ -115,6 +118,14 @@ int Run(int argc, char** argv) {
                  "osteon demo: --engine reference: found wall time, accepted with --virtual-time only\n");
       return 2;
     }
+    if (*tool_option) {
+      const auto parsed = osteon::app::ParseTool(tool, config_root);
+      if (!parsed) {
+        fmt::print(stderr, "osteon demo: {}\n", parsed.error());
+        return 2;
+      }
+      demo.tool = *parsed;
+    }
     if (*mesh_option) {
       if (mesh.empty()) {
         fmt::print(stderr, "osteon demo: --mesh: found no name, accepted a file\n");
@@ -127,7 +138,12 @@ int Run(int argc, char** argv) {
       }
       demo.mesh = osteon::app::MeshChoice{.file = mesh, .cup = *parsed, .scale = scale};
     }
-    return osteon::app::RunDemo(demo);
+    try {
+      return osteon::app::RunDemo(demo);
+    } catch (const osteon::config::ToolSizeError& error) {
+      fmt::print(stderr, "osteon demo: --tool {}: {}\n", tool, error.what());
+      return 2;
+    }
   }
   if (*doctor_app) return osteon::app::RunDoctor(port, doctor_json);
   fmt::print("{}", app.help());

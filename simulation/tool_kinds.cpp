@@ -94,17 +94,17 @@ Tool FitBalls(const std::string& name, const Solid& solid,
   const ToolFitParams params{.greatest_count = greatest_count};
   std::vector<SurfaceSample> samples;
   ToolFit fit;
-  for (std::size_t count = 32'000;; count *= 4) {
+  for (std::size_t count = 16'000;; count *= 4) {
     samples = sample(count);
     for (SurfaceSample& s : samples) s.gap_m *= kFitShare;
     fit = FitTool(solid, samples, first, params);
-    if (fit.balls.size() * kSamplesPerBall <= count) break;
+    if (fit.worst_ratio > 1.0 || fit.balls.size() * kSamplesPerBall <= count) break;
   }
   if (fit.worst_ratio > 1.0) {
     double scale = 1.0;  // that the balls suffice for
     while (fit.worst_ratio > 1.0 && scale < 1e3) {
-      scale *= 1.1;
-      for (SurfaceSample& s : samples) s.gap_m *= 1.1;
+      scale *= 1.2;
+      for (SurfaceSample& s : samples) s.gap_m *= 1.2;
       fit = FitTool(solid, samples, first, params);
     }
     throw std::invalid_argument(fmt::format(

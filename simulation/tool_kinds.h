@@ -82,9 +82,9 @@ struct TwistDrillParams {
   double flute_length_m{0.036};          ///< with the point
   double length_m{0.065};                ///< of all
   double flute_metal_ratio{0.6};         ///< share of the fluted cross-section that is metal
-  double flute_gap_m{0.3e-3};            ///< as in BallParams, of the flutes; the point has its cutting_gap_m
+  double flute_gap_m{0.384e-3};          ///< as in BallParams, of the flutes; the point has its cutting_gap_m
   double density_kg_per_m3{7900.0};
-  BallParams balls{};
+  BallParams balls{.greatest_count = 64, .cutting_gap_m = 0.128e-3, .touching_gap_m = 0.8e-3};
   HolderParams holder{};
 };
 [[nodiscard]] BuiltTool MakeTwistDrill(const TwistDrillParams& params);

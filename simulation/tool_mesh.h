@@ -22,7 +22,8 @@ struct MeshToolParams {
 /// The mesh's highest point must lie in T's origin's plane to within this.
 inline constexpr double kApexTolerance_m = 0.1e-3;
 
-/// A tool from a closed mesh in T, by balls that are fitted to its surface (FitTool). Mass from the mesh
+/// A tool from a closed mesh in T, by balls that are fitted to its surface (FitTool) at points spread by area:
+/// near a sharp edge of the mesh, where no point lies, the gap may be a fifth larger, in a corner more. Mass from the mesh
 /// (MeshMassProperties) and the holder.
 /// @pre CheckMesh accepts the mesh.
 /// @throws std::invalid_argument naming the figure and what is accepted: also where the mesh's highest point

@@ -83,7 +83,7 @@ TEST(SetUpCell, PutsAMeshsCupWhereTheScenesWouldBe) {
 TEST(SetUpCell, KeepsTheConfigurationAsItWasRead) {
   const auto setup = SetUpCell(kDemoCell, std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
-  for (const char* key : {"# cells/demo.yaml", "# robots/lbr_iiwa_14_r820.yaml", "# tools/reamer_50.yaml",
+  for (const char* key : {"# cells/demo.yaml", "# robots/lbr_iiwa_14_r820.yaml", "# tools/reamer.yaml",
                           "# scenes/acetabulum.yaml", "# materials/bone.yaml", "max_force_N: 200"})
     EXPECT_NE(setup->config_text.find(key), std::string::npos) << key;
   // the scene's cup is in its own origin: the bone's frame stays as configured

@@ -118,18 +118,27 @@ TEST_F(WrongInput, CellAndConfiguration) {
   ExpectRefused({"demo", "--cell", "nosuch.yaml"}, {"nosuch.yaml"});
   ExpectRefused({"--config-root", "/nonexistent", "demo"}, {"/nonexistent"});
 
-  std::string root = ConfigWith("tools/reamer_50.yaml", "radius_mm: 25", "raduis_mm: 25");
+  std::string root = ConfigWith("tools/reamer.yaml", "radius_mm: 8", "raduis_mm: 8");
   ExpectRefused({"--config-root", root, "demo"},
-                {root + "/tools/reamer_50.yaml:7: ", "unknown key \"raduis_mm\"", "\"radius_mm\""});
-  root = ConfigWith("tools/reamer_50.yaml", "radius_mm: 25", "radius_mm: -25");
+                {root + "/tools/reamer.yaml:16: ", "unknown key \"raduis_mm\"", "\"radius_mm\""});
+  root = ConfigWith("tools/reamer.yaml", "radius_mm: 8", "radius_mm: -8");
   ExpectRefused({"--config-root", root, "demo"},
-                {root + "/tools/reamer_50.yaml:7: radius_mm: found -25, accepted 1 … 100"});
+                {root + "/tools/reamer.yaml:16: radius_mm: found -8, accepted 0.5 … 50"});
+  root = ConfigWith("cells/demo.yaml", "tool_diameter_mm: 50", "tool_diameter_mm: 80");
+  ExpectRefused({"--config-root", root, "demo"},
+                {root + "/cells/demo.yaml:5: tool_diameter_mm: found 80, accepted 36 … 68 in steps of 1"});
   root = ConfigWith("cells/demo.yaml", "max_force_N: 200", "max_force_N: 2000");
   ExpectRefused({"--config-root", root, "demo"}, {root + "/cells/demo.yaml:", "max_force_N: found 2000"});
   root = ConfigWith("cells/demo.yaml", "fri:", "fri: [");
   ExpectRefused({"--config-root", root, "demo"}, {root + "/cells/demo.yaml:"});
-  root = ConfigWith("cells/demo.yaml", "reamer_50.yaml", "reamer_51.yaml");
-  ExpectRefused({"--config-root", root, "demo"}, {root + "/cells/demo.yaml:", "reamer_51.yaml"});
+  root = ConfigWith("cells/demo.yaml", "tools/reamer.yaml", "tools/rimmer.yaml");
+  ExpectRefused({"--config-root", root, "demo"}, {root + "/cells/demo.yaml:", "rimmer.yaml"});
+}
+
+TEST_F(WrongInput, Tool) {
+  ExpectRefused({"demo", "--tool", "nosuch"}, {"--tool nosuch", "accepted", "reamer", "twist_drill"});
+  ExpectRefused({"demo", "--tool", "reamer:big"}, {"found \"big\"", "a diameter in mm"});
+  ExpectRefused({"demo", "--tool", "reamer:80"}, {"--tool reamer:80: found 80", "36 … 68 in steps of 1"});
 }
 
 TEST_F(WrongInput, Device) {

@@ -44,8 +44,12 @@ TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
   EXPECT_DOUBLE_EQ(cell_.servo.joints.limits[6].position_rad, 175.0 * kDegree);
   EXPECT_EQ(cell_.simulated.servo.dead_cycles, 3);
   EXPECT_DOUBLE_EQ(cell_.cutting.max_slide_m, simulation::CuttingParams{}.max_slide_m);
-  EXPECT_DOUBLE_EQ(cell_.tool.tool.mass_kg, 0.9);
-  EXPECT_DOUBLE_EQ(Vector3(cell_.tool.tool.center_of_mass_m).z(), -0.08);
+  EXPECT_EQ(cell_.tool.tool.name, "hemispherical reamer 50 mm");
+  EXPECT_EQ(cell_.tool.tool.balls.size(), 16u) << "a head and 120 mm of shaft";
+  EXPECT_EQ(cell_.tool.X_FT.translation(), Vector3(0, 0, 180e-3))
+      << "bit for bit: the demo's hash hangs on it";
+  EXPECT_NEAR(cell_.tool.tool.mass_kg, 0.9, 0.05);
+  EXPECT_LT(Vector3(cell_.tool.tool.center_of_mass_m).z(), -0.05) << "behind the head";
   EXPECT_EQ(cell_.simulated.fri.quality.end_after_lost_in_a_row, 20) << "Franka's figure";
   EXPECT_EQ(cell_.simulated.fri.quality.end_after_lost_per_s, 200);
   EXPECT_EQ(hil::QualityPolicyParams{}.end_after_lost_in_a_row, 5) << "the library's own stay the design's";
