@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include "config/nearest_key.h"
@@ -46,6 +47,33 @@ double UnitOrThrow(const std::string& key) {
   const std::optional<double> unit = UnitOf(key);
   if (!unit) throw std::logic_error("config: the key \"" + key + "\" names no unit");
   return *unit;
+}
+
+/// Takes note of nothing.
+class Deaf final : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+  }
+  void OnMapEnd() override {}
+};
+
+/// 0, 1, or 2 for more. yaml-cpp's LoadAll never ends, and takes all memory, where a document begins with a
+/// comma: it finds an empty one there without going on.
+int CountDocuments(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  Deaf deaf;
+  int count = 0;
+  while (count < 2 && parser.HandleNextDocument(deaf)) ++count;
+  return count;
 }
 
 }  // namespace
@@ -154,16 +182,18 @@ Reader Reader::Load(const std::filesystem::path& path) {
 }
 
 Reader Reader::Parse(const std::string& text, const std::filesystem::path& name) {
-  std::vector<YAML::Node> documents;
+  int documents = 0;
+  YAML::Node document;
   try {
-    documents = YAML::LoadAll(text);
+    documents = CountDocuments(text);
+    if (documents == 1) document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw ConfigError(name.string(), error.mark.is_null() ? 0 : error.mark.line + 1,
                       "not YAML: " + error.msg);
   }
-  if (documents.size() != 1)
-    throw ConfigError(name.string(), 0, fmt::format("found {} documents, accepted 1", documents.size()));
-  return Reader(std::make_shared<Mapping>(name, documents.front(), LineOf(documents.front()), ""));
+  if (documents != 1)
+    throw ConfigError(name.string(), 0, fmt::format("found {} documents, accepted 1", documents));
+  return Reader(std::make_shared<Mapping>(name, document, LineOf(document), ""));
 }
 
 bool Reader::Has(const std::string& key) {

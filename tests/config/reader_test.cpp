@@ -163,6 +163,8 @@ TEST(ReaderTest, FilesThatAreNoMappingAreRefused) {
   EXPECT_EQ(ErrorOf("", nothing), "config/tools/reamer_50.yaml: found 0 documents, accepted 1");
   EXPECT_EQ(ErrorOf("a: 1\n---\nb: 2\n", nothing),
             "config/tools/reamer_50.yaml: found 2 documents, accepted 1");
+  // in yaml-cpp 0.7 documents without end
+  EXPECT_EQ(ErrorOf("# a\n, b: 1\n", nothing), "config/tools/reamer_50.yaml: found 2 documents, accepted 1");
   EXPECT_EQ(ErrorOf("a: 1\nb: 2\na: 3\n", nothing),
             "config/tools/reamer_50.yaml:3: key \"a\" again, first in line 1");
   EXPECT_EQ(ErrorOf("[1, 2]: 3\n", nothing), "config/tools/reamer_50.yaml:1: a key must be a word");
