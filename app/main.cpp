@@ -86,7 +86,7 @@ int Run(int argc, char** argv) {
   demo_app->footer(
       "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
       "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21\n"
-      "  osteon demo --cell molar --mesh tooth.obj --scale 0.041 --cup 0.4,1.2,8.3,0,0,1,1.75");
+      "  osteon demo --cell molar --mesh tooth.obj --scale 0.041 --cup 0,0.5,8,0,0,1,1.75");
 
   std::uint16_t port = 30200;
   std::filesystem::path doctor_json;
