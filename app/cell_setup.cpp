@@ -93,9 +93,10 @@ tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
 }
 
 tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell_yaml,
-                                               const std::optional<MeshChoice>& mesh) {
+                                               const std::optional<MeshChoice>& mesh,
+                                               const std::optional<config::ToolChoice>& tool) {
   CellSetup setup;
-  setup.config = config::LoadCell(cell_yaml);
+  setup.config = config::LoadCell(cell_yaml, tool);
   setup.config_text = ConfigText(cell_yaml);
   const simulation::SceneParams& scene = setup.config.scene;
   if (mesh && mesh->file.extension() == ".osp") {

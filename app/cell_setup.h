@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "config/cell_config.h"
+#include "config/load.h"
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/solid.h"
@@ -38,9 +39,12 @@ struct CellSetup {
 /// Loads the cell's YAML and makes its bone; a mesh is placed so that its site (a cup, or the
 /// circle where a drill enters) lies where the scene's would.
 /// @param config_root  the folder with cells/, robots/ …
-/// @throws config::ConfigError; other errors (of the mesh) come back as text.
-[[nodiscard]] tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell_yaml,
-                                                             const std::optional<MeshChoice>& mesh);
+/// @param tool  instead of the cell's
+/// @throws config::ConfigError; config::ToolSizeError where `tool` has no such size; other errors (of the
+/// mesh) come back as text.
+[[nodiscard]] tl::expected<CellSetup, std::string> SetUpCell(
+    const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh,
+    const std::optional<config::ToolChoice>& tool = {});
 
 /// @param engine  "vulkan" or "reference";  @param device  part of a Vulkan device's name, or empty
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(

@@ -101,7 +101,7 @@ int RunDemo(const DemoOptions& options) {
         fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kLeastSeconds, kMostSeconds));
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail(wrong);
 
-  auto setup = SetUpCell(options.cell, options.mesh);
+  auto setup = SetUpCell(options.cell, options.mesh, options.tool);
   if (!setup) return Fail(setup.error());
   if (options.port) setup->config.fri.port = *options.port;
   auto engine = MakeEngine(*setup, options.engine, options.device);

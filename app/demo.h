@@ -16,6 +16,7 @@ struct DemoOptions {
   std::filesystem::path out{"demo_out"};
   std::filesystem::path cell;  ///< the cell's YAML
   std::optional<MeshChoice> mesh{};
+  std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
   bool virtual_time{false};
   std::string device{};
   std::string engine{"vulkan"};

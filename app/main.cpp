@@ -155,7 +155,7 @@ int Run(int argc, char** argv) {
       "Examples:\n  osteon demo\n  osteon demo --help\n  osteon pack --help\n  osteon doctor");
 
   osteon::app::DemoOptions demo;
-  std::string mesh, cup, cell = "demo";
+  std::string mesh, cup, tool, cell = "demo";
   double scale = 1.0;
   CLI::App* demo_app = app.add_subcommand("demo", "cuts bone on the simulated cell and leaves a report");
   demo_app->add_option("--seconds", demo.seconds, "time in COMMANDING_ACTIVE, 0.1 … 3600")
@@ -181,6 +181,8 @@ int Run(int argc, char** argv) {
       ->check(osteon::app::OneOf({"vulkan", "reference"}))
       ->capture_default_str();
   demo_app->add_option("--cell", cell, "a name under cells/, or a YAML file")->capture_default_str();
+  auto* tool_option = demo_app->add_option(
+      "--tool", tool, "NAME[:DIAMETER]: instead of the cell's; a name under tools/, or a YAML file; mm");
   demo_app->add_option("--port", demo.port, "FRI port on loopback instead of the cell's; 0: any free one")
       ->check(osteon::app::PortNumber());
   demo_app->add_option("--json", demo.json, "a further copy of summary.json");
@@ -189,7 +191,7 @@ int Run(int argc, char** argv) {
   demo_app->footer(
       "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
       "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21\n"
-      "  osteon demo --cell molar --mesh tooth.obj --scale 0.041 --cup 0.4,1.2,8.3,0,0,1,1.75");
+      "  osteon demo --cell molar --mesh tooth.obj --scale 0.041 --cup 0,0.5,8,0,0,1,1.75");
 
   osteon::app::PackOptions pack;
   PackTexts pack_texts;
@@ -225,6 +227,14 @@ int Run(int argc, char** argv) {
                  "osteon demo: --engine reference: found wall time, accepted with --virtual-time only\n");
       return 2;
     }
+    if (*tool_option) {
+      const auto parsed = osteon::app::ParseTool(tool, config_root);
+      if (!parsed) {
+        fmt::print(stderr, "osteon demo: {}\n", parsed.error());
+        return 2;
+      }
+      demo.tool = *parsed;
+    }
     if (*mesh_option) {
       demo.mesh = osteon::app::MeshChoice{.file = mesh, .scale = scale};
       std::string wrong = mesh.empty() ? "--mesh: found no name, accepted a file" : "";
@@ -241,7 +251,12 @@ int Run(int argc, char** argv) {
         return 2;
       }
     }
-    return osteon::app::RunDemo(demo);
+    try {
+      return osteon::app::RunDemo(demo);
+    } catch (const osteon::config::ToolSizeError& error) {
+      fmt::print(stderr, "osteon demo: --tool {}: {}\n", tool, error.what());
+      return 2;
+    }
   }
   if (*pack_app) {
     pack.command_line = CommandLine(argc, argv);

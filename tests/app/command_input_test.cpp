@@ -135,6 +135,12 @@ TEST_F(WrongInput, CellAndConfiguration) {
   ExpectRefused({"--config-root", root, "demo"}, {root + "/cells/demo.yaml:", "rimmer.yaml"});
 }
 
+TEST_F(WrongInput, Tool) {
+  ExpectRefused({"demo", "--tool", "nosuch"}, {"--tool nosuch", "accepted", "reamer", "twist_drill"});
+  ExpectRefused({"demo", "--tool", "reamer:big"}, {"found \"big\"", "a diameter in mm"});
+  ExpectRefused({"demo", "--tool", "reamer:80"}, {"--tool reamer:80: found 80", "36 … 68 in steps of 1"});
+}
+
 TEST_F(WrongInput, Device) {
   one_line_ = false;  // the devices follow, one a line
   ExpectRefused({"demo", "--device", "nosuch"}, {"\"nosuch\"", "found:\n  "});
