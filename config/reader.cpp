@@ -77,33 +77,6 @@ double UnitOrThrow(const std::string& key) {
   return *unit;
 }
 
-/// Takes note of nothing.
-class Deaf final : public YAML::EventHandler {
- public:
-  void OnDocumentStart(const YAML::Mark&) override {}
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                       YAML::EmitterStyle::value) override {}
-  void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
-  }
-  void OnMapEnd() override {}
-};
-
-/// 0, 1, or 2 for more. yaml-cpp's LoadAll never ends, and takes all memory, where a document begins with a
-/// comma: it finds an empty one there without going on.
-int CountDocuments(const std::string& text) {
-  std::istringstream stream(text);
-  YAML::Parser parser(stream);
-  Deaf deaf;
-  int count = 0;
-  while (count < 2 && parser.HandleNextDocument(deaf)) ++count;
-  return count;
-}
-
 }  // namespace
 
 ConfigError::ConfigError(const std::string& file, int line, const std::string& what)

@@ -39,13 +39,8 @@ TEST_P(SceneMotion, CutsItsSceneWithoutAFault) {
   ASSERT_TRUE(setup) << setup.error();
   EXPECT_EQ(setup->config.tool.tool.name, motion->origin.tool) << "made with another tool: make it again";
   EXPECT_EQ(setup->bone.name, motion->origin.scene) << "made with another scene: make it again";
-  // few frames a second, to be done soon: each still cuts at most what the spindle can in its time, and may
-  // slide as far as the fastest tool (150 mm/s) comes in it
-  constexpr double kRate_hz = 40.0;
-  simulation::CuttingParams cutting = setup->config.cutting;
-  cutting.max_slide_m = 0.15 / kRate_hz;
-  auto engine =
-      gpu::VulkanEngine::Create(setup->bone, setup->config.tool.tool, Pose::Identity(), cutting, {});
+  auto engine = gpu::VulkanEngine::Create(setup->bone, setup->config.tool.tool, Pose::Identity(),
+                                          setup->config.cutting, {});
   ASSERT_TRUE(engine) << engine.error();
   // a quarter of the recording's rate, to be done soon: each frame cuts at most what the spindle can in its
   // time
