@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 #include "simple_solids.h"
+#include "simulation/hole_search.h"
 
 namespace osteon::simulation {
 namespace {
@@ -94,6 +95,22 @@ TEST_F(InABox, ACappedBallRestsOnItsThreeNearest) {
   const Ball hole = ClimbFrom({0.5e-3, -1e-3, 8e-3}, {.zone = zone_, .radius_m = cap});
   EXPECT_NEAR(hole.radius_m, cap, 1e-9 * cap);  // where Newton's method ends
   EXPECT_NEAR((Vector3(hole.center_m) - Vector3(0, 0, std::sqrt(64e-6 - 36e-6))).norm(), 0.0, 1e-8 * cap);
+}
+
+// All of the box at once: the holes in its eight corners beside the ball in its middle, and nothing larger.
+TEST_F(InABox, SearchingACubeFindsEveryHoleAndNoOther) {
+  balls_.Insert({.center_m = Vector3::Zero(), .radius_m = 0.05});
+  const double hole = (2.0 - std::sqrt(3.0)) * 0.05;
+  const RadiusCap cap{.zone = zone_, .radius_m = 1.0};
+  const DistanceGrid depths(solid_, 32, 1);
+  HoleSearch search(solid_, depths, balls_, cap, 0);
+  std::vector<Ball> found;
+  search.InCube(Vector3::Zero(), 0.1, 0.99 * hole, found);
+  ASSERT_EQ(found.size(), 8u);
+  for (const Ball& ball : found) EXPECT_NEAR(ball.radius_m, hole, 0.01 * hole);
+  found.clear();
+  search.InCube(Vector3::Zero(), 0.1, 1.001 * hole, found);
+  EXPECT_TRUE(found.empty());
 }
 
 TEST(DistanceGrid, NeverSaysMoreThanTheDistance) {
