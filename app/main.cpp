@@ -12,6 +12,7 @@
 #include "app/demo.h"
 #include "app/doctor.h"
 #include "app/pack.h"
+#include "app/tool_choice.h"
 #include "app/usage.h"
 #include "config/reader.h"
 
