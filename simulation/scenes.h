@@ -110,7 +110,7 @@ struct SceneSolid {
 
 /// Fills the solid with balls and mass points, as fine as the scene asks.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted; also where the
-/// materials are not those that are named, or the solid takes more than 20 million cells.
+/// materials are not those that are named, or the solid takes more than 100 million cells.
 [[nodiscard]] Bone PackScene(const SceneSolid& solid, const SceneParams& scene);
 
 /// The generated acetabulum by itself.

@@ -78,13 +78,13 @@ TEST(MaterialsConfig, FoamsHaveTheDensityOfTheirGrade) {
 }
 
 TEST(MaterialsConfig, WhatHasNoSourceIsMarkedAndListed) {
-  const std::vector<simulation::Material> tooth = LoadMaterials(Shipped("tooth.yaml"));
-  EXPECT_FALSE(tooth[0].density_source.assumed);
-  EXPECT_THAT(tooth[0].density_source.text, HasSubstr("Manly"));
-  EXPECT_TRUE(tooth[0].cutting_energy_source.assumed);
-  const std::vector<std::string> assumed = simulation::Assumptions(tooth);
-  EXPECT_THAT(assumed, testing::Contains(HasSubstr("enamel: cutting energy 6.3 J/mm^3 (dentine's")));
-  EXPECT_THAT(assumed, testing::Not(testing::Contains(HasSubstr("dentine: density"))));
+  const std::vector<simulation::Material> bone = LoadMaterials(Shipped("bone.yaml"));
+  EXPECT_FALSE(bone[1].cutting_energy_source.assumed);
+  EXPECT_THAT(bone[1].cutting_energy_source.text, HasSubstr("MacAvelia"));
+  EXPECT_TRUE(bone[0].density_source.assumed);
+  const std::vector<std::string> assumed = simulation::Assumptions(bone);
+  EXPECT_THAT(assumed, testing::Contains(HasSubstr("cartilage: density 1.1 g/cm^3 (")));
+  EXPECT_THAT(assumed, testing::Not(testing::Contains(HasSubstr("cortical: cutting energy"))));
 }
 
 TEST(MaterialsConfig, MistakesAreAnsweredWithLineAndWhatIsAccepted) {

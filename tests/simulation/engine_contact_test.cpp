@@ -264,7 +264,7 @@ TEST_P(EngineContact, InACupThePressedToolIsHeldAlongTheCupsNormal) {
     const ContactModel model = engine->Step(At(X_WT));
     if (i < 4) continue;  // the first frames reach the wall
     // the force points back to the cup's centre
-    // the packing's wall is rough by .06 mm (p95) where the clearance is 1 mm: .06 rad
+    // the packing's wall is rough by .03 mm (p95) where the clearance is 1 mm
     EXPECT_LT(Degrees(model.n_W, -out), 8.0) << i;
     if (before != Vector3::Zero()) {
       EXPECT_GT(before.dot(Vector3(model.n_W)), 0.9) << i;
