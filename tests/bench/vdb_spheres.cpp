@@ -14,7 +14,9 @@ std::string VdbVersion() { return OPENVDB_LIBRARY_VERSION_STRING; }
 VdbSpheres FillWithVdb(const simulation::TriangleMesh& mesh, std::size_t count, bool overlapping) {
   constexpr double kVoxel_mm = 0.5, kMm = 1e3;
   constexpr float kBand_voxels = 3.0f, kLeastRadius_voxels = 0.1f;
-  constexpr int kFewestInstances = 100'000;
+  // Places that it tries spheres at: too few cost coverage (1 M against 100 k at 10 000 disjoint spheres of a
+  // hip bone: .776 against .717), and each costs time for each sphere.
+  constexpr int kFewestInstances = 100'000, kMostInstances = 1'000'000;
   openvdb::initialize();
   using Clock = std::chrono::steady_clock;
   const auto seconds = [](Clock::duration d) { return std::chrono::duration<double>(d).count(); };
@@ -34,7 +36,8 @@ VdbSpheres FillWithVdb(const simulation::TriangleMesh& mesh, std::size_t count, 
   std::vector<openvdb::Vec4s> spheres;
   const int most = static_cast<int>(count);
   openvdb::tools::fillWithSpheres(*grid, spheres, openvdb::Vec2i(1, most), overlapping, kLeastRadius_voxels,
-                                  std::numeric_limits<float>::max(), 0.0f, std::max(kFewestInstances, most));
+                                  std::numeric_limits<float>::max(), 0.0f,
+                                  std::clamp(100 * most, kFewestInstances, kMostInstances));
   result.fill_s = seconds(Clock::now() - filled_from);
   for (const openvdb::Vec4s& s : spheres)
     result.balls.push_back({.center_m = Vector3(s[0] / kMm, s[1] / kMm, s[2] / kMm), .radius_m = s[3] / kMm});

@@ -10,7 +10,7 @@
 namespace osteon::config {
 namespace {
 
-constexpr const char* kName = "config/tools/reamer_50.yaml";
+constexpr const char* kName = "config/tools/reamer.yaml";
 
 // The text of the error that reading and finishing gives; empty where there is none.
 template <typename Read>
@@ -62,7 +62,7 @@ TEST(ReaderTest, NumbersComeInSi) {
 
 TEST(ReaderTest, NumberOutOfRangeNamesFileLineKeyAndRange) {
   EXPECT_EQ(ErrorOf("\n\n\n\n\n\nradius_mm: -25\n", ReadRadius),
-            "config/tools/reamer_50.yaml:7: radius_mm: found -25, accepted 1 … 100");
+            "config/tools/reamer.yaml:7: radius_mm: found -25, accepted 1 … 100");
 }
 
 TEST(ReaderTest, WhatIsNoNumberIsShownAsWritten) {
@@ -87,16 +87,16 @@ TEST(ReaderTest, WhatIsNoNumberIsShownAsWritten) {
 
 TEST(ReaderTest, UnknownKeyComesWithTheNearestKnownOne) {
   EXPECT_EQ(ErrorOf("raduis_mm: 25\n", ReadRadius),
-            "config/tools/reamer_50.yaml:1: unknown key \"raduis_mm\"; did you mean \"radius_mm\"?");
+            "config/tools/reamer.yaml:1: unknown key \"raduis_mm\"; did you mean \"radius_mm\"?");
   EXPECT_EQ(ErrorOf("radius_mm: 25\ncolour: red\n", ReadRadius),
-            "config/tools/reamer_50.yaml:2: unknown key \"colour\"");
+            "config/tools/reamer.yaml:2: unknown key \"colour\"");
   // a missing key is the better guess, even where one that is there is spelt more alike
   const auto two = [](Reader& reader) {
     static_cast<void>(reader.Number("stiffness_N_per_m", 1, 100));
     static_cast<void>(reader.Number("stiffness_N_per_mm", 1, 100));
   };
   EXPECT_EQ(ErrorOf("stiffness_N_per_mm: 2\nstifness_N_per_mm: 3\n", two),
-            "config/tools/reamer_50.yaml:2: unknown key \"stifness_N_per_mm\"; did you mean "
+            "config/tools/reamer.yaml:2: unknown key \"stifness_N_per_mm\"; did you mean "
             "\"stiffness_N_per_m\"?");
 }
 
@@ -108,11 +108,11 @@ TEST(ReaderTest, MissingKeyNamesWhatIsAccepted) {
     static_cast<void>(reader.Text("name"));
   };
   EXPECT_EQ(ErrorOf("# tool\nname: a\nhead: {}\n", read),
-            "config/tools/reamer_50.yaml:3: missing key \"radius_mm\", accepted 1 … 100");
+            "config/tools/reamer.yaml:3: missing key \"radius_mm\", accepted 1 … 100");
   EXPECT_EQ(ErrorOf("# tool\nname: a\n", read),
-            "config/tools/reamer_50.yaml:2: missing key \"head\", accepted a mapping");
+            "config/tools/reamer.yaml:2: missing key \"head\", accepted a mapping");
   EXPECT_EQ(ErrorOf("name: a\nhead:\n# end\n", read),
-            "config/tools/reamer_50.yaml:2: head: found nothing, accepted a mapping");
+            "config/tools/reamer.yaml:2: head: found nothing, accepted a mapping");
 }
 
 TEST(ReaderTest, UnknownKeysInsideSectionsAndListsAreFoundByTheOuterFinish) {
@@ -122,56 +122,56 @@ TEST(ReaderTest, UnknownKeysInsideSectionsAndListsAreFoundByTheOuterFinish) {
   };
   EXPECT_EQ(ErrorOf("joints:\n  - position_deg: 1\n  - position_deg: 2\n", read), "");
   EXPECT_EQ(ErrorOf("joints:\n  - position_deg: 1\n  - {position_deg: 2, speed_deg: 3}\n", read),
-            "config/tools/reamer_50.yaml:3: unknown key \"speed_deg\"");
+            "config/tools/reamer.yaml:3: unknown key \"speed_deg\"");
   EXPECT_EQ(ErrorOf("joints:\n  - position_deg: 1\n", read),
-            "config/tools/reamer_50.yaml:2: joints: found a list of 1, accepted a list of 2 mappings");
+            "config/tools/reamer.yaml:2: joints: found a list of 1, accepted a list of 2 mappings");
 }
 
 TEST(ReaderTest, TextsWordsAndListsAreChecked) {
   const auto law = [](Reader& reader) { static_cast<void>(reader.Choice("law", {"rate", "immediate"})); };
   EXPECT_EQ(ErrorOf("law: fast\n", law),
-            "config/tools/reamer_50.yaml:1: law: found fast, accepted rate, immediate");
+            "config/tools/reamer.yaml:1: law: found fast, accepted rate, immediate");
   const auto text = [](Reader& reader) { static_cast<void>(reader.Text("name")); };
   EXPECT_EQ(ErrorOf("name: [a]\n", text),
-            "config/tools/reamer_50.yaml:1: name: found a list of 1, accepted a text");
+            "config/tools/reamer.yaml:1: name: found a list of 1, accepted a text");
   const auto triple = [](Reader& reader) { static_cast<void>(reader.Triple("p_mm", -1, 1)); };
   EXPECT_EQ(ErrorOf("p_mm: [0, 1]\n", triple),
-            "config/tools/reamer_50.yaml:1: p_mm: found a list of 2, accepted a list of 3 numbers -1 … 1");
+            "config/tools/reamer.yaml:1: p_mm: found a list of 2, accepted a list of 3 numbers -1 … 1");
   EXPECT_EQ(ErrorOf("p_mm:\n - 0\n - 1\n - 7\n", triple),
-            "config/tools/reamer_50.yaml:4: p_mm: found 7, accepted -1 … 1");
+            "config/tools/reamer.yaml:4: p_mm: found 7, accepted -1 … 1");
   const auto direction = [](Reader& reader) { static_cast<void>(reader.Direction("n_axis")); };
   EXPECT_EQ(ErrorOf("n_axis: [0, 0, 0.5]\n", direction),
-            "config/tools/reamer_50.yaml:1: n_axis: found a length of 0.5, accepted 1");
+            "config/tools/reamer.yaml:1: n_axis: found a length of 0.5, accepted 1");
   const auto whole = [](Reader& reader) { static_cast<void>(reader.Whole("port", 1024, 65535)); };
   EXPECT_EQ(ErrorOf("port: 80\n", whole),
-            "config/tools/reamer_50.yaml:1: port: found 80, accepted a whole number 1024 … 65535");
+            "config/tools/reamer.yaml:1: port: found 80, accepted a whole number 1024 … 65535");
   EXPECT_EQ(ErrorOf("port: 2000.5\n", whole),
-            "config/tools/reamer_50.yaml:1: port: found 2000.5, accepted a whole number 1024 … 65535");
+            "config/tools/reamer.yaml:1: port: found 2000.5, accepted a whole number 1024 … 65535");
   EXPECT_EQ(ErrorOf("port: 99999999999\n", whole),
-            "config/tools/reamer_50.yaml:1: port: found 99999999999, accepted a whole number 1024 … 65535");
+            "config/tools/reamer.yaml:1: port: found 99999999999, accepted a whole number 1024 … 65535");
   const auto file = [](Reader& reader) { static_cast<void>(reader.File("robot")); };
   EXPECT_EQ(
       ErrorOf("robot: ../none.yaml\n", file),
-      "config/tools/reamer_50.yaml:1: robot: found ../none.yaml, accepted an existing file (there is no "
+      "config/tools/reamer.yaml:1: robot: found ../none.yaml, accepted an existing file (there is no "
       "config/none.yaml)");
 }
 
 TEST(ReaderTest, FilesThatAreNoMappingAreRefused) {
   const auto nothing = [](Reader&) {};
   EXPECT_EQ(ErrorOf("- 1\n- 2\n", nothing),
-            "config/tools/reamer_50.yaml:1: found a list of 2, accepted a mapping");
-  EXPECT_EQ(ErrorOf("", nothing), "config/tools/reamer_50.yaml: found 0 documents, accepted 1");
+            "config/tools/reamer.yaml:1: found a list of 2, accepted a mapping");
+  EXPECT_EQ(ErrorOf("", nothing), "config/tools/reamer.yaml: found 0 documents, accepted 1");
   EXPECT_EQ(ErrorOf("a: 1\n---\nb: 2\n", nothing),
-            "config/tools/reamer_50.yaml: found 2 documents, accepted 1");
+            "config/tools/reamer.yaml: found 2 documents, accepted 1");
   for (const char* endless : {", a\n", "# c\n, a: 1\n", "]\n", "}\n"}) {
     const std::string error = ErrorOf(endless, nothing);
     EXPECT_NE(error.find("not YAML: "), std::string::npos) << endless << error;
   }
   EXPECT_EQ(ErrorOf("a: 1\nb: 2\na: 3\n", nothing),
-            "config/tools/reamer_50.yaml:3: key \"a\" again, first in line 1");
-  EXPECT_EQ(ErrorOf("[1, 2]: 3\n", nothing), "config/tools/reamer_50.yaml:1: a key must be a word");
+            "config/tools/reamer.yaml:3: key \"a\" again, first in line 1");
+  EXPECT_EQ(ErrorOf("[1, 2]: 3\n", nothing), "config/tools/reamer.yaml:1: a key must be a word");
   const std::string syntax = ErrorOf("a: 1\nb: [1, 2\n", nothing);
-  EXPECT_TRUE(syntax.starts_with("config/tools/reamer_50.yaml:3: not YAML: ")) << syntax;
+  EXPECT_TRUE(syntax.starts_with("config/tools/reamer.yaml:3: not YAML: ")) << syntax;
 }
 
 TEST(ReaderTest, MissingFileAndFolderAreNamed) {
