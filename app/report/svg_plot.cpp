@@ -25,14 +25,23 @@ struct Extent {
   [[nodiscard]] bool Any() const { return min <= max; }
 };
 
+/// A little more than the data, which are positive.
+Range LogRange(const Extent& extent) {
+  constexpr double kMargin = 1.15;
+  if (!extent.Any()) return {1.0, 10.0};
+  return {extent.min / kMargin, extent.max * kMargin};
+}
+
 Range CommonX(std::span<const LineChart> panels) {
   Extent extent;
   for (const LineChart& panel : panels) {
     if (panel.x) return *panel.x;
     for (const Series& series : panel.series)
       for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i)
-        if (std::isfinite(series.y[i])) extent.Add(series.x[i]);
+        if (std::isfinite(series.y[i]) && (!panels.front().log_x || series.x[i] > 0.0))
+          extent.Add(series.x[i]);
   }
+  if (!panels.empty() && panels.front().log_x) return LogRange(extent);
   if (!extent.Any()) return {0.0, 1.0};
   if (!(extent.max > extent.min)) return NiceRange({extent.min, extent.max}, 5);
   // a run of 9.999 s ends at its tick of 10 s
@@ -47,7 +56,9 @@ Range YRange(const LineChart& panel, int max_ticks) {
   if (panel.y) return *panel.y;
   Extent extent;
   for (const Series& series : panel.series)
-    for (const double y : series.y) extent.Add(y);
+    for (const double y : series.y)
+      if (!panel.log_y || y > 0.0) extent.Add(y);
+  if (panel.log_y) return LogRange(extent);
   for (const LimitLine& limit : panel.limits) extent.Add(1.05 * limit.value);  // not on the frame
   if (panel.y_from_zero) extent.Add(0.0);
   if (!extent.Any()) return {0.0, 1.0};
@@ -62,6 +73,7 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
   for (const auto& run : DecimateMinMax(series.x, series.y, area.x, columns)) {
     char command = 'M';
     for (const PlotPoint& point : run) {
+      if ((area.log_x && !(point.x > 0.0)) || (area.log_y && !(point.y > 0.0))) continue;
       path += fmt::format("{}{} {}", command, Pixels(area.X(point.x)),
                           Pixels(area.Y(std::clamp(point.y, area.y.min, area.y.max))));
       command = 'L';
@@ -114,8 +126,13 @@ std::string Svg(std::span<const LineChart> panels, double width_px) {
   for (const LineChart& panel : panels) {
     PanelPlan plan;
     const int max_ticks = std::max(2, static_cast<int>(panel.plot_height_px / 34.0));
-    plan.area = {.height = panel.plot_height_px, .x = x, .y = YRange(panel, max_ticks)};
-    plan.y_ticks = LinearTicks(plan.area.y, max_ticks + 1);
+    plan.area = {.height = panel.plot_height_px,
+                 .x = x,
+                 .y = YRange(panel, max_ticks),
+                 .log_x = panels.front().log_x,
+                 .log_y = panel.log_y};
+    plan.y_ticks =
+        panel.log_y ? LogTicks(plan.area.y, max_ticks + 1) : LinearTicks(plan.area.y, max_ticks + 1);
     left = std::max(left, WidestLabel(plan.y_ticks));
     for (const LimitLine& limit : panel.limits)
       right = std::max(right, TextWidth(limit.label, kFontPx) + 12.0);
@@ -123,7 +140,7 @@ std::string Svg(std::span<const LineChart> panels, double width_px) {
   }
   left += 14.0 + kLabelStrip;
   right = std::min(right, width_px / 3);
-  Ticks x_ticks = LinearTicks(x, 10);
+  Ticks x_ticks = !panels.empty() && panels.front().log_x ? LogTicks(x, 10) : LinearTicks(x, 10);
   if (!x_ticks.labels.empty()) right = std::max(right, TextWidth(x_ticks.labels.back(), kFontPx) / 2 + 4.0);
 
   std::string body;

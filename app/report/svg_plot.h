@@ -43,7 +43,8 @@ struct LineChart {
   std::string title{};
   std::string x_label{}, y_label{};  ///< with unit, e.g. "time [s]"
   std::optional<Range> x{}, y{};     ///< where absent, from the data
-  bool y_from_zero{true};            ///< the y range, where taken from the data, holds 0
+  bool y_from_zero{true};            ///< the y range, where taken from the data, holds 0; not with log_y
+  bool log_x{false}, log_y{false};   ///< what is not positive is left out; log_x of the first panel counts
   std::vector<Series> series{};
   std::vector<LimitLine> limits{};
   std::vector<NamedSpan> spans{};

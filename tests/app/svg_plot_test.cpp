@@ -1,6 +1,7 @@
 #include "app/report/svg_plot.h"
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -211,6 +212,22 @@ TEST(Histogram, CountsEveryFiniteValue) {
   EXPECT_EQ(MarkupError(Svg(Histogram{.title = "none"})), "");
   EXPECT_EQ(MarkupError(Svg(Histogram{.title = "same", .values = {3.0, 3.0, 3.0}})), "");
   EXPECT_EQ(MarkupError(Svg(Histogram{.title = "same", .values = {3.0, 3.0, 3.0}, .log_x = true})), "");
+}
+
+// Equal ratios are equal lengths, and what has no logarithm is left out.
+TEST(SvgPlot, LogarithmicAxesKeepRatios) {
+  LineChart chart{.title = "t", .x_label = "x", .y_label = "y", .log_x = true, .log_y = true};
+  chart.series.push_back({.name = "s", .x = {-1.0, 1.0, 10.0, 100.0}, .y = {1.0, 0.001, 0.01, 0.1}});
+  const std::string svg = Svg(chart);
+  const std::size_t at = svg.find("<path d=\"M");
+  ASSERT_NE(at, std::string::npos);
+  double x[3]{}, y[3]{};
+  ASSERT_EQ(std::sscanf(svg.c_str() + at, "<path d=\"M%lf %lfL%lf %lfL%lf %lf\"", &x[0], &y[0], &x[1], &y[1],
+                        &x[2], &y[2]),
+            6);
+  EXPECT_NEAR(x[1] - x[0], x[2] - x[1], 0.11);  // texts have a tenth of a pixel
+  EXPECT_NEAR(y[1] - y[0], y[2] - y[1], 0.11);
+  EXPECT_GT(x[1] - x[0], 100.0);
 }
 
 }  // namespace

@@ -175,14 +175,19 @@ void AppendCsv(const std::string& mesh, const std::vector<Row>& rows, std::ostre
   }
 }
 
-/// Coverage and gap, each over the spheres and over seconds; powers of ten along both axes but coverage's.
+/// Coverage and gap, each over the spheres and over seconds; both axes logarithmic but coverage's.
 std::string Chart(const std::vector<Row>& rows) {
   std::vector<std::string> names;
   for (const Row& row : rows)
     if (std::find(names.begin(), names.end(), row.method) == names.end()) names.push_back(row.method);
   const auto panel = [&](const std::string& title, const std::string& x_label, const std::string& y_label,
-                         const auto& x, const auto& y) {
-    app::LineChart chart{.title = title, .x_label = x_label, .y_label = y_label, .y_from_zero = false};
+                         const auto& x, const auto& y, bool log_y) {
+    app::LineChart chart{.title = title,
+                         .x_label = x_label,
+                         .y_label = y_label,
+                         .y_from_zero = false,
+                         .log_x = true,
+                         .log_y = log_y};
     for (const std::string& name : names) {
       app::Series series{.name = name};
       for (const Row& row : rows) {
@@ -194,15 +199,17 @@ std::string Chart(const std::vector<Row>& rows) {
     }
     return chart;
   };
-  const auto spheres = [](const Row& row) { return std::log10(static_cast<double>(row.quality.spheres)); };
-  const auto seconds = [](const Row& row) { return std::log10(row.seconds); };
+  const auto spheres = [](const Row& row) { return static_cast<double>(row.quality.spheres); };
+  const auto seconds = [](const Row& row) { return row.seconds; };
   const auto coverage = [](const Row& row) { return row.quality.coverage; };
-  const auto gap = [](const Row& row) { return std::log10(row.quality.surface_gap_mean_m * 1e3); };
-  const std::string by_count = "spheres, power of ten", by_time = "seconds, power of ten";
-  const app::LineChart over_count[] = {panel("coverage", by_count, "share of the volume", spheres, coverage),
-                                       panel("mean surface gap", by_count, "mm, power of ten", spheres, gap)};
-  const app::LineChart over_time[] = {panel("coverage", by_time, "share of the volume", seconds, coverage),
-                                      panel("mean surface gap", by_time, "mm, power of ten", seconds, gap)};
+  const auto gap = [](const Row& row) { return row.quality.surface_gap_mean_m * 1e3; };
+  const std::string by_count = "spheres", by_time = "time [s]";
+  const app::LineChart over_count[] = {
+      panel("coverage", by_count, "share of the volume", spheres, coverage, false),
+      panel("mean surface gap", by_count, "[mm]", spheres, gap, true)};
+  const app::LineChart over_time[] = {
+      panel("coverage", by_time, "share of the volume", seconds, coverage, false),
+      panel("mean surface gap", by_time, "[mm]", seconds, gap, true)};
   const std::string left = app::Svg(over_count, 620.0), right = app::Svg(over_time, 620.0);
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"1260\" height=\"720\" viewBox=\"0 0 1260 720\">\n"
