@@ -11,7 +11,7 @@
 #include "simulation/triangle_mesh.h"
 
 // How a mesh file becomes triangles: a first reading of ours that finds what is wrong and where, then
-// assimp's. Damaged files have made assimp hang and read beyond its buffers: it is given sound ones only.
+// assimp's. Damaged files have made assimp hang: it is given sound ones only.
 
 namespace osteon::simulation {
 
