@@ -150,10 +150,9 @@ TEST(ReaderTest, TextsWordsAndListsAreChecked) {
   EXPECT_EQ(ErrorOf("port: 99999999999\n", whole),
             "config/tools/reamer.yaml:1: port: found 99999999999, accepted a whole number 1024 … 65535");
   const auto file = [](Reader& reader) { static_cast<void>(reader.File("robot")); };
-  EXPECT_EQ(
-      ErrorOf("robot: ../none.yaml\n", file),
-      "config/tools/reamer.yaml:1: robot: found ../none.yaml, accepted an existing file (there is no "
-      "config/none.yaml)");
+  EXPECT_EQ(ErrorOf("robot: ../none.yaml\n", file),
+            "config/tools/reamer.yaml:1: robot: found ../none.yaml, accepted an existing file (there is no "
+            "config/none.yaml)");
 }
 
 TEST(ReaderTest, FilesThatAreNoMappingAreRefused) {
@@ -161,8 +160,7 @@ TEST(ReaderTest, FilesThatAreNoMappingAreRefused) {
   EXPECT_EQ(ErrorOf("- 1\n- 2\n", nothing),
             "config/tools/reamer.yaml:1: found a list of 2, accepted a mapping");
   EXPECT_EQ(ErrorOf("", nothing), "config/tools/reamer.yaml: found 0 documents, accepted 1");
-  EXPECT_EQ(ErrorOf("a: 1\n---\nb: 2\n", nothing),
-            "config/tools/reamer.yaml: found 2 documents, accepted 1");
+  EXPECT_EQ(ErrorOf("a: 1\n---\nb: 2\n", nothing), "config/tools/reamer.yaml: found 2 documents, accepted 1");
   for (const char* endless : {", a\n", "# c\n, a: 1\n", "]\n", "}\n"}) {
     const std::string error = ErrorOf(endless, nothing);
     EXPECT_NE(error.find("not YAML: "), std::string::npos) << endless << error;
