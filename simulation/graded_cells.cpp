@@ -10,13 +10,6 @@ namespace {
 
 constexpr std::size_t kMostCells = 100'000'000;  // 4 GB of them
 
-std::uint64_t SplitMix64(std::uint64_t& state) {
-  std::uint64_t z = (state += 0x9e3779b97f4a7c15ULL);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
-
 }  // namespace
 
 void CheckGrade(const std::string& name, const GradeParams& grade, double min_m, double max_m) {
@@ -67,7 +60,7 @@ CellRandom::CellRandom(const Cell& cell, std::uint64_t salt) : state_(salt) {
   state_ = NextBits() ^ static_cast<std::uint64_t>(cell.level);
 }
 
-std::uint64_t CellRandom::NextBits() { return SplitMix64(state_); }
+std::uint64_t CellRandom::NextBits() { return MixBits(state_ += kSplitMixStep); }
 
 Vector3 CellRandom::NextInUnitCube() {
   const double x = Next(), y = Next(), z = Next();

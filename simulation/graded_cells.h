@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simulation/cut_zone.h"
+#include "simulation/scramble.h"
 
 namespace osteon::simulation {
 
@@ -54,7 +55,7 @@ class CellRandom {
   CellRandom(const Cell& cell, std::uint64_t salt);
   [[nodiscard]] std::uint64_t NextBits();
   /// Uniform in [0, 1).
-  [[nodiscard]] double Next() { return static_cast<double>(NextBits() >> 11) * 0x1.0p-53; }
+  [[nodiscard]] double Next() { return Uniform(NextBits()); }
   [[nodiscard]] Vector3 NextInUnitCube();
 
  private:

@@ -9,6 +9,7 @@
 #include "simulation/check_range.h"
 #include "simulation/morton.h"
 #include "simulation/parallel.h"
+#include "simulation/scramble.h"
 
 namespace osteon::simulation {
 namespace {
@@ -34,14 +35,6 @@ struct DepthPlane {
   Vector3 gradient;
   [[nodiscard]] double At(const Vector3& at_m) const { return depth_m + gradient.dot(at_m - p_m); }
 };
-
-/// SplitMix64's, of its n-th state.
-std::uint64_t Scramble(std::uint64_t n) {
-  std::uint64_t z = n * 0x9e3779b97f4a7c15ULL;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
 
 /// What decides which samples a site gets.
 struct SiteTraits {
@@ -83,7 +76,7 @@ class Builder {
     const int n = params_.samples_along_axis;
     Vector3 in_cell(i % n, i / n % n, i / (n * n));
     for (int axis = 0; axis < 3; ++axis)
-      in_cell[axis] += static_cast<double>(Scramble(cell_bits + 3 * i + axis) >> 11) * 0x1.0p-53;
+      in_cell[axis] += Uniform(MixBits((cell_bits + 3 * i + axis) * kSplitMixStep));
     return cell.least_corner() + cell.side_m / n * in_cell;
   }
   [[nodiscard]] static std::uint64_t BitsOf(const Cell& cell) {

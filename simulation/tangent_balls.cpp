@@ -5,13 +5,13 @@
 #include <optional>
 
 #include "simulation/graded_descent.h"
+#include "simulation/scramble.h"
 
 namespace osteon::simulation {
 namespace {
 
 constexpr std::size_t kMostBalls = 100'000'000;  // 7 GB of them
 constexpr std::uint64_t kSampleSalt = 2;
-constexpr std::uint64_t kSeedStep = 0x9e3779b97f4a7c15ULL;
 
 struct Foot {
   Vector3 p_m;
@@ -101,7 +101,7 @@ class Search {
 std::vector<TangentBall> FindTangentBalls(const Solid& solid, const CutZone& zone,
                                           const PackingParams& params, const GradeParams& samples) {
   const Search search(solid, zone, params);
-  const std::uint64_t salt = kSampleSalt + params.seed * kSeedStep;
+  const std::uint64_t salt = kSampleSalt + params.seed * kSplitMixStep;
   const auto add = [&](const Cell& cell, std::vector<TangentBall>& balls) {
     const std::optional<Foot> foot = SampleIn(cell, solid, salt);
     if (!foot) return;
