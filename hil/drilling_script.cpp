@@ -7,17 +7,11 @@
 namespace osteon::hil {
 
 HandScript MakeDrillingScript(const DrillingScriptParams& p) {
-  RequireInScript(p.seconds >= 0.1 && p.seconds <= 36000.0, "seconds", p.seconds, "0.1 … 36000");
-  RequireInScript(p.push_force_N > 0.0 && p.push_force_N <= 1000.0, "push_force_N", p.push_force_N,
-                  "0 … 1000, not 0");
-  RequireInScript(p.approach_force_N > 0.0 && p.approach_force_N <= p.push_force_N, "approach_force_N",
-                  p.approach_force_N, "0 … push_force_N, not 0");
+  RequireCommon(p);
   RequireInScript(p.depth_m > 0.0 && p.depth_m <= 1.0, "depth_m", p.depth_m, "0 … 1, not 0");
   RequireInScript(p.pecks >= 1 && p.pecks <= 50, "pecks", p.pecks, "1 … 50");
   RequireInScript(p.peck_height_m >= 0.0 && p.peck_height_m <= 0.1, "peck_height_m", p.peck_height_m,
                   "0 … 0.1");
-  RequireInScript(p.hand_stiffness_N_per_m > 0.0, "hand_stiffness_N_per_m", p.hand_stiffness_N_per_m, "> 0");
-  RequireInScript(p.max_target_m_per_s > 0.0, "max_target_m_per_s", p.max_target_m_per_s, "> 0");
 
   ScriptPhases phases({.seconds = p.seconds, .max_target_m_per_s = p.max_target_m_per_s},
                       {.height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .grip = 0.0});

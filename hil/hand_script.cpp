@@ -129,15 +129,9 @@ const char* HandScript::PhaseName(double time_s) const noexcept {
 }
 
 HandScript MakeReamingScript(const ReamingScriptParams& p) {
-  RequireInScript(p.seconds >= 0.1 && p.seconds <= 36000.0, "seconds", p.seconds, "0.1 … 36000");
-  RequireInScript(p.push_force_N > 0.0 && p.push_force_N <= 1000.0, "push_force_N", p.push_force_N,
-                  "0 … 1000, not 0");
-  RequireInScript(p.approach_force_N > 0.0 && p.approach_force_N <= p.push_force_N, "approach_force_N",
-                  p.approach_force_N, "0 … push_force_N, not 0");
-  RequireInScript(p.hand_stiffness_N_per_m > 0.0, "hand_stiffness_N_per_m", p.hand_stiffness_N_per_m, "> 0");
+  RequireCommon(p);
   RequireInScript(p.full_force_depth_m >= 0.0, "full_force_depth_m", p.full_force_depth_m, ">= 0");
   RequireInScript(std::abs(p.tilt_rad) <= 0.5, "tilt_rad", p.tilt_rad, "±0.5");
-  RequireInScript(p.max_target_m_per_s > 0.0, "max_target_m_per_s", p.max_target_m_per_s, "> 0");
   RequireInScript(p.max_tilt_rad_per_s > 0.0, "max_tilt_rad_per_s", p.max_tilt_rad_per_s, "> 0");
 
   ScriptPhases phases(

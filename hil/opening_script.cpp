@@ -10,17 +10,11 @@
 namespace osteon::hil {
 
 HandScript MakeOpeningScript(const OpeningScriptParams& p) {
-  RequireInScript(p.seconds >= 0.1 && p.seconds <= 36000.0, "seconds", p.seconds, "0.1 … 36000");
-  RequireInScript(p.push_force_N > 0.0 && p.push_force_N <= 1000.0, "push_force_N", p.push_force_N,
-                  "0 … 1000, not 0");
-  RequireInScript(p.approach_force_N > 0.0 && p.approach_force_N <= p.push_force_N, "approach_force_N",
-                  p.approach_force_N, "0 … push_force_N, not 0");
+  RequireCommon(p);
   RequireInScript(p.depth_m > 0.0 && p.depth_m <= 1.0, "depth_m", p.depth_m, "0 … 1, not 0");
   RequireInScript(p.site_radius_m >= p.head_radius_m && p.site_radius_m <= 1.0, "site_radius_m",
                   p.site_radius_m, fmt::format("the head's {} … 1", p.head_radius_m));
   RequireInScript(p.turns >= 1 && p.turns <= 50, "turns", p.turns, "1 … 50");
-  RequireInScript(p.hand_stiffness_N_per_m > 0.0, "hand_stiffness_N_per_m", p.hand_stiffness_N_per_m, "> 0");
-  RequireInScript(p.max_target_m_per_s > 0.0, "max_target_m_per_s", p.max_target_m_per_s, "> 0");
   const double widest_m = p.site_radius_m - p.head_radius_m;
   const double least_period_s = 2.0 * std::numbers::pi * widest_m / p.max_target_m_per_s;
   RequireInScript(p.loop_period_s > 0.0 && p.loop_period_s >= least_period_s, "loop_period_s",

@@ -13,6 +13,18 @@ namespace osteon::hil {
 /// @throws std::invalid_argument "operator's script: NAME: found …, accepted RANGE" unless accepted.
 void RequireInScript(bool accepted, std::string_view name, double found, std::string_view range);
 
+/// What the parameters of every script have. @throws std::invalid_argument as RequireInScript does.
+template <typename Params>
+void RequireCommon(const Params& p) {
+  RequireInScript(p.seconds >= 0.1 && p.seconds <= 36000.0, "seconds", p.seconds, "0.1 … 36000");
+  RequireInScript(p.push_force_N > 0.0 && p.push_force_N <= 1000.0, "push_force_N", p.push_force_N,
+                  "0 … 1000, not 0");
+  RequireInScript(p.approach_force_N > 0.0 && p.approach_force_N <= p.push_force_N, "approach_force_N",
+                  p.approach_force_N, "0 … push_force_N, not 0");
+  RequireInScript(p.hand_stiffness_N_per_m > 0.0, "hand_stiffness_N_per_m", p.hand_stiffness_N_per_m, "> 0");
+  RequireInScript(p.max_target_m_per_s > 0.0, "max_target_m_per_s", p.max_target_m_per_s, "> 0");
+}
+
 struct ScriptBounds {
   double seconds{10.0};            ///< of the whole script
   double max_target_m_per_s{0.2};  ///< along the axis, and of a swing that grows or shrinks

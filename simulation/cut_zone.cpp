@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "simulation/check_range.h"
+#include "simulation/cutting_math.h"
 
 namespace osteon::simulation {
 
@@ -18,12 +19,9 @@ PathZone::PathZone(std::vector<Vector3> centers_m, double radius_m)
 
 double PathZone::DepthAt(const Vector3& p_m) const {
   double nearest = (p_m - centers_m_.front()).squaredNorm();
-  for (std::size_t i = 0; i + 1 < centers_m_.size(); ++i) {
-    const Vector3 way = centers_m_[i + 1] - centers_m_[i];
-    const double length = way.squaredNorm();
-    const double s = length > 0.0 ? std::clamp((p_m - centers_m_[i]).dot(way) / length, 0.0, 1.0) : 0.0;
-    nearest = std::min(nearest, (p_m - centers_m_[i] - s * way).squaredNorm());
-  }
+  for (std::size_t i = 0; i + 1 < centers_m_.size(); ++i)
+    nearest =
+        std::min(nearest, (p_m - ClosestOnSegment(p_m, centers_m_[i], centers_m_[i + 1])).squaredNorm());
   return std::sqrt(nearest) - radius_m_;
 }
 
