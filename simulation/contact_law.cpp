@@ -12,7 +12,6 @@ namespace {
 
 /// Two pairs face each other across a gap where the angle between their normals is above 143 degrees.
 constexpr double kOppositeCosine = -0.8;
-constexpr double kMostSlackShare = 1e-9;
 
 double LensOf(const CuttingParams& params, const NearPair& pair) {
   // of the overlap alone: the pair's reduced radius is much the same for all
@@ -49,19 +48,6 @@ std::vector<HalfSpace> Planes(const std::vector<const NearPair*>& pairs, double 
     planes.push_back({.n = pair->n, .offset = -(gap_m + pair->n.dot(pair->motion_m))});
   }
   return planes;
-}
-
-// Of a displacement, the largest share that keeps all planes, from a point that keeps them.
-double ShareWithin(const std::vector<HalfSpace>& planes, const Vector3& from, double slack_m,
-                   const Vector3& by) {
-  double share = 1.0;
-  for (const HalfSpace& plane : planes) {
-    const double closing = -plane.n.dot(by);
-    if (closing <= 0.0) continue;
-    const double room = std::max(0.0, plane.n.dot(from) + slack_m - plane.offset);
-    share = std::min(share, (room + kMostSlackShare) / closing);
-  }
-  return share;
 }
 
 // A face: the planes that hold within one cone, and what is reported of them.
@@ -172,7 +158,10 @@ void SolveContact(const CuttingParams& params, const NearField& near, const Cont
     slip -= n.dot(slip) * n;
     const double size = slip.norm();
     if (size > 0.0) friction = -std::min(1.0, input.friction * normal / size) * slip;
-    friction *= ShareWithin(planes, hold.point_m, hold.slack_m, friction);
+    // the way back may lead into another plane, by micrometres: out again
+    std::vector<HalfSpace> from_there = planes;
+    for (HalfSpace& plane : from_there) plane.offset -= plane.n.dot(hold.point_m + friction);
+    friction += FindHoldPoint(from_there).point_m;
   }
 
   // faces: what holds, along the mean normal of the balls around
