@@ -2,11 +2,11 @@
 
 #include <array>
 #include <limits>
-#include <span>
 
 #include "simulation/contact_memory.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/frame_solution.h"
+#include "simulation/hold_point.h"
 
 // Pass 2, from the pairs near the tool at first contact to the constrained target and the contacts that are
 // reported.
@@ -24,8 +24,18 @@ namespace osteon::simulation {
 /// Bins of direction: nine to a face of a cube for balls that cut, one to a face for balls that do not.
 inline constexpr int kCuttingBins = 54, kContactBins = 60;
 
-/// Bin of a pair. @param u_T  unit, from bone to tool, in T.
-[[nodiscard]] int ContactBin(const Vector3& u_T, bool cutting);
+/// Bin of a pair, and how far its direction is from the bin's middle (1 - cosine).
+struct ContactBin {
+  int number;
+  double off_middle;
+};
+/// @param u_T  unit, from bone to tool, in T.
+[[nodiscard]] ContactBin FindBin(const Vector3& u_T, bool cutting);
+
+/// What a bin's pair may be farther away and yet be taken, for a direction nearer to the bin's middle: times
+/// 1 - cosine [m]. A wall that was cut touches with hundreds of balls at once, equally far but for rounding;
+/// the direction then decides.
+inline constexpr double kMiddleWorth_m = 0.05e-3;
 
 /// A pair near the tool at first contact, in G.
 struct NearPair {
@@ -33,12 +43,13 @@ struct NearPair {
   bool present{false}, cutting{true};
   Vector3 n{Vector3::Zero()};  ///< unit, from bone to tool
   double gap_m{std::numeric_limits<double>::infinity()};
+  double score_m{std::numeric_limits<double>::infinity()};  ///< gap and what the direction costs
   Vector3 motion_m{Vector3::Zero()};    ///< of the tool ball's centre from there to the tool's pose
   Vector3 center_T_m{Vector3::Zero()};  ///< tool ball, in T
   double tool_radius_m{0.0};
 };
 
-/// True where a is nearer than b; of equally near ones that with the smaller indices, so that the order of
+/// True where a has the lower score; of equal ones that with the smaller indices, so that the order of
 /// visits does not matter.
 [[nodiscard]] bool Nearer(const NearPair& a, const NearPair& b);
 
@@ -70,15 +81,31 @@ struct ContactInput {
   double friction{0.0};  ///< mu; 0 while the spindle turns: the surface then slips along its own speed
 };
 
-/// Fills contacts, delta, n, cutting_m and shaft planes of the solution, and what the next frame should
-/// remember.
+/// The pairs that may hold the tool, each once, with their planes about the tool's pose.
 ///
 /// Planes of opposite pairs with less than the contact tolerance between them are moved apart to the
 /// tolerance: a tool is free to go along a hole of its own width.
+struct Candidates {
+  std::array<NearPair, kContactBins + kRememberedPairs> pairs{};
+  std::array<HalfSpace, kContactBins + kRememberedPairs> planes{};
+  std::size_t count{0};
+};
+[[nodiscard]] Candidates FindCandidates(const NearField& near, double contact_tolerance_m);
+
+/// Where the planes hold the tool, and what friction adds.
 ///
 /// Friction (Coulomb, on the proxy): of the slip of the touching surface from first contact to the target,
 /// mu times the normal displacements' sum is taken back, within what the planes allow.
-void SolveContact(const CuttingParams& params, const NearField& near, const ContactInput& input,
-                  ContactMemory& memory, FrameSolution& solution);
+struct ContactHold {
+  HoldPoint hold;
+  Vector3 friction_m{Vector3::Zero()};
+};
+[[nodiscard]] ContactHold HoldTool(const Candidates& candidates, const ContactInput& input);
+
+/// Fills contacts, delta, n, cutting_m and shaft planes of the solution, and what the next frame should
+/// remember.
+void ReportContacts(const CuttingParams& params, const NearField& near, const Candidates& candidates,
+                    const ContactHold& held, const ContactInput& input, ContactMemory& memory,
+                    FrameSolution& solution);
 
 }  // namespace osteon::simulation

@@ -2,6 +2,8 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
 #include "layout.h"
 
 // Few lanes and long chunks on a processor, which reads what all lanes share once for each eight of them; many lanes and one
@@ -26,11 +28,10 @@ layout(scalar, binding = kBindLiveEntries) buffer LiveEntryBuffer { Live live_en
 layout(scalar, binding = kBindShaftPairs) buffer ShaftPairBuffer { ShaftPair shaft_pairs[]; };
 layout(scalar, binding = kBindLivePoints) buffer LivePointBuffer { vec4 live_points[]; };
 layout(scalar, binding = kBindPointEntries) buffer PointEntryBuffer { Live point_entries[]; };
+layout(scalar, binding = kBindSlots) buffer SlotBuffer { uint slots[]; };
 layout(binding = kBindBallTexels) uniform samplerBuffer ball_texels;
 layout(binding = kBindPointTexels) uniform samplerBuffer point_texels;
 layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
-
-const float kNormalScale = 16777216.0;  // units per mm^3
 
 // A sum's value. How it is split into high and low depends on who added with whom, so the carry goes over first: what is
 // rounded to a float is then the same for equal sums.
@@ -81,6 +82,11 @@ vec3 Goal(uint t) { return tool[2 * t + 1].xyz; }
 vec4 AtContact(uint t, float s) {
   vec4 start = Start(t);
   return vec4(mix(start.xyz, Goal(t), s), start.w);
+}
+// Its centre in T, from its place at the tool's pose.
+vec3 CenterInTool(uint t) {
+  vec3 p = Goal(t) - frame.goal.xyz;
+  return vec3(dot(p, frame.axis_x.xyz), dot(p, frame.axis_y.xyz), dot(p, frame.axis_z.xyz));
 }
 vec3 OriginAtContact(float s) { return mix(frame.start.xyz, frame.goal.xyz, s); }
 

@@ -33,11 +33,12 @@ Advance AdvanceOfFrame(float at_contact) {
   }
   vec3 slide_mm = SlideFraction() * (frame.goal.xyz + frame.delta.xyz - OriginAtContact(at_contact));
   vec3 step_mm = -advance * frame.n.xyz;
-  if (frame.plane_point[kShaft].w > 0.0) {
-    vec3 n = frame.plane_n[kShaft].xyz;
-    float gap = frame.plane_n[kShaft].w + dot(n, slide_mm);
-    float closing = -dot(n, step_mm) - max(0.0, gap);
-    if (closing > 0.0) step_mm += closing * n;
+  // balls that do not cut hold it back
+  for (uint c = kCuttingBinCount; c < kBins; ++c) {
+    Candidate shaft = frame.candidates[c];
+    vec3 n = vec3(shaft.n_x, shaft.n_y, shaft.n_z);
+    float closing = -dot(n, step_mm) - max(0.0, shaft.gap_mm + dot(n, slide_mm));
+    if (shaft.present != 0u && closing > 0.0) step_mm += closing * n;
   }
   return Advance(advance, edge_work, step_mm);
 }
