@@ -52,9 +52,9 @@ std::vector<HalfSpace> Planes(const std::vector<const NearPair*>& pairs, double 
 
 // A face: the planes that hold within one cone, and what is reported of them.
 struct Face {
-  Vector3 hold{Vector3::Zero()};  ///< sum of multiplier n
-  double multiplier{0.0};         ///< the sum of multipliers
-  Vector3 cutting{Vector3::Zero()};
+  Vector3 hold{Vector3::Zero()};          ///< sum of multiplier n
+  double multiplier{0.0};                 ///< the sum of multipliers
+  double cutting{0.0};                    ///< the part of it that balls that cut hold
   Vector3 raw_center_T{Vector3::Zero()};  ///< of the holding pairs themselves, multiplier-weighted
   double raw_radius{0.0}, lens{0.0};
   int known{-1};  ///< number in the memory; -1: new
@@ -92,7 +92,7 @@ std::vector<Face> Faces(const CuttingParams& params, const std::vector<const Nea
     }
     face->hold += m * pair.n;
     face->multiplier += m;
-    if (pair.cutting) face->cutting += m * pair.n;
+    if (pair.cutting) face->cutting += m;
     face->raw_center_T += m * pair.center_T_m;
     face->raw_radius += m * pair.tool_radius_m;
     face->lens += LensOf(params, pair);
@@ -152,12 +152,19 @@ void SolveContact(const CuttingParams& params, const NearField& near, const Cont
     normal += m;
     slip += m * (pair.motion_m + hold.point_m - pair.tool_radius_m * input.turn_G.cross(pair.n));
   }
+
+  // A tool that does not fit (turned askew in its own slot) is wedged between planes that all yield by the
+  // slack. Of multipliers that balance one another only as much is a force as the slack is worth at the
+  // coupling's stiffness.
+  const double most = 2.0 * (hold.point_m.norm() + hold.slack_m);
+  const double free_share = normal > most ? most / normal : 1.0;
+
   if (normal > 0.0 && input.friction > 0.0) {
     slip /= normal;
     const Vector3 n = hold.point_m.normalized();
     slip -= n.dot(slip) * n;
     const double size = slip.norm();
-    if (size > 0.0) friction = -std::min(1.0, input.friction * normal / size) * slip;
+    if (size > 0.0) friction = -std::min(1.0, input.friction * std::min(normal, most) / size) * slip;
     // the way back may lead into another plane, by micrometres: out again
     std::vector<HalfSpace> from_there = planes;
     for (HalfSpace& plane : from_there) plane.offset -= plane.n.dot(hold.point_m + friction);
@@ -166,7 +173,8 @@ void SolveContact(const CuttingParams& params, const NearField& near, const Cont
 
   // faces: what holds, along the mean normal of the balls around
   const std::vector<Face> faces = Faces(params, pairs, hold, memory);
-  Vector3 held = Vector3::Zero(), cutting = Vector3::Zero();
+  // Each takes its share of the friction along: its direction tilts, and both lift off together.
+  Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: where all hold the tool, from its pose
   solution.contact_count = 0;
   ContactMemory next;
   for (const Face& face : faces) {
@@ -184,31 +192,22 @@ void SolveContact(const CuttingParams& params, const NearField& near, const Cont
         radius = sums.radius / sums.weight;
       }
     }
-    held += size * n;
-    cutting += face.cutting.norm() * n;
-    SolvedContact& contact = solution.contacts[static_cast<std::size_t>(solution.contact_count++)];
-    contact = {.n = n,
-               .p_T_m = center_T - radius * (input.R_GT.transpose() * n),
-               .multiplier_m = size,
-               .weight = weight,
-               .cutting = face.cutting.squaredNorm() > 0.0};
+    const double share = face.multiplier / normal;
+    const Vector3 force = free_share * size * n + (1.0 - free_share) * share * hold.point_m;
+    cutting += face.cutting / face.multiplier * force;
+    const Vector3 with_friction = force + share * friction;
+    const double multiplier = with_friction.norm();
+    if (multiplier <= 0.0) continue;
+    at += with_friction;
+    solution.contacts[static_cast<std::size_t>(solution.contact_count++)] = {
+        .n = with_friction / multiplier,
+        .p_T_m = center_T - radius * (input.R_GT.transpose() * n),
+        .multiplier_m = multiplier,
+        .weight = weight,
+        .cutting = face.cutting > 0.0};
   }
   solution.cutting_m = cutting.norm();
   solution.n = solution.cutting_m > 0.0 ? Vector3(cutting / solution.cutting_m) : Vector3::Zero();
-  // each contact takes its share of the friction along: its direction tilts, and lifts off with its normal
-  // force
-  for (int c = 0; c < solution.contact_count; ++c) {
-    SolvedContact& contact = solution.contacts[static_cast<std::size_t>(c)];
-    const Vector3 v =
-        contact.multiplier_m * contact.n + contact.multiplier_m / std::max(normal, 1e-30) * friction;
-    contact.multiplier_m = v.norm();
-    contact.n = v / contact.multiplier_m;
-  }
-  Vector3 at = Vector3::Zero();  // from the tool's pose, where all contacts hold it
-  for (int c = 0; c < solution.contact_count; ++c) {
-    const SolvedContact& contact = solution.contacts[static_cast<std::size_t>(c)];
-    at += contact.multiplier_m * contact.n;
-  }
   for (int c = 0; c < solution.contact_count; ++c) {
     SolvedContact& contact = solution.contacts[static_cast<std::size_t>(c)];
     contact.gap_m = -contact.n.dot(at);
