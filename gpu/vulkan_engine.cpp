@@ -277,6 +277,7 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) const 
     plane.weight = done.plane_point[g].w * 1e-9;
     plane.multiplier_m = done.multiplier[g] / kMillimetres;
   }
+  s.turn_fraction = s.slide_fraction;
   s.delta = ToMetres(done.delta);
   s.cutting_m = done.delta.w / kMillimetres;
   s.n = s.cutting_m > 0.0 ? Vector3(Direction(done.n).normalized()) : Vector3::Zero();

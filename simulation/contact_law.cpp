@@ -35,19 +35,65 @@ std::vector<const NearPair*> Candidates(const NearField& near) {
   return all;
 }
 
-// Half-spaces of the candidates about the tool's pose.
-std::vector<HalfSpace> Planes(const std::vector<const NearPair*>& pairs, double tolerance_m) {
-  std::vector<HalfSpace> planes;
-  planes.reserve(pairs.size());
+// Gaps of the candidates at first contact. Where another faces a pair and less than the tolerance is left
+// between them, both yield until it is, but overlap by no more than three quarters of it: a tool goes freely
+// along a hole of its own width, whose balls it would else meet one after the other.
+std::vector<double> Gaps(const std::vector<const NearPair*>& pairs, double tolerance_m) {
+  std::vector<double> gaps;
+  gaps.reserve(pairs.size());
   for (const NearPair* pair : pairs) {
-    // what faces it: a hole or slot that is tighter than the tolerance is as wide as the tolerance
     double room_m = tolerance_m;
     for (const NearPair* other : pairs)
       if (other->n.dot(pair->n) < kOppositeCosine) room_m = std::min(room_m, pair->gap_m + other->gap_m);
-    const double gap_m = pair->gap_m + 0.5 * (tolerance_m - room_m);
-    planes.push_back({.n = pair->n, .offset = -(gap_m + pair->n.dot(pair->motion_m))});
+    gaps.push_back(pair->gap_m + std::min(0.75 * tolerance_m, 0.5 * (tolerance_m - room_m)));
   }
-  return planes;
+  return gaps;
+}
+
+// Where planes hold a tool, and what friction takes back of its way there.
+struct Held {
+  std::vector<HalfSpace> planes;  // about where the tool would be
+  HoldPoint hold;
+  double normal_m{0.0};  // sum of multipliers
+  double most_m{0.0};    // of these, what is worth a force
+  Vector3 friction{Vector3::Zero()};
+
+  [[nodiscard]] Vector3 point() const { return hold.point_m + friction; }
+};
+
+// @param motion  of each pair's tool ball, from first contact to where the tool would be, in order
+template <typename Motion>
+Held Hold(const std::vector<const NearPair*>& pairs, const std::vector<double>& gaps, const Motion& motion,
+          const Vector3& turn, double mu) {
+  Held held;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    held.planes.push_back({.n = pairs[i]->n, .offset = -(gaps[i] + pairs[i]->n.dot(motion(*pairs[i])))});
+  held.hold = FindHoldPoint(held.planes);
+
+  Vector3 slip = Vector3::Zero();  // of the touching surface
+  for (int k = 0; k < held.hold.count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const NearPair& pair = *pairs[held.hold.plane[i]];
+    const double m = held.hold.multiplier_m[i];
+    held.normal_m += m;
+    slip += m * (motion(pair) + held.hold.point_m - pair.tool_radius_m * turn.cross(pair.n));
+  }
+  // A tool that does not fit (turned askew in its own slot) is wedged between planes that all yield by the
+  // slack. Of multipliers that balance one another only as much is a force as the slack is worth at the
+  // coupling's stiffness.
+  held.most_m = std::min(held.normal_m, 2.0 * (held.hold.point_m.norm() + held.hold.slack_m));
+  if (held.normal_m <= 0.0 || mu <= 0.0) return held;
+  slip /= held.normal_m;
+  const Vector3 n = held.hold.point_m.normalized();
+  slip -= n.dot(slip) * n;
+  const double size = slip.norm();
+  if (size <= 0.0) return held;
+  held.friction = -std::min(1.0, mu * held.most_m / size) * slip;
+  // the way back may lead into another plane, by micrometres: out again
+  std::vector<HalfSpace> from_there = held.planes;
+  for (HalfSpace& plane : from_there) plane.offset -= plane.n.dot(held.point());
+  held.friction += FindHoldPoint(from_there).point_m;
+  return held;
 }
 
 // A face: the planes that hold within one cone, and what is reported of them.
@@ -132,43 +178,23 @@ void FaceSums::Add(double lens_m3, const Vector3& face_n, const NearPair& pair) 
 void SolveContact(const CuttingParams& params, const NearField& near, const ContactInput& input,
                   ContactMemory& memory, FrameSolution& solution) {
   const std::vector<const NearPair*> pairs = Candidates(near);
-  const std::vector<HalfSpace> planes = Planes(pairs, params.contact_tolerance_m);
-  const HoldPoint hold = FindHoldPoint(planes);
+  const std::vector<double> gaps = Gaps(pairs, params.contact_tolerance_m);
+  const Held held = Hold(
+      pairs, gaps, [](const NearPair& pair) { return pair.motion_m; }, input.turn_G, input.friction);
+  const HoldPoint& hold = held.hold;
+  solution.delta = held.point();
+  solution.shift = input.motion_G_m;
+  if (input.turn_G != Vector3::Zero()) {
+    const auto without_turn = [&](const NearPair&) { return input.motion_G_m; };
+    solution.shift += Hold(pairs, gaps, without_turn, Vector3::Zero(), input.friction).point();
+  } else {
+    solution.shift += solution.delta;
+  }
 
   for (int bin = kCuttingBins; bin < kContactBins; ++bin) {
     const NearPair& pair = near.nearest[static_cast<std::size_t>(bin)];
     if (pair.present)
       solution.shaft[static_cast<std::size_t>(solution.shaft_count++)] = {.n = pair.n, .gap_m = pair.gap_m};
-  }
-
-  // friction: slip of the touching surface, less what the cone can hold
-  Vector3 friction = Vector3::Zero();
-  double normal = 0.0;
-  Vector3 slip = Vector3::Zero();
-  for (int k = 0; k < hold.count; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    const NearPair& pair = *pairs[hold.plane[i]];
-    const double m = hold.multiplier_m[i];
-    normal += m;
-    slip += m * (pair.motion_m + hold.point_m - pair.tool_radius_m * input.turn_G.cross(pair.n));
-  }
-
-  // A tool that does not fit (turned askew in its own slot) is wedged between planes that all yield by the
-  // slack. Of multipliers that balance one another only as much is a force as the slack is worth at the
-  // coupling's stiffness.
-  const double most = 2.0 * (hold.point_m.norm() + hold.slack_m);
-  const double free_share = normal > most ? most / normal : 1.0;
-
-  if (normal > 0.0 && input.friction > 0.0) {
-    slip /= normal;
-    const Vector3 n = hold.point_m.normalized();
-    slip -= n.dot(slip) * n;
-    const double size = slip.norm();
-    if (size > 0.0) friction = -std::min(1.0, input.friction * std::min(normal, most) / size) * slip;
-    // the way back may lead into another plane, by micrometres: out again
-    std::vector<HalfSpace> from_there = planes;
-    for (HalfSpace& plane : from_there) plane.offset -= plane.n.dot(hold.point_m + friction);
-    friction += FindHoldPoint(from_there).point_m;
   }
 
   // faces: what holds, along the mean normal of the balls around
@@ -177,6 +203,7 @@ void SolveContact(const CuttingParams& params, const NearField& near, const Cont
   Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: where all hold the tool, from its pose
   solution.contact_count = 0;
   ContactMemory next;
+  const double free_share = held.normal_m > 0.0 ? held.most_m / held.normal_m : 1.0;
   for (const Face& face : faces) {
     const double size = face.hold.norm();
     if (size <= 0.0) continue;
@@ -192,10 +219,10 @@ void SolveContact(const CuttingParams& params, const NearField& near, const Cont
         radius = sums.radius / sums.weight;
       }
     }
-    const double share = face.multiplier / normal;
+    const double share = face.multiplier / held.normal_m;
     const Vector3 force = free_share * size * n + (1.0 - free_share) * share * hold.point_m;
     cutting += face.cutting / face.multiplier * force;
-    const Vector3 with_friction = force + share * friction;
+    const Vector3 with_friction = force + share * held.friction;
     const double multiplier = with_friction.norm();
     if (multiplier <= 0.0) continue;
     at += with_friction;
@@ -212,14 +239,13 @@ void SolveContact(const CuttingParams& params, const NearField& near, const Cont
     SolvedContact& contact = solution.contacts[static_cast<std::size_t>(c)];
     contact.gap_m = -contact.n.dot(at);
   }
-  solution.delta = hold.point_m + friction;
 
   // the rest, nearest first: planes that the servo loop may meet before the next frame
   std::vector<std::size_t> order(pairs.size());
   std::vector<double> room(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     order[i] = i;
-    room[i] = planes[i].n.dot(hold.point_m) - planes[i].offset;
+    room[i] = held.planes[i].n.dot(hold.point_m) - held.planes[i].offset;
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return room[a] < room[b]; });
@@ -236,7 +262,7 @@ void SolveContact(const CuttingParams& params, const NearField& near, const Cont
     solution.contacts[static_cast<std::size_t>(solution.contact_count++)] = {
         .n = pair.n,
         .p_T_m = pair.center_T_m - pair.tool_radius_m * (input.R_GT.transpose() * pair.n),
-        .gap_m = std::max(-planes[i].offset, -pair.n.dot(at)),
+        .gap_m = std::max(-held.planes[i].offset, -pair.n.dot(at)),
         .weight = LensOf(params, pair),
         .cutting = pair.cutting};
   }

@@ -65,8 +65,9 @@ struct NearField {
 
 /// What a frame's contact is solved from, besides the near field.
 struct ContactInput {
-  Matrix3 R_GT{Matrix3::Identity()};  ///< at the tool's pose
-  Vector3 turn_G{Vector3::Zero()};    ///< rotation vector from first contact to there
+  Matrix3 R_GT{Matrix3::Identity()};    ///< at the tool's pose
+  Vector3 motion_G_m{Vector3::Zero()};  ///< of T's origin from first contact to there
+  Vector3 turn_G{Vector3::Zero()};      ///< rotation vector from first contact to there
   double friction{0.0};  ///< mu; 0 while the spindle turns: the surface then slips along its own speed
 };
 

@@ -156,7 +156,7 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
 
   // proxy: the turn goes as far along its way as the two paths went
   const double turned =
-      solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.slide_fraction;
+      solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.turn_fraction;
   const Eigen::Quaterniond q_P(memory.X_GP.linear()), q_T(X_GT.linear());
   memory.X_GP.linear() = q_P.slerp(turned, q_T).toRotationMatrix();
   memory.X_GP.translation() = solution.origin_end;

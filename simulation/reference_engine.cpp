@@ -43,18 +43,25 @@ ContactModel ReferenceEngine::Step(const FrameInput& input) {
 
   // pass 2: what is near the tool there; the closest target that keeps its planes; and the way to it
   const ContactInput asked{.R_GT = X_GT.linear(),
+                           .motion_G_m = X_GT.translation() - solution.origin_contact,
                            .turn_G = (1.0 - solution.contact_fraction) *
                                      LogRotation(X_GT.linear() * memory_.X_GP.linear().transpose()),
                            .friction = cutting ? 0.0 : memory_.contact.friction};
   SolveContact(params_, FindNearField(contact, way.at.back(), asked.R_GT), asked, memory_.contact, solution);
-  const ToolPath slide = RestOf(way, solution.contact_fraction, solution.delta);
-  double longest = 0.0;
-  for (std::size_t t = 0; t < contact.size(); ++t)
-    longest = std::max(longest, (slide.at.back()[t] - contact[t]).norm());
-  solution.slide_fraction = std::min(longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0,
-                                     FirstContact(slide, params_.contact_tolerance_m));
-  solution.slide_m = solution.slide_fraction * longest;
-  const std::vector<ToolPoints> slid = slide.UpTo(solution.slide_fraction);
+  // a turn may use half of the tolerance: the rest is for going along whatever holds it
+  const bool turning = asked.turn_G != Vector3::Zero();
+  const Slid full = Slide(RestOf(way, solution.contact_fraction, solution.delta),
+                          (turning ? 0.5 : 1.0) * params_.contact_tolerance_m);
+  ToolPath straight{.at = {contact, contact}, .s = {0.0, 1.0}};
+  for (Vector3& point : straight.at.back()) point += solution.shift;
+  const Slid unturned = turning ? Slide(straight, params_.contact_tolerance_m) : full;
+  // where bone keeps the tool from turning, it still goes along
+  const bool turns = !full.stopped || full.way_m > 0.5 * unturned.way_m;
+  const Slid& chosen = turns ? full : unturned;
+  solution.slide_fraction = chosen.fraction;
+  solution.turn_fraction = turns ? chosen.fraction : 0.0;
+  solution.slide_m = chosen.way_m;
+  const std::vector<ToolPoints>& slid = chosen.at;
   solution.origin_slid = slid.back().back();
 
   // pass 3: how far bone gives way, and what goes with it
@@ -87,6 +94,17 @@ double ReferenceEngine::FirstContact(const ToolPath& path, double tolerance_m) c
     if (first <= 1.0) return path.s[i - 1] + first * (path.s[i] - path.s[i - 1]);
   }
   return kNoContact;
+}
+
+ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPath& path, double tolerance_m) const {
+  double longest = 0.0;
+  for (std::size_t t = 0; t < path.at.front().size(); ++t)
+    longest = std::max(longest, (path.at.back()[t] - path.at.front()[t]).norm());
+  const double limit = longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0;
+  const double met = FirstContact(path, tolerance_m);
+  const double fraction = std::min(limit, met);
+  return {
+      .fraction = fraction, .way_m = fraction * longest, .stopped = met < limit, .at = path.UpTo(fraction)};
 }
 
 NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints& goal,

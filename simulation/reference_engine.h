@@ -31,7 +31,14 @@ class ReferenceEngine final : public CuttingEngine {
   [[nodiscard]] std::string device() const override { return "CPU, double precision"; }
 
  private:
+  /// As much of a way as the tolerance and max_slide_m leave.
+  struct Slid {
+    double fraction, way_m;  ///< way: of the point that goes farthest
+    bool stopped;            ///< by a ball
+    std::vector<ToolPoints> at;
+  };
   double FirstContact(const ToolPath& path, double tolerance_m) const;
+  Slid Slide(const ToolPath& path, double tolerance_m) const;
   NearField FindNearField(const ToolPoints& at, const ToolPoints& goal, const Matrix3& R_GT) const;
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
   void Remove(const ToolPoints& a, const ToolPoints& b, FrameSolution& solution);
