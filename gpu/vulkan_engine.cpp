@@ -302,7 +302,9 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   f.axis_x = Unscaled(X_GT.linear().col(0));
   f.axis_y = Unscaled(X_GT.linear().col(1));
   f.axis_z = Unscaled(X_GT.linear().col(2));
-  f.turn = Unscaled(LogRotation(X_GT.linear() * memory.X_GP.linear().transpose()));
+  const Vector3 turn = LogRotation(X_GT.linear() * memory.X_GP.linear().transpose());
+  f.turn = Unscaled(turn);
+  f.turning = turn != Vector3::Zero() ? 1 : 0;
   f.spindle_rad_per_s = static_cast<float>(input.spindle_rad_per_s);
   f.dt_s = static_cast<float>(input.dt_s);
   f.work_held_back_Nmm =
@@ -316,7 +318,8 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
   f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
   f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
-  f.contact_bits = f.slide_bits = std::bit_cast<uint>(static_cast<float>(simulation::kNoContact));
+  f.contact_bits = f.slide_bits = f.straight_bits =
+      std::bit_cast<uint>(static_cast<float>(simulation::kNoContact));
   f.bin_keys.fill(std::numeric_limits<std::uint64_t>::max());
   const simulation::ContactMemory& contact = memory.contact;
   for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i)
@@ -463,7 +466,6 @@ void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
 simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const Pose& X_GT) {
   simulation::FrameSolution s;
   s.contact_fraction = std::min(1.0f, std::bit_cast<float>(done.contact_bits));
-  s.slide_fraction = std::min(done.slide_limit, std::bit_cast<float>(done.slide_bits));
 
   ReadNearField(done, s.contact_fraction);
   const simulation::Candidates candidates = simulation::FindCandidates(near, params.contact_tolerance_m);
@@ -478,20 +480,26 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const 
   }
   held.friction_m = ToMetres(done.friction_mm);
   held.hold.point_m = ToMetres(done.delta) - held.friction_m;
+  held.hold.slack_m = done.friction_mm.w / kMillimetres;
+  WeighHold(held);
+  const Vector3 from_m = memory.X_GP.translation(), to_m = X_GT.translation();
+  s.origin_contact = from_m + s.contact_fraction * (to_m - from_m);
   const simulation::ContactInput asked{
       .R_GT = X_GT.linear(),
+      .motion_G_m = to_m - s.origin_contact,
       .turn_G = (1.0 - s.contact_fraction) * LogRotation(X_GT.linear() * memory.X_GP.linear().transpose()),
       .friction = done.friction};
-  ReportContacts(params, near, candidates, held, asked, memory.contact, s);
-
-  const Vector3 from_m = memory.X_GP.translation(), to_m = X_GT.translation();
-  s.delta = ToMetres(done.delta);
+  simulation::ContactHold unturned;
+  unturned.friction_m = ToMetres(done.shift_mm) - asked.motion_G_m;
+  ReportContacts(params, near, candidates, held, unturned, asked, memory.contact, s);
   s.cutting_m = done.delta.w / kMillimetres;
   s.n = s.cutting_m > 0.0 ? Vector3(Direction(done.n).normalized()) : Vector3::Zero();
   s.advance_m = done.advance_mm / kMillimetres;
   s.edge_work_J = done.edge_work_Nmm / kMillimetres;
-  s.origin_contact = from_m + s.contact_fraction * (to_m - from_m);
-  s.origin_slid = s.origin_contact + s.slide_fraction * (to_m + s.delta - s.origin_contact);
+  s.slide_fraction = done.slid_share;
+  s.turn_fraction = done.turns != 0 ? s.slide_fraction : 0.0;
+  s.origin_slid =
+      s.origin_contact + s.slide_fraction * (done.turns != 0 ? Vector3(asked.motion_G_m + s.delta) : s.shift);
   s.origin_end = s.origin_slid + ToMetres(done.step_mm);
   for (std::size_t m = 0; m < materials.size(); ++m) {
     s.engaged_area_m2[m] = Total(done.engaged_sums[2 * m], done.area_scale) * 1e-6;

@@ -21,9 +21,9 @@ double LensOf(const CuttingParams& params, const NearPair& pair) {
 
 // A face: the planes that hold within one cone, and what is reported of them.
 struct Face {
-  Vector3 hold{Vector3::Zero()};  ///< sum of multiplier n
-  double multiplier{0.0};         ///< the sum of multipliers
-  Vector3 cutting{Vector3::Zero()};
+  Vector3 hold{Vector3::Zero()};          ///< sum of multiplier n
+  double multiplier{0.0};                 ///< the sum of multipliers
+  double cutting{0.0};                    ///< the part of it that balls that cut hold
   Vector3 raw_center_T{Vector3::Zero()};  ///< of the holding pairs themselves, multiplier-weighted
   double raw_radius{0.0}, lens{0.0};
   int known{-1};  ///< number in the memory; -1: new
@@ -67,7 +67,7 @@ Faces FindFaces(const CuttingParams& params, const Candidates& candidates, const
     }
     face->hold += m * pair.n;
     face->multiplier += m;
-    if (pair.cutting) face->cutting += m * pair.n;
+    if (pair.cutting) face->cutting += m;
     face->raw_center_T += m * pair.center_T_m;
     face->raw_radius += m * pair.tool_radius_m;
     face->lens += LensOf(params, pair);
@@ -122,46 +122,59 @@ Candidates FindCandidates(const NearField& near, double tolerance_m) {
   }
   for (std::size_t i = 0; i < all.count; ++i) {
     const NearPair& pair = all.pairs[i];
-    // what faces it: a hole or slot that is tighter than the tolerance is as wide as the tolerance
     double room_m = tolerance_m;
     for (std::size_t j = 0; j < all.count; ++j)
       if (all.pairs[j].n.dot(pair.n) < kOppositeCosine)
         room_m = std::min(room_m, pair.gap_m + all.pairs[j].gap_m);
-    const double gap_m = pair.gap_m + 0.5 * (tolerance_m - room_m);
-    all.planes[i] = {.n = pair.n, .offset = -(gap_m + pair.n.dot(pair.motion_m))};
+    all.gap_m[i] = pair.gap_m + std::min(0.75 * tolerance_m, 0.5 * (tolerance_m - room_m));
   }
   return all;
 }
 
-ContactHold HoldTool(const Candidates& candidates, const ContactInput& input) {
-  const std::span planes(candidates.planes.data(), candidates.count);
-  ContactHold held{.hold = FindHoldPoint(planes)};
-  if (held.hold.count == 0 || input.friction <= 0.0) return held;
-  // slip of the touching surface, less what the cone can hold
-  double normal = 0.0;
-  Vector3 slip = Vector3::Zero();
+void WeighHold(ContactHold& held) {
+  held.normal_m = 0.0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(held.hold.count); ++k)
+    held.normal_m += held.hold.multiplier_m[k];
+  held.most_m = std::min(held.normal_m, 2.0 * (held.hold.point_m.norm() + held.hold.slack_m));
+}
+
+ContactHold HoldTool(const Candidates& candidates, const ContactInput& input, bool turning) {
+  const auto motion = [&](const NearPair& pair) { return turning ? pair.motion_m : input.motion_G_m; };
+  std::array<HalfSpace, kContactBins + kRememberedPairs> planes;
+  for (std::size_t i = 0; i < candidates.count; ++i) {
+    const NearPair& pair = candidates.pairs[i];
+    planes[i] = {.n = pair.n, .offset = -(candidates.gap_m[i] + pair.n.dot(motion(pair)))};
+  }
+  ContactHold held;
+  held.hold = FindHoldPoint(std::span(planes.data(), candidates.count));
+  WeighHold(held);
+  if (held.normal_m <= 0.0 || input.friction <= 0.0) return held;
+
+  Vector3 slip = Vector3::Zero();  // of the touching surface
   for (std::size_t k = 0; k < static_cast<std::size_t>(held.hold.count); ++k) {
     const NearPair& pair = candidates.pairs[held.hold.plane[k]];
-    const double m = held.hold.multiplier_m[k];
-    normal += m;
-    slip += m * (pair.motion_m + held.hold.point_m - pair.tool_radius_m * input.turn_G.cross(pair.n));
+    Vector3 way = motion(pair) + held.hold.point_m;
+    if (turning) way -= pair.tool_radius_m * input.turn_G.cross(pair.n);
+    slip += held.hold.multiplier_m[k] * way;
   }
-  slip /= normal;
+  slip /= held.normal_m;
   const Vector3 n = held.hold.point_m.normalized();
   slip -= n.dot(slip) * n;
   const double size = slip.norm();
-  if (size > 0.0) held.friction_m = -std::min(1.0, input.friction * normal / size) * slip;
+  if (size <= 0.0) return held;
+  held.friction_m = -std::min(1.0, input.friction * held.most_m / size) * slip;
   // the way back may lead into another plane, by micrometres: out again
-  auto from_there = candidates.planes;
-  for (std::size_t i = 0; i < candidates.count; ++i)
-    from_there[i].offset -= from_there[i].n.dot(held.hold.point_m + held.friction_m);
-  held.friction_m += FindHoldPoint(std::span(from_there.data(), candidates.count)).point_m;
+  for (std::size_t i = 0; i < candidates.count; ++i) planes[i].offset -= planes[i].n.dot(held.point_m());
+  held.friction_m += FindHoldPoint(std::span(planes.data(), candidates.count)).point_m;
   return held;
 }
 
 void ReportContacts(const CuttingParams& params, const NearField& near, const Candidates& candidates,
-                    const ContactHold& held_at, const ContactInput& input, ContactMemory& memory,
-                    FrameSolution& solution) {
+                    const ContactHold& held, const ContactHold& unturned, const ContactInput& input,
+                    ContactMemory& memory, FrameSolution& solution) {
+  const HoldPoint& hold = held.hold;
+  solution.delta = held.point_m();
+  solution.shift = input.motion_G_m + unturned.point_m();
   for (int bin = kCuttingBins; bin < kContactBins; ++bin) {
     const NearPair& pair = near.nearest[static_cast<std::size_t>(bin)];
     if (pair.present)
@@ -169,14 +182,12 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
   }
 
   // faces: what holds, along the mean normal of the balls around
-  const HoldPoint& hold = held_at.hold;
-  const Vector3& friction = held_at.friction_m;
-  double normal = 0.0;
-  for (int k = 0; k < hold.count; ++k) normal += hold.multiplier_m[static_cast<std::size_t>(k)];
   const Faces faces = FindFaces(params, candidates, hold, memory);
-  Vector3 held = Vector3::Zero(), cutting = Vector3::Zero();
+  // Each takes its share of the friction along: its direction tilts, and both lift off together.
+  Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: where all hold the tool, from its pose
   solution.contact_count = 0;
   ContactMemory next;
+  const double free_share = held.normal_m > 0.0 ? held.most_m / held.normal_m : 1.0;
   for (std::size_t f = 0; f < faces.count; ++f) {
     const Face& face = faces.face[f];
     const double size = face.hold.norm();
@@ -193,43 +204,35 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
         radius = sums.radius / sums.weight;
       }
     }
-    held += size * n;
-    cutting += face.cutting.norm() * n;
-    SolvedContact& contact = solution.contacts[static_cast<std::size_t>(solution.contact_count++)];
-    contact = {.n = n,
-               .p_T_m = center_T - radius * (input.R_GT.transpose() * n),
-               .multiplier_m = size,
-               .weight = weight,
-               .cutting = face.cutting.squaredNorm() > 0.0};
+    const double share = face.multiplier / held.normal_m;
+    const Vector3 force = free_share * size * n + (1.0 - free_share) * share * hold.point_m;
+    cutting += face.cutting / face.multiplier * force;
+    const Vector3 with_friction = force + share * held.friction_m;
+    const double multiplier = with_friction.norm();
+    if (multiplier <= 0.0) continue;
+    at += with_friction;
+    solution.contacts[static_cast<std::size_t>(solution.contact_count++)] = {
+        .n = with_friction / multiplier,
+        .p_T_m = center_T - radius * (input.R_GT.transpose() * n),
+        .multiplier_m = multiplier,
+        .weight = weight,
+        .cutting = face.cutting > 0.0};
   }
   solution.cutting_m = cutting.norm();
   solution.n = solution.cutting_m > 0.0 ? Vector3(cutting / solution.cutting_m) : Vector3::Zero();
-  // each contact takes its share of the friction along: its direction tilts, and lifts off with its normal
-  // force
-  for (int c = 0; c < solution.contact_count; ++c) {
-    SolvedContact& contact = solution.contacts[static_cast<std::size_t>(c)];
-    const Vector3 v =
-        contact.multiplier_m * contact.n + contact.multiplier_m / std::max(normal, 1e-30) * friction;
-    contact.multiplier_m = v.norm();
-    contact.n = v / contact.multiplier_m;
-  }
-  Vector3 at = Vector3::Zero();  // from the tool's pose, where all contacts hold it
-  for (int c = 0; c < solution.contact_count; ++c) {
-    const SolvedContact& contact = solution.contacts[static_cast<std::size_t>(c)];
-    at += contact.multiplier_m * contact.n;
-  }
   for (int c = 0; c < solution.contact_count; ++c) {
     SolvedContact& contact = solution.contacts[static_cast<std::size_t>(c)];
     contact.gap_m = -contact.n.dot(at);
   }
-  solution.delta = hold.point_m + friction;
 
   // the rest, nearest first: planes that the servo loop may meet before the next frame
   std::array<std::size_t, kContactBins + kRememberedPairs> order{};
-  std::array<double, kContactBins + kRememberedPairs> room{};
+  std::array<double, kContactBins + kRememberedPairs> room{}, gap{};
   for (std::size_t i = 0; i < candidates.count; ++i) {
     order[i] = i;
-    room[i] = candidates.planes[i].n.dot(hold.point_m) - candidates.planes[i].offset;
+    const NearPair& pair = candidates.pairs[i];
+    gap[i] = candidates.gap_m[i] + pair.n.dot(pair.motion_m);  // at the tool's pose
+    room[i] = gap[i] + pair.n.dot(hold.point_m);
   }
   std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(candidates.count),
             [&](std::size_t a, std::size_t b) { return room[a] != room[b] ? room[a] < room[b] : a < b; });
@@ -247,7 +250,7 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
     solution.contacts[static_cast<std::size_t>(solution.contact_count++)] = {
         .n = pair.n,
         .p_T_m = pair.center_T_m - pair.tool_radius_m * (input.R_GT.transpose() * pair.n),
-        .gap_m = std::max(-candidates.planes[i].offset, -pair.n.dot(at)),
+        .gap_m = std::max(gap[i], -pair.n.dot(at)),
         .weight = LensOf(params, pair),
         .cutting = pair.cutting};
   }

@@ -76,36 +76,51 @@ struct NearField {
 
 /// What a frame's contact is solved from, besides the near field.
 struct ContactInput {
-  Matrix3 R_GT{Matrix3::Identity()};  ///< at the tool's pose
-  Vector3 turn_G{Vector3::Zero()};    ///< rotation vector from first contact to there
+  Matrix3 R_GT{Matrix3::Identity()};    ///< at the tool's pose
+  Vector3 motion_G_m{Vector3::Zero()};  ///< of T's origin from first contact to there
+  Vector3 turn_G{Vector3::Zero()};      ///< rotation vector from first contact to there
   double friction{0.0};  ///< mu; 0 while the spindle turns: the surface then slips along its own speed
 };
 
-/// The pairs that may hold the tool, each once, with their planes about the tool's pose.
+/// The pairs that may hold the tool, each once, and their gaps at first contact.
 ///
-/// Planes of opposite pairs with less than the contact tolerance between them are moved apart to the
-/// tolerance: a tool is free to go along a hole of its own width.
+/// Where another faces a pair and less than the contact tolerance is left between them, both yield until it
+/// is, but overlap by no more than three quarters of it: a tool goes freely along a hole of its own width,
+/// whose balls it would else meet one after the other.
 struct Candidates {
   std::array<NearPair, kContactBins + kRememberedPairs> pairs{};
-  std::array<HalfSpace, kContactBins + kRememberedPairs> planes{};
+  std::array<double, kContactBins + kRememberedPairs> gap_m{};
   std::size_t count{0};
 };
 [[nodiscard]] Candidates FindCandidates(const NearField& near, double contact_tolerance_m);
 
-/// Where the planes hold the tool, and what friction adds.
+/// Where planes hold a tool, and what friction takes back of its way there.
+struct ContactHold {
+  HoldPoint hold;        ///< from where the tool would be
+  double normal_m{0.0};  ///< sum of multipliers
+  /// Of these, what is worth a force. A tool that does not fit (turned askew in its own slot) is wedged
+  /// between planes that all yield by the slack: of multipliers that balance one another only as much is a
+  /// force as the slack is worth at the coupling's stiffness.
+  double most_m{0.0};
+  Vector3 friction_m{Vector3::Zero()};
+
+  [[nodiscard]] Vector3 point_m() const { return hold.point_m + friction_m; }
+};
+/// Fills normal_m and most_m from the hold point.
+void WeighHold(ContactHold& held);
+
+/// @param turning  to the tool's pose; otherwise with T's origin alone, the tool kept as it was turned at
+///   first contact
 ///
 /// Friction (Coulomb, on the proxy): of the slip of the touching surface from first contact to the target,
 /// mu times the normal displacements' sum is taken back, within what the planes allow.
-struct ContactHold {
-  HoldPoint hold;
-  Vector3 friction_m{Vector3::Zero()};
-};
-[[nodiscard]] ContactHold HoldTool(const Candidates& candidates, const ContactInput& input);
+[[nodiscard]] ContactHold HoldTool(const Candidates& candidates, const ContactInput& input, bool turning);
 
-/// Fills contacts, delta, n, cutting_m and shaft planes of the solution, and what the next frame should
-/// remember.
+/// Fills contacts, delta, shift, n, cutting_m and shaft planes of the solution, and what the next frame
+/// should remember.
+/// @param held  turning;  @param unturned  not turning
 void ReportContacts(const CuttingParams& params, const NearField& near, const Candidates& candidates,
-                    const ContactHold& held, const ContactInput& input, ContactMemory& memory,
-                    FrameSolution& solution);
+                    const ContactHold& held, const ContactHold& unturned, const ContactInput& input,
+                    ContactMemory& memory, FrameSolution& solution);
 
 }  // namespace osteon::simulation

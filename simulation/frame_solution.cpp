@@ -110,7 +110,7 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
 
   // proxy: the turn goes as far along its way as the two paths went
   const double turned =
-      solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.slide_fraction;
+      solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.turn_fraction;
   const Eigen::Quaterniond q_P(memory.X_GP.linear()), q_T(X_GT.linear());
   memory.X_GP.linear() = q_P.slerp(turned, q_T).toRotationMatrix();
   memory.X_GP.translation() = solution.origin_end;
@@ -146,8 +146,11 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   const auto dominant = static_cast<MaterialIndex>(
       std::max_element(solution.engaged_area_m2.begin(), solution.engaged_area_m2.end()) -
       solution.engaged_area_m2.begin());
-  if (input.spindle_rad_per_s != 0.0) model.spindle_torque_Nm = SpindleTorque(params, materials, solution);
   const bool cutting = input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
+  // the frame's mean: while the bone gives way the force falls, and the edge does less than at the frame's
+  // start
+  if (cutting)
+    model.spindle_torque_Nm = solution.edge_work_J / (std::abs(input.spindle_rad_per_s) * input.dt_s);
   if (cutting) model.advance_m_per_s = solution.advance_m / input.dt_s;
   model.n_W = Vector3(R_WG * solution.n);
 

@@ -34,11 +34,14 @@ struct ShaftPlane {
 struct FrameSolution {
   double contact_fraction{1.0};  ///< first contact on the path from the proxy to the tool
   double slide_fraction{1.0};    ///< of the way from there to the constrained target
+  double turn_fraction{1.0};     ///< of the turn from there to the tool's pose
   double slide_m{0.0};           ///< length of that part, of the tool point that moves farthest
   std::array<SolvedContact, kMaxContacts> contacts{};
   int contact_count{0};
   std::array<ShaftPlane, kMaxShaftPlanes> shaft{};
   int shaft_count{0};
+  Vector3 shift{
+      Vector3::Zero()};  ///< from first contact to the target of a tool that does not turn any further
   Vector3 delta{Vector3::Zero()};                       ///< from the tool's pose to the constrained target
   Vector3 n{Vector3::Zero()};                           ///< direction of the cutting planes' resultant
   double cutting_m{0.0};                                ///< length of the cutting planes' share of delta

@@ -51,21 +51,29 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
 
   // pass 2: what is near the tool there; the closest target that keeps its planes; and the way to it
   const ContactInput asked{.R_GT = X_GT.linear(),
+                           .motion_G_m = goal.back() - contact.back(),
                            .turn_G = (1.0 - solution.contact_fraction) *
                                      LogRotation(X_GT.linear() * memory_.X_GP.linear().transpose()),
                            .friction = cutting ? 0.0 : memory_.contact.friction};
+  const bool turning = asked.turn_G != Vector3::Zero();
   const NearField near = FindNearField(contact, goal, asked.R_GT);
   const Candidates candidates = FindCandidates(near, params_.contact_tolerance_m);
-  ReportContacts(params_, near, candidates, HoldTool(candidates, asked), asked, memory_.contact, solution);
-  ToolPoints target = goal;
+  const ContactHold held = HoldTool(candidates, asked, true);
+  ReportContacts(params_, near, candidates, held, turning ? HoldTool(candidates, asked, false) : held, asked,
+                 memory_.contact, solution);
+  ToolPoints target = goal, straight = contact;
   for (Vector3& point : target) point += solution.delta;
-  double longest = 0.0;
-  for (std::size_t t = 0; t < target.size(); ++t)
-    longest = std::max(longest, (target[t] - contact[t]).norm());
-  solution.slide_fraction = std::min(longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0,
-                                     FirstContact(contact, target, params_.contact_tolerance_m));
-  solution.slide_m = solution.slide_fraction * longest;
-  const ToolPoints slid = Between(contact, target, solution.slide_fraction);
+  for (Vector3& point : straight) point += solution.shift;
+  // a turn may use half of the tolerance: the rest is for going along whatever holds it
+  const Slid full = Slide(contact, target, (turning ? 0.5 : 1.0) * params_.contact_tolerance_m);
+  const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m) : full;
+  // where bone keeps the tool from turning, it still goes along
+  const bool turns = !full.stopped || full.way_m > 0.5 * unturned.way_m;
+  const Slid& chosen = turns ? full : unturned;
+  solution.slide_fraction = chosen.fraction;
+  solution.turn_fraction = turns ? chosen.fraction : 0.0;
+  solution.slide_m = chosen.way_m;
+  const ToolPoints slid = Between(contact, turns ? target : straight, chosen.fraction);
   solution.origin_slid = slid.back();
 
   // pass 3: how far bone gives way, and what goes with it
@@ -94,6 +102,16 @@ double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& t
                                                    tool_.balls[t].radius_m + ball.radius_m - tolerance_m));
   }
   return first;
+}
+
+ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolPoints& to,
+                                             double tolerance_m) const {
+  double longest = 0.0;
+  for (std::size_t t = 0; t < to.size(); ++t) longest = std::max(longest, (to[t] - from[t]).norm());
+  const double limit = longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0;
+  const double met = FirstContact(from, to, tolerance_m);
+  const double fraction = std::min(limit, met);
+  return {.fraction = fraction, .way_m = fraction * longest, .stopped = met < limit};
 }
 
 NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints& goal,

@@ -93,6 +93,7 @@ struct Frame {
   OSTEON_ARRAY(uint, remembered_bone, kRemembered);
   OSTEON_ARRAY(uint, remembered_tool, kRemembered);
   uint remembered_count;
+  uint turning;
   float friction;
   float spindle_rad_per_s;
   float dt_s;
@@ -117,15 +118,19 @@ struct Frame {
 
   // found
   uint contact_bits;  // fraction of first contact, as bits: those of floats of one sign order like the floats
-  uint slide_bits;
-  float slide_limit;    // fraction of the way to the target that the slide may take
-  float way_mm;         // from first contact to the target, of the tool point that moves farthest
+  // the slide with the turn, and straight: fraction up to contact as bits, fraction that is allowed, whole way
+  uint slide_bits, straight_bits;
+  float slide_limit, straight_limit;
+  float way_mm, straight_way_mm;  // of the tool point that moves farthest
+  uint turns;                     // which of the two was done, and how much of it
+  float slid_share;
   float advance_mm;
   float edge_work_Nmm;
   vec4 delta;        // to the constrained target; w: length of the cutting contacts' share
   vec4 n;            // direction of the cutting contacts' resultant
   vec4 step_mm;      // of the proxy's advance
-  vec4 friction_mm;  // its share of delta
+  vec4 friction_mm;  // its share of delta; w: the slack of the hold
+  vec4 shift_mm;     // straight, from first contact to the target
   uint hold_count;   // candidates that hold the tool, and how much
   OSTEON_ARRAY(uint, hold_candidate, 4);
   OSTEON_ARRAY(float, hold_mm, 4);
@@ -189,8 +194,8 @@ OSTEON_CONST uint kCleared = 256;
 static_assert(sizeof(Frame) % 8 == 0);
 static_assert(offsetof(Frame, material) == 8 * 60);
 static_assert(offsetof(Frame, start) == offsetof(Frame, material) + 16 * 8 + 20 * 4);
-static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 18 * 4);
-static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 16 * 4 + 6 * 4 + 6 * 4);
+static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 19 * 4);
+static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 16 * 4 + 6 * 4 + 11 * 4);
 static_assert(sizeof(Candidate) == 28);
 static_assert(sizeof(Item) == 12 && sizeof(Live) == 12 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
 }  // namespace osteon::gpu

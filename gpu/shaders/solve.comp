@@ -15,7 +15,7 @@ const uint kMostRounds = 200;
 
 shared dvec3 plane_n[kCandidates + 1];
 shared double plane_offset[kCandidates + 1];
-shared double plane_gap[kCandidates];
+shared double plane_gap[kCandidates], yielding_gap[kCandidates];
 shared dvec3 plane_motion[kCandidates];
 shared double tool_radius[kCandidates];
 shared uint bone_ball[kCandidates], tool_ball[kCandidates], is_present[kCandidates];
@@ -160,6 +160,44 @@ Held FindHold(dvec3 shift) {
   return held;
 }
 
+// Where planes hold the tool, what friction takes back, and how much of the multipliers is worth a force (twin of
+// simulation::HoldTool).
+struct Hold {
+  Held held;
+  double normal, most;
+  dvec3 friction;
+};
+Hold HoldTool(bool turning, dvec3 origin_motion, double s) {
+  barrier();
+  for (uint c = gl_LocalInvocationID.x; c < kCandidates; c += kLanes) {
+    dvec3 motion = turning ? plane_motion[c] : origin_motion;
+    plane_offset[c] = is_present[c] != 0u ? -(yielding_gap[c] + dot(plane_n[c], motion)) : kAbsent;
+  }
+  barrier();
+  Hold hold;
+  hold.held = FindHold(dvec3(0.0lf));
+  hold.normal = hold.held.m.x + hold.held.m.y + hold.held.m.z + hold.held.m.w;
+  hold.most = min(hold.normal, 2.0lf * (length(hold.held.point) + hold.held.slack));
+  hold.friction = dvec3(0.0lf);
+  for (uint once = hold.normal > 0.0lf && frame.friction > 0.0 ? 0 : 1; once < 1; ++once) {
+    dvec3 turn = turning ? (1.0lf - s) * dvec3(frame.turn.xyz) : dvec3(0.0lf), slip = dvec3(0.0lf);
+    for (uint k = 0; k < hold.held.size; ++k) {
+      uint i = hold.held.plane[k];
+      dvec3 motion = turning ? plane_motion[i] : origin_motion;
+      slip += hold.held.m[k] * (motion + hold.held.point - tool_radius[i] * cross(turn, plane_n[i]));
+    }
+    slip /= hold.normal;
+    dvec3 n = normalize(hold.held.point);
+    slip -= dot(n, slip) * n;
+    double size = length(slip);
+    if (size <= 0.0lf) break;
+    hold.friction = -min(1.0lf, double(frame.friction) * hold.most / size) * slip;
+    // the way back may lead into another plane, by micrometres: out again
+    hold.friction += FindHold(hold.held.point + hold.friction).point;
+  }
+  return hold;
+}
+
 // ---- candidates
 
 void Load(uint c, double s) {
@@ -209,39 +247,25 @@ void main() {
       if (is_present[other] != 0u && bone_ball[other] == bone_ball[c] && tool_ball[other] == tool_ball[c]) is_present[c] = 0u;
   barrier();
   for (uint c = lane; c < kCandidates; c += kLanes) {
-    // what faces it: a hole or slot that is tighter than the tolerance is as wide as the tolerance
+    // where another faces it and less than the tolerance is left between them, both yield
     double tolerance = double(frame.tolerance_mm), room = tolerance;
     for (uint other = 0; other < kCandidates; ++other)
       if (is_present[other] != 0u && dot(plane_n[other], plane_n[c]) < kOppositeCosine)
         room = min(room, plane_gap[c] + plane_gap[other]);
-    double gap = plane_gap[c] + 0.5lf * (tolerance - room);
-    plane_offset[c] = is_present[c] != 0u ? -(gap + dot(plane_n[c], plane_motion[c])) : kAbsent;
+    yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
     frame.candidates[c] = Candidate(float(plane_n[c].x), float(plane_n[c].y), float(plane_n[c].z), float(plane_gap[c]),
                                     bone_ball[c], tool_ball[c], is_present[c]);
   }
-  barrier();
 
-  Held held = FindHold(dvec3(0.0lf));
-  double normal = held.m.x + held.m.y + held.m.z + held.m.w;
-  if (held.size == 0u) normal = 0.0lf;
-
-  // friction: slip of the touching surface, less what the cone can hold
-  dvec3 friction = dvec3(0.0lf);
-  bool rubs = held.size > 0u && frame.friction > 0.0;
-  for (uint once = rubs ? 0 : 1; once < 1; ++once) {
-    dvec3 turn = (1.0lf - s) * dvec3(frame.turn.xyz), slip = dvec3(0.0lf);
-    for (uint k = 0; k < held.size; ++k) {
-      uint i = held.plane[k];
-      slip += held.m[k] * (plane_motion[i] + held.point - tool_radius[i] * cross(turn, plane_n[i]));
-    }
-    slip /= normal;
-    dvec3 n = normalize(held.point);
-    slip -= dot(n, slip) * n;
-    double size = length(slip);
-    if (size > 0.0lf) friction = -min(1.0lf, double(frame.friction) * normal / size) * slip;
-    // the way back may lead into another plane, by micrometres: out again
-    friction += FindHold(held.point + friction).point;
-  }
+  dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
+  Hold unturned = Hold(Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf), 0.0lf, 0.0lf, dvec3(0.0lf));
+  for (uint twice = frame.turning != 0u ? 0 : 1; twice < 1; ++twice) unturned = HoldTool(false, motion, s);
+  Hold hold = HoldTool(true, motion, s);
+  if (frame.turning == 0u) unturned = hold;
+  Held held = hold.held;
+  dvec3 friction = hold.friction;
+  double normal = hold.normal;
+  double free_share = normal > 0.0lf ? hold.most / normal : 1.0lf;
 
   // the faces' resultant, along the mean normal of the balls around each: strongest first, so that a new face forms around
   // what holds most
@@ -261,7 +285,8 @@ void main() {
       plane.zw = plane.wz;
     }
   }
-  dvec3 hold_of[kFaces], cutting_of[kFaces];
+  dvec3 hold_of[kFaces];
+  double cutting_of[kFaces], multiplier_of[kFaces];
   int known_of[kFaces];
   uint faces = 0u;
   for (uint k = 0; k < held.size; ++k) {
@@ -281,15 +306,19 @@ void main() {
         at = f;
     if (at == faces) {
       known_of[at] = known;
-      hold_of[at] = cutting_of[at] = dvec3(0.0lf);
+      hold_of[at] = dvec3(0.0lf);
+      cutting_of[at] = multiplier_of[at] = 0.0lf;
       ++faces;
     }
     hold_of[at] += m[k] * n;
-    if (tool_ball[plane[k]] < frame.cutter_count) cutting_of[at] += m[k] * n;
+    multiplier_of[at] += m[k];
+    if (tool_ball[plane[k]] < frame.cutter_count) cutting_of[at] += m[k];
   }
   dvec3 cutting = dvec3(0.0lf);
   for (uint f = 0; f < faces; ++f) {
-    dvec3 n = normalize(hold_of[f]);
+    double size = length(hold_of[f]);
+    if (size <= 0.0lf) continue;
+    dvec3 n = hold_of[f] / size;
     if (known_of[f] >= 0) {
       vec4 sum = vec4(0.0);
       for (uint row = 0; row < 2; ++row)
@@ -297,7 +326,8 @@ void main() {
           sum[column] += Total(frame.face_sums[(row * kFaces + uint(known_of[f])) * kFaceColumns + column], frame.face_scale);
       if (sum.x > 0.0) n = normalize(dvec3(sum.yzw));
     }
-    cutting += length(cutting_of[f]) * n;
+    double share = multiplier_of[f] / normal;
+    cutting += cutting_of[f] / multiplier_of[f] * (free_share * size * n + (1.0lf - free_share) * share * held.point);
   }
 
   dvec3 delta = held.point + friction;
@@ -312,7 +342,14 @@ void main() {
     frame.hold_candidate[k] = held.plane[k];
     frame.hold_mm[k] = float(held.m[k]);
   }
-  frame.friction_mm = vec4(vec3(friction), 0.0);
+  frame.friction_mm = vec4(vec3(friction), float(held.slack));
+  frame.shift_mm = vec4(vec3(motion + unturned.held.point + unturned.friction), 0.0);
+  float straight = length(frame.shift_mm.xyz);
+  frame.straight_way_mm = straight;
+  frame.straight_limit = straight > frame.max_slide_mm ? frame.max_slide_mm / straight : 1.0;
+  // what is found where no later pass has work to do
+  frame.turns = 1u;
+  frame.slid_share = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
   double size = length(cutting);
   frame.delta = vec4(vec3(delta), float(size));
   frame.n = size > 0.0lf ? vec4(vec3(cutting / size), 0.0) : vec4(0.0);

@@ -256,7 +256,7 @@ TEST(FinishFrame, TurnsTheProxyAsFarAsItsPathWent) {
   X_WT.linear() = ExpRotation({0, 0, 0.4});
   frame.input.X_WT = X_WT;
   frame.solution.contact_fraction = 0.5;
-  frame.solution.slide_fraction = 0.5;
+  frame.solution.turn_fraction = 0.5;
   const Pose X_WP = frame.Finish().X_WP;
   EXPECT_LT((LogRotation(X_WP.linear()) - Vector3(0, 0, 0.3)).norm(), 1e-12);
 }

@@ -1,0 +1,27 @@
+#include <array>
+
+#include "hil/failures/breakthrough.h"
+#include "hil/failures/determinism.h"
+#include "hil/failures/energy.h"
+#include "hil/failures/failure.h"
+#include "hil/failures/fast_rotation.h"
+#include "hil/failures/frame_rate.h"
+#include "hil/failures/high_feed.h"
+#include "hil/failures/thin_sheet.h"
+
+namespace osteon::hil {
+
+std::span<const FailureScenario> FailureScenarios() {
+  static const std::array scenarios{
+      FailureScenario{.id = 1, .name = "thin sheet", .run = RunThinSheet},
+      FailureScenario{.id = 9, .name = "high feed", .run = RunHighFeed},
+      FailureScenario{.id = 11, .name = "fast rotation", .run = RunFastRotation},
+      FailureScenario{.id = 19, .name = "breakthrough", .run = RunBreakthrough},
+      FailureScenario{.id = 20, .name = "energy", .run = RunEnergy},
+      FailureScenario{.id = 21, .name = "determinism", .run = RunDeterminism},
+      FailureScenario{.id = 22, .name = "frame rate", .run = RunFrameRate},
+  };
+  return scenarios;
+}
+
+}  // namespace osteon::hil
