@@ -324,6 +324,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   const simulation::ContactMemory& contact = memory.contact;
   for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i)
     f.face_n[i] = Unscaled(contact.face_n_G[i]);
+  f.face_count = static_cast<uint>(contact.face_count);
   f.remembered_count = static_cast<uint>(contact.pair_count);
   for (std::size_t i = 0; i < f.remembered_count; ++i) {
     f.remembered_bone[i] = contact.pairs[i].bone_ball;

@@ -13,6 +13,9 @@ namespace {
 /// Two pairs face each other across a gap where the angle between their normals is above 143 degrees.
 constexpr double kOppositeCosine = -0.8;
 
+/// How soon a second face's share turns directions from the faces' mean normals to where the planes hold.
+constexpr double kExactness = 4.0;
+
 double LensOf(const CuttingParams& params, const NearPair& pair) {
   // of the overlap alone: the pair's reduced radius is much the same for all
   const double over = std::max(0.0, params.normal_enlargement_m - pair.gap_m);
@@ -188,6 +191,11 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
   solution.contact_count = 0;
   ContactMemory next;
   const double free_share = held.normal_m > 0.0 ? held.most_m / held.normal_m : 1.0;
+  double largest = 0.0;
+  for (std::size_t f = 0; f < faces.count; ++f) largest = std::max(largest, faces.face[f].multiplier);
+  // Several steep faces hold with more than the resultant, in which their mean normals' errors would grow.
+  const double exact =
+      held.normal_m > 0.0 ? std::min(1.0, kExactness * (1.0 - largest / held.normal_m)) : 0.0;
   for (std::size_t f = 0; f < faces.count; ++f) {
     const Face& face = faces.face[f];
     const double size = face.hold.norm();
@@ -199,7 +207,7 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
     if (face.known >= 0) {
       const FaceSums& sums = near.faces[static_cast<std::size_t>(face.known)];
       if (sums.weight > 0.0) {
-        n = sums.n.normalized();
+        n = ((1.0 - exact) * sums.n.normalized() + exact * n).normalized();
         center_T = sums.center_T / sums.weight;
         radius = sums.radius / sums.weight;
       }

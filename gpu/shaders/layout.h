@@ -92,7 +92,7 @@ struct Frame {
   OSTEON_ARRAY(vec4, face_n, kFaces);  // directions in which faces pressed, the frame before; zero: none
   OSTEON_ARRAY(uint, remembered_bone, kRemembered);
   OSTEON_ARRAY(uint, remembered_tool, kRemembered);
-  uint remembered_count;
+  uint face_count, remembered_count;
   uint turning;
   float friction;
   float spindle_rad_per_s;
@@ -194,7 +194,7 @@ OSTEON_CONST uint kCleared = 256;
 static_assert(sizeof(Frame) % 8 == 0);
 static_assert(offsetof(Frame, material) == 8 * 60);
 static_assert(offsetof(Frame, start) == offsetof(Frame, material) + 16 * 8 + 20 * 4);
-static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 19 * 4);
+static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 20 * 4);
 static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 16 * 4 + 6 * 4 + 11 * 4);
 static_assert(sizeof(Candidate) == 28);
 static_assert(sizeof(Item) == 12 && sizeof(Live) == 12 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
