@@ -254,7 +254,7 @@ TEST(VulkanEngine, TimesItsPassesWhereAsked) {
     EXPECT_GE(pass.seconds, 0.0);
   }
   for (const char* name :
-       {"path_contact", "pick_balls", "pick_points", "planes", "solve", "slide_engage", "remove_clear"})
+       {"path_contact", "pick_balls", "pick_points", "near_field", "solve", "slide_engage", "remove_clear"})
     EXPECT_TRUE(names.contains(name)) << name;
   EXPECT_TRUE(plain->LastPassTimes().empty());
 }
