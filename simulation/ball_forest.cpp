@@ -126,8 +126,8 @@ bool BallForest::Search(const Tree& tree, const Vector3& p_m, const Limit& limit
   return false;
 }
 
-double BallForest::Gap(const Vector3& p_m) const {
-  double gap = kInfinity;
+double BallForest::Gap(const Vector3& p_m, double at_most_m) const {
+  double gap = at_most_m;
   for (const Tree& tree : trees_) {
     const bool covered = Search(
         tree, p_m, [&gap](const Node& node) { return gap + node.radius_m; },

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -25,8 +26,9 @@ class BallForest {
   /// Copies the balls. @pre centres are finite, radii finite and positive.
   explicit BallForest(std::span<const Ball> balls);
 
-  /// Distance from p to the union of the balls, 0 inside; infinite without balls.
-  [[nodiscard]] double Gap(const Vector3& p_m) const;
+  /// Distance from p to the union of the balls, 0 inside; `at_most_m` where it is farther, or without balls.
+  [[nodiscard]] double Gap(const Vector3& p_m,
+                           double at_most_m = std::numeric_limits<double>::infinity()) const;
 
   /// Greatest r + r' - |c - c'| over all pairs; 0 where none overlap.
   [[nodiscard]] double GreatestOverlap(int threads) const;
