@@ -1,0 +1,199 @@
+#include "app/frame_timing.h"
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "app/interrupt.h"
+#include "app/vulkan_extras.h"
+#include "gpu/vulkan_engine.h"
+#include "simulation/reference_engine.h"
+
+namespace osteon::app {
+namespace {
+
+using simulation::ContactModel;
+using simulation::CuttingEngine;
+using simulation::FrameWorkload;
+using simulation::WorkloadPlayer;
+
+constexpr std::size_t kLeastFrames = 20;
+
+// A method under measurement.
+struct Runner {
+  std::unique_ptr<CuttingEngine> engine;
+  WorkloadPlayer player;
+  ContactModel last;
+  std::vector<double> times_us;
+  double active_sum{0.0}, force_sum_N{0.0}, removed_before_m3{0.0};
+  std::size_t active_count{0};
+};
+
+std::optional<double> ActiveOf(const std::string& method, const CuttingEngine& engine, std::size_t spheres) {
+  if (method == "brute" || method == "reference") return static_cast<double>(spheres);
+  if (const auto* vulkan = dynamic_cast<const gpu::VulkanEngine*>(&engine)) return ActiveBalls(*vulkan);
+  return std::nullopt;
+}
+
+// From the pose where it begins to where timing may begin.
+tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string& method) {
+  if (simulation::Prepare(*runner.engine, runner.player, runner.last)) return {};
+  return tl::unexpected(
+      fmt::format("{}: the tool did not get to where timing begins within its frames (status {})", method,
+                  static_cast<int>(runner.last.status)));
+}
+
+tl::expected<Runner, std::string> StartedRunner(const FrameWorkload& work, const FrameTimingParams& params,
+                                                const std::string& method) {
+  auto engine = MakeFrameEngine(work, method, params.device, params.voxel_m);
+  if (!engine) return tl::unexpected(engine.error());
+  return Runner{.engine = std::move(*engine), .player = WorkloadPlayer(work), .last = {}, .times_us = {}};
+}
+
+// The device's time by pass, from the same place on.
+tl::expected<std::map<std::string, double>, std::string> TimePasses(const FrameWorkload& work,
+                                                                    const FrameTimingParams& params,
+                                                                    const std::string& method,
+                                                                    const simulation::CarvedState& state,
+                                                                    const Runner& start) {
+  auto made = MakeFrameEngine(work, method, params.device, params.voxel_m, true);
+  if (!made) return tl::unexpected(made.error());
+  auto& engine = dynamic_cast<gpu::VulkanEngine&>(**made);
+  engine.Restore(state);
+  WorkloadPlayer player = start.player;
+  ContactModel last = start.last;
+  std::map<std::string, std::vector<double>> times;
+  for (std::size_t k = 0; k < params.pass_frames && !player.AtEnd() && !Interrupted(); ++k) {
+    last = engine.Step(player.Next(last));
+    for (const gpu::PassTime& pass : engine.LastPassTimes()) times[pass.pass].push_back(pass.seconds * 1e6);
+  }
+  std::map<std::string, double> medians;
+  for (auto& [pass, us] : times) medians[pass] = simulation::FiguresOf(std::move(us)).p50_us;
+  return medians;
+}
+
+FrameTiming Finish(const Runner& runner, const std::string& method, const FrameWorkload& work) {
+  FrameTiming timing{.method = method, .device = runner.engine->device()};
+  timing.elements = work.bone.balls.size();
+  timing.frames = runner.times_us.size();
+  timing.frame_us = simulation::FiguresOf(runner.times_us);
+  if (timing.frames > 0) {
+    const auto frames = static_cast<double>(timing.frames);
+    timing.mean_us = std::accumulate(runner.times_us.begin(), runner.times_us.end(), 0.0) / frames;
+    timing.force_N = runner.force_sum_N / frames;
+  }
+  if (runner.active_count > 0)
+    timing.active_spheres_mean = runner.active_sum / static_cast<double>(runner.active_count);
+  timing.removed_mm3 = (runner.last.removed_volume_m3 - runner.removed_before_m3) * 1e9;
+  return timing;
+}
+
+}  // namespace
+
+const std::vector<std::string>& FrameMethods() {
+  static const std::vector<std::string> methods{"ours", "brute", "reference"};
+  return methods;
+}
+
+bool SharesState(const std::string& method) {
+  return method == "ours" || method == "brute" || method == "reference";
+}
+
+bool WantsDisjoint(const std::string& method) { return method == "paper" || method == "paper-printed"; }
+
+tl::expected<std::unique_ptr<CuttingEngine>, std::string> MakeFrameEngine(const FrameWorkload& work,
+                                                                          const std::string& method,
+                                                                          const std::string& device,
+                                                                          double voxel_m, bool time_passes) {
+  static_cast<void>(voxel_m);
+  const Pose X_WG = Pose::Identity();
+  try {
+    if (method == "reference")
+      return std::make_unique<simulation::ReferenceEngine>(work.bone, work.tool, X_WG, work.cutting);
+  } catch (const std::invalid_argument& error) {
+    return tl::unexpected(method + ": " + error.what());
+  }
+  gpu::VulkanParams vulkan{.device = device, .time_passes = time_passes};
+  if (method == "brute" && !SetBruteForce(vulkan))
+    return tl::unexpected(std::string("brute: this Vulkan engine always culls"));
+  auto engine = gpu::VulkanEngine::Create(work.bone, work.tool, X_WG, work.cutting, vulkan);
+  if (!engine) return tl::unexpected(engine.error());
+  return std::unique_ptr<CuttingEngine>(std::move(*engine));
+}
+
+tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorkload& work,
+                                                               const FrameTimingParams& params) {
+  const auto say = [&](const std::string& text) {
+    if (params.progress) params.progress(text);
+  };
+  // to where timing begins
+  const bool shared = std::ranges::any_of(params.methods, SharesState);
+  simulation::CarvedState state;
+  std::optional<Runner> begun;
+  if (shared) {
+    say("seat");
+    auto runner = StartedRunner(work, params, "ours");
+    if (!runner) return tl::unexpected(runner.error());
+    if (const auto prepared = PrepareRunner(*runner, "ours"); !prepared)
+      return tl::unexpected(prepared.error());
+    state = runner->engine->Snapshot();
+    begun = std::move(*runner);
+    begun->engine.reset();
+  }
+  std::vector<Runner> runners;
+  for (const std::string& method : params.methods) {
+    auto runner = StartedRunner(work, params, method);
+    if (!runner) return tl::unexpected(runner.error());
+    if (SharesState(method)) {
+      runner->engine->Restore(state);
+      runner->player = begun->player;
+      runner->last = begun->last;
+    } else {
+      say("seat " + method);
+      if (const auto prepared = PrepareRunner(*runner, method); !prepared)
+        return tl::unexpected(prepared.error());
+    }
+    runner->removed_before_m3 = runner->last.removed_volume_m3;
+    runners.push_back(std::move(*runner));
+  }
+
+  // frame by frame in turn
+  say("time");
+  const auto start = std::chrono::steady_clock::now();
+  for (std::size_t k = 0; k < params.frames && !Interrupted(); ++k) {
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    if (k >= kLeastFrames && taken.count() > params.most_seconds) break;
+    if (std::ranges::all_of(runners, [](const Runner& runner) { return runner.player.AtEnd(); })) break;
+    for (std::size_t i = 0; i < runners.size(); ++i) {
+      const std::size_t which = (i + k) % runners.size();
+      Runner& runner = runners[which];
+      if (runner.player.AtEnd()) continue;
+      const simulation::FrameInput input = runner.player.Next(runner.last);
+      runner.times_us.push_back(simulation::TimedStep(*runner.engine, input, runner.last));
+      if (runner.last.status != simulation::EngineStatus::kOk)
+        return tl::unexpected(params.methods[which] + ": a frame was refused, or the device is lost");
+      runner.force_sum_N += Vector3(runner.last.F_T_W.f).norm();
+      if (const auto active = ActiveOf(params.methods[which], *runner.engine, work.bone.balls.size())) {
+        runner.active_sum += *active;
+        ++runner.active_count;
+      }
+    }
+  }
+  std::vector<FrameTiming> timings;
+  for (std::size_t i = 0; i < runners.size(); ++i)
+    timings.push_back(Finish(runners[i], params.methods[i], work));
+
+  for (std::size_t i = 0; i < runners.size() && params.pass_frames > 0; ++i) {
+    if (params.methods[i] != "ours") continue;
+    say("time by pass");
+    auto passes = TimePasses(work, params, params.methods[i], state, *begun);
+    if (!passes) return tl::unexpected(passes.error());
+    timings[i].pass_us = std::move(*passes);
+  }
+  return timings;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "simulation/metrics/frame_workload.h"
+
+namespace osteon::app {
+
+/// What `--method` takes: ours (Vulkan), brute (the same engine without culling), reference (double
+/// precision), and the methods that they are compared with.
+[[nodiscard]] const std::vector<std::string>& FrameMethods();
+/// The engine's own packings serve it: it can begin from a state that another of them has carved.
+[[nodiscard]] bool SharesState(const std::string& method);
+/// Works on disjoint packings, as the paper does.
+[[nodiscard]] bool WantsDisjoint(const std::string& method);
+
+struct FrameTimingParams {
+  std::vector<std::string> methods{"ours"};
+  std::string device;            ///< part of a Vulkan device's name
+  std::size_t frames{2000};      ///< timed
+  double most_seconds{60.0};     ///< of timing; at least 20 frames
+  std::size_t pass_frames{200};  ///< of a second run with the device's time by pass; 0: none
+  double voxel_m{0.25e-3};       ///< of the methods that have voxels
+  /// Says what is going on; may be empty.
+  std::function<void(const std::string&)> progress;
+};
+
+/// What a method took for its frames.
+struct FrameTiming {
+  std::string method, device;
+  std::size_t elements{0};  ///< spheres, or voxels
+  std::size_t frames{0};
+  simulation::TimeFigures frame_us{};
+  double mean_us{0.0};
+  std::optional<double>
+      active_spheres_mean{};                ///< spheres that a frame worked on; nothing where it does not say
+  std::map<std::string, double> pass_us{};  ///< medians
+  double force_N{0.0};                    ///< mean of the coupling's, so that it is seen that it pressed
+  double removed_mm3{0.0};                ///< from where timing began to its end
+  [[nodiscard]] double rate_hz() const { return frame_us.p50_us > 0.0 ? 1e6 / frame_us.p50_us : 0.0; }
+};
+
+/// Times the methods' frames on one workload, in this process and frame by frame in turn, so that what else
+/// the machine does falls on all alike. Methods that share their state begin from the one that "ours" has
+/// carved until the tool was seated; the others carve their own. Ends early, with what there is, on Ctrl-C.
+[[nodiscard]] tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(
+    const simulation::FrameWorkload& work, const FrameTimingParams& params);
+
+/// An engine by its method's name.
+/// @param time_passes  Vulkan: timestamps between the passes
+[[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeFrameEngine(
+    const simulation::FrameWorkload& work, const std::string& method, const std::string& device,
+    double voxel_m, bool time_passes = false);
+
+}  // namespace osteon::app

@@ -1,0 +1,63 @@
+#include "app/measure_commands.h"
+
+#include "app/usage.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kMostSpheres = 20e6;
+
+CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
+  CLI::App* sub = bench.add_subcommand("frame", "times one cutting frame");
+  sub->add_option(
+         "--scene", options.scene,
+         "acetabulum: reamed at 100 N and 250 rpm once the head is seated; molar: its recorded motion")
+      ->check(OneOf({"acetabulum", "molar"}))
+      ->capture_default_str();
+  sub->add_option(
+         "--spheres", options.spheres,
+         "of the bone; more than the scene's own fill the bone below the cut zone, which stays as it is")
+      ->check(NumberWithin(1, kMostSpheres));
+  sub->add_flag("--uniform", options.uniform, "all of the bone alike instead");
+  sub->add_option("--tool-spheres", options.tool_spheres, "of the tool's head; 1: one analytic ball")
+      ->check(NumberWithin(1, 10'000))
+      ->capture_default_str();
+  sub->add_option("--method", options.method, "what cuts")
+      ->check(OneOf(FrameMethods()))
+      ->capture_default_str();
+  sub->add_option("--compare", options.compare, "a further method, in turn with it, frame by frame")
+      ->check(OneOf(FrameMethods()));
+  sub->add_option("--device", options.device, "part of a Vulkan device's name (osteon doctor lists them)");
+  sub->add_option("--frames", options.frames, "timed")->check(NumberWithin(20, 10e6))->capture_default_str();
+  sub->add_option("--most-seconds", options.most_seconds, "of timing; 20 frames at least")
+      ->check(NumberWithin(0.1, 36e3))
+      ->capture_default_str();
+  sub->add_option("--voxel-mm", options.voxel_mm, "edge of a voxel, for the methods that have them")
+      ->check(NumberWithin(0.01, 5.0))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "write the figures there");
+  sub->footer(
+      "Times are wall time around a frame, submit to result; the rate is one over the median.\n\n"
+      "Examples:\n  osteon bench frame\n  osteon bench frame --spheres 1000000 --json frame.json\n"
+      "  osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50\n"
+      "  osteon bench frame --scene molar --spheres 36000 --tool-spheres 200");
+  return sub;
+}
+
+}  // namespace
+
+MeasureCommands::MeasureCommands(CLI::App& app)
+    : bench_(app.add_subcommand("bench", "measures what the parts take")),
+      frame_(AddBenchFrame(*bench_, frame_options_)) {
+  bench_->require_subcommand(1);
+  bench_->footer("Examples:\n  osteon bench frame\n  osteon bench frame --help");
+}
+
+bool MeasureCommands::asked() const { return bench_->parsed(); }
+
+int MeasureCommands::Run(const std::filesystem::path& config_root) {
+  frame_options_.config_root = config_root;
+  return RunBenchFrame(frame_options_);
+}
+
+}  // namespace osteon::app
