@@ -39,8 +39,18 @@ std::optional<double> ActiveOf(const std::string& method, const CuttingEngine& e
 }
 
 // From the pose where it begins to where timing may begin.
-tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string& method) {
-  if (simulation::Prepare(*runner.engine, runner.player, runner.last)) return {};
+tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string& method,
+                                              double most_seconds) {
+  const auto begun = std::chrono::steady_clock::now();
+  bool late = false;
+  const auto stop = [&] {
+    late = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count() > most_seconds;
+    return late || Interrupted();
+  };
+  if (simulation::Prepare(*runner.engine, runner.player, runner.last, stop)) return {};
+  if (Interrupted()) return tl::unexpected(method + ": ended by Ctrl-C before the tool was seated");
+  if (late)
+    return tl::unexpected(fmt::format("{}: the tool was not seated within {:g} s", method, most_seconds));
   return tl::unexpected(
       fmt::format("{}: the tool did not get to where timing begins within its frames (status {})", method,
                   static_cast<int>(runner.last.status)));
@@ -57,12 +67,11 @@ tl::expected<Runner, std::string> StartedRunner(const FrameWorkload& work, const
 tl::expected<std::map<std::string, double>, std::string> TimePasses(const FrameWorkload& work,
                                                                     const FrameTimingParams& params,
                                                                     const std::string& method,
-                                                                    const simulation::CarvedState& state,
-                                                                    const Runner& start) {
+                                                                    const SeatedStart& start) {
   auto made = MakeFrameEngine(work, method, params.device, params.voxel_m, true);
   if (!made) return tl::unexpected(made.error());
   auto& engine = dynamic_cast<gpu::VulkanEngine&>(**made);
-  engine.Restore(state);
+  engine.Restore(start.state);
   WorkloadPlayer player = start.player;
   ContactModel last = start.last;
   std::map<std::string, std::vector<double>> times;
@@ -124,36 +133,39 @@ tl::expected<std::unique_ptr<CuttingEngine>, std::string> MakeFrameEngine(const 
   return std::unique_ptr<CuttingEngine>(std::move(*engine));
 }
 
+tl::expected<SeatedStart, std::string> Seat(const FrameWorkload& work, const FrameTimingParams& params) {
+  auto runner = StartedRunner(work, params, "ours");
+  if (!runner) return tl::unexpected(runner.error());
+  if (const auto prepared = PrepareRunner(*runner, "ours", params.most_seat_seconds); !prepared)
+    return tl::unexpected(prepared.error());
+  return SeatedStart{.state = runner->engine->Snapshot(), .player = runner->player, .last = runner->last};
+}
+
 tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorkload& work,
-                                                               const FrameTimingParams& params) {
+                                                               const FrameTimingParams& params,
+                                                               const SeatedStart* start) {
   const auto say = [&](const std::string& text) {
     if (params.progress) params.progress(text);
   };
   // to where timing begins
-  const bool shared = std::ranges::any_of(params.methods, SharesState);
-  simulation::CarvedState state;
-  std::optional<Runner> begun;
-  if (shared) {
+  std::optional<SeatedStart> made;
+  if (start == nullptr && std::ranges::any_of(params.methods, SharesState)) {
     say("seat");
-    auto runner = StartedRunner(work, params, "ours");
-    if (!runner) return tl::unexpected(runner.error());
-    if (const auto prepared = PrepareRunner(*runner, "ours"); !prepared)
-      return tl::unexpected(prepared.error());
-    state = runner->engine->Snapshot();
-    begun = std::move(*runner);
-    begun->engine.reset();
+    auto seated = Seat(work, params);
+    if (!seated) return tl::unexpected(seated.error());
+    start = &made.emplace(std::move(*seated));
   }
   std::vector<Runner> runners;
   for (const std::string& method : params.methods) {
     auto runner = StartedRunner(work, params, method);
     if (!runner) return tl::unexpected(runner.error());
     if (SharesState(method)) {
-      runner->engine->Restore(state);
-      runner->player = begun->player;
-      runner->last = begun->last;
+      runner->engine->Restore(start->state);
+      runner->player = start->player;
+      runner->last = start->last;
     } else {
       say("seat " + method);
-      if (const auto prepared = PrepareRunner(*runner, method); !prepared)
+      if (const auto prepared = PrepareRunner(*runner, method, params.most_seat_seconds); !prepared)
         return tl::unexpected(prepared.error());
     }
     runner->removed_before_m3 = runner->last.removed_volume_m3;
@@ -162,9 +174,9 @@ tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorklo
 
   // frame by frame in turn
   say("time");
-  const auto start = std::chrono::steady_clock::now();
+  const auto begun = std::chrono::steady_clock::now();
   for (std::size_t k = 0; k < params.frames && !Interrupted(); ++k) {
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
     if (k >= kLeastFrames && taken.count() > params.most_seconds) break;
     if (std::ranges::all_of(runners, [](const Runner& runner) { return runner.player.AtEnd(); })) break;
     for (std::size_t i = 0; i < runners.size(); ++i) {
@@ -189,7 +201,7 @@ tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorklo
   for (std::size_t i = 0; i < runners.size() && params.pass_frames > 0; ++i) {
     if (params.methods[i] != "ours") continue;
     say("time by pass");
-    auto passes = TimePasses(work, params, params.methods[i], state, *begun);
+    auto passes = TimePasses(work, params, params.methods[i], *start);
     if (!passes) return tl::unexpected(passes.error());
     timings[i].pass_us = std::move(*passes);
   }

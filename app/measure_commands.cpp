@@ -44,18 +44,47 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
   return sub;
 }
 
+CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
+  CLI::App* sub =
+      chart.add_subcommand("scaling", "frame rate against number of spheres: the paper's figure 4");
+  sub->add_option("--out", options.out, "folder for scaling.svg, .png, .csv, .json, .html")
+      ->capture_default_str();
+  sub->add_option("--max-spheres", options.max_spheres, "no more than these")
+      ->check(NumberWithin(1000, kMostSpheres))
+      ->capture_default_str();
+  sub->add_option("--device", options.device, "part of a Vulkan device's name (osteon doctor lists them)");
+  sub->add_option("--frames", options.frames, "timed at each point")
+      ->check(NumberWithin(20, 1e6))
+      ->capture_default_str();
+  sub->add_option("--most-seconds", options.most_seconds, "of a point; what would take longer is left out")
+      ->check(NumberWithin(0.1, 36e3))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "a further copy of scaling.json");
+  sub->footer(
+      "From 1000 to 10 million spheres: the cut zone as it is and the bone below it finer; all of the bone "
+      "alike; "
+      "and without culling.\n\nExamples:\n  osteon chart scaling\n"
+      "  osteon chart scaling --max-spheres 300000 --out my_scaling");
+  return sub;
+}
+
 }  // namespace
 
 MeasureCommands::MeasureCommands(CLI::App& app)
     : bench_(app.add_subcommand("bench", "measures what the parts take")),
-      frame_(AddBenchFrame(*bench_, frame_options_)) {
+      frame_(AddBenchFrame(*bench_, frame_options_)),
+      chart_(app.add_subcommand("chart", "measures and draws")),
+      scaling_(AddChartScaling(*chart_, scaling_options_)) {
   bench_->require_subcommand(1);
   bench_->footer("Examples:\n  osteon bench frame\n  osteon bench frame --help");
+  chart_->require_subcommand(1);
+  chart_->footer("Examples:\n  osteon chart scaling\n  osteon chart scaling --help");
 }
 
-bool MeasureCommands::asked() const { return bench_->parsed(); }
+bool MeasureCommands::asked() const { return bench_->parsed() || chart_->parsed(); }
 
 int MeasureCommands::Run(const std::filesystem::path& config_root) {
+  if (scaling_->parsed()) return RunChartScaling(scaling_options_);
   frame_options_.config_root = config_root;
   return RunBenchFrame(frame_options_);
 }

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "app/bench_frame.h"
+#include "app/chart_scaling.h"
 
 namespace osteon::app {
 
@@ -20,7 +21,8 @@ class MeasureCommands {
 
  private:
   BenchFrameOptions frame_options_;  // before what points into it
-  CLI::App *bench_, *frame_;
+  ScalingOptions scaling_options_;
+  CLI::App *bench_, *frame_, *chart_, *scaling_;
 };
 
 }  // namespace osteon::app

@@ -99,10 +99,11 @@ bool WorkloadPlayer::Ready(const ContactModel& last) const {
 
 bool WorkloadPlayer::AtEnd() const { return workload_->motion && frame_ >= workload_->motion->frame_count(); }
 
-bool Prepare(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last) {
+bool Prepare(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last,
+             const std::function<bool()>& stop) {
   constexpr int kMostFrames = 20'000;
   for (int k = 0; k < kMostFrames && !player.Ready(last); ++k) {
-    if (player.AtEnd()) return false;
+    if (player.AtEnd() || (stop && stop())) return false;
     last = engine.Step(player.Next(last));
     if (last.status != EngineStatus::kOk) return false;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -69,9 +70,11 @@ class WorkloadPlayer {
   std::size_t frame_{0};
 };
 
-/// Runs frames until the player is ready. @returns false where a motion's end, 20 000 frames or a refused
-/// frame came first.
-[[nodiscard]] bool Prepare(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last);
+/// Runs frames until the player is ready. @returns false where a motion's end, 20 000 frames, a refused frame
+/// or `stop` came first.
+/// @param stop  asked before each frame; may be empty
+[[nodiscard]] bool Prepare(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last,
+                           const std::function<bool()>& stop = {});
 
 /// Time of one frame by its wall clock [us].
 struct TimeFigures {
