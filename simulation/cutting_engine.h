@@ -29,6 +29,12 @@ enum class RemovalLaw : std::uint8_t {
   kImmediate,  ///< up to the tool's pose in every frame (the paper)
 };
 
+/// Which of the tool's cutting balls take bone away.
+enum class Cutters : std::uint8_t {
+  kAll,            ///< all, over the whole of the proxy's way
+  kContactSphere,  ///< the one that touched first alone (the paper): leaves bone in the tool's way
+};
+
 struct CuttingParams {
   double stiffness_N_per_m{20e3};  ///< of the virtual coupling
   double max_force_N{200.0};       ///< the coupling force that the rate law may count on
@@ -38,6 +44,7 @@ struct CuttingParams {
   double max_slide_m{0.25e-3};          ///< the longest way of the proxy's slide and advance in one frame
   double engaged_layer_m{0.5e-3};       ///< depth of the layer that measures the engaged area
   RemovalLaw law{RemovalLaw::kRate};
+  Cutters cutters{Cutters::kAll};
 };
 
 /// The carved state: everything that a frame changes.
