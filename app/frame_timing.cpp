@@ -10,7 +10,6 @@
 #include "app/interrupt.h"
 #include "app/vulkan_extras.h"
 #include "gpu/vulkan_engine.h"
-#include "simulation/reference_engine.h"
 
 namespace osteon::app {
 namespace {
@@ -38,6 +37,15 @@ std::optional<double> ActiveOf(const std::string& method, const CuttingEngine& e
   return std::nullopt;
 }
 
+tl::expected<std::unique_ptr<CuttingEngine>, std::string> EngineFor(const FrameWorkload& work,
+                                                                    const FrameTimingParams& params,
+                                                                    const std::string& method,
+                                                                    bool time_passes = false) {
+  return MakeMethodEngine(
+      work.bone, work.solid.get(), work.tool, work.cutting,
+      {.method = method, .device = params.device, .voxel_m = params.voxel_m, .time_passes = time_passes});
+}
+
 // From the pose where it begins to where timing may begin.
 tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string& method,
                                               double most_seconds) {
@@ -58,7 +66,7 @@ tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string&
 
 tl::expected<Runner, std::string> StartedRunner(const FrameWorkload& work, const FrameTimingParams& params,
                                                 const std::string& method) {
-  auto engine = MakeFrameEngine(work, method, params.device, params.voxel_m);
+  auto engine = EngineFor(work, params, method);
   if (!engine) return tl::unexpected(engine.error());
   return Runner{.engine = std::move(*engine), .player = WorkloadPlayer(work), .last = {}, .times_us = {}};
 }
@@ -68,7 +76,7 @@ tl::expected<std::map<std::string, double>, std::string> TimePasses(const FrameW
                                                                     const FrameTimingParams& params,
                                                                     const std::string& method,
                                                                     const SeatedStart& start) {
-  auto made = MakeFrameEngine(work, method, params.device, params.voxel_m, true);
+  auto made = EngineFor(work, params, method, true);
   if (!made) return tl::unexpected(made.error());
   auto& engine = dynamic_cast<gpu::VulkanEngine&>(**made);
   engine.Restore(start.state);
@@ -86,7 +94,7 @@ tl::expected<std::map<std::string, double>, std::string> TimePasses(const FrameW
 
 FrameTiming Finish(const Runner& runner, const std::string& method, const FrameWorkload& work) {
   FrameTiming timing{.method = method, .device = runner.engine->device()};
-  timing.elements = work.bone.balls.size();
+  timing.elements = ElementsOf(*runner.engine, work.bone);
   timing.frames = runner.times_us.size();
   timing.frame_us = simulation::FiguresOf(runner.times_us);
   if (timing.frames > 0) {
@@ -101,37 +109,6 @@ FrameTiming Finish(const Runner& runner, const std::string& method, const FrameW
 }
 
 }  // namespace
-
-const std::vector<std::string>& FrameMethods() {
-  static const std::vector<std::string> methods{"ours", "brute", "reference"};
-  return methods;
-}
-
-bool SharesState(const std::string& method) {
-  return method == "ours" || method == "brute" || method == "reference";
-}
-
-bool WantsDisjoint(const std::string& method) { return method == "paper" || method == "paper-printed"; }
-
-tl::expected<std::unique_ptr<CuttingEngine>, std::string> MakeFrameEngine(const FrameWorkload& work,
-                                                                          const std::string& method,
-                                                                          const std::string& device,
-                                                                          double voxel_m, bool time_passes) {
-  static_cast<void>(voxel_m);
-  const Pose X_WG = Pose::Identity();
-  try {
-    if (method == "reference")
-      return std::make_unique<simulation::ReferenceEngine>(work.bone, work.tool, X_WG, work.cutting);
-  } catch (const std::invalid_argument& error) {
-    return tl::unexpected(method + ": " + error.what());
-  }
-  gpu::VulkanParams vulkan{.device = device, .time_passes = time_passes};
-  if (method == "brute" && !SetBruteForce(vulkan))
-    return tl::unexpected(std::string("brute: this Vulkan engine always culls"));
-  auto engine = gpu::VulkanEngine::Create(work.bone, work.tool, X_WG, work.cutting, vulkan);
-  if (!engine) return tl::unexpected(engine.error());
-  return std::unique_ptr<CuttingEngine>(std::move(*engine));
-}
 
 tl::expected<SeatedStart, std::string> Seat(const FrameWorkload& work, const FrameTimingParams& params) {
   auto runner = StartedRunner(work, params, "ours");

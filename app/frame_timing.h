@@ -10,17 +10,10 @@
 
 #include <tl/expected.hpp>
 
+#include "app/method_engine.h"
 #include "simulation/metrics/frame_workload.h"
 
 namespace osteon::app {
-
-/// What `--method` takes: ours (Vulkan), brute (the same engine without culling), reference (double
-/// precision), and the methods that they are compared with.
-[[nodiscard]] const std::vector<std::string>& FrameMethods();
-/// The engine's own packings serve it: it can begin from a state that another of them has carved.
-[[nodiscard]] bool SharesState(const std::string& method);
-/// Works on disjoint packings, as the paper does.
-[[nodiscard]] bool WantsDisjoint(const std::string& method);
 
 struct FrameTimingParams {
   std::vector<std::string> methods{"ours"};
@@ -65,11 +58,5 @@ struct SeatedStart {
 [[nodiscard]] tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(
     const simulation::FrameWorkload& work, const FrameTimingParams& params,
     const SeatedStart* start = nullptr);
-
-/// An engine by its method's name.
-/// @param time_passes  Vulkan: timestamps between the passes
-[[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeFrameEngine(
-    const simulation::FrameWorkload& work, const std::string& method, const std::string& device,
-    double voxel_m, bool time_passes = false);
 
 }  // namespace osteon::app

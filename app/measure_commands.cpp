@@ -23,10 +23,10 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
       ->check(NumberWithin(1, 10'000))
       ->capture_default_str();
   sub->add_option("--method", options.method, "what cuts")
-      ->check(OneOf(FrameMethods()))
+      ->check(OneOf(MethodNames()))
       ->capture_default_str();
   sub->add_option("--compare", options.compare, "a further method, in turn with it, frame by frame")
-      ->check(OneOf(FrameMethods()));
+      ->check(OneOf(MethodNames()));
   sub->add_option("--device", options.device, "part of a Vulkan device's name (osteon doctor lists them)");
   sub->add_option("--frames", options.frames, "timed")->check(NumberWithin(20, 10e6))->capture_default_str();
   sub->add_option("--most-seconds", options.most_seconds, "of timing; 20 frames at least")
