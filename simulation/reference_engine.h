@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "simulation/contact_law.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/frame_solution.h"
 
@@ -30,8 +31,8 @@ class ReferenceEngine final : public CuttingEngine {
   [[nodiscard]] std::string device() const override { return "CPU, double precision"; }
 
  private:
-  double FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
-  void FindPlanes(const ToolPoints& at, const Matrix3& R_GT, FrameSolution& solution) const;
+  double FirstContact(const ToolPath& path, double tolerance_m) const;
+  NearField FindNearField(const ToolPoints& at, const ToolPoints& goal, const Matrix3& R_GT) const;
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
   void Remove(const ToolPoints& a, const ToolPoints& b, FrameSolution& solution);
 
