@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "app/interrupt.h"
-#include "app/vulkan_extras.h"
 #include "gpu/vulkan_engine.h"
 
 namespace osteon::app {
@@ -33,7 +32,8 @@ struct Runner {
 
 std::optional<double> ActiveOf(const std::string& method, const CuttingEngine& engine, std::size_t spheres) {
   if (method == "brute" || method == "reference") return static_cast<double>(spheres);
-  if (const auto* vulkan = dynamic_cast<const gpu::VulkanEngine*>(&engine)) return ActiveBalls(*vulkan);
+  if (const auto* vulkan = dynamic_cast<const gpu::VulkanEngine*>(&engine))
+    return static_cast<double>(vulkan->LastFrameStats().active_balls);
   return std::nullopt;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "app/vulkan_extras.h"
 #include "gpu/vulkan_engine.h"
 #include "simulation/cut_metrics.h"
 #include "simulation/methods/method.h"
@@ -42,10 +41,9 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeMethod
   } catch (const std::invalid_argument& error) {
     return tl::unexpected(choice.method + ": " + error.what());
   }
-  gpu::VulkanParams vulkan{.device = choice.device, .time_passes = choice.time_passes};
-  if (choice.method == "brute" && !SetBruteForce(vulkan))
-    return tl::unexpected(std::string("brute: this Vulkan engine always culls"));
-  auto engine = gpu::VulkanEngine::Create(bone, tool, X_WG, cutting, vulkan);
+  auto engine = gpu::VulkanEngine::Create(
+      bone, tool, X_WG, cutting,
+      {.device = choice.device, .time_passes = choice.time_passes, .brute_force = choice.method == "brute"});
   if (!engine) return tl::unexpected(engine.error());
   return std::unique_ptr<simulation::CuttingEngine>(std::move(*engine));
 }

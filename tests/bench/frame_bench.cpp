@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-#include "app/vulkan_extras.h"
 #include "config/load.h"
 #include "gpu/vulkan_engine.h"
 #include "simulation/metrics/frame_workload.h"
@@ -93,9 +92,9 @@ simulation::FrameWorkload MakeWork(const Options& options) {
 int Run(const Options& options) {
   const simulation::FrameWorkload work = MakeWork(options);
   const auto make = [&](bool time_passes, bool brute) {
-    gpu::VulkanParams vulkan{.device = options.device, .time_passes = time_passes};
-    if (brute && !app::SetBruteForce(vulkan)) throw std::runtime_error("this Vulkan engine always culls");
-    auto engine = gpu::VulkanEngine::Create(work.bone, work.tool, Pose::Identity(), work.cutting, vulkan);
+    auto engine = gpu::VulkanEngine::Create(
+        work.bone, work.tool, Pose::Identity(), work.cutting,
+        {.device = options.device, .time_passes = time_passes, .brute_force = brute});
     if (!engine) throw std::runtime_error(engine.error());
     return std::move(*engine);
   };
