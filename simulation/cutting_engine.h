@@ -39,7 +39,7 @@ enum class Cutters : std::uint8_t {
 struct SplitParams {
   bool on{false};
   double least_radius_m{0.4e-3};    ///< balls that are smaller when first touched shrink whole
-  int children{28};                 ///< of a ball: 8 … 1024
+  int children{24};                 ///< of a ball: 8 … 1024
   double least_child_share{0.12};   ///< of the ball's first radius; smaller children are dropped: 0 … 0.5
   std::size_t pool_blocks{4096};    ///< balls that can be split at a time: 1 … 1 000 000
   std::size_t blocks_per_frame{0};  ///< balls split in a frame at most, the others wait; 0: any number

@@ -27,10 +27,11 @@ class SweepZone final : public CutZone {
   const SweptTool& swept_;
 };
 
-/// Cells of side h reach 2 h from the surface, those of 2 h 4 h …
+/// Cells of side h reach 4 h from the surface, those of 2 h 8 h …
 std::vector<Cell> CellsAround(const Solid& solid, const SweptTool& swept, double finest_m, int threads) {
   GradeParams grade{.finest_m = finest_m, .coarser_from_m = {}};
-  for (int level = 1; level <= 4; ++level) grade.coarser_from_m.push_back(finest_m * std::ldexp(2.0, level));
+  for (int level = 1; level <= 4; ++level)
+    grade.coarser_from_m.push_back(finest_m * std::ldexp(4.0, level - 1));
   return DivideGraded(solid, SweepZone(swept), grade, CellsWanted::kSolid, threads);
 }
 

@@ -28,7 +28,7 @@ class ShellSolid final : public Solid {
 struct DepthScene {
   std::string name;
   std::unique_ptr<Solid> solid;
-  std::unique_ptr<CutZone> zone;  ///< the surface that is cut into, not the cut: where a packing is fine
+  std::unique_ptr<CutZone> zone;  ///< where a packing is fine: around the cut, without knowing its shape
   Tool tool;
   std::vector<Vector3> corners_m;  ///< of the tool centre's polyline
 
