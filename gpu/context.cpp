@@ -173,6 +173,7 @@ Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placeme
   made.buffer =
       vk::raii::Buffer(*context.device, vk::BufferCreateInfo({}, made.size,
                                                              Usage::eStorageBuffer | Usage::eIndirectBuffer |
+                                                                 Usage::eUniformTexelBuffer |
                                                                  Usage::eTransferSrc | Usage::eTransferDst));
   const vk::MemoryRequirements needs = made.buffer.getMemoryRequirements();
   const vk::PhysicalDeviceMemoryProperties memory = context.physical->getMemoryProperties();
@@ -181,6 +182,8 @@ Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placeme
   const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
   const std::vector<vk::MemoryPropertyFlags> wishes =
       placement == Placement::kDevice ? std::vector<vk::MemoryPropertyFlags>{Property::eDeviceLocal, {}}
+      : placement == Placement::kShared
+          ? std::vector<vk::MemoryPropertyFlags>{host | Property::eDeviceLocal, host}
       : placement == Placement::kUpload
           ? std::vector<vk::MemoryPropertyFlags>{host}
           : std::vector<vk::MemoryPropertyFlags>{host | Property::eHostCached, host};

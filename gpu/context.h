@@ -46,7 +46,9 @@ struct Buffer {
   vk::DeviceSize size{0};
 };
 
-enum class Placement { kDevice, kUpload, kReadBack };
+/// Where a buffer lies: on the device; in host memory, to write to it or to read from it; or on the device
+/// where the host can write to it, if there is such memory.
+enum class Placement { kDevice, kUpload, kReadBack, kShared };
 
 /// @throws vk::SystemError where memory does not suffice.
 [[nodiscard]] Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placement);

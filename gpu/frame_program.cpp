@@ -1,229 +1,273 @@
 #include "gpu/frame_program.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 
-#include "gpu/spirv/advance.h"
-#include "gpu/spirv/clear.h"
+#include <fmt/format.h>
+
 #include "gpu/spirv/contact.h"
-#include "gpu/spirv/contact_live.h"
-#include "gpu/spirv/engage.h"
-#include "gpu/spirv/near.h"
+#include "gpu/spirv/flush.h"
+#include "gpu/spirv/path_contact.h"
 #include "gpu/spirv/pick_balls.h"
 #include "gpu/spirv/pick_points.h"
-#include "gpu/spirv/place.h"
 #include "gpu/spirv/planes.h"
-#include "gpu/spirv/reach.h"
-#include "gpu/spirv/remove.h"
-#include "gpu/spirv/slide.h"
+#include "gpu/spirv/remove_clear.h"
+#include "gpu/spirv/slide_engage.h"
 #include "gpu/spirv/solve.h"
 
 namespace osteon::gpu {
 namespace {
 
-constexpr int kBuffers = 10;
-constexpr std::uint32_t kPassCount = 16;
-constexpr std::array<const char*, kPassCount> kPassNames{
-    "contact_live", "place",        "reach", "contact", "place_again", "near",    "pick_balls", "pick_points",
-    "planes",       "planes_shaft", "solve", "slide",   "engage",      "advance", "remove",     "clear"};
+constexpr std::uint32_t kMostPasses = 16;
+
+// Bytes of each storage buffer, by binding.
+std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
+  std::array<std::size_t, kBindings> bytes{};
+  bytes[kBindFrame] = sizeof(Frame);
+  bytes[kBindTool] = 2 * (n.tool_balls + n.tool_groups) * sizeof(vec4);
+  bytes[kBindToolGroups] = n.tool_groups * sizeof(ToolGroup);
+  bytes[kBindItems] = (n.ball_clusters + n.point_clusters) * sizeof(Item);
+  bytes[kBindGroupRefs] = n.group_refs * sizeof(uint);
+  bytes[kBindBalls] = std::min<std::size_t>(n.balls, kBallsPerBuffer) * sizeof(vec4);
+  bytes[kBindMoreBalls] = (n.balls - std::min<std::size_t>(n.balls, kBallsPerBuffer)) * sizeof(vec4);
+  bytes[kBindPoints] = n.points * sizeof(vec4);
+  bytes[kBindPointStates] = n.points * sizeof(uint);
+  bytes[kBindPointUnits] = n.points * sizeof(uint);
+  bytes[kBindLiveBalls] = n.live * sizeof(vec4);
+  bytes[kBindLiveEntries] = n.live * sizeof(Live);
+  bytes[kBindShaftPairs] = n.live * sizeof(ShaftPair);
+  bytes[kBindLivePoints] = n.live * sizeof(vec4);
+  bytes[kBindPointEntries] = n.live * sizeof(Live);
+  bytes[kBindSpans] = n.spans * sizeof(uint);
+  return bytes;
+}
 
 }  // namespace
 
-void FrameProgram::Open(std::unique_ptr<Context> opened, bool time_passes) {
-  context = std::move(opened);
-  poll = context->info.kind != "cpu";
-  command_pool =
-      vk::raii::CommandPool(*context->device, vk::CommandPoolCreateInfo({}, context->queue_family));
-  fence = vk::raii::Fence(*context->device, vk::FenceCreateInfo());
-  const auto families = context->physical->getQueueFamilyProperties();
-  if (!time_passes || families[context->queue_family].timestampValidBits == 0) return;
-  stamp_period_ns = context->physical->getProperties().limits.timestampPeriod;
-  stamps = vk::raii::QueryPool(*context->device,
-                               vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kPassCount + 1));
+std::string FrameProgram::Refusal(const Context& context, const ProgramSizes& sizes) {
+  const auto limits = context.physical->getProperties().limits;
+  const std::string what = fmt::format("{} balls and {} mass points", sizes.balls, sizes.points);
+  double needed = 0.0;
+  for (const std::size_t bytes : BufferBytes(sizes)) {
+    needed += static_cast<double>(bytes);
+    if (bytes > limits.maxStorageBufferRange)
+      return fmt::format("{}: a buffer of {:.0f} MB, the device's largest is {:.0f} MB", what,
+                         static_cast<double>(bytes) * 1e-6, limits.maxStorageBufferRange * 1e-6);
+  }
+  if (needed > context.info.memory_bytes)
+    return fmt::format("{} need {:.0f} MB, the device has {:.0f} MB", what, needed * 1e-6,
+                       context.info.memory_bytes * 1e-6);
+  if (limits.maxPerStageDescriptorStorageBuffers < kBindings)
+    return fmt::format("{} storage buffers a stage, {} are needed",
+                       limits.maxPerStageDescriptorStorageBuffers, kBindings);
+  return "";
 }
 
-void FrameProgram::Build(const simulation::Tool& tool) {
-  BuildPipelines(tool);
-  Record();
+FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& sizes,
+                           const VulkanParams& params)
+    : context_(std::move(opened)), sizes_(sizes) {
+  const bool cpu = context_->info.kind == "cpu";
+  poll_ = params.fence == FencePolicy::kAuto ? !cpu : params.fence == FencePolicy::kPoll;
+  copies_frame_ = !cpu;
+  command_pool_ =
+      vk::raii::CommandPool(*context_->device, vk::CommandPoolCreateInfo({}, context_->queue_family));
+  fence_ = vk::raii::Fence(*context_->device, vk::FenceCreateInfo());
+  const auto families = context_->physical->getQueueFamilyProperties();
+  if (params.time_passes && families[context_->queue_family].timestampValidBits != 0) {
+    stamp_period_ns_ = context_->physical->getProperties().limits.timestampPeriod;
+    stamps_ = vk::raii::QueryPool(*context_->device,
+                                  vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kMostPasses + 1));
+  }
+  MakeBuffers();
+  MakePipelines();
+  for (const auto& passes : run_passes_) commands_.push_back(Record(passes));
+}
+
+void FrameProgram::MakeBuffers() {
+  const auto bytes = BufferBytes(sizes_);
+  for (uint i = 0; i < kBindings; ++i) {
+    const bool host = i == kBindTool || i == kBindItems || i == kBindGroupRefs;
+    if (i != kBindFrame)
+      buffers_[i] = MakeBuffer(*context_, bytes[i], host ? Placement::kShared : Placement::kDevice);
+  }
+  if (copies_frame_) {
+    buffers_[kBindFrame] = MakeBuffer(*context_, sizeof(Frame), Placement::kDevice);
+    frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kUpload);
+    own_frame_out_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
+    frame_out_ = &own_frame_out_;
+  } else {
+    frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
+    frame_out_ = &frame_in_;
+  }
 }
 
 void FrameProgram::Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const {
-  vk::raii::CommandBuffers once(*context->device, {*command_pool, vk::CommandBufferLevel::ePrimary, 1});
+  vk::raii::CommandBuffers once(*context_->device, {*command_pool_, vk::CommandBufferLevel::ePrimary, 1});
   once[0].begin(vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
   once[0].copyBuffer(*from.buffer, *to.buffer, vk::BufferCopy(0, 0, size));
   once[0].end();
   const vk::CommandBuffer raw = *once[0];
-  context->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw));
-  context->queue->waitIdle();
+  context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw));
+  context_->queue->waitIdle();
 }
 
-void FrameProgram::Write(const Buffer& buffer, const void* data, std::size_t size) const {
+void FrameProgram::Write(uint binding, const void* data, std::size_t size) const {
   if (size == 0) return;
-  const Buffer staging = MakeBuffer(*context, size, Placement::kUpload);
+  const Buffer staging = MakeBuffer(*context_, size, Placement::kUpload);
   std::memcpy(staging.mapped, data, size);
-  Copy(staging, buffer, size);
+  Copy(staging, buffers_[binding], size);
 }
 
-void FrameProgram::Read(const Buffer& buffer, void* data, std::size_t size) const {
+void FrameProgram::Read(uint binding, void* data, std::size_t size) const {
   if (size == 0) return;
-  const Buffer staging = MakeBuffer(*context, size, Placement::kReadBack);
-  Copy(buffer, staging, size);
+  const Buffer staging = MakeBuffer(*context_, size, Placement::kReadBack);
+  Copy(buffers_[binding], staging, size);
   std::memcpy(data, staging.mapped, size);
 }
 
-// Counts again what is left in each cluster of `count` balls or points: a state may give back what was cut.
-void FrameProgram::BuildPipelines(const simulation::Tool& tool) {
-  const vk::raii::Device& device = *context->device;
+void FrameProgram::MakePipelines() {
+  const vk::raii::Device& device = *context_->device;
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
-  for (std::uint32_t i = 0; i < kBuffers; ++i)
+  for (uint i = 0; i < kBindings; ++i)
     bindings.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
-  set_layout = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
-  layout = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout));
+  for (const uint i : {kBindBallTexels, kBindPointTexels})
+    bindings.emplace_back(i, vk::DescriptorType::eUniformTexelBuffer, 1, vk::ShaderStageFlagBits::eCompute);
+  set_layout_ = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
+  layout_ = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout_));
 
-  // specialization: numbers of clusters; which of the two kinds of planes; what a tool with a single cutting
-  // ball saves
   struct Constants {
-    uint ball_clusters, point_clusters;
-    VkBool32 shaft_pass, sum_points;
-    uint only_cutting;
-  } constants{ClusterCount(ball_count), ClusterCount(point_count), VK_FALSE, VK_TRUE, 0};
-  const auto cuts = [](const simulation::ToolBall& ball) { return ball.cutting; };
-  if (std::count_if(tool.balls.begin(), tool.balls.end(), cuts) == 1) {
-    constants.sum_points = VK_FALSE;
-    constants.only_cutting =
-        static_cast<uint>(std::find_if(tool.balls.begin(), tool.balls.end(), cuts) - tool.balls.begin());
-  }
-  const std::array<vk::SpecializationMapEntry, 5> entries{
-      {{0, offsetof(Constants, ball_clusters), sizeof(uint)},
-       {1, offsetof(Constants, point_clusters), sizeof(uint)},
-       {2, offsetof(Constants, shaft_pass), sizeof(VkBool32)},
-       {3, offsetof(Constants, sum_points), sizeof(VkBool32)},
-       {4, offsetof(Constants, only_cutting), sizeof(uint)}}};
-  const auto add = [&](const std::uint32_t* code, std::size_t bytes, const Constants& values) {
-    const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                                sizeof(values), &values);
-    const vk::raii::ShaderModule module(device, vk::ShaderModuleCreateInfo({}, bytes, code));
+    uint chunk;
+    VkBool32 one_cutter;
+    uint ball_clusters;
+    uint lanes;
+  } const constants{.chunk = chunk(),
+                    .one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
+                    .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
+                    .lanes = lanes()};
+  const std::array<vk::SpecializationMapEntry, 4> entries{
+      {{0, offsetof(Constants, chunk), sizeof(uint)},
+       {1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
+       {2, offsetof(Constants, ball_clusters), sizeof(uint)},
+       {3, offsetof(Constants, lanes), sizeof(uint)}}};
+  const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                              sizeof(constants), &constants);
+  const auto add = [&](const char* name, const auto& code, std::size_t groups, bool barrier) {
+    const vk::raii::ShaderModule module(device, vk::ShaderModuleCreateInfo({}, sizeof(code), code));
     const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
                                                   &specialization);
-    pipelines.emplace_back(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout));
+    passes_.push_back(
+        {name, vk::raii::Pipeline(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout_)),
+         groups, barrier});
   };
-  add(kSpirv_contact_live, sizeof(kSpirv_contact_live), constants);
-  add(kSpirv_place, sizeof(kSpirv_place), constants);
-  add(kSpirv_reach, sizeof(kSpirv_reach), constants);
-  add(kSpirv_contact, sizeof(kSpirv_contact), constants);
-  add(kSpirv_place, sizeof(kSpirv_place), constants);
-  add(kSpirv_near, sizeof(kSpirv_near), constants);
-  add(kSpirv_pick_balls, sizeof(kSpirv_pick_balls), constants);
-  add(kSpirv_pick_points, sizeof(kSpirv_pick_points), constants);
-  add(kSpirv_planes, sizeof(kSpirv_planes), constants);
-  Constants shaft = constants;
-  shaft.shaft_pass = shaft.sum_points = VK_TRUE;
-  add(kSpirv_planes, sizeof(kSpirv_planes), shaft);
-  add(kSpirv_solve, sizeof(kSpirv_solve), constants);
-  add(kSpirv_slide, sizeof(kSpirv_slide), constants);
-  add(kSpirv_engage, sizeof(kSpirv_engage), constants);
-  add(kSpirv_advance, sizeof(kSpirv_advance), constants);
-  add(kSpirv_remove, sizeof(kSpirv_remove), constants);
-  add(kSpirv_clear, sizeof(kSpirv_clear), constants);
+  add("contact", kSpirv_contact, offsetof(Frame, pair_work), true);
+  add("planes", kSpirv_planes, offsetof(Frame, pair_work), true);
+  add("solve", kSpirv_solve, kOne, true);
+  add("slide_engage", kSpirv_slide_engage, offsetof(Frame, all_work), true);
+  add("remove_clear", kSpirv_remove_clear, offsetof(Frame, all_work), true);
+  add("path_contact", kSpirv_path_contact, offsetof(Frame, path_work), true);
+  add("pick_balls", kSpirv_pick_balls, offsetof(Frame, path_work), false);
+  add("pick_points", kSpirv_pick_points, offsetof(Frame, point_work), true);
+  add("flush", kSpirv_flush, offsetof(Frame, flush_work), true);
+  run_passes_[0] = {0, 1, 2, 3, 4};
+  run_passes_[1] = {8, 6, 7, 0, 1, 2, 3, 4};
+  run_passes_[2] = {8, 5, 6, 7, 1, 2, 3, 4};
+  run_passes_[3] = {8};
 
-  const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kBuffers);
-  pool = vk::raii::DescriptorPool(
+  const std::array<vk::DescriptorPoolSize, 2> size{
+      {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 2}}};
+  pool_ = vk::raii::DescriptorPool(
       device, vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
-  sets = vk::raii::DescriptorSets(device, vk::DescriptorSetAllocateInfo(*pool, *set_layout));
-  const std::array<const Buffer*, kBuffers> bound{
-      &frame,     &balls,     &points,          &ball_clusters, &point_clusters,
-      &path_list, &near_list, &near_point_list, &live_list,     &live_point_list};
-  for (std::uint32_t i = 0; i < kBuffers; ++i) {
-    const vk::DescriptorBufferInfo info(*bound[i]->buffer, 0, VK_WHOLE_SIZE);
+  sets_ = vk::raii::DescriptorSets(device, vk::DescriptorSetAllocateInfo(*pool_, *set_layout_));
+  for (uint i = 0; i < kBindings; ++i) {
+    const Buffer& bound = i == kBindFrame && !copies_frame_ ? frame_in_ : buffers_[i];
+    const vk::DescriptorBufferInfo info(*bound.buffer, 0, VK_WHOLE_SIZE);
     device.updateDescriptorSets(
-        vk::WriteDescriptorSet(*sets[0], i, 0, vk::DescriptorType::eStorageBuffer, nullptr, info), nullptr);
+        vk::WriteDescriptorSet(*sets_[0], i, 0, vk::DescriptorType::eStorageBuffer, nullptr, info), nullptr);
+  }
+  for (const auto& [binding, buffer] :
+       {std::pair{kBindBallTexels, kBindLiveBalls}, std::pair{kBindPointTexels, kBindLivePoints}}) {
+    views_.emplace_back(device, vk::BufferViewCreateInfo({}, *buffers_[buffer].buffer,
+                                                         vk::Format::eR32G32B32A32Sfloat, 0, VK_WHOLE_SIZE));
+    const vk::BufferView view = *views_.back();
+    device.updateDescriptorSets(
+        vk::WriteDescriptorSet(*sets_[0], binding, 0, vk::DescriptorType::eUniformTexelBuffer, nullptr,
+                               nullptr, view),
+        nullptr);
   }
 }
 
-void FrameProgram::Record() {
+vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& passes) const {
   using Access = vk::AccessFlagBits;
   using Stage = vk::PipelineStageFlagBits;
-  commands = vk::raii::CommandBuffers(*context->device, {*command_pool, vk::CommandBufferLevel::ePrimary, 1});
-  const vk::raii::CommandBuffer& c = commands[0];
+  vk::raii::CommandBuffers made(*context_->device, {*command_pool_, vk::CommandBufferLevel::ePrimary, 1});
+  vk::raii::CommandBuffer c = std::move(made[0]);
   const auto barrier = [&](vk::PipelineStageFlags from, vk::AccessFlags wrote, vk::PipelineStageFlags to,
                            vk::AccessFlags reads) {
     c.pipelineBarrier(from, to, {}, vk::MemoryBarrier(wrote, reads), nullptr, nullptr);
   };
+  const Buffer& frame = copies_frame_ ? buffers_[kBindFrame] : frame_in_;
   c.begin(vk::CommandBufferBeginInfo());
-  const auto stamp = [&](std::uint32_t i) {
-    if (stamp_period_ns > 0.0) c.writeTimestamp(Stage::eBottomOfPipe, *stamps, i);
+  std::uint32_t stamp_number = 0;
+  const auto stamp = [&] {
+    if (stamp_period_ns_ > 0.0) c.writeTimestamp(Stage::eBottomOfPipe, *stamps_, stamp_number++);
   };
-  if (stamp_period_ns > 0.0) c.resetQueryPool(*stamps, 0, kPassCount + 1);
-  stamp(0);
-  c.copyBuffer(*frame_in.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
-  barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader,
-          Access::eShaderRead | Access::eShaderWrite);
-  c.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout, 0, *sets[0], nullptr);
-  // in the order of the pipelines: a number of workgroups, or where the passes before have written it
-  struct Launch {
-    uint groups;
-    vk::DeviceSize indirect;
-    bool barrier;  // false where the next pass does not need this one's results
-  };
-  const auto indirect = [](std::size_t offset, bool wait) { return Launch{0, offset, wait}; };
-  const std::array<Launch, kPassCount> launches{{indirect(offsetof(Frame, live_balls), true),
-                                                 {1, 0, true},
-                                                 indirect(offsetof(Frame, reach_groups), true),
-                                                 indirect(offsetof(Frame, path_balls), true),
-                                                 indirect(offsetof(Frame, place_groups), true),
-                                                 indirect(offsetof(Frame, near_groups), true),
-                                                 indirect(offsetof(Frame, near_balls), false),
-                                                 indirect(offsetof(Frame, near_points), true),
-                                                 indirect(offsetof(Frame, live_balls), false),
-                                                 indirect(offsetof(Frame, shaft_balls), true),
-                                                 {1, 0, true},
-                                                 indirect(offsetof(Frame, live_balls), false),
-                                                 indirect(offsetof(Frame, live_points), true),
-                                                 {1, 0, true},
-                                                 indirect(offsetof(Frame, live_balls), false),
-                                                 indirect(offsetof(Frame, live_points), true)}};
-  for (std::size_t i = 0; i < pipelines.size(); ++i) {
-    c.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines[i]);
-    if (launches[i].groups > 0)
-      c.dispatch(launches[i].groups, 1, 1);
-    else
-      c.dispatchIndirect(*frame.buffer, launches[i].indirect);
-    if (launches[i].barrier)
-      barrier(
-          Stage::eComputeShader, Access::eShaderWrite,
-          Stage::eComputeShader | Stage::eDrawIndirect | Stage::eTransfer,
-          Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead | Access::eTransferRead);
-    stamp(static_cast<std::uint32_t>(i) + 1);
+  if (stamp_period_ns_ > 0.0) c.resetQueryPool(*stamps_, 0, kMostPasses + 1);
+  if (copies_frame_) {
+    c.copyBuffer(*frame_in_.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
+    barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader | Stage::eDrawIndirect,
+            Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead);
   }
-  c.copyBuffer(*frame.buffer, *frame_out.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
-  barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
+  stamp();
+  c.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *sets_[0], nullptr);
+  for (const std::size_t i : passes) {
+    const Pass& pass = passes_[i];
+    c.bindPipeline(vk::PipelineBindPoint::eCompute, *pass.pipeline);
+    if (pass.groups == kOne)
+      c.dispatch(1, 1, 1);
+    else
+      c.dispatchIndirect(*frame.buffer, pass.groups);
+    if (pass.barrier)
+      barrier(Stage::eComputeShader, Access::eShaderWrite,
+              Stage::eComputeShader | Stage::eDrawIndirect | Stage::eTransfer | Stage::eHost,
+              Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead |
+                  Access::eTransferRead | Access::eHostRead);
+    stamp();
+  }
+  if (copies_frame_) {
+    c.copyBuffer(*frame.buffer, *own_frame_out_.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
+    barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
+  }
   c.end();
+  return c;
 }
 
-bool FrameProgram::Run(std::uint64_t timeout_ns) try {
-  const vk::CommandBuffer raw = *commands[0];
-  context->device->resetFences(*fence);
-  context->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence);
-  if (poll) {
+bool FrameProgram::Run(FrameMode mode, std::uint64_t timeout_ns) try {
+  const vk::CommandBuffer raw = *commands_[static_cast<std::size_t>(mode)];
+  last_mode_ = mode;
+  context_->device->resetFences(*fence_);
+  context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence_);
+  if (poll_) {
     // a GPU answers within tens of microseconds: asking is quicker than being woken
     for (int i = 0; i < 20'000; ++i)
-      if (fence.getStatus() == vk::Result::eSuccess) return true;
+      if (fence_.getStatus() == vk::Result::eSuccess) return true;
   }
-  return context->device->waitForFences(*fence, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
+  return context_->device->waitForFences(*fence_, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
 } catch (const std::exception&) {
   return false;
 }
 
 std::vector<PassTime> FrameProgram::PassTimes() const {
   std::vector<PassTime> times;
-  if (stamp_period_ns <= 0.0) return times;
+  if (stamp_period_ns_ <= 0.0) return times;
+  const std::vector<std::size_t>& passes = run_passes_[static_cast<std::size_t>(last_mode_)];
+  const std::size_t count = passes.size() + 1;
   const auto [result, ticks] =
-      stamps.getResults<std::uint64_t>(0, kPassCount + 1, (kPassCount + 1) * sizeof(std::uint64_t),
-                                       sizeof(std::uint64_t), vk::QueryResultFlagBits::e64);
+      stamps_.getResults<std::uint64_t>(0, static_cast<std::uint32_t>(count), count * sizeof(std::uint64_t),
+                                        sizeof(std::uint64_t), vk::QueryResultFlagBits::e64);
   if (result != vk::Result::eSuccess) return times;
-  for (std::size_t i = 0; i < kPassCount; ++i)
-    times.push_back({kPassNames[i], static_cast<double>(ticks[i + 1] - ticks[i]) * stamp_period_ns * 1e-9});
+  for (std::size_t i = 0; i < passes.size(); ++i)
+    times.push_back(
+        {passes_[passes[i]].name, static_cast<double>(ticks[i + 1] - ticks[i]) * stamp_period_ns_ * 1e-9});
   return times;
 }
 

@@ -5,9 +5,13 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
+#include "gpu/cluster_tree.h"
 #include "gpu/frame_program.h"
+#include "gpu/tool_layout.h"
+#include "gpu/work_list.h"
 #include "simulation/cutting_math.h"
 #include "simulation/frame_solution.h"
 
@@ -29,6 +33,10 @@ constexpr std::uint64_t kWarmUpTimeout_ns =
 // How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
 // are mostly far from bone, so a wide margin costs nothing.
 constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 3e-3;
+// Room for what the tool can meet: entries of a list, tool balls of all entries, groups of all clusters.
+constexpr std::size_t kMostLive = 4'000'000, kSpans = 4'000'000, kGroupRefs = 1'000'000;
+
+std::size_t ClusterCount(std::size_t count) { return (count + kGroupSize - 1) / kGroupSize; }
 
 vec4 ToMillimetres(const Vector3& v, double w) {
   return {static_cast<float>(v.x() * kMillimetres), static_cast<float>(v.y() * kMillimetres),
@@ -40,118 +48,136 @@ vec4 Unscaled(const Vector3& v) {
 Vector3 Direction(const vec4& v) { return {v.x, v.y, v.z}; }
 Vector3 ToMetres(const vec4& v) { return Direction(v) / kMillimetres; }
 
-// Boxes around runs of 64 items; an item is a centre and a radius [mm].
-template <class Items, class Get>
-std::vector<Cluster> Boxes(const Items& items, Get get) {
-  std::vector<Cluster> boxes(ClusterCount(items.size()));
-  for (std::size_t c = 0; c < boxes.size(); ++c) {
-    Eigen::AlignedBox3f box;
-    for (std::size_t i = c * kGroupSize; i < std::min(items.size(), (c + 1) * kGroupSize); ++i) {
-      const vec4 item = get(items[i]);
-      const Eigen::Vector3f p(item.x, item.y, item.z);
-      box.extend(p - Eigen::Vector3f::Constant(item.w)).extend(p + Eigen::Vector3f::Constant(item.w));
-    }
-    boxes[c] = {.low_x = box.min().x(),
-                .low_y = box.min().y(),
-                .low_z = box.min().z(),
-                .alive = static_cast<uint>(std::min<std::size_t>(kGroupSize, items.size() - c * kGroupSize)),
-                .high_x = box.max().x(),
-                .high_y = box.max().y(),
-                .high_z = box.max().z(),
-                .pad = 0};
-  }
-  return boxes;
+double Total(const Sum& sum, double scale) {
+  return (sum.high * 65536.0 + static_cast<double>(sum.low)) / scale;
+}
+
+// Balls lie in two buffers, since a binding holds so many only.
+void WriteBalls(const FrameProgram& program, const void* data, std::size_t count) {
+  const std::size_t first = std::min<std::size_t>(count, kBallsPerBuffer);
+  program.Write(kBindBalls, data, first * sizeof(vec4));
+  program.Write(kBindMoreBalls, static_cast<const vec4*>(data) + first, (count - first) * sizeof(vec4));
+}
+void ReadBalls(const FrameProgram& program, void* data, std::size_t count) {
+  const std::size_t first = std::min<std::size_t>(count, kBallsPerBuffer);
+  program.Read(kBindBalls, data, first * sizeof(vec4));
+  program.Read(kBindMoreBalls, static_cast<vec4*>(data) + first, (count - first) * sizeof(vec4));
+}
+
+vec4 PointFloats(const simulation::MassPoint& point) {
+  return ToMillimetres(point.p_m, point.volume_m3 * 1e9);
 }
 
 }  // namespace
 
-struct VulkanEngine::Impl : FrameProgram {
-  simulation::Tool tool;
+struct VulkanEngine::Impl {
+  std::unique_ptr<FrameProgram> program;
+  ToolLayout tool;
   std::vector<simulation::Material> materials;
   Pose X_WG;
   simulation::CuttingParams params;
   simulation::FrameMemory memory;
+  std::size_t ball_count{0}, point_count{0};
   double unit_mm3{1.0};
-  bool lost{false};
+  bool lost{false}, brute_force{false};
+  FrameStats stats;
 
   Frame still{};  // what does not change from frame to frame
+  ClusterTree ball_tree, point_tree;
+  std::unique_ptr<WorkList> work;
+  std::vector<Item> ball_items, point_items;
 
-  // the lists of live balls and points that lie on the device, as the last frame left them
+  // the lists that lie on the device, as the last frame that made them left them
   struct Lists {
     bool made{false};
     float ball_reach_mm{0.0f}, point_reach_mm{0.0f};
-    Groups live_balls{0, 1, 1}, live_points{0, 1, 1}, shaft_balls{0, 1, 1};
-    uint ball_count{0}, point_count{0};
-    decltype(Frame::built) built{};
+    Groups pair_work{0, 2, 1}, all_work{0, 3, 1};
+    uint balls{0}, points{0}, shaft{0}, spans{0};
+    std::vector<Vector3> built_m;  // the tool's balls where they were made
   } lists;
+  bool was_free{true};                   // the last frame met nothing
+  std::vector<Vector3> start_m, goal_m;  // of the tool's balls, this frame
 
+  std::string Open(std::unique_ptr<Context> context, const simulation::Bone& bone,
+                   const VulkanParams& vulkan);
   void Upload(const simulation::Bone& bone);
-  template <class Alive>
-  void Recount(const Buffer& clusters, std::size_t count, Alive alive) const;
+  void FillStill(const simulation::Bone& bone);
+  void ListEverything();
   bool WarmUp(const simulation::Bone& bone);
-  Frame Prepare(const simulation::FrameInput& input) const;
-  void KeepLists(const Frame& done);
-  simulation::FrameSolution Solution(const Frame& done) const;
+  void Place(const Pose& X_GT);
+  [[nodiscard]] Frame Prepare(const simulation::FrameInput& input);
+  void FindWork(Frame& f, FrameMode mode);
+  bool RunFrame(const Frame& prepared, FrameMode mode);
+  void MeasureDrift(Frame& f) const;
+  [[nodiscard]] Groups FlushWork() const;
+  void Flush() const;
+  [[nodiscard]] simulation::FrameSolution Solution(const Frame& done, const Vector3& from_m,
+                                                   const Vector3& to_m) const;
 };
 
-template <class Alive>
-void VulkanEngine::Impl::Recount(const Buffer& clusters, std::size_t count, Alive alive) const {
-  std::vector<Cluster> boxes(ClusterCount(count));
-  Read(clusters, boxes.data(), boxes.size() * sizeof(Cluster));
-  for (Cluster& box : boxes) box.alive = 0;
-  for (std::size_t i = 0; i < count; ++i) boxes[i / kGroupSize].alive += alive(i) ? 1 : 0;
-  Write(clusters, boxes.data(), boxes.size() * sizeof(Cluster));
+// Buffers for this bone and tool; an error text where they are too large.
+std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const simulation::Bone& bone,
+                                     const VulkanParams& vulkan) {
+  ball_count = bone.balls.size();
+  point_count = bone.points.size();
+  const std::size_t longest = std::max({ball_count, point_count, std::size_t{1}});
+  ProgramSizes sizes;
+  sizes.balls = ball_count;
+  sizes.points = point_count;
+  sizes.ball_clusters = ClusterCount(ball_count);
+  sizes.point_clusters = ClusterCount(point_count);
+  sizes.tool_balls = tool.balls.size();
+  sizes.cutters = tool.cutter_count;
+  sizes.tool_groups = tool.groups.size();
+  sizes.group_refs = tool.groups.size() + kGroupRefs;
+  sizes.live = brute_force ? longest : std::min(longest, kMostLive);
+  sizes.spans = tool.balls.size() + kSpans;
+  if (std::string refusal = FrameProgram::Refusal(*context, sizes); !refusal.empty()) return refusal;
+  program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
+  still.live_capacity = static_cast<uint>(sizes.live);
+  still.span_capacity = static_cast<uint>(sizes.spans);
+  work = std::make_unique<WorkList>(std::max(sizes.ball_clusters, sizes.point_clusters),
+                                    static_cast<uint>(tool.groups.size()), sizes.group_refs);
+  ball_items.reserve(sizes.ball_clusters);
+  point_items.reserve(sizes.point_clusters);
+  lists.built_m.resize(tool.balls.size());
+  return "";
 }
 
 void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
-  ball_count = bone.balls.size();
-  point_count = bone.points.size();
-
-  std::vector<vec4> ball_data;
-  ball_data.reserve(ball_count);
+  std::vector<vec4> data;
+  data.reserve(std::max(ball_count, point_count));
   for (const simulation::Ball& ball : bone.balls)
-    ball_data.push_back(ToMillimetres(ball.center_m, ball.radius_m * kMillimetres));
+    data.push_back(ToMillimetres(ball.center_m, ball.radius_m * kMillimetres));
+  ball_tree = ClusterTree(data);
+  WriteBalls(*program, data.data(), ball_count);
 
   // whole units of volume, so that the sum of all points still fits 32 bits
   double total_mm3 = 0.0;
   for (const simulation::MassPoint& point : bone.points) total_mm3 += point.volume_m3 * 1e9;
   unit_mm3 = std::max(total_mm3, 1.0) / 4.0e9;
-  std::vector<Point> point_data;
-  point_data.reserve(point_count);
+  data.clear();
+  std::vector<uint> states, units;
+  states.reserve(point_count);
+  units.reserve(point_count);
   for (const simulation::MassPoint& point : bone.points) {
-    const vec4 p = ToMillimetres(point.p_m, 0.0);
-    const double volume_mm3 = point.volume_m3 * 1e9;
-    point_data.push_back({.x = p.x,
-                          .y = p.y,
-                          .z = p.z,
-                          .volume_mm3 = static_cast<float>(volume_mm3),
-                          .units = static_cast<uint>(std::llround(volume_mm3 / unit_mm3)),
-                          .material = point.material,
-                          .cleared = 0});
+    data.push_back(PointFloats(point));
+    states.push_back(point.material);
+    units.push_back(static_cast<uint>(std::llround(point.volume_m3 * 1e9 / unit_mm3)));
   }
-  const std::vector<Cluster> ball_boxes = Boxes(ball_data, [](const vec4& ball) { return ball; });
-  const std::vector<Cluster> point_boxes = Boxes(point_data, [](const Point& point) {
-    return vec4{point.x, point.y, point.z, 0.0f};
-  });
+  program->Write(kBindPoints, data.data(), data.size() * sizeof(vec4));
+  program->Write(kBindPointStates, states.data(), states.size() * sizeof(uint));
+  program->Write(kBindPointUnits, units.data(), units.size() * sizeof(uint));
+  for (vec4& point : data) point.w = 0.0f;  // a point has no extent
+  point_tree = ClusterTree(data);
 
-  const auto make = [&](std::size_t bytes) { return MakeBuffer(*context, bytes, Placement::kDevice); };
-  balls = make(ball_data.size() * sizeof(vec4));
-  points = make(point_data.size() * sizeof(Point));
-  ball_clusters = make(ball_boxes.size() * sizeof(Cluster));
-  point_clusters = make(point_boxes.size() * sizeof(Cluster));
-  path_list = make(ball_boxes.size() * sizeof(Active));
-  near_list = make(ball_boxes.size() * sizeof(Active));
-  near_point_list = make(point_boxes.size() * sizeof(Active));
-  live_list = make(ball_count * sizeof(Active));
-  live_point_list = make(point_count * sizeof(Active));
-  frame = make(sizeof(Frame));
-  frame_in = MakeBuffer(*context, sizeof(Frame), Placement::kUpload);
-  frame_out = MakeBuffer(*context, sizeof(Frame), Placement::kReadBack);
-  Write(balls, ball_data.data(), ball_data.size() * sizeof(vec4));
-  Write(points, point_data.data(), point_data.size() * sizeof(Point));
-  Write(ball_clusters, ball_boxes.data(), ball_boxes.size() * sizeof(Cluster));
-  Write(point_clusters, point_boxes.data(), point_boxes.size() * sizeof(Cluster));
+  program->Write(kBindToolGroups, tool.groups.data(), tool.groups.size() * sizeof(ToolGroup));
+  std::vector<uint> identity(tool.balls.size());
+  std::iota(identity.begin(), identity.end(), 0u);
+  program->Write(kBindSpans, identity.data(), identity.size() * sizeof(uint));
+}
 
+void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   for (std::size_t i = 0; i < materials.size(); ++i)
     still.material[i] = {
         .x = static_cast<float>(materials[i].specific_cutting_energy_J_per_m3 * 1e-6),  // N/mm^2
@@ -163,57 +189,102 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   still.enlargement_mm = static_cast<float>(params.normal_enlargement_m * kMillimetres);
   still.tolerance_mm = static_cast<float>(params.contact_tolerance_m * kMillimetres);
   still.layer_mm = static_cast<float>(params.engaged_layer_m * kMillimetres);
-  for (std::size_t t = 0; t <= tool.balls.size(); ++t) {
-    const bool cuts = t < tool.balls.size() && tool.balls[t].cutting;
-    lists.built[t].w = static_cast<float>(kMillimetres * (cuts ? kCuttingMargin_m : kShaftMargin_m));
-  }
+  still.max_slide_mm = static_cast<float>(params.max_slide_m * kMillimetres);
+  still.cutting_margin_mm = static_cast<float>(kMillimetres * kCuttingMargin_m);
+  still.shaft_margin_mm = static_cast<float>(kMillimetres * kShaftMargin_m);
   // the largest summands: a touching point as far out as the tool reaches, a whole mass point in the engaged
   // layer
   double reach_mm = 1.0, largest_mm3 = 1e-3;
-  for (const simulation::ToolBall& ball : tool.balls)
-    reach_mm = std::max(reach_mm, kMillimetres * (Vector3(ball.center_m).norm() + ball.radius_m));
-  for (const Point& point : point_data)
-    largest_mm3 = std::max(largest_mm3, static_cast<double>(point.volume_mm3));
+  for (const ToolLayout::Item& ball : tool.balls)
+    reach_mm = std::max(reach_mm, kMillimetres * (ball.center_T_m.norm() + ball.radius_m));
+  for (const simulation::MassPoint& point : bone.points)
+    largest_mm3 = std::max(largest_mm3, point.volume_m3 * 1e9);
   const double largest_mm2 = largest_mm3 / (params.engaged_layer_m * kMillimetres);
   still.point_scale = static_cast<float>(kLargestSummand / (kLargestLens_mm3 * reach_mm));
   still.area_scale = static_cast<float>(kLargestSummand / largest_mm2);
   still.moment_scale = static_cast<float>(kLargestSummand / (largest_mm2 * reach_mm));
-  still.max_slide_mm = static_cast<float>(params.max_slide_m * kMillimetres);
   still.tool_count = static_cast<uint>(tool.balls.size());
+  still.cutter_count = static_cast<uint>(tool.cutter_count);
   still.ball_count = static_cast<uint>(ball_count);
   still.point_count = static_cast<uint>(point_count);
-  for (std::size_t t = 0; t < tool.balls.size(); ++t)
-    if (tool.balls[t].cutting) (t < 32 ? still.cutting_low : still.cutting_high) |= 1u << (t % 32);
   still.material_count = static_cast<uint>(materials.size());
   still.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;
+}
+
+// Brute force: everything in the lists, for good.
+void VulkanEngine::Impl::ListEverything() {
+  std::vector<vec4> copies(ball_count);
+  ReadBalls(*program, copies.data(), ball_count);
+  std::vector<Live> entries(std::max(ball_count, point_count));
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    entries[i] = {.index = static_cast<uint>(i), .first = 0, .count = still.cutter_count};
+  program->Write(kBindLiveBalls, copies.data(), ball_count * sizeof(vec4));
+  program->Write(kBindLiveEntries, entries.data(), ball_count * sizeof(Live));
+  program->Write(kBindPointEntries, entries.data(), point_count * sizeof(Live));
+  copies.resize(point_count);
+  program->Read(kBindPoints, copies.data(), point_count * sizeof(vec4));
+  std::vector<uint> states(point_count);
+  program->Read(kBindPointStates, states.data(), point_count * sizeof(uint));
+  for (std::size_t i = 0; i < point_count; ++i)
+    if ((states[i] & kCleared) != 0) copies[i].w = -copies[i].w;
+  program->Write(kBindLivePoints, copies.data(), point_count * sizeof(vec4));
+  std::vector<ShaftPair> pairs;
+  if (still.tool_count > still.cutter_count)
+    for (std::size_t i = 0; i < ball_count; ++i)
+      pairs.push_back({.slot = static_cast<uint>(i),
+                       .first = still.cutter_count,
+                       .count = still.tool_count - still.cutter_count});
+  program->Write(kBindShaftPairs, pairs.data(), pairs.size() * sizeof(ShaftPair));
+  const std::size_t longest = std::max(ball_count, point_count), chunk = program->lanes() * program->chunk();
+  lists.made = true;
+  lists.ball_reach_mm = lists.point_reach_mm = std::numeric_limits<float>::max();
+  lists.pair_work.x = lists.all_work.x = static_cast<uint>((longest + chunk - 1) / chunk);
+  lists.balls = static_cast<uint>(ball_count);
+  lists.points = static_cast<uint>(point_count);
+  lists.shaft = static_cast<uint>(pairs.size());
 }
 
 // Runs every pass once, with a still spindle at the first ball: nothing changes, and no later frame waits for
 // a compiler.
 bool VulkanEngine::Impl::WarmUp(const simulation::Bone& bone) {
-  if (bone.balls.empty()) return true;
   simulation::FrameInput input;
   Pose X_GT = Pose::Identity();
-  X_GT.translation() = Vector3(bone.balls.front().center_m);
+  if (!bone.balls.empty()) X_GT.translation() = Vector3(bone.balls.front().center_m);
   input.X_WT = X_WG * X_GT;
   input.dt_s = 0.0;
   memory.X_GP = X_GT;
-  Frame f = Prepare(input);
-  f.ball_reach_mm = f.point_reach_mm = 1e6f;  // every cluster is near
-  std::memcpy(frame_in.mapped, &f, sizeof(Frame));
+  const Frame f = Prepare(input);
+  const bool done = RunFrame(f, FrameMode::kListsAtContact) && RunFrame(f, FrameMode::kListsAtProxy) &&
+                    RunFrame(f, FrameMode::kLists);
   memory = {};
-  return Run(kWarmUpTimeout_ns);
+  was_free = true;
+  if (brute_force) ListEverything();
+  return done;
 }
 
-Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) const {
-  const Pose X_GT = X_WG.inverse() * Pose(input.X_WT);
-  Frame f = still;
-  const simulation::ToolPoints start = PlaceTool(tool, memory.X_GP), goal = PlaceTool(tool, X_GT);
-  for (std::size_t t = 0; t <= tool.balls.size(); ++t) {
-    const bool is_ball = t < tool.balls.size();
-    f.start[t] = ToMillimetres(start[t], is_ball ? tool.balls[t].radius_m * kMillimetres : 0.0);
-    f.goal[t] = ToMillimetres(goal[t], is_ball && tool.balls[t].cutting ? 1.0 : 0.0);
+// The tool's balls and their groups at the proxy and at the tool's pose, for the device and for Prepare.
+void VulkanEngine::Impl::Place(const Pose& X_GT) {
+  vec4* placed = program->host<vec4>(kBindTool);
+  start_m.resize(tool.balls.size());
+  goal_m.resize(tool.balls.size());
+  for (std::size_t t = 0; t < tool.balls.size(); ++t) {
+    start_m[t] = memory.X_GP * tool.balls[t].center_T_m;
+    goal_m[t] = X_GT * tool.balls[t].center_T_m;
+    *placed++ = ToMillimetres(start_m[t], tool.balls[t].radius_m * kMillimetres);
+    *placed++ = ToMillimetres(goal_m[t], 0.0);
   }
+  for (const ToolLayout::Item& bound : tool.group_bounds) {
+    *placed++ = ToMillimetres(memory.X_GP * bound.center_T_m, bound.radius_m * kMillimetres);
+    *placed++ = ToMillimetres(X_GT * bound.center_T_m, 0.0);
+  }
+}
+
+Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
+  const Pose X_GT = X_WG.inverse() * Pose(input.X_WT);
+  Place(X_GT);
+  Frame f = still;
+  f.start = ToMillimetres(memory.X_GP.translation(), 0.0);
+  f.goal = ToMillimetres(X_GT.translation(), 0.0);
   f.axis_x = Unscaled(X_GT.linear().col(0));
   f.axis_y = Unscaled(X_GT.linear().col(1));
   f.axis_z = Unscaled(X_GT.linear().col(2));
@@ -222,48 +293,115 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) const {
   f.dt_s = static_cast<float>(input.dt_s);
   f.work_held_back_Nmm =
       static_cast<float>(memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres);
-  f.path_balls = f.near_balls = f.near_points = f.reach_groups = f.place_groups =
-      f.near_groups = {.x = 0, .y = 1, .z = 1};
-  for (uint& bits : f.plane_gap_bits) bits = std::numeric_limits<uint>::max();
-  double way_m = 0.0;
-  for (std::size_t t = 0; t < start.size(); ++t) way_m = std::max(way_m, (goal[t] - start[t]).norm());
+  double way_m = (X_GT.translation() - memory.X_GP.translation()).norm();
+  for (std::size_t t = 0; t < start_m.size(); ++t) {
+    way_m = std::max(way_m, (goal_m[t] - start_m[t]).norm());
+  }
+  if (lists.made && !brute_force) MeasureDrift(f);
   // slide and advance together: at most max_slide, but for the immediate law, which goes all the way
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
   f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
   f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
-  // the lists of the frames before
-  f.live_balls = lists.live_balls;
-  f.live_points = lists.live_points;
-  f.shaft_balls = lists.shaft_balls;
-  f.live_ball_count = lists.ball_count;
-  f.live_point_count = lists.point_count;
-  f.built = lists.built;
-  f.lists_serve =
-      lists.made && f.ball_reach_mm <= lists.ball_reach_mm && f.point_reach_mm <= lists.point_reach_mm ? 1
-                                                                                                       : 0;
-  if (f.lists_serve == 0) f.live_balls.x = 0;
   f.contact_bits = f.slide_bits = std::bit_cast<uint>(static_cast<float>(simulation::kNoContact));
+  for (uint& bits : f.plane_gap_bits) bits = std::numeric_limits<uint>::max();
   return f;
 }
 
-void VulkanEngine::Impl::KeepLists(const Frame& done) {
-  if (done.rebuilt == 0) return;
-  lists.made = true;
-  lists.ball_reach_mm = done.ball_reach_mm;
-  lists.point_reach_mm = done.point_reach_mm;
-  lists.live_balls = done.live_balls;
-  lists.live_points = done.live_points;
-  lists.shaft_balls = done.shaft_balls;
-  lists.ball_count = done.live_ball_count;
-  lists.point_count = done.live_point_count;
-  for (std::size_t t = 0; t <= tool.balls.size(); ++t) {
-    const float margin = lists.built[t].w;
-    lists.built[t] = done.contact[t];
-    lists.built[t].w = margin;
+Groups VulkanEngine::Impl::FlushWork() const {
+  const uint share = program->lanes() * program->chunk();
+  return {.x = lists.made ? (lists.balls + share - 1) / share : 0, .y = 1, .z = 1};
+}
+
+// The balls of the lists back to where Snapshot reads them.
+void VulkanEngine::Impl::Flush() const {
+  Frame f = still;
+  f.flush_count = lists.balls;
+  f.flush_work = FlushWork();
+  std::memcpy(&program->frame(), &f, sizeof(Frame));
+  program->Run(FrameMode::kFlush, kFrameTimeout_ns);
+}
+
+// How far the tool's balls are from where the lists were made.
+void VulkanEngine::Impl::MeasureDrift(Frame& f) const {
+  f.cutting_drift_start_mm = f.cutting_drift_goal_mm = f.shaft_drift_start_mm = f.shaft_drift_goal_mm = 0.0f;
+  for (std::size_t t = 0; t < start_m.size(); ++t) {
+    const bool cuts = t < tool.cutter_count;
+    float& at_start = cuts ? f.cutting_drift_start_mm : f.shaft_drift_start_mm;
+    float& at_goal = cuts ? f.cutting_drift_goal_mm : f.shaft_drift_goal_mm;
+    at_start = std::max(at_start, static_cast<float>(kMillimetres * (start_m[t] - lists.built_m[t]).norm()));
+    at_goal = std::max(at_goal, static_cast<float>(kMillimetres * (goal_m[t] - lists.built_m[t]).norm()));
   }
 }
 
-simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) const {
+// The clusters that the tool can meet, with its reach, on its way or where it stands.
+void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
+  const vec4* bounds = program->host<vec4>(kBindTool) + 2 * tool.balls.size();
+  const auto sweep = [&](float reach_mm, bool cutting_only) {
+    return [&, reach_mm, cutting_only](uint g, const auto& meet) {
+      const bool cuts = tool.Cuts(tool.groups[g]);
+      if (cutting_only && !cuts) return;
+      const vec4 a = bounds[2 * g], b = bounds[2 * g + (mode == FrameMode::kListsAtContact ? 1 : 0)];
+      meet(Eigen::Vector3f(a.x, a.y, a.z), Eigen::Vector3f(b.x, b.y, b.z),
+           a.w + reach_mm + (cuts ? still.cutting_margin_mm : still.shaft_margin_mm));
+    };
+  };
+  work->Clear();
+  work->Add(ball_tree, ball_items, sweep(f.ball_reach_mm, false));
+  work->Add(point_tree, point_items, sweep(f.point_reach_mm, true));
+  Item* items = program->host<Item>(kBindItems);
+  std::copy(ball_items.begin(), ball_items.end(), items);
+  std::copy(point_items.begin(), point_items.end(), items + ball_tree.cluster_count());
+  std::copy(work->refs().begin(), work->refs().end(), program->host<uint>(kBindGroupRefs));
+  f.path_work = {.x = static_cast<uint>(ball_items.size()), .y = 1, .z = 1};
+  f.point_work = {.x = static_cast<uint>(point_items.size()), .y = 1, .z = 1};
+}
+
+// False where the device is lost.
+bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
+  Frame f = prepared;
+  f.lists_at_contact = mode == FrameMode::kListsAtContact ? 1 : 0;
+  if (mode == FrameMode::kLists) {
+    f.pair_work = lists.pair_work;
+    f.all_work = lists.all_work;
+    f.live_ball_count = lists.balls;
+    f.live_point_count = lists.points;
+    f.shaft_count = lists.shaft;
+    f.span_count = lists.spans;
+  } else {
+    FindWork(f, mode);
+    f.flush_count = lists.made ? lists.balls : 0;
+    f.flush_work = FlushWork();
+    f.pair_work = {.x = 0, .y = 2, .z = 1};
+    f.all_work = {.x = 0, .y = 3, .z = 1};
+    f.span_count = static_cast<uint>(tool.balls.size());
+    lists.built_m = start_m;
+    if (!brute_force) MeasureDrift(f);
+  }
+  std::memcpy(&program->frame(), &f, sizeof(Frame));
+  if (!program->Run(mode, memory.frame == 0 ? kWarmUpTimeout_ns : kFrameTimeout_ns)) return false;
+  const Frame& done = program->result();
+  stats = {.active_balls = done.live_ball_count,
+           .active_points = done.live_point_count,
+           .lists_made = mode != FrameMode::kLists};
+  if (mode == FrameMode::kLists) return true;
+  lists.made = done.too_many == 0;
+  lists.ball_reach_mm = done.ball_reach_mm;
+  lists.point_reach_mm = done.point_reach_mm;
+  lists.pair_work = done.pair_work;
+  lists.all_work = done.all_work;
+  lists.balls = done.live_ball_count;
+  lists.points = done.live_point_count;
+  lists.shaft = done.shaft_count;
+  lists.spans = done.span_count;
+  if (mode == FrameMode::kListsAtProxy) return true;
+  const double s = std::min(1.0f, std::bit_cast<float>(done.contact_bits));
+  for (std::size_t t = 0; t < start_m.size(); ++t)
+    lists.built_m[t] = start_m[t] + s * (goal_m[t] - start_m[t]);
+  return true;
+}
+
+simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const Vector3& from_m,
+                                                       const Vector3& to_m) const {
   simulation::FrameSolution s;
   s.contact_fraction = std::min(1.0f, std::bit_cast<float>(done.contact_bits));
   s.slide_fraction = std::min(done.slide_limit, std::bit_cast<float>(done.slide_bits));
@@ -282,12 +420,12 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) const 
   s.n = s.cutting_m > 0.0 ? Vector3(Direction(done.n).normalized()) : Vector3::Zero();
   s.advance_m = done.advance_mm / kMillimetres;
   s.edge_work_J = done.edge_work_Nmm / kMillimetres;
-  s.origin_contact = ToMetres(done.contact[tool.balls.size()]);
-  s.origin_slid = ToMetres(done.slid[tool.balls.size()]);
-  s.origin_end = ToMetres(done.end[tool.balls.size()]);
+  s.origin_contact = from_m + s.contact_fraction * (to_m - from_m);
+  s.origin_slid = s.origin_contact + s.slide_fraction * (to_m + s.delta - s.origin_contact);
+  s.origin_end = s.origin_slid + ToMetres(done.step_mm);
   for (std::size_t m = 0; m < materials.size(); ++m) {
-    s.engaged_area_m2[m] = done.engaged[2 * m] * 1e-6;
-    s.engaged_moment_m3[m] = done.engaged[2 * m + 1] * 1e-9;
+    s.engaged_area_m2[m] = Total(done.engaged_sums[2 * m], done.area_scale) * 1e-6;
+    s.engaged_moment_m3[m] = Total(done.engaged_sums[2 * m + 1], done.moment_scale) * 1e-9;
     s.removed_m3[m] = done.removed[m] * unit_mm3 * 1e-9;
   }
   return s;
@@ -306,13 +444,15 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
   if (!context) return tl::make_unexpected(context.error());
   try {
     auto impl = std::make_unique<Impl>();
-    impl->tool = tool;
+    impl->tool = LayOutTool(tool);
     impl->materials = bone.materials;
     impl->X_WG = X_WG;
     impl->params = params;
-    impl->Open(std::move(*context), vulkan.time_passes);
+    impl->brute_force = vulkan.brute_force;
+    if (const std::string refusal = impl->Open(std::move(*context), bone, vulkan); !refusal.empty())
+      return tl::make_unexpected(refusal);
     impl->Upload(bone);
-    impl->Build(tool);
+    impl->FillStill(bone);
     if (!impl->WarmUp(bone))
       return tl::make_unexpected(std::string("the Vulkan device did not finish a frame"));
     return std::unique_ptr<VulkanEngine>(new VulkanEngine(std::move(impl)));
@@ -335,58 +475,81 @@ simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input)
         impl_->lost ? simulation::EngineStatus::kDeviceLost : simulation::EngineStatus::kBadInput;
     return refused;
   }
-  if (!impl_->memory.has_proxy) impl_->memory.X_GP = impl_->X_WG.inverse() * Pose(input.X_WT);
-  const Frame in = impl_->Prepare(input);
-  std::memcpy(impl_->frame_in.mapped, &in, sizeof(Frame));
-  if (!impl_->Run(kFrameTimeout_ns)) {
-    impl_->lost = true;
+  Impl& it = *impl_;
+  const Pose X_GT = it.X_WG.inverse() * Pose(input.X_WT);
+  if (!it.memory.has_proxy) it.memory.X_GP = X_GT;
+  const Frame prepared = it.Prepare(input);
+  const bool reach =
+      prepared.ball_reach_mm <= it.lists.ball_reach_mm && prepared.point_reach_mm <= it.lists.point_reach_mm;
+  const auto beyond = [&](float cutting_mm, float shaft_mm) {
+    return cutting_mm > it.still.cutting_margin_mm || shaft_mm > it.still.shaft_margin_mm;
+  };
+  // lists serve as long as first contact is near where they were made; where that is likely is known, and the
+  // device finds out
+  FrameMode mode = FrameMode::kLists;
+  if (it.was_free && (!it.lists.made || beyond(prepared.cutting_drift_goal_mm, prepared.shaft_drift_goal_mm)))
+    mode = FrameMode::kListsAtContact;
+  else if (!it.lists.made || !reach || beyond(prepared.cutting_drift_start_mm, prepared.shaft_drift_start_mm))
+    mode = FrameMode::kListsAtProxy;
+  bool done = it.RunFrame(prepared, mode);
+  if (done && it.program->result().is_void != 0 && mode != FrameMode::kListsAtContact)
+    done = it.RunFrame(prepared, FrameMode::kListsAtContact);
+  if (!done) {
+    it.lost = true;
     refused.status = simulation::EngineStatus::kDeviceLost;
     return refused;
   }
-  Frame done;
-  std::memcpy(&done, impl_->frame_out.mapped, sizeof(Frame));
-  impl_->KeepLists(done);
-  return FinishFrame(impl_->params, impl_->materials, impl_->X_WG, input, impl_->Solution(done),
-                     impl_->memory);
+  const Frame found = it.program->result();
+  if (found.is_void != 0) {
+    refused.status = simulation::EngineStatus::kOverloaded;
+    return refused;
+  }
+  const simulation::FrameSolution solution =
+      it.Solution(found, it.memory.X_GP.translation(), X_GT.translation());
+  it.was_free = solution.contact_fraction >= 1.0;
+  return FinishFrame(it.params, it.materials, it.X_WG, input, solution, it.memory);
 }
 
 simulation::CarvedState VulkanEngine::Snapshot() const {
   simulation::CarvedState state;
   ToState(impl_->memory, state);
   if (impl_->lost) return state;  // the books alone: what lay on the device is gone
+  impl_->Flush();
   state.balls.resize(impl_->ball_count * 4);
-  impl_->Read(impl_->balls, state.balls.data(), state.balls.size() * sizeof(float));
-  std::vector<Point> points(impl_->point_count);
-  impl_->Read(impl_->points, points.data(), points.size() * sizeof(Point));
-  state.cleared.reserve(points.size());
-  for (const Point& point : points) state.cleared.push_back(static_cast<std::uint8_t>(point.cleared));
+  ReadBalls(*impl_->program, state.balls.data(), impl_->ball_count);
+  std::vector<uint> states(impl_->point_count);
+  impl_->program->Read(kBindPointStates, states.data(), states.size() * sizeof(uint));
+  state.cleared.reserve(states.size());
+  for (const uint point : states) state.cleared.push_back((point & kCleared) != 0 ? 1 : 0);
   return state;
 }
 
 void VulkanEngine::Restore(const simulation::CarvedState& state) {
   if (state.balls.size() != impl_->ball_count * 4 || state.cleared.size() != impl_->point_count)
     throw std::invalid_argument("carved state: not of this bone");
-  impl_->Write(impl_->balls, state.balls.data(), state.balls.size() * sizeof(float));
-  std::vector<Point> points(impl_->point_count);
-  impl_->Read(impl_->points, points.data(), points.size() * sizeof(Point));
-  for (std::size_t i = 0; i < points.size(); ++i) points[i].cleared = state.cleared[i];
-  impl_->Write(impl_->points, points.data(), points.size() * sizeof(Point));
-  impl_->Recount(impl_->ball_clusters, impl_->ball_count,
-                 [&](std::size_t i) { return state.balls[4 * i + 3] > 0.0f; });
-  impl_->Recount(impl_->point_clusters, impl_->point_count,
-                 [&](std::size_t i) { return state.cleared[i] == 0; });
+  WriteBalls(*impl_->program, state.balls.data(), impl_->ball_count);
+  std::vector<uint> states(impl_->point_count);
+  impl_->program->Read(kBindPointStates, states.data(), states.size() * sizeof(uint));
+  for (std::size_t i = 0; i < states.size(); ++i)
+    states[i] = (states[i] & (kCleared - 1)) | (state.cleared[i] != 0 ? kCleared : 0);
+  impl_->program->Write(kBindPointStates, states.data(), states.size() * sizeof(uint));
   impl_->memory = simulation::ToMemory(state);
   impl_->lists.made = false;
+  impl_->was_free = true;
+  if (impl_->brute_force) impl_->ListEverything();
 }
 
-std::string VulkanEngine::device() const { return impl_->context->info.name; }
+std::string VulkanEngine::device() const { return impl_->program->context().info.name; }
 
 std::vector<PassTime> VulkanEngine::LastPassTimes() const {
-  return impl_->memory.frame == 0 ? std::vector<PassTime>{} : impl_->PassTimes();
+  return impl_->memory.frame == 0 ? std::vector<PassTime>{} : impl_->program->PassTimes();
 }
 
+FrameStats VulkanEngine::LastFrameStats() const { return impl_->stats; }
+
 int VulkanEngine::validation_messages() const {
-  return impl_->context->validation ? impl_->context->validation->messages.load() : 0;
+  const Context& context = impl_->program->context();
+  return context.validation ? context.validation->messages.load() : 0;
 }
 
 }  // namespace osteon::gpu

@@ -12,10 +12,26 @@
 
 namespace osteon::gpu {
 
+/// How the end of a frame is noticed.
+enum class FencePolicy : std::uint8_t {
+  kAuto,  ///< poll where a GPU is, wait where the processor plays one
+  kPoll,
+  kWait,
+};
+
 struct VulkanParams {
   std::string device;       ///< part of a device's name; empty: the best there is
   bool validation{false};   ///< run under the validation layers
   bool time_passes{false};  ///< timestamps between the passes; software drivers wait at each
+  FencePolicy fence{FencePolicy::kAuto};
+  bool brute_force{false};  ///< every pair in every pass: what culling is measured against
+};
+
+/// What the last frame looked at.
+struct FrameStats {
+  std::size_t active_balls{0};   ///< bone balls within reach of the tool
+  std::size_t active_points{0};  ///< mass points within reach of its cutting balls
+  bool lists_made{false};        ///< whether these lists were made anew
 };
 
 /// Device time of one pass of the last frame.
@@ -26,19 +42,16 @@ struct PassTime {
 
 /// The cutting model as Vulkan compute. A frame is one submit, recorded once:
 ///
-///     contact_live ─▶ place ─┬────────────────────────────────────────────────────┬─▶ planes ─▶ solve ─▶
-///     slide, engage
-///                            └─▶ reach ─▶ contact ─▶ place ─▶ near ─▶ pick lists ─┘        ─▶ advance ─▶
-///                            remove, clear
+///     contact ─▶ planes ─▶ solve ─▶ slide, engage ─▶ remove, clear              with the lists of earlier
+///     frames path contact ─▶ pick balls, points ─▶ planes ─▶ …                         with lists made anew
 ///
 /// Balls and points lie in clusters of 64 along a space-filling curve, each with the box that it had at the
-/// start; reach and near list the clusters whose box a tool ball can meet, pick lists the balls and points
-/// that it can, and the passes after them run over those lists alone. The lists serve until the tool has
-/// moved by a margin that is built into them: the lower branch is dispatched indirectly, with no workgroups
-/// where it is not needed. A box stays valid for ever because bone only shrinks inside itself. Sums are whole
-/// numbers (fixed point): equal inputs give equal bits, whatever the order of execution. No pass over balls
-/// or points has a barrier: software drivers pay microseconds a workgroup for one. What every pass computes
-/// is told by simulation::ReferenceEngine, its oracle.
+/// start. The host finds the clusters that the tool's way can meet in a tree of those boxes; the device lists
+/// the balls and points in them that the tool can touch, with the tool balls that can touch each, and the
+/// passes run over those lists alone. They serve until the tool has moved by a margin that is built into
+/// them. A box stays valid for ever because bone only shrinks inside itself. Sums are whole numbers (fixed
+/// point): equal inputs give equal bits, whatever the order of execution. What every pass computes is told by
+/// simulation::ReferenceEngine, its oracle.
 class VulkanEngine final : public simulation::CuttingEngine {
  public:
   /// An error text where the device is unknown, memory does not suffice, or bone and tool are beyond the
@@ -56,6 +69,8 @@ class VulkanEngine final : public simulation::CuttingEngine {
 
   /// Device time by pass of the last frame; empty where they were not asked for, or the device has none.
   [[nodiscard]] std::vector<PassTime> LastPassTimes() const;
+
+  [[nodiscard]] FrameStats LastFrameStats() const;
 
   /// What the validation layers have said so far; 0 without them.
   [[nodiscard]] int validation_messages() const;

@@ -238,6 +238,18 @@ void BallRemoval::Save(const std::vector<BallState>& balls, CarvedState& state) 
   }
 }
 
+std::optional<std::uint32_t> BallRemoval::SavedIndex(std::uint32_t ball) const {
+  if (ball < parents_) return ball;
+  const auto slots = static_cast<std::uint32_t>(Slots());
+  const std::uint32_t block = (ball - static_cast<std::uint32_t>(parents_)) / slots;
+  std::uint32_t before = 0;
+  for (const std::int32_t other : block_) {
+    if (other == static_cast<std::int32_t>(block)) return ball + slots * before - slots * block;
+    if (other != kNone) ++before;
+  }
+  return {};
+}
+
 void BallRemoval::Load(const CarvedState& state, std::vector<BallState>& balls) {
   const std::size_t blocks = state.split_balls.size(), K = template_ ? Slots() : 0;
   if (state.balls.size() != 4 * parents_) throw std::invalid_argument("carved state: not of this bone");

@@ -63,6 +63,9 @@ class BallRemoval {
 
   /// Writes balls and blocks to a state, blocks in the order of their parents.
   void Save(const std::vector<BallState>& balls, CarvedState& state) const;
+  /// Where a ball of the list lies in a state that Save writes and Load reads; nothing for a child of a block
+  /// that is free.
+  [[nodiscard]] std::optional<std::uint32_t> SavedIndex(std::uint32_t ball) const;
   /// @throws std::invalid_argument where the state is not of this packing or not of these parameters.
   void Load(const CarvedState& state, std::vector<BallState>& balls);
 

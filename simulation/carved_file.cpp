@@ -36,13 +36,18 @@ struct CarvedHeader {
   std::array<double, 9> R_GP{};
   std::array<double, 3> p_GP_m{};
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0}, cutting_debt_J{0.0};
+  std::array<double, 12> face_n_G{};
+  double friction{0.0};
+  std::array<std::uint32_t, 16> pairs{};  ///< bone ball, tool ball
+  std::uint32_t pair_count{0}, face_count{0};
   std::uint32_t has_proxy{0};
   std::uint32_t payload_crc{0};
   std::uint32_t header_crc{0};  ///< of all that lies before
   std::uint32_t zero{0};
 };
-static_assert(sizeof(CarvedHeader) == 216 && offsetof(CarvedHeader, R_GP) == 72 &&
-              offsetof(CarvedHeader, has_proxy) == 200);
+static_assert(sizeof(CarvedHeader) == 392 && offsetof(CarvedHeader, R_GP) == 72 &&
+              offsetof(CarvedHeader, has_proxy) == 376);
+static_assert(kMaxFaces == 4 && kRememberedPairs == 8);
 
 std::uint32_t Crc(std::uint32_t crc, const void* data, std::size_t size) {
   const auto* bytes = static_cast<const Bytef*>(data);
@@ -147,6 +152,7 @@ class Reader {
       if (!std::isfinite(books[i]) || (i < 3 && books[i] < 0.0))
         Fail(offsetof(CarvedHeader, removed_volume_m3) + 8 * i, "books", fmt::format("{}", books[i]),
              i < 3 ? "0 and more" : "a finite number");
+    CheckContact();
     if (header_.has_proxy > 1)
       Fail(offsetof(CarvedHeader, has_proxy), "proxy's flag", fmt::format("{}", header_.has_proxy), "0 or 1");
     state_.X_GP = pose;
@@ -156,6 +162,36 @@ class Reader {
     state_.cutting_work_J = header_.cutting_work_J;
     state_.cutting_debt_J = header_.cutting_debt_J;
     state_.frame = header_.frame;
+  }
+
+  /// Balls of the bone, then the slots of blocks.
+  void CheckContact() {
+    ContactMemory& contact = state_.contact;
+    if (header_.pair_count > kRememberedPairs)
+      return Fail(offsetof(CarvedHeader, pair_count), "contact pairs", fmt::format("{}", header_.pair_count),
+                  fmt::format("0 … {}", kRememberedPairs));
+    if (header_.face_count > kMaxFaces)
+      return Fail(offsetof(CarvedHeader, face_count), "contact faces", fmt::format("{}", header_.face_count),
+                  fmt::format("0 … {}", kMaxFaces));
+    const std::uint64_t places = header_.balls + header_.slots * header_.split_balls;
+    for (std::size_t i = 0; i < header_.pair_count; ++i) {
+      contact.pairs[i] = {.bone_ball = header_.pairs[2 * i], .tool_ball = header_.pairs[2 * i + 1]};
+      if (contact.pairs[i].bone_ball >= places)
+        Fail(offsetof(CarvedHeader, pairs) + 8 * i, fmt::format("contact pair {}: ball", i),
+             fmt::format("{}", contact.pairs[i].bone_ball), fmt::format("less than {}", places));
+    }
+    for (std::size_t i = 0; i < header_.face_count; ++i) {
+      const Vector3 n(&header_.face_n_G[3 * i]);
+      if (!n.allFinite() || n.norm() > 1.0 + 1e-6)
+        Fail(offsetof(CarvedHeader, face_n_G) + 24 * i, fmt::format("contact face {}", i), "no direction",
+             "a length of 1 at most");
+      contact.face_n_G[i] = n;
+    }
+    if (!(header_.friction >= 0.0) || !std::isfinite(header_.friction))
+      Fail(offsetof(CarvedHeader, friction), "friction", fmt::format("{}", header_.friction), "0 and more");
+    contact.pair_count = static_cast<std::int32_t>(header_.pair_count);
+    contact.face_count = static_cast<std::int32_t>(header_.face_count);
+    contact.friction = header_.friction;
   }
 
   template <typename Value>
@@ -254,6 +290,20 @@ tl::expected<void, FileError> WriteCarvedState(const std::filesystem::path& path
   header.cutting_work_J = state.cutting_work_J;
   header.cutting_debt_J = state.cutting_debt_J;
   header.has_proxy = state.has_proxy ? 1 : 0;
+  const ContactMemory& contact = state.contact;
+  header.pair_count = static_cast<std::uint32_t>(std::clamp(contact.pair_count, 0, kRememberedPairs));
+  header.face_count = static_cast<std::uint32_t>(std::clamp(contact.face_count, 0, kMaxFaces));
+  header.friction = contact.friction;
+  for (std::size_t i = 0; i < header.pair_count; ++i) {
+    header.pairs[2 * i] = contact.pairs[i].bone_ball;
+    header.pairs[2 * i + 1] = contact.pairs[i].tool_ball;
+  }
+  for (std::size_t i = 0; i < header.face_count; ++i) {
+    const PlainVector3& n = contact.face_n_G[i];
+    header.face_n_G[3 * i] = n.x;
+    header.face_n_G[3 * i + 1] = n.y;
+    header.face_n_G[3 * i + 2] = n.z;
+  }
   header.file_size = FileSize(header).value();
   const std::array<std::byte, 3> zeros{};
   const std::span padding(zeros.data(), Padded(header.points) - header.points);

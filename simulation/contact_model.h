@@ -30,6 +30,7 @@ enum class EngineStatus : std::uint8_t {
   kOk,
   kBadInput,    ///< pose or time not finite; the frame changed nothing
   kDeviceLost,  ///< the GPU is gone; every later frame says so too
+  kOverloaded,  ///< more bone within the tool's reach than the engine has room for; the frame changed nothing
 };
 
 /// What the simulation tells the servo loop after each frame. Plain data, handed over through

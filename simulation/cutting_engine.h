@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "simulation/contact_memory.h"
 #include "simulation/contact_model.h"
 
 namespace osteon::simulation {
@@ -75,6 +76,7 @@ struct CarvedState {
   bool has_proxy{false};
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
   double cutting_debt_J{0.0};  ///< work of cleared points that the edge has not yet done
+  ContactMemory contact;       ///< what held the tool
   std::uint64_t frame{0};
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace osteon::simulation {
 namespace {
@@ -26,6 +27,78 @@ double CuttingForce(const CuttingParams& params, const FrameSolution& solution) 
   return std::min(params.stiffness_N_per_m * solution.cutting_m, params.max_force_N);
 }
 
+void SetCommon(const CuttingParams& params, const std::vector<Material>& materials, MaterialIndex dominant,
+               Contact& contact) {
+  contact.stiffness_N_per_m = params.stiffness_N_per_m;
+  contact.material = dominant;
+  contact.mu = dominant < materials.size() ? materials[dominant].friction : 0.0;
+}
+
+// Contacts and wrench from the contact law.
+void AddContacts(const CuttingParams& params, const std::vector<Material>& materials, MaterialIndex dominant,
+                 const Pose& X_WG, const Pose& X_WT, bool cutting, double dt_s, const FrameSolution& solution,
+                 ContactModel& model) {
+  const std::span solved(solution.contacts.data(), static_cast<std::size_t>(solution.contact_count));
+  double weight = 0.0;
+  for (const SolvedContact& from : solved) weight += from.weight;
+  Wrench F_T_W;
+  for (const SolvedContact& from : solved) {
+    Contact& contact = model.contacts[static_cast<std::size_t>(model.contact_count++)];
+    SetCommon(params, materials, dominant, contact);
+    const Vector3 n_W = X_WG.linear() * from.n, arm_W = X_WT.linear() * from.p_T_m;
+    if (cutting && from.cutting)
+      contact.advance_m_per_s = model.advance_m_per_s * std::max(0.0, from.n.dot(solution.n));
+    // what this frame has cut away is gone already, but never more than stood in the way
+    contact.gap_m = from.gap_m;
+    if (from.gap_m < 0.0 && cutting)
+      contact.gap_m = std::min(0.0, from.gap_m + contact.advance_m_per_s * dt_s);
+    contact.p_TP_m = from.p_T_m;
+    contact.n_W = n_W;
+    contact.p_W_m = Vector3(X_WT.translation() + arm_W - contact.gap_m * n_W);
+    contact.weight = weight > 0.0 ? from.weight / weight : 0.0;
+    const Vector3 f = params.stiffness_N_per_m * from.multiplier_m * n_W;
+    F_T_W.f += f;
+    F_T_W.t += arm_W.cross(f);
+  }
+  model.F_T_W = F_T_W;
+}
+
+// Contacts and wrench from the planes of an engine without that law.
+void AddPlanes(const CuttingParams& params, const std::vector<Material>& materials, MaterialIndex dominant,
+               const Pose& X_WG, const Pose& X_WT, const Pose& X_GP, bool cutting,
+               const FrameSolution& solution, ContactModel& model) {
+  double weight = 0.0;
+  for (const SolutionPlane& plane : solution.planes)
+    if (plane.present) weight += plane.weight;
+
+  Wrench F_T_W;
+  const Pose X_PG = X_GP.inverse();
+  const Matrix3 R_WG = X_WG.linear();
+  for (int group = 0; group < kMaxContacts; ++group) {
+    const SolutionPlane& plane = solution.planes[static_cast<std::size_t>(group)];
+    if (!plane.present) continue;
+    Contact& contact = model.contacts[static_cast<std::size_t>(model.contact_count++)];
+    // the touching point moved with the tool from first contact to the proxy's end; the plane did not, unless
+    // it was cut
+    const Vector3 moved = solution.origin_end - solution.origin_contact;
+    const double gap_m = std::max(0.0, plane.gap_m + plane.n.dot(moved));
+    const Vector3 p_G = plane.point_m + moved;
+    contact.p_TP_m = Vector3(X_PG * p_G);  // fixed to the tool: the same in P as in T
+    contact.n_W = Vector3(R_WG * plane.n);
+    contact.p_W_m = Vector3(X_WG * Vector3(p_G - gap_m * plane.n));
+    const Vector3 p_now_W = X_WT * Vector3(contact.p_TP_m);
+    contact.gap_m = Vector3(contact.n_W).dot(p_now_W - Vector3(contact.p_W_m));
+    SetCommon(params, materials, dominant, contact);
+    contact.weight = weight > 0.0 ? plane.weight / weight : 0.0;
+    if (cutting && group != kShaftPlane)
+      contact.advance_m_per_s = model.advance_m_per_s * std::max(0.0, plane.n.dot(solution.n));
+    const Vector3 f = params.stiffness_N_per_m * plane.multiplier_m * Vector3(contact.n_W);
+    F_T_W.f += f;
+    F_T_W.t += (p_now_W - X_WT.translation()).cross(f);
+  }
+  model.F_T_W = F_T_W;
+}
+
 }  // namespace
 
 int PlaneGroup(const Vector3& u_T) {
@@ -38,54 +111,10 @@ int PlaneGroup(const Vector3& u_T) {
   return left_of_120 ? 6 : (left_of_60 ? 4 : 5);
 }
 
-ToolPoints PlaceTool(const Tool& tool, const Pose& X_GT) {
-  ToolPoints points;
-  points.reserve(tool.balls.size() + 1);
-  for (const ToolBall& ball : tool.balls) points.push_back(X_GT * Vector3(ball.center_m));
-  points.push_back(X_GT.translation());
-  return points;
-}
-
-ToolPoints Between(const ToolPoints& a, const ToolPoints& b, double s) {
-  ToolPoints points(a.size());
-  for (std::size_t i = 0; i < a.size(); ++i) points[i] = a[i] + s * (b[i] - a[i]);
-  return points;
-}
-
-void SolveTarget(const Vector3& origin_T, const Vector3& turn, FrameSolution& solution) {
-  std::array<HalfSpace, kMaxHalfSpaces> half_spaces{};
-  std::array<std::size_t, kMaxContacts> group{};
-  HalfSpaceProjection target;
-  for (const bool clipped : {false, true}) {
-    int count = 0;
-    for (std::size_t g = 0; g < solution.planes.size(); ++g) {
-      const SolutionPlane& plane = solution.planes[g];
-      if (!plane.present) continue;
-      const Vector3 motion =
-          origin_T - solution.origin_contact + turn.cross(plane.point_m - solution.origin_contact);
-      const double gap_m = clipped ? std::max(plane.gap_m, 0.0) : plane.gap_m;
-      half_spaces[static_cast<std::size_t>(count)] = {.n = plane.n, .offset = -(gap_m + plane.n.dot(motion))};
-      group[static_cast<std::size_t>(count++)] = g;
-    }
-    target = ClosestInHalfSpaces(half_spaces, count);
-    if (target.violation > 0.0 && !clipped) continue;
-    Vector3 cutting = Vector3::Zero();
-    for (int i = 0; i < count; ++i) {
-      SolutionPlane& plane = solution.planes[group[static_cast<std::size_t>(i)]];
-      plane.multiplier_m = target.multiplier[static_cast<std::size_t>(i)];
-      if (group[static_cast<std::size_t>(i)] != kShaftPlane) cutting += plane.multiplier_m * plane.n;
-    }
-    solution.delta = target.point;
-    solution.cutting_m = cutting.norm();
-    solution.n = solution.cutting_m > 0.0 ? Vector3(cutting / solution.cutting_m) : Vector3::Zero();
-    return;
-  }
-}
-
 Vector3 EndOfAdvance(const FrameSolution& solution) {
   Vector3 step = -solution.advance_m * solution.n;
-  const SolutionPlane& shaft = solution.planes[kShaftPlane];
-  if (shaft.present) {
+  for (int i = 0; i < solution.shaft_count; ++i) {
+    const ShaftPlane& shaft = solution.shaft[static_cast<std::size_t>(i)];
     const double gap_m = shaft.gap_m + shaft.n.dot(solution.origin_slid - solution.origin_contact);
     const double closing_m = -shaft.n.dot(step) - std::max(0.0, gap_m);
     if (closing_m > 0.0) step += closing_m * shaft.n;
@@ -142,6 +171,13 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
     work_J += solution.removed_m3[i] * materials[i].specific_cutting_energy_J_per_m3;
   }
   memory.cutting_work_J += work_J;
+  const double area_m2 = Sum(solution.engaged_area_m2);
+  double friction = 0.0;
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    friction += solution.engaged_area_m2[i] * materials[i].friction;
+  memory.contact.friction = area_m2 > 0.0       ? friction / area_m2
+                            : materials.empty() ? 0.0
+                                                : materials[0].friction;
   memory.debt_J = params.law == RemovalLaw::kRate ? memory.debt_J + work_J - solution.edge_work_J : 0.0;
 
   ContactModel model;
@@ -161,36 +197,12 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   if (cutting) model.advance_m_per_s = solution.advance_m / input.dt_s;
   model.n_W = Vector3(R_WG * solution.n);
 
-  double weight = 0.0;
-  for (const SolutionPlane& plane : solution.planes)
-    if (plane.present) weight += plane.weight;
-
-  Wrench F_T_W;
-  const Pose X_PG = memory.X_GP.inverse();
-  for (int group = 0; group < kMaxContacts; ++group) {
-    const SolutionPlane& plane = solution.planes[static_cast<std::size_t>(group)];
-    if (!plane.present) continue;
-    Contact& contact = model.contacts[static_cast<std::size_t>(model.contact_count++)];
-    // the touching point moved with the tool from first contact to the proxy's end; the plane did not, unless
-    // it was cut
-    const Vector3 moved = solution.origin_end - solution.origin_contact;
-    const double gap_m = std::max(0.0, plane.gap_m + plane.n.dot(moved));
-    const Vector3 p_G = plane.point_m + moved;
-    contact.p_TP_m = Vector3(X_PG * p_G);  // fixed to the tool: the same in P as in T
-    contact.n_W = Vector3(R_WG * plane.n);
-    contact.p_W_m = Vector3(X_WG * Vector3(p_G - gap_m * plane.n));
-    const Vector3 p_now_W = X_WT * Vector3(contact.p_TP_m);
-    contact.gap_m = Vector3(contact.n_W).dot(p_now_W - Vector3(contact.p_W_m));
-    contact.stiffness_N_per_m = params.stiffness_N_per_m;
-    contact.material = dominant;
-    contact.mu = dominant < materials.size() ? materials[dominant].friction : 0.0;
-    contact.weight = weight > 0.0 ? plane.weight / weight : 0.0;
-    if (cutting && group != kShaftPlane)
-      contact.advance_m_per_s = model.advance_m_per_s * std::max(0.0, plane.n.dot(solution.n));
-    const Vector3 f = params.stiffness_N_per_m * plane.multiplier_m * Vector3(contact.n_W);
-    F_T_W.f += f;
-    F_T_W.t += (p_now_W - X_WT.translation()).cross(f);
+  if (solution.contact_count >= 0) {
+    AddContacts(params, materials, dominant, X_WG, X_WT, cutting, input.dt_s, solution, model);
+  } else {
+    AddPlanes(params, materials, dominant, X_WG, X_WT, Pose(memory.X_GP), cutting, solution, model);
   }
+  Wrench F_T_W = model.F_T_W;
   const double size_N = F_T_W.f.norm();
   if (size_N > params.max_force_N) {
     F_T_W.f *= params.max_force_N / size_N;
@@ -207,11 +219,13 @@ void ToState(const FrameMemory& memory, CarvedState& state) {
   state.removed_mass_kg = memory.removed_mass_kg;
   state.cutting_work_J = memory.cutting_work_J;
   state.cutting_debt_J = memory.debt_J;
+  state.contact = memory.contact;
   state.frame = memory.frame;
 }
 
 FrameMemory ToMemory(const CarvedState& state) {
-  return {.X_GP = state.X_GP,
+  return {.contact = state.contact,
+          .X_GP = state.X_GP,
           .has_proxy = state.has_proxy,
           .removed_volume_m3 = state.removed_volume_m3,
           .removed_mass_kg = state.removed_mass_kg,

@@ -6,7 +6,7 @@
 #include "kinematics/half_spaces.h"
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
-#include "simulation/tool.h"
+#include "simulation/tool_path.h"
 
 // What both engines share: how a frame is prepared from poses, and how its solution becomes a ContactModel.
 // What lies between (the passes over balls and points) each engine does in its own way.
@@ -22,13 +22,6 @@ inline constexpr double kCapCosine = 0.766;
 /// Group of a cutting ball's contact. @param u_T  unit, from bone to tool, in T.
 [[nodiscard]] int PlaneGroup(const Vector3& u_T);
 
-/// Tool ball centres and T's origin at one pose, in G. The last entry is the origin.
-using ToolPoints = std::vector<Vector3>;
-[[nodiscard]] ToolPoints PlaceTool(const Tool& tool, const Pose& X_GT);
-
-/// Points on the chords between two placements.
-[[nodiscard]] ToolPoints Between(const ToolPoints& a, const ToolPoints& b, double s);
-
 /// One plane as the passes find it, at the pose of first contact, in G.
 struct SolutionPlane {
   bool present{false};
@@ -39,12 +32,34 @@ struct SolutionPlane {
   double multiplier_m{0.0};          ///< its share of the proxy's displacement
 };
 
+inline constexpr int kMaxShaftPlanes = 6;
+
+/// One contact as the contact law reports it, at the tool's pose, before the advance.
+struct SolvedContact {
+  Vector3 n{Vector3::Zero()};      ///< unit, from bone to tool, in G; tilted by friction
+  Vector3 p_T_m{Vector3::Zero()};  ///< touching point on the tool, in T
+  double gap_m{0.0};               ///< negative inside
+  double multiplier_m{0.0};        ///< its share of the proxy's displacement, along n
+  double weight{0.0};              ///< lens volume
+  bool cutting{true};
+};
+
+/// A plane that touches a ball that does not cut, where the proxy may not advance.
+struct ShaftPlane {
+  Vector3 n{Vector3::Zero()};
+  double gap_m{0.0};  ///< at first contact
+};
+
 /// What the passes of a frame have found, in G.
 struct FrameSolution {
   double contact_fraction{1.0};  ///< first contact on the path from the proxy to the tool
   double slide_fraction{1.0};    ///< of the way from there to the constrained target
   double slide_m{0.0};           ///< length of that part, of the tool point that moves farthest
   std::array<SolutionPlane, kMaxContacts> planes{};
+  std::array<SolvedContact, kMaxContacts> contacts{};
+  int contact_count{-1};  ///< of contacts; -1: the engine reports `planes` instead
+  std::array<ShaftPlane, kMaxShaftPlanes> shaft{};
+  int shaft_count{0};
   Vector3 delta{Vector3::Zero()};                       ///< from the tool's pose to the constrained target
   Vector3 n{Vector3::Zero()};                           ///< direction of the cutting planes' resultant
   double cutting_m{0.0};                                ///< length of the cutting planes' share of delta
@@ -59,15 +74,7 @@ struct FrameSolution {
   std::array<double, kMaxMaterials> removed_m3{};  ///< cleared in this frame, by material
 };
 
-/// Closest target to the tool's pose that keeps all planes: fills multipliers, delta, n and cutting_m.
-/// Planes are moved to the tool's pose by the first-order motion of their points. Where no target keeps all
-/// planes (a slot that is tighter than the tool by less than the tolerance), gaps below zero count as zero,
-/// and one exists.
-/// @param origin_T  T's origin at the tool's pose;  @param turn  rotation vector from first contact to there,
-/// in G
-void SolveTarget(const Vector3& origin_T, const Vector3& turn, FrameSolution& solution);
-
-/// The slid proxy moved by the advance along -n, held back by the plane of the balls that do not cut.
+/// The slid proxy moved by the advance along -n, held back by the planes of the balls that do not cut.
 [[nodiscard]] Vector3 EndOfAdvance(const FrameSolution& solution);
 
 /// What a frame's cutting does.
@@ -95,6 +102,7 @@ inline constexpr double kDebtSeconds = 0.1;
 
 /// What an engine carries from frame to frame besides balls and points.
 struct FrameMemory {
+  ContactMemory contact;
   Pose X_GP{Pose::Identity()};  ///< proxy in G
   bool has_proxy{false};
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0}, debt_J{0.0};

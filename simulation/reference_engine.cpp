@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "simulation/cutting_math.h"
 
@@ -48,26 +49,26 @@ ContactModel ReferenceEngine::Step(const FrameInput& input) {
   FrameSolution solution;
 
   // pass 1: how far the tool gets on its way from the last free pose
-  const ToolPoints start = PlaceTool(tool_, memory_.X_GP), goal = PlaceTool(tool_, X_GT);
-  solution.contact_fraction = std::min(1.0, FirstContact(start, goal, 0.0));
-  const ToolPoints contact = Between(start, goal, solution.contact_fraction);
+  const ToolPath way = PathBetween(tool_, memory_.X_GP, X_GT);
+  solution.contact_fraction = std::min(1.0, FirstContact(way, 0.0));
+  const ToolPoints contact = way.Place(solution.contact_fraction);
   solution.origin_contact = contact.back();
 
-  // pass 2: planes around it there; the closest target that keeps them; and the way to it, ball by ball
-  FindPlanes(contact, X_GT.linear(), solution);
-  const Vector3 turn =
-      (1.0 - solution.contact_fraction) * LogRotation(X_GT.linear() * memory_.X_GP.linear().transpose());
-  SolveTarget(goal.back(), turn, solution);
-  ToolPoints target = goal;
-  for (Vector3& point : target) point += solution.delta;
+  // pass 2: what is near the tool there; the closest target that keeps its planes; and the way to it
+  const ContactInput asked{.R_GT = X_GT.linear(),
+                           .turn_G = (1.0 - solution.contact_fraction) *
+                                     LogRotation(X_GT.linear() * memory_.X_GP.linear().transpose()),
+                           .friction = cutting ? 0.0 : memory_.contact.friction};
+  SolveContact(params_, FindNearField(contact, way.at.back(), asked.R_GT), asked, memory_.contact, solution);
+  const ToolPath slide = RestOf(way, solution.contact_fraction, solution.delta);
   double longest = 0.0;
-  for (std::size_t t = 0; t < target.size(); ++t)
-    longest = std::max(longest, (target[t] - contact[t]).norm());
+  for (std::size_t t = 0; t < contact.size(); ++t)
+    longest = std::max(longest, (slide.at.back()[t] - contact[t]).norm());
   solution.slide_fraction = std::min(longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0,
-                                     FirstContact(contact, target, params_.contact_tolerance_m));
+                                     FirstContact(slide, params_.contact_tolerance_m));
   solution.slide_m = solution.slide_fraction * longest;
-  const ToolPoints slid = Between(contact, target, solution.slide_fraction);
-  solution.origin_slid = slid.back();
+  const std::vector<ToolPoints> slid = slide.UpTo(solution.slide_fraction);
+  solution.origin_slid = slid.back().back();
 
   // pass 3: how far bone gives way, and what goes with it
   MeasureEngagement(contact, X_GT.linear().col(2), solution);
@@ -77,13 +78,12 @@ ContactModel ReferenceEngine::Step(const FrameInput& input) {
   solution.edge_work_J = advance.edge_work_J;
   solution.origin_end = EndOfAdvance(solution);
   if (cutting) {
-    ToolPoints end = slid;
+    ToolPoints end = slid.back();
     for (Vector3& point : end) point += solution.origin_end - solution.origin_slid;
-    const std::size_t only =
-        params_.cutters == Cutters::kContactSphere ? TouchingBall(start, goal) : kEveryBall;
+    const std::size_t only = params_.cutters == Cutters::kContactSphere ? TouchingBall(way) : kEveryBall;
     std::vector<Capsule> capsules;
-    AddCapsules(contact, slid, only, capsules);
-    AddCapsules(slid, end, only, capsules);
+    for (std::size_t i = 1; i < slid.size(); ++i) AddCapsules(slid[i - 1], slid[i], only, capsules);
+    AddCapsules(slid.back(), end, only, capsules);
     Remove(capsules, solution);
   }
   ContactModel model = FinishFrame(params_, materials_, X_WG_, input, solution, memory_);
@@ -92,45 +92,61 @@ ContactModel ReferenceEngine::Step(const FrameInput& input) {
 }
 
 // Smallest fraction over all pairs. Pairs that overlap by less than the tolerance may overlap up to it.
-double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const {
-  double first = kNoContact;
-  for (const BallState& ball : balls_) {
-    if (ball.radius_m <= 0.0) continue;
-    for (std::size_t t = 0; t < tool_.balls.size(); ++t)
-      first = std::min(first, FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
-                                                   tool_.balls[t].radius_m + ball.radius_m - tolerance_m));
+double ReferenceEngine::FirstContact(const ToolPath& path, double tolerance_m) const {
+  for (std::size_t i = 1; i < path.at.size(); ++i) {
+    const ToolPoints &from = path.at[i - 1], &to = path.at[i];
+    double first = kNoContact;
+    for (const BallState& ball : balls_) {
+      if (ball.radius_m <= 0.0) continue;
+      for (std::size_t t = 0; t < tool_.balls.size(); ++t)
+        first = std::min(first, FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
+                                                     tool_.balls[t].radius_m + ball.radius_m - tolerance_m));
+    }
+    if (first <= 1.0) return path.s[i - 1] + first * (path.s[i] - path.s[i - 1]);
   }
-  return first;
+  return kNoContact;
 }
 
-void ReferenceEngine::FindPlanes(const ToolPoints& at, const Matrix3& R_GT, FrameSolution& solution) const {
-  for (SolutionPlane& plane : solution.planes) plane.gap_m = std::numeric_limits<double>::infinity();
-  for (const BallState& ball : balls_) {
-    if (ball.radius_m <= 0.0) continue;
+NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints& goal,
+                                         const Matrix3& R_GT) const {
+  NearField near;
+  const ContactMemory& memory = memory_.contact;
+  const auto pair_of = [&](std::size_t b, std::size_t t) {
+    const Vector3 from_bone = at[t] - balls_[b].center_m;
+    const double distance = from_bone.norm();
+    NearPair pair{.pair = {static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(t)},
+                  .present = balls_[b].radius_m > 0.0 && distance > 0.0,
+                  .cutting = tool_.balls[t].cutting,
+                  .gap_m = distance - tool_.balls[t].radius_m - balls_[b].radius_m,
+                  .motion_m = goal[t] - at[t],
+                  .center_T_m = tool_.balls[t].center_m,
+                  .tool_radius_m = tool_.balls[t].radius_m};
+    if (pair.present) pair.n = from_bone / distance;
+    return pair;
+  };
+  for (std::size_t b = 0; b < balls_.size(); ++b) {
+    if (balls_[b].radius_m <= 0.0) continue;
     for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
-      const double r_t = tool_.balls[t].radius_m;
-      const Vector3 from_bone = at[t] - ball.center_m;
-      const double distance = from_bone.norm();
-      const double weight = std::min(LensVolume(r_t + params_.normal_enlargement_m, ball.radius_m, distance),
-                                     kLargestLensVolume);
-      if (weight <= 0.0 || distance <= 0.0) continue;
-      const Vector3 u = from_bone / distance;
-      const int group = tool_.balls[t].cutting ? PlaneGroup(R_GT.transpose() * u) : kShaftPlane;
-      SolutionPlane& plane = solution.planes[static_cast<std::size_t>(group)];
-      plane.present = true;
-      plane.n += weight * u;
-      plane.point_m += weight * (at[t] - r_t * u);
-      plane.weight += weight;
-      plane.gap_m = std::min(plane.gap_m, distance - r_t - ball.radius_m);
+      const NearPair pair = pair_of(b, t);
+      if (!pair.present || pair.gap_m >= params_.normal_enlargement_m) continue;
+      NearPair& nearest =
+          near.nearest[static_cast<std::size_t>(ContactBin(R_GT.transpose() * pair.n, pair.cutting))];
+      if (Nearer(pair, nearest)) nearest = pair;
+      const double lens = std::min(LensVolume(pair.tool_radius_m + params_.normal_enlargement_m,
+                                              balls_[b].radius_m, (at[t] - balls_[b].center_m).norm()),
+                                   kLargestLensVolume);
+      for (int f = 0; f < memory.face_count; ++f) {
+        const auto i = static_cast<std::size_t>(f);
+        near.faces[i].Add(lens, memory.face_n_G[i], pair);
+      }
     }
   }
-  for (SolutionPlane& plane : solution.planes) {
-    const double size = plane.n.norm();
-    plane.present = plane.present && size > 1e-6 * plane.weight;  // opposite sides that cancel have no normal
-    if (!plane.present) continue;
-    plane.n /= size;
-    plane.point_m /= plane.weight;
+  for (int k = 0; k < memory.pair_count; ++k) {
+    const ContactPair& known = memory.pairs[static_cast<std::size_t>(k)];
+    if (known.bone_ball < balls_.size() && known.tool_ball < tool_.balls.size())
+      near.remembered[static_cast<std::size_t>(k)] = pair_of(known.bone_ball, known.tool_ball);
   }
+  return near;
 }
 
 // Area of the cutting surface that lies in bone: volume of the mass points within a layer of it over the
@@ -160,19 +176,23 @@ void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spi
 }
 
 // The tool ball that touches first on this way, the first of several; past the last one where none does.
-std::size_t ReferenceEngine::TouchingBall(const ToolPoints& from, const ToolPoints& to) const {
-  double first = kNoContact;
-  std::size_t touching = tool_.balls.size();
-  for (std::size_t t = 0; t < tool_.balls.size(); ++t)
-    for (const BallState& ball : balls_) {
-      if (ball.radius_m <= 0.0) continue;
-      const double s = FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
-                                            tool_.balls[t].radius_m + ball.radius_m);
-      if (s >= first) continue;
-      first = s;
-      touching = t;
-    }
-  return touching;
+std::size_t ReferenceEngine::TouchingBall(const ToolPath& path) const {
+  for (std::size_t i = 1; i < path.at.size(); ++i) {
+    const ToolPoints &from = path.at[i - 1], &to = path.at[i];
+    double first = kNoContact;
+    std::size_t touching = tool_.balls.size();
+    for (std::size_t t = 0; t < tool_.balls.size(); ++t)
+      for (const BallState& ball : balls_) {
+        if (ball.radius_m <= 0.0) continue;
+        const double s = FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
+                                              tool_.balls[t].radius_m + ball.radius_m);
+        if (s >= first) continue;
+        first = s;
+        touching = t;
+      }
+    if (first <= 1.0) return touching;
+  }
+  return tool_.balls.size();
 }
 
 // What the cutting balls sweep along one straight piece of the proxy's way, in their order.
@@ -200,11 +220,25 @@ CarvedState ReferenceEngine::Snapshot() const {
   removal_.Save(balls_, state);
   state.cleared = cleared_;
   ToState(memory_, state);
+  // what held the tool, by its place in the state: blocks have other numbers there
+  ContactMemory& contact = state.contact;
+  const std::int32_t count = std::exchange(contact.pair_count, 0);
+  for (std::int32_t i = 0; i < count; ++i) {
+    const ContactPair pair = contact.pairs[static_cast<std::size_t>(i)];
+    if (const auto saved = removal_.SavedIndex(pair.bone_ball))
+      contact.pairs[static_cast<std::size_t>(contact.pair_count++)] = {*saved, pair.tool_ball};
+  }
   return state;
 }
 
 void ReferenceEngine::Restore(const CarvedState& state) {
   if (state.cleared.size() != cleared_.size()) throw std::invalid_argument("carved state: not of this bone");
+  const std::size_t places = (state.balls.size() + state.split_slots.size()) / 4;
+  if (state.contact.pair_count < 0 || state.contact.pair_count > kRememberedPairs)
+    throw std::invalid_argument("carved state: contact: wrong number of pairs");
+  for (std::size_t i = 0; i < static_cast<std::size_t>(state.contact.pair_count); ++i)
+    if (state.contact.pairs[i].bone_ball >= places || state.contact.pairs[i].tool_ball >= tool_.balls.size())
+      throw std::invalid_argument("carved state: contact: not of this bone and tool");
   removal_.Load(state, balls_);
   cleared_ = state.cleared;
   memory_ = ToMemory(state);

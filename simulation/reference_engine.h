@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "simulation/ball_removal.h"
+#include "simulation/contact_law.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/frame_solution.h"
 
@@ -32,10 +33,10 @@ class ReferenceEngine final : public CuttingEngine {
   [[nodiscard]] std::string device() const override { return "CPU, double precision"; }
 
  private:
-  double FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
-  void FindPlanes(const ToolPoints& at, const Matrix3& R_GT, FrameSolution& solution) const;
+  double FirstContact(const ToolPath& path, double tolerance_m) const;
+  NearField FindNearField(const ToolPoints& at, const ToolPoints& goal, const Matrix3& R_GT) const;
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
-  [[nodiscard]] std::size_t TouchingBall(const ToolPoints& from, const ToolPoints& to) const;
+  [[nodiscard]] std::size_t TouchingBall(const ToolPath& path) const;
   void AddCapsules(const ToolPoints& a, const ToolPoints& b, std::size_t only,
                    std::vector<Capsule>& capsules) const;
   void Remove(const std::vector<Capsule>& capsules, FrameSolution& solution);

@@ -2,41 +2,53 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
-#extension GL_KHR_shader_subgroup_ballot : require
 #include "layout.h"
 
-layout(local_size_x = 64) in;
+// Few lanes and long chunks on a processor, which reads what all lanes share once for each eight of them; many lanes and one
+// entry each on a GPU.
+layout(local_size_x_id = 3) in;
+layout(constant_id = 3) const uint kLanes = 64;
+layout(constant_id = 0) const uint kChunk = 1;          // list entries that one invocation looks at, at most 128
+layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
 
-layout(scalar, binding = 0) buffer FrameBuffer { Frame frame; };
-layout(scalar, binding = 1) buffer BallBuffer { vec4 balls[]; };  // centre, radius; radius 0: gone
-layout(scalar, binding = 2) buffer PointBuffer { Point points[]; };
-layout(scalar, binding = 3) buffer BallClusters { Cluster ball_clusters[]; };
-layout(scalar, binding = 4) buffer PointClusters { Cluster point_clusters[]; };
-// by workgroup: a flag, then columns
-layout(scalar, binding = 5) buffer PathBalls { Active path_balls[]; };
-layout(scalar, binding = 6) buffer NearBalls { Active near_balls[]; };
-layout(scalar, binding = 7) buffer NearPoints { Active near_points[]; };
-layout(scalar, binding = 8) buffer LiveBalls { Active live_balls[]; };
-layout(scalar, binding = 9) buffer LivePoints { Active live_points[]; };
+layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
+layout(scalar, binding = kBindTool) readonly buffer ToolBuffer { vec4 tool[]; };
+layout(scalar, binding = kBindToolGroups) readonly buffer ToolGroupBuffer { ToolGroup tool_groups[]; };
+layout(scalar, binding = kBindItems) readonly buffer ItemBuffer { Item items[]; };
+layout(scalar, binding = kBindGroupRefs) readonly buffer GroupRefBuffer { uint group_refs[]; };
+layout(scalar, binding = kBindBalls) buffer BallBuffer { vec4 balls[]; };
+layout(scalar, binding = kBindMoreBalls) buffer MoreBallBuffer { vec4 more_balls[]; };
+layout(scalar, binding = kBindPoints) readonly buffer PointBuffer { vec4 points[]; };
+layout(scalar, binding = kBindPointStates) buffer PointStateBuffer { uint point_states[]; };
+layout(scalar, binding = kBindPointUnits) readonly buffer PointUnitBuffer { uint point_units[]; };
+layout(scalar, binding = kBindLiveBalls) buffer LiveBallBuffer { vec4 live_balls[]; };
+layout(scalar, binding = kBindLiveEntries) buffer LiveEntryBuffer { Live live_entries[]; };
+layout(scalar, binding = kBindShaftPairs) buffer ShaftPairBuffer { ShaftPair shaft_pairs[]; };
+layout(scalar, binding = kBindLivePoints) buffer LivePointBuffer { vec4 live_points[]; };
+layout(scalar, binding = kBindPointEntries) buffer PointEntryBuffer { Live point_entries[]; };
+layout(binding = kBindBallTexels) uniform samplerBuffer ball_texels;
+layout(binding = kBindPointTexels) uniform samplerBuffer point_texels;
+layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
 
 const float kNormalScale = 16777216.0;  // units per mm^3
 
-// Adds the values of this subgroup's active invocations to a fixed-point sum. A value's size times its scale is below 2^23,
-// so that 64 of them fit an int. Whole numbers: exact in any order.
-#define ADD_TO(sum, scaled)                              \
-  {                                                      \
-    int whole = subgroupAdd(int(round(scaled)));         \
-    if (subgroupElect()) {                               \
-      atomicAdd(sum.high, whole >> 16);                  \
-      atomicAdd(sum.low, uint(whole & 0xffff));          \
-    }                                                    \
-  }
-// The sum's value. How it is split into high and low depends on who added with whom, so the carry goes over first: what is
+// A sum's value. How it is split into high and low depends on who added with whom, so the carry goes over first: what is
 // rounded to a float is then the same for equal sums.
 float Total(Sum sum, float scale) {
   int high = sum.high + int(sum.low >> 16);
   return (float(high) * 65536.0 + float(sum.low & 0xffffu)) / scale;
 }
+
+// Adds a whole number of each invocation of the subgroup to a sum. Called by all of them.
+#define ADD_TO(sum, whole)                              \
+  {                                                     \
+    int high_part = subgroupAdd((whole) >> 16);         \
+    int low_part = subgroupAdd((whole) & 0xffff);       \
+    if (subgroupElect() && (high_part | low_part) != 0) { \
+      atomicAdd(sum.high, high_part);                   \
+      atomicAdd(sum.low, uint(low_part));               \
+    }                                                   \
+  }
 
 // Bits that order like the float, negative ones too, and back.
 uint OrderedBits(float v) {
@@ -47,21 +59,30 @@ float FromOrderedBits(uint bits) {
   return uintBitsToFloat((bits & 0x80000000u) != 0u ? bits & 0x7fffffffu : ~bits);
 }
 
-// Masks of tool balls. Loops go over the bits that are set, not over all tool balls: software drivers execute a skipped
-// iteration in full.
-//     for (uvec2 rest = mask; Any(rest); rest = WithoutLowest(rest)) { uint t = Lowest(rest); ... }
-bool Any(uvec2 mask) { return (mask.x | mask.y) != 0u; }
-uint Lowest(uvec2 mask) { return mask.x != 0u ? uint(findLSB(mask.x)) : 32u + uint(findLSB(mask.y)); }
-uvec2 WithoutLowest(uvec2 mask) {
-  return mask.x != 0u ? uvec2(mask.x & (mask.x - 1u), mask.y) : uvec2(0u, mask.y & (mask.y - 1u));
-}
-uvec2 Bit(uint t) { return t < 32u ? uvec2(1u << t, 0u) : uvec2(0u, 1u << (t - 32u)); }
-uvec2 Tools(Active a) { return uvec2(a.tool_low, a.tool_high); }
-uvec2 ShaftTools(Active a) { return Tools(a) & ~uvec2(frame.cutting_low, frame.cutting_high); }
-uvec2 CuttingTools(Active a) { return Tools(a) & uvec2(frame.cutting_low, frame.cutting_high); }
-
 float ContactFraction() { return min(1.0, uintBitsToFloat(frame.contact_bits)); }
 float SlideFraction() { return min(frame.slide_limit, uintBitsToFloat(frame.slide_bits)); }
+
+// The frame is void: the tool at first contact is too far from where the lists were made (the host runs it again and has
+// them made), or the lists are too short.
+bool IsVoid() {
+  float s = ContactFraction();
+  bool far = mix(frame.cutting_drift_start_mm, frame.cutting_drift_goal_mm, s) > frame.cutting_margin_mm ||
+             mix(frame.shaft_drift_start_mm, frame.shaft_drift_goal_mm, s) > frame.shaft_margin_mm;
+  return (frame.lists_at_contact == 0u && far) || frame.too_many != 0u;
+}
+
+// This invocation's share of a list: for (uint slot = ChunkBegin(); slot < ChunkEnd(count); slot += kLanes)
+uint ChunkBegin() { return gl_WorkGroupID.x * kChunk * kLanes + gl_LocalInvocationID.x; }
+uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * kChunk * kLanes); }
+
+// Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
+vec4 Start(uint t) { return tool[2 * t]; }
+vec3 Goal(uint t) { return tool[2 * t + 1].xyz; }
+vec4 AtContact(uint t, float s) {
+  vec4 start = Start(t);
+  return vec4(mix(start.xyz, Goal(t), s), start.w);
+}
+vec3 OriginAtContact(float s) { return mix(frame.start.xyz, frame.goal.xyz, s); }
 
 vec3 ClosestOnSegment(vec3 p, vec3 a, vec3 b) {
   vec3 m = b - a;
@@ -69,13 +90,12 @@ vec3 ClosestOnSegment(vec3 p, vec3 a, vec3 b) {
   return mm == 0.0 ? a : a + clamp(dot(p - a, m) / mm, 0.0, 1.0) * m;
 }
 
-// Distance from a box to a point; 0 inside.
-float BoxDistance(Cluster box, vec3 p) {
-  vec3 low = vec3(box.low_x, box.low_y, box.low_z), high = vec3(box.high_x, box.high_y, box.high_z);
-  return length(max(max(low - p, p - high), vec3(0.0)));
-}
+vec4 LiveBall(uint slot) { return texelFetch(ball_texels, int(slot)); }
+vec4 LivePoint(uint slot) { return texelFetch(point_texels, int(slot)); }
 
-// Whether a ball of radius r that moves from a to b can reach the box: the ball around its path must.
-bool PathMeetsBox(Cluster box, vec3 a, vec3 b, float r) {
-  return BoxDistance(box, 0.5 * (a + b)) <= r + 0.5 * distance(a, b) + 1e-4;
+vec4 BallAt(uint i) {
+  vec4 ball = vec4(0.0);
+  if (i < kBallsPerBuffer) ball = balls[i];
+  else ball = more_balls[i - kBallsPerBuffer];
+  return ball;
 }

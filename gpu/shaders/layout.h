@@ -22,7 +22,8 @@ struct vec4 {
 #endif
 
 OSTEON_CONST uint kGroupSize = 64;  // invocations of a workgroup; balls or points of a cluster
-OSTEON_CONST uint kMaxToolBalls = 64;
+OSTEON_CONST uint kMaxToolBalls = 10000;
+OSTEON_CONST uint kToolGroup = 32;  // tool balls of one bounding ball
 OSTEON_CONST uint kMaxMaterials = 8;
 OSTEON_CONST uint kPlanes = 8;  // groups of contacts, see PlaneGroup
 OSTEON_CONST uint kShaft = 7;
@@ -40,106 +41,130 @@ struct Groups {
   uint x, y, z;
 };
 
-// One frame: what the host writes, then what the passes find. Copied to the device before them and back
-// after.
+// One frame: what the host writes, then what the passes find.
 struct Frame {
-  // host
-  // tool ball centres at the proxy; w: radius. Entry tool_count: T's origin
-  OSTEON_ARRAY(vec4, start, kMaxToolBalls + 1);
-  OSTEON_ARRAY(vec4, goal, kMaxToolBalls + 1);   // the same at the tool's pose; w: 1 cutting, 0 not
-  OSTEON_ARRAY(vec4, built, kMaxToolBalls + 1);  // where the tool was when the lists of live balls and points
-                                                 // were made; w: how far from there they serve
-  OSTEON_ARRAY(vec4, contact, kMaxToolBalls + 1);  // found: the same at first contact; w: radius
-  OSTEON_ARRAY(vec4, target, kMaxToolBalls + 1);   // found: the constrained target
-  OSTEON_ARRAY(vec4, slid, kMaxToolBalls + 1);     // found: after the slide
-  OSTEON_ARRAY(vec4, end, kMaxToolBalls + 1);      // found: after the advance, the new proxy
+  // of bone, tool and parameters: the same in every frame
   OSTEON_ARRAY(vec4, material, kMaxMaterials);  // x specific cutting energy [N/mm^2], y cutting-force ratio
-  vec4 axis_x, axis_y, axis_z;                  // T's axes in G at the tool's pose
-  vec4 turn;                                    // rotation vector from the proxy to the tool's pose
-  float spindle_rad_per_s;
-  float dt_s;
   float stiffness_N_per_mm;
   float max_force_N;
   float enlargement_mm;
   float tolerance_mm;
   float layer_mm;
-  float work_held_back_Nmm;  // share of the debt that this frame pays
-  uint tool_count;
-  uint ball_count;
-  uint point_count;
-  uint material_count;
-  uint immediate;
+  float max_slide_mm;
   // units of the fixed-point sums: no summand reaches 2^23 of them
   float point_scale;   // per mm^4, of lens volume times a touching point's place
   float area_scale;    // per mm^2
   float moment_scale;  // per mm^3
-  float max_slide_mm;
+  float cutting_margin_mm;  // how far the tool may be from where the lists were made, by kind of ball
+  float shaft_margin_mm;
+  uint tool_count;
+  uint cutter_count;  // tool balls 0 … cutter_count - 1 cut
+  uint ball_count;
+  uint point_count;
+  uint material_count;
+  uint immediate;
+  uint live_capacity;
+  uint span_capacity;
+
+  // of this frame
+  vec4 start, goal;             // T's origin at the proxy and at the tool's pose
+  vec4 axis_x, axis_y, axis_z;  // T's axes in G at the tool's pose
+  vec4 turn;                    // rotation vector from the proxy to the tool's pose
+  float spindle_rad_per_s;
+  float dt_s;
+  float work_held_back_Nmm;  // share of the debt that this frame pays
   // balls and points further than this from the tool at first contact play no part after it
   float ball_reach_mm;
   float point_reach_mm;
-  // passes
+  // how far the tool ball that moved most is from where it was when the lists were made
+  float cutting_drift_start_mm, cutting_drift_goal_mm, shaft_drift_start_mm, shaft_drift_goal_mm;
+  uint lists_at_contact;  // 1: the lists are made in this frame, where first contact is
+  uint flush_count;  // balls of the last lists, which flush.comp writes back
+  Groups flush_work;
+  Groups path_work;  // clusters of balls, one workgroup each
+  Groups point_work; // clusters of points
+
+  // the lists, as the last frame that made them left them
+  Groups pair_work;  // x: chunks of the longest list; y: 2, live balls and shaft pairs
+  Groups all_work;   // the same with y: 3, live points
+  uint live_ball_count, live_point_count, shaft_count, span_count;
+  uint too_many;  // balls or points beyond live_capacity: the frame is void
+  uint is_void;   // nothing was changed: see IsVoid
+
+  // found
   uint contact_bits;  // fraction of first contact, as bits: those of floats of one sign order like the floats
   uint slide_bits;
-  float slide_limit;  // fraction of the way to the target that the slide may take
-  Groups path_balls;  // clusters that the way from proxy to tool meets
-  Groups near_balls;  // clusters within reach at first contact
-  Groups near_points;
-  Groups live_balls;  // workgroups for the balls within reach
-  Groups live_points;
-  Groups shaft_balls;  // the same list, as far as balls of it meet the shaft's margin
-  uint live_ball_count, live_point_count;
-  uint cutting_low, cutting_high;  // mask of the tool balls that cut
-  Groups reach_groups;  // workgroups of the passes that run only where the lists have to be made anew
-  Groups place_groups;
-  Groups near_groups;
-  uint rebuilt;      // the lists were made anew at this frame's first contact
-  float way_mm;      // from first contact to the target, of the tool point that moves farthest
-  uint lists_serve;  // 0: there are no lists yet, or they reach less far than this frame asks
-  vec4 delta;        // to the constrained target; w: length of the cutting planes' share
-  vec4 n;            // direction of the cutting planes' resultant
+  uint planes_present;  // bit per plane
+  float slide_limit;    // fraction of the way to the target that the slide may take
+  float way_mm;         // from first contact to the target, of the tool point that moves farthest
   float advance_mm;
   float edge_work_Nmm;
-  uint planes_present;                       // bit per plane
+  vec4 delta;                                // to the constrained target; w: length of the cutting planes' share
+  vec4 n;                                    // direction of the cutting planes' resultant
+  vec4 step_mm;                              // of the proxy's advance
   OSTEON_ARRAY(vec4, plane_n, kPlanes);      // w: smallest gap
   OSTEON_ARRAY(vec4, plane_point, kPlanes);  // w: lens volume
   OSTEON_ARRAY(float, multiplier, kPlanes);
   OSTEON_ARRAY(uint, plane_gap_bits, kPlanes);  // smallest gap, as bits that order like the float
   OSTEON_ARRAY(Sum, plane_sums, kPlanes* kPlaneColumns);
   OSTEON_ARRAY(Sum, engaged_sums, 2 * kMaxMaterials);  // area and moment by material
-  OSTEON_ARRAY(float, engaged, 2 * kMaxMaterials);
-  OSTEON_ARRAY(uint, removed, kMaxMaterials);  // cleared volume in units of the bone's
+  OSTEON_ARRAY(uint, removed, kMaxMaterials);          // cleared volume in units of the bone's
 };
 
-// Box around a cluster of balls (whole balls) or of points, as they were at the start: conservative for ever.
-// A cluster of which nothing is left is passed over.
-struct Cluster {
-  float low_x, low_y, low_z;
-  uint alive;
-  float high_x, high_y, high_z;
-  uint pad;
+// A cluster of 64 balls or points, and the groups of tool balls that can meet it: group_refs[first …].
+struct Item {
+  uint cluster;
+  uint first, count;
 };
 
-// A cluster, ball or point that a pass has to look at, and the tool balls that can reach it.
-struct Active {
+// Tool balls first … first + count - 1.
+struct ToolGroup {
+  uint first, count;
+};
+
+// A ball or point within reach, and the cutting tool balls that can meet it: spans[first …], in rising order.
+struct Live {
   uint index;
-  uint tool_low, tool_high;  // mask
+  uint first, count;
 };
 
-// A mass point. units: its volume in the bone's units; material; cleared: 1 where it is gone.
-struct Point {
-  float x, y, z;
-  float volume_mm3;
-  uint units;
-  uint material;
-  uint cleared;
+// A live ball (its slot in the list) and the tool balls that do not cut and can meet it.
+struct ShaftPair {
+  uint slot;
+  uint first, count;
 };
+
+// Storage buffers, in the order of their bindings.
+OSTEON_CONST uint kBindFrame = 0;
+OSTEON_CONST uint kBindTool = 1;        // a tool ball's centre at the proxy (w: radius) and at the tool's pose; then the groups'
+OSTEON_CONST uint kBindToolGroups = 2;
+OSTEON_CONST uint kBindItems = 3;       // clusters of balls, then (from ball cluster count on) of points
+OSTEON_CONST uint kBindGroupRefs = 4;
+OSTEON_CONST uint kBindBalls = 5;       // centre, radius; radius 0: gone
+OSTEON_CONST uint kBindMoreBalls = 6;   // those from kBallsPerBuffer on
+OSTEON_CONST uint kBindPoints = 7;      // place, volume [mm^3]
+OSTEON_CONST uint kBindPointStates = 8; // material, and kCleared
+OSTEON_CONST uint kBindPointUnits = 9;  // volume in the bone's units
+OSTEON_CONST uint kBindLiveBalls = 10;  // copies of the live balls
+OSTEON_CONST uint kBindLiveEntries = 11;
+OSTEON_CONST uint kBindShaftPairs = 12;
+OSTEON_CONST uint kBindLivePoints = 13; // copies of the live points
+OSTEON_CONST uint kBindPointEntries = 14;
+OSTEON_CONST uint kBindSpans = 15;      // 0 … tool_count - 1 first
+OSTEON_CONST uint kBindings = 16;
+// The lists' copies again, to read: software drivers fetch a texel at once, but a buffer's words one by one.
+OSTEON_CONST uint kBindBallTexels = 16;
+OSTEON_CONST uint kBindPointTexels = 17;
+
+OSTEON_CONST uint kBallsPerBuffer = 8000000;  // a binding holds 128 MiB on every device
+OSTEON_CONST uint kCleared = 256;
 
 #ifdef __cplusplus
 static_assert(sizeof(Frame) % 4 == 0);
-static_assert(offsetof(Frame, material) == 16 * 7 * 65);
-static_assert(offsetof(Frame, spindle_rad_per_s) == 16 * (7 * 65 + 8 + 4));
-static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 56 * 4);
-static_assert(sizeof(Cluster) == 32 && sizeof(Point) == 28 && sizeof(Active) == 12 && sizeof(Sum) == 8);
+static_assert(offsetof(Frame, stiffness_N_per_mm) == 16 * 8);
+static_assert(offsetof(Frame, start) == 16 * 8 + 19 * 4);
+static_assert(offsetof(Frame, delta) == offsetof(Frame, start) + 6 * 16 + 10 * 4 + 16 * 4 + 6 * 4 + 7 * 4);
+static_assert(sizeof(Item) == 12 && sizeof(Live) == 12 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
 }  // namespace osteon::gpu
 #endif
 #undef OSTEON_CONST

@@ -1,24 +1,33 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Lists the balls within reach of the tool at first contact. The list's order is scheduling's; nothing depends on it.
+// Lists the balls within reach of the tool.
 #include "common.glsl"
+#include "pick.glsl"
 
 void main() {
-  Active mine = near_balls[gl_WorkGroupID.x];
-  uint i = mine.index * kGroupSize + gl_LocalInvocationID.x;
-  vec4 ball = i < frame.ball_count ? balls[i] : vec4(0.0);
-  uvec2 reached = uvec2(0u);
-  for (uvec2 rest = Tools(mine); Any(rest); rest = WithoutLowest(rest)) {
-    uint t = Lowest(rest);
-    vec4 tool = frame.contact[t];
-    float r = tool.w + ball.w + frame.ball_reach_mm + frame.built[t].w;
-    vec3 away = tool.xyz - ball.xyz;
-    if (dot(away, away) < r * r) reached |= Bit(t);
+  Item item = items[gl_WorkGroupID.x];
+  float s = ListFraction();
+  float cutting_reach = frame.ball_reach_mm + frame.cutting_margin_mm;
+  float shaft_reach = frame.ball_reach_mm + frame.shaft_margin_mm;
+  // a cluster that no such ball can meet has no groups of them
+  bool any_shaft = tool_groups[group_refs[item.first + item.count - 1u]].first >= frame.cutter_count;
+  for (uint k = gl_LocalInvocationID.x; k < kGroupSize; k += kLanes) {
+    uint i = item.cluster * kGroupSize + k;
+    vec4 ball = i < frame.ball_count ? BallAt(i) : vec4(0.0);
+    bool live = ball.w > 0.0;
+    Span cutting = FindSpan(item, ball.xyz, ball.w, cutting_reach, s, true, live);
+    Span shaft = Span(0u, 0u);
+    if (any_shaft) shaft = FindSpan(item, ball.xyz, ball.w, shaft_reach, s, false, live);
+    if (cutting.count + shaft.count == 0u) continue;
+    NEXT_SLOT(slot, frame.live_ball_count)
+    if (slot >= frame.live_capacity) {
+      frame.too_many = 1u;
+      continue;
+    }
+    live_balls[slot] = ball;
+    live_entries[slot] = Live(i, cutting.first, cutting.count);
+    if (shaft.count == 0u) continue;
+    NEXT_SLOT(pair, frame.shaft_count)
+    shaft_pairs[pair] = ShaftPair(slot, shaft.first, shaft.count);
   }
-  if (ball.w <= 0.0 || !Any(reached)) return;
-  uint slot = atomicAdd(frame.live_ball_count, 1u);
-  if (slot % kGroupSize == 0u) atomicAdd(frame.live_balls.x, 1u);
-  Active entry = Active(i, reached.x, reached.y);
-  live_balls[slot] = entry;
-  if (Any(ShaftTools(entry))) atomicMax(frame.shaft_balls.x, slot / kGroupSize + 1u);
 }

@@ -55,7 +55,8 @@ inline Bone EmptyBone(double u_c = kSpongy) {
   bone.materials = {{.name = "test bone",
                      .density_kg_per_m3 = 500.0,
                      .specific_cutting_energy_J_per_m3 = u_c,
-                     .cutting_force_ratio = 0.8}};
+                     .cutting_force_ratio = 0.8,
+                     .friction = 0.0}};
   return bone;
 }
 

@@ -1,25 +1,18 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
-// Pass 3, first half, one workgroup: the rate law (twin of simulation::AdvanceOfFrame and EndOfAdvance).
-#include "common.glsl"
-
-void main() {
-  if (gl_LocalInvocationID.x != 0) return;
-  float engaged[2 * kMaxMaterials];
-  for (uint m = 0; m < kMaxMaterials; ++m) {
-    engaged[2 * m] = Total(frame.engaged_sums[2 * m], frame.area_scale);
-    engaged[2 * m + 1] = Total(frame.engaged_sums[2 * m + 1], frame.moment_scale);
-    frame.engaged[2 * m] = engaged[2 * m];
-    frame.engaged[2 * m + 1] = engaged[2 * m + 1];
-  }
-
+// Pass 3, first half: how far bone gives way in this frame (twin of simulation::AdvanceOfFrame and EndOfAdvance). Every
+// invocation works it out for itself: cheaper than a pass of its own.
+struct Advance {
+  float advance_mm, edge_work_Nmm;
+  vec3 step_mm;
+};
+Advance AdvanceOfFrame(float at_contact) {
   float x = frame.delta.w, advance = 0.0, edge_work = 0.0;
   if (x > 0.0 && frame.spindle_rad_per_s != 0.0 && frame.dt_s > 0.0) {
     float area = 0.0, moment = 0.0, work_per_mm = 0.0;
     for (uint m = 0; m < frame.material_count; ++m) {
-      area += engaged[2 * m];
-      moment += frame.material[m].y * engaged[2 * m + 1];
-      work_per_mm += frame.material[m].x * engaged[2 * m];
+      float own = Total(frame.engaged_sums[2 * m], frame.area_scale);
+      area += own;
+      moment += frame.material[m].y * Total(frame.engaged_sums[2 * m + 1], frame.moment_scale);
+      work_per_mm += frame.material[m].x * own;
     }
     float most = max(0.0, frame.max_slide_mm - SlideFraction() * frame.way_mm);
     float arm = area > 0.0 ? moment / area : 0.0;
@@ -38,11 +31,7 @@ void main() {
       edge_work = linear > 0.0 ? work * advance / linear : work;
     }
   }
-  frame.advance_mm = advance;
-  frame.edge_work_Nmm = edge_work;
-
-  uint origin = frame.tool_count;
-  vec3 slide_mm = SlideFraction() * (frame.target[origin].xyz - frame.contact[origin].xyz);
+  vec3 slide_mm = SlideFraction() * (frame.goal.xyz + frame.delta.xyz - OriginAtContact(at_contact));
   vec3 step_mm = -advance * frame.n.xyz;
   if (frame.plane_point[kShaft].w > 0.0) {
     vec3 n = frame.plane_n[kShaft].xyz;
@@ -50,9 +39,5 @@ void main() {
     float closing = -dot(n, step_mm) - max(0.0, gap);
     if (closing > 0.0) step_mm += closing * n;
   }
-  for (uint t = 0; t <= frame.tool_count; ++t) {
-    vec4 slid = vec4(mix(frame.contact[t].xyz, frame.target[t].xyz, SlideFraction()), frame.contact[t].w);
-    frame.slid[t] = slid;
-    frame.end[t] = vec4(slid.xyz + step_mm, slid.w);
-  }
+  return Advance(advance, edge_work, step_mm);
 }

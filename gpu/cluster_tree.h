@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "gpu/shaders/layout.h"
+
+namespace osteon::gpu {
+
+/// Boxes around runs of 64 balls or points of a list that lies along a space-filling curve, and boxes around
+/// eight of the boxes below, up to one. Built once: bone only shrinks inside itself, so a box that held it
+/// holds it for ever.
+///
+///     level 2        [                 0                 ]
+///     level 1        [ 0 ][ 1 ] …            8 children each
+///     level 0        clusters of 64 items
+class ClusterTree {
+ public:
+  ClusterTree() = default;
+  /// @param items  centres and radii [mm]
+  explicit ClusterTree(std::span<const vec4> items);
+
+  [[nodiscard]] std::size_t cluster_count() const { return levels_.empty() ? 0 : levels_.front().size(); }
+
+  /// Calls visit(cluster) for every cluster whose box a ball of `radius_mm` may meet on its way from a to b,
+  /// in rising order. Conservative: a box that is near the way, but not met, may be among them.
+  template <class Visit>
+  void Meet(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float radius_mm, Visit visit) const {
+    if (levels_.empty()) return;
+    const Sweep sweep{.box = Eigen::AlignedBox3f(a.cwiseMin(b), a.cwiseMax(b)),
+                      .middle = 0.5f * (a + b),
+                      .radius_mm = radius_mm + kRounding_mm,
+                      .half_mm = 0.5f * (b - a).norm()};
+    Descend(levels_.size() - 1, 0, sweep, visit);
+  }
+
+ private:
+  static constexpr std::size_t kChildren = 8;
+  static constexpr float kRounding_mm = 1e-3f;  // floats of 100 mm round to 8e-6 mm
+
+  struct Sweep {
+    Eigen::AlignedBox3f box;  // of the centre's way
+    Eigen::Vector3f middle;
+    float radius_mm, half_mm;
+    [[nodiscard]] bool Meets(const Eigen::AlignedBox3f& other) const {
+      const float reach = radius_mm + half_mm;
+      return other.squaredExteriorDistance(box) <= radius_mm * radius_mm &&
+             other.squaredExteriorDistance(middle) <= reach * reach;
+    }
+  };
+
+  template <class Visit>
+  void Descend(std::size_t level, std::size_t node, const Sweep& sweep, Visit& visit) const {
+    if (!sweep.Meets(levels_[level][node])) return;
+    if (level == 0) {
+      visit(static_cast<uint>(node));
+      return;
+    }
+    const std::size_t end = std::min(levels_[level - 1].size(), (node + 1) * kChildren);
+    for (std::size_t child = node * kChildren; child < end; ++child) Descend(level - 1, child, sweep, visit);
+  }
+
+  std::vector<std::vector<Eigen::AlignedBox3f>> levels_;  // clusters first, one box last
+};
+
+}  // namespace osteon::gpu

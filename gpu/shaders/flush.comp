@@ -1,0 +1,13 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Before lists are made anew, or the state is read: the list's copies of the balls go back to where they are from.
+#include "common.glsl"
+
+void main() {
+  uint end = ChunkEnd(frame.flush_count);
+  for (uint slot = ChunkBegin(); slot < end; slot += kLanes) {
+    uint i = live_entries[slot].index;
+    if (i < kBallsPerBuffer) balls[i] = live_balls[slot];
+    else more_balls[i - kBallsPerBuffer] = live_balls[slot];
+  }
+}

@@ -1,0 +1,111 @@
+#include "simulation/hold_point.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace osteon::simulation {
+namespace {
+
+constexpr int kMostHolding = 4;  // three planes fix a point, a fourth its slack
+constexpr double kViolated = 1e-12;
+constexpr double kLeastPivot = 1e-13;  // of the Gram matrix of unit normals: below, they are parallel
+constexpr int kMostRounds = 200;       // some ten are usual; rounding alone could make sets come back
+
+// One set of planes and the point they hold.
+struct Set {
+  std::array<std::size_t, kMostHolding> plane{};
+  std::array<double, kMostHolding> multiplier{};
+  int size{0};
+  Vector3 point{Vector3::Zero()};
+  double slack{0.0};
+
+  double Violation(const HalfSpace& h) const { return h.offset - h.n.dot(point) - slack; }
+};
+
+// Multipliers of the nearest point (x, s) on all planes of the set: elimination of the Gram matrix, which is
+// positive definite. False where the planes are parallel or one would pull.
+bool Solve(std::span<const HalfSpace> planes, Set& set) {
+  std::array<std::array<double, kMostHolding>, kMostHolding> gram{};
+  std::array<double, kMostHolding> value{};
+  const auto size = static_cast<std::size_t>(set.size);
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j < size; ++j)
+      gram[i][j] = planes[set.plane[i]].n.dot(planes[set.plane[j]].n) + kHoldSlack;
+    value[i] = planes[set.plane[i]].offset;
+  }
+  for (std::size_t k = 0; k < size; ++k) {
+    if (!(gram[k][k] > kLeastPivot)) return false;
+    for (std::size_t i = k + 1; i < size; ++i) {
+      const double factor = gram[i][k] / gram[k][k];
+      for (std::size_t j = k; j < size; ++j) gram[i][j] -= factor * gram[k][j];
+      value[i] -= factor * value[k];
+    }
+  }
+  set.point.setZero();
+  set.slack = 0.0;
+  for (std::size_t k = size; k-- > 0;) {
+    double m = value[k];
+    for (std::size_t j = k + 1; j < size; ++j) m -= gram[k][j] * set.multiplier[j];
+    m /= gram[k][k];
+    if (!(m > 0.0)) return false;
+    set.multiplier[k] = m;
+    set.point += m * planes[set.plane[k]].n;
+    set.slack += kHoldSlack * m;
+  }
+  return true;
+}
+
+// The set among `held` and `entering` that contains the latter and whose point keeps the others too. Exactly
+// one does; where rounding leaves none, the one that violates least.
+Set Exchange(std::span<const HalfSpace> planes, const Set& held, std::size_t entering) {
+  Set best;
+  double best_violation = std::numeric_limits<double>::infinity();
+  for (unsigned mask = 0; mask < 1u << held.size; ++mask) {
+    Set set;
+    for (int i = 0; i < held.size; ++i)
+      if (mask >> i & 1u) {
+        if (set.size == kMostHolding - 1) break;
+        set.plane[static_cast<std::size_t>(set.size++)] = held.plane[static_cast<std::size_t>(i)];
+      }
+    set.plane[static_cast<std::size_t>(set.size++)] = entering;
+    if (!Solve(planes, set)) continue;
+    double violation = 0.0;
+    for (int i = 0; i < held.size; ++i)
+      violation = std::max(violation, set.Violation(planes[held.plane[static_cast<std::size_t>(i)]]));
+    if (violation >= best_violation) continue;
+    best_violation = violation;
+    best = set;
+  }
+  return best;
+}
+
+}  // namespace
+
+HoldPoint FindHoldPoint(std::span<const HalfSpace> planes) {
+  Set held;
+  for (int round = 0; round < kMostRounds; ++round) {
+    double worst = kViolated;
+    std::size_t entering = planes.size();
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      const double violation = held.Violation(planes[i]);
+      if (violation <= worst) continue;
+      worst = violation;
+      entering = i;
+    }
+    if (entering == planes.size()) break;
+    const Set next = Exchange(planes, held, entering);
+    if (next.size == 0) break;
+    // a plane that holds already can only come back by rounding
+    const auto end = held.plane.begin() + held.size;
+    const bool again = std::find(held.plane.begin(), end, entering) != end;
+    held = next;
+    if (again) break;
+  }
+  return {.point_m = held.point,
+          .slack_m = held.slack,
+          .count = held.size,
+          .plane = held.plane,
+          .multiplier_m = held.multiplier};
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "kinematics/half_spaces.h"
+
+namespace osteon::simulation {
+
+/// The point in which planes hold the origin back.
+struct HoldPoint {
+  Vector3 point_m{Vector3::Zero()};
+  double slack_m{0.0};  ///< by which all planes yield
+  int count{0};
+  std::array<std::size_t, 4> plane{};    ///< the planes that hold, by index
+  std::array<double, 4> multiplier_m{};  ///< > 0; point = sum of multiplier n
+};
+
+/// Square of the slack's compliance against the point's: a hold of 10 mm yields by 10 nm.
+inline constexpr double kHoldSlack = 1e-6;
+
+/// Closest point to the origin in the intersection of any number of half-spaces, which yield together by a
+/// slack s, much where they have no point in common and next to nothing otherwise:
+///
+///     min |x|^2 + s^2 / kHoldSlack     subject to     n_i·x + s >= offset_i
+///
+/// so there is always one answer. Dual active set: the most violated plane enters, and of the sets of it and
+/// those that hold (15 at most) the one whose point keeps them all is taken; the cost grows with each, so
+/// none comes back. For up to eight planes the same point as ClosestInHalfSpaces, but for the slack.
+[[nodiscard]] HoldPoint FindHoldPoint(std::span<const HalfSpace> planes);
+
+}  // namespace osteon::simulation
