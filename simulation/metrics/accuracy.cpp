@@ -30,7 +30,7 @@ class SweepZone final : public CutZone {
 /// Cells of side h reach 4 h from the surface, those of 2 h 8 h …
 std::vector<Cell> CellsAround(const Solid& solid, const SweptTool& swept, double finest_m, int threads) {
   GradeParams grade{.finest_m = finest_m, .coarser_from_m = {}};
-  for (int level = 1; level <= 4; ++level)
+  for (int level = 1; level <= 3; ++level)
     grade.coarser_from_m.push_back(finest_m * std::ldexp(4.0, level - 1));
   return DivideGraded(solid, SweepZone(swept), grade, CellsWanted::kSolid, threads);
 }
@@ -62,7 +62,7 @@ class Sampler {
       const bool left = Holds(after_, p);
       if (d <= 0.0) {
         ++finds.swept;
-        if (!left) continue;
+        if (!left || d > -kTouch) continue;
         ++finds.left;
         finds.left_depth_m = std::max(finds.left_depth_m, -d);
         continue;

@@ -12,7 +12,7 @@ namespace osteon::simulation {
 
 /// How closely a cut is looked at.
 struct AccuracyParams {
-  std::vector<double> probe_radii_m;  ///< of the balls that feel the cut; none larger than the tool's
+  std::vector<double> probe_radii_m{};  ///< of the balls that feel the cut; none larger than the tool's
   std::size_t surface_cells{
       60'000};                       ///< sampling cells along the cut: the standard error falls with its root
   std::size_t probe_samples{6'000};  ///< places that each probe is put to, at most
