@@ -13,8 +13,16 @@ namespace {
 /// Two pairs face each other across a gap where the angle between their normals is above 143 degrees.
 constexpr double kOppositeCosine = -0.8;
 
-/// How soon a second face's share turns directions from the faces' mean normals to where the planes hold.
-constexpr double kExactness = 4.0;
+/// How much the direction in which the planes hold counts against the mean normal of a face: nothing where
+/// one face presses with a narrow patch of balls, whose single normals are rough; all where several faces
+/// press, since steep ones hold with more than their resultant and errors of their means would grow with it,
+/// and where a face is wide (a reamer in its cup), since then the mean only tells which cone it was taken
+/// over.
+/// @param share  of the face that holds most;  @param narrow  length of the face's mean normal before it is
+///   made unit: 1 for one direction, .966 for all in the face's cone
+double Exactness(double share, double narrow) {
+  return std::clamp(std::max(4.0 * (1.0 - share), (0.985 - narrow) / 0.015), 0.0, 1.0);
+}
 
 double LensOf(const CuttingParams& params, const NearPair& pair) {
   // of the overlap alone: the pair's reduced radius is much the same for all
@@ -193,9 +201,6 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
   const double free_share = held.normal_m > 0.0 ? held.most_m / held.normal_m : 1.0;
   double largest = 0.0;
   for (std::size_t f = 0; f < faces.count; ++f) largest = std::max(largest, faces.face[f].multiplier);
-  // Several steep faces hold with more than the resultant, in which their mean normals' errors would grow.
-  const double exact =
-      held.normal_m > 0.0 ? std::min(1.0, kExactness * (1.0 - largest / held.normal_m)) : 0.0;
   for (std::size_t f = 0; f < faces.count; ++f) {
     const Face& face = faces.face[f];
     const double size = face.hold.norm();
@@ -207,6 +212,8 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
     if (face.known >= 0) {
       const FaceSums& sums = near.faces[static_cast<std::size_t>(face.known)];
       if (sums.weight > 0.0) {
+        const double narrow = sums.n.norm() / sums.weight;
+        const double exact = Exactness(largest / held.normal_m, narrow);
         n = ((1.0 - exact) * sums.n.normalized() + exact * n).normalized();
         center_T = sums.center_T / sums.weight;
         radius = sums.radius / sums.weight;

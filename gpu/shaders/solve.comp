@@ -11,7 +11,6 @@ const double kHoldSlack = 1e-6lf;
 const double kViolated_mm = 1e-9lf, kLeastPivot = 1e-13lf;
 const double kAbsent = -1e30lf;
 const double kFaceCosine = 0.866lf;
-const double kExactness = 4.0lf;
 const uint kMostRounds = 200;
 
 shared dvec3 plane_n[kCandidates + 1];
@@ -317,7 +316,6 @@ void main() {
   }
   double largest = 0.0lf;
   for (uint f = 0; f < faces; ++f) largest = max(largest, multiplier_of[f]);
-  double exact = normal > 0.0lf ? min(1.0lf, kExactness * (1.0lf - largest / normal)) : 0.0lf;
   dvec3 cutting = dvec3(0.0lf);
   for (uint f = 0; f < faces; ++f) {
     double size = length(hold_of[f]);
@@ -328,7 +326,11 @@ void main() {
       for (uint row = 0; row < 2; ++row)
         for (uint column = 0; column < 4; ++column)
           sum[column] += Total(frame.face_sums[(row * kFaces + uint(known_of[f])) * kFaceColumns + column], frame.face_scale);
-      if (sum.x > 0.0) n = normalize((1.0lf - exact) * normalize(dvec3(sum.yzw)) + exact * n);
+      if (sum.x > 0.0) {
+        double narrow = length(dvec3(sum.yzw)) / double(sum.x);
+        double exact = clamp(max(4.0lf * (1.0lf - largest / normal), (0.985lf - narrow) / 0.015lf), 0.0lf, 1.0lf);
+        n = normalize((1.0lf - exact) * normalize(dvec3(sum.yzw)) + exact * n);
+      }
     }
     double share = multiplier_of[f] / normal;
     cutting += cutting_of[f] / multiplier_of[f] * (free_share * size * n + (1.0lf - free_share) * share * held.point);
