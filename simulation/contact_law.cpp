@@ -125,11 +125,14 @@ Candidates FindCandidates(const NearField& near, double tolerance_m) {
   for (const NearPair& pair : near.nearest)
     if (pair.present) all.pairs[all.count++] = pair;
   const auto nearest = all.pairs.begin() + static_cast<std::ptrdiff_t>(all.count);
-  for (const NearPair& pair : near.remembered) {
+  for (std::size_t k = 0; k < near.remembered.size(); ++k) {
+    const NearPair& pair = near.remembered[k];
     if (!pair.present) continue;
-    const bool known = std::any_of(all.pairs.begin(), nearest,
-                                   [&](const NearPair& other) { return other.pair == pair.pair; });
-    if (!known) all.pairs[all.count++] = pair;
+    const auto known = std::find_if(all.pairs.begin(), nearest,
+                                    [&](const NearPair& other) { return other.pair == pair.pair; });
+    const auto index = known != nearest ? static_cast<std::size_t>(known - all.pairs.begin()) : all.count;
+    if (index == all.count) all.pairs[all.count++] = pair;
+    if (k < static_cast<std::size_t>(near.held_count)) all.held[all.held_count++] = index;
   }
   for (std::size_t i = 0; i < all.count; ++i) {
     const NearPair& pair = all.pairs[i];
@@ -157,7 +160,8 @@ ContactHold HoldTool(const Candidates& candidates, const ContactInput& input, bo
     planes[i] = {.n = pair.n, .offset = -(candidates.gap_m[i] + pair.n.dot(motion(pair)))};
   }
   ContactHold held;
-  held.hold = FindHoldPoint(std::span(planes.data(), candidates.count));
+  held.hold = FindHoldPoint(std::span(planes.data(), candidates.count),
+                            std::span(candidates.held.data(), candidates.held_count));
   WeighHold(held);
   if (held.normal_m <= 0.0 || input.friction <= 0.0) return held;
 
@@ -251,9 +255,13 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
   }
   std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(candidates.count),
             [&](std::size_t a, std::size_t b) { return room[a] != room[b] ? room[a] < room[b] : a < b; });
+  for (std::size_t k = 0; k < static_cast<std::size_t>(hold.count); ++k)
+    next.pairs[static_cast<std::size_t>(next.pair_count++)] = candidates.pairs[hold.plane[k]].pair;
+  next.held_count = next.pair_count;
   for (std::size_t k = 0; k < candidates.count; ++k) {
     const std::size_t i = order[k];
-    if (next.pair_count < kRememberedPairs)
+    const auto holding = hold.plane.begin() + hold.count;
+    if (next.pair_count < kRememberedPairs && std::find(hold.plane.begin(), holding, i) == holding)
       next.pairs[static_cast<std::size_t>(next.pair_count++)] = candidates.pairs[i].pair;
     if (solution.contact_count >= kMaxContacts) continue;
     const NearPair& pair = candidates.pairs[i];
