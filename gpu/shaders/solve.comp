@@ -31,6 +31,8 @@ struct Held {
   double slack;
 };
 
+shared Held winner;
+
 double Violation(Held held, uint i, dvec3 shift) {
   return plane_offset[i] - dot(plane_n[i], shift + held.point) - held.slack;
 }
@@ -49,32 +51,38 @@ bool SolveSet(uvec4 p, dvec3 shift, out Held set) {
   dvec4 row_3 = dvec4(row_0.w, row_1.w, row_2.w, dot(d, d) + slack.w + pad.w);
   dvec4 v = dvec4(plane_offset[p.x] - dot(a, shift), plane_offset[p.y] - dot(b, shift),
                   plane_offset[p.z] - dot(c, shift), plane_offset[p.w] - dot(d, shift)) * real;
+  // one division a pivot: they are what takes long
+  dvec4 per;
   bool good = row_0.x > kLeastPivot;
-  double f = row_1.x / row_0.x;
+  per.x = 1.0lf / row_0.x;
+  double f = row_1.x * per.x;
   row_1 -= f * row_0;
   v.y -= f * v.x;
-  f = row_2.x / row_0.x;
+  f = row_2.x * per.x;
   row_2 -= f * row_0;
   v.z -= f * v.x;
-  f = row_3.x / row_0.x;
+  f = row_3.x * per.x;
   row_3 -= f * row_0;
   v.w -= f * v.x;
   good = good && row_1.y > kLeastPivot;
-  f = row_2.y / row_1.y;
+  per.y = 1.0lf / row_1.y;
+  f = row_2.y * per.y;
   row_2 -= f * row_1;
   v.z -= f * v.y;
-  f = row_3.y / row_1.y;
+  f = row_3.y * per.y;
   row_3 -= f * row_1;
   v.w -= f * v.y;
   good = good && row_2.z > kLeastPivot;
-  f = row_3.z / row_2.z;
+  per.z = 1.0lf / row_2.z;
+  f = row_3.z * per.z;
   row_3 -= f * row_2;
   v.w -= f * v.z;
   good = good && row_3.w > kLeastPivot;
-  set.m.w = v.w / row_3.w;
-  set.m.z = (v.z - row_2.w * set.m.w) / row_2.z;
-  set.m.y = (v.y - row_1.z * set.m.z - row_1.w * set.m.w) / row_1.y;
-  set.m.x = (v.x - row_0.y * set.m.y - row_0.z * set.m.z - row_0.w * set.m.w) / row_0.x;
+  per.w = 1.0lf / row_3.w;
+  set.m.w = v.w * per.w;
+  set.m.z = (v.z - row_2.w * set.m.w) * per.z;
+  set.m.y = (v.y - row_1.z * set.m.z - row_1.w * set.m.w) * per.y;
+  set.m.x = (v.x - row_0.y * set.m.y - row_0.z * set.m.z - row_0.w * set.m.w) * per.x;
   set.plane = p;
   set.size = uint(is.x) + uint(is.y) + uint(is.z) + uint(is.w);
   set.point = set.m.x * a + set.m.y * b + set.m.z * c + set.m.w * d;
@@ -139,6 +147,7 @@ Held FindHold(uint count, dvec3 shift, bool start) {
     // of the sets of it and those that hold, the one whose point keeps the others
     float least = 1e30;
     uint chosen = 16u;
+    Held own = held;
     for (uint mask = lane; mask < (1u << held.size); mask += kLanes) {
       Held set;
       bool good = bitCount(mask) < 4 && SolveSet(Chosen(held, mask, entering), shift, set);
@@ -152,14 +161,16 @@ Held FindHold(uint count, dvec3 shift, bool start) {
       if (!good || float(violation) >= least) continue;
       least = float(violation);
       chosen = mask;
+      own = set;
     }
     float best = subgroupMin(least);
-    chosen = subgroupMin(least == best ? chosen : 16u);
-    if (chosen == 16u) break;
+    uint first = subgroupMin(least == best ? chosen : 16u);
+    if (first == 16u) break;
     bool again = any(equal(held.plane, uvec4(entering)));
-    Held next;
-    SolveSet(Chosen(held, chosen, entering), shift, next);
-    held = Packed(next);
+    if (chosen == first) winner = own;
+    barrier();
+    held = Packed(winner);
+    barrier();
     if (again) break;
   }
   return held;
