@@ -79,7 +79,7 @@ class CarvedFile : public testing::Test {
       return test::SlowCrc(bytes.substr(from, to - from));
     };
     const std::uint32_t payload = crc(kHeader, bytes.size());
-    std::memcpy(bytes.data() + 380, &payload, 4);
+    std::memcpy(bytes.data() + 384, &payload, 4);
     const std::uint32_t header = crc(0, 388);
     std::memcpy(bytes.data() + 388, &header, 4);
     return bytes;
