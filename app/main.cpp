@@ -11,6 +11,8 @@
 
 #include "app/demo.h"
 #include "app/doctor.h"
+#include "app/failures.h"
+#include "app/measure_commands.h"
 #include "app/pack.h"
 #include "app/tool_choice.h"
 #include "app/usage.h"
@@ -141,6 +143,29 @@ std::string ReadPack(const PackTexts& texts, const CLI::App& sub, osteon::app::P
   return "";
 }
 
+CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures) {
+  CLI::App* sub =
+      app.add_subcommand("failures", "runs the scenarios in which cutting methods fail, and ours must not");
+  sub->add_option("scenarios", failures.ids, "their numbers; without any, all of them")
+      ->check(osteon::app::NumberWithin(1, 99));
+  sub->add_option("--out", failures.out, "folder for failures.html and a picture of each scenario");
+  sub->add_option("--json", failures.json, "write the figures there");
+  sub->add_option("--device", failures.device, "part of a Vulkan device's name (osteon doctor lists them)");
+  sub->add_option("--engine", failures.engine, "what must keep the bounds: vulkan, or reference (slow)")
+      ->check(osteon::app::OneOf({"vulkan", "reference"}))
+      ->capture_default_str();
+  sub->add_flag("--quick", failures.quick, "small scenes, as the tests run them: seconds instead of minutes");
+  std::string list = "Scenarios:\n";
+  for (const osteon::hil::FailureScenario& scenario : osteon::hil::FailureScenarios())
+    list += fmt::format("  {:>2}  {}\n", scenario.id, scenario.name);
+  sub->footer(list +
+              "\nExit code 1: a baseline did not fail, or ours did not keep its bound.\n\nExamples:\n"
+              "  osteon failures\n  osteon failures 1 9 --out failures\n  osteon failures --quick --json "
+              "failures.json\n"
+              "  osteon failures 21 --device llvmpipe");
+  return sub;
+}
+
 int Run(int argc, char** argv) {
   const char* root = std::getenv("OSTEON_ROOT");
   std::filesystem::path config_root = std::filesystem::path(root ? root : ".") / "config";
@@ -153,7 +178,8 @@ int Run(int argc, char** argv) {
   app.footer(
       "The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
       "  clean                       removes what was built\n\n"
-      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon pack --help\n  osteon doctor");
+      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon pack --help\n  osteon bench frame\n  osteon failures --help\n  "
+      "osteon doctor");
 
   osteon::app::DemoOptions demo;
   std::string mesh, cup, tool, cell = "demo";
@@ -198,6 +224,9 @@ int Run(int argc, char** argv) {
   PackTexts pack_texts;
   CLI::App* pack_app = AddPack(app, pack, pack_texts);
 
+  osteon::app::FailureOptions failures;
+  CLI::App* failures_app = AddFailures(app, failures);
+
   std::uint16_t port = 30200;
   std::filesystem::path doctor_json;
   CLI::App* doctor_app = app.add_subcommand("doctor", "what this machine can do, with a verdict each");
@@ -206,6 +235,8 @@ int Run(int argc, char** argv) {
       ->capture_default_str();
   doctor_app->add_option("--json", doctor_json, "write the checks there");
   doctor_app->footer("Examples:\n  osteon doctor\n  osteon doctor --json doctor.json");
+
+  osteon::app::MeasureCommands measure(app);
 
   try {
     app.parse(argc, argv);
@@ -268,6 +299,11 @@ int Run(int argc, char** argv) {
     }
     return osteon::app::RunPack(pack);
   }
+  if (*failures_app) {
+    failures.command_line = CommandLine(argc, argv);
+    return osteon::app::RunFailures(failures);
+  }
+  if (measure.asked()) return measure.Run(config_root);
   if (*doctor_app) return osteon::app::RunDoctor(port, doctor_json);
   fmt::print("{}", app.help());
   return 0;

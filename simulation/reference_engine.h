@@ -33,15 +33,23 @@ class ReferenceEngine final : public CuttingEngine {
   [[nodiscard]] std::string device() const override { return "CPU, double precision"; }
 
  private:
-  double FirstContact(const ToolPath& path, double tolerance_m) const;
+  ContactModel Frame(const FrameInput& input);
+  double FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
+  /// As much of a way as the tolerance and max_slide_m leave.
+  struct Slid {
+    double fraction, way_m;  ///< way: of the point that goes farthest
+    bool stopped;            ///< by a ball
+  };
+  Slid Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
   NearField FindNearField(const ToolPoints& at, const ToolPoints& goal, const Matrix3& R_GT) const;
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
-  [[nodiscard]] std::size_t TouchingBall(const ToolPath& path) const;
+  [[nodiscard]] std::size_t TouchingBall(const ToolPoints& from, const ToolPoints& to) const;
   void AddCapsules(const ToolPoints& a, const ToolPoints& b, std::size_t only,
                    std::vector<Capsule>& capsules) const;
   void Remove(const std::vector<Capsule>& capsules, FrameSolution& solution);
 
   Tool tool_;
+  double lever_m_;
   std::vector<Material> materials_;
   std::vector<MassPoint> points_;
   Pose X_WG_;

@@ -53,7 +53,8 @@ class MethodEngine : public CuttingEngine {
 
 /// @param bone   its balls and mass points; a voxel method without a solid fills the union of the balls
 /// @param solid  what a voxel method fills with voxels; null: see above. Only read here
-/// @throws std::invalid_argument naming what was found and what is accepted: a tool without a cutting ball, more
+/// @throws std::invalid_argument naming what was found and what is accepted: a tool without a cutting ball,
+/// more
 ///   than kMaxMaterials materials, sizes outside their ranges, a volume of more than 2^31 voxels.
 [[nodiscard]] std::unique_ptr<MethodEngine> MakeMethod(Method method, const Bone& bone, const Solid* solid,
                                                        const Tool& tool, const Pose& X_WG,

@@ -10,52 +10,6 @@
 namespace osteon::simulation {
 namespace {
 
-// ---- groups of planes
-
-Vector3 Around(double azimuth_deg, double z) {
-  const double a = azimuth_deg * M_PI / 180.0, s = std::sqrt(1.0 - z * z);
-  return {s * std::cos(a), s * std::sin(a), z};
-}
-
-TEST(PlaneGroup, CoversEveryDirectionWithTheCapAndSixSectors) {
-  std::mt19937 random(1);
-  std::normal_distribution<double> normal;
-  std::array<int, kMaxContacts> count{};
-  constexpr int kTries = 60'000;
-  for (int i = 0; i < kTries; ++i) {
-    const Vector3 u = Vector3(normal(random), normal(random), normal(random)).normalized();
-    const int group = PlaneGroup(u);
-    ASSERT_GE(group, 0);
-    ASSERT_LT(group, kShaftPlane);
-    ++count[static_cast<std::size_t>(group)];
-    ASSERT_EQ(group == kCapPlane, -u.z() > kCapCosine);
-  }
-  // areas on the unit sphere: the cap has (1 - cos)/2 of it, the sectors a sixth of the rest each
-  const double cap = 0.5 * (1.0 - kCapCosine), sector = (1.0 - cap) / 6.0;
-  EXPECT_NEAR(count[0], kTries * cap, 5.0 * std::sqrt(kTries * cap));  // five standard deviations
-  for (std::size_t g = 1; g <= 6; ++g)
-    EXPECT_NEAR(count[g], kTries * sector, 5.0 * std::sqrt(kTries * sector)) << g;
-}
-
-TEST(PlaneGroup, OfASectorIsASixthOfATurnOfContactPlaces) {
-  // u points from bone to tool: bone that lies at azimuth a of the tool has u at a + 180 deg
-  std::set<int> seen;
-  for (int sector = 0; sector < 6; ++sector) {
-    const int group = PlaneGroup(Around(60.0 * sector + 180.0 + 1.0, 0.1));
-    for (const double inside : {2.0, 30.0, 59.0})
-      EXPECT_EQ(PlaneGroup(Around(60.0 * sector + 180.0 + inside, -0.3)), group) << sector;
-    seen.insert(group);
-  }
-  EXPECT_EQ(seen.size(), 6u);
-}
-
-TEST(PlaneGroup, CapIsFortyDegreesAboutTheFeed) {
-  EXPECT_EQ(PlaneGroup({0, 0, -1}), kCapPlane);
-  EXPECT_EQ(PlaneGroup(Around(77, -std::cos(39.9 * M_PI / 180.0))), kCapPlane);
-  EXPECT_NE(PlaneGroup(Around(77, -std::cos(40.1 * M_PI / 180.0))), kCapPlane);
-  EXPECT_NE(PlaneGroup({0, 0, 1}), kCapPlane);
-}
-
 // ---- placing
 
 TEST(PlaceTool, PutsBallsAndThenTheOriginIntoG) {
@@ -69,10 +23,6 @@ TEST(PlaceTool, PutsBallsAndThenTheOriginIntoG) {
   EXPECT_EQ(points.back(), Vector3(0.1, 0.2, 0.3));
   const ToolPoints half = Between(points, PlaceTool(tool, Pose::Identity()), 0.5);
   EXPECT_LT((half[0] - Vector3(0.05, 0.1, 0.15)).norm(), 1e-15);
-}
-
-SolutionPlane Plane(const Vector3& n, double gap_m, double weight = 1.0) {
-  return {.present = true, .n = n, .gap_m = gap_m, .weight = weight};
 }
 
 // ---- the advance's end
@@ -306,7 +256,7 @@ TEST(FinishFrame, TurnsTheProxyAsFarAsItsPathWent) {
   X_WT.linear() = ExpRotation({0, 0, 0.4});
   frame.input.X_WT = X_WT;
   frame.solution.contact_fraction = 0.5;
-  frame.solution.slide_fraction = 0.5;
+  frame.solution.turn_fraction = 0.5;
   const Pose X_WP = frame.Finish().X_WP;
   EXPECT_LT((LogRotation(X_WP.linear()) - Vector3(0, 0, 0.3)).norm(), 1e-12);
 }

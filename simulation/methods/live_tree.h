@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "simulation/bone.h"
+
+namespace osteon::simulation {
+
+/// Items of a bone (balls, or points as balls without a radius) found by where they are, and crossed out one
+/// by one as they are cut away.
+///
+/// A tree of boxes, eight children a node, over the items' order along a Morton curve. Boxes are those of the
+/// start: a ball only shrinks inside itself, so they hold for ever. A node knows how many of its items are
+/// left.
+class LiveTree {
+ public:
+  explicit LiveTree(std::span<const Ball> items);
+
+  void Remove(std::uint32_t item);
+  void Restore(const std::vector<bool>& left);
+  [[nodiscard]] std::size_t size() const { return order_.size(); }
+
+  /// Calls visit(item) for each item that is left and whose box comes nearer to p than `reach_m`, but for
+  /// some of those that lie nearer than `hollow_m` as a whole. Always in the same order. An item may be
+  /// removed during its own visit.
+  template <typename Visit>
+  void ForEachNear(const Vector3& p_m, double reach_m, double hollow_m, const Visit& visit) const {
+    if (levels_.empty()) return;
+    Descend(static_cast<int>(levels_.size()) - 1, 0, p_m, reach_m, hollow_m, visit);
+  }
+
+ private:
+  static constexpr std::size_t kChildren = 8;
+
+  struct Node {
+    Eigen::AlignedBox3d box;
+    std::uint32_t left{0};
+  };
+
+  template <typename Visit>
+  void Descend(int level, std::size_t index, const Vector3& p_m, double reach_m, double hollow_m,
+               const Visit& visit) const {
+    const Node& node = levels_[static_cast<std::size_t>(level)][index];
+    if (node.left == 0 || !(node.box.squaredExteriorDistance(p_m) < reach_m * reach_m)) return;
+    if (hollow_m > 0.0) {
+      const Vector3 far = (p_m - node.box.min()).cwiseAbs().cwiseMax((p_m - node.box.max()).cwiseAbs());
+      if (far.squaredNorm() < hollow_m * hollow_m) return;
+    }
+    const std::size_t begin = index * kChildren;
+    if (level == 0) {
+      const std::size_t end = std::min(begin + kChildren, order_.size());
+      for (std::size_t i = begin; i < end; ++i)
+        if (left_[order_[i]]) visit(order_[i]);
+      return;
+    }
+    const std::size_t end = std::min(begin + kChildren, levels_[static_cast<std::size_t>(level) - 1].size());
+    for (std::size_t i = begin; i < end; ++i) Descend(level - 1, i, p_m, reach_m, hollow_m, visit);
+  }
+
+  std::vector<std::uint32_t> order_;       ///< items along the curve
+  std::vector<std::uint32_t> place_;       ///< of an item in order_
+  std::vector<bool> left_;                 ///< by item
+  std::vector<std::vector<Node>> levels_;  ///< leaves first, the root's level last
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,131 @@
+#include "simulation/methods/method_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace osteon::simulation {
+
+MethodBase::MethodBase(Method method, const Bone& bone, const Tool& tool, const Pose& X_WG,
+                       const CuttingParams& params)
+    : tool_(tool), materials_(bone.materials), params_(params), method_(method), X_WG_(X_WG) {
+  if (materials_.empty() || materials_.size() > kMaxMaterials)
+    throw std::invalid_argument(
+        fmt::format("bone: found {} materials, accepted 1 … {}", materials_.size(), kMaxMaterials));
+  if (!CuttingHead(tool_)) throw std::invalid_argument("tool: found no cutting ball, accepted at least one");
+}
+
+ContactModel MethodBase::Step(const FrameInput& input) {
+  if (!IsUsable(input)) {
+    ContactModel refused;
+    refused.status = EngineStatus::kBadInput;
+    return refused;
+  }
+  const Pose X_WT = input.X_WT;
+  const Pose X_GT = X_WG_.inverse() * X_WT;
+  if (!memory_.has_proxy) memory_.X_GP = X_GT;
+  const MethodFrame frame = Solve(memory_.X_GP, X_GT, input);
+
+  // books
+  memory_.X_GP = frame.X_GP;
+  memory_.has_proxy = true;
+  ++memory_.frame;
+  double work_J = 0.0;
+  for (std::size_t i = 0; i < materials_.size(); ++i) {
+    memory_.removed_volume_m3 += frame.removed_m3[i];
+    memory_.removed_mass_kg += frame.removed_m3[i] * materials_[i].density_kg_per_m3;
+    work_J += frame.removed_m3[i] * materials_[i].specific_cutting_energy_J_per_m3;
+  }
+  memory_.cutting_work_J += work_J;
+  memory_.debt_J = params_.law == RemovalLaw::kRate ? memory_.debt_J + work_J - frame.edge_work_J : 0.0;
+
+  ContactModel model;
+  model.X_WP = X_WG_ * memory_.X_GP;
+  model.contact_fraction = frame.contact_fraction;
+  model.removed_volume_m3 = memory_.removed_volume_m3;
+  model.removed_mass_kg = memory_.removed_mass_kg;
+  model.cutting_work_J = memory_.cutting_work_J;
+  model.pose_stamp = input.stamp;
+  model.frame = memory_.frame;
+  model.spindle_torque_Nm = frame.spindle_torque_Nm;
+  if (input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0)
+    model.advance_m_per_s = frame.advance_m / input.dt_s;
+  for (const double area : frame.engaged.area_m2) model.engaged_area_m2 += area;
+  if (!frame.touches) return model;
+
+  const Matrix3 R_WG = X_WG_.linear();
+  model.n_W = Vector3(R_WG * frame.n);
+  model.F_T_W = Wrench{.f = R_WG * frame.force_N, .t = R_WG * frame.torque_Nm};
+  if (frame.n.isZero()) return model;
+  Contact& contact = model.contacts[0];
+  model.contact_count = 1;
+  contact.p_TP_m = Vector3(X_GT.inverse() * frame.point_m);
+  contact.n_W = model.n_W;
+  contact.p_W_m = Vector3(X_WG_ * Vector3(frame.point_m + frame.depth_m * frame.n));
+  contact.gap_m = -frame.depth_m;
+  contact.stiffness_N_per_m = params_.stiffness_N_per_m;
+  contact.weight = 1.0;
+  contact.material = static_cast<MaterialIndex>(
+      std::max_element(frame.engaged.area_m2.begin(), frame.engaged.area_m2.end()) -
+      frame.engaged.area_m2.begin());
+  contact.mu = contact.material < materials_.size() ? materials_[contact.material].friction : 0.0;
+  if (frame.touch_cuts) contact.advance_m_per_s = model.advance_m_per_s;
+  return model;
+}
+
+CarvedState MethodBase::Snapshot() const {
+  CarvedState state;
+  SaveBone(state);
+  ToState(memory_, state);
+  return state;
+}
+
+void MethodBase::Restore(const CarvedState& state) {
+  LoadBone(state);
+  memory_ = ToMemory(state);
+}
+
+// As the reference engine measures it: volume within a layer of the nearest cutting ball's surface, over the
+// layer's depth.
+void MethodBase::AddEngaged(const EngagedItem& item, std::size_t found_by, const ToolPoints& at,
+                            const Vector3& spindle_axis, MethodFrame& frame) const {
+  for (std::size_t t = 0; t < found_by; ++t)
+    if (tool_.balls[t].cutting &&
+        std::abs((item.p_m - at[t]).norm() - tool_.balls[t].radius_m) < params_.engaged_layer_m)
+      return;
+  double nearest = params_.engaged_layer_m, projection = 0.0;
+  for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
+    if (!tool_.balls[t].cutting) continue;
+    const Vector3 out = item.p_m - at[t];
+    const double distance = out.norm(), gap = distance - tool_.balls[t].radius_m;
+    if (std::abs(gap) >= params_.engaged_layer_m || gap >= nearest) continue;
+    nearest = gap;
+    projection = distance > 0.0 ? std::max(0.0, -frame.n.dot(out) / distance) : 0.0;
+  }
+  const double area = item.volume_m3 / params_.engaged_layer_m * projection;
+  frame.engaged.area_m2[item.material] += area;
+  frame.engaged.moment_m3[item.material] += area * (item.p_m - at.back()).cross(spindle_axis).norm();
+}
+
+void MethodBase::Advance(const FrameInput& input, double slide_m, MethodFrame& frame) const {
+  FrameSolution solution;
+  solution.n = frame.n;
+  solution.cutting_m = frame.touch_cuts ? frame.depth_m : 0.0;
+  solution.slide_m = slide_m;
+  solution.engaged_area_m2 = frame.engaged.area_m2;
+  solution.engaged_moment_m3 = frame.engaged.moment_m3;
+  const FrameAdvance advance =
+      AdvanceOfFrame(params_, materials_, solution, input.spindle_rad_per_s, input.dt_s, memory_.debt_J);
+  frame.advance_m = advance.advance_m;
+  frame.edge_work_J = advance.edge_work_J;
+  if (input.spindle_rad_per_s != 0.0) frame.spindle_torque_Nm = SpindleTorque(params_, materials_, solution);
+}
+
+void MethodBase::PushAlongNormal(const Vector3& origin_T, MethodFrame& frame) const {
+  frame.force_N = std::min(params_.stiffness_N_per_m * frame.depth_m, params_.max_force_N) * frame.n;
+  frame.torque_Nm = (frame.point_m - origin_T).cross(frame.force_N);
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "simulation/frame_solution.h"
+#include "simulation/methods/method.h"
+
+namespace osteon::simulation {
+
+/// How much bone a cutting surface lies in, by material: area projected on the plane normal to the force, and
+/// the same times its distance to the spindle's axis (as in FrameSolution).
+struct Engagement {
+  std::array<double, kMaxMaterials> area_m2{}, moment_m3{};
+};
+
+/// One material item (a mass point, a voxel) near the cutting surface.
+struct EngagedItem {
+  Vector3 p_m;
+  double volume_m3;
+  MaterialIndex material;
+};
+
+/// What a method has found in one frame, in G.
+struct MethodFrame {
+  Pose X_GP{Pose::Identity()};   ///< the proxy after it
+  double contact_fraction{1.0};  ///< of the path, up to first contact; methods without a path: 0 in contact
+  bool touches{false};
+  bool touch_cuts{false};              ///< what touches is a cutting ball
+  Vector3 n{Vector3::Zero()};          ///< unit, from bone to tool; zero where free
+  double depth_m{0.0};                 ///< how far the tool's pose lies beyond the surface, along n
+  Vector3 point_m{Vector3::Zero()};    ///< touching point on the tool at the tool's pose
+  Vector3 force_N{Vector3::Zero()};    ///< on the tool
+  Vector3 torque_Nm{Vector3::Zero()};  ///< about T's origin at the tool's pose
+  Engagement engaged{};
+  double advance_m{0.0}, edge_work_J{0.0}, spindle_torque_Nm{0.0};
+  std::array<double, kMaxMaterials> removed_m3{};
+};
+
+/// What every compared method does alike: bad input refused, books, the rate law, the contact model. One
+/// contact at most.
+class MethodBase : public MethodEngine {
+ public:
+  ContactModel Step(const FrameInput& input) final;
+  [[nodiscard]] CarvedState Snapshot() const final;
+  void Restore(const CarvedState& state) final;
+  [[nodiscard]] std::string name() const final { return std::string(MethodName(method_)); }
+  [[nodiscard]] std::string device() const final { return "CPU, double precision, one thread"; }
+
+ protected:
+  /// @throws std::invalid_argument as MakeMethod does.
+  MethodBase(Method method, const Bone& bone, const Tool& tool, const Pose& X_WG,
+             const CuttingParams& params);
+
+  /// One frame between the last proxy and the tool's pose; changes the bone.
+  virtual MethodFrame Solve(const Pose& X_GP, const Pose& X_GT, const FrameInput& input) = 0;
+  virtual void SaveBone(CarvedState& state) const = 0;
+  /// @throws std::invalid_argument where the state is not of this bone; then nothing has changed.
+  virtual void LoadBone(const CarvedState& state) = 0;
+
+  /// Counts one item into what the tool, placed at `at`, is engaged with.
+  /// @param found_by  the cutting ball in whose layer the item was found: the first of several counts it
+  void AddEngaged(const EngagedItem& item, std::size_t found_by, const ToolPoints& at,
+                  const Vector3& spindle_axis, MethodFrame& frame) const;
+  /// Sets advance, edge work and spindle torque of a frame that cuts, by the law of `params`
+  /// (AdvanceOfFrame).
+  void Advance(const FrameInput& input, double slide_m, MethodFrame& frame) const;
+  /// Spring force `stiffness * depth` along n at `point_m`, of at most the greatest force.
+  void PushAlongNormal(const Vector3& origin_T, MethodFrame& frame) const;
+
+  const Tool tool_;
+  const std::vector<Material> materials_;
+  const CuttingParams params_;
+
+ private:
+  const Method method_;
+  const Pose X_WG_;
+  FrameMemory memory_;
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+
+#include "simulation/methods/ball_method.h"
+
+namespace osteon::simulation {
+
+/// Kaluschke et al., "A Continuous Material Cutting Model with Haptic Feedback for Medical Simulations", IEEE
+/// VR 2019, on the bone's balls (theirs are disjoint: disjoint_packing.h). They test every pair on a GPU;
+/// here a tree of boxes finds the pairs, with the same result.
+///
+/// As printed:
+///   1  equation 3, positive roots alone; the least *distance* over all tool spheres. Contact on the path
+///   only
+///      (s <= 1: "along the path"). The proxy stops where the path stops.
+///   2  equation 4; the contact sphere enlarged "by its radius": its radius doubled; other tool spheres whose
+///   centres
+///      lie within it count with their own. The normal is reported, but no printed equation uses it.
+///      Force: equation 1, k (p_proxy - p_HIP), with ζ = 0 (assumed: no value is given). Torque: equation 2
+///      at the sphere's centre, about the tool's origin (the cell adds the lever to the centre of mass).
+///   3  equation 5 with the contact sphere alone, from where it was to where it would have ended, at once.
+///      No law of removal: CuttingParams::law and ::cutters do not count. The last free pose is then the
+///      device's.
+///   Where the print can't run: m = 0 and d_c = 0 (division by zero) are no contact and no change; a contact
+///   that rests has a root of ±0, so the proxy stops 1 µm short (assumed; without it every second frame
+///   tunnels at rest). A whole turn of the tool within a frame is a chord. There are no books: mass points in
+///   the contact sphere's capsule count as removed.
+///
+/// As corrected (cutting.md), structure kept: one contact, one slide.
+///   1  least fraction; overlapping pairs that move inwards are contact at 0; static overlaps do not divide.
+///   2  equation 4 with its squares, enlargement e = CuttingParams::normal_enlargement_m for the contact
+///   sphere and
+///      tool spheres that overlap it; density weights stay. Force along the normal only, at the surface
+///      point; the proxy slides once along the contact's plane.
+///   3  equation 5 with the penetration (ShrinkBall), along the proxy's path, by the cutters and the law of
+///      CuttingParams.
+class PaperEngine final : public BallMethod {
+ public:
+  /// @param solid  see MakeMethod. @throws std::invalid_argument as MakeMethod does.
+  PaperEngine(bool printed, const Bone& bone, const Solid* solid, const Tool& tool, const Pose& X_WG,
+              const CuttingParams& params);
+
+ protected:
+  MethodFrame Solve(const Pose& X_GP, const Pose& X_GT, const FrameInput& input) override;
+
+ private:
+  struct FirstTouch {
+    double fraction;
+    std::size_t tool_ball;
+  };
+  [[nodiscard]] std::optional<FirstTouch> FindTouch(const ToolPoints& from, const ToolPoints& to,
+                                                    double tolerance_m) const;
+  [[nodiscard]] std::optional<FirstTouch> FindPrintedTouch(const ToolPoints& from,
+                                                           const ToolPoints& to) const;
+  [[nodiscard]] Vector3 Normal(const ToolPoints& at, std::size_t contact_ball) const;
+  [[nodiscard]] Vector3 PrintedNormal(const ToolPoints& at, std::size_t contact_ball) const;
+  MethodFrame SolvePrinted(const Pose& X_GP, const Pose& X_GT, const FrameInput& input);
+  MethodFrame SolveCorrected(const Pose& X_GP, const Pose& X_GT, const FrameInput& input);
+  void PrintedRemoval(const Vector3& a, const Vector3& b, double radius_m, MethodFrame& frame);
+  void Cut(const ToolPoints& a, const ToolPoints& b, std::size_t contact_ball, MethodFrame& frame);
+
+  bool printed_;
+};
+
+}  // namespace osteon::simulation

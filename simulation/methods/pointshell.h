@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "simulation/tool.h"
+
+namespace osteon::simulation {
+
+/// A tool's surface as points with inward normals, in T, in runs of at most kRun along a Morton curve, each
+/// with a ball around it: a run in the air costs one question.
+struct Pointshell {
+  struct Point {
+    Vector3 p_m, n;  ///< n unit, into the tool
+    bool cutting;
+  };
+  struct Run {
+    std::size_t begin, end;
+    Vector3 center_m;
+    double radius_m;
+  };
+  static constexpr std::size_t kRun = 64;
+
+  std::vector<Point> points;
+  std::vector<Run> runs;
+};
+
+/// Points over the hull of the tool's balls, one per `spacing_m` squared (Fibonacci spirals).
+/// @throws std::invalid_argument where the spacing is not .01 … 5 mm, or there would be more than 10 million
+/// points.
+[[nodiscard]] Pointshell MakePointshell(const Tool& tool, double spacing_m);
+
+}  // namespace osteon::simulation

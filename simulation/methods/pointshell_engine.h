@@ -1,0 +1,72 @@
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "simulation/methods/pointshell.h"
+#include "simulation/methods/voxel_method.h"
+
+namespace osteon::simulation {
+
+/// Voxmap and pointshell (VPS): McNeely, Puterbaugh, Troy, "Six Degree-of-Freedom Haptic Rendering Using
+/// Voxel Sampling", SIGGRAPH 1999; quasi-static coupling after Wan, McNeely, "Quasi-Static Approximation for
+/// 6 Degrees-of-Freedom Haptic Rendering", IEEE Visualization 2003. A penalty at discrete poses.
+///
+/// Voxmap: each solid voxel knows how many layers deep it lies (chamfer distance 3-4-5 from the air, kept up
+/// to kLayers layers deep and updated around what is deleted). Force of a point in a voxel L layers deep,
+/// tangent plane through the voxel's centre c:
+///
+///     d = n·(c - p) + (L - 1) h,   f = k_p d n   where d > 0         n the point's inward normal, h the
+///     voxel
+///
+/// Of more than kFullPoints such points the sum is divided by their number over kFullPoints (section 5.3
+/// there). Coupling: the proxy is where K (tool - proxy), at most the greatest force, balances the penalty:
+/// kNewtonSteps Newton steps a frame from the proxy of the frame before. What is rendered is the coupling's
+/// force. Rotation follows the hand (assumed: this cell's coupling has no rotational spring); the torque is
+/// that of the points. Removal: voxels inside the cutting balls, at one pose a frame: kImmediate the tool's;
+/// kRate the proxy's, out of its penalty depth, moved along -n by the law's advance.
+///
+/// Parameters: voxel edge (MethodParams::voxel_m), points (::point_spacing_m; VPS: one voxel); k_p =
+/// kPointStiffness K (assumed), so that ten points are 20 times as stiff as the coupling; 8 layers (assumed:
+/// the paper keeps the surface's alone); steps 4 (assumed: the papers take one).
+class PointshellEngine final : public VoxelMethod {
+ public:
+  /// @throws std::invalid_argument as MakeMethod does.
+  PointshellEngine(const Bone& bone, const Solid* solid, const Tool& tool, const Pose& X_WG,
+                   const CuttingParams& params, const MethodParams& method_params);
+
+  static constexpr int kLayers = 8, kFullPoints = 10, kNewtonSteps = 4;
+  static constexpr double kPointStiffness = 2.0;
+
+  [[nodiscard]] std::size_t PointCount() const { return shell_.points.size(); }
+  /// Depth of a voxel's layer in thirds of a voxel; 0 in the air, 3 at the surface, 3 kLayers in the depth.
+  [[nodiscard]] int LayerOf(const VoxelIndex& v) const {
+    return grid_.IsSolid(v) ? layer_[grid_.SlotOf(v)] : 0;
+  }
+
+ protected:
+  MethodFrame Solve(const Pose& X_GP, const Pose& X_GT, const FrameInput& input) override;
+  void OnDeleted(const VoxelIndex& v) override { changed_.push_back(v); }
+  void LoadBone(const CarvedState& state) override;
+
+ private:
+  struct Penalty {
+    Vector3 force_N{Vector3::Zero()}, torque_Nm{Vector3::Zero()};  ///< about T's origin
+    Matrix3 stiffness_N_per_m{Matrix3::Zero()};
+    Vector3 point_m{Vector3::Zero()};  ///< force-weighted mean of the touching points
+    double deepest_m{0.0};
+    bool cutting{false};  ///< the deepest point cuts
+    int points{0};
+  };
+  [[nodiscard]] Penalty PenaltyAt(const Pose& X_G) const;
+  /// All layers anew.
+  void FindLayers();
+  /// Lets the layers of changed_ and around become less deep.
+  void SpreadChanges();
+
+  Pointshell shell_;
+  std::vector<std::uint8_t> layer_;  ///< by slot, thirds of a voxel
+  std::deque<VoxelIndex> changed_;
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,87 @@
+#include "simulation/methods/stamps_engine.h"
+
+#include <cmath>
+
+#include "simulation/cutting_math.h"
+
+namespace osteon::simulation {
+
+StampsEngine::StampsEngine(const Bone& bone, const Solid* solid, const Tool& tool, const Pose& X_WG,
+                           const CuttingParams& params)
+    : BallMethod(Method::kStamps, bone, solid, tool, X_WG, params) {}
+
+// How far the tool must go along the mean normal of what it overlaps, until it overlaps no ball more than
+// before: the largest way out over the pairs of the deepest tool ball.
+StampsEngine::Overlap StampsEngine::Deepest(const ToolPoints& at) const {
+  Overlap deepest;
+  for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
+    const double r_t = tool_.balls[t].radius_m;
+    bone_.ForEachBallNear(at[t], at[t], r_t, [&](std::uint32_t, const BallBone::LiveBall& ball) {
+      const double depth = r_t + ball.radius_m - (at[t] - ball.center_m).norm();
+      if (depth > deepest.depth_m) deepest = {.depth_m = depth, .tool_ball = t};
+    });
+  }
+  if (deepest.depth_m <= 0.0) return deepest;
+  const Vector3 center = at[deepest.tool_ball];
+  const double r_t = tool_.balls[deepest.tool_ball].radius_m, e = params_.normal_enlargement_m;
+  bone_.ForEachBallNear(center, center, r_t + e, [&](std::uint32_t, const BallBone::LiveBall& ball) {
+    const Vector3 out = center - ball.center_m;
+    const double d = out.norm();
+    if (d > 0.0) deepest.n += LensVolume(r_t + e, ball.radius_m, d) / d * out;
+  });
+  const double size = deepest.n.norm();
+  deepest.n = size > 0.0 ? Vector3(deepest.n / size) : Vector3::Zero();
+  // the way along n that parts each pair: |out + x n| = r_t + r_b
+  double way = 0.0;
+  bone_.ForEachBallNear(center, center, r_t, [&](std::uint32_t, const BallBone::LiveBall& ball) {
+    const Vector3 out = center - ball.center_m;
+    const double along = out.dot(deepest.n), R = r_t + ball.radius_m;
+    const double beyond = R * R - out.squaredNorm();
+    if (beyond > 0.0) way = std::max(way, std::sqrt(along * along + beyond) - along);
+  });
+  deepest.depth_m = way;
+  return deepest;
+}
+
+MethodFrame StampsEngine::Solve(const Pose&, const Pose& X_GT, const FrameInput& input) {
+  MethodFrame frame;
+  frame.X_GP = X_GT;
+  const ToolPoints goal = PlaceTool(tool_, X_GT);
+  const bool cutting = input.spindle_rad_per_s != 0.0;
+
+  // push out
+  ToolPoints free = goal;
+  Overlap first;
+  for (int i = 0; i < kPushes; ++i) {
+    const Overlap overlap = Deepest(free);
+    if (overlap.depth_m <= params_.contact_tolerance_m || overlap.n.isZero()) break;
+    if (i == 0) first = overlap;
+    for (Vector3& point : free) point += overlap.depth_m * overlap.n;
+  }
+  const Vector3 out = free.back() - goal.back();
+  frame.depth_m = out.norm();
+  ToolPoints stamp = goal;
+  if (frame.depth_m > 0.0) {
+    frame.contact_fraction = 0.0;
+    frame.touches = true;
+    frame.touch_cuts = tool_.balls[first.tool_ball].cutting;
+    frame.n = out / frame.depth_m;
+    frame.point_m = goal[first.tool_ball] - tool_.balls[first.tool_ball].radius_m * frame.n;
+    PushAlongNormal(goal.back(), frame);
+    frame.X_GP.translation() = free.back();
+
+    if (cutting && frame.touch_cuts) MeasureEngagement(free, X_GT.linear().col(2), frame);
+    Advance(input, 0.0, frame);
+    if (params_.law == RemovalLaw::kRate) {
+      stamp = free;
+      for (Vector3& point : stamp) point -= frame.advance_m * frame.n;
+    }
+    if (cutting) frame.X_GP.translation() = stamp.back();
+  }
+  if (cutting)
+    for (std::size_t t = 0; t < tool_.balls.size(); ++t)
+      if (tool_.balls[t].cutting) bone_.Cut(stamp[t], stamp[t], tool_.balls[t].radius_m, frame.removed_m3);
+  return frame;
+}
+
+}  // namespace osteon::simulation

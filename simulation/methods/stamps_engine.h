@@ -1,0 +1,35 @@
+#pragma once
+
+#include "simulation/methods/ball_method.h"
+
+namespace osteon::simulation {
+
+/// Our packing, but at discrete poses alone: what the paper's continuous detection is set against ("most
+/// other methods evaluate the material removal at distinct states of the simulation").
+///
+/// Contact: at the tool's pose, without a path. The deepest pair pushes the tool out along the lens-weighted
+/// normal, up to kPushes times (assumed), until nothing overlaps; the way out is the penalty's depth, force
+/// K times it. Rotation follows the hand.
+/// Removal: one stamp a frame by every cutting ball (ShrinkBall with a capsule of no length): kImmediate at
+/// the tool's pose, kRate at the pushed-out pose moved along -n by the law's advance.
+class StampsEngine final : public BallMethod {
+ public:
+  /// @param solid  see MakeMethod. @throws std::invalid_argument as MakeMethod does.
+  StampsEngine(const Bone& bone, const Solid* solid, const Tool& tool, const Pose& X_WG,
+               const CuttingParams& params);
+
+  static constexpr int kPushes = 8;
+
+ protected:
+  MethodFrame Solve(const Pose& X_GP, const Pose& X_GT, const FrameInput& input) override;
+
+ private:
+  struct Overlap {
+    double depth_m{0.0};
+    std::size_t tool_ball{0};
+    Vector3 n{Vector3::Zero()};
+  };
+  [[nodiscard]] Overlap Deepest(const ToolPoints& at) const;
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "simulation/methods/voxel_method.h"
+
+namespace osteon::simulation {
+
+/// A voxel volume with a finger-proxy and voxel deletion: what drilling simulators on CHAI3D do (Conti et
+/// al., CHAI 3D, 2003 on: cVoxelObject, cAlgorithmFingerProxy; proxy after Ruspini, Kolarov, Khatib 1997).
+///
+///     proxy ─▶ marches towards the tool, kStep voxels at a time, until a voxel's centre lies in a tool ball;
+///     the
+///              place is halved kHalvings times
+///           ─▶ normal: gradient of the voxels' density over kGradientReach voxels around those that stopped
+///           it ─▶ marches on within that plane, then along the line of two such planes: three constraints
+///     force = K (proxy - tool); then every voxel inside the cutting balls is deleted: kImmediate at the
+///     tool's pose, kRate at the proxy moved along -n by the law's advance
+///
+/// Parameters: voxel edge (MethodParams::voxel_m); step 1 voxel (CHAI3D marches voxel by voxel); gradient
+/// over two voxels (assumed: CHAI3D's central differences of binary voxels know 26 directions only);
+/// stand-off 1/8 voxel off a plane before sliding (assumed; CHAI3D's epsilon); kMostSteps steps a march,
+/// after which the proxy lags behind. Better than the original: bricks of voxels are skipped where they are
+/// empty, so that a large tool costs its surface and not its volume; binary voxels instead of 8 bits of
+/// density. The tool's turn goes with the march.
+class VoxelEngine final : public VoxelMethod {
+ public:
+  /// @throws std::invalid_argument as MakeMethod does.
+  VoxelEngine(const Bone& bone, const Solid* solid, const Tool& tool, const Pose& X_WG,
+              const CuttingParams& params, double voxel_m);
+
+  static constexpr double kStep = 1.0, kStandOff = 0.125;  ///< voxels
+  static constexpr int kHalvings = 8, kGradientReach = 2, kMostSteps = 8192;
+
+ protected:
+  MethodFrame Solve(const Pose& X_GP, const Pose& X_GT, const FrameInput& input) override;
+
+ private:
+  struct March {
+    double fraction{1.0};  ///< how far it came, of the path
+    bool blocked{false};
+    std::size_t tool_ball{0};    ///< that was stopped
+    Vector3 n{Vector3::Zero()};  ///< there; zero where the density has no gradient
+  };
+  [[nodiscard]] bool Blocked(const ToolPoints& at) const;
+  [[nodiscard]] March MarchTowards(const ToolPoints& from, const ToolPoints& to) const;
+  void FindNormal(const ToolPoints& at, March& march) const;
+};
+
+}  // namespace osteon::simulation

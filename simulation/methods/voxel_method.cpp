@@ -1,0 +1,67 @@
+#include "simulation/methods/voxel_method.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/metrics/carved_shape.h"
+
+namespace osteon::simulation {
+namespace {
+
+/// The union of the solid voxels' cubes.
+class VoxelShape final : public CarvedShape {
+ public:
+  explicit VoxelShape(const VoxelGrid& grid) : grid_(grid) {}
+
+  [[nodiscard]] double Distance(const Vector3& p_G, double at_most_m) const override {
+    // a hair wider, so that no rounding leaves a gap between two cubes
+    const double half = (0.5 + 1e-9) * grid_.voxel_m(), corner = std::sqrt(3.0) * half;
+    const double farthest = at_most_m + corner;
+    double nearest = at_most_m;
+    // a cube is never nearer than its centre less half a diagonal: search wider until that proves the nearest
+    for (double reach = std::min(4.0 * corner, farthest);; reach = std::min(1.5 * reach, farthest)) {
+      grid_.ForEachSolidNear(p_G, reach, 0.0, [&](const VoxelIndex& v, double) {
+        const Vector3 out = ((p_G - grid_.CenterOf(v)).cwiseAbs() - Vector3::Constant(half)).cwiseMax(0.0);
+        nearest = std::min(nearest, out.norm());
+        return nearest > 0.0;
+      });
+      if (nearest <= reach - corner || reach >= farthest) return nearest;
+    }
+  }
+
+ private:
+  VoxelGrid grid_;
+};
+
+}  // namespace
+
+std::unique_ptr<CarvedShape> VoxelMethod::Shape() const { return std::make_unique<VoxelShape>(grid_); }
+
+void VoxelMethod::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis,
+                                    MethodFrame& frame) const {
+  const double layer_m = params_.engaged_layer_m;
+  for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
+    if (!tool_.balls[t].cutting) continue;
+    const double r_t = tool_.balls[t].radius_m;
+    grid_.ForEachSolidNear(at[t], r_t + layer_m, r_t - layer_m, [&](const VoxelIndex& v, double) {
+      AddEngaged(
+          {.p_m = grid_.CenterOf(v), .volume_m3 = grid_.voxel_volume_m3(), .material = grid_.MaterialOf(v)},
+          t, at, spindle_axis, frame);
+      return true;
+    });
+  }
+}
+
+void VoxelMethod::DeleteInside(const ToolPoints& at, MethodFrame& frame) {
+  for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
+    if (!tool_.balls[t].cutting) continue;
+    grid_.ForEachSolidNear(at[t], tool_.balls[t].radius_m, 0.0, [&](const VoxelIndex& v, double) {
+      frame.removed_m3[grid_.MaterialOf(v)] += grid_.voxel_volume_m3();
+      grid_.Delete(v);
+      OnDeleted(v);
+      return true;
+    });
+  }
+}
+
+}  // namespace osteon::simulation

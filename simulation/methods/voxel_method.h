@@ -1,0 +1,32 @@
+#pragma once
+
+#include "simulation/methods/method_base.h"
+#include "simulation/methods/voxel_grid.h"
+
+namespace osteon::simulation {
+
+/// What the methods with voxels share. A voxel counts as touched, engaged and inside a tool by its centre:
+/// the felt surface lies half a voxel below the bone's.
+class VoxelMethod : public MethodBase {
+ public:
+  [[nodiscard]] std::unique_ptr<CarvedShape> Shape() const final;
+  [[nodiscard]] std::size_t ElementCount() const final { return grid_.first_count(); }
+
+ protected:
+  VoxelMethod(Method method, const Bone& bone, const Solid* solid, const Tool& tool, const Pose& X_WG,
+              const CuttingParams& params, double voxel_m)
+      : MethodBase(method, bone, tool, X_WG, params), grid_(bone, solid, voxel_m) {}
+
+  /// From the voxels near the cutting balls.
+  void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis, MethodFrame& frame) const;
+  /// Deletes the voxels inside the cutting balls, and books their volume.
+  void DeleteInside(const ToolPoints& at, MethodFrame& frame);
+  /// Told of each voxel after its deletion.
+  virtual void OnDeleted(const VoxelIndex&) {}
+  void SaveBone(CarvedState& state) const override { grid_.Save(state); }
+  void LoadBone(const CarvedState& state) override { grid_.Load(state); }
+
+  VoxelGrid grid_;
+};
+
+}  // namespace osteon::simulation
