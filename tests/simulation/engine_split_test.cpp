@@ -46,13 +46,16 @@ CuttingParams Immediate() {
   return params;
 }
 
-TEST(EngineSplit, NothingIsLeftInTheProxysPathAndMassIsTheSweptVolumes) {
+using EngineSplit = Engine;
+OSTEON_ON_BOTH_ENGINES(EngineSplit);
+
+TEST_P(EngineSplit, NothingIsLeftInTheProxysPathAndMassIsTheSweptVolumes) {
   const DepthScene scene = MakeBlockScene();
   const Bone bone = Block();
-  ReferenceEngine engine(bone, scene.tool, Pose::Identity(), Immediate());
-  const CutRun run = Cut(engine, scene, 0.25e-3);
+  const auto engine = Make(bone, scene.tool, Immediate());
+  const CutRun run = Cut(*engine, scene, 0.25e-3);
   EXPECT_LT((run.proxies.back().translation() - scene.Path(0.25e-3).back().translation()).norm(), 0.05e-3);
-  const CarvedState state = engine.Snapshot();
+  const CarvedState state = engine->Snapshot();
   const std::vector<Ball> live = LiveBalls(state);
   EXPECT_GT(state.split_balls.size(), 100u);
   EXPECT_GT(live.size(), 3000u);
@@ -68,47 +71,82 @@ TEST(EngineSplit, NothingIsLeftInTheProxysPathAndMassIsTheSweptVolumes) {
   EXPECT_EQ(run.last.balls_not_split, 0u);
 }
 
-TEST(EngineSplit, AnExhaustedPoolIsReportedAndTheCutGoesOn) {
+TEST_P(EngineSplit, AnExhaustedPoolIsReportedAndTheCutGoesOn) {
   const DepthScene scene = MakeBlockScene();
   CuttingParams params = Immediate();
   params.split.pool_blocks = 10;
-  ReferenceEngine engine(Block(), scene.tool, Pose::Identity(), params);
-  const CutRun run = Cut(engine, scene, 0.5e-3);
+  const auto engine = Make(Block(), scene.tool, params);
+  const CutRun run = Cut(*engine, scene, 0.5e-3);
   EXPECT_GT(run.last.balls_not_split, 50u);
-  EXPECT_LE(engine.Snapshot().split_balls.size(), 10u);
+  EXPECT_LE(engine->Snapshot().split_balls.size(), 10u);
   EXPECT_LT((run.proxies.back().translation() - scene.Path(0.5e-3).back().translation()).norm(), 0.05e-3);
   const SweptTool swept(scene.tool, run.proxies);
-  for (const Ball& ball : LiveBalls(engine.Snapshot()))
+  for (const Ball& ball : LiveBalls(engine->Snapshot()))
     ASSERT_LT(ball.radius_m - swept.SignedDistance(ball.center_m), 10e-6);
 }
 
-TEST(EngineSplit, GoesOnFromARestoredStateToTheLastBit) {
+TEST_P(EngineSplit, GoesOnFromARestoredStateToTheLastBit) {
   const DepthScene scene = MakeBlockScene();
   const Bone bone = Block();
   CuttingParams params = Immediate();
   params.split.blocks_per_frame = 3;
-  ReferenceEngine one(bone, scene.tool, Pose::Identity(), params),
-      two(bone, scene.tool, Pose::Identity(), params);
+  const auto one = Make(bone, scene.tool, params), two = Make(bone, scene.tool, params);
   const std::vector<Pose> path = scene.Path(0.5e-3);
-  for (std::size_t i = 0; i < 9; ++i) one.Step(At(path[i], kSpindle_rad_per_s));
+  for (std::size_t i = 0; i < 9; ++i) one->Step(At(path[i], kSpindle_rad_per_s));
   for (std::size_t i = 0; i < 15; ++i)
-    two.Step(At(path[i], kSpindle_rad_per_s));  // other blocks, other numbers
-  const CarvedState middle = one.Snapshot();
+    two->Step(At(path[i], kSpindle_rad_per_s));  // other blocks, other numbers
+  const CarvedState middle = one->Snapshot();
   ASSERT_GT(middle.split_balls.size(), 10u);
-  one.Restore(middle);
-  two.Restore(middle);
+  one->Restore(middle);
+  two->Restore(middle);
   for (std::size_t i = 9; i < path.size(); ++i) {
-    const ContactModel a = one.Step(At(path[i], kSpindle_rad_per_s)),
-                       b = two.Step(At(path[i], kSpindle_rad_per_s));
+    const ContactModel a = one->Step(At(path[i], kSpindle_rad_per_s)),
+                       b = two->Step(At(path[i], kSpindle_rad_per_s));
     ASSERT_EQ(a.X_WP.p.z, b.X_WP.p.z) << i;
     ASSERT_EQ(a.F_T_W.f.z, b.F_T_W.f.z) << i;
     ASSERT_EQ(a.removed_volume_m3, b.removed_volume_m3) << i;
   }
-  EXPECT_EQ(HashState(one.Snapshot()), HashState(two.Snapshot()));
-  EXPECT_NE(HashState(one.Snapshot()), HashState(middle));
+  EXPECT_EQ(HashState(one->Snapshot()), HashState(two->Snapshot()));
+  EXPECT_NE(HashState(one->Snapshot()), HashState(middle));
 }
 
-TEST(EngineSplit, HashTellsSplitStatesApart) {
+// Ball by ball; those that one engine has dropped and the other just not are counted.
+TEST(EngineSplitTwins, SplitAlike) {
+  const DepthScene scene = MakeBlockScene();
+  const Bone bone = Block();
+  for (const std::size_t budget : {0u, 4u}) {
+    CuttingParams params = Immediate();
+    params.split.blocks_per_frame = budget;
+    const auto reference = MakeEngine(EngineKind::kReference, bone, scene.tool, params),
+               vulkan = MakeEngine(EngineKind::kVulkan, bone, scene.tool, params);
+    Cut(*reference, scene, 0.5e-3);
+    Cut(*vulkan, scene, 0.5e-3);
+    const CarvedState one = reference->Snapshot(), two = vulkan->Snapshot();
+    ASSERT_EQ(one.split_balls, two.split_balls);
+    ASSERT_EQ(one.split_cuts, two.split_cuts);
+    ASSERT_EQ(one.split_slots.size(), two.split_slots.size());
+    const std::size_t slots = one.split_slots.size() / one.split_balls.size();
+    std::size_t compared = 0, dropped = 0;
+    double worst_mm = 0.0;
+    for (std::size_t i = 0; i < one.split_slots.size(); i += 4) {
+      if (one.split_cuts[i / slots] > 0) continue;
+      const float *a = &one.split_slots[i], *b = &two.split_slots[i];
+      if ((a[3] > 0.0f) != (b[3] > 0.0f)) {
+        ++dropped;
+      } else if (a[3] > 0.0f) {
+        ++compared;
+        for (int k = 0; k < 4; ++k) worst_mm = std::max(worst_mm, std::abs(double{a[k]} - double{b[k]}));
+      }
+    }
+    std::printf("budget %zu: %zu children, %zu dropped by one engine alone, worst %.2g mm\n", budget,
+                compared, dropped, worst_mm);
+    EXPECT_GT(compared, budget == 0 ? 2500u : 1000u);
+    EXPECT_LE(dropped, 10u);
+    EXPECT_LT(worst_mm, 5e-3);
+  }
+}
+
+TEST(SplitState, HashTellsSplitStatesApart) {
   CarvedState state;
   state.balls = {0, 0, 0, 0};
   state.split_balls = {0};
