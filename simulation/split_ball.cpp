@@ -11,9 +11,9 @@
 namespace osteon::simulation {
 namespace {
 
-/// Two capsules whose joint lies this near to the straight way are one [m]: a tenth of what single precision
-/// leaves as overlap anyway.
-constexpr double kCollinear_m = 1e-9;
+/// Two capsules whose joint lies this near to the straight way are one [m]: what single precision makes of a
+/// straight way, 30 mm from the origin. So much may then overlap.
+constexpr double kCollinear_m = 2e-8;
 
 const SplitParams& Checked(const SplitParams& p) {
   const auto refuse = [](const char* name, auto found, const char* accepted) {
