@@ -11,6 +11,7 @@
 
 #include "app/demo.h"
 #include "app/doctor.h"
+#include "app/failures.h"
 #include "app/measure_commands.h"
 #include "app/pack.h"
 #include "app/tool_choice.h"
@@ -142,6 +143,29 @@ std::string ReadPack(const PackTexts& texts, const CLI::App& sub, osteon::app::P
   return "";
 }
 
+CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures) {
+  CLI::App* sub =
+      app.add_subcommand("failures", "runs the scenarios in which cutting methods fail, and ours must not");
+  sub->add_option("scenarios", failures.ids, "their numbers; without any, all of them")
+      ->check(osteon::app::NumberWithin(1, 99));
+  sub->add_option("--out", failures.out, "folder for failures.html and a picture of each scenario");
+  sub->add_option("--json", failures.json, "write the figures there");
+  sub->add_option("--device", failures.device, "part of a Vulkan device's name (osteon doctor lists them)");
+  sub->add_option("--engine", failures.engine, "what must keep the bounds: vulkan, or reference (slow)")
+      ->check(osteon::app::OneOf({"vulkan", "reference"}))
+      ->capture_default_str();
+  sub->add_flag("--quick", failures.quick, "small scenes, as the tests run them: seconds instead of minutes");
+  std::string list = "Scenarios:\n";
+  for (const osteon::hil::FailureScenario& scenario : osteon::hil::FailureScenarios())
+    list += fmt::format("  {:>2}  {}\n", scenario.id, scenario.name);
+  sub->footer(list +
+              "\nExit code 1: a baseline did not fail, or ours did not keep its bound.\n\nExamples:\n"
+              "  osteon failures\n  osteon failures 1 9 --out failures\n  osteon failures --quick --json "
+              "failures.json\n"
+              "  osteon failures 21 --device llvmpipe");
+  return sub;
+}
+
 int Run(int argc, char** argv) {
   const char* root = std::getenv("OSTEON_ROOT");
   std::filesystem::path config_root = std::filesystem::path(root ? root : ".") / "config";
@@ -154,8 +178,8 @@ int Run(int argc, char** argv) {
   app.footer(
       "The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
       "  clean                       removes what was built\n\n"
-      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon pack --help\n  osteon bench frame\n  osteon "
-      "doctor");
+      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon pack --help\n  osteon bench frame\n  osteon failures --help\n  "
+      "osteon doctor");
 
   osteon::app::DemoOptions demo;
   std::string mesh, cup, tool, cell = "demo";
@@ -199,6 +223,9 @@ int Run(int argc, char** argv) {
   osteon::app::PackOptions pack;
   PackTexts pack_texts;
   CLI::App* pack_app = AddPack(app, pack, pack_texts);
+
+  osteon::app::FailureOptions failures;
+  CLI::App* failures_app = AddFailures(app, failures);
 
   std::uint16_t port = 30200;
   std::filesystem::path doctor_json;
@@ -271,6 +298,10 @@ int Run(int argc, char** argv) {
       return 2;
     }
     return osteon::app::RunPack(pack);
+  }
+  if (*failures_app) {
+    failures.command_line = CommandLine(argc, argv);
+    return osteon::app::RunFailures(failures);
   }
   if (measure.asked()) return measure.Run(config_root);
   if (*doctor_app) return osteon::app::RunDoctor(port, doctor_json);

@@ -67,12 +67,16 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
       device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
   if (!features.get<vk::PhysicalDeviceVulkan12Features>().scalarBlockLayout)
     info.refusal = "no scalarBlockLayout";
+  else if (const auto& core = features.get<vk::PhysicalDeviceFeatures2>().features;
+           !core.shaderFloat64 || !core.shaderInt64 ||
+           !features.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics)
+    info.refusal = "no 64-bit floats, integers and atomics in shaders";
   else if (!ComputeFamily(device))
     info.refusal = "no compute queue";
   else if ((subgroup.supportedOperations & kSubgroupNeeds) != kSubgroupNeeds || subgroup.subgroupSize > 64)
     info.refusal = "no subgroup arithmetic and ballot in subgroups of up to 64";
-  else if (p.limits.maxComputeSharedMemorySize < 8'000)
-    info.refusal = "less than 8 kB of shared memory";
+  else if (p.limits.maxComputeSharedMemorySize < 16'000)
+    info.refusal = "less than 16 kB of shared memory";
   return info;
 }
 
@@ -153,7 +157,12 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   const vk::DeviceQueueCreateInfo queue({}, context->queue_family, 1, &priority);
   vk::PhysicalDeviceVulkan12Features features;
   features.scalarBlockLayout = VK_TRUE;
+  features.shaderBufferInt64Atomics = VK_TRUE;
+  vk::PhysicalDeviceFeatures core;
+  core.shaderFloat64 = VK_TRUE;
+  core.shaderInt64 = VK_TRUE;
   vk::DeviceCreateInfo create({}, queue);
+  create.pEnabledFeatures = &core;
   create.pNext = &features;
   context->device.emplace(*context->physical, create);
   context->queue.emplace(*context->device, context->queue_family, 0);

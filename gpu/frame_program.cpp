@@ -7,10 +7,10 @@
 
 #include "gpu/spirv/contact.h"
 #include "gpu/spirv/flush.h"
+#include "gpu/spirv/near_field.h"
 #include "gpu/spirv/path_contact.h"
 #include "gpu/spirv/pick_balls.h"
 #include "gpu/spirv/pick_points.h"
-#include "gpu/spirv/planes.h"
 #include "gpu/spirv/remove_clear.h"
 #include "gpu/spirv/slide_engage.h"
 #include "gpu/spirv/solve.h"
@@ -39,6 +39,7 @@ std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
   bytes[kBindLivePoints] = n.live * sizeof(vec4);
   bytes[kBindPointEntries] = n.live * sizeof(Live);
   bytes[kBindSpans] = n.spans * sizeof(uint);
+  bytes[kBindSlots] = n.balls * sizeof(uint);
   return bytes;
 }
 
@@ -149,9 +150,15 @@ void FrameProgram::MakePipelines() {
        {1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)}}};
-  const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                              sizeof(constants), &constants);
+  // the solution is one subgroup's work
+  Constants alone = constants;
+  alone.lanes = context_->physical
+                    ->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
+                    .get<vk::PhysicalDeviceSubgroupProperties>()
+                    .subgroupSize;
   const auto add = [&](const char* name, const auto& code, std::size_t groups, bool barrier) {
+    const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                                sizeof(Constants), groups == kOne ? &alone : &constants);
     const vk::raii::ShaderModule module(device, vk::ShaderModuleCreateInfo({}, sizeof(code), code));
     const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
                                                   &specialization);
@@ -160,7 +167,7 @@ void FrameProgram::MakePipelines() {
          groups, barrier});
   };
   add("contact", kSpirv_contact, offsetof(Frame, pair_work), true);
-  add("planes", kSpirv_planes, offsetof(Frame, pair_work), true);
+  add("near_field", kSpirv_near_field, offsetof(Frame, pair_work), true);
   add("solve", kSpirv_solve, kOne, true);
   add("slide_engage", kSpirv_slide_engage, offsetof(Frame, all_work), true);
   add("remove_clear", kSpirv_remove_clear, offsetof(Frame, all_work), true);

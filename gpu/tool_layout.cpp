@@ -8,9 +8,11 @@ ToolLayout LayOutTool(const simulation::Tool& tool) {
   ToolLayout layout;
   for (const bool cutting : {true, false}) {
     const std::size_t begin = layout.balls.size();
-    for (const simulation::ToolBall& ball : tool.balls)
-      if (ball.cutting == cutting)
-        layout.balls.push_back({.center_T_m = ball.center_m, .radius_m = ball.radius_m});
+    for (std::size_t t = 0; t < tool.balls.size(); ++t) {
+      if (tool.balls[t].cutting != cutting) continue;
+      layout.balls.push_back({.center_T_m = tool.balls[t].center_m, .radius_m = tool.balls[t].radius_m});
+      layout.number.push_back(static_cast<uint>(t));
+    }
     if (cutting) layout.cutter_count = layout.balls.size();
     for (std::size_t first = begin; first < layout.balls.size(); first += kToolGroup) {
       const std::size_t end = std::min(layout.balls.size(), first + kToolGroup);

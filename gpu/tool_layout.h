@@ -16,6 +16,7 @@ struct ToolLayout {
     double radius_m;
   };
   std::vector<Item> balls;
+  std::vector<uint> number;  ///< of each in the tool's own list
   std::size_t cutter_count{0};
   std::vector<ToolGroup> groups;   ///< none holds both kinds
   std::vector<Item> group_bounds;  ///< around the group's balls, radii included

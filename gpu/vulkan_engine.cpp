@@ -12,20 +12,22 @@
 #include "gpu/frame_program.h"
 #include "gpu/tool_layout.h"
 #include "gpu/work_list.h"
+#include "simulation/contact_law.h"
 #include "simulation/cutting_math.h"
 #include "simulation/frame_solution.h"
 
 namespace osteon::gpu {
 namespace {
 
-using simulation::kMaxContacts;
-
-static_assert(kMaxMaterials == static_cast<uint>(simulation::kMaxMaterials) && kPlanes == kMaxContacts &&
-              kShaft == static_cast<uint>(simulation::kShaftPlane));
+static_assert(kMaxMaterials == simulation::kMaxMaterials && kBins == simulation::kContactBins &&
+              kCuttingBinCount == simulation::kCuttingBins && kRemembered == simulation::kRememberedPairs &&
+              kFaces == simulation::kMaxFaces && kCandidates == kBins + kRemembered);
 
 constexpr double kMillimetres = 1e3;
 constexpr double kLargestSummand = 4'194'304.0;  // 2^22 units: half of what a sum over a subgroup can take
-constexpr double kLargestLens_mm3 = simulation::kLargestLensVolume * 1e9;
+// of a face's weights: the largest lens in the middle of its cone
+constexpr double kLargestFaceWeight_mm3 =
+    simulation::kLargestLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
 // The servo loop stops on the model's age long before; this ends a wait for a device that hangs.
 constexpr std::uint64_t kFrameTimeout_ns = 20'000'000'000;
 constexpr std::uint64_t kWarmUpTimeout_ns =
@@ -73,6 +75,8 @@ vec4 PointFloats(const simulation::MassPoint& point) {
 struct VulkanEngine::Impl {
   std::unique_ptr<FrameProgram> program;
   ToolLayout tool;
+  std::vector<uint> device_tool;  // by the tool's own numbers
+  double lever_m{0.0};
   std::vector<simulation::Material> materials;
   Pose X_WG;
   simulation::CuttingParams params;
@@ -81,6 +85,7 @@ struct VulkanEngine::Impl {
   double unit_mm3{1.0};
   bool lost{false}, brute_force{false};
   FrameStats stats;
+  simulation::NearField near;  // of the last frame
 
   Frame still{};  // what does not change from frame to frame
   ClusterTree ball_tree, point_tree;
@@ -111,8 +116,13 @@ struct VulkanEngine::Impl {
   void MeasureDrift(Frame& f) const;
   [[nodiscard]] Groups FlushWork() const;
   void Flush() const;
-  [[nodiscard]] simulation::FrameSolution Solution(const Frame& done, const Vector3& from_m,
-                                                   const Vector3& to_m) const;
+  // a tool ball of the tool's own list; none for a number that is not in it
+  [[nodiscard]] uint DeviceTool(uint number) const {
+    return number < device_tool.size() ? device_tool[number] : still.tool_count;
+  }
+  void ReadNearField(const Frame& done, double s);
+  [[nodiscard]] simulation::FrameSolution Solution(const Frame& done, const Pose& X_GT);
+  simulation::ContactModel Step(const simulation::FrameInput& input);
 };
 
 // Buffers for this bone and tool; an error text where they are too large.
@@ -200,7 +210,8 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   for (const simulation::MassPoint& point : bone.points)
     largest_mm3 = std::max(largest_mm3, point.volume_m3 * 1e9);
   const double largest_mm2 = largest_mm3 / (params.engaged_layer_m * kMillimetres);
-  still.point_scale = static_cast<float>(kLargestSummand / (kLargestLens_mm3 * reach_mm));
+  still.face_scale = static_cast<float>(kLargestSummand / kLargestFaceWeight_mm3);
+  still.face_point_scale = static_cast<float>(kLargestSummand / (kLargestFaceWeight_mm3 * reach_mm));
   still.area_scale = static_cast<float>(kLargestSummand / largest_mm2);
   still.moment_scale = static_cast<float>(kLargestSummand / (largest_mm2 * reach_mm));
   still.tool_count = static_cast<uint>(tool.balls.size());
@@ -219,6 +230,9 @@ void VulkanEngine::Impl::ListEverything() {
   for (std::size_t i = 0; i < entries.size(); ++i)
     entries[i] = {.index = static_cast<uint>(i), .first = 0, .count = still.cutter_count};
   program->Write(kBindLiveBalls, copies.data(), ball_count * sizeof(vec4));
+  std::vector<uint> slots(ball_count);
+  std::iota(slots.begin(), slots.end(), 0u);
+  program->Write(kBindSlots, slots.data(), slots.size() * sizeof(uint));
   program->Write(kBindLiveEntries, entries.data(), ball_count * sizeof(Live));
   program->Write(kBindPointEntries, entries.data(), point_count * sizeof(Live));
   copies.resize(point_count);
@@ -288,7 +302,9 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   f.axis_x = Unscaled(X_GT.linear().col(0));
   f.axis_y = Unscaled(X_GT.linear().col(1));
   f.axis_z = Unscaled(X_GT.linear().col(2));
-  f.turn = Unscaled(LogRotation(X_GT.linear() * memory.X_GP.linear().transpose()));
+  const Vector3 turn = LogRotation(X_GT.linear() * memory.X_GP.linear().transpose());
+  f.turn = Unscaled(turn);
+  f.turning = turn != Vector3::Zero() ? 1 : 0;
   f.spindle_rad_per_s = static_cast<float>(input.spindle_rad_per_s);
   f.dt_s = static_cast<float>(input.dt_s);
   f.work_held_back_Nmm =
@@ -302,8 +318,19 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
   f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
   f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
-  f.contact_bits = f.slide_bits = std::bit_cast<uint>(static_cast<float>(simulation::kNoContact));
-  for (uint& bits : f.plane_gap_bits) bits = std::numeric_limits<uint>::max();
+  f.contact_bits = f.slide_bits = f.straight_bits =
+      std::bit_cast<uint>(static_cast<float>(simulation::kNoContact));
+  f.bin_keys.fill(std::numeric_limits<std::uint64_t>::max());
+  const simulation::ContactMemory& contact = memory.contact;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i)
+    f.face_n[i] = Unscaled(contact.face_n_G[i]);
+  f.face_count = static_cast<uint>(contact.face_count);
+  f.remembered_count = static_cast<uint>(contact.pair_count);
+  for (std::size_t i = 0; i < f.remembered_count; ++i) {
+    f.remembered_bone[i] = contact.pairs[i].bone_ball;
+    f.remembered_tool[i] = DeviceTool(contact.pairs[i].tool_ball);
+  }
+  f.friction = input.spindle_rad_per_s != 0.0 ? 0.0f : static_cast<float>(contact.friction);
   return f;
 }
 
@@ -400,28 +427,80 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   return true;
 }
 
-simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const Vector3& from_m,
-                                                       const Vector3& to_m) const {
+// What the device has found near the tool at first contact, a share s of the way.
+void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
+  for (std::size_t c = 0; c < kCandidates; ++c) {
+    const Candidate& found = done.candidates[c];
+    simulation::NearPair& pair = c < kBins ? near.nearest[c] : near.remembered[c - kBins];
+    pair.present = found.present != 0;
+    if (!pair.present) continue;
+    const std::size_t t = found.tool_ball;
+    pair.pair = {.bone_ball = found.bone_ball, .tool_ball = tool.number[t]};
+    pair.cutting = t < tool.cutter_count;
+    pair.n = Vector3(found.n_x, found.n_y, found.n_z).normalized();
+    pair.gap_m = found.gap_mm / kMillimetres;
+    pair.motion_m = (1.0 - s) * (goal_m[t] - start_m[t]);
+    pair.center_T_m = tool.balls[t].center_T_m;
+    pair.tool_radius_m = tool.balls[t].radius_m;
+  }
+  for (std::size_t f = 0; f < kFaces; ++f) {
+    const auto sum = [&](std::size_t row, std::size_t column, double scale) {
+      return Total(done.face_sums[(row * kFaces + f) * kFaceColumns + column], scale);
+    };
+    const auto vector = [&](std::size_t row, std::size_t column, double scale) {
+      return Vector3(sum(row, column, scale), sum(row, column + 1, scale), sum(row, column + 2, scale));
+    };
+    const double weight = done.face_scale, place = done.face_point_scale;
+    simulation::FaceSums& face = near.faces[f];
+    const double cutters = sum(0, 0, weight);
+    face.weight = cutters + sum(1, 0, weight);
+    face.n = vector(0, 1, weight) + vector(1, 1, weight);
+    face.center_T = vector(0, 4, place) / kMillimetres + vector(1, 4, place) / kMillimetres;
+    face.radius = (sum(0, 7, place) + sum(1, 7, place)) / kMillimetres;
+    if (tool.cutter_count == 1) {  // the same for all
+      face.center_T += cutters * tool.balls[0].center_T_m;
+      face.radius += cutters * tool.balls[0].radius_m;
+    }
+  }
+}
+
+simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const Pose& X_GT) {
   simulation::FrameSolution s;
   s.contact_fraction = std::min(1.0f, std::bit_cast<float>(done.contact_bits));
-  s.slide_fraction = std::min(done.slide_limit, std::bit_cast<float>(done.slide_bits));
-  for (std::size_t g = 0; g < kPlanes; ++g) {
-    simulation::SolutionPlane& plane = s.planes[g];
-    plane.present = (done.planes_present >> g & 1u) != 0;
-    if (!plane.present) continue;
-    plane.n = Direction(done.plane_n[g]).normalized();
-    plane.gap_m = done.plane_n[g].w / kMillimetres;
-    plane.point_m = ToMetres(done.plane_point[g]);
-    plane.weight = done.plane_point[g].w * 1e-9;
-    plane.multiplier_m = done.multiplier[g] / kMillimetres;
+
+  ReadNearField(done, s.contact_fraction);
+  const simulation::Candidates candidates = simulation::FindCandidates(near, params.contact_tolerance_m);
+  simulation::ContactHold held;
+  held.hold.count = static_cast<int>(done.hold_count);
+  for (std::size_t k = 0; k < done.hold_count; ++k) {
+    // its number among those that are present
+    const auto before = done.candidates.begin() + done.hold_candidate[k];
+    held.hold.plane[k] = static_cast<std::size_t>(
+        std::count_if(done.candidates.begin(), before, [](const Candidate& c) { return c.present != 0; }));
+    held.hold.multiplier_m[k] = done.hold_mm[k] / kMillimetres;
   }
-  s.delta = ToMetres(done.delta);
+  held.friction_m = ToMetres(done.friction_mm);
+  held.hold.point_m = ToMetres(done.delta) - held.friction_m;
+  held.hold.slack_m = done.friction_mm.w / kMillimetres;
+  WeighHold(held);
+  const Vector3 from_m = memory.X_GP.translation(), to_m = X_GT.translation();
+  s.origin_contact = from_m + s.contact_fraction * (to_m - from_m);
+  const simulation::ContactInput asked{
+      .R_GT = X_GT.linear(),
+      .motion_G_m = to_m - s.origin_contact,
+      .turn_G = (1.0 - s.contact_fraction) * LogRotation(X_GT.linear() * memory.X_GP.linear().transpose()),
+      .friction = done.friction};
+  simulation::ContactHold unturned;
+  unturned.friction_m = ToMetres(done.shift_mm) - asked.motion_G_m;
+  ReportContacts(params, near, candidates, held, unturned, asked, memory.contact, s);
   s.cutting_m = done.delta.w / kMillimetres;
   s.n = s.cutting_m > 0.0 ? Vector3(Direction(done.n).normalized()) : Vector3::Zero();
   s.advance_m = done.advance_mm / kMillimetres;
   s.edge_work_J = done.edge_work_Nmm / kMillimetres;
-  s.origin_contact = from_m + s.contact_fraction * (to_m - from_m);
-  s.origin_slid = s.origin_contact + s.slide_fraction * (to_m + s.delta - s.origin_contact);
+  s.slide_fraction = done.slid_share;
+  s.turn_fraction = done.turns != 0 ? s.slide_fraction : 0.0;
+  s.origin_slid =
+      s.origin_contact + s.slide_fraction * (done.turns != 0 ? Vector3(asked.motion_G_m + s.delta) : s.shift);
   s.origin_end = s.origin_slid + ToMetres(done.step_mm);
   for (std::size_t m = 0; m < materials.size(); ++m) {
     s.engaged_area_m2[m] = Total(done.engaged_sums[2 * m], done.area_scale) * 1e-6;
@@ -445,6 +524,10 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
   try {
     auto impl = std::make_unique<Impl>();
     impl->tool = LayOutTool(tool);
+    impl->lever_m = simulation::ToolLever(tool);
+    impl->device_tool.resize(tool.balls.size());
+    for (std::size_t t = 0; t < tool.balls.size(); ++t)
+      impl->device_tool[impl->tool.number[t]] = static_cast<uint>(t);
     impl->materials = bone.materials;
     impl->X_WG = X_WG;
     impl->params = params;
@@ -469,45 +552,49 @@ VulkanEngine::VulkanEngine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) 
 VulkanEngine::~VulkanEngine() = default;
 
 simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input) {
-  simulation::ContactModel refused;
-  if (impl_->lost || !IsUsable(input)) {
-    refused.status =
-        impl_->lost ? simulation::EngineStatus::kDeviceLost : simulation::EngineStatus::kBadInput;
+  Impl& it = *impl_;
+  if (it.lost || !IsUsable(input)) {
+    simulation::ContactModel refused;
+    refused.status = it.lost ? simulation::EngineStatus::kDeviceLost : simulation::EngineStatus::kBadInput;
     return refused;
   }
-  Impl& it = *impl_;
-  const Pose X_GT = it.X_WG.inverse() * Pose(input.X_WT);
-  if (!it.memory.has_proxy) it.memory.X_GP = X_GT;
-  const Frame prepared = it.Prepare(input);
+  if (!it.memory.has_proxy) it.memory.X_GP = it.X_WG.inverse() * Pose(input.X_WT);
+  const Pose X_WP = it.X_WG * it.memory.X_GP;
+  return StepInParts(input, X_WP, simulation::SubframeCount(it.lever_m, X_WP, Pose(input.X_WT)), it.memory,
+                     [&it](const simulation::FrameInput& part) { return it.Step(part); });
+}
+
+simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& input) {
+  simulation::ContactModel refused;
+  const Frame prepared = Prepare(input);
   const bool reach =
-      prepared.ball_reach_mm <= it.lists.ball_reach_mm && prepared.point_reach_mm <= it.lists.point_reach_mm;
+      prepared.ball_reach_mm <= lists.ball_reach_mm && prepared.point_reach_mm <= lists.point_reach_mm;
   const auto beyond = [&](float cutting_mm, float shaft_mm) {
-    return cutting_mm > it.still.cutting_margin_mm || shaft_mm > it.still.shaft_margin_mm;
+    return cutting_mm > still.cutting_margin_mm || shaft_mm > still.shaft_margin_mm;
   };
   // lists serve as long as first contact is near where they were made; where that is likely is known, and the
   // device finds out
   FrameMode mode = FrameMode::kLists;
-  if (it.was_free && (!it.lists.made || beyond(prepared.cutting_drift_goal_mm, prepared.shaft_drift_goal_mm)))
+  if (was_free && (!lists.made || beyond(prepared.cutting_drift_goal_mm, prepared.shaft_drift_goal_mm)))
     mode = FrameMode::kListsAtContact;
-  else if (!it.lists.made || !reach || beyond(prepared.cutting_drift_start_mm, prepared.shaft_drift_start_mm))
+  else if (!lists.made || !reach || beyond(prepared.cutting_drift_start_mm, prepared.shaft_drift_start_mm))
     mode = FrameMode::kListsAtProxy;
-  bool done = it.RunFrame(prepared, mode);
-  if (done && it.program->result().is_void != 0 && mode != FrameMode::kListsAtContact)
-    done = it.RunFrame(prepared, FrameMode::kListsAtContact);
+  bool done = RunFrame(prepared, mode);
+  if (done && program->result().is_void != 0 && mode != FrameMode::kListsAtContact)
+    done = RunFrame(prepared, FrameMode::kListsAtContact);
   if (!done) {
-    it.lost = true;
+    lost = true;
     refused.status = simulation::EngineStatus::kDeviceLost;
     return refused;
   }
-  const Frame found = it.program->result();
+  const Frame& found = program->result();
   if (found.is_void != 0) {
     refused.status = simulation::EngineStatus::kOverloaded;
     return refused;
   }
-  const simulation::FrameSolution solution =
-      it.Solution(found, it.memory.X_GP.translation(), X_GT.translation());
-  it.was_free = solution.contact_fraction >= 1.0;
-  return FinishFrame(it.params, it.materials, it.X_WG, input, solution, it.memory);
+  const simulation::FrameSolution solution = Solution(found, X_WG.inverse() * Pose(input.X_WT));
+  was_free = solution.contact_fraction >= 1.0;
+  return FinishFrame(params, materials, X_WG, input, solution, memory);
 }
 
 simulation::CarvedState VulkanEngine::Snapshot() const {

@@ -63,53 +63,7 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
   model.F_T_W = F_T_W;
 }
 
-// Contacts and wrench from the planes of an engine without that law.
-void AddPlanes(const CuttingParams& params, const std::vector<Material>& materials, MaterialIndex dominant,
-               const Pose& X_WG, const Pose& X_WT, const Pose& X_GP, bool cutting,
-               const FrameSolution& solution, ContactModel& model) {
-  double weight = 0.0;
-  for (const SolutionPlane& plane : solution.planes)
-    if (plane.present) weight += plane.weight;
-
-  Wrench F_T_W;
-  const Pose X_PG = X_GP.inverse();
-  const Matrix3 R_WG = X_WG.linear();
-  for (int group = 0; group < kMaxContacts; ++group) {
-    const SolutionPlane& plane = solution.planes[static_cast<std::size_t>(group)];
-    if (!plane.present) continue;
-    Contact& contact = model.contacts[static_cast<std::size_t>(model.contact_count++)];
-    // the touching point moved with the tool from first contact to the proxy's end; the plane did not, unless
-    // it was cut
-    const Vector3 moved = solution.origin_end - solution.origin_contact;
-    const double gap_m = std::max(0.0, plane.gap_m + plane.n.dot(moved));
-    const Vector3 p_G = plane.point_m + moved;
-    contact.p_TP_m = Vector3(X_PG * p_G);  // fixed to the tool: the same in P as in T
-    contact.n_W = Vector3(R_WG * plane.n);
-    contact.p_W_m = Vector3(X_WG * Vector3(p_G - gap_m * plane.n));
-    const Vector3 p_now_W = X_WT * Vector3(contact.p_TP_m);
-    contact.gap_m = Vector3(contact.n_W).dot(p_now_W - Vector3(contact.p_W_m));
-    SetCommon(params, materials, dominant, contact);
-    contact.weight = weight > 0.0 ? plane.weight / weight : 0.0;
-    if (cutting && group != kShaftPlane)
-      contact.advance_m_per_s = model.advance_m_per_s * std::max(0.0, plane.n.dot(solution.n));
-    const Vector3 f = params.stiffness_N_per_m * plane.multiplier_m * Vector3(contact.n_W);
-    F_T_W.f += f;
-    F_T_W.t += (p_now_W - X_WT.translation()).cross(f);
-  }
-  model.F_T_W = F_T_W;
-}
-
 }  // namespace
-
-int PlaneGroup(const Vector3& u_T) {
-  if (-u_T.z() > kCapCosine) return kCapPlane;
-  // sixths of a turn by the signs of three lines: no angle, so that both engines agree to the last bit but
-  // one
-  const double x = -u_T.x(), y = -u_T.y(), root3 = std::sqrt(3.0);
-  const bool above = y >= 0.0, left_of_60 = y >= root3 * x, left_of_120 = y >= -root3 * x;
-  if (above) return left_of_60 ? (left_of_120 ? 2 : 3) : 1;
-  return left_of_120 ? 6 : (left_of_60 ? 4 : 5);
-}
 
 Vector3 EndOfAdvance(const FrameSolution& solution) {
   Vector3 step = -solution.advance_m * solution.n;
@@ -156,7 +110,7 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
 
   // proxy: the turn goes as far along its way as the two paths went
   const double turned =
-      solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.slide_fraction;
+      solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.turn_fraction;
   const Eigen::Quaterniond q_P(memory.X_GP.linear()), q_T(X_GT.linear());
   memory.X_GP.linear() = q_P.slerp(turned, q_T).toRotationMatrix();
   memory.X_GP.translation() = solution.origin_end;
@@ -192,16 +146,15 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   const auto dominant = static_cast<MaterialIndex>(
       std::max_element(solution.engaged_area_m2.begin(), solution.engaged_area_m2.end()) -
       solution.engaged_area_m2.begin());
-  if (input.spindle_rad_per_s != 0.0) model.spindle_torque_Nm = SpindleTorque(params, materials, solution);
   const bool cutting = input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
+  // the frame's mean: while the bone gives way the force falls, and the edge does less than at the frame's
+  // start
+  if (cutting)
+    model.spindle_torque_Nm = solution.edge_work_J / (std::abs(input.spindle_rad_per_s) * input.dt_s);
   if (cutting) model.advance_m_per_s = solution.advance_m / input.dt_s;
   model.n_W = Vector3(R_WG * solution.n);
 
-  if (solution.contact_count >= 0) {
-    AddContacts(params, materials, dominant, X_WG, X_WT, cutting, input.dt_s, solution, model);
-  } else {
-    AddPlanes(params, materials, dominant, X_WG, X_WT, Pose(memory.X_GP), cutting, solution, model);
-  }
+  AddContacts(params, materials, dominant, X_WG, X_WT, cutting, input.dt_s, solution, model);
   Wrench F_T_W = model.F_T_W;
   const double size_N = F_T_W.f.norm();
   if (size_N > params.max_force_N) {
@@ -210,6 +163,14 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   }
   model.F_T_W = F_T_W;
   return model;
+}
+
+int CombineParts(ContactModel& whole, const ContactModel& part, int k, int n) {
+  const bool touched = k > 0 && whole.contact_fraction < 1.0;
+  const double fraction = touched ? whole.contact_fraction : (k + part.contact_fraction) / n;
+  whole = part;
+  whole.contact_fraction = part.contact_fraction < 1.0 || touched ? fraction : 1.0;
+  return part.status == EngineStatus::kOk ? k + 1 : n;
 }
 
 void ToState(const FrameMemory& memory, CarvedState& state) {

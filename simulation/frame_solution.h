@@ -3,7 +3,6 @@
 #include <array>
 #include <vector>
 
-#include "kinematics/half_spaces.h"
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/tool_path.h"
@@ -12,25 +11,6 @@
 // What lies between (the passes over balls and points) each engine does in its own way.
 
 namespace osteon::simulation {
-
-/// Planes are grouped by the side of the tool they touch: 0 the cap ahead, 1 … 6 sectors around, 7 balls that
-/// do not cut.
-inline constexpr int kCapPlane = 0, kShaftPlane = 7;
-/// Cosine of the cap's half angle (40 degrees) about the feed direction.
-inline constexpr double kCapCosine = 0.766;
-
-/// Group of a cutting ball's contact. @param u_T  unit, from bone to tool, in T.
-[[nodiscard]] int PlaneGroup(const Vector3& u_T);
-
-/// One plane as the passes find it, at the pose of first contact, in G.
-struct SolutionPlane {
-  bool present{false};
-  Vector3 n{Vector3::Zero()};        ///< lens-weighted, unit, from bone to tool
-  double gap_m{0.0};                 ///< smallest gap of a ball in the group
-  Vector3 point_m{Vector3::Zero()};  ///< lens-weighted mean of the touching points on the tool
-  double weight{0.0};                ///< lens volume
-  double multiplier_m{0.0};          ///< its share of the proxy's displacement
-};
 
 inline constexpr int kMaxShaftPlanes = 6;
 
@@ -54,12 +34,14 @@ struct ShaftPlane {
 struct FrameSolution {
   double contact_fraction{1.0};  ///< first contact on the path from the proxy to the tool
   double slide_fraction{1.0};    ///< of the way from there to the constrained target
+  double turn_fraction{1.0};     ///< of the turn from there to the tool's pose
   double slide_m{0.0};           ///< length of that part, of the tool point that moves farthest
-  std::array<SolutionPlane, kMaxContacts> planes{};
   std::array<SolvedContact, kMaxContacts> contacts{};
-  int contact_count{-1};  ///< of contacts; -1: the engine reports `planes` instead
+  int contact_count{0};
   std::array<ShaftPlane, kMaxShaftPlanes> shaft{};
   int shaft_count{0};
+  Vector3 shift{
+      Vector3::Zero()};  ///< from first contact to the target of a tool that does not turn any further
   Vector3 delta{Vector3::Zero()};                       ///< from the tool's pose to the constrained target
   Vector3 n{Vector3::Zero()};                           ///< direction of the cutting planes' resultant
   double cutting_m{0.0};                                ///< length of the cutting planes' share of delta
@@ -114,6 +96,27 @@ struct FrameMemory {
                                        const Pose& X_WG, const FrameInput& input,
                                        const FrameSolution& solution, FrameMemory& memory);
 
+/// Takes part number k of n into the whole; returns the number of the next, n where there is none.
+[[nodiscard]] int CombineParts(ContactModel& whole, const ContactModel& part, int k, int n);
+
+/// A frame in n parts, each a frame of its own with its share of the time: a turn so large that one chord
+/// would leave its arc (SubframeCount). `frame(part)` does one; the last one's model stands for all, but
+/// first contact is a fraction of the whole way.
+template <class Frame>
+[[nodiscard]] ContactModel StepInParts(const FrameInput& input, const Pose& X_WP, int n, FrameMemory& memory,
+                                       Frame frame) {
+  if (n == 1) return frame(input);
+  ContactModel whole;
+  const std::uint64_t number = memory.frame + 1;
+  for (int k = 0; k < n;) {
+    FrameInput part = input;
+    part.X_WT = PoseBetween(X_WP, Pose(input.X_WT), k + 1, n);
+    part.dt_s = input.dt_s / n;
+    k = CombineParts(whole, frame(part), k, n);
+  }
+  whole.frame = memory.frame = number;
+  return whole;
+}
 /// The part of a CarvedState that is not balls and points.
 void ToState(const FrameMemory& memory, CarvedState& state);
 [[nodiscard]] FrameMemory ToMemory(const CarvedState& state);

@@ -4,24 +4,39 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
+#include "simulation/contact_law.h"
 #include "simulation/cutting_math.h"
 
 namespace osteon::simulation {
 
+namespace {
+
+constexpr std::size_t kEveryBall = std::numeric_limits<std::size_t>::max();
+
+std::vector<BallState> StatesOf(const std::vector<Ball>& balls) {
+  std::vector<BallState> states;
+  states.reserve(balls.size());
+  for (const Ball& ball : balls) states.push_back({.center_m = ball.center_m, .radius_m = ball.radius_m});
+  return states;
+}
+
+}  // namespace
+
 ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG,
                                  const CuttingParams& params)
     : tool_(tool),
+      lever_m_(ToolLever(tool)),
       materials_(bone.materials),
       points_(bone.points),
       X_WG_(X_WG),
       params_(params),
+      balls_(StatesOf(bone.balls)),
+      removal_(balls_, params.split),
       cleared_(bone.points.size(), 0) {
   if (materials_.size() > kMaxMaterials) throw std::invalid_argument("bone: more than 8 materials");
   if (tool_.balls.empty()) throw std::invalid_argument("tool: no ball");
-  balls_.reserve(bone.balls.size());
-  for (const Ball& ball : bone.balls)
-    balls_.push_back({.center_m = ball.center_m, .radius_m = ball.radius_m});
 }
 
 ContactModel ReferenceEngine::Step(const FrameInput& input) {
@@ -30,32 +45,49 @@ ContactModel ReferenceEngine::Step(const FrameInput& input) {
     refused.status = EngineStatus::kBadInput;
     return refused;
   }
+  if (!memory_.has_proxy) memory_.X_GP = X_WG_.inverse() * Pose(input.X_WT);
+  const Pose X_WP = X_WG_ * Pose(memory_.X_GP);
+  return StepInParts(input, X_WP, SubframeCount(lever_m_, X_WP, Pose(input.X_WT)), memory_,
+                     [this](const FrameInput& part) { return Frame(part); });
+}
+
+ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   const Pose X_GT = X_WG_.inverse() * Pose(input.X_WT);
-  if (!memory_.has_proxy) memory_.X_GP = X_GT;
   const bool cutting = input.spindle_rad_per_s != 0.0;
   FrameSolution solution;
 
   // pass 1: how far the tool gets on its way from the last free pose
-  const ToolPath way = PathBetween(tool_, memory_.X_GP, X_GT);
-  solution.contact_fraction = std::min(1.0, FirstContact(way, 0.0));
-  const ToolPoints contact = way.Place(solution.contact_fraction);
+  const ToolPoints start = PlaceTool(tool_, memory_.X_GP), goal = PlaceTool(tool_, X_GT);
+  solution.contact_fraction = std::min(1.0, FirstContact(start, goal, 0.0));
+  const ToolPoints contact = Between(start, goal, solution.contact_fraction);
   solution.origin_contact = contact.back();
 
   // pass 2: what is near the tool there; the closest target that keeps its planes; and the way to it
   const ContactInput asked{.R_GT = X_GT.linear(),
+                           .motion_G_m = goal.back() - contact.back(),
                            .turn_G = (1.0 - solution.contact_fraction) *
                                      LogRotation(X_GT.linear() * memory_.X_GP.linear().transpose()),
                            .friction = cutting ? 0.0 : memory_.contact.friction};
-  SolveContact(params_, FindNearField(contact, way.at.back(), asked.R_GT), asked, memory_.contact, solution);
-  const ToolPath slide = RestOf(way, solution.contact_fraction, solution.delta);
-  double longest = 0.0;
-  for (std::size_t t = 0; t < contact.size(); ++t)
-    longest = std::max(longest, (slide.at.back()[t] - contact[t]).norm());
-  solution.slide_fraction = std::min(longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0,
-                                     FirstContact(slide, params_.contact_tolerance_m));
-  solution.slide_m = solution.slide_fraction * longest;
-  const std::vector<ToolPoints> slid = slide.UpTo(solution.slide_fraction);
-  solution.origin_slid = slid.back().back();
+  const bool turning = asked.turn_G != Vector3::Zero();
+  const NearField near = FindNearField(contact, goal, asked.R_GT);
+  const Candidates candidates = FindCandidates(near, params_.contact_tolerance_m);
+  const ContactHold held = HoldTool(candidates, asked, true);
+  ReportContacts(params_, near, candidates, held, turning ? HoldTool(candidates, asked, false) : held, asked,
+                 memory_.contact, solution);
+  ToolPoints target = goal, straight = contact;
+  for (Vector3& point : target) point += solution.delta;
+  for (Vector3& point : straight) point += solution.shift;
+  // a turn may use half of the tolerance: the rest is for going along whatever holds it
+  const Slid full = Slide(contact, target, (turning ? 0.5 : 1.0) * params_.contact_tolerance_m);
+  const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m) : full;
+  // where bone keeps the tool from turning, it still goes along
+  const bool turns = !full.stopped || full.way_m > 0.5 * unturned.way_m;
+  const Slid& chosen = turns ? full : unturned;
+  solution.slide_fraction = chosen.fraction;
+  solution.turn_fraction = turns ? chosen.fraction : 0.0;
+  solution.slide_m = chosen.way_m;
+  const ToolPoints slid = Between(contact, turns ? target : straight, chosen.fraction);
+  solution.origin_slid = slid.back();
 
   // pass 3: how far bone gives way, and what goes with it
   MeasureEngagement(contact, X_GT.linear().col(2), solution);
@@ -65,28 +97,40 @@ ContactModel ReferenceEngine::Step(const FrameInput& input) {
   solution.edge_work_J = advance.edge_work_J;
   solution.origin_end = EndOfAdvance(solution);
   if (cutting) {
-    ToolPoints end = slid.back();
+    ToolPoints end = slid;
     for (Vector3& point : end) point += solution.origin_end - solution.origin_slid;
-    for (std::size_t i = 1; i < slid.size(); ++i) Remove(slid[i - 1], slid[i], solution);
-    Remove(slid.back(), end, solution);
+    const std::size_t only =
+        params_.cutters == Cutters::kContactSphere ? TouchingBall(start, goal) : kEveryBall;
+    std::vector<Capsule> capsules;
+    AddCapsules(contact, slid, only, capsules);
+    AddCapsules(slid, end, only, capsules);
+    Remove(capsules, solution);
   }
-  return FinishFrame(params_, materials_, X_WG_, input, solution, memory_);
+  ContactModel model = FinishFrame(params_, materials_, X_WG_, input, solution, memory_);
+  model.balls_not_split = removal_.refused();
+  return model;
 }
 
 // Smallest fraction over all pairs. Pairs that overlap by less than the tolerance may overlap up to it.
-double ReferenceEngine::FirstContact(const ToolPath& path, double tolerance_m) const {
-  for (std::size_t i = 1; i < path.at.size(); ++i) {
-    const ToolPoints &from = path.at[i - 1], &to = path.at[i];
-    double first = kNoContact;
-    for (const BallState& ball : balls_) {
-      if (ball.radius_m <= 0.0) continue;
-      for (std::size_t t = 0; t < tool_.balls.size(); ++t)
-        first = std::min(first, FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
-                                                     tool_.balls[t].radius_m + ball.radius_m - tolerance_m));
-    }
-    if (first <= 1.0) return path.s[i - 1] + first * (path.s[i] - path.s[i - 1]);
+double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const {
+  double first = kNoContact;
+  for (const BallState& ball : balls_) {
+    if (ball.radius_m <= 0.0) continue;
+    for (std::size_t t = 0; t < tool_.balls.size(); ++t)
+      first = std::min(first, FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
+                                                   tool_.balls[t].radius_m + ball.radius_m - tolerance_m));
   }
-  return kNoContact;
+  return first;
+}
+
+ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolPoints& to,
+                                             double tolerance_m) const {
+  double longest = 0.0;
+  for (std::size_t t = 0; t < to.size(); ++t) longest = std::max(longest, (to[t] - from[t]).norm());
+  const double limit = longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0;
+  const double met = FirstContact(from, to, tolerance_m);
+  const double fraction = std::min(limit, met);
+  return {.fraction = fraction, .way_m = fraction * longest, .stopped = met < limit};
 }
 
 NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints& goal,
@@ -109,10 +153,11 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
   for (std::size_t b = 0; b < balls_.size(); ++b) {
     if (balls_[b].radius_m <= 0.0) continue;
     for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
-      const NearPair pair = pair_of(b, t);
+      NearPair pair = pair_of(b, t);
       if (!pair.present || pair.gap_m >= params_.normal_enlargement_m) continue;
-      NearPair& nearest =
-          near.nearest[static_cast<std::size_t>(ContactBin(R_GT.transpose() * pair.n, pair.cutting))];
+      const ContactBin bin = FindBin(R_GT.transpose() * pair.n, pair.cutting);
+      pair.score_m = pair.gap_m + kMiddleWorth_m * bin.off_middle;
+      NearPair& nearest = near.nearest[static_cast<std::size_t>(bin.number)];
       if (Nearer(pair, nearest)) nearest = pair;
       const double lens = std::min(LensVolume(pair.tool_radius_m + params_.normal_enlargement_m,
                                               balls_[b].radius_m, (at[t] - balls_[b].center_m).norm()),
@@ -128,6 +173,9 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
     if (known.bone_ball < balls_.size() && known.tool_ball < tool_.balls.size())
       near.remembered[static_cast<std::size_t>(k)] = pair_of(known.bone_ball, known.tool_ball);
   }
+  // what was left behind holds no more
+  for (NearPair& pair : near.remembered)
+    pair.present = pair.present && pair.gap_m < params_.normal_enlargement_m;
   return near;
 }
 
@@ -157,16 +205,36 @@ void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spi
   }
 }
 
-// Removal along one straight piece of the proxy's path, by every cutting ball in order.
-void ReferenceEngine::Remove(const ToolPoints& a, const ToolPoints& b, FrameSolution& solution) {
-  for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
-    if (!tool_.balls[t].cutting) continue;
-    const double r_t = tool_.balls[t].radius_m;
-    for (BallState& ball : balls_)
-      if (ball.radius_m > 0.0) ShrinkBall(ball.center_m, ball.radius_m, a[t], b[t], r_t);
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const Vector3 p = points_[i].p_m;
-      if (cleared_[i] || (p - ClosestOnSegment(p, a[t], b[t])).norm() >= r_t) continue;
+// The tool ball that touches first on this way, the first of several; past the last one where none does.
+std::size_t ReferenceEngine::TouchingBall(const ToolPoints& from, const ToolPoints& to) const {
+  double first = kNoContact;
+  std::size_t touching = tool_.balls.size();
+  for (std::size_t t = 0; t < tool_.balls.size(); ++t)
+    for (const BallState& ball : balls_) {
+      if (ball.radius_m <= 0.0) continue;
+      const double s = FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
+                                            tool_.balls[t].radius_m + ball.radius_m);
+      if (s >= first) continue;
+      first = s;
+      touching = t;
+    }
+  return touching;
+}
+
+// What the cutting balls sweep along one straight piece of the proxy's way, in their order.
+void ReferenceEngine::AddCapsules(const ToolPoints& a, const ToolPoints& b, std::size_t only,
+                                  std::vector<Capsule>& capsules) const {
+  for (std::size_t t = 0; t < tool_.balls.size(); ++t)
+    if (tool_.balls[t].cutting && (only == kEveryBall || only == t))
+      capsules.push_back({.a = a[t], .b = b[t], .radius_m = tool_.balls[t].radius_m});
+}
+
+void ReferenceEngine::Remove(const std::vector<Capsule>& capsules, FrameSolution& solution) {
+  removal_.Remove(capsules, balls_);
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Vector3 p = points_[i].p_m;
+    for (const Capsule& capsule : capsules) {
+      if (cleared_[i] || (p - ClosestOnSegment(p, capsule.a, capsule.b)).norm() >= capsule.radius_m) continue;
       cleared_[i] = 1;
       solution.removed_m3[points_[i].material] += points_[i].volume_m3;
     }
@@ -175,23 +243,29 @@ void ReferenceEngine::Remove(const ToolPoints& a, const ToolPoints& b, FrameSolu
 
 CarvedState ReferenceEngine::Snapshot() const {
   CarvedState state;
-  state.balls.reserve(balls_.size() * 4);
-  for (const BallState& ball : balls_) {
-    for (int axis = 0; axis < 3; ++axis) state.balls.push_back(static_cast<float>(ball.center_m[axis] * 1e3));
-    state.balls.push_back(static_cast<float>(ball.radius_m * 1e3));
-  }
+  removal_.Save(balls_, state);
   state.cleared = cleared_;
   ToState(memory_, state);
+  // what held the tool, by its place in the state: blocks have other numbers there
+  ContactMemory& contact = state.contact;
+  const std::int32_t count = std::exchange(contact.pair_count, 0);
+  for (std::int32_t i = 0; i < count; ++i) {
+    const ContactPair pair = contact.pairs[static_cast<std::size_t>(i)];
+    if (const auto saved = removal_.SavedIndex(pair.bone_ball))
+      contact.pairs[static_cast<std::size_t>(contact.pair_count++)] = {*saved, pair.tool_ball};
+  }
   return state;
 }
 
 void ReferenceEngine::Restore(const CarvedState& state) {
-  if (state.balls.size() != balls_.size() * 4 || state.cleared.size() != cleared_.size())
-    throw std::invalid_argument("carved state: not of this bone");
-  for (std::size_t i = 0; i < balls_.size(); ++i)
-    balls_[i] = {
-        .center_m = 1e-3 * Vector3(state.balls[4 * i], state.balls[4 * i + 1], state.balls[4 * i + 2]),
-        .radius_m = 1e-3 * state.balls[4 * i + 3]};
+  if (state.cleared.size() != cleared_.size()) throw std::invalid_argument("carved state: not of this bone");
+  const std::size_t places = (state.balls.size() + state.split_slots.size()) / 4;
+  if (state.contact.pair_count < 0 || state.contact.pair_count > kRememberedPairs)
+    throw std::invalid_argument("carved state: contact: wrong number of pairs");
+  for (std::size_t i = 0; i < static_cast<std::size_t>(state.contact.pair_count); ++i)
+    if (state.contact.pairs[i].bone_ball >= places || state.contact.pairs[i].tool_ball >= tool_.balls.size())
+      throw std::invalid_argument("carved state: contact: not of this bone and tool");
+  removal_.Load(state, balls_);
   cleared_ = state.cleared;
   memory_ = ToMemory(state);
 }

@@ -14,17 +14,6 @@ using ToolPoints = std::vector<Vector3>;
 /// Points on the chords between two placements.
 [[nodiscard]] ToolPoints Between(const ToolPoints& a, const ToolPoints& b, double s);
 
-/// Placements of a tool along its way, and chords between them: every ball's path is a polygon.
-struct ToolPath {
-  std::vector<ToolPoints> at;  ///< two or more
-  std::vector<double> s;       ///< of each placement: ascending from 0 to 1
-
-  /// @param share  0 … 1
-  [[nodiscard]] ToolPoints Place(double share) const;
-  /// The placements from the start to `share`.
-  [[nodiscard]] std::vector<ToolPoints> UpTo(double share) const;
-};
-
 /// A chord stays within this of the arc that it stands for [m].
 inline constexpr double kChordError_m = 10e-6;
 inline constexpr int kMostChords = 128;
@@ -37,10 +26,13 @@ inline constexpr int kMostChords = 128;
 /// @param turn_rad  theta >= 0;  @param lever_m  L, the largest distance of a ball's centre from T's origin
 [[nodiscard]] int ChordCount(double turn_rad, double lever_m);
 
-/// The way between two poses, T's origin on the straight line and the turn about one axis.
-[[nodiscard]] ToolPath PathBetween(const Tool& tool, const Pose& X_GA, const Pose& X_GB);
+/// Largest distance of a ball's centre from T's origin.
+[[nodiscard]] double ToolLever(const Tool& tool);
 
-/// What is left of a path after `share`, moved by a displacement that grows in proportion.
-[[nodiscard]] ToolPath RestOf(const ToolPath& path, double share, const Vector3& delta);
+/// How many frames a frame from P to T is done in: one, but for a turn that needs more chords.
+[[nodiscard]] int SubframeCount(double lever_m, const Pose& X_WP, const Pose& X_WT);
+
+/// Pose number k of n on the way from A to B: T's origin on the straight line, the turn about one axis.
+[[nodiscard]] Pose PoseBetween(const Pose& X_WA, const Pose& X_WB, int k, int n);
 
 }  // namespace osteon::simulation

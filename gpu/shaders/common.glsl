@@ -2,6 +2,8 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
 #include "layout.h"
 
 // Few lanes and long chunks on a processor, which reads what all lanes share once for each eight of them; many lanes and one
@@ -26,11 +28,10 @@ layout(scalar, binding = kBindLiveEntries) buffer LiveEntryBuffer { Live live_en
 layout(scalar, binding = kBindShaftPairs) buffer ShaftPairBuffer { ShaftPair shaft_pairs[]; };
 layout(scalar, binding = kBindLivePoints) buffer LivePointBuffer { vec4 live_points[]; };
 layout(scalar, binding = kBindPointEntries) buffer PointEntryBuffer { Live point_entries[]; };
+layout(scalar, binding = kBindSlots) buffer SlotBuffer { uint slots[]; };
 layout(binding = kBindBallTexels) uniform samplerBuffer ball_texels;
 layout(binding = kBindPointTexels) uniform samplerBuffer point_texels;
 layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
-
-const float kNormalScale = 16777216.0;  // units per mm^3
 
 // A sum's value. How it is split into high and low depends on who added with whom, so the carry goes over first: what is
 // rounded to a float is then the same for equal sums.
@@ -60,7 +61,21 @@ float FromOrderedBits(uint bits) {
 }
 
 float ContactFraction() { return min(1.0, uintBitsToFloat(frame.contact_bits)); }
-float SlideFraction() { return min(frame.slide_limit, uintBitsToFloat(frame.slide_bits)); }
+
+// The slide that is done: with the turn, or straight where bone keeps the tool from turning (twin of
+// ReferenceEngine::Frame).
+struct Slide {
+  bool turns;
+  float share;   // of the way to the target
+  float way_mm;  // of the tool point that goes farthest
+};
+Slide ChosenSlide() {
+  float met = uintBitsToFloat(frame.slide_bits), full = min(frame.slide_limit, met);
+  float straight = min(frame.straight_limit, uintBitsToFloat(frame.straight_bits));
+  float full_way = full * frame.way_mm, straight_way = straight * frame.straight_way_mm;
+  bool turns = frame.turning == 0u || met >= frame.slide_limit || full_way > 0.5 * straight_way;
+  return Slide(turns, turns ? full : straight, turns ? full_way : straight_way);
+}
 
 // The frame is void: the tool at first contact is too far from where the lists were made (the host runs it again and has
 // them made), or the lists are too short.
@@ -82,7 +97,18 @@ vec4 AtContact(uint t, float s) {
   vec4 start = Start(t);
   return vec4(mix(start.xyz, Goal(t), s), start.w);
 }
+// Its centre in T, from its place at the tool's pose.
+vec3 CenterInTool(uint t) {
+  vec3 p = Goal(t) - frame.goal.xyz;
+  return vec3(dot(p, frame.axis_x.xyz), dot(p, frame.axis_y.xyz), dot(p, frame.axis_z.xyz));
+}
 vec3 OriginAtContact(float s) { return mix(frame.start.xyz, frame.goal.xyz, s); }
+
+// Where a tool ball is after the slide, from where it was at contact.
+vec3 AfterSlide(Slide slide, vec3 at_contact, vec3 goal) {
+  vec3 target = slide.turns ? goal + frame.delta.xyz : at_contact + frame.shift_mm.xyz;
+  return mix(at_contact, target, slide.share);
+}
 
 vec3 ClosestOnSegment(vec3 p, vec3 a, vec3 b) {
   vec3 m = b - a;

@@ -11,6 +11,7 @@
 namespace osteon::gpu {
 using uint = std::uint32_t;
 using std::int32_t;
+using uint64_t = std::uint64_t;
 struct vec4 {
   float x, y, z, w;
 };
@@ -25,9 +26,16 @@ OSTEON_CONST uint kGroupSize = 64;  // invocations of a workgroup; balls or poin
 OSTEON_CONST uint kMaxToolBalls = 10000;
 OSTEON_CONST uint kToolGroup = 32;  // tool balls of one bounding ball
 OSTEON_CONST uint kMaxMaterials = 8;
-OSTEON_CONST uint kPlanes = 8;  // groups of contacts, see PlaneGroup
-OSTEON_CONST uint kShaft = 7;
-OSTEON_CONST uint kPlaneColumns = 7;  // weight, weight u (3), weight point (3)
+// the contact law's, see simulation/contact_law.h
+OSTEON_CONST uint kBins = 60;  // of direction; from kCuttingBinCount on of balls that do not cut
+OSTEON_CONST uint kCuttingBinCount = 54;
+OSTEON_CONST uint kRemembered = 8;
+OSTEON_CONST uint kCandidates = 68;  // the nearest pair of each bin, then the remembered ones
+OSTEON_CONST uint kFaces = 4;
+OSTEON_CONST uint kFaceColumns = 8;  // weight, weight n (3), weight centre (3), weight radius
+// The nearest pair of a bin is the least key: its gap from -1 mm on, its bone ball and its tool ball.
+OSTEON_CONST uint kGapBits = 26, kBoneBits = 24, kToolBits = 14;
+OSTEON_CONST float kGapUnit = 1.0f / 33554432.0f;  // mm
 
 // A sum in fixed point: high * 2^16 + low, in units of 1/scale. Whole numbers add up to the same in any
 // order, so that a frame's result does not depend on scheduling.
@@ -41,8 +49,18 @@ struct Groups {
   uint x, y, z;
 };
 
+// A pair that may hold the tool, as first contact leaves it.
+struct Candidate {
+  float n_x, n_y, n_z;  // unit, from bone to tool
+  float gap_mm;
+  uint bone_ball, tool_ball;
+  uint present;
+};
+
 // One frame: what the host writes, then what the passes find.
 struct Frame {
+  OSTEON_ARRAY(uint64_t, bin_keys, kBins);  // found; all ones where there is no pair
+
   // of bone, tool and parameters: the same in every frame
   OSTEON_ARRAY(vec4, material, kMaxMaterials);  // x specific cutting energy [N/mm^2], y cutting-force ratio
   float stiffness_N_per_mm;
@@ -52,8 +70,9 @@ struct Frame {
   float layer_mm;
   float max_slide_mm;
   // units of the fixed-point sums: no summand reaches 2^23 of them
-  float point_scale;   // per mm^4, of lens volume times a touching point's place
-  float area_scale;    // per mm^2
+  float face_scale;        // per mm^3, of a face's weights
+  float face_point_scale;  // per mm^4, of weight times a place on the tool
+  float area_scale;        // per mm^2
   float moment_scale;  // per mm^3
   float cutting_margin_mm;  // how far the tool may be from where the lists were made, by kind of ball
   float shaft_margin_mm;
@@ -70,6 +89,12 @@ struct Frame {
   vec4 start, goal;             // T's origin at the proxy and at the tool's pose
   vec4 axis_x, axis_y, axis_z;  // T's axes in G at the tool's pose
   vec4 turn;                    // rotation vector from the proxy to the tool's pose
+  OSTEON_ARRAY(vec4, face_n, kFaces);  // directions in which faces pressed, the frame before; zero: none
+  OSTEON_ARRAY(uint, remembered_bone, kRemembered);
+  OSTEON_ARRAY(uint, remembered_tool, kRemembered);
+  uint face_count, remembered_count;
+  uint turning;
+  float friction;
   float spindle_rad_per_s;
   float dt_s;
   float work_held_back_Nmm;  // share of the debt that this frame pays
@@ -93,20 +118,25 @@ struct Frame {
 
   // found
   uint contact_bits;  // fraction of first contact, as bits: those of floats of one sign order like the floats
-  uint slide_bits;
-  uint planes_present;  // bit per plane
-  float slide_limit;    // fraction of the way to the target that the slide may take
-  float way_mm;         // from first contact to the target, of the tool point that moves farthest
+  // the slide with the turn, and straight: fraction up to contact as bits, fraction that is allowed, whole way
+  uint slide_bits, straight_bits;
+  float slide_limit, straight_limit;
+  float way_mm, straight_way_mm;  // of the tool point that moves farthest
+  uint turns;                     // which of the two was done, and how much of it
+  float slid_share;
   float advance_mm;
   float edge_work_Nmm;
-  vec4 delta;                                // to the constrained target; w: length of the cutting planes' share
-  vec4 n;                                    // direction of the cutting planes' resultant
-  vec4 step_mm;                              // of the proxy's advance
-  OSTEON_ARRAY(vec4, plane_n, kPlanes);      // w: smallest gap
-  OSTEON_ARRAY(vec4, plane_point, kPlanes);  // w: lens volume
-  OSTEON_ARRAY(float, multiplier, kPlanes);
-  OSTEON_ARRAY(uint, plane_gap_bits, kPlanes);  // smallest gap, as bits that order like the float
-  OSTEON_ARRAY(Sum, plane_sums, kPlanes* kPlaneColumns);
+  vec4 delta;        // to the constrained target; w: length of the cutting contacts' share
+  vec4 n;            // direction of the cutting contacts' resultant
+  vec4 step_mm;      // of the proxy's advance
+  vec4 friction_mm;  // its share of delta; w: the slack of the hold
+  vec4 shift_mm;     // straight, from first contact to the target
+  uint hold_count;   // candidates that hold the tool, and how much
+  OSTEON_ARRAY(uint, hold_candidate, 4);
+  OSTEON_ARRAY(float, hold_mm, 4);
+  OSTEON_ARRAY(Candidate, candidates, kCandidates);
+  // row 0: balls that cut (with a single one: weight and weight n alone); row 1: those that do not
+  OSTEON_ARRAY(Sum, face_sums, 2 * kFaces * kFaceColumns);
   OSTEON_ARRAY(Sum, engaged_sums, 2 * kMaxMaterials);  // area and moment by material
   OSTEON_ARRAY(uint, removed, kMaxMaterials);          // cleared volume in units of the bone's
 };
@@ -151,19 +181,22 @@ OSTEON_CONST uint kBindShaftPairs = 12;
 OSTEON_CONST uint kBindLivePoints = 13; // copies of the live points
 OSTEON_CONST uint kBindPointEntries = 14;
 OSTEON_CONST uint kBindSpans = 15;      // 0 … tool_count - 1 first
-OSTEON_CONST uint kBindings = 16;
+OSTEON_CONST uint kBindSlots = 16;      // of each ball in the list of live balls, where it is in it
+OSTEON_CONST uint kBindings = 17;
 // The lists' copies again, to read: software drivers fetch a texel at once, but a buffer's words one by one.
-OSTEON_CONST uint kBindBallTexels = 16;
-OSTEON_CONST uint kBindPointTexels = 17;
+OSTEON_CONST uint kBindBallTexels = 17;
+OSTEON_CONST uint kBindPointTexels = 18;
 
 OSTEON_CONST uint kBallsPerBuffer = 8000000;  // a binding holds 128 MiB on every device
 OSTEON_CONST uint kCleared = 256;
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) % 4 == 0);
-static_assert(offsetof(Frame, stiffness_N_per_mm) == 16 * 8);
-static_assert(offsetof(Frame, start) == 16 * 8 + 19 * 4);
-static_assert(offsetof(Frame, delta) == offsetof(Frame, start) + 6 * 16 + 10 * 4 + 16 * 4 + 6 * 4 + 7 * 4);
+static_assert(sizeof(Frame) % 8 == 0);
+static_assert(offsetof(Frame, material) == 8 * 60);
+static_assert(offsetof(Frame, start) == offsetof(Frame, material) + 16 * 8 + 20 * 4);
+static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 20 * 4);
+static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 16 * 4 + 6 * 4 + 11 * 4);
+static_assert(sizeof(Candidate) == 28);
 static_assert(sizeof(Item) == 12 && sizeof(Live) == 12 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
 }  // namespace osteon::gpu
 #endif

@@ -25,6 +25,7 @@ void main() {
       continue;
     }
     live_balls[slot] = ball;
+    slots[i] = slot;
     live_entries[slot] = Live(i, cutting.first, cutting.count);
     if (shaft.count == 0u) continue;
     NEXT_SLOT(pair, frame.shaft_count)

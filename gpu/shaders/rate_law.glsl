@@ -4,7 +4,7 @@ struct Advance {
   float advance_mm, edge_work_Nmm;
   vec3 step_mm;
 };
-Advance AdvanceOfFrame(float at_contact) {
+Advance AdvanceOfFrame(float at_contact, Slide slide) {
   float x = frame.delta.w, advance = 0.0, edge_work = 0.0;
   if (x > 0.0 && frame.spindle_rad_per_s != 0.0 && frame.dt_s > 0.0) {
     float area = 0.0, moment = 0.0, work_per_mm = 0.0;
@@ -14,7 +14,7 @@ Advance AdvanceOfFrame(float at_contact) {
       moment += frame.material[m].y * Total(frame.engaged_sums[2 * m + 1], frame.moment_scale);
       work_per_mm += frame.material[m].x * own;
     }
-    float most = max(0.0, frame.max_slide_mm - SlideFraction() * frame.way_mm);
+    float most = max(0.0, frame.max_slide_mm - slide.way_mm);
     float arm = area > 0.0 ? moment / area : 0.0;
     float force = min(frame.stiffness_N_per_mm * x, frame.max_force_N);
     float work = force * abs(frame.spindle_rad_per_s) * arm * frame.dt_s;
@@ -31,13 +31,14 @@ Advance AdvanceOfFrame(float at_contact) {
       edge_work = linear > 0.0 ? work * advance / linear : work;
     }
   }
-  vec3 slide_mm = SlideFraction() * (frame.goal.xyz + frame.delta.xyz - OriginAtContact(at_contact));
+  vec3 origin = OriginAtContact(at_contact), slide_mm = AfterSlide(slide, origin, frame.goal.xyz) - origin;
   vec3 step_mm = -advance * frame.n.xyz;
-  if (frame.plane_point[kShaft].w > 0.0) {
-    vec3 n = frame.plane_n[kShaft].xyz;
-    float gap = frame.plane_n[kShaft].w + dot(n, slide_mm);
-    float closing = -dot(n, step_mm) - max(0.0, gap);
-    if (closing > 0.0) step_mm += closing * n;
+  // balls that do not cut hold it back
+  for (uint c = kCuttingBinCount; c < kBins; ++c) {
+    Candidate shaft = frame.candidates[c];
+    vec3 n = vec3(shaft.n_x, shaft.n_y, shaft.n_z);
+    float closing = -dot(n, step_mm) - max(0.0, shaft.gap_mm + dot(n, slide_mm));
+    if (shaft.present != 0u && closing > 0.0) step_mm += closing * n;
   }
   return Advance(advance, edge_work, step_mm);
 }

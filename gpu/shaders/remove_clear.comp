@@ -61,17 +61,18 @@ void main() {
   // nothing to do: a loop, since software drivers execute a branch that nobody takes
   for (uint once = reports || ChunkBegin() < max(end_balls, end_points) ? 0 : 1; once < 1; ++once) {
     float at_contact = ContactFraction();
-    Advance advance = AdvanceOfFrame(at_contact);
+    Slide slid_by = ChosenSlide();
+    Advance advance = AdvanceOfFrame(at_contact, slid_by);
     if (reports && gl_LocalInvocationID.x == 0u) {
       frame.advance_mm = advance.advance_mm;
       frame.edge_work_Nmm = advance.edge_work_Nmm;
       frame.step_mm = vec4(advance.step_mm, 0.0);
+      frame.turns = slid_by.turns ? 1u : 0u;
+      frame.slid_share = slid_by.share;
     }
-    float f = SlideFraction();
-    vec3 delta = frame.delta.xyz;
     // the only cutter's places, where there is but one
     vec4 only = AtContact(0, at_contact);
-    vec3 only_slid = mix(only.xyz, Goal(0) + delta, f), only_end = only_slid + advance.step_mm;
+    vec3 only_slid = AfterSlide(slid_by, only.xyz, Goal(0)), only_end = only_slid + advance.step_mm;
     Capsule slide = MakeCapsule(only.xyz, only_slid, only.w), give = MakeCapsule(only_slid, only_end, only.w);
 
     for (uint slot = ChunkBegin(); slot < end_balls; slot += kLanes) {
@@ -86,7 +87,7 @@ void main() {
           for (uint k = entry.first; k < last; ++k) {
             uint t = spans[k];
             vec4 contact = AtContact(t, at_contact);
-            vec3 slid = mix(contact.xyz, Goal(t) + delta, f);
+            vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
             ball = Shrunk(ball, MakeCapsule(part == 0 ? contact.xyz : slid,
                                             part == 0 ? slid : slid + advance.step_mm, contact.w));
           }
@@ -105,7 +106,7 @@ void main() {
         for (uint k = entry.first; k < last; ++k) {
           uint t = spans[k];
           vec4 contact = AtContact(t, at_contact);
-          vec3 slid = mix(contact.xyz, Goal(t) + delta, f);
+          vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
           inside = inside || Inside(MakeCapsule(contact.xyz, slid, contact.w), point.xyz) ||
                    Inside(MakeCapsule(slid, slid + advance.step_mm, contact.w), point.xyz);
         }

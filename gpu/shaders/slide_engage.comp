@@ -26,24 +26,32 @@ void main() {
   uint end_points = row == 2u && go && frame.delta.w > 0.0 ? ChunkEnd(frame.live_point_count) : 0u;
   // nothing to do: a loop, since software drivers execute a branch that nobody takes
   for (uint once = ChunkBegin() < max(end_balls, max(end_shaft, end_points)) ? 0 : 1; once < 1; ++once) {
-    float at_contact = ContactFraction(), tolerance = frame.tolerance_mm;
+    // with a turn, which may use half of the tolerance: the rest is for going along whatever holds it; and straight
+    bool turning = frame.turning != 0u;
+    float at_contact = ContactFraction(), tolerance = frame.tolerance_mm, turn_tolerance = turning ? 0.5 * tolerance : tolerance;
     vec3 delta = frame.delta.xyz;
     vec4 only = AtContact(0, at_contact);  // the only cutter, where there is but one
 
-    float s = 2.0;
+    float s = 2.0, straight = 2.0;
+    vec3 shift = frame.shift_mm.xyz;
     vec3 m = Goal(0) + delta - only.xyz;
     for (uint slot = ChunkBegin(); slot < end_balls; slot += kLanes) {
       vec4 ball = LiveBall(slot);
       if (kOneCutter) {
-        float own = FirstContactFraction(ball.xyz - only.xyz, m, only.w + ball.w - tolerance);
+        float own = FirstContactFraction(ball.xyz - only.xyz, m, only.w + ball.w - turn_tolerance);
         s = min(s, ball.w > 0.0 ? own : 2.0);
+        for (uint twice = turning ? 0 : 1; twice < 1; ++twice) {
+          own = FirstContactFraction(ball.xyz - only.xyz, shift, only.w + ball.w - tolerance);
+          straight = min(straight, ball.w > 0.0 ? own : 2.0);
+        }
       } else {
         Live entry = live_entries[slot];
         uint last = ball.w > 0.0 ? entry.first + entry.count : 0u;
         for (uint k = entry.first; k < last; ++k) {
           uint t = spans[k];
           vec4 at = AtContact(t, at_contact);
-          s = min(s, FirstContactFraction(ball.xyz - at.xyz, Goal(t) + delta - at.xyz, at.w + ball.w - tolerance));
+          s = min(s, FirstContactFraction(ball.xyz - at.xyz, Goal(t) + delta - at.xyz, at.w + ball.w - turn_tolerance));
+          straight = min(straight, FirstContactFraction(ball.xyz - at.xyz, shift, at.w + ball.w - tolerance));
         }
       }
     }
@@ -54,11 +62,16 @@ void main() {
       for (uint k = pair.first; k < last; ++k) {
         uint t = spans[k];
         vec4 at = AtContact(t, at_contact);
-        s = min(s, FirstContactFraction(ball.xyz - at.xyz, Goal(t) + delta - at.xyz, at.w + ball.w - tolerance));
+        s = min(s, FirstContactFraction(ball.xyz - at.xyz, Goal(t) + delta - at.xyz, at.w + ball.w - turn_tolerance));
+        straight = min(straight, FirstContactFraction(ball.xyz - at.xyz, shift, at.w + ball.w - tolerance));
       }
     }
     s = subgroupMin(s);
-    if (subgroupElect() && s < 2.0) atomicMin(frame.slide_bits, floatBitsToUint(s));
+    straight = subgroupMin(straight);
+    if (subgroupElect()) {
+      if (s < 2.0) atomicMin(frame.slide_bits, floatBitsToUint(s));
+      if (straight < 2.0) atomicMin(frame.straight_bits, floatBitsToUint(straight));
+    }
 
     vec3 n = frame.n.xyz, axis = frame.axis_z.xyz, origin = OriginAtContact(at_contact);
     float layer = frame.layer_mm, area_scale = frame.area_scale, moment_scale = frame.moment_scale;

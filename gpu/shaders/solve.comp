@@ -1,170 +1,362 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass 2, second half, one workgroup: planes from their sums, then the closest target to the tool's pose that keeps all of
-// them (twin of kinematics/half_spaces.cpp): every set of one, two or three planes is one candidate.
+// Pass 2, second half, one subgroup (twin of simulation/contact_law.cpp and hold_point.cpp): the pairs that may hold the tool,
+// the point in which their planes hold it, friction, and the resultant of the faces that cut. In double precision: a few
+// dozen planes, whose active set hangs on small differences.
 #include "common.glsl"
 
-shared uint solved;
-shared uint longest_bits;
-shared vec3 found;
-shared vec4 plane[kPlanes];    // n, offset
-shared uint plane_group[kPlanes];
-shared uint plane_count;
-shared vec4 candidate[92];     // x, violation
-shared vec3 candidate_m[92];   // multipliers
-shared uint candidate_set[92]; // planes, a nibble each; 0xffff: none
+const uint kNoPlane = kCandidates;
+const double kOppositeCosine = -0.8lf;
+const double kHoldSlack = 1e-6lf;
+const double kViolated_mm = 1e-9lf, kLeastPivot = 1e-13lf;
+const double kAbsent = -1e30lf;
+const double kFaceCosine = 0.866lf;
+const double kExactness = 4.0lf;
+const uint kMostRounds = 200;
 
-const float kFeasible = 1e-4;        // mm
-const float kLeastVolume = 1e-5;     // of a Gram determinant
+shared dvec3 plane_n[kCandidates + 1];
+shared double plane_offset[kCandidates + 1];
+shared double plane_gap[kCandidates], yielding_gap[kCandidates];
+shared dvec3 plane_motion[kCandidates];
+shared double tool_radius[kCandidates];
+shared uint bone_ball[kCandidates], tool_ball[kCandidates], is_present[kCandidates];
 
-float Violation(vec3 x) {
-  float worst = 0.0;
-  for (uint i = 0; i < plane_count; ++i) worst = max(worst, plane[i].w - dot(plane[i].xyz, x));
-  return worst;
+// ---- where planes hold a point
+
+// Up to four planes that hold a point, kNoPlane for none.
+struct Held {
+  uvec4 plane;
+  dvec4 m;
+  uint size;
+  dvec3 point;
+  double slack;
+};
+
+double Violation(Held held, uint i, dvec3 shift) {
+  return plane_offset[i] - dot(plane_n[i], shift + held.point) - held.slack;
 }
 
-// The sets of one, two and three of 8 planes, by size and in index order; a nibble a plane, the size in bits 12 up.
-const uint kSets[92] = uint[92](
-    0x1000u, 0x1001u, 0x1002u, 0x1003u, 0x1004u, 0x1005u, 0x1006u, 0x1007u, 0x2010u, 0x2020u, 0x2030u, 0x2040u,
-    0x2050u, 0x2060u, 0x2070u, 0x2021u, 0x2031u, 0x2041u, 0x2051u, 0x2061u, 0x2071u, 0x2032u, 0x2042u, 0x2052u,
-    0x2062u, 0x2072u, 0x2043u, 0x2053u, 0x2063u, 0x2073u, 0x2054u, 0x2064u, 0x2074u, 0x2065u, 0x2075u, 0x2076u,
-    0x3210u, 0x3310u, 0x3410u, 0x3510u, 0x3610u, 0x3710u, 0x3320u, 0x3420u, 0x3520u, 0x3620u, 0x3720u, 0x3430u,
-    0x3530u, 0x3630u, 0x3730u, 0x3540u, 0x3640u, 0x3740u, 0x3650u, 0x3750u, 0x3760u, 0x3321u, 0x3421u, 0x3521u,
-    0x3621u, 0x3721u, 0x3431u, 0x3531u, 0x3631u, 0x3731u, 0x3541u, 0x3641u, 0x3741u, 0x3651u, 0x3751u, 0x3761u,
-    0x3432u, 0x3532u, 0x3632u, 0x3732u, 0x3542u, 0x3642u, 0x3742u, 0x3652u, 0x3752u, 0x3762u, 0x3543u, 0x3643u,
-    0x3743u, 0x3653u, 0x3753u, 0x3763u, 0x3654u, 0x3754u, 0x3764u, 0x3765u);
+// Multipliers of the nearest point on all planes of a set, by elimination of the Gram matrix; those that are none have a row
+// of the unit matrix. False where the planes are parallel or one would pull.
+bool SolveSet(uvec4 p, dvec3 shift, out Held set) {
+  bvec4 is = notEqual(p, uvec4(kNoPlane));
+  dvec3 a = plane_n[p.x], b = plane_n[p.y], c = plane_n[p.z], d = plane_n[p.w];
+  dvec4 real = dvec4(is.x ? 1.0lf : 0.0lf, is.y ? 1.0lf : 0.0lf, is.z ? 1.0lf : 0.0lf, is.w ? 1.0lf : 0.0lf);
+  dvec4 slack = kHoldSlack * real, pad = 1.0lf - real;
+  dvec4 row_0 = dvec4(dot(a, a) + slack.x + pad.x, dot(a, b) + slack.x * real.y, dot(a, c) + slack.x * real.z,
+                      dot(a, d) + slack.x * real.w);
+  dvec4 row_1 = dvec4(row_0.y, dot(b, b) + slack.y + pad.y, dot(b, c) + slack.y * real.z, dot(b, d) + slack.y * real.w);
+  dvec4 row_2 = dvec4(row_0.z, row_1.z, dot(c, c) + slack.z + pad.z, dot(c, d) + slack.z * real.w);
+  dvec4 row_3 = dvec4(row_0.w, row_1.w, row_2.w, dot(d, d) + slack.w + pad.w);
+  dvec4 v = dvec4(plane_offset[p.x] - dot(a, shift), plane_offset[p.y] - dot(b, shift),
+                  plane_offset[p.z] - dot(c, shift), plane_offset[p.w] - dot(d, shift)) * real;
+  bool good = row_0.x > kLeastPivot;
+  double f = row_1.x / row_0.x;
+  row_1 -= f * row_0;
+  v.y -= f * v.x;
+  f = row_2.x / row_0.x;
+  row_2 -= f * row_0;
+  v.z -= f * v.x;
+  f = row_3.x / row_0.x;
+  row_3 -= f * row_0;
+  v.w -= f * v.x;
+  good = good && row_1.y > kLeastPivot;
+  f = row_2.y / row_1.y;
+  row_2 -= f * row_1;
+  v.z -= f * v.y;
+  f = row_3.y / row_1.y;
+  row_3 -= f * row_1;
+  v.w -= f * v.y;
+  good = good && row_2.z > kLeastPivot;
+  f = row_3.z / row_2.z;
+  row_3 -= f * row_2;
+  v.w -= f * v.z;
+  good = good && row_3.w > kLeastPivot;
+  set.m.w = v.w / row_3.w;
+  set.m.z = (v.z - row_2.w * set.m.w) / row_2.z;
+  set.m.y = (v.y - row_1.z * set.m.z - row_1.w * set.m.w) / row_1.y;
+  set.m.x = (v.x - row_0.y * set.m.y - row_0.z * set.m.z - row_0.w * set.m.w) / row_0.x;
+  set.plane = p;
+  set.size = uint(is.x) + uint(is.y) + uint(is.z) + uint(is.w);
+  set.point = set.m.x * a + set.m.y * b + set.m.z * c + set.m.w * d;
+  set.slack = kHoldSlack * dot(set.m, real);
+  return good && (!is.x || set.m.x > 0.0lf) && (!is.y || set.m.y > 0.0lf) && (!is.z || set.m.z > 0.0lf) &&
+         (!is.w || set.m.w > 0.0lf);
+}
 
-void Try(uint k) {
-  candidate_set[k] = 0xffffu;
-  uint set = kSets[k];
-  uint size = set >> 12;
-  uint a = set & 15u, b = (set >> 4) & 15u, c = (set >> 8) & 15u;
-  uint last = size == 1 ? a : size == 2 ? b : c;
-  if (last >= plane_count) return;
-  vec3 m = vec3(0.0), x;
-  vec3 na = plane[a].xyz, nb = plane[b].xyz, nc = plane[c].xyz;
-  if (size == 1) {
-    m.x = plane[a].w;
-    x = m.x * na;
-  } else if (size == 2) {
-    float g = dot(na, nb), det = 1.0 - g * g;
-    if (det < kLeastVolume) return;
-    m.x = (plane[a].w - g * plane[b].w) / det;
-    m.y = (plane[b].w - g * plane[a].w) / det;
-    x = m.x * na + m.y * nb;
-  } else {
-    float ab = dot(na, nb), ac = dot(na, nc), bc = dot(nb, nc);
-    mat3 gram = mat3(1.0, ab, ac, ab, 1.0, bc, ac, bc, 1.0);
-    if (determinant(gram) < kLeastVolume) return;
-    m = inverse(gram) * vec3(plane[a].w, plane[b].w, plane[c].w);
-    x = m.x * na + m.y * nb + m.z * nc;
+// The planes of `held` that the mask names, and the one that enters.
+uvec4 Chosen(Held held, uint mask, uint entering) {
+  uvec4 p = uvec4((mask & 1u) != 0u ? held.plane.x : kNoPlane, (mask & 2u) != 0u ? held.plane.y : kNoPlane,
+                  (mask & 4u) != 0u ? held.plane.z : kNoPlane, entering);
+  if ((mask & 8u) != 0u) {
+    if (p.x == kNoPlane) p.x = held.plane.w;
+    else if (p.y == kNoPlane) p.y = held.plane.w;
+    else if (p.z == kNoPlane) p.z = held.plane.w;
   }
-  if (min(m.x, min(m.y, m.z)) < 0.0) return;
-  candidate[k] = vec4(x, Violation(x));
-  candidate_m[k] = m;
-  candidate_set[k] = set;
+  return p;
+}
+
+// Planes in the order x, y, z, w without gaps, so that masks and the host's order agree.
+Held Packed(Held set) {
+  for (uint pass = 0; pass < 3; ++pass) {
+    if (set.plane.x == kNoPlane) {
+      set.plane.xy = set.plane.yx;
+      set.m.xy = set.m.yx;
+    }
+    if (set.plane.y == kNoPlane) {
+      set.plane.yz = set.plane.zy;
+      set.m.yz = set.m.zy;
+    }
+    if (set.plane.z == kNoPlane) {
+      set.plane.zw = set.plane.wz;
+      set.m.zw = set.m.wz;
+    }
+  }
+  return set;
+}
+
+// Twin of simulation::FindHoldPoint, about `shift` instead of the tool's pose; the same on every lane.
+Held FindHold(dvec3 shift) {
+  uint lane = gl_LocalInvocationID.x;
+  Held held = Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf);
+  for (uint round = 0; round < kMostRounds; ++round) {
+    // the most violated plane, of equal ones the first
+    float worst = 0.0;
+    uint entering = kNoPlane;
+    for (uint i = lane; i < kCandidates; i += kLanes) {
+      double violation = Violation(held, i, shift);
+      if (violation <= kViolated_mm || float(violation) <= worst) continue;
+      worst = float(violation);
+      entering = i;
+    }
+    float most = subgroupMax(worst);
+    entering = subgroupMin(worst == most ? entering : kNoPlane);
+    if (entering == kNoPlane) break;
+    // of the sets of it and those that hold, the one whose point keeps the others
+    float least = 1e30;
+    uint chosen = 16u;
+    for (uint mask = lane; mask < (1u << held.size); mask += kLanes) {
+      Held set;
+      bool good = bitCount(mask) < 4 && SolveSet(Chosen(held, mask, entering), shift, set);
+      double violation = 0.0lf;
+      if (good) {
+        if (held.size > 0u) violation = max(violation, Violation(set, held.plane.x, shift));
+        if (held.size > 1u) violation = max(violation, Violation(set, held.plane.y, shift));
+        if (held.size > 2u) violation = max(violation, Violation(set, held.plane.z, shift));
+        if (held.size > 3u) violation = max(violation, Violation(set, held.plane.w, shift));
+      }
+      if (!good || float(violation) >= least) continue;
+      least = float(violation);
+      chosen = mask;
+    }
+    float best = subgroupMin(least);
+    chosen = subgroupMin(least == best ? chosen : 16u);
+    if (chosen == 16u) break;
+    bool again = any(equal(held.plane, uvec4(entering)));
+    Held next;
+    SolveSet(Chosen(held, chosen, entering), shift, next);
+    held = Packed(next);
+    if (again) break;
+  }
+  return held;
+}
+
+// Where planes hold the tool, what friction takes back, and how much of the multipliers is worth a force (twin of
+// simulation::HoldTool).
+struct Hold {
+  Held held;
+  double normal, most;
+  dvec3 friction;
+};
+Hold HoldTool(bool turning, dvec3 origin_motion, double s) {
+  barrier();
+  for (uint c = gl_LocalInvocationID.x; c < kCandidates; c += kLanes) {
+    dvec3 motion = turning ? plane_motion[c] : origin_motion;
+    plane_offset[c] = is_present[c] != 0u ? -(yielding_gap[c] + dot(plane_n[c], motion)) : kAbsent;
+  }
+  barrier();
+  Hold hold;
+  hold.held = FindHold(dvec3(0.0lf));
+  hold.normal = hold.held.m.x + hold.held.m.y + hold.held.m.z + hold.held.m.w;
+  hold.most = min(hold.normal, 2.0lf * (length(hold.held.point) + hold.held.slack));
+  hold.friction = dvec3(0.0lf);
+  for (uint once = hold.normal > 0.0lf && frame.friction > 0.0 ? 0 : 1; once < 1; ++once) {
+    dvec3 turn = turning ? (1.0lf - s) * dvec3(frame.turn.xyz) : dvec3(0.0lf), slip = dvec3(0.0lf);
+    for (uint k = 0; k < hold.held.size; ++k) {
+      uint i = hold.held.plane[k];
+      dvec3 motion = turning ? plane_motion[i] : origin_motion;
+      slip += hold.held.m[k] * (motion + hold.held.point - tool_radius[i] * cross(turn, plane_n[i]));
+    }
+    slip /= hold.normal;
+    dvec3 n = normalize(hold.held.point);
+    slip -= dot(n, slip) * n;
+    double size = length(slip);
+    if (size <= 0.0lf) break;
+    hold.friction = -min(1.0lf, double(frame.friction) * hold.most / size) * slip;
+    // the way back may lead into another plane, by micrometres: out again
+    hold.friction += FindHold(hold.held.point + hold.friction).point;
+  }
+  return hold;
+}
+
+// ---- candidates
+
+void Load(uint c, double s) {
+  uint bone = 0u, t = 0u;
+  bool there = false;
+  if (c < kBins) {
+    uint64_t key = frame.bin_keys[c];
+    there = key != 0xfffffffffffffffful;
+    bone = uint(key >> kToolBits) & ((1u << kBoneBits) - 1u);
+    t = uint(key) & ((1u << kToolBits) - 1u);
+  } else if (c - kBins < frame.remembered_count) {
+    there = true;
+    bone = frame.remembered_bone[c - kBins];
+    t = frame.remembered_tool[c - kBins];
+  }
+  there = there && bone < frame.ball_count && t < frame.tool_count;
+  uint slot = there ? slots[bone] : 0u;
+  there = there && slot < frame.live_ball_count && live_entries[slot].index == bone;
+  vec4 ball = there ? live_balls[slot] : vec4(0.0);
+  vec4 start = Start(there ? t : 0u);
+  dvec3 goal = dvec3(Goal(there ? t : 0u)), at = mix(dvec3(start.xyz), goal, s);
+  dvec3 from_bone = at - dvec3(ball.xyz);
+  double d = length(from_bone), gap = d - double(start.w) - double(ball.w);
+  there = there && ball.w > 0.0 && d > 0.0lf && gap < double(frame.enlargement_mm);
+  bone_ball[c] = bone;
+  tool_ball[c] = t;
+  is_present[c] = there ? 1u : 0u;
+  plane_n[c] = there ? from_bone / d : dvec3(0.0lf);
+  plane_gap[c] = there ? gap : 0.0lf;
+  plane_motion[c] = goal - at;
+  tool_radius[c] = double(start.w);
 }
 
 void main() {
   uint lane = gl_LocalInvocationID.x;
-  if (lane == 0) frame.is_void = IsVoid() ? 1u : 0u;
-  for (uint p = lane; p < kPlanes; p += kLanes) {
-    uint row = p * kPlaneColumns;
-    float weight = Total(frame.plane_sums[row], kNormalScale);
-    vec3 n = vec3(Total(frame.plane_sums[row + 1], kNormalScale), Total(frame.plane_sums[row + 2], kNormalScale),
-                  Total(frame.plane_sums[row + 3], kNormalScale));
-    vec3 point = vec3(Total(frame.plane_sums[row + 4], frame.point_scale), Total(frame.plane_sums[row + 5], frame.point_scale),
-                      Total(frame.plane_sums[row + 6], frame.point_scale));
-    float size = length(n);
-    bool present = size > 1e-6 * weight;
-    frame.plane_n[p] =
-        present ? vec4(n / size, FromOrderedBits(frame.plane_gap_bits[p])) : vec4(0.0);
-    // for a single cutting ball the mean touching point follows from the normal
-    float s = ContactFraction();
-    vec4 head = AtContact(0, s);
-    vec3 mean = !kOneCutter || p == kShaft ? OriginAtContact(s) + point / weight : head.xyz - head.w * (n / size);
-    frame.plane_point[p] = present ? vec4(mean, weight) : vec4(0.0);
-    frame.multiplier[p] = 0.0;
-  }
-  memoryBarrierBuffer();
-  barrier();
-
-  for (uint clipped = 0; clipped < 2; ++clipped) {
-    if (lane == 0) {
-      vec3 origin = OriginAtContact(ContactFraction());
-      vec3 motion = frame.goal.xyz - origin;
-      vec3 turn = (1.0 - ContactFraction()) * frame.turn.xyz;
-      uint count = 0, present = 0;
-      for (uint g = 0; g < kPlanes; ++g) {
-        if (frame.plane_point[g].w <= 0.0) continue;
-        present |= 1u << g;
-        vec3 n = frame.plane_n[g].xyz;
-        float gap = frame.plane_n[g].w;
-        if (clipped == 1) gap = max(gap, 0.0);
-        float at_goal = gap + dot(n, motion + cross(turn, frame.plane_point[g].xyz - origin));
-        plane[count] = vec4(n, -at_goal);
-        plane_group[count] = g;
-        ++count;
-      }
-      plane_count = count;
-      frame.planes_present = present;
-    }
-    barrier();
-    for (uint k = lane; k < 92; k += kLanes) Try(k);
-    barrier();
-    if (lane == 0) {
-      float free_violation = Violation(vec3(0.0));
-      uint best = 0xffffu;
-      float best_distance = 0.0, best_violation = free_violation;
-      bool feasible = free_violation <= 0.0;
-      if (!feasible) {
-        for (uint k = 0; k < 92; ++k) {
-          if (candidate_set[k] == 0xffffu) continue;
-          bool keeps = candidate[k].w <= kFeasible;
-          float d = dot(candidate[k].xyz, candidate[k].xyz);
-          bool better = keeps ? (!feasible || d < best_distance) : (!feasible && candidate[k].w < best_violation);
-          if (!better) continue;
-          feasible = keeps;
-          best = k;
-          best_distance = d;
-          best_violation = candidate[k].w;
-        }
-      }
-      vec3 delta = vec3(0.0), cutting = vec3(0.0);
-      for (uint g = 0; g < kPlanes; ++g) frame.multiplier[g] = 0.0;
-      if (best != 0xffffu) {
-        delta = candidate[best].xyz;
-        uint set = candidate_set[best];
-        for (uint j = 0; j < (set >> 12); ++j) {
-          uint p = (set >> (4 * j)) & 15u;
-          uint g = plane_group[p];
-          float m = candidate_m[best][j];
-          frame.multiplier[g] = m;
-          if (g != kShaft) cutting += m * plane[p].xyz;
-        }
-      }
-      float size = length(cutting);
-      found = delta;
-      frame.delta = vec4(delta, size);
-      frame.n = size > 0.0 ? vec4(cutting / size, 0.0) : vec4(0.0);
-      solved = feasible ? 1u : 0u;  // tells the others whether a second round is due
-    }
-    barrier();
-    if (solved == 1u) break;
-  }
-
-  // the way to the target of the tool point that moves farthest
-  if (lane == 0) longest_bits = 0u;
-  barrier();
-  float at_contact = ContactFraction(), longest = 0.0;
-  for (uint t = lane; t < frame.tool_count; t += kLanes)
-    longest = max(longest, distance(AtContact(t, at_contact).xyz, Goal(t) + found));
-  longest = max(longest, distance(OriginAtContact(at_contact), frame.goal.xyz + found));
-  atomicMax(longest_bits, floatBitsToUint(longest));
-  barrier();
+  bool is_void = IsVoid();
+  if (lane == 0) frame.is_void = is_void ? 1u : 0u;
+  double s = double(ContactFraction());
+  for (uint c = lane; c < kCandidates; c += kLanes) Load(c, s);
   if (lane == 0) {
-    longest = uintBitsToFloat(longest_bits);
-    frame.way_mm = longest;
-    frame.slide_limit = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
+    plane_n[kNoPlane] = dvec3(0.0lf);
+    plane_offset[kNoPlane] = 0.0lf;
   }
+  barrier();
+  for (uint c = kBins + lane; c < kCandidates; c += kLanes)
+    for (uint other = 0; other < kBins; ++other)
+      if (is_present[other] != 0u && bone_ball[other] == bone_ball[c] && tool_ball[other] == tool_ball[c]) is_present[c] = 0u;
+  barrier();
+  for (uint c = lane; c < kCandidates; c += kLanes) {
+    // where another faces it and less than the tolerance is left between them, both yield
+    double tolerance = double(frame.tolerance_mm), room = tolerance;
+    for (uint other = 0; other < kCandidates; ++other)
+      if (is_present[other] != 0u && dot(plane_n[other], plane_n[c]) < kOppositeCosine)
+        room = min(room, plane_gap[c] + plane_gap[other]);
+    yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
+    frame.candidates[c] = Candidate(float(plane_n[c].x), float(plane_n[c].y), float(plane_n[c].z), float(plane_gap[c]),
+                                    bone_ball[c], tool_ball[c], is_present[c]);
+  }
+
+  dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
+  Hold unturned = Hold(Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf), 0.0lf, 0.0lf, dvec3(0.0lf));
+  for (uint twice = frame.turning != 0u ? 0 : 1; twice < 1; ++twice) unturned = HoldTool(false, motion, s);
+  Hold hold = HoldTool(true, motion, s);
+  if (frame.turning == 0u) unturned = hold;
+  Held held = hold.held;
+  dvec3 friction = hold.friction;
+  double normal = hold.normal;
+  double free_share = normal > 0.0lf ? hold.most / normal : 1.0lf;
+
+  // the faces' resultant, along the mean normal of the balls around each: strongest first, so that a new face forms around
+  // what holds most
+  uvec4 plane = held.plane;
+  dvec4 m = held.m;
+  for (uint pass = 0; pass < 3; ++pass) {
+    if (held.size > 1u && m.y > m.x) {
+      m.xy = m.yx;
+      plane.xy = plane.yx;
+    }
+    if (held.size > 2u && m.z > m.y) {
+      m.yz = m.zy;
+      plane.yz = plane.zy;
+    }
+    if (held.size > 3u && m.w > m.z) {
+      m.zw = m.wz;
+      plane.zw = plane.wz;
+    }
+  }
+  dvec3 hold_of[kFaces];
+  double cutting_of[kFaces], multiplier_of[kFaces];
+  int known_of[kFaces];
+  uint faces = 0u;
+  for (uint k = 0; k < held.size; ++k) {
+    dvec3 n = plane_n[plane[k]];
+    int known = -1;
+    double nearest = kFaceCosine;
+    for (uint f = 0; f < kFaces; ++f) {
+      double cosine = dot(n, dvec3(frame.face_n[f].xyz));
+      if (cosine <= nearest) continue;
+      nearest = cosine;
+      known = int(f);
+    }
+    uint at = faces;
+    for (uint f = 0; f < faces; ++f)
+      if (known >= 0 ? known_of[f] == known
+                     : known_of[f] < 0 && dot(n, hold_of[f]) > kFaceCosine * length(hold_of[f]))
+        at = f;
+    if (at == faces) {
+      known_of[at] = known;
+      hold_of[at] = dvec3(0.0lf);
+      cutting_of[at] = multiplier_of[at] = 0.0lf;
+      ++faces;
+    }
+    hold_of[at] += m[k] * n;
+    multiplier_of[at] += m[k];
+    if (tool_ball[plane[k]] < frame.cutter_count) cutting_of[at] += m[k];
+  }
+  double largest = 0.0lf;
+  for (uint f = 0; f < faces; ++f) largest = max(largest, multiplier_of[f]);
+  double exact = normal > 0.0lf ? min(1.0lf, kExactness * (1.0lf - largest / normal)) : 0.0lf;
+  dvec3 cutting = dvec3(0.0lf);
+  for (uint f = 0; f < faces; ++f) {
+    double size = length(hold_of[f]);
+    if (size <= 0.0lf) continue;
+    dvec3 n = hold_of[f] / size;
+    if (known_of[f] >= 0) {
+      vec4 sum = vec4(0.0);
+      for (uint row = 0; row < 2; ++row)
+        for (uint column = 0; column < 4; ++column)
+          sum[column] += Total(frame.face_sums[(row * kFaces + uint(known_of[f])) * kFaceColumns + column], frame.face_scale);
+      if (sum.x > 0.0) n = normalize((1.0lf - exact) * normalize(dvec3(sum.yzw)) + exact * n);
+    }
+    double share = multiplier_of[f] / normal;
+    cutting += cutting_of[f] / multiplier_of[f] * (free_share * size * n + (1.0lf - free_share) * share * held.point);
+  }
+
+  dvec3 delta = held.point + friction;
+  // the way to the target of the tool point that moves farthest
+  float longest = float(length(dvec3(frame.goal.xyz) + delta - mix(dvec3(frame.start.xyz), dvec3(frame.goal.xyz), s)));
+  for (uint t = lane; t < frame.tool_count; t += kLanes)
+    longest = max(longest, distance(AtContact(t, float(s)).xyz, Goal(t) + vec3(delta)));
+  longest = subgroupMax(longest);
+  if (lane != 0 || is_void) return;
+  frame.hold_count = held.size;
+  for (uint k = 0; k < 4; ++k) {
+    frame.hold_candidate[k] = held.plane[k];
+    frame.hold_mm[k] = float(held.m[k]);
+  }
+  frame.friction_mm = vec4(vec3(friction), float(held.slack));
+  frame.shift_mm = vec4(vec3(motion + unturned.held.point + unturned.friction), 0.0);
+  float straight = length(frame.shift_mm.xyz);
+  frame.straight_way_mm = straight;
+  frame.straight_limit = straight > frame.max_slide_mm ? frame.max_slide_mm / straight : 1.0;
+  // what is found where no later pass has work to do
+  frame.turns = 1u;
+  frame.slid_share = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
+  double size = length(cutting);
+  frame.delta = vec4(vec3(delta), float(size));
+  frame.n = size > 0.0lf ? vec4(vec3(cutting / size), 0.0) : vec4(0.0);
+  frame.way_mm = longest;
+  frame.slide_limit = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
 }

@@ -10,52 +10,6 @@
 namespace osteon::simulation {
 namespace {
 
-// ---- groups of planes
-
-Vector3 Around(double azimuth_deg, double z) {
-  const double a = azimuth_deg * M_PI / 180.0, s = std::sqrt(1.0 - z * z);
-  return {s * std::cos(a), s * std::sin(a), z};
-}
-
-TEST(PlaneGroup, CoversEveryDirectionWithTheCapAndSixSectors) {
-  std::mt19937 random(1);
-  std::normal_distribution<double> normal;
-  std::array<int, kMaxContacts> count{};
-  constexpr int kTries = 60'000;
-  for (int i = 0; i < kTries; ++i) {
-    const Vector3 u = Vector3(normal(random), normal(random), normal(random)).normalized();
-    const int group = PlaneGroup(u);
-    ASSERT_GE(group, 0);
-    ASSERT_LT(group, kShaftPlane);
-    ++count[static_cast<std::size_t>(group)];
-    ASSERT_EQ(group == kCapPlane, -u.z() > kCapCosine);
-  }
-  // areas on the unit sphere: the cap has (1 - cos)/2 of it, the sectors a sixth of the rest each
-  const double cap = 0.5 * (1.0 - kCapCosine), sector = (1.0 - cap) / 6.0;
-  EXPECT_NEAR(count[0], kTries * cap, 5.0 * std::sqrt(kTries * cap));  // five standard deviations
-  for (std::size_t g = 1; g <= 6; ++g)
-    EXPECT_NEAR(count[g], kTries * sector, 5.0 * std::sqrt(kTries * sector)) << g;
-}
-
-TEST(PlaneGroup, OfASectorIsASixthOfATurnOfContactPlaces) {
-  // u points from bone to tool: bone that lies at azimuth a of the tool has u at a + 180 deg
-  std::set<int> seen;
-  for (int sector = 0; sector < 6; ++sector) {
-    const int group = PlaneGroup(Around(60.0 * sector + 180.0 + 1.0, 0.1));
-    for (const double inside : {2.0, 30.0, 59.0})
-      EXPECT_EQ(PlaneGroup(Around(60.0 * sector + 180.0 + inside, -0.3)), group) << sector;
-    seen.insert(group);
-  }
-  EXPECT_EQ(seen.size(), 6u);
-}
-
-TEST(PlaneGroup, CapIsFortyDegreesAboutTheFeed) {
-  EXPECT_EQ(PlaneGroup({0, 0, -1}), kCapPlane);
-  EXPECT_EQ(PlaneGroup(Around(77, -std::cos(39.9 * M_PI / 180.0))), kCapPlane);
-  EXPECT_NE(PlaneGroup(Around(77, -std::cos(40.1 * M_PI / 180.0))), kCapPlane);
-  EXPECT_NE(PlaneGroup({0, 0, 1}), kCapPlane);
-}
-
 // ---- placing
 
 TEST(PlaceTool, PutsBallsAndThenTheOriginIntoG) {
@@ -69,10 +23,6 @@ TEST(PlaceTool, PutsBallsAndThenTheOriginIntoG) {
   EXPECT_EQ(points.back(), Vector3(0.1, 0.2, 0.3));
   const ToolPoints half = Between(points, PlaceTool(tool, Pose::Identity()), 0.5);
   EXPECT_LT((half[0] - Vector3(0.05, 0.1, 0.15)).norm(), 1e-15);
-}
-
-SolutionPlane Plane(const Vector3& n, double gap_m, double weight = 1.0) {
-  return {.present = true, .n = n, .gap_m = gap_m, .weight = weight};
 }
 
 // ---- the advance's end
@@ -204,12 +154,19 @@ TEST(SpindleTorque, IsTheCuttingForceAtItsArm) {
 
 // ---- the frame's end
 
+SolvedContact At(const Vector3& n, const Vector3& p_T_m, double multiplier_m, double weight = 1.0) {
+  return {.n = n, .p_T_m = p_T_m, .gap_m = -multiplier_m, .multiplier_m = multiplier_m, .weight = weight};
+}
+
 struct Frame {
   CuttingParams params;
   std::vector<Material> materials{{.name = "bone", .specific_cutting_energy_J_per_m3 = 50e6}};
   FrameInput input;
   FrameSolution solution;
   FrameMemory memory;
+  void Add(const SolvedContact& contact) {
+    solution.contacts[static_cast<std::size_t>(solution.contact_count++)] = contact;
+  }
   ContactModel Finish(const Pose& X_WG = Pose::Identity()) {
     return FinishFrame(params, materials, X_WG, input, solution, memory);
   }
@@ -217,8 +174,7 @@ struct Frame {
 
 TEST(FinishFrame, GivesAForceAlongTheNormalOfStiffnessTimesDepth) {
   Frame frame;
-  frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
-  frame.solution.planes[kCapPlane].multiplier_m = 3e-3;
+  frame.Add(At(Vector3::UnitZ(), Vector3::Zero(), 3e-3));
   const ContactModel model = frame.Finish();
   EXPECT_EQ(model.contact_count, 1);
   EXPECT_LT((Vector3(model.F_T_W.f) - Vector3(0, 0, 60.0)).norm(), 1e-12);
@@ -226,12 +182,9 @@ TEST(FinishFrame, GivesAForceAlongTheNormalOfStiffnessTimesDepth) {
 
 TEST(FinishFrame, LimitsTheWrenchWithoutTurningIt) {
   Frame frame;
-  SolutionPlane& floor = frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
-  SolutionPlane& wall = frame.solution.planes[4] = Plane(Vector3::UnitX(), 0.0);
-  floor.point_m = Vector3(5e-3, 0, 0);
-  wall.point_m = Vector3(0, 20e-3, 0);
-  floor.multiplier_m = 3e-3;
-  wall.multiplier_m = 4e-3;
+  frame.Add(At(Vector3::UnitZ(), Vector3(5e-3, 0, 0), 3e-3));
+  frame.Add(At(Vector3::UnitX(), Vector3(0, 20e-3, 0), 4e-3));
+  SolvedContact &floor = frame.solution.contacts[0], &wall = frame.solution.contacts[1];
   const Wrench free = frame.Finish().F_T_W;
   EXPECT_LT((free.f - Vector3(80, 0, 60)).norm(), 1e-10);
   floor.multiplier_m *= 5.0;
@@ -249,9 +202,7 @@ TEST(FinishFrame, TorqueIsTheLeverOfTheTouchingPointAboutTheTool) {
   frame.input.X_WT = X_WT;
   frame.memory.X_GP = X_WT;
   frame.solution.origin_contact = frame.solution.origin_slid = frame.solution.origin_end = X_WT.translation();
-  SolutionPlane& plane = frame.solution.planes[3] = Plane(Vector3::UnitZ(), 0.0);
-  plane.point_m = X_WT.translation() + Vector3(10e-3, 4e-3, 0);
-  plane.multiplier_m = 1e-3;
+  frame.Add(At(Vector3::UnitZ(), Vector3(10e-3, 4e-3, 0), 1e-3));
   const ContactModel model = frame.Finish();
   EXPECT_LT((Vector3(model.contacts[0].p_TP_m) - Vector3(10e-3, 4e-3, 0)).norm(), 1e-15);
   EXPECT_LT((Vector3(model.F_T_W.t) - Vector3(10e-3, 4e-3, 0).cross(Vector3(0, 0, 20))).norm(), 1e-12);
@@ -259,8 +210,7 @@ TEST(FinishFrame, TorqueIsTheLeverOfTheTouchingPointAboutTheTool) {
 
 TEST(FinishFrame, TurnsEverythingFromTheBonesFrameIntoTheWorlds) {
   Frame frame;
-  frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
-  frame.solution.planes[kCapPlane].multiplier_m = 1e-3;
+  frame.Add(At(Vector3::UnitZ(), Vector3::Zero(), 1e-3));
   frame.solution.n = Vector3::UnitZ();
   Pose X_WG = Pose::Identity();
   X_WG.linear() = ExpRotation({0, 0.5 * M_PI, 0});  // z of G is x of W
@@ -275,8 +225,8 @@ TEST(FinishFrame, TurnsEverythingFromTheBonesFrameIntoTheWorlds) {
 
 TEST(FinishFrame, WeightsOfTheContactsAreSharesOfTheirLenses) {
   Frame frame;
-  frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0, 3.0);
-  frame.solution.planes[2] = Plane(Vector3::UnitX(), 0.0, 1.0);
+  frame.Add(At(Vector3::UnitZ(), Vector3::Zero(), 1e-3, 3.0));
+  frame.Add(At(Vector3::UnitX(), Vector3::Zero(), 1e-3, 1.0));
   const ContactModel model = frame.Finish();
   ASSERT_EQ(model.contact_count, 2);
   EXPECT_DOUBLE_EQ(model.contacts[0].weight, 0.75);
@@ -306,19 +256,17 @@ TEST(FinishFrame, TurnsTheProxyAsFarAsItsPathWent) {
   X_WT.linear() = ExpRotation({0, 0, 0.4});
   frame.input.X_WT = X_WT;
   frame.solution.contact_fraction = 0.5;
-  frame.solution.slide_fraction = 0.5;
+  frame.solution.turn_fraction = 0.5;
   const Pose X_WP = frame.Finish().X_WP;
   EXPECT_LT((LogRotation(X_WP.linear()) - Vector3(0, 0, 0.3)).norm(), 1e-12);
 }
 
-TEST(FinishFrame, StillSpindleHasNoTorque) {
+TEST(FinishFrame, SpindleTorqueIsTheEdgesWorkOverItsAngle) {
   Frame frame;
-  frame.solution.cutting_m = 1e-3;
-  frame.solution.engaged_area_m2[0] = 1e-4;
-  frame.solution.engaged_moment_m3[0] = 1e-6;
-  EXPECT_EQ(frame.Finish().spindle_torque_Nm, 0.0);
+  frame.solution.edge_work_J = 0.05;
+  EXPECT_EQ(frame.Finish().spindle_torque_Nm, 0.0);  // a still spindle has none
   frame.input.spindle_rad_per_s = -kSpindle;
-  EXPECT_GT(frame.Finish().spindle_torque_Nm, 0.0);
+  EXPECT_NEAR(frame.Finish().spindle_torque_Nm, 0.05 / (kSpindle * frame.input.dt_s), 1e-12);
 }
 
 TEST(FrameMemory, SurvivesAState) {

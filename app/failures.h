@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hil/failures/failure.h"
+
+namespace osteon::app {
+
+struct FailureOptions {
+  std::vector<int> ids{};        ///< empty: every scenario
+  std::filesystem::path out{};   ///< folder for a picture each and failures.html; empty: none
+  std::filesystem::path json{};  ///< empty: none
+  std::string device{};          ///< part of a Vulkan device's name; empty: the best there is
+  std::string engine{"vulkan"};  ///< "ours": vulkan or reference
+  bool quick{false};             ///< the tests' size: seconds instead of minutes
+  std::string command_line{};    ///< that repeats the run
+};
+
+/// One scenario that was run.
+struct FailureRun {
+  hil::FailureResult result;
+  double seconds{0.0};
+  std::string error{};  ///< why it ended without a result; empty where it has one
+  /// The baseline was seen to fail, and ours kept the bound.
+  [[nodiscard]] bool passed() const { return error.empty() && result.baseline_fails && result.ours_passes; }
+};
+
+/// Runs the scenarios in which methods fail and prints a table.
+/// @returns the process's exit code: 0 every baseline failed and ours kept every bound; 1 not so, or a file
+/// could
+///   not be written; 2 wrong input, or no engine on this machine; 130 ended by Ctrl-C, what was done is
+///   written.
+[[nodiscard]] int RunFailures(const FailureOptions& options);
+
+/// The JSON object, schema osteon.failures/1.
+[[nodiscard]] std::string FailuresJson(const std::vector<FailureRun>& runs, const std::string& engine,
+                                       const std::string& device, bool quick);
+
+}  // namespace osteon::app

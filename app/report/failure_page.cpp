@@ -1,0 +1,101 @@
+#include "app/report/failure_page.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "app/report/page.h"
+#include "app/report/svg_plot.h"
+#include "app/report/svg_text.h"
+
+namespace osteon::app {
+namespace {
+
+using hil::FailureResult;
+
+std::string FileName(const FailureResult& result) {
+  std::string name = fmt::format("{:02}_{}.svg", result.id, result.name);
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '.'; }, '_');
+  return name;
+}
+
+std::string Value(double value, const std::string& unit) {
+  return unit == "1" ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, Escape(unit));
+}
+
+std::string Row(const FailurePageEntry& entry) {
+  const FailureResult& r = entry.result;
+  const char* verdict = entry.passed           ? "passes"
+                        : !entry.error.empty() ? "no result"
+                        : !r.baseline_fails    ? "baseline does not fail"
+                                               : "fails";
+  const std::string figures =
+      entry.error.empty()
+          ? fmt::format(
+                "<td>{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
+                Escape(r.metric), Value(r.bound, r.unit), Escape(r.baseline_name), Value(r.baseline, r.unit),
+                Value(r.ours, r.unit))
+          : fmt::format("<td colspan=\"5\">{}</td>", Escape(entry.error));
+  return fmt::format(
+      "<tr><td class=\"n\">{}</td><td>{}</td>{}<td><span class=\"verdict {}\">{}</span></td></tr>\n", r.id,
+      Escape(r.name), figures, entry.passed ? "good" : "bad", verdict);
+}
+
+}  // namespace
+
+std::string FailureSvg(const FailureResult& result) {
+  // ours in blues and greens, the baseline's in reds and browns
+  static constexpr std::array kOurs{"#0072b2", "#56b4e9", "#009e73"},
+      kTheirs{"#d55e00", "#b07d00", "#cc79a7"};
+  LineChart chart{.title = fmt::format("{} {}: {}", result.id, result.name, result.metric),
+                  .x_label = result.plot.x_label,
+                  .y_label = result.plot.y_label,
+                  .log_x = result.plot.log_x,
+                  .log_y = result.plot.log_y};
+  std::size_t ours = 0, theirs = 0;
+  for (const hil::FailureSeries& series : result.plot.series)
+    chart.series.push_back(
+        {.name = series.name,
+         .x = series.x,
+         .y = series.y,
+         .color = series.ours ? kOurs[ours++ % kOurs.size()] : kTheirs[theirs++ % kTheirs.size()],
+         .width_px = series.ours ? 2.2 : 1.6});
+  if (result.plot.bound_is_on_y)
+    chart.limits = {{.value = result.bound, .label = "bound " + Value(result.bound, result.unit)}};
+  return Svg(chart);
+}
+
+tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntry> entries,
+                                                 const FailurePageHead& head,
+                                                 const std::filesystem::path& folder) {
+  const auto passed = std::ranges::count_if(entries, &FailurePageEntry::passed);
+  const bool all = passed == std::ssize(entries);
+  std::string html = PageBegin("Where methods fail");
+  html += fmt::format(
+      "<h1>Where methods fail</h1>\n<p class=\"sub\">{} on {}{}</p>\n<span class=\"verdict {}\">{} of {} "
+      "kept, with "
+      "their baselines seen to fail</span>\n"
+      "<table>\n<tr><th class=\"n\"></th><th>scenario</th><th>metric</th><th "
+      "class=\"n\">bound</th><th>baseline</th>"
+      "<th class=\"n\"></th><th class=\"n\">ours</th><th></th></tr>\n",
+      Escape(head.engine), Escape(head.device), head.quick ? ", small scenes" : "", all ? "good" : "bad",
+      passed, entries.size());
+  for (const FailurePageEntry& entry : entries) html += Row(entry);
+  html += "</table>\n";
+  for (const FailurePageEntry& entry : entries) {
+    if (!entry.error.empty()) continue;
+    const std::string svg = FailureSvg(entry.result);
+    html += fmt::format("<h2>{} {}</h2>\n", entry.result.id, Escape(entry.result.name)) +
+            Figure(svg, fmt::format("{}{}{:.1f} s.", entry.result.note, entry.result.note.empty() ? "" : ". ",
+                                    entry.seconds));
+    if (const auto written = WritePage(svg, folder / FileName(entry.result)); !written) return written;
+  }
+  html += fmt::format("<footer>Osteon {}: <code>{}</code></footer>\n", Escape(head.version),
+                      Escape(head.command_line));
+  return WritePage(html + kPageEnd, folder / "failures.html");
+}
+
+}  // namespace osteon::app

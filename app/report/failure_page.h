@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "hil/failures/failure.h"
+
+namespace osteon::app {
+
+/// A scenario on the page.
+struct FailurePageEntry {
+  hil::FailureResult result;
+  bool passed{false};
+  std::string error{};  ///< instead of a result; may be empty
+  double seconds{0.0};
+};
+
+struct FailurePageHead {
+  std::string engine, device, command_line, version;
+  bool quick{false};
+};
+
+/// One scenario's picture: the baseline's lines, ours, and the bound where it is one of y's.
+[[nodiscard]] std::string FailureSvg(const hil::FailureResult& result);
+
+/// failures.html (table and every picture) and a picture each, NN_name.svg, in a folder that exists. Files
+/// appear whole or not at all. @returns an error that names the file.
+[[nodiscard]] tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntry> entries,
+                                                               const FailurePageHead& head,
+                                                               const std::filesystem::path& folder);
+
+}  // namespace osteon::app

@@ -1,0 +1,118 @@
+#include "hil/failures/breakthrough.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "hil/failures/scenario_bench.h"
+#include "simulation/box_solid.h"
+#include "simulation/scene_events.h"
+
+namespace osteon::hil {
+namespace {
+
+constexpr double kPush_N = 100.0, kMass_kg = 2.0, kDamping_Ns_per_m = 200.0, kDt_s = 1e-3;
+constexpr double kRadius_m = 1.6e-3, kHalfWidth_m = 4e-3, kMargin_m = 1e-3;
+constexpr int kAfter = 100;  // frames that are watched after the breakthrough
+
+struct Course {
+  double overshoot_m{0.0};              ///< of the hand, below where it was at the breakthrough
+  double lead_m{-1.0};                  ///< of the proxy over the tool, greatest; -1: none seen
+  std::optional<int> through, flagged;  ///< frames
+  FailureSeries hand;
+};
+
+Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, const simulation::Solid& solid,
+             double thickness_m, bool held, const simulation::CuttingParams& params) {
+  const simulation::Tool tool = MakeBallTool(kRadius_m);
+  simulation::SceneWatch watch(solid, wall, tool, {.least_wall_m = 1e-6});
+  Course course;
+  double z = 0.05e-3, v = 0.0, broken_at_m = 0.0, limit_m = -std::numeric_limits<double>::infinity();
+  constexpr int kMost = 20'000;
+  for (int frame = 0; frame < kMost; ++frame) {
+    const auto model = engine.Step(FrameAt(Downwards({0, 0, z}), kScenarioSpindle_rad_per_s, kDt_s));
+    const double proxy_m = Pose(model.X_WP).translation().z();
+    course.lead_m = std::max(course.lead_m, z - proxy_m);
+    if (!course.through && proxy_m < -thickness_m) {
+      course.through = frame;
+      broken_at_m = z;
+    }
+    if (!watch.Step(model.X_WP, model.removed_volume_m3, 0).empty() && !course.flagged) {
+      course.flagged = frame;
+      limit_m = proxy_m - kMargin_m;
+    }
+    double force_N = model.F_T_W.f.z;
+    if (course.flagged) {
+      if (held)
+        force_N = std::max(force_N, std::min(params.stiffness_N_per_m * (limit_m - z), params.max_force_N));
+      else
+        force_N = 0.0;
+    }
+    if (course.through) {
+      course.overshoot_m = std::max(course.overshoot_m, broken_at_m - z);
+      course.hand.x.push_back(1e3 * kDt_s * (frame - *course.through));
+      course.hand.y.push_back(1e3 * (broken_at_m - z));
+      if (frame - *course.through >= kAfter) break;
+    }
+    v += kDt_s * (force_N - kPush_N - kDamping_Ns_per_m * v) / kMass_kg;
+    z += kDt_s * v;
+  }
+  return course;
+}
+
+}  // namespace
+
+FailureResult RunBreakthrough(const FailureSetting& setting) {
+  FailureResult result{.id = 19,
+                       .name = "breakthrough",
+                       .metric = "way of the hand after the breakthrough",
+                       .unit = "mm",
+                       .baseline_name = "the proxy jumps to the tool",
+                       .bound = 3.0};
+  const std::vector<double> walls_m =
+      setting.full() ? std::vector{1e-3, 1.25e-3, 1.5e-3, 1.75e-3, 2e-3} : std::vector{1.2e-3};
+  const simulation::CuttingParams params;
+  double lead_m = -1.0;
+  int latest = 0;
+  bool complete = true, all_seen = true;
+  result.plot = {.x_label = "time after the breakthrough [ms]",
+                 .y_label = "way of the hand [mm]",
+                 .bound_is_on_y = true};
+  for (std::size_t i = 0; i < walls_m.size() && complete; ++i) {
+    const double thickness_m = walls_m[i];
+    const Vector3 low(-kHalfWidth_m, -kHalfWidth_m, -thickness_m), high(kHalfWidth_m, kHalfWidth_m, 0.0);
+    simulation::Bone wall =
+        MakeBlock({.low_m = low, .high_m = high, .ball_radius_m = 0.4e-3, .point_spacing_m = 0.25e-3});
+    wall.cup = {.center_m = Vector3::Zero(), .axis = Vector3(Vector3::UnitZ()), .radius_m = kRadius_m};
+    const simulation::BoxSolid solid(low, high);
+    const auto run = [&](bool held) {
+      return Drill(*setting.make_engine(wall, MakeBallTool(kRadius_m), Pose::Identity(), params), wall, solid,
+                   thickness_m, held, params);
+    };
+    Course jumped = run(false), ours = run(true);
+    result.baseline = std::max(result.baseline, 1e3 * jumped.overshoot_m);
+    result.ours = std::max(result.ours, 1e3 * ours.overshoot_m);
+    lead_m = std::max(lead_m, ours.lead_m);
+    all_seen = all_seen && ours.through && ours.flagged && jumped.through;
+    if (ours.through && ours.flagged) latest = std::max(latest, std::abs(*ours.flagged - *ours.through));
+    if (i == 0) {
+      jumped.hand.name = "the proxy jumps";
+      ours.hand.name = "ours";
+      ours.hand.ours = true;
+      result.plot.series = {std::move(jumped.hand), std::move(ours.hand)};
+    }
+    complete = setting.GoesOn(static_cast<double>(i + 1) / static_cast<double>(walls_m.size()));
+  }
+  result.baseline_fails = result.baseline > result.bound;
+  result.ours_passes = complete && all_seen && result.ours < result.bound && lead_m <= 1e-6 && latest <= 1;
+  result.note = fmt::format("the proxy leads the tool by at most {:.4f} mm; flagged {} frames off{}",
+                            1e3 * std::max(0.0, lead_m), latest,
+                            all_seen ? "" : "; a wall was never passed or flagged");
+  return result;
+}
+
+}  // namespace osteon::hil
