@@ -197,7 +197,8 @@ int Run(const SpeedAccuracyOptions& options) {
       "greatest seed. "
       "What is below 0.0001 is drawn there. Depth: bone lost beyond the sweep and left within it, over the "
       "cut's "
-      "area, each packing against its own uncut self, which flatters disjoint ones.",
+      "area, each packing against its own uncut self, which flatters disjoint ones. Ripple is over the exact "
+      "mean force.",
       "Labels: spheres or voxels of the four bones together, and the greatest radius r or the voxel's edge h "
       "in mm at "
       "the reamer; smaller tools have finer bones."};

@@ -89,7 +89,7 @@ LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure) {
       break;
     case ChartFigure::kRipple:
       chart.title = "Ripple of the force, 5 to 500 Hz";
-      chart.y_label = "rms over mean";
+      chart.y_label = "rms over the exact mean";
       chart.limits.push_back({.value = 0.07, .label = "7 %"});
       break;
   }
