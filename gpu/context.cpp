@@ -202,6 +202,7 @@ Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placeme
         continue;
       made.memory = vk::raii::DeviceMemory(*context.device, vk::MemoryAllocateInfo(needs.size, i));
       made.buffer.bindMemory(*made.memory, 0);
+      made.device_local = static_cast<bool>(memory.memoryTypes[i].propertyFlags & Property::eDeviceLocal);
       if (placement != Placement::kDevice) made.mapped = made.memory.mapMemory(0, VK_WHOLE_SIZE);
       return made;
     }

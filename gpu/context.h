@@ -44,6 +44,7 @@ struct Buffer {
   vk::raii::Buffer buffer{nullptr};
   void* mapped{nullptr};
   vk::DeviceSize size{0};
+  bool device_local{false};
 };
 
 /// Where a buffer lies: on the device; in host memory, to write to it or to read from it; or on the device

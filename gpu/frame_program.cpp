@@ -73,7 +73,7 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
     : context_(std::move(opened)), sizes_(sizes) {
   const bool cpu = context_->info.kind == "cpu";
   poll_ = params.fence == FencePolicy::kAuto ? !cpu : params.fence == FencePolicy::kPoll;
-  copies_frame_ = !cpu;
+  gpu_ = !cpu;
   command_pool_ =
       vk::raii::CommandPool(*context_->device, vk::CommandPoolCreateInfo({}, context_->queue_family));
   fence_ = vk::raii::Fence(*context_->device, vk::FenceCreateInfo());
@@ -95,15 +95,18 @@ void FrameProgram::MakeBuffers() {
     if (i != kBindFrame)
       buffers_[i] = MakeBuffer(*context_, bytes[i], host ? Placement::kShared : Placement::kDevice);
   }
-  if (copies_frame_) {
-    buffers_[kBindFrame] = MakeBuffer(*context_, sizeof(Frame), Placement::kDevice);
-    frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kUpload);
-    own_frame_out_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
-    frame_out_ = &own_frame_out_;
-  } else {
+  if (!gpu_) {
     frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
     frame_out_ = &frame_in_;
+    return;
   }
+  // the host writes where the passes read, if it can; what they find is copied to where the host reads
+  // quickly
+  frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kShared);
+  copies_in_ = !frame_in_.device_local;
+  if (copies_in_) buffers_[kBindFrame] = MakeBuffer(*context_, sizeof(Frame), Placement::kDevice);
+  own_frame_out_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
+  frame_out_ = &own_frame_out_;
 }
 
 void FrameProgram::Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const {
@@ -193,7 +196,7 @@ void FrameProgram::MakePipelines() {
       device, vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
   sets_ = vk::raii::DescriptorSets(device, vk::DescriptorSetAllocateInfo(*pool_, *set_layout_));
   for (uint i = 0; i < kBindings; ++i) {
-    const Buffer& bound = i == kBindFrame && !copies_frame_ ? frame_in_ : buffers_[i];
+    const Buffer& bound = i == kBindFrame ? FrameBuffer() : buffers_[i];
     const vk::DescriptorBufferInfo info(*bound.buffer, 0, VK_WHOLE_SIZE);
     device.updateDescriptorSets(
         vk::WriteDescriptorSet(*sets_[0], i, 0, vk::DescriptorType::eStorageBuffer, nullptr, info), nullptr);
@@ -219,14 +222,14 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
                            vk::AccessFlags reads) {
     c.pipelineBarrier(from, to, {}, vk::MemoryBarrier(wrote, reads), nullptr, nullptr);
   };
-  const Buffer& frame = copies_frame_ ? buffers_[kBindFrame] : frame_in_;
+  const Buffer& frame = FrameBuffer();
   c.begin(vk::CommandBufferBeginInfo());
   std::uint32_t stamp_number = 0;
   const auto stamp = [&] {
     if (stamp_period_ns_ > 0.0) c.writeTimestamp(Stage::eBottomOfPipe, *stamps_, stamp_number++);
   };
   if (stamp_period_ns_ > 0.0) c.resetQueryPool(*stamps_, 0, kMostPasses + 1);
-  if (copies_frame_) {
+  if (copies_in_) {
     c.copyBuffer(*frame_in_.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
     barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader | Stage::eDrawIndirect,
             Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead);
@@ -247,7 +250,7 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
                   Access::eTransferRead | Access::eHostRead);
     stamp();
   }
-  if (copies_frame_) {
+  if (gpu_) {
     c.copyBuffer(*frame.buffer, *own_frame_out_.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
     barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
   }

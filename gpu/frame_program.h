@@ -17,9 +17,9 @@ namespace osteon::gpu {
 struct ProgramSizes {
   std::size_t balls{0}, points{0}, ball_clusters{0}, point_clusters{0};
   std::size_t tool_balls{0}, cutters{0}, tool_groups{0}, group_refs{0};
-  std::size_t live{0};   ///< entries of each list of what the tool can meet
+  std::size_t live{0};                             ///< entries of each list of what the tool can meet
   std::size_t requests{0}, uploads{0}, blocks{0};  ///< of balls that are split; 0: none is
-  std::size_t spans{0};  ///< tool balls of all live balls and points together
+  std::size_t spans{0};                            ///< tool balls of all live balls and points together
 };
 
 enum class FrameMode : std::size_t {
@@ -76,6 +76,7 @@ class FrameProgram {
   static constexpr std::size_t kOne = ~std::size_t{0};
 
   void MakeBuffers();
+  [[nodiscard]] const Buffer& FrameBuffer() const { return copies_in_ ? buffers_[kBindFrame] : frame_in_; }
   void MakePipelines();
   vk::raii::CommandBuffer Record(const std::vector<std::size_t>& passes) const;
   void Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const;
@@ -83,10 +84,9 @@ class FrameProgram {
   std::unique_ptr<Context> context_;
   ProgramSizes sizes_;
   std::array<Buffer, kBindings> buffers_;
-  Buffer frame_in_,
-      own_frame_out_;  // of a device with memory of its own; else frame_in_ is what the passes use
+  Buffer frame_in_, own_frame_out_;
   const Buffer* frame_out_{nullptr};
-  bool copies_frame_{false};
+  bool gpu_{false}, copies_in_{false};
   std::vector<vk::raii::BufferView> views_;
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};

@@ -1,0 +1,135 @@
+#pragma once
+
+// Inside gpu only: what the sources of the engine share. engine_setup.cpp makes it, engine_frame.cpp prepares
+// and runs a frame, engine_solution.cpp reads what it found, vulkan_engine.cpp is what others see.
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+
+#include "gpu/cluster_tree.h"
+#include "gpu/frame_program.h"
+#include "gpu/split_pool.h"
+#include "gpu/tool_layout.h"
+#include "gpu/vulkan_engine.h"
+#include "gpu/work_list.h"
+#include "simulation/contact_law.h"
+#include "simulation/cutting_math.h"
+#include "simulation/frame_solution.h"
+
+namespace osteon::gpu {
+
+static_assert(kMaxMaterials == simulation::kMaxMaterials && kBins == simulation::kContactBins &&
+              kCuttingBinCount == simulation::kCuttingBins && kRemembered == simulation::kRememberedPairs &&
+              kFaces == simulation::kMaxFaces && kCandidates == kBins + kRemembered);
+
+inline constexpr double kMillimetres = 1e3;
+inline constexpr double kLargestSummand =
+    4'194'304.0;  // 2^22 units: half of what a sum over a subgroup can take
+// of a face's weights: the largest lens in the middle of its cone
+inline constexpr double kLargestFaceWeight_mm3 =
+    simulation::kLargestLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
+// The servo loop stops on the model's age long before; this ends a wait for a device that hangs.
+inline constexpr std::uint64_t kFrameTimeout_ns = 20'000'000'000;
+inline constexpr std::uint64_t kWarmUpTimeout_ns =
+    120'000'000'000;  // software drivers compile a pass when it first runs
+// How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
+// are mostly far from bone, so a wide margin costs nothing.
+inline constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 3e-3;
+// Room for what the tool can meet: entries of a list, tool balls of all entries, groups of all clusters.
+inline constexpr std::size_t kMostLive = 4'000'000, kSpans = 4'000'000, kGroupRefs = 1'000'000;
+
+inline std::size_t ClusterCount(std::size_t count) { return (count + kGroupSize - 1) / kGroupSize; }
+
+inline vec4 ToMillimetres(const Vector3& v, double w) {
+  return {static_cast<float>(v.x() * kMillimetres), static_cast<float>(v.y() * kMillimetres),
+          static_cast<float>(v.z() * kMillimetres), static_cast<float>(w)};
+}
+inline vec4 Unscaled(const Vector3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
+}
+inline Vector3 Direction(const vec4& v) { return {v.x, v.y, v.z}; }
+inline Vector3 ToMetres(const vec4& v) { return Direction(v) / kMillimetres; }
+
+inline double Total(const Sum& sum, double scale) {
+  return (sum.high * 65536.0 + static_cast<double>(sum.low)) / scale;
+}
+
+// Balls lie in two buffers, since a binding holds so many only.
+inline void WriteBalls(const FrameProgram& program, const void* data, std::size_t count) {
+  const std::size_t first = std::min<std::size_t>(count, kBallsPerBuffer);
+  program.Write(kBindBalls, data, first * sizeof(vec4));
+  program.Write(kBindMoreBalls, static_cast<const vec4*>(data) + first, (count - first) * sizeof(vec4));
+}
+inline void ReadBalls(const FrameProgram& program, void* data, std::size_t count) {
+  const std::size_t first = std::min<std::size_t>(count, kBallsPerBuffer);
+  program.Read(kBindBalls, data, first * sizeof(vec4));
+  program.Read(kBindMoreBalls, static_cast<vec4*>(data) + first, (count - first) * sizeof(vec4));
+}
+
+inline vec4 PointFloats(const simulation::MassPoint& point) {
+  return ToMillimetres(point.p_m, point.volume_m3 * 1e9);
+}
+
+struct VulkanEngine::Impl {
+  std::unique_ptr<FrameProgram> program;
+  ToolLayout tool;
+  std::vector<uint> device_tool;  // by the tool's own numbers
+  double lever_m{0.0};
+  std::vector<simulation::Material> materials;
+  Pose X_WG;
+  simulation::CuttingParams params;
+  simulation::FrameMemory memory;
+  std::size_t ball_count{0}, point_count{0};
+  std::optional<SplitPool> pool;  // of balls that are split
+  std::size_t ball_clusters{0};   // with those of the pool
+  double unit_mm3{1.0};
+  bool lost{false}, brute_force{false};
+  FrameStats stats;
+  simulation::NearField near;  // of the last frame
+
+  Frame still{};  // what does not change from frame to frame
+  ClusterTree ball_tree, point_tree;
+  std::unique_ptr<WorkList> work;
+  std::vector<Item> ball_items, point_items;
+
+  // the lists that lie on the device, as the last frame that made them left them
+  struct Lists {
+    bool made{false};
+    float ball_reach_mm{0.0f}, point_reach_mm{0.0f};
+    Groups pair_work{0, 2, 1}, all_work{0, 3, 1};
+    uint balls{0}, points{0}, shaft{0}, spans{0};
+    std::vector<Vector3> built_m;  // the tool's balls where they were made
+  } lists;
+  bool was_free{true};                   // the last frame met nothing
+  std::vector<Vector3> start_m, goal_m;  // of the tool's balls, this frame
+
+  std::string Open(std::unique_ptr<Context> context, const simulation::Bone& bone,
+                   const VulkanParams& vulkan);
+  void Upload(const simulation::Bone& bone);
+  void FillStill(const simulation::Bone& bone);
+  void ListEverything();
+  bool WarmUp(const simulation::Bone& bone);
+  void Place(const Pose& X_GT);
+  [[nodiscard]] Frame Prepare(const simulation::FrameInput& input);
+  void FindWork(Frame& f, FrameMode mode);
+  bool RunFrame(const Frame& prepared, FrameMode mode);
+  void SetUploads(Frame& f) const;
+  void EndSplits(const Frame& done, const simulation::FrameSolution& solution);
+  // of the device's list
+  [[nodiscard]] std::size_t AllBalls() const { return pool ? pool->ball_count() : ball_count; }
+  [[nodiscard]] std::span<Block> Blocks() const {
+    return {program->host<Block>(kBindBlocks), pool->block_count()};
+  }
+  void MeasureDrift(Frame& f) const;
+  [[nodiscard]] Groups FlushWork() const;
+  void Flush() const;
+  // a tool ball of the tool's own list; none for a number that is not in it
+  [[nodiscard]] uint DeviceTool(uint number) const {
+    return number < device_tool.size() ? device_tool[number] : still.tool_count;
+  }
+  void ReadNearField(const Frame& done, double s);
+  [[nodiscard]] simulation::FrameSolution Solution(const Frame& done, const Pose& X_GT);
+  simulation::ContactModel Step(const simulation::FrameInput& input);
+};
+}  // namespace osteon::gpu

@@ -1,0 +1,170 @@
+#include "gpu/engine_impl.h"
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace osteon::gpu {
+
+// Buffers for this bone and tool; an error text where they are too large.
+std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const simulation::Bone& bone,
+                                     const VulkanParams& vulkan) {
+  ball_count = bone.balls.size();
+  point_count = bone.points.size();
+  const std::size_t longest = std::max({AllBalls(), point_count, std::size_t{1}});
+  ProgramSizes sizes;
+  sizes.balls = AllBalls();
+  sizes.points = point_count;
+  sizes.ball_clusters = ball_clusters = ClusterCount(AllBalls());
+  sizes.point_clusters = ClusterCount(point_count);
+  sizes.tool_balls = tool.balls.size();
+  sizes.cutters = tool.cutter_count;
+  sizes.tool_groups = tool.groups.size();
+  sizes.group_refs = tool.groups.size() + kGroupRefs;
+  sizes.live = brute_force ? longest : std::min(longest, kMostLive);
+  sizes.spans = tool.balls.size() + kSpans;
+  if (pool) {
+    sizes.requests = std::min(ball_count, sizes.live);
+    sizes.blocks = pool->block_count();
+    sizes.uploads = sizes.blocks * (kGroupSize + 1);
+    still.request_capacity = static_cast<uint>(sizes.requests);
+  }
+  if (std::string refusal = FrameProgram::Refusal(*context, sizes); !refusal.empty()) return refusal;
+  program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
+  still.live_capacity = static_cast<uint>(sizes.live);
+  still.span_capacity = static_cast<uint>(sizes.spans);
+  work = std::make_unique<WorkList>(std::max(sizes.ball_clusters, sizes.point_clusters),
+                                    static_cast<uint>(tool.groups.size()), sizes.group_refs);
+  ball_items.reserve(sizes.ball_clusters);
+  point_items.reserve(sizes.point_clusters);
+  lists.built_m.resize(tool.balls.size());
+  return "";
+}
+
+void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
+  std::vector<vec4> data;
+  data.reserve(std::max(ball_count, point_count));
+  for (const simulation::Ball& ball : bone.balls)
+    data.push_back(ToMillimetres(ball.center_m, ball.radius_m * kMillimetres));
+  ball_tree = ClusterTree(data);
+  data.resize(AllBalls(), vec4{0, 0, 0, 0});
+  WriteBalls(*program, data.data(), data.size());
+
+  // whole units of volume, so that the sum of all points still fits 32 bits
+  double total_mm3 = 0.0;
+  for (const simulation::MassPoint& point : bone.points) total_mm3 += point.volume_m3 * 1e9;
+  unit_mm3 = std::max(total_mm3, 1.0) / 4.0e9;
+  data.clear();
+  std::vector<uint> states, units;
+  states.reserve(point_count);
+  units.reserve(point_count);
+  for (const simulation::MassPoint& point : bone.points) {
+    data.push_back(PointFloats(point));
+    states.push_back(point.material);
+    units.push_back(static_cast<uint>(std::llround(point.volume_m3 * 1e9 / unit_mm3)));
+  }
+  program->Write(kBindPoints, data.data(), data.size() * sizeof(vec4));
+  program->Write(kBindPointStates, states.data(), states.size() * sizeof(uint));
+  program->Write(kBindPointUnits, units.data(), units.size() * sizeof(uint));
+  for (vec4& point : data) point.w = 0.0f;  // a point has no extent
+  point_tree = ClusterTree(data);
+
+  program->Write(kBindToolGroups, tool.groups.data(), tool.groups.size() * sizeof(ToolGroup));
+  std::vector<uint> identity(tool.balls.size());
+  std::iota(identity.begin(), identity.end(), 0u);
+  program->Write(kBindSpans, identity.data(), identity.size() * sizeof(uint));
+}
+
+void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    still.material[i] = {
+        .x = static_cast<float>(materials[i].specific_cutting_energy_J_per_m3 * 1e-6),  // N/mm^2
+        .y = static_cast<float>(materials[i].cutting_force_ratio),
+        .z = 0.0f,
+        .w = 0.0f};
+  still.stiffness_N_per_mm = static_cast<float>(params.stiffness_N_per_m / kMillimetres);
+  still.max_force_N = static_cast<float>(params.max_force_N);
+  still.enlargement_mm = static_cast<float>(params.normal_enlargement_m * kMillimetres);
+  still.tolerance_mm = static_cast<float>(params.contact_tolerance_m * kMillimetres);
+  still.layer_mm = static_cast<float>(params.engaged_layer_m * kMillimetres);
+  still.max_slide_mm = static_cast<float>(params.max_slide_m * kMillimetres);
+  still.cutting_margin_mm = static_cast<float>(kMillimetres * kCuttingMargin_m);
+  still.shaft_margin_mm = static_cast<float>(kMillimetres * kShaftMargin_m);
+  // the largest summands: a touching point as far out as the tool reaches, a whole mass point in the engaged
+  // layer
+  double reach_mm = 1.0, largest_mm3 = 1e-3;
+  for (const ToolLayout::Item& ball : tool.balls)
+    reach_mm = std::max(reach_mm, kMillimetres * (ball.center_T_m.norm() + ball.radius_m));
+  for (const simulation::MassPoint& point : bone.points)
+    largest_mm3 = std::max(largest_mm3, point.volume_m3 * 1e9);
+  const double largest_mm2 = largest_mm3 / (params.engaged_layer_m * kMillimetres);
+  still.face_scale = static_cast<float>(kLargestSummand / kLargestFaceWeight_mm3);
+  still.face_point_scale = static_cast<float>(kLargestSummand / (kLargestFaceWeight_mm3 * reach_mm));
+  still.area_scale = static_cast<float>(kLargestSummand / largest_mm2);
+  still.moment_scale = static_cast<float>(kLargestSummand / (largest_mm2 * reach_mm));
+  still.tool_count = static_cast<uint>(tool.balls.size());
+  still.cutter_count = static_cast<uint>(tool.cutter_count);
+  still.ball_count = static_cast<uint>(AllBalls());
+  still.parent_count = static_cast<uint>(ball_count);
+  still.first_child = pool ? static_cast<uint>(pool->FirstCluster() * kGroupSize) : 0;
+  still.split_radius_mm = static_cast<float>(kMillimetres * params.split.least_radius_m);
+  still.point_count = static_cast<uint>(point_count);
+  still.material_count = static_cast<uint>(materials.size());
+  still.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;
+}
+
+// Brute force: everything in the lists, for good.
+void VulkanEngine::Impl::ListEverything() {
+  std::vector<vec4> copies(ball_count);
+  ReadBalls(*program, copies.data(), ball_count);
+  std::vector<Live> entries(std::max(ball_count, point_count));
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    entries[i] = {.index = static_cast<uint>(i), .first = 0, .count = still.cutter_count};
+  program->Write(kBindLiveBalls, copies.data(), ball_count * sizeof(vec4));
+  std::vector<uint> slots(ball_count);
+  std::iota(slots.begin(), slots.end(), 0u);
+  program->Write(kBindSlots, slots.data(), slots.size() * sizeof(uint));
+  program->Write(kBindLiveEntries, entries.data(), ball_count * sizeof(Live));
+  program->Write(kBindPointEntries, entries.data(), point_count * sizeof(Live));
+  copies.resize(point_count);
+  program->Read(kBindPoints, copies.data(), point_count * sizeof(vec4));
+  std::vector<uint> states(point_count);
+  program->Read(kBindPointStates, states.data(), point_count * sizeof(uint));
+  for (std::size_t i = 0; i < point_count; ++i)
+    if ((states[i] & kCleared) != 0) copies[i].w = -copies[i].w;
+  program->Write(kBindLivePoints, copies.data(), point_count * sizeof(vec4));
+  std::vector<ShaftPair> pairs;
+  if (still.tool_count > still.cutter_count)
+    for (std::size_t i = 0; i < ball_count; ++i)
+      pairs.push_back({.slot = static_cast<uint>(i),
+                       .first = still.cutter_count,
+                       .count = still.tool_count - still.cutter_count});
+  program->Write(kBindShaftPairs, pairs.data(), pairs.size() * sizeof(ShaftPair));
+  const std::size_t longest = std::max(ball_count, point_count), chunk = program->lanes() * program->chunk();
+  lists.made = true;
+  lists.ball_reach_mm = lists.point_reach_mm = std::numeric_limits<float>::max();
+  lists.pair_work.x = lists.all_work.x = static_cast<uint>((longest + chunk - 1) / chunk);
+  lists.balls = static_cast<uint>(ball_count);
+  lists.points = static_cast<uint>(point_count);
+  lists.shaft = static_cast<uint>(pairs.size());
+}
+
+// Runs every pass once, with a still spindle at the first ball: nothing changes, and no later frame waits for
+// a compiler.
+bool VulkanEngine::Impl::WarmUp(const simulation::Bone& bone) {
+  simulation::FrameInput input;
+  Pose X_GT = Pose::Identity();
+  if (!bone.balls.empty()) X_GT.translation() = Vector3(bone.balls.front().center_m);
+  input.X_WT = X_WG * X_GT;
+  input.dt_s = 0.0;
+  memory.X_GP = X_GT;
+  const Frame f = Prepare(input);
+  const bool done = RunFrame(f, FrameMode::kListsAtContact) && RunFrame(f, FrameMode::kListsAtProxy) &&
+                    RunFrame(f, FrameMode::kLists);
+  memory = {};
+  was_free = true;
+  if (brute_force) ListEverything();
+  return done;
+}
+
+}  // namespace osteon::gpu
