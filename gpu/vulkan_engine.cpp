@@ -347,6 +347,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
     f.face_n[i] = Unscaled(contact.face_n_G[i]);
   f.face_count = static_cast<uint>(contact.face_count);
   f.remembered_count = static_cast<uint>(contact.pair_count);
+  f.held_count = static_cast<uint>(contact.held_count);
   for (std::size_t i = 0; i < f.remembered_count; ++i) {
     f.remembered_bone[i] = contact.pairs[i].bone_ball;
     f.remembered_tool[i] = DeviceTool(contact.pairs[i].tool_ball);
@@ -487,11 +488,14 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
 
 // What the device has found near the tool at first contact, a share s of the way.
 void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
-  for (std::size_t c = 0; c < kCandidates; ++c) {
+  for (simulation::NearPair& pair : near.nearest) pair.present = false;
+  for (simulation::NearPair& pair : near.remembered) pair.present = false;
+  near.held_count = 0;  // what held is known already
+  for (std::size_t c = 0; c < done.candidate_count; ++c) {
     const Candidate& found = done.candidates[c];
-    simulation::NearPair& pair = c < kBins ? near.nearest[c] : near.remembered[c - kBins];
-    pair.present = found.present != 0;
-    if (!pair.present) continue;
+    simulation::NearPair& pair =
+        found.source < kBins ? near.nearest[found.source] : near.remembered[found.source - kBins];
+    pair.present = true;
     const std::size_t t = found.tool_ball;
     pair.pair = {.bone_ball = found.bone_ball, .tool_ball = tool.number[t]};
     pair.cutting = t < tool.cutter_count;
@@ -531,10 +535,7 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const 
   simulation::ContactHold held;
   held.hold.count = static_cast<int>(done.hold_count);
   for (std::size_t k = 0; k < done.hold_count; ++k) {
-    // its number among those that are present
-    const auto before = done.candidates.begin() + done.hold_candidate[k];
-    held.hold.plane[k] = static_cast<std::size_t>(
-        std::count_if(done.candidates.begin(), before, [](const Candidate& c) { return c.present != 0; }));
+    held.hold.plane[k] = done.hold_candidate[k];  // the same list as FindCandidates makes
     held.hold.multiplier_m[k] = done.hold_mm[k] / kMillimetres;
   }
   held.friction_m = ToMetres(done.friction_mm);

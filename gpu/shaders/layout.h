@@ -54,7 +54,7 @@ struct Candidate {
   float n_x, n_y, n_z;  // unit, from bone to tool
   float gap_mm;
   uint bone_ball, tool_ball;
-  uint present;
+  uint source;  // its bin, or kBins and its number among the remembered
 };
 
 // One frame: what the host writes, then what the passes find.
@@ -96,7 +96,7 @@ struct Frame {
   OSTEON_ARRAY(vec4, face_n, kFaces);  // directions in which faces pressed, the frame before; zero: none
   OSTEON_ARRAY(uint, remembered_bone, kRemembered);
   OSTEON_ARRAY(uint, remembered_tool, kRemembered);
-  uint face_count, remembered_count;
+  uint face_count, remembered_count, held_count;  // held: of the remembered, that held
   uint turning;
   float friction;
   float spindle_rad_per_s;
@@ -137,7 +137,9 @@ struct Frame {
   vec4 step_mm;      // of the proxy's advance
   vec4 friction_mm;  // its share of delta; w: the slack of the hold
   vec4 shift_mm;     // straight, from first contact to the target
-  uint hold_count;   // candidates that hold the tool, and how much
+  uint candidate_count;
+  uint shaft_candidate;  // from here on of balls that do not cut, then the remembered ones
+  uint hold_count;  // candidates that hold the tool, and how much
   OSTEON_ARRAY(uint, hold_candidate, 4);
   OSTEON_ARRAY(float, hold_mm, 4);
   OSTEON_ARRAY(Candidate, candidates, kCandidates);
@@ -224,7 +226,7 @@ OSTEON_CONST uint kCleared = 256;
 static_assert(sizeof(Frame) % 8 == 0);
 static_assert(offsetof(Frame, material) == 8 * 60);
 static_assert(offsetof(Frame, start) == offsetof(Frame, material) + 16 * 8 + 24 * 4);
-static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 20 * 4);
+static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 21 * 4);
 static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 4 * 4 + 16 * 4 + 6 * 4 + 11 * 4);
 static_assert(sizeof(Candidate) == 28);
 static_assert(sizeof(Item) == 12 && sizeof(Live) == 12 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
