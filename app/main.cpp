@@ -12,6 +12,7 @@
 #include "app/demo.h"
 #include "app/doctor.h"
 #include "app/failures.h"
+#include "app/measure_commands.h"
 #include "app/pack.h"
 #include "app/tool_choice.h"
 #include "app/usage.h"
@@ -177,7 +178,7 @@ int Run(int argc, char** argv) {
   app.footer(
       "The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
       "  clean                       removes what was built\n\n"
-      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon pack --help\n  osteon failures --help\n  "
+      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon pack --help\n  osteon bench frame\n  osteon failures --help\n  "
       "osteon doctor");
 
   osteon::app::DemoOptions demo;
@@ -234,6 +235,8 @@ int Run(int argc, char** argv) {
       ->capture_default_str();
   doctor_app->add_option("--json", doctor_json, "write the checks there");
   doctor_app->footer("Examples:\n  osteon doctor\n  osteon doctor --json doctor.json");
+
+  osteon::app::MeasureCommands measure(app);
 
   try {
     app.parse(argc, argv);
@@ -300,6 +303,7 @@ int Run(int argc, char** argv) {
     failures.command_line = CommandLine(argc, argv);
     return osteon::app::RunFailures(failures);
   }
+  if (measure.asked()) return measure.Run(config_root);
   if (*doctor_app) return osteon::app::RunDoctor(port, doctor_json);
   fmt::print("{}", app.help());
   return 0;

@@ -41,9 +41,13 @@ CLI::Validator OneOf(const std::vector<std::string>& words) {
 }
 
 std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
-  const auto chosen = app.get_subcommands();
-  const CLI::App& at = chosen.empty() ? app : *chosen.front();
-  const std::string name = chosen.empty() ? app.get_name() : app.get_name() + " " + at.get_name();
+  const CLI::App* deepest = &app;  // `bench frame` is a subcommand of a subcommand
+  std::string name = app.get_name();
+  for (auto chosen = app.get_subcommands(); !chosen.empty(); chosen = deepest->get_subcommands()) {
+    deepest = chosen.front();
+    name += " " + deepest->get_name();
+  }
+  const CLI::App& at = *deepest;
 
   std::string what = error.what();
   const std::vector<std::string> unknown = app.remaining(true);
@@ -60,9 +64,9 @@ std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
     }
     const std::string nearest = config::NearestKey(word.substr(0, word.find('=')), known);
     what = fmt::format("unknown {} {}; {}",
-                       is_option        ? "option"
-                       : chosen.empty() ? "subcommand"
-                                        : "word",
+                       is_option                             ? "option"
+                       : at.get_subcommands(nullptr).empty() ? "word"
+                                                             : "subcommand",
                        word,
                        !nearest.empty() ? "did you mean " + nearest + "?"
                        : known.empty()  ? "accepted: options"

@@ -49,6 +49,9 @@ struct ContactModel {
   double removed_volume_m3{0.0};  ///< since the start, from mass points
   double removed_mass_kg{0.0};    ///< since the start
   double cutting_work_J{0.0};     ///< since the start, the sum of u_c V over cleared points
+  /// Since the start, one a ball and frame: balls that should have been split, but the pool was exhausted;
+  /// they shrink whole, which loses more of them than was cut.
+  std::uint64_t balls_not_split{0};
   rt::Nanoseconds pose_stamp{0};  ///< when the tool pose of this frame was commanded
   std::uint64_t frame{0};         ///< 0: no frame yet
 };

@@ -34,10 +34,16 @@ std::optional<double> FirstHit(std::span<const Ball> balls, const Vector3& origi
 
 std::vector<Ball> LiveBalls(const CarvedState& state) {
   std::vector<Ball> balls;
-  for (std::size_t i = 0; i + 3 < state.balls.size(); i += 4)
-    if (state.balls[i + 3] > 0.0f)
-      balls.push_back({.center_m = 1e-3 * Vector3(state.balls[i], state.balls[i + 1], state.balls[i + 2]),
-                       .radius_m = 1e-3 * state.balls[i + 3]});
+  const auto add = [&balls](const float* four) {
+    if (four[3] > 0.0f)
+      balls.push_back({.center_m = 1e-3 * Vector3(four[0], four[1], four[2]), .radius_m = 1e-3 * four[3]});
+  };
+  for (std::size_t i = 0; i + 3 < state.balls.size(); i += 4) add(&state.balls[i]);
+  const std::size_t slots =
+      state.split_balls.empty() ? 0 : state.split_slots.size() / state.split_balls.size();
+  for (std::size_t j = 0; j < state.split_balls.size(); ++j)
+    for (std::size_t k = 0; state.split_cuts[j] == 0 && k + 3 < slots; k += 4)
+      add(&state.split_slots[j * slots + k]);
   return balls;
 }
 

@@ -18,7 +18,7 @@ namespace osteon::simulation {
 [[nodiscard]] std::optional<double> FirstHit(std::span<const Ball> balls, const Vector3& origin_m,
                                              const Vector3& direction);
 
-/// The balls that are left.
+/// The balls that are left; of those that were split, the children.
 [[nodiscard]] std::vector<Ball> LiveBalls(const CarvedState& state);
 
 /// How far the tool's apex was below the cup's first floor (of the uncut balls, along the cup's axis) at one

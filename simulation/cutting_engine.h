@@ -36,6 +36,16 @@ enum class Cutters : std::uint8_t {
   kContactSphere,  ///< the one that touched first alone (the paper): leaves bone in the tool's way
 };
 
+/// How balls that are too large for a cut are replaced by children (ball_removal.h, split_template.h).
+struct SplitParams {
+  bool on{false};
+  double least_radius_m{0.4e-3};    ///< balls that are smaller when first touched shrink whole
+  int children{24};                 ///< of a ball: 8 … 1024
+  double least_child_share{0.12};   ///< of the ball's first radius; smaller children are dropped: 0 … 0.5
+  std::size_t pool_blocks{4096};    ///< balls that can be split at a time: 1 … 1 000 000
+  std::size_t blocks_per_frame{0};  ///< balls split in a frame at most, the others wait; 0: any number
+};
+
 struct CuttingParams {
   double stiffness_N_per_m{20e3};  ///< of the virtual coupling
   double max_force_N{200.0};       ///< the coupling force that the rate law may count on
@@ -46,13 +56,23 @@ struct CuttingParams {
   double engaged_layer_m{0.5e-3};       ///< depth of the layer that measures the engaged area
   RemovalLaw law{RemovalLaw::kRate};
   Cutters cutters{Cutters::kAll};
+  SplitParams split{};
 };
 
 /// The carved state: everything that a frame changes.
 struct CarvedState {
   std::vector<float> balls;           ///< x y z r [mm] in G for each ball; r = 0 where it is gone
   std::vector<std::uint8_t> cleared;  ///< 1 for each mass point that is gone
-  PlainPose X_GP;                     ///< proxy in G
+  /// Balls that were split, ascending: for each what its block holds. Empty where none is.
+  std::vector<std::uint32_t> split_balls;
+  /// For each of them 0 where its block holds children, 1 + n where the ball waits for them and its block
+  /// holds n capsules that they will be cut by.
+  std::vector<std::uint32_t> split_cuts;
+  /// Blocks of SplitParams::children × 4 floats [mm] in G. Children: x y z r of each, r = 0 where it is gone.
+  /// Waiting: x y z r of the ball that the children will be made from, then a x y z R, b x y z 0 of each
+  /// capsule, then zeros.
+  std::vector<float> split_slots;
+  PlainPose X_GP;  ///< proxy in G
   bool has_proxy{false};
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
   double cutting_debt_J{0.0};  ///< work of cleared points that the edge has not yet done
@@ -78,7 +98,8 @@ class CuttingEngine {
   [[nodiscard]] virtual std::string device() const = 0;
 };
 
-/// FNV-1a over balls and cleared points: equal for equal carved states, on any machine.
+/// FNV-1a over balls, split ones in the order of their parents, and cleared points: equal for equal carved
+/// states, on any machine.
 [[nodiscard]] std::uint64_t HashState(const CarvedState& state);
 
 }  // namespace osteon::simulation

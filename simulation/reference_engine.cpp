@@ -4,11 +4,25 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "simulation/contact_law.h"
 #include "simulation/cutting_math.h"
 
 namespace osteon::simulation {
+
+namespace {
+
+constexpr std::size_t kEveryBall = std::numeric_limits<std::size_t>::max();
+
+std::vector<BallState> StatesOf(const std::vector<Ball>& balls) {
+  std::vector<BallState> states;
+  states.reserve(balls.size());
+  for (const Ball& ball : balls) states.push_back({.center_m = ball.center_m, .radius_m = ball.radius_m});
+  return states;
+}
+
+}  // namespace
 
 ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG,
                                  const CuttingParams& params)
@@ -18,12 +32,11 @@ ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose&
       points_(bone.points),
       X_WG_(X_WG),
       params_(params),
+      balls_(StatesOf(bone.balls)),
+      removal_(balls_, params.split),
       cleared_(bone.points.size(), 0) {
   if (materials_.size() > kMaxMaterials) throw std::invalid_argument("bone: more than 8 materials");
   if (tool_.balls.empty()) throw std::invalid_argument("tool: no ball");
-  balls_.reserve(bone.balls.size());
-  for (const Ball& ball : bone.balls)
-    balls_.push_back({.center_m = ball.center_m, .radius_m = ball.radius_m});
 }
 
 ContactModel ReferenceEngine::Step(const FrameInput& input) {
@@ -86,10 +99,16 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   if (cutting) {
     ToolPoints end = slid;
     for (Vector3& point : end) point += solution.origin_end - solution.origin_slid;
-    Remove(contact, slid, solution);
-    Remove(slid, end, solution);
+    const std::size_t only =
+        params_.cutters == Cutters::kContactSphere ? TouchingBall(start, goal) : kEveryBall;
+    std::vector<Capsule> capsules;
+    AddCapsules(contact, slid, only, capsules);
+    AddCapsules(slid, end, only, capsules);
+    Remove(capsules, solution);
   }
-  return FinishFrame(params_, materials_, X_WG_, input, solution, memory_);
+  ContactModel model = FinishFrame(params_, materials_, X_WG_, input, solution, memory_);
+  model.balls_not_split = removal_.refused();
+  return model;
 }
 
 // Smallest fraction over all pairs. Pairs that overlap by less than the tolerance may overlap up to it.
@@ -149,6 +168,7 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
       }
     }
   }
+  near.held_count = memory.held_count;
   for (int k = 0; k < memory.pair_count; ++k) {
     const ContactPair& known = memory.pairs[static_cast<std::size_t>(k)];
     if (known.bone_ball < balls_.size() && known.tool_ball < tool_.balls.size())
@@ -186,16 +206,36 @@ void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spi
   }
 }
 
-// Removal along one straight piece of the proxy's path, by every cutting ball in order.
-void ReferenceEngine::Remove(const ToolPoints& a, const ToolPoints& b, FrameSolution& solution) {
-  for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
-    if (!tool_.balls[t].cutting) continue;
-    const double r_t = tool_.balls[t].radius_m;
-    for (BallState& ball : balls_)
-      if (ball.radius_m > 0.0) ShrinkBall(ball.center_m, ball.radius_m, a[t], b[t], r_t);
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const Vector3 p = points_[i].p_m;
-      if (cleared_[i] || (p - ClosestOnSegment(p, a[t], b[t])).norm() >= r_t) continue;
+// The tool ball that touches first on this way, the first of several; past the last one where none does.
+std::size_t ReferenceEngine::TouchingBall(const ToolPoints& from, const ToolPoints& to) const {
+  double first = kNoContact;
+  std::size_t touching = tool_.balls.size();
+  for (std::size_t t = 0; t < tool_.balls.size(); ++t)
+    for (const BallState& ball : balls_) {
+      if (ball.radius_m <= 0.0) continue;
+      const double s = FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
+                                            tool_.balls[t].radius_m + ball.radius_m);
+      if (s >= first) continue;
+      first = s;
+      touching = t;
+    }
+  return touching;
+}
+
+// What the cutting balls sweep along one straight piece of the proxy's way, in their order.
+void ReferenceEngine::AddCapsules(const ToolPoints& a, const ToolPoints& b, std::size_t only,
+                                  std::vector<Capsule>& capsules) const {
+  for (std::size_t t = 0; t < tool_.balls.size(); ++t)
+    if (tool_.balls[t].cutting && (only == kEveryBall || only == t))
+      capsules.push_back({.a = a[t], .b = b[t], .radius_m = tool_.balls[t].radius_m});
+}
+
+void ReferenceEngine::Remove(const std::vector<Capsule>& capsules, FrameSolution& solution) {
+  removal_.Remove(capsules, balls_);
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Vector3 p = points_[i].p_m;
+    for (const Capsule& capsule : capsules) {
+      if (cleared_[i] || (p - ClosestOnSegment(p, capsule.a, capsule.b)).norm() >= capsule.radius_m) continue;
       cleared_[i] = 1;
       solution.removed_m3[points_[i].material] += points_[i].volume_m3;
     }
@@ -204,23 +244,29 @@ void ReferenceEngine::Remove(const ToolPoints& a, const ToolPoints& b, FrameSolu
 
 CarvedState ReferenceEngine::Snapshot() const {
   CarvedState state;
-  state.balls.reserve(balls_.size() * 4);
-  for (const BallState& ball : balls_) {
-    for (int axis = 0; axis < 3; ++axis) state.balls.push_back(static_cast<float>(ball.center_m[axis] * 1e3));
-    state.balls.push_back(static_cast<float>(ball.radius_m * 1e3));
-  }
+  removal_.Save(balls_, state);
   state.cleared = cleared_;
   ToState(memory_, state);
+  // what held the tool, by its place in the state: blocks have other numbers there
+  ContactMemory& contact = state.contact;
+  const std::int32_t count = std::exchange(contact.pair_count, 0);
+  for (std::int32_t i = 0; i < count; ++i) {
+    const ContactPair pair = contact.pairs[static_cast<std::size_t>(i)];
+    if (const auto saved = removal_.SavedIndex(pair.bone_ball))
+      contact.pairs[static_cast<std::size_t>(contact.pair_count++)] = {*saved, pair.tool_ball};
+  }
   return state;
 }
 
 void ReferenceEngine::Restore(const CarvedState& state) {
-  if (state.balls.size() != balls_.size() * 4 || state.cleared.size() != cleared_.size())
-    throw std::invalid_argument("carved state: not of this bone");
-  for (std::size_t i = 0; i < balls_.size(); ++i)
-    balls_[i] = {
-        .center_m = 1e-3 * Vector3(state.balls[4 * i], state.balls[4 * i + 1], state.balls[4 * i + 2]),
-        .radius_m = 1e-3 * state.balls[4 * i + 3]};
+  if (state.cleared.size() != cleared_.size()) throw std::invalid_argument("carved state: not of this bone");
+  const std::size_t places = (state.balls.size() + state.split_slots.size()) / 4;
+  if (state.contact.pair_count < 0 || state.contact.pair_count > kRememberedPairs)
+    throw std::invalid_argument("carved state: contact: wrong number of pairs");
+  for (std::size_t i = 0; i < static_cast<std::size_t>(state.contact.pair_count); ++i)
+    if (state.contact.pairs[i].bone_ball >= places || state.contact.pairs[i].tool_ball >= tool_.balls.size())
+      throw std::invalid_argument("carved state: contact: not of this bone and tool");
+  removal_.Load(state, balls_);
   cleared_ = state.cleared;
   memory_ = ToMemory(state);
 }

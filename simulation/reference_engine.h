@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "simulation/ball_removal.h"
 #include "simulation/contact_law.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/frame_solution.h"
@@ -21,7 +22,8 @@ namespace osteon::simulation {
 class ReferenceEngine final : public CuttingEngine {
  public:
   /// @param X_WG  pose of the bone in the world
-  /// @throws std::invalid_argument where the bone has more than kMaxMaterials materials or the tool no ball.
+  /// @throws std::invalid_argument where the bone has more than kMaxMaterials materials, the tool no ball, or
+  /// params.split is not accepted.
   ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG, const CuttingParams& params);
 
   ContactModel Step(const FrameInput& input) override;
@@ -41,12 +43,10 @@ class ReferenceEngine final : public CuttingEngine {
   Slid Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
   NearField FindNearField(const ToolPoints& at, const ToolPoints& goal, const Matrix3& R_GT) const;
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
-  void Remove(const ToolPoints& a, const ToolPoints& b, FrameSolution& solution);
-
-  struct BallState {
-    Vector3 center_m;
-    double radius_m;
-  };
+  [[nodiscard]] std::size_t TouchingBall(const ToolPoints& from, const ToolPoints& to) const;
+  void AddCapsules(const ToolPoints& a, const ToolPoints& b, std::size_t only,
+                   std::vector<Capsule>& capsules) const;
+  void Remove(const std::vector<Capsule>& capsules, FrameSolution& solution);
 
   Tool tool_;
   double lever_m_;
@@ -54,7 +54,8 @@ class ReferenceEngine final : public CuttingEngine {
   std::vector<MassPoint> points_;
   Pose X_WG_;
   CuttingParams params_;
-  std::vector<BallState> balls_;
+  std::vector<BallState> balls_;  ///< the bone's, then the children of those that were split
+  BallRemoval removal_;
   std::vector<std::uint8_t> cleared_;
   FrameMemory memory_;
 };

@@ -12,6 +12,9 @@ std::uint64_t HashState(const CarvedState& state) {
   };
   mix(state.balls.data(), state.balls.size() * sizeof(float));
   mix(state.cleared.data(), state.cleared.size());
+  mix(state.split_balls.data(), state.split_balls.size() * sizeof(std::uint32_t));
+  mix(state.split_cuts.data(), state.split_cuts.size() * sizeof(std::uint32_t));
+  mix(state.split_slots.data(), state.split_slots.size() * sizeof(float));
   return hash;
 }
 

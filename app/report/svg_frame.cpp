@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/report/point_marks.h"
 #include "app/report/svg_text.h"
 
 namespace osteon::app {
@@ -136,10 +137,11 @@ LegendBlock DrawLegend(double x, double y, double width_px, std::string_view tit
     if (entry.mark == LegendEntry::Mark::kFill) {
       block.svg +=
           SvgRect(cursor, baseline - 9.5, 13, 10, entry.color, R"(stroke="#8a939c" stroke-width="0.6")");
-    } else {
+    } else if (entry.mark != LegendEntry::Mark::kNone) {
       block.svg += SvgLine(cursor, baseline - 4.3, cursor + 15, baseline - 4.3, entry.color, 2.4,
                            entry.mark == LegendEntry::Mark::kDash ? "5 3" : "");
     }
+    block.svg += DrawMarker(cursor + 7.5, baseline - 4.3, entry.marker, entry.color);
     block.svg += SvgText(cursor + kMark, baseline, text);
     cursor += needed + kGap;
   }

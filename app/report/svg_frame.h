@@ -47,12 +47,16 @@ struct PlotArea {
 /// Drops labels (not marks) of x ticks that would come closer than a digit to their neighbour.
 void SpreadLabels(const PlotArea& area, Ticks& x);
 
-/// What a legend shows: a line, a dashed line or a filled square, and a text.
+/// How a single point is drawn (point_marks.h).
+enum class Marker { kNone, kCircle, kSquare, kTriangle, kDiamond, kDown, kCross };
+
+/// What a legend shows: a line, a dashed line, a filled square or a marker alone, and a text.
 struct LegendEntry {
-  enum class Mark { kLine, kDash, kFill };
+  enum class Mark { kLine, kDash, kFill, kNone };
   std::string text{};
   std::string color{};
   Mark mark{Mark::kLine};
+  Marker marker{Marker::kNone};  ///< over the line
 };
 
 struct LegendBlock {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "app/report/point_marks.h"
 #include "app/report/svg_frame.h"
 #include "app/report/svg_text.h"
 
@@ -67,10 +68,20 @@ Range YRange(const LineChart& panel, int max_ticks) {
 }
 
 std::string DrawSeries(const PlotArea& area, const Series& series, const std::string& color) {
+  if (!(series.width_px > 0.0)) return {};
   std::string path;
   bool any = false;
   const int columns = std::max(1, static_cast<int>(area.width));
-  for (const auto& run : DecimateMinMax(series.x, series.y, area.x, columns)) {
+  // columns of pixels are even in the logarithm where the axis is
+  std::vector<double> at = series.x;
+  Range range = area.x;
+  if (area.log_x) {
+    for (double& x : at) x = x > 0.0 ? std::log(x) : -std::numeric_limits<double>::infinity();
+    range = {std::log(range.min), std::log(range.max)};
+  }
+  for (auto& run : DecimateMinMax(at, series.y, range, columns)) {
+    if (area.log_x)
+      for (PlotPoint& point : run) point.x = std::exp(point.x);
     char command = 'M';
     for (const PlotPoint& point : run) {
       if ((area.log_x && !(point.x > 0.0)) || (area.log_y && !(point.y > 0.0))) continue;
@@ -83,9 +94,82 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
   }
   if (!any) return {};
   return fmt::format(R"(<path d="{}" fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round" )"
-                     R"(stroke-linecap="round"/>)"
+                     R"(stroke-linecap="round"{}/>)"
                      "\n",
-                     path, color, Pixels(series.width_px));
+                     path, color, Pixels(series.width_px),
+                     series.opacity < 1.0 ? fmt::format(R"( opacity="{:.2f}")", series.opacity) : "");
+}
+
+bool Drawable(const PlotArea& area, double x, double y) {
+  const auto within = [](double value, Range range) { return value >= range.min && value <= range.max; };
+  return within(x, area.x) && within(y, area.y) && (!area.log_x || x > 0.0) && (!area.log_y || y > 0.0);
+}
+
+/// Error bars and markers of every series, the pale ones first; then the names that find a place.
+std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::vector<std::string>& colors) {
+  constexpr std::size_t kMostPieces = 500;  // of a line that names keep clear of
+  std::string out;
+  if (std::ranges::none_of(panel.series, [](const Series& series) { return series.marker != Marker::kNone; }))
+    return out;
+  LabelPlacer labels(area);
+  for (const LimitLine& limit : panel.limits)
+    if (limit.value > area.y.min && limit.value < area.y.max)
+      labels.BlockLine(area.left, area.Y(limit.value), area.left + area.width, area.Y(limit.value));
+  for (const LimitLine& limit : panel.x_limits)
+    if (limit.value > area.x.min && limit.value < area.x.max)
+      labels.Block(area.X(limit.value) - kFontPx - 5, area.top, kFontPx + 7, area.height);
+  for (const Series& series : panel.series)
+    for (std::size_t i = 1;
+         series.width_px > 0.0 && i < std::min({series.x.size(), series.y.size(), kMostPieces}); ++i)
+      if (Drawable(area, series.x[i - 1], series.y[i - 1]) && Drawable(area, series.x[i], series.y[i]))
+        labels.BlockLine(area.X(series.x[i - 1]), area.Y(series.y[i - 1]), area.X(series.x[i]),
+                         area.Y(series.y[i]));
+  std::vector<std::size_t> order(panel.series.size());
+  for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return panel.series[a].opacity < panel.series[b].opacity;
+  });
+  const auto each = [&](const auto& body) {
+    for (const std::size_t s : order) {
+      const Series& series = panel.series[s];
+      if (series.marker == Marker::kNone) continue;
+      for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i)
+        if (Drawable(area, series.x[i], series.y[i]))
+          body(series, s, i, area.X(series.x[i]), area.Y(series.y[i]));
+    }
+  };
+  each([&](const Series& series, std::size_t s, std::size_t i, double x, double y) {
+    if (i < series.y_low.size() && i < series.y_high.size()) {
+      const double low = area.Y(std::clamp(series.y_low[i], area.y.min, area.y.max));
+      const double high = area.Y(std::clamp(series.y_high[i], area.y.min, area.y.max));
+      if (low - high > 1.0) {
+        out += DrawWhisker(x, low, high, colors[s], series.opacity);
+        labels.Block(x - 3, high, 6, low - high);
+      }
+    }
+    labels.Block(x - 5, y - 5, 10, 10);
+  });
+  each([&](const Series& series, std::size_t s, std::size_t, double x, double y) {
+    out += DrawMarker(x, y, series.marker, colors[s], series.opacity);
+  });
+  std::reverse(order.begin(), order.end());  // of strong points first
+  each([&](const Series& series, std::size_t s, std::size_t i, double x, double y) {
+    if (i < series.labels.size() && !series.labels[i].empty())
+      out += labels.Place(x, y, series.labels[i], colors[s], series.opacity >= 1.0);
+  });
+  return out;
+}
+
+std::string DrawXLimits(const PlotArea& area, const std::vector<LimitLine>& limits) {
+  std::string out;
+  for (const LimitLine& limit : limits) {
+    if (!(limit.value > area.x.min && limit.value < area.x.max)) continue;
+    const double x = area.X(limit.value), y = area.top + area.height - 6.0;
+    out += SvgLine(x, area.top, x, area.top + area.height, kLimitColor, 1.4, "7 4");
+    out += SvgText(x - 5, y, limit.label, "start", kLimitColor, kFontPx - 1.5,
+                   fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(x - 5), Pixels(y)));
+  }
+  return out;
 }
 
 /// Names of limits in the right margin, pushed apart where they would meet.
@@ -117,7 +201,10 @@ struct PanelPlan {
 
 }  // namespace
 
-std::string Svg(std::span<const LineChart> panels, double width_px) {
+namespace {
+
+/// Panels one above the other. @returns elements without a document, and their height.
+LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
   const Range x = CommonX(panels);
   std::vector<PanelPlan> plans;
   double left = 0.0, right = 16.0;
@@ -155,7 +242,12 @@ std::string Svg(std::span<const LineChart> panels, double width_px) {
     for (std::size_t s = 0; s < panel.series.size(); ++s) {
       const Series& series = panel.series[s];
       plan.colors.push_back(series.color.empty() ? kPalette[s % kPalette.size()] : series.color);
-      if (!series.name.empty()) plan.legend.push_back({.text = series.name, .color = plan.colors.back()});
+      if (!series.name.empty() && panel.legend)
+        plan.legend.push_back(
+            {.text = series.name,
+             .color = plan.colors.back(),
+             .mark = series.width_px > 0.0 ? LegendEntry::Mark::kLine : LegendEntry::Mark::kNone,
+             .marker = series.marker});
       plan.data |= std::any_of(series.y.begin(), series.y.end(), [](double y) { return std::isfinite(y); });
     }
     std::vector<std::string> named;
@@ -187,6 +279,8 @@ std::string Svg(std::span<const LineChart> panels, double width_px) {
     for (std::size_t s = 0; s < panel.series.size(); ++s)
       body += DrawSeries(plan.area, panel.series[s], plan.colors[s]);
     body += DrawLimits(plan.area, panel.limits);
+    body += DrawXLimits(plan.area, panel.x_limits);
+    body += DrawPoints(plan.area, panel, plan.colors);
     if (!plan.data)
       body += SvgText(left + plan.area.width / 2, plan.area.top + plan.area.height / 2, "no data", "middle",
                       kMutedColor);
@@ -199,7 +293,38 @@ std::string Svg(std::span<const LineChart> panels, double width_px) {
     body += DrawAxisLabels(plan.area, last ? panel.x_label : "", bottom + 38, panel.y_label, 14.0);
     cursor = bottom + (last ? 46.0 : 16.0);
   }
-  return SvgDocument(width_px, cursor, panels.empty() ? "" : panels.front().title, body);
+  return {.svg = body, .height_px = cursor};
+}
+
+}  // namespace
+
+std::string Svg(std::span<const LineChart> panels, double width_px) {
+  const LegendBlock drawn = DrawPanels(panels, width_px);
+  return SvgDocument(width_px, drawn.height_px, panels.empty() ? "" : panels.front().title, drawn.svg);
+}
+
+std::string SvgGrid(std::span<const LineChart> panels, int columns, const std::string& title,
+                    const std::vector<LegendEntry>& legend, double width_px) {
+  constexpr double kGap = 14.0, kMargin = 10.0;
+  const auto count = static_cast<double>(std::max(1, columns));
+  const double width = (width_px - 2.0 * kMargin - (count - 1.0) * kGap) / count;
+  const LegendBlock heading = DrawLegend(kMargin + 4.0, 4.0, width_px - 2.0 * kMargin, title, {});
+  const LegendBlock names =
+      DrawLegend(kMargin + 4.0, 4.0 + heading.height_px, width_px - 2.0 * kMargin, "", legend);
+  std::string body = heading.svg + names.svg;
+  double top = 10.0 + heading.height_px + names.height_px, row_height = 0.0;
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    const auto column = static_cast<double>(p % static_cast<std::size_t>(std::max(1, columns)));
+    if (column == 0.0 && p > 0) {
+      top += row_height + kGap;
+      row_height = 0.0;
+    }
+    const LegendBlock drawn = DrawPanels(panels.subspan(p, 1), width);
+    row_height = std::max(row_height, drawn.height_px);
+    body += fmt::format("<g transform=\"translate({} {})\">\n{}</g>\n",
+                        Pixels(kMargin + column * (width + kGap)), Pixels(top), drawn.svg);
+  }
+  return SvgDocument(width_px, top + row_height + 4.0, title, body);
 }
 
 std::string Svg(const Histogram& histogram, double width_px) {
@@ -232,12 +357,12 @@ std::string Svg(const Histogram& histogram, double width_px) {
   const Ticks y_ticks = histogram.log_y ? LogTicks(area.y, 8) : LinearTicks(area.y, 6);
 
   // legend with the percentiles
-  struct Marker {
+  struct PercentileLine {
     double at;
     const char* color;
   };
   std::vector<LegendEntry> legend;
-  std::vector<Marker> markers;
+  std::vector<PercentileLine> markers;
   if (histogram.percentiles && !values.empty()) {
     const auto add = [&](const char* name, double p, const char* color) {
       const double at = Percentile(values, p);
@@ -268,7 +393,7 @@ std::string Svg(const Histogram& histogram, double width_px) {
     const double top = area.Y(count);
     body += SvgRect(x0 + 0.4, top, x1 - x0 - 0.8, base - top, kPalette[0]);
   }
-  for (const Marker& marker : markers)
+  for (const PercentileLine& marker : markers)
     if (!log_x || marker.at > 0.0)
       body += SvgLine(area.X(marker.at), area.top, area.X(marker.at), base, marker.color, 1.5, "5 3");
   if (values.empty())

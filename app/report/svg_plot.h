@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/report/svg_frame.h"
 #include "app/report/ticks.h"
 
 // Plots as SVG text, without a library and without a script. What is drawn never overlaps: every text has its
@@ -23,7 +24,11 @@ struct Series {
   std::string name{};
   std::vector<double> x{}, y{};  ///< same length; non-finite points leave a gap
   std::string color{};           ///< empty: the palette's next
-  double width_px{1.4};
+  double width_px{1.4};          ///< 0: points alone
+  Marker marker{Marker::kNone};
+  std::vector<double> y_low{}, y_high{};  ///< ends of error bars; empty, or of x's length
+  std::vector<std::string> labels{};      ///< beside the points; empty, or of x's length
+  double opacity{1.0};                    ///< of line and points; labels of pale ones are left out first
 };
 
 /// A horizontal line that a curve must not cross.
@@ -47,7 +52,9 @@ struct LineChart {
   bool log_x{false}, log_y{false};   ///< what is not positive is left out; log_x of the first panel counts
   std::vector<Series> series{};
   std::vector<LimitLine> limits{};
+  std::vector<LimitLine> x_limits{};  ///< vertical, their names along them within the plot
   std::vector<NamedSpan> spans{};
+  bool legend{true};
   double plot_height_px{230.0};  ///< of the area between the axes
 };
 
@@ -58,6 +65,10 @@ struct LineChart {
 [[nodiscard]] inline std::string Svg(const LineChart& chart, double width_px = 920.0) {
   return Svg(std::span(&chart, 1), width_px);
 }
+
+/// Panels beside each other in rows, each with its own axes, under one title and one legend.
+[[nodiscard]] std::string SvgGrid(std::span<const LineChart> panels, int columns, const std::string& title,
+                                  const std::vector<LegendEntry>& legend, double width_px);
 
 struct Histogram {
   std::string title{};

@@ -52,45 +52,53 @@ struct Pair {
 struct Near {
   vec3 axis_x, axis_y, axis_z, face_0, face_1, face_2, face_3;
   float enlargement, face_scale, face_point_scale;
+  uint faces;
 };
 
-// The pair's key in its bin, and what its face sums need.
-Pair Touch(Near near, vec4 ball, uint bone, vec3 at, float r_t, uint t, bool cutting) {
+// The pair, its key taken to its bin. `bone` is the ball's number, or that of its entry in the list where it is not known yet.
+Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, uint t, bool cutting) {
   vec3 from_bone = at - ball.xyz;
   float d = length(from_bone), gap = d - r_t - ball.w;
   Pair pair = Pair(from_bone / max(d, 1e-20), 0.0);
   bool is_near = ball.w > 0.0 && d > 0.0 && gap < near.enlargement;
+  pair.lens = is_near ? min(LensVolume(r_t + near.enlargement, ball.w, d), kLargestLens) : 0.0;
+  vec3 u = vec3(dot(pair.n, near.axis_x), dot(pair.n, near.axis_y), dot(pair.n, near.axis_z));
+  Bin bin = FindBin(u, cutting);
+  uint units = uint(clamp(gap + kMiddleWorth_mm * bin.off_middle + 1.0, 0.0, 1.999) / kGapUnit);
   // a loop, since software drivers execute a branch that nobody takes
-  for (uint once = is_near ? 0 : 1; once < 1; ++once) {
-    pair.lens = min(LensVolume(r_t + near.enlargement, ball.w, d), kLargestLens);
-    vec3 u = vec3(dot(pair.n, near.axis_x), dot(pair.n, near.axis_y), dot(pair.n, near.axis_z));
-    Bin bin = FindBin(u, cutting);
-    uint units = uint(clamp(gap + kMiddleWorth_mm * bin.off_middle + 1.0, 0.0, 1.999) / kGapUnit);
-    uint64_t key = (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(bone) << kToolBits) | uint64_t(t);
-    for (uint better = key < frame.bin_keys[bin.number] ? 0 : 1; better < 1; ++better)
-      atomicMin(frame.bin_keys[bin.number], key);
+  bool may = is_near && units <= uint(frame.bin_keys[bin.number] >> (kBoneBits + kToolBits));
+  for (uint better = may ? 0 : 1; better < 1; ++better) {
+    uint own = bone;
+    if (is_slot) own = live_entries[bone].index;
+    atomicMin(frame.bin_keys[bin.number],
+              (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(own) << kToolBits) | uint64_t(t));
   }
   return pair;
 }
 
+// With one cutter an invocation looks at 128 pairs at most, whose sum fits 32 bits.
 #define GATHER(part, face, pair, center, radius)                             \
   {                                                                          \
     float inside = max(0.0, dot(pair.n, face) - kFaceCosine);                \
     float w = pair.lens * inside * inside;                                   \
     ivec4 own = ivec4(round(vec4(w, w * pair.n) * near.face_scale));         \
-    part.n_high += own >> 16;                                                \
-    part.n_low += own & 0xffff;                                              \
-    if (!kOneCutter || shaft) {                                              \
+    if (kOneCutter && !shaft) {                                              \
+      part.n_low += own;                                                     \
+    } else {                                                                 \
+      part.n_high += own >> 16;                                              \
+      part.n_low += own & 0xffff;                                            \
       own = ivec4(round(w * vec4(center, radius) * near.face_point_scale));  \
       part.c_high += own >> 16;                                              \
       part.c_low += own & 0xffff;                                            \
     }                                                                        \
   }
-#define GATHER_ALL(pair, center, radius)             \
-  GATHER(part_0, near.face_0, pair, center, radius)  \
-  GATHER(part_1, near.face_1, pair, center, radius)  \
-  GATHER(part_2, near.face_2, pair, center, radius)  \
-  GATHER(part_3, near.face_3, pair, center, radius)
+#define GATHER_ALL(pair, center, radius)                                                              \
+  GATHER(part_0, near.face_0, pair, center, radius)                                                   \
+  for (uint more = near.faces > 1u ? 0 : 1; more < 1; ++more) {                                       \
+    GATHER(part_1, near.face_1, pair, center, radius)                                                 \
+    GATHER(part_2, near.face_2, pair, center, radius)                                                 \
+    GATHER(part_3, near.face_3, pair, center, radius)                                                 \
+  }
 
 #define ADD_COLUMN(place, high_part, low_part)                    \
   {                                                               \
@@ -128,7 +136,7 @@ void main() {
     float s = ContactFraction();
     Near near = Near(frame.axis_x.xyz, frame.axis_y.xyz, frame.axis_z.xyz, frame.face_n[0].xyz, frame.face_n[1].xyz,
                      frame.face_n[2].xyz, frame.face_n[3].xyz, frame.enlargement_mm, frame.face_scale,
-                     frame.face_point_scale);
+                     frame.face_point_scale, frame.face_count);
     uint end_balls = row == 0u ? end : 0u, end_shaft = row == 1u ? end : 0u;
     Part part_0 = kNone, part_1 = kNone, part_2 = kNone, part_3 = kNone;
     {
@@ -137,7 +145,7 @@ void main() {
       for (uint slot = ChunkBegin(); slot < end_balls; slot += kLanes) {
         vec4 ball = LiveBall(slot);
         if (kOneCutter) {
-          Pair pair = Touch(near, ball, live_entries[slot].index, only.xyz, only.w, 0u, true);
+          Pair pair = Touch(near, ball, slot, true, only.xyz, only.w, 0u, true);
           GATHER_ALL(pair, vec3(0.0), 0.0)
         } else {
           Live entry = live_entries[slot];
@@ -145,7 +153,7 @@ void main() {
           for (uint k = entry.first; k < last; ++k) {
             uint t = spans[k];
             vec4 at = AtContact(t, s);
-            Pair pair = Touch(near, ball, entry.index, at.xyz, at.w, t, true);
+            Pair pair = Touch(near, ball, entry.index, false, at.xyz, at.w, t, true);
             GATHER_ALL(pair, CenterInTool(t), at.w)
           }
         }
@@ -163,7 +171,7 @@ void main() {
         for (uint k = mine.first; k < last; ++k) {
           uint t = spans[k];
           vec4 at = AtContact(t, s);
-          Pair pair = Touch(near, ball, bone, at.xyz, at.w, t, false);
+          Pair pair = Touch(near, ball, bone, false, at.xyz, at.w, t, false);
           GATHER_ALL(pair, CenterInTool(t), at.w)
         }
       }

@@ -154,12 +154,19 @@ TEST(SpindleTorque, IsTheCuttingForceAtItsArm) {
 
 // ---- the frame's end
 
+SolvedContact At(const Vector3& n, const Vector3& p_T_m, double multiplier_m, double weight = 1.0) {
+  return {.n = n, .p_T_m = p_T_m, .gap_m = -multiplier_m, .multiplier_m = multiplier_m, .weight = weight};
+}
+
 struct Frame {
   CuttingParams params;
   std::vector<Material> materials{{.name = "bone", .specific_cutting_energy_J_per_m3 = 50e6}};
   FrameInput input;
   FrameSolution solution;
   FrameMemory memory;
+  void Add(const SolvedContact& contact) {
+    solution.contacts[static_cast<std::size_t>(solution.contact_count++)] = contact;
+  }
   ContactModel Finish(const Pose& X_WG = Pose::Identity()) {
     return FinishFrame(params, materials, X_WG, input, solution, memory);
   }
@@ -167,8 +174,7 @@ struct Frame {
 
 TEST(FinishFrame, GivesAForceAlongTheNormalOfStiffnessTimesDepth) {
   Frame frame;
-  frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
-  frame.solution.planes[kCapPlane].multiplier_m = 3e-3;
+  frame.Add(At(Vector3::UnitZ(), Vector3::Zero(), 3e-3));
   const ContactModel model = frame.Finish();
   EXPECT_EQ(model.contact_count, 1);
   EXPECT_LT((Vector3(model.F_T_W.f) - Vector3(0, 0, 60.0)).norm(), 1e-12);
@@ -176,12 +182,9 @@ TEST(FinishFrame, GivesAForceAlongTheNormalOfStiffnessTimesDepth) {
 
 TEST(FinishFrame, LimitsTheWrenchWithoutTurningIt) {
   Frame frame;
-  SolutionPlane& floor = frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
-  SolutionPlane& wall = frame.solution.planes[4] = Plane(Vector3::UnitX(), 0.0);
-  floor.point_m = Vector3(5e-3, 0, 0);
-  wall.point_m = Vector3(0, 20e-3, 0);
-  floor.multiplier_m = 3e-3;
-  wall.multiplier_m = 4e-3;
+  frame.Add(At(Vector3::UnitZ(), Vector3(5e-3, 0, 0), 3e-3));
+  frame.Add(At(Vector3::UnitX(), Vector3(0, 20e-3, 0), 4e-3));
+  SolvedContact &floor = frame.solution.contacts[0], &wall = frame.solution.contacts[1];
   const Wrench free = frame.Finish().F_T_W;
   EXPECT_LT((free.f - Vector3(80, 0, 60)).norm(), 1e-10);
   floor.multiplier_m *= 5.0;
@@ -199,9 +202,7 @@ TEST(FinishFrame, TorqueIsTheLeverOfTheTouchingPointAboutTheTool) {
   frame.input.X_WT = X_WT;
   frame.memory.X_GP = X_WT;
   frame.solution.origin_contact = frame.solution.origin_slid = frame.solution.origin_end = X_WT.translation();
-  SolutionPlane& plane = frame.solution.planes[3] = Plane(Vector3::UnitZ(), 0.0);
-  plane.point_m = X_WT.translation() + Vector3(10e-3, 4e-3, 0);
-  plane.multiplier_m = 1e-3;
+  frame.Add(At(Vector3::UnitZ(), Vector3(10e-3, 4e-3, 0), 1e-3));
   const ContactModel model = frame.Finish();
   EXPECT_LT((Vector3(model.contacts[0].p_TP_m) - Vector3(10e-3, 4e-3, 0)).norm(), 1e-15);
   EXPECT_LT((Vector3(model.F_T_W.t) - Vector3(10e-3, 4e-3, 0).cross(Vector3(0, 0, 20))).norm(), 1e-12);
@@ -209,8 +210,7 @@ TEST(FinishFrame, TorqueIsTheLeverOfTheTouchingPointAboutTheTool) {
 
 TEST(FinishFrame, TurnsEverythingFromTheBonesFrameIntoTheWorlds) {
   Frame frame;
-  frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0);
-  frame.solution.planes[kCapPlane].multiplier_m = 1e-3;
+  frame.Add(At(Vector3::UnitZ(), Vector3::Zero(), 1e-3));
   frame.solution.n = Vector3::UnitZ();
   Pose X_WG = Pose::Identity();
   X_WG.linear() = ExpRotation({0, 0.5 * M_PI, 0});  // z of G is x of W
@@ -225,8 +225,8 @@ TEST(FinishFrame, TurnsEverythingFromTheBonesFrameIntoTheWorlds) {
 
 TEST(FinishFrame, WeightsOfTheContactsAreSharesOfTheirLenses) {
   Frame frame;
-  frame.solution.planes[kCapPlane] = Plane(Vector3::UnitZ(), 0.0, 3.0);
-  frame.solution.planes[2] = Plane(Vector3::UnitX(), 0.0, 1.0);
+  frame.Add(At(Vector3::UnitZ(), Vector3::Zero(), 1e-3, 3.0));
+  frame.Add(At(Vector3::UnitX(), Vector3::Zero(), 1e-3, 1.0));
   const ContactModel model = frame.Finish();
   ASSERT_EQ(model.contact_count, 2);
   EXPECT_DOUBLE_EQ(model.contacts[0].weight, 0.75);
@@ -261,14 +261,12 @@ TEST(FinishFrame, TurnsTheProxyAsFarAsItsPathWent) {
   EXPECT_LT((LogRotation(X_WP.linear()) - Vector3(0, 0, 0.3)).norm(), 1e-12);
 }
 
-TEST(FinishFrame, StillSpindleHasNoTorque) {
+TEST(FinishFrame, SpindleTorqueIsTheEdgesWorkOverItsAngle) {
   Frame frame;
-  frame.solution.cutting_m = 1e-3;
-  frame.solution.engaged_area_m2[0] = 1e-4;
-  frame.solution.engaged_moment_m3[0] = 1e-6;
-  EXPECT_EQ(frame.Finish().spindle_torque_Nm, 0.0);
+  frame.solution.edge_work_J = 0.05;
+  EXPECT_EQ(frame.Finish().spindle_torque_Nm, 0.0);  // a still spindle has none
   frame.input.spindle_rad_per_s = -kSpindle;
-  EXPECT_GT(frame.Finish().spindle_torque_Nm, 0.0);
+  EXPECT_NEAR(frame.Finish().spindle_torque_Nm, 0.05 / (kSpindle * frame.input.dt_s), 1e-12);
 }
 
 TEST(FrameMemory, SurvivesAState) {

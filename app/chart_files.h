@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace osteon::app {
+
+/// What a chart is named after: processor, cores, system.
+[[nodiscard]] std::string MachineName();
+
+/// A chart in its five forms, beside each other in one folder.
+struct ChartFiles {
+  std::string name;   ///< of the files, without an extension
+  std::string title;  ///< of the page
+  std::string svg;
+  std::string caption;
+  std::string csv;
+  std::string json;
+  std::vector<std::vector<std::string>> table;  ///< the first row names the columns; the first column is text
+  std::vector<std::string> notes;               ///< paragraphs below the chart
+};
+
+/// Writes NAME.svg, .png, .csv, .json, .html; each appears whole or not at all. Makes the folder.
+/// @returns an error that names the file.
+[[nodiscard]] tl::expected<void, std::string> WriteChart(const ChartFiles& chart,
+                                                         const std::filesystem::path& folder);
+
+}  // namespace osteon::app

@@ -1,0 +1,267 @@
+#include "app/chart_scaling.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/chart_files.h"
+#include "app/interrupt.h"
+#include "app/report/svg_plot.h"
+#include "app/report/svg_text.h"
+#include "app/summary.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr const char* kFixed = "ours, cut zone as it is";
+constexpr const char* kUniform = "ours, all of the bone alike";
+constexpr const char* kBrute = "the same without culling";
+constexpr std::array<std::size_t, 9> kCounts{1'000,   3'000,     10'000,    30'000,    100'000,
+                                             300'000, 1'000'000, 3'000'000, 10'000'000};
+constexpr std::size_t kBruteFrames = 60, kLeastFrames = 20;
+
+int Fail(const std::string& message, int code) {
+  fmt::print(stderr, "osteon chart scaling: {}\n", message);
+  return code;
+}
+
+void Say(const std::string& text) { fmt::print(stderr, "osteon chart scaling: {}\n", text); }
+
+class Scaling {
+ public:
+  explicit Scaling(const ScalingOptions& options) : options_(options) {}
+
+  // Everything, or an error where nothing can be measured here.
+  tl::expected<ScalingResult, std::string> Measure() {
+    for (const std::size_t count : kCounts) {
+      if (count > options_.max_spheres || Interrupted()) break;
+      for (const bool uniform : {false, true}) {
+        if (Interrupted()) break;
+        if (const auto measured = MeasureCount(count, uniform); !measured)
+          return tl::unexpected(measured.error());
+      }
+    }
+    return std::move(result_);
+  }
+
+ private:
+  FrameTimingParams Params(const std::string& method, std::size_t frames) const {
+    return {.methods = {method},
+            .device = options_.device,
+            .frames = frames,
+            .most_seconds = options_.most_seconds,
+            .most_seat_seconds = options_.most_seconds,
+            .pass_frames = 0,
+            .progress = {}};
+  }
+
+  void Add(const char* series, const simulation::FrameWorkload& work, const FrameTiming& timing) {
+    result_.device = timing.device;
+    result_.tool_spheres = work.cutting_balls;
+    result_.points.push_back({.series = series,
+                              .spheres = work.bone.balls.size(),
+                              .cut_zone_m = work.cut_zone_m,
+                              .timing = timing});
+    Say(fmt::format("{}: {} spheres: {:.1f} us a frame", series, work.bone.balls.size(),
+                    timing.frame_us.p50_us));
+  }
+
+  void LeaveOut(const char* series, std::size_t count, const std::string& why) {
+    result_.left_out.push_back(fmt::format("{}, {} spheres: {}", series, count, why));
+    Say("left out: " + result_.left_out.back());
+  }
+
+  tl::expected<void, std::string> MeasureCount(std::size_t count, bool uniform) {
+    const char* series = uniform ? kUniform : kFixed;
+    simulation::FrameWorkloadParams params = simulation::CupWorkload();
+    params.spheres = count;
+    if (uniform) params.grade = simulation::CountedGrade::kUniform;
+    const simulation::FrameWorkload work = simulation::MakeFrameWorkload(params);
+    const auto seated = Seat(work, Params("ours", options_.frames));
+    if (!seated) {
+      if (result_.points.empty() && !Interrupted()) return tl::unexpected(seated.error());
+      LeaveOut(series, count, seated.error());
+      return {};
+    }
+    const auto timed = TimeFrames(work, Params("ours", options_.frames), &*seated);
+    if (!timed) return tl::unexpected(timed.error());
+    Add(series, work, timed->front());
+    if (uniform) return {};
+
+    // without culling a frame's time goes with the number: don't begin what will not end
+    const double expected_s = brute_us_per_sphere_ * 1e-6 * static_cast<double>(work.bone.balls.size()) *
+                              static_cast<double>(kLeastFrames);
+    if (brute_refused_) return {};
+    if (expected_s > options_.most_seconds) {
+      LeaveOut(kBrute, count, fmt::format("{} frames would take {:.0f} s", kLeastFrames, expected_s));
+      return {};
+    }
+    const auto brute = TimeFrames(work, Params("brute", kBruteFrames), &*seated);
+    if (!brute) {
+      brute_refused_ = true;
+      LeaveOut(kBrute, count, brute.error());
+      return {};
+    }
+    Add(kBrute, work, brute->front());
+    brute_us_per_sphere_ = brute->front().frame_us.p50_us / static_cast<double>(work.bone.balls.size());
+    return {};
+  }
+
+  const ScalingOptions& options_;
+  ScalingResult result_;
+  double brute_us_per_sphere_{0.0};
+  bool brute_refused_{false};
+};
+
+std::string Csv(const ScalingResult& result) {
+  std::string csv =
+      "series,spheres,tool_spheres,cut_zone_mm,frames,rate_hz,frame_us_p50,frame_us_p95,frame_us_p99,frame_"
+      "us_p999,"
+      "active_spheres_mean\n";
+  for (const ScalingPoint& point : result.points) {
+    const FrameTiming& t = point.timing;
+    csv += fmt::format("\"{}\",{},{},{:.4f},{},{:.2f},{:.1f},{:.1f},{:.1f},{:.1f},{}\n", point.series,
+                       point.spheres, result.tool_spheres, point.cut_zone_m * 1e3, t.frames, t.rate_hz(),
+                       t.frame_us.p50_us, t.frame_us.p95_us, t.frame_us.p99_us, t.frame_us.p999_us,
+                       t.active_spheres_mean ? fmt::format("{:.1f}", *t.active_spheres_mean) : "");
+  }
+  return csv;
+}
+
+std::vector<std::vector<std::string>> TableOf(const ScalingResult& result) {
+  std::vector<std::vector<std::string>> rows{
+      {"series", "spheres", "spacing where it is cut [mm]", "frames", "rate [Hz]", "p50 [us]", "p99 [us]"}};
+  for (const ScalingPoint& point : result.points)
+    rows.push_back({point.series, Number(static_cast<double>(point.spheres), 0),
+                    Number(point.cut_zone_m * 1e3), Number(static_cast<double>(point.timing.frames), 0),
+                    Number(point.timing.rate_hz()), Number(point.timing.frame_us.p50_us),
+                    Number(point.timing.frame_us.p99_us)});
+  return rows;
+}
+
+int Run(const ScalingOptions& options) {
+  if (std::filesystem::exists(options.out) && !std::filesystem::is_directory(options.out))
+    return Fail(fmt::format("--out {}: found a file, accepted a folder", options.out.string()), 2);
+  InstallInterrupt();
+  const auto result = Scaling(options).Measure();
+  if (!result) return Fail(result.error(), 1);
+  if (result->points.empty()) return Interrupted() ? kExitInterrupted : Fail("nothing was measured", 1);
+
+  const std::string machine = MachineName(), json = ScalingJson(*result, machine);
+  std::vector<std::string> notes{
+      fmt::format("{}; {}. A 50 mm reamer, pressed into the cup by 100 N at 250 rpm, is timed once it is "
+                  "seated. With the cut "
+                  "zone as it is, more spheres fill the bone below it; from 100 000 spheres to the most the "
+                  "median frame grows "
+                  "by {:.2f}. Rates are one over the median; bars reach to the 95th percentile.",
+                  result->device, machine, result->Growth())};
+  for (const std::string& left : result->left_out) notes.push_back("Not measured: " + left);
+  const ChartFiles chart{.name = "scaling",
+                         .title = "Frame rate against number of spheres",
+                         .svg = ScalingSvg(*result),
+                         .caption = "After figure 4 of Kaluschke et al., IEEE VR 2019.",
+                         .csv = Csv(*result),
+                         .json = json,
+                         .table = TableOf(*result),
+                         .notes = notes};
+  if (const auto written = WriteChart(chart, options.out); !written) return Fail(written.error(), 1);
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, json); !written) return Fail(written.error(), 1);
+  for (const auto& row : chart.table)
+    fmt::print("{:<28} {:>12} {:>10} {:>12} {:>12}\n", row[0], row[1], row[4].substr(0, 12), row[5], row[6]);
+  fmt::print("{}\n", (options.out / "scaling.html").string());
+  return Interrupted() ? kExitInterrupted : 0;
+}
+
+}  // namespace
+
+double ScalingResult::Growth() const {
+  const ScalingPoint *first = nullptr, *last = nullptr;
+  const auto off = [](const ScalingPoint& point) {
+    return std::abs(std::log(static_cast<double>(point.spheres) / 1e5));
+  };
+  for (const ScalingPoint& point : points) {
+    if (point.series != kFixed) continue;
+    if (first == nullptr || off(point) < off(*first)) first = &point;
+    last = &point;
+  }
+  return first == last || !(first->timing.frame_us.p50_us > 0.0)
+             ? 0.0
+             : last->timing.frame_us.p50_us / first->timing.frame_us.p50_us;
+}
+
+std::string ScalingSvg(const ScalingResult& result) {
+  LineChart chart{.title = "Cutting frames a second",
+                  .x_label = "spheres in the bone",
+                  .y_label = "frame rate [Hz]",
+                  .log_x = true,
+                  .log_y = true,
+                  .plot_height_px = 380.0};
+  const std::pair<const char*, Marker> series[] = {
+      {kFixed, Marker::kCircle}, {kUniform, Marker::kSquare}, {kBrute, Marker::kTriangle}};
+  double least = HUGE_VAL, most = 0.0;
+  for (const auto& [name, marker] : series) {
+    Series drawn{.name = name, .width_px = 1.8, .marker = marker};
+    for (const ScalingPoint& point : result.points) {
+      if (point.series != name) continue;
+      drawn.x.push_back(static_cast<double>(point.spheres));
+      drawn.y.push_back(point.timing.rate_hz());
+      drawn.y_low.push_back(1e6 / point.timing.frame_us.p95_us);
+      drawn.y_high.push_back(point.timing.rate_hz());
+      least = std::min(least, drawn.y_low.back());
+      most = std::max(most, drawn.y.back());
+    }
+    if (!drawn.x.empty()) chart.series.push_back(std::move(drawn));
+  }
+  chart.series.push_back({.name = "the paper: 1 kHz up to 300 000 (GTX 1080 Ti)",
+                          .x = {300e3},
+                          .y = {1e3},
+                          .color = kTextColor,
+                          .width_px = 0.0,
+                          .marker = Marker::kCross});
+  chart.limits.push_back({.value = 1e3, .label = "1 kHz"});
+  chart.y = Range{std::min(least, 500.0) / 1.4, std::max(most, 1.5e3) * 1.4};
+  return Svg(chart, 860.0);
+}
+
+std::string ScalingJson(const ScalingResult& result, const std::string& machine) {
+  nlohmann::json json{{"schema", "osteon.chart.scaling/1"},
+                      {"subcommand", "chart scaling"},
+                      {"device", result.device},
+                      {"machine", machine},
+                      {"tool_spheres", result.tool_spheres},
+                      {"growth", result.Growth()},
+                      {"left_out", result.left_out},
+                      {"points", nlohmann::json::array()}};
+  for (const ScalingPoint& point : result.points) {
+    const FrameTiming& t = point.timing;
+    nlohmann::json entry{{"series", point.series},
+                         {"method", t.method},
+                         {"spheres", point.spheres},
+                         {"cut_zone_mm", point.cut_zone_m * 1e3},
+                         {"frames", t.frames},
+                         {"rate_hz", t.rate_hz()},
+                         {"frame_us_p50", t.frame_us.p50_us},
+                         {"frame_us_p95", t.frame_us.p95_us},
+                         {"frame_us_p99", t.frame_us.p99_us},
+                         {"frame_us_p999", t.frame_us.p999_us},
+                         {"active_spheres_mean", nullptr}};
+    if (t.active_spheres_mean) entry["active_spheres_mean"] = *t.active_spheres_mean;
+    json["points"].push_back(std::move(entry));
+  }
+  return json.dump(2) + "\n";
+}
+
+int RunChartScaling(const ScalingOptions& options) {
+  try {
+    return Run(options);
+  } catch (const std::invalid_argument& error) {
+    return Fail(error.what(), 2);
+  }
+}
+
+}  // namespace osteon::app

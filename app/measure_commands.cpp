@@ -1,0 +1,117 @@
+#include "app/measure_commands.h"
+
+#include "app/usage.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kMostSpheres = 20e6;
+
+CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
+  CLI::App* sub = bench.add_subcommand("frame", "times one cutting frame");
+  sub->add_option(
+         "--scene", options.scene,
+         "acetabulum: reamed at 100 N and 250 rpm once the head is seated; molar: its recorded motion")
+      ->check(OneOf({"acetabulum", "molar"}))
+      ->capture_default_str();
+  sub->add_option(
+         "--spheres", options.spheres,
+         "of the bone; more than the scene's own fill the bone below the cut zone, which stays as it is")
+      ->check(NumberWithin(1, kMostSpheres));
+  sub->add_flag("--uniform", options.uniform, "all of the bone alike instead");
+  sub->add_option("--tool-spheres", options.tool_spheres, "of the tool's head; 1: one analytic ball")
+      ->check(NumberWithin(1, 10'000))
+      ->capture_default_str();
+  sub->add_option("--method", options.method, "what cuts")
+      ->check(OneOf(MethodNames()))
+      ->capture_default_str();
+  sub->add_option("--compare", options.compare, "a further method, in turn with it, frame by frame")
+      ->check(OneOf(MethodNames()));
+  sub->add_option("--device", options.device, "part of a Vulkan device's name (osteon doctor lists them)");
+  sub->add_option("--frames", options.frames, "timed")->check(NumberWithin(20, 10e6))->capture_default_str();
+  sub->add_option("--most-seconds", options.most_seconds, "of timing; 20 frames at least")
+      ->check(NumberWithin(0.1, 36e3))
+      ->capture_default_str();
+  sub->add_option("--voxel-mm", options.voxel_mm, "edge of a voxel, for the methods that have them")
+      ->check(NumberWithin(0.01, 5.0))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "write the figures there");
+  sub->footer(
+      "Times are wall time around a frame, submit to result; the rate is one over the median.\n\n"
+      "Examples:\n  osteon bench frame\n  osteon bench frame --spheres 1000000 --json frame.json\n"
+      "  osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50\n"
+      "  osteon bench frame --scene molar --spheres 36000 --tool-spheres 200");
+  return sub;
+}
+
+CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
+  CLI::App* sub =
+      chart.add_subcommand("scaling", "frame rate against number of spheres: the paper's figure 4");
+  sub->add_option("--out", options.out, "folder for scaling.svg, .png, .csv, .json, .html")
+      ->capture_default_str();
+  sub->add_option("--max-spheres", options.max_spheres, "no more than these")
+      ->check(NumberWithin(1000, kMostSpheres))
+      ->capture_default_str();
+  sub->add_option("--device", options.device, "part of a Vulkan device's name (osteon doctor lists them)");
+  sub->add_option("--frames", options.frames, "timed at each point")
+      ->check(NumberWithin(20, 1e6))
+      ->capture_default_str();
+  sub->add_option("--most-seconds", options.most_seconds, "of a point; what would take longer is left out")
+      ->check(NumberWithin(0.1, 36e3))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "a further copy of scaling.json");
+  sub->footer(
+      "From 1000 to 10 million spheres: the cut zone as it is and the bone below it finer; all of the bone "
+      "alike; "
+      "and without culling.\n\nExamples:\n  osteon chart scaling\n"
+      "  osteon chart scaling --max-spheres 300000 --out my_scaling");
+  return sub;
+}
+
+CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) {
+  CLI::App* sub = chart.add_subcommand(
+      "speed-accuracy",
+      "methods x resolutions on one workload: frame time against depth, volume, force and ripple");
+  sub->add_option("--out", options.out, "folder for speed_accuracy.svg, .png, .csv, .json, .html")
+      ->capture_default_str();
+  sub->add_flag("--quick", options.quick, "fewer resolutions, 2 seeds, a faster feed");
+  sub->add_option("--device", options.device, "part of a Vulkan device's name (osteon doctor lists them)");
+  sub->add_option("--seeds", options.seeds, "paths and packings that differ")
+      ->check(NumberWithin(1, 100))
+      ->capture_default_str();
+  sub->add_option("--method", options.methods, "these alone; several times")->check(OneOf(MethodNames()));
+  sub->add_option("--most-seconds", options.most_seconds,
+                  "of a method's frames in one task; what would take longer is left out")
+      ->check(NumberWithin(0.1, 36e3))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "a further copy of speed_accuracy.json");
+  sub->footer(
+      "Examples:\n  osteon chart speed-accuracy --quick\n  osteon chart speed-accuracy --out my_chart\n"
+      "  osteon chart speed-accuracy --method ours --method voxel --seeds 2");
+  return sub;
+}
+
+}  // namespace
+
+MeasureCommands::MeasureCommands(CLI::App& app)
+    : bench_(app.add_subcommand("bench", "measures what the parts take")),
+      frame_(AddBenchFrame(*bench_, frame_options_)),
+      chart_(app.add_subcommand("chart", "measures and draws")),
+      scaling_(AddChartScaling(*chart_, scaling_options_)),
+      accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)) {
+  bench_->require_subcommand(1);
+  bench_->footer("Examples:\n  osteon bench frame\n  osteon bench frame --help");
+  chart_->require_subcommand(1);
+  chart_->footer("Examples:\n  osteon chart scaling\n  osteon chart speed-accuracy --quick");
+}
+
+bool MeasureCommands::asked() const { return bench_->parsed() || chart_->parsed(); }
+
+int MeasureCommands::Run(const std::filesystem::path& config_root) {
+  if (scaling_->parsed()) return RunChartScaling(scaling_options_);
+  if (accuracy_->parsed()) return RunChartSpeedAccuracy(accuracy_options_);
+  frame_options_.config_root = config_root;
+  return RunBenchFrame(frame_options_);
+}
+
+}  // namespace osteon::app

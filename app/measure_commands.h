@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+
+#include "app/bench_frame.h"
+#include "app/chart_scaling.h"
+#include "app/chart_speed_accuracy.h"
+
+namespace osteon::app {
+
+/// The subcommands that measure: `bench frame`, `chart scaling`, `chart speed-accuracy`.
+class MeasureCommands {
+ public:
+  explicit MeasureCommands(CLI::App& app);
+
+  /// One of them was on the command line.
+  [[nodiscard]] bool asked() const;
+  /// @returns the process's exit code.
+  [[nodiscard]] int Run(const std::filesystem::path& config_root);
+
+ private:
+  BenchFrameOptions frame_options_;  // before what points into it
+  ScalingOptions scaling_options_;
+  SpeedAccuracyOptions accuracy_options_;
+  CLI::App *bench_, *frame_, *chart_, *scaling_, *accuracy_;
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "simulation/counted_packing.h"
+#include "simulation/metrics/pressing_hand.h"
+#include "simulation/motion_player.h"
+#include "simulation/scenes.h"
+#include "simulation/shell_tool.h"
+
+// What one cutting frame is timed on: `osteon bench frame`, `osteon chart scaling` and osteon_frame_bench
+// share it.
+
+namespace osteon::simulation {
+
+struct FrameWorkloadParams {
+  SceneParams scene;
+  Tool tool;
+  CuttingParams cutting;
+  std::size_t spheres{0};  ///< 0: as many as the scene asks for
+  CountedGrade grade{CountedGrade::kFixedZone};
+  bool disjoint{false};  ///< the paper's packing instead: disjoint balls, 10 000 where none are asked for
+  std::size_t tool_spheres{1};  ///< of the head; 1: one analytic ball
+  ShellPart shell{ShellPart::kHemisphere};
+  std::optional<ToolMotion> motion;  ///< a recorded one instead of the pressing hand
+  double rate_hz{1000.0};
+  double force_N{100.0};                         ///< of the hand
+  double spindle_rad_per_s{26.179938779914945};  ///< 250 rpm
+};
+
+/// A cup reamed by a hand that presses with a constant force along its axis; or any scene, and a motion.
+struct FrameWorkload {
+  std::shared_ptr<const Solid> solid;
+  Bone bone;
+  Tool tool;
+  CuttingParams cutting;
+  std::optional<MotionPlayer> motion;
+  PressingHandParams hand;
+  double seat_m{0.0};            ///< feed at which the head's centre is at the cup's
+  double cut_zone_m{0.0};        ///< mean distance of the balls' centres in the cut zone
+  double cut_zone_depth_m{0.0};  ///< below the cuttable surface, that this was measured over
+  std::size_t cutting_balls{0};  ///< of the tool
+};
+
+/// The generated acetabulum with its default fineness, reamed by a reamer of 50 mm at 100 N and 250 rpm.
+[[nodiscard]] FrameWorkloadParams CupWorkload();
+
+/// @throws std::invalid_argument naming the parameter, its value and what is accepted.
+[[nodiscard]] FrameWorkload MakeFrameWorkload(const FrameWorkloadParams& params);
+
+/// Gives one input after the other; a copy goes on by itself from where it was made.
+class WorkloadPlayer {
+ public:
+  /// @param workload  must outlive the player
+  explicit WorkloadPlayer(const FrameWorkload& workload);
+
+  /// @param last  the model of the frame before; a new one before the first
+  [[nodiscard]] FrameInput Next(const ContactModel& last);
+  /// Where timing may begin: the head's proxy is seated in the cup, or a played tool has met the bone.
+  [[nodiscard]] bool Ready(const ContactModel& last) const;
+  /// A motion ends; a hand does not.
+  [[nodiscard]] bool AtEnd() const;
+
+ private:
+  const FrameWorkload* workload_;
+  PressingHand hand_;
+  std::size_t frame_{0};
+};
+
+/// Runs frames until the player is ready. @returns false where a motion's end, 20 000 frames, a refused frame
+/// or `stop` came first.
+/// @param stop  asked before each frame; may be empty
+[[nodiscard]] bool Prepare(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last,
+                           const std::function<bool()>& stop = {});
+
+/// Time of one frame by its wall clock [us].
+struct TimeFigures {
+  double p50_us{0.0}, p95_us{0.0}, p99_us{0.0}, p999_us{0.0}, max_us{0.0};
+};
+/// By nearest rank; zeros where there is none.
+[[nodiscard]] TimeFigures FiguresOf(std::vector<double> times_us);
+
+/// One frame. @returns the wall time of CuttingEngine::Step [us].
+double TimedStep(CuttingEngine& engine, const FrameInput& input, ContactModel& model);
+
+}  // namespace osteon::simulation

@@ -1,0 +1,77 @@
+#include "simulation/metrics/workload_scores.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "simulation/metrics/accuracy.h"
+#include "simulation/metrics/ripple.h"
+
+namespace osteon::simulation {
+
+WorkloadScores ScoreWorkload(const CutWorkload& workload, const WorkloadRun& run, const CarvedShape& before,
+                             const CarvedShape& after, std::size_t surface_cells) {
+  if (!run.complete)
+    throw std::invalid_argument("workload: found a run that was ended early, accepted a complete one");
+  constexpr double kProbe_m = 1e-3;
+  const SweptTool swept(workload.tool, workload.CutPath());
+  const CutAccuracy cut = MeasureCut(*workload.solid, before, after, swept,
+                                     {.probe_radii_m = {kProbe_m},
+                                      .surface_cells = surface_cells,
+                                      .probe_samples = std::min<std::size_t>(2000, surface_cells)});
+  WorkloadScores scores;
+  scores.lost_m = cut.depth_error_m;
+  scores.left_m = cut.cut_area_m2 > 0.0 ? cut.left_volume_m3 / cut.cut_area_m2 : 0.0;
+  scores.depth_error_m = scores.lost_m + scores.left_m;
+  scores.depth_error_se_m = cut.depth_error_se_m;
+  scores.probe_p95_m = cut.probes.front().p95_m;
+  scores.swept_volume_m3 = cut.swept_volume_m3;
+  scores.volume_error = std::abs(run.removed_volume_m3 / cut.swept_volume_m3 - 1.0);
+
+  scores.force = CompareForces(run.felt, workload.exact, workload.rate_hz);
+  std::vector<double> magnitude_N;
+  for (const FeltForce& felt : run.felt) magnitude_N.push_back(felt.f_N.norm());
+  // over the exact mean: a tool that is stuck has a great and steady force, which is no merit
+  double exact_N = 0.0;
+  for (const FeltForce& exact : workload.exact)
+    exact_N += exact.f_N.norm() / static_cast<double>(workload.exact.size());
+  const Ripple ripple = MeasureRipple(magnitude_N, workload.rate_hz);
+  scores.ripple = std::hypot(ripple.slow_N, ripple.fast_N) / exact_N;
+  return scores;
+}
+
+WorkloadScores Combined(const std::vector<WorkloadScores>& all) {
+  WorkloadScores sum;
+  if (all.empty()) return sum;
+  const auto mean_square = [&](const auto& member) {
+    double squares = 0.0;
+    for (const WorkloadScores& each : all) squares += member(each) * member(each);
+    return std::sqrt(squares / static_cast<double>(all.size()));
+  };
+  const auto greatest = [&](const auto& member) {
+    double most = 0.0;
+    for (const WorkloadScores& each : all) most = std::max(most, member(each));
+    return most;
+  };
+  using W = WorkloadScores;
+  sum.depth_error_m = mean_square([](const W& w) { return w.depth_error_m; });
+  sum.depth_error_se_m = mean_square([](const W& w) { return w.depth_error_se_m; });
+  sum.lost_m = mean_square([](const W& w) { return w.lost_m; });
+  sum.left_m = mean_square([](const W& w) { return w.left_m; });
+  sum.probe_p95_m = mean_square([](const W& w) { return w.probe_p95_m; });
+  sum.volume_error = mean_square([](const W& w) { return w.volume_error; });
+  sum.swept_volume_m3 = mean_square([](const W& w) { return w.swept_volume_m3; });
+  sum.ripple = mean_square([](const W& w) { return w.ripple; });
+  sum.force.force_rms_N = mean_square([](const W& w) { return w.force.force_rms_N; });
+  sum.force.force_relative = mean_square([](const W& w) { return w.force.force_relative; });
+  sum.force.torque_rms_Nm = mean_square([](const W& w) { return w.force.torque_rms_Nm; });
+  sum.force.normal_rms_deg = mean_square([](const W& w) { return w.force.normal_rms_deg; });
+  sum.force.normal_max_deg = greatest([](const W& w) { return w.force.normal_max_deg; });
+  sum.force.force_jump_N_per_ms = greatest([](const W& w) { return w.force.force_jump_N_per_ms; });
+  sum.force.torque_jump_Nm_per_ms = greatest([](const W& w) { return w.force.torque_jump_Nm_per_ms; });
+  sum.force.normal_jump_deg_per_ms = greatest([](const W& w) { return w.force.normal_jump_deg_per_ms; });
+  sum.force.touched = std::ranges::all_of(all, [](const W& w) { return w.force.touched; });
+  return sum;
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,68 @@
+#include "simulation/split_packing.h"
+
+#include <algorithm>
+
+#include "simulation/check_range.h"
+#include "simulation/graded_cells.h"
+#include "simulation/morton.h"
+#include "simulation/surface_gaps.h"
+#include "simulation/tangent_balls.h"
+
+namespace osteon::simulation {
+namespace {
+
+// Lattice balls this much nearer to the surface than their cap leave the place to surface balls.
+constexpr double kLeastOfCap = 0.6;
+constexpr double kRadiusGrowth = 0.5, kGapGrowth = 0.4, kGreatestGap_m = 2e-3;
+
+/// Two balls a cell of a graded division: a body-centred lattice. Those of coarse cells do not reach into
+/// what is fine.
+std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const SplitPackingParams& p) {
+  const GradeParams grade{.finest_m = p.spacing_m,
+                          .coarser_from_m = {p.coarser_from_m, 2.0 * p.coarser_from_m}};
+  const double fine_cap = p.radius_over_spacing * p.spacing_m;
+  std::vector<Ball> balls;
+  for (const Cell& cell : DivideGraded(solid, zone, grade, CellsWanted::kSolid, p.threads))
+    for (const Vector3& site : {cell.center(), cell.least_corner()}) {
+      double cap = p.radius_over_spacing * cell.side_m;
+      if (cell.level > 0)
+        cap = std::min(cap, std::max(fine_cap, zone.DepthAt(site) - p.coarser_from_m + fine_cap));
+      const double inside = -solid.SignedDistance(site);
+      if (inside >= kLeastOfCap * cap) balls.push_back({.center_m = site, .radius_m = std::min(cap, inside)});
+    }
+  return balls;
+}
+
+}  // namespace
+
+std::vector<Ball> BuildSplitPacking(const Solid& solid, const CutZone& zone, const SplitPackingParams& p) {
+  CheckGrade("split packing: lattice", {.finest_m = p.spacing_m, .coarser_from_m = {p.coarser_from_m}},
+             0.05e-3, 0.100);
+  CheckRangeMm("split packing: lattice ball's radius", p.radius_over_spacing * p.spacing_m,
+               0.56 * p.spacing_m, 2.0 * p.spacing_m);
+  CheckRangeMm("split packing: surface radius", p.surface_radius_m, 0.02e-3, 0.100);
+  CheckRangeMm("split packing: surface gap", p.surface_gap_m, 0.001e-3, kGreatestGap_m);
+
+  PackingParams surface;
+  surface.lattice = {.finest_m = p.spacing_m, .coarser_from_m = {p.coarser_from_m}};
+  surface.cup_radius_cap_m = p.surface_radius_m;
+  surface.radius_growth = kRadiusGrowth;
+  surface.least_radius_m = 0.1 * p.surface_radius_m;
+  surface.surface_gap_m = p.surface_gap_m;
+  surface.surface_gap_growth = kGapGrowth;
+  surface.greatest_surface_gap_m = kGreatestGap_m;
+  surface.seed = p.seed;
+  surface.threads = p.threads;
+  std::vector<TangentBall> samples = FindTangentBalls(
+      solid, zone, surface,
+      {.finest_m = 0.25 * p.surface_radius_m, .coarser_from_m = {p.coarser_from_m, 2.0 * p.coarser_from_m}});
+  SortAlongMortonCurve(samples, solid.Bounds(), [](const TangentBall& ball) { return ball.foot_m; });
+
+  std::vector<Ball> balls = LatticeBalls(solid, zone, p);
+  const std::vector<Ball> cover = CoverSurface(samples, 0);
+  balls.insert(balls.end(), cover.begin(), cover.end());
+  SortAlongMortonCurve(balls, solid.Bounds(), [](const Ball& ball) { return Vector3(ball.center_m); });
+  return balls;
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "simulation/bone.h"
+
+namespace osteon::simulation {
+
+/// One child of a ball that is split, in units of its parent: |x| + radius < 1, so that it lies inside.
+struct SplitChild {
+  Vector3 x{Vector3::Zero()};
+  double radius{0.0};
+};
+
+/// What a ball is replaced by when a tool first touches it: overlapping children inside it, from a table.
+///
+///     buried balls: K centres spread evenly over |x| <= .6       exposed balls: 3 K / 8 small ones below the
+///     (Lloyd), each child as large as fits in, 1 - |x|           pole, the others as on the left
+///              ______                                                     pole
+///            /  o   o \                                                 o-o-o-o
+///           | o (o) o  |    64 rotations, so that                     / o     o \     256 poles, turned to
+///            \  o   o /     neighbours differ                        |  o (o) o  |    where no other ball
+///              ------                                                 \    o    /     covers this one
+///
+/// Large overlapping children lose least to a cut; at the rim of a cut, where it leaves the bone, only small
+/// ones fill the edge. Which shape a ball takes follows from the uncut packing, never from the cut or from
+/// time: a ball has one way to be split. Values are floats, radii less a millionth, so that single precision
+/// keeps children inside their parents.
+class SplitTemplate {
+ public:
+  static constexpr std::uint32_t kRotations = 64, kPoles = 256, kShapes = kRotations + kPoles;
+
+  /// @throws std::invalid_argument where children is not 8 … 1024.
+  explicit SplitTemplate(int children);
+
+  [[nodiscard]] int children() const { return children_; }
+  /// @param shape  0 … kShapes - 1;  @param k  0 … children() - 1
+  [[nodiscard]] const SplitChild& child(std::uint32_t shape, int k) const {
+    return table_[static_cast<std::size_t>(shape) * static_cast<std::size_t>(children_) +
+                  static_cast<std::size_t>(k)];
+  }
+  /// Shape by shape.
+  [[nodiscard]] const std::vector<SplitChild>& table() const { return table_; }
+
+ private:
+  int children_;
+  std::vector<SplitChild> table_;
+};
+
+/// The shape of each ball of a packing: the pole nearest to the mean direction in which no other ball covers
+/// its surface, or a rotation by its index where there is none. Smaller balls than least_radius_m, which are
+/// not going to be split, take rotations unseen. The same for any number of threads (0: one a core).
+[[nodiscard]] std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double least_radius_m,
+                                                     int threads = 0);
+
+}  // namespace osteon::simulation
