@@ -13,7 +13,7 @@ void BallMethod::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_
     if (!tool_.balls[t].cutting) continue;
     const double r_t = tool_.balls[t].radius_m;
     bone_.ForEachPointInShell(at[t], r_t - layer_m, r_t + layer_m, [&](const MassPoint& point) {
-      AddEngaged({.p_m = point.p_m, .volume_m3 = point.volume_m3, .material = point.material}, t, at,
+      AddEngaged({.p_m = point.p_m, .volume_m3 = point.volume_m3, .material = point.material}, layer_m, t, at,
                  spindle_axis, frame);
     });
   }

@@ -89,22 +89,21 @@ void MethodBase::Restore(const CarvedState& state) {
 
 // As the reference engine measures it: volume within a layer of the nearest cutting ball's surface, over the
 // layer's depth.
-void MethodBase::AddEngaged(const EngagedItem& item, std::size_t found_by, const ToolPoints& at,
-                            const Vector3& spindle_axis, MethodFrame& frame) const {
+void MethodBase::AddEngaged(const EngagedItem& item, double layer_m, std::size_t found_by,
+                            const ToolPoints& at, const Vector3& spindle_axis, MethodFrame& frame) const {
   for (std::size_t t = 0; t < found_by; ++t)
-    if (tool_.balls[t].cutting &&
-        std::abs((item.p_m - at[t]).norm() - tool_.balls[t].radius_m) < params_.engaged_layer_m)
+    if (tool_.balls[t].cutting && std::abs((item.p_m - at[t]).norm() - tool_.balls[t].radius_m) < layer_m)
       return;
-  double nearest = params_.engaged_layer_m, projection = 0.0;
+  double nearest = layer_m, projection = 0.0;
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
     if (!tool_.balls[t].cutting) continue;
     const Vector3 out = item.p_m - at[t];
     const double distance = out.norm(), gap = distance - tool_.balls[t].radius_m;
-    if (std::abs(gap) >= params_.engaged_layer_m || gap >= nearest) continue;
+    if (std::abs(gap) >= layer_m || gap >= nearest) continue;
     nearest = gap;
     projection = distance > 0.0 ? std::max(0.0, -frame.n.dot(out) / distance) : 0.0;
   }
-  const double area = item.volume_m3 / params_.engaged_layer_m * projection;
+  const double area = item.volume_m3 / layer_m * projection;
   frame.engaged.area_m2[item.material] += area;
   frame.engaged.moment_m3[item.material] += area * (item.p_m - at.back()).cross(spindle_axis).norm();
 }

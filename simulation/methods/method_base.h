@@ -59,8 +59,9 @@ class MethodBase : public MethodEngine {
   virtual void LoadBone(const CarvedState& state) = 0;
 
   /// Counts one item into what the tool, placed at `at`, is engaged with.
+  /// @param layer_m   depth of the layer of bone that measures the area
   /// @param found_by  the cutting ball in whose layer the item was found: the first of several counts it
-  void AddEngaged(const EngagedItem& item, std::size_t found_by, const ToolPoints& at,
+  void AddEngaged(const EngagedItem& item, double layer_m, std::size_t found_by, const ToolPoints& at,
                   const Vector3& spindle_axis, MethodFrame& frame) const;
   /// Sets advance, edge work and spindle torque of a frame that cuts, by the law of `params`
   /// (AdvanceOfFrame).

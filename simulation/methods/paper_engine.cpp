@@ -97,12 +97,13 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
   for (std::size_t t = 0; t < target.size(); ++t)
     longest = std::max(longest, (target[t] - contact[t]).norm());
   double slide = longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0;
-  if (const auto stop = FindTouch(contact, target, params_.contact_tolerance_m))
+  // a turning tool would cut what a tolerance lets in, frame by frame, whatever the law says
+  const bool cutting = input.spindle_rad_per_s != 0.0;
+  if (const auto stop = FindTouch(contact, target, cutting ? 0.0 : params_.contact_tolerance_m))
     slide = std::min(slide, stop->fraction);
   const ToolPoints slid = Between(contact, target, slide);
 
   // removal
-  const bool cutting = input.spindle_rad_per_s != 0.0;
   if (cutting && frame.touch_cuts) MeasureEngagement(contact, X_GT.linear().col(2), frame);
   Advance(input, slide * longest, frame);
   if (cutting) {

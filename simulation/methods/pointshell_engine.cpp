@@ -150,12 +150,15 @@ MethodFrame PointshellEngine::Solve(const Pose& X_GP, const Pose& X_GT, const Fr
     Advance(input, 0.0, frame);
   }
   if (cutting) {
+    double inset_m = 0.0;
     if (params_.law == RemovalLaw::kImmediate) {
       proxy = PlaceTool(tool_, X_GT);
     } else {
-      for (Vector3& point : proxy) point += (penalty.deepest_m - frame.advance_m) * frame.n;
+      // what the penalty lets in is not cut by that alone
+      inset_m = penalty.deepest_m;
+      for (Vector3& point : proxy) point -= frame.advance_m * frame.n;
     }
-    DeleteInside(proxy, frame);
+    DeleteInside(proxy, inset_m, frame);
     SpreadChanges();
   }
   return frame;

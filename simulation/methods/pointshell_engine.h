@@ -23,19 +23,20 @@ namespace osteon::simulation {
 /// there). Coupling: the proxy is where K (tool - proxy), at most the greatest force, balances the penalty:
 /// kNewtonSteps Newton steps a frame from the proxy of the frame before. What is rendered is the coupling's
 /// force. Rotation follows the hand (assumed: this cell's coupling has no rotational spring); the torque is
-/// that of the points. Removal: voxels inside the cutting balls, at one pose a frame: kImmediate the tool's;
-/// kRate the proxy's, out of its penalty depth, moved along -n by the law's advance.
+/// that of the points.
+/// Removal: voxels inside the cutting balls, at one pose a frame: kImmediate at the tool's; kRate at the
+/// proxy's moved along -n by the law's advance, the balls' radii less by the deepest point's depth.
 ///
 /// Parameters: voxel edge (MethodParams::voxel_m), points (::point_spacing_m; VPS: one voxel); k_p =
 /// kPointStiffness K (assumed), so that ten points are 20 times as stiff as the coupling; 8 layers (assumed:
-/// the paper keeps the surface's alone); steps 4 (assumed: the papers take one).
+/// the paper keeps the surface's alone); steps 2 (assumed: the papers take one).
 class PointshellEngine final : public VoxelMethod {
  public:
   /// @throws std::invalid_argument as MakeMethod does.
   PointshellEngine(const Bone& bone, const Solid* solid, const Tool& tool, const Pose& X_WG,
                    const CuttingParams& params, const MethodParams& method_params);
 
-  static constexpr int kLayers = 8, kFullPoints = 10, kNewtonSteps = 4;
+  static constexpr int kLayers = 8, kFullPoints = 10, kNewtonSteps = 2;
   static constexpr double kPointStiffness = 2.0;
 
   [[nodiscard]] std::size_t PointCount() const { return shell_.points.size(); }

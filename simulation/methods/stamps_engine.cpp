@@ -1,5 +1,6 @@
 #include "simulation/methods/stamps_engine.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "simulation/cutting_math.h"
@@ -10,15 +11,18 @@ StampsEngine::StampsEngine(const Bone& bone, const Solid* solid, const Tool& too
                            const CuttingParams& params)
     : BallMethod(Method::kStamps, bone, solid, tool, X_WG, params) {}
 
-// How far the tool must go along the mean normal of what it overlaps, until it overlaps no ball more than
-// before: the largest way out over the pairs of the deepest tool ball.
+// The deepest pair, the mean normal around its tool ball, and the way along that which parts the pair. A pair
+// that the normal hardly parts is left to the next push.
 StampsEngine::Overlap StampsEngine::Deepest(const ToolPoints& at) const {
   Overlap deepest;
+  Vector3 pair = Vector3::Zero();
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
     const double r_t = tool_.balls[t].radius_m;
     bone_.ForEachBallNear(at[t], at[t], r_t, [&](std::uint32_t, const BallBone::LiveBall& ball) {
       const double depth = r_t + ball.radius_m - (at[t] - ball.center_m).norm();
-      if (depth > deepest.depth_m) deepest = {.depth_m = depth, .tool_ball = t};
+      if (depth <= deepest.depth_m) return;
+      deepest = {.depth_m = depth, .tool_ball = t};
+      pair = (at[t] - ball.center_m).normalized();
     });
   }
   if (deepest.depth_m <= 0.0) return deepest;
@@ -31,16 +35,19 @@ StampsEngine::Overlap StampsEngine::Deepest(const ToolPoints& at) const {
   });
   const double size = deepest.n.norm();
   deepest.n = size > 0.0 ? Vector3(deepest.n / size) : Vector3::Zero();
-  // the way along n that parts each pair: |out + x n| = r_t + r_b
-  double way = 0.0;
-  bone_.ForEachBallNear(center, center, r_t, [&](std::uint32_t, const BallBone::LiveBall& ball) {
-    const Vector3 out = center - ball.center_m;
-    const double along = out.dot(deepest.n), R = r_t + ball.radius_m;
-    const double beyond = R * R - out.squaredNorm();
-    if (beyond > 0.0) way = std::max(way, std::sqrt(along * along + beyond) - along);
-  });
-  deepest.depth_m = way;
+  deepest.depth_m /= std::max(kLeastCosine, pair.dot(deepest.n));
   return deepest;
+}
+
+bool StampsEngine::Overlaps(const ToolPoints& at) const {
+  bool overlaps = false;
+  for (std::size_t t = 0; t < tool_.balls.size() && !overlaps; ++t)
+    bone_.ForEachBallNear(at[t], at[t], tool_.balls[t].radius_m,
+                          [&](std::uint32_t, const BallBone::LiveBall& ball) {
+                            const double reach = tool_.balls[t].radius_m + ball.radius_m - kFree_m;
+                            overlaps = overlaps || (at[t] - ball.center_m).squaredNorm() < reach * reach;
+                          });
+  return overlaps;
 }
 
 MethodFrame StampsEngine::Solve(const Pose&, const Pose& X_GT, const FrameInput& input) {
@@ -54,9 +61,17 @@ MethodFrame StampsEngine::Solve(const Pose&, const Pose& X_GT, const FrameInput&
   Overlap first;
   for (int i = 0; i < kPushes; ++i) {
     const Overlap overlap = Deepest(free);
-    if (overlap.depth_m <= params_.contact_tolerance_m || overlap.n.isZero()) break;
+    if (overlap.depth_m <= kFree_m || overlap.n.isZero()) break;
     if (i == 0) first = overlap;
     for (Vector3& point : free) point += overlap.depth_m * overlap.n;
+  }
+  // back to where it just touches: pushes go too far where many pairs overlap
+  if (free.back() != goal.back() && !Overlaps(free)) {
+    ToolPoints blocked = goal;
+    for (int i = 0; i < kHalvings; ++i) {
+      const ToolPoints middle = Between(blocked, free, 0.5);
+      (Overlaps(middle) ? blocked : free) = middle;
+    }
   }
   const Vector3 out = free.back() - goal.back();
   frame.depth_m = out.norm();

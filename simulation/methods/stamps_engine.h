@@ -8,17 +8,21 @@ namespace osteon::simulation {
 /// other methods evaluate the material removal at distinct states of the simulation").
 ///
 /// Contact: at the tool's pose, without a path. The deepest pair pushes the tool out along the lens-weighted
-/// normal, up to kPushes times (assumed), until nothing overlaps; the way out is the penalty's depth, force
-/// K times it. Rotation follows the hand.
-/// Removal: one stamp a frame by every cutting ball (ShrinkBall with a capsule of no length): kImmediate at
-/// the tool's pose, kRate at the pushed-out pose moved along -n by the law's advance.
+/// normal, up to kPushes times (assumed), until nothing overlaps by more than kFree_m, then back by
+/// kHalvings halvings to where it just touches; the way out is the
+/// penalty's depth, force K times it. Rotation follows the hand. Removal: one stamp a frame by every cutting
+/// ball (ShrinkBall with a capsule of no length): kImmediate at the tool's pose, kRate at the pushed-out pose
+/// moved along -n by the law's advance.
 class StampsEngine final : public BallMethod {
  public:
   /// @param solid  see MakeMethod. @throws std::invalid_argument as MakeMethod does.
   StampsEngine(const Bone& bone, const Solid* solid, const Tool& tool, const Pose& X_WG,
                const CuttingParams& params);
 
-  static constexpr int kPushes = 8;
+  static constexpr int kPushes = 8, kHalvings = 10;
+  static constexpr double kFree_m = 1e-6;
+  static constexpr double kLeastCosine =
+      0.3;  ///< of a pair's direction and the normal: longer pushes are cut off
 
  protected:
   MethodFrame Solve(const Pose& X_GP, const Pose& X_GT, const FrameInput& input) override;
@@ -30,6 +34,7 @@ class StampsEngine final : public BallMethod {
     Vector3 n{Vector3::Zero()};
   };
   [[nodiscard]] Overlap Deepest(const ToolPoints& at) const;
+  [[nodiscard]] bool Overlaps(const ToolPoints& at) const;
 };
 
 }  // namespace osteon::simulation

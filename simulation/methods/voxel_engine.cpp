@@ -140,9 +140,8 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
     if (params_.law == RemovalLaw::kRate) {
       cut = proxy;
       Move(cut, -frame.advance_m * frame.n);
-      // the proxy itself marches there in the next frame
     }
-    DeleteInside(cut, frame);
+    DeleteInside(cut, 0.0, frame);
   }
   return frame;
 }

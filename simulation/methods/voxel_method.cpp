@@ -39,23 +39,24 @@ std::unique_ptr<CarvedShape> VoxelMethod::Shape() const { return std::make_uniqu
 
 void VoxelMethod::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis,
                                     MethodFrame& frame) const {
-  const double layer_m = params_.engaged_layer_m;
+  // as thin as voxels allow: a layer of several costs most of a frame, and counts bone that is not met yet
+  const double layer_m = std::min(params_.engaged_layer_m, grid_.voxel_m());
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
     if (!tool_.balls[t].cutting) continue;
     const double r_t = tool_.balls[t].radius_m;
     grid_.ForEachSolidNear(at[t], r_t + layer_m, r_t - layer_m, [&](const VoxelIndex& v, double) {
       AddEngaged(
           {.p_m = grid_.CenterOf(v), .volume_m3 = grid_.voxel_volume_m3(), .material = grid_.MaterialOf(v)},
-          t, at, spindle_axis, frame);
+          layer_m, t, at, spindle_axis, frame);
       return true;
     });
   }
 }
 
-void VoxelMethod::DeleteInside(const ToolPoints& at, MethodFrame& frame) {
+void VoxelMethod::DeleteInside(const ToolPoints& at, double inset_m, MethodFrame& frame) {
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
-    if (!tool_.balls[t].cutting) continue;
-    grid_.ForEachSolidNear(at[t], tool_.balls[t].radius_m, 0.0, [&](const VoxelIndex& v, double) {
+    if (!tool_.balls[t].cutting || tool_.balls[t].radius_m <= inset_m) continue;
+    grid_.ForEachSolidNear(at[t], tool_.balls[t].radius_m - inset_m, 0.0, [&](const VoxelIndex& v, double) {
       frame.removed_m3[grid_.MaterialOf(v)] += grid_.voxel_volume_m3();
       grid_.Delete(v);
       OnDeleted(v);

@@ -19,8 +19,9 @@ class VoxelMethod : public MethodBase {
 
   /// From the voxels near the cutting balls.
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis, MethodFrame& frame) const;
-  /// Deletes the voxels inside the cutting balls, and books their volume.
-  void DeleteInside(const ToolPoints& at, MethodFrame& frame);
+  /// Deletes the voxels inside the cutting balls, whose radii are smaller by `inset_m`, and books their
+  /// volume.
+  void DeleteInside(const ToolPoints& at, double inset_m, MethodFrame& frame);
   /// Told of each voxel after its deletion.
   virtual void OnDeleted(const VoxelIndex&) {}
   void SaveBone(CarvedState& state) const override { grid_.Save(state); }
