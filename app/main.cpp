@@ -178,7 +178,8 @@ int Run(int argc, char** argv) {
   app.footer(
       "The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
       "  clean                       removes what was built\n\n"
-      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon pack --help\n  osteon bench frame\n  osteon failures --help\n  "
+      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon pack --help\n  osteon bench frame\n  osteon "
+      "failures --help\n  "
       "osteon doctor");
 
   osteon::app::DemoOptions demo;

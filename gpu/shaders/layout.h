@@ -70,10 +70,10 @@ struct Frame {
   float layer_mm;
   float max_slide_mm;
   // units of the fixed-point sums: no summand reaches 2^23 of them
-  float face_scale;        // per mm^3, of a face's weights
-  float face_point_scale;  // per mm^4, of weight times a place on the tool
-  float area_scale;        // per mm^2
-  float moment_scale;  // per mm^3
+  float face_scale;         // per mm^3, of a face's weights
+  float face_point_scale;   // per mm^4, of weight times a place on the tool
+  float area_scale;         // per mm^2
+  float moment_scale;       // per mm^3
   float cutting_margin_mm;  // how far the tool may be from where the lists were made, by kind of ball
   float shaft_margin_mm;
   uint tool_count;
@@ -90,9 +90,9 @@ struct Frame {
   uint request_capacity;
 
   // of this frame
-  vec4 start, goal;             // T's origin at the proxy and at the tool's pose
-  vec4 axis_x, axis_y, axis_z;  // T's axes in G at the tool's pose
-  vec4 turn;                    // rotation vector from the proxy to the tool's pose
+  vec4 start, goal;                    // T's origin at the proxy and at the tool's pose
+  vec4 axis_x, axis_y, axis_z;         // T's axes in G at the tool's pose
+  vec4 turn;                           // rotation vector from the proxy to the tool's pose
   OSTEON_ARRAY(vec4, face_n, kFaces);  // directions in which faces pressed, the frame before; zero: none
   OSTEON_ARRAY(uint, remembered_bone, kRemembered);
   OSTEON_ARRAY(uint, remembered_tool, kRemembered);
@@ -108,12 +108,12 @@ struct Frame {
   // how far the tool ball that moved most is from where it was when the lists were made
   float cutting_drift_start_mm, cutting_drift_goal_mm, shaft_drift_start_mm, shaft_drift_goal_mm;
   uint lists_at_contact;  // 1: the lists are made in this frame, where first contact is
-  uint flush_count;  // balls of the last lists, which flush.comp writes back
+  uint flush_count;       // balls of the last lists, which flush.comp writes back
   uint upload_count;
   Groups upload_work;
   Groups flush_work;
-  Groups path_work;  // clusters of balls, one workgroup each
-  Groups point_work; // clusters of points
+  Groups path_work;   // clusters of balls, one workgroup each
+  Groups point_work;  // clusters of points
 
   // the lists, as the last frame that made them left them
   Groups pair_work;  // x: chunks of the longest list; y: 2, live balls and shaft pairs
@@ -124,7 +124,8 @@ struct Frame {
 
   // found
   uint contact_bits;  // fraction of first contact, as bits: those of floats of one sign order like the floats
-  // the slide with the turn, and straight: fraction up to contact as bits, fraction that is allowed, whole way
+  // the slide with the turn, and straight: fraction up to contact as bits, fraction that is allowed, whole
+  // way
   uint slide_bits, straight_bits;
   float slide_limit, straight_limit;
   float way_mm, straight_way_mm;  // of the tool point that moves farthest
@@ -139,7 +140,7 @@ struct Frame {
   vec4 shift_mm;     // straight, from first contact to the target
   uint candidate_count;
   uint shaft_candidate;  // from here on of balls that do not cut, then the remembered ones
-  uint hold_count;  // candidates that hold the tool, and how much
+  uint hold_count;       // candidates that hold the tool, and how much
   OSTEON_ARRAY(uint, hold_candidate, 4);
   OSTEON_ARRAY(float, hold_mm, 4);
   OSTEON_ARRAY(Candidate, candidates, kCandidates);
@@ -195,22 +196,23 @@ struct ShaftPair {
 
 // Storage buffers, in the order of their bindings.
 OSTEON_CONST uint kBindFrame = 0;
-OSTEON_CONST uint kBindTool = 1;        // a tool ball's centre at the proxy (w: radius) and at the tool's pose; then the groups'
+OSTEON_CONST uint kBindTool =
+    1;  // a tool ball's centre at the proxy (w: radius) and at the tool's pose; then the groups'
 OSTEON_CONST uint kBindToolGroups = 2;
-OSTEON_CONST uint kBindItems = 3;       // clusters of balls, then (from ball cluster count on) of points
+OSTEON_CONST uint kBindItems = 3;  // clusters of balls, then (from ball cluster count on) of points
 OSTEON_CONST uint kBindGroupRefs = 4;
-OSTEON_CONST uint kBindBalls = 5;       // centre, radius; radius 0: gone
-OSTEON_CONST uint kBindMoreBalls = 6;   // those from kBallsPerBuffer on
-OSTEON_CONST uint kBindPoints = 7;      // place, volume [mm^3]
-OSTEON_CONST uint kBindPointStates = 8; // material, and kCleared
-OSTEON_CONST uint kBindPointUnits = 9;  // volume in the bone's units
-OSTEON_CONST uint kBindLiveBalls = 10;  // copies of the live balls
+OSTEON_CONST uint kBindBalls = 5;        // centre, radius; radius 0: gone
+OSTEON_CONST uint kBindMoreBalls = 6;    // those from kBallsPerBuffer on
+OSTEON_CONST uint kBindPoints = 7;       // place, volume [mm^3]
+OSTEON_CONST uint kBindPointStates = 8;  // material, and kCleared
+OSTEON_CONST uint kBindPointUnits = 9;   // volume in the bone's units
+OSTEON_CONST uint kBindLiveBalls = 10;   // copies of the live balls
 OSTEON_CONST uint kBindLiveEntries = 11;
 OSTEON_CONST uint kBindShaftPairs = 12;
-OSTEON_CONST uint kBindLivePoints = 13; // copies of the live points
+OSTEON_CONST uint kBindLivePoints = 13;  // copies of the live points
 OSTEON_CONST uint kBindPointEntries = 14;
-OSTEON_CONST uint kBindSpans = 15;      // 0 … tool_count - 1 first
-OSTEON_CONST uint kBindSlots = 16;      // of each ball in the list of live balls, where it is in it
+OSTEON_CONST uint kBindSpans = 15;     // 0 … tool_count - 1 first
+OSTEON_CONST uint kBindSlots = 16;     // of each ball in the list of live balls, where it is in it
 OSTEON_CONST uint kBindRequests = 17;  // SplitRequest
 OSTEON_CONST uint kBindUploads = 18;   // SplitUpload
 OSTEON_CONST uint kBindBlocks = 19;    // Block
@@ -227,7 +229,8 @@ static_assert(sizeof(Frame) % 8 == 0);
 static_assert(offsetof(Frame, material) == 8 * 60);
 static_assert(offsetof(Frame, start) == offsetof(Frame, material) + 16 * 8 + 24 * 4);
 static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 21 * 4);
-static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 4 * 4 + 16 * 4 + 6 * 4 + 11 * 4);
+static_assert(offsetof(Frame, delta) ==
+              offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 4 * 4 + 16 * 4 + 6 * 4 + 11 * 4);
 static_assert(sizeof(Candidate) == 28);
 static_assert(sizeof(Item) == 12 && sizeof(Live) == 12 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
 static_assert(sizeof(SplitRequest) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 12);
