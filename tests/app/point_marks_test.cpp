@@ -78,7 +78,7 @@ TEST(LabelPlacer, WritesNoNameOverAnother) {
   }
   EXPECT_GE(at.size(), 4u);
   EXPECT_LT(at.size(), 40u);
-  EXPECT_EQ(placer.Place(199, 99, "much too long a name for it", "#000", false), "");
+  EXPECT_EQ(placer.Place(199, 99, std::string(60, 'm'), "#000", false), "");
 }
 
 TEST(SvgGrid, PutsPanelsBesideEachOther) {
