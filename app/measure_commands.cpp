@@ -68,23 +68,48 @@ CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
   return sub;
 }
 
+CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) {
+  CLI::App* sub = chart.add_subcommand(
+      "speed-accuracy",
+      "methods x resolutions on one workload: frame time against depth, volume, force and ripple");
+  sub->add_option("--out", options.out, "folder for speed_accuracy.svg, .png, .csv, .json, .html")
+      ->capture_default_str();
+  sub->add_flag("--quick", options.quick, "fewer resolutions, 2 seeds, a faster feed");
+  sub->add_option("--device", options.device, "part of a Vulkan device's name (osteon doctor lists them)");
+  sub->add_option("--seeds", options.seeds, "paths and packings that differ")
+      ->check(NumberWithin(1, 100))
+      ->capture_default_str();
+  sub->add_option("--method", options.methods, "these alone; several times")->check(OneOf(MethodNames()));
+  sub->add_option("--most-seconds", options.most_seconds,
+                  "of a method's frames in one task; what would take longer is left out")
+      ->check(NumberWithin(0.1, 36e3))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "a further copy of speed_accuracy.json");
+  sub->footer(
+      "Examples:\n  osteon chart speed-accuracy --quick\n  osteon chart speed-accuracy --out my_chart\n"
+      "  osteon chart speed-accuracy --method ours --method voxel --seeds 2");
+  return sub;
+}
+
 }  // namespace
 
 MeasureCommands::MeasureCommands(CLI::App& app)
     : bench_(app.add_subcommand("bench", "measures what the parts take")),
       frame_(AddBenchFrame(*bench_, frame_options_)),
       chart_(app.add_subcommand("chart", "measures and draws")),
-      scaling_(AddChartScaling(*chart_, scaling_options_)) {
+      scaling_(AddChartScaling(*chart_, scaling_options_)),
+      accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)) {
   bench_->require_subcommand(1);
   bench_->footer("Examples:\n  osteon bench frame\n  osteon bench frame --help");
   chart_->require_subcommand(1);
-  chart_->footer("Examples:\n  osteon chart scaling\n  osteon chart scaling --help");
+  chart_->footer("Examples:\n  osteon chart scaling\n  osteon chart speed-accuracy --quick");
 }
 
 bool MeasureCommands::asked() const { return bench_->parsed() || chart_->parsed(); }
 
 int MeasureCommands::Run(const std::filesystem::path& config_root) {
   if (scaling_->parsed()) return RunChartScaling(scaling_options_);
+  if (accuracy_->parsed()) return RunChartSpeedAccuracy(accuracy_options_);
   frame_options_.config_root = config_root;
   return RunBenchFrame(frame_options_);
 }

@@ -6,10 +6,11 @@
 
 #include "app/bench_frame.h"
 #include "app/chart_scaling.h"
+#include "app/chart_speed_accuracy.h"
 
 namespace osteon::app {
 
-/// The subcommands that measure: `bench frame`, `chart scaling`.
+/// The subcommands that measure: `bench frame`, `chart scaling`, `chart speed-accuracy`.
 class MeasureCommands {
  public:
   explicit MeasureCommands(CLI::App& app);
@@ -22,7 +23,8 @@ class MeasureCommands {
  private:
   BenchFrameOptions frame_options_;  // before what points into it
   ScalingOptions scaling_options_;
-  CLI::App *bench_, *frame_, *chart_, *scaling_;
+  SpeedAccuracyOptions accuracy_options_;
+  CLI::App *bench_, *frame_, *chart_, *scaling_, *accuracy_;
 };
 
 }  // namespace osteon::app

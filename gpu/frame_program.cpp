@@ -7,6 +7,7 @@
 
 #include "gpu/spirv/contact.h"
 #include "gpu/spirv/flush.h"
+#include "gpu/spirv/load_children.h"
 #include "gpu/spirv/near_field.h"
 #include "gpu/spirv/path_contact.h"
 #include "gpu/spirv/pick_balls.h"
@@ -40,6 +41,9 @@ std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
   bytes[kBindPointEntries] = n.live * sizeof(Live);
   bytes[kBindSpans] = n.spans * sizeof(uint);
   bytes[kBindSlots] = n.balls * sizeof(uint);
+  bytes[kBindRequests] = std::max<std::size_t>(1, n.requests) * sizeof(SplitRequest);
+  bytes[kBindUploads] = std::max<std::size_t>(1, n.uploads) * sizeof(SplitUpload);
+  bytes[kBindBlocks] = std::max<std::size_t>(1, n.blocks) * sizeof(Block);
   return bytes;
 }
 
@@ -87,7 +91,7 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
 void FrameProgram::MakeBuffers() {
   const auto bytes = BufferBytes(sizes_);
   for (uint i = 0; i < kBindings; ++i) {
-    const bool host = i == kBindTool || i == kBindItems || i == kBindGroupRefs;
+    const bool host = i == kBindTool || i == kBindItems || i == kBindGroupRefs || i >= kBindRequests;
     if (i != kBindFrame)
       buffers_[i] = MakeBuffer(*context_, bytes[i], host ? Placement::kShared : Placement::kDevice);
   }
@@ -175,10 +179,13 @@ void FrameProgram::MakePipelines() {
   add("pick_balls", kSpirv_pick_balls, offsetof(Frame, path_work), false);
   add("pick_points", kSpirv_pick_points, offsetof(Frame, point_work), true);
   add("flush", kSpirv_flush, offsetof(Frame, flush_work), true);
+  add("load_children", kSpirv_load_children, offsetof(Frame, upload_work), true);
   run_passes_[0] = {0, 1, 2, 3, 4};
   run_passes_[1] = {8, 6, 7, 0, 1, 2, 3, 4};
   run_passes_[2] = {8, 5, 6, 7, 1, 2, 3, 4};
   run_passes_[3] = {8};
+  if (sizes_.blocks > 0)
+    for (const std::size_t mode : {1, 2, 3}) run_passes_[mode].insert(run_passes_[mode].begin() + 1, 9);
 
   const std::array<vk::DescriptorPoolSize, 2> size{
       {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 2}}};

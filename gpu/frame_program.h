@@ -18,6 +18,7 @@ struct ProgramSizes {
   std::size_t balls{0}, points{0}, ball_clusters{0}, point_clusters{0};
   std::size_t tool_balls{0}, cutters{0}, tool_groups{0}, group_refs{0};
   std::size_t live{0};   ///< entries of each list of what the tool can meet
+  std::size_t requests{0}, uploads{0}, blocks{0};  ///< of balls that are split; 0: none is
   std::size_t spans{0};  ///< tool balls of all live balls and points together
 };
 
@@ -44,7 +45,8 @@ class FrameProgram {
   /// The frame that the next Run works on, and after it what it has found. Host memory.
   [[nodiscard]] Frame& frame() { return *static_cast<Frame*>(frame_in_.mapped); }
   [[nodiscard]] const Frame& result() const { return *static_cast<const Frame*>(frame_out_->mapped); }
-  /// Host memory of a buffer that is written before each frame: kBindTool, kBindItems, kBindGroupRefs.
+  /// Host memory of a buffer that is written before each frame: kBindTool, kBindItems, kBindGroupRefs;
+  /// or that the host and the device share: kBindRequests, kBindUploads, kBindBlocks.
   template <class T>
   [[nodiscard]] T* host(uint binding) {
     return static_cast<T*>(buffers_[binding].mapped);

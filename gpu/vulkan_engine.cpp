@@ -6,10 +6,12 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 #include "gpu/cluster_tree.h"
 #include "gpu/frame_program.h"
+#include "gpu/split_pool.h"
 #include "gpu/tool_layout.h"
 #include "gpu/work_list.h"
 #include "simulation/contact_law.h"
@@ -82,6 +84,8 @@ struct VulkanEngine::Impl {
   simulation::CuttingParams params;
   simulation::FrameMemory memory;
   std::size_t ball_count{0}, point_count{0};
+  std::optional<SplitPool> pool;  // of balls that are split
+  std::size_t ball_clusters{0};   // with those of the pool
   double unit_mm3{1.0};
   bool lost{false}, brute_force{false};
   FrameStats stats;
@@ -113,6 +117,13 @@ struct VulkanEngine::Impl {
   [[nodiscard]] Frame Prepare(const simulation::FrameInput& input);
   void FindWork(Frame& f, FrameMode mode);
   bool RunFrame(const Frame& prepared, FrameMode mode);
+  void SetUploads(Frame& f) const;
+  void EndSplits(const Frame& done, const simulation::FrameSolution& solution);
+  // of the device's list
+  [[nodiscard]] std::size_t AllBalls() const { return pool ? pool->ball_count() : ball_count; }
+  [[nodiscard]] std::span<Block> Blocks() const {
+    return {program->host<Block>(kBindBlocks), pool->block_count()};
+  }
   void MeasureDrift(Frame& f) const;
   [[nodiscard]] Groups FlushWork() const;
   void Flush() const;
@@ -130,11 +141,11 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
                                      const VulkanParams& vulkan) {
   ball_count = bone.balls.size();
   point_count = bone.points.size();
-  const std::size_t longest = std::max({ball_count, point_count, std::size_t{1}});
+  const std::size_t longest = std::max({AllBalls(), point_count, std::size_t{1}});
   ProgramSizes sizes;
-  sizes.balls = ball_count;
+  sizes.balls = AllBalls();
   sizes.points = point_count;
-  sizes.ball_clusters = ClusterCount(ball_count);
+  sizes.ball_clusters = ball_clusters = ClusterCount(AllBalls());
   sizes.point_clusters = ClusterCount(point_count);
   sizes.tool_balls = tool.balls.size();
   sizes.cutters = tool.cutter_count;
@@ -142,6 +153,12 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   sizes.group_refs = tool.groups.size() + kGroupRefs;
   sizes.live = brute_force ? longest : std::min(longest, kMostLive);
   sizes.spans = tool.balls.size() + kSpans;
+  if (pool) {
+    sizes.requests = std::min(ball_count, sizes.live);
+    sizes.blocks = pool->block_count();
+    sizes.uploads = sizes.blocks * (kGroupSize + 1);
+    still.request_capacity = static_cast<uint>(sizes.requests);
+  }
   if (std::string refusal = FrameProgram::Refusal(*context, sizes); !refusal.empty()) return refusal;
   program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
   still.live_capacity = static_cast<uint>(sizes.live);
@@ -160,7 +177,8 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   for (const simulation::Ball& ball : bone.balls)
     data.push_back(ToMillimetres(ball.center_m, ball.radius_m * kMillimetres));
   ball_tree = ClusterTree(data);
-  WriteBalls(*program, data.data(), ball_count);
+  data.resize(AllBalls(), vec4{0, 0, 0, 0});
+  WriteBalls(*program, data.data(), data.size());
 
   // whole units of volume, so that the sum of all points still fits 32 bits
   double total_mm3 = 0.0;
@@ -216,7 +234,10 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   still.moment_scale = static_cast<float>(kLargestSummand / (largest_mm2 * reach_mm));
   still.tool_count = static_cast<uint>(tool.balls.size());
   still.cutter_count = static_cast<uint>(tool.cutter_count);
-  still.ball_count = static_cast<uint>(ball_count);
+  still.ball_count = static_cast<uint>(AllBalls());
+  still.parent_count = static_cast<uint>(ball_count);
+  still.first_child = pool ? static_cast<uint>(pool->FirstCluster() * kGroupSize) : 0;
+  still.split_radius_mm = static_cast<float>(kMillimetres * params.split.least_radius_m);
   still.point_count = static_cast<uint>(point_count);
   still.material_count = static_cast<uint>(materials.size());
   still.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;
@@ -326,6 +347,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
     f.face_n[i] = Unscaled(contact.face_n_G[i]);
   f.face_count = static_cast<uint>(contact.face_count);
   f.remembered_count = static_cast<uint>(contact.pair_count);
+  f.held_count = static_cast<uint>(contact.held_count);
   for (std::size_t i = 0; i < f.remembered_count; ++i) {
     f.remembered_bone[i] = contact.pairs[i].bone_ball;
     f.remembered_tool[i] = DeviceTool(contact.pairs[i].tool_ball);
@@ -344,8 +366,35 @@ void VulkanEngine::Impl::Flush() const {
   Frame f = still;
   f.flush_count = lists.balls;
   f.flush_work = FlushWork();
+  SetUploads(f);
   std::memcpy(&program->frame(), &f, sizeof(Frame));
   program->Run(FrameMode::kFlush, kFrameTimeout_ns);
+}
+
+// What the frame before has split.
+void VulkanEngine::Impl::SetUploads(Frame& f) const {
+  if (!pool) return;
+  const std::vector<SplitUpload>& uploads = pool->uploads();
+  std::ranges::copy(uploads, program->host<SplitUpload>(kBindUploads));
+  f.upload_count = static_cast<uint>(uploads.size());
+  f.upload_work = {.x = (f.upload_count + program->lanes() - 1) / program->lanes(), .y = 1, .z = 1};
+}
+
+// The frame's requests, with what its cutting balls have swept.
+void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSolution& solution) {
+  std::vector<simulation::Capsule> capsules(2 * tool.cutter_count);
+  for (std::size_t t = 0; t < tool.cutter_count; ++t) {
+    const Vector3 contact_m = start_m[t] + solution.contact_fraction * (goal_m[t] - start_m[t]);
+    const Vector3 target_m =
+        done.turns != 0 ? Vector3(goal_m[t] + solution.delta) : Vector3(contact_m + solution.shift);
+    const Vector3 slid_m = contact_m + solution.slide_fraction * (target_m - contact_m);
+    const double radius_m = tool.balls[t].radius_m;
+    capsules[t] = {.a = contact_m, .b = slid_m, .radius_m = radius_m};
+    capsules[tool.cutter_count + t] = {
+        .a = slid_m, .b = slid_m + solution.origin_end - solution.origin_slid, .radius_m = radius_m};
+  }
+  const std::size_t count = std::min(done.request_count, still.request_capacity);
+  pool->EndFrame({program->host<SplitRequest>(kBindRequests), count}, capsules, Blocks());
 }
 
 // How far the tool's balls are from where the lists were made.
@@ -374,10 +423,18 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   };
   work->Clear();
   work->Add(ball_tree, ball_items, sweep(f.ball_reach_mm, false));
+  // a block lies where its parent does
+  for (std::size_t i = 0, clusters = pool ? ball_items.size() : 0; i < clusters; ++i) {
+    const Item parents = ball_items[i];
+    for (const uint block : pool->BlocksIn(parents.cluster))
+      ball_items.push_back({.cluster = static_cast<uint>(pool->FirstCluster()) + block,
+                            .first = parents.first,
+                            .count = parents.count});
+  }
   work->Add(point_tree, point_items, sweep(f.point_reach_mm, true));
   Item* items = program->host<Item>(kBindItems);
   std::copy(ball_items.begin(), ball_items.end(), items);
-  std::copy(point_items.begin(), point_items.end(), items + ball_tree.cluster_count());
+  std::copy(point_items.begin(), point_items.end(), items + ball_clusters);
   std::copy(work->refs().begin(), work->refs().end(), program->host<uint>(kBindGroupRefs));
   f.path_work = {.x = static_cast<uint>(ball_items.size()), .y = 1, .z = 1};
   f.point_work = {.x = static_cast<uint>(point_items.size()), .y = 1, .z = 1};
@@ -396,6 +453,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     f.span_count = lists.spans;
   } else {
     FindWork(f, mode);
+    SetUploads(f);
     f.flush_count = lists.made ? lists.balls : 0;
     f.flush_work = FlushWork();
     f.pair_work = {.x = 0, .y = 2, .z = 1};
@@ -411,6 +469,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
            .active_points = done.live_point_count,
            .lists_made = mode != FrameMode::kLists};
   if (mode == FrameMode::kLists) return true;
+  if (pool) pool->Uploaded();
   lists.made = done.too_many == 0;
   lists.ball_reach_mm = done.ball_reach_mm;
   lists.point_reach_mm = done.point_reach_mm;
@@ -429,11 +488,14 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
 
 // What the device has found near the tool at first contact, a share s of the way.
 void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
-  for (std::size_t c = 0; c < kCandidates; ++c) {
+  for (simulation::NearPair& pair : near.nearest) pair.present = false;
+  for (simulation::NearPair& pair : near.remembered) pair.present = false;
+  near.held_count = 0;  // what held is known already
+  for (std::size_t c = 0; c < done.candidate_count; ++c) {
     const Candidate& found = done.candidates[c];
-    simulation::NearPair& pair = c < kBins ? near.nearest[c] : near.remembered[c - kBins];
-    pair.present = found.present != 0;
-    if (!pair.present) continue;
+    simulation::NearPair& pair =
+        found.source < kBins ? near.nearest[found.source] : near.remembered[found.source - kBins];
+    pair.present = true;
     const std::size_t t = found.tool_ball;
     pair.pair = {.bone_ball = found.bone_ball, .tool_ball = tool.number[t]};
     pair.cutting = t < tool.cutter_count;
@@ -473,10 +535,7 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const 
   simulation::ContactHold held;
   held.hold.count = static_cast<int>(done.hold_count);
   for (std::size_t k = 0; k < done.hold_count; ++k) {
-    // its number among those that are present
-    const auto before = done.candidates.begin() + done.hold_candidate[k];
-    held.hold.plane[k] = static_cast<std::size_t>(
-        std::count_if(done.candidates.begin(), before, [](const Candidate& c) { return c.present != 0; }));
+    held.hold.plane[k] = done.hold_candidate[k];  // the same list as FindCandidates makes
     held.hold.multiplier_m[k] = done.hold_mm[k] / kMillimetres;
   }
   held.friction_m = ToMetres(done.friction_mm);
@@ -519,6 +578,11 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
   if (bone.materials.size() > kMaxMaterials)
     return tl::make_unexpected("bone: " + std::to_string(bone.materials.size()) +
                                " materials, accepted 1 … " + std::to_string(kMaxMaterials));
+  if (params.cutters != simulation::Cutters::kAll)
+    return tl::make_unexpected(
+        "cutters: the contact sphere alone: the reference engine and the paper's method have that");
+  if (params.split.on && vulkan.brute_force)
+    return tl::make_unexpected("brute force: accepted without splitting");
   auto context = OpenContext(vulkan.device, vulkan.validation);
   if (!context) return tl::make_unexpected(context.error());
   try {
@@ -532,6 +596,7 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
     impl->X_WG = X_WG;
     impl->params = params;
     impl->brute_force = vulkan.brute_force;
+    if (params.split.on) impl->pool.emplace(bone.balls, params.split);
     if (const std::string refusal = impl->Open(std::move(*context), bone, vulkan); !refusal.empty())
       return tl::make_unexpected(refusal);
     impl->Upload(bone);
@@ -575,9 +640,12 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
   // lists serve as long as first contact is near where they were made; where that is likely is known, and the
   // device finds out
   FrameMode mode = FrameMode::kLists;
-  if (was_free && (!lists.made || beyond(prepared.cutting_drift_goal_mm, prepared.shaft_drift_goal_mm)))
+  const bool was_split = pool && !pool->uploads().empty();
+  if (was_free &&
+      (!lists.made || was_split || beyond(prepared.cutting_drift_goal_mm, prepared.shaft_drift_goal_mm)))
     mode = FrameMode::kListsAtContact;
-  else if (!lists.made || !reach || beyond(prepared.cutting_drift_start_mm, prepared.shaft_drift_start_mm))
+  else if (!lists.made || was_split || !reach ||
+           beyond(prepared.cutting_drift_start_mm, prepared.shaft_drift_start_mm))
     mode = FrameMode::kListsAtProxy;
   bool done = RunFrame(prepared, mode);
   if (done && program->result().is_void != 0 && mode != FrameMode::kListsAtContact)
@@ -594,7 +662,10 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
   }
   const simulation::FrameSolution solution = Solution(found, X_WG.inverse() * Pose(input.X_WT));
   was_free = solution.contact_fraction >= 1.0;
-  return FinishFrame(params, materials, X_WG, input, solution, memory);
+  if (pool && input.spindle_rad_per_s != 0.0) EndSplits(found, solution);
+  simulation::ContactModel model = FinishFrame(params, materials, X_WG, input, solution, memory);
+  if (pool) model.balls_not_split = pool->refused();
+  return model;
 }
 
 simulation::CarvedState VulkanEngine::Snapshot() const {
@@ -602,8 +673,15 @@ simulation::CarvedState VulkanEngine::Snapshot() const {
   ToState(impl_->memory, state);
   if (impl_->lost) return state;  // the books alone: what lay on the device is gone
   impl_->Flush();
-  state.balls.resize(impl_->ball_count * 4);
-  ReadBalls(*impl_->program, state.balls.data(), impl_->ball_count);
+  if (impl_->pool) {
+    std::vector<vec4> balls(impl_->AllBalls());
+    ReadBalls(*impl_->program, balls.data(), balls.size());
+    impl_->pool->Save(balls, state);
+    impl_->pool->ToSaved(state.contact);
+  } else {
+    state.balls.resize(impl_->ball_count * 4);
+    ReadBalls(*impl_->program, state.balls.data(), impl_->ball_count);
+  }
   std::vector<uint> states(impl_->point_count);
   impl_->program->Read(kBindPointStates, states.data(), states.size() * sizeof(uint));
   state.cleared.reserve(states.size());
@@ -614,13 +692,21 @@ simulation::CarvedState VulkanEngine::Snapshot() const {
 void VulkanEngine::Restore(const simulation::CarvedState& state) {
   if (state.balls.size() != impl_->ball_count * 4 || state.cleared.size() != impl_->point_count)
     throw std::invalid_argument("carved state: not of this bone");
-  WriteBalls(*impl_->program, state.balls.data(), impl_->ball_count);
+  if (!impl_->pool && !state.split_balls.empty())
+    throw std::invalid_argument("carved state: has split balls, split is off");
+  if (impl_->pool) {
+    const std::vector<vec4> balls = impl_->pool->Load(state, impl_->Blocks());
+    WriteBalls(*impl_->program, balls.data(), balls.size());
+  } else {
+    WriteBalls(*impl_->program, state.balls.data(), impl_->ball_count);
+  }
   std::vector<uint> states(impl_->point_count);
   impl_->program->Read(kBindPointStates, states.data(), states.size() * sizeof(uint));
   for (std::size_t i = 0; i < states.size(); ++i)
     states[i] = (states[i] & (kCleared - 1)) | (state.cleared[i] != 0 ? kCleared : 0);
   impl_->program->Write(kBindPointStates, states.data(), states.size() * sizeof(uint));
   impl_->memory = simulation::ToMemory(state);
+  if (impl_->pool) impl_->pool->FromSaved(impl_->memory.contact);
   impl_->lists.made = false;
   impl_->was_free = true;
   if (impl_->brute_force) impl_->ListEverything();

@@ -8,21 +8,9 @@
 #include <vector>
 
 #include "simulation/cutting_engine.h"
-#include "simulation/split_template.h"
+#include "simulation/split_ball.h"
 
 namespace osteon::simulation {
-
-/// A bone ball as it is now, in G. Radius 0: gone.
-struct BallState {
-  Vector3 center_m{Vector3::Zero()};
-  double radius_m{0.0};
-};
-
-/// What one cutting ball sweeps on a straight piece of its way, in G.
-struct Capsule {
-  Vector3 a{Vector3::Zero()}, b{Vector3::Zero()};
-  double radius_m{0.0};
-};
 
 /// Pass 3 over balls: what a frame's capsules take away from a packing, and how balls are split.
 ///
@@ -70,37 +58,20 @@ class BallRemoval {
   void Load(const CarvedState& state, std::vector<BallState>& balls);
 
  private:
-  /// A ball that has its block but not yet its children.
-  struct Waiting {
-    std::uint32_t parent{0};
-    BallState root;             ///< what the children are made from
-    std::vector<Capsule> cuts;  ///< that have hit the root since; MostCuts() of them at most
-  };
-  /// The block's room less the root, two slots a capsule.
-  [[nodiscard]] std::size_t MostCuts() const { return (Slots() - 1) / 2; }
-  [[nodiscard]] std::size_t Slots() const { return static_cast<std::size_t>(params_.children); }
-  [[nodiscard]] bool IsTooLarge(const BallState& ball, std::span<const Capsule> capsules) const;
-  [[nodiscard]] std::size_t ChildAt(std::uint32_t block) const { return parents_ + block * Slots(); }
-  [[nodiscard]] std::span<BallState> ChildrenOf(std::uint32_t parent, std::vector<BallState>& balls) const;
+  [[nodiscard]] std::size_t ChildAt(std::size_t block) const { return parents_ + block * splitter_->slots(); }
+  [[nodiscard]] std::span<BallState> ChildrenOf(std::uint32_t parent, std::vector<BallState>& balls) const {
+    return std::span(balls).subspan(ChildAt(static_cast<std::size_t>(block_[parent])), splitter_->slots());
+  }
   void TakeBlock(std::uint32_t parent, std::vector<BallState>& balls);
   void FreeBlock(std::uint32_t parent);
-  void MakeChildren(const Waiting& waiting, std::vector<BallState>& balls) const;
-  /// @returns whether any child is left.
-  bool CutChildren(std::uint32_t parent, std::span<const Capsule> capsules,
-                   std::vector<BallState>& balls) const;
-  [[nodiscard]] BallState TemplateChild(std::uint32_t parent, int k) const;
-  void Keep(std::span<const Capsule> capsules, const BallState& shrunk, Waiting& waiting) const;
 
   std::size_t parents_;
-  SplitParams params_;
-  std::vector<BallState> whole_;           ///< the parents, uncut
-  std::vector<std::uint16_t> shape_;       ///< of each parent, in the template
-  std::optional<SplitTemplate> template_;  ///< nothing: balls are not split
+  std::optional<BallSplitter> splitter_;  ///< nothing: balls are not split
   static constexpr std::int32_t kNone = -1;
-  std::vector<std::int32_t> block_;  ///< of each parent, kNone where it has none
-  std::size_t blocks_{0};            ///< that were ever in use
-  std::set<std::uint32_t> free_;     ///< of these
-  std::vector<Waiting> waiting_;     ///< ascending
+  std::vector<std::int32_t> block_;   ///< of each parent, kNone where it has none
+  std::size_t blocks_{0};             ///< that were ever in use
+  std::set<std::uint32_t> free_;      ///< of these
+  std::vector<WaitingBall> waiting_;  ///< ascending
   std::uint64_t refused_{0};
 };
 

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include "simulation/hold_point.h"
 #include "simulation/mapped_file.h"
 #include "simulation/output_file.h"
 
@@ -39,14 +40,13 @@ struct CarvedHeader {
   std::array<double, 12> face_n_G{};
   double friction{0.0};
   std::array<std::uint32_t, 16> pairs{};  ///< bone ball, tool ball
-  std::uint32_t pair_count{0}, face_count{0};
+  std::uint32_t pair_count{0}, face_count{0}, held_count{0};
   std::uint32_t has_proxy{0};
   std::uint32_t payload_crc{0};
   std::uint32_t header_crc{0};  ///< of all that lies before
-  std::uint32_t zero{0};
 };
 static_assert(sizeof(CarvedHeader) == 392 && offsetof(CarvedHeader, R_GP) == 72 &&
-              offsetof(CarvedHeader, has_proxy) == 376);
+              offsetof(CarvedHeader, has_proxy) == 380);
 static_assert(kMaxFaces == 4 && kRememberedPairs == 8);
 
 std::uint32_t Crc(std::uint32_t crc, const void* data, std::size_t size) {
@@ -133,7 +133,6 @@ class Reader {
       Fail(offsetof(CarvedHeader, split_balls), "split balls and slots",
            fmt::format("{} of {} slots", header_.split_balls, header_.slots),
            fmt::format("what makes {} bytes in all", size));
-    Expect(header_.zero, 0u, offsetof(CarvedHeader, zero), "reserved");
     if (!error_) CheckBooks();
   }
 
@@ -170,6 +169,10 @@ class Reader {
     if (header_.pair_count > kRememberedPairs)
       return Fail(offsetof(CarvedHeader, pair_count), "contact pairs", fmt::format("{}", header_.pair_count),
                   fmt::format("0 … {}", kRememberedPairs));
+    if (header_.held_count > std::min<std::uint32_t>(header_.pair_count, kMostHolding))
+      return Fail(offsetof(CarvedHeader, held_count), "contact pairs that hold",
+                  fmt::format("{}", header_.held_count),
+                  fmt::format("{} at most", std::min<std::uint32_t>(header_.pair_count, kMostHolding)));
     if (header_.face_count > kMaxFaces)
       return Fail(offsetof(CarvedHeader, face_count), "contact faces", fmt::format("{}", header_.face_count),
                   fmt::format("0 … {}", kMaxFaces));
@@ -191,6 +194,7 @@ class Reader {
       Fail(offsetof(CarvedHeader, friction), "friction", fmt::format("{}", header_.friction), "0 and more");
     contact.pair_count = static_cast<std::int32_t>(header_.pair_count);
     contact.face_count = static_cast<std::int32_t>(header_.face_count);
+    contact.held_count = static_cast<std::int32_t>(header_.held_count);
     contact.friction = header_.friction;
   }
 
@@ -293,6 +297,7 @@ tl::expected<void, FileError> WriteCarvedState(const std::filesystem::path& path
   const ContactMemory& contact = state.contact;
   header.pair_count = static_cast<std::uint32_t>(std::clamp(contact.pair_count, 0, kRememberedPairs));
   header.face_count = static_cast<std::uint32_t>(std::clamp(contact.face_count, 0, kMaxFaces));
+  header.held_count = static_cast<std::uint32_t>(std::clamp(contact.held_count, 0, contact.pair_count));
   header.friction = contact.friction;
   for (std::size_t i = 0; i < header.pair_count; ++i) {
     header.pairs[2 * i] = contact.pairs[i].bone_ball;

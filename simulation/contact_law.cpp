@@ -13,8 +13,16 @@ namespace {
 /// Two pairs face each other across a gap where the angle between their normals is above 143 degrees.
 constexpr double kOppositeCosine = -0.8;
 
-/// How soon a second face's share turns directions from the faces' mean normals to where the planes hold.
-constexpr double kExactness = 4.0;
+/// How much the direction in which the planes hold counts against the mean normal of a face: nothing where
+/// one face presses with a narrow patch of balls, whose single normals are rough; all where several faces
+/// press, since steep ones hold with more than their resultant and errors of their means would grow with it,
+/// and where a face is wide (a reamer in its cup), since then the mean only tells which cone it was taken
+/// over.
+/// @param share  of the face that holds most;  @param narrow  length of the face's mean normal before it is
+///   made unit: 1 for one direction, .966 for all in the face's cone
+double Exactness(double share, double narrow) {
+  return std::clamp(std::max(4.0 * (1.0 - share), (0.985 - narrow) / 0.015), 0.0, 1.0);
+}
 
 double LensOf(const CuttingParams& params, const NearPair& pair) {
   // of the overlap alone: the pair's reduced radius is much the same for all
@@ -117,11 +125,14 @@ Candidates FindCandidates(const NearField& near, double tolerance_m) {
   for (const NearPair& pair : near.nearest)
     if (pair.present) all.pairs[all.count++] = pair;
   const auto nearest = all.pairs.begin() + static_cast<std::ptrdiff_t>(all.count);
-  for (const NearPair& pair : near.remembered) {
+  for (std::size_t k = 0; k < near.remembered.size(); ++k) {
+    const NearPair& pair = near.remembered[k];
     if (!pair.present) continue;
-    const bool known = std::any_of(all.pairs.begin(), nearest,
-                                   [&](const NearPair& other) { return other.pair == pair.pair; });
-    if (!known) all.pairs[all.count++] = pair;
+    const auto known = std::find_if(all.pairs.begin(), nearest,
+                                    [&](const NearPair& other) { return other.pair == pair.pair; });
+    const auto index = known != nearest ? static_cast<std::size_t>(known - all.pairs.begin()) : all.count;
+    if (index == all.count) all.pairs[all.count++] = pair;
+    if (k < static_cast<std::size_t>(near.held_count)) all.held[all.held_count++] = index;
   }
   for (std::size_t i = 0; i < all.count; ++i) {
     const NearPair& pair = all.pairs[i];
@@ -149,7 +160,8 @@ ContactHold HoldTool(const Candidates& candidates, const ContactInput& input, bo
     planes[i] = {.n = pair.n, .offset = -(candidates.gap_m[i] + pair.n.dot(motion(pair)))};
   }
   ContactHold held;
-  held.hold = FindHoldPoint(std::span(planes.data(), candidates.count));
+  held.hold = FindHoldPoint(std::span(planes.data(), candidates.count),
+                            std::span(candidates.held.data(), candidates.held_count));
   WeighHold(held);
   if (held.normal_m <= 0.0 || input.friction <= 0.0) return held;
 
@@ -193,9 +205,6 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
   const double free_share = held.normal_m > 0.0 ? held.most_m / held.normal_m : 1.0;
   double largest = 0.0;
   for (std::size_t f = 0; f < faces.count; ++f) largest = std::max(largest, faces.face[f].multiplier);
-  // Several steep faces hold with more than the resultant, in which their mean normals' errors would grow.
-  const double exact =
-      held.normal_m > 0.0 ? std::min(1.0, kExactness * (1.0 - largest / held.normal_m)) : 0.0;
   for (std::size_t f = 0; f < faces.count; ++f) {
     const Face& face = faces.face[f];
     const double size = face.hold.norm();
@@ -207,6 +216,8 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
     if (face.known >= 0) {
       const FaceSums& sums = near.faces[static_cast<std::size_t>(face.known)];
       if (sums.weight > 0.0) {
+        const double narrow = sums.n.norm() / sums.weight;
+        const double exact = Exactness(largest / held.normal_m, narrow);
         n = ((1.0 - exact) * sums.n.normalized() + exact * n).normalized();
         center_T = sums.center_T / sums.weight;
         radius = sums.radius / sums.weight;
@@ -244,9 +255,13 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
   }
   std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(candidates.count),
             [&](std::size_t a, std::size_t b) { return room[a] != room[b] ? room[a] < room[b] : a < b; });
+  for (std::size_t k = 0; k < static_cast<std::size_t>(hold.count); ++k)
+    next.pairs[static_cast<std::size_t>(next.pair_count++)] = candidates.pairs[hold.plane[k]].pair;
+  next.held_count = next.pair_count;
   for (std::size_t k = 0; k < candidates.count; ++k) {
     const std::size_t i = order[k];
-    if (next.pair_count < kRememberedPairs)
+    const auto holding = hold.plane.begin() + hold.count;
+    if (next.pair_count < kRememberedPairs && std::find(hold.plane.begin(), holding, i) == holding)
       next.pairs[static_cast<std::size_t>(next.pair_count++)] = candidates.pairs[i].pair;
     if (solution.contact_count >= kMaxContacts) continue;
     const NearPair& pair = candidates.pairs[i];

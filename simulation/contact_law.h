@@ -71,6 +71,7 @@ struct FaceSums {
 struct NearField {
   std::array<NearPair, kContactBins> nearest{};
   std::array<NearPair, kRememberedPairs> remembered{};
+  int held_count{0};  ///< the first of these held the frame before
   std::array<FaceSums, kMaxFaces> faces{};
 };
 
@@ -91,6 +92,8 @@ struct Candidates {
   std::array<NearPair, kContactBins + kRememberedPairs> pairs{};
   std::array<double, kContactBins + kRememberedPairs> gap_m{};
   std::size_t count{0};
+  std::array<std::size_t, kMostHolding> held{};  ///< those that held the frame before, by index
+  std::size_t held_count{0};
 };
 [[nodiscard]] Candidates FindCandidates(const NearField& near, double contact_tolerance_m);
 

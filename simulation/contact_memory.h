@@ -24,6 +24,7 @@ struct ContactMemory {
   std::array<ContactPair, kRememberedPairs>
       pairs{};  ///< the first pair_count: what held, then what nearly did
   std::int32_t pair_count{0};
+  std::int32_t held_count{0};  ///< of these, that held
   std::array<PlainVector3, kMaxFaces> face_n_G{};  ///< unit; the direction in which each face pressed
   std::int32_t face_count{0};
   double friction{0.0};  ///< mu of what was touched, by engaged area

@@ -6,8 +6,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr int kMostHolding = 4;  // three planes fix a point, a fourth its slack
-constexpr double kViolated = 1e-12;
+constexpr double kViolated_m = 1e-8;   // floats tell places of 30 mm to 4 nm
 constexpr double kLeastPivot = 1e-13;  // of the Gram matrix of unit normals: below, they are parallel
 constexpr int kMostRounds = 200;       // some ten are usual; rounding alone could make sets come back
 
@@ -64,7 +63,7 @@ Set Exchange(std::span<const HalfSpace> planes, const Set& held, std::size_t ent
     Set set;
     for (int i = 0; i < held.size; ++i)
       if (mask >> i & 1u) {
-        if (set.size == kMostHolding - 1) break;
+        if (set.size + 1 == static_cast<int>(kMostHolding)) break;
         set.plane[static_cast<std::size_t>(set.size++)] = held.plane[static_cast<std::size_t>(i)];
       }
     set.plane[static_cast<std::size_t>(set.size++)] = entering;
@@ -81,10 +80,15 @@ Set Exchange(std::span<const HalfSpace> planes, const Set& held, std::size_t ent
 
 }  // namespace
 
-HoldPoint FindHoldPoint(std::span<const HalfSpace> planes) {
+HoldPoint FindHoldPoint(std::span<const HalfSpace> planes, std::span<const std::size_t> start) {
   Set held;
+  if (!start.empty()) {
+    Set likely;
+    for (const std::size_t plane : start) likely.plane[static_cast<std::size_t>(likely.size++)] = plane;
+    if (Solve(planes, likely)) held = likely;
+  }
   for (int round = 0; round < kMostRounds; ++round) {
-    double worst = kViolated;
+    double worst = kViolated_m;
     std::size_t entering = planes.size();
     for (std::size_t i = 0; i < planes.size(); ++i) {
       const double violation = held.Violation(planes[i]);

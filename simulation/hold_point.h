@@ -7,13 +7,15 @@
 
 namespace osteon::simulation {
 
+inline constexpr std::size_t kMostHolding = 4;  ///< three planes fix a point, a fourth its slack
+
 /// The point in which planes hold the origin back.
 struct HoldPoint {
   Vector3 point_m{Vector3::Zero()};
   double slack_m{0.0};  ///< by which all planes yield
   int count{0};
-  std::array<std::size_t, 4> plane{};    ///< the planes that hold, by index
-  std::array<double, 4> multiplier_m{};  ///< > 0; point = sum of multiplier n
+  std::array<std::size_t, kMostHolding> plane{};    ///< the planes that hold, by index
+  std::array<double, kMostHolding> multiplier_m{};  ///< > 0; point = sum of multiplier n
 };
 
 /// Square of the slack's compliance against the point's: a hold of 10 mm yields by 10 nm.
@@ -26,7 +28,11 @@ inline constexpr double kHoldSlack = 1e-6;
 ///
 /// so there is always one answer. Dual active set: the most violated plane enters, and of the sets of it and
 /// those that hold (15 at most) the one whose point keeps them all is taken; the cost grows with each, so
-/// none comes back. For up to eight planes the same point as ClosestInHalfSpaces, but for the slack.
-[[nodiscard]] HoldPoint FindHoldPoint(std::span<const HalfSpace> planes);
+/// none comes back. A plane is kept to within 10 nm. For up to eight planes the same point as
+/// ClosestInHalfSpaces, but for the slack.
+/// @param start  planes that are likely to hold, four at most: where they do by themselves, the search begins
+///   there
+[[nodiscard]] HoldPoint FindHoldPoint(std::span<const HalfSpace> planes,
+                                      std::span<const std::size_t> start = {});
 
 }  // namespace osteon::simulation

@@ -168,6 +168,7 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
       }
     }
   }
+  near.held_count = memory.held_count;
   for (int k = 0; k < memory.pair_count; ++k) {
     const ContactPair& known = memory.pairs[static_cast<std::size_t>(k)];
     if (known.bone_ball < balls_.size() && known.tool_ball < tool_.balls.size())

@@ -72,7 +72,16 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
   std::string path;
   bool any = false;
   const int columns = std::max(1, static_cast<int>(area.width));
-  for (const auto& run : DecimateMinMax(series.x, series.y, area.x, columns)) {
+  // columns of pixels are even in the logarithm where the axis is
+  std::vector<double> at = series.x;
+  Range range = area.x;
+  if (area.log_x) {
+    for (double& x : at) x = x > 0.0 ? std::log(x) : -std::numeric_limits<double>::infinity();
+    range = {std::log(range.min), std::log(range.max)};
+  }
+  for (auto& run : DecimateMinMax(at, series.y, range, columns)) {
+    if (area.log_x)
+      for (PlotPoint& point : run) point.x = std::exp(point.x);
     char command = 'M';
     for (const PlotPoint& point : run) {
       if ((area.log_x && !(point.x > 0.0)) || (area.log_y && !(point.y > 0.0))) continue;
@@ -98,11 +107,23 @@ bool Drawable(const PlotArea& area, double x, double y) {
 
 /// Error bars and markers of every series, the pale ones first; then the names that find a place.
 std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::vector<std::string>& colors) {
+  constexpr std::size_t kMostPieces = 500;  // of a line that names keep clear of
   std::string out;
+  if (std::ranges::none_of(panel.series, [](const Series& series) { return series.marker != Marker::kNone; }))
+    return out;
   LabelPlacer labels(area);
   for (const LimitLine& limit : panel.limits)
     if (limit.value > area.y.min && limit.value < area.y.max)
       labels.BlockLine(area.left, area.Y(limit.value), area.left + area.width, area.Y(limit.value));
+  for (const LimitLine& limit : panel.x_limits)
+    if (limit.value > area.x.min && limit.value < area.x.max)
+      labels.Block(area.X(limit.value) - kFontPx - 5, area.top, kFontPx + 7, area.height);
+  for (const Series& series : panel.series)
+    for (std::size_t i = 1;
+         series.width_px > 0.0 && i < std::min({series.x.size(), series.y.size(), kMostPieces}); ++i)
+      if (Drawable(area, series.x[i - 1], series.y[i - 1]) && Drawable(area, series.x[i], series.y[i]))
+        labels.BlockLine(area.X(series.x[i - 1]), area.Y(series.y[i - 1]), area.X(series.x[i]),
+                         area.Y(series.y[i]));
   std::vector<std::size_t> order(panel.series.size());
   for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -127,8 +148,6 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
       }
     }
     labels.Block(x - 5, y - 5, 10, 10);
-    if (i > 0 && series.width_px > 0.0 && Drawable(area, series.x[i - 1], series.y[i - 1]))
-      labels.BlockLine(area.X(series.x[i - 1]), area.Y(series.y[i - 1]), x, y);
   });
   each([&](const Series& series, std::size_t s, std::size_t, double x, double y) {
     out += DrawMarker(x, y, series.marker, colors[s], series.opacity);

@@ -54,7 +54,7 @@ struct Candidate {
   float n_x, n_y, n_z;  // unit, from bone to tool
   float gap_mm;
   uint bone_ball, tool_ball;
-  uint present;
+  uint source;  // its bin, or kBins and its number among the remembered
 };
 
 // One frame: what the host writes, then what the passes find.
@@ -84,6 +84,10 @@ struct Frame {
   uint immediate;
   uint live_capacity;
   uint span_capacity;
+  uint parent_count;      // balls of the bone; those from first_child on are children
+  uint first_child;       // a block of kGroupSize slots after the other
+  float split_radius_mm;  // larger balls ask for a split; huge where none is split
+  uint request_capacity;
 
   // of this frame
   vec4 start, goal;             // T's origin at the proxy and at the tool's pose
@@ -92,7 +96,7 @@ struct Frame {
   OSTEON_ARRAY(vec4, face_n, kFaces);  // directions in which faces pressed, the frame before; zero: none
   OSTEON_ARRAY(uint, remembered_bone, kRemembered);
   OSTEON_ARRAY(uint, remembered_tool, kRemembered);
-  uint face_count, remembered_count;
+  uint face_count, remembered_count, held_count;  // held: of the remembered, that held
   uint turning;
   float friction;
   float spindle_rad_per_s;
@@ -105,6 +109,8 @@ struct Frame {
   float cutting_drift_start_mm, cutting_drift_goal_mm, shaft_drift_start_mm, shaft_drift_goal_mm;
   uint lists_at_contact;  // 1: the lists are made in this frame, where first contact is
   uint flush_count;  // balls of the last lists, which flush.comp writes back
+  uint upload_count;
+  Groups upload_work;
   Groups flush_work;
   Groups path_work;  // clusters of balls, one workgroup each
   Groups point_work; // clusters of points
@@ -131,7 +137,9 @@ struct Frame {
   vec4 step_mm;      // of the proxy's advance
   vec4 friction_mm;  // its share of delta; w: the slack of the hold
   vec4 shift_mm;     // straight, from first contact to the target
-  uint hold_count;   // candidates that hold the tool, and how much
+  uint candidate_count;
+  uint shaft_candidate;  // from here on of balls that do not cut, then the remembered ones
+  uint hold_count;  // candidates that hold the tool, and how much
   OSTEON_ARRAY(uint, hold_candidate, 4);
   OSTEON_ARRAY(float, hold_mm, 4);
   OSTEON_ARRAY(Candidate, candidates, kCandidates);
@@ -139,6 +147,27 @@ struct Frame {
   OSTEON_ARRAY(Sum, face_sums, 2 * kFaces * kFaceColumns);
   OSTEON_ARRAY(Sum, engaged_sums, 2 * kMaxMaterials);  // area and moment by material
   OSTEON_ARRAY(uint, removed, kMaxMaterials);          // cleared volume in units of the bone's
+  uint request_count;  // of balls that should be split; may be above the capacity
+  uint unused_pad;
+};
+
+// A ball that was touched and is so large that it should be split.
+struct SplitRequest {
+  uint parent;
+  vec4 before, after;
+};
+
+// A ball that the host has made.
+struct SplitUpload {
+  uint index;
+  vec4 ball;
+};
+
+// A block of children.
+struct Block {
+  float least_mm;  // smaller children are dropped
+  uint live;       // children that are left
+  uint waits;      // 1: none was made yet
 };
 
 // A cluster of 64 balls or points, and the groups of tool balls that can meet it: group_refs[first …].
@@ -182,10 +211,13 @@ OSTEON_CONST uint kBindLivePoints = 13; // copies of the live points
 OSTEON_CONST uint kBindPointEntries = 14;
 OSTEON_CONST uint kBindSpans = 15;      // 0 … tool_count - 1 first
 OSTEON_CONST uint kBindSlots = 16;      // of each ball in the list of live balls, where it is in it
-OSTEON_CONST uint kBindings = 17;
+OSTEON_CONST uint kBindRequests = 17;  // SplitRequest
+OSTEON_CONST uint kBindUploads = 18;   // SplitUpload
+OSTEON_CONST uint kBindBlocks = 19;    // Block
+OSTEON_CONST uint kBindings = 20;
 // The lists' copies again, to read: software drivers fetch a texel at once, but a buffer's words one by one.
-OSTEON_CONST uint kBindBallTexels = 17;
-OSTEON_CONST uint kBindPointTexels = 18;
+OSTEON_CONST uint kBindBallTexels = 20;
+OSTEON_CONST uint kBindPointTexels = 21;
 
 OSTEON_CONST uint kBallsPerBuffer = 8000000;  // a binding holds 128 MiB on every device
 OSTEON_CONST uint kCleared = 256;
@@ -193,11 +225,12 @@ OSTEON_CONST uint kCleared = 256;
 #ifdef __cplusplus
 static_assert(sizeof(Frame) % 8 == 0);
 static_assert(offsetof(Frame, material) == 8 * 60);
-static_assert(offsetof(Frame, start) == offsetof(Frame, material) + 16 * 8 + 20 * 4);
-static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 20 * 4);
-static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 16 * 4 + 6 * 4 + 11 * 4);
+static_assert(offsetof(Frame, start) == offsetof(Frame, material) + 16 * 8 + 24 * 4);
+static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 21 * 4);
+static_assert(offsetof(Frame, delta) == offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 4 * 4 + 16 * 4 + 6 * 4 + 11 * 4);
 static_assert(sizeof(Candidate) == 28);
 static_assert(sizeof(Item) == 12 && sizeof(Live) == 12 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
+static_assert(sizeof(SplitRequest) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 12);
 }  // namespace osteon::gpu
 #endif
 #undef OSTEON_CONST

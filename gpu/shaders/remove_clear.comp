@@ -40,6 +40,8 @@ vec3 OnAxis(Capsule c, vec3 p, vec3 away, float d) {
   return length(u) > kOnAxis * d ? normalize(u) : normalize(pick - dot(pick, c.m) * c.per_mm2 * c.m);
 }
 
+bool Swallows(Capsule c, vec4 ball) { return ball.w + c.r - length(Away(c, ball.xyz)) >= 2.0 * ball.w; }
+
 vec4 Shrunk(vec4 ball, Capsule c) {
   vec3 away = Away(c, ball.xyz);
   float d = length(away);
@@ -76,7 +78,7 @@ void main() {
     Capsule slide = MakeCapsule(only.xyz, only_slid, only.w), give = MakeCapsule(only_slid, only_end, only.w);
 
     for (uint slot = ChunkBegin(); slot < end_balls; slot += kLanes) {
-      vec4 ball = LiveBall(slot);
+      vec4 ball = LiveBall(slot), whole = ball;
       float before = ball.w;
       if (kOneCutter) {
         ball = Shrunk(Shrunk(ball, slide), give);
@@ -91,6 +93,33 @@ void main() {
             ball = Shrunk(ball, MakeCapsule(part == 0 ? contact.xyz : slid,
                                             part == 0 ? slid : slid + advance.step_mm, contact.w));
           }
+      }
+      // a ball that should be split, or a child: loops, since software drivers execute a branch that nobody takes
+      uint index = ball.w != before && frame.first_child != 0u ? live_entries[slot].index : 0u;
+      bool child = ball.w != before && frame.first_child != 0u && index >= frame.first_child;
+      bool large = ball.w != before && frame.first_child != 0u && !child && before > frame.split_radius_mm;
+      for (uint once = large ? 0 : 1; once < 1; ++once) {
+        bool swallowed = false;
+        if (kOneCutter) {
+          swallowed = Swallows(slide, whole) || Swallows(give, whole);
+        } else {
+          Live entry = live_entries[slot];
+          for (uint k = entry.first; k < entry.first + entry.count; ++k) {
+            uint t = spans[k];
+            vec4 contact = AtContact(t, at_contact);
+            vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
+            swallowed = swallowed || Swallows(MakeCapsule(contact.xyz, slid, contact.w), whole) ||
+                        Swallows(MakeCapsule(slid, slid + advance.step_mm, contact.w), whole);
+          }
+        }
+        if (swallowed) break;
+        uint place = atomicAdd(frame.request_count, 1u);
+        if (place < frame.request_capacity) requests[place] = SplitRequest(index, whole, ball);
+      }
+      for (uint once = child ? 0 : 1; once < 1; ++once) {
+        uint block = (index - frame.first_child) / kGroupSize;
+        if (ball.w < blocks[block].least_mm) ball.w = 0.0;
+        if (ball.w == 0.0) atomicAdd(blocks[block].live, 0xffffffffu);
       }
       if (ball.w != before) live_balls[slot] = ball;
     }

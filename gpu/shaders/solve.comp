@@ -8,10 +8,8 @@
 const uint kNoPlane = kCandidates;
 const double kOppositeCosine = -0.8lf;
 const double kHoldSlack = 1e-6lf;
-const double kViolated_mm = 1e-9lf, kLeastPivot = 1e-13lf;
-const double kAbsent = -1e30lf;
+const double kViolated_mm = 1e-5lf, kLeastPivot = 1e-13lf;
 const double kFaceCosine = 0.866lf;
-const double kExactness = 4.0lf;
 const uint kMostRounds = 200;
 
 shared dvec3 plane_n[kCandidates + 1];
@@ -19,7 +17,8 @@ shared double plane_offset[kCandidates + 1];
 shared double plane_gap[kCandidates], yielding_gap[kCandidates];
 shared dvec3 plane_motion[kCandidates];
 shared double tool_radius[kCandidates];
-shared uint bone_ball[kCandidates], tool_ball[kCandidates], is_present[kCandidates];
+shared uint bone_ball[kCandidates], tool_ball[kCandidates];
+shared uint start_plane[4];  // that held the frame before
 
 // ---- where planes hold a point
 
@@ -31,6 +30,8 @@ struct Held {
   dvec3 point;
   double slack;
 };
+
+shared Held winner;
 
 double Violation(Held held, uint i, dvec3 shift) {
   return plane_offset[i] - dot(plane_n[i], shift + held.point) - held.slack;
@@ -50,32 +51,38 @@ bool SolveSet(uvec4 p, dvec3 shift, out Held set) {
   dvec4 row_3 = dvec4(row_0.w, row_1.w, row_2.w, dot(d, d) + slack.w + pad.w);
   dvec4 v = dvec4(plane_offset[p.x] - dot(a, shift), plane_offset[p.y] - dot(b, shift),
                   plane_offset[p.z] - dot(c, shift), plane_offset[p.w] - dot(d, shift)) * real;
+  // one division a pivot: they are what takes long
+  dvec4 per;
   bool good = row_0.x > kLeastPivot;
-  double f = row_1.x / row_0.x;
+  per.x = 1.0lf / row_0.x;
+  double f = row_1.x * per.x;
   row_1 -= f * row_0;
   v.y -= f * v.x;
-  f = row_2.x / row_0.x;
+  f = row_2.x * per.x;
   row_2 -= f * row_0;
   v.z -= f * v.x;
-  f = row_3.x / row_0.x;
+  f = row_3.x * per.x;
   row_3 -= f * row_0;
   v.w -= f * v.x;
   good = good && row_1.y > kLeastPivot;
-  f = row_2.y / row_1.y;
+  per.y = 1.0lf / row_1.y;
+  f = row_2.y * per.y;
   row_2 -= f * row_1;
   v.z -= f * v.y;
-  f = row_3.y / row_1.y;
+  f = row_3.y * per.y;
   row_3 -= f * row_1;
   v.w -= f * v.y;
   good = good && row_2.z > kLeastPivot;
-  f = row_3.z / row_2.z;
+  per.z = 1.0lf / row_2.z;
+  f = row_3.z * per.z;
   row_3 -= f * row_2;
   v.w -= f * v.z;
   good = good && row_3.w > kLeastPivot;
-  set.m.w = v.w / row_3.w;
-  set.m.z = (v.z - row_2.w * set.m.w) / row_2.z;
-  set.m.y = (v.y - row_1.z * set.m.z - row_1.w * set.m.w) / row_1.y;
-  set.m.x = (v.x - row_0.y * set.m.y - row_0.z * set.m.z - row_0.w * set.m.w) / row_0.x;
+  per.w = 1.0lf / row_3.w;
+  set.m.w = v.w * per.w;
+  set.m.z = (v.z - row_2.w * set.m.w) * per.z;
+  set.m.y = (v.y - row_1.z * set.m.z - row_1.w * set.m.w) * per.y;
+  set.m.x = (v.x - row_0.y * set.m.y - row_0.z * set.m.z - row_0.w * set.m.w) * per.x;
   set.plane = p;
   set.size = uint(is.x) + uint(is.y) + uint(is.z) + uint(is.w);
   set.point = set.m.x * a + set.m.y * b + set.m.z * c + set.m.w * d;
@@ -115,15 +122,20 @@ Held Packed(Held set) {
   return set;
 }
 
-// Twin of simulation::FindHoldPoint, about `shift` instead of the tool's pose; the same on every lane.
-Held FindHold(dvec3 shift) {
+// Twin of simulation::FindHoldPoint over `count` planes, about `shift` instead of the tool's pose; the same on every lane.
+Held FindHold(uint count, dvec3 shift, bool start) {
   uint lane = gl_LocalInvocationID.x;
   Held held = Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf);
+  for (uint once = start ? 0 : 1; once < 1; ++once) {
+    Held likely;
+    uvec4 planes = uvec4(start_plane[0], start_plane[1], start_plane[2], start_plane[3]);
+    if (SolveSet(planes, shift, likely) && likely.size > 0u) held = Packed(likely);
+  }
   for (uint round = 0; round < kMostRounds; ++round) {
     // the most violated plane, of equal ones the first
     float worst = 0.0;
     uint entering = kNoPlane;
-    for (uint i = lane; i < kCandidates; i += kLanes) {
+    for (uint i = lane; i < count; i += kLanes) {
       double violation = Violation(held, i, shift);
       if (violation <= kViolated_mm || float(violation) <= worst) continue;
       worst = float(violation);
@@ -135,6 +147,7 @@ Held FindHold(dvec3 shift) {
     // of the sets of it and those that hold, the one whose point keeps the others
     float least = 1e30;
     uint chosen = 16u;
+    Held own = held;
     for (uint mask = lane; mask < (1u << held.size); mask += kLanes) {
       Held set;
       bool good = bitCount(mask) < 4 && SolveSet(Chosen(held, mask, entering), shift, set);
@@ -148,14 +161,16 @@ Held FindHold(dvec3 shift) {
       if (!good || float(violation) >= least) continue;
       least = float(violation);
       chosen = mask;
+      own = set;
     }
     float best = subgroupMin(least);
-    chosen = subgroupMin(least == best ? chosen : 16u);
-    if (chosen == 16u) break;
+    uint first = subgroupMin(least == best ? chosen : 16u);
+    if (first == 16u) break;
     bool again = any(equal(held.plane, uvec4(entering)));
-    Held next;
-    SolveSet(Chosen(held, chosen, entering), shift, next);
-    held = Packed(next);
+    if (chosen == first) winner = own;
+    barrier();
+    held = Packed(winner);
+    barrier();
     if (again) break;
   }
   return held;
@@ -168,15 +183,15 @@ struct Hold {
   double normal, most;
   dvec3 friction;
 };
-Hold HoldTool(bool turning, dvec3 origin_motion, double s) {
+Hold HoldTool(uint count, bool turning, dvec3 origin_motion, double s) {
   barrier();
-  for (uint c = gl_LocalInvocationID.x; c < kCandidates; c += kLanes) {
+  for (uint c = gl_LocalInvocationID.x; c < count; c += kLanes) {
     dvec3 motion = turning ? plane_motion[c] : origin_motion;
-    plane_offset[c] = is_present[c] != 0u ? -(yielding_gap[c] + dot(plane_n[c], motion)) : kAbsent;
+    plane_offset[c] = -(yielding_gap[c] + dot(plane_n[c], motion));
   }
   barrier();
   Hold hold;
-  hold.held = FindHold(dvec3(0.0lf));
+  hold.held = FindHold(count, dvec3(0.0lf), true);
   hold.normal = hold.held.m.x + hold.held.m.y + hold.held.m.z + hold.held.m.w;
   hold.most = min(hold.normal, 2.0lf * (length(hold.held.point) + hold.held.slack));
   hold.friction = dvec3(0.0lf);
@@ -194,25 +209,32 @@ Hold HoldTool(bool turning, dvec3 origin_motion, double s) {
     if (size <= 0.0lf) break;
     hold.friction = -min(1.0lf, double(frame.friction) * hold.most / size) * slip;
     // the way back may lead into another plane, by micrometres: out again
-    hold.friction += FindHold(hold.held.point + hold.friction).point;
+    hold.friction += FindHold(count, hold.held.point + hold.friction, false).point;
   }
   return hold;
 }
 
 // ---- candidates
 
-void Load(uint c, double s) {
+// Takes candidate `source` to place `c` of the list if it is one: live, and near the tool at first contact.
+struct Found {
+  bool there;
+  uint bone, t;
+  dvec3 n, motion;
+  double gap, radius;
+};
+Found Load(uint source, double s) {
   uint bone = 0u, t = 0u;
   bool there = false;
-  if (c < kBins) {
-    uint64_t key = frame.bin_keys[c];
+  if (source < kBins) {
+    uint64_t key = frame.bin_keys[source];
     there = key != 0xfffffffffffffffful;
     bone = uint(key >> kToolBits) & ((1u << kBoneBits) - 1u);
     t = uint(key) & ((1u << kToolBits) - 1u);
-  } else if (c - kBins < frame.remembered_count) {
+  } else if (source < kCandidates && source - kBins < frame.remembered_count) {
     there = true;
-    bone = frame.remembered_bone[c - kBins];
-    t = frame.remembered_tool[c - kBins];
+    bone = frame.remembered_bone[source - kBins];
+    t = frame.remembered_tool[source - kBins];
   }
   there = there && bone < frame.ball_count && t < frame.tool_count;
   uint slot = there ? slots[bone] : 0u;
@@ -223,45 +245,66 @@ void Load(uint c, double s) {
   dvec3 from_bone = at - dvec3(ball.xyz);
   double d = length(from_bone), gap = d - double(start.w) - double(ball.w);
   there = there && ball.w > 0.0 && d > 0.0lf && gap < double(frame.enlargement_mm);
-  bone_ball[c] = bone;
-  tool_ball[c] = t;
-  is_present[c] = there ? 1u : 0u;
-  plane_n[c] = there ? from_bone / d : dvec3(0.0lf);
-  plane_gap[c] = there ? gap : 0.0lf;
-  plane_motion[c] = goal - at;
-  tool_radius[c] = double(start.w);
+  return Found(there, bone, t, there ? from_bone / d : dvec3(0.0lf), goal - at, gap, double(start.w));
+}
+void Put(uint c, Found found, uint source) {
+  bone_ball[c] = found.bone;
+  tool_ball[c] = found.t;
+  plane_n[c] = found.n;
+  plane_gap[c] = found.gap;
+  plane_motion[c] = found.motion;
+  tool_radius[c] = found.radius;
+  frame.candidates[c] = Candidate(float(found.n.x), float(found.n.y), float(found.n.z), float(found.gap), found.bone,
+                                  found.t, source);
 }
 
 void main() {
   uint lane = gl_LocalInvocationID.x;
   bool is_void = IsVoid();
-  if (lane == 0) frame.is_void = is_void ? 1u : 0u;
   double s = double(ContactFraction());
-  for (uint c = lane; c < kCandidates; c += kLanes) Load(c, s);
+  // the nearest pairs, then those of the remembered ones that are not among them, without gaps
+  uint count = 0u, shaft = 0u;
+  for (uint base = 0; base < kBins; base += kLanes) {
+    uint source = base + lane;
+    Found found = Load(source < kBins ? source : kCandidates, s);
+    uint there = found.there ? 1u : 0u;
+    if (found.there) Put(count + subgroupExclusiveAdd(there), found, source);
+    else subgroupExclusiveAdd(there);
+    shaft += subgroupAdd(source < kCuttingBinCount ? there : 0u);
+    count += subgroupAdd(there);
+  }
   if (lane == 0) {
     plane_n[kNoPlane] = dvec3(0.0lf);
     plane_offset[kNoPlane] = 0.0lf;
   }
+  if (lane < 4u) start_plane[lane] = kNoPlane;
   barrier();
-  for (uint c = kBins + lane; c < kCandidates; c += kLanes)
-    for (uint other = 0; other < kBins; ++other)
-      if (is_present[other] != 0u && bone_ball[other] == bone_ball[c] && tool_ball[other] == tool_ball[c]) is_present[c] = 0u;
+  uint nearest = count;
+  for (uint base = 0; base < kRemembered; base += kLanes) {
+    uint k = base + lane;
+    Found found = Load(k < kRemembered ? kBins + k : kCandidates, s);
+    uint known = nearest;
+    for (uint other = 0; other < nearest; ++other)
+      if (found.there && bone_ball[other] == found.bone && tool_ball[other] == found.t) known = other;
+    uint fresh = found.there && known == nearest ? 1u : 0u;
+    uint place = count + subgroupExclusiveAdd(fresh);
+    if (fresh != 0u) Put(place, found, kBins + k);
+    if (found.there && k < frame.held_count) start_plane[k] = fresh != 0u ? place : known;
+    count += subgroupAdd(fresh);
+  }
   barrier();
-  for (uint c = lane; c < kCandidates; c += kLanes) {
+  for (uint c = lane; c < count; c += kLanes) {
     // where another faces it and less than the tolerance is left between them, both yield
     double tolerance = double(frame.tolerance_mm), room = tolerance;
-    for (uint other = 0; other < kCandidates; ++other)
-      if (is_present[other] != 0u && dot(plane_n[other], plane_n[c]) < kOppositeCosine)
-        room = min(room, plane_gap[c] + plane_gap[other]);
+    for (uint other = 0; other < count; ++other)
+      if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) room = min(room, plane_gap[c] + plane_gap[other]);
     yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
-    frame.candidates[c] = Candidate(float(plane_n[c].x), float(plane_n[c].y), float(plane_n[c].z), float(plane_gap[c]),
-                                    bone_ball[c], tool_ball[c], is_present[c]);
   }
 
   dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
   Hold unturned = Hold(Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf), 0.0lf, 0.0lf, dvec3(0.0lf));
-  for (uint twice = frame.turning != 0u ? 0 : 1; twice < 1; ++twice) unturned = HoldTool(false, motion, s);
-  Hold hold = HoldTool(true, motion, s);
+  for (uint twice = frame.turning != 0u ? 0 : 1; twice < 1; ++twice) unturned = HoldTool(count, false, motion, s);
+  Hold hold = HoldTool(count, true, motion, s);
   if (frame.turning == 0u) unturned = hold;
   Held held = hold.held;
   dvec3 friction = hold.friction;
@@ -317,7 +360,6 @@ void main() {
   }
   double largest = 0.0lf;
   for (uint f = 0; f < faces; ++f) largest = max(largest, multiplier_of[f]);
-  double exact = normal > 0.0lf ? min(1.0lf, kExactness * (1.0lf - largest / normal)) : 0.0lf;
   dvec3 cutting = dvec3(0.0lf);
   for (uint f = 0; f < faces; ++f) {
     double size = length(hold_of[f]);
@@ -328,7 +370,11 @@ void main() {
       for (uint row = 0; row < 2; ++row)
         for (uint column = 0; column < 4; ++column)
           sum[column] += Total(frame.face_sums[(row * kFaces + uint(known_of[f])) * kFaceColumns + column], frame.face_scale);
-      if (sum.x > 0.0) n = normalize((1.0lf - exact) * normalize(dvec3(sum.yzw)) + exact * n);
+      if (sum.x > 0.0) {
+        double narrow = length(dvec3(sum.yzw)) / double(sum.x);
+        double exact = clamp(max(4.0lf * (1.0lf - largest / normal), (0.985lf - narrow) / 0.015lf), 0.0lf, 1.0lf);
+        n = normalize((1.0lf - exact) * normalize(dvec3(sum.yzw)) + exact * n);
+      }
     }
     double share = multiplier_of[f] / normal;
     cutting += cutting_of[f] / multiplier_of[f] * (free_share * size * n + (1.0lf - free_share) * share * held.point);
@@ -340,7 +386,10 @@ void main() {
   for (uint t = lane; t < frame.tool_count; t += kLanes)
     longest = max(longest, distance(AtContact(t, float(s)).xyz, Goal(t) + vec3(delta)));
   longest = subgroupMax(longest);
+  if (lane == 0) frame.is_void = is_void ? 1u : 0u;
   if (lane != 0 || is_void) return;
+  frame.candidate_count = count;
+  frame.shaft_candidate = shaft;
   frame.hold_count = held.size;
   for (uint k = 0; k < 4; ++k) {
     frame.hold_candidate[k] = held.plane[k];

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "control/virtual_coupling.h"
 #include "hil/failures/scenario_bench.h"
 
 namespace osteon::hil {
@@ -13,6 +14,8 @@ namespace {
 
 constexpr std::array kRates_hz{250.0, 500.0, 1000.0, 2000.0};
 constexpr std::size_t kNominal = 2;  // 1 kHz
+constexpr double kServo_hz = 4000.0;
+constexpr int kPlotEvery = 8;  // ticks
 constexpr double kRun_s = 1.0, kPlunge_s = 0.4;
 
 /// Smooth from 0 to 1.
@@ -31,26 +34,35 @@ struct Run {
   FailureSeries force;
 };
 
+/// Frames at `rate_hz`, each of the hand's pose then; between them the servo loop renders the newest frame's
+/// planes at kServo_hz, as it does on the arm (control::EvaluateCoupling, without damping).
 Run Play(simulation::CuttingEngine& engine, double rate_hz) {
   Run run;
-  std::array<int, 2> frames{};
-  const int count = static_cast<int>(kRun_s * rate_hz);
+  std::array<int, 2> ticks{};
+  const int per_frame = static_cast<int>(std::lround(kServo_hz / rate_hz));
+  constexpr control::CouplingParams coupling{.damping_Ns_per_m = 0.0};
+  control::CouplingState state;
   simulation::ContactModel model;
-  double last_N = 0.0;
-  engine.Step(FrameAt(Downwards(HandAt(0.0)), kScenarioSpindle_rad_per_s, 1.0 / rate_hz));
-  for (int i = 1; i <= count; ++i) {
-    const double t_s = i / rate_hz;
-    model = engine.Step(FrameAt(Downwards(HandAt(t_s)), kScenarioSpindle_rad_per_s, 1.0 / rate_hz));
-    const double force_N = Vector3(model.F_T_W.f).norm();
+  for (int i = 0; i <= static_cast<int>(kRun_s * kServo_hz); ++i) {
+    const double t_s = i / kServo_hz;
+    const auto now = static_cast<rt::Nanoseconds>(std::llround(1e9 * t_s));
+    const Pose X_WT = Downwards(HandAt(t_s));
+    if (i % per_frame == 0) {
+      auto frame = FrameAt(X_WT, kScenarioSpindle_rad_per_s, 1.0 / rate_hz);
+      frame.stamp = now;
+      model = engine.Step(frame);
+    }
+    const auto output = control::EvaluateCoupling(coupling, model, X_WT, {}, now, true, state);
     const std::size_t phase = t_s > kPlunge_s + 1e-9 ? 1 : 0;
-    // trapezoidal: a mean of the frames' ends would be half a frame late where the force rises
-    run.mean_force_N[phase] += 0.5 * (last_N + force_N);
-    ++frames[phase];
-    last_N = force_N;
-    run.force.x.push_back(t_s);
-    run.force.y.push_back(force_N);
+    const double force_N = output.F_T_W.f.norm();
+    run.mean_force_N[phase] += force_N;
+    ++ticks[phase];
+    if (i % kPlotEvery == 0) {
+      run.force.x.push_back(t_s);
+      run.force.y.push_back(force_N);
+    }
   }
-  for (std::size_t i = 0; i < 2; ++i) run.mean_force_N[i] /= std::max(1, frames[i]);
+  for (std::size_t i = 0; i < 2; ++i) run.mean_force_N[i] /= std::max(1, ticks[i]);
   run.removed_m3 = model.removed_volume_m3;
   return run;
 }

@@ -31,7 +31,12 @@ WorkloadScores ScoreWorkload(const CutWorkload& workload, const WorkloadRun& run
   scores.force = CompareForces(run.felt, workload.exact, workload.rate_hz);
   std::vector<double> magnitude_N;
   for (const FeltForce& felt : run.felt) magnitude_N.push_back(felt.f_N.norm());
-  scores.ripple = MeasureRipple(magnitude_N, workload.rate_hz).relative();
+  // over the exact mean: a tool that is stuck has a great and steady force, which is no merit
+  double exact_N = 0.0;
+  for (const FeltForce& exact : workload.exact)
+    exact_N += exact.f_N.norm() / static_cast<double>(workload.exact.size());
+  const Ripple ripple = MeasureRipple(magnitude_N, workload.rate_hz);
+  scores.ripple = std::hypot(ripple.slow_N, ripple.fast_N) / exact_N;
   return scores;
 }
 

@@ -17,7 +17,7 @@ struct WorkloadScores {
   double volume_error{0.0};         ///< |removed by the method's books / swept - 1|
   double swept_volume_m3{0.0};
   ForceErrors force;   ///< of the touch
-  double ripple{0.0};  ///< 5 to 500 Hz, over the mean force (ripple.h)
+  double ripple{0.0};  ///< 5 to 500 Hz (ripple.h), over the exact mean force
 };
 
 /// @param before, after  what the method has of the bone before the cut and at the end

@@ -89,7 +89,7 @@ TEST(VulkanEngine, CutsLikeTheReferenceThroughFiveHundredFrames) {
   EXPECT_LT(way, 5e-7);
   EXPECT_LT(normal, 4e-3);
   EXPECT_LT(force_off, 0.1);
-  EXPECT_LT(torque_off, 1e-2);  // of the contacts that share the force, which ones do hangs on micrometres
+  EXPECT_LT(torque_off, 5e-2);  // of a wedged tool: which of its planes hold hangs on micrometres
   EXPECT_LT(proxy, 4e-6);
   EXPECT_LT(counts_off, kFrames / 50);
   EXPECT_LT(ball_mm, 5e-3);

@@ -79,9 +79,9 @@ class CarvedFile : public testing::Test {
       return test::SlowCrc(bytes.substr(from, to - from));
     };
     const std::uint32_t payload = crc(kHeader, bytes.size());
-    std::memcpy(bytes.data() + 380, &payload, 4);
-    const std::uint32_t header = crc(0, 384);
-    std::memcpy(bytes.data() + 384, &header, 4);
+    std::memcpy(bytes.data() + 384, &payload, 4);
+    const std::uint32_t header = crc(0, 388);
+    std::memcpy(bytes.data() + 388, &header, 4);
     return bytes;
   }
   std::string ErrorOf(const std::string& bytes) const {
@@ -156,7 +156,7 @@ TEST_F(CarvedFile, ErrorsNameTheByteWhatIsThereAndWhatIsAccepted) {
   expect(Forged(good, 72, nan), "byte 72: proxy");
   expect(Forged(good, 168, -1.0), "byte 168: books: found -1, accepted 0 and more");
   expect(Forged(good, 304 + 64, 9u), "byte 368: contact pairs: found 9, accepted 0 … 8");
-  expect(Forged(good, 376, 7u), "byte 376: proxy's flag: found 7, accepted 0 or 1");
+  expect(Forged(good, 380, 7u), "byte 380: proxy's flag: found 7, accepted 0 or 1");
   expect(Forged(good, kHeader, nan_f), "ball 0: x: found nan mm");
   expect(Forged(good, kHeader + 16 * 2 + 12, -1.0f), "byte 436: ball 2: r: found -1 mm");
   expect(Forged(good, kHeader + 80 + 1, std::uint8_t{2}), "byte 473: mass point: found 2, accepted 0 or 1");

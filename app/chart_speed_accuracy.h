@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "app/method_ladder.h"
+#include "simulation/metrics/frame_workload.h"
+#include "simulation/metrics/workload_scores.h"
+
+namespace osteon::app {
+
+/// `osteon chart speed-accuracy`: methods × resolutions on one workload.
+struct SpeedAccuracyOptions {
+  std::filesystem::path out{"speed_accuracy"};
+  bool quick{false};  ///< fewer resolutions, 2 seeds
+  std::string device{};
+  std::size_t seeds{5};
+  double most_seconds{60.0};  ///< of a method's frames in one task; what is slower is left out, and said so
+  std::vector<std::string> methods{};  ///< empty: all
+  std::filesystem::path json{};
+};
+
+/// One method at one resolution and one seed, over all tasks.
+struct SeedScores {
+  simulation::WorkloadScores scores;
+  simulation::TimeFigures frame_us;
+};
+
+/// One point of the chart.
+struct SpeedAccuracyPoint {
+  std::string method, device;
+  double length_m{0.0};    ///< of its MethodStep
+  std::size_t spheres{0};  ///< or voxels, of the four bones together, seed 0
+  double r_max_m{0.0};     ///< at the reamer; half a voxel's edge
+  std::vector<SeedScores> seeds{};
+  std::map<std::string, simulation::WorkloadScores> tasks{};  ///< of the first seed
+};
+
+struct SpeedAccuracyResult {
+  std::string machine, device;
+  std::vector<SpeedAccuracyPoint> points;
+  std::vector<std::string> left_out;
+};
+
+/// A figure of a point over its seeds.
+struct Spread {
+  double median{0.0}, low{0.0}, high{0.0};
+};
+enum class ChartFigure { kDepth, kVolume, kForce, kRipple };
+[[nodiscard]] Spread SpreadOf(const SpeedAccuracyPoint& point, ChartFigure figure);
+[[nodiscard]] Spread FrameTimeOf(const SpeedAccuracyPoint& point);
+
+/// Four panels, log-log.
+[[nodiscard]] std::string SpeedAccuracySvg(const SpeedAccuracyResult& result);
+/// schema osteon.chart.speed-accuracy/1
+[[nodiscard]] std::string SpeedAccuracyJson(const SpeedAccuracyResult& result);
+
+/// @returns the process's exit code: 0; 1 where it can't be run here; 2 bad input; 130 ended by Ctrl-C.
+[[nodiscard]] int RunChartSpeedAccuracy(const SpeedAccuracyOptions& options);
+
+}  // namespace osteon::app

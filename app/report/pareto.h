@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace osteon::app {
+
+/// A point of two costs: less is better of both.
+struct CostPoint {
+  double x{0.0}, y{0.0};
+};
+
+/// For each point whether it is on the front: no other one is as good in both and better in one. What is not
+/// finite is not.
+[[nodiscard]] inline std::vector<bool> OnParetoFront(std::span<const CostPoint> points) {
+  const auto finite = [](const CostPoint& p) { return std::isfinite(p.x) && std::isfinite(p.y); };
+  std::vector<bool> front(points.size(), false);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    front[i] = finite(points[i]);
+    for (const CostPoint& other : points)
+      if (finite(other) && other.x <= points[i].x && other.y <= points[i].y &&
+          (other.x < points[i].x || other.y < points[i].y))
+        front[i] = false;
+  }
+  return front;
+}
+
+}  // namespace osteon::app

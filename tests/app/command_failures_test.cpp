@@ -1,0 +1,96 @@
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "app/failures.h"
+#include "tests/app/command.h"
+
+// `osteon failures` as a user runs it. What the scenarios find is held by tests/hil/failures_test.cpp.
+
+namespace osteon::app {
+namespace {
+
+std::string ReadAll(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+TEST(FailuresCommand, WritesTableJsonPageAndPictures) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), {"failures", "22", "19", "--quick", "--engine",
+                                                       "reference", "--out", "report", "--json", "f.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+  EXPECT_NE(run.out.find("breakthrough"), std::string::npos);
+  EXPECT_NE(run.out.find("2 of 2 kept"), std::string::npos) << run.out;
+
+  const nlohmann::json json = ReadJson(folder.path() / "f.json");
+  EXPECT_EQ(json["schema"], "osteon.failures/1");
+  EXPECT_EQ(json["engine"], "reference");
+  ASSERT_EQ(json["scenarios"].size(), 2u);
+  EXPECT_EQ(json["scenarios"][0]["id"], 19);  // by number, whatever the order they were named in
+  EXPECT_EQ(json["scenarios"][1]["id"], 22);
+  for (const auto& scenario : json["scenarios"]) {
+    for (const char* key :
+         {"id", "name", "metric", "unit", "bound", "baseline", "ours", "baseline_fails", "ours_passes"})
+      EXPECT_TRUE(scenario.contains(key)) << key;
+    EXPECT_TRUE(scenario["baseline_fails"].get<bool>());
+    EXPECT_GT(scenario["baseline"].get<double>(), scenario["bound"].get<double>());
+    EXPECT_LE(scenario["ours"].get<double>(), scenario["bound"].get<double>());
+  }
+
+  const std::string page = ReadAll(folder.path() / "report" / "failures.html");
+  EXPECT_NE(page.find("22 frame rate"), std::string::npos);
+  EXPECT_NE(page.find("</html>"), std::string::npos);
+  for (const char* picture : {"19_breakthrough.svg", "22_frame_rate.svg"}) {
+    const std::string svg = ReadAll(folder.path() / "report" / picture);
+    EXPECT_TRUE(svg.starts_with("<svg xmlns=")) << picture;
+    EXPECT_NE(svg.find("ours"), std::string::npos) << picture;
+  }
+}
+
+TEST(FailuresCommand, SaysWhatItDoesNotTake) {
+  const TemporaryFolder folder;
+  const auto refused = [&](std::vector<std::string> arguments, const std::string& text) {
+    arguments.insert(arguments.begin(), "failures");
+    const CommandResult run = RunCommand(folder.path(), arguments);
+    EXPECT_EQ(run.exit_code, 2) << run.out << run.err;
+    EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
+    EXPECT_EQ(run.out, "");
+  };
+  refused({"98"}, "found 98, accepted 1,");
+  refused({"one"}, "found one, accepted 1");
+  refused({"1", "--engine", "abacus"}, "found abacus, accepted vulkan, reference");
+  refused({"1", "--device", "no such device"}, "no such device");
+  refused({"1", "--json", "nowhere/f.json"}, "no folder nowhere");
+  std::ofstream(folder.path() / "taken") << "a file";
+  refused({"1", "--out", "taken"}, "found a file, accepted a folder");
+}
+
+TEST(FailuresCommand, FailsWhereItCannotWrite) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "f.json");
+  const CommandResult run =
+      RunCommand(folder.path(), {"failures", "19", "--quick", "--engine", "reference", "--json", "f.json"});
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_NE(run.err.find("f.json"), std::string::npos) << run.err;
+}
+
+TEST(FailuresJson, OneBoundThatIsNotKeptIsAFailure) {
+  FailureRun good{.result = {.id = 1, .name = "a", .baseline_fails = true, .ours_passes = true}};
+  FailureRun kept_by_both{.result = {.id = 2, .name = "b", .baseline_fails = false, .ours_passes = true}};
+  FailureRun broken{.result = {.id = 3, .name = "c"}, .error = "no memory"};
+  EXPECT_TRUE(good.passed());
+  EXPECT_FALSE(kept_by_both.passed());  // a scenario in which nothing fails proves nothing
+  EXPECT_FALSE(broken.passed());
+  EXPECT_TRUE(nlohmann::json::parse(FailuresJson({good}, "vulkan", "d", false))["passed"].get<bool>());
+  const auto json = nlohmann::json::parse(FailuresJson({good, broken}, "vulkan", "d", true));
+  EXPECT_FALSE(json["passed"].get<bool>());
+  EXPECT_EQ(json["size"], "quick");
+  EXPECT_EQ(json["scenarios"][1]["error"], "no memory");
+}
+
+}  // namespace
+}  // namespace osteon::app

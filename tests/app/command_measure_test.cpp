@@ -1,0 +1,146 @@
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/app/command.h"
+
+// `bench frame`, `chart scaling` and `chart speed-accuracy` as a user runs them, small. No time is judged.
+
+namespace osteon::app {
+namespace {
+
+void ExpectTimes(const nlohmann::json& times) {
+  for (const char* key : {"p50", "p95", "p99", "p999", "max"})
+    EXPECT_GT(times.at(key).get<double>(), 0.0) << key;
+  EXPECT_LE(times.at("p50"), times.at("p99"));
+  EXPECT_LE(times.at("p999"), times.at("max"));
+}
+
+TEST(BenchFrame, WritesTheKeysOfItsContract) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(
+      folder.path(),
+      {"bench", "frame", "--spheres", "2000", "--tool-spheres", "20", "--frames", "20", "--json", "f.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "f.json");
+  EXPECT_EQ(json.at("schema"), "osteon.bench.frame/1");
+  EXPECT_EQ(json.at("spheres"), 2000);
+  EXPECT_EQ(json.at("tool_spheres"), 20);
+  EXPECT_EQ(json.at("method"), "ours");
+  EXPECT_EQ(json.at("frames"), 20);
+  EXPECT_EQ(json.at("scene"), "acetabulum");
+  EXPECT_FALSE(json.at("device").get<std::string>().empty());
+  ExpectTimes(json.at("frame_us"));
+  EXPECT_FALSE(json.at("pass_us").empty());
+  EXPECT_NEAR(json.at("rate_hz").get<double>() * json.at("frame_us").at("p50").get<double>(), 1e6, 1.0);
+  // the hand presses with 100 N and the tool is in bone: seated, not in the air
+  EXPECT_NEAR(json.at("mean_force_N").get<double>(), 100.0, 5.0);
+  EXPECT_GT(json.at("active_spheres_mean").get<double>(), 50.0);
+  EXPECT_LE(json.at("active_spheres_mean").get<double>(), 2000.0);
+  EXPECT_GT(json.at("removed_mm3").get<double>(), 0.0);
+}
+
+TEST(BenchFrame, ComparesAMethodFrameByFrame) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), {"bench", "frame", "--spheres", "1000", "--frames",
+                                                       "20", "--compare", "reference", "--json", "f.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "f.json"), other = json.at("compare");
+  EXPECT_EQ(other.at("method"), "reference");
+  EXPECT_EQ(other.at("frames"), 20);
+  EXPECT_EQ(other.at("active_spheres_mean"), 1000);
+  // from the same state with hands of their own: the same work
+  EXPECT_NEAR(other.at("removed_mm3").get<double>(), json.at("removed_mm3").get<double>(),
+              0.02 * json.at("removed_mm3").get<double>() + 1.0);
+  EXPECT_NE(run.out.find("times as long as"), std::string::npos);
+}
+
+TEST(BenchFrame, SaysWhatItDoesNotTake) {
+  const TemporaryFolder folder;
+  struct Case {
+    std::vector<std::string> arguments;
+    const char* said;
+  };
+  const std::vector<Case> cases{{{"--spheres", "0"}, "--spheres: found 0, accepted 1"},
+                                {{"--method", "magic"}, "found magic, accepted ours, brute"},
+                                {{"--frames", "3"}, "--frames: found 3, accepted 20"},
+                                {{"--scene", "moon"}, "found moon, accepted acetabulum, molar"},
+                                {{"--compare", "ours"}, "found the method itself"},
+                                {{"--compare", "paper"}, "works on another packing"},
+                                {{"--sphere", "100"}, "did you mean --spheres?"}};
+  for (const Case& each : cases) {
+    std::vector<std::string> arguments{"bench", "frame"};
+    arguments.insert(arguments.end(), each.arguments.begin(), each.arguments.end());
+    const CommandResult run = RunCommand(folder.path(), arguments);
+    EXPECT_EQ(run.exit_code, 2) << each.said;
+    EXPECT_NE(run.err.find(each.said), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("osteon bench frame: "), std::string::npos) << run.err;
+  }
+  EXPECT_EQ(RunCommand(folder.path(), {"bench"}).exit_code, 2);
+  const CommandResult wrong = RunCommand(folder.path(), {"bench", "frme"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("unknown subcommand frme; did you mean frame?"), std::string::npos) << wrong.err;
+}
+
+TEST(BenchFrame, EndsWithOneWhereThereIsNoDevice) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"bench", "frame", "--spheres", "500", "--device", "no such device"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("no such device"), std::string::npos) << run.err;
+}
+
+void ExpectFiles(const std::filesystem::path& folder, const std::string& name) {
+  for (const char* extension : {".svg", ".png", ".csv", ".json", ".html"}) {
+    const std::filesystem::path file = folder / (name + extension);
+    ASSERT_TRUE(std::filesystem::is_regular_file(file)) << file;
+    EXPECT_GT(std::filesystem::file_size(file), 100u) << file;
+  }
+}
+
+TEST(ChartScaling, WritesItsFilesAndPoints) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(
+      folder.path(), {"chart", "scaling", "--max-spheres", "1000", "--frames", "20", "--out", "chart"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  ExpectFiles(folder.path() / "chart", "scaling");
+  const nlohmann::json json = ReadJson(folder.path() / "chart" / "scaling.json");
+  EXPECT_EQ(json.at("schema"), "osteon.chart.scaling/1");
+  EXPECT_FALSE(json.at("machine").get<std::string>().empty());
+  std::set<std::string> series;
+  for (const nlohmann::json& point : json.at("points")) {
+    series.insert(point.at("series").get<std::string>());
+    EXPECT_NEAR(point.at("spheres").get<double>(), 1000.0, 20.0);
+    EXPECT_GT(point.at("rate_hz").get<double>(), 0.0);
+    EXPECT_GT(point.at("frame_us_p50").get<double>(), 0.0);
+  }
+  EXPECT_EQ(series.size(), 3u);  // cut zone as it is, all alike, without culling
+}
+
+TEST(ChartSpeedAccuracy, WritesItsFilesAndPoints) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"chart", "speed-accuracy", "--quick", "--seeds", "1", "--method", "ours",
+                                 "--method", "voxel", "--out", "chart"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  ExpectFiles(folder.path() / "chart", "speed_accuracy");
+  const nlohmann::json json = ReadJson(folder.path() / "chart" / "speed_accuracy.json");
+  EXPECT_EQ(json.at("schema"), "osteon.chart.speed-accuracy/1");
+  ASSERT_EQ(json.at("points").size(), 4u);
+  for (const nlohmann::json& point : json.at("points")) {
+    for (const char* key : {"frame_us_p50", "frame_us_p999", "depth_error_mm", "volume_error", "force_error",
+                            "normal_error_deg", "ripple", "r_max_mm", "spheres"})
+      EXPECT_GE(point.at(key).get<double>(), 0.0) << key;
+    EXPECT_EQ(point.at("tasks").size(), 4u);
+  }
+  // coarse to fine: each method's cut gets nearer to the exact one, and ours leaves nothing in the tool's way
+  const auto depth = [&](std::size_t i) { return json.at("points")[i].at("depth_error_mm").get<double>(); };
+  EXPECT_LT(depth(1), depth(0));
+  EXPECT_LT(depth(3), depth(2));
+  EXPECT_LT(json.at("points")[1].at("left_mm").get<double>(), 1e-3);
+}
+
+}  // namespace
+}  // namespace osteon::app
