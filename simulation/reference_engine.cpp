@@ -77,8 +77,8 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   ToolPoints target = goal, straight = contact;
   for (Vector3& point : target) point += solution.delta;
   for (Vector3& point : straight) point += solution.shift;
-  // a turn may use half of the tolerance: the rest is for going along whatever holds it
-  const Slid full = Slide(contact, target, (turning ? 0.5 : 1.0) * params_.contact_tolerance_m);
+  // a turn may use a quarter of the tolerance: the rest is for going along whatever holds it
+  const Slid full = Slide(contact, target, (turning ? 0.25 : 1.0) * params_.contact_tolerance_m);
   const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m) : full;
   // where bone keeps the tool from turning, it still goes along
   const bool turns = !full.stopped || full.way_m > 0.5 * unturned.way_m;

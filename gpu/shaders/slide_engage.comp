@@ -26,9 +26,9 @@ void main() {
   uint end_points = row == 2u && go && frame.delta.w > 0.0 ? ChunkEnd(frame.live_point_count) : 0u;
   // nothing to do: a loop, since software drivers execute a branch that nobody takes
   for (uint once = ChunkBegin() < max(end_balls, max(end_shaft, end_points)) ? 0 : 1; once < 1; ++once) {
-    // with a turn, which may use half of the tolerance: the rest is for going along whatever holds it; and straight
+    // with a turn, which may use a quarter of the tolerance: the rest is for going along whatever holds it; and straight
     bool turning = frame.turning != 0u;
-    float at_contact = ContactFraction(), tolerance = frame.tolerance_mm, turn_tolerance = turning ? 0.5 * tolerance : tolerance;
+    float at_contact = ContactFraction(), tolerance = frame.tolerance_mm, turn_tolerance = turning ? 0.25 * tolerance : tolerance;
     vec3 delta = frame.delta.xyz;
     vec4 only = AtContact(0, at_contact);  // the only cutter, where there is but one
 
