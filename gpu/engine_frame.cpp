@@ -171,7 +171,10 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     if (!brute_force) MeasureDrift(f);
   }
   std::memcpy(&program->frame(), &f, sizeof(Frame));
-  if (!program->Run(mode, memory.frame == 0 ? kWarmUpTimeout_ns : kFrameTimeout_ns)) return false;
+  if (!program->Run(mode, brute_force         ? kBruteTimeout_ns
+                          : memory.frame == 0 ? kWarmUpTimeout_ns
+                                              : kFrameTimeout_ns))
+    return false;
   const Frame& done = program->result();
   stats = {.active_balls = done.live_ball_count,
            .active_points = done.live_point_count,

@@ -33,6 +33,8 @@ inline constexpr double kLargestFaceWeight_mm3 =
 inline constexpr std::uint64_t kFrameTimeout_ns = 20'000'000'000;
 inline constexpr std::uint64_t kWarmUpTimeout_ns =
     120'000'000'000;  // software drivers compile a pass when it first runs
+inline constexpr std::uint64_t kBruteTimeout_ns =
+    900'000'000'000;  // every pair in every pass: a measurement, no product
 // How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
 // are mostly far from bone, so a wide margin costs nothing.
 inline constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 3e-3;

@@ -119,19 +119,21 @@ void VulkanEngine::Impl::ListEverything() {
   ReadBalls(*program, copies.data(), ball_count);
   std::vector<Live> entries(std::max(ball_count, point_count));
   for (std::size_t i = 0; i < entries.size(); ++i)
-    entries[i] = {.index = static_cast<uint>(i), .first = 0, .count = still.cutter_count};
+    entries[i] = {.index = static_cast<uint>(i), .first = 0, .count = still.cutter_count, .material = 0};
   program->Write(kBindLiveBalls, copies.data(), ball_count * sizeof(vec4));
   std::vector<uint> slots(ball_count);
   std::iota(slots.begin(), slots.end(), 0u);
   program->Write(kBindSlots, slots.data(), slots.size() * sizeof(uint));
   program->Write(kBindLiveEntries, entries.data(), ball_count * sizeof(Live));
-  program->Write(kBindPointEntries, entries.data(), point_count * sizeof(Live));
   copies.resize(point_count);
   program->Read(kBindPoints, copies.data(), point_count * sizeof(vec4));
   std::vector<uint> states(point_count);
   program->Read(kBindPointStates, states.data(), point_count * sizeof(uint));
-  for (std::size_t i = 0; i < point_count; ++i)
+  for (std::size_t i = 0; i < point_count; ++i) {
+    entries[i].material = states[i] & (kCleared - 1);
     if ((states[i] & kCleared) != 0) copies[i].w = -copies[i].w;
+  }
+  program->Write(kBindPointEntries, entries.data(), point_count * sizeof(Live));
   program->Write(kBindLivePoints, copies.data(), point_count * sizeof(vec4));
   std::vector<ShaftPair> pairs;
   if (still.tool_count > still.cutter_count)

@@ -138,7 +138,8 @@ void FrameProgram::MakePipelines() {
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (uint i = 0; i < kBindings; ++i)
     bindings.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
-  for (const uint i : {kBindBallTexels, kBindPointTexels})
+  for (const uint i : {kBindBallTexels, kBindPointTexels, kBindToolTexels, kBindSpanTexels, kBindEntryTexels,
+                       kBindPointEntryTexels})
     bindings.emplace_back(i, vk::DescriptorType::eUniformTexelBuffer, 1, vk::ShaderStageFlagBits::eCompute);
   set_layout_ = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
   layout_ = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout_));
@@ -148,15 +149,18 @@ void FrameProgram::MakePipelines() {
     VkBool32 one_cutter;
     uint ball_clusters;
     uint lanes;
+    VkBool32 split;
   } const constants{.chunk = chunk(),
                     .one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
                     .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
-                    .lanes = lanes()};
-  const std::array<vk::SpecializationMapEntry, 4> entries{
+                    .lanes = lanes(),
+                    .split = sizes_.blocks > 0 ? VK_TRUE : VK_FALSE};
+  const std::array<vk::SpecializationMapEntry, 5> entries{
       {{0, offsetof(Constants, chunk), sizeof(uint)},
        {1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
-       {3, offsetof(Constants, lanes), sizeof(uint)}}};
+       {3, offsetof(Constants, lanes), sizeof(uint)},
+       {4, offsetof(Constants, split), sizeof(VkBool32)}}};
   // the solution is one subgroup's work
   Constants alone = constants;
   alone.lanes = context_->physical
@@ -191,7 +195,7 @@ void FrameProgram::MakePipelines() {
     for (const std::size_t mode : {1, 2, 3}) run_passes_[mode].insert(run_passes_[mode].begin() + 1, 9);
 
   const std::array<vk::DescriptorPoolSize, 2> size{
-      {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 2}}};
+      {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 6}}};
   pool_ = vk::raii::DescriptorPool(
       device, vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
   sets_ = vk::raii::DescriptorSets(device, vk::DescriptorSetAllocateInfo(*pool_, *set_layout_));
@@ -201,16 +205,21 @@ void FrameProgram::MakePipelines() {
     device.updateDescriptorSets(
         vk::WriteDescriptorSet(*sets_[0], i, 0, vk::DescriptorType::eStorageBuffer, nullptr, info), nullptr);
   }
-  for (const auto& [binding, buffer] :
-       {std::pair{kBindBallTexels, kBindLiveBalls}, std::pair{kBindPointTexels, kBindLivePoints}}) {
-    views_.emplace_back(device, vk::BufferViewCreateInfo({}, *buffers_[buffer].buffer,
-                                                         vk::Format::eR32G32B32A32Sfloat, 0, VK_WHOLE_SIZE));
-    const vk::BufferView view = *views_.back();
+  const auto view = [&](uint binding, uint buffer, vk::Format format) {
+    views_.emplace_back(device,
+                        vk::BufferViewCreateInfo({}, *buffers_[buffer].buffer, format, 0, VK_WHOLE_SIZE));
+    const vk::BufferView made = *views_.back();
     device.updateDescriptorSets(
         vk::WriteDescriptorSet(*sets_[0], binding, 0, vk::DescriptorType::eUniformTexelBuffer, nullptr,
-                               nullptr, view),
+                               nullptr, made),
         nullptr);
-  }
+  };
+  view(kBindBallTexels, kBindLiveBalls, vk::Format::eR32G32B32A32Sfloat);
+  view(kBindPointTexels, kBindLivePoints, vk::Format::eR32G32B32A32Sfloat);
+  view(kBindToolTexels, kBindTool, vk::Format::eR32G32B32A32Sfloat);
+  view(kBindSpanTexels, kBindSpans, vk::Format::eR32Uint);
+  view(kBindEntryTexels, kBindLiveEntries, vk::Format::eR32G32B32A32Uint);
+  view(kBindPointEntryTexels, kBindPointEntries, vk::Format::eR32G32B32A32Uint);
 }
 
 vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& passes) const {
@@ -271,6 +280,12 @@ bool FrameProgram::Run(FrameMode mode, std::uint64_t timeout_ns) try {
   return context_->device->waitForFences(*fence_, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
 } catch (const std::exception&) {
   return false;
+}
+
+bool FrameProgram::IsIdle(std::uint64_t timeout_ns) const try {
+  return context_->device->waitForFences(*fence_, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
+} catch (const std::exception&) {
+  return true;  // the device is gone, and with it its work
 }
 
 std::vector<PassTime> FrameProgram::PassTimes() const {

@@ -55,6 +55,9 @@ class FrameProgram {
   /// One submit. False where the device is lost or the time is up.
   bool Run(FrameMode mode, std::uint64_t timeout_ns);
 
+  /// Whether the last run is over; waits for it that long.
+  [[nodiscard]] bool IsIdle(std::uint64_t timeout_ns) const;
+
   /// Between host memory and a buffer; waits.
   void Write(uint binding, const void* data, std::size_t size) const;
   void Read(uint binding, void* data, std::size_t size) const;

@@ -51,7 +51,11 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
 }
 
 VulkanEngine::VulkanEngine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-VulkanEngine::~VulkanEngine() = default;
+VulkanEngine::~VulkanEngine() {
+  // a device that did not finish in time may still be at work: what it works on must outlive it
+  if (impl_ && impl_->lost && impl_->program && !impl_->program->IsIdle(kFrameTimeout_ns))
+    (void)impl_->program.release();
+}
 
 simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input) {
   Impl& it = *impl_;

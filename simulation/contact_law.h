@@ -75,6 +75,9 @@ struct NearField {
   std::array<FaceSums, kMaxFaces> faces{};
 };
 
+/// A turn is worth this much of a way: a tool that rests turns with the hand, whatever its micrometres of slide.
+inline constexpr double kTurnWorth_m = 5e-6;
+
 /// What a frame's contact is solved from, besides the near field.
 struct ContactInput {
   Matrix3 R_GT{Matrix3::Identity()};    ///< at the tool's pose

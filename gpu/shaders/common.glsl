@@ -12,9 +12,9 @@ layout(local_size_x_id = 3) in;
 layout(constant_id = 3) const uint kLanes = 64;
 layout(constant_id = 0) const uint kChunk = 1;          // list entries that one invocation looks at, at most 128
 layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
+layout(constant_id = 4) const bool kSplit = false;      // large balls are split
 
 layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
-layout(scalar, binding = kBindTool) readonly buffer ToolBuffer { vec4 tool[]; };
 layout(scalar, binding = kBindToolGroups) readonly buffer ToolGroupBuffer { ToolGroup tool_groups[]; };
 layout(scalar, binding = kBindItems) readonly buffer ItemBuffer { Item items[]; };
 layout(scalar, binding = kBindGroupRefs) readonly buffer GroupRefBuffer { uint group_refs[]; };
@@ -34,6 +34,10 @@ layout(scalar, binding = kBindUploads) readonly buffer UploadBuffer { SplitUploa
 layout(scalar, binding = kBindBlocks) buffer BlockBuffer { Block blocks[]; };
 layout(binding = kBindBallTexels) uniform samplerBuffer ball_texels;
 layout(binding = kBindPointTexels) uniform samplerBuffer point_texels;
+layout(binding = kBindToolTexels) uniform samplerBuffer tool_texels;
+layout(binding = kBindSpanTexels) uniform usamplerBuffer span_texels;
+layout(binding = kBindEntryTexels) uniform usamplerBuffer entry_texels;
+layout(binding = kBindPointEntryTexels) uniform usamplerBuffer point_entry_texels;
 layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
 
 // A sum's value. How it is split into high and low depends on who added with whom, so the carry goes over first: what is
@@ -67,6 +71,7 @@ float ContactFraction() { return min(1.0, uintBitsToFloat(frame.contact_bits)); 
 
 // The slide that is done: with the turn, or straight where bone keeps the tool from turning (twin of
 // ReferenceEngine::Frame).
+const float kTurnWorth_mm = 5e-3;  // simulation::kTurnWorth_m
 struct Slide {
   bool turns;
   float share;   // of the way to the target
@@ -76,7 +81,7 @@ Slide ChosenSlide() {
   float met = uintBitsToFloat(frame.slide_bits), full = min(frame.slide_limit, met);
   float straight = min(frame.straight_limit, uintBitsToFloat(frame.straight_bits));
   float full_way = full * frame.way_mm, straight_way = straight * frame.straight_way_mm;
-  bool turns = frame.turning == 0u || met >= frame.slide_limit || full_way > 0.5 * straight_way;
+  bool turns = frame.turning == 0u || met >= frame.slide_limit || full_way + kTurnWorth_mm > 0.5 * straight_way;
   return Slide(turns, turns ? full : straight, turns ? full_way : straight_way);
 }
 
@@ -94,8 +99,9 @@ uint ChunkBegin() { return gl_WorkGroupID.x * kChunk * kLanes + gl_LocalInvocati
 uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * kChunk * kLanes); }
 
 // Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
-vec4 Start(uint t) { return tool[2 * t]; }
-vec3 Goal(uint t) { return tool[2 * t + 1].xyz; }
+vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }
+vec3 Goal(uint t) { return texelFetch(tool_texels, int(2u * t + 1u)).xyz; }
+uint ToolOfSpan(uint k) { return texelFetch(span_texels, int(k)).x; }
 vec4 AtContact(uint t, float s) {
   vec4 start = Start(t);
   return vec4(mix(start.xyz, Goal(t), s), start.w);
@@ -120,6 +126,9 @@ vec3 ClosestOnSegment(vec3 p, vec3 a, vec3 b) {
 }
 
 vec4 LiveBall(uint slot) { return texelFetch(ball_texels, int(slot)); }
+Live AsLive(uvec4 words) { return Live(words.x, words.y, words.z, words.w); }
+Live LiveEntry(uint slot) { return AsLive(texelFetch(entry_texels, int(slot))); }
+Live PointEntry(uint slot) { return AsLive(texelFetch(point_entry_texels, int(slot))); }
 vec4 LivePoint(uint slot) { return texelFetch(point_texels, int(slot)); }
 
 vec4 BallAt(uint i) {

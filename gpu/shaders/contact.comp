@@ -20,10 +20,10 @@ void main() {
   } else {
     for (uint slot = ChunkBegin(); slot < end; slot += kLanes) {
       vec4 ball = LiveBall(slot);
-      Live entry = live_entries[slot];
+      Live entry = LiveEntry(slot);
       uint last = ball.w > 0.0 ? entry.first + entry.count : 0u;
       for (uint k = entry.first; k < last; ++k) {
-        uint t = spans[k];
+        uint t = ToolOfSpan(k);
         vec4 start = Start(t);
         s = min(s, FirstContactFraction(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w));
       }
@@ -35,7 +35,7 @@ void main() {
     vec4 ball = LiveBall(pair.slot);
     uint last = ball.w > 0.0 ? pair.first + pair.count : 0u;
     for (uint k = pair.first; k < last; ++k) {
-      uint t = spans[k];
+      uint t = ToolOfSpan(k);
       vec4 start = Start(t);
       s = min(s, FirstContactFraction(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w));
     }

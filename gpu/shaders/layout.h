@@ -186,6 +186,7 @@ struct ToolGroup {
 struct Live {
   uint index;
   uint first, count;
+  uint material;  // of a point
 };
 
 // A live ball (its slot in the list) and the tool balls that do not cut and can meet it.
@@ -220,6 +221,9 @@ OSTEON_CONST uint kBindings = 20;
 // The lists' copies again, to read: software drivers fetch a texel at once, but a buffer's words one by one.
 OSTEON_CONST uint kBindBallTexels = 20;
 OSTEON_CONST uint kBindPointTexels = 21;
+// tool, spans and the entries of both lists, to read
+OSTEON_CONST uint kBindToolTexels = 22, kBindSpanTexels = 23, kBindEntryTexels = 24,
+                  kBindPointEntryTexels = 25;
 
 OSTEON_CONST uint kBallsPerBuffer = 8000000;  // a binding holds 128 MiB on every device
 OSTEON_CONST uint kCleared = 256;
@@ -232,7 +236,7 @@ static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 *
 static_assert(offsetof(Frame, delta) ==
               offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 4 * 4 + 16 * 4 + 6 * 4 + 11 * 4);
 static_assert(sizeof(Candidate) == 28);
-static_assert(sizeof(Item) == 12 && sizeof(Live) == 12 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
+static_assert(sizeof(Item) == 12 && sizeof(Live) == 16 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
 static_assert(sizeof(SplitRequest) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 12);
 }  // namespace osteon::gpu
 #endif

@@ -10,9 +10,9 @@ const float kLargestLens = 0.5;   // mm^3, simulation::kLargestLensVolume
 const float kFaceCosine = 0.866;  // simulation::kFaceCosine
 const float kMiddleWorth_mm = 0.05;  // simulation::kMiddleWorth_m
 
-float LensVolume(float r1, float r2, float d) {
+float LensVolume(float r1, float r2, float d, float per_d) {
   float dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
-  float lens = kPi * over * over * (d * d + 2.0 * d * (r1 + r2) - 3.0 * dr * dr) / (12.0 * d);
+  float lens = kPi / 12.0 * over * over * (d * d + 2.0 * d * (r1 + r2) - 3.0 * dr * dr) * per_d;
   float v = d <= abs(dr) ? 4.0 / 3.0 * kPi * least * least * least : lens;
   return over <= 0.0 ? 0.0 : v;
 }
@@ -32,8 +32,9 @@ Bin FindBin(vec3 u, bool cutting) {
   uint a = 3.0 * v.y < -edge ? 0u : 3.0 * v.y > edge ? 2u : 1u;
   uint b = 3.0 * v.z < -edge ? 0u : 3.0 * v.z > edge ? 2u : 1u;
   float along = edge + 2.0 / 3.0 * ((float(a) - 1.0) * v.y + (float(b) - 1.0) * v.z);
-  float size_of_middle = sqrt(1.0 + 4.0 / 9.0 * float(uint(a != 1u) + uint(b != 1u)));
-  return cutting ? Bin(9u * face + 3u * a + b, 1.0 - along / size_of_middle) : Bin(kCuttingBinCount + face, 1.0 - edge);
+  // 1 / sqrt(1 + 4/9 of the thirds that are off the middle)
+  float per_length = a == 1u && b == 1u ? 1.0 : a == 1u || b == 1u ? 0.83205029 : 0.72760688;
+  return cutting ? Bin(9u * face + 3u * a + b, 1.0 - along * per_length) : Bin(kCuttingBinCount + face, 1.0 - edge);
 }
 
 // Sums of one face over this invocation's pairs, in whole units as high * 2^16 + low: weight and weight·n, weight·centre
@@ -58,10 +59,10 @@ struct Near {
 // The pair, its key taken to its bin. `bone` is the ball's number, or that of its entry in the list where it is not known yet.
 Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, uint t, bool cutting) {
   vec3 from_bone = at - ball.xyz;
-  float d = length(from_bone), gap = d - r_t - ball.w;
-  Pair pair = Pair(from_bone / max(d, 1e-20), 0.0);
+  float d = length(from_bone), per_d = 1.0 / max(d, 1e-20), gap = d - r_t - ball.w;
+  Pair pair = Pair(from_bone * per_d, 0.0);
   bool is_near = ball.w > 0.0 && d > 0.0 && gap < near.enlargement;
-  pair.lens = is_near ? min(LensVolume(r_t + near.enlargement, ball.w, d), kLargestLens) : 0.0;
+  pair.lens = is_near ? min(LensVolume(r_t + near.enlargement, ball.w, d, per_d), kLargestLens) : 0.0;
   vec3 u = vec3(dot(pair.n, near.axis_x), dot(pair.n, near.axis_y), dot(pair.n, near.axis_z));
   Bin bin = FindBin(u, cutting);
   uint units = uint(clamp(gap + kMiddleWorth_mm * bin.off_middle + 1.0, 0.0, 1.999) / kGapUnit);
@@ -69,7 +70,7 @@ Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, ui
   bool may = is_near && units <= uint(frame.bin_keys[bin.number] >> (kBoneBits + kToolBits));
   for (uint better = may ? 0 : 1; better < 1; ++better) {
     uint own = bone;
-    if (is_slot) own = live_entries[bone].index;
+    if (is_slot) own = LiveEntry(bone).index;
     atomicMin(frame.bin_keys[bin.number],
               (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(own) << kToolBits) | uint64_t(t));
   }
@@ -148,10 +149,10 @@ void main() {
           Pair pair = Touch(near, ball, slot, true, only.xyz, only.w, 0u, true);
           GATHER_ALL(pair, vec3(0.0), 0.0)
         } else {
-          Live entry = live_entries[slot];
+          Live entry = LiveEntry(slot);
           uint last = entry.first + entry.count;
           for (uint k = entry.first; k < last; ++k) {
-            uint t = spans[k];
+            uint t = ToolOfSpan(k);
             vec4 at = AtContact(t, s);
             Pair pair = Touch(near, ball, entry.index, false, at.xyz, at.w, t, true);
             GATHER_ALL(pair, CenterInTool(t), at.w)
@@ -166,10 +167,10 @@ void main() {
       for (uint slot = ChunkBegin(); slot < end_shaft; slot += kLanes) {
         ShaftPair mine = shaft_pairs[slot];
         vec4 ball = LiveBall(mine.slot);
-        uint bone = live_entries[mine.slot].index;
+        uint bone = LiveEntry(mine.slot).index;
         uint last = mine.first + mine.count;
         for (uint k = mine.first; k < last; ++k) {
-          uint t = spans[k];
+          uint t = ToolOfSpan(k);
           vec4 at = AtContact(t, s);
           Pair pair = Touch(near, ball, bone, false, at.xyz, at.w, t, false);
           GATHER_ALL(pair, CenterInTool(t), at.w)

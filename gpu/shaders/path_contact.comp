@@ -17,8 +17,8 @@ void main() {
       uint g = group_refs[ref];
       ToolGroup group = tool_groups[g];
       // the group's bounding ball first
-      vec4 bound = tool[2 * (frame.tool_count + g)];
-      vec3 way = tool[2 * (frame.tool_count + g) + 1].xyz;
+      vec4 bound = Start(frame.tool_count + g);
+      vec3 way = Goal(frame.tool_count + g);
       vec3 away = ball.xyz - ClosestOnSegment(ball.xyz, bound.xyz, way);
       float r = bound.w + ball.w;
       uint last = dot(away, away) <= r * r ? group.first + group.count : 0u;

@@ -26,7 +26,7 @@ void main() {
     }
     live_balls[slot] = ball;
     slots[i] = slot;
-    live_entries[slot] = Live(i, cutting.first, cutting.count);
+    live_entries[slot] = Live(i, cutting.first, cutting.count, 0u);
     if (shaft.count == 0u) continue;
     NEXT_SLOT(pair, frame.shaft_count)
     shaft_pairs[pair] = ShaftPair(slot, shaft.first, shaft.count);

@@ -14,13 +14,15 @@ void main() {
     bool live = i < frame.point_count;
     vec4 point = live ? points[i] : vec4(0.0);
     Span cutting = FindSpan(item, point.xyz, 0.0, reach, s, true, live);
-    if (cutting.count == 0u || point_states[i] >= kCleared) continue;
+    if (cutting.count == 0u) continue;
+    uint state = point_states[i];
+    if (state >= kCleared) continue;
     NEXT_SLOT(slot, frame.live_point_count)
     if (slot >= frame.live_capacity) {
       frame.too_many = 1u;
       continue;
     }
     live_points[slot] = point;
-    point_entries[slot] = Live(i, cutting.first, cutting.count);
+    point_entries[slot] = Live(i, cutting.first, cutting.count, state);
   }
 }

@@ -46,7 +46,7 @@ vec4 Shrunk(vec4 ball, Capsule c) {
   vec3 away = Away(c, ball.xyz);
   float d = length(away);
   float p = ball.w > 0.0 ? ball.w + c.r - d : 0.0;
-  vec3 u = away / max(d, 1e-20);
+  vec3 u = away * (1.0 / max(d, 1e-20));
   // a loop, since software drivers execute a branch that nobody takes
   for (uint once = p > 0.0 && d < kOnAxis * c.r ? 0 : 1; once < 1; ++once) u = OnAxis(c, ball.xyz, away, d);
   float half_p = 0.5 * max(p, 0.0);
@@ -75,6 +75,7 @@ void main() {
     // the only cutter's places, where there is but one
     vec4 only = AtContact(0, at_contact);
     vec3 only_slid = AfterSlide(slid_by, only.xyz, Goal(0)), only_end = only_slid + advance.step_mm;
+    float travel = slid_by.way_mm + length(advance.step_mm) + 1e-4;  // of any tool ball at most
     Capsule slide = MakeCapsule(only.xyz, only_slid, only.w), give = MakeCapsule(only_slid, only_end, only.w);
 
     for (uint slot = ChunkBegin(); slot < end_balls; slot += kLanes) {
@@ -83,43 +84,50 @@ void main() {
       if (kOneCutter) {
         ball = Shrunk(Shrunk(ball, slide), give);
       } else {
-        Live entry = live_entries[slot];
+        Live entry = LiveEntry(slot);
         uint last = before > 0.0 ? entry.first + entry.count : 0u;
         for (uint part = 0; part < 2; ++part)
           for (uint k = entry.first; k < last; ++k) {
-            uint t = spans[k];
+            uint t = ToolOfSpan(k);
             vec4 contact = AtContact(t, at_contact);
-            vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
-            ball = Shrunk(ball, MakeCapsule(part == 0 ? contact.xyz : slid,
-                                            part == 0 ? slid : slid + advance.step_mm, contact.w));
+            vec3 away = ball.xyz - contact.xyz;
+            float reach = contact.w + ball.w + travel;
+            // most of the list is out of reach of this frame's way
+            for (uint meets = dot(away, away) < reach * reach ? 0 : 1; meets < 1; ++meets) {
+              vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
+              ball = Shrunk(ball, MakeCapsule(part == 0 ? contact.xyz : slid,
+                                              part == 0 ? slid : slid + advance.step_mm, contact.w));
+            }
           }
       }
-      // a ball that should be split, or a child: loops, since software drivers execute a branch that nobody takes
-      uint index = ball.w != before && frame.first_child != 0u ? live_entries[slot].index : 0u;
-      bool child = ball.w != before && frame.first_child != 0u && index >= frame.first_child;
-      bool large = ball.w != before && frame.first_child != 0u && !child && before > frame.split_radius_mm;
-      for (uint once = large ? 0 : 1; once < 1; ++once) {
-        bool swallowed = false;
-        if (kOneCutter) {
-          swallowed = Swallows(slide, whole) || Swallows(give, whole);
-        } else {
-          Live entry = live_entries[slot];
-          for (uint k = entry.first; k < entry.first + entry.count; ++k) {
-            uint t = spans[k];
-            vec4 contact = AtContact(t, at_contact);
-            vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
-            swallowed = swallowed || Swallows(MakeCapsule(contact.xyz, slid, contact.w), whole) ||
-                        Swallows(MakeCapsule(slid, slid + advance.step_mm, contact.w), whole);
+      if (kSplit) {
+        // a ball that should be split, or a child: loops, since software drivers execute a branch that nobody takes
+        uint index = LiveEntry(slot).index;
+        bool child = ball.w != before && index >= frame.first_child;
+        bool large = ball.w != before && !child && before > frame.split_radius_mm;
+        for (uint once = large ? 0 : 1; once < 1; ++once) {
+          bool swallowed = false;
+          if (kOneCutter) {
+            swallowed = Swallows(slide, whole) || Swallows(give, whole);
+          } else {
+            Live entry = LiveEntry(slot);
+            for (uint k = entry.first; k < entry.first + entry.count; ++k) {
+              uint t = ToolOfSpan(k);
+              vec4 contact = AtContact(t, at_contact);
+              vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
+              swallowed = swallowed || Swallows(MakeCapsule(contact.xyz, slid, contact.w), whole) ||
+                          Swallows(MakeCapsule(slid, slid + advance.step_mm, contact.w), whole);
+            }
           }
+          if (swallowed) break;
+          uint place = atomicAdd(frame.request_count, 1u);
+          if (place < frame.request_capacity) requests[place] = SplitRequest(index, whole, ball);
         }
-        if (swallowed) break;
-        uint place = atomicAdd(frame.request_count, 1u);
-        if (place < frame.request_capacity) requests[place] = SplitRequest(index, whole, ball);
-      }
-      for (uint once = child ? 0 : 1; once < 1; ++once) {
-        uint block = (index - frame.first_child) / kGroupSize;
-        if (ball.w < blocks[block].least_mm) ball.w = 0.0;
-        if (ball.w == 0.0) atomicAdd(blocks[block].live, 0xffffffffu);
+        for (uint once = child ? 0 : 1; once < 1; ++once) {
+          uint block = (index - frame.first_child) / kGroupSize;
+          if (ball.w < blocks[block].least_mm) ball.w = 0.0;
+          if (ball.w == 0.0) atomicAdd(blocks[block].live, 0xffffffffu);
+        }
       }
       if (ball.w != before) live_balls[slot] = ball;
     }
@@ -130,18 +138,21 @@ void main() {
       if (kOneCutter) {
         inside = Inside(slide, point.xyz) || Inside(give, point.xyz);
       } else {
-        Live entry = point_entries[slot];
+        Live entry = PointEntry(slot);
         uint last = point.w > 0.0 ? entry.first + entry.count : 0u;
         for (uint k = entry.first; k < last; ++k) {
-          uint t = spans[k];
+          uint t = ToolOfSpan(k);
           vec4 contact = AtContact(t, at_contact);
+          vec3 away = point.xyz - contact.xyz;
+          float reach = contact.w + travel;
+          if (dot(away, away) >= reach * reach) continue;
           vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
           inside = inside || Inside(MakeCapsule(contact.xyz, slid, contact.w), point.xyz) ||
                    Inside(MakeCapsule(slid, slid + advance.step_mm, contact.w), point.xyz);
         }
       }
       for (uint once = inside && point.w > 0.0 ? 0 : 1; once < 1; ++once) {
-        uint i = point_entries[slot].index;
+        uint i = PointEntry(slot).index;
         uint material = point_states[i];
         live_points[slot].w = -point.w;
         point_states[i] = material | kCleared;

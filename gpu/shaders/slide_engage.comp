@@ -26,9 +26,9 @@ void main() {
   uint end_points = row == 2u && go && frame.delta.w > 0.0 ? ChunkEnd(frame.live_point_count) : 0u;
   // nothing to do: a loop, since software drivers execute a branch that nobody takes
   for (uint once = ChunkBegin() < max(end_balls, max(end_shaft, end_points)) ? 0 : 1; once < 1; ++once) {
-    // with a turn, which may use a quarter of the tolerance: the rest is for going along whatever holds it; and straight
+    // with a turn, which may use a third of the tolerance: the rest is for going along whatever holds it; and straight
     bool turning = frame.turning != 0u;
-    float at_contact = ContactFraction(), tolerance = frame.tolerance_mm, turn_tolerance = turning ? 0.25 * tolerance : tolerance;
+    float at_contact = ContactFraction(), tolerance = frame.tolerance_mm, turn_tolerance = turning ? 0.35 * tolerance : tolerance;
     vec3 delta = frame.delta.xyz;
     vec4 only = AtContact(0, at_contact);  // the only cutter, where there is but one
 
@@ -45,10 +45,10 @@ void main() {
           straight = min(straight, ball.w > 0.0 ? own : 2.0);
         }
       } else {
-        Live entry = live_entries[slot];
+        Live entry = LiveEntry(slot);
         uint last = ball.w > 0.0 ? entry.first + entry.count : 0u;
         for (uint k = entry.first; k < last; ++k) {
-          uint t = spans[k];
+          uint t = ToolOfSpan(k);
           vec4 at = AtContact(t, at_contact);
           s = min(s, FirstContactFraction(ball.xyz - at.xyz, Goal(t) + delta - at.xyz, at.w + ball.w - turn_tolerance));
           straight = min(straight, FirstContactFraction(ball.xyz - at.xyz, shift, at.w + ball.w - tolerance));
@@ -60,7 +60,7 @@ void main() {
       vec4 ball = LiveBall(pair.slot);
       uint last = ball.w > 0.0 ? pair.first + pair.count : 0u;
       for (uint k = pair.first; k < last; ++k) {
-        uint t = spans[k];
+        uint t = ToolOfSpan(k);
         vec4 at = AtContact(t, at_contact);
         s = min(s, FirstContactFraction(ball.xyz - at.xyz, Goal(t) + delta - at.xyz, at.w + ball.w - turn_tolerance));
         straight = min(straight, FirstContactFraction(ball.xyz - at.xyz, shift, at.w + ball.w - tolerance));
@@ -80,12 +80,12 @@ void main() {
     for (uint slot = ChunkBegin(); slot < end_points; slot += kLanes) {
       vec4 point = LivePoint(slot);
       float nearest = layer, projection = 0.0;
-      Live entry = Live(0u, 0u, 1u);
-      if (!kOneCutter) entry = point_entries[slot];
+      Live entry = PointEntry(slot);
+      if (kOneCutter) entry.count = 1u;
       uint last = point.w > 0.0 ? entry.first + entry.count : 0u;  // negative: cleared
       for (uint k = entry.first; k < last; ++k) {
         vec4 at = only;
-        if (!kOneCutter) at = AtContact(spans[k], at_contact);
+        if (!kOneCutter) at = AtContact(ToolOfSpan(k), at_contact);
         vec3 away = point.xyz - at.xyz;
         float d = length(away), gap = d - at.w;
         bool nearer = abs(gap) < layer && gap < nearest;
@@ -97,7 +97,7 @@ void main() {
         float area = point.w / layer * projection;
         float arm = length(cross(point.xyz - origin, axis));
         int area_units = int(round(area * area_scale)), moment_units = int(round(area * arm * moment_scale));
-        uint material = point_states[point_entries[slot].index] & 0xffu;
+        uint material = entry.material;
         GATHER_MATERIAL(0) GATHER_MATERIAL(1) GATHER_MATERIAL(2) GATHER_MATERIAL(3)
         GATHER_MATERIAL(4) GATHER_MATERIAL(5) GATHER_MATERIAL(6) GATHER_MATERIAL(7)
       }
