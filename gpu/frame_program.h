@@ -66,7 +66,7 @@ class FrameProgram {
   [[nodiscard]] std::vector<PassTime> PassTimes() const;
   [[nodiscard]] const Context& context() const { return *context_; }
   /// List entries that one invocation looks at: a processor wants few, long workgroups, a GPU many.
-  [[nodiscard]] uint chunk() const { return context_->info.kind == "cpu" ? 128 : 1; }
+  [[nodiscard]] uint chunk() const { return context_->info.kind == "cpu" ? 256 : 1; }
   [[nodiscard]] uint lanes() const { return context_->info.kind == "cpu" ? 8 : kGroupSize; }
 
  private:

@@ -10,7 +10,7 @@
 // entry each on a GPU.
 layout(local_size_x_id = 3) in;
 layout(constant_id = 3) const uint kLanes = 64;
-layout(constant_id = 0) const uint kChunk = 1;          // list entries that one invocation looks at, at most 128
+layout(constant_id = 0) const uint kChunk = 1;          // list entries that one invocation looks at, at most 256
 layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
 layout(constant_id = 4) const bool kSplit = false;      // large balls are split
 

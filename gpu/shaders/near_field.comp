@@ -77,7 +77,7 @@ Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, ui
   return pair;
 }
 
-// With one cutter an invocation looks at 128 pairs at most, whose sum fits 32 bits.
+// With one cutter an invocation looks at 256 pairs at most, whose sum fits 32 bits.
 #define GATHER(part, face, pair, center, radius)                             \
   {                                                                          \
     float inside = max(0.0, dot(pair.n, face) - kFaceCosine);                \
