@@ -74,6 +74,12 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
   cutting.contact_tolerance_m = section.Number("contact_tolerance_um", 0.1, 500);
   cutting.max_slide_m = section.Number("max_slide_um", 10, 5000);
   cutting.engaged_layer_m = section.Number("engaged_layer_mm", 0.05, 5);
+  if (!section.Has("split")) return;
+  Reader split = section.Section("split");
+  cutting.split.on = true;
+  cutting.split.least_radius_m = split.Number("least_radius_mm", 0.01, 10);
+  cutting.split.children = split.Whole("children", 8, 64);
+  cutting.split.pool_blocks = static_cast<std::size_t>(split.Whole("pool_balls", 1, 1'000'000));
 }
 
 void ReadFri(Reader section, FriConfig& fri, int& period_ms) {

@@ -90,7 +90,7 @@ void VulkanEngine::Impl::SetUploads(Frame& f) const {
 
 // The frame's requests, with what its cutting balls have swept.
 void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSolution& solution) {
-  std::vector<simulation::Capsule> capsules(2 * tool.cutter_count);
+  capsules.resize(2 * tool.cutter_count);
   for (std::size_t t = 0; t < tool.cutter_count; ++t) {
     const Vector3 contact_m = start_m[t] + solution.contact_fraction * (goal_m[t] - start_m[t]);
     const Vector3 target_m =

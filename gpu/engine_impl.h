@@ -103,8 +103,9 @@ struct VulkanEngine::Impl {
     uint balls{0}, points{0}, shaft{0}, spans{0};
     std::vector<Vector3> built_m;  // the tool's balls where they were made
   } lists;
-  bool was_free{true};                   // the last frame met nothing
-  std::vector<Vector3> start_m, goal_m;  // of the tool's balls, this frame
+  bool was_free{true};                        // the last frame met nothing
+  std::vector<Vector3> start_m, goal_m;       // of the tool's balls, this frame
+  std::vector<simulation::Capsule> capsules;  // that its cutting balls have swept, where balls are split
 
   std::string Open(std::unique_ptr<Context> context, const simulation::Bone& bone,
                    const VulkanParams& vulkan);

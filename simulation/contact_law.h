@@ -75,7 +75,8 @@ struct NearField {
   std::array<FaceSums, kMaxFaces> faces{};
 };
 
-/// A turn is worth this much of a way: a tool that rests turns with the hand, whatever its micrometres of slide.
+/// A turn is worth this much of a way: a tool that rests turns with the hand, whatever its micrometres of
+/// slide.
 inline constexpr double kTurnWorth_m = 5e-6;
 
 /// What a frame's contact is solved from, besides the near field.

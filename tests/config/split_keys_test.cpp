@@ -1,0 +1,64 @@
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "config/load.h"
+
+// A cell may say how balls are split; most do not.
+
+namespace osteon::config {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class SplitKeys : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::copy(fs::path(OSTEON_SOURCE_DIR) / "config", folder_, fs::copy_options::recursive);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  CellConfig LoadWith(const std::string& split) const {
+    const fs::path cell = folder_ / "cells/demo.yaml";
+    std::stringstream text;
+    text << std::ifstream(cell).rdbuf();
+    std::string edited = text.str();
+    const std::string before = "  engaged_layer_mm: 0.5";
+    const std::size_t at = edited.find(before);
+    if (at == std::string::npos) throw std::logic_error("the cell has changed");
+    edited.insert(at, split);
+    std::ofstream(cell) << edited;
+    return LoadCell(cell);
+  }
+  const fs::path folder_ =
+      fs::temp_directory_path() / ("osteon_split_keys_" + std::to_string(::getpid()) + "_" +
+                                   testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+TEST_F(SplitKeys, AreOffWhereACellDoesNotNameThem) { EXPECT_FALSE(LoadWith("").cutting.split.on); }
+
+TEST_F(SplitKeys, ReachTheEngine) {
+  const simulation::SplitParams split =
+      LoadWith("  split: {least_radius_mm: 0.3, children: 32, pool_balls: 500}\n").cutting.split;
+  EXPECT_TRUE(split.on);
+  EXPECT_DOUBLE_EQ(split.least_radius_m, 0.3e-3);
+  EXPECT_EQ(split.children, 32);
+  EXPECT_EQ(split.pool_blocks, 500u);
+}
+
+TEST_F(SplitKeys, AreRefusedOutOfRangeWithWhatIsAccepted) {
+  try {
+    static_cast<void>(LoadWith("  split: {least_radius_mm: 0.3, children: 65, pool_balls: 500}\n"));
+    ADD_FAILURE() << "accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("children: found 65, accepted 8 … 64"));
+  }
+}
+
+}  // namespace
+}  // namespace osteon::config
