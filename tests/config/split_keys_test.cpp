@@ -44,7 +44,7 @@ TEST_F(SplitKeys, AreOffWhereACellDoesNotNameThem) { EXPECT_FALSE(LoadWith("").c
 
 TEST_F(SplitKeys, ReachTheEngine) {
   const simulation::SplitParams split =
-      LoadWith("  split: {least_radius_mm: 0.3, children: 32, pool_balls: 500}\n").cutting.split;
+      LoadWith("  split: {least_radius_mm: 0.3, child_count: 32, pool_count: 500}\n").cutting.split;
   EXPECT_TRUE(split.on);
   EXPECT_DOUBLE_EQ(split.least_radius_m, 0.3e-3);
   EXPECT_EQ(split.children, 32);
@@ -53,10 +53,10 @@ TEST_F(SplitKeys, ReachTheEngine) {
 
 TEST_F(SplitKeys, AreRefusedOutOfRangeWithWhatIsAccepted) {
   try {
-    static_cast<void>(LoadWith("  split: {least_radius_mm: 0.3, children: 65, pool_balls: 500}\n"));
+    static_cast<void>(LoadWith("  split: {least_radius_mm: 0.3, child_count: 65, pool_count: 500}\n"));
     ADD_FAILURE() << "accepted";
   } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("children: found 65, accepted 8 … 64"));
+    EXPECT_THAT(error.what(), HasSubstr("child_count: found 65, accepted a whole number 8 … 64"));
   }
 }
 
