@@ -88,7 +88,8 @@ struct VulkanEngine::Impl {
   double unit_mm3{1.0};
   bool lost{false}, brute_force{false};
   FrameStats stats;
-  simulation::NearField near;  // of the last frame
+  simulation::NearField near;  // of the last frame: its faces alone
+  simulation::Candidates candidates;
 
   Frame still{};  // what does not change from frame to frame
   ClusterTree ball_tree, point_tree;

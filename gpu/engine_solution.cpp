@@ -4,18 +4,18 @@
 
 namespace osteon::gpu {
 
-// What the device has found near the tool at first contact, a share s of the way.
+// What the device has found near the tool at first contact, a share s of the way: the same as
+// simulation::FindCandidates makes, and the sums of the faces.
 void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
-  for (simulation::NearPair& pair : near.nearest) pair.present = false;
-  for (simulation::NearPair& pair : near.remembered) pair.present = false;
-  near.held_count = 0;  // what held is known already
-  for (std::size_t c = 0; c < done.candidate_count; ++c) {
+  candidates.count = done.candidate_count;
+  candidates.held_count = 0;  // what holds is known already
+  for (std::size_t c = 0; c < candidates.count; ++c) {
     const Candidate& found = done.candidates[c];
-    simulation::NearPair& pair =
-        found.source < kBins ? near.nearest[found.source] : near.remembered[found.source - kBins];
-    pair.present = true;
     const std::size_t t = found.tool_ball;
+    candidates.gap_m[c] = found.yielding_gap_mm / kMillimetres;
+    simulation::NearPair& pair = candidates.pairs[c];
     pair.pair = {.bone_ball = found.bone_ball, .tool_ball = tool.number[t]};
+    pair.present = true;
     pair.cutting = t < tool.cutter_count;
     pair.n = Vector3(found.n_x, found.n_y, found.n_z).normalized();
     pair.gap_m = found.gap_mm / kMillimetres;
@@ -49,7 +49,6 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const 
   s.contact_fraction = std::min(1.0f, std::bit_cast<float>(done.contact_bits));
 
   ReadNearField(done, s.contact_fraction);
-  const simulation::Candidates candidates = simulation::FindCandidates(near, params.contact_tolerance_m);
   simulation::ContactHold held;
   held.hold.count = static_cast<int>(done.hold_count);
   for (std::size_t k = 0; k < done.hold_count; ++k) {

@@ -53,6 +53,7 @@ struct Groups {
 struct Candidate {
   float n_x, n_y, n_z;  // unit, from bone to tool
   float gap_mm;
+  float yielding_gap_mm;  // what it holds at: see simulation::Candidates
   uint bone_ball, tool_ball;
   uint source;  // its bin, or kBins and its number among the remembered
 };
@@ -235,7 +236,7 @@ static_assert(offsetof(Frame, start) == offsetof(Frame, material) + 16 * 8 + 24 
 static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 21 * 4);
 static_assert(offsetof(Frame, delta) ==
               offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 4 * 4 + 16 * 4 + 6 * 4 + 11 * 4);
-static_assert(sizeof(Candidate) == 28);
+static_assert(sizeof(Candidate) == 32);
 static_assert(sizeof(Item) == 12 && sizeof(Live) == 16 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
 static_assert(sizeof(SplitRequest) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 12);
 }  // namespace osteon::gpu

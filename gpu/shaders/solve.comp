@@ -254,7 +254,7 @@ void Put(uint c, Found found, uint source) {
   plane_gap[c] = found.gap;
   plane_motion[c] = found.motion;
   tool_radius[c] = found.radius;
-  frame.candidates[c] = Candidate(float(found.n.x), float(found.n.y), float(found.n.z), float(found.gap), found.bone,
+  frame.candidates[c] = Candidate(float(found.n.x), float(found.n.y), float(found.n.z), float(found.gap), 0.0, found.bone,
                                   found.t, source);
 }
 
@@ -299,6 +299,7 @@ void main() {
     for (uint other = 0; other < count; ++other)
       if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) room = min(room, plane_gap[c] + plane_gap[other]);
     yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
+    frame.candidates[c].yielding_gap_mm = float(yielding_gap[c]);
   }
 
   dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
