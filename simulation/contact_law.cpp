@@ -21,7 +21,7 @@ constexpr double kOppositeCosine = -0.8;
 /// @param share  of the face that holds most;  @param narrow  length of the face's mean normal before it is
 ///   made unit: 1 for one direction, .966 for all in the face's cone
 double Exactness(double share, double narrow) {
-  return std::clamp(std::max(4.0 * (1.0 - share), (0.985 - narrow) / 0.015), 0.0, 1.0);
+  return std::clamp(std::max(4.0 * (1.0 - share), (0.983 - narrow) / 0.013), 0.0, 1.0);
 }
 
 double LensOf(const CuttingParams& params, const NearPair& pair) {

@@ -373,7 +373,7 @@ void main() {
           sum[column] += Total(frame.face_sums[(row * kFaces + uint(known_of[f])) * kFaceColumns + column], frame.face_scale);
       if (sum.x > 0.0) {
         double narrow = length(dvec3(sum.yzw)) / double(sum.x);
-        double exact = clamp(max(4.0lf * (1.0lf - largest / normal), (0.985lf - narrow) / 0.015lf), 0.0lf, 1.0lf);
+        double exact = clamp(max(4.0lf * (1.0lf - largest / normal), (0.983lf - narrow) / 0.013lf), 0.0lf, 1.0lf);
         n = normalize((1.0lf - exact) * normalize(dvec3(sum.yzw)) + exact * n);
       }
     }
