@@ -101,6 +101,19 @@ double SpindleTorque(const CuttingParams& params, const std::vector<Material>& m
   return CuttingForce(params, solution) * CuttingArm(materials, solution);
 }
 
+void BookRemoved(const CuttingParams& params, const std::vector<Material>& materials,
+                 const std::array<double, kMaxMaterials>& removed_m3, double edge_work_J,
+                 FrameMemory& memory) {
+  double work_J = 0.0;
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    memory.removed_volume_m3 += removed_m3[i];
+    memory.removed_mass_kg += removed_m3[i] * materials[i].density_kg_per_m3;
+    work_J += removed_m3[i] * materials[i].specific_cutting_energy_J_per_m3;
+  }
+  memory.cutting_work_J += work_J;
+  memory.debt_J = params.law == RemovalLaw::kRate ? memory.debt_J + work_J - edge_work_J : 0.0;
+}
+
 ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials,
                          const Pose& X_WG, const FrameInput& input, const FrameSolution& solution,
                          FrameMemory& memory) {
@@ -117,14 +130,7 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   memory.has_proxy = true;
   ++memory.frame;
 
-  // books
-  double work_J = 0.0;
-  for (std::size_t i = 0; i < materials.size(); ++i) {
-    memory.removed_volume_m3 += solution.removed_m3[i];
-    memory.removed_mass_kg += solution.removed_m3[i] * materials[i].density_kg_per_m3;
-    work_J += solution.removed_m3[i] * materials[i].specific_cutting_energy_J_per_m3;
-  }
-  memory.cutting_work_J += work_J;
+  BookRemoved(params, materials, solution.removed_m3, solution.edge_work_J, memory);
   const double area_m2 = Sum(solution.engaged_area_m2);
   double friction = 0.0;
   for (std::size_t i = 0; i < materials.size(); ++i)
@@ -132,7 +138,6 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   memory.contact.friction = area_m2 > 0.0       ? friction / area_m2
                             : materials.empty() ? 0.0
                                                 : materials[0].friction;
-  memory.debt_J = params.law == RemovalLaw::kRate ? memory.debt_J + work_J - solution.edge_work_J : 0.0;
 
   ContactModel model;
   model.X_WP = X_WG * memory.X_GP;

@@ -91,6 +91,12 @@ struct FrameMemory {
   std::uint64_t frame{0};
 };
 
+/// Books what a frame has cleared, by material: volume, mass, cutting work, and the debt that the edge's own
+/// work leaves.
+void BookRemoved(const CuttingParams& params, const std::vector<Material>& materials,
+                 const std::array<double, kMaxMaterials>& removed_m3, double edge_work_J,
+                 FrameMemory& memory);
+
 /// Books the solution in `memory` (proxy, volumes, debt) and writes the frame's ContactModel.
 [[nodiscard]] ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials,
                                        const Pose& X_WG, const FrameInput& input,

@@ -32,14 +32,7 @@ ContactModel MethodBase::Step(const FrameInput& input) {
   memory_.X_GP = frame.X_GP;
   memory_.has_proxy = true;
   ++memory_.frame;
-  double work_J = 0.0;
-  for (std::size_t i = 0; i < materials_.size(); ++i) {
-    memory_.removed_volume_m3 += frame.removed_m3[i];
-    memory_.removed_mass_kg += frame.removed_m3[i] * materials_[i].density_kg_per_m3;
-    work_J += frame.removed_m3[i] * materials_[i].specific_cutting_energy_J_per_m3;
-  }
-  memory_.cutting_work_J += work_J;
-  memory_.debt_J = params_.law == RemovalLaw::kRate ? memory_.debt_J + work_J - frame.edge_work_J : 0.0;
+  BookRemoved(params_, materials_, frame.removed_m3, frame.edge_work_J, memory_);
 
   ContactModel model;
   model.X_WP = X_WG_ * memory_.X_GP;
