@@ -16,6 +16,11 @@ void VulkanEngine::Impl::Place(const Pose& X_GT) {
     *placed++ = ToMillimetres(start_m[t], tool.balls[t].radius_m * kMillimetres);
     *placed++ = ToMillimetres(goal_m[t], 0.0);
   }
+  vec4* rest = placed + 2 * tool.group_bounds.size();
+  for (std::size_t t = 0; t < tool.balls.size(); ++t) {
+    *rest++ = Rest(start_m[t], tool.balls[t].radius_m);
+    *rest++ = Rest(goal_m[t], 0.0);
+  }
   for (const ToolLayout::Item& bound : tool.group_bounds) {
     *placed++ = ToMillimetres(memory.X_GP * bound.center_T_m, bound.radius_m * kMillimetres);
     *placed++ = ToMillimetres(X_GT * bound.center_T_m, 0.0);
@@ -35,20 +40,23 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   f.turn = Unscaled(turn);
   f.turning = turn != Vector3::Zero() ? 1 : 0;
   f.spindle_rad_per_s = static_cast<float>(input.spindle_rad_per_s);
-  f.dt_s = static_cast<float>(input.dt_s);
-  f.work_held_back_Nmm =
-      static_cast<float>(memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres);
-  double way_m = (X_GT.translation() - memory.X_GP.translation()).norm();
+  f.exact.start = Exactly(memory.X_GP.translation());
+  f.exact.goal = Exactly(X_GT.translation());
+  f.exact.spindle_rad_per_s = input.spindle_rad_per_s;
+  f.exact.dt_s = input.dt_s;
+  f.exact.work_held_back = memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres;
+  double far_m = extent_m, way_m = (X_GT.translation() - memory.X_GP.translation()).norm();
   for (std::size_t t = 0; t < start_m.size(); ++t) {
     way_m = std::max(way_m, (goal_m[t] - start_m[t]).norm());
+    far_m = std::max({far_m, start_m[t].cwiseAbs().maxCoeff(), goal_m[t].cwiseAbs().maxCoeff()});
   }
+  f.rounding_mm = static_cast<float>(kMillimetres * (kPlaceRounding * far_m + kWayRounding_per_m * way_m * way_m));
   if (lists.made && !brute_force) MeasureDrift(f);
   // slide and advance together: at most max_slide, but for the immediate law, which goes all the way
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
   f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
   f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
-  f.contact_bits = f.slide_bits = f.straight_bits =
-      std::bit_cast<uint>(static_cast<float>(simulation::kNoContact));
+  f.contact_key = f.slide_key = f.straight_key = std::bit_cast<std::uint64_t>(simulation::kNoContact);
   f.bin_keys.fill(std::numeric_limits<std::uint64_t>::max());
   const simulation::ContactMemory& contact = memory.contact;
   for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i)
@@ -191,7 +199,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   lists.shaft = done.shaft_count;
   lists.spans = done.span_count;
   if (mode == FrameMode::kListsAtProxy) return true;
-  const double s = std::min(1.0f, std::bit_cast<float>(done.contact_bits));
+  const double s = std::min(1.0, std::bit_cast<double>(done.contact_key));
   for (std::size_t t = 0; t < start_m.size(); ++t)
     lists.built_m[t] = start_m[t] + s * (goal_m[t] - start_m[t]);
   return true;

@@ -35,6 +35,10 @@ inline constexpr std::uint64_t kWarmUpTimeout_ns =
     120'000'000'000;  // software drivers compile a pass when it first runs
 inline constexpr std::uint64_t kBruteTimeout_ns =
     900'000'000'000;  // every pair in every pass: a measurement, no product
+// What floats may make of a distance: eight units in the last place of the places' own size, and, along a way
+// that is long beside the balls, of its square over the least sum of radii (1 mm assumed).
+inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding_per_m = 1e-6 / 1e-3;
+inline constexpr double kFiner = 262144.0;  // of the engaged area's units: exact.glsl
 // How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
 // are mostly far from bone, so a wide margin costs nothing.
 inline constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 3e-3;
@@ -52,6 +56,18 @@ inline vec4 Unscaled(const Vector3& v) {
 }
 inline Vector3 Direction(const vec4& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const vec4& v) { return Direction(v) / kMillimetres; }
+
+inline dvec3 Exactly(const Vector3& v) { return {v.x() * kMillimetres, v.y() * kMillimetres, v.z() * kMillimetres}; }
+inline Vector3 Direction(const dvec3& v) { return {v.x, v.y, v.z}; }
+inline Vector3 ToMetres(const dvec3& v) { return Direction(v) / kMillimetres; }
+// What ToMillimetres leaves.
+inline vec4 Rest(const Vector3& v_m, double w_m) {
+  const auto rest = [](double x_m) {
+    const double x = x_m * kMillimetres;
+    return static_cast<float>(x - static_cast<float>(x));
+  };
+  return {rest(v_m.x()), rest(v_m.y()), rest(v_m.z()), rest(w_m)};
+}
 
 inline double Total(const Sum& sum, double scale) {
   return (sum.high * 65536.0 + static_cast<double>(sum.low)) / scale;
@@ -86,6 +102,7 @@ struct VulkanEngine::Impl {
   std::optional<SplitPool> pool;  // of balls that are split
   std::size_t ball_clusters{0};   // with those of the pool
   double unit_mm3{1.0};
+  double extent_m{0.0};           // of the bone: its largest coordinate
   bool lost{false}, brute_force{false};
   FrameStats stats;
   simulation::NearField near;  // of the last frame: its faces alone

@@ -47,13 +47,16 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   for (const simulation::Ball& ball : bone.balls)
     data.push_back(ToMillimetres(ball.center_m, ball.radius_m * kMillimetres));
   ball_tree = ClusterTree(data);
+  for (const simulation::Ball& ball : bone.balls)
+    extent_m = std::max(extent_m, Vector3(ball.center_m).cwiseAbs().maxCoeff() + ball.radius_m);
   data.resize(AllBalls(), vec4{0, 0, 0, 0});
   WriteBalls(*program, data.data(), data.size());
 
-  // whole units of volume, so that the sum of all points still fits 32 bits
-  double total_mm3 = 0.0;
-  for (const simulation::MassPoint& point : bone.points) total_mm3 += point.volume_m3 * 1e9;
-  unit_mm3 = std::max(total_mm3, 1.0) / 4.0e9;
+  // whole units of volume, as fine as 32 bits tell
+  double largest_mm3 = 1e-3;
+  for (const simulation::MassPoint& point : bone.points)
+    largest_mm3 = std::max(largest_mm3, point.volume_m3 * 1e9);
+  unit_mm3 = largest_mm3 / 4.0e9;
   data.clear();
   std::vector<uint> states, units;
   states.reserve(point_count);
@@ -76,18 +79,20 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
 }
 
 void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
-  for (std::size_t i = 0; i < materials.size(); ++i)
-    still.material[i] = {
-        .x = static_cast<float>(materials[i].specific_cutting_energy_J_per_m3 * 1e-6),  // N/mm^2
-        .y = static_cast<float>(materials[i].cutting_force_ratio),
-        .z = 0.0f,
-        .w = 0.0f};
-  still.stiffness_N_per_mm = static_cast<float>(params.stiffness_N_per_m / kMillimetres);
-  still.max_force_N = static_cast<float>(params.max_force_N);
+  Exact& exact = still.exact;
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    exact.cutting_energy[i] = materials[i].specific_cutting_energy_J_per_m3 * 1e-6;  // N/mm^2
+    exact.force_ratio[i] = materials[i].cutting_force_ratio;
+  }
+  exact.stiffness = params.stiffness_N_per_m / kMillimetres;
+  exact.max_force = params.max_force_N;
+  exact.enlargement = params.normal_enlargement_m * kMillimetres;
+  exact.tolerance = params.contact_tolerance_m * kMillimetres;
+  exact.layer = params.engaged_layer_m * kMillimetres;
+  exact.max_slide = params.max_slide_m * kMillimetres;
   still.enlargement_mm = static_cast<float>(params.normal_enlargement_m * kMillimetres);
   still.tolerance_mm = static_cast<float>(params.contact_tolerance_m * kMillimetres);
   still.layer_mm = static_cast<float>(params.engaged_layer_m * kMillimetres);
-  still.max_slide_mm = static_cast<float>(params.max_slide_m * kMillimetres);
   still.cutting_margin_mm = static_cast<float>(kMillimetres * kCuttingMargin_m);
   still.shaft_margin_mm = static_cast<float>(kMillimetres * kShaftMargin_m);
   // the largest summands: a touching point as far out as the tool reaches, a whole mass point in the engaged
@@ -102,6 +107,7 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   still.face_point_scale = static_cast<float>(kLargestSummand / (kLargestFaceWeight_mm3 * reach_mm));
   still.area_scale = static_cast<float>(kLargestSummand / largest_mm2);
   still.moment_scale = static_cast<float>(kLargestSummand / (largest_mm2 * reach_mm));
+  still.tool_rest = static_cast<uint>(2 * (tool.balls.size() + tool.groups.size()));
   still.tool_count = static_cast<uint>(tool.balls.size());
   still.cutter_count = static_cast<uint>(tool.cutter_count);
   still.ball_count = static_cast<uint>(AllBalls());

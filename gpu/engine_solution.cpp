@@ -46,7 +46,7 @@ void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
 
 simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const Pose& X_GT) {
   simulation::FrameSolution s;
-  s.contact_fraction = std::min(1.0f, std::bit_cast<float>(done.contact_bits));
+  s.contact_fraction = std::min(1.0, std::bit_cast<double>(done.contact_key));
 
   ReadNearField(done, s.contact_fraction);
   simulation::ContactHold held;
@@ -56,7 +56,7 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const 
     held.hold.multiplier_m[k] = done.hold_mm[k] / kMillimetres;
   }
   held.friction_m = ToMetres(done.friction_mm);
-  held.hold.point_m = ToMetres(done.delta) - held.friction_m;
+  held.hold.point_m = ToMetres(done.exact.delta) - held.friction_m;
   held.hold.slack_m = done.friction_mm.w / kMillimetres;
   WeighHold(held);
   const Vector3 from_m = memory.X_GP.translation(), to_m = X_GT.translation();
@@ -67,21 +67,22 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const 
       .turn_G = (1.0 - s.contact_fraction) * LogRotation(X_GT.linear() * memory.X_GP.linear().transpose()),
       .friction = done.friction};
   simulation::ContactHold unturned;
-  unturned.friction_m = ToMetres(done.shift_mm) - asked.motion_G_m;
+  unturned.friction_m = ToMetres(done.exact.shift) - asked.motion_G_m;
   ReportContacts(params, near, candidates, held, unturned, asked, memory.contact, s);
-  s.cutting_m = done.delta.w / kMillimetres;
-  s.n = s.cutting_m > 0.0 ? Vector3(Direction(done.n).normalized()) : Vector3::Zero();
-  s.advance_m = done.advance_mm / kMillimetres;
-  s.edge_work_J = done.edge_work_Nmm / kMillimetres;
-  s.slide_fraction = done.slid_share;
+  s.cutting_m = done.exact.cutting / kMillimetres;
+  s.n = s.cutting_m > 0.0 ? Direction(done.exact.n) : Vector3::Zero();
+  s.advance_m = done.exact.advance / kMillimetres;
+  s.edge_work_J = done.exact.edge_work / kMillimetres;
+  s.slide_fraction = done.exact.slid_share;
   s.turn_fraction = done.turns != 0 ? s.slide_fraction : 0.0;
   s.origin_slid =
       s.origin_contact + s.slide_fraction * (done.turns != 0 ? Vector3(asked.motion_G_m + s.delta) : s.shift);
-  s.origin_end = s.origin_slid + ToMetres(done.step_mm);
+  s.origin_end = s.origin_slid + ToMetres(done.exact.step);
   for (std::size_t m = 0; m < materials.size(); ++m) {
-    s.engaged_area_m2[m] = Total(done.engaged_sums[2 * m], done.area_scale) * 1e-6;
-    s.engaged_moment_m3[m] = Total(done.engaged_sums[2 * m + 1], done.moment_scale) * 1e-9;
-    s.removed_m3[m] = done.removed[m] * unit_mm3 * 1e-9;
+    s.engaged_area_m2[m] = static_cast<double>(done.exact.engaged[2 * m]) / (kFiner * done.area_scale) * 1e-6;
+    s.engaged_moment_m3[m] =
+        static_cast<double>(done.exact.engaged[2 * m + 1]) / (kFiner * done.moment_scale) * 1e-9;
+    s.removed_m3[m] = static_cast<double>(done.exact.removed[m]) * unit_mm3 * 1e-9;
   }
   return s;
 }

@@ -25,7 +25,7 @@ constexpr std::uint32_t kMostPasses = 16;
 std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
   std::array<std::size_t, kBindings> bytes{};
   bytes[kBindFrame] = sizeof(Frame);
-  bytes[kBindTool] = 2 * (n.tool_balls + n.tool_groups) * sizeof(vec4);
+  bytes[kBindTool] = 2 * (2 * n.tool_balls + n.tool_groups) * sizeof(vec4);
   bytes[kBindToolGroups] = n.tool_groups * sizeof(ToolGroup);
   bytes[kBindItems] = (n.ball_clusters + n.point_clusters) * sizeof(Item);
   bytes[kBindGroupRefs] = n.group_refs * sizeof(uint);

@@ -18,8 +18,14 @@ constexpr std::size_t kEveryBall = std::numeric_limits<std::size_t>::max();
 std::vector<BallState> StatesOf(const std::vector<Ball>& balls) {
   std::vector<BallState> states;
   states.reserve(balls.size());
-  for (const Ball& ball : balls) states.push_back({.center_m = ball.center_m, .radius_m = ball.radius_m});
+  for (const Ball& ball : balls)
+    states.push_back(Stored({.center_m = ball.center_m, .radius_m = ball.radius_m}));
   return states;
+}
+
+std::vector<MassPoint> StoredPoints(std::vector<MassPoint> points) {
+  for (MassPoint& point : points) point.p_m = Stored({.center_m = point.p_m, .radius_m = 0.0}).center_m;
+  return points;
 }
 
 }  // namespace
@@ -29,7 +35,7 @@ ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose&
     : tool_(tool),
       lever_m_(ToolLever(tool)),
       materials_(bone.materials),
-      points_(bone.points),
+      points_(StoredPoints(bone.points)),
       X_WG_(X_WG),
       params_(params),
       balls_(StatesOf(bone.balls)),
@@ -232,6 +238,7 @@ void ReferenceEngine::AddCapsules(const ToolPoints& a, const ToolPoints& b, std:
 
 void ReferenceEngine::Remove(const std::vector<Capsule>& capsules, FrameSolution& solution) {
   removal_.Remove(capsules, balls_);
+  for (BallState& ball : balls_) ball = Stored(ball);
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Vector3 p = points_[i].p_m;
     for (const Capsule& capsule : capsules) {

@@ -69,6 +69,12 @@ BallState FromFloats(const float* four) {
 
 }  // namespace
 
+BallState Stored(const BallState& ball) {
+  float four[4];
+  PutFloats(ball.center_m, ball.radius_m, four);
+  return FromFloats(four);
+}
+
 void Shrink(BallState& ball, std::span<const Capsule> capsules) {
   for (const Capsule& capsule : capsules) {
     if (ball.radius_m <= 0.0) return;

@@ -16,6 +16,10 @@ struct BallState {
   double radius_m{0.0};
 };
 
+/// The ball as a carved state keeps it: float32 millimetres. So both engines and every saved state go on from
+/// the same bone; what each frame does with it is double precision. Idempotent.
+[[nodiscard]] BallState Stored(const BallState& ball);
+
 /// What one cutting ball sweeps on a straight piece of its way, in G.
 struct Capsule {
   Vector3 a{Vector3::Zero()}, b{Vector3::Zero()};

@@ -67,23 +67,8 @@ float FromOrderedBits(uint bits) {
   return uintBitsToFloat((bits & 0x80000000u) != 0u ? bits & 0x7fffffffu : ~bits);
 }
 
-float ContactFraction() { return min(1.0, uintBitsToFloat(frame.contact_bits)); }
-
-// The slide that is done: with the turn, or straight where bone keeps the tool from turning (twin of
-// ReferenceEngine::Frame).
-const float kTurnWorth_mm = 5e-3;  // simulation::kTurnWorth_m
-struct Slide {
-  bool turns;
-  float share;   // of the way to the target
-  float way_mm;  // of the tool point that goes farthest
-};
-Slide ChosenSlide() {
-  float met = uintBitsToFloat(frame.slide_bits), full = min(frame.slide_limit, met);
-  float straight = min(frame.straight_limit, uintBitsToFloat(frame.straight_bits));
-  float full_way = full * frame.way_mm, straight_way = straight * frame.straight_way_mm;
-  bool turns = frame.turning == 0u || met >= frame.slide_limit || full_way + kTurnWorth_mm > 0.5 * straight_way;
-  return Slide(turns, turns ? full : straight, turns ? full_way : straight_way);
-}
+#include "exact.glsl"
+float ContactFraction() { return float(ExactFraction()); }
 
 // The frame is void: the tool at first contact is too far from where the lists were made (the host runs it again and has
 // them made), or the lists are too short.
@@ -112,12 +97,6 @@ vec3 CenterInTool(uint t) {
   return vec3(dot(p, frame.axis_x.xyz), dot(p, frame.axis_y.xyz), dot(p, frame.axis_z.xyz));
 }
 vec3 OriginAtContact(float s) { return mix(frame.start.xyz, frame.goal.xyz, s); }
-
-// Where a tool ball is after the slide, from where it was at contact.
-vec3 AfterSlide(Slide slide, vec3 at_contact, vec3 goal) {
-  vec3 target = slide.turns ? goal + frame.delta.xyz : at_contact + frame.shift_mm.xyz;
-  return mix(at_contact, target, slide.share);
-}
 
 vec3 ClosestOnSegment(vec3 p, vec3 a, vec3 b) {
   vec3 m = b - a;

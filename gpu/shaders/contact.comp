@@ -5,17 +5,28 @@
 #include "common.glsl"
 #include "first_contact.glsl"
 
+// The pair, where it may be met before what was found so far: float `first`, exactly `s`.
+#define MEET(ball, t, start, m)                                                                             \
+  {                                                                                                         \
+    float earliest = EarliestContact(ball.xyz - start.xyz, m, start.w + ball.w, frame.rounding_mm);         \
+    for (uint may = ball.w > 0.0 && earliest < first ? 0 : 1; may < 1; ++may) {                             \
+      dvec4 from = ExactStart(t);                                                                           \
+      s = min(s, ExactFirstContact(dvec3(ball.xyz) - from.xyz, ExactGoal(t) - from.xyz, from.w + ball.w));  \
+      first = AtLeast(s);                                                                                     \
+    }                                                                                                       \
+  }
+
 void main() {
   uint row = gl_WorkGroupID.y;
-  float s = 2.0;
+  double s = 2.0lf;
+  float first = 2.0;
   uint end = row == 0u ? ChunkEnd(frame.live_ball_count) : 0u;
   if (kOneCutter) {
     vec4 start = Start(0);
     vec3 m = Goal(0) - start.xyz;
     for (uint slot = ChunkBegin(); slot < end; slot += kLanes) {
       vec4 ball = LiveBall(slot);
-      float own = FirstContactFraction(ball.xyz - start.xyz, m, start.w + ball.w);
-      s = min(s, ball.w > 0.0 ? own : 2.0);
+      MEET(ball, 0u, start, m)
     }
   } else {
     for (uint slot = ChunkBegin(); slot < end; slot += kLanes) {
@@ -25,7 +36,7 @@ void main() {
       for (uint k = entry.first; k < last; ++k) {
         uint t = ToolOfSpan(k);
         vec4 start = Start(t);
-        s = min(s, FirstContactFraction(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w));
+        MEET(ball, t, start, Goal(t) - start.xyz)
       }
     }
   }
@@ -37,9 +48,9 @@ void main() {
     for (uint k = pair.first; k < last; ++k) {
       uint t = ToolOfSpan(k);
       vec4 start = Start(t);
-      s = min(s, FirstContactFraction(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w));
+      MEET(ball, t, start, Goal(t) - start.xyz)
     }
   }
   s = subgroupMin(s);
-  if (subgroupElect() && s < 2.0) atomicMin(frame.contact_bits, floatBitsToUint(s));
+  if (subgroupElect() && s < 2.0lf) atomicMin(frame.contact_key, ToKey(s));
 }

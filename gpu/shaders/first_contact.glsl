@@ -1,6 +1,8 @@
-// Pass 1, one pair (equation 3, corrected; twin of simulation/cutting_math.h FirstContactFraction).
-float FirstContactFraction(vec3 D, vec3 m, float R) {
-  float Dm = dot(D, m);
+// Pass 1, one pair (equation 3, corrected; twin of simulation/cutting_math.h FirstContactFraction), in floats: never later than
+// the contact is, by what `rounding` makes of the balls' places.
+float EarliestContact(vec3 D, vec3 m, float R, float rounding) {
+  R += rounding;
+  float Dm = dot(D, m) + rounding * R;
   float gap = dot(D, D) - R * R;
   float discriminant = Dm * Dm - dot(m, m) * gap;
   float s = gap <= 0.0 ? 0.0 : gap / (Dm + sqrt(max(discriminant, 0.0)));

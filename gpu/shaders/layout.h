@@ -11,9 +11,13 @@
 namespace osteon::gpu {
 using uint = std::uint32_t;
 using std::int32_t;
+using std::int64_t;
 using uint64_t = std::uint64_t;
 struct vec4 {
   float x, y, z, w;
+};
+struct dvec3 {
+  double x, y, z;
 };
 #define OSTEON_CONST inline constexpr
 #define OSTEON_ARRAY(type, name, count) std::array<type, count> name
@@ -44,6 +48,24 @@ struct Sum {
   uint low;
 };
 
+// What of a frame hangs on less than floats tell, in double precision. Millimetres, newtons, seconds.
+struct Exact {
+  dvec3 start, goal;  // T's origin at the proxy and at the tool's pose
+  double enlargement, tolerance, layer, max_slide;
+  double stiffness, max_force, spindle_rad_per_s, dt_s, work_held_back;
+  OSTEON_ARRAY(double, cutting_energy, kMaxMaterials);  // N/mm^2
+  OSTEON_ARRAY(double, force_ratio, kMaxMaterials);
+  // found
+  dvec3 delta, shift;  // to the constrained target; straight, from first contact
+  dvec3 n;             // direction of the cutting contacts' resultant
+  double cutting;      // length of their share of delta
+  double slide_limit, straight_limit, way, straight_way;  // see Frame
+  double slid_share, advance, edge_work;
+  dvec3 step;                                      // of the proxy's advance
+  OSTEON_ARRAY(int64_t, engaged, 2 * kMaxMaterials);  // area and moment by material, in units of 2^-40 of the largest
+  OSTEON_ARRAY(uint64_t, removed, kMaxMaterials);     // cleared volume in units of the bone's
+};
+
 // Arguments of an indirect dispatch.
 struct Groups {
   uint x, y, z;
@@ -61,15 +83,15 @@ struct Candidate {
 // One frame: what the host writes, then what the passes find.
 struct Frame {
   OSTEON_ARRAY(uint64_t, bin_keys, kBins);  // found; all ones where there is no pair
+  // found: fractions of first contact, with the turn and straight of the slide's. Bits of doubles: those of one
+  // sign order like the doubles
+  uint64_t contact_key, slide_key, straight_key;
+  Exact exact;
 
   // of bone, tool and parameters: the same in every frame
-  OSTEON_ARRAY(vec4, material, kMaxMaterials);  // x specific cutting energy [N/mm^2], y cutting-force ratio
-  float stiffness_N_per_mm;
-  float max_force_N;
   float enlargement_mm;
   float tolerance_mm;
   float layer_mm;
-  float max_slide_mm;
   // units of the fixed-point sums: no summand reaches 2^23 of them
   float face_scale;         // per mm^3, of a face's weights
   float face_point_scale;   // per mm^4, of weight times a place on the tool
@@ -101,8 +123,7 @@ struct Frame {
   uint turning;
   float friction;
   float spindle_rad_per_s;
-  float dt_s;
-  float work_held_back_Nmm;  // share of the debt that this frame pays
+  float rounding_mm;  // what floats may make of a distance, in this frame
   // balls and points further than this from the tool at first contact play no part after it
   float ball_reach_mm;
   float point_reach_mm;
@@ -124,19 +145,9 @@ struct Frame {
   uint is_void;   // nothing was changed: see IsVoid
 
   // found
-  uint contact_bits;  // fraction of first contact, as bits: those of floats of one sign order like the floats
-  // the slide with the turn, and straight: fraction up to contact as bits, fraction that is allowed, whole
-  // way
-  uint slide_bits, straight_bits;
-  float slide_limit, straight_limit;
-  float way_mm, straight_way_mm;  // of the tool point that moves farthest
-  uint turns;                     // which of the two was done, and how much of it
-  float slid_share;
-  float advance_mm;
-  float edge_work_Nmm;
+  uint turns;        // which slide was done
   vec4 delta;        // to the constrained target; w: length of the cutting contacts' share
   vec4 n;            // direction of the cutting contacts' resultant
-  vec4 step_mm;      // of the proxy's advance
   vec4 friction_mm;  // its share of delta; w: the slack of the hold
   vec4 shift_mm;     // straight, from first contact to the target
   uint candidate_count;
@@ -147,10 +158,8 @@ struct Frame {
   OSTEON_ARRAY(Candidate, candidates, kCandidates);
   // row 0: balls that cut (with a single one: weight and weight n alone); row 1: those that do not
   OSTEON_ARRAY(Sum, face_sums, 2 * kFaces * kFaceColumns);
-  OSTEON_ARRAY(Sum, engaged_sums, 2 * kMaxMaterials);  // area and moment by material
-  OSTEON_ARRAY(uint, removed, kMaxMaterials);          // cleared volume in units of the bone's
   uint request_count;  // of balls that should be split; may be above the capacity
-  uint unused_pad;
+  uint tool_rest;  // of the tool's texels, the first of what floats leave
 };
 
 // A ball that was touched and is so large that it should be split.
@@ -199,7 +208,8 @@ struct ShaftPair {
 // Storage buffers, in the order of their bindings.
 OSTEON_CONST uint kBindFrame = 0;
 OSTEON_CONST uint kBindTool =
-    1;  // a tool ball's centre at the proxy (w: radius) and at the tool's pose; then the groups'
+    1;  // a tool ball's centre at the proxy (w: radius) and at the tool's pose; then the groups'; then what floats
+        // leave of the tool balls' numbers
 OSTEON_CONST uint kBindToolGroups = 2;
 OSTEON_CONST uint kBindItems = 3;  // clusters of balls, then (from ball cluster count on) of points
 OSTEON_CONST uint kBindGroupRefs = 4;
@@ -231,11 +241,8 @@ OSTEON_CONST uint kCleared = 256;
 
 #ifdef __cplusplus
 static_assert(sizeof(Frame) % 8 == 0);
-static_assert(offsetof(Frame, material) == 8 * 60);
-static_assert(offsetof(Frame, start) == offsetof(Frame, material) + 16 * 8 + 24 * 4);
-static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 21 * 4);
-static_assert(offsetof(Frame, delta) ==
-              offsetof(Frame, spindle_rad_per_s) + 10 * 4 + 4 * 4 + 16 * 4 + 6 * 4 + 11 * 4);
+static_assert(offsetof(Frame, exact) == 8 * 63);
+static_assert(sizeof(Exact) == 8 * (6 + 9 + 16 + 9 + 1 + 4 + 3 + 3 + 24));
 static_assert(sizeof(Candidate) == 32);
 static_assert(sizeof(Item) == 12 && sizeof(Live) == 16 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
 static_assert(sizeof(SplitRequest) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 12);

@@ -8,7 +8,8 @@
 const float kPi = 3.14159265358979;
 const float kLargestLens = 0.5;   // mm^3, simulation::kLargestLensVolume
 const float kFaceCosine = 0.866;  // simulation::kFaceCosine
-const float kMiddleWorth_mm = 0.05;  // simulation::kMiddleWorth_m
+const double kMiddleWorth_mm = 0.05lf;  // simulation::kMiddleWorth_m
+const float kBinEdge = 1e-5;  // so near to a bin's edge, floats do not tell the side
 
 float LensVolume(float r1, float r2, float d, float per_d) {
   float dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
@@ -21,6 +22,7 @@ float LensVolume(float r1, float r2, float d, float per_d) {
 struct Bin {
   uint number;
   float off_middle;
+  float inside;  // how far from the bin's edges, about
 };
 Bin FindBin(vec3 u, bool cutting) {
   vec3 size = abs(u);
@@ -34,7 +36,27 @@ Bin FindBin(vec3 u, bool cutting) {
   float along = edge + 2.0 / 3.0 * ((float(a) - 1.0) * v.y + (float(b) - 1.0) * v.z);
   // 1 / sqrt(1 + 4/9 of the thirds that are off the middle)
   float per_length = a == 1u && b == 1u ? 1.0 : a == 1u || b == 1u ? 0.83205029 : 0.72760688;
-  return cutting ? Bin(9u * face + 3u * a + b, 1.0 - along * per_length) : Bin(kCuttingBinCount + face, 1.0 - edge);
+  float to_third = min(abs(3.0 * abs(v.y) - edge), abs(3.0 * abs(v.z) - edge)), to_face = edge - max(abs(v.y), abs(v.z));
+  return cutting ? Bin(9u * face + 3u * a + b, 1.0 - along * per_length, min(to_third, to_face))
+                 : Bin(kCuttingBinCount + face, 1.0 - edge, to_face);
+}
+struct ExactBin {
+  uint number;
+  double off_middle;
+};
+ExactBin FindExactBin(dvec3 u, bool cutting) {
+  dvec3 size = abs(u);
+  bool x = size.x >= size.y && size.x >= size.z, y = !x && size.y >= size.z;
+  uint axis = x ? 0u : y ? 1u : 2u;
+  dvec3 v = x ? u : y ? u.yzx : u.zxy;
+  uint face = 2u * axis + (v.x < 0.0lf ? 1u : 0u);
+  double edge = abs(v.x);
+  uint a = 3.0lf * v.y < -edge ? 0u : 3.0lf * v.y > edge ? 2u : 1u;
+  uint b = 3.0lf * v.z < -edge ? 0u : 3.0lf * v.z > edge ? 2u : 1u;
+  double along = edge + 2.0lf / 3.0lf * ((double(a) - 1.0lf) * v.y + (double(b) - 1.0lf) * v.z);
+  double per_length = a == 1u && b == 1u ? 1.0lf : 1.0lf / sqrt(1.0lf + 4.0lf / 9.0lf * (double(a != 1u) + double(b != 1u)));
+  return cutting ? ExactBin(9u * face + 3u * a + b, 1.0lf - along * per_length)
+                 : ExactBin(kCuttingBinCount + face, 1.0lf - edge);
 }
 
 // Sums of one face over this invocation's pairs, in whole units as high * 2^16 + low: weight and weight·n, weight·centre
@@ -54,6 +76,8 @@ struct Near {
   vec3 axis_x, axis_y, axis_z, face_0, face_1, face_2, face_3;
   float enlargement, face_scale, face_point_scale;
   uint faces;
+  float rounding;
+  double exact_s;
 };
 
 // The pair, its key taken to its bin. `bone` is the ball's number, or that of its entry in the list where it is not known yet.
@@ -65,13 +89,21 @@ Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, ui
   pair.lens = is_near ? min(LensVolume(r_t + near.enlargement, ball.w, d, per_d), kLargestLens) : 0.0;
   vec3 u = vec3(dot(pair.n, near.axis_x), dot(pair.n, near.axis_y), dot(pair.n, near.axis_z));
   Bin bin = FindBin(u, cutting);
-  uint units = uint(clamp(gap + kMiddleWorth_mm * bin.off_middle + 1.0, 0.0, 1.999) / kGapUnit);
+  float least = clamp(gap + float(kMiddleWorth_mm) * bin.off_middle + 1.0 - near.rounding, 0.0, 1.999) / kGapUnit;
   // a loop, since software drivers execute a branch that nobody takes
-  bool may = is_near && units <= uint(frame.bin_keys[bin.number] >> (kBoneBits + kToolBits));
+  bool may = ball.w > 0.0 && gap < near.enlargement + near.rounding &&
+             (bin.inside < kBinEdge || uint(least) <= uint(frame.bin_keys[bin.number] >> (kBoneBits + kToolBits)));
   for (uint better = may ? 0 : 1; better < 1; ++better) {
     uint own = bone;
     if (is_slot) own = LiveEntry(bone).index;
-    atomicMin(frame.bin_keys[bin.number],
+    dvec4 exact_at = ExactAtContact(t, near.exact_s);
+    dvec3 exact_from = exact_at.xyz - dvec3(ball.xyz);
+    double exact_d = length(exact_from), exact_gap = exact_d - exact_at.w - double(ball.w);
+    if (exact_d <= 0.0lf || exact_gap >= frame.exact.enlargement) continue;
+    dvec3 n = exact_from / exact_d;
+    ExactBin exact_bin = FindExactBin(dvec3(dot(n, dvec3(near.axis_x)), dot(n, dvec3(near.axis_y)), dot(n, dvec3(near.axis_z))), cutting);
+    uint units = uint(clamp(exact_gap + kMiddleWorth_mm * exact_bin.off_middle + 1.0lf, 0.0lf, 1.999lf) / double(kGapUnit));
+    atomicMin(frame.bin_keys[exact_bin.number],
               (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(own) << kToolBits) | uint64_t(t));
   }
   return pair;
@@ -137,7 +169,7 @@ void main() {
     float s = ContactFraction();
     Near near = Near(frame.axis_x.xyz, frame.axis_y.xyz, frame.axis_z.xyz, frame.face_n[0].xyz, frame.face_n[1].xyz,
                      frame.face_n[2].xyz, frame.face_n[3].xyz, frame.enlargement_mm, frame.face_scale,
-                     frame.face_point_scale, frame.face_count);
+                     frame.face_point_scale, frame.face_count, frame.rounding_mm, ExactFraction());
     uint end_balls = row == 0u ? end : 0u, end_shaft = row == 1u ? end : 0u;
     Part part_0 = kNone, part_1 = kNone, part_2 = kNone, part_3 = kNone;
     {

@@ -8,7 +8,8 @@
 
 void main() {
   Item item = items[gl_WorkGroupID.x];
-  float s = 2.0;
+  double s = 2.0lf;
+  float first = 2.0;
   for (uint k = gl_LocalInvocationID.x; k < kGroupSize; k += kLanes) {
     uint i = item.cluster * kGroupSize + k;
     vec4 ball = i < frame.ball_count ? BallAt(i) : vec4(0.0);
@@ -20,14 +21,19 @@ void main() {
       vec4 bound = Start(frame.tool_count + g);
       vec3 way = Goal(frame.tool_count + g);
       vec3 away = ball.xyz - ClosestOnSegment(ball.xyz, bound.xyz, way);
-      float r = bound.w + ball.w;
+      float r = bound.w + ball.w + frame.rounding_mm;
       uint last = dot(away, away) <= r * r ? group.first + group.count : 0u;
       for (uint t = group.first; t < last; ++t) {
         vec4 start = Start(t);
-        s = min(s, FirstContactFraction(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w));
+        float earliest = EarliestContact(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w, frame.rounding_mm);
+        for (uint may = earliest < first ? 0 : 1; may < 1; ++may) {
+          dvec4 from = ExactStart(t);
+          s = min(s, ExactFirstContact(dvec3(ball.xyz) - from.xyz, ExactGoal(t) - from.xyz, from.w + ball.w));
+          first = AtLeast(s);
+        }
       }
     }
   }
   s = subgroupMin(s);
-  if (subgroupElect() && s < 2.0) atomicMin(frame.contact_bits, floatBitsToUint(s));
+  if (subgroupElect() && s < 2.0lf) atomicMin(frame.contact_key, ToKey(s));
 }

@@ -1,44 +1,54 @@
 // Pass 3, first half: how far bone gives way in this frame (twin of simulation::AdvanceOfFrame and EndOfAdvance). Every
 // invocation works it out for itself: cheaper than a pass of its own.
 struct Advance {
-  float advance_mm, edge_work_Nmm;
-  vec3 step_mm;
+  double advance_mm, edge_work_Nmm;
+  dvec3 step_mm;
 };
-Advance AdvanceOfFrame(float at_contact, Slide slide) {
-  float x = frame.delta.w, advance = 0.0, edge_work = 0.0;
-  if (x > 0.0 && frame.spindle_rad_per_s != 0.0 && frame.dt_s > 0.0) {
-    float area = 0.0, moment = 0.0, work_per_mm = 0.0;
+
+// 1 - exp(-y) for y >= 0: the series for a small part of y, doubled.
+double OneLessExp(double y) {
+  uint doublings = 0u;
+  for (; y > 0.01lf && doublings < 13u; ++doublings) y *= 0.5lf;  // beyond 40 it is 1
+  y = min(y, 0.01lf);
+  double q = y * (1.0lf - y / 2.0lf * (1.0lf - y / 3.0lf * (1.0lf - y / 4.0lf * (1.0lf - y / 5.0lf * (1.0lf - y / 6.0lf)))));
+  for (; doublings > 0u; --doublings) q *= 2.0lf - q;
+  return q;
+}
+
+Advance AdvanceOfFrame(double at_contact, Slide slide) {
+  double x = frame.exact.cutting, advance = 0.0lf, edge_work = 0.0lf;
+  if (x > 0.0lf && frame.exact.spindle_rad_per_s != 0.0lf && frame.exact.dt_s > 0.0lf) {
+    double area = 0.0lf, moment = 0.0lf, work_per_mm = 0.0lf;
     for (uint m = 0; m < frame.material_count; ++m) {
-      float own = Total(frame.engaged_sums[2 * m], frame.area_scale);
+      double own = double(frame.exact.engaged[2 * m]) / (kFiner * double(frame.area_scale));
       area += own;
-      moment += frame.material[m].y * Total(frame.engaged_sums[2 * m + 1], frame.moment_scale);
-      work_per_mm += frame.material[m].x * own;
+      moment += frame.exact.force_ratio[m] * (double(frame.exact.engaged[2 * m + 1]) / (kFiner * double(frame.moment_scale)));
+      work_per_mm += frame.exact.cutting_energy[m] * own;
     }
-    float most = max(0.0, frame.max_slide_mm - slide.way_mm);
-    float arm = area > 0.0 ? moment / area : 0.0;
-    float force = min(frame.stiffness_N_per_mm * x, frame.max_force_N);
-    float work = force * abs(frame.spindle_rad_per_s) * arm * frame.dt_s;
+    double most = max(0.0lf, frame.exact.max_slide - slide.way_mm);
+    double arm = area > 0.0lf ? moment / area : 0.0lf;
+    double force = min(frame.exact.stiffness * x, frame.exact.max_force);
+    double work = force * abs(frame.exact.spindle_rad_per_s) * arm * frame.exact.dt_s;
     if (frame.immediate != 0u) {
       advance = x;
       edge_work = work;
-    } else if (work_per_mm <= 0.0) {
+    } else if (work_per_mm <= 0.0lf) {
       advance = min(x, most);
     } else {
-      float linear = max(0.0, work - frame.work_held_back_Nmm) / work_per_mm;
-      float y = linear / x;
-      // x (1 - exp(-y)); the series where the difference would cancel
-      advance = min(x * (y < 1e-2 ? y * (1.0 - y * (0.5 - y / 6.0)) : 1.0 - exp(-y)), most);
-      edge_work = linear > 0.0 ? work * advance / linear : work;
+      double linear = max(0.0lf, work - frame.exact.work_held_back) / work_per_mm;
+      advance = min(x * OneLessExp(linear / x), most);
+      edge_work = linear > 0.0lf ? work * advance / linear : work;
     }
   }
-  vec3 origin = OriginAtContact(at_contact), slide_mm = AfterSlide(slide, origin, frame.goal.xyz) - origin;
-  vec3 step_mm = -advance * frame.n.xyz;
+  dvec3 origin = frame.exact.start + at_contact * (frame.exact.goal - frame.exact.start);
+  dvec3 slide_mm = AfterSlide(slide, origin, frame.exact.goal) - origin;
+  dvec3 step_mm = -advance * frame.exact.n;
   // balls that do not cut hold it back
   for (uint c = frame.shaft_candidate; c < frame.candidate_count; ++c) {
     Candidate shaft = frame.candidates[c];
-    vec3 n = vec3(shaft.n_x, shaft.n_y, shaft.n_z);
-    float closing = -dot(n, step_mm) - max(0.0, shaft.gap_mm + dot(n, slide_mm));
-    if (shaft.source < kBins && closing > 0.0) step_mm += closing * n;
+    dvec3 n = dvec3(shaft.n_x, shaft.n_y, shaft.n_z);
+    double closing = -dot(n, step_mm) - max(0.0lf, double(shaft.gap_mm) + dot(n, slide_mm));
+    if (shaft.source < kBins && closing > 0.0lf) step_mm += closing * n;
   }
   return Advance(advance, edge_work, step_mm);
 }

@@ -7,8 +7,8 @@
 #include "common.glsl"
 #include "rate_law.glsl"
 
-const float kLeastBallRadius = 1e-3;  // mm
-const float kOnAxis = 1e-3;           // simulation::kOnAxis
+const double kLeastBallRadius = 1e-3lf;  // mm
+const double kOnAxis = 1e-3lf;           // simulation::kOnAxis
 
 // One piece of a cutting ball's path.
 struct Capsule {
@@ -21,37 +21,57 @@ Capsule MakeCapsule(vec3 a, vec3 b, float r) {
   float mm = dot(m, m);
   return Capsule(a, m, mm > 0.0 ? 1.0 / mm : 0.0, r);
 }
-vec3 Away(Capsule c, vec3 p) {
+float Distance(Capsule c, vec3 p) {
   vec3 out_of_a = p - c.a;
-  return out_of_a - clamp(dot(out_of_a, c.m) * c.per_mm2, 0.0, 1.0) * c.m;
+  return length(out_of_a - clamp(dot(out_of_a, c.m) * c.per_mm2, 0.0, 1.0) * c.m);
 }
-bool Inside(Capsule c, vec3 p) {
-  vec3 away = Away(c, p);
-  return dot(away, away) < c.r * c.r;
+
+// The same exactly.
+struct ExactCapsule {
+  dvec3 a, m;
+  double mm, r;
+};
+ExactCapsule MakeExactCapsule(dvec3 a, dvec3 b, double r) {
+  dvec3 m = b - a;
+  return ExactCapsule(a, m, dot(m, m), r);
 }
+dvec3 Away(ExactCapsule c, dvec3 p) {
+  dvec3 out_of_a = p - c.a;
+  return out_of_a - (c.mm > 0.0lf ? clamp(dot(out_of_a, c.m) / c.mm, 0.0lf, 1.0lf) : 0.0lf) * c.m;
+}
+bool Inside(ExactCapsule c, dvec3 p) { return length(Away(c, p)) < c.r; }
 
 // The direction in which a ball gives way whose centre lies on the axis: what rounding has left would count.
-vec3 OnAxis(Capsule c, vec3 p, vec3 away, float d) {
-  vec3 u = away;
-  float along = dot(p - c.a, c.m) * c.per_mm2;
-  if (along > 0.0 && along < 1.0) u -= dot(u, c.m) * c.per_mm2 * c.m;
-  vec3 s = abs(c.m);
-  vec3 pick = s.x <= s.y && s.x <= s.z ? vec3(1, 0, 0) : s.y <= s.z ? vec3(0, 1, 0) : vec3(0, 0, 1);
-  return length(u) > kOnAxis * d ? normalize(u) : normalize(pick - dot(pick, c.m) * c.per_mm2 * c.m);
+dvec3 OnAxis(ExactCapsule c, dvec3 p, dvec3 away, double d) {
+  dvec3 u = away;
+  double along = dot(p - c.a, c.m);
+  if (along > 0.0lf && along < c.mm) u -= dot(u, c.m) / c.mm * c.m;
+  dvec3 s = abs(c.m);
+  dvec3 pick = s.x <= s.y && s.x <= s.z ? dvec3(1, 0, 0) : s.y <= s.z ? dvec3(0, 1, 0) : dvec3(0, 0, 1);
+  double length_of_u = length(u);
+  if (length_of_u > kOnAxis * d) return u / length_of_u;
+  return normalize(c.mm > 0.0lf ? pick - dot(pick, c.m) / c.mm * c.m : pick);
 }
 
-bool Swallows(Capsule c, vec4 ball) { return ball.w + c.r - length(Away(c, ball.xyz)) >= 2.0 * ball.w; }
+bool Swallows(ExactCapsule c, dvec4 ball) { return ball.w + c.r - length(Away(c, ball.xyz)) >= 2.0lf * ball.w; }
 
-vec4 Shrunk(vec4 ball, Capsule c) {
-  vec3 away = Away(c, ball.xyz);
-  float d = length(away);
-  float p = ball.w > 0.0 ? ball.w + c.r - d : 0.0;
-  vec3 u = away * (1.0 / max(d, 1e-20));
-  // a loop, since software drivers execute a branch that nobody takes
-  for (uint once = p > 0.0 && d < kOnAxis * c.r ? 0 : 1; once < 1; ++once) u = OnAxis(c, ball.xyz, away, d);
-  float half_p = 0.5 * max(p, 0.0);
-  bool gone = p > 0.0 && (p >= 2.0 * ball.w || ball.w - half_p < kLeastBallRadius);
-  return vec4(ball.xyz + half_p * u, gone ? 0.0 : ball.w - half_p);
+dvec4 Shrunk(dvec4 ball, ExactCapsule c) {
+  dvec3 away = Away(c, ball.xyz);
+  double d = length(away), p = ball.w + c.r - d;
+  if (ball.w <= 0.0lf || p <= 0.0lf) return ball;
+  if (p >= 2.0lf * ball.w || ball.w - 0.5lf * p < kLeastBallRadius) return dvec4(ball.xyz, 0.0lf);
+  dvec3 u = d < kOnAxis * c.r ? OnAxis(c, ball.xyz, away, d) : away / d;
+  return dvec4(ball.xyz + 0.5lf * p * u, ball.w - 0.5lf * p);
+}
+
+// Both pieces of tool ball t's way.
+struct Way {
+  ExactCapsule slide, give;
+};
+Way WayOf(uint t, double at_contact, Slide slid_by, dvec3 step_mm) {
+  dvec4 contact = ExactAtContact(t, at_contact);
+  dvec3 slid = AfterSlide(slid_by, contact.xyz, ExactGoal(t));
+  return Way(MakeExactCapsule(contact.xyz, slid, contact.w), MakeExactCapsule(slid, slid + step_mm, contact.w));
 }
 
 void main() {
@@ -62,41 +82,45 @@ void main() {
   bool reports = row == 1u && gl_WorkGroupID.x == 0u;
   // nothing to do: a loop, since software drivers execute a branch that nobody takes
   for (uint once = reports || ChunkBegin() < max(end_balls, end_points) ? 0 : 1; once < 1; ++once) {
-    float at_contact = ContactFraction();
+    double at_contact = ExactFraction();
     Slide slid_by = ChosenSlide();
     Advance advance = AdvanceOfFrame(at_contact, slid_by);
     if (reports && gl_LocalInvocationID.x == 0u) {
-      frame.advance_mm = advance.advance_mm;
-      frame.edge_work_Nmm = advance.edge_work_Nmm;
-      frame.step_mm = vec4(advance.step_mm, 0.0);
+      frame.exact.advance = advance.advance_mm;
+      frame.exact.edge_work = advance.edge_work_Nmm;
+      frame.exact.step = advance.step_mm;
       frame.turns = slid_by.turns ? 1u : 0u;
-      frame.slid_share = slid_by.share;
+      frame.exact.slid_share = slid_by.share;
     }
-    // the only cutter's places, where there is but one
-    vec4 only = AtContact(0, at_contact);
-    vec3 only_slid = AfterSlide(slid_by, only.xyz, Goal(0)), only_end = only_slid + advance.step_mm;
-    float travel = slid_by.way_mm + length(advance.step_mm) + 1e-4;  // of any tool ball at most
-    Capsule slide = MakeCapsule(only.xyz, only_slid, only.w), give = MakeCapsule(only_slid, only_end, only.w);
+    float rounding = frame.rounding_mm, travel = float(slid_by.way_mm + length(advance.step_mm)) + rounding;
+    // the only cutter's way, where there is but one
+    Way only = WayOf(0, at_contact, slid_by, advance.step_mm);
+    Capsule slide = MakeCapsule(vec3(only.slide.a), vec3(only.give.a), float(only.slide.r)),
+            give = MakeCapsule(vec3(only.give.a), vec3(only.give.a + only.give.m), float(only.slide.r));
 
     for (uint slot = ChunkBegin(); slot < end_balls; slot += kLanes) {
       vec4 ball = LiveBall(slot), whole = ball;
       float before = ball.w;
       if (kOneCutter) {
-        ball = Shrunk(Shrunk(ball, slide), give);
+        float near = min(Distance(slide, ball.xyz), Distance(give, ball.xyz));
+        for (uint touched = before > 0.0 && near < before + slide.r + rounding ? 0 : 1; touched < 1; ++touched)
+          ball = vec4(Shrunk(Shrunk(dvec4(ball), only.slide), only.give));
       } else {
+        dvec4 exact_ball = dvec4(ball);
         Live entry = LiveEntry(slot);
         uint last = before > 0.0 ? entry.first + entry.count : 0u;
         for (uint part = 0; part < 2; ++part)
           for (uint k = entry.first; k < last; ++k) {
             uint t = ToolOfSpan(k);
-            vec4 contact = AtContact(t, at_contact);
+            vec4 contact = AtContact(t, float(at_contact));
             vec3 away = ball.xyz - contact.xyz;
             float reach = contact.w + ball.w + travel;
             // most of the list is out of reach of this frame's way
             for (uint meets = dot(away, away) < reach * reach ? 0 : 1; meets < 1; ++meets) {
-              vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
-              ball = Shrunk(ball, MakeCapsule(part == 0 ? contact.xyz : slid,
-                                              part == 0 ? slid : slid + advance.step_mm, contact.w));
+              Way way = WayOf(t, at_contact, slid_by, advance.step_mm);
+              if (part == 0u) exact_ball = Shrunk(exact_ball, way.slide);
+              else exact_ball = Shrunk(exact_ball, way.give);
+              ball = vec4(exact_ball);
             }
           }
       }
@@ -108,15 +132,12 @@ void main() {
         for (uint once = large ? 0 : 1; once < 1; ++once) {
           bool swallowed = false;
           if (kOneCutter) {
-            swallowed = Swallows(slide, whole) || Swallows(give, whole);
+            swallowed = Swallows(only.slide, dvec4(whole)) || Swallows(only.give, dvec4(whole));
           } else {
             Live entry = LiveEntry(slot);
             for (uint k = entry.first; k < entry.first + entry.count; ++k) {
-              uint t = ToolOfSpan(k);
-              vec4 contact = AtContact(t, at_contact);
-              vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
-              swallowed = swallowed || Swallows(MakeCapsule(contact.xyz, slid, contact.w), whole) ||
-                          Swallows(MakeCapsule(slid, slid + advance.step_mm, contact.w), whole);
+              Way way = WayOf(ToolOfSpan(k), at_contact, slid_by, advance.step_mm);
+              swallowed = swallowed || Swallows(way.slide, dvec4(whole)) || Swallows(way.give, dvec4(whole));
             }
           }
           if (swallowed) break;
@@ -136,19 +157,22 @@ void main() {
       vec4 point = LivePoint(slot);
       bool inside = false;
       if (kOneCutter) {
-        inside = Inside(slide, point.xyz) || Inside(give, point.xyz);
+        float off = min(Distance(slide, point.xyz), Distance(give, point.xyz)) - slide.r;
+        inside = off < 0.0;
+        for (uint near = abs(off) < rounding ? 0 : 1; near < 1; ++near)
+          inside = Inside(only.slide, dvec3(point.xyz)) || Inside(only.give, dvec3(point.xyz));
       } else {
         Live entry = PointEntry(slot);
         uint last = point.w > 0.0 ? entry.first + entry.count : 0u;
         for (uint k = entry.first; k < last; ++k) {
           uint t = ToolOfSpan(k);
-          vec4 contact = AtContact(t, at_contact);
+          vec4 contact = AtContact(t, float(at_contact));
           vec3 away = point.xyz - contact.xyz;
           float reach = contact.w + travel;
-          if (dot(away, away) >= reach * reach) continue;
-          vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
-          inside = inside || Inside(MakeCapsule(contact.xyz, slid, contact.w), point.xyz) ||
-                   Inside(MakeCapsule(slid, slid + advance.step_mm, contact.w), point.xyz);
+          for (uint meets = dot(away, away) < reach * reach ? 0 : 1; meets < 1; ++meets) {
+            Way way = WayOf(t, at_contact, slid_by, advance.step_mm);
+            inside = inside || Inside(way.slide, dvec3(point.xyz)) || Inside(way.give, dvec3(point.xyz));
+          }
         }
       }
       for (uint once = inside && point.w > 0.0 ? 0 : 1; once < 1; ++once) {
@@ -156,7 +180,7 @@ void main() {
         uint material = point_states[i];
         live_points[slot].w = -point.w;
         point_states[i] = material | kCleared;
-        atomicAdd(frame.removed[material], point_units[i]);
+        atomicAdd(frame.exact.removed[material], uint64_t(point_units[i]));
       }
     }
   }

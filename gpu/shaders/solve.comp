@@ -240,12 +240,12 @@ Found Load(uint source, double s) {
   uint slot = there ? slots[bone] : 0u;
   there = there && slot < frame.live_ball_count && live_entries[slot].index == bone;
   vec4 ball = there ? live_balls[slot] : vec4(0.0);
-  vec4 start = Start(there ? t : 0u);
-  dvec3 goal = dvec3(Goal(there ? t : 0u)), at = mix(dvec3(start.xyz), goal, s);
+  dvec4 start = ExactStart(there ? t : 0u);
+  dvec3 goal = ExactGoal(there ? t : 0u), at = start.xyz + s * (goal - start.xyz);
   dvec3 from_bone = at - dvec3(ball.xyz);
-  double d = length(from_bone), gap = d - double(start.w) - double(ball.w);
-  there = there && ball.w > 0.0 && d > 0.0lf && gap < double(frame.enlargement_mm);
-  return Found(there, bone, t, there ? from_bone / d : dvec3(0.0lf), goal - at, gap, double(start.w));
+  double d = length(from_bone), gap = d - start.w - double(ball.w);
+  there = there && ball.w > 0.0 && d > 0.0lf && gap < frame.exact.enlargement;
+  return Found(there, bone, t, there ? from_bone / d : dvec3(0.0lf), goal - at, gap, start.w);
 }
 void Put(uint c, Found found, uint source) {
   bone_ball[c] = found.bone;
@@ -261,7 +261,7 @@ void Put(uint c, Found found, uint source) {
 void main() {
   uint lane = gl_LocalInvocationID.x;
   bool is_void = IsVoid();
-  double s = double(ContactFraction());
+  double s = ExactFraction();
   // the nearest pairs, then those of the remembered ones that are not among them, without gaps
   uint count = 0u, shaft = 0u;
   for (uint base = 0; base < kBins; base += kLanes) {
@@ -295,14 +295,15 @@ void main() {
   barrier();
   for (uint c = lane; c < count; c += kLanes) {
     // where another faces it and less than the tolerance is left between them, both yield
-    double tolerance = double(frame.tolerance_mm), room = tolerance;
+    double tolerance = frame.exact.tolerance, room = tolerance;
     for (uint other = 0; other < count; ++other)
       if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) room = min(room, plane_gap[c] + plane_gap[other]);
     yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
     frame.candidates[c].yielding_gap_mm = float(yielding_gap[c]);
   }
 
-  dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
+  dvec3 origin = frame.exact.start + s * (frame.exact.goal - frame.exact.start);
+  dvec3 motion = frame.exact.goal - origin;  // of T's origin
   Hold unturned = Hold(Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf), 0.0lf, 0.0lf, dvec3(0.0lf));
   for (uint twice = frame.turning != 0u ? 0 : 1; twice < 1; ++twice) unturned = HoldTool(count, false, motion, s);
   Hold hold = HoldTool(count, true, motion, s);
@@ -383,9 +384,13 @@ void main() {
 
   dvec3 delta = held.point + friction;
   // the way to the target of the tool point that moves farthest
-  float longest = float(length(dvec3(frame.goal.xyz) + delta - mix(dvec3(frame.start.xyz), dvec3(frame.goal.xyz), s)));
-  for (uint t = lane; t < frame.tool_count; t += kLanes)
-    longest = max(longest, distance(AtContact(t, float(s)).xyz, Goal(t) + vec3(delta)));
+  double longest = length(motion + delta);
+  if (frame.turning != 0u)
+    for (uint t = lane; t < frame.tool_count; t += kLanes) {
+      float about = distance(AtContact(t, float(s)).xyz, Goal(t) + vec3(delta));
+      for (uint may = about + frame.rounding_mm > float(longest) ? 0 : 1; may < 1; ++may)
+        longest = max(longest, length(ExactGoal(t) + delta - ExactAtContact(t, s).xyz));
+    }
   longest = subgroupMax(longest);
   if (lane == 0) frame.is_void = is_void ? 1u : 0u;
   if (lane != 0 || is_void) return;
@@ -397,16 +402,20 @@ void main() {
     frame.hold_mm[k] = float(held.m[k]);
   }
   frame.friction_mm = vec4(vec3(friction), float(held.slack));
-  frame.shift_mm = vec4(vec3(motion + unturned.held.point + unturned.friction), 0.0);
-  float straight = length(frame.shift_mm.xyz);
-  frame.straight_way_mm = straight;
-  frame.straight_limit = straight > frame.max_slide_mm ? frame.max_slide_mm / straight : 1.0;
+  frame.exact.shift = motion + unturned.held.point + unturned.friction;
+  frame.shift_mm = vec4(vec3(frame.exact.shift), 0.0);
+  double straight = length(frame.exact.shift), most = frame.exact.max_slide;
+  frame.exact.straight_way = straight;
+  frame.exact.straight_limit = straight > most ? most / straight : 1.0lf;
+  frame.exact.way = longest;
+  frame.exact.slide_limit = longest > most ? most / longest : 1.0lf;
   // what is found where no later pass has work to do
   frame.turns = 1u;
-  frame.slid_share = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
+  frame.exact.slid_share = frame.exact.slide_limit;
   double size = length(cutting);
+  frame.exact.delta = delta;
+  frame.exact.cutting = size;
+  frame.exact.n = size > 0.0lf ? cutting / size : dvec3(0.0lf);
   frame.delta = vec4(vec3(delta), float(size));
-  frame.n = size > 0.0lf ? vec4(vec3(cutting / size), 0.0) : vec4(0.0);
-  frame.way_mm = longest;
-  frame.slide_limit = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
+  frame.n = vec4(vec3(frame.exact.n), 0.0);
 }

@@ -1,0 +1,59 @@
+// What hangs on less than floats tell, in double precision: which pair is met first, which is nearest, how far the tool goes,
+// what a ball loses. A float test with room for its own rounding (frame.rounding_mm) comes first and turns nearly all pairs
+// away, so that few are looked at twice. Twins of simulation/cutting_math.h and reference_engine.cpp.
+
+// Fractions of a way as keys, and back.
+uint64_t ToKey(double s) { return packUint2x32(unpackDouble2x32(s)); }
+double FromKey(uint64_t key) { return packDouble2x32(unpackUint2x32(key)); }
+
+// A float that is not less.
+float AtLeast(double s) { return float(s) * 1.0000003; }
+
+// Tool ball t: what floats leave of its numbers makes them whole.
+dvec4 ExactStart(uint t) {
+  return dvec4(texelFetch(tool_texels, int(2u * t))) + dvec4(texelFetch(tool_texels, int(frame.tool_rest + 2u * t)));
+}
+dvec3 ExactGoal(uint t) {
+  return dvec3(texelFetch(tool_texels, int(2u * t + 1u)).xyz) +
+         dvec3(texelFetch(tool_texels, int(frame.tool_rest + 2u * t + 1u)).xyz);
+}
+double ExactFraction() { return min(1.0lf, FromKey(frame.contact_key)); }
+dvec4 ExactAtContact(uint t, double s) {
+  dvec4 start = ExactStart(t);
+  return dvec4(start.xyz + s * (ExactGoal(t) - start.xyz), start.w);
+}
+
+// Pass 1, one pair.
+double ExactFirstContact(dvec3 D, dvec3 m, double R) {
+  double Dm = dot(D, m);
+  double gap = dot(D, D) - R * R;
+  double discriminant = Dm * Dm - dot(m, m) * gap;
+  double s = gap <= 0.0lf ? 0.0lf : gap / (Dm + sqrt(max(discriminant, 0.0lf)));
+  bool misses = Dm <= 0.0lf || (discriminant < 0.0lf && gap > 0.0lf) || s > 1.0lf;
+  return misses ? 2.0lf : s;
+}
+
+// Units of the engaged sums, of area_scale and moment_scale.
+const double kFiner = 262144.0lf;
+
+// The slide that is done: with the turn, or straight where bone keeps the tool from turning (twin of
+// ReferenceEngine::Frame).
+const double kTurnWorth_mm = 5e-3lf;  // simulation::kTurnWorth_m
+struct Slide {
+  bool turns;
+  double share;   // of the way to the target
+  double way_mm;  // of the tool point that goes farthest
+};
+Slide ChosenSlide() {
+  double met = FromKey(frame.slide_key), full = min(frame.exact.slide_limit, met);
+  double straight = min(frame.exact.straight_limit, FromKey(frame.straight_key));
+  double full_way = full * frame.exact.way, straight_way = straight * frame.exact.straight_way;
+  bool turns =
+      frame.turning == 0u || met >= frame.exact.slide_limit || full_way + kTurnWorth_mm > 0.5lf * straight_way;
+  return Slide(turns, turns ? full : straight, turns ? full_way : straight_way);
+}
+// Where a tool ball is after the slide, from where it was at contact.
+dvec3 AfterSlide(Slide slide, dvec3 at_contact, dvec3 goal) {
+  dvec3 target = slide.turns ? goal + frame.exact.delta : at_contact + frame.exact.shift;
+  return at_contact + slide.share * (target - at_contact);
+}
