@@ -42,6 +42,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   f.spindle_rad_per_s = static_cast<float>(input.spindle_rad_per_s);
   f.exact.start = Exactly(memory.X_GP.translation());
   f.exact.goal = Exactly(X_GT.translation());
+  f.exact.axis = {X_GT(0, 2), X_GT(1, 2), X_GT(2, 2)};
   f.exact.spindle_rad_per_s = input.spindle_rad_per_s;
   f.exact.dt_s = input.dt_s;
   f.exact.work_held_back = memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres;
@@ -60,7 +61,10 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   f.bin_keys.fill(std::numeric_limits<std::uint64_t>::max());
   const simulation::ContactMemory& contact = memory.contact;
   for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i)
+{
     f.face_n[i] = Unscaled(contact.face_n_G[i]);
+    f.exact.face_n[i] = {contact.face_n_G[i].x, contact.face_n_G[i].y, contact.face_n_G[i].z};
+  }
   f.face_count = static_cast<uint>(contact.face_count);
   f.remembered_count = static_cast<uint>(contact.pair_count);
   f.held_count = static_cast<uint>(contact.held_count);

@@ -64,7 +64,7 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   for (const simulation::MassPoint& point : bone.points) {
     data.push_back(PointFloats(point));
     states.push_back(point.material);
-    units.push_back(static_cast<uint>(std::llround(point.volume_m3 * 1e9 / unit_mm3)));
+    units.push_back(static_cast<uint>(std::llround(data.back().w / unit_mm3)));
   }
   program->Write(kBindPoints, data.data(), data.size() * sizeof(vec4));
   program->Write(kBindPointStates, states.data(), states.size() * sizeof(uint));

@@ -33,8 +33,11 @@ void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
     const double weight = done.face_scale, place = done.face_point_scale;
     simulation::FaceSums& face = near.faces[f];
     const double cutters = sum(0, 0, weight);
-    face.weight = cutters + sum(1, 0, weight);
-    face.n = vector(0, 1, weight) + vector(1, 1, weight);
+    const auto fine = [&](std::size_t column) {
+      return static_cast<double>(done.exact.face_sums[4 * f + column]) / (kFiner * done.face_scale);
+    };
+    face.weight = fine(0);
+    face.n = Vector3(fine(1), fine(2), fine(3));
     face.center_T = vector(0, 4, place) / kMillimetres + vector(1, 4, place) / kMillimetres;
     face.radius = (sum(0, 7, place) + sum(1, 7, place)) / kMillimetres;
     if (tool.cutter_count == 1) {  // the same for all
@@ -53,7 +56,8 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const 
   held.hold.count = static_cast<int>(done.hold_count);
   for (std::size_t k = 0; k < done.hold_count; ++k) {
     held.hold.plane[k] = done.hold_candidate[k];  // the same list as FindCandidates makes
-    held.hold.multiplier_m[k] = done.hold_mm[k] / kMillimetres;
+    held.hold.multiplier_m[k] = done.exact.hold[k] / kMillimetres;
+    candidates.pairs[done.hold_candidate[k]].n = Direction(done.exact.hold_n[k]);
   }
   held.friction_m = ToMetres(done.friction_mm);
   held.hold.point_m = ToMetres(done.exact.delta) - held.friction_m;

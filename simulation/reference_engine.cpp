@@ -24,7 +24,10 @@ std::vector<BallState> StatesOf(const std::vector<Ball>& balls) {
 }
 
 std::vector<MassPoint> StoredPoints(std::vector<MassPoint> points) {
-  for (MassPoint& point : points) point.p_m = Stored({.center_m = point.p_m, .radius_m = 0.0}).center_m;
+  for (MassPoint& point : points) {
+    point.p_m = Stored({.center_m = point.p_m, .radius_m = 0.0}).center_m;
+    point.volume_m3 = 1e-9 * static_cast<float>(point.volume_m3 * 1e9);
+  }
   return points;
 }
 
@@ -142,6 +145,7 @@ ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolP
 NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints& goal,
                                          const Matrix3& R_GT) const {
   NearField near;
+  const Matrix3 bin_axes = R_GT.cast<float>().cast<double>();  // as a device has them
   const ContactMemory& memory = memory_.contact;
   const auto pair_of = [&](std::size_t b, std::size_t t) {
     const Vector3 from_bone = at[t] - balls_[b].center_m;
@@ -161,7 +165,7 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
     for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
       NearPair pair = pair_of(b, t);
       if (!pair.present || pair.gap_m >= params_.normal_enlargement_m) continue;
-      const ContactBin bin = FindBin(R_GT.transpose() * pair.n, pair.cutting);
+      const ContactBin bin = FindBin(bin_axes.transpose() * pair.n, pair.cutting);
       pair.score_m = pair.gap_m + kMiddleWorth_m * bin.off_middle;
       NearPair& nearest = near.nearest[static_cast<std::size_t>(bin.number)];
       if (Nearer(pair, nearest)) nearest = pair;

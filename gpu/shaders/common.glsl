@@ -58,6 +58,16 @@ float Total(Sum sum, float scale) {
     }                                                   \
   }
 
+// Adds a whole number of each invocation of the subgroup, 2^62 at most together. Called by all of them.
+#define ADD_FINE(sum, whole)                                                     \
+  {                                                                              \
+    int low_part = subgroupAdd(int((whole) & 0xffffffL));                        \
+    int middle_part = subgroupAdd(int(((whole) >> 24) & 0xffffffL));             \
+    int high_part = subgroupAdd(int((whole) >> 48));                             \
+    int64_t all = int64_t(low_part) + (int64_t(middle_part) << 24) + (int64_t(high_part) << 48); \
+    if (subgroupElect() && all != 0L) atomicAdd(sum, all);                       \
+  }
+
 // Bits that order like the float, negative ones too, and back.
 uint OrderedBits(float v) {
   uint bits = floatBitsToUint(v);

@@ -51,6 +51,5 @@ void main() {
       MEET(ball, t, start, Goal(t) - start.xyz)
     }
   }
-  s = subgroupMin(s);
-  if (subgroupElect() && s < 2.0lf) atomicMin(frame.contact_key, ToKey(s));
+  if (s < 2.0lf) atomicMin(frame.contact_key, ToKey(s));
 }

@@ -51,19 +51,25 @@ struct Sum {
 // What of a frame hangs on less than floats tell, in double precision. Millimetres, newtons, seconds.
 struct Exact {
   dvec3 start, goal;  // T's origin at the proxy and at the tool's pose
+  dvec3 axis;         // the spindle's
   double enlargement, tolerance, layer, max_slide;
   double stiffness, max_force, spindle_rad_per_s, dt_s, work_held_back;
   OSTEON_ARRAY(double, cutting_energy, kMaxMaterials);  // N/mm^2
   OSTEON_ARRAY(double, force_ratio, kMaxMaterials);
+  OSTEON_ARRAY(dvec3, face_n, kFaces);  // directions in which faces pressed, the frame before; zero: none
   // found
   dvec3 delta, shift;  // to the constrained target; straight, from first contact
   dvec3 n;             // direction of the cutting contacts' resultant
   double cutting;      // length of their share of delta
   double slide_limit, straight_limit, way, straight_way;  // see Frame
   double slid_share, advance, edge_work;
+  OSTEON_ARRAY(dvec3, hold_n, 4);  // of what holds the tool
+  OSTEON_ARRAY(double, hold, 4);   // and how much
   dvec3 step;                                      // of the proxy's advance
   OSTEON_ARRAY(int64_t, engaged, 2 * kMaxMaterials);  // area and moment by material, in units of 2^-40 of the largest
   OSTEON_ARRAY(uint64_t, removed, kMaxMaterials);     // cleared volume in units of the bone's
+  // weights and weights times normals by face, in units of 1 / (face_scale kFiner)
+  OSTEON_ARRAY(int64_t, face_sums, 4 * kFaces);
 };
 
 // Arguments of an indirect dispatch.
@@ -154,7 +160,6 @@ struct Frame {
   uint shaft_candidate;  // from here on of balls that do not cut, then the remembered ones
   uint hold_count;       // candidates that hold the tool, and how much
   OSTEON_ARRAY(uint, hold_candidate, 4);
-  OSTEON_ARRAY(float, hold_mm, 4);
   OSTEON_ARRAY(Candidate, candidates, kCandidates);
   // row 0: balls that cut (with a single one: weight and weight n alone); row 1: those that do not
   OSTEON_ARRAY(Sum, face_sums, 2 * kFaces * kFaceColumns);
@@ -242,7 +247,7 @@ OSTEON_CONST uint kCleared = 256;
 #ifdef __cplusplus
 static_assert(sizeof(Frame) % 8 == 0);
 static_assert(offsetof(Frame, exact) == 8 * 63);
-static_assert(sizeof(Exact) == 8 * (6 + 9 + 16 + 9 + 1 + 4 + 3 + 3 + 24));
+static_assert(sizeof(Exact) == 8 * (9 + 9 + 16 + 12 + 9 + 1 + 4 + 3 + 16 + 3 + 24 + 16));
 static_assert(sizeof(Candidate) == 32);
 static_assert(sizeof(Item) == 12 && sizeof(Live) == 16 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
 static_assert(sizeof(SplitRequest) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 12);

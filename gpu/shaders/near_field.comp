@@ -9,6 +9,7 @@ const float kPi = 3.14159265358979;
 const float kLargestLens = 0.5;   // mm^3, simulation::kLargestLensVolume
 const float kFaceCosine = 0.866;  // simulation::kFaceCosine
 const double kMiddleWorth_mm = 0.05lf;  // simulation::kMiddleWorth_m
+const double kExactFaceCosine = 0.866lf, kExactLargestLens = 0.5lf, kExactPi = 3.14159265358979323846lf;
 const float kBinEdge = 1e-5;  // so near to a bin's edge, floats do not tell the side
 
 float LensVolume(float r1, float r2, float d, float per_d) {
@@ -16,6 +17,13 @@ float LensVolume(float r1, float r2, float d, float per_d) {
   float lens = kPi / 12.0 * over * over * (d * d + 2.0 * d * (r1 + r2) - 3.0 * dr * dr) * per_d;
   float v = d <= abs(dr) ? 4.0 / 3.0 * kPi * least * least * least : lens;
   return over <= 0.0 ? 0.0 : v;
+}
+
+double ExactLensVolume(double r1, double r2, double d) {
+  double dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
+  if (over <= 0.0lf) return 0.0lf;
+  if (d <= abs(dr)) return 4.0lf / 3.0lf * kExactPi * least * least * least;
+  return kExactPi * over * over * (d * d + 2.0lf * d * (r1 + r2) - 3.0lf * dr * dr) / (12.0lf * d);
 }
 
 // Twin of simulation::FindBin; u in T.
@@ -62,13 +70,16 @@ ExactBin FindExactBin(dvec3 u, bool cutting) {
 // Sums of one face over this invocation's pairs, in whole units as high * 2^16 + low: weight and weight·n, weight·centre
 // and weight·radius.
 struct Part {
-  ivec4 n_high, n_low, c_high, c_low;
+  i64vec4 n;
+  ivec4 c_high, c_low;
 };
-const Part kNone = Part(ivec4(0), ivec4(0), ivec4(0), ivec4(0));
+const Part kNone = Part(i64vec4(0L), ivec4(0), ivec4(0));
 
 struct Pair {
   vec3 n;
   float lens;  // 0: too far
+  dvec3 exact_n;
+  double exact_lens;
 };
 
 // What all pairs of an invocation share.
@@ -84,9 +95,16 @@ struct Near {
 Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, uint t, bool cutting) {
   vec3 from_bone = at - ball.xyz;
   float d = length(from_bone), per_d = 1.0 / max(d, 1e-20), gap = d - r_t - ball.w;
-  Pair pair = Pair(from_bone * per_d, 0.0);
+  Pair pair = Pair(from_bone * per_d, 0.0, dvec3(0.0lf), 0.0lf);
   bool is_near = ball.w > 0.0 && d > 0.0 && gap < near.enlargement;
   pair.lens = is_near ? min(LensVolume(r_t + near.enlargement, ball.w, d, per_d), kLargestLens) : 0.0;
+  for (uint fine = ball.w > 0.0 && gap < near.enlargement + near.rounding ? 0 : 1; fine < 1; ++fine) {
+    dvec4 exact_at = ExactAtContact(t, near.exact_s);
+    dvec3 exact_from = exact_at.xyz - dvec3(ball.xyz);
+    double exact_d = length(exact_from);
+    pair.exact_n = exact_from / exact_d;
+    pair.exact_lens = min(ExactLensVolume(exact_at.w + frame.exact.enlargement, double(ball.w), exact_d), kExactLargestLens);
+  }
   vec3 u = vec3(dot(pair.n, near.axis_x), dot(pair.n, near.axis_y), dot(pair.n, near.axis_z));
   Bin bin = FindBin(u, cutting);
   float least = clamp(gap + float(kMiddleWorth_mm) * bin.off_middle + 1.0 - near.rounding, 0.0, 1.999) / kGapUnit;
@@ -110,27 +128,23 @@ Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, ui
 }
 
 // With one cutter an invocation looks at 256 pairs at most, whose sum fits 32 bits.
-#define GATHER(part, face, pair, center, radius)                             \
+#define GATHER(part, number, face, pair, center, radius)                     \
   {                                                                          \
-    float inside = max(0.0, dot(pair.n, face) - kFaceCosine);                \
-    float w = pair.lens * inside * inside;                                   \
-    ivec4 own = ivec4(round(vec4(w, w * pair.n) * near.face_scale));         \
-    if (kOneCutter && !shaft) {                                              \
-      part.n_low += own;                                                     \
-    } else {                                                                 \
-      part.n_high += own >> 16;                                              \
-      part.n_low += own & 0xffff;                                            \
-      own = ivec4(round(w * vec4(center, radius) * near.face_point_scale));  \
+    double inside = max(0.0lf, dot(pair.exact_n, frame.exact.face_n[number]) - kExactFaceCosine); \
+    double w = pair.exact_lens * inside * inside;                            \
+    part.n += i64vec4(round(dvec4(w, w * pair.exact_n) * (kFiner * double(near.face_scale)))); \
+    if (!kOneCutter || shaft) {                                              \
+      ivec4 own = ivec4(round(float(w) * vec4(center, radius) * near.face_point_scale));  \
       part.c_high += own >> 16;                                              \
       part.c_low += own & 0xffff;                                            \
     }                                                                        \
   }
 #define GATHER_ALL(pair, center, radius)                                                              \
-  GATHER(part_0, near.face_0, pair, center, radius)                                                   \
+  GATHER(part_0, 0, near.face_0, pair, center, radius)                                                   \
   for (uint more = near.faces > 1u ? 0 : 1; more < 1; ++more) {                                       \
-    GATHER(part_1, near.face_1, pair, center, radius)                                                 \
-    GATHER(part_2, near.face_2, pair, center, radius)                                                 \
-    GATHER(part_3, near.face_3, pair, center, radius)                                                 \
+    GATHER(part_1, 1, near.face_1, pair, center, radius)                                                 \
+    GATHER(part_2, 2, near.face_2, pair, center, radius)                                                 \
+    GATHER(part_3, 3, near.face_3, pair, center, radius)                                                 \
   }
 
 #define ADD_COLUMN(place, high_part, low_part)                    \
@@ -144,20 +158,20 @@ Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, ui
   }
 #define FLUSH(part, number)                                                              \
   {                                                                                      \
-    int any = subgroupOr(part.n_high.x | part.n_low.x);                                  \
-    for (uint some = any == 0 ? 1 : 0; some < 1; ++some) {                               \
-      uint place = ((shaft ? kFaces : 0u) + number) * kFaceColumns;                      \
-      ADD_COLUMN(place, part.n_high.x, part.n_low.x)                                     \
-      ADD_COLUMN(place + 1, part.n_high.y, part.n_low.y)                                 \
-      ADD_COLUMN(place + 2, part.n_high.z, part.n_low.z)                                 \
-      ADD_COLUMN(place + 3, part.n_high.w, part.n_low.w)                                 \
-      if (!kOneCutter || shaft) {                                                        \
-        ADD_COLUMN(place + 4, part.c_high.x, part.c_low.x)                               \
-        ADD_COLUMN(place + 5, part.c_high.y, part.c_low.y)                               \
-        ADD_COLUMN(place + 6, part.c_high.z, part.c_low.z)                               \
-        ADD_COLUMN(place + 7, part.c_high.w, part.c_low.w)                               \
-      }                                                                                  \
-    }                                                                                    \
+    uint place = ((shaft ? kFaces : 0u) + number) * kFaceColumns;                        \
+    ADD_FINE(frame.exact.face_sums[4 * number], part.n.x)  \
+    ADD_FINE(frame.exact.face_sums[4 * number + 1], part.n.y)  \
+    ADD_FINE(frame.exact.face_sums[4 * number + 2], part.n.z)  \
+    ADD_FINE(frame.exact.face_sums[4 * number + 3], part.n.w)  \
+    if (!kOneCutter || shaft) {                                                        \
+      ADD_COLUMN(place, int(part.n.x >> 34), int(part.n.x >> 18) & 0xffff)             \
+      ADD_COLUMN(place + 4, part.c_high.x, part.c_low.x)                               \
+      ADD_COLUMN(place + 5, part.c_high.y, part.c_low.y)                               \
+      ADD_COLUMN(place + 6, part.c_high.z, part.c_low.z)                               \
+      ADD_COLUMN(place + 7, part.c_high.w, part.c_low.w)                               \
+    } else { \
+      ADD_COLUMN(place, int(part.n.x >> 34), int(part.n.x >> 18) & 0xffff)             \
+    } \
   }
 #define FLUSH_ALL FLUSH(part_0, 0) FLUSH(part_1, 1) FLUSH(part_2, 2) FLUSH(part_3, 3)
 

@@ -34,6 +34,5 @@ void main() {
       }
     }
   }
-  s = subgroupMin(s);
-  if (subgroupElect() && s < 2.0lf) atomicMin(frame.contact_key, ToKey(s));
+  if (s < 2.0lf) atomicMin(frame.contact_key, ToKey(s));
 }

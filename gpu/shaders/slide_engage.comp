@@ -18,16 +18,6 @@
     ADD_FINE(frame.exact.engaged[2 * number], area_##number)       \
     ADD_FINE(frame.exact.engaged[2 * number + 1], moment_##number) \
   }
-// Adds a whole number of each invocation of the subgroup, 2^62 at most together. Called by all of them.
-#define ADD_FINE(sum, whole)                                                     \
-  {                                                                              \
-    int low_part = subgroupAdd(int((whole) & 0xffffffL));                        \
-    int middle_part = subgroupAdd(int(((whole) >> 24) & 0xffffffL));             \
-    int high_part = subgroupAdd(int((whole) >> 48));                             \
-    int64_t all = int64_t(low_part) + (int64_t(middle_part) << 24) + (int64_t(high_part) << 48); \
-    if (subgroupElect() && all != 0L) atomicAdd(sum, all);                       \
-  }
-
 // The pair, where it may be met before what was found so far: with the turn, and straight.
 #define MEET(ball, t, at, m)                                                                              \
   {                                                                                                       \
@@ -103,7 +93,7 @@ void main() {
     int64_t moment_0 = 0L, moment_1 = 0L, moment_2 = 0L, moment_3 = 0L, moment_4 = 0L, moment_5 = 0L, moment_6 = 0L,
             moment_7 = 0L;
     dvec4 exact_only = ExactAtContact(0, exact_s);
-    dvec3 n = frame.exact.n, axis = dvec3(frame.axis_z.xyz);
+    dvec3 n = frame.exact.n, axis = frame.exact.axis;
     dvec3 origin = frame.exact.start + exact_s * (frame.exact.goal - frame.exact.start);
     double area_scale = kFiner * double(frame.area_scale), moment_scale = kFiner * double(frame.moment_scale);
     for (uint slot = ChunkBegin(); slot < end_points; slot += kLanes) {

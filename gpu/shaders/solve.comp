@@ -340,7 +340,7 @@ void main() {
     int known = -1;
     double nearest = kFaceCosine;
     for (uint f = 0; f < kFaces; ++f) {
-      double cosine = dot(n, dvec3(frame.face_n[f].xyz));
+      double cosine = dot(n, frame.exact.face_n[f]);
       if (cosine <= nearest) continue;
       nearest = cosine;
       known = int(f);
@@ -368,14 +368,13 @@ void main() {
     if (size <= 0.0lf) continue;
     dvec3 n = hold_of[f] / size;
     if (known_of[f] >= 0) {
-      vec4 sum = vec4(0.0);
-      for (uint row = 0; row < 2; ++row)
-        for (uint column = 0; column < 4; ++column)
-          sum[column] += Total(frame.face_sums[(row * kFaces + uint(known_of[f])) * kFaceColumns + column], frame.face_scale);
-      if (sum.x > 0.0) {
-        double narrow = length(dvec3(sum.yzw)) / double(sum.x);
+      double weight = double(frame.exact.face_sums[4 * known_of[f]]);
+      dvec3 sum = dvec3(double(frame.exact.face_sums[4 * known_of[f] + 1]), double(frame.exact.face_sums[4 * known_of[f] + 2]),
+                        double(frame.exact.face_sums[4 * known_of[f] + 3]));
+      if (weight > 0.0lf) {
+        double narrow = length(sum) / weight;
         double exact = clamp(max(4.0lf * (1.0lf - largest / normal), (0.983lf - narrow) / 0.013lf), 0.0lf, 1.0lf);
-        n = normalize((1.0lf - exact) * normalize(dvec3(sum.yzw)) + exact * n);
+        n = normalize((1.0lf - exact) * normalize(sum) + exact * n);
       }
     }
     double share = multiplier_of[f] / normal;
@@ -399,7 +398,8 @@ void main() {
   frame.hold_count = held.size;
   for (uint k = 0; k < 4; ++k) {
     frame.hold_candidate[k] = held.plane[k];
-    frame.hold_mm[k] = float(held.m[k]);
+    frame.exact.hold[k] = held.m[k];
+    frame.exact.hold_n[k] = plane_n[held.plane[k]];
   }
   frame.friction_mm = vec4(vec3(friction), float(held.slack));
   frame.exact.shift = motion + unturned.held.point + unturned.friction;
