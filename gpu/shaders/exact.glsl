@@ -14,8 +14,8 @@ dvec4 ExactStart(uint t) {
   return dvec4(texelFetch(tool_texels, int(2u * t))) + dvec4(texelFetch(tool_texels, int(frame.tool_rest + 2u * t)));
 }
 dvec3 ExactGoal(uint t) {
-  return dvec3(texelFetch(tool_texels, int(2u * t + 1u)).xyz) +
-         dvec3(texelFetch(tool_texels, int(frame.tool_rest + 2u * t + 1u)).xyz);
+  return (dvec4(texelFetch(tool_texels, int(2u * t + 1u))) +
+          dvec4(texelFetch(tool_texels, int(frame.tool_rest + 2u * t + 1u)))).xyz;
 }
 double ExactFraction() { return min(1.0lf, FromKey(frame.contact_key)); }
 dvec4 ExactAtContact(uint t, double s) {
