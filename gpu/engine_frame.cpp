@@ -8,6 +8,7 @@ namespace osteon::gpu {
 // The tool's balls and their groups at the proxy and at the tool's pose, for the device and for Prepare.
 void VulkanEngine::Impl::Place(const Pose& X_GT) {
   vec4* placed = program->host<vec4>(kBindTool);
+  const vec4* whole = placed;
   start_m.resize(tool.balls.size());
   goal_m.resize(tool.balls.size());
   for (std::size_t t = 0; t < tool.balls.size(); ++t) {
@@ -18,8 +19,8 @@ void VulkanEngine::Impl::Place(const Pose& X_GT) {
   }
   vec4* rest = placed + 2 * tool.group_bounds.size();
   for (std::size_t t = 0; t < tool.balls.size(); ++t) {
-    *rest++ = Rest(start_m[t], tool.balls[t].radius_m);
-    *rest++ = Rest(goal_m[t], 0.0);
+    *rest++ = Rest(start_m[t], tool.balls[t].radius_m, whole[2 * t]);
+    *rest++ = Rest(goal_m[t], 0.0, whole[2 * t + 1]);
   }
   for (const ToolLayout::Item& bound : tool.group_bounds) {
     *placed++ = ToMillimetres(memory.X_GP * bound.center_T_m, bound.radius_m * kMillimetres);

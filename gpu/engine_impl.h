@@ -61,12 +61,12 @@ inline dvec3 Exactly(const Vector3& v) { return {v.x() * kMillimetres, v.y() * k
 inline Vector3 Direction(const dvec3& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const dvec3& v) { return Direction(v) / kMillimetres; }
 // What ToMillimetres leaves.
-inline vec4 Rest(const Vector3& v_m, double w_m) {
-  const auto rest = [](double x_m) {
-    const double x = x_m * kMillimetres;
-    return static_cast<float>(x - static_cast<float>(x));
-  };
-  return {rest(v_m.x()), rest(v_m.y()), rest(v_m.z()), rest(w_m)};
+inline vec4 Rest(const Vector3& v_m, double w_m, const vec4& rounded) {
+  const dvec3 v = Exactly(v_m);
+  return {static_cast<float>(v.x - static_cast<double>(rounded.x)),
+          static_cast<float>(v.y - static_cast<double>(rounded.y)),
+          static_cast<float>(v.z - static_cast<double>(rounded.z)),
+          static_cast<float>(w_m * kMillimetres - static_cast<double>(rounded.w))};
 }
 
 inline double Total(const Sum& sum, double scale) {
