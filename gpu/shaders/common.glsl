@@ -94,9 +94,16 @@ bool IsVoid() {
   return (frame.lists_at_contact == 0u && far) || frame.too_many != 0u;
 }
 
-// This invocation's share of a list: for (uint slot = ChunkBegin(); slot < ChunkEnd(count); slot += kLanes)
+// This invocation's share of a list: for (uint slot = ChunkBegin(); slot < ChunkEnd(count); slot += ChunkStep())
+#ifdef ONE_DISPATCH
+uint ChunkBegin() { return gl_GlobalInvocationID.x; }
+uint ChunkEnd(uint count) { return count; }
+uint ChunkStep() { return gl_NumWorkGroups.x * kLanes; }
+#else
 uint ChunkBegin() { return gl_WorkGroupID.x * kChunk * kLanes + gl_LocalInvocationID.x; }
 uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * kChunk * kLanes); }
+uint ChunkStep() { return kLanes; }
+#endif
 
 // Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
 vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }

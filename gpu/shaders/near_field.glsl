@@ -1,0 +1,178 @@
+// Pass 2, first half (twin of ReferenceEngine::FindNearField): the nearest pair in each bin of direction, as the least of
+// whole-number keys, and lens-weighted sums (equation 4, corrected) around the normals of the faces that pressed the frame
+// before. Row 0: live balls and the balls that cut; row 1: pairs with those that do not.
+
+const float kPi = 3.14159265358979;
+const float kLargestLens = 0.5;   // mm^3, simulation::kLargestLensVolume
+const float kFaceCosine = 0.866;  // simulation::kFaceCosine
+const float kMiddleWorth_mm = 0.05;  // simulation::kMiddleWorth_m
+
+float LensVolume(float r1, float r2, float d, float per_d) {
+  float dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
+  float lens = kPi / 12.0 * over * over * (d * d + 2.0 * d * (r1 + r2) - 3.0 * dr * dr) * per_d;
+  float v = d <= abs(dr) ? 4.0 / 3.0 * kPi * least * least * least : lens;
+  return over <= 0.0 ? 0.0 : v;
+}
+
+// Twin of simulation::FindBin; u in T.
+struct Bin {
+  uint number;
+  float off_middle;
+};
+Bin FindBin(vec3 u, bool cutting) {
+  vec3 size = abs(u);
+  bool x = size.x >= size.y && size.x >= size.z, y = !x && size.y >= size.z;
+  uint axis = x ? 0u : y ? 1u : 2u;
+  vec3 v = x ? u : y ? u.yzx : u.zxy;  // the axis first, then the next ones around
+  uint face = 2u * axis + (v.x < 0.0 ? 1u : 0u);
+  float edge = abs(v.x);
+  uint a = 3.0 * v.y < -edge ? 0u : 3.0 * v.y > edge ? 2u : 1u;
+  uint b = 3.0 * v.z < -edge ? 0u : 3.0 * v.z > edge ? 2u : 1u;
+  float along = edge + 2.0 / 3.0 * ((float(a) - 1.0) * v.y + (float(b) - 1.0) * v.z);
+  // 1 / sqrt(1 + 4/9 of the thirds that are off the middle)
+  float per_length = a == 1u && b == 1u ? 1.0 : a == 1u || b == 1u ? 0.83205029 : 0.72760688;
+  return cutting ? Bin(9u * face + 3u * a + b, 1.0 - along * per_length) : Bin(kCuttingBinCount + face, 1.0 - edge);
+}
+
+// Sums of one face over this invocation's pairs, in whole units as high * 2^16 + low: weight and weight·n, weight·centre
+// and weight·radius.
+struct Part {
+  ivec4 n_high, n_low, c_high, c_low;
+};
+const Part kNone = Part(ivec4(0), ivec4(0), ivec4(0), ivec4(0));
+
+struct Pair {
+  vec3 n;
+  float lens;  // 0: too far
+};
+
+// What all pairs of an invocation share.
+struct Near {
+  vec3 axis_x, axis_y, axis_z, face_0, face_1, face_2, face_3;
+  float enlargement, face_scale, face_point_scale;
+  uint faces;
+};
+
+// The pair, its key taken to its bin. `bone` is the ball's number, or that of its entry in the list where it is not known yet.
+Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, uint t, bool cutting) {
+  vec3 from_bone = at - ball.xyz;
+  float d = length(from_bone), per_d = 1.0 / max(d, 1e-20), gap = d - r_t - ball.w;
+  Pair pair = Pair(from_bone * per_d, 0.0);
+  bool is_near = ball.w > 0.0 && d > 0.0 && gap < near.enlargement;
+  pair.lens = is_near ? min(LensVolume(r_t + near.enlargement, ball.w, d, per_d), kLargestLens) : 0.0;
+  vec3 u = vec3(dot(pair.n, near.axis_x), dot(pair.n, near.axis_y), dot(pair.n, near.axis_z));
+  Bin bin = FindBin(u, cutting);
+  uint units = uint(clamp(gap + kMiddleWorth_mm * bin.off_middle + 1.0, 0.0, 1.999) / kGapUnit);
+  // a loop, since software drivers execute a branch that nobody takes
+  bool may = is_near && units <= uint(frame.bin_keys[bin.number] >> (kBoneBits + kToolBits));
+  for (uint better = may ? 0 : 1; better < 1; ++better) {
+    uint own = bone;
+    if (is_slot) own = LiveEntry(bone).index;
+    atomicMin(frame.bin_keys[bin.number],
+              (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(own) << kToolBits) | uint64_t(t));
+  }
+  return pair;
+}
+
+// With one cutter an invocation looks at 256 pairs at most, whose sum fits 32 bits.
+#define GATHER(part, face, pair, center, radius)                             \
+  {                                                                          \
+    float inside = max(0.0, dot(pair.n, face) - kFaceCosine);                \
+    float w = pair.lens * inside * inside;                                   \
+    ivec4 own = ivec4(round(vec4(w, w * pair.n) * near.face_scale));         \
+    if (kOneCutter && !shaft) {                                              \
+      part.n_low += own;                                                     \
+    } else {                                                                 \
+      part.n_high += own >> 16;                                              \
+      part.n_low += own & 0xffff;                                            \
+      own = ivec4(round(w * vec4(center, radius) * near.face_point_scale));  \
+      part.c_high += own >> 16;                                              \
+      part.c_low += own & 0xffff;                                            \
+    }                                                                        \
+  }
+#define GATHER_ALL(pair, center, radius)                                                              \
+  GATHER(part_0, near.face_0, pair, center, radius)                                                   \
+  for (uint more = near.faces > 1u ? 0 : 1; more < 1; ++more) {                                       \
+    GATHER(part_1, near.face_1, pair, center, radius)                                                 \
+    GATHER(part_2, near.face_2, pair, center, radius)                                                 \
+    GATHER(part_3, near.face_3, pair, center, radius)                                                 \
+  }
+
+#define ADD_COLUMN(place, high_part, low_part)                    \
+  {                                                               \
+    int high_sum = subgroupAdd(high_part + (low_part >> 16));     \
+    int low_sum = subgroupAdd(low_part & 0xffff);                 \
+    if (subgroupElect() && (high_sum | low_sum) != 0) {           \
+      atomicAdd(frame.face_sums[place].high, high_sum);           \
+      atomicAdd(frame.face_sums[place].low, uint(low_sum));       \
+    }                                                             \
+  }
+#define FLUSH(part, number)                                                              \
+  {                                                                                      \
+    int any = subgroupOr(part.n_high.x | part.n_low.x);                                  \
+    for (uint some = any == 0 ? 1 : 0; some < 1; ++some) {                               \
+      uint place = ((shaft ? kFaces : 0u) + number) * kFaceColumns;                      \
+      ADD_COLUMN(place, part.n_high.x, part.n_low.x)                                     \
+      ADD_COLUMN(place + 1, part.n_high.y, part.n_low.y)                                 \
+      ADD_COLUMN(place + 2, part.n_high.z, part.n_low.z)                                 \
+      ADD_COLUMN(place + 3, part.n_high.w, part.n_low.w)                                 \
+      if (!kOneCutter || shaft) {                                                        \
+        ADD_COLUMN(place + 4, part.c_high.x, part.c_low.x)                               \
+        ADD_COLUMN(place + 5, part.c_high.y, part.c_low.y)                               \
+        ADD_COLUMN(place + 6, part.c_high.z, part.c_low.z)                               \
+        ADD_COLUMN(place + 7, part.c_high.w, part.c_low.w)                               \
+      }                                                                                  \
+    }                                                                                    \
+  }
+#define FLUSH_ALL FLUSH(part_0, 0) FLUSH(part_1, 1) FLUSH(part_2, 2) FLUSH(part_3, 3)
+
+void FindNearField(uint row) {
+  uint end = row == 0u ? ChunkEnd(frame.live_ball_count) : ChunkEnd(frame.shaft_count);
+  // nothing to do: a loop, since software drivers execute a branch that nobody takes
+  for (uint once = ChunkBegin() < end && !IsVoid() ? 0 : 1; once < 1; ++once) {
+    float s = ContactFraction();
+    Near near = Near(frame.axis_x.xyz, frame.axis_y.xyz, frame.axis_z.xyz, frame.face_n[0].xyz, frame.face_n[1].xyz,
+                     frame.face_n[2].xyz, frame.face_n[3].xyz, frame.enlargement_mm, frame.face_scale,
+                     frame.face_point_scale, frame.face_count);
+    uint end_balls = row == 0u ? end : 0u, end_shaft = row == 1u ? end : 0u;
+    Part part_0 = kNone, part_1 = kNone, part_2 = kNone, part_3 = kNone;
+    {
+      const bool shaft = false;
+      vec4 only = AtContact(0, s);
+      for (uint slot = ChunkBegin(); slot < end_balls; slot += ChunkStep()) {
+        vec4 ball = LiveBall(slot);
+        if (kOneCutter) {
+          Pair pair = Touch(near, ball, slot, true, only.xyz, only.w, 0u, true);
+          GATHER_ALL(pair, vec3(0.0), 0.0)
+        } else {
+          Live entry = LiveEntry(slot);
+          uint last = entry.first + entry.count;
+          for (uint k = entry.first; k < last; ++k) {
+            uint t = ToolOfSpan(k);
+            vec4 at = AtContact(t, s);
+            Pair pair = Touch(near, ball, entry.index, false, at.xyz, at.w, t, true);
+            GATHER_ALL(pair, CenterInTool(t), at.w)
+          }
+        }
+      }
+      FLUSH_ALL
+    }
+    part_0 = part_1 = part_2 = part_3 = kNone;
+    {
+      const bool shaft = true;
+      for (uint slot = ChunkBegin(); slot < end_shaft; slot += ChunkStep()) {
+        ShaftPair mine = shaft_pairs[slot];
+        vec4 ball = LiveBall(mine.slot);
+        uint bone = LiveEntry(mine.slot).index;
+        uint last = mine.first + mine.count;
+        for (uint k = mine.first; k < last; ++k) {
+          uint t = ToolOfSpan(k);
+          vec4 at = AtContact(t, s);
+          Pair pair = Touch(near, ball, bone, false, at.xyz, at.w, t, false);
+          GATHER_ALL(pair, CenterInTool(t), at.w)
+        }
+      }
+      FLUSH_ALL
+    }
+  }
+}

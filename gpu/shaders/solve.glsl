@@ -1,0 +1,409 @@
+// Pass 2, second half, one subgroup (twin of simulation/contact_law.cpp and hold_point.cpp): the pairs that may hold the tool,
+// the point in which their planes hold it, friction, and the resultant of the faces that cut. In double precision: a few
+// dozen planes, whose active set hangs on small differences.
+
+const uint kNoPlane = kCandidates;
+const double kOppositeCosine = -0.8lf;
+const double kHoldSlack = 1e-6lf;
+const double kViolated_mm = 1e-5lf, kLeastPivot = 1e-13lf;
+const double kHoldFaceCosine = 0.866lf;
+const uint kMostRounds = 200;
+
+shared dvec3 plane_n[kCandidates + 1];
+shared double plane_offset[kCandidates + 1];
+shared double plane_gap[kCandidates], yielding_gap[kCandidates];
+shared dvec3 plane_motion[kCandidates];
+shared double tool_radius[kCandidates];
+shared uint bone_ball[kCandidates], tool_ball[kCandidates];
+shared uint start_plane[4];  // that held the frame before
+
+// ---- where planes hold a point
+
+// Up to four planes that hold a point, kNoPlane for none.
+struct Held {
+  uvec4 plane;
+  dvec4 m;
+  uint size;
+  dvec3 point;
+  double slack;
+};
+
+shared Held winner;
+
+double Violation(Held held, uint i, dvec3 shift) {
+  return plane_offset[i] - dot(plane_n[i], shift + held.point) - held.slack;
+}
+
+// Multipliers of the nearest point on all planes of a set, by elimination of the Gram matrix; those that are none have a row
+// of the unit matrix. False where the planes are parallel or one would pull.
+bool SolveSet(uvec4 p, dvec3 shift, out Held set) {
+  bvec4 is = notEqual(p, uvec4(kNoPlane));
+  dvec3 a = plane_n[p.x], b = plane_n[p.y], c = plane_n[p.z], d = plane_n[p.w];
+  dvec4 real = dvec4(is.x ? 1.0lf : 0.0lf, is.y ? 1.0lf : 0.0lf, is.z ? 1.0lf : 0.0lf, is.w ? 1.0lf : 0.0lf);
+  dvec4 slack = kHoldSlack * real, pad = 1.0lf - real;
+  dvec4 row_0 = dvec4(dot(a, a) + slack.x + pad.x, dot(a, b) + slack.x * real.y, dot(a, c) + slack.x * real.z,
+                      dot(a, d) + slack.x * real.w);
+  dvec4 row_1 = dvec4(row_0.y, dot(b, b) + slack.y + pad.y, dot(b, c) + slack.y * real.z, dot(b, d) + slack.y * real.w);
+  dvec4 row_2 = dvec4(row_0.z, row_1.z, dot(c, c) + slack.z + pad.z, dot(c, d) + slack.z * real.w);
+  dvec4 row_3 = dvec4(row_0.w, row_1.w, row_2.w, dot(d, d) + slack.w + pad.w);
+  dvec4 v = dvec4(plane_offset[p.x] - dot(a, shift), plane_offset[p.y] - dot(b, shift),
+                  plane_offset[p.z] - dot(c, shift), plane_offset[p.w] - dot(d, shift)) * real;
+  // one division a pivot: they are what takes long
+  dvec4 per;
+  bool good = row_0.x > kLeastPivot;
+  per.x = 1.0lf / row_0.x;
+  double f = row_1.x * per.x;
+  row_1 -= f * row_0;
+  v.y -= f * v.x;
+  f = row_2.x * per.x;
+  row_2 -= f * row_0;
+  v.z -= f * v.x;
+  f = row_3.x * per.x;
+  row_3 -= f * row_0;
+  v.w -= f * v.x;
+  good = good && row_1.y > kLeastPivot;
+  per.y = 1.0lf / row_1.y;
+  f = row_2.y * per.y;
+  row_2 -= f * row_1;
+  v.z -= f * v.y;
+  f = row_3.y * per.y;
+  row_3 -= f * row_1;
+  v.w -= f * v.y;
+  good = good && row_2.z > kLeastPivot;
+  per.z = 1.0lf / row_2.z;
+  f = row_3.z * per.z;
+  row_3 -= f * row_2;
+  v.w -= f * v.z;
+  good = good && row_3.w > kLeastPivot;
+  per.w = 1.0lf / row_3.w;
+  set.m.w = v.w * per.w;
+  set.m.z = (v.z - row_2.w * set.m.w) * per.z;
+  set.m.y = (v.y - row_1.z * set.m.z - row_1.w * set.m.w) * per.y;
+  set.m.x = (v.x - row_0.y * set.m.y - row_0.z * set.m.z - row_0.w * set.m.w) * per.x;
+  set.plane = p;
+  set.size = uint(is.x) + uint(is.y) + uint(is.z) + uint(is.w);
+  set.point = set.m.x * a + set.m.y * b + set.m.z * c + set.m.w * d;
+  set.slack = kHoldSlack * dot(set.m, real);
+  return good && (!is.x || set.m.x > 0.0lf) && (!is.y || set.m.y > 0.0lf) && (!is.z || set.m.z > 0.0lf) &&
+         (!is.w || set.m.w > 0.0lf);
+}
+
+// The planes of `held` that the mask names, and the one that enters.
+uvec4 Chosen(Held held, uint mask, uint entering) {
+  uvec4 p = uvec4((mask & 1u) != 0u ? held.plane.x : kNoPlane, (mask & 2u) != 0u ? held.plane.y : kNoPlane,
+                  (mask & 4u) != 0u ? held.plane.z : kNoPlane, entering);
+  if ((mask & 8u) != 0u) {
+    if (p.x == kNoPlane) p.x = held.plane.w;
+    else if (p.y == kNoPlane) p.y = held.plane.w;
+    else if (p.z == kNoPlane) p.z = held.plane.w;
+  }
+  return p;
+}
+
+// Planes in the order x, y, z, w without gaps, so that masks and the host's order agree.
+Held Packed(Held set) {
+  for (uint pass = 0; pass < 3; ++pass) {
+    if (set.plane.x == kNoPlane) {
+      set.plane.xy = set.plane.yx;
+      set.m.xy = set.m.yx;
+    }
+    if (set.plane.y == kNoPlane) {
+      set.plane.yz = set.plane.zy;
+      set.m.yz = set.m.zy;
+    }
+    if (set.plane.z == kNoPlane) {
+      set.plane.zw = set.plane.wz;
+      set.m.zw = set.m.wz;
+    }
+  }
+  return set;
+}
+
+// Twin of simulation::FindHoldPoint over `count` planes, about `shift` instead of the tool's pose; the same on every lane.
+Held FindHold(uint count, dvec3 shift, bool start) {
+  uint lane = gl_LocalInvocationID.x;
+  Held held = Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf);
+  for (uint once = start ? 0 : 1; once < 1; ++once) {
+    Held likely;
+    uvec4 planes = uvec4(start_plane[0], start_plane[1], start_plane[2], start_plane[3]);
+    if (SolveSet(planes, shift, likely) && likely.size > 0u) held = Packed(likely);
+  }
+  for (uint round = 0; round < kMostRounds; ++round) {
+    // the most violated plane, of equal ones the first
+    float worst = 0.0;
+    uint entering = kNoPlane;
+    for (uint i = lane; i < count; i += kLanes) {
+      double violation = Violation(held, i, shift);
+      if (violation <= kViolated_mm || float(violation) <= worst) continue;
+      worst = float(violation);
+      entering = i;
+    }
+    float most = subgroupMax(worst);
+    entering = subgroupMin(worst == most ? entering : kNoPlane);
+    if (entering == kNoPlane) break;
+    // of the sets of it and those that hold, the one whose point keeps the others
+    float least = 1e30;
+    uint chosen = 16u;
+    Held own = held;
+    for (uint mask = lane; mask < (1u << held.size); mask += kLanes) {
+      Held set;
+      bool good = bitCount(mask) < 4 && SolveSet(Chosen(held, mask, entering), shift, set);
+      double violation = 0.0lf;
+      if (good) {
+        if (held.size > 0u) violation = max(violation, Violation(set, held.plane.x, shift));
+        if (held.size > 1u) violation = max(violation, Violation(set, held.plane.y, shift));
+        if (held.size > 2u) violation = max(violation, Violation(set, held.plane.z, shift));
+        if (held.size > 3u) violation = max(violation, Violation(set, held.plane.w, shift));
+      }
+      if (!good || float(violation) >= least) continue;
+      least = float(violation);
+      chosen = mask;
+      own = set;
+    }
+    float best = subgroupMin(least);
+    uint first = subgroupMin(least == best ? chosen : 16u);
+    if (first == 16u) break;
+    bool again = any(equal(held.plane, uvec4(entering)));
+    if (chosen == first) winner = own;
+    barrier();
+    held = Packed(winner);
+    barrier();
+    if (again) break;
+  }
+  return held;
+}
+
+// Where planes hold the tool, what friction takes back, and how much of the multipliers is worth a force (twin of
+// simulation::HoldTool).
+struct Hold {
+  Held held;
+  double normal, most;
+  dvec3 friction;
+};
+Hold HoldTool(uint count, bool turning, dvec3 origin_motion, double s) {
+  barrier();
+  for (uint c = gl_LocalInvocationID.x; c < count; c += kLanes) {
+    dvec3 motion = turning ? plane_motion[c] : origin_motion;
+    plane_offset[c] = -(yielding_gap[c] + dot(plane_n[c], motion));
+  }
+  barrier();
+  Hold hold;
+  hold.held = FindHold(count, dvec3(0.0lf), true);
+  hold.normal = hold.held.m.x + hold.held.m.y + hold.held.m.z + hold.held.m.w;
+  hold.most = min(hold.normal, 2.0lf * (length(hold.held.point) + hold.held.slack));
+  hold.friction = dvec3(0.0lf);
+  for (uint once = hold.normal > 0.0lf && frame.friction > 0.0 ? 0 : 1; once < 1; ++once) {
+    dvec3 turn = turning ? (1.0lf - s) * dvec3(frame.turn.xyz) : dvec3(0.0lf), slip = dvec3(0.0lf);
+    for (uint k = 0; k < hold.held.size; ++k) {
+      uint i = hold.held.plane[k];
+      dvec3 motion = turning ? plane_motion[i] : origin_motion;
+      slip += hold.held.m[k] * (motion + hold.held.point - tool_radius[i] * cross(turn, plane_n[i]));
+    }
+    slip /= hold.normal;
+    dvec3 n = normalize(hold.held.point);
+    slip -= dot(n, slip) * n;
+    double size = length(slip);
+    if (size <= 0.0lf) break;
+    hold.friction = -min(1.0lf, double(frame.friction) * hold.most / size) * slip;
+    // the way back may lead into another plane, by micrometres: out again
+    hold.friction += FindHold(count, hold.held.point + hold.friction, false).point;
+  }
+  return hold;
+}
+
+// ---- candidates
+
+// Takes candidate `source` to place `c` of the list if it is one: live, and near the tool at first contact.
+struct Found {
+  bool there;
+  uint bone, t;
+  dvec3 n, motion;
+  double gap, radius;
+};
+Found Load(uint source, double s) {
+  uint bone = 0u, t = 0u;
+  bool there = false;
+  if (source < kBins) {
+    uint64_t key = frame.bin_keys[source];
+    there = key != 0xfffffffffffffffful;
+    bone = uint(key >> kToolBits) & ((1u << kBoneBits) - 1u);
+    t = uint(key) & ((1u << kToolBits) - 1u);
+  } else if (source < kCandidates && source - kBins < frame.remembered_count) {
+    there = true;
+    bone = frame.remembered_bone[source - kBins];
+    t = frame.remembered_tool[source - kBins];
+  }
+  there = there && bone < frame.ball_count && t < frame.tool_count;
+  uint slot = there ? slots[bone] : 0u;
+  there = there && slot < frame.live_ball_count && live_entries[slot].index == bone;
+  vec4 ball = there ? live_balls[slot] : vec4(0.0);
+  vec4 start = Start(there ? t : 0u);
+  dvec3 goal = dvec3(Goal(there ? t : 0u)), at = mix(dvec3(start.xyz), goal, s);
+  dvec3 from_bone = at - dvec3(ball.xyz);
+  double d = length(from_bone), gap = d - double(start.w) - double(ball.w);
+  there = there && ball.w > 0.0 && d > 0.0lf && gap < double(frame.enlargement_mm);
+  return Found(there, bone, t, there ? from_bone / d : dvec3(0.0lf), goal - at, gap, double(start.w));
+}
+void Put(uint c, Found found, uint source) {
+  bone_ball[c] = found.bone;
+  tool_ball[c] = found.t;
+  plane_n[c] = found.n;
+  plane_gap[c] = found.gap;
+  plane_motion[c] = found.motion;
+  tool_radius[c] = found.radius;
+  frame.candidates[c] = Candidate(float(found.n.x), float(found.n.y), float(found.n.z), float(found.gap), 0.0, found.bone,
+                                  found.t, source);
+}
+
+void Solve() {
+  uint lane = gl_LocalInvocationID.x;
+  bool is_void = IsVoid();
+  double s = double(ContactFraction());
+  // the nearest pairs, then those of the remembered ones that are not among them, without gaps
+  uint count = 0u, shaft = 0u;
+  for (uint base = 0; base < kBins; base += kLanes) {
+    uint source = base + lane;
+    Found found = Load(source < kBins ? source : kCandidates, s);
+    uint there = found.there ? 1u : 0u;
+    if (found.there) Put(count + subgroupExclusiveAdd(there), found, source);
+    else subgroupExclusiveAdd(there);
+    shaft += subgroupAdd(source < kCuttingBinCount ? there : 0u);
+    count += subgroupAdd(there);
+  }
+  if (lane == 0) {
+    plane_n[kNoPlane] = dvec3(0.0lf);
+    plane_offset[kNoPlane] = 0.0lf;
+  }
+  if (lane < 4u) start_plane[lane] = kNoPlane;
+  barrier();
+  uint nearest = count;
+  for (uint base = 0; base < kRemembered; base += kLanes) {
+    uint k = base + lane;
+    Found found = Load(k < kRemembered ? kBins + k : kCandidates, s);
+    uint known = nearest;
+    for (uint other = 0; other < nearest; ++other)
+      if (found.there && bone_ball[other] == found.bone && tool_ball[other] == found.t) known = other;
+    uint fresh = found.there && known == nearest ? 1u : 0u;
+    uint place = count + subgroupExclusiveAdd(fresh);
+    if (fresh != 0u) Put(place, found, kBins + k);
+    if (found.there && k < frame.held_count) start_plane[k] = fresh != 0u ? place : known;
+    count += subgroupAdd(fresh);
+  }
+  barrier();
+  for (uint c = lane; c < count; c += kLanes) {
+    // where another faces it and less than the tolerance is left between them, both yield
+    double tolerance = double(frame.tolerance_mm), room = tolerance;
+    for (uint other = 0; other < count; ++other)
+      if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) room = min(room, plane_gap[c] + plane_gap[other]);
+    yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
+    frame.candidates[c].yielding_gap_mm = float(yielding_gap[c]);
+  }
+
+  dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
+  Hold unturned = Hold(Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf), 0.0lf, 0.0lf, dvec3(0.0lf));
+  for (uint twice = frame.turning != 0u ? 0 : 1; twice < 1; ++twice) unturned = HoldTool(count, false, motion, s);
+  Hold hold = HoldTool(count, true, motion, s);
+  if (frame.turning == 0u) unturned = hold;
+  Held held = hold.held;
+  dvec3 friction = hold.friction;
+  double normal = hold.normal;
+  double free_share = normal > 0.0lf ? hold.most / normal : 1.0lf;
+
+  // the faces' resultant, along the mean normal of the balls around each: strongest first, so that a new face forms around
+  // what holds most
+  uvec4 plane = held.plane;
+  dvec4 m = held.m;
+  for (uint pass = 0; pass < 3; ++pass) {
+    if (held.size > 1u && m.y > m.x) {
+      m.xy = m.yx;
+      plane.xy = plane.yx;
+    }
+    if (held.size > 2u && m.z > m.y) {
+      m.yz = m.zy;
+      plane.yz = plane.zy;
+    }
+    if (held.size > 3u && m.w > m.z) {
+      m.zw = m.wz;
+      plane.zw = plane.wz;
+    }
+  }
+  dvec3 hold_of[kFaces];
+  double cutting_of[kFaces], multiplier_of[kFaces];
+  int known_of[kFaces];
+  uint faces = 0u;
+  for (uint k = 0; k < held.size; ++k) {
+    dvec3 n = plane_n[plane[k]];
+    int known = -1;
+    double nearest = kHoldFaceCosine;
+    for (uint f = 0; f < kFaces; ++f) {
+      double cosine = dot(n, dvec3(frame.face_n[f].xyz));
+      if (cosine <= nearest) continue;
+      nearest = cosine;
+      known = int(f);
+    }
+    uint at = faces;
+    for (uint f = 0; f < faces; ++f)
+      if (known >= 0 ? known_of[f] == known
+                     : known_of[f] < 0 && dot(n, hold_of[f]) > kHoldFaceCosine * length(hold_of[f]))
+        at = f;
+    if (at == faces) {
+      known_of[at] = known;
+      hold_of[at] = dvec3(0.0lf);
+      cutting_of[at] = multiplier_of[at] = 0.0lf;
+      ++faces;
+    }
+    hold_of[at] += m[k] * n;
+    multiplier_of[at] += m[k];
+    if (tool_ball[plane[k]] < frame.cutter_count) cutting_of[at] += m[k];
+  }
+  double largest = 0.0lf;
+  for (uint f = 0; f < faces; ++f) largest = max(largest, multiplier_of[f]);
+  dvec3 cutting = dvec3(0.0lf);
+  for (uint f = 0; f < faces; ++f) {
+    double size = length(hold_of[f]);
+    if (size <= 0.0lf) continue;
+    dvec3 n = hold_of[f] / size;
+    if (known_of[f] >= 0) {
+      vec4 sum = vec4(0.0);
+      for (uint row = 0; row < 2; ++row)
+        for (uint column = 0; column < 4; ++column)
+          sum[column] += Total(frame.face_sums[(row * kFaces + uint(known_of[f])) * kFaceColumns + column], frame.face_scale);
+      if (sum.x > 0.0) {
+        double narrow = length(dvec3(sum.yzw)) / double(sum.x);
+        double exact = clamp(max(4.0lf * (1.0lf - largest / normal), (0.983lf - narrow) / 0.013lf), 0.0lf, 1.0lf);
+        n = normalize((1.0lf - exact) * normalize(dvec3(sum.yzw)) + exact * n);
+      }
+    }
+    double share = multiplier_of[f] / normal;
+    cutting += cutting_of[f] / multiplier_of[f] * (free_share * size * n + (1.0lf - free_share) * share * held.point);
+  }
+
+  dvec3 delta = held.point + friction;
+  // the way to the target of the tool point that moves farthest
+  float longest = float(length(dvec3(frame.goal.xyz) + delta - mix(dvec3(frame.start.xyz), dvec3(frame.goal.xyz), s)));
+  for (uint t = lane; t < frame.tool_count; t += kLanes)
+    longest = max(longest, distance(AtContact(t, float(s)).xyz, Goal(t) + vec3(delta)));
+  longest = subgroupMax(longest);
+  if (lane == 0) frame.is_void = is_void ? 1u : 0u;
+  if (lane != 0 || is_void) return;
+  frame.candidate_count = count;
+  frame.shaft_candidate = shaft;
+  frame.hold_count = held.size;
+  for (uint k = 0; k < 4; ++k) {
+    frame.hold_candidate[k] = held.plane[k];
+    frame.hold_mm[k] = float(held.m[k]);
+  }
+  frame.friction_mm = vec4(vec3(friction), float(held.slack));
+  frame.shift_mm = vec4(vec3(motion + unturned.held.point + unturned.friction), 0.0);
+  float straight = length(frame.shift_mm.xyz);
+  frame.straight_way_mm = straight;
+  frame.straight_limit = straight > frame.max_slide_mm ? frame.max_slide_mm / straight : 1.0;
+  // what is found where no later pass has work to do
+  frame.turns = 1u;
+  frame.slid_share = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
+  double size = length(cutting);
+  frame.delta = vec4(vec3(delta), float(size));
+  frame.n = size > 0.0lf ? vec4(vec3(cutting / size), 0.0) : vec4(0.0);
+  frame.way_mm = longest;
+  frame.slide_limit = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
+}
