@@ -2,6 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_vote : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #include "layout.h"
@@ -14,7 +15,14 @@ layout(constant_id = 0) const uint kChunk = 1;          // list entries that one
 layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
 layout(constant_id = 4) const bool kSplit = false;      // large balls are split
 
-layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
+#ifdef ONE_DISPATCH
+#define SHARED_BY_GROUPS coherent
+#else
+#define SHARED_BY_GROUPS
+#endif
+layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS buffer FrameBuffer { Frame frame; };
+layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
+layout(scalar, binding = kBindReport) buffer ReportBuffer { uvec4 report_words[]; };
 layout(scalar, binding = kBindToolGroups) readonly buffer ToolGroupBuffer { ToolGroup tool_groups[]; };
 layout(scalar, binding = kBindItems) readonly buffer ItemBuffer { Item items[]; };
 layout(scalar, binding = kBindGroupRefs) readonly buffer GroupRefBuffer { uint group_refs[]; };

@@ -1,3 +1,5 @@
+#ifndef OSTEON_FIRST_CONTACT
+#define OSTEON_FIRST_CONTACT
 // Pass 1, one pair (equation 3, corrected; twin of simulation/cutting_math.h FirstContactFraction).
 float FirstContactFraction(vec3 D, vec3 m, float R) {
   float Dm = dot(D, m);
@@ -7,3 +9,4 @@ float FirstContactFraction(vec3 D, vec3 m, float R) {
   bool misses = Dm <= 0.0 || (discriminant < 0.0 && gap > 0.0) || s > 1.0;
   return misses ? 2.0 : s;
 }
+#endif

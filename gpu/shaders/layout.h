@@ -37,6 +37,9 @@ OSTEON_CONST uint kFaceColumns = 8;  // weight, weight n (3), weight centre (3),
 OSTEON_CONST uint kGapBits = 26, kBoneBits = 24, kToolBits = 14;
 OSTEON_CONST float kGapUnit = 1.0f / 33554432.0f;  // mm
 
+OSTEON_CONST uint kMeetings = 4;  // of all workgroups of a frame in one dispatch
+OSTEON_CONST uint kMostSpins = 20000;
+
 // A sum in fixed point: high * 2^16 + low, in units of 1/scale. Whole numbers add up to the same in any
 // order, so that a frame's result does not depend on scheduling.
 struct Sum {
@@ -140,7 +143,7 @@ struct Frame {
   vec4 friction_mm;  // its share of delta; w: the slack of the hold
   vec4 shift_mm;     // straight, from first contact to the target
   uint candidate_count;
-  uint shaft_candidate;  // from here on of balls that do not cut, then the remembered ones
+  uint shaft_candidate, shaft_end;  // those of balls that do not cut; then the remembered ones
   uint hold_count;       // candidates that hold the tool, and how much
   OSTEON_ARRAY(uint, hold_candidate, 4);
   OSTEON_ARRAY(float, hold_mm, 4);
@@ -150,7 +153,22 @@ struct Frame {
   OSTEON_ARRAY(Sum, engaged_sums, 2 * kMaxMaterials);  // area and moment by material
   OSTEON_ARRAY(uint, removed, kMaxMaterials);          // cleared volume in units of the bone's
   uint request_count;  // of balls that should be split; may be above the capacity
-  uint unused_pad;
+
+  // a frame in one dispatch: see frame.comp
+  Groups frame_work;
+  uint sequence;  // the report's
+  uint gave_up;   // 1: the workgroups were not all at work at once, nothing was changed
+  OSTEON_ARRAY(uint, arrived, kMeetings);
+  OSTEON_ARRAY(uint, gates, kMeetings);
+  OSTEON_ARRAY(uint, unused_pad, 2);
+};
+
+OSTEON_CONST uint kFrameBytes = 4176u;
+
+// What the host reads of a frame: its bytes, and then (with a sum over their words, so that it can't be half there) its number.
+struct Report {
+  Frame frame;
+  uint sum, sequence;
 };
 
 // A ball that was touched and is so large that it should be split.
@@ -218,19 +236,20 @@ OSTEON_CONST uint kBindSlots = 16;     // of each ball in the list of live balls
 OSTEON_CONST uint kBindRequests = 17;  // SplitRequest
 OSTEON_CONST uint kBindUploads = 18;   // SplitUpload
 OSTEON_CONST uint kBindBlocks = 19;    // Block
-OSTEON_CONST uint kBindings = 20;
+OSTEON_CONST uint kBindReport = 20;
+OSTEON_CONST uint kBindings = 21;
 // The lists' copies again, to read: software drivers fetch a texel at once, but a buffer's words one by one.
-OSTEON_CONST uint kBindBallTexels = 20;
-OSTEON_CONST uint kBindPointTexels = 21;
+OSTEON_CONST uint kBindBallTexels = 21;
+OSTEON_CONST uint kBindPointTexels = 22;
 // tool, spans and the entries of both lists, to read
-OSTEON_CONST uint kBindToolTexels = 22, kBindSpanTexels = 23, kBindEntryTexels = 24,
-                  kBindPointEntryTexels = 25;
+OSTEON_CONST uint kBindToolTexels = 23, kBindSpanTexels = 24, kBindEntryTexels = 25,
+                  kBindPointEntryTexels = 26;
 
 OSTEON_CONST uint kBallsPerBuffer = 8000000;  // a binding holds 128 MiB on every device
 OSTEON_CONST uint kCleared = 256;
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) % 8 == 0);
+static_assert(sizeof(Frame) == kFrameBytes && kFrameBytes % 16 == 0 && sizeof(Report) == kFrameBytes + 8);
 static_assert(offsetof(Frame, material) == 8 * 60);
 static_assert(offsetof(Frame, start) == offsetof(Frame, material) + 16 * 8 + 24 * 4);
 static_assert(offsetof(Frame, spindle_rad_per_s) == offsetof(Frame, start) + 6 * 16 + 4 * 16 + 21 * 4);

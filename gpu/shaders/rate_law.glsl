@@ -34,11 +34,11 @@ Advance AdvanceOfFrame(float at_contact, Slide slide) {
   vec3 origin = OriginAtContact(at_contact), slide_mm = AfterSlide(slide, origin, frame.goal.xyz) - origin;
   vec3 step_mm = -advance * frame.n.xyz;
   // balls that do not cut hold it back
-  for (uint c = frame.shaft_candidate; c < frame.candidate_count; ++c) {
+  for (uint c = frame.shaft_candidate; c < frame.shaft_end; ++c) {
     Candidate shaft = frame.candidates[c];
     vec3 n = vec3(shaft.n_x, shaft.n_y, shaft.n_z);
     float closing = -dot(n, step_mm) - max(0.0, shaft.gap_mm + dot(n, slide_mm));
-    if (shaft.source < kBins && closing > 0.0) step_mm += closing * n;
+    if (closing > 0.0) step_mm += closing * n;
   }
   return Advance(advance, edge_work, step_mm);
 }

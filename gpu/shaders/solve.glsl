@@ -1,4 +1,4 @@
-// Pass 2, second half, one subgroup (twin of simulation/contact_law.cpp and hold_point.cpp): the pairs that may hold the tool,
+// Pass 2, second half, one workgroup (twin of simulation/contact_law.cpp and hold_point.cpp): the pairs that may hold the tool,
 // the point in which their planes hold it, friction, and the resultant of the faces that cut. In double precision: a few
 // dozen planes, whose active set hangs on small differences.
 
@@ -6,16 +6,22 @@ const uint kNoPlane = kCandidates;
 const double kOppositeCosine = -0.8lf;
 const double kHoldSlack = 1e-6lf;
 const double kViolated_mm = 1e-5lf, kLeastPivot = 1e-13lf;
-const double kHoldFaceCosine = 0.866lf;
+const double kHoldFaceCosine = 0.866lf;  // simulation::kFaceCosine
 const uint kMostRounds = 200;
 
+// The planes by the bin of their pair, then those of the remembered pairs. Those that are there, in that order, are
+// there[0 … there_count - 1].
+shared bool plane_there[kCandidates];
+shared uint there[kCandidates], there_count;
 shared dvec3 plane_n[kCandidates + 1];
-shared double plane_offset[kCandidates + 1];
 shared double plane_gap[kCandidates], yielding_gap[kCandidates];
 shared dvec3 plane_motion[kCandidates];
 shared double tool_radius[kCandidates];
 shared uint bone_ball[kCandidates], tool_ball[kCandidates];
-shared uint start_plane[4];  // that held the frame before
+shared uint bin_of[kRemembered];  // of a remembered pair, where a bin has the same
+shared uint start_plane[4];       // that held the frame before
+// of the hold with the turn, and of that without
+shared double plane_offset[2][kCandidates + 1];
 
 // ---- where planes hold a point
 
@@ -28,15 +34,15 @@ struct Held {
   double slack;
 };
 
-shared Held winner;
+shared Held winner[2];
 
-double Violation(Held held, uint i, dvec3 shift) {
-  return plane_offset[i] - dot(plane_n[i], shift + held.point) - held.slack;
+double Violation(uint hold, Held held, uint i, dvec3 shift) {
+  return plane_offset[hold][i] - dot(plane_n[i], shift + held.point) - held.slack;
 }
 
 // Multipliers of the nearest point on all planes of a set, by elimination of the Gram matrix; those that are none have a row
 // of the unit matrix. False where the planes are parallel or one would pull.
-bool SolveSet(uvec4 p, dvec3 shift, out Held set) {
+bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
   bvec4 is = notEqual(p, uvec4(kNoPlane));
   dvec3 a = plane_n[p.x], b = plane_n[p.y], c = plane_n[p.z], d = plane_n[p.w];
   dvec4 real = dvec4(is.x ? 1.0lf : 0.0lf, is.y ? 1.0lf : 0.0lf, is.z ? 1.0lf : 0.0lf, is.w ? 1.0lf : 0.0lf);
@@ -46,8 +52,8 @@ bool SolveSet(uvec4 p, dvec3 shift, out Held set) {
   dvec4 row_1 = dvec4(row_0.y, dot(b, b) + slack.y + pad.y, dot(b, c) + slack.y * real.z, dot(b, d) + slack.y * real.w);
   dvec4 row_2 = dvec4(row_0.z, row_1.z, dot(c, c) + slack.z + pad.z, dot(c, d) + slack.z * real.w);
   dvec4 row_3 = dvec4(row_0.w, row_1.w, row_2.w, dot(d, d) + slack.w + pad.w);
-  dvec4 v = dvec4(plane_offset[p.x] - dot(a, shift), plane_offset[p.y] - dot(b, shift),
-                  plane_offset[p.z] - dot(c, shift), plane_offset[p.w] - dot(d, shift)) * real;
+  dvec4 v = dvec4(plane_offset[hold][p.x] - dot(a, shift), plane_offset[hold][p.y] - dot(b, shift),
+                  plane_offset[hold][p.z] - dot(c, shift), plane_offset[hold][p.w] - dot(d, shift)) * real;
   // one division a pivot: they are what takes long
   dvec4 per;
   bool good = row_0.x > kLeastPivot;
@@ -119,21 +125,22 @@ Held Packed(Held set) {
   return set;
 }
 
-// Twin of simulation::FindHoldPoint over `count` planes, about `shift` instead of the tool's pose; the same on every lane.
-Held FindHold(uint count, dvec3 shift, bool start) {
-  uint lane = gl_LocalInvocationID.x;
+// Twin of simulation::FindHoldPoint, about `shift` instead of the tool's pose: one subgroup's work, the same on every lane.
+Held FindHold(uint hold, dvec3 shift, bool start) {
+  uint lane = gl_SubgroupInvocationID;
   Held held = Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf);
   for (uint once = start ? 0 : 1; once < 1; ++once) {
     Held likely;
     uvec4 planes = uvec4(start_plane[0], start_plane[1], start_plane[2], start_plane[3]);
-    if (SolveSet(planes, shift, likely) && likely.size > 0u) held = Packed(likely);
+    if (SolveSet(hold, planes, shift, likely) && likely.size > 0u) held = Packed(likely);
   }
   for (uint round = 0; round < kMostRounds; ++round) {
     // the most violated plane, of equal ones the first
     float worst = 0.0;
     uint entering = kNoPlane;
-    for (uint i = lane; i < count; i += kLanes) {
-      double violation = Violation(held, i, shift);
+    for (uint k = lane; k < there_count; k += gl_SubgroupSize) {
+      uint i = there[k];
+      double violation = Violation(hold, held, i, shift);
       if (violation <= kViolated_mm || float(violation) <= worst) continue;
       worst = float(violation);
       entering = i;
@@ -145,15 +152,15 @@ Held FindHold(uint count, dvec3 shift, bool start) {
     float least = 1e30;
     uint chosen = 16u;
     Held own = held;
-    for (uint mask = lane; mask < (1u << held.size); mask += kLanes) {
+    for (uint mask = lane; mask < (1u << held.size); mask += gl_SubgroupSize) {
       Held set;
-      bool good = bitCount(mask) < 4 && SolveSet(Chosen(held, mask, entering), shift, set);
+      bool good = bitCount(mask) < 4 && SolveSet(hold, Chosen(held, mask, entering), shift, set);
       double violation = 0.0lf;
       if (good) {
-        if (held.size > 0u) violation = max(violation, Violation(set, held.plane.x, shift));
-        if (held.size > 1u) violation = max(violation, Violation(set, held.plane.y, shift));
-        if (held.size > 2u) violation = max(violation, Violation(set, held.plane.z, shift));
-        if (held.size > 3u) violation = max(violation, Violation(set, held.plane.w, shift));
+        if (held.size > 0u) violation = max(violation, Violation(hold, set, held.plane.x, shift));
+        if (held.size > 1u) violation = max(violation, Violation(hold, set, held.plane.y, shift));
+        if (held.size > 2u) violation = max(violation, Violation(hold, set, held.plane.z, shift));
+        if (held.size > 3u) violation = max(violation, Violation(hold, set, held.plane.w, shift));
       }
       if (!good || float(violation) >= least) continue;
       least = float(violation);
@@ -164,10 +171,11 @@ Held FindHold(uint count, dvec3 shift, bool start) {
     uint first = subgroupMin(least == best ? chosen : 16u);
     if (first == 16u) break;
     bool again = any(equal(held.plane, uvec4(entering)));
-    if (chosen == first) winner = own;
-    barrier();
-    held = Packed(winner);
-    barrier();
+    if (chosen == first) winner[hold] = own;
+    subgroupMemoryBarrierShared();
+    subgroupBarrier();
+    held = Packed(winner[hold]);
+    subgroupBarrier();
     if (again) break;
   }
   return held;
@@ -180,15 +188,19 @@ struct Hold {
   double normal, most;
   dvec3 friction;
 };
-Hold HoldTool(uint count, bool turning, dvec3 origin_motion, double s) {
-  barrier();
-  for (uint c = gl_LocalInvocationID.x; c < count; c += kLanes) {
+shared Hold holds[2];  // with the turn, without
+
+void HoldTool(uint number, dvec3 origin_motion, double s) {
+  bool turning = number == 0u;
+  for (uint k = gl_SubgroupInvocationID; k < there_count; k += gl_SubgroupSize) {
+    uint c = there[k];
     dvec3 motion = turning ? plane_motion[c] : origin_motion;
-    plane_offset[c] = -(yielding_gap[c] + dot(plane_n[c], motion));
+    plane_offset[number][c] = -(yielding_gap[c] + dot(plane_n[c], motion));
   }
-  barrier();
+  subgroupMemoryBarrierShared();
+  subgroupBarrier();
   Hold hold;
-  hold.held = FindHold(count, dvec3(0.0lf), true);
+  hold.held = FindHold(number, dvec3(0.0lf), true);
   hold.normal = hold.held.m.x + hold.held.m.y + hold.held.m.z + hold.held.m.w;
   hold.most = min(hold.normal, 2.0lf * (length(hold.held.point) + hold.held.slack));
   hold.friction = dvec3(0.0lf);
@@ -206,104 +218,123 @@ Hold HoldTool(uint count, bool turning, dvec3 origin_motion, double s) {
     if (size <= 0.0lf) break;
     hold.friction = -min(1.0lf, double(frame.friction) * hold.most / size) * slip;
     // the way back may lead into another plane, by micrometres: out again
-    hold.friction += FindHold(count, hold.held.point + hold.friction, false).point;
+    hold.friction += FindHold(number, hold.held.point + hold.friction, false).point;
   }
-  return hold;
+  if (subgroupElect()) holds[number] = hold;
 }
 
 // ---- candidates
 
-// Takes candidate `source` to place `c` of the list if it is one: live, and near the tool at first contact.
-struct Found {
-  bool there;
-  uint bone, t;
-  dvec3 n, motion;
-  double gap, radius;
-};
-Found Load(uint source, double s) {
+// Takes the pair of a bin, or a remembered one, if it is one: live, and near the tool at first contact.
+void Take(uint source, double s) {
   uint bone = 0u, t = 0u;
-  bool there = false;
+  bool is = false;
   if (source < kBins) {
     uint64_t key = frame.bin_keys[source];
-    there = key != 0xfffffffffffffffful;
+    is = key != 0xfffffffffffffffful;
     bone = uint(key >> kToolBits) & ((1u << kBoneBits) - 1u);
     t = uint(key) & ((1u << kToolBits) - 1u);
-  } else if (source < kCandidates && source - kBins < frame.remembered_count) {
-    there = true;
+  } else if (source - kBins < frame.remembered_count) {
+    is = true;
     bone = frame.remembered_bone[source - kBins];
     t = frame.remembered_tool[source - kBins];
   }
-  there = there && bone < frame.ball_count && t < frame.tool_count;
-  uint slot = there ? slots[bone] : 0u;
-  there = there && slot < frame.live_ball_count && live_entries[slot].index == bone;
-  vec4 ball = there ? live_balls[slot] : vec4(0.0);
-  vec4 start = Start(there ? t : 0u);
-  dvec3 goal = dvec3(Goal(there ? t : 0u)), at = mix(dvec3(start.xyz), goal, s);
+  is = is && bone < frame.ball_count && t < frame.tool_count;
+  uint slot = is ? slots[bone] : 0u;
+  is = is && slot < frame.live_ball_count && live_entries[slot].index == bone;
+  vec4 ball = is ? live_balls[slot] : vec4(0.0);
+  vec4 start = Start(is ? t : 0u);
+  dvec3 goal = dvec3(Goal(is ? t : 0u)), at = mix(dvec3(start.xyz), goal, s);
   dvec3 from_bone = at - dvec3(ball.xyz);
   double d = length(from_bone), gap = d - double(start.w) - double(ball.w);
-  there = there && ball.w > 0.0 && d > 0.0lf && gap < double(frame.enlargement_mm);
-  return Found(there, bone, t, there ? from_bone / d : dvec3(0.0lf), goal - at, gap, double(start.w));
+  is = is && ball.w > 0.0 && d > 0.0lf && gap < double(frame.enlargement_mm);
+  plane_there[source] = is;
+  bone_ball[source] = bone;
+  tool_ball[source] = t;
+  plane_n[source] = is ? from_bone / d : dvec3(0.0lf);
+  plane_gap[source] = gap;
+  plane_motion[source] = goal - at;
+  tool_radius[source] = double(start.w);
 }
-void Put(uint c, Found found, uint source) {
-  bone_ball[c] = found.bone;
-  tool_ball[c] = found.t;
-  plane_n[c] = found.n;
-  plane_gap[c] = found.gap;
-  plane_motion[c] = found.motion;
-  tool_radius[c] = found.radius;
-  frame.candidates[c] = Candidate(float(found.n.x), float(found.n.y), float(found.n.z), float(found.gap), 0.0, found.bone,
-                                  found.t, source);
+
+shared uint there_bits[3];
+shared int known_face[kFaces];
+shared vec4 face_sum[kFaces];  // around the faces of the frame before: weight and weight n
+shared uint longest_bits;
+
+// Where a plane stands among those that are there.
+uint Place(uint c) {
+  uint place = 0u;
+  for (uint w = 0; w < 3; ++w) {
+    uint below = c >= 32u * (w + 1u) ? 0xffffffffu : c <= 32u * w ? 0u : (1u << (c - 32u * w)) - 1u;
+    place += bitCount(there_bits[w] & below);
+  }
+  return place;
 }
 
 void Solve() {
   uint lane = gl_LocalInvocationID.x;
   bool is_void = IsVoid();
   double s = double(ContactFraction());
-  // the nearest pairs, then those of the remembered ones that are not among them, without gaps
-  uint count = 0u, shaft = 0u;
-  for (uint base = 0; base < kBins; base += kLanes) {
-    uint source = base + lane;
-    Found found = Load(source < kBins ? source : kCandidates, s);
-    uint there = found.there ? 1u : 0u;
-    if (found.there) Put(count + subgroupExclusiveAdd(there), found, source);
-    else subgroupExclusiveAdd(there);
-    shaft += subgroupAdd(source < kCuttingBinCount ? there : 0u);
-    count += subgroupAdd(there);
-  }
-  if (lane == 0) {
-    plane_n[kNoPlane] = dvec3(0.0lf);
-    plane_offset[kNoPlane] = 0.0lf;
+  for (uint source = lane; source < kCandidates; source += kLanes) Take(source, s);
+  for (uint k = lane; k < kRemembered; k += kLanes) bin_of[k] = kNoPlane;
+  for (uint i = lane; i < 4u * kFaces; i += kLanes) {
+    uint f = i / 4u, column = i % 4u;
+    face_sum[f][column] = Total(frame.face_sums[f * kFaceColumns + column], frame.face_scale) +
+                          Total(frame.face_sums[(kFaces + f) * kFaceColumns + column], frame.face_scale);
   }
   if (lane < 4u) start_plane[lane] = kNoPlane;
-  barrier();
-  uint nearest = count;
-  for (uint base = 0; base < kRemembered; base += kLanes) {
-    uint k = base + lane;
-    Found found = Load(k < kRemembered ? kBins + k : kCandidates, s);
-    uint known = nearest;
-    for (uint other = 0; other < nearest; ++other)
-      if (found.there && bone_ball[other] == found.bone && tool_ball[other] == found.t) known = other;
-    uint fresh = found.there && known == nearest ? 1u : 0u;
-    uint place = count + subgroupExclusiveAdd(fresh);
-    if (fresh != 0u) Put(place, found, kBins + k);
-    if (found.there && k < frame.held_count) start_plane[k] = fresh != 0u ? place : known;
-    count += subgroupAdd(fresh);
+  if (lane < 3u) there_bits[lane] = 0u;
+  if (lane == 0u) {
+    plane_n[kNoPlane] = dvec3(0.0lf);
+    plane_offset[0][kNoPlane] = plane_offset[1][kNoPlane] = 0.0lf;
+    longest_bits = 0u;
   }
   barrier();
-  for (uint c = lane; c < count; c += kLanes) {
+  // a remembered pair that a bin has too counts once
+  for (uint i = lane; i < kRemembered * kBins; i += kLanes) {
+    uint k = i / kBins, bin = i % kBins;
+    if (plane_there[kBins + k] && plane_there[bin] && bone_ball[bin] == bone_ball[kBins + k] &&
+        tool_ball[bin] == tool_ball[kBins + k])
+      bin_of[k] = bin;
+  }
+  barrier();
+  for (uint k = lane; k < kRemembered; k += kLanes) {
+    if (!plane_there[kBins + k]) continue;
+    if (k < frame.held_count) start_plane[k] = bin_of[k] != kNoPlane ? bin_of[k] : kBins + k;
+    if (bin_of[k] != kNoPlane) plane_there[kBins + k] = false;
+  }
+  barrier();
+  for (uint c = lane; c < kCandidates; c += kLanes)
+    if (plane_there[c]) atomicOr(there_bits[c / 32u], 1u << (c % 32u));
+  barrier();
+  for (uint c = lane; c < kCandidates; c += kLanes)
+    if (plane_there[c]) there[Place(c)] = c;
+  if (lane == 0u) there_count = Place(kCandidates);
+  barrier();
+  for (uint i = gl_SubgroupID; i < there_count; i += gl_NumSubgroups) {
     // where another faces it and less than the tolerance is left between them, both yield
+    uint c = there[i];
     double tolerance = double(frame.tolerance_mm), room = tolerance;
-    for (uint other = 0; other < count; ++other)
+    for (uint k = gl_SubgroupInvocationID; k < there_count; k += gl_SubgroupSize) {
+      uint other = there[k];
       if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) room = min(room, plane_gap[c] + plane_gap[other]);
-    yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
-    frame.candidates[c].yielding_gap_mm = float(yielding_gap[c]);
+    }
+    if (subgroupAny(room < tolerance)) room = subgroupMin(room);
+    if (subgroupElect()) yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
   }
-
+  barrier();
   dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
-  Hold unturned = Hold(Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf), 0.0lf, 0.0lf, dvec3(0.0lf));
-  for (uint twice = frame.turning != 0u ? 0 : 1; twice < 1; ++twice) unturned = HoldTool(count, false, motion, s);
-  Hold hold = HoldTool(count, true, motion, s);
-  if (frame.turning == 0u) unturned = hold;
+  uint hold_count = frame.turning != 0u ? 2u : 1u;
+  for (uint number = gl_SubgroupID; number < hold_count; number += gl_NumSubgroups) HoldTool(number, motion, s);
+  for (uint k = lane; k < (is_void ? 0u : there_count); k += kLanes) {
+    uint c = there[k];
+    vec3 n = vec3(plane_n[c]);
+    frame.candidates[k] = Candidate(n.x, n.y, n.z, float(plane_gap[c]), float(yielding_gap[c]), bone_ball[c],
+                                           tool_ball[c], c);
+  }
+  barrier();
+  Hold hold = holds[0], unturned = holds[hold_count - 1u];
   Held held = hold.held;
   dvec3 friction = hold.friction;
   double normal = hold.normal;
@@ -327,47 +358,50 @@ void Solve() {
       plane.zw = plane.wz;
     }
   }
-  dvec3 hold_of[kFaces];
-  double cutting_of[kFaces], multiplier_of[kFaces];
-  int known_of[kFaces];
-  uint faces = 0u;
-  for (uint k = 0; k < held.size; ++k) {
-    dvec3 n = plane_n[plane[k]];
-    int known = -1;
+  // the face of the frame before that each plane belongs to
+  for (uint k = lane; k < held.size; k += kLanes) {
+    known_face[k] = -1;
     double nearest = kHoldFaceCosine;
     for (uint f = 0; f < kFaces; ++f) {
-      double cosine = dot(n, dvec3(frame.face_n[f].xyz));
+      double cosine = dot(plane_n[plane[k]], dvec3(frame.face_n[f].xyz));
       if (cosine <= nearest) continue;
       nearest = cosine;
-      known = int(f);
+      known_face[k] = int(f);
     }
+  }
+  barrier();
+  // loops of constant length and no index that is not known when compiled: the arrays are registers
+  dvec3 hold_of[kFaces] = dvec3[kFaces](dvec3(0.0lf), dvec3(0.0lf), dvec3(0.0lf), dvec3(0.0lf));
+  double cutting_of[kFaces] = double[kFaces](0.0lf, 0.0lf, 0.0lf, 0.0lf), multiplier_of[kFaces] = cutting_of;
+  int known_of[kFaces] = int[kFaces](-1, -1, -1, -1);
+  uint faces = 0u;
+  for (uint k = 0; k < kFaces; ++k) {
+    if (k >= held.size) break;
+    dvec3 n = plane_n[plane[k]];
+    int known = known_face[k];
     uint at = faces;
-    for (uint f = 0; f < faces; ++f)
-      if (known >= 0 ? known_of[f] == known
-                     : known_of[f] < 0 && dot(n, hold_of[f]) > kHoldFaceCosine * length(hold_of[f]))
+    for (uint f = 0; f < kFaces; ++f)
+      if (f < faces && (known >= 0 ? known_of[f] == known
+                                   : known_of[f] < 0 && dot(n, hold_of[f]) > kHoldFaceCosine * length(hold_of[f])))
         at = f;
-    if (at == faces) {
-      known_of[at] = known;
-      hold_of[at] = dvec3(0.0lf);
-      cutting_of[at] = multiplier_of[at] = 0.0lf;
-      ++faces;
+    for (uint f = 0; f < kFaces; ++f) {
+      if (f != at) continue;
+      known_of[f] = known;
+      hold_of[f] += m[k] * n;
+      multiplier_of[f] += m[k];
+      if (tool_ball[plane[k]] < frame.cutter_count) cutting_of[f] += m[k];
     }
-    hold_of[at] += m[k] * n;
-    multiplier_of[at] += m[k];
-    if (tool_ball[plane[k]] < frame.cutter_count) cutting_of[at] += m[k];
+    faces = max(faces, at + 1u);
   }
   double largest = 0.0lf;
-  for (uint f = 0; f < faces; ++f) largest = max(largest, multiplier_of[f]);
+  for (uint f = 0; f < kFaces; ++f) largest = max(largest, multiplier_of[f]);
   dvec3 cutting = dvec3(0.0lf);
-  for (uint f = 0; f < faces; ++f) {
+  for (uint f = 0; f < kFaces; ++f) {
     double size = length(hold_of[f]);
     if (size <= 0.0lf) continue;
     dvec3 n = hold_of[f] / size;
     if (known_of[f] >= 0) {
-      vec4 sum = vec4(0.0);
-      for (uint row = 0; row < 2; ++row)
-        for (uint column = 0; column < 4; ++column)
-          sum[column] += Total(frame.face_sums[(row * kFaces + uint(known_of[f])) * kFaceColumns + column], frame.face_scale);
+      vec4 sum = face_sum[known_of[f]];
       if (sum.x > 0.0) {
         double narrow = length(dvec3(sum.yzw)) / double(sum.x);
         double exact = clamp(max(4.0lf * (1.0lf - largest / normal), (0.983lf - narrow) / 0.013lf), 0.0lf, 1.0lf);
@@ -384,13 +418,17 @@ void Solve() {
   for (uint t = lane; t < frame.tool_count; t += kLanes)
     longest = max(longest, distance(AtContact(t, float(s)).xyz, Goal(t) + vec3(delta)));
   longest = subgroupMax(longest);
+  if (subgroupElect()) atomicMax(longest_bits, floatBitsToUint(longest));
+  barrier();
+  longest = uintBitsToFloat(longest_bits);
   if (lane == 0) frame.is_void = is_void ? 1u : 0u;
   if (lane != 0 || is_void) return;
-  frame.candidate_count = count;
-  frame.shaft_candidate = shaft;
+  frame.candidate_count = there_count;
+  frame.shaft_candidate = Place(kCuttingBinCount);
+  frame.shaft_end = Place(kBins);
   frame.hold_count = held.size;
   for (uint k = 0; k < 4; ++k) {
-    frame.hold_candidate[k] = held.plane[k];
+    frame.hold_candidate[k] = held.plane[k] != kNoPlane ? Place(held.plane[k]) : kNoPlane;
     frame.hold_mm[k] = float(held.m[k]);
   }
   frame.friction_mm = vec4(vec3(friction), float(held.slack));
