@@ -164,6 +164,11 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   vk::PhysicalDeviceVulkan12Features features;
   features.scalarBlockLayout = VK_TRUE;
   features.shaderBufferInt64Atomics = VK_TRUE;
+  context->memory_model =
+      context->physical->getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>()
+          .get<vk::PhysicalDeviceVulkan12Features>()
+          .vulkanMemoryModel == VK_TRUE;
+  features.vulkanMemoryModel = context->memory_model ? VK_TRUE : VK_FALSE;
   vk::PhysicalDeviceFeatures core;
   core.shaderFloat64 = VK_TRUE;
   core.shaderInt64 = VK_TRUE;

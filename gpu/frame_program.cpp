@@ -87,7 +87,7 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
             : sizes.blocks > 0                 ? FencePolicy::kPoll
                                                : FencePolicy::kReport;
   if (cpu && policy_ == FencePolicy::kReport) policy_ = FencePolicy::kPoll;
-  if (!params.time_passes && !params.brute_force)
+  if (!params.time_passes && !params.brute_force && context_->memory_model)
     most_groups_ = params.one_dispatch_groups.value_or(cpu ? 0 : kGroupsOfOneDispatch);
   command_pool_ =
       vk::raii::CommandPool(*context_->device, vk::CommandPoolCreateInfo({}, context_->queue_family));

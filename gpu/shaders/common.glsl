@@ -16,7 +16,9 @@ layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cut
 layout(constant_id = 4) const bool kSplit = false;      // large balls are split
 
 #ifdef ONE_DISPATCH
-#define SHARED_BY_GROUPS coherent
+// what one workgroup writes and another reads: see Meet
+#extension GL_KHR_memory_scope_semantics : require
+#define SHARED_BY_GROUPS nonprivate
 #else
 #define SHARED_BY_GROUPS
 #endif
@@ -101,6 +103,10 @@ bool IsVoid() {
              mix(frame.shaft_drift_start_mm, frame.shaft_drift_goal_mm, s) > frame.shaft_margin_mm;
   return (frame.lists_at_contact == 0u && far) || frame.too_many != 0u;
 }
+
+// A pass's rows are workgroups of their own; in one dispatch each workgroup takes all of them.
+const uint kAllRows = 16u;
+bool Takes(uint row, uint part) { return row == part || row == kAllRows; }
 
 // This invocation's share of a list: for (uint slot = ChunkBegin(); slot < ChunkEnd(count); slot += ChunkStep())
 #ifdef ONE_DISPATCH

@@ -4,7 +4,7 @@
 
 void FindContact(uint row) {
   float s = 2.0;
-  uint end = row == 0u ? ChunkEnd(frame.live_ball_count) : 0u;
+  uint end = Takes(row, 0u) ? ChunkEnd(frame.live_ball_count) : 0u;
   if (kOneCutter) {
     vec4 start = Start(0);
     vec3 m = Goal(0) - start.xyz;
@@ -25,7 +25,7 @@ void FindContact(uint row) {
       }
     }
   }
-  end = row == 1u ? ChunkEnd(frame.shaft_count) : 0u;
+  end = Takes(row, 1u) ? ChunkEnd(frame.shaft_count) : 0u;
   for (uint slot = ChunkBegin(); slot < end; slot += ChunkStep()) {
     ShaftPair pair = shaft_pairs[slot];
     vec4 ball = LiveBall(pair.slot);

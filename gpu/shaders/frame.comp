@@ -4,6 +4,7 @@
 // most passes do. All workgroups meet between the passes. Vulkan does not promise that they are at work at once, so none waits
 // for ever: the first whose patience ends shuts the gate for all of them, before anything was changed, and the host runs the
 // passes one by one from then on.
+#pragma use_vulkan_memory_model
 #define ONE_DISPATCH
 #include "common.glsl"
 #include "contact.glsl"
@@ -17,21 +18,28 @@ const uint kOpen = 1u, kShut = 2u;
 
 shared uint meeting_word;
 
+void Publish() {
+  memoryBarrier(gl_ScopeQueueFamily, gl_StorageSemanticsBuffer, gl_SemanticsRelease | gl_SemanticsMakeAvailable);
+}
+void Refresh() {
+  memoryBarrier(gl_ScopeQueueFamily, gl_StorageSemanticsBuffer, gl_SemanticsAcquire | gl_SemanticsMakeVisible);
+}
+
 // Whether this workgroup is the last to come; what the others have written before they came can be read from here on.
 bool Arrive(uint meeting) {
-  memoryBarrierBuffer();
+  Publish();
   barrier();
   if (gl_LocalInvocationID.x == 0u) meeting_word = atomicAdd(frame.arrived[meeting], 1u) + 1u;
   barrier();
-  memoryBarrierBuffer();
   bool last = meeting_word == gl_NumWorkGroups.x;
+  if (last) Refresh();
   barrier();
   return last;
 }
 
 // Waits for the last one to open the gate; false where it is shut. The same for all workgroups.
 bool Enter(uint meeting, bool last) {
-  memoryBarrierBuffer();
+  if (last) Publish();
   barrier();
   if (gl_LocalInvocationID.x == 0u) {
     uint gate = 0u;
@@ -43,35 +51,28 @@ bool Enter(uint meeting, bool last) {
     meeting_word = gate;
   }
   barrier();
-  memoryBarrierBuffer();
   bool open = meeting_word == kOpen;
+  if (!last) Refresh();
   barrier();
   return open;
 }
 
 void main() {
-  FindContact(0u);
-  FindContact(1u);
+  FindContact(kAllRows);
   bool go = Enter(0u, Arrive(0u));
   if (go) {
-    FindNearField(0u);
-    FindNearField(1u);
+    FindNearField(kAllRows);
     bool last = Arrive(1u);
     if (last) Solve();
     go = Enter(1u, last);
   }
   if (go) {
-    SlideAndEngage(0u);
-    SlideAndEngage(1u);
-    SlideAndEngage(2u);
+    SlideAndEngage(kAllRows);
     go = Enter(2u, Arrive(2u));
   }
-  if (go) {
-    RemoveAndClear(0u);
-    RemoveAndClear(1u);
-    RemoveAndClear(2u);
-  } else if (gl_LocalInvocationID.x == 0u) {
+  if (go)
+    RemoveAndClear(kAllRows);
+  else if (gl_LocalInvocationID.x == 0u)
     frame.gave_up = 1u;
-  }
   if (Arrive(3u)) ReportFrame();
 }

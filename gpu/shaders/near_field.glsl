@@ -127,14 +127,14 @@ Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, ui
 #define FLUSH_ALL FLUSH(part_0, 0) FLUSH(part_1, 1) FLUSH(part_2, 2) FLUSH(part_3, 3)
 
 void FindNearField(uint row) {
-  uint end = row == 0u ? ChunkEnd(frame.live_ball_count) : ChunkEnd(frame.shaft_count);
+  uint end_balls = Takes(row, 0u) ? ChunkEnd(frame.live_ball_count) : 0u;
+  uint end_shaft = Takes(row, 1u) ? ChunkEnd(frame.shaft_count) : 0u;
   // nothing to do: a loop, since software drivers execute a branch that nobody takes
-  for (uint once = ChunkBegin() < end && !IsVoid() ? 0 : 1; once < 1; ++once) {
+  for (uint once = ChunkBegin() < max(end_balls, end_shaft) && !IsVoid() ? 0 : 1; once < 1; ++once) {
     float s = ContactFraction();
     Near near = Near(frame.axis_x.xyz, frame.axis_y.xyz, frame.axis_z.xyz, frame.face_n[0].xyz, frame.face_n[1].xyz,
                      frame.face_n[2].xyz, frame.face_n[3].xyz, frame.enlargement_mm, frame.face_scale,
                      frame.face_point_scale, frame.face_count);
-    uint end_balls = row == 0u ? end : 0u, end_shaft = row == 1u ? end : 0u;
     Part part_0 = kNone, part_1 = kNone, part_2 = kNone, part_3 = kNone;
     {
       const bool shaft = false;

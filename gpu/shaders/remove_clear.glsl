@@ -53,9 +53,9 @@ vec4 Shrunk(vec4 ball, Capsule c) {
 
 void RemoveAndClear(uint row) {
   bool go = frame.is_void == 0u && frame.spindle_rad_per_s != 0.0;
-  uint end_balls = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
-  uint end_points = row == 2u && go ? ChunkEnd(frame.live_point_count) : 0u;
-  bool reports = row == 1u && gl_WorkGroupID.x == 0u;
+  uint end_balls = Takes(row, 0u) && go ? ChunkEnd(frame.live_ball_count) : 0u;
+  uint end_points = Takes(row, 2u) && go ? ChunkEnd(frame.live_point_count) : 0u;
+  bool reports = Takes(row, 1u) && gl_WorkGroupID.x == 0u;
   // nothing to do: a loop, since software drivers execute a branch that nobody takes
   for (uint once = reports || ChunkBegin() < max(end_balls, end_points) ? 0 : 1; once < 1; ++once) {
     float at_contact = ContactFraction();

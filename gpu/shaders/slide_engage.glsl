@@ -17,9 +17,9 @@
 
 void SlideAndEngage(uint row) {
   bool go = frame.is_void == 0u;
-  uint end_balls = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
-  uint end_shaft = row == 1u && go ? ChunkEnd(frame.shaft_count) : 0u;
-  uint end_points = row == 2u && go && frame.delta.w > 0.0 ? ChunkEnd(frame.live_point_count) : 0u;
+  uint end_balls = Takes(row, 0u) && go ? ChunkEnd(frame.live_ball_count) : 0u;
+  uint end_shaft = Takes(row, 1u) && go ? ChunkEnd(frame.shaft_count) : 0u;
+  uint end_points = Takes(row, 2u) && go && frame.delta.w > 0.0 ? ChunkEnd(frame.live_point_count) : 0u;
   // nothing to do: a loop, since software drivers execute a branch that nobody takes
   for (uint once = ChunkBegin() < max(end_balls, max(end_shaft, end_points)) ? 0 : 1; once < 1; ++once) {
     // with a turn, which may use a third of the tolerance: the rest is for going along whatever holds it; and straight
@@ -98,7 +98,7 @@ void SlideAndEngage(uint row) {
         GATHER_MATERIAL(4) GATHER_MATERIAL(5) GATHER_MATERIAL(6) GATHER_MATERIAL(7)
       }
     }
-    if (row != 2u) continue;
+    if (!Takes(row, 2u)) continue;
     FLUSH_MATERIAL(0) FLUSH_MATERIAL(1) FLUSH_MATERIAL(2) FLUSH_MATERIAL(3)
     FLUSH_MATERIAL(4) FLUSH_MATERIAL(5) FLUSH_MATERIAL(6) FLUSH_MATERIAL(7)
   }

@@ -200,25 +200,33 @@ void HoldTool(uint number, dvec3 origin_motion, double s) {
   subgroupMemoryBarrierShared();
   subgroupBarrier();
   Hold hold;
-  hold.held = FindHold(number, dvec3(0.0lf), true);
-  hold.normal = hold.held.m.x + hold.held.m.y + hold.held.m.z + hold.held.m.w;
-  hold.most = min(hold.normal, 2.0lf * (length(hold.held.point) + hold.held.slack));
   hold.friction = dvec3(0.0lf);
-  for (uint once = hold.normal > 0.0lf && frame.friction > 0.0 ? 0 : 1; once < 1; ++once) {
+  // then friction, if there is any; a loop, so that the code of FindHold is there but once
+  dvec3 shift = dvec3(0.0lf);
+  for (uint pass = 0; pass < 2; ++pass) {
+    Held found = FindHold(number, shift, pass == 0u);
+    if (pass == 1u) {
+      hold.friction += found.point;
+      break;
+    }
+    hold.held = found;
+    hold.normal = found.m.x + found.m.y + found.m.z + found.m.w;
+    hold.most = min(hold.normal, 2.0lf * (length(found.point) + found.slack));
+    if (hold.normal <= 0.0lf || frame.friction <= 0.0) break;
     dvec3 turn = turning ? (1.0lf - s) * dvec3(frame.turn.xyz) : dvec3(0.0lf), slip = dvec3(0.0lf);
-    for (uint k = 0; k < hold.held.size; ++k) {
-      uint i = hold.held.plane[k];
+    for (uint k = 0; k < found.size; ++k) {
+      uint i = found.plane[k];
       dvec3 motion = turning ? plane_motion[i] : origin_motion;
-      slip += hold.held.m[k] * (motion + hold.held.point - tool_radius[i] * cross(turn, plane_n[i]));
+      slip += found.m[k] * (motion + found.point - tool_radius[i] * cross(turn, plane_n[i]));
     }
     slip /= hold.normal;
-    dvec3 n = normalize(hold.held.point);
+    dvec3 n = normalize(found.point);
     slip -= dot(n, slip) * n;
     double size = length(slip);
     if (size <= 0.0lf) break;
     hold.friction = -min(1.0lf, double(frame.friction) * hold.most / size) * slip;
     // the way back may lead into another plane, by micrometres: out again
-    hold.friction += FindHold(number, hold.held.point + hold.friction, false).point;
+    shift = found.point + hold.friction;
   }
   if (subgroupElect()) holds[number] = hold;
 }
@@ -257,8 +265,9 @@ void Take(uint source, double s) {
   tool_radius[source] = double(start.w);
 }
 
-shared uint there_bits[3];
+shared uint there_bits[3], yields_bits[3];
 shared int known_face[kFaces];
+shared dvec3 resultant_of[kFaces];
 shared vec4 face_sum[kFaces];  // around the faces of the frame before: weight and weight n
 shared uint longest_bits;
 
@@ -278,13 +287,14 @@ void Solve() {
   double s = double(ContactFraction());
   for (uint source = lane; source < kCandidates; source += kLanes) Take(source, s);
   for (uint k = lane; k < kRemembered; k += kLanes) bin_of[k] = kNoPlane;
-  for (uint i = lane; i < 4u * kFaces; i += kLanes) {
+  // by the last invocations, which have no pair to wait for
+  for (uint i = kLanes - 1u - lane; i < 4u * kFaces; i += kLanes) {
     uint f = i / 4u, column = i % 4u;
     face_sum[f][column] = Total(frame.face_sums[f * kFaceColumns + column], frame.face_scale) +
                           Total(frame.face_sums[(kFaces + f) * kFaceColumns + column], frame.face_scale);
   }
   if (lane < 4u) start_plane[lane] = kNoPlane;
-  if (lane < 3u) there_bits[lane] = 0u;
+  if (lane < 3u) there_bits[lane] = yields_bits[lane] = 0u;
   if (lane == 0u) {
     plane_n[kNoPlane] = dvec3(0.0lf);
     plane_offset[0][kNoPlane] = plane_offset[1][kNoPlane] = 0.0lf;
@@ -312,16 +322,22 @@ void Solve() {
     if (plane_there[c]) there[Place(c)] = c;
   if (lane == 0u) there_count = Place(kCandidates);
   barrier();
-  for (uint i = gl_SubgroupID; i < there_count; i += gl_NumSubgroups) {
-    // where another faces it and less than the tolerance is left between them, both yield
-    uint c = there[i];
-    double tolerance = double(frame.tolerance_mm), room = tolerance;
-    for (uint k = gl_SubgroupInvocationID; k < there_count; k += gl_SubgroupSize) {
-      uint other = there[k];
+  // where another faces it and less than the tolerance is left between them, both yield
+  double tolerance = double(frame.tolerance_mm);
+  for (uint i = lane; i < there_count * there_count; i += kLanes) {
+    uint k = i / there_count, c = there[k], other = there[i % there_count];
+    if (dot(plane_n[other], plane_n[c]) < kOppositeCosine && plane_gap[c] + plane_gap[other] < tolerance)
+      atomicOr(yields_bits[k / 32u], 1u << (k % 32u));
+  }
+  barrier();
+  for (uint k = lane; k < there_count; k += kLanes) {
+    uint c = there[k];
+    double room = tolerance;
+    for (uint i = (yields_bits[k / 32u] >> (k % 32u) & 1u) != 0u ? 0u : there_count; i < there_count; ++i) {
+      uint other = there[i];
       if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) room = min(room, plane_gap[c] + plane_gap[other]);
     }
-    if (subgroupAny(room < tolerance)) room = subgroupMin(room);
-    if (subgroupElect()) yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
+    yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
   }
   barrier();
   dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
@@ -393,24 +409,27 @@ void Solve() {
     }
     faces = max(faces, at + 1u);
   }
-  double largest = 0.0lf;
-  for (uint f = 0; f < kFaces; ++f) largest = max(largest, multiplier_of[f]);
-  dvec3 cutting = dvec3(0.0lf);
-  for (uint f = 0; f < kFaces; ++f) {
-    double size = length(hold_of[f]);
+  double largest = max(max(multiplier_of[0], multiplier_of[1]), max(multiplier_of[2], multiplier_of[3]));
+  for (uint f = lane; f < kFaces; f += kLanes) {
+    dvec3 hold_f = f == 0u ? hold_of[0] : f == 1u ? hold_of[1] : f == 2u ? hold_of[2] : hold_of[3];
+    double multiplier = f == 0u ? multiplier_of[0] : f == 1u ? multiplier_of[1] : f == 2u ? multiplier_of[2] : multiplier_of[3];
+    double cuts = f == 0u ? cutting_of[0] : f == 1u ? cutting_of[1] : f == 2u ? cutting_of[2] : cutting_of[3];
+    int known = f == 0u ? known_of[0] : f == 1u ? known_of[1] : f == 2u ? known_of[2] : known_of[3];
+    double size = length(hold_f);
+    resultant_of[f] = dvec3(0.0lf);
     if (size <= 0.0lf) continue;
-    dvec3 n = hold_of[f] / size;
-    if (known_of[f] >= 0) {
-      vec4 sum = face_sum[known_of[f]];
-      if (sum.x > 0.0) {
-        double narrow = length(dvec3(sum.yzw)) / double(sum.x);
-        double exact = clamp(max(4.0lf * (1.0lf - largest / normal), (0.983lf - narrow) / 0.013lf), 0.0lf, 1.0lf);
-        n = normalize((1.0lf - exact) * normalize(dvec3(sum.yzw)) + exact * n);
-      }
+    dvec3 n = hold_f / size;
+    vec4 sum = face_sum[max(known, 0)];
+    if (known >= 0 && sum.x > 0.0) {
+      double weighed = length(dvec3(sum.yzw)), narrow = weighed / double(sum.x);
+      double exact = clamp(max(4.0lf * (1.0lf - largest / normal), (0.983lf - narrow) / 0.013lf), 0.0lf, 1.0lf);
+      n = normalize((1.0lf - exact) * (dvec3(sum.yzw) / weighed) + exact * n);
     }
-    double share = multiplier_of[f] / normal;
-    cutting += cutting_of[f] / multiplier_of[f] * (free_share * size * n + (1.0lf - free_share) * share * held.point);
+    double share = multiplier / normal;
+    resultant_of[f] = cuts / multiplier * (free_share * size * n + (1.0lf - free_share) * share * held.point);
   }
+  barrier();
+  dvec3 cutting = resultant_of[0] + resultant_of[1] + resultant_of[2] + resultant_of[3];
 
   dvec3 delta = held.point + friction;
   // the way to the target of the tool point that moves farthest
