@@ -172,6 +172,9 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     f.live_point_count = lists.points;
     f.shaft_count = lists.shaft;
     f.span_count = lists.spans;
+    f.frame_work = {.x = program->GroupsOfOneDispatch(std::max({lists.balls, lists.points, lists.shaft})),
+                    .y = 1,
+                    .z = 1};
   } else {
     FindWork(f, mode);
     SetUploads(f);
@@ -183,15 +186,21 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     lists.built_m = start_m;
     if (!brute_force) MeasureDrift(f);
   }
+  const bool at_once = f.frame_work.x > 0;
   std::memcpy(&program->frame(), &f, sizeof(Frame));
-  if (!program->Run(mode, brute_force         ? kBruteTimeout_ns
-                          : memory.frame == 0 ? kWarmUpTimeout_ns
-                                              : kFrameTimeout_ns))
+  if (!program->Run(at_once ? FrameMode::kOneDispatch : mode, brute_force         ? kBruteTimeout_ns
+                                                              : memory.frame == 0 ? kWarmUpTimeout_ns
+                                                                                  : kFrameTimeout_ns))
     return false;
   const Frame& done = program->result();
+  if (at_once && done.gave_up != 0) {
+    program->GiveUpOneDispatch();
+    return RunFrame(prepared, mode);
+  }
   stats = {.active_balls = done.live_ball_count,
            .active_points = done.live_point_count,
-           .lists_made = mode != FrameMode::kLists};
+           .lists_made = mode != FrameMode::kLists,
+           .one_dispatch = at_once};
   if (mode == FrameMode::kLists) return true;
   if (pool) pool->Uploaded();
   lists.made = done.too_many == 0;

@@ -24,22 +24,23 @@ void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
     pair.tool_radius_m = tool.balls[t].radius_m;
   }
   for (std::size_t f = 0; f < kFaces; ++f) {
-    const auto sum = [&](std::size_t row, std::size_t column, double scale) {
-      return Total(done.face_sums[(row * kFaces + f) * kFaceColumns + column], scale);
+    const auto weight = [&](std::size_t row, std::size_t column) {
+      return static_cast<double>(done.exact.face_sums[(row * kFaces + f) * 4 + column]) /
+             (kFiner * done.face_scale);
     };
-    const auto vector = [&](std::size_t row, std::size_t column, double scale) {
-      return Vector3(sum(row, column, scale), sum(row, column + 1, scale), sum(row, column + 2, scale));
+    const auto place = [&](std::size_t row, std::size_t column) {
+      return Total(done.face_sums[(row * kFaces + f) * kFaceColumns + column], done.face_point_scale) /
+             kMillimetres;
     };
-    const double weight = done.face_scale, place = done.face_point_scale;
+    const auto place_vector = [&](std::size_t row) {
+      return Vector3(place(row, 0), place(row, 1), place(row, 2));
+    };
     simulation::FaceSums& face = near.faces[f];
-    const double cutters = sum(0, 0, weight);
-    const auto fine = [&](std::size_t column) {
-      return static_cast<double>(done.exact.face_sums[4 * f + column]) / (kFiner * done.face_scale);
-    };
-    face.weight = fine(0);
-    face.n = Vector3(fine(1), fine(2), fine(3));
-    face.center_T = vector(0, 4, place) / kMillimetres + vector(1, 4, place) / kMillimetres;
-    face.radius = (sum(0, 7, place) + sum(1, 7, place)) / kMillimetres;
+    const double cutters = weight(0, 0);
+    face.weight = cutters + weight(1, 0);
+    face.n = Vector3(weight(0, 1) + weight(1, 1), weight(0, 2) + weight(1, 2), weight(0, 3) + weight(1, 3));
+    face.center_T = place_vector(0) + place_vector(1);
+    face.radius = place(0, 3) + place(1, 3);
     if (tool.cutter_count == 1) {  // the same for all
       face.center_T += cutters * tool.balls[0].center_T_m;
       face.radius += cutters * tool.balls[0].radius_m;

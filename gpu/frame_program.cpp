@@ -1,18 +1,21 @@
 #include "gpu/frame_program.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 
 #include <fmt/format.h>
 
 #include "gpu/spirv/contact.h"
 #include "gpu/spirv/flush.h"
+#include "gpu/spirv/frame.h"
 #include "gpu/spirv/load_children.h"
 #include "gpu/spirv/near_field.h"
 #include "gpu/spirv/path_contact.h"
 #include "gpu/spirv/pick_balls.h"
 #include "gpu/spirv/pick_points.h"
 #include "gpu/spirv/remove_clear.h"
+#include "gpu/spirv/report.h"
 #include "gpu/spirv/slide_engage.h"
 #include "gpu/spirv/solve.h"
 
@@ -20,6 +23,10 @@ namespace osteon::gpu {
 namespace {
 
 constexpr std::uint32_t kMostPasses = 16;
+
+// Of a frame in one dispatch: few enough to be at work at once on any GPU of some size, enough for a ball
+// each.
+constexpr uint kGroupsOfOneDispatch = 128, kLanesOfOneDispatch = 256;
 
 // Bytes of each storage buffer, by binding.
 std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
@@ -44,6 +51,7 @@ std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
   bytes[kBindRequests] = std::max<std::size_t>(1, n.requests) * sizeof(SplitRequest);
   bytes[kBindUploads] = std::max<std::size_t>(1, n.uploads) * sizeof(SplitUpload);
   bytes[kBindBlocks] = std::max<std::size_t>(1, n.blocks) * sizeof(Block);
+  bytes[kBindReport] = sizeof(Report) + 8;
   return bytes;
 }
 
@@ -72,11 +80,18 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
                            const VulkanParams& params)
     : context_(std::move(opened)), sizes_(sizes) {
   const bool cpu = context_->info.kind == "cpu";
-  poll_ = params.fence == FencePolicy::kAuto ? !cpu : params.fence == FencePolicy::kPoll;
   gpu_ = !cpu;
+  // what splits balls is in buffers of its own, which no sum guards
+  policy_ = params.fence != FencePolicy::kAuto ? params.fence
+            : cpu                              ? FencePolicy::kWait
+            : sizes.blocks > 0                 ? FencePolicy::kPoll
+                                               : FencePolicy::kReport;
+  if (cpu && policy_ == FencePolicy::kReport) policy_ = FencePolicy::kPoll;
+  if (!params.time_passes && !params.brute_force && context_->memory_model)
+    most_groups_ = params.one_dispatch_groups.value_or(cpu ? 0 : kGroupsOfOneDispatch);
   command_pool_ =
       vk::raii::CommandPool(*context_->device, vk::CommandPoolCreateInfo({}, context_->queue_family));
-  fence_ = vk::raii::Fence(*context_->device, vk::FenceCreateInfo());
+  fence_ = vk::raii::Fence(*context_->device, vk::FenceCreateInfo(vk::FenceCreateFlagBits::eSignaled));
   const auto families = context_->physical->getQueueFamilyProperties();
   if (params.time_passes && families[context_->queue_family].timestampValidBits != 0) {
     stamp_period_ns_ = context_->physical->getProperties().limits.timestampPeriod;
@@ -93,20 +108,20 @@ void FrameProgram::MakeBuffers() {
   for (uint i = 0; i < kBindings; ++i) {
     const bool host = i == kBindTool || i == kBindItems || i == kBindGroupRefs || i >= kBindRequests;
     if (i != kBindFrame)
-      buffers_[i] = MakeBuffer(*context_, bytes[i], host ? Placement::kShared : Placement::kDevice);
+      buffers_[i] = MakeBuffer(*context_, bytes[i],
+                               i == kBindReport ? Placement::kReadBack
+                               : host           ? Placement::kShared
+                                                : Placement::kDevice);
   }
   if (!gpu_) {
     frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
-    frame_out_ = &frame_in_;
     return;
   }
-  // the host writes where the passes read, if it can; what they find is copied to where the host reads
-  // quickly
+  // the host writes where the passes read, if it can; what they find is reported to where it reads quickly
   frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kShared);
   copies_in_ = !frame_in_.device_local;
   if (copies_in_) buffers_[kBindFrame] = MakeBuffer(*context_, sizeof(Frame), Placement::kDevice);
-  own_frame_out_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
-  frame_out_ = &own_frame_out_;
+  std::memset(buffers_[kBindReport].mapped, 0, sizeof(Report));
 }
 
 void FrameProgram::Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const {
@@ -161,38 +176,59 @@ void FrameProgram::MakePipelines() {
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)},
        {4, offsetof(Constants, split), sizeof(VkBool32)}}};
-  // the solution is one subgroup's work
-  Constants alone = constants;
-  alone.lanes = context_->physical
-                    ->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
-                    .get<vk::PhysicalDeviceSubgroupProperties>()
-                    .subgroupSize;
-  const auto add = [&](const char* name, const auto& code, std::size_t groups, bool barrier) {
+  // the solution is one workgroup's work, on a processor one subgroup's
+  Constants alone = constants, merged = constants;
+  alone.lanes =
+      gpu_ ? kLanesOfOneDispatch
+           : context_->physical
+                 ->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
+                 .get<vk::PhysicalDeviceSubgroupProperties>()
+                 .subgroupSize;
+  merged.lanes = kLanesOfOneDispatch;
+  const auto add = [&](const char* name, const auto& code, const Constants& own, std::size_t groups,
+                       Then then) {
     const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                                sizeof(Constants), groups == kOne ? &alone : &constants);
+                                                sizeof(Constants), &own);
     const vk::raii::ShaderModule module(device, vk::ShaderModuleCreateInfo({}, sizeof(code), code));
     const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
                                                   &specialization);
     passes_.push_back(
         {name, vk::raii::Pipeline(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout_)),
-         groups, barrier});
+         groups, then});
+    return passes_.size() - 1;
   };
-  add("contact", kSpirv_contact, offsetof(Frame, pair_work), true);
-  add("near_field", kSpirv_near_field, offsetof(Frame, pair_work), true);
-  add("solve", kSpirv_solve, kOne, true);
-  add("slide_engage", kSpirv_slide_engage, offsetof(Frame, all_work), true);
-  add("remove_clear", kSpirv_remove_clear, offsetof(Frame, all_work), true);
-  add("path_contact", kSpirv_path_contact, offsetof(Frame, path_work), true);
-  add("pick_balls", kSpirv_pick_balls, offsetof(Frame, path_work), false);
-  add("pick_points", kSpirv_pick_points, offsetof(Frame, point_work), true);
-  add("flush", kSpirv_flush, offsetof(Frame, flush_work), true);
-  add("load_children", kSpirv_load_children, offsetof(Frame, upload_work), true);
-  run_passes_[0] = {0, 1, 2, 3, 4};
-  run_passes_[1] = {8, 6, 7, 0, 1, 2, 3, 4};
-  run_passes_[2] = {8, 5, 6, 7, 1, 2, 3, 4};
-  run_passes_[3] = {8};
+  const std::size_t pairs = offsetof(Frame, pair_work), all = offsetof(Frame, all_work);
+  std::vector<std::size_t> rest = {add("near_field", kSpirv_near_field, constants, pairs, Then::kReads),
+                                   add("solve", kSpirv_solve, alone, kOne, Then::kReads),
+                                   add("slide_engage", kSpirv_slide_engage, constants, all, Then::kReads),
+                                   add("remove_clear", kSpirv_remove_clear, constants, all, Then::kReads)};
+  if (gpu_) rest.push_back(add("report", kSpirv_report, alone, kOne, Then::kNothing));
+  const std::size_t contact = add("contact", kSpirv_contact, constants, pairs, Then::kReads);
+  const std::size_t path =
+      add("path_contact", kSpirv_path_contact, constants, offsetof(Frame, path_work), Then::kReads);
+  const std::vector<std::size_t> pick = {
+      add("pick_balls", kSpirv_pick_balls, constants, offsetof(Frame, path_work), Then::kNothing),
+      add("pick_points", kSpirv_pick_points, constants, offsetof(Frame, point_work), Then::kGroups)};
+  std::vector<std::size_t> before = {
+      add("flush", kSpirv_flush, constants, offsetof(Frame, flush_work), Then::kReads)};
   if (sizes_.blocks > 0)
-    for (const std::size_t mode : {1, 2, 3}) run_passes_[mode].insert(run_passes_[mode].begin() + 1, 9);
+    before.push_back(
+        add("load_children", kSpirv_load_children, constants, offsetof(Frame, upload_work), Then::kReads));
+  const auto in_turn = [](std::initializer_list<std::vector<std::size_t>> parts) {
+    std::vector<std::size_t> whole;
+    for (const auto& part : parts) whole.insert(whole.end(), part.begin(), part.end());
+    return whole;
+  };
+  const auto run = [&](FrameMode mode) -> std::vector<std::size_t>& {
+    return run_passes_[static_cast<std::size_t>(mode)];
+  };
+  run(FrameMode::kLists) = in_turn({{contact}, rest});
+  run(FrameMode::kListsAtProxy) = in_turn({before, pick, {contact}, rest});
+  run(FrameMode::kListsAtContact) = in_turn({before, {path}, pick, rest});
+  run(FrameMode::kFlush) = before;
+  if (most_groups_ > 0)
+    run(FrameMode::kOneDispatch) = {
+        add("frame", kSpirv_frame, merged, offsetof(Frame, frame_work), Then::kNothing)};
 
   const std::array<vk::DescriptorPoolSize, 2> size{
       {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 6}}};
@@ -252,32 +288,63 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
       c.dispatch(1, 1, 1);
     else
       c.dispatchIndirect(*frame.buffer, pass.groups);
-    if (pass.barrier)
-      barrier(Stage::eComputeShader, Access::eShaderWrite,
-              Stage::eComputeShader | Stage::eDrawIndirect | Stage::eTransfer | Stage::eHost,
-              Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead |
-                  Access::eTransferRead | Access::eHostRead);
+    const vk::AccessFlags reads = Access::eShaderRead | Access::eShaderWrite;
+    if (pass.then == Then::kReads)
+      barrier(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader, reads);
+    if (pass.then == Then::kGroups)
+      barrier(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eDrawIndirect,
+              reads | Access::eIndirectCommandRead);
     stamp();
   }
-  if (gpu_) {
-    c.copyBuffer(*frame.buffer, *own_frame_out_.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
-    barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
-  }
+  barrier(Stage::eComputeShader, Access::eShaderWrite,
+          Stage::eComputeShader | Stage::eDrawIndirect | Stage::eTransfer | Stage::eHost,
+          Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead | Access::eTransferRead |
+              Access::eHostRead);
   c.end();
   return c;
 }
 
-bool FrameProgram::Run(FrameMode mode, std::uint64_t timeout_ns) try {
-  const vk::CommandBuffer raw = *commands_[static_cast<std::size_t>(mode)];
-  last_mode_ = mode;
-  context_->device->resetFences(*fence_);
-  context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence_);
-  if (poll_) {
+uint FrameProgram::GroupsOfOneDispatch(std::size_t longest) const {
+  if (most_groups_ == 0) return 0;
+  const std::size_t needed = (longest + kLanesOfOneDispatch - 1) / kLanesOfOneDispatch;
+  return static_cast<uint>(std::clamp<std::size_t>(needed, 1, most_groups_));
+}
+
+bool FrameProgram::AwaitFence(std::uint64_t timeout_ns) {
+  if (policy_ != FencePolicy::kWait) {
     // a GPU answers within tens of microseconds: asking is quicker than being woken
     for (int i = 0; i < 20'000; ++i)
       if (fence_.getStatus() == vk::Result::eSuccess) return true;
   }
   return context_->device->waitForFences(*fence_, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
+}
+
+bool FrameProgram::AwaitReport(std::uint64_t timeout_ns) {
+  const volatile uint* number = &report().sequence;
+  const auto is_here = [&] {
+    if (*number != sequence_) return false;
+    std::atomic_thread_fence(std::memory_order_acquire);
+    std::array<uint, kFrameBytes / sizeof(uint)> words;
+    std::memcpy(words.data(), &report().frame, kFrameBytes);
+    uint sum = 0;
+    for (const uint word : words) sum += word;
+    return sum == report().sum;
+  };
+  for (int i = 0; i < 1'000'000; ++i)  // some milliseconds
+    if (is_here()) return true;
+  return AwaitFence(timeout_ns) && is_here();
+}
+
+bool FrameProgram::Run(FrameMode mode, std::uint64_t timeout_ns) try {
+  const vk::CommandBuffer raw = *commands_[static_cast<std::size_t>(mode)];
+  last_mode_ = mode;
+  frame().sequence = ++sequence_;
+  // the last frame's, which is over where its report was awaited, but for the fence
+  if (!AwaitFence(timeout_ns)) return false;
+  context_->device->resetFences(*fence_);
+  context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence_);
+  return policy_ == FencePolicy::kReport && mode != FrameMode::kFlush ? AwaitReport(timeout_ns)
+                                                                      : AwaitFence(timeout_ns);
 } catch (const std::exception&) {
   return false;
 }

@@ -23,18 +23,15 @@ struct ProgramSizes {
 };
 
 enum class FrameMode : std::size_t {
-  kLists,           ///< with the lists of an earlier frame
+  kLists,           ///< with the lists of an earlier frame, pass by pass
+  kOneDispatch,     ///< the same in one dispatch: see shaders/frame.comp
   kListsAtProxy,    ///< with lists made where the frame begins
   kListsAtContact,  ///< with lists made at first contact, found on the whole way
   kFlush,           ///< no frame: the lists' balls go back to where they are read from
 };
 
-/// A frame's passes on the device: buffers, pipelines, and four command buffers that are recorded once.
-/// Knows nothing of poses. Order of use: Open; fill the buffers; Run for each frame. Methods but Run throw
-/// vk::SystemError.
-///
-///     with the lists of an earlier frame                    contact ─▶ planes ─▶ solve ─▶ slide, engage ─▶
-///     remove, clear with lists made anew      path contact ─▶ pick balls, points ─▶ planes ─▶ …
+/// A frame's passes on the device: buffers, pipelines, and the command buffers, recorded once. Knows nothing
+/// of poses. Order of use: fill the buffers; Run for each frame. Methods but Run throw vk::SystemError.
 class FrameProgram {
  public:
   /// Empty where the device has room for all that; else the reason, in words.
@@ -42,9 +39,12 @@ class FrameProgram {
 
   FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& sizes, const VulkanParams& params);
 
-  /// The frame that the next Run works on, and after it what it has found. Host memory.
+  /// The frame that the next Run works on, and after it what it has found. Host memory; the first may be
+  /// slow to read.
   [[nodiscard]] Frame& frame() { return *static_cast<Frame*>(frame_in_.mapped); }
-  [[nodiscard]] const Frame& result() const { return *static_cast<const Frame*>(frame_out_->mapped); }
+  [[nodiscard]] const Frame& result() const {
+    return gpu_ ? report().frame : *static_cast<const Frame*>(frame_in_.mapped);
+  }
   /// Host memory of a buffer that is written before each frame: kBindTool, kBindItems, kBindGroupRefs;
   /// or that the host and the device share: kBindRequests, kBindUploads, kBindBlocks.
   template <class T>
@@ -52,7 +52,7 @@ class FrameProgram {
     return static_cast<T*>(buffers_[binding].mapped);
   }
 
-  /// One submit. False where the device is lost or the time is up.
+  /// One submit. False where the device is lost or the time is up; frame() must be written anew for the next.
   bool Run(FrameMode mode, std::uint64_t timeout_ns);
 
   /// Whether the last run is over; waits for it that long.
@@ -68,28 +68,41 @@ class FrameProgram {
   /// List entries that one invocation looks at: a processor wants few, long workgroups, a GPU many.
   [[nodiscard]] uint chunk() const { return context_->info.kind == "cpu" ? 256 : 1; }
   [[nodiscard]] uint lanes() const { return context_->info.kind == "cpu" ? 8 : kGroupSize; }
+  /// Workgroups of a frame in one dispatch over lists of that length; 0: pass by pass.
+  [[nodiscard]] uint GroupsOfOneDispatch(std::size_t longest) const;
+  /// Its workgroups are not at work at once on this device: pass by pass from now on.
+  void GiveUpOneDispatch() { most_groups_ = 0; }
 
  private:
+  // What the next pass needs of a pass: nothing, what it wrote, or also how many workgroups it is to have.
+  enum class Then { kNothing, kReads, kGroups };
   struct Pass {
     const char* name;
     vk::raii::Pipeline pipeline;
     std::size_t groups;  ///< offset in Frame of its indirect arguments; kOne: one workgroup
-    bool barrier;        ///< false where the next pass does not need this one's results
+    Then then;
   };
   static constexpr std::size_t kOne = ~std::size_t{0};
 
+  [[nodiscard]] const Report& report() const {
+    return *static_cast<const Report*>(buffers_[kBindReport].mapped);
+  }
   void MakeBuffers();
   [[nodiscard]] const Buffer& FrameBuffer() const { return copies_in_ ? buffers_[kBindFrame] : frame_in_; }
   void MakePipelines();
-  vk::raii::CommandBuffer Record(const std::vector<std::size_t>& passes) const;
+  [[nodiscard]] vk::raii::CommandBuffer Record(const std::vector<std::size_t>& passes) const;
+  [[nodiscard]] bool AwaitFence(std::uint64_t timeout_ns);
+  [[nodiscard]] bool AwaitReport(std::uint64_t timeout_ns);
   void Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const;
 
   std::unique_ptr<Context> context_;
   ProgramSizes sizes_;
   std::array<Buffer, kBindings> buffers_;
-  Buffer frame_in_, own_frame_out_;
-  const Buffer* frame_out_{nullptr};
-  bool gpu_{false}, copies_in_{false};
+  Buffer frame_in_;
+  bool gpu_{false};
+  bool copies_in_{false};  ///< the host can't write where the passes read
+  uint most_groups_{0};    ///< of a frame in one dispatch
+  uint sequence_{0};       ///< of the last report
   std::vector<vk::raii::BufferView> views_;
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};
@@ -97,13 +110,13 @@ class FrameProgram {
   vk::raii::DescriptorSets sets_{nullptr};
   vk::raii::CommandPool command_pool_{nullptr};
   std::vector<Pass> passes_;
-  std::array<std::vector<std::size_t>, 4> run_passes_;  // by mode
+  std::array<std::vector<std::size_t>, 5> run_passes_;  // by mode
   std::vector<vk::raii::CommandBuffer> commands_;
   FrameMode last_mode_{FrameMode::kLists};
   vk::raii::Fence fence_{nullptr};
   vk::raii::QueryPool stamps_{nullptr};
   double stamp_period_ns_{0.0};  ///< 0: passes are not timed
-  bool poll_{false};             ///< ask for the fence instead of waiting: quicker on a GPU
+  FencePolicy policy_{FencePolicy::kWait};
 };
 
 }  // namespace osteon::gpu

@@ -2,6 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_vote : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #include "layout.h"
@@ -14,7 +15,16 @@ layout(constant_id = 0) const uint kChunk = 1;          // list entries that one
 layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
 layout(constant_id = 4) const bool kSplit = false;      // large balls are split
 
-layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
+#ifdef ONE_DISPATCH
+// what one workgroup writes and another reads: see Meet
+#extension GL_KHR_memory_scope_semantics : require
+#define SHARED_BY_GROUPS nonprivate
+#else
+#define SHARED_BY_GROUPS
+#endif
+layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS buffer FrameBuffer { Frame frame; };
+layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
+layout(scalar, binding = kBindReport) buffer ReportBuffer { uvec4 report_words[]; };
 layout(scalar, binding = kBindToolGroups) readonly buffer ToolGroupBuffer { ToolGroup tool_groups[]; };
 layout(scalar, binding = kBindItems) readonly buffer ItemBuffer { Item items[]; };
 layout(scalar, binding = kBindGroupRefs) readonly buffer GroupRefBuffer { uint group_refs[]; };
@@ -89,9 +99,20 @@ bool IsVoid() {
   return (frame.lists_at_contact == 0u && far) || frame.too_many != 0u;
 }
 
-// This invocation's share of a list: for (uint slot = ChunkBegin(); slot < ChunkEnd(count); slot += kLanes)
+// A pass's rows are workgroups of their own; in one dispatch each workgroup takes all of them.
+const uint kAllRows = 16u;
+bool Takes(uint row, uint part) { return row == part || row == kAllRows; }
+
+// This invocation's share of a list: for (uint slot = ChunkBegin(); slot < ChunkEnd(count); slot += ChunkStep())
+#ifdef ONE_DISPATCH
+uint ChunkBegin() { return gl_GlobalInvocationID.x; }
+uint ChunkEnd(uint count) { return count; }
+uint ChunkStep() { return gl_NumWorkGroups.x * kLanes; }
+#else
 uint ChunkBegin() { return gl_WorkGroupID.x * kChunk * kLanes + gl_LocalInvocationID.x; }
 uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * kChunk * kLanes); }
+uint ChunkStep() { return kLanes; }
+#endif
 
 // Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
 vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }

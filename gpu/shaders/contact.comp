@@ -1,55 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass 1 over the lists of the frames before: while the tool stays near where they were made, first contact is with one of
-// them. Row 0: live balls and the balls that cut; row 1: pairs with those that do not.
 #include "common.glsl"
-#include "first_contact.glsl"
+#include "contact.glsl"
 
-// The pair, where it may be met before what was found so far: float `first`, exactly `s`.
-#define MEET(ball, t, start, m)                                                                             \
-  {                                                                                                         \
-    float earliest = EarliestContact(ball.xyz - start.xyz, m, start.w + ball.w, frame.rounding_mm);         \
-    for (uint may = ball.w > 0.0 && earliest < first ? 0 : 1; may < 1; ++may) {                             \
-      dvec4 from = ExactStart(t);                                                                           \
-      s = min(s, ExactFirstContact(dvec3(ball.xyz) - from.xyz, ExactGoal(t) - from.xyz, from.w + ball.w));  \
-      first = AtLeast(s);                                                                                     \
-    }                                                                                                       \
-  }
-
-void main() {
-  uint row = gl_WorkGroupID.y;
-  double s = 2.0lf;
-  float first = 2.0;
-  uint end = row == 0u ? ChunkEnd(frame.live_ball_count) : 0u;
-  if (kOneCutter) {
-    vec4 start = Start(0);
-    vec3 m = Goal(0) - start.xyz;
-    for (uint slot = ChunkBegin(); slot < end; slot += kLanes) {
-      vec4 ball = LiveBall(slot);
-      MEET(ball, 0u, start, m)
-    }
-  } else {
-    for (uint slot = ChunkBegin(); slot < end; slot += kLanes) {
-      vec4 ball = LiveBall(slot);
-      Live entry = LiveEntry(slot);
-      uint last = ball.w > 0.0 ? entry.first + entry.count : 0u;
-      for (uint k = entry.first; k < last; ++k) {
-        uint t = ToolOfSpan(k);
-        vec4 start = Start(t);
-        MEET(ball, t, start, Goal(t) - start.xyz)
-      }
-    }
-  }
-  end = row == 1u ? ChunkEnd(frame.shaft_count) : 0u;
-  for (uint slot = ChunkBegin(); slot < end; slot += kLanes) {
-    ShaftPair pair = shaft_pairs[slot];
-    vec4 ball = LiveBall(pair.slot);
-    uint last = ball.w > 0.0 ? pair.first + pair.count : 0u;
-    for (uint k = pair.first; k < last; ++k) {
-      uint t = ToolOfSpan(k);
-      vec4 start = Start(t);
-      MEET(ball, t, start, Goal(t) - start.xyz)
-    }
-  }
-  if (s < 2.0lf) atomicMin(frame.contact_key, ToKey(s));
-}
+void main() { FindContact(gl_WorkGroupID.y); }

@@ -36,10 +36,13 @@ OSTEON_CONST uint kCuttingBinCount = 54;
 OSTEON_CONST uint kRemembered = 8;
 OSTEON_CONST uint kCandidates = 68;  // the nearest pair of each bin, then the remembered ones
 OSTEON_CONST uint kFaces = 4;
-OSTEON_CONST uint kFaceColumns = 8;  // weight, weight n (3), weight centre (3), weight radius
+OSTEON_CONST uint kFaceColumns = 4;  // weight centre (3), weight radius
 // The nearest pair of a bin is the least key: its gap from -1 mm on, its bone ball and its tool ball.
 OSTEON_CONST uint kGapBits = 26, kBoneBits = 24, kToolBits = 14;
 OSTEON_CONST float kGapUnit = 1.0f / 33554432.0f;  // mm
+
+OSTEON_CONST uint kMeetings = 4;  // of all workgroups of a frame in one dispatch
+OSTEON_CONST uint kMostSpins = 20000;
 
 // A sum in fixed point: high * 2^16 + low, in units of 1/scale. Whole numbers add up to the same in any
 // order, so that a frame's result does not depend on scheduling.
@@ -68,8 +71,8 @@ struct Exact {
   dvec3 step;                                      // of the proxy's advance
   OSTEON_ARRAY(int64_t, engaged, 2 * kMaxMaterials);  // area and moment by material, in units of 2^-40 of the largest
   OSTEON_ARRAY(uint64_t, removed, kMaxMaterials);     // cleared volume in units of the bone's
-  // weights and weights times normals by face, in units of 1 / (face_scale kFiner)
-  OSTEON_ARRAY(int64_t, face_sums, 4 * kFaces);
+  // weight and weight n of each face, in units of 1 / (face_scale kFiner); row 0: balls that cut; row 1: those that do not
+  OSTEON_ARRAY(int64_t, face_sums, 2 * kFaces * 4);
 };
 
 // Arguments of an indirect dispatch.
@@ -157,14 +160,30 @@ struct Frame {
   vec4 friction_mm;  // its share of delta; w: the slack of the hold
   vec4 shift_mm;     // straight, from first contact to the target
   uint candidate_count;
-  uint shaft_candidate;  // from here on of balls that do not cut, then the remembered ones
+  uint shaft_candidate, shaft_end;  // those of balls that do not cut; then the remembered ones
   uint hold_count;       // candidates that hold the tool, and how much
   OSTEON_ARRAY(uint, hold_candidate, 4);
   OSTEON_ARRAY(Candidate, candidates, kCandidates);
-  // row 0: balls that cut (with a single one: weight and weight n alone); row 1: those that do not
+  // row 0: balls that cut (nothing with a single one); row 1: those that do not
   OSTEON_ARRAY(Sum, face_sums, 2 * kFaces * kFaceColumns);
   uint request_count;  // of balls that should be split; may be above the capacity
-  uint tool_rest;  // of the tool's texels, the first of what floats leave
+  uint tool_rest;      // of the tool's texels, the first of what floats leave
+
+  // a frame in one dispatch: see frame.comp
+  Groups frame_work;
+  uint sequence;  // the report's
+  uint gave_up;   // 1: the workgroups were not all at work at once, nothing was changed
+  OSTEON_ARRAY(uint, arrived, kMeetings);
+  OSTEON_ARRAY(uint, gates, kMeetings);
+  OSTEON_ARRAY(uint, unused_pad, 1);
+};
+
+OSTEON_CONST uint kFrameBytes = 4672u;
+
+// What the host reads of a frame: its bytes, and then (with a sum over their words, so that it can't be half there) its number.
+struct Report {
+  Frame frame;
+  uint sum, sequence;
 };
 
 // A ball that was touched and is so large that it should be split.
@@ -233,21 +252,22 @@ OSTEON_CONST uint kBindSlots = 16;     // of each ball in the list of live balls
 OSTEON_CONST uint kBindRequests = 17;  // SplitRequest
 OSTEON_CONST uint kBindUploads = 18;   // SplitUpload
 OSTEON_CONST uint kBindBlocks = 19;    // Block
-OSTEON_CONST uint kBindings = 20;
+OSTEON_CONST uint kBindReport = 20;
+OSTEON_CONST uint kBindings = 21;
 // The lists' copies again, to read: software drivers fetch a texel at once, but a buffer's words one by one.
-OSTEON_CONST uint kBindBallTexels = 20;
-OSTEON_CONST uint kBindPointTexels = 21;
+OSTEON_CONST uint kBindBallTexels = 21;
+OSTEON_CONST uint kBindPointTexels = 22;
 // tool, spans and the entries of both lists, to read
-OSTEON_CONST uint kBindToolTexels = 22, kBindSpanTexels = 23, kBindEntryTexels = 24,
-                  kBindPointEntryTexels = 25;
+OSTEON_CONST uint kBindToolTexels = 23, kBindSpanTexels = 24, kBindEntryTexels = 25,
+                  kBindPointEntryTexels = 26;
 
 OSTEON_CONST uint kBallsPerBuffer = 8000000;  // a binding holds 128 MiB on every device
 OSTEON_CONST uint kCleared = 256;
 
 #ifdef __cplusplus
-static_assert(sizeof(Frame) % 8 == 0);
+static_assert(sizeof(Frame) == kFrameBytes && kFrameBytes % 16 == 0 && sizeof(Report) == kFrameBytes + 8);
 static_assert(offsetof(Frame, exact) == 8 * 63);
-static_assert(sizeof(Exact) == 8 * (9 + 9 + 16 + 12 + 9 + 1 + 4 + 3 + 16 + 3 + 24 + 16));
+static_assert(sizeof(Exact) == 8 * (9 + 9 + 16 + 12 + 9 + 1 + 4 + 3 + 16 + 3 + 24 + 32));
 static_assert(sizeof(Candidate) == 32);
 static_assert(sizeof(Item) == 12 && sizeof(Live) == 16 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
 static_assert(sizeof(SplitRequest) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 12);

@@ -44,11 +44,11 @@ Advance AdvanceOfFrame(double at_contact, Slide slide) {
   dvec3 slide_mm = AfterSlide(slide, origin, frame.exact.goal) - origin;
   dvec3 step_mm = -advance * frame.exact.n;
   // balls that do not cut hold it back
-  for (uint c = frame.shaft_candidate; c < frame.candidate_count; ++c) {
+  for (uint c = frame.shaft_candidate; c < frame.shaft_end; ++c) {
     Candidate shaft = frame.candidates[c];
     dvec3 n = dvec3(shaft.n_x, shaft.n_y, shaft.n_z);
     double closing = -dot(n, step_mm) - max(0.0lf, double(shaft.gap_mm) + dot(n, slide_mm));
-    if (shaft.source < kBins && closing > 0.0lf) step_mm += closing * n;
+    if (closing > 0.0lf) step_mm += closing * n;
   }
   return Advance(advance, edge_work, step_mm);
 }

@@ -3,6 +3,7 @@
 // so that the executable travels to a machine with a GPU; `osteon bench frame` times the same workload.
 //
 //     osteon_frame_bench [FRAMES] [--device NAME] [--spheres N] [--uniform] [--tool-spheres M] [--brute]
+//     [--pass-by-pass]
 //                        [--scene CELL.yaml --motion FILE.csv] [--rate HZ]
 //
 // Prints a CSV header and one row; times are wall time around CuttingEngine::Step, and the device's own by
@@ -27,7 +28,7 @@ struct Options {
   std::string device, scene, motion;
   double rate_hz{1000.0};
   std::size_t spheres{0}, tool_spheres{1};
-  bool uniform{false}, brute{false};
+  bool uniform{false}, brute{false}, pass_by_pass{false};
 };
 
 template <typename T>
@@ -40,8 +41,10 @@ bool Read(const std::string& text, T& value, T least, T most) {
 std::string ReadOptions(const std::vector<std::string>& words, Options& options) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (word == "--uniform" || word == "--brute") {
-      (word == "--brute" ? options.brute : options.uniform) = true;
+    if (word == "--uniform" || word == "--brute" || word == "--pass-by-pass") {
+      (word == "--brute"     ? options.brute
+       : word == "--uniform" ? options.uniform
+                             : options.pass_by_pass) = true;
       continue;
     }
     const bool option = word.starts_with("--");
@@ -92,9 +95,12 @@ simulation::FrameWorkload MakeWork(const Options& options) {
 int Run(const Options& options) {
   const simulation::FrameWorkload work = MakeWork(options);
   const auto make = [&](bool time_passes, bool brute) {
-    auto engine = gpu::VulkanEngine::Create(
-        work.bone, work.tool, Pose::Identity(), work.cutting,
-        {.device = options.device, .time_passes = time_passes, .brute_force = brute});
+    gpu::VulkanParams vulkan;
+    vulkan.device = options.device;
+    vulkan.time_passes = time_passes;
+    vulkan.brute_force = brute;
+    if (options.pass_by_pass) vulkan.one_dispatch_groups = 0;
+    auto engine = gpu::VulkanEngine::Create(work.bone, work.tool, Pose::Identity(), work.cutting, vulkan);
     if (!engine) throw std::runtime_error(engine.error());
     return std::move(*engine);
   };
@@ -147,12 +153,12 @@ int Run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   if (const std::string wrong = ReadOptions({argv + 1, argv + argc}, options); !wrong.empty()) {
-    std::fprintf(
-        stderr,
-        "osteon_frame_bench: %s\nusage: osteon_frame_bench [FRAMES, at least 2] [--device NAME] "
-        "[--spheres N, 100 … 20000000] [--uniform]\n           [--tool-spheres M, 1 … 10000] [--brute] "
-        "[--scene CELL.yaml --motion FILE.csv] [--rate HZ, 10 … 10000]\n",
-        wrong.c_str());
+    std::fprintf(stderr,
+                 "osteon_frame_bench: %s\nusage: osteon_frame_bench [FRAMES, at least 2] [--device NAME] "
+                 "[--spheres N, 100 … 20000000] [--uniform]\n           [--tool-spheres M, 1 … 10000] "
+                 "[--brute] [--pass-by-pass] "
+                 "[--scene CELL.yaml --motion FILE.csv] [--rate HZ, 10 … 10000]\n",
+                 wrong.c_str());
     return 2;
   }
   try {
