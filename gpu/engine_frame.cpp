@@ -47,12 +47,11 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   f.exact.spindle_rad_per_s = input.spindle_rad_per_s;
   f.exact.dt_s = input.dt_s;
   f.exact.work_held_back = memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres;
-  double far_m = extent_m, way_m = (X_GT.translation() - memory.X_GP.translation()).norm();
+  double way_m = (X_GT.translation() - memory.X_GP.translation()).norm();
   for (std::size_t t = 0; t < start_m.size(); ++t) {
     way_m = std::max(way_m, (goal_m[t] - start_m[t]).norm());
-    far_m = std::max({far_m, start_m[t].cwiseAbs().maxCoeff(), goal_m[t].cwiseAbs().maxCoeff()});
   }
-  f.rounding_mm = static_cast<float>(kMillimetres * (kPlaceRounding * far_m + kWayRounding_per_m * way_m * way_m));
+  f.rounding_mm = static_cast<float>(kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / least_radius_m));
   if (lists.made && !brute_force) MeasureDrift(f);
   // slide and advance together: at most max_slide, but for the immediate law, which goes all the way
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);

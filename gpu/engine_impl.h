@@ -36,8 +36,8 @@ inline constexpr std::uint64_t kWarmUpTimeout_ns =
 inline constexpr std::uint64_t kBruteTimeout_ns =
     900'000'000'000;  // every pair in every pass: a measurement, no product
 // What floats may make of a distance: eight units in the last place of the places' own size, and, along a way
-// that is long beside the balls, of its square over the least sum of radii (1 mm assumed).
-inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding_per_m = 1e-6 / 1e-3;
+// that is long beside the balls, of its square over the sum of radii.
+inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
 inline constexpr double kFiner = 262144.0;  // of the engaged area's units: exact.glsl
 // How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
 // are mostly far from bone, so a wide margin costs nothing.
@@ -102,7 +102,8 @@ struct VulkanEngine::Impl {
   std::optional<SplitPool> pool;  // of balls that are split
   std::size_t ball_clusters{0};   // with those of the pool
   double unit_mm3{1.0};
-  double extent_m{0.0};           // of the bone: its largest coordinate
+  // the largest coordinate of a tool ball that can touch; the least tool ball
+  double extent_m{0.0}, least_radius_m{1.0};
   bool lost{false}, brute_force{false};
   FrameStats stats;
   simulation::NearField near;  // of the last frame: its faces alone

@@ -49,6 +49,12 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   ball_tree = ClusterTree(data);
   for (const simulation::Ball& ball : bone.balls)
     extent_m = std::max(extent_m, Vector3(ball.center_m).cwiseAbs().maxCoeff() + ball.radius_m);
+  double largest_m = 0.0;
+  for (const ToolLayout::Item& ball : tool.balls) {
+    largest_m = std::max(largest_m, ball.radius_m);
+    least_radius_m = std::min(least_radius_m, ball.radius_m);
+  }
+  extent_m += largest_m;
   data.resize(AllBalls(), vec4{0, 0, 0, 0});
   WriteBalls(*program, data.data(), data.size());
 

@@ -23,6 +23,20 @@ dvec4 ExactAtContact(uint t, double s) {
   return dvec4(start.xyz + s * (ExactGoal(t) - start.xyz), start.w);
 }
 
+// 1 / sqrt(x): that of floats, and two steps of Newton's. Square roots and divisions of doubles take long. x > 0.
+double InverseRoot(double x) {
+  double r = double(inversesqrt(float(x)));
+  r *= 1.5lf - 0.5lf * x * r * r;
+  return r * (1.5lf - 0.5lf * x * r * r);
+}
+
+// To whole numbers, as additions round them: |x| < 2^51.
+dvec2 Rounded(dvec2 x) {
+  precise dvec2 up = x + 6755399441055744.0lf, whole = up - 6755399441055744.0lf;
+  return whole;
+}
+dvec4 Rounded(dvec4 x) { return dvec4(Rounded(x.xy), Rounded(x.zw)); }
+
 // Pass 1, one pair.
 double ExactFirstContact(dvec3 D, dvec3 m, double R) {
   double Dm = dot(D, m);
@@ -33,7 +47,7 @@ double ExactFirstContact(dvec3 D, dvec3 m, double R) {
   return misses ? 2.0lf : s;
 }
 
-// Units of the engaged sums, of area_scale and moment_scale.
+// Parts of the units of face_scale, area_scale and moment_scale.
 const double kFiner = 262144.0lf;
 
 // The slide that is done: with the turn, or straight where bone keeps the tool from turning (twin of

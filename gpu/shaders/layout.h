@@ -69,7 +69,8 @@ struct Exact {
   OSTEON_ARRAY(dvec3, hold_n, 4);  // of what holds the tool
   OSTEON_ARRAY(double, hold, 4);   // and how much
   dvec3 step;                                      // of the proxy's advance
-  OSTEON_ARRAY(int64_t, engaged, 2 * kMaxMaterials);  // area and moment by material, in units of 2^-40 of the largest
+  // area and moment by material, in units of 1 / (area_scale kFiner) and 1 / (moment_scale kFiner)
+  OSTEON_ARRAY(int64_t, engaged, 2 * kMaxMaterials);
   OSTEON_ARRAY(uint64_t, removed, kMaxMaterials);     // cleared volume in units of the bone's
   // weight and weight n of each face, in units of 1 / (face_scale kFiner); row 0: balls that cut; row 1: those that do not
   OSTEON_ARRAY(int64_t, face_sums, 2 * kFaces * 4);

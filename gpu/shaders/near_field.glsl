@@ -2,25 +2,19 @@
 // whole-number keys, and lens-weighted sums (equation 4, corrected) around the normals of the faces that pressed the frame
 // before. Row 0: live balls and the balls that cut; row 1: pairs with those that do not.
 
-const float kPi = 3.14159265358979;
-const float kLargestLens = 0.5;   // mm^3, simulation::kLargestLensVolume
+const double kPi = 3.14159265358979323846lf;
+const double kLargestLens = 0.5lf;   // mm^3, simulation::kLargestLensVolume
 const float kFaceCosine = 0.866;  // simulation::kFaceCosine
 const double kMiddleWorth_mm = 0.05lf;  // simulation::kMiddleWorth_m
-const double kExactFaceCosine = 0.866lf, kExactLargestLens = 0.5lf, kExactPi = 3.14159265358979323846lf;
+const double kExactFaceCosine = 0.866lf;
 const float kBinEdge = 1e-5;  // so near to a bin's edge, floats do not tell the side
 
-float LensVolume(float r1, float r2, float d, float per_d) {
-  float dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
-  float lens = kPi / 12.0 * over * over * (d * d + 2.0 * d * (r1 + r2) - 3.0 * dr * dr) * per_d;
-  float v = d <= abs(dr) ? 4.0 / 3.0 * kPi * least * least * least : lens;
-  return over <= 0.0 ? 0.0 : v;
-}
-
-double ExactLensVolume(double r1, double r2, double d) {
+// Twin of simulation::LensVolume, up to the largest that counts.
+double ExactLensVolume(double r1, double r2, double d, double per_d) {
   double dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
-  if (over <= 0.0lf) return 0.0lf;
-  if (d <= abs(dr)) return 4.0lf / 3.0lf * kExactPi * least * least * least;
-  return kExactPi * over * over * (d * d + 2.0lf * d * (r1 + r2) - 3.0lf * dr * dr) / (12.0lf * d);
+  double lens = kPi / 12.0lf * over * over * (d * d + 2.0lf * d * (r1 + r2) - 3.0lf * dr * dr) * per_d;
+  double v = d <= abs(dr) ? 4.0lf / 3.0lf * kPi * least * least * least : lens;
+  return over <= 0.0lf ? 0.0lf : min(v, kLargestLens);
 }
 
 // Twin of simulation::FindBin; u in T.
@@ -67,16 +61,14 @@ ExactBin FindExactBin(dvec3 u, bool cutting) {
 // Sums of one face over this invocation's pairs, in whole units as high * 2^16 + low: weight and weight·n, weight·centre
 // and weight·radius.
 struct Part {
-  i64vec4 n;
+  dvec4 n;  // whole numbers below 2^53: their sums are exact
   ivec4 c_high, c_low;
 };
-const Part kNone = Part(i64vec4(0L), ivec4(0), ivec4(0));
+const Part kNone = Part(dvec4(0.0lf), ivec4(0), ivec4(0));
 
 struct Pair {
   vec3 n;
-  float lens;  // 0: too far
-  dvec3 exact_n;
-  double exact_lens;
+  bool near;
 };
 
 // What all pairs of an invocation share.
@@ -85,37 +77,31 @@ struct Near {
   float enlargement, face_scale, face_point_scale;
   uint faces;
   float rounding;
-  double exact_s;
+  // the same exactly, and the only cutter, where there is but one
+  double exact_s, exact_enlargement, exact_face_scale;
+  dvec3 exact_face_0, exact_face_1, exact_face_2, exact_face_3;
+  dvec4 exact_only;
 };
 
 // The pair, its key taken to its bin. `bone` is the ball's number, or that of its entry in the list where it is not known yet.
 Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, uint t, bool cutting) {
   vec3 from_bone = at - ball.xyz;
   float d = length(from_bone), per_d = 1.0 / max(d, 1e-20), gap = d - r_t - ball.w;
-  Pair pair = Pair(from_bone * per_d, 0.0, dvec3(0.0lf), 0.0lf);
-  bool is_near = ball.w > 0.0 && d > 0.0 && gap < near.enlargement;
-  pair.lens = is_near ? min(LensVolume(r_t + near.enlargement, ball.w, d, per_d), kLargestLens) : 0.0;
-  for (uint fine = ball.w > 0.0 && gap < near.enlargement + near.rounding ? 0 : 1; fine < 1; ++fine) {
-    dvec4 exact_at = ExactAtContact(t, near.exact_s);
-    dvec3 exact_from = exact_at.xyz - dvec3(ball.xyz);
-    double exact_d = length(exact_from);
-    pair.exact_n = exact_from / exact_d;
-    pair.exact_lens = min(ExactLensVolume(exact_at.w + frame.exact.enlargement, double(ball.w), exact_d), kExactLargestLens);
-  }
+  Pair pair = Pair(from_bone * per_d, ball.w > 0.0 && gap < near.enlargement + near.rounding);
   vec3 u = vec3(dot(pair.n, near.axis_x), dot(pair.n, near.axis_y), dot(pair.n, near.axis_z));
   Bin bin = FindBin(u, cutting);
   float least = clamp(gap + float(kMiddleWorth_mm) * bin.off_middle + 1.0 - near.rounding, 0.0, 1.999) / kGapUnit;
   // a loop, since software drivers execute a branch that nobody takes
-  bool may = ball.w > 0.0 && gap < near.enlargement + near.rounding &&
-             (bin.inside < kBinEdge || uint(least) <= uint(frame.bin_keys[bin.number] >> (kBoneBits + kToolBits)));
+  bool may = pair.near && (bin.inside < kBinEdge || uint(least) <= uint(frame.bin_keys[bin.number] >> (kBoneBits + kToolBits)));
   for (uint better = may ? 0 : 1; better < 1; ++better) {
     uint own = bone;
     if (is_slot) own = LiveEntry(bone).index;
-    dvec4 exact_at = ExactAtContact(t, near.exact_s);
+    dvec4 exact_at = near.exact_only;
+    if (!kOneCutter || !cutting) exact_at = ExactAtContact(t, near.exact_s);
     dvec3 exact_from = exact_at.xyz - dvec3(ball.xyz);
-    double exact_d = length(exact_from), exact_gap = exact_d - exact_at.w - double(ball.w);
-    if (exact_d <= 0.0lf || exact_gap >= frame.exact.enlargement) continue;
-    dvec3 n = exact_from / exact_d;
+    double exact_dd = dot(exact_from, exact_from), per_exact_d = InverseRoot(max(exact_dd, 1e-30lf)), exact_d = exact_dd * per_exact_d, exact_gap = exact_d - exact_at.w - double(ball.w);
+    if (exact_d <= 0.0lf || exact_gap >= near.exact_enlargement) continue;
+    dvec3 n = exact_from * per_exact_d;
     ExactBin exact_bin = FindExactBin(dvec3(dot(n, dvec3(near.axis_x)), dot(n, dvec3(near.axis_y)), dot(n, dvec3(near.axis_z))), cutting);
     uint units = uint(clamp(exact_gap + kMiddleWorth_mm * exact_bin.off_middle + 1.0lf, 0.0lf, 1.999lf) / double(kGapUnit));
     atomicMin(frame.bin_keys[exact_bin.number],
@@ -124,24 +110,36 @@ Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, ui
   return pair;
 }
 
-// With one cutter an invocation looks at 256 pairs at most, whose sum fits 32 bits.
-#define GATHER(part, number, face, pair, center, radius)                     \
-  {                                                                          \
-    double inside = max(0.0lf, dot(pair.exact_n, frame.exact.face_n[number]) - kExactFaceCosine); \
-    double w = pair.exact_lens * inside * inside;                            \
-    part.n += i64vec4(round(dvec4(w, w * pair.exact_n) * (kFiner * double(near.face_scale)))); \
-    if (!kOneCutter || shaft) {                                              \
-      ivec4 own = ivec4(round(float(w) * vec4(center, radius) * near.face_point_scale));  \
-      part.c_high += own >> 16;                                              \
-      part.c_low += own & 0xffff;                                            \
-    }                                                                        \
+// The pair's share of a face's sums.
+#define GATHER(part, number, t)                                                                    \
+  {                                                                                                \
+    double inside = max(0.0lf, dot(n, near.exact_face_##number) - kExactFaceCosine);             \
+    double w = lens * inside * inside;                                                             \
+    part.n += Rounded(dvec4(w, w * n) * near.exact_face_scale);                       \
+    if (!kOneCutter || shaft) {                                                                    \
+      ivec4 own = ivec4(round(float(w) * vec4(CenterInTool(t), float(from.w)) * near.face_point_scale)); \
+      part.c_high += own >> 16;                                                                    \
+      part.c_low += own & 0xffff;                                                                  \
+    }                                                                                              \
   }
-#define GATHER_ALL(pair, center, radius)                                                              \
-  GATHER(part_0, 0, near.face_0, pair, center, radius)                                                   \
-  for (uint more = near.faces > 1u ? 0 : 1; more < 1; ++more) {                                       \
-    GATHER(part_1, 1, near.face_1, pair, center, radius)                                                 \
-    GATHER(part_2, 2, near.face_2, pair, center, radius)                                                 \
-    GATHER(part_3, 3, near.face_3, pair, center, radius)                                                 \
+// Of the pairs near the tool, few are in a face's cone.
+#define GATHER_ALL(pair, ball, t)                                                                              \
+  {                                                                                                            \
+    float inside = max(dot(pair.n, near.face_0), max(dot(pair.n, near.face_1), max(dot(pair.n, near.face_2), dot(pair.n, near.face_3)))); \
+    for (uint some = pair.near && inside > kFaceCosine - kBinEdge ? 0 : 1; some < 1; ++some) {                 \
+      dvec4 from = near.exact_only;                                                                            \
+      if (!kOneCutter || shaft) from = ExactAtContact(t, near.exact_s);                                        \
+      dvec3 n = from.xyz - dvec3(ball.xyz);                                                                    \
+      double dd = dot(n, n), per_d = InverseRoot(max(dd, 1e-30lf)), d = dd * per_d;                            \
+      double lens = ExactLensVolume(from.w + near.exact_enlargement, double(ball.w), d, per_d);              \
+      n *= per_d;                                                                            \
+      GATHER(part_0, 0, t)                                                                                        \
+      for (uint more = near.faces > 1u ? 0 : 1; more < 1; ++more) {                                            \
+        GATHER(part_1, 1, t)                                                                                      \
+        GATHER(part_2, 2, t)                                                                                      \
+        GATHER(part_3, 3, t)                                                                                      \
+      }                                                                                                        \
+    }                                                                                                          \
   }
 
 #define ADD_COLUMN(place, high_part, low_part)                    \
@@ -156,12 +154,11 @@ Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, ui
 #define FLUSH(part, number)                                                  \
   {                                                                          \
     uint face = (shaft ? kFaces : 0u) + number, place = face * kFaceColumns; \
-    int64_t any = part.n.x;                                                  \
-    for (uint some = subgroupAny(any != 0L) ? 0 : 1; some < 1; ++some) {     \
-      ADD_FINE(frame.exact.face_sums[4 * face], part.n.x)                    \
-      ADD_FINE(frame.exact.face_sums[4 * face + 1], part.n.y)                \
-      ADD_FINE(frame.exact.face_sums[4 * face + 2], part.n.z)                \
-      ADD_FINE(frame.exact.face_sums[4 * face + 3], part.n.w)                \
+    for (uint some = subgroupAny(part.n.x != 0.0lf) ? 0 : 1; some < 1; ++some) {     \
+      ADD_FINE(frame.exact.face_sums[4 * face], int64_t(part.n.x))                    \
+      ADD_FINE(frame.exact.face_sums[4 * face + 1], int64_t(part.n.y))                \
+      ADD_FINE(frame.exact.face_sums[4 * face + 2], int64_t(part.n.z))                \
+      ADD_FINE(frame.exact.face_sums[4 * face + 3], int64_t(part.n.w))                \
       if (!kOneCutter || shaft) {                                            \
         ADD_COLUMN(place, part.c_high.x, part.c_low.x)                       \
         ADD_COLUMN(place + 1, part.c_high.y, part.c_low.y)                   \
@@ -180,7 +177,9 @@ void FindNearField(uint row) {
     float s = ContactFraction();
     Near near = Near(frame.axis_x.xyz, frame.axis_y.xyz, frame.axis_z.xyz, frame.face_n[0].xyz, frame.face_n[1].xyz,
                      frame.face_n[2].xyz, frame.face_n[3].xyz, frame.enlargement_mm, frame.face_scale,
-                     frame.face_point_scale, frame.face_count, frame.rounding_mm, ExactFraction());
+                     frame.face_point_scale, frame.face_count, frame.rounding_mm, ExactFraction(), frame.exact.enlargement,
+                     kFiner * double(frame.face_scale), frame.exact.face_n[0], frame.exact.face_n[1], frame.exact.face_n[2],
+                     frame.exact.face_n[3], ExactAtContact(0, ExactFraction()));
     Part part_0 = kNone, part_1 = kNone, part_2 = kNone, part_3 = kNone;
     {
       const bool shaft = false;
@@ -189,7 +188,7 @@ void FindNearField(uint row) {
         vec4 ball = LiveBall(slot);
         if (kOneCutter) {
           Pair pair = Touch(near, ball, slot, true, only.xyz, only.w, 0u, true);
-          GATHER_ALL(pair, vec3(0.0), 0.0)
+          GATHER_ALL(pair, ball, 0u)
         } else {
           Live entry = LiveEntry(slot);
           uint last = entry.first + entry.count;
@@ -197,7 +196,7 @@ void FindNearField(uint row) {
             uint t = ToolOfSpan(k);
             vec4 at = AtContact(t, s);
             Pair pair = Touch(near, ball, entry.index, false, at.xyz, at.w, t, true);
-            GATHER_ALL(pair, CenterInTool(t), at.w)
+            GATHER_ALL(pair, ball, t)
           }
         }
       }
@@ -215,7 +214,7 @@ void FindNearField(uint row) {
           uint t = ToolOfSpan(k);
           vec4 at = AtContact(t, s);
           Pair pair = Touch(near, ball, bone, false, at.xyz, at.w, t, false);
-          GATHER_ALL(pair, CenterInTool(t), at.w)
+          GATHER_ALL(pair, ball, t)
         }
       }
       FLUSH_ALL

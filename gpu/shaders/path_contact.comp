@@ -28,11 +28,12 @@ void main() {
         float earliest = EarliestContact(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w, frame.rounding_mm);
         for (uint may = earliest < first ? 0 : 1; may < 1; ++may) {
           dvec4 from = ExactStart(t);
-          s = min(s, ExactFirstContact(dvec3(ball.xyz) - from.xyz, ExactGoal(t) - from.xyz, from.w + ball.w));
+          s = min(s, ExactFirstContact(dvec3(ball.xyz) - from.xyz, ExactGoal(t) - from.xyz, from.w + double(ball.w)));
           first = AtLeast(s);
         }
       }
     }
   }
-  if (s < 2.0lf) atomicMin(frame.contact_key, ToKey(s));
+  s = subgroupMin(s);
+  if (subgroupElect() && s < 2.0lf) atomicMin(frame.contact_key, ToKey(s));
 }

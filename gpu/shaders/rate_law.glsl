@@ -22,7 +22,7 @@ Advance AdvanceOfFrame(double at_contact, Slide slide) {
     for (uint m = 0; m < frame.material_count; ++m) {
       double own = double(frame.exact.engaged[2 * m]) / (kFiner * double(frame.area_scale));
       area += own;
-      moment += frame.exact.force_ratio[m] * (double(frame.exact.engaged[2 * m + 1]) / (kFiner * double(frame.moment_scale)));
+      moment += frame.exact.force_ratio[m] * double(frame.exact.engaged[2 * m + 1]) / (kFiner * double(frame.moment_scale));
       work_per_mm += frame.exact.cutting_energy[m] * own;
     }
     double most = max(0.0lf, frame.exact.max_slide - slide.way_mm);

@@ -18,47 +18,48 @@ Capsule MakeCapsule(vec3 a, vec3 b, float r) {
   float mm = dot(m, m);
   return Capsule(a, m, mm > 0.0 ? 1.0 / mm : 0.0, r);
 }
-float Distance(Capsule c, vec3 p) {
-  vec3 out_of_a = p - c.a;
-  return length(out_of_a - clamp(dot(out_of_a, c.m) * c.per_mm2, 0.0, 1.0) * c.m);
+float SquaredDistance(Capsule c, vec3 p) {
+  vec3 out_of_a = p - c.a, away = out_of_a - clamp(dot(out_of_a, c.m) * c.per_mm2, 0.0, 1.0) * c.m;
+  return dot(away, away);
 }
 
 // The same exactly.
 struct ExactCapsule {
   dvec3 a, m;
-  double mm, r;
+  double per_mm2, r;
 };
 ExactCapsule MakeExactCapsule(dvec3 a, dvec3 b, double r) {
   dvec3 m = b - a;
-  return ExactCapsule(a, m, dot(m, m), r);
+  double mm = dot(m, m);
+  return ExactCapsule(a, m, mm > 0.0lf ? 1.0lf / mm : 0.0lf, r);
 }
 dvec3 Away(ExactCapsule c, dvec3 p) {
   dvec3 out_of_a = p - c.a;
-  return out_of_a - (c.mm > 0.0lf ? clamp(dot(out_of_a, c.m) / c.mm, 0.0lf, 1.0lf) : 0.0lf) * c.m;
+  return out_of_a - clamp(dot(out_of_a, c.m) * c.per_mm2, 0.0lf, 1.0lf) * c.m;
 }
 bool Inside(ExactCapsule c, dvec3 p) { return length(Away(c, p)) < c.r; }
 
 // The direction in which a ball gives way whose centre lies on the axis: what rounding has left would count.
 dvec3 OnAxis(ExactCapsule c, dvec3 p, dvec3 away, double d) {
   dvec3 u = away;
-  double along = dot(p - c.a, c.m);
-  if (along > 0.0lf && along < c.mm) u -= dot(u, c.m) / c.mm * c.m;
+  double along = dot(p - c.a, c.m) * c.per_mm2;
+  if (along > 0.0lf && along < 1.0lf) u -= dot(u, c.m) * c.per_mm2 * c.m;
   dvec3 s = abs(c.m);
   dvec3 pick = s.x <= s.y && s.x <= s.z ? dvec3(1, 0, 0) : s.y <= s.z ? dvec3(0, 1, 0) : dvec3(0, 0, 1);
   double length_of_u = length(u);
-  if (length_of_u > kOnAxis * d) return u / length_of_u;
-  return normalize(c.mm > 0.0lf ? pick - dot(pick, c.m) / c.mm * c.m : pick);
+  return length_of_u > kOnAxis * d ? u / length_of_u : normalize(pick - dot(pick, c.m) * c.per_mm2 * c.m);
 }
 
 bool Swallows(ExactCapsule c, dvec4 ball) { return ball.w + c.r - length(Away(c, ball.xyz)) >= 2.0lf * ball.w; }
 
 dvec4 Shrunk(dvec4 ball, ExactCapsule c) {
   dvec3 away = Away(c, ball.xyz);
-  double d = length(away), p = ball.w + c.r - d;
-  if (ball.w <= 0.0lf || p <= 0.0lf) return ball;
-  if (p >= 2.0lf * ball.w || ball.w - 0.5lf * p < kLeastBallRadius) return dvec4(ball.xyz, 0.0lf);
-  dvec3 u = d < kOnAxis * c.r ? OnAxis(c, ball.xyz, away, d) : away / d;
-  return dvec4(ball.xyz + 0.5lf * p * u, ball.w - 0.5lf * p);
+  double d = length(away), p = ball.w > 0.0lf ? max(0.0lf, ball.w + c.r - d) : 0.0lf, half_p = 0.5lf * p;
+  dvec3 u = away * (1.0lf / max(d, 1e-20lf));
+  // a loop, since software drivers execute a branch that nobody takes
+  for (uint once = p > 0.0lf && d < kOnAxis * c.r ? 0 : 1; once < 1; ++once) u = OnAxis(c, ball.xyz, away, d);
+  bool gone = p > 0.0lf && (p >= 2.0lf * ball.w || ball.w - half_p < kLeastBallRadius);
+  return dvec4(ball.xyz + half_p * u, gone ? 0.0lf : ball.w - half_p);
 }
 
 // Both pieces of tool ball t's way.
@@ -93,13 +94,15 @@ void RemoveAndClear(uint row) {
     Way only = WayOf(0, at_contact, slid_by, advance.step_mm);
     Capsule slide = MakeCapsule(vec3(only.slide.a), vec3(only.give.a), float(only.slide.r)),
             give = MakeCapsule(vec3(only.give.a), vec3(only.give.a + only.give.m), float(only.slide.r));
+    float inner = slide.r - rounding, outer = slide.r + rounding;
 
     for (uint slot = ChunkBegin(); slot < end_balls; slot += ChunkStep()) {
       vec4 ball = LiveBall(slot), whole = ball;
       float before = ball.w;
       if (kOneCutter) {
-        float near = min(Distance(slide, ball.xyz), Distance(give, ball.xyz));
-        for (uint touched = before > 0.0 && near < before + slide.r + rounding ? 0 : 1; touched < 1; ++touched)
+        float reach = before + slide.r + rounding;
+        float least = min(SquaredDistance(slide, ball.xyz), SquaredDistance(give, ball.xyz));
+        for (uint touched = before > 0.0 && least < reach * reach ? 0 : 1; touched < 1; ++touched)
           ball = vec4(Shrunk(Shrunk(dvec4(ball), only.slide), only.give));
       } else {
         dvec4 exact_ball = dvec4(ball);
@@ -153,9 +156,9 @@ void RemoveAndClear(uint row) {
       vec4 point = LivePoint(slot);
       bool inside = false;
       if (kOneCutter) {
-        float off = min(Distance(slide, point.xyz), Distance(give, point.xyz)) - slide.r;
-        inside = off < 0.0;
-        for (uint near = abs(off) < rounding ? 0 : 1; near < 1; ++near)
+        float least = min(SquaredDistance(slide, point.xyz), SquaredDistance(give, point.xyz));
+        inside = least < inner * inner;
+        for (uint near = !inside && least < outer * outer ? 0 : 1; near < 1; ++near)
           inside = Inside(only.slide, dvec3(point.xyz)) || Inside(only.give, dvec3(point.xyz));
       } else {
         Live entry = PointEntry(slot);

@@ -4,34 +4,29 @@
 // the force (twin of ReferenceEngine::MeasureEngagement).
 #include "first_contact.glsl"
 
-#define GATHER_MATERIAL(number)                  \
-  {                                              \
-    int64_t mask = material == number ? -1L : 0L; \
-    area_##number += area_units & mask;          \
-    moment_##number += moment_units & mask;      \
+#define GATHER_MATERIAL(number) sum_##number += material == number ? units : dvec2(0.0lf);
+#define FLUSH_MATERIAL(number)                                              \
+  if (frame.material_count > number) {                                      \
+    ADD_FINE(frame.exact.engaged[2 * number], int64_t(sum_##number.x))      \
+    ADD_FINE(frame.exact.engaged[2 * number + 1], int64_t(sum_##number.y))  \
   }
-#define FLUSH_MATERIAL(number)                                   \
-  if (frame.material_count > number) {                           \
-    ADD_FINE(frame.exact.engaged[2 * number], area_##number)       \
-    ADD_FINE(frame.exact.engaged[2 * number + 1], moment_##number) \
-  }
+
 // The pair, where it may be met before what was found so far: with the turn, and straight.
-#define MEET_AGAIN(ball, t, at, m)                                                                              \
-  {                                                                                                       \
-    vec3 D = ball.xyz - at.xyz;                                                                           \
-    float R = at.w + ball.w;                                                                              \
-    float earliest = EarliestContact(D, m, R - turn_tolerance, rounding), other = 2.0;                    \
+#define MEET_AGAIN(ball, at, m, exact_at, exact_goal)                                                                \
+  {                                                                                                                  \
+    vec3 D = ball.xyz - at.xyz;                                                                                      \
+    float R = at.w + ball.w, earliest = EarliestContact(D, m, R - turn_tolerance, rounding), other = 2.0;            \
     for (uint twice = turning ? 0 : 1; twice < 1; ++twice) other = EarliestContact(D, shift, R - tolerance, rounding); \
-    for (uint may = ball.w > 0.0 && (earliest < first || other < first_straight) ? 0 : 1; may < 1; ++may) { \
-      dvec4 from = ExactAtContact(t, exact_s);                                                            \
-      dvec3 D = dvec3(ball.xyz) - from.xyz;                                                               \
-      double R = from.w + double(ball.w);                                                                 \
-      s = min(s, ExactFirstContact(D, ExactGoal(t) + frame.exact.delta - from.xyz, R - exact_turn_tolerance)); \
-      first = AtLeast(s);                                                                                 \
-      for (uint twice = turning ? 0 : 1; twice < 1; ++twice)                                              \
-        straight = min(straight, ExactFirstContact(D, frame.exact.shift, R - frame.exact.tolerance));     \
-      first_straight = AtLeast(straight);                                                                 \
-    }                                                                                                     \
+    for (uint may = ball.w > 0.0 && (earliest < first || other < first_straight) ? 0 : 1; may < 1; ++may) {          \
+      dvec4 from = exact_at;                                                                                         \
+      dvec3 exact_D = dvec3(ball.xyz) - from.xyz;                                                                    \
+      double exact_R = from.w + double(ball.w);                                                                      \
+      s = min(s, ExactFirstContact(exact_D, exact_goal + exact_delta - from.xyz, exact_R - exact_turn_tolerance));   \
+      first = AtLeast(s);                                                                                            \
+      for (uint twice = turning ? 0 : 1; twice < 1; ++twice)                                                         \
+        straight = min(straight, ExactFirstContact(exact_D, exact_shift, exact_R - exact_tolerance));                \
+      first_straight = AtLeast(straight);                                                                            \
+    }                                                                                                                \
   }
 
 void SlideAndEngage(uint row) {
@@ -43,7 +38,10 @@ void SlideAndEngage(uint row) {
   for (uint once = ChunkBegin() < max(end_balls, max(end_shaft, end_points)) ? 0 : 1; once < 1; ++once) {
     // with a turn, which may use a third of the tolerance: the rest is for going along whatever holds it; and straight
     bool turning = frame.turning != 0u;
-    double exact_s = ExactFraction(), exact_turn_tolerance = (turning ? 0.35lf : 1.0lf) * frame.exact.tolerance;
+    double exact_s = ExactFraction(), exact_tolerance = frame.exact.tolerance,
+           exact_turn_tolerance = (turning ? 0.35lf : 1.0lf) * exact_tolerance;
+    dvec3 exact_delta = frame.exact.delta, exact_shift = frame.exact.shift, only_goal = ExactGoal(0);
+    dvec4 exact_only = ExactAtContact(0, exact_s);
     float at_contact = float(exact_s), rounding = frame.rounding_mm, tolerance = frame.tolerance_mm,
           turn_tolerance = turning ? 0.35 * tolerance : tolerance;
     vec3 delta = frame.delta.xyz;
@@ -56,14 +54,14 @@ void SlideAndEngage(uint row) {
     for (uint slot = ChunkBegin(); slot < end_balls; slot += ChunkStep()) {
       vec4 ball = LiveBall(slot);
       if (kOneCutter) {
-        MEET_AGAIN(ball, 0u, only, m)
+        MEET_AGAIN(ball, only, m, exact_only, only_goal)
       } else {
         Live entry = LiveEntry(slot);
         uint last = ball.w > 0.0 ? entry.first + entry.count : 0u;
         for (uint k = entry.first; k < last; ++k) {
           uint t = ToolOfSpan(k);
           vec4 at = AtContact(t, at_contact);
-          MEET_AGAIN(ball, t, at, Goal(t) + delta - at.xyz)
+          MEET_AGAIN(ball, at, Goal(t) + delta - at.xyz, ExactAtContact(t, exact_s), ExactGoal(t))
         }
       }
     }
@@ -74,7 +72,7 @@ void SlideAndEngage(uint row) {
       for (uint k = pair.first; k < last; ++k) {
         uint t = ToolOfSpan(k);
         vec4 at = AtContact(t, at_contact);
-        MEET_AGAIN(ball, t, at, Goal(t) + delta - at.xyz)
+        MEET_AGAIN(ball, at, Goal(t) + delta - at.xyz, ExactAtContact(t, exact_s), ExactGoal(t))
       }
     }
     s = subgroupMin(s);
@@ -84,17 +82,17 @@ void SlideAndEngage(uint row) {
       if (straight < 2.0lf) atomicMin(frame.straight_key, ToKey(straight));
     }
 
-    float layer = frame.layer_mm + rounding;
-    int64_t area_0 = 0L, area_1 = 0L, area_2 = 0L, area_3 = 0L, area_4 = 0L, area_5 = 0L, area_6 = 0L, area_7 = 0L;
-    int64_t moment_0 = 0L, moment_1 = 0L, moment_2 = 0L, moment_3 = 0L, moment_4 = 0L, moment_5 = 0L, moment_6 = 0L,
-            moment_7 = 0L;
-    dvec4 exact_only = ExactAtContact(0, exact_s);
-    dvec3 n = frame.exact.n, axis = frame.exact.axis;
-    dvec3 origin = frame.exact.start + exact_s * (frame.exact.goal - frame.exact.start);
+    double exact_layer = frame.exact.layer, per_layer = 1.0lf / exact_layer;
     double area_scale = kFiner * double(frame.area_scale), moment_scale = kFiner * double(frame.moment_scale);
+    dvec3 n = frame.exact.n, axis = frame.exact.axis, start = frame.exact.start,
+          origin = start + exact_s * (frame.exact.goal - start);
+    float layer = frame.layer_mm + rounding;
+    // whole numbers below 2^53: their sums are exact
+    dvec2 sum_0 = dvec2(0.0lf), sum_1 = sum_0, sum_2 = sum_0, sum_3 = sum_0, sum_4 = sum_0, sum_5 = sum_0, sum_6 = sum_0,
+          sum_7 = sum_0;
     for (uint slot = ChunkBegin(); slot < end_points; slot += ChunkStep()) {
       vec4 point = LivePoint(slot);
-      double nearest = frame.exact.layer, projection = 0.0lf;
+      double nearest = exact_layer, projection = 0.0lf;
       float nearly = layer;
       Live entry = PointEntry(slot);
       if (kOneCutter) entry.count = 1u;
@@ -113,16 +111,15 @@ void SlideAndEngage(uint row) {
           if (!kOneCutter) from = ExactAtContact(t, exact_s);
           dvec3 away = dvec3(point.xyz) - from.xyz;
           double d = length(away), exact_gap = d - from.w;
-          if (abs(exact_gap) >= frame.exact.layer || exact_gap >= nearest) continue;
-          nearest = exact_gap;
-          nearly = float(nearest) + rounding;
-          projection = d > 0.0lf ? max(0.0lf, -dot(n, away) / d) : 0.0lf;
+          bool nearer = abs(exact_gap) < exact_layer && exact_gap < nearest;
+          nearest = nearer ? exact_gap : nearest;
+          nearly = nearer ? float(exact_gap) + rounding : nearly;
+          projection = nearer ? max(0.0lf, -dot(n, away) / max(d, 1e-20lf)) : projection;
         }
       }
       for (uint inner = projection > 0.0lf ? 0 : 1; inner < 1; ++inner) {
-        double area = double(point.w) / frame.exact.layer * projection;
-        double arm = length(cross(dvec3(point.xyz) - origin, axis));
-        int64_t area_units = int64_t(area * area_scale + 0.5lf), moment_units = int64_t(area * arm * moment_scale + 0.5lf);
+        double area = double(point.w) * per_layer * projection;
+        dvec2 units = Rounded(area * dvec2(area_scale, length(cross(dvec3(point.xyz) - origin, axis)) * moment_scale));
         uint material = entry.material;
         GATHER_MATERIAL(0) GATHER_MATERIAL(1) GATHER_MATERIAL(2) GATHER_MATERIAL(3)
         GATHER_MATERIAL(4) GATHER_MATERIAL(5) GATHER_MATERIAL(6) GATHER_MATERIAL(7)
