@@ -46,12 +46,14 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   f.exact.axis = {X_GT(0, 2), X_GT(1, 2), X_GT(2, 2)};
   f.exact.spindle_rad_per_s = input.spindle_rad_per_s;
   f.exact.dt_s = input.dt_s;
-  f.exact.work_held_back = memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres;
+  f.exact.work_held_back =
+      memory.debt_J * std::min(1.0, input.dt_s / simulation::kDebtSeconds) * kMillimetres;
   double way_m = (X_GT.translation() - memory.X_GP.translation()).norm();
   for (std::size_t t = 0; t < start_m.size(); ++t) {
     way_m = std::max(way_m, (goal_m[t] - start_m[t]).norm());
   }
-  f.rounding_mm = static_cast<float>(kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / least_radius_m));
+  f.rounding_mm = static_cast<float>(
+      kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / least_radius_m));
   if (lists.made && !brute_force) MeasureDrift(f);
   // slide and advance together: at most max_slide, but for the immediate law, which goes all the way
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
@@ -60,8 +62,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   f.contact_key = f.slide_key = f.straight_key = std::bit_cast<std::uint64_t>(simulation::kNoContact);
   f.bin_keys.fill(std::numeric_limits<std::uint64_t>::max());
   const simulation::ContactMemory& contact = memory.contact;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i)
-{
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i) {
     f.face_n[i] = Unscaled(contact.face_n_G[i]);
     f.exact.face_n[i] = {contact.face_n_G[i].x, contact.face_n_G[i].y, contact.face_n_G[i].z};
   }

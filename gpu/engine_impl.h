@@ -57,7 +57,9 @@ inline vec4 Unscaled(const Vector3& v) {
 inline Vector3 Direction(const vec4& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const vec4& v) { return Direction(v) / kMillimetres; }
 
-inline dvec3 Exactly(const Vector3& v) { return {v.x() * kMillimetres, v.y() * kMillimetres, v.z() * kMillimetres}; }
+inline dvec3 Exactly(const Vector3& v) {
+  return {v.x() * kMillimetres, v.y() * kMillimetres, v.z() * kMillimetres};
+}
 inline Vector3 Direction(const dvec3& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const dvec3& v) { return Direction(v) / kMillimetres; }
 // What ToMillimetres leaves.
