@@ -17,7 +17,7 @@ std::string Lower(std::string text) {
 
 const vk::SubgroupFeatureFlags kSubgroupNeeds = vk::SubgroupFeatureFlagBits::eBasic |
                                                 vk::SubgroupFeatureFlagBits::eArithmetic |
-                                                vk::SubgroupFeatureFlagBits::eVote;
+                                                vk::SubgroupFeatureFlagBits::eBallot;
 
 int Rank(vk::PhysicalDeviceType type) {
   switch (type) {
@@ -80,7 +80,7 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
   else if (!ComputeFamily(device))
     info.refusal = "no compute queue";
   else if ((subgroup.supportedOperations & kSubgroupNeeds) != kSubgroupNeeds || subgroup.subgroupSize > 64)
-    info.refusal = "no subgroup arithmetic and votes in subgroups of up to 64";
+    info.refusal = "no subgroup arithmetic and ballot in subgroups of up to 64";
   else if (p.limits.maxComputeSharedMemorySize < 16'000)
     info.refusal = "less than 16 kB of shared memory";
   return info;

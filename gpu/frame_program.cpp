@@ -176,15 +176,14 @@ void FrameProgram::MakePipelines() {
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)},
        {4, offsetof(Constants, split), sizeof(VkBool32)}}};
-  // the solution is one workgroup's work, on a processor one subgroup's
-  Constants alone = constants, merged = constants;
+  // the solution is one workgroup's work, on a processor one subgroup's; so is a frame in one dispatch
+  Constants alone = constants;
   alone.lanes =
       gpu_ ? kLanesOfOneDispatch
            : context_->physical
                  ->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
                  .get<vk::PhysicalDeviceSubgroupProperties>()
                  .subgroupSize;
-  merged.lanes = kLanesOfOneDispatch;
   const auto add = [&](const char* name, const auto& code, const Constants& own, std::size_t groups,
                        Then then) {
     const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
@@ -228,7 +227,7 @@ void FrameProgram::MakePipelines() {
   run(FrameMode::kFlush) = before;
   if (most_groups_ > 0)
     run(FrameMode::kOneDispatch) = {
-        add("frame", kSpirv_frame, merged, offsetof(Frame, frame_work), Then::kNothing)};
+        add("frame", kSpirv_frame, alone, offsetof(Frame, frame_work), Then::kNothing)};
 
   const std::array<vk::DescriptorPoolSize, 2> size{
       {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 6}}};

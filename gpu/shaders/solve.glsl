@@ -4,6 +4,7 @@
 
 const uint kNoPlane = kCandidates;
 const double kOppositeCosine = -0.8lf;
+const float kPerhapsOpposite = -0.799;
 const double kHoldSlack = 1e-6lf;
 const double kViolated_mm = 1e-5lf, kLeastPivot = 1e-13lf;
 const double kHoldFaceCosine = 0.866lf;  // simulation::kFaceCosine
@@ -15,6 +16,7 @@ shared bool plane_there[kCandidates];
 shared uint there[kCandidates], there_count;
 shared dvec3 plane_n[kCandidates + 1];
 shared double plane_gap[kCandidates], yielding_gap[kCandidates];
+shared vec4 rough_plane[kCandidates];  // normal and gap
 shared dvec3 plane_motion[kCandidates];
 shared double tool_radius[kCandidates];
 shared uint bone_ball[kCandidates], tool_ball[kCandidates];
@@ -33,8 +35,6 @@ struct Held {
   dvec3 point;
   double slack;
 };
-
-shared Held winner[2];
 
 double Violation(uint hold, Held held, uint i, dvec3 shift) {
   return plane_offset[hold][i] - dot(plane_n[i], shift + held.point) - held.slack;
@@ -125,6 +125,12 @@ Held Packed(Held set) {
   return set;
 }
 
+// What a lane has, on all of the subgroup.
+Held OfLane(Held own, uint lane) {
+  return Held(subgroupBroadcast(own.plane, lane), subgroupBroadcast(own.m, lane), subgroupBroadcast(own.size, lane),
+              subgroupBroadcast(own.point, lane), subgroupBroadcast(own.slack, lane));
+}
+
 // Twin of simulation::FindHoldPoint, about `shift` instead of the tool's pose: one subgroup's work, the same on every lane.
 Held FindHold(uint hold, dvec3 shift, bool start) {
   uint lane = gl_SubgroupInvocationID;
@@ -146,7 +152,8 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
       entering = i;
     }
     float most = subgroupMax(worst);
-    entering = subgroupMin(worst == most ? entering : kNoPlane);
+    // a bound, since software drivers go on without a lane at work
+    entering = min(subgroupMin(worst == most ? entering : kNoPlane), kNoPlane);
     if (entering == kNoPlane) break;
     // of the sets of it and those that hold, the one whose point keeps the others
     float least = 1e30;
@@ -171,11 +178,7 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
     uint first = subgroupMin(least == best ? chosen : 16u);
     if (first == 16u) break;
     bool again = any(equal(held.plane, uvec4(entering)));
-    if (chosen == first) winner[hold] = own;
-    subgroupMemoryBarrierShared();
-    subgroupBarrier();
-    held = Packed(winner[hold]);
-    subgroupBarrier();
+    held = Packed(OfLane(own, subgroupMin(chosen == first ? lane : gl_SubgroupSize - 1u)));
     if (again) break;
   }
   return held;
@@ -192,13 +195,6 @@ shared Hold holds[2];  // with the turn, without
 
 void HoldTool(uint number, dvec3 origin_motion, double s) {
   bool turning = number == 0u;
-  for (uint k = gl_SubgroupInvocationID; k < there_count; k += gl_SubgroupSize) {
-    uint c = there[k];
-    dvec3 motion = turning ? plane_motion[c] : origin_motion;
-    plane_offset[number][c] = -(yielding_gap[c] + dot(plane_n[c], motion));
-  }
-  subgroupMemoryBarrierShared();
-  subgroupBarrier();
   Hold hold;
   hold.friction = dvec3(0.0lf);
   // then friction, if there is any; a loop, so that the code of FindHold is there but once
@@ -261,6 +257,7 @@ void Take(uint source, double s) {
   tool_ball[source] = t;
   plane_n[source] = is ? from_bone / d : dvec3(0.0lf);
   plane_gap[source] = gap;
+  rough_plane[source] = vec4(plane_n[source], gap);
   plane_motion[source] = goal - at;
   tool_radius[source] = double(start.w);
 }
@@ -322,11 +319,14 @@ void Solve() {
     if (plane_there[c]) there[Place(c)] = c;
   if (lane == 0u) there_count = Place(kCandidates);
   barrier();
-  // where another faces it and less than the tolerance is left between them, both yield
+  // where another faces it and less than the tolerance is left between them, both yield; few do, which a look in single precision
+  // tells
   double tolerance = double(frame.tolerance_mm);
+  dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
   for (uint i = lane; i < there_count * there_count; i += kLanes) {
     uint k = i / there_count, c = there[k], other = there[i % there_count];
-    if (dot(plane_n[other], plane_n[c]) < kOppositeCosine && plane_gap[c] + plane_gap[other] < tolerance)
+    vec4 rough = rough_plane[c], of_other = rough_plane[other];
+    if (dot(rough.xyz, of_other.xyz) < kPerhapsOpposite && rough.w + of_other.w < float(tolerance) + 1e-4)
       atomicOr(yields_bits[k / 32u], 1u << (k % 32u));
   }
   barrier();
@@ -338,11 +338,12 @@ void Solve() {
       if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) room = min(room, plane_gap[c] + plane_gap[other]);
     }
     yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
+    plane_offset[0][c] = -(yielding_gap[c] + dot(plane_n[c], plane_motion[c]));
+    plane_offset[1][c] = -(yielding_gap[c] + dot(plane_n[c], motion));
   }
   barrier();
-  dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
   uint hold_count = frame.turning != 0u ? 2u : 1u;
-  for (uint number = gl_SubgroupID; number < hold_count; number += gl_NumSubgroups) HoldTool(number, motion, s);
+  for (uint number = gl_SubgroupID; number < hold_count; number += gl_NumSubgroups) HoldTool(min(number, 1u), motion, s);
   for (uint k = lane; k < (is_void ? 0u : there_count); k += kLanes) {
     uint c = there[k];
     vec3 n = vec3(plane_n[c]);
