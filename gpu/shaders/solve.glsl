@@ -9,13 +9,14 @@ const double kHoldSlack = 1e-6lf;
 const double kViolated_mm = 1e-5lf, kLeastPivot = 1e-13lf;
 const double kHoldFaceCosine = 0.866lf;  // simulation::kFaceCosine
 const uint kMostRounds = 200;
+const uint kNoFace = 2u * kFaces;
 
 // The planes by the bin of their pair, then those of the remembered pairs. Those that are there, in that order, are
 // there[0 … there_count - 1].
 shared bool plane_there[kCandidates];
 shared uint there[kCandidates], there_count;
 shared dvec3 plane_n[kCandidates + 1];
-shared double plane_gap[kCandidates], yielding_gap[kCandidates];
+shared double plane_gap[kCandidates], yielding_gap[kCandidates], room_of[kCandidates];
 shared vec4 rough_plane[kCandidates];  // normal and gap
 shared dvec3 plane_motion[kCandidates];
 shared double tool_radius[kCandidates];
@@ -262,9 +263,9 @@ void Take(uint source, double s) {
   tool_radius[source] = double(start.w);
 }
 
-shared uint there_bits[3], yields_bits[3];
-shared int known_face[kFaces];
-shared dvec3 resultant_of[kFaces];
+shared uint there_bits[3];
+shared uint face_of[4];
+shared dvec3 resultant_of[2 * kFaces];
 shared vec4 face_sum[kFaces];  // around the faces of the frame before: weight and weight n
 shared uint longest_bits;
 
@@ -291,7 +292,7 @@ void Solve() {
                           Total(frame.face_sums[(kFaces + f) * kFaceColumns + column], frame.face_scale);
   }
   if (lane < 4u) start_plane[lane] = kNoPlane;
-  if (lane < 3u) there_bits[lane] = yields_bits[lane] = 0u;
+  if (lane < 3u) there_bits[lane] = 0u;
   if (lane == 0u) {
     plane_n[kNoPlane] = dvec3(0.0lf);
     plane_offset[0][kNoPlane] = plane_offset[1][kNoPlane] = 0.0lf;
@@ -323,21 +324,26 @@ void Solve() {
   // tells
   double tolerance = double(frame.tolerance_mm);
   dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
-  for (uint i = lane; i < there_count * there_count; i += kLanes) {
-    uint k = i / there_count, c = there[k], other = there[i % there_count];
-    vec4 rough = rough_plane[c], of_other = rough_plane[other];
-    if (dot(rough.xyz, of_other.xyz) < kPerhapsOpposite && rough.w + of_other.w < float(tolerance) + 1e-4)
-      atomicOr(yields_bits[k / 32u], 1u << (k % 32u));
+  for (uint k = gl_SubgroupID; k < there_count; k += gl_NumSubgroups) {
+    uint c = there[k], perhaps = 0u;
+    vec4 rough = rough_plane[c];
+    for (uint i = gl_SubgroupInvocationID; i < there_count; i += gl_SubgroupSize) {
+      vec4 other = rough_plane[there[i]];
+      if (dot(rough.xyz, other.xyz) < kPerhapsOpposite && rough.w + other.w < float(tolerance) + 1e-4) perhaps = 1u;
+    }
+    perhaps = subgroupOr(perhaps);
+    double room = tolerance;
+    for (uint i = perhaps != 0u ? gl_SubgroupInvocationID : there_count; i < there_count; i += gl_SubgroupSize) {
+      uint other = there[i];
+      if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) room = min(room, plane_gap[c] + plane_gap[other]);
+    }
+    if (perhaps != 0u) room = subgroupMin(room);
+    if (subgroupElect()) room_of[c] = room;
   }
   barrier();
   for (uint k = lane; k < there_count; k += kLanes) {
     uint c = there[k];
-    double room = tolerance;
-    for (uint i = (yields_bits[k / 32u] >> (k % 32u) & 1u) != 0u ? 0u : there_count; i < there_count; ++i) {
-      uint other = there[i];
-      if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) room = min(room, plane_gap[c] + plane_gap[other]);
-    }
-    yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
+    yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room_of[c]));
     plane_offset[0][c] = -(yielding_gap[c] + dot(plane_n[c], plane_motion[c]));
     plane_offset[1][c] = -(yielding_gap[c] + dot(plane_n[c], motion));
   }
@@ -355,7 +361,22 @@ void Solve() {
   Held held = hold.held;
   dvec3 friction = hold.friction;
   double normal = hold.normal;
-  double free_share = normal > 0.0lf ? hold.most / normal : 1.0lf;
+  if (lane == kLanes - 1u && !is_void) {
+    frame.candidate_count = there_count;
+    frame.shaft_candidate = Place(kCuttingBinCount);
+    frame.shaft_end = Place(kBins);
+    frame.hold_count = held.size;
+    for (uint k = 0; k < 4; ++k) {
+      frame.hold_candidate[k] = held.plane[k] != kNoPlane ? Place(held.plane[k]) : kNoPlane;
+      frame.hold_mm[k] = float(held.m[k]);
+    }
+    frame.friction_mm = vec4(vec3(friction), float(held.slack));
+    frame.shift_mm = vec4(vec3(motion + unturned.held.point + unturned.friction), 0.0);
+    float straight = length(frame.shift_mm.xyz);
+    frame.straight_way_mm = straight;
+    frame.straight_limit = straight > frame.max_slide_mm ? frame.max_slide_mm / straight : 1.0;
+    frame.turns = 1u;
+  }
 
   // the faces' resultant, along the mean normal of the balls around each: strongest first, so that a new face forms around
   // what holds most
@@ -375,93 +396,73 @@ void Solve() {
       plane.zw = plane.wz;
     }
   }
-  // the face of the frame before that each plane belongs to
-  for (uint k = lane; k < held.size; k += kLanes) {
-    known_face[k] = -1;
+  // the face of the frame before that each plane belongs to; one that belongs to none begins a face of its own
+  for (uint k = lane; k < 4u; k += kLanes) {
+    face_of[k] = k < held.size ? kFaces + k : kNoFace;
     double nearest = kHoldFaceCosine;
-    for (uint f = 0; f < kFaces; ++f) {
+    for (uint f = 0; f < (k < held.size ? kFaces : 0u); ++f) {
       double cosine = dot(plane_n[plane[k]], dvec3(frame.face_n[f].xyz));
       if (cosine <= nearest) continue;
       nearest = cosine;
-      known_face[k] = int(f);
+      face_of[k] = f;
     }
   }
   barrier();
-  // loops of constant length and no index that is not known when compiled: the arrays are registers
-  dvec3 hold_of[kFaces] = dvec3[kFaces](dvec3(0.0lf), dvec3(0.0lf), dvec3(0.0lf), dvec3(0.0lf));
-  double cutting_of[kFaces] = double[kFaces](0.0lf, 0.0lf, 0.0lf, 0.0lf), multiplier_of[kFaces] = cutting_of;
-  int known_of[kFaces] = int[kFaces](-1, -1, -1, -1);
-  uint faces = 0u;
-  for (uint k = 0; k < kFaces; ++k) {
-    if (k >= held.size) break;
-    dvec3 n = plane_n[plane[k]];
-    int known = known_face[k];
-    uint at = faces;
-    for (uint f = 0; f < kFaces; ++f)
-      if (f < faces && (known >= 0 ? known_of[f] == known
-                                   : known_of[f] < 0 && dot(n, hold_of[f]) > kHoldFaceCosine * length(hold_of[f])))
-        at = f;
-    for (uint f = 0; f < kFaces; ++f) {
-      if (f != at) continue;
-      known_of[f] = known;
-      hold_of[f] += m[k] * n;
-      multiplier_of[f] += m[k];
-      if (tool_ball[plane[k]] < frame.cutter_count) cutting_of[f] += m[k];
+  // or it joins one that began before
+  for (uint k = lane == 0u ? 1u : held.size; k < held.size; ++k)
+    for (uint first = face_of[k] < kFaces ? k : 0u; first < k; ++first) {
+      if (face_of[first] != kFaces + first) continue;
+      dvec3 sum = dvec3(0.0lf);
+      for (uint i = first; i < k; ++i)
+        if (face_of[i] == kFaces + first) sum += m[i] * plane_n[plane[i]];
+      if (dot(plane_n[plane[k]], sum) > kHoldFaceCosine * length(sum)) face_of[k] = kFaces + first;
     }
-    faces = max(faces, at + 1u);
-  }
-  double largest = max(max(multiplier_of[0], multiplier_of[1]), max(multiplier_of[2], multiplier_of[3]));
-  for (uint f = lane; f < kFaces; f += kLanes) {
-    dvec3 hold_f = f == 0u ? hold_of[0] : f == 1u ? hold_of[1] : f == 2u ? hold_of[2] : hold_of[3];
-    double multiplier = f == 0u ? multiplier_of[0] : f == 1u ? multiplier_of[1] : f == 2u ? multiplier_of[2] : multiplier_of[3];
-    double cuts = f == 0u ? cutting_of[0] : f == 1u ? cutting_of[1] : f == 2u ? cutting_of[2] : cutting_of[3];
-    int known = f == 0u ? known_of[0] : f == 1u ? known_of[1] : f == 2u ? known_of[2] : known_of[3];
-    double size = length(hold_f);
+  barrier();
+  double per_normal = normal > 0.0lf ? 1.0lf / normal : 0.0lf, free_share = normal > 0.0lf ? hold.most * per_normal : 1.0lf;
+  for (uint f = lane; f < 2u * kFaces; f += kLanes) {
+    dvec3 hold_f = dvec3(0.0lf);
+    double multiplier = 0.0lf, cuts = 0.0lf, largest = 0.0lf;
+    for (uint k = 0; k < 4u; ++k) {
+      double own = 0.0lf;
+      for (uint i = 0; i < 4u; ++i)
+        if (face_of[i] == face_of[k]) own += m[i];
+      if (k < held.size) largest = max(largest, own);
+      if (face_of[k] != f) continue;
+      hold_f += m[k] * plane_n[plane[k]];
+      multiplier = own;
+      if (tool_ball[plane[k]] < frame.cutter_count) cuts += m[k];
+    }
     resultant_of[f] = dvec3(0.0lf);
+    double size = length(hold_f);
     if (size <= 0.0lf) continue;
     dvec3 n = hold_f / size;
-    vec4 sum = face_sum[max(known, 0)];
-    if (known >= 0 && sum.x > 0.0) {
+    vec4 sum = face_sum[min(f, kFaces - 1u)];
+    if (f < kFaces && sum.x > 0.0) {
       double weighed = length(dvec3(sum.yzw)), narrow = weighed / double(sum.x);
-      double exact = clamp(max(4.0lf * (1.0lf - largest / normal), (0.983lf - narrow) / 0.013lf), 0.0lf, 1.0lf);
+      double exact = clamp(max(4.0lf * (1.0lf - largest * per_normal), (0.983lf - narrow) / 0.013lf), 0.0lf, 1.0lf);
       n = normalize((1.0lf - exact) * (dvec3(sum.yzw) / weighed) + exact * n);
     }
-    double share = multiplier / normal;
-    resultant_of[f] = cuts / multiplier * (free_share * size * n + (1.0lf - free_share) * share * held.point);
+    resultant_of[f] =
+        cuts / multiplier * (free_share * size * n + (1.0lf - free_share) * multiplier * per_normal * held.point);
   }
-  barrier();
-  dvec3 cutting = resultant_of[0] + resultant_of[1] + resultant_of[2] + resultant_of[3];
-
-  dvec3 delta = held.point + friction;
   // the way to the target of the tool point that moves farthest
+  dvec3 delta = held.point + friction;
   float longest = float(length(dvec3(frame.goal.xyz) + delta - mix(dvec3(frame.start.xyz), dvec3(frame.goal.xyz), s)));
-  for (uint t = lane; t < frame.tool_count; t += kLanes)
+  // by the last invocations first, which have no face
+  for (uint t = kLanes - 1u - lane; t < frame.tool_count; t += kLanes)
     longest = max(longest, distance(AtContact(t, float(s)).xyz, Goal(t) + vec3(delta)));
   longest = subgroupMax(longest);
   if (subgroupElect()) atomicMax(longest_bits, floatBitsToUint(longest));
   barrier();
-  longest = uintBitsToFloat(longest_bits);
   if (lane == 0) frame.is_void = is_void ? 1u : 0u;
   if (lane != 0 || is_void) return;
-  frame.candidate_count = there_count;
-  frame.shaft_candidate = Place(kCuttingBinCount);
-  frame.shaft_end = Place(kBins);
-  frame.hold_count = held.size;
-  for (uint k = 0; k < 4; ++k) {
-    frame.hold_candidate[k] = held.plane[k] != kNoPlane ? Place(held.plane[k]) : kNoPlane;
-    frame.hold_mm[k] = float(held.m[k]);
-  }
-  frame.friction_mm = vec4(vec3(friction), float(held.slack));
-  frame.shift_mm = vec4(vec3(motion + unturned.held.point + unturned.friction), 0.0);
-  float straight = length(frame.shift_mm.xyz);
-  frame.straight_way_mm = straight;
-  frame.straight_limit = straight > frame.max_slide_mm ? frame.max_slide_mm / straight : 1.0;
-  // what is found where no later pass has work to do
-  frame.turns = 1u;
-  frame.slid_share = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
+  dvec3 cutting = dvec3(0.0lf);
+  for (uint f = 0; f < 2u * kFaces; ++f) cutting += resultant_of[f];
+  longest = uintBitsToFloat(longest_bits);
+  float limit = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
   double size = length(cutting);
   frame.delta = vec4(vec3(delta), float(size));
   frame.n = size > 0.0lf ? vec4(vec3(cutting / size), 0.0) : vec4(0.0);
   frame.way_mm = longest;
-  frame.slide_limit = longest > frame.max_slide_mm ? frame.max_slide_mm / longest : 1.0;
+  frame.slide_limit = frame.slid_share = limit;
 }
