@@ -4,7 +4,6 @@
 
 const uint kNoPlane = kCandidates;
 const double kOppositeCosine = -0.8lf;
-const float kPerhapsOpposite = -0.799;
 const double kHoldSlack = 1e-6lf;
 const double kViolated_mm = 1e-5lf, kLeastPivot = 1e-13lf;
 const double kHoldFaceCosine = 0.866lf;  // simulation::kFaceCosine
@@ -16,8 +15,8 @@ const uint kNoFace = 2u * kFaces;
 shared bool plane_there[kCandidates];
 shared uint there[kCandidates], there_count;
 shared dvec3 plane_n[kCandidates + 1];
-shared double plane_gap[kCandidates], yielding_gap[kCandidates], room_of[kCandidates];
-shared vec4 rough_plane[kCandidates];  // normal and gap
+shared double plane_gap[kCandidates], yielding_gap[kCandidates];
+shared float opposite_gap[kCandidates];
 shared dvec3 plane_motion[kCandidates];
 shared double tool_radius[kCandidates];
 shared uint bone_ball[kCandidates], tool_ball[kCandidates];
@@ -152,7 +151,8 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
       worst = float(violation);
       entering = i;
     }
-    float most = subgroupMax(worst);
+    // (reductions of whole numbers, which GPUs have)
+    float most = uintBitsToFloat(subgroupMax(floatBitsToUint(worst)));
     // a bound, since software drivers go on without a lane at work
     entering = min(subgroupMin(worst == most ? entering : kNoPlane), kNoPlane);
     if (entering == kNoPlane) break;
@@ -175,7 +175,7 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
       chosen = mask;
       own = set;
     }
-    float best = subgroupMin(least);
+    float best = uintBitsToFloat(subgroupMin(floatBitsToUint(least)));
     uint first = subgroupMin(least == best ? chosen : 16u);
     if (first == 16u) break;
     bool again = any(equal(held.plane, uvec4(entering)));
@@ -258,7 +258,6 @@ void Take(uint source, double s) {
   tool_ball[source] = t;
   plane_n[source] = is ? from_bone / d : dvec3(0.0lf);
   plane_gap[source] = gap;
-  rough_plane[source] = vec4(plane_n[source], gap);
   plane_motion[source] = goal - at;
   tool_radius[source] = double(start.w);
 }
@@ -320,30 +319,24 @@ void Solve() {
     if (plane_there[c]) there[Place(c)] = c;
   if (lane == 0u) there_count = Place(kCandidates);
   barrier();
-  // where another faces it and less than the tolerance is left between them, both yield; few do, which a look in single precision
-  // tells
+  // where another faces it and less than the tolerance is left between them, both yield; how much room the other leaves may be
+  // rounded, whether it faces it must not be
   double tolerance = double(frame.tolerance_mm);
   dvec3 motion = (1.0lf - s) * (dvec3(frame.goal.xyz) - dvec3(frame.start.xyz));  // of T's origin
   for (uint k = gl_SubgroupID; k < there_count; k += gl_NumSubgroups) {
-    uint c = there[k], perhaps = 0u;
-    vec4 rough = rough_plane[c];
+    uint c = there[k], least = OrderedBits(float(tolerance) + 1e3);
     for (uint i = gl_SubgroupInvocationID; i < there_count; i += gl_SubgroupSize) {
-      vec4 other = rough_plane[there[i]];
-      if (dot(rough.xyz, other.xyz) < kPerhapsOpposite && rough.w + other.w < float(tolerance) + 1e-4) perhaps = 1u;
-    }
-    perhaps = subgroupOr(perhaps);
-    double room = tolerance;
-    for (uint i = perhaps != 0u ? gl_SubgroupInvocationID : there_count; i < there_count; i += gl_SubgroupSize) {
       uint other = there[i];
-      if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) room = min(room, plane_gap[c] + plane_gap[other]);
+      if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) least = min(least, OrderedBits(float(plane_gap[other])));
     }
-    if (perhaps != 0u) room = subgroupMin(room);
-    if (subgroupElect()) room_of[c] = room;
+    least = subgroupMin(least);
+    if (subgroupElect()) opposite_gap[c] = FromOrderedBits(least);
   }
   barrier();
   for (uint k = lane; k < there_count; k += kLanes) {
     uint c = there[k];
-    yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room_of[c]));
+    double room = min(tolerance, plane_gap[c] + double(opposite_gap[c]));
+    yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
     plane_offset[0][c] = -(yielding_gap[c] + dot(plane_n[c], plane_motion[c]));
     plane_offset[1][c] = -(yielding_gap[c] + dot(plane_n[c], motion));
   }
