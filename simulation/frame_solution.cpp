@@ -105,11 +105,6 @@ FrameAdvance AdvanceOfFrame(const CuttingParams& params, const std::vector<Mater
   return {.advance_m = advance_m, .edge_work_J = linear_m > 0.0 ? work_J * advance_m / linear_m : work_J};
 }
 
-double SpindleTorque(const CuttingParams& params, const std::vector<Material>& materials,
-                     const FrameSolution& solution) {
-  return CuttingForce(params, solution) * CuttingArm(materials, solution);
-}
-
 void BookRemoved(const CuttingParams& params, const std::vector<Material>& materials,
                  const std::array<double, kMaxMaterials>& removed_m3, double edge_work_J,
                  FrameMemory& memory) {

@@ -85,10 +85,6 @@ struct FrameAdvance {
                                           double dt_s, double debt_J);
 inline constexpr double kDebtSeconds = 0.1;
 
-/// Axial torque of the cut: force times the engaged area's mean of mu_c r.
-[[nodiscard]] double SpindleTorque(const CuttingParams& params, const std::vector<Material>& materials,
-                                   const FrameSolution& solution);
-
 /// What an engine carries from frame to frame besides balls and points.
 struct FrameMemory {
   ContactMemory contact;
