@@ -33,8 +33,7 @@ struct Way {
   double radius_m;
 };
 
-/// The ways of a frame without rotation, from what the engine reports: the slide follows the planes, the
-/// advance goes along -n.
+/// The ways of a frame without rotation, from what the engine reports.
 Way WayOf(const ToolBall& ball, const Pose& X_WP_before, const FrameInput& input, const ContactModel& model) {
   const Pose X_WT = input.X_WT, X_WP = model.X_WP;
   const Vector3 before = X_WP_before * Vector3(ball.center_m), goal = X_WT * Vector3(ball.center_m);
