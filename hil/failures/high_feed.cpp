@@ -12,7 +12,8 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kLength_m = 24e-3;  // of the block, along x
+constexpr double kLength_m = 24e-3;      // of the block, along x
+constexpr double kLeastDrawn_mm = 1e-7;  // what is less, or none, is drawn there
 
 struct Case {
   double radius_m, speed_m_per_s, rate_hz;
@@ -112,9 +113,9 @@ FailureResult RunHighFeed(const FailureSetting& setting) {
   std::ranges::sort(points);
   for (const auto& [step, theirs, mine] : points) {
     baseline_points.x.push_back(step);
-    baseline_points.y.push_back(theirs);
+    baseline_points.y.push_back(std::max(kLeastDrawn_mm, theirs));
     our_points.x.push_back(step);
-    our_points.y.push_back(mine);
+    our_points.y.push_back(std::max(kLeastDrawn_mm, mine));
   }
   result.baseline_fails = result.baseline > result.bound;
   // who cuts nothing leaves nothing in a path of no length: the law is to end every frame where the hand is
@@ -124,6 +125,7 @@ FailureResult RunHighFeed(const FailureSetting& setting) {
   result.plot = {.x_label = "way in a frame over the tool's radius",
                  .y_label = "depth left in the path [mm]",
                  .log_x = true,
+                 .log_y = true,
                  .series = {std::move(baseline_points), std::move(our_points)},
                  .bound_is_on_y = true};
   return result;
