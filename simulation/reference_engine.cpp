@@ -95,6 +95,7 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
       AdvanceOfFrame(params_, materials_, solution, input.spindle_rad_per_s, input.dt_s, memory_.debt_J);
   solution.advance_m = advance.advance_m;
   solution.edge_work_J = advance.edge_work_J;
+  solution.step = StepOfAdvance(params_, input, solution, goal.back());
   solution.origin_end = EndOfAdvance(solution);
   if (cutting) {
     ToolPoints end = slid;

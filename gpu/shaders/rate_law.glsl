@@ -1,4 +1,4 @@
-// Pass 3, first half: how far bone gives way in this frame (twin of simulation::AdvanceOfFrame and EndOfAdvance). Every
+// Pass 3, first half: how far bone gives way in this frame (twin of simulation::AdvanceOfFrame, StepOfAdvance and EndOfAdvance). Every
 // invocation works it out for itself: cheaper than a pass of its own.
 struct Advance {
   float advance_mm, edge_work_Nmm;
@@ -32,7 +32,10 @@ Advance AdvanceOfFrame(float at_contact, Slide slide) {
     }
   }
   vec3 origin = OriginAtContact(at_contact), slide_mm = AfterSlide(slide, origin, frame.goal.xyz) - origin;
-  vec3 step_mm = -advance * frame.n.xyz;
+  // the immediate law goes all the way to the tool's pose, but where balls that do not cut hold alone
+  bool all_the_way = frame.immediate != 0u && frame.spindle_rad_per_s != 0.0 && frame.dt_s > 0.0 &&
+                     (advance > 0.0 || frame.delta.xyz == vec3(0.0));
+  vec3 step_mm = all_the_way ? frame.goal.xyz - origin - slide_mm : -advance * frame.n.xyz;
   // balls that do not cut hold it back
   for (uint c = frame.shaft_candidate; c < frame.shaft_end; ++c) {
     Candidate shaft = frame.candidates[c];
