@@ -3,6 +3,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_vote : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #include "layout.h"
@@ -11,7 +12,6 @@
 // entry each on a GPU.
 layout(local_size_x_id = 3) in;
 layout(constant_id = 3) const uint kLanes = 64;
-layout(constant_id = 0) const uint kChunk = 1;          // list entries that one invocation looks at, at most 256
 layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
 layout(constant_id = 4) const bool kSplit = false;      // large balls are split
 
@@ -24,10 +24,10 @@ layout(constant_id = 4) const bool kSplit = false;      // large balls are split
 #endif
 layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS buffer FrameBuffer { Frame frame; };
 layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
+layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS readonly buffer FrameHalfBuffer { uint frame_halves[]; };
 layout(scalar, binding = kBindReport) buffer ReportBuffer { uvec4 report_words[]; };
-layout(scalar, binding = kBindToolGroups) readonly buffer ToolGroupBuffer { ToolGroup tool_groups[]; };
 layout(scalar, binding = kBindItems) readonly buffer ItemBuffer { Item items[]; };
-layout(scalar, binding = kBindGroupRefs) readonly buffer GroupRefBuffer { uint group_refs[]; };
+layout(scalar, binding = kBindToolRefs) readonly buffer ToolRefBuffer { uint tool_refs[]; };
 layout(scalar, binding = kBindBalls) buffer BallBuffer { vec4 balls[]; };
 layout(scalar, binding = kBindMoreBalls) buffer MoreBallBuffer { vec4 more_balls[]; };
 layout(scalar, binding = kBindPoints) readonly buffer PointBuffer { vec4 points[]; };
@@ -48,6 +48,7 @@ layout(binding = kBindToolTexels) uniform samplerBuffer tool_texels;
 layout(binding = kBindSpanTexels) uniform usamplerBuffer span_texels;
 layout(binding = kBindEntryTexels) uniform usamplerBuffer entry_texels;
 layout(binding = kBindPointEntryTexels) uniform usamplerBuffer point_entry_texels;
+layout(binding = kBindShaftTexels) uniform usamplerBuffer shaft_texels;
 layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
 
 // A sum's value. How it is split into high and low depends on who added with whom, so the carry goes over first: what is
@@ -86,13 +87,15 @@ struct Slide {
   bool turns;
   float share;   // of the way to the target
   float way_mm;  // of the tool point that goes farthest
+  vec3 move;     // what there is from the tool's pose to the target, or straight from first contact to it
 };
 Slide ChosenSlide() {
   float met = uintBitsToFloat(frame.slide_bits), full = min(frame.slide_limit, met);
   float straight = min(frame.straight_limit, uintBitsToFloat(frame.straight_bits));
   float full_way = full * frame.way_mm, straight_way = straight * frame.straight_way_mm;
   bool turns = frame.turning == 0u || met >= frame.slide_limit || full_way + kTurnWorth_mm > 0.5 * straight_way;
-  return Slide(turns, turns ? full : straight, turns ? full_way : straight_way);
+  return Slide(turns, turns ? full : straight, turns ? full_way : straight_way,
+               turns ? frame.delta.xyz : frame.shift_mm.xyz);
 }
 
 // The frame is void: the tool at first contact is too far from where the lists were made (the host runs it again and has
@@ -114,29 +117,26 @@ uint ChunkBegin() { return gl_GlobalInvocationID.x; }
 uint ChunkEnd(uint count) { return count; }
 uint ChunkStep() { return gl_NumWorkGroups.x * kLanes; }
 #else
-uint ChunkBegin() { return gl_WorkGroupID.x * kChunk * kLanes + gl_LocalInvocationID.x; }
-uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * kChunk * kLanes); }
+uint ChunkBegin() { return gl_WorkGroupID.x * frame.chunk * kLanes + gl_LocalInvocationID.x; }
+uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * frame.chunk * kLanes); }
 uint ChunkStep() { return kLanes; }
 #endif
 
 // Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
 vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }
 vec3 Goal(uint t) { return texelFetch(tool_texels, int(2u * t + 1u)).xyz; }
-uint ToolOfSpan(uint k) { return texelFetch(span_texels, int(k)).x; }
+uvec4 SpanWords(uint k) { return texelFetch(span_texels, int(k / 4u)); }  // those from k on, a multiple of 4
+uint SpanWord(uint k) { return SpanWords(k)[k % 4u]; }
+uint ToolOf(uint word) { return word & ((1u << kToolBits) - 1u); }
 vec4 AtContact(uint t, float s) {
   vec4 start = Start(t);
   return vec4(mix(start.xyz, Goal(t), s), start.w);
-}
-// Its centre in T, from its place at the tool's pose.
-vec3 CenterInTool(uint t) {
-  vec3 p = Goal(t) - frame.goal.xyz;
-  return vec3(dot(p, frame.axis_x.xyz), dot(p, frame.axis_y.xyz), dot(p, frame.axis_z.xyz));
 }
 vec3 OriginAtContact(float s) { return mix(frame.start.xyz, frame.goal.xyz, s); }
 
 // Where a tool ball is after the slide, from where it was at contact.
 vec3 AfterSlide(Slide slide, vec3 at_contact, vec3 goal) {
-  vec3 target = slide.turns ? goal + frame.delta.xyz : at_contact + frame.shift_mm.xyz;
+  vec3 target = (slide.turns ? goal : at_contact) + slide.move;
   return mix(at_contact, target, slide.share);
 }
 

@@ -1,6 +1,10 @@
 // Pass 2, first half (twin of ReferenceEngine::FindNearField): the nearest pair in each bin of direction, as the least of
 // whole-number keys, and lens-weighted sums (equation 4, corrected) around the normals of the faces that pressed the frame
 // before. Row 0: live balls and the balls that cut; row 1: pairs with those that do not.
+//
+// Software drivers skip no branch, so what few pairs need (a sum, a key) stands behind the loop over them, which all lanes leave
+// as soon as one of them has such a pair.
+#include "pairs.glsl"
 
 const float kPi = 3.14159265358979;
 const float kLargestLens = 0.5;   // mm^3, simulation::kLargestLensVolume
@@ -34,145 +38,145 @@ Bin FindBin(vec3 u, bool cutting) {
   return cutting ? Bin(9u * face + 3u * a + b, 1.0 - along * per_length) : Bin(kCuttingBinCount + face, 1.0 - edge);
 }
 
-// Sums of one face over this invocation's pairs, in whole units as high * 2^16 + low: weight and weight·n, weight·centre
-// and weight·radius.
-struct Part {
-  ivec4 n_high, n_low, c_high, c_low;
-};
-const Part kNone = Part(ivec4(0), ivec4(0), ivec4(0), ivec4(0));
-
-struct Pair {
-  vec3 n;
-  float lens;  // 0: too far
-};
-
 // What all pairs of an invocation share.
 struct Near {
-  vec3 axis_x, axis_y, axis_z, face_0, face_1, face_2, face_3;
+  vec3 axis_x, axis_y, axis_z, origin;  // T at the tool's pose
+  vec3 face_0, face_1, face_2, face_3;
   float enlargement, face_scale, face_point_scale;
-  uint faces;
 };
 
-// The pair, its key taken to its bin. `bone` is the ball's number, or that of its entry in the list where it is not known yet.
-Pair Touch(Near near, vec4 ball, uint bone, bool is_slot, vec3 at, float r_t, uint t, bool cutting) {
-  vec3 from_bone = at - ball.xyz;
-  float d = length(from_bone), per_d = 1.0 / max(d, 1e-20), gap = d - r_t - ball.w;
-  Pair pair = Pair(from_bone * per_d, 0.0);
-  bool is_near = ball.w > 0.0 && d > 0.0 && gap < near.enlargement;
-  pair.lens = is_near ? min(LensVolume(r_t + near.enlargement, ball.w, d, per_d), kLargestLens) : 0.0;
-  vec3 u = vec3(dot(pair.n, near.axis_x), dot(pair.n, near.axis_y), dot(pair.n, near.axis_z));
-  Bin bin = FindBin(u, cutting);
-  uint units = uint(clamp(gap + kMiddleWorth_mm * bin.off_middle + 1.0, 0.0, 1.999) / kGapUnit);
-  // a loop, since software drivers execute a branch that nobody takes
-  bool may = is_near && units <= uint(frame.bin_keys[bin.number] >> (kBoneBits + kToolBits));
-  for (uint better = may ? 0 : 1; better < 1; ++better) {
-    uint own = bone;
-    if (is_slot) own = LiveEntry(bone).index;
-    atomicMin(frame.bin_keys[bin.number],
-              (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(own) << kToolBits) | uint64_t(t));
-  }
+vec3 InTool(Near near, vec3 v) { return vec3(dot(v, near.axis_x), dot(v, near.axis_y), dot(v, near.axis_z)); }
+
+// What every pair is asked.
+struct Pair {
+  vec3 n;
+  float d, per_d;
+  uint bin, units;  // of the key: its gap, and what its direction costs
+  bool near, nearest, in_face;
+};
+Pair Touch(Near near, vec4 ball, vec4 at, bool cutting) {
+  vec3 from_bone = at.xyz - ball.xyz;
+  Pair pair;
+  pair.d = length(from_bone);
+  pair.per_d = 1.0 / max(pair.d, 1e-20);
+  pair.n = from_bone * pair.per_d;
+  float gap = pair.d - at.w - ball.w;
+  pair.near = ball.w > 0.0 && pair.d > 0.0 && gap < near.enlargement;
+  Bin bin = FindBin(InTool(near, pair.n), cutting);
+  pair.bin = bin.number;
+  pair.units = uint(clamp(gap + kMiddleWorth_mm * bin.off_middle + 1.0, 0.0, 1.999) / kGapUnit);
+  // the least key so far, or an older one: the upper half of its 64 bits begins with the units
+  pair.nearest = pair.near && pair.units <= frame_halves[2u * bin.number + 1u] >> (kBoneBits + kToolBits - 32u);
+  float most = max(max(dot(pair.n, near.face_0), dot(pair.n, near.face_1)),
+                   max(dot(pair.n, near.face_2), dot(pair.n, near.face_3)));
+  pair.in_face = pair.near && most > kFaceCosine;
   return pair;
 }
+void TakeKey(Pair pair, uint bone, uint t) {
+  if (!pair.nearest) return;
+  uint64_t key = (uint64_t(pair.units) << (kBoneBits + kToolBits)) | (uint64_t(bone) << kToolBits) | uint64_t(t);
+  atomicMin(frame.bin_keys[pair.bin], key);
+}
 
-// With one cutter an invocation looks at 256 pairs at most, whose sum fits 32 bits.
-#define GATHER(part, face, pair, center, radius)                             \
-  {                                                                          \
-    float inside = max(0.0, dot(pair.n, face) - kFaceCosine);                \
-    float w = pair.lens * inside * inside;                                   \
-    ivec4 own = ivec4(round(vec4(w, w * pair.n) * near.face_scale));         \
-    if (kOneCutter && !shaft) {                                              \
-      part.n_low += own;                                                     \
-    } else {                                                                 \
-      part.n_high += own >> 16;                                              \
-      part.n_low += own & 0xffff;                                            \
-      own = ivec4(round(w * vec4(center, radius) * near.face_point_scale));  \
-      part.c_high += own >> 16;                                              \
-      part.c_low += own & 0xffff;                                            \
-    }                                                                        \
-  }
-#define GATHER_ALL(pair, center, radius)                                                              \
-  GATHER(part_0, near.face_0, pair, center, radius)                                                   \
-  for (uint more = near.faces > 1u ? 0 : 1; more < 1; ++more) {                                       \
-    GATHER(part_1, near.face_1, pair, center, radius)                                                 \
-    GATHER(part_2, near.face_2, pair, center, radius)                                                 \
-    GATHER(part_3, near.face_3, pair, center, radius)                                                 \
-  }
+// Sums of one face over this invocation's pairs, in whole units: weight and weight·n, weight·centre and weight·radius. Of 256
+// pairs, since no summand reaches 2^23.
+const uint kMostSummands = 256u;
+struct Part {
+  ivec4 n, c;
+};
+struct Parts {
+  Part part_0, part_1, part_2, part_3;
+};
+const Part kNone = Part(ivec4(0), ivec4(0));
+const Parts kNoParts = Parts(kNone, kNone, kNone, kNone);
 
-#define ADD_COLUMN(place, high_part, low_part)                    \
+// `lens`: 0 for a pair that does not count; `alone`: the only cutter's, whose centre is known.
+void Gather(inout Part part, Near near, vec3 face, vec3 n, float lens, vec4 center, bool alone) {
+  float inside = max(0.0, dot(n, face) - kFaceCosine);
+  float w = lens * inside * inside;
+  part.n += ivec4(round(vec4(w, w * n) * near.face_scale));
+  if (!alone) part.c += ivec4(round(w * center * near.face_point_scale));
+}
+void GatherAll(inout Parts parts, Near near, Pair pair, float r_b, float r_t, vec3 center, bool alone) {
+  float lens = pair.near ? min(LensVolume(r_t + near.enlargement, r_b, pair.d, pair.per_d), kLargestLens) : 0.0;
+  Gather(parts.part_0, near, near.face_0, pair.n, lens, vec4(center, r_t), alone);
+  Gather(parts.part_1, near, near.face_1, pair.n, lens, vec4(center, r_t), alone);
+  Gather(parts.part_2, near, near.face_2, pair.n, lens, vec4(center, r_t), alone);
+  Gather(parts.part_3, near, near.face_3, pair.n, lens, vec4(center, r_t), alone);
+}
+
+#define FLUSH(part, number)                                       \
   {                                                               \
-    int high_sum = subgroupAdd(high_part + (low_part >> 16));     \
-    int low_sum = subgroupAdd(low_part & 0xffff);                 \
-    if (subgroupElect() && (high_sum | low_sum) != 0) {           \
-      atomicAdd(frame.face_sums[place].high, high_sum);           \
-      atomicAdd(frame.face_sums[place].low, uint(low_sum));       \
+    uint place = ((shaft ? kFaces : 0u) + number) * kFaceColumns; \
+    ADD_TO(frame.face_sums[place], part.n.x)                                   \
+    ADD_TO(frame.face_sums[place + 1], part.n.y)                               \
+    ADD_TO(frame.face_sums[place + 2], part.n.z)                               \
+    ADD_TO(frame.face_sums[place + 3], part.n.w)                               \
+    if (!alone) {                                                 \
+      ADD_TO(frame.face_sums[place + 4], part.c.x)                             \
+      ADD_TO(frame.face_sums[place + 5], part.c.y)                             \
+      ADD_TO(frame.face_sums[place + 6], part.c.z)                             \
+      ADD_TO(frame.face_sums[place + 7], part.c.w)                             \
     }                                                             \
   }
-#define FLUSH(part, number)                                                              \
-  {                                                                                      \
-    int any = subgroupOr(part.n_high.x | part.n_low.x);                                  \
-    for (uint some = any == 0 ? 1 : 0; some < 1; ++some) {                               \
-      uint place = ((shaft ? kFaces : 0u) + number) * kFaceColumns;                      \
-      ADD_COLUMN(place, part.n_high.x, part.n_low.x)                                     \
-      ADD_COLUMN(place + 1, part.n_high.y, part.n_low.y)                                 \
-      ADD_COLUMN(place + 2, part.n_high.z, part.n_low.z)                                 \
-      ADD_COLUMN(place + 3, part.n_high.w, part.n_low.w)                                 \
-      if (!kOneCutter || shaft) {                                                        \
-        ADD_COLUMN(place + 4, part.c_high.x, part.c_low.x)                               \
-        ADD_COLUMN(place + 5, part.c_high.y, part.c_low.y)                               \
-        ADD_COLUMN(place + 6, part.c_high.z, part.c_low.z)                               \
-        ADD_COLUMN(place + 7, part.c_high.w, part.c_low.w)                               \
-      }                                                                                  \
-    }                                                                                    \
-  }
-#define FLUSH_ALL FLUSH(part_0, 0) FLUSH(part_1, 1) FLUSH(part_2, 2) FLUSH(part_3, 3)
+
+void AddParts(Parts parts, bool shaft, bool alone) {
+  FLUSH(parts.part_0, 0)
+  FLUSH(parts.part_1, 1)
+  FLUSH(parts.part_2, 2)
+  FLUSH(parts.part_3, 3)
+}
 
 void FindNearField(uint row) {
-  uint end_balls = Takes(row, 0u) ? ChunkEnd(frame.live_ball_count) : 0u;
-  uint end_shaft = Takes(row, 1u) ? ChunkEnd(frame.shaft_count) : 0u;
-  // nothing to do: a loop, since software drivers execute a branch that nobody takes
-  for (uint once = ChunkBegin() < max(end_balls, end_shaft) && !IsVoid() ? 0 : 1; once < 1; ++once) {
-    float s = ContactFraction();
-    Near near = Near(frame.axis_x.xyz, frame.axis_y.xyz, frame.axis_z.xyz, frame.face_n[0].xyz, frame.face_n[1].xyz,
-                     frame.face_n[2].xyz, frame.face_n[3].xyz, frame.enlargement_mm, frame.face_scale,
-                     frame.face_point_scale, frame.face_count);
-    Part part_0 = kNone, part_1 = kNone, part_2 = kNone, part_3 = kNone;
-    {
-      const bool shaft = false;
-      vec4 only = AtContact(0, s);
-      for (uint slot = ChunkBegin(); slot < end_balls; slot += ChunkStep()) {
-        vec4 ball = LiveBall(slot);
-        if (kOneCutter) {
-          Pair pair = Touch(near, ball, slot, true, only.xyz, only.w, 0u, true);
-          GATHER_ALL(pair, vec3(0.0), 0.0)
-        } else {
-          Live entry = LiveEntry(slot);
-          uint last = entry.first + entry.count;
-          for (uint k = entry.first; k < last; ++k) {
-            uint t = ToolOfSpan(k);
-            vec4 at = AtContact(t, s);
-            Pair pair = Touch(near, ball, entry.index, false, at.xyz, at.w, t, true);
-            GATHER_ALL(pair, CenterInTool(t), at.w)
-          }
+  float s = ContactFraction();
+  bool go = !IsVoid();
+  Near near = Near(frame.axis_x.xyz, frame.axis_y.xyz, frame.axis_z.xyz, frame.goal.xyz, frame.face_n[0].xyz,
+                   frame.face_n[1].xyz, frame.face_n[2].xyz, frame.face_n[3].xyz, frame.enlargement_mm, frame.face_scale, frame.face_point_scale);
+  if (kOneCutter) {
+    vec4 only = AtContact(0, s);
+    uint slot = ChunkBegin(), end = Takes(row, 0u) && go ? ChunkEnd(frame.live_ball_count) : 0u;
+    while (slot < end) {
+      Parts parts = kNoParts;
+      for (uint summands = 0u; summands < kMostSummands && slot < end; ++summands) {
+        Pair pair;
+        vec4 ball;
+        uint own = slot;
+        bool counts = false;
+        while (slot < end && !counts) {
+          ball = LiveBall(slot);
+          pair = Touch(near, ball, only, true);
+          own = slot;
+          slot += ChunkStep();
+          counts = subgroupAny(pair.nearest || pair.in_face);
         }
+        TakeKey(pair, LiveEntry(own).index, 0u);
+        GatherAll(parts, near, pair, ball.w, only.w, vec3(0.0), true);
       }
-      FLUSH_ALL
+      AddParts(parts, false, true);
     }
-    part_0 = part_1 = part_2 = part_3 = kNone;
-    {
-      const bool shaft = true;
-      for (uint slot = ChunkBegin(); slot < end_shaft; slot += ChunkStep()) {
-        ShaftPair mine = shaft_pairs[slot];
-        vec4 ball = LiveBall(mine.slot);
-        uint bone = LiveEntry(mine.slot).index;
-        uint last = mine.first + mine.count;
-        for (uint k = mine.first; k < last; ++k) {
-          uint t = ToolOfSpan(k);
-          vec4 at = AtContact(t, s);
-          Pair pair = Touch(near, ball, bone, false, at.xyz, at.w, t, false);
-          GATHER_ALL(pair, CenterInTool(t), at.w)
+  }
+  for (uint list = FirstList(row, 1u); list <= LastList(row, 1u); ++list) {
+    uint farthest = WordGap(Drift(list == kCutting, s) + near.enlargement);
+    Walk walk = BeginWalk(list, go);
+    for (bool more = true; more;) {
+      Parts parts = kNoParts;
+      for (uint summands = 0u; summands < kMostSummands && more; ++summands) {
+        Pair pair;
+        vec4 ball, at;
+        bool counts = false;
+        while (!counts) {
+          more = NextPair(walk, farthest);
+          if (!more) break;
+          ball = LiveBall(walk.slot);
+          at = AtContact(ToolOf(walk.word), s);
+          pair = Touch(near, ball, at, list == kCutting);
+          counts = subgroupAny(pair.nearest || pair.in_face);
         }
+        if (!more) break;
+        TakeKey(pair, LiveEntry(walk.slot).index, ToolOf(walk.word));
+        GatherAll(parts, near, pair, ball.w, at.w, InTool(near, Goal(ToolOf(walk.word)) - near.origin), false);
       }
-      FLUSH_ALL
+      AddParts(parts, list == kShaft, false);
     }
   }
 }

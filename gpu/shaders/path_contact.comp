@@ -9,23 +9,14 @@
 void main() {
   Item item = items[gl_WorkGroupID.x];
   float s = 2.0;
-  for (uint k = gl_LocalInvocationID.x; k < kGroupSize; k += kLanes) {
+  for (uint k = gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x; k < kGroupSize; k += gl_NumWorkGroups.y * kLanes) {
     uint i = item.cluster * kGroupSize + k;
     vec4 ball = i < frame.ball_count ? BallAt(i) : vec4(0.0);
     uint end = ball.w > 0.0 ? item.first + item.count : 0u;
     for (uint ref = item.first; ref < end; ++ref) {
-      uint g = group_refs[ref];
-      ToolGroup group = tool_groups[g];
-      // the group's bounding ball first
-      vec4 bound = Start(frame.tool_count + g);
-      vec3 way = Goal(frame.tool_count + g);
-      vec3 away = ball.xyz - ClosestOnSegment(ball.xyz, bound.xyz, way);
-      float r = bound.w + ball.w;
-      uint last = dot(away, away) <= r * r ? group.first + group.count : 0u;
-      for (uint t = group.first; t < last; ++t) {
-        vec4 start = Start(t);
-        s = min(s, FirstContactFraction(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w));
-      }
+      uint t = tool_refs[ref];
+      vec4 start = Start(t);
+      s = min(s, FirstContactFraction(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w));
     }
   }
   s = subgroupMin(s);

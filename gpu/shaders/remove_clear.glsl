@@ -1,7 +1,11 @@
 // Pass 3: every cutting ball's capsules (first contact to slid, slid to end of the advance) take their share of each live ball
 // (row 0; equation 5, corrected; twin of simulation::ShrinkBall), one invocation a ball, and clear the mass points in them
-// (row 2), each once and booked in whole units of volume: the result does not depend on scheduling. The list's copies are the
+// (row 1), each once and booked in whole units of volume: the result does not depend on scheduling. The list's copies are the
 // balls from here on, until flush.comp writes them back.
+//
+// Software drivers skip no branch: what few balls and points need stands behind the loop over them, which all lanes leave as soon
+// as one of them needs it.
+#include "pairs.glsl"
 #include "rate_law.glsl"
 
 const float kLeastBallRadius = 1e-3;  // mm
@@ -39,121 +43,198 @@ vec3 OnAxis(Capsule c, vec3 p, vec3 away, float d) {
 
 bool Swallows(Capsule c, vec4 ball) { return ball.w + c.r - length(Away(c, ball.xyz)) >= 2.0 * ball.w; }
 
-vec4 Shrunk(vec4 ball, Capsule c) {
+// `on_axis` is set where the ball's centre is so near the axis that the direction has to be looked for, which is only done
+// where `exactly`.
+vec4 Shrunk(vec4 ball, Capsule c, bool exactly, inout bool on_axis) {
   vec3 away = Away(c, ball.xyz);
   float d = length(away);
   float p = ball.w > 0.0 ? ball.w + c.r - d : 0.0;
-  vec3 u = away * (1.0 / max(d, 1e-20));
-  // a loop, since software drivers execute a branch that nobody takes
-  for (uint once = p > 0.0 && d < kOnAxis * c.r ? 0 : 1; once < 1; ++once) u = OnAxis(c, ball.xyz, away, d);
   float half_p = 0.5 * max(p, 0.0);
   bool gone = p > 0.0 && (p >= 2.0 * ball.w || ball.w - half_p < kLeastBallRadius);
-  return vec4(ball.xyz + half_p * u, gone ? 0.0 : ball.w - half_p);
+  vec3 u = away * (1.0 / max(d, 1e-20));
+  bool rare = p > 0.0 && d < kOnAxis * c.r && !gone;
+  on_axis = on_axis || rare;
+  if (exactly && rare) u = OnAxis(c, ball.xyz, away, d);
+  return gone ? vec4(ball.xyz, 0.0) : vec4(ball.xyz + half_p * u, ball.w - half_p);
+}
+
+// The way of the frame.
+struct Way {
+  float at_contact, travel;  // the farthest that any tool ball goes
+  Slide slid_by;
+  vec3 step_mm;
+  uint farthest;         // in a word of a pair that may meet on it
+  Capsule slide, give;   // the only cutter's, where there is but one
+};
+Capsule Piece(Way way, uint t, uint part) {
+  vec4 contact = AtContact(t, way.at_contact);
+  vec3 slid = AfterSlide(way.slid_by, contact.xyz, Goal(t));
+  return MakeCapsule(part == 0u ? contact.xyz : slid, part == 0u ? slid : slid + way.step_mm, contact.w);
+}
+
+// A ball after the frame; false where that has to be done `exactly`.
+bool Shrink(Way way, uint slot, bool exactly, inout vec4 ball) {
+  bool on_axis = false;
+  if (kOneCutter) {
+    ball = Shrunk(Shrunk(ball, way.slide, exactly, on_axis), way.give, exactly, on_axis);
+    return exactly || !on_axis;
+  }
+  Live entry = LiveEntry(slot);
+  uint last = entry.first + (ball.w > 0.0 && entry.more <= way.farthest ? entry.count : 0u);
+  // first which of 32 words may meet, then all those: in their order, one piece of the way after the other
+  uint may_meet = 0u;
+  for (uint part = 0; part < 2; ++part)
+    for (uint base = entry.first; base < last; base += 32u) {
+      uint end = part == 0u || entry.count > 32u ? min(base + 32u, last) : base;
+      may_meet = end > base ? 0u : may_meet;
+      for (uint k = base; k < end; ++k) may_meet |= (SpanWord(k) >> kToolBits) <= way.farthest ? 1u << (k - base) : 0u;
+      for (uint left = may_meet; left != 0u; left &= left - 1u)
+        ball = Shrunk(ball, Piece(way, ToolOf(SpanWord(base + uint(findLSB(left)))), part), exactly, on_axis);
+    }
+  return exactly || !on_axis;
+}
+
+// Whether one piece of the way swallows the ball as it was.
+bool IsSwallowed(Way way, uint slot, vec4 whole) {
+  bool swallowed = false;
+  if (kOneCutter) return Swallows(way.slide, whole) || Swallows(way.give, whole);
+  Live entry = LiveEntry(slot);
+  for (uint k = entry.first; k < entry.first + entry.count; ++k) {
+    uint t = ToolOf(SpanWord(k));
+    swallowed = swallowed || Swallows(Piece(way, t, 0u), whole) || Swallows(Piece(way, t, 1u), whole);
+  }
+  return swallowed;
+}
+
+// The ball's new state to where it lies; a large one is noted for the host to split, a small child dropped.
+void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
+  if (ball.w == whole.w) return;
+  if (kSplit) {
+    uint index = LiveEntry(slot).index;
+    bool child = index >= frame.first_child;
+    if (!child && whole.w > frame.split_radius_mm && !IsSwallowed(way, slot, whole)) {
+      uint place = atomicAdd(frame.request_count, 1u);
+      if (place < frame.request_capacity) requests[place] = SplitRequest(index, whole, ball);
+    }
+    if (child) {
+      uint block = (index - frame.first_child) / kGroupSize;
+      if (ball.w < blocks[block].least_mm) ball.w = 0.0;
+      if (ball.w == 0.0) atomicAdd(blocks[block].live, 0xffffffffu);
+    }
+  }
+  live_balls[slot] = ball;
+}
+
+// One piece of the way of all cutting balls, over this invocation's balls. A ball's tool balls come in their order, one after the
+// other; two pieces are two ways through the list, the second with what the first has left.
+void RemovePiece(Way way, uint part, bool go) {
+  const uint kNoSlot = 0xffffffffu;
+  Walk walk = BeginWalk(kCutting, go);
+  uint slot = kNoSlot;
+  vec4 ball = vec4(0.0);
+  float before = 0.0;
+  for (bool more = true; more;) {
+    Capsule piece;
+    bool on_axis = false;
+    while (!on_axis) {
+      more = NextPair(walk, way.farthest);
+      if (!more) break;
+      if (walk.slot != slot) {
+        if (ball.w != before) live_balls[slot] = ball;
+        slot = walk.slot;
+        ball = live_balls[slot];
+        before = ball.w;
+      }
+      piece = Piece(way, ToolOf(walk.word), part);
+      vec4 left = Shrunk(ball, piece, false, on_axis);
+      ball = on_axis ? ball : left;
+    }
+    if (on_axis) ball = Shrunk(ball, piece, true, on_axis);
+  }
+  if (ball.w != before) live_balls[slot] = ball;
+}
+
+void Clear(uint slot, vec4 point) {
+  uint i = PointEntry(slot).index;
+  uint material = point_states[i];
+  live_points[slot].w = -point.w;
+  point_states[i] = material | kCleared;
+  atomicAdd(frame.removed[material], point_units[i]);
 }
 
 void RemoveAndClear(uint row) {
   bool go = frame.is_void == 0u && frame.spindle_rad_per_s != 0.0;
-  uint end_balls = Takes(row, 0u) && go ? ChunkEnd(frame.live_ball_count) : 0u;
-  uint end_points = Takes(row, 2u) && go ? ChunkEnd(frame.live_point_count) : 0u;
-  bool reports = Takes(row, 1u) && gl_WorkGroupID.x == 0u;
-  // nothing to do: a loop, since software drivers execute a branch that nobody takes
-  for (uint once = reports || ChunkBegin() < max(end_balls, end_points) ? 0 : 1; once < 1; ++once) {
-    float at_contact = ContactFraction();
-    Slide slid_by = ChosenSlide();
-    Advance advance = AdvanceOfFrame(at_contact, slid_by);
-    if (reports && gl_LocalInvocationID.x == 0u) {
-      frame.advance_mm = advance.advance_mm;
-      frame.edge_work_Nmm = advance.edge_work_Nmm;
-      frame.step_mm = vec4(advance.step_mm, 0.0);
-      frame.turns = slid_by.turns ? 1u : 0u;
-      frame.slid_share = slid_by.share;
-    }
-    // the only cutter's places, where there is but one
-    vec4 only = AtContact(0, at_contact);
-    vec3 only_slid = AfterSlide(slid_by, only.xyz, Goal(0)), only_end = only_slid + advance.step_mm;
-    float travel = slid_by.way_mm + length(advance.step_mm) + 1e-4;  // of any tool ball at most
-    Capsule slide = MakeCapsule(only.xyz, only_slid, only.w), give = MakeCapsule(only_slid, only_end, only.w);
+  Way way;
+  way.at_contact = ContactFraction();
+  way.slid_by = ChosenSlide();
+  Advance advance = AdvanceOfFrame(way.at_contact, way.slid_by);
+  way.step_mm = advance.step_mm;
+  if (Takes(row, 0u) && gl_WorkGroupID.x == 0u && gl_LocalInvocationID.x == 0u) {
+    frame.advance_mm = advance.advance_mm;
+    frame.edge_work_Nmm = advance.edge_work_Nmm;
+    frame.step_mm = vec4(advance.step_mm, 0.0);
+    frame.turns = way.slid_by.turns ? 1u : 0u;
+    frame.slid_share = way.slid_by.share;
+  }
+  way.farthest = WordGap(Drift(true, way.at_contact) + way.slid_by.way_mm + length(advance.step_mm));
+  way.slide = Piece(way, 0u, 0u);
+  way.give = Piece(way, 0u, 1u);
 
-    for (uint slot = ChunkBegin(); slot < end_balls; slot += ChunkStep()) {
-      vec4 ball = LiveBall(slot), whole = ball;
-      float before = ball.w;
-      if (kOneCutter) {
-        ball = Shrunk(Shrunk(ball, slide), give);
-      } else {
-        Live entry = LiveEntry(slot);
-        uint last = before > 0.0 ? entry.first + entry.count : 0u;
-        for (uint part = 0; part < 2; ++part)
-          for (uint k = entry.first; k < last; ++k) {
-            uint t = ToolOfSpan(k);
-            vec4 contact = AtContact(t, at_contact);
-            vec3 away = ball.xyz - contact.xyz;
-            float reach = contact.w + ball.w + travel;
-            // most of the list is out of reach of this frame's way
-            for (uint meets = dot(away, away) < reach * reach ? 0 : 1; meets < 1; ++meets) {
-              vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
-              ball = Shrunk(ball, MakeCapsule(part == 0 ? contact.xyz : slid,
-                                              part == 0 ? slid : slid + advance.step_mm, contact.w));
-            }
-          }
+  uint slot = ChunkBegin(), end = Takes(row, 0u) && go ? ChunkEnd(frame.live_ball_count) : 0u;
+  if (kOneCutter || kSplit) {
+    while (slot < end) {
+      vec4 whole, ball;
+      bool again = false;
+      while (slot < end && !again) {
+        whole = ball = LiveBall(slot);
+        again = subgroupAny(!Shrink(way, slot, false, ball));
+        if (again) break;
+        Keep(way, slot, whole, ball);
+        slot += ChunkStep();
       }
-      if (kSplit) {
-        // a ball that should be split, or a child: loops, since software drivers execute a branch that nobody takes
-        uint index = LiveEntry(slot).index;
-        bool child = ball.w != before && index >= frame.first_child;
-        bool large = ball.w != before && !child && before > frame.split_radius_mm;
-        for (uint once = large ? 0 : 1; once < 1; ++once) {
-          bool swallowed = false;
-          if (kOneCutter) {
-            swallowed = Swallows(slide, whole) || Swallows(give, whole);
-          } else {
-            Live entry = LiveEntry(slot);
-            for (uint k = entry.first; k < entry.first + entry.count; ++k) {
-              uint t = ToolOfSpan(k);
-              vec4 contact = AtContact(t, at_contact);
-              vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
-              swallowed = swallowed || Swallows(MakeCapsule(contact.xyz, slid, contact.w), whole) ||
-                          Swallows(MakeCapsule(slid, slid + advance.step_mm, contact.w), whole);
-            }
-          }
-          if (swallowed) break;
-          uint place = atomicAdd(frame.request_count, 1u);
-          if (place < frame.request_capacity) requests[place] = SplitRequest(index, whole, ball);
-        }
-        for (uint once = child ? 0 : 1; once < 1; ++once) {
-          uint block = (index - frame.first_child) / kGroupSize;
-          if (ball.w < blocks[block].least_mm) ball.w = 0.0;
-          if (ball.w == 0.0) atomicAdd(blocks[block].live, 0xffffffffu);
-        }
-      }
-      if (ball.w != before) live_balls[slot] = ball;
+      if (slot >= end) break;
+      ball = whole;
+      Shrink(way, slot, true, ball);
+      Keep(way, slot, whole, ball);
+      slot += ChunkStep();
     }
+  } else {
+    RemovePiece(way, 0u, Takes(row, 0u) && go);
+    RemovePiece(way, 1u, Takes(row, 0u) && go);
+  }
 
-    for (uint slot = ChunkBegin(); slot < end_points; slot += ChunkStep()) {
-      vec4 point = LivePoint(slot);
-      bool inside = false;
-      if (kOneCutter) {
-        inside = Inside(slide, point.xyz) || Inside(give, point.xyz);
-      } else {
-        Live entry = PointEntry(slot);
-        uint last = point.w > 0.0 ? entry.first + entry.count : 0u;
-        for (uint k = entry.first; k < last; ++k) {
-          uint t = ToolOfSpan(k);
-          vec4 contact = AtContact(t, at_contact);
-          vec3 away = point.xyz - contact.xyz;
-          float reach = contact.w + travel;
-          if (dot(away, away) >= reach * reach) continue;
-          vec3 slid = AfterSlide(slid_by, contact.xyz, Goal(t));
-          inside = inside || Inside(MakeCapsule(contact.xyz, slid, contact.w), point.xyz) ||
-                   Inside(MakeCapsule(slid, slid + advance.step_mm, contact.w), point.xyz);
-        }
+  if (kOneCutter) {
+    slot = ChunkBegin();
+    end = Takes(row, 1u) && go ? ChunkEnd(frame.live_point_count) : 0u;
+    while (slot < end) {
+      vec4 point;
+      uint own = slot;
+      bool inside = false, any = false;
+      while (slot < end && !any) {
+        own = slot;
+        point = LivePoint(slot);
+        inside = point.w > 0.0 && (Inside(way.slide, point.xyz) || Inside(way.give, point.xyz));
+        any = subgroupAny(inside);
+        slot += ChunkStep();
       }
-      for (uint once = inside && point.w > 0.0 ? 0 : 1; once < 1; ++once) {
-        uint i = PointEntry(slot).index;
-        uint material = point_states[i];
-        live_points[slot].w = -point.w;
-        point_states[i] = material | kCleared;
-        atomicAdd(frame.removed[material], point_units[i]);
-      }
+      if (inside) Clear(own, point);
     }
+    return;
+  }
+  Walk walk = BeginWalk(kPoint, Takes(row, 1u) && go);
+  for (bool more = true; more;) {
+    vec4 point;
+    bool inside = false;
+    while (!inside) {
+      more = NextPair(walk, way.farthest);
+      if (!more) break;
+      point = LivePoint(walk.slot);
+      uint t = ToolOf(walk.word);
+      inside = point.w > 0.0 && (Inside(Piece(way, t, 0u), point.xyz) || Inside(Piece(way, t, 1u), point.xyz));
+    }
+    if (!inside) continue;
+    Clear(walk.slot, point);
+    walk.left = 0u;  // once is enough
+    walk.k = walk.last;
   }
 }
