@@ -113,7 +113,7 @@ tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell
       if (!loaded) return tl::make_unexpected(loaded.error().message);
       made = std::move(*loaded);
     }
-    setup.bone = simulation::PackScene(made, scene);
+    setup.bone = simulation::PackScene(made, scene, setup.config.cutting.split.on);
     setup.solid = made.solid;
   }
   // the bone lies so that its site is where the cell wants it: X_WG of the configuration is the pose of the

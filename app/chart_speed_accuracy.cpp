@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <deque>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -88,6 +89,17 @@ class Measurement {
     Say("left out: " + result_.left_out.back());
   }
 
+  // Packs a step's bone, or takes what an earlier step of the same packing has left.
+  const LadderBone& Packed(const MethodStep& step, const PlacedTask& task, std::size_t seed) {
+    if (packed_seed_ != seed) packed_.clear();
+    packed_seed_ = seed;
+    for (const Packing& known : packed_)
+      if (known.task == task.work.task && SharePacking(known.step, step)) return known.bone;
+    packed_.push_back(
+        {.step = step, .task = task.work.task, .bone = PackForStep(step, task.work, task.points, seed)});
+    return packed_.back().bone;
+  }
+
   tl::expected<void, std::string> MeasureSeed(Rung& rung, const std::vector<PlacedTask>& tasks,
                                               std::size_t seed) {
     std::vector<simulation::WorkloadScores> scores;
@@ -95,9 +107,10 @@ class Measurement {
     std::size_t elements = 0;
     std::string device;
     for (const PlacedTask& task : tasks) {
-      const LadderBone packed = PackForStep(rung.step, task.work, task.points, seed);
-      auto engine = MakeMethodEngine(packed.bone, task.work.solid.get(), task.work.tool, task.work.cutting,
-                                     {.method = rung.step.method,
+      const LadderBone& packed = Packed(rung.step, task, seed);
+      auto engine = MakeMethodEngine(packed.bone, task.work.solid.get(), task.work.tool,
+                                     CuttingForStep(rung.step, task.work),
+                                     {.method = EngineOfStep(rung.step),
                                       .device = options_.device,
                                       .voxel_m = ScaledLength(rung.step.length_m, task.work)});
       if (!engine) {
@@ -136,8 +149,16 @@ class Measurement {
     return {};
   }
 
+  struct Packing {
+    MethodStep step;
+    simulation::CutTask task;
+    LadderBone bone;
+  };
+
   const SpeedAccuracyOptions& options_;
   std::vector<Rung> points_;
+  std::deque<Packing> packed_;  ///< of one seed; what is in it stays where it is
+  std::size_t packed_seed_{0};
   SpeedAccuracyResult result_;
 };
 
@@ -199,9 +220,10 @@ int Run(const SpeedAccuracyOptions& options) {
       "cut's "
       "area, each packing against its own uncut self, which flatters disjoint ones. Ripple is over the exact "
       "mean force.",
-      "Labels: spheres or voxels of the four bones together, and the greatest radius r or the voxel's edge h "
-      "in mm at "
-      "the reamer; smaller tools have finer bones."};
+      "Labels: spheres or voxels of the four bones together, where balls are split as many as there are in "
+      "the end, and the greatest radius r or the voxel's edge h in mm at the reamer; smaller tools have "
+      "finer "
+      "bones."};
   for (const std::string& left : result->left_out) notes.push_back("Not measured: " + left);
   const std::string json = SpeedAccuracyJson(*result);
   const ChartFiles chart{.name = "speed_accuracy",

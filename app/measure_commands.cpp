@@ -79,7 +79,7 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
   sub->add_option("--seeds", options.seeds, "paths and packings that differ")
       ->check(NumberWithin(1, 100))
       ->capture_default_str();
-  sub->add_option("--method", options.methods, "these alone; several times")->check(OneOf(MethodNames()));
+  sub->add_option("--method", options.methods, "these alone; several times")->check(OneOf(LadderMethods()));
   sub->add_option("--most-seconds", options.most_seconds,
                   "of a method's frames in one task; what would take longer is left out")
       ->check(NumberWithin(0.1, 36e3))

@@ -56,7 +56,7 @@ std::unique_ptr<simulation::CarvedShape> ShapeOf(const simulation::CuttingEngine
 std::size_t ElementsOf(const simulation::CuttingEngine& engine, const simulation::Bone& bone) {
   if (const auto* method = dynamic_cast<const simulation::MethodEngine*>(&engine))
     return method->ElementCount();
-  return bone.balls.size();
+  return std::max(bone.balls.size(), simulation::LiveBalls(engine.Snapshot()).size());
 }
 
 }  // namespace osteon::app

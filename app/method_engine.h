@@ -41,7 +41,7 @@ struct MethodChoice {
 /// The bone that is left, as the engine's method knows it.
 [[nodiscard]] std::unique_ptr<simulation::CarvedShape> ShapeOf(const simulation::CuttingEngine& engine);
 
-/// Spheres, or voxels, that it began with.
+/// Spheres, or voxels, that it began with; or spheres that it has now, where splitting has made more of them.
 [[nodiscard]] std::size_t ElementsOf(const simulation::CuttingEngine& engine, const simulation::Bone& bone);
 
 }  // namespace osteon::app

@@ -7,11 +7,13 @@
 #include "simulation/disjoint_packing.h"
 #include "simulation/mass_points.h"
 #include "simulation/packing_builder.h"
+#include "simulation/split_packing.h"
 
 namespace osteon::app {
 namespace {
 
 constexpr double kReamer_m = 25e-3, kZone_m = 6.5e-3;  // the cut is 5.5 mm deep at most
+constexpr double kLeastSplit = 0.4 / 2.5;              // of the spacing: SplitParams and SplitPackingParams
 
 double ToolRadius(const simulation::CutWorkload& work) { return work.tool.balls.front().radius_m; }
 
@@ -30,6 +32,20 @@ std::vector<simulation::Ball> Overlapping(const simulation::CutWorkload& work, d
   return simulation::BuildPacking(*work.solid, *work.zone, params);
 }
 
+// In the proportions of SplitPackingParams, fine as deep as the cut goes.
+std::vector<simulation::Ball> ForSplitting(const simulation::CutWorkload& work, double spacing_m,
+                                           std::uint64_t seed) {
+  simulation::SplitPackingParams params;
+  const double scale = spacing_m / params.spacing_m;
+  params.spacing_m = spacing_m;
+  params.fine_depth_m = kZone_m;
+  params.coarser_from_m *= scale;
+  params.surface_radius_m *= scale;
+  params.surface_gap_m *= scale;
+  params.seed = seed;
+  return simulation::BuildSplitPacking(*work.solid, *work.zone, params);
+}
+
 std::vector<simulation::Ball> Disjoint(const simulation::CutWorkload& work, double radius_m,
                                        std::uint64_t seed) {
   return simulation::BuildDisjointPacking(*work.solid, *work.zone,
@@ -45,21 +61,39 @@ std::vector<simulation::Ball> Disjoint(const simulation::CutWorkload& work, doub
 std::vector<MethodStep> MethodLadder(bool quick) {
   struct Rungs {
     const char* method;
-    std::vector<double> lengths_mm;
+    std::vector<double> lengths_mm, quick_mm;
   };
-  const std::vector<Rungs> all =
-      quick
-          ? std::vector<Rungs>{{"ours", {3.0, 1.5}},  {"stamps", {3.0, 1.5}},
-                               {"paper", {4.0, 2.0}}, {"paper-printed", {4.0, 2.0}},
-                               {"voxel", {1.0, 0.5}}, {"pointshell", {1.0, 0.5}}}
-          : std::vector<Rungs>{{"ours", {4.0, 3.0, 2.0, 1.5, 1.0}}, {"stamps", {4.0, 2.0, 1.5, 1.0}},
-                               {"paper", {4.0, 2.0, 1.4, 1.0}},     {"paper-printed", {4.0, 2.0, 1.4, 1.0}},
-                               {"voxel", {1.0, 0.5, 0.25, 0.125}},  {"pointshell", {1.0, 0.5, 0.25, 0.125}}};
+  static const std::vector<Rungs> all{
+      {"ours", {4.0, 3.0, 2.0, 1.5, 1.0}, {3.0, 1.5}},     {"split", {8.0, 5.6, 4.0}, {8.0, 5.6}},
+      {"stamps", {4.0, 2.0, 1.5, 1.0}, {3.0, 1.5}},        {"paper", {4.0, 2.0, 1.4, 1.0}, {4.0, 2.0}},
+      {"paper-printed", {4.0, 2.0, 1.4, 1.0}, {4.0, 2.0}}, {"voxel", {1.0, 0.5, 0.25, 0.125}, {1.0, 0.5}},
+      {"pointshell", {1.0, 0.5, 0.25, 0.125}, {1.0, 0.5}}};
   std::vector<MethodStep> ladder;
   for (const Rungs& rungs : all)
-    for (const double length_mm : rungs.lengths_mm)
+    for (const double length_mm : quick ? rungs.quick_mm : rungs.lengths_mm)
       ladder.push_back({.method = rungs.method, .length_m = 1e-3 * length_mm});
   return ladder;
+}
+
+const std::vector<std::string>& LadderMethods() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const MethodStep& step : MethodLadder(true))
+      if (all.empty() || all.back() != step.method) all.push_back(step.method);
+    return all;
+  }();
+  return names;
+}
+
+std::string EngineOfStep(const MethodStep& step) { return step.method == "split" ? "ours" : step.method; }
+
+simulation::CuttingParams CuttingForStep(const MethodStep& step, const simulation::CutWorkload& work) {
+  simulation::CuttingParams cutting = work.cutting;
+  if (step.method != "split") return cutting;
+  cutting.split.on = true;
+  cutting.split.least_radius_m = kLeastSplit * ScaledLength(step.length_m, work);
+  cutting.split.pool_blocks = 16'384;  // some thousand are taken at the reamer
+  return cutting;
 }
 
 double ScaledLength(double length_m, const simulation::CutWorkload& work) {
@@ -77,13 +111,21 @@ LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& wo
     made.r_max_m = 0.5 * length_m;
     return made;
   }
-  made.bone.balls =
-      WantsDisjoint(step.method) ? Disjoint(work, length_m, seed) : Overlapping(work, length_m, seed);
+  made.bone.balls = step.method == "split"       ? ForSplitting(work, length_m, seed)
+                    : WantsDisjoint(step.method) ? Disjoint(work, length_m, seed)
+                                                 : Overlapping(work, length_m, seed);
   // of the balls that a cut can meet: deeper ones may be larger
   for (const simulation::Ball& ball : made.bone.balls)
     if (work.zone->DepthAt(Vector3(ball.center_m)) - ball.radius_m < 3e-3)
       made.r_max_m = std::max(made.r_max_m, ball.radius_m);
   return made;
+}
+
+bool SharePacking(const MethodStep& a, const MethodStep& b) {
+  const auto kind = [](const MethodStep& step) {
+    return step.method == "split" ? 3 : WantsVoxels(step.method) ? 2 : WantsDisjoint(step.method) ? 1 : 0;
+  };
+  return a.length_m == b.length_m && kind(a) == kind(b);
 }
 
 std::vector<simulation::MassPoint> LadderPoints(const simulation::CutWorkload& work) {

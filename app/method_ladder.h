@@ -17,6 +17,7 @@ namespace osteon::app {
 /// | method              | `length_m` is                                                       |
 /// |---------------------|---------------------------------------------------------------------|
 /// | ours, stamps        | the lattice's spacing a, radii up to max(1.2 a, min(2 a, R / 5))    |
+/// | split               | the lattice's spacing a, radii up to .9 a: ours, balls split when touched |
 /// | paper               | the greatest radius of a disjoint packing, the least a third of it  |
 /// | voxel, pointshell   | a voxel's edge, and the distance of the tool's points               |
 struct MethodStep {
@@ -26,6 +27,16 @@ struct MethodStep {
 
 /// Every method at several finenesses, coarse to fine. @param quick  fewer of them
 [[nodiscard]] std::vector<MethodStep> MethodLadder(bool quick);
+
+/// The ladder's methods by name.
+[[nodiscard]] const std::vector<std::string>& LadderMethods();
+
+/// What makes a step's engine (MethodNames()): "split" is ours with other parameters.
+[[nodiscard]] std::string EngineOfStep(const MethodStep& step);
+
+/// A workload's parameters, with a step's splitting.
+[[nodiscard]] simulation::CuttingParams CuttingForStep(const MethodStep& step,
+                                                       const simulation::CutWorkload& work);
 
 /// How a length of a step becomes one of a workload.
 [[nodiscard]] double ScaledLength(double length_m, const simulation::CutWorkload& work);
@@ -40,6 +51,9 @@ struct LadderBone {
 /// @throws std::invalid_argument as the packings do.
 [[nodiscard]] LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& work,
                                      const std::vector<simulation::MassPoint>& points, std::uint64_t seed);
+
+/// Whether PackForStep makes the same balls of both steps: what was packed for one serves the other.
+[[nodiscard]] bool SharePacking(const MethodStep& a, const MethodStep& b);
 
 /// The mass points of a workload, .75 mm apart at a reamer, scaled as the steps are.
 [[nodiscard]] std::vector<simulation::MassPoint> LadderPoints(const simulation::CutWorkload& work);

@@ -22,8 +22,9 @@ struct MethodLook {
   Marker marker;
   const char* color;
 };
-constexpr std::array<MethodLook, 6> kLooks{
+constexpr std::array<MethodLook, 7> kLooks{
     {{"ours", "ours", Marker::kCircle, kPalette[0]},
+     {"split", "ours, split", Marker::kRing, kPalette[0]},
      {"stamps", "stamps at discrete poses", Marker::kDown, kPalette[5]},
      {"paper", "paper, corrected", Marker::kSquare, kPalette[2]},
      {"paper-printed", "paper, as printed", Marker::kDiamond, kPalette[4]},
@@ -60,13 +61,13 @@ std::string Count(double count) {
 }
 
 std::string LabelOf(const SpeedAccuracyPoint& point) {
-  return fmt::format("{}, {} {:.2g}", Count(static_cast<double>(point.spheres)),
-                     WantsVoxels(point.method) ? "h" : "r",
-                     (WantsVoxels(point.method) ? 2.0 : 1.0) * point.r_max_m * 1e3);
+  const std::string count = Count(static_cast<double>(point.spheres));
+  if (WantsVoxels(point.method)) return fmt::format("{}, h {:.3g}", count, 2e3 * point.r_max_m);
+  return fmt::format("{}, r {:.2g}", count, 1e3 * point.r_max_m);
 }
 
 LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure) {
-  LineChart chart{.x_label = "frame time, median [us]",
+  LineChart chart{.x_label = "frame time, median [µs]",
                   .log_x = true,
                   .log_y = true,
                   .legend = false,

@@ -30,27 +30,36 @@ class ClusterTree {
   template <class Visit>
   void Meet(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float radius_mm, Visit visit) const {
     if (levels_.empty()) return;
-    const Sweep sweep{.box = Eigen::AlignedBox3f(a.cwiseMin(b), a.cwiseMax(b)),
-                      .middle = 0.5f * (a + b),
-                      .radius_mm = radius_mm + kRounding_mm,
-                      .half_mm = 0.5f * (b - a).norm()};
-    Descend(levels_.size() - 1, 0, sweep, visit);
+    Descend(levels_.size() - 1, 0, Sweep(a, b, radius_mm), visit);
+  }
+
+  /// A ball on its way from a to b.
+  class Sweep {
+   public:
+    Sweep(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float radius_mm)
+        : box_(a.cwiseMin(b), a.cwiseMax(b)),
+          middle_(0.5f * (a + b)),
+          radius_mm_(radius_mm + kRounding_mm),
+          half_mm_(0.5f * (b - a).norm()) {}
+    [[nodiscard]] bool Meets(const Eigen::AlignedBox3f& other) const {
+      const float reach = radius_mm_ + half_mm_;
+      return other.squaredExteriorDistance(box_) <= radius_mm_ * radius_mm_ &&
+             other.squaredExteriorDistance(middle_) <= reach * reach;
+    }
+
+   private:
+    static constexpr float kRounding_mm = 1e-3f;  // floats of 100 mm round to 8e-6 mm
+    Eigen::AlignedBox3f box_;                     // of the centre's way
+    Eigen::Vector3f middle_;
+    float radius_mm_, half_mm_;
+  };
+  /// Whether the sweep may meet the box of one cluster.
+  [[nodiscard]] bool Meets(const Sweep& sweep, uint cluster) const {
+    return sweep.Meets(levels_.front()[cluster]);
   }
 
  private:
   static constexpr std::size_t kChildren = 8;
-  static constexpr float kRounding_mm = 1e-3f;  // floats of 100 mm round to 8e-6 mm
-
-  struct Sweep {
-    Eigen::AlignedBox3f box;  // of the centre's way
-    Eigen::Vector3f middle;
-    float radius_mm, half_mm;
-    [[nodiscard]] bool Meets(const Eigen::AlignedBox3f& other) const {
-      const float reach = radius_mm + half_mm;
-      return other.squaredExteriorDistance(box) <= radius_mm * radius_mm &&
-             other.squaredExteriorDistance(middle) <= reach * reach;
-    }
-  };
 
   template <class Visit>
   void Descend(std::size_t level, std::size_t node, const Sweep& sweep, Visit& visit) const {

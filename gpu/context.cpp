@@ -15,9 +15,9 @@ std::string Lower(std::string text) {
   return text;
 }
 
-const vk::SubgroupFeatureFlags kSubgroupNeeds = vk::SubgroupFeatureFlagBits::eBasic |
-                                                vk::SubgroupFeatureFlagBits::eArithmetic |
-                                                vk::SubgroupFeatureFlagBits::eVote;
+const vk::SubgroupFeatureFlags kSubgroupNeeds =
+    vk::SubgroupFeatureFlagBits::eBasic | vk::SubgroupFeatureFlagBits::eArithmetic |
+    vk::SubgroupFeatureFlagBits::eBallot | vk::SubgroupFeatureFlagBits::eVote;
 
 int Rank(vk::PhysicalDeviceType type) {
   switch (type) {
@@ -80,7 +80,7 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
   else if (!ComputeFamily(device))
     info.refusal = "no compute queue";
   else if ((subgroup.supportedOperations & kSubgroupNeeds) != kSubgroupNeeds || subgroup.subgroupSize > 64)
-    info.refusal = "no subgroup arithmetic and votes in subgroups of up to 64";
+    info.refusal = "no subgroup arithmetic, ballot and vote in subgroups of up to 64";
   else if (p.limits.maxComputeSharedMemorySize < 16'000)
     info.refusal = "less than 16 kB of shared memory";
   return info;
@@ -164,11 +164,13 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   vk::PhysicalDeviceVulkan12Features features;
   features.scalarBlockLayout = VK_TRUE;
   features.shaderBufferInt64Atomics = VK_TRUE;
-  context->memory_model =
+  const auto found =
       context->physical->getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>()
-          .get<vk::PhysicalDeviceVulkan12Features>()
-          .vulkanMemoryModel == VK_TRUE;
-  features.vulkanMemoryModel = context->memory_model ? VK_TRUE : VK_FALSE;
+          .get<vk::PhysicalDeviceVulkan12Features>();
+  // with device scope: atomics have that
+  context->memory_model = found.vulkanMemoryModel == VK_TRUE && found.vulkanMemoryModelDeviceScope == VK_TRUE;
+  features.vulkanMemoryModel = features.vulkanMemoryModelDeviceScope =
+      context->memory_model ? VK_TRUE : VK_FALSE;
   vk::PhysicalDeviceFeatures core;
   core.shaderFloat64 = VK_TRUE;
   core.shaderInt64 = VK_TRUE;

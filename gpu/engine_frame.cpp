@@ -5,8 +5,13 @@
 
 namespace osteon::gpu {
 
-// The tool's balls and their groups at the proxy and at the tool's pose, for the device and for Prepare.
-void VulkanEngine::Impl::Place(const Pose& X_GT) {
+// Tool balls of a cluster that one workgroup looks at four times for each of its balls: beyond, llvmpipe
+// would end its loops.
+constexpr uint kMostRefsOfAWorkgroup = 1'800;
+
+// The tool's balls at the proxy and at the tool's pose, for the device and for what follows.
+void VulkanEngine::Impl::Place(const Pose& pose) {
+  X_GT = pose;
   vec4* placed = program->host<vec4>(kBindTool);
   const vec4* whole = placed;
   start_m.resize(tool.balls.size());
@@ -17,20 +22,14 @@ void VulkanEngine::Impl::Place(const Pose& X_GT) {
     *placed++ = ToMillimetres(start_m[t], tool.balls[t].radius_m * kMillimetres);
     *placed++ = ToMillimetres(goal_m[t], 0.0);
   }
-  vec4* rest = placed + 2 * tool.group_bounds.size();
   for (std::size_t t = 0; t < tool.balls.size(); ++t) {
-    *rest++ = Rest(start_m[t], tool.balls[t].radius_m, whole[2 * t]);
-    *rest++ = Rest(goal_m[t], 0.0, whole[2 * t + 1]);
-  }
-  for (const ToolLayout::Item& bound : tool.group_bounds) {
-    *placed++ = ToMillimetres(memory.X_GP * bound.center_T_m, bound.radius_m * kMillimetres);
-    *placed++ = ToMillimetres(X_GT * bound.center_T_m, 0.0);
+    *placed++ = Rest(start_m[t], tool.balls[t].radius_m, whole[2 * t]);
+    *placed++ = Rest(goal_m[t], 0.0, whole[2 * t + 1]);
   }
 }
 
 Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
-  const Pose X_GT = X_WG.inverse() * Pose(input.X_WT);
-  Place(X_GT);
+  Place(X_WG.inverse() * Pose(input.X_WT));
   Frame f = still;
   f.start = ToMillimetres(memory.X_GP.translation(), 0.0);
   f.goal = ToMillimetres(X_GT.translation(), 0.0);
@@ -54,6 +53,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   }
   f.rounding_mm = static_cast<float>(
       kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / least_radius_m));
+  f.path_mm = static_cast<float>(way_m * kMillimetres);
   if (lists.made && !brute_force) MeasureDrift(f);
   // slide and advance together: at most max_slide, but for the immediate law, which goes all the way
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
@@ -77,16 +77,36 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   return f;
 }
 
-Groups VulkanEngine::Impl::FlushWork() const {
-  const uint share = program->lanes() * program->chunk();
-  return {.x = lists.made ? (lists.balls + share - 1) / share : 0, .y = 1, .z = 1};
+// Entries of a list that one invocation looks at, each with as many tool balls at most: one on a GPU. A
+// processor does what all of a workgroup's lanes share once for each workgroup: few, long ones, but some for
+// each core. And llvmpipe ends all loops of an invocation after 65 535 turns together, of which no pass takes
+// more than six a pair.
+uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t span) const {
+  constexpr std::size_t kMostPairs = 10'000, kMostEntries = 4096, kWorkgroups = 4;
+  const std::size_t lanes = program->lanes();
+  if (lanes == kGroupSize) return 1;
+  const std::size_t most =
+      std::clamp<std::size_t>(kMostPairs / std::max<std::size_t>(1, span), 1, kMostEntries);
+  const std::size_t share = entries / (kWorkgroups * lanes) + 1;
+  return static_cast<uint>(std::clamp(share, std::min<std::size_t>(16, most), most));
+}
+
+Groups VulkanEngine::Impl::Work(std::size_t entries, uint chunk, uint rows) const {
+  const std::size_t share = std::size_t{program->lanes()} * chunk;
+  return {.x = static_cast<uint>((entries + share - 1) / share), .y = rows, .z = 1};
+}
+
+// The balls of the lists go back, with the chunk that the frame has.
+void VulkanEngine::Impl::SetFlush(Frame& f) const {
+  f.flush_count = lists.made ? lists.balls : 0;
+  f.flush_work = Work(f.flush_count, f.chunk, 1);
 }
 
 // The balls of the lists back to where Snapshot reads them.
 void VulkanEngine::Impl::Flush() const {
   Frame f = still;
-  f.flush_count = lists.balls;
-  f.flush_work = FlushWork();
+  f.chunk = Chunk(lists.balls, 1);
+  SetFlush(f);
   SetUploads(f);
   std::memcpy(&program->frame(), &f, sizeof(Frame));
   program->Run(FrameMode::kFlush, kFrameTimeout_ns);
@@ -110,8 +130,8 @@ void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSol
         done.turns != 0 ? Vector3(goal_m[t] + solution.delta) : Vector3(contact_m + solution.shift);
     const Vector3 slid_m = contact_m + solution.slide_fraction * (target_m - contact_m);
     const double radius_m = tool.balls[t].radius_m;
-    capsules[t] = {.a = contact_m, .b = slid_m, .radius_m = radius_m};
-    capsules[tool.cutter_count + t] = {
+    capsules[2 * t] = {.a = contact_m, .b = slid_m, .radius_m = radius_m};
+    capsules[2 * t + 1] = {
         .a = slid_m, .b = slid_m + solution.origin_end - solution.origin_slid, .radius_m = radius_m};
   }
   const std::size_t count = std::min(done.request_count, still.request_capacity);
@@ -132,33 +152,52 @@ void VulkanEngine::Impl::MeasureDrift(Frame& f) const {
 
 // The clusters that the tool can meet, with its reach, on its way or where it stands.
 void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
-  const vec4* bounds = program->host<vec4>(kBindTool) + 2 * tool.balls.size();
-  const auto sweep = [&](float reach_mm, bool cutting_only) {
-    return [&, reach_mm, cutting_only](uint g, const auto& meet) {
-      const bool cuts = tool.Cuts(tool.groups[g]);
-      if (cutting_only && !cuts) return;
-      const vec4 a = bounds[2 * g], b = bounds[2 * g + (mode == FrameMode::kListsAtContact ? 1 : 0)];
-      meet(Eigen::Vector3f(a.x, a.y, a.z), Eigen::Vector3f(b.x, b.y, b.z),
-           a.w + reach_mm + (cuts ? still.cutting_margin_mm : still.shaft_margin_mm));
+  const bool whole_way = mode == FrameMode::kListsAtContact;
+  const auto sweep = [&](const Vector3& start, const Vector3& goal, double radius_m, float reach_mm) {
+    const vec4 a = ToMillimetres(start, radius_m * kMillimetres), b = ToMillimetres(goal, 0.0);
+    const Eigen::Vector3f from(a.x, a.y, a.z), to(b.x, b.y, b.z);
+    return BallSweep{.a = from, .b = whole_way ? to : from, .radius_mm = a.w + reach_mm};
+  };
+  const auto find = [&](const ClusterTree& tree, float reach_mm, bool cutting_only,
+                        std::vector<Item>& items) {
+    const auto sweep_of = [&](const Vector3& start, const Vector3& goal, double radius_m, bool cuts) {
+      if (cutting_only && !cuts) return BallSweep{};
+      return sweep(start, goal, radius_m,
+                   reach_mm + (cuts ? still.cutting_margin_mm : still.shaft_margin_mm));
     };
+    for (std::size_t g = 0; g < tool.groups.size(); ++g) {
+      const ToolLayout::Item& bound = tool.group_bounds[g];
+      group_sweeps[g] = sweep_of(memory.X_GP * bound.center_T_m, X_GT * bound.center_T_m, bound.radius_m,
+                                 tool.Cuts(tool.groups[g].front()));
+    }
+    for (std::size_t t = 0; t < start_m.size(); ++t)
+      ball_sweeps[t] = sweep_of(start_m[t], goal_m[t], tool.balls[t].radius_m, tool.Cuts(t));
+    work->Add(tree, group_sweeps, ball_sweeps, items);
   };
   work->Clear();
-  work->Add(ball_tree, ball_items, sweep(f.ball_reach_mm, false));
+  find(ball_tree, f.ball_reach_mm, false, ball_items);
   // a block lies where its parent does
   for (std::size_t i = 0, clusters = pool ? ball_items.size() : 0; i < clusters; ++i) {
     const Item parents = ball_items[i];
     for (const uint block : pool->BlocksIn(parents.cluster))
       ball_items.push_back({.cluster = static_cast<uint>(pool->FirstCluster()) + block,
                             .first = parents.first,
+                            .cutters = parents.cutters,
                             .count = parents.count});
   }
-  work->Add(point_tree, point_items, sweep(f.point_reach_mm, true));
+  find(point_tree, f.point_reach_mm, true, point_items);
   Item* items = program->host<Item>(kBindItems);
   std::copy(ball_items.begin(), ball_items.end(), items);
   std::copy(point_items.begin(), point_items.end(), items + ball_clusters);
-  std::copy(work->refs().begin(), work->refs().end(), program->host<uint>(kBindGroupRefs));
-  f.path_work = {.x = static_cast<uint>(ball_items.size()), .y = 1, .z = 1};
-  f.point_work = {.x = static_cast<uint>(point_items.size()), .y = 1, .z = 1};
+  std::copy(work->refs().begin(), work->refs().end(), program->host<uint>(kBindToolRefs));
+  // of one entry, and of one cluster
+  uint longest = 1;
+  for (const auto* list : {&ball_items, &point_items})
+    for (const Item& item : *list) longest = std::max(longest, item.count);
+  f.chunk = Chunk(std::numeric_limits<std::size_t>::max(), longest);
+  const uint parts = longest < kMostRefsOfAWorkgroup ? 1 : kGroupSize / program->lanes();
+  f.path_work = {.x = static_cast<uint>(ball_items.size()), .y = parts, .z = 1};
+  f.point_work = {.x = static_cast<uint>(point_items.size()), .y = parts, .z = 1};
 }
 
 // False where the device is lost.
@@ -166,8 +205,13 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   Frame f = prepared;
   f.lists_at_contact = mode == FrameMode::kListsAtContact ? 1 : 0;
   if (mode == FrameMode::kLists) {
-    f.pair_work = lists.pair_work;
-    f.all_work = lists.all_work;
+    const std::size_t pairs = std::max(lists.balls, lists.shaft),
+                      all = std::max<std::size_t>(pairs, lists.points);
+    f.chunk = Chunk(all, lists.longest_span);
+    const uint shaft = lists.shaft > 0 ? 1 : 0;
+    f.pair_work = Work(pairs, f.chunk, 1 + shaft);
+    f.all_work = Work(all, f.chunk, 2 + shaft);
+    f.clear_work = Work(all, f.chunk, 2);
     f.live_ball_count = lists.balls;
     f.live_point_count = lists.points;
     f.shaft_count = lists.shaft;
@@ -178,11 +222,11 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   } else {
     FindWork(f, mode);
     SetUploads(f);
-    f.flush_count = lists.made ? lists.balls : 0;
-    f.flush_work = FlushWork();
+    SetFlush(f);
     f.pair_work = {.x = 0, .y = 2, .z = 1};
     f.all_work = {.x = 0, .y = 3, .z = 1};
-    f.span_count = static_cast<uint>(tool.balls.size());
+    f.clear_work = {.x = 0, .y = 2, .z = 1};
+    f.span_count = static_cast<uint>(WholeSpans());
     lists.built_m = start_m;
     if (!brute_force) MeasureDrift(f);
   }
@@ -206,8 +250,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   lists.made = done.too_many == 0;
   lists.ball_reach_mm = done.ball_reach_mm;
   lists.point_reach_mm = done.point_reach_mm;
-  lists.pair_work = done.pair_work;
-  lists.all_work = done.all_work;
+  lists.longest_span = done.longest_span;
   lists.balls = done.live_ball_count;
   lists.points = done.live_point_count;
   lists.shaft = done.shaft_count;

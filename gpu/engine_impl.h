@@ -41,9 +41,9 @@ inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
 inline constexpr double kFiner = 262144.0;  // of the engaged area's units: exact.glsl
 // How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
 // are mostly far from bone, so a wide margin costs nothing.
-inline constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 3e-3;
-// Room for what the tool can meet: entries of a list, tool balls of all entries, groups of all clusters.
-inline constexpr std::size_t kMostLive = 4'000'000, kSpans = 4'000'000, kGroupRefs = 1'000'000;
+inline constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 0.6e-3;
+// Room for what the tool can meet: entries of a list, tool balls of all entries, tool balls of all clusters.
+inline constexpr std::size_t kMostLive = 4'000'000, kSpans = 4'000'000, kToolRefs = 1'000'000;
 
 inline std::size_t ClusterCount(std::size_t count) { return (count + kGroupSize - 1) / kGroupSize; }
 
@@ -115,16 +115,17 @@ struct VulkanEngine::Impl {
   ClusterTree ball_tree, point_tree;
   std::unique_ptr<WorkList> work;
   std::vector<Item> ball_items, point_items;
+  std::vector<BallSweep> group_sweeps, ball_sweeps;
 
   // the lists that lie on the device, as the last frame that made them left them
   struct Lists {
     bool made{false};
     float ball_reach_mm{0.0f}, point_reach_mm{0.0f};
-    Groups pair_work{0, 2, 1}, all_work{0, 3, 1};
-    uint balls{0}, points{0}, shaft{0}, spans{0};
+    uint balls{0}, points{0}, shaft{0}, spans{0}, longest_span{1};
     std::vector<Vector3> built_m;  // the tool's balls where they were made
   } lists;
   bool was_free{true};                        // the last frame met nothing
+  Pose X_GT;                                  // the tool's, this frame
   std::vector<Vector3> start_m, goal_m;       // of the tool's balls, this frame
   std::vector<simulation::Capsule> capsules;  // that its cutting balls have swept, where balls are split
 
@@ -134,7 +135,7 @@ struct VulkanEngine::Impl {
   void FillStill(const simulation::Bone& bone);
   void ListEverything();
   bool WarmUp(const simulation::Bone& bone);
-  void Place(const Pose& X_GT);
+  void Place(const Pose& pose);
   [[nodiscard]] Frame Prepare(const simulation::FrameInput& input);
   void FindWork(Frame& f, FrameMode mode);
   bool RunFrame(const Frame& prepared, FrameMode mode);
@@ -146,14 +147,24 @@ struct VulkanEngine::Impl {
     return {program->host<Block>(kBindBlocks), pool->block_count()};
   }
   void MeasureDrift(Frame& f) const;
-  [[nodiscard]] Groups FlushWork() const;
+  [[nodiscard]] uint Chunk(std::size_t entries, std::size_t span) const;
+  [[nodiscard]] Groups Work(std::size_t entries, uint chunk, uint rows) const;
+  void SetFlush(Frame& f) const;
+  // the words of spans that hold all tool balls of a kind: those that cut, then the others; spans begin at
+  // multiples of 4
+  [[nodiscard]] std::ptrdiff_t FirstOfShaftSpan() const {
+    return static_cast<std::ptrdiff_t>((tool.cutter_count + 3) / 4 * 4);
+  }
+  [[nodiscard]] std::size_t WholeSpans() const {
+    return (static_cast<std::size_t>(FirstOfShaftSpan()) + tool.balls.size() - tool.cutter_count + 3) / 4 * 4;
+  }
   void Flush() const;
   // a tool ball of the tool's own list; none for a number that is not in it
   [[nodiscard]] uint DeviceTool(uint number) const {
     return number < device_tool.size() ? device_tool[number] : still.tool_count;
   }
   void ReadNearField(const Frame& done, double s);
-  [[nodiscard]] simulation::FrameSolution Solution(const Frame& done, const Pose& X_GT);
+  [[nodiscard]] simulation::FrameSolution Solution(const Frame& done);
   simulation::ContactModel Step(const simulation::FrameInput& input);
 };
 }  // namespace osteon::gpu

@@ -19,10 +19,9 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   sizes.point_clusters = ClusterCount(point_count);
   sizes.tool_balls = tool.balls.size();
   sizes.cutters = tool.cutter_count;
-  sizes.tool_groups = tool.groups.size();
-  sizes.group_refs = tool.groups.size() + kGroupRefs;
+  sizes.tool_refs = tool.balls.size() + kToolRefs;
   sizes.live = brute_force ? longest : std::min(longest, kMostLive);
-  sizes.spans = tool.balls.size() + kSpans;
+  sizes.spans = WholeSpans() + kSpans;
   if (pool) {
     sizes.requests = std::min(ball_count, sizes.live);
     sizes.blocks = pool->block_count();
@@ -33,8 +32,10 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
   still.live_capacity = static_cast<uint>(sizes.live);
   still.span_capacity = static_cast<uint>(sizes.spans);
-  work = std::make_unique<WorkList>(std::max(sizes.ball_clusters, sizes.point_clusters),
-                                    static_cast<uint>(tool.groups.size()), sizes.group_refs);
+  work =
+      std::make_unique<WorkList>(std::max(sizes.ball_clusters, sizes.point_clusters), tool, sizes.tool_refs);
+  group_sweeps.resize(tool.groups.size());
+  ball_sweeps.resize(tool.balls.size());
   ball_items.reserve(sizes.ball_clusters);
   point_items.reserve(sizes.point_clusters);
   lists.built_m.resize(tool.balls.size());
@@ -78,10 +79,12 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   for (vec4& point : data) point.w = 0.0f;  // a point has no extent
   point_tree = ClusterTree(data);
 
-  program->Write(kBindToolGroups, tool.groups.data(), tool.groups.size() * sizeof(ToolGroup));
-  std::vector<uint> identity(tool.balls.size());
-  std::iota(identity.begin(), identity.end(), 0u);
-  program->Write(kBindSpans, identity.data(), identity.size() * sizeof(uint));
+  // a span of each kind's balls, for brute force
+  std::vector<uint> whole(WholeSpans());
+  const auto middle = static_cast<std::ptrdiff_t>(tool.cutter_count);
+  std::iota(whole.begin(), whole.begin() + middle, 0u);
+  std::iota(whole.begin() + FirstOfShaftSpan(), whole.end(), static_cast<uint>(tool.cutter_count));
+  program->Write(kBindSpans, whole.data(), whole.size() * sizeof(uint));
 }
 
 void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
@@ -113,7 +116,7 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   still.face_point_scale = static_cast<float>(kLargestSummand / (kLargestFaceWeight_mm3 * reach_mm));
   still.area_scale = static_cast<float>(kLargestSummand / largest_mm2);
   still.moment_scale = static_cast<float>(kLargestSummand / (largest_mm2 * reach_mm));
-  still.tool_rest = static_cast<uint>(2 * (tool.balls.size() + tool.groups.size()));
+  still.tool_rest = static_cast<uint>(2 * tool.balls.size());
   still.tool_count = static_cast<uint>(tool.balls.size());
   still.cutter_count = static_cast<uint>(tool.cutter_count);
   still.ball_count = static_cast<uint>(AllBalls());
@@ -131,7 +134,7 @@ void VulkanEngine::Impl::ListEverything() {
   ReadBalls(*program, copies.data(), ball_count);
   std::vector<Live> entries(std::max(ball_count, point_count));
   for (std::size_t i = 0; i < entries.size(); ++i)
-    entries[i] = {.index = static_cast<uint>(i), .first = 0, .count = still.cutter_count, .material = 0};
+    entries[i] = {.index = static_cast<uint>(i), .first = 0, .count = still.cutter_count, .more = 0};
   program->Write(kBindLiveBalls, copies.data(), ball_count * sizeof(vec4));
   std::vector<uint> slots(ball_count);
   std::iota(slots.begin(), slots.end(), 0u);
@@ -142,7 +145,7 @@ void VulkanEngine::Impl::ListEverything() {
   std::vector<uint> states(point_count);
   program->Read(kBindPointStates, states.data(), point_count * sizeof(uint));
   for (std::size_t i = 0; i < point_count; ++i) {
-    entries[i].material = states[i] & (kCleared - 1);
+    entries[i].more = states[i] & (kCleared - 1);
     if ((states[i] & kCleared) != 0) copies[i].w = -copies[i].w;
   }
   program->Write(kBindPointEntries, entries.data(), point_count * sizeof(Live));
@@ -151,13 +154,13 @@ void VulkanEngine::Impl::ListEverything() {
   if (still.tool_count > still.cutter_count)
     for (std::size_t i = 0; i < ball_count; ++i)
       pairs.push_back({.slot = static_cast<uint>(i),
-                       .first = still.cutter_count,
-                       .count = still.tool_count - still.cutter_count});
+                       .first = static_cast<uint>(FirstOfShaftSpan()),
+                       .count = still.tool_count - still.cutter_count,
+                       .least = 0});
   program->Write(kBindShaftPairs, pairs.data(), pairs.size() * sizeof(ShaftPair));
-  const std::size_t longest = std::max(ball_count, point_count), chunk = program->lanes() * program->chunk();
   lists.made = true;
   lists.ball_reach_mm = lists.point_reach_mm = std::numeric_limits<float>::max();
-  lists.pair_work.x = lists.all_work.x = static_cast<uint>((longest + chunk - 1) / chunk);
+  lists.longest_span = std::max(still.cutter_count, still.tool_count - still.cutter_count);
   lists.balls = static_cast<uint>(ball_count);
   lists.points = static_cast<uint>(point_count);
   lists.shaft = static_cast<uint>(pairs.size());
@@ -167,11 +170,11 @@ void VulkanEngine::Impl::ListEverything() {
 // a compiler.
 bool VulkanEngine::Impl::WarmUp(const simulation::Bone& bone) {
   simulation::FrameInput input;
-  Pose X_GT = Pose::Identity();
-  if (!bone.balls.empty()) X_GT.translation() = Vector3(bone.balls.front().center_m);
-  input.X_WT = X_WG * X_GT;
+  Pose at_ball = Pose::Identity();
+  if (!bone.balls.empty()) at_ball.translation() = Vector3(bone.balls.front().center_m);
+  input.X_WT = X_WG * at_ball;
   input.dt_s = 0.0;
-  memory.X_GP = X_GT;
+  memory.X_GP = at_ball;
   const Frame f = Prepare(input);
   const bool done = RunFrame(f, FrameMode::kListsAtContact) && RunFrame(f, FrameMode::kListsAtProxy) &&
                     RunFrame(f, FrameMode::kLists);

@@ -48,7 +48,7 @@ void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
   }
 }
 
-simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done, const Pose& X_GT) {
+simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) {
   simulation::FrameSolution s;
   s.contact_fraction = std::min(1.0, std::bit_cast<double>(done.contact_key));
 

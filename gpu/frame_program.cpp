@@ -32,10 +32,9 @@ constexpr uint kGroupsOfOneDispatch = 128, kLanesOfOneDispatch = 256;
 std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
   std::array<std::size_t, kBindings> bytes{};
   bytes[kBindFrame] = sizeof(Frame);
-  bytes[kBindTool] = 2 * (2 * n.tool_balls + n.tool_groups) * sizeof(vec4);
-  bytes[kBindToolGroups] = n.tool_groups * sizeof(ToolGroup);
+  bytes[kBindTool] = 4 * n.tool_balls * sizeof(vec4);
   bytes[kBindItems] = (n.ball_clusters + n.point_clusters) * sizeof(Item);
-  bytes[kBindGroupRefs] = n.group_refs * sizeof(uint);
+  bytes[kBindToolRefs] = n.tool_refs * sizeof(uint);
   bytes[kBindBalls] = std::min<std::size_t>(n.balls, kBallsPerBuffer) * sizeof(vec4);
   bytes[kBindMoreBalls] = (n.balls - std::min<std::size_t>(n.balls, kBallsPerBuffer)) * sizeof(vec4);
   bytes[kBindPoints] = n.points * sizeof(vec4);
@@ -106,7 +105,7 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
 void FrameProgram::MakeBuffers() {
   const auto bytes = BufferBytes(sizes_);
   for (uint i = 0; i < kBindings; ++i) {
-    const bool host = i == kBindTool || i == kBindItems || i == kBindGroupRefs || i >= kBindRequests;
+    const bool host = i == kBindTool || i == kBindItems || i == kBindToolRefs || i >= kBindRequests;
     if (i != kBindFrame)
       buffers_[i] = MakeBuffer(*context_, bytes[i],
                                i == kBindReport ? Placement::kReadBack
@@ -154,37 +153,33 @@ void FrameProgram::MakePipelines() {
   for (uint i = 0; i < kBindings; ++i)
     bindings.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
   for (const uint i : {kBindBallTexels, kBindPointTexels, kBindToolTexels, kBindSpanTexels, kBindEntryTexels,
-                       kBindPointEntryTexels})
+                       kBindPointEntryTexels, kBindShaftTexels})
     bindings.emplace_back(i, vk::DescriptorType::eUniformTexelBuffer, 1, vk::ShaderStageFlagBits::eCompute);
   set_layout_ = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
   layout_ = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout_));
 
   struct Constants {
-    uint chunk;
     VkBool32 one_cutter;
     uint ball_clusters;
     uint lanes;
     VkBool32 split;
-  } const constants{.chunk = chunk(),
-                    .one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
+  } const constants{.one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
                     .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
                     .lanes = lanes(),
                     .split = sizes_.blocks > 0 ? VK_TRUE : VK_FALSE};
-  const std::array<vk::SpecializationMapEntry, 5> entries{
-      {{0, offsetof(Constants, chunk), sizeof(uint)},
-       {1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
+  const std::array<vk::SpecializationMapEntry, 4> entries{
+      {{1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)},
        {4, offsetof(Constants, split), sizeof(VkBool32)}}};
-  // the solution is one workgroup's work, on a processor one subgroup's
-  Constants alone = constants, merged = constants;
+  // the solution is one workgroup's work, on a processor one subgroup's; so is a frame in one dispatch
+  Constants alone = constants;
   alone.lanes =
       gpu_ ? kLanesOfOneDispatch
            : context_->physical
                  ->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
                  .get<vk::PhysicalDeviceSubgroupProperties>()
                  .subgroupSize;
-  merged.lanes = kLanesOfOneDispatch;
   const auto add = [&](const char* name, const auto& code, const Constants& own, std::size_t groups,
                        Then then) {
     const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
@@ -198,10 +193,11 @@ void FrameProgram::MakePipelines() {
     return passes_.size() - 1;
   };
   const std::size_t pairs = offsetof(Frame, pair_work), all = offsetof(Frame, all_work);
-  std::vector<std::size_t> rest = {add("near_field", kSpirv_near_field, constants, pairs, Then::kReads),
-                                   add("solve", kSpirv_solve, alone, kOne, Then::kReads),
-                                   add("slide_engage", kSpirv_slide_engage, constants, all, Then::kReads),
-                                   add("remove_clear", kSpirv_remove_clear, constants, all, Then::kReads)};
+  std::vector<std::size_t> rest = {
+      add("near_field", kSpirv_near_field, constants, pairs, Then::kReads),
+      add("solve", kSpirv_solve, alone, kOne, Then::kReads),
+      add("slide_engage", kSpirv_slide_engage, constants, all, Then::kReads),
+      add("remove_clear", kSpirv_remove_clear, constants, offsetof(Frame, clear_work), Then::kReads)};
   if (gpu_) rest.push_back(add("report", kSpirv_report, alone, kOne, Then::kNothing));
   const std::size_t contact = add("contact", kSpirv_contact, constants, pairs, Then::kReads);
   const std::size_t path =
@@ -228,10 +224,10 @@ void FrameProgram::MakePipelines() {
   run(FrameMode::kFlush) = before;
   if (most_groups_ > 0)
     run(FrameMode::kOneDispatch) = {
-        add("frame", kSpirv_frame, merged, offsetof(Frame, frame_work), Then::kNothing)};
+        add("frame", kSpirv_frame, alone, offsetof(Frame, frame_work), Then::kNothing)};
 
   const std::array<vk::DescriptorPoolSize, 2> size{
-      {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 6}}};
+      {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 7}}};
   pool_ = vk::raii::DescriptorPool(
       device, vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
   sets_ = vk::raii::DescriptorSets(device, vk::DescriptorSetAllocateInfo(*pool_, *set_layout_));
@@ -253,8 +249,9 @@ void FrameProgram::MakePipelines() {
   view(kBindBallTexels, kBindLiveBalls, vk::Format::eR32G32B32A32Sfloat);
   view(kBindPointTexels, kBindLivePoints, vk::Format::eR32G32B32A32Sfloat);
   view(kBindToolTexels, kBindTool, vk::Format::eR32G32B32A32Sfloat);
-  view(kBindSpanTexels, kBindSpans, vk::Format::eR32Uint);
+  view(kBindSpanTexels, kBindSpans, vk::Format::eR32G32B32A32Uint);
   view(kBindEntryTexels, kBindLiveEntries, vk::Format::eR32G32B32A32Uint);
+  view(kBindShaftTexels, kBindShaftPairs, vk::Format::eR32G32B32A32Uint);
   view(kBindPointEntryTexels, kBindPointEntries, vk::Format::eR32G32B32A32Uint);
 }
 

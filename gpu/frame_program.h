@@ -16,7 +16,7 @@ namespace osteon::gpu {
 /// How many of what a frame's buffers hold.
 struct ProgramSizes {
   std::size_t balls{0}, points{0}, ball_clusters{0}, point_clusters{0};
-  std::size_t tool_balls{0}, cutters{0}, tool_groups{0}, group_refs{0};
+  std::size_t tool_balls{0}, cutters{0}, tool_refs{0};
   std::size_t live{0};                             ///< entries of each list of what the tool can meet
   std::size_t requests{0}, uploads{0}, blocks{0};  ///< of balls that are split; 0: none is
   std::size_t spans{0};                            ///< tool balls of all live balls and points together
@@ -45,7 +45,7 @@ class FrameProgram {
   [[nodiscard]] const Frame& result() const {
     return gpu_ ? report().frame : *static_cast<const Frame*>(frame_in_.mapped);
   }
-  /// Host memory of a buffer that is written before each frame: kBindTool, kBindItems, kBindGroupRefs;
+  /// Host memory of a buffer that is written before each frame: kBindTool, kBindItems, kBindToolRefs;
   /// or that the host and the device share: kBindRequests, kBindUploads, kBindBlocks.
   template <class T>
   [[nodiscard]] T* host(uint binding) {
@@ -65,8 +65,7 @@ class FrameProgram {
   /// Of the last run; empty where passes are not timed.
   [[nodiscard]] std::vector<PassTime> PassTimes() const;
   [[nodiscard]] const Context& context() const { return *context_; }
-  /// List entries that one invocation looks at: a processor wants few, long workgroups, a GPU many.
-  [[nodiscard]] uint chunk() const { return context_->info.kind == "cpu" ? 256 : 1; }
+  /// Invocations of a workgroup: kGroupSize on a GPU, fewer on a processor.
   [[nodiscard]] uint lanes() const { return context_->info.kind == "cpu" ? 8 : kGroupSize; }
   /// Workgroups of a frame in one dispatch over lists of that length; 0: pass by pass.
   [[nodiscard]] uint GroupsOfOneDispatch(std::size_t longest) const;

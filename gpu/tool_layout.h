@@ -8,8 +8,10 @@
 
 namespace osteon::gpu {
 
-/// A tool as the device has it: the balls that cut first, each kind in the tool's order, in groups of 32
-/// neighbours with a ball around each. Lengths in metres here.
+inline constexpr std::size_t kToolGroup = 16;  ///< tool balls of one bounding ball, at most
+
+/// A tool as the device has it: the balls that cut first, each kind in the tool's order; and groups of
+/// neighbours, each with a ball around it, for what the host looks for. Lengths in metres here.
 struct ToolLayout {
   struct Item {
     Vector3 center_T_m;
@@ -18,10 +20,11 @@ struct ToolLayout {
   std::vector<Item> balls;
   std::vector<uint> number;  ///< of each in the tool's own list
   std::size_t cutter_count{0};
-  std::vector<ToolGroup> groups;   ///< none holds both kinds
-  std::vector<Item> group_bounds;  ///< around the group's balls, radii included
+  std::vector<std::vector<uint>> groups;  ///< of balls by their place in `balls`; none holds both kinds
+  std::vector<Item> group_bounds;         ///< around the group's balls, radii included
+  std::vector<uint> group_of;             ///< each ball's
 
-  [[nodiscard]] bool Cuts(const ToolGroup& group) const { return group.first < cutter_count; }
+  [[nodiscard]] bool Cuts(std::size_t ball) const { return ball < cutter_count; }
 };
 
 [[nodiscard]] ToolLayout LayOutTool(const simulation::Tool& tool);

@@ -101,7 +101,7 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
     refused.status = simulation::EngineStatus::kOverloaded;
     return refused;
   }
-  const simulation::FrameSolution solution = Solution(found, X_WG.inverse() * Pose(input.X_WT));
+  const simulation::FrameSolution solution = Solution(found);
   was_free = solution.contact_fraction >= 1.0;
   if (pool && input.spindle_rad_per_s != 0.0) EndSplits(found, solution);
   simulation::ContactModel model = FinishFrame(params, materials, X_WG, input, solution, memory);

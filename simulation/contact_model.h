@@ -42,6 +42,7 @@ struct ContactModel {
   EngineStatus status{EngineStatus::kOk};
   PlainVector3 n_W;               ///< direction of the resultant normal force; zero where free
   double contact_fraction{1.0};   ///< share of the frame's path up to first contact, 0 … 1
+  PlainVector3 p_WS_m;            ///< T's origin where it had slid to, before the bone gave way
   PlainWrench F_T_W;              ///< coupling wrench of this frame's pose, on T, in W
   double advance_m_per_s{0.0};    ///< speed at which the bone gave way along -n_W in this frame
   double engaged_area_m2{0.0};    ///< cutting surface in bone, projected on the plane normal to n_W

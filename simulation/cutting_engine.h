@@ -27,7 +27,7 @@ struct FrameInput {
 /// How bone gives way.
 enum class RemovalLaw : std::uint8_t {
   kRate,       ///< by energy balance: power of the edge over specific cutting energy
-  kImmediate,  ///< up to the tool's pose in every frame (the paper)
+  kImmediate,  ///< all the way to the tool's pose in every frame (the paper), however long that is
 };
 
 /// Which of the tool's cutting balls take bone away.
@@ -52,8 +52,9 @@ struct CuttingParams {
   double normal_enlargement_m{
       0.24e-3};                         ///< e of the lens-weighted normal; planes are reported up to this gap
   double contact_tolerance_m{0.02e-3};  ///< overlap that sliding over balls may leave
-  double max_slide_m{0.25e-3};          ///< the longest way of the proxy's slide and advance in one frame
-  double engaged_layer_m{0.5e-3};       ///< depth of the layer that measures the engaged area
+  /// The longest way of the proxy's slide and, with the rate law, its advance in one frame.
+  double max_slide_m{0.25e-3};
+  double engaged_layer_m{0.5e-3};  ///< depth of the layer that measures the engaged area
   RemovalLaw law{RemovalLaw::kRate};
   Cutters cutters{Cutters::kAll};
   SplitParams split{};

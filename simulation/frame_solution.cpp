@@ -65,8 +65,17 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
 
 }  // namespace
 
+Vector3 StepOfAdvance(const CuttingParams& params, const FrameInput& input, const FrameSolution& solution,
+                      const Vector3& origin_goal) {
+  const bool cutting = input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
+  const bool held_by_shaft_alone = solution.advance_m <= 0.0 && solution.delta != Vector3::Zero();
+  if (params.law == RemovalLaw::kImmediate && cutting && !held_by_shaft_alone)
+    return origin_goal - solution.origin_slid;
+  return -solution.advance_m * solution.n;
+}
+
 Vector3 EndOfAdvance(const FrameSolution& solution) {
-  Vector3 step = -solution.advance_m * solution.n;
+  Vector3 step = solution.step;
   for (int i = 0; i < solution.shaft_count; ++i) {
     const ShaftPlane& shaft = solution.shaft[static_cast<std::size_t>(i)];
     const double gap_m = shaft.gap_m + shaft.n.dot(solution.origin_slid - solution.origin_contact);
@@ -94,11 +103,6 @@ FrameAdvance AdvanceOfFrame(const CuttingParams& params, const std::vector<Mater
   const double linear_m = paid_J / work_per_m;
   const double advance_m = std::min(x * -std::expm1(-linear_m / x), most_m);
   return {.advance_m = advance_m, .edge_work_J = linear_m > 0.0 ? work_J * advance_m / linear_m : work_J};
-}
-
-double SpindleTorque(const CuttingParams& params, const std::vector<Material>& materials,
-                     const FrameSolution& solution) {
-  return CuttingForce(params, solution) * CuttingArm(materials, solution);
 }
 
 void BookRemoved(const CuttingParams& params, const std::vector<Material>& materials,
@@ -141,6 +145,7 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
 
   ContactModel model;
   model.X_WP = X_WG * memory.X_GP;
+  model.p_WS_m = Vector3(X_WG * solution.origin_slid);
   model.contact_fraction = solution.contact_fraction;
   model.removed_volume_m3 = memory.removed_volume_m3;
   model.removed_mass_kg = memory.removed_mass_kg;

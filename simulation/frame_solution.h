@@ -47,6 +47,7 @@ struct FrameSolution {
   double cutting_m{0.0};                                ///< length of the cutting planes' share of delta
   double advance_m{0.0};                                ///< how far the bone gave way along -n
   double edge_work_J{0.0};                              ///< of the edge in this frame
+  Vector3 step{Vector3::Zero()};                        ///< of the slid proxy into the bone that gives way
   std::array<double, kMaxMaterials> engaged_area_m2{};  ///< projected on n, by material
   std::array<double, kMaxMaterials>
       engaged_moment_m3{};                         ///< the same, times the distance to the spindle's axis
@@ -56,7 +57,13 @@ struct FrameSolution {
   std::array<double, kMaxMaterials> removed_m3{};  ///< cleared in this frame, by material
 };
 
-/// The slid proxy moved by the advance along -n, held back by the planes of the balls that do not cut.
+/// What the slid proxy goes on by where the bone gives way: along -n by the advance. With the immediate law a
+/// cutting tool goes all the way to its pose, be it that its slide was cut short or that n is a mean over
+/// many balls; but where balls that do not cut hold it alone.
+[[nodiscard]] Vector3 StepOfAdvance(const CuttingParams& params, const FrameInput& input,
+                                    const FrameSolution& solution, const Vector3& origin_goal);
+
+/// The slid proxy after its step, held back by the planes of the balls that do not cut.
 [[nodiscard]] Vector3 EndOfAdvance(const FrameSolution& solution);
 
 /// What a frame's cutting does.
@@ -77,10 +84,6 @@ struct FrameAdvance {
                                           const FrameSolution& solution, double spindle_rad_per_s,
                                           double dt_s, double debt_J);
 inline constexpr double kDebtSeconds = 0.1;
-
-/// Axial torque of the cut: force times the engaged area's mean of mu_c r.
-[[nodiscard]] double SpindleTorque(const CuttingParams& params, const std::vector<Material>& materials,
-                                   const FrameSolution& solution);
 
 /// What an engine carries from frame to frame besides balls and points.
 struct FrameMemory {

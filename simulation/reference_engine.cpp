@@ -104,6 +104,7 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
       AdvanceOfFrame(params_, materials_, solution, input.spindle_rad_per_s, input.dt_s, memory_.debt_J);
   solution.advance_m = advance.advance_m;
   solution.edge_work_J = advance.edge_work_J;
+  solution.step = StepOfAdvance(params_, input, solution, goal.back());
   solution.origin_end = EndOfAdvance(solution);
   if (cutting) {
     ToolPoints end = slid;
@@ -111,8 +112,7 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
     const std::size_t only =
         params_.cutters == Cutters::kContactSphere ? TouchingBall(start, goal) : kEveryBall;
     std::vector<Capsule> capsules;
-    AddCapsules(contact, slid, only, capsules);
-    AddCapsules(slid, end, only, capsules);
+    AddCapsules(contact, slid, end, only, capsules);
     Remove(capsules, solution);
   }
   ContactModel model = FinishFrame(params_, materials_, X_WG_, input, solution, memory_);
@@ -232,12 +232,15 @@ std::size_t ReferenceEngine::TouchingBall(const ToolPoints& from, const ToolPoin
   return touching;
 }
 
-// What the cutting balls sweep along one straight piece of the proxy's way, in their order.
-void ReferenceEngine::AddCapsules(const ToolPoints& a, const ToolPoints& b, std::size_t only,
-                                  std::vector<Capsule>& capsules) const {
-  for (std::size_t t = 0; t < tool_.balls.size(); ++t)
-    if (tool_.balls[t].cutting && (only == kEveryBall || only == t))
-      capsules.push_back({.a = a[t], .b = b[t], .radius_m = tool_.balls[t].radius_m});
+// What the cutting balls sweep on both pieces of the proxy's way, one ball after the other.
+void ReferenceEngine::AddCapsules(const ToolPoints& contact, const ToolPoints& slid, const ToolPoints& end,
+                                  std::size_t only, std::vector<Capsule>& capsules) const {
+  for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
+    if (!tool_.balls[t].cutting || (only != kEveryBall && only != t)) continue;
+    const double radius_m = tool_.balls[t].radius_m;
+    capsules.push_back({.a = contact[t], .b = slid[t], .radius_m = radius_m});
+    capsules.push_back({.a = slid[t], .b = end[t], .radius_m = radius_m});
+  }
 }
 
 void ReferenceEngine::Remove(const std::vector<Capsule>& capsules, FrameSolution& solution) {

@@ -44,7 +44,7 @@ class ReferenceEngine final : public CuttingEngine {
   NearField FindNearField(const ToolPoints& at, const ToolPoints& goal, const Matrix3& R_GT) const;
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
   [[nodiscard]] std::size_t TouchingBall(const ToolPoints& from, const ToolPoints& to) const;
-  void AddCapsules(const ToolPoints& a, const ToolPoints& b, std::size_t only,
+  void AddCapsules(const ToolPoints& contact, const ToolPoints& slid, const ToolPoints& end, std::size_t only,
                    std::vector<Capsule>& capsules) const;
   void Remove(const std::vector<Capsule>& capsules, FrameSolution& solution);
 

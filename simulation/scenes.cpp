@@ -10,6 +10,7 @@
 
 #include "simulation/check_range.h"
 #include "simulation/cup_frame.h"
+#include "simulation/split_packing.h"
 
 namespace osteon::simulation {
 namespace {
@@ -26,11 +27,12 @@ void CheckNames(const std::vector<Material>& materials, const std::vector<std::s
   CheckMaterials(materials);
 }
 
-Bone Fill(const SceneSolid& scene, const CutZone& zone, const PackingParams& packing,
+Bone Fill(const SceneSolid& scene, const CutZone& zone, const PackingParams& packing, bool split,
           const MassPointParams& points, const std::vector<Material>& materials) {
   Bone bone;
   bone.name = scene.name;
-  bone.balls = BuildPacking(*scene.solid, zone, packing);
+  bone.balls = split ? BuildSplitPacking(*scene.solid, zone, SplitPackingFor(packing))
+                     : BuildPacking(*scene.solid, zone, packing);
   bone.points = BuildMassPoints(*scene.solid, zone, points);
   bone.materials = materials;
   bone.cup = scene.site;
@@ -242,9 +244,9 @@ std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const Cup& site, const
   return std::make_unique<EverywhereZone>();
 }
 
-Bone PackScene(const SceneSolid& solid, const SceneParams& scene) {
+Bone PackScene(const SceneSolid& solid, const SceneParams& scene, bool split) {
   CheckNames(scene.materials, scene.material_names);
-  return Fill(solid, *MakeZone(scene.zone, solid.site, *solid.solid), scene.packing, scene.points,
+  return Fill(solid, *MakeZone(scene.zone, solid.site, *solid.solid), scene.packing, split, scene.points,
               scene.materials);
 }
 

@@ -109,9 +109,11 @@ struct SceneSolid {
 [[nodiscard]] std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const Cup& site, const Solid& solid);
 
 /// Fills the solid with balls and mass points, as fine as the scene asks.
+/// @param split  the engine is going to split balls that a tool touches (SplitParams): then these are the few
+///   large ones that SplitPackingFor makes of the scene's packing
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted; also where the
 /// materials are not those that are named, or the solid takes more than 100 million cells.
-[[nodiscard]] Bone PackScene(const SceneSolid& solid, const SceneParams& scene);
+[[nodiscard]] Bone PackScene(const SceneSolid& solid, const SceneParams& scene, bool split = false);
 
 /// The generated acetabulum by itself.
 struct AcetabulumParams {

@@ -15,6 +15,20 @@ namespace {
 constexpr double kLeastOfCap = 0.6;
 constexpr double kRadiusGrowth = 0.5, kGapGrowth = 0.4, kGreatestGap_m = 2e-3;
 
+/// What lies less than a depth below another zone counts as in it.
+class FineZone final : public CutZone {
+ public:
+  FineZone(const CutZone& zone, double fine_depth_m) : zone_(zone), fine_depth_m_(fine_depth_m) {}
+  [[nodiscard]] double DepthAt(const Vector3& p_m) const override {
+    const double depth = zone_.DepthAt(p_m);
+    return depth < fine_depth_m_ ? std::min(depth, 0.0) : depth - fine_depth_m_;
+  }
+
+ private:
+  const CutZone& zone_;
+  double fine_depth_m_;
+};
+
 /// Two balls a cell of a graded division: a body-centred lattice. Those of coarse cells do not reach into
 /// what is fine.
 std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const SplitPackingParams& p) {
@@ -35,7 +49,9 @@ std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const Sp
 
 }  // namespace
 
-std::vector<Ball> BuildSplitPacking(const Solid& solid, const CutZone& zone, const SplitPackingParams& p) {
+std::vector<Ball> BuildSplitPacking(const Solid& solid, const CutZone& cut, const SplitPackingParams& p) {
+  CheckRangeMm("split packing: fine depth", p.fine_depth_m, 0.0, 0.100);
+  const FineZone zone(cut, p.fine_depth_m);
   CheckGrade("split packing: lattice", {.finest_m = p.spacing_m, .coarser_from_m = {p.coarser_from_m}},
              0.05e-3, 0.100);
   CheckRangeMm("split packing: lattice ball's radius", p.radius_over_spacing * p.spacing_m,
@@ -63,6 +79,18 @@ std::vector<Ball> BuildSplitPacking(const Solid& solid, const CutZone& zone, con
   balls.insert(balls.end(), cover.begin(), cover.end());
   SortAlongMortonCurve(balls, solid.Bounds(), [](const Ball& ball) { return Vector3(ball.center_m); });
   return balls;
+}
+
+SplitPackingParams SplitPackingFor(const PackingParams& packing) {
+  const SplitPackingParams usual;
+  const double spacing_m = 5.0 / 3.0 * packing.lattice.finest_m, scale = spacing_m / usual.spacing_m;
+  return {.spacing_m = spacing_m,
+          .fine_depth_m = packing.cup_depth_m,
+          .coarser_from_m = scale * usual.coarser_from_m,
+          .surface_radius_m = scale * usual.surface_radius_m,
+          .surface_gap_m = packing.surface_gap_m,
+          .seed = packing.seed,
+          .threads = packing.threads};
 }
 
 }  // namespace osteon::simulation

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "simulation/cut_zone.h"
+#include "simulation/packing_builder.h"
 #include "simulation/solid.h"
 
 namespace osteon::simulation {
@@ -13,8 +14,10 @@ namespace osteon::simulation {
 struct SplitPackingParams {
   double spacing_m{2.5e-3};         ///< of the body-centred lattice in the cut zone
   double radius_over_spacing{0.9};  ///< of its balls; the lattice has no holes from .56 on
-  double coarser_from_m{
-      1.5e-3};  ///< depth below the zone from which the spacing is doubled; twice that, again
+  /// Depth below the zone down to which all is as fine as in it. A zone that is a surface (a cup, a face)
+  /// asks for as much as is going to be cut below it; one that holds the whole cut (a path) for none.
+  double fine_depth_m{0.0};
+  double coarser_from_m{1.5e-3};    ///< depth below that from which the spacing is doubled; twice that, again
   double surface_radius_m{1.2e-3};  ///< of the balls that touch the surface in the zone
   double surface_gap_m{0.2e-3};     ///< greatest gap between the surface and the balls, in the zone
   std::uint64_t seed{0};            ///< moves the surface samples
@@ -28,5 +31,10 @@ struct SplitPackingParams {
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] std::vector<Ball> BuildSplitPacking(const Solid& solid, const CutZone& zone,
                                                   const SplitPackingParams& params);
+
+/// What stands for a packing whose balls are not split where they are: 5/3 of its spacing, as fine as deep
+/// below the zone, the same gap at the surface. A fourth or fifth of the balls where a burr cuts, and a cut
+/// at least as exact.
+[[nodiscard]] SplitPackingParams SplitPackingFor(const PackingParams& packing);
 
 }  // namespace osteon::simulation

@@ -31,6 +31,11 @@ std::string DrawMarker(double x, double y, Marker marker, std::string_view color
           R"(<circle cx="{}" cy="{}" r="4.4" fill="{}" stroke="#ffffff" stroke-width="1" opacity="{:.2f}"/>)"
           "\n",
           Pixels(x), Pixels(y), color, opacity);
+    case Marker::kRing:
+      return fmt::format(
+          R"(<circle cx="{}" cy="{}" r="3.8" fill="#ffffff" stroke="{}" stroke-width="2" opacity="{:.2f}"/>)"
+          "\n",
+          Pixels(x), Pixels(y), color, opacity);
     case Marker::kSquare:
       return Shape(fmt::format("M{}L{}L{}L{}Z", at(-4, -4), at(4, -4), at(4, 4), at(-4, 4)), color, opacity,
                    true);

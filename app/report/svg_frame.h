@@ -48,7 +48,7 @@ struct PlotArea {
 void SpreadLabels(const PlotArea& area, Ticks& x);
 
 /// How a single point is drawn (point_marks.h).
-enum class Marker { kNone, kCircle, kSquare, kTriangle, kDiamond, kDown, kCross };
+enum class Marker { kNone, kCircle, kRing, kSquare, kTriangle, kDiamond, kDown, kCross };
 
 /// What a legend shows: a line, a dashed line, a filled square or a marker alone, and a text.
 struct LegendEntry {

@@ -2,6 +2,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
@@ -11,7 +12,6 @@
 // entry each on a GPU.
 layout(local_size_x_id = 3) in;
 layout(constant_id = 3) const uint kLanes = 64;
-layout(constant_id = 0) const uint kChunk = 1;          // list entries that one invocation looks at, at most 256
 layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
 layout(constant_id = 4) const bool kSplit = false;      // large balls are split
 
@@ -24,10 +24,10 @@ layout(constant_id = 4) const bool kSplit = false;      // large balls are split
 #endif
 layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS buffer FrameBuffer { Frame frame; };
 layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
+layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS readonly buffer FrameHalfBuffer { uint frame_halves[]; };
 layout(scalar, binding = kBindReport) buffer ReportBuffer { uvec4 report_words[]; };
-layout(scalar, binding = kBindToolGroups) readonly buffer ToolGroupBuffer { ToolGroup tool_groups[]; };
 layout(scalar, binding = kBindItems) readonly buffer ItemBuffer { Item items[]; };
-layout(scalar, binding = kBindGroupRefs) readonly buffer GroupRefBuffer { uint group_refs[]; };
+layout(scalar, binding = kBindToolRefs) readonly buffer ToolRefBuffer { uint tool_refs[]; };
 layout(scalar, binding = kBindBalls) buffer BallBuffer { vec4 balls[]; };
 layout(scalar, binding = kBindMoreBalls) buffer MoreBallBuffer { vec4 more_balls[]; };
 layout(scalar, binding = kBindPoints) readonly buffer PointBuffer { vec4 points[]; };
@@ -48,6 +48,7 @@ layout(binding = kBindToolTexels) uniform samplerBuffer tool_texels;
 layout(binding = kBindSpanTexels) uniform usamplerBuffer span_texels;
 layout(binding = kBindEntryTexels) uniform usamplerBuffer entry_texels;
 layout(binding = kBindPointEntryTexels) uniform usamplerBuffer point_entry_texels;
+layout(binding = kBindShaftTexels) uniform usamplerBuffer shaft_texels;
 layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
 
 // A sum's value. How it is split into high and low depends on who added with whom, so the carry goes over first: what is
@@ -69,13 +70,14 @@ float Total(Sum sum, float scale) {
   }
 
 // Adds a whole number of each invocation of the subgroup, 2^62 at most together. Called by all of them.
-#define ADD_FINE(sum, whole)                                                     \
-  {                                                                              \
-    int low_part = subgroupAdd(int((whole) & 0xffffffL));                        \
-    int middle_part = subgroupAdd(int(((whole) >> 24) & 0xffffffL));             \
-    int high_part = subgroupAdd(int((whole) >> 48));                             \
+#define ADD_FINE(sum, whole)                                                                     \
+  {                                                                                              \
+    int64_t own = (whole);                                                                       \
+    int low_part = subgroupAdd(int(own & 0xffffffL));                                            \
+    int middle_part = subgroupAdd(int((own >> 24) & 0xffffffL));                                 \
+    int high_part = subgroupAdd(int(own >> 48));                                                 \
     int64_t all = int64_t(low_part) + (int64_t(middle_part) << 24) + (int64_t(high_part) << 48); \
-    if (subgroupElect() && all != 0L) atomicAdd(sum, all);                       \
+    if (subgroupElect() && all != 0L) atomicAdd(sum, all);                                       \
   }
 
 // Bits that order like the float, negative ones too, and back.
@@ -109,23 +111,20 @@ uint ChunkBegin() { return gl_GlobalInvocationID.x; }
 uint ChunkEnd(uint count) { return count; }
 uint ChunkStep() { return gl_NumWorkGroups.x * kLanes; }
 #else
-uint ChunkBegin() { return gl_WorkGroupID.x * kChunk * kLanes + gl_LocalInvocationID.x; }
-uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * kChunk * kLanes); }
+uint ChunkBegin() { return gl_WorkGroupID.x * frame.chunk * kLanes + gl_LocalInvocationID.x; }
+uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * frame.chunk * kLanes); }
 uint ChunkStep() { return kLanes; }
 #endif
 
 // Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
 vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }
 vec3 Goal(uint t) { return texelFetch(tool_texels, int(2u * t + 1u)).xyz; }
-uint ToolOfSpan(uint k) { return texelFetch(span_texels, int(k)).x; }
+uvec4 SpanWords(uint k) { return texelFetch(span_texels, int(k / 4u)); }  // those from k on, a multiple of 4
+uint SpanWord(uint k) { return SpanWords(k)[k % 4u]; }
+uint ToolOf(uint word) { return word & ((1u << kToolBits) - 1u); }
 vec4 AtContact(uint t, float s) {
   vec4 start = Start(t);
   return vec4(mix(start.xyz, Goal(t), s), start.w);
-}
-// Its centre in T, from its place at the tool's pose.
-vec3 CenterInTool(uint t) {
-  vec3 p = Goal(t) - frame.goal.xyz;
-  return vec3(dot(p, frame.axis_x.xyz), dot(p, frame.axis_y.xyz), dot(p, frame.axis_z.xyz));
 }
 vec3 OriginAtContact(float s) { return mix(frame.start.xyz, frame.goal.xyz, s); }
 

@@ -23,13 +23,6 @@ dvec4 ExactAtContact(uint t, double s) {
   return dvec4(start.xyz + s * (ExactGoal(t) - start.xyz), start.w);
 }
 
-// 1 / sqrt(x): that of floats, and two steps of Newton's. Square roots and divisions of doubles take long. x > 0.
-double InverseRoot(double x) {
-  double r = double(inversesqrt(float(x)));
-  r *= 1.5lf - 0.5lf * x * r * r;
-  return r * (1.5lf - 0.5lf * x * r * r);
-}
-
 // To whole numbers, as additions round them: |x| < 2^51.
 dvec2 Rounded(dvec2 x) {
   precise dvec2 up = x + 6755399441055744.0lf, whole = up - 6755399441055744.0lf;
@@ -57,6 +50,7 @@ struct Slide {
   bool turns;
   double share;   // of the way to the target
   double way_mm;  // of the tool point that goes farthest
+  dvec3 move;     // what there is from the tool's pose to the target, or straight from first contact to it
 };
 Slide ChosenSlide() {
   double met = FromKey(frame.slide_key), full = min(frame.exact.slide_limit, met);
@@ -64,10 +58,11 @@ Slide ChosenSlide() {
   double full_way = full * frame.exact.way, straight_way = straight * frame.exact.straight_way;
   bool turns =
       frame.turning == 0u || met >= frame.exact.slide_limit || full_way + kTurnWorth_mm > 0.5lf * straight_way;
-  return Slide(turns, turns ? full : straight, turns ? full_way : straight_way);
+  return Slide(turns, turns ? full : straight, turns ? full_way : straight_way,
+               turns ? frame.exact.delta : frame.exact.shift);
 }
 // Where a tool ball is after the slide, from where it was at contact.
 dvec3 AfterSlide(Slide slide, dvec3 at_contact, dvec3 goal) {
-  dvec3 target = slide.turns ? goal + frame.exact.delta : at_contact + frame.exact.shift;
+  dvec3 target = (slide.turns ? goal : at_contact) + slide.move;
   return at_contact + slide.share * (target - at_contact);
 }

@@ -18,28 +18,27 @@ const uint kOpen = 1u, kShut = 2u;
 
 shared uint meeting_word;
 
-void Publish() {
-  memoryBarrier(gl_ScopeQueueFamily, gl_StorageSemanticsBuffer, gl_SemanticsRelease | gl_SemanticsMakeAvailable);
-}
-void Refresh() {
-  memoryBarrier(gl_ScopeQueueFamily, gl_StorageSemanticsBuffer, gl_SemanticsAcquire | gl_SemanticsMakeVisible);
+// What this workgroup has written to the frame is there for the others, and what they have for this one.
+void Exchange() {
+  memoryBarrier(gl_ScopeQueueFamily, gl_StorageSemanticsBuffer,
+                gl_SemanticsAcquireRelease | gl_SemanticsMakeAvailable | gl_SemanticsMakeVisible);
 }
 
 // Whether this workgroup is the last to come; what the others have written before they came can be read from here on.
 bool Arrive(uint meeting) {
-  Publish();
+  Exchange();
   barrier();
   if (gl_LocalInvocationID.x == 0u) meeting_word = atomicAdd(frame.arrived[meeting], 1u) + 1u;
   barrier();
   bool last = meeting_word == gl_NumWorkGroups.x;
-  if (last) Refresh();
+  if (last) Exchange();
   barrier();
   return last;
 }
 
 // Waits for the last one to open the gate; false where it is shut. The same for all workgroups.
 bool Enter(uint meeting, bool last) {
-  if (last) Publish();
+  if (last) Exchange();
   barrier();
   if (gl_LocalInvocationID.x == 0u) {
     uint gate = 0u;
@@ -52,7 +51,7 @@ bool Enter(uint meeting, bool last) {
   }
   barrier();
   bool open = meeting_word == kOpen;
-  if (!last) Refresh();
+  if (!last) Exchange();
   barrier();
   return open;
 }

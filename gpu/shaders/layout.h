@@ -28,7 +28,6 @@ struct dvec3 {
 
 OSTEON_CONST uint kGroupSize = 64;  // invocations of a workgroup; balls or points of a cluster
 OSTEON_CONST uint kMaxToolBalls = 10000;
-OSTEON_CONST uint kToolGroup = 32;  // tool balls of one bounding ball
 OSTEON_CONST uint kMaxMaterials = 8;
 // the contact law's, see simulation/contact_law.h
 OSTEON_CONST uint kBins = 60;  // of direction; from kCuttingBinCount on of balls that do not cut
@@ -40,6 +39,9 @@ OSTEON_CONST uint kFaceColumns = 4;  // weight centre (3), weight radius
 // The nearest pair of a bin is the least key: its gap from -1 mm on, its bone ball and its tool ball.
 OSTEON_CONST uint kGapBits = 26, kBoneBits = 24, kToolBits = 14;
 OSTEON_CONST float kGapUnit = 1.0f / 33554432.0f;  // mm
+// A word of a span: a tool ball, and above it the gap that it had at least where the lists were made.
+OSTEON_CONST uint kLargestSpanGap = (1u << (32u - kToolBits)) - 1u;
+OSTEON_CONST float kSpanGapUnit = 1.0f / 32768.0f;  // mm
 
 OSTEON_CONST uint kMeetings = 4;  // of all workgroups of a frame in one dispatch
 OSTEON_CONST uint kMostSpins = 20000;
@@ -56,7 +58,8 @@ struct Exact {
   dvec3 start, goal;  // T's origin at the proxy and at the tool's pose
   dvec3 axis;         // the spindle's
   double enlargement, tolerance, layer, max_slide;
-  double stiffness, max_force, spindle_rad_per_s, dt_s, work_held_back;
+  double stiffness, max_force, spindle_rad_per_s, dt_s;
+  double work_held_back;                                // share of the debt that this frame pays
   OSTEON_ARRAY(double, cutting_energy, kMaxMaterials);  // N/mm^2
   OSTEON_ARRAY(double, force_ratio, kMaxMaterials);
   OSTEON_ARRAY(dvec3, face_n, kFaces);  // directions in which faces pressed, the frame before; zero: none
@@ -64,14 +67,15 @@ struct Exact {
   dvec3 delta, shift;  // to the constrained target; straight, from first contact
   dvec3 n;             // direction of the cutting contacts' resultant
   double cutting;      // length of their share of delta
-  double slide_limit, straight_limit, way, straight_way;  // see Frame
-  double slid_share, advance, edge_work;
-  OSTEON_ARRAY(dvec3, hold_n, 4);  // of what holds the tool
-  OSTEON_ARRAY(double, hold, 4);   // and how much
-  dvec3 step;                                      // of the proxy's advance
+  // with the turn and straight: the fraction that is allowed, the whole way of the tool point that moves farthest
+  double slide_limit, straight_limit, way, straight_way;
+  double slid_share, advance, edge_work;  // of the slide that was done; of the frame
+  OSTEON_ARRAY(dvec3, hold_n, 4);         // of what holds the tool, and how much
+  OSTEON_ARRAY(double, hold, 4);
+  dvec3 step;  // of the proxy's advance
   // area and moment by material, in units of 1 / (area_scale kFiner) and 1 / (moment_scale kFiner)
   OSTEON_ARRAY(int64_t, engaged, 2 * kMaxMaterials);
-  OSTEON_ARRAY(uint64_t, removed, kMaxMaterials);     // cleared volume in units of the bone's
+  OSTEON_ARRAY(uint64_t, removed, kMaxMaterials);  // cleared volume in units of the bone's
   // weight and weight n of each face, in units of 1 / (face_scale kFiner); row 0: balls that cut; row 1: those that do not
   OSTEON_ARRAY(int64_t, face_sums, 2 * kFaces * 4);
 };
@@ -93,7 +97,7 @@ struct Candidate {
 // One frame: what the host writes, then what the passes find.
 struct Frame {
   OSTEON_ARRAY(uint64_t, bin_keys, kBins);  // found; all ones where there is no pair
-  // found: fractions of first contact, with the turn and straight of the slide's. Bits of doubles: those of one
+  // found: fractions of first contact, and of the slide's with the turn and straight. Bits of doubles: those of one
   // sign order like the doubles
   uint64_t contact_key, slide_key, straight_key;
   Exact exact;
@@ -139,6 +143,8 @@ struct Frame {
   float point_reach_mm;
   // how far the tool ball that moved most is from where it was when the lists were made
   float cutting_drift_start_mm, cutting_drift_goal_mm, shaft_drift_start_mm, shaft_drift_goal_mm;
+  float path_mm;          // of the tool point that moves farthest, from the proxy to the tool's pose
+  uint chunk;             // list entries that one invocation looks at
   uint lists_at_contact;  // 1: the lists are made in this frame, where first contact is
   uint flush_count;       // balls of the last lists, which flush.comp writes back
   uint upload_count;
@@ -148,9 +154,12 @@ struct Frame {
   Groups point_work;  // clusters of points
 
   // the lists, as the last frame that made them left them
-  Groups pair_work;  // x: chunks of the longest list; y: 2, live balls and shaft pairs
-  Groups all_work;   // the same with y: 3, live points
+  // x: chunks of the longest list; y: lists
+  Groups pair_work;   // live balls, shaft pairs
+  Groups all_work;    // live balls, live points, shaft pairs
+  Groups clear_work;  // live balls, live points
   uint live_ball_count, live_point_count, shaft_count, span_count;
+  uint longest_span;  // tool balls of an entry
   uint too_many;  // balls or points beyond live_capacity: the frame is void
   uint is_void;   // nothing was changed: see IsVoid
 
@@ -168,7 +177,8 @@ struct Frame {
   // row 0: balls that cut (nothing with a single one); row 1: those that do not
   OSTEON_ARRAY(Sum, face_sums, 2 * kFaces * kFaceColumns);
   uint request_count;  // of balls that should be split; may be above the capacity
-  uint tool_rest;      // of the tool's texels, the first of what floats leave
+
+  uint tool_rest;  // of the tool's texels, the first of what floats leave
 
   // a frame in one dispatch: see frame.comp
   Groups frame_work;
@@ -176,10 +186,10 @@ struct Frame {
   uint gave_up;   // 1: the workgroups were not all at work at once, nothing was changed
   OSTEON_ARRAY(uint, arrived, kMeetings);
   OSTEON_ARRAY(uint, gates, kMeetings);
-  OSTEON_ARRAY(uint, unused_pad, 1);
+  OSTEON_ARRAY(uint, unused_pad, 2);
 };
 
-OSTEON_CONST uint kFrameBytes = 4672u;
+OSTEON_CONST uint kFrameBytes = 4704u;
 
 // What the host reads of a frame: its bytes, and then (with a sum over their words, so that it can't be half there) its number.
 struct Report {
@@ -206,38 +216,34 @@ struct Block {
   uint waits;      // 1: none was made yet
 };
 
-// A cluster of 64 balls or points, and the groups of tool balls that can meet it: group_refs[first …].
+// A cluster of 64 balls or points, and the tool balls that can meet it: tool_refs[first …] in rising order, so that
+// those that cut come first.
 struct Item {
   uint cluster;
-  uint first, count;
+  uint first, cutters, count;
 };
 
-// Tool balls first … first + count - 1.
-struct ToolGroup {
-  uint first, count;
-};
-
-// A ball or point within reach, and the cutting tool balls that can meet it: spans[first …], in rising order.
+// A ball or point within reach, and the cutting tool balls that can meet it: words spans[first …], in rising order.
 struct Live {
   uint index;
   uint first, count;
-  uint material;  // of a point
+  uint more;  // of a point: its material; of a ball: the least gap in its words
 };
 
 // A live ball (its slot in the list) and the tool balls that do not cut and can meet it.
 struct ShaftPair {
   uint slot;
   uint first, count;
+  uint least;  // gap in its words
 };
 
 // Storage buffers, in the order of their bindings.
 OSTEON_CONST uint kBindFrame = 0;
-OSTEON_CONST uint kBindTool =
-    1;  // a tool ball's centre at the proxy (w: radius) and at the tool's pose; then the groups'; then what floats
-        // leave of the tool balls' numbers
-OSTEON_CONST uint kBindToolGroups = 2;
-OSTEON_CONST uint kBindItems = 3;  // clusters of balls, then (from ball cluster count on) of points
-OSTEON_CONST uint kBindGroupRefs = 4;
+// a tool ball's centre at the proxy (w: radius) and at the tool's pose; then what floats leave of these
+OSTEON_CONST uint kBindTool = 1;
+OSTEON_CONST uint kBindItems = 2;  // clusters of balls, then (from ball cluster count on) of points
+OSTEON_CONST uint kBindToolRefs = 3;  // 0 … tool_count - 1 first
+OSTEON_CONST uint kBindReport = 4;
 OSTEON_CONST uint kBindBalls = 5;        // centre, radius; radius 0: gone
 OSTEON_CONST uint kBindMoreBalls = 6;    // those from kBallsPerBuffer on
 OSTEON_CONST uint kBindPoints = 7;       // place, volume [mm^3]
@@ -248,19 +254,18 @@ OSTEON_CONST uint kBindLiveEntries = 11;
 OSTEON_CONST uint kBindShaftPairs = 12;
 OSTEON_CONST uint kBindLivePoints = 13;  // copies of the live points
 OSTEON_CONST uint kBindPointEntries = 14;
-OSTEON_CONST uint kBindSpans = 15;     // 0 … tool_count - 1 first
+OSTEON_CONST uint kBindSpans = 15;     // words; 0 … tool_count - 1 first
 OSTEON_CONST uint kBindSlots = 16;     // of each ball in the list of live balls, where it is in it
 OSTEON_CONST uint kBindRequests = 17;  // SplitRequest
 OSTEON_CONST uint kBindUploads = 18;   // SplitUpload
 OSTEON_CONST uint kBindBlocks = 19;    // Block
-OSTEON_CONST uint kBindReport = 20;
-OSTEON_CONST uint kBindings = 21;
+OSTEON_CONST uint kBindings = 20;
 // The lists' copies again, to read: software drivers fetch a texel at once, but a buffer's words one by one.
-OSTEON_CONST uint kBindBallTexels = 21;
-OSTEON_CONST uint kBindPointTexels = 22;
-// tool, spans and the entries of both lists, to read
-OSTEON_CONST uint kBindToolTexels = 23, kBindSpanTexels = 24, kBindEntryTexels = 25,
-                  kBindPointEntryTexels = 26;
+OSTEON_CONST uint kBindBallTexels = 20;
+OSTEON_CONST uint kBindPointTexels = 21;
+// tool, spans and the lists' entries, to read
+OSTEON_CONST uint kBindToolTexels = 22, kBindSpanTexels = 23, kBindEntryTexels = 24,
+                  kBindPointEntryTexels = 25, kBindShaftTexels = 26;
 
 OSTEON_CONST uint kBallsPerBuffer = 8000000;  // a binding holds 128 MiB on every device
 OSTEON_CONST uint kCleared = 256;
@@ -270,7 +275,7 @@ static_assert(sizeof(Frame) == kFrameBytes && kFrameBytes % 16 == 0 && sizeof(Re
 static_assert(offsetof(Frame, exact) == 8 * 63);
 static_assert(sizeof(Exact) == 8 * (9 + 9 + 16 + 12 + 9 + 1 + 4 + 3 + 16 + 3 + 24 + 32));
 static_assert(sizeof(Candidate) == 32);
-static_assert(sizeof(Item) == 12 && sizeof(Live) == 16 && sizeof(ShaftPair) == 12 && sizeof(Sum) == 8);
+static_assert(sizeof(Item) == 16 && sizeof(Live) == 16 && sizeof(ShaftPair) == 16 && sizeof(Sum) == 8);
 static_assert(sizeof(SplitRequest) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 12);
 }  // namespace osteon::gpu
 #endif

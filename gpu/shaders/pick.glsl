@@ -1,14 +1,14 @@
 // Lists of what the tool can meet: at the proxy, where first contact is to be found among them, or at first contact, where
 // the whole way there has been searched. A list's order is scheduling's; nothing that is made from it depends on the order.
 
-// The tool balls of one kind that come within `reach` of a ball (p, r) at first contact: counted, then written to a span. Those
-// that follow each other without a gap need no span of their own, since the spans begin with 0, 1, 2, …
-// `cut`: tool balls that cut, or those that do not.
+// Of the tool balls tool_refs[first … end - 1] those that come within `reach` of a ball (p, r) at first contact: counted, then
+// written as words of a span.
 struct Span {
   uint first, count;
+  uint least;  // gap in its words
 };
-Span FindSpan(Item item, vec3 p, float r, float reach, float s, bool cut, bool live) {
-  Span span = Span(0u, 0u);
+Span FindSpan(uint first, uint end, vec3 p, float r, float reach, float s, bool cut, bool live) {
+  Span span = Span(0u, 0u, 0u);
   if (kOneCutter && cut) {
     vec4 only = AtContact(0, s);
     float far = only.w + r + reach;
@@ -16,43 +16,35 @@ Span FindSpan(Item item, vec3 p, float r, float reach, float s, bool cut, bool l
     span.count = live && dot(away, away) <= far * far ? 1u : 0u;
     return span;
   }
-  uint highest = 0u;
-  for (uint round = 0; round < 2; ++round) {
-    uint written = 0u;
-    uint end = live ? item.first + item.count : 0u;
-    for (uint ref = item.first; ref < end; ++ref) {
-      uint g = group_refs[ref];
-      ToolGroup group = tool_groups[g];
-      vec4 bound = AtContact(frame.tool_count + g, s);
-      vec3 away = p - bound.xyz;
-      float far = bound.w + r + reach;
-      bool meets = dot(away, away) <= far * far && (group.first < frame.cutter_count) == cut;
-      uint last = meets ? group.first + group.count : 0u;
-      for (uint t = group.first; t < last; ++t) {
-        vec4 ball = AtContact(t, s);
-        away = p - ball.xyz;
-        far = ball.w + r + reach;
-        if (dot(away, away) > far * far) continue;
-        if (round == 0u) {
-          if (written == 0u) span.first = t;
-          highest = t;
-        } else {
-          spans[span.first + written] = t;
-        }
-        ++written;
-      }
-    }
-    if (round == 1u) break;
-    span.count = written;
-    if (written == 0u || highest - span.first + 1u == written) break;  // none, or without a gap
-    uint place = atomicAdd(frame.span_count, written);
-    if (place + written > frame.span_capacity) {
-      // no room: every tool ball of the kind is looked at, which is slow but gives the same
-      span.first = cut ? 0u : frame.cutter_count;
-      span.count = cut ? frame.cutter_count : frame.tool_count - frame.cutter_count;
-      break;
-    }
-    span.first = place;
+  uint lowest = end, highest = first;
+  for (uint ref = first; ref < end; ++ref) {
+    vec4 ball = AtContact(tool_refs[ref], s);
+    float far = ball.w + r + reach;
+    vec3 away = p - ball.xyz;
+    if (!live || dot(away, away) > far * far) continue;
+    lowest = min(lowest, ref);
+    highest = ref + 1u;
+    ++span.count;
+  }
+  if (span.count == 0u) return span;
+  atomicMax(frame.longest_span, span.count);
+  uint room = (span.count + 3u) & ~3u;  // words are read by four
+  uint place = atomicAdd(frame.span_count, room);
+  if (place + room > frame.span_capacity) {
+    frame.too_many = 1u;
+    return span;
+  }
+  span.first = place;
+  span.least = kLargestSpanGap;
+  for (uint ref = lowest; ref < highest; ++ref) {
+    uint t = tool_refs[ref];
+    vec4 ball = AtContact(t, s);
+    float far = ball.w + r + reach;
+    vec3 away = p - ball.xyz;
+    if (dot(away, away) > far * far) continue;
+    uint gap = uint(clamp((length(away) - ball.w - r) / kSpanGapUnit, 0.0, float(kLargestSpanGap)));
+    span.least = min(span.least, gap);
+    spans[place++] = gap << kToolBits | t;
   }
   return span;
 }
@@ -60,9 +52,10 @@ Span FindSpan(Item item, vec3 p, float r, float reach, float s, bool cut, bool l
 // One more entry in a list of `count`: its slot, and the workgroups that reach it.
 #define NEXT_SLOT(slot, count)                             \
   uint slot = atomicAdd(count, 1u);                        \
-  if (slot % (kLanes * kChunk) == 0u) {                \
-    atomicMax(frame.pair_work.x, slot / (kLanes * kChunk) + 1u); \
-    atomicMax(frame.all_work.x, slot / (kLanes * kChunk) + 1u);  \
+  if (slot % (kLanes * frame.chunk) == 0u) {                \
+    atomicMax(frame.pair_work.x, slot / (kLanes * frame.chunk) + 1u); \
+    atomicMax(frame.all_work.x, slot / (kLanes * frame.chunk) + 1u);  \
+    atomicMax(frame.clear_work.x, slot / (kLanes * frame.chunk) + 1u); \
   }
 
 // Where on the frame's way the lists are made.

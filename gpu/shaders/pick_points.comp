@@ -9,11 +9,11 @@ layout(constant_id = 2) const uint kBallClusters = 0;
 void main() {
   Item item = items[kBallClusters + gl_WorkGroupID.x];
   float s = ListFraction(), reach = frame.point_reach_mm + frame.cutting_margin_mm;
-  for (uint k = gl_LocalInvocationID.x; k < kGroupSize; k += kLanes) {
+  for (uint k = gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x; k < kGroupSize; k += gl_NumWorkGroups.y * kLanes) {
     uint i = item.cluster * kGroupSize + k;
     bool live = i < frame.point_count;
     vec4 point = live ? points[i] : vec4(0.0);
-    Span cutting = FindSpan(item, point.xyz, 0.0, reach, s, true, live);
+    Span cutting = FindSpan(item.first, item.first + item.cutters, point.xyz, 0.0, reach, s, true, live);
     if (cutting.count == 0u) continue;
     uint state = point_states[i];
     if (state >= kCleared) continue;

@@ -1,4 +1,4 @@
-// Pass 3, first half: how far bone gives way in this frame (twin of simulation::AdvanceOfFrame and EndOfAdvance). Every
+// Pass 3, first half: how far bone gives way in this frame (twin of simulation::AdvanceOfFrame, StepOfAdvance and EndOfAdvance). Every
 // invocation works it out for itself: cheaper than a pass of its own.
 struct Advance {
   double advance_mm, edge_work_Nmm;
@@ -17,12 +17,13 @@ double OneLessExp(double y) {
 
 Advance AdvanceOfFrame(double at_contact, Slide slide) {
   double x = frame.exact.cutting, advance = 0.0lf, edge_work = 0.0lf;
-  if (x > 0.0lf && frame.exact.spindle_rad_per_s != 0.0lf && frame.exact.dt_s > 0.0lf) {
+  bool turns = frame.exact.spindle_rad_per_s != 0.0lf && frame.exact.dt_s > 0.0lf;
+  if (x > 0.0lf && turns) {
     double area = 0.0lf, moment = 0.0lf, work_per_mm = 0.0lf;
     for (uint m = 0; m < frame.material_count; ++m) {
       double own = double(frame.exact.engaged[2 * m]) / (kFiner * double(frame.area_scale));
       area += own;
-      moment += frame.exact.force_ratio[m] * double(frame.exact.engaged[2 * m + 1]) / (kFiner * double(frame.moment_scale));
+      moment += frame.exact.force_ratio[m] * (double(frame.exact.engaged[2 * m + 1]) / (kFiner * double(frame.moment_scale)));
       work_per_mm += frame.exact.cutting_energy[m] * own;
     }
     double most = max(0.0lf, frame.exact.max_slide - slide.way_mm);
@@ -40,9 +41,11 @@ Advance AdvanceOfFrame(double at_contact, Slide slide) {
       edge_work = linear > 0.0lf ? work * advance / linear : work;
     }
   }
-  dvec3 origin = frame.exact.start + at_contact * (frame.exact.goal - frame.exact.start);
-  dvec3 slide_mm = AfterSlide(slide, origin, frame.exact.goal) - origin;
-  dvec3 step_mm = -advance * frame.exact.n;
+  dvec3 goal = frame.exact.goal, origin = frame.exact.start + at_contact * (goal - frame.exact.start);
+  dvec3 slide_mm = AfterSlide(slide, origin, goal) - origin;
+  // the immediate law goes all the way to the tool's pose, but where balls that do not cut hold alone
+  bool all_the_way = frame.immediate != 0u && turns && (advance > 0.0lf || frame.exact.delta == dvec3(0.0lf));
+  dvec3 step_mm = all_the_way ? goal - origin - slide_mm : -advance * frame.exact.n;
   // balls that do not cut hold it back
   for (uint c = frame.shaft_candidate; c < frame.shaft_end; ++c) {
     Candidate shaft = frame.candidates[c];

@@ -8,6 +8,7 @@ const double kHoldSlack = 1e-6lf;
 const double kViolated_mm = 1e-5lf, kLeastPivot = 1e-13lf;
 const double kHoldFaceCosine = 0.866lf;  // simulation::kFaceCosine
 const uint kMostRounds = 200;
+const uint kNoFace = 2u * kFaces;
 
 // The planes by the bin of their pair, then those of the remembered pairs. Those that are there, in that order, are
 // there[0 … there_count - 1].
@@ -15,6 +16,7 @@ shared bool plane_there[kCandidates];
 shared uint there[kCandidates], there_count;
 shared dvec3 plane_n[kCandidates + 1];
 shared double plane_gap[kCandidates], yielding_gap[kCandidates];
+shared double opposite_gap[kCandidates];
 shared dvec3 plane_motion[kCandidates];
 shared double tool_radius[kCandidates];
 shared uint bone_ball[kCandidates], tool_ball[kCandidates];
@@ -33,8 +35,6 @@ struct Held {
   dvec3 point;
   double slack;
 };
-
-shared Held winner[2];
 
 double Violation(uint hold, Held held, uint i, dvec3 shift) {
   return plane_offset[hold][i] - dot(plane_n[i], shift + held.point) - held.slack;
@@ -125,6 +125,12 @@ Held Packed(Held set) {
   return set;
 }
 
+// What a lane has, on all of the subgroup.
+Held OfLane(Held own, uint lane) {
+  return Held(subgroupBroadcast(own.plane, lane), subgroupBroadcast(own.m, lane), subgroupBroadcast(own.size, lane),
+              subgroupBroadcast(own.point, lane), subgroupBroadcast(own.slack, lane));
+}
+
 // Twin of simulation::FindHoldPoint, about `shift` instead of the tool's pose: one subgroup's work, the same on every lane.
 Held FindHold(uint hold, dvec3 shift, bool start) {
   uint lane = gl_SubgroupInvocationID;
@@ -145,8 +151,10 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
       worst = float(violation);
       entering = i;
     }
-    float most = subgroupMax(worst);
-    entering = subgroupMin(worst == most ? entering : kNoPlane);
+    // (reductions of whole numbers, which GPUs have)
+    float most = uintBitsToFloat(subgroupMax(floatBitsToUint(worst)));
+    // a bound, since software drivers go on without a lane at work
+    entering = min(subgroupMin(worst == most ? entering : kNoPlane), kNoPlane);
     if (entering == kNoPlane) break;
     // of the sets of it and those that hold, the one whose point keeps the others
     float least = 1e30;
@@ -167,15 +175,11 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
       chosen = mask;
       own = set;
     }
-    float best = subgroupMin(least);
+    float best = uintBitsToFloat(subgroupMin(floatBitsToUint(least)));
     uint first = subgroupMin(least == best ? chosen : 16u);
     if (first == 16u) break;
     bool again = any(equal(held.plane, uvec4(entering)));
-    if (chosen == first) winner[hold] = own;
-    subgroupMemoryBarrierShared();
-    subgroupBarrier();
-    held = Packed(winner[hold]);
-    subgroupBarrier();
+    held = Packed(OfLane(own, subgroupMin(chosen == first ? lane : gl_SubgroupSize - 1u)));
     if (again) break;
   }
   return held;
@@ -192,13 +196,6 @@ shared Hold holds[2];  // with the turn, without
 
 void HoldTool(uint number, dvec3 origin_motion, double s) {
   bool turning = number == 0u;
-  for (uint k = gl_SubgroupInvocationID; k < there_count; k += gl_SubgroupSize) {
-    uint c = there[k];
-    dvec3 motion = turning ? plane_motion[c] : origin_motion;
-    plane_offset[number][c] = -(yielding_gap[c] + dot(plane_n[c], motion));
-  }
-  subgroupMemoryBarrierShared();
-  subgroupBarrier();
   Hold hold;
   hold.friction = dvec3(0.0lf);
   // then friction, if there is any; a loop, so that the code of FindHold is there but once
@@ -265,9 +262,9 @@ void Take(uint source, double s) {
   tool_radius[source] = start.w;
 }
 
-shared uint there_bits[3], yields_bits[3];
-shared int known_face[kFaces];
-shared dvec3 resultant_of[kFaces];
+shared uint there_bits[3];
+shared uint face_of[4];
+shared dvec3 resultant_of[2 * kFaces];
 shared dvec4 face_sum[kFaces];  // around the faces of the frame before: weight and weight n
 shared double longest_of[64];  // of each subgroup
 
@@ -293,7 +290,7 @@ void Solve() {
     face_sum[f][column] = double(frame.exact.face_sums[i] + frame.exact.face_sums[4u * kFaces + i]);
   }
   if (lane < 4u) start_plane[lane] = kNoPlane;
-  if (lane < 3u) there_bits[lane] = yields_bits[lane] = 0u;
+  if (lane < 3u) there_bits[lane] = 0u;
   if (lane == 0u) {
     plane_n[kNoPlane] = dvec3(0.0lf);
     plane_offset[0][kNoPlane] = plane_offset[1][kNoPlane] = 0.0lf;
@@ -322,25 +319,28 @@ void Solve() {
   barrier();
   // where another faces it and less than the tolerance is left between them, both yield
   double tolerance = frame.exact.tolerance;
-  for (uint i = lane; i < there_count * there_count; i += kLanes) {
-    uint k = i / there_count, c = there[k], other = there[i % there_count];
-    if (dot(plane_n[other], plane_n[c]) < kOppositeCosine && plane_gap[c] + plane_gap[other] < tolerance)
-      atomicOr(yields_bits[k / 32u], 1u << (k % 32u));
+  dvec3 motion = frame.exact.goal - (frame.exact.start + s * (frame.exact.goal - frame.exact.start));  // of T's origin
+  for (uint k = gl_SubgroupID; k < there_count; k += gl_NumSubgroups) {
+    uint c = there[k];
+    double least = tolerance + 1e3lf;
+    for (uint i = gl_SubgroupInvocationID; i < there_count; i += gl_SubgroupSize) {
+      uint other = there[i];
+      if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) least = min(least, plane_gap[other]);
+    }
+    least = subgroupMin(least);
+    if (subgroupElect()) opposite_gap[c] = least;
   }
   barrier();
   for (uint k = lane; k < there_count; k += kLanes) {
     uint c = there[k];
-    double room = tolerance;
-    for (uint i = (yields_bits[k / 32u] >> (k % 32u) & 1u) != 0u ? 0u : there_count; i < there_count; ++i) {
-      uint other = there[i];
-      if (dot(plane_n[other], plane_n[c]) < kOppositeCosine) room = min(room, plane_gap[c] + plane_gap[other]);
-    }
+    double room = min(tolerance, plane_gap[c] + opposite_gap[c]);
     yielding_gap[c] = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
+    plane_offset[0][c] = -(yielding_gap[c] + dot(plane_n[c], plane_motion[c]));
+    plane_offset[1][c] = -(yielding_gap[c] + dot(plane_n[c], motion));
   }
   barrier();
-  dvec3 motion = frame.exact.goal - (frame.exact.start + s * (frame.exact.goal - frame.exact.start));  // of T's origin
   uint hold_count = frame.turning != 0u ? 2u : 1u;
-  for (uint number = gl_SubgroupID; number < hold_count; number += gl_NumSubgroups) HoldTool(number, motion, s);
+  for (uint number = gl_SubgroupID; number < hold_count; number += gl_NumSubgroups) HoldTool(min(number, 1u), motion, s);
   for (uint k = lane; k < (is_void ? 0u : there_count); k += kLanes) {
     uint c = there[k];
     vec3 n = vec3(plane_n[c]);
@@ -352,7 +352,25 @@ void Solve() {
   Held held = hold.held;
   dvec3 friction = hold.friction;
   double normal = hold.normal;
-  double free_share = normal > 0.0lf ? hold.most / normal : 1.0lf;
+  if (lane == kLanes - 1u && !is_void) {
+    frame.candidate_count = there_count;
+    frame.shaft_candidate = Place(kCuttingBinCount);
+    frame.shaft_end = Place(kBins);
+    frame.hold_count = held.size;
+    for (uint k = 0; k < 4; ++k) {
+      frame.hold_candidate[k] = held.plane[k] != kNoPlane ? Place(held.plane[k]) : kNoPlane;
+      frame.exact.hold[k] = held.m[k];
+      frame.exact.hold_n[k] = plane_n[held.plane[k]];
+    }
+    frame.friction_mm = vec4(vec3(friction), float(held.slack));
+    dvec3 shift = motion + unturned.held.point + unturned.friction;
+    double straight = length(shift), most = frame.exact.max_slide;
+    frame.exact.shift = shift;
+    frame.shift_mm = vec4(vec3(shift), 0.0);
+    frame.exact.straight_way = straight;
+    frame.exact.straight_limit = straight > most ? most / straight : 1.0lf;
+    frame.turns = 1u;
+  }
 
   // the faces' resultant, along the mean normal of the balls around each: strongest first, so that a new face forms around
   // what holds most
@@ -372,67 +390,61 @@ void Solve() {
       plane.zw = plane.wz;
     }
   }
-  // the face of the frame before that each plane belongs to
-  for (uint k = lane; k < held.size; k += kLanes) {
-    known_face[k] = -1;
+  // the face of the frame before that each plane belongs to; one that belongs to none begins a face of its own
+  for (uint k = lane; k < 4u; k += kLanes) {
+    face_of[k] = k < held.size ? kFaces + k : kNoFace;
     double nearest = kHoldFaceCosine;
-    for (uint f = 0; f < kFaces; ++f) {
+    for (uint f = 0; f < (k < held.size ? kFaces : 0u); ++f) {
       double cosine = dot(plane_n[plane[k]], frame.exact.face_n[f]);
       if (cosine <= nearest) continue;
       nearest = cosine;
-      known_face[k] = int(f);
+      face_of[k] = f;
     }
   }
   barrier();
-  // loops of constant length and no index that is not known when compiled: the arrays are registers
-  dvec3 hold_of[kFaces] = dvec3[kFaces](dvec3(0.0lf), dvec3(0.0lf), dvec3(0.0lf), dvec3(0.0lf));
-  double cutting_of[kFaces] = double[kFaces](0.0lf, 0.0lf, 0.0lf, 0.0lf), multiplier_of[kFaces] = cutting_of;
-  int known_of[kFaces] = int[kFaces](-1, -1, -1, -1);
-  uint faces = 0u;
-  for (uint k = 0; k < kFaces; ++k) {
-    if (k >= held.size) break;
-    dvec3 n = plane_n[plane[k]];
-    int known = known_face[k];
-    uint at = faces;
-    for (uint f = 0; f < kFaces; ++f)
-      if (f < faces && (known >= 0 ? known_of[f] == known
-                                   : known_of[f] < 0 && dot(n, hold_of[f]) > kHoldFaceCosine * length(hold_of[f])))
-        at = f;
-    for (uint f = 0; f < kFaces; ++f) {
-      if (f != at) continue;
-      known_of[f] = known;
-      hold_of[f] += m[k] * n;
-      multiplier_of[f] += m[k];
-      if (tool_ball[plane[k]] < frame.cutter_count) cutting_of[f] += m[k];
+  // or it joins one that began before
+  for (uint k = lane == 0u ? 1u : held.size; k < held.size; ++k)
+    for (uint first = face_of[k] < kFaces ? k : 0u; first < k; ++first) {
+      if (face_of[first] != kFaces + first) continue;
+      dvec3 sum = dvec3(0.0lf);
+      for (uint i = first; i < k; ++i)
+        if (face_of[i] == kFaces + first) sum += m[i] * plane_n[plane[i]];
+      if (dot(plane_n[plane[k]], sum) > kHoldFaceCosine * length(sum)) face_of[k] = kFaces + first;
     }
-    faces = max(faces, at + 1u);
-  }
-  double largest = max(max(multiplier_of[0], multiplier_of[1]), max(multiplier_of[2], multiplier_of[3]));
-  for (uint f = lane; f < kFaces; f += kLanes) {
-    dvec3 hold_f = f == 0u ? hold_of[0] : f == 1u ? hold_of[1] : f == 2u ? hold_of[2] : hold_of[3];
-    double multiplier = f == 0u ? multiplier_of[0] : f == 1u ? multiplier_of[1] : f == 2u ? multiplier_of[2] : multiplier_of[3];
-    double cuts = f == 0u ? cutting_of[0] : f == 1u ? cutting_of[1] : f == 2u ? cutting_of[2] : cutting_of[3];
-    int known = f == 0u ? known_of[0] : f == 1u ? known_of[1] : f == 2u ? known_of[2] : known_of[3];
-    double size = length(hold_f);
+  barrier();
+  double per_normal = normal > 0.0lf ? 1.0lf / normal : 0.0lf, free_share = normal > 0.0lf ? hold.most * per_normal : 1.0lf;
+  for (uint f = lane; f < 2u * kFaces; f += kLanes) {
+    dvec3 hold_f = dvec3(0.0lf);
+    double multiplier = 0.0lf, cuts = 0.0lf, largest = 0.0lf;
+    for (uint k = 0; k < 4u; ++k) {
+      double own = 0.0lf;
+      for (uint i = 0; i < 4u; ++i)
+        if (face_of[i] == face_of[k]) own += m[i];
+      if (k < held.size) largest = max(largest, own);
+      if (face_of[k] != f) continue;
+      hold_f += m[k] * plane_n[plane[k]];
+      multiplier = own;
+      if (tool_ball[plane[k]] < frame.cutter_count) cuts += m[k];
+    }
     resultant_of[f] = dvec3(0.0lf);
+    double size = length(hold_f);
     if (size <= 0.0lf) continue;
     dvec3 n = hold_f / size;
-    dvec4 sum = face_sum[max(known, 0)];
-    if (known >= 0 && sum.x > 0.0lf) {
+    dvec4 sum = face_sum[min(f, kFaces - 1u)];
+    if (f < kFaces && sum.x > 0.0lf) {
       double weighed = length(sum.yzw), narrow = weighed / sum.x;
-      double exact = clamp(max(4.0lf * (1.0lf - largest / normal), (0.983lf - narrow) / 0.013lf), 0.0lf, 1.0lf);
+      double exact = clamp(max(4.0lf * (1.0lf - largest * per_normal), (0.983lf - narrow) / 0.013lf), 0.0lf, 1.0lf);
       n = normalize((1.0lf - exact) * (sum.yzw / weighed) + exact * n);
     }
-    double share = multiplier / normal;
-    resultant_of[f] = cuts / multiplier * (free_share * size * n + (1.0lf - free_share) * share * held.point);
+    resultant_of[f] =
+        cuts / multiplier * (free_share * size * n + (1.0lf - free_share) * multiplier * per_normal * held.point);
   }
-  barrier();
-  dvec3 cutting = resultant_of[0] + resultant_of[1] + resultant_of[2] + resultant_of[3];
-
-  dvec3 delta = held.point + friction;
   // the way to the target of the tool point that moves farthest
+  dvec3 delta = held.point + friction;
   double longest = length(motion + delta);
-  for (uint t = frame.turning != 0u ? lane : frame.tool_count; t < frame.tool_count; t += kLanes) {
+  // by the last invocations first, which have no face
+  uint end_tool = frame.turning != 0u ? frame.tool_count : 0u;
+  for (uint t = kLanes - 1u - lane; t < end_tool; t += kLanes) {
     float about = distance(AtContact(t, float(s)).xyz, Goal(t) + vec3(delta));
     for (uint may = about + frame.rounding_mm > float(longest) ? 0 : 1; may < 1; ++may)
       longest = max(longest, length(ExactGoal(t) + delta - ExactAtContact(t, s).xyz));
@@ -440,30 +452,16 @@ void Solve() {
   longest = subgroupMax(longest);
   if (subgroupElect()) longest_of[gl_SubgroupID] = longest;
   barrier();
-  for (uint k = 0; k < gl_NumSubgroups; ++k) longest = max(longest, longest_of[k]);
   if (lane == 0) frame.is_void = is_void ? 1u : 0u;
   if (lane != 0 || is_void) return;
-  frame.candidate_count = there_count;
-  frame.shaft_candidate = Place(kCuttingBinCount);
-  frame.shaft_end = Place(kBins);
-  frame.hold_count = held.size;
-  for (uint k = 0; k < 4; ++k) {
-    frame.hold_candidate[k] = held.plane[k] != kNoPlane ? Place(held.plane[k]) : kNoPlane;
-    frame.exact.hold[k] = held.m[k];
-    frame.exact.hold_n[k] = plane_n[held.plane[k]];
-  }
-  frame.friction_mm = vec4(vec3(friction), float(held.slack));
-  frame.exact.shift = motion + unturned.held.point + unturned.friction;
-  frame.shift_mm = vec4(vec3(frame.exact.shift), 0.0);
-  double straight = length(frame.exact.shift), most = frame.exact.max_slide;
-  frame.exact.straight_way = straight;
-  frame.exact.straight_limit = straight > most ? most / straight : 1.0lf;
+  dvec3 cutting = dvec3(0.0lf);
+  for (uint f = 0; f < 2u * kFaces; ++f) cutting += resultant_of[f];
+  for (uint k = 0; k < gl_NumSubgroups; ++k) longest = max(longest, longest_of[k]);
+  double size = length(cutting), most = frame.exact.max_slide;
   frame.exact.way = longest;
   frame.exact.slide_limit = longest > most ? most / longest : 1.0lf;
   // what is found where no later pass has work to do
-  frame.turns = 1u;
   frame.exact.slid_share = frame.exact.slide_limit;
-  double size = length(cutting);
   frame.exact.delta = delta;
   frame.exact.cutting = size;
   frame.exact.n = size > 0.0lf ? cutting / size : dvec3(0.0lf);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -33,6 +35,7 @@ FailureResult RunCorner(const FailureSetting& setting) {
   const std::size_t cases = setting.full() ? kIntoWall_m.size() : 3;
 
   FailureSeries of_ours{.name = "ours", .ours = true}, of_baseline{.name = "first contact"};
+  std::vector<std::array<double, 3>> points;  // angle of the push, errors of ours and of the baseline
   double wander_m = 0.0;
   bool complete = true;
   for (std::size_t c = 0; c < cases && complete; ++c) {
@@ -54,18 +57,24 @@ FailureResult RunCorner(const FailureSetting& setting) {
       high = high.cwiseMax(Vector3(model.X_WP.p));
     }
     wander_m = std::max(wander_m, (high - low).norm());
-    of_ours.x.push_back(static_cast<double>(c));
-    of_ours.y.push_back(100.0 * (ours - expected).norm() / expected.norm());
-    of_baseline.x.push_back(static_cast<double>(c));
-    of_baseline.y.push_back(100.0 * (one - expected).norm() / expected.norm());
+    points.push_back({std::atan2(expected.x(), expected.z()) * 180.0 / std::numbers::pi,
+                      100.0 * (ours - expected).norm() / expected.norm(),
+                      100.0 * (one - expected).norm() / expected.norm()});
     complete = setting.GoesOn(static_cast<double>(c + 1) / static_cast<double>(cases));
+  }
+  std::ranges::sort(points);
+  for (const auto& [angle_deg, ours, one] : points) {
+    of_ours.x.push_back(angle_deg);
+    of_ours.y.push_back(ours);
+    of_baseline.x.push_back(angle_deg);
+    of_baseline.y.push_back(one);
   }
   result.ours = Largest(of_ours.y);
   result.baseline = Largest(of_baseline.y);
   result.baseline_fails = result.baseline > result.bound;
   result.ours_passes = complete && result.ours < result.bound && wander_m < 1e-6;
   result.note = fmt::format("while the tool is held, the proxy moves by {:.2g} um", 1e6 * wander_m);
-  result.plot = {.x_label = "case",
+  result.plot = {.x_label = "push from the floor's normal towards the wall's [deg]",
                  .y_label = "error of the force [%]",
                  .series = {of_baseline, of_ours},
                  .bound_is_on_y = true};

@@ -13,8 +13,19 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kThickness_m = 1e-3, kHalfWidth_m = 16e-3;
-constexpr double kVoxel_m = 0.25e-3;
+constexpr double kThickness_m = 1e-3, kVoxel_m = 0.25e-3;
+constexpr double kAim_m = 3e-3, kHighest_m = 2e-3, kBeyond_m = 2e-3, kMostTilt_rad = M_PI / 6.0;
+
+/// How far the hand goes below where a shot starts.
+double Below(double height_m, double tool_radius_m) {
+  return height_m + kThickness_m + 2.0 * tool_radius_m + kBeyond_m;
+}
+
+/// So wide that a shot aslant ends over the sheet, a millimetre from its edge: every ball counts in every
+/// frame of the reference engine.
+double HalfWidth(double tool_radius_m) {
+  return kAim_m + std::tan(kMostTilt_rad) * Below(kHighest_m, tool_radius_m) + 1e-3;
+}
 
 struct Shot {
   double speed_m_per_s;
@@ -31,14 +42,14 @@ Shot MakeShot(std::uint64_t n, double tool_radius_m) {
   Shot shot{};
   // one in five evenly over the logarithm: slow shots take most frames, and fast ones are where it matters
   shot.speed_m_per_s = n % 5 == 0 ? 0.01 * std::pow(100.0, uniform(0.0, 1.0)) : uniform(0.01, 1.0);
-  const double tilt = uniform(0.0, M_PI / 6.0), about = uniform(0.0, 2.0 * M_PI);
-  const Vector3 aim(uniform(-3e-3, 3e-3), uniform(-3e-3, 3e-3), 0.0);
+  const double tilt = uniform(0.0, kMostTilt_rad), about = uniform(0.0, 2.0 * M_PI);
+  const Vector3 aim(uniform(-kAim_m, kAim_m), uniform(-kAim_m, kAim_m), 0.0);
   const Vector3 direction(std::sin(tilt) * std::cos(about), std::sin(tilt) * std::sin(about),
                           -std::cos(tilt));
-  const double height_m = uniform(0.05e-3, 1.0e-3 + 1e-3 * shot.speed_m_per_s);
+  // at random within a frame's way and a millimetre, so that discrete poses fall anywhere in the sheet
+  const double height_m = uniform(0.05e-3, kHighest_m - 1e-3 + 1e-3 * shot.speed_m_per_s);
   shot.start_m = aim + Vector3(0, 0, height_m);
-  const double down_m = height_m + kThickness_m + 2.0 * tool_radius_m + 2e-3;
-  shot.way_m = direction * down_m / std::cos(tilt);
+  shot.way_m = direction * Below(height_m, tool_radius_m) / std::cos(tilt);
   return shot;
 }
 
@@ -84,16 +95,16 @@ FailureResult RunThinSheet(const FailureSetting& setting) {
                        .baseline_name = "voxmap and pointshell, voxels of 0.25 mm"};
   const int shots_per_tool = setting.full() ? 2000 : 8, baseline_per_tool = setting.full() ? 60 : 4;
   constexpr std::array kRadii_m{1e-3, 2e-3, 3e-3, 4e-3, 5e-3};
-  const Vector3 low(-kHalfWidth_m, -kHalfWidth_m, -kThickness_m), high(kHalfWidth_m, kHalfWidth_m, 0.0);
-  const simulation::Bone sheet =
-      MakeBlock({.low_m = low, .high_m = high, .ball_radius_m = 0.5 * kThickness_m, .point_spacing_m = 1e-3});
-  const simulation::BoxSolid solid(low, high);
-
   std::array<Tally, kSpeedBins> by_speed{}, ours_by_speed{};
   int ours = 0, baseline = 0, shots = 0, baseline_shots = 0;
   bool complete = true;
   for (std::size_t tool_index = 0; tool_index < kRadii_m.size() && complete; ++tool_index) {
     const double R = kRadii_m[tool_index];
+    const double w = HalfWidth(R);
+    const Vector3 low(-w, -w, -kThickness_m), high(w, w, 0.0);
+    const simulation::Bone sheet = MakeBlock(
+        {.low_m = low, .high_m = high, .ball_radius_m = 0.5 * kThickness_m, .point_spacing_m = 1e-3});
+    const simulation::BoxSolid solid(low, high);
     const simulation::Tool tool = MakeBallTool(R);
     const auto engine = setting.make_engine(sheet, tool, Pose::Identity(), {});
     const simulation::CarvedState untouched = engine->Snapshot();

@@ -175,6 +175,7 @@ void Encode(const FrameRecord& record, std::string& bytes) {
   }
   Put(model.n_W, message.mutable_n_w());
   message.set_contact_fraction(model.contact_fraction);
+  Put(model.p_WS_m, message.mutable_p_ws());
   Put(model.F_T_W, message.mutable_f_t_w());
   message.set_advance_m_per_s(model.advance_m_per_s);
   message.set_engaged_area_m2(model.engaged_area_m2);
@@ -182,6 +183,7 @@ void Encode(const FrameRecord& record, std::string& bytes) {
   message.set_removed_volume_m3(model.removed_volume_m3);
   message.set_removed_mass_kg(model.removed_mass_kg);
   message.set_cutting_work_j(model.cutting_work_J);
+  message.set_balls_not_split(model.balls_not_split);
   message.SerializeToString(&bytes);
 }
 
@@ -189,7 +191,7 @@ std::string Decode(std::span<const char> bytes, FrameRecord& record) {
   Frame message;
   if (!Parse(bytes, message)) return "not an osteon.Frame";
   if (!Frame::Status_IsValid(message.status()))
-    return "status " + std::to_string(message.status()) + ", accepted 0 … 2";
+    return "status " + std::to_string(message.status()) + ", accepted 0 … 3";
   if (message.contacts_size() > simulation::kMaxContacts)
     return std::to_string(message.contacts_size()) + " contacts, accepted 0 … 8";
   FrameRecord r;
@@ -217,6 +219,7 @@ std::string Decode(std::span<const char> bytes, FrameRecord& record) {
   }
   Get(message.n_w(), model.n_W);
   model.contact_fraction = message.contact_fraction();
+  Get(message.p_ws(), model.p_WS_m);
   Get(message.f_t_w(), model.F_T_W);
   model.advance_m_per_s = message.advance_m_per_s();
   model.engaged_area_m2 = message.engaged_area_m2();
@@ -224,6 +227,7 @@ std::string Decode(std::span<const char> bytes, FrameRecord& record) {
   model.removed_volume_m3 = message.removed_volume_m3();
   model.removed_mass_kg = message.removed_mass_kg();
   model.cutting_work_J = message.cutting_work_j();
+  model.balls_not_split = message.balls_not_split();
   record = r;
   return {};
 }

@@ -42,9 +42,10 @@ ContactModel MethodBase::Step(const FrameInput& input) {
   model.cutting_work_J = memory_.cutting_work_J;
   model.pose_stamp = input.stamp;
   model.frame = memory_.frame;
-  model.spindle_torque_Nm = frame.spindle_torque_Nm;
-  if (input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0)
+  if (input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0) {
     model.advance_m_per_s = frame.advance_m / input.dt_s;
+    model.spindle_torque_Nm = frame.edge_work_J / (std::abs(input.spindle_rad_per_s) * input.dt_s);
+  }
   for (const double area : frame.engaged.area_m2) model.engaged_area_m2 += area;
   if (!frame.touches) return model;
 
@@ -112,7 +113,6 @@ void MethodBase::Advance(const FrameInput& input, double slide_m, MethodFrame& f
       AdvanceOfFrame(params_, materials_, solution, input.spindle_rad_per_s, input.dt_s, memory_.debt_J);
   frame.advance_m = advance.advance_m;
   frame.edge_work_J = advance.edge_work_J;
-  if (input.spindle_rad_per_s != 0.0) frame.spindle_torque_Nm = SpindleTorque(params_, materials_, solution);
 }
 
 void MethodBase::PushAlongNormal(const Vector3& origin_T, MethodFrame& frame) const {

@@ -33,7 +33,7 @@ struct MethodFrame {
   Vector3 force_N{Vector3::Zero()};    ///< on the tool
   Vector3 torque_Nm{Vector3::Zero()};  ///< about T's origin at the tool's pose
   Engagement engaged{};
-  double advance_m{0.0}, edge_work_J{0.0}, spindle_torque_Nm{0.0};
+  double advance_m{0.0}, edge_work_J{0.0};
   std::array<double, kMaxMaterials> removed_m3{};
 };
 
@@ -63,8 +63,7 @@ class MethodBase : public MethodEngine {
   /// @param found_by  the cutting ball in whose layer the item was found: the first of several counts it
   void AddEngaged(const EngagedItem& item, double layer_m, std::size_t found_by, const ToolPoints& at,
                   const Vector3& spindle_axis, MethodFrame& frame) const;
-  /// Sets advance, edge work and spindle torque of a frame that cuts, by the law of `params`
-  /// (AdvanceOfFrame).
+  /// Sets advance and edge work of a frame that cuts, by the law of `params` (AdvanceOfFrame).
   void Advance(const FrameInput& input, double slide_m, MethodFrame& frame) const;
   /// Spring force `stiffness * depth` along n at `point_m`, of at most the greatest force.
   void PushAlongNormal(const Vector3& origin_T, MethodFrame& frame) const;

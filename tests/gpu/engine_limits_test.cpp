@@ -200,9 +200,10 @@ TEST(VulkanEngine, CullingGivesTheSameBitsAsBruteForce) {
     const simulation::Tool tool = balls == 1 ? Ball(6e-3) : Shell(balls);
     simulation::Bone bone = Strip(150);
     for (simulation::MassPoint& point : bone.points) point.p_m.z = -0.1e-3;
-    VulkanParams every_pair;
+    VulkanParams listed, every_pair;
+    listed.one_dispatch_groups = 0;  // brute force runs pass by pass
     every_pair.brute_force = true;
-    const auto culled = Open(bone, tool), brute = Open(bone, tool, every_pair);
+    const auto culled = Open(bone, tool, listed), brute = Open(bone, tool, every_pair);
     for (int i = 0; i < 150; ++i) {
       const simulation::FrameInput input{.X_WT = Stroke(i), .spindle_rad_per_s = kSpindle_rad_per_s};
       const ContactModel a = culled->Step(input), b = brute->Step(input);
@@ -231,7 +232,7 @@ TEST(VulkanEngine, OneDispatchGivesTheSameBitsAsPassByPass) {
   Hand hand;
   Vector3 f_W = Vector3::Zero();
   int in_one = 0;
-  for (int i = 0; i < 80; ++i) {
+  for (int i = 0; i < 60; ++i) {
     const simulation::FrameInput input = hand.Next(f_W);
     const ContactModel a = by_pass->Step(input), b = by_one->Step(input), c = by_many->Step(input);
     f_W = a.F_T_W.f;
@@ -243,7 +244,7 @@ TEST(VulkanEngine, OneDispatchGivesTheSameBitsAsPassByPass) {
     in_one += by_one->LastFrameStats().one_dispatch ? 1 : 0;
     EXPECT_FALSE(by_pass->LastFrameStats().one_dispatch);
   }
-  EXPECT_GT(in_one, 40) << "most frames need no new lists";
+  EXPECT_GT(in_one, 30) << "most frames need no new lists";
   EXPECT_GT(f_W.norm(), 10.0) << "in contact";
   EXPECT_EQ(HashState(by_pass->Snapshot()), HashState(by_one->Snapshot()));
   EXPECT_EQ(HashState(by_pass->Snapshot()), HashState(by_many->Snapshot()));

@@ -70,9 +70,10 @@ inline simulation::FrameRecord SomeFrame(std::uint64_t i) {
     c.weight = c_base + 6;
     c.material = static_cast<simulation::MaterialIndex>(k + 7);
   }
-  m.status = static_cast<simulation::EngineStatus>(i % 3);
+  m.status = static_cast<simulation::EngineStatus>(i % 4);
   m.n_W = Vector(base + 3);
   m.contact_fraction = base + 4;
+  m.p_WS_m = Vector(base + 13);
   m.F_T_W = SomeWrench(base + 5);
   m.advance_m_per_s = base + 6;
   m.engaged_area_m2 = base + 7;
@@ -80,6 +81,7 @@ inline simulation::FrameRecord SomeFrame(std::uint64_t i) {
   m.removed_volume_m3 = base + 9;
   m.removed_mass_kg = base + 10;
   m.cutting_work_J = base + 11;
+  m.balls_not_split = i + 14;
   m.pose_stamp = static_cast<rt::Nanoseconds>(i) + 12;
   m.frame = i;
   return r;

@@ -133,6 +133,7 @@ TEST(Recording, CarriesEveryFieldOfAFrame) {
   EXPECT_EQ(a.status, b.status);
   EXPECT_EQ(Vector3(a.n_W), Vector3(b.n_W));
   EXPECT_EQ(a.contact_fraction, b.contact_fraction);
+  EXPECT_EQ(Vector3(a.p_WS_m), Vector3(b.p_WS_m));
   EXPECT_EQ(Vector3(a.F_T_W.f), Vector3(b.F_T_W.f));
   EXPECT_EQ(Vector3(a.F_T_W.t), Vector3(b.F_T_W.t));
   EXPECT_EQ(a.advance_m_per_s, b.advance_m_per_s);
@@ -141,8 +142,20 @@ TEST(Recording, CarriesEveryFieldOfAFrame) {
   EXPECT_EQ(a.removed_volume_m3, b.removed_volume_m3);
   EXPECT_EQ(a.removed_mass_kg, b.removed_mass_kg);
   EXPECT_EQ(a.cutting_work_J, b.cutting_work_J);
+  EXPECT_EQ(a.balls_not_split, b.balls_not_split);
   EXPECT_EQ(a.pose_stamp, b.pose_stamp);
   EXPECT_EQ(a.frame, b.frame);
+}
+
+TEST(Recording, CarriesEveryStatusOfAFrame) {
+  for (const simulation::EngineStatus status :
+       {simulation::EngineStatus::kOk, simulation::EngineStatus::kBadInput,
+        simulation::EngineStatus::kDeviceLost, simulation::EngineStatus::kOverloaded}) {
+    simulation::FrameRecord sent = SomeFrame(1), r;
+    sent.model.status = status;
+    EXPECT_EQ(Decode(Encoded(sent), r), "");
+    EXPECT_EQ(r.model.status, status);
+  }
 }
 
 TEST(Recording, KeepsNegativeZeroAndNaN) {

@@ -33,14 +33,13 @@ struct Way {
   double radius_m;
 };
 
-/// The ways of a frame without rotation, from what the engine reports: the slide follows the planes, the
-/// advance goes along -n.
+/// The ways of a frame without rotation, from what the engine reports.
 Way WayOf(const ToolBall& ball, const Pose& X_WP_before, const FrameInput& input, const ContactModel& model) {
   const Pose X_WT = input.X_WT, X_WP = model.X_WP;
   const Vector3 before = X_WP_before * Vector3(ball.center_m), goal = X_WT * Vector3(ball.center_m);
   const Vector3 end = X_WP * Vector3(ball.center_m);
   return {.contact = before + model.contact_fraction * (goal - before),
-          .slid = end + model.advance_m_per_s * input.dt_s * Vector3(model.n_W),
+          .slid = Vector3(model.p_WS_m) + X_WP.linear() * Vector3(ball.center_m),
           .end = end,
           .radius_m = ball.radius_m};
 }
@@ -114,6 +113,31 @@ TEST_P(EngineCutting, LeavesNothingInsideTheSweepAndTheUnionNeverGrows) {
       }
     }
     EXPECT_GT(cleared, 10u) << c.name;
+  }
+}
+
+// A feed of many slides a frame, aslant: what sliding leaves of the way must not be lost, and no advance
+// along the normal may lead beside the way that was asked for.
+TEST_P(EngineCutting, WithTheImmediateLawTheToolEndsEveryFrameWhereItWasTold) {
+  CuttingParams params;
+  params.law = RemovalLaw::kImmediate;
+  const auto engine = Make(Slab(14e-3, 4e-3, true, kSoft), BallTool(2e-3), params);
+  const Vector3 start(-5e-3, -1e-3, 0.3e-3), goal(5e-3, 1e-3, -2e-3);
+  for (const int frames : {40, 7, 3}) {
+    Vector3 before = start;
+    for (int i = 0; i <= frames; ++i) {
+      const Vector3 asked = start + static_cast<double>(i) / frames * (goal - start) -
+                            Vector3(0, 0, 0.3e-3 / frames);  // each run a little deeper
+      const ContactModel model = engine->Step(At(Down(asked), kSpindle_rad_per_s, 4e-3));
+      // the proxy's way is known to some nanometres, in single precision
+      EXPECT_LT((Pose(model.X_WP).translation() - asked).norm(), 2e-8) << frames << " " << i;
+      // first it slid along the surface, by no more than a frame may
+      const Vector3 contact = before + model.contact_fraction * (asked - before);
+      EXPECT_LE((Vector3(model.p_WS_m) - contact).norm(), params.max_slide_m + 2e-8) << frames << " " << i;
+      before = asked;
+    }
+    engine->Step(At(Down(start + Vector3(0, 0, 20e-3))));
+    engine->Step(At(Down(start)));
   }
 }
 

@@ -10,6 +10,8 @@
 namespace osteon::simulation {
 namespace {
 
+constexpr double kSpindle = 250.0 * 2.0 * M_PI / 60.0;
+
 // ---- placing
 
 TEST(PlaceTool, PutsBallsAndThenTheOriginIntoG) {
@@ -29,8 +31,7 @@ TEST(PlaceTool, PutsBallsAndThenTheOriginIntoG) {
 
 TEST(EndOfAdvance, IsHeldBackByThePlaneThatDoesNotCut) {
   FrameSolution s;
-  s.n = Vector3::UnitZ();
-  s.advance_m = 0.2e-3;
+  s.step = Vector3(0, 0, -0.2e-3);
   EXPECT_LT((EndOfAdvance(s) - Vector3(0, 0, -0.2e-3)).norm(), 1e-18);
   s.shaft_count = 1;
   s.shaft[0] = {.n = Vector3::UnitZ(), .gap_m = 0.05e-3};
@@ -39,9 +40,31 @@ TEST(EndOfAdvance, IsHeldBackByThePlaneThatDoesNotCut) {
   EXPECT_LT((EndOfAdvance(s) - Vector3(0, 0, -0.2e-3)).norm(), 1e-18);
 }
 
-// ---- the rate law
+TEST(StepOfAdvance, GoesAlongTheNormalButAllTheWayWithTheImmediateLaw) {
+  FrameSolution s;
+  s.n = Vector3::UnitZ();
+  s.advance_m = 0.2e-3;
+  s.delta = Vector3(0.1e-3, 0, 0.3e-3);
+  s.origin_slid = Vector3(1e-3, 0, 0);
+  const Vector3 goal(4e-3, 0, -0.3e-3);
+  const FrameInput cuts{.X_WT = Pose::Identity(), .spindle_rad_per_s = kSpindle}, still{};
+  const CuttingParams immediate{.law = RemovalLaw::kImmediate};
+  EXPECT_EQ(StepOfAdvance({}, cuts, s, goal), Vector3(0, 0, -0.2e-3));
+  s.step = StepOfAdvance(immediate, cuts, s, goal);
+  EXPECT_LT((EndOfAdvance(s) - goal).norm(), 1e-18);
+  s.shaft_count = 1;
+  s.shaft[0] = {.n = -Vector3::UnitX(), .gap_m = 2e-3};  // at first contact; the slide took half of it
+  EXPECT_LT((EndOfAdvance(s) - Vector3(2e-3, 0, -0.3e-3)).norm(), 1e-18);
 
-constexpr double kSpindle = 250.0 * 2.0 * M_PI / 60.0;
+  s.advance_m = 0.0;
+  EXPECT_EQ(StepOfAdvance(immediate, still, s, goal).norm(), 0.0);
+  EXPECT_EQ(StepOfAdvance(immediate, cuts, s, goal).norm(), 0.0);  // what holds does not cut
+  s.delta.setZero();                                               // a touch in passing: nothing holds
+  EXPECT_EQ(StepOfAdvance(immediate, cuts, s, goal), goal - s.origin_slid);
+  EXPECT_EQ(StepOfAdvance({}, cuts, s, goal).norm(), 0.0);
+}
+
+// ---- the rate law
 
 struct Cut {
   CuttingParams params;
@@ -147,9 +170,10 @@ TEST(AdvanceOfFrame, PaysItsDebtFirst) {
   EXPECT_NEAR(held.edge_work_J, work_J, 1e-12);
 }
 
-TEST(SpindleTorque, IsTheCuttingForceAtItsArm) {
+TEST(AdvanceOfFrame, TorqueOfTheEdgeIsTheCuttingForceAtItsArm) {
   const Cut cut;
-  EXPECT_NEAR(SpindleTorque(cut.params, cut.materials, cut.solution), 0.8 * 40.0 * 15e-3, 1e-12);
+  const double dt = 1e-9;  // so short that the force does not fall
+  EXPECT_NEAR(cut.Advance(dt).edge_work_J / (kSpindle * dt), 0.8 * 40.0 * 15e-3, 1e-6);
 }
 
 // ---- the frame's end

@@ -144,6 +144,20 @@ TEST_P(LawfulMethods, CutAtTheRateOfTheEnergyBalance) {
   EXPECT_NEAR(work_J, edge_J, (GetParam() == Method::kPointshell ? 0.5 : 0.25) * edge_J);
 }
 
+TEST_P(LawfulMethods, SpindleTorqueIsTheMeanOfALongFrame) {
+  const Plate& plate = SoftPlate();
+  const auto engine = plate.Make(GetParam(), BallTool(0.004));
+  const ContactModel pressed = LowerTo(*engine, 0.5e-3, -0.2e-3);
+  const double dt_s = 0.05, depth_m = Vector3(pressed.F_T_W.f).norm() / 20e3;
+  const ContactModel model =
+      engine->Step({.X_WT = Down({0, 0, -0.2e-3}), .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = dt_s});
+  // the bone gives way by a good part of the depth, so that at the frame's end the force is much less
+  EXPECT_GT(model.advance_m_per_s * dt_s, 0.3 * depth_m);
+  // what the spindle did is what the edge's way took, to rounding
+  const double work_J = kSoft * model.engaged_area_m2 * model.advance_m_per_s * dt_s;
+  EXPECT_NEAR(model.spindle_torque_Nm * kSpindle_rad_per_s * dt_s, work_J, 1e-9 * work_J);
+}
+
 TEST_P(Methods, CutNothingWithoutTheSpindle) {
   const Plate& plate = SpongyPlate();
   const auto engine = plate.Make(GetParam(), BallTool(0.004), {.law = RemovalLaw::kImmediate});

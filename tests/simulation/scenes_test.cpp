@@ -8,6 +8,7 @@
 
 #include "mesh_shapes.h"
 #include "simulation/cup_frame.h"
+#include "simulation/metrics/depth_table.h"
 
 namespace osteon::simulation {
 namespace {
@@ -136,6 +137,40 @@ TEST(Scenes, TheSameParametersGiveTheSameBone) {
   }
   for (std::size_t i = 0; i < a.points.size(); ++i)
     ASSERT_EQ(Vector3(a.points[i].p_m), Vector3(b.points[i].p_m));
+}
+
+// A burr goes into a cube by its own depth, and along. Split balls must be worth it: fewer, and a cut that
+// loses less.
+TEST(Scenes, BallsThatAreSplitAreFewerAndLoseLessToACut) {
+  SceneParams scene = Plate();
+  scene.shape = BlockShape{.width_m = 0.012, .depth_m = 0.012, .height_m = 0.006, .layers = {}};
+  scene.site = {.x_m = 0.0, .y_m = 0.0, .radius_m = 0.002};
+  scene.zone = {
+      .kind = ZoneParams::Kind::kPath, .radius_m = 0.002, .path_C_m = {{0, 0, 0.002}, {0, 0, -0.001}}};
+  const SceneSolid made = MakeSceneSolid(scene);
+  DepthScene cut;
+  cut.name = "burr";
+  cut.solid = std::make_unique<BoxSolid>(std::get<BlockShape>(scene.shape));
+  cut.zone = MakeZone(scene.zone, made.site, *made.solid);
+  cut.tool.balls = {{.center_m = Vector3(0, 0, -1e-3), .radius_m = 1e-3, .cutting = true}};
+  const Vector3 top = made.site.center_m;
+  cut.corners_m = {top + Vector3(-0.8e-3, 0, 1.1e-3), top + Vector3(-0.8e-3, 0, 0),
+                   top + Vector3(0.8e-3, 0, 0)};
+  const auto measure = [&](bool split) {
+    const DepthMethod method{.name = "",
+                             .balls = PackScene(made, scene, split).balls,
+                             .split = {.on = split, .least_radius_m = 0.13e-3}};
+    return MeasureDepth(cut, method, 0.05e-3, {.surface_cells = 8000});
+  };
+  const DepthRow whole = measure(false), split = measure(true);
+  EXPECT_LT(2 * split.balls, whole.balls);
+  EXPECT_GT(split.blocks, 20u);
+  EXPECT_EQ(split.refused, 0u);
+  EXPECT_LT(split.accuracy.depth_error_m, 0.5 * whole.accuracy.depth_error_m);
+  EXPECT_LT(split.overlap_m, 1e-12);
+  std::printf("whole: %zu balls, %zu left, %.4f mm; split: %zu balls, %zu left, %.4f mm\n", whole.balls,
+              whole.live, 1e3 * whole.accuracy.depth_error_m, split.balls, split.live,
+              1e3 * split.accuracy.depth_error_m);
 }
 
 TEST(Scenes, MaterialsMustBeThoseThatTheSceneNames) {

@@ -112,6 +112,24 @@ TEST(SplitPacking, KeepsInTheSolidAndItsGaps) {
   EXPECT_THROW((void)BuildSplitPacking(box, EverywhereZone(), {.radius_over_spacing = 0.5}),
                std::invalid_argument);
   EXPECT_THROW((void)BuildSplitPacking(box, EverywhereZone(), {.surface_gap_m = 0.0}), std::invalid_argument);
+  EXPECT_THROW((void)BuildSplitPacking(box, EverywhereZone(), {.fine_depth_m = -1e-3}),
+               std::invalid_argument);
+}
+
+// Below a surface that is going to be cut balls may not grow before the cut's depth is reached.
+TEST(SplitPacking, IsFineDownToItsFineDepth) {
+  const BoxSolid box({-6e-3, -6e-3, -16e-3}, {6e-3, 6e-3, 0.0});
+  const SurfaceZone zone(box,
+                         Ball{.center_m = Vector3::Zero(), .radius_m = 1e-3});  // a place of the top face
+  SplitPackingParams params{.fine_depth_m = 5e-3};
+  double largest_m = 0.0, largest_below_m = 0.0;
+  for (const Ball& ball : BuildSplitPacking(box, zone, params)) {
+    const double depth = zone.DepthAt(ball.center_m);
+    if (depth < params.fine_depth_m) largest_m = std::max(largest_m, ball.radius_m);
+    if (depth > params.fine_depth_m + 4e-3) largest_below_m = std::max(largest_below_m, ball.radius_m);
+  }
+  EXPECT_LE(largest_m, params.radius_over_spacing * params.spacing_m + 1e-12);
+  EXPECT_GT(largest_below_m, 1.5 * params.radius_over_spacing * params.spacing_m);
 }
 
 }  // namespace

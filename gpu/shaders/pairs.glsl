@@ -1,0 +1,67 @@
+#ifndef OSTEON_PAIRS
+#define OSTEON_PAIRS
+// Pairs of a ball and a tool ball in the lists. A span's words tell how far each pair was apart where the lists were made; the
+// tool has moved by no more than the drift since, and bone only shrinks: pairs too far are passed over without a look at them.
+
+// How far a tool ball of the kind is, at fraction s of the frame's way, from where the lists were made.
+float Drift(bool cutting, float s) {
+  if (frame.lists_at_contact != 0u) return 0.0;  // only what comes after first contact asks
+  return cutting ? mix(frame.cutting_drift_start_mm, frame.cutting_drift_goal_mm, s)
+                 : mix(frame.shaft_drift_start_mm, frame.shaft_drift_goal_mm, s);
+}
+
+// The largest gap in a word of a pair that may now be nearer than `gap_mm`.
+const float kSpanRounding_mm = 1e-3;  // of floats, many times over
+uint WordGap(float gap_mm) {
+  return uint(clamp((gap_mm + kSpanRounding_mm) / kSpanGapUnit + 1.0, 0.0, float(kLargestSpanGap)));
+}
+
+// Lists of pairs: of live balls, of those near balls that do not cut, of live points. With one cutter the first needs no words.
+const uint kCutting = 0u, kShaft = 1u, kPoint = 2u;
+// Of the first two those that a workgroup takes, of which `shaft_row` are the second's.
+uint FirstList(uint row, uint shaft_row) { return kOneCutter || row == shaft_row ? kShaft : kCutting; }
+uint LastList(uint row, uint shaft_row) { return Takes(row, shaft_row) ? kShaft : kCutting; }
+
+// An invocation's way through the pairs of its share of a list.
+struct Walk {
+  uint list;
+  uint next, end;  // entries not looked at yet
+  uint slot;       // where the ball or point lies that it is at
+  uint k, last;    // its words not looked at yet
+  uvec4 words;     // those before k
+  uint left;       // which of these are still to come
+  uint word;       // of the pair it is at
+};
+Walk BeginWalk(uint list, bool any) {
+  uint count = list == kCutting ? frame.live_ball_count : list == kShaft ? frame.shaft_count : frame.live_point_count;
+  return Walk(list, ChunkBegin(), any ? ChunkEnd(count) : 0u, 0u, 0u, 0u, uvec4(0u), 0u, 0u);
+}
+uvec4 Entry(uint list, uint i) {
+  if (list == kPoint) return texelFetch(point_entry_texels, int(i));
+  return list == kCutting ? texelFetch(entry_texels, int(i)) : texelFetch(shaft_texels, int(i));
+}
+
+// On to the next pair whose word tells a gap of `farthest` at most; false at the end. One turn of the loop is an entry or four
+// words: software drivers go on until all lanes have found one, and what is then done with the pairs is done for all at once.
+bool NextPair(inout Walk walk, uint farthest) {
+  while (walk.left == 0u && (walk.k < walk.last || walk.next < walk.end)) {
+    if (walk.k >= walk.last) {
+      uvec4 entry = Entry(walk.list, walk.next);
+      walk.slot = walk.list == kShaft ? entry.x : walk.next;
+      walk.k = entry.y;
+      walk.last = walk.list == kPoint || entry.w <= farthest ? entry.y + entry.z : entry.y;
+      walk.next += ChunkStep();
+    }
+    walk.words = SpanWords(walk.k);
+    uint count = min(walk.last - walk.k, 4u);
+    bvec4 near = lessThanEqual(walk.words >> kToolBits, uvec4(farthest));
+    walk.left = ((near.x ? 1u : 0u) | (near.y ? 2u : 0u) | (near.z ? 4u : 0u) | (near.w ? 8u : 0u)) & ((1u << count) - 1u);
+    walk.k += count;
+  }
+  uvec4 words = walk.words;
+  walk.word = (walk.left & 1u) != 0u ? words.x : (walk.left & 2u) != 0u ? words.y : (walk.left & 4u) != 0u ? words.z : words.w;
+  bool found = walk.left != 0u;
+  walk.left &= walk.left - 1u;
+  return found;
+}
+#endif
