@@ -51,7 +51,8 @@ Spread Over(const SpeedAccuracyPoint& point, const ValueOf& value_of) {
   for (const SeedScores& seed : point.seeds) values.push_back(value_of(seed));
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
-  return {.median = values[values.size() / 2], .low = values.front(), .high = values.back()};
+  const double median = 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+  return {.median = median, .low = values.front(), .high = values.back()};
 }
 
 std::string Count(double count) {
