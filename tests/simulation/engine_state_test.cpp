@@ -49,9 +49,7 @@ TEST_P(EngineState, GoesOnFromARestoredStateToTheLastBit) {
   for (int i = 0; i < 60; ++i) one->Step(Frame(i));
   const CarvedState middle = one->Snapshot();
   EXPECT_GT(middle.removed_volume_m3, 0.0);
-  // a state holds floats: the reference goes on in double, so both of its engines start from the state
-  one->Restore(middle);
-  two->Restore(middle);
+  two->Restore(middle);  // the other goes on as it is
   for (int i = 60; i < 120; ++i) ASSERT_TRUE(Identical(one->Step(Frame(i)), two->Step(Frame(i)))) << i;
   EXPECT_EQ(HashState(one->Snapshot()), HashState(two->Snapshot()));
 }
