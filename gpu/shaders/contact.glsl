@@ -18,7 +18,7 @@ void FindContact(uint row) {
   }
   for (uint list = FirstList(row, 1u); list <= LastList(row, 1u); ++list) {
     float drift = Drift(list == kCutting, 0.0), path = frame.path_mm;
-    Walk walk = BeginWalk(list, true);
+    Walk walk = BeginWalk(list, 1u, true);
     while (NextPair(walk, WordGap(drift + s * path))) {
       vec4 ball = LiveBall(walk.slot), start = Start(ToolOf(walk.word));
       float own = FirstContactFraction(ball.xyz - start.xyz, Goal(ToolOf(walk.word)) - start.xyz, start.w + ball.w);

@@ -125,12 +125,11 @@ void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
   live_balls[slot] = ball;
 }
 
-// One piece of the way of all cutting balls, over this invocation's balls. A ball's tool balls come in their order, one after the
-// other; two pieces are two ways through the list, the second with what the first has left.
-void RemovePiece(Way way, uint part, bool go) {
-  const uint kNoSlot = 0xffffffffu;
-  Walk walk = BeginWalk(kCutting, go);
-  uint slot = kNoSlot;
+// Shrink over this invocation's balls, pair by pair: a ball's tool balls come in their order, in two turns, one for each piece of
+// the way.
+void ShrinkAll(Way way, bool go) {
+  Walk walk = BeginWalk(kCutting, 2u, go);
+  uint slot = 0u;
   vec4 ball = vec4(0.0);
   float before = 0.0;
   for (bool more = true; more;) {
@@ -139,13 +138,13 @@ void RemovePiece(Way way, uint part, bool go) {
     while (!on_axis) {
       more = NextPair(walk, way.farthest);
       if (!more) break;
-      if (walk.slot != slot) {
+      if (walk.slot != slot || before == 0.0) {
         if (ball.w != before) live_balls[slot] = ball;
         slot = walk.slot;
-        ball = live_balls[slot];
+        ball = LiveBall(slot);
         before = ball.w;
       }
-      piece = Piece(way, ToolOf(walk.word), part);
+      piece = Piece(way, ToolOf(walk.word), walk.turn);
       vec4 left = Shrunk(ball, piece, false, on_axis);
       ball = on_axis ? ball : left;
     }
@@ -199,8 +198,7 @@ void RemoveAndClear(uint row) {
       slot += ChunkStep();
     }
   } else {
-    RemovePiece(way, 0u, Takes(row, 0u) && go);
-    RemovePiece(way, 1u, Takes(row, 0u) && go);
+    ShrinkAll(way, Takes(row, 0u) && go);
   }
 
   if (kOneCutter) {
@@ -221,7 +219,7 @@ void RemoveAndClear(uint row) {
     }
     return;
   }
-  Walk walk = BeginWalk(kPoint, Takes(row, 1u) && go);
+  Walk walk = BeginWalk(kPoint, 1u, Takes(row, 1u) && go);
   for (bool more = true; more;) {
     vec4 point;
     bool inside = false;

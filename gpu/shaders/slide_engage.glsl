@@ -40,7 +40,7 @@ void SlideAndEngage(uint row) {
   float way = max(frame.slide_limit * frame.way_mm, frame.straight_limit * frame.straight_way_mm);
   for (uint list = FirstList(row, 2u); list <= LastList(row, 2u); ++list) {
     uint farthest = WordGap(Drift(list == kCutting, at_contact) + way);
-    Walk walk = BeginWalk(list, go && row != 1u);
+    Walk walk = BeginWalk(list, 1u, go && row != 1u);
     while (NextPair(walk, farthest)) {
       vec4 ball = LiveBall(walk.slot), at = AtContact(ToolOf(walk.word), at_contact);
       vec3 m = Goal(ToolOf(walk.word)) + delta - at.xyz;
