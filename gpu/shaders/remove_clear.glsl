@@ -154,7 +154,7 @@ void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
 // The way of all cutting balls, over this invocation's balls: a ball's tool balls come in their order, one after the other.
 void RemovePairs(Way way, bool go) {
   const uint kNoSlot = 0xffffffffu;
-  Walk walk = BeginWalk(kCutting, go);
+  Walk walk = BeginWalk(kCutting, 1u, go);
   uint slot = kNoSlot;
   vec4 ball = vec4(0.0);
   dvec4 exact_ball = dvec4(0.0lf);
@@ -167,7 +167,7 @@ void RemovePairs(Way way, bool go) {
       if (walk.slot != slot) {
         if (ball.w != before) live_balls[slot] = ball;
         slot = walk.slot;
-        ball = live_balls[slot];
+        ball = LiveBall(slot);
         exact_ball = dvec4(ball);
         before = ball.w;
       }
@@ -254,7 +254,7 @@ void RemoveAndClear(uint row) {
     }
     return;
   }
-  Walk walk = BeginWalk(kPoint, Takes(row, 1u) && go);
+  Walk walk = BeginWalk(kPoint, 1u, Takes(row, 1u) && go);
   for (bool more = true; more;) {
     vec4 point;
     bool touched = false;

@@ -79,7 +79,7 @@ void SlideAndEngage(uint row) {
   float way = float(max(frame.exact.slide_limit * frame.exact.way, frame.exact.straight_limit * frame.exact.straight_way));
   for (uint list = FirstList(row, 2u); list <= LastList(row, 2u); ++list) {
     uint farthest = WordGap(Drift(list == kCutting, at_contact) + way);
-    Walk walk = BeginWalk(list, go && row != 1u);
+    Walk walk = BeginWalk(list, 1u, go && row != 1u);
     for (bool more = true; more;) {
       vec4 ball;
       bool may = false;
