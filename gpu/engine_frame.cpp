@@ -80,9 +80,9 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
 // Entries of a list that one invocation looks at, each with as many tool balls at most: one on a GPU. A
 // processor does what all of a workgroup's lanes share once for each workgroup: few, long ones, but some for
 // each core. And llvmpipe ends all loops of an invocation after 65 535 turns together, of which no pass takes
-// more than six a pair.
+// more than twelve a pair.
 uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t span) const {
-  constexpr std::size_t kMostPairs = 10'000, kMostEntries = 4096, kWorkgroups = 4;
+  constexpr std::size_t kMostPairs = 5'000, kMostEntries = 4096, kWorkgroups = 4;
   const std::size_t lanes = program->lanes();
   if (lanes == kGroupSize) return 1;
   const std::size_t most =
