@@ -51,13 +51,6 @@ layout(binding = kBindPointEntryTexels) uniform usamplerBuffer point_entry_texel
 layout(binding = kBindShaftTexels) uniform usamplerBuffer shaft_texels;
 layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
 
-// A sum's value. How it is split into high and low depends on who added with whom, so the carry goes over first: what is
-// rounded to a float is then the same for equal sums.
-float Total(Sum sum, float scale) {
-  int high = sum.high + int(sum.low >> 16);
-  return (float(high) * 65536.0 + float(sum.low & 0xffffu)) / scale;
-}
-
 // Adds a whole number of each invocation of the subgroup to a sum. Called by all of them.
 #define ADD_TO(sum, whole)                              \
   {                                                     \
@@ -79,15 +72,6 @@ float Total(Sum sum, float scale) {
     int64_t all = int64_t(low_part) + (int64_t(middle_part) << 24) + (int64_t(high_part) << 48); \
     if (subgroupElect() && all != 0L) atomicAdd(sum, all);                                       \
   }
-
-// Bits that order like the float, negative ones too, and back.
-uint OrderedBits(float v) {
-  uint bits = floatBitsToUint(v);
-  return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;
-}
-float FromOrderedBits(uint bits) {
-  return uintBitsToFloat((bits & 0x80000000u) != 0u ? bits & 0x7fffffffu : ~bits);
-}
 
 #include "exact.glsl"
 float ContactFraction() { return float(ExactFraction()); }
@@ -126,14 +110,6 @@ vec4 AtContact(uint t, float s) {
   vec4 start = Start(t);
   return vec4(mix(start.xyz, Goal(t), s), start.w);
 }
-vec3 OriginAtContact(float s) { return mix(frame.start.xyz, frame.goal.xyz, s); }
-
-vec3 ClosestOnSegment(vec3 p, vec3 a, vec3 b) {
-  vec3 m = b - a;
-  float mm = dot(m, m);
-  return mm == 0.0 ? a : a + clamp(dot(p - a, m) / mm, 0.0, 1.0) * m;
-}
-
 vec4 LiveBall(uint slot) { return texelFetch(ball_texels, int(slot)); }
 Live AsLive(uvec4 words) { return Live(words.x, words.y, words.z, words.w); }
 Live LiveEntry(uint slot) { return AsLive(texelFetch(entry_texels, int(slot))); }
