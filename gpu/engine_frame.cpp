@@ -82,7 +82,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
 // each core. And llvmpipe ends all loops of an invocation after 65 535 turns together, of which no pass takes
 // more than twelve a pair.
 uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t span) const {
-  constexpr std::size_t kMostPairs = 5'000, kMostEntries = 4096, kWorkgroups = 4;
+  constexpr std::size_t kMostPairs = 2'000, kMostEntries = 4096, kWorkgroups = 4;
   const std::size_t lanes = program->lanes();
   if (lanes == kGroupSize) return 1;
   const std::size_t most =
