@@ -12,20 +12,23 @@ constexpr uint kMostRefsOfAWorkgroup = 1'800;
 // The tool's balls at the proxy and at the tool's pose, for the device and for what follows.
 void VulkanEngine::Impl::Place(const Pose& pose) {
   X_GT = pose;
-  vec4* placed = program->host<vec4>(kBindTool);
-  const vec4* whole = placed;
-  start_m.resize(tool.balls.size());
-  goal_m.resize(tool.balls.size());
-  for (std::size_t t = 0; t < tool.balls.size(); ++t) {
+  const std::size_t count = tool.balls.size();
+  start_m.resize(count);
+  goal_m.resize(count);
+  // written in one piece and never read back: a device's memory is slow to read, and may give an older value
+  placed.resize(4 * count);
+  for (std::size_t t = 0; t < count; ++t) {
+    const double radius_m = tool.balls[t].radius_m;
     start_m[t] = memory.X_GP * tool.balls[t].center_T_m;
     goal_m[t] = X_GT * tool.balls[t].center_T_m;
-    *placed++ = ToMillimetres(start_m[t], tool.balls[t].radius_m * kMillimetres);
-    *placed++ = ToMillimetres(goal_m[t], 0.0);
+    const vec4 start = ToMillimetres(start_m[t], radius_m * kMillimetres),
+               goal = ToMillimetres(goal_m[t], 0.0);
+    placed[2 * t] = start;
+    placed[2 * t + 1] = goal;
+    placed[2 * (count + t)] = Rest(start_m[t], radius_m, start);
+    placed[2 * (count + t) + 1] = Rest(goal_m[t], 0.0, goal);
   }
-  for (std::size_t t = 0; t < tool.balls.size(); ++t) {
-    *placed++ = Rest(start_m[t], tool.balls[t].radius_m, whole[2 * t]);
-    *placed++ = Rest(goal_m[t], 0.0, whole[2 * t + 1]);
-  }
+  std::memcpy(program->host<vec4>(kBindTool), placed.data(), placed.size() * sizeof(vec4));
 }
 
 Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {

@@ -127,6 +127,7 @@ struct VulkanEngine::Impl {
   bool was_free{true};                        // the last frame met nothing
   Pose X_GT;                                  // the tool's, this frame
   std::vector<Vector3> start_m, goal_m;       // of the tool's balls, this frame
+  std::vector<vec4> placed;                   // the same for the device: in floats, then what they leave
   std::vector<simulation::Capsule> capsules;  // that its cutting balls have swept, where balls are split
 
   std::string Open(std::unique_ptr<Context> context, const simulation::Bone& bone,
