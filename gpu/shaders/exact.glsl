@@ -9,13 +9,17 @@ double FromKey(uint64_t key) { return packDouble2x32(unpackUint2x32(key)); }
 // A float that is not less.
 float AtLeast(double s) { return float(s) * 1.0000003; }
 
+// All four in double precision, and back. Not at once: NVIDIA's driver 580.159 gives the floats' own bits then.
+dvec4 Exactly(vec4 v) { return dvec4(dvec3(v.xyz), double(v.w)); }
+vec4 InFloats(dvec4 v) { return vec4(vec3(v.xyz), float(v.w)); }
+
 // Tool ball t: what floats leave of its numbers makes them whole.
 dvec4 ExactStart(uint t) {
-  return dvec4(texelFetch(tool_texels, int(2u * t))) + dvec4(texelFetch(tool_texels, int(frame.tool_rest + 2u * t)));
+  return Exactly(texelFetch(tool_texels, int(2u * t))) + Exactly(texelFetch(tool_texels, int(frame.tool_rest + 2u * t)));
 }
 dvec3 ExactGoal(uint t) {
-  return (dvec4(texelFetch(tool_texels, int(2u * t + 1u))) +
-          dvec4(texelFetch(tool_texels, int(frame.tool_rest + 2u * t + 1u)))).xyz;
+  return dvec3(texelFetch(tool_texels, int(2u * t + 1u)).xyz) +
+         dvec3(texelFetch(tool_texels, int(frame.tool_rest + 2u * t + 1u)).xyz);
 }
 double ExactFraction() { return min(1.0lf, FromKey(frame.contact_key)); }
 dvec4 ExactAtContact(uint t, double s) {

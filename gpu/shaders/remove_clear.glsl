@@ -108,13 +108,13 @@ bool MayTouch(Way way, RoughPieces pieces, vec3 p, float radius) {
 vec4 Shrink(Way way, uint slot, vec4 ball) {
   Live entry = LiveEntry(slot);
   uint last = entry.first + (ball.w > 0.0 && entry.more <= way.farthest ? entry.count : 0u);
-  dvec4 exact_ball = dvec4(ball);
+  dvec4 exact_ball = Exactly(ball);
   for (uint k = entry.first; k < last; ++k) {
     uint word = SpanWord(k);
     bool may = (word >> kToolBits) <= way.farthest && MayTouch(way, RoughPiecesOf(way, ToolOf(word)), ball.xyz, ball.w);
     for (uint once = may ? 0 : 1; once < 1; ++once) {
       exact_ball = Shrunk(exact_ball, PiecesOf(way, ToolOf(word)));
-      ball = vec4(exact_ball);
+      ball = InFloats(exact_ball);
     }
   }
   return ball;
@@ -138,7 +138,7 @@ void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
   if (kSplit) {
     uint index = LiveEntry(slot).index;
     bool child = index >= frame.first_child;
-    if (!child && whole.w > frame.split_radius_mm && !IsSwallowed(way, slot, dvec4(whole))) {
+    if (!child && whole.w > frame.split_radius_mm && !IsSwallowed(way, slot, Exactly(whole))) {
       uint place = atomicAdd(frame.request_count, 1u);
       if (place < frame.request_capacity) requests[place] = SplitRequest(index, whole, ball);
     }
@@ -168,14 +168,14 @@ void RemovePairs(Way way, bool go) {
         if (ball.w != before) live_balls[slot] = ball;
         slot = walk.slot;
         ball = LiveBall(slot);
-        exact_ball = dvec4(ball);
+        exact_ball = Exactly(ball);
         before = ball.w;
       }
       touched = ball.w > 0.0 && MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), ball.xyz, ball.w);
     }
     if (!touched) continue;
     exact_ball = Shrunk(exact_ball, PiecesOf(way, ToolOf(walk.word)));
-    ball = vec4(exact_ball);
+    ball = InFloats(exact_ball);
   }
   if (ball.w != before) live_balls[slot] = ball;
 }
@@ -225,7 +225,7 @@ void RemoveAndClear(uint row) {
         any = subgroupAny(touched);
         slot += ChunkStep();
       }
-      if (touched) Keep(way, own, ball, vec4(Shrunk(dvec4(ball), only)));
+      if (touched) Keep(way, own, ball, InFloats(Shrunk(Exactly(ball), only)));
     }
   } else if (kSplit) {
     for (; slot < end; slot += ChunkStep()) {
