@@ -164,13 +164,6 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   vk::PhysicalDeviceVulkan12Features features;
   features.scalarBlockLayout = VK_TRUE;
   features.shaderBufferInt64Atomics = VK_TRUE;
-  const auto found =
-      context->physical->getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>()
-          .get<vk::PhysicalDeviceVulkan12Features>();
-  // with device scope: atomics have that
-  context->memory_model = found.vulkanMemoryModel == VK_TRUE && found.vulkanMemoryModelDeviceScope == VK_TRUE;
-  features.vulkanMemoryModel = features.vulkanMemoryModelDeviceScope =
-      context->memory_model ? VK_TRUE : VK_FALSE;
   vk::PhysicalDeviceFeatures core;
   core.shaderFloat64 = VK_TRUE;
   core.shaderInt64 = VK_TRUE;

@@ -31,7 +31,6 @@ struct Context {
   std::optional<vk::raii::Device> device;
   std::optional<vk::raii::Queue> queue;
   std::uint32_t queue_family{0};
-  bool memory_model{false};  ///< Vulkan's memory model, which workgroups need that talk to each other
   DeviceInfo info;
 };
 

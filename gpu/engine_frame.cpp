@@ -18,15 +18,15 @@ void VulkanEngine::Impl::Place(const Pose& pose) {
   // written in one piece and never read back: a device's memory is slow to read, and may give an older value
   placed.resize(4 * count);
   for (std::size_t t = 0; t < count; ++t) {
-    const double radius_m = tool.balls[t].radius_m;
     start_m[t] = memory.X_GP * tool.balls[t].center_T_m;
     goal_m[t] = X_GT * tool.balls[t].center_T_m;
-    const vec4 start = ToMillimetres(start_m[t], radius_m * kMillimetres),
-               goal = ToMillimetres(goal_m[t], 0.0);
-    placed[2 * t] = start;
-    placed[2 * t + 1] = goal;
-    placed[2 * (count + t)] = Rest(start_m[t], radius_m, start);
-    placed[2 * (count + t) + 1] = Rest(goal_m[t], 0.0, goal);
+    placed[2 * t] = ToMillimetres(start_m[t], tool.balls[t].radius_m * kMillimetres);
+    placed[2 * t + 1] = ToMillimetres(goal_m[t], 0.0);
+  }
+  // in a loop of its own: GCC 12.2 takes the rounding away where both are one expression
+  for (std::size_t t = 0; t < count; ++t) {
+    placed[2 * (count + t)] = Rest(start_m[t], tool.balls[t].radius_m, placed[2 * t]);
+    placed[2 * (count + t) + 1] = Rest(goal_m[t], 0.0, placed[2 * t + 1]);
   }
   std::memcpy(program->host<vec4>(kBindTool), placed.data(), placed.size() * sizeof(vec4));
 }
@@ -219,9 +219,6 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     f.live_point_count = lists.points;
     f.shaft_count = lists.shaft;
     f.span_count = lists.spans;
-    f.frame_work = {.x = program->GroupsOfOneDispatch(std::max({lists.balls, lists.points, lists.shaft})),
-                    .y = 1,
-                    .z = 1};
   } else {
     FindWork(f, mode);
     SetUploads(f);
@@ -233,21 +230,15 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     lists.built_m = start_m;
     if (!brute_force) MeasureDrift(f);
   }
-  const bool at_once = f.frame_work.x > 0;
   std::memcpy(&program->frame(), &f, sizeof(Frame));
-  if (!program->Run(at_once ? FrameMode::kOneDispatch : mode, brute_force         ? kBruteTimeout_ns
-                                                              : memory.frame == 0 ? kWarmUpTimeout_ns
-                                                                                  : kFrameTimeout_ns))
+  if (!program->Run(mode, brute_force         ? kBruteTimeout_ns
+                          : memory.frame == 0 ? kWarmUpTimeout_ns
+                                              : kFrameTimeout_ns))
     return false;
   const Frame& done = program->result();
-  if (at_once && done.gave_up != 0) {
-    program->GiveUpOneDispatch();
-    return RunFrame(prepared, mode);
-  }
   stats = {.active_balls = done.live_ball_count,
            .active_points = done.live_point_count,
-           .lists_made = mode != FrameMode::kLists,
-           .one_dispatch = at_once};
+           .lists_made = mode != FrameMode::kLists};
   if (mode == FrameMode::kLists) return true;
   if (pool) pool->Uploaded();
   lists.made = done.too_many == 0;

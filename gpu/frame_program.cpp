@@ -8,7 +8,6 @@
 
 #include "gpu/spirv/contact.h"
 #include "gpu/spirv/flush.h"
-#include "gpu/spirv/frame.h"
 #include "gpu/spirv/load_children.h"
 #include "gpu/spirv/near_field.h"
 #include "gpu/spirv/path_contact.h"
@@ -24,9 +23,7 @@ namespace {
 
 constexpr std::uint32_t kMostPasses = 16;
 
-// Of a frame in one dispatch: few enough to be at work at once on any GPU of some size, enough for a ball
-// each.
-constexpr uint kGroupsOfOneDispatch = 128, kLanesOfOneDispatch = 256;
+constexpr uint kSolveLanes = 256;  // of the solution, on a GPU
 
 // Bytes of each storage buffer, by binding.
 std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
@@ -86,8 +83,6 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
             : sizes.blocks > 0                 ? FencePolicy::kPoll
                                                : FencePolicy::kReport;
   if (cpu && policy_ == FencePolicy::kReport) policy_ = FencePolicy::kPoll;
-  if (!params.time_passes && !params.brute_force && context_->memory_model)
-    most_groups_ = params.one_dispatch_groups.value_or(cpu ? 0 : kGroupsOfOneDispatch);
   command_pool_ =
       vk::raii::CommandPool(*context_->device, vk::CommandPoolCreateInfo({}, context_->queue_family));
   fence_ = vk::raii::Fence(*context_->device, vk::FenceCreateInfo(vk::FenceCreateFlagBits::eSignaled));
@@ -172,10 +167,10 @@ void FrameProgram::MakePipelines() {
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)},
        {4, offsetof(Constants, split), sizeof(VkBool32)}}};
-  // the solution is one workgroup's work, on a processor one subgroup's; so is a frame in one dispatch
+  // the solution is one workgroup's work, on a processor one subgroup's
   Constants alone = constants;
   alone.lanes =
-      gpu_ ? kLanesOfOneDispatch
+      gpu_ ? kSolveLanes
            : context_->physical
                  ->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
                  .get<vk::PhysicalDeviceSubgroupProperties>()
@@ -222,9 +217,6 @@ void FrameProgram::MakePipelines() {
   run(FrameMode::kListsAtProxy) = in_turn({before, pick, {contact}, rest});
   run(FrameMode::kListsAtContact) = in_turn({before, {path}, pick, rest});
   run(FrameMode::kFlush) = before;
-  if (most_groups_ > 0)
-    run(FrameMode::kOneDispatch) = {
-        add("frame", kSpirv_frame, alone, offsetof(Frame, frame_work), Then::kNothing)};
 
   const std::array<vk::DescriptorPoolSize, 2> size{
       {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 7}}};
@@ -299,12 +291,6 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
               Access::eHostRead);
   c.end();
   return c;
-}
-
-uint FrameProgram::GroupsOfOneDispatch(std::size_t longest) const {
-  if (most_groups_ == 0) return 0;
-  const std::size_t needed = (longest + kLanesOfOneDispatch - 1) / kLanesOfOneDispatch;
-  return static_cast<uint>(std::clamp<std::size_t>(needed, 1, most_groups_));
 }
 
 bool FrameProgram::AwaitFence(std::uint64_t timeout_ns) {

@@ -23,8 +23,7 @@ struct ProgramSizes {
 };
 
 enum class FrameMode : std::size_t {
-  kLists,           ///< with the lists of an earlier frame, pass by pass
-  kOneDispatch,     ///< the same in one dispatch: see shaders/frame.comp
+  kLists,           ///< with the lists of an earlier frame
   kListsAtProxy,    ///< with lists made where the frame begins
   kListsAtContact,  ///< with lists made at first contact, found on the whole way
   kFlush,           ///< no frame: the lists' balls go back to where they are read from
@@ -67,10 +66,6 @@ class FrameProgram {
   [[nodiscard]] const Context& context() const { return *context_; }
   /// Invocations of a workgroup: kGroupSize on a GPU, fewer on a processor.
   [[nodiscard]] uint lanes() const { return context_->info.kind == "cpu" ? 8 : kGroupSize; }
-  /// Workgroups of a frame in one dispatch over lists of that length; 0: pass by pass.
-  [[nodiscard]] uint GroupsOfOneDispatch(std::size_t longest) const;
-  /// Its workgroups are not at work at once on this device: pass by pass from now on.
-  void GiveUpOneDispatch() { most_groups_ = 0; }
 
  private:
   // What the next pass needs of a pass: nothing, what it wrote, or also how many workgroups it is to have.
@@ -100,7 +95,6 @@ class FrameProgram {
   Buffer frame_in_;
   bool gpu_{false};
   bool copies_in_{false};  ///< the host can't write where the passes read
-  uint most_groups_{0};    ///< of a frame in one dispatch
   uint sequence_{0};       ///< of the last report
   std::vector<vk::raii::BufferView> views_;
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
@@ -109,7 +103,7 @@ class FrameProgram {
   vk::raii::DescriptorSets sets_{nullptr};
   vk::raii::CommandPool command_pool_{nullptr};
   std::vector<Pass> passes_;
-  std::array<std::vector<std::size_t>, 5> run_passes_;  // by mode
+  std::array<std::vector<std::size_t>, 4> run_passes_;  // by mode
   std::vector<vk::raii::CommandBuffer> commands_;
   FrameMode last_mode_{FrameMode::kLists};
   vk::raii::Fence fence_{nullptr};

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,9 +26,6 @@ struct VulkanParams {
   bool time_passes{false};  ///< timestamps between the passes; software drivers wait at each
   FencePolicy fence{FencePolicy::kAuto};
   bool brute_force{false};  ///< every pair in every pass: what culling is measured against
-  /// Workgroups at most of a frame that needs no new lists, which is then one dispatch; 0: pass by pass.
-  /// Empty: as the device likes it (on GPUs one dispatch, but not while passes are timed).
-  std::optional<std::uint32_t> one_dispatch_groups{};
 };
 
 /// What the last frame looked at.
@@ -37,7 +33,6 @@ struct FrameStats {
   std::size_t active_balls{0};   ///< bone balls within reach of the tool
   std::size_t active_points{0};  ///< mass points within reach of its cutting balls
   bool lists_made{false};        ///< whether these lists were made anew
-  bool one_dispatch{false};      ///< whether the frame was a single dispatch
 };
 
 /// Device time of one pass of the last frame.

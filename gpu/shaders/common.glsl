@@ -15,16 +15,9 @@ layout(constant_id = 3) const uint kLanes = 64;
 layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
 layout(constant_id = 4) const bool kSplit = false;      // large balls are split
 
-#ifdef ONE_DISPATCH
-// what one workgroup writes and another reads: see Meet
-#extension GL_KHR_memory_scope_semantics : require
-#define SHARED_BY_GROUPS nonprivate
-#else
-#define SHARED_BY_GROUPS
-#endif
-layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS buffer FrameBuffer { Frame frame; };
-layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
-layout(scalar, binding = kBindFrame) SHARED_BY_GROUPS readonly buffer FrameHalfBuffer { uint frame_halves[]; };
+layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
+layout(scalar, binding = kBindFrame) readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
+layout(scalar, binding = kBindFrame) readonly buffer FrameHalfBuffer { uint frame_halves[]; };
 layout(scalar, binding = kBindReport) buffer ReportBuffer { uvec4 report_words[]; };
 layout(scalar, binding = kBindItems) readonly buffer ItemBuffer { Item items[]; };
 layout(scalar, binding = kBindToolRefs) readonly buffer ToolRefBuffer { uint tool_refs[]; };
@@ -85,20 +78,10 @@ bool IsVoid() {
   return (frame.lists_at_contact == 0u && far) || frame.too_many != 0u;
 }
 
-// A pass's rows are workgroups of their own; in one dispatch each workgroup takes all of them.
-const uint kAllRows = 16u;
-bool Takes(uint row, uint part) { return row == part || row == kAllRows; }
-
 // This invocation's share of a list: for (uint slot = ChunkBegin(); slot < ChunkEnd(count); slot += ChunkStep())
-#ifdef ONE_DISPATCH
-uint ChunkBegin() { return gl_GlobalInvocationID.x; }
-uint ChunkEnd(uint count) { return count; }
-uint ChunkStep() { return gl_NumWorkGroups.x * kLanes; }
-#else
 uint ChunkBegin() { return gl_WorkGroupID.x * frame.chunk * kLanes + gl_LocalInvocationID.x; }
 uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * frame.chunk * kLanes); }
 uint ChunkStep() { return kLanes; }
-#endif
 
 // Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
 vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }

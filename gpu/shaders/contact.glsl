@@ -12,7 +12,7 @@ void FindContact(uint row) {
     vec3 m = Goal(0) - start.xyz;
     dvec4 exact_start = ExactStart(0);
     dvec3 exact_m = ExactGoal(0) - exact_start.xyz;
-    uint slot = ChunkBegin(), end = Takes(row, 0u) ? ChunkEnd(frame.live_ball_count) : 0u;
+    uint slot = ChunkBegin(), end = row == 0u ? ChunkEnd(frame.live_ball_count) : 0u;
     while (slot < end) {
       vec4 ball;
       bool may = false, any = false;

@@ -43,9 +43,6 @@ OSTEON_CONST float kGapUnit = 1.0f / 33554432.0f;  // mm
 OSTEON_CONST uint kLargestSpanGap = (1u << (32u - kToolBits)) - 1u;
 OSTEON_CONST float kSpanGapUnit = 1.0f / 32768.0f;  // mm
 
-OSTEON_CONST uint kMeetings = 4;  // of all workgroups of a frame in one dispatch
-OSTEON_CONST uint kMostSpins = 20000;
-
 // A sum in fixed point: high * 2^16 + low, in units of 1/scale. Whole numbers add up to the same in any
 // order, so that a frame's result does not depend on scheduling.
 struct Sum {
@@ -177,19 +174,12 @@ struct Frame {
   // row 0: balls that cut (nothing with a single one); row 1: those that do not
   OSTEON_ARRAY(Sum, face_sums, 2 * kFaces * kFaceColumns);
   uint request_count;  // of balls that should be split; may be above the capacity
-
-  uint tool_rest;  // of the tool's texels, the first of what floats leave
-
-  // a frame in one dispatch: see frame.comp
-  Groups frame_work;
-  uint sequence;  // the report's
-  uint gave_up;   // 1: the workgroups were not all at work at once, nothing was changed
-  OSTEON_ARRAY(uint, arrived, kMeetings);
-  OSTEON_ARRAY(uint, gates, kMeetings);
+  uint tool_rest;      // of the tool's texels, the first of what floats leave
+  uint sequence;       // the report's
   OSTEON_ARRAY(uint, unused_pad, 2);
 };
 
-OSTEON_CONST uint kFrameBytes = 4704u;
+OSTEON_CONST uint kFrameBytes = 4656u;
 
 // What the host reads of a frame: its bytes, and then (with a sum over their words, so that it can't be half there) its number.
 struct Report {

@@ -191,7 +191,7 @@ void FindNearField(uint row) {
   if (kOneCutter) {
     vec4 only = AtContact(0, s);
     dvec4 exact_only = ExactAtContact(0, exact_s);
-    uint slot = ChunkBegin(), end = Takes(row, 0u) && go ? ChunkEnd(frame.live_ball_count) : 0u;
+    uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
     while (slot < end) {
       Parts parts = kNoParts;
       for (uint summands = 0u; summands < kMostSummands && slot < end; ++summands) {

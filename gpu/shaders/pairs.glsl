@@ -20,7 +20,7 @@ uint WordGap(float gap_mm) {
 const uint kCutting = 0u, kShaft = 1u, kPoint = 2u;
 // Of the first two those that a workgroup takes, of which `shaft_row` are the second's.
 uint FirstList(uint row, uint shaft_row) { return kOneCutter || row == shaft_row ? kShaft : kCutting; }
-uint LastList(uint row, uint shaft_row) { return Takes(row, shaft_row) ? kShaft : kCutting; }
+uint LastList(uint row, uint shaft_row) { return row == shaft_row ? kShaft : kCutting; }
 
 // An invocation's way through the pairs of its share of a list.
 struct Walk {

@@ -195,7 +195,7 @@ void RemoveAndClear(uint row) {
   way.slid_by = ChosenSlide();
   Advance advance = AdvanceOfFrame(way.at_contact, way.slid_by);
   way.step_mm = advance.step_mm;
-  if (Takes(row, 0u) && gl_WorkGroupID.x == 0u && gl_LocalInvocationID.x == 0u) {
+  if (row == 0u && gl_WorkGroupID.x == 0u && gl_LocalInvocationID.x == 0u) {
     frame.exact.advance = advance.advance_mm;
     frame.exact.edge_work = advance.edge_work_Nmm;
     frame.exact.step = advance.step_mm;
@@ -212,7 +212,7 @@ void RemoveAndClear(uint row) {
   Pieces only = PiecesOf(way, 0u);
   RoughPieces rough = RoughPiecesOf(way, 0u);
 
-  uint slot = ChunkBegin(), end = Takes(row, 0u) && go ? ChunkEnd(frame.live_ball_count) : 0u;
+  uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
   if (kOneCutter) {
     while (slot < end) {
       vec4 ball;
@@ -233,12 +233,12 @@ void RemoveAndClear(uint row) {
       Keep(way, slot, ball, Shrink(way, slot, ball));
     }
   } else {
-    RemovePairs(way, Takes(row, 0u) && go);
+    RemovePairs(way, row == 0u && go);
   }
 
   if (kOneCutter) {
     slot = ChunkBegin();
-    end = Takes(row, 1u) && go ? ChunkEnd(frame.live_point_count) : 0u;
+    end = row == 1u && go ? ChunkEnd(frame.live_point_count) : 0u;
     while (slot < end) {
       vec4 point;
       uint own = slot;
@@ -254,7 +254,7 @@ void RemoveAndClear(uint row) {
     }
     return;
   }
-  Walk walk = BeginWalk(kPoint, 1u, Takes(row, 1u) && go);
+  Walk walk = BeginWalk(kPoint, 1u, row == 1u && go);
   for (bool more = true; more;) {
     vec4 point;
     bool touched = false;

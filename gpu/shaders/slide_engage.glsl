@@ -60,7 +60,7 @@ void SlideAndEngage(uint row) {
   met.s = met.straight = 2.0lf;
   met.first = met.first_straight = 2.0;
   if (kOneCutter) {
-    uint slot = ChunkBegin(), end = Takes(row, 0u) && go ? ChunkEnd(frame.live_ball_count) : 0u;
+    uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
     vec3 goal = Goal(0);
     dvec3 exact_goal = ExactGoal(0);
     while (slot < end) {
@@ -103,7 +103,7 @@ void SlideAndEngage(uint row) {
   dvec3 n = frame.exact.n, axis = frame.exact.axis, start = frame.exact.start,
         origin = start + exact_s * (frame.exact.goal - start);
   float layer = frame.layer_mm;
-  uint slot = ChunkBegin(), end = Takes(row, 1u) && go && frame.delta.w > 0.0 ? ChunkEnd(frame.live_point_count) : 0u;
+  uint slot = ChunkBegin(), end = row == 1u && go && frame.delta.w > 0.0 ? ChunkEnd(frame.live_point_count) : 0u;
   // whole numbers below 2^53: their sums are exact
   dvec2 sum_0 = dvec2(0.0lf), sum_1 = sum_0, sum_2 = sum_0, sum_3 = sum_0, sum_4 = sum_0, sum_5 = sum_0, sum_6 = sum_0,
         sum_7 = sum_0;
@@ -158,7 +158,7 @@ void SlideAndEngage(uint row) {
     GATHER_MATERIAL(0) GATHER_MATERIAL(1) GATHER_MATERIAL(2) GATHER_MATERIAL(3)
     GATHER_MATERIAL(4) GATHER_MATERIAL(5) GATHER_MATERIAL(6) GATHER_MATERIAL(7)
   }
-  if (!Takes(row, 1u)) return;
+  if (row != 1u) return;
   FLUSH_MATERIAL(0) FLUSH_MATERIAL(1) FLUSH_MATERIAL(2) FLUSH_MATERIAL(3)
   FLUSH_MATERIAL(4) FLUSH_MATERIAL(5) FLUSH_MATERIAL(6) FLUSH_MATERIAL(7)
 }

@@ -3,7 +3,6 @@
 // so that the executable travels to a machine with a GPU; `osteon bench frame` times the same workload.
 //
 //     osteon_frame_bench [FRAMES] [--device NAME] [--spheres N] [--uniform] [--tool-spheres M] [--brute]
-//     [--pass-by-pass]
 //                        [--scene CELL.yaml --motion FILE.csv] [--rate HZ]
 //
 // Prints a CSV header and one row; times are wall time around CuttingEngine::Step, and the device's own by
@@ -28,7 +27,7 @@ struct Options {
   std::string device, scene, motion;
   double rate_hz{1000.0};
   std::size_t spheres{0}, tool_spheres{1};
-  bool uniform{false}, brute{false}, pass_by_pass{false};
+  bool uniform{false}, brute{false};
 };
 
 template <typename T>
@@ -41,10 +40,8 @@ bool Read(const std::string& text, T& value, T least, T most) {
 std::string ReadOptions(const std::vector<std::string>& words, Options& options) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (word == "--uniform" || word == "--brute" || word == "--pass-by-pass") {
-      (word == "--brute"     ? options.brute
-       : word == "--uniform" ? options.uniform
-                             : options.pass_by_pass) = true;
+    if (word == "--uniform" || word == "--brute") {
+      (word == "--brute" ? options.brute : options.uniform) = true;
       continue;
     }
     const bool option = word.starts_with("--");
@@ -99,7 +96,6 @@ int Run(const Options& options) {
     vulkan.device = options.device;
     vulkan.time_passes = time_passes;
     vulkan.brute_force = brute;
-    if (options.pass_by_pass) vulkan.one_dispatch_groups = 0;
     auto engine = gpu::VulkanEngine::Create(work.bone, work.tool, Pose::Identity(), work.cutting, vulkan);
     if (!engine) throw std::runtime_error(engine.error());
     return std::move(*engine);
@@ -156,7 +152,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr,
                  "osteon_frame_bench: %s\nusage: osteon_frame_bench [FRAMES, at least 2] [--device NAME] "
                  "[--spheres N, 100 … 20000000] [--uniform]\n           [--tool-spheres M, 1 … 10000] "
-                 "[--brute] [--pass-by-pass] "
+                 "[--brute] "
                  "[--scene CELL.yaml --motion FILE.csv] [--rate HZ, 10 … 10000]\n",
                  wrong.c_str());
     return 2;

@@ -200,10 +200,9 @@ TEST(VulkanEngine, CullingGivesTheSameBitsAsBruteForce) {
     const simulation::Tool tool = balls == 1 ? Ball(6e-3) : Shell(balls);
     simulation::Bone bone = Strip(150);
     for (simulation::MassPoint& point : bone.points) point.p_m.z = -0.1e-3;
-    VulkanParams listed, every_pair;
-    listed.one_dispatch_groups = 0;  // brute force runs pass by pass
+    VulkanParams every_pair;
     every_pair.brute_force = true;
-    const auto culled = Open(bone, tool, listed), brute = Open(bone, tool, every_pair);
+    const auto culled = Open(bone, tool), brute = Open(bone, tool, every_pair);
     for (int i = 0; i < 150; ++i) {
       const simulation::FrameInput input{.X_WT = Stroke(i), .spindle_rad_per_s = kSpindle_rad_per_s};
       const ContactModel a = culled->Step(input), b = brute->Step(input);
@@ -216,38 +215,6 @@ TEST(VulkanEngine, CullingGivesTheSameBitsAsBruteForce) {
     EXPECT_LT(culled->LastFrameStats().active_balls, brute->LastFrameStats().active_balls);
     EXPECT_EQ(brute->LastFrameStats().active_balls, 150u);
   }
-}
-
-// One workgroup meets nobody; many are not all at work at once on a processor, so that the gate is shut and
-// the frame runs again, pass by pass. Neither may change a bit.
-TEST(VulkanEngine, OneDispatchGivesTheSameBitsAsPassByPass) {
-  const simulation::Bone bone = DefaultBone();
-  const simulation::Tool tool = DefaultReamer();
-  VulkanParams passes, alone, crowd;
-  passes.one_dispatch_groups = 0;
-  alone.one_dispatch_groups = 1;
-  crowd.one_dispatch_groups = 64;
-  const auto by_pass = Open(bone, tool, passes), by_one = Open(bone, tool, alone),
-             by_many = Open(bone, tool, crowd);
-  Hand hand;
-  Vector3 f_W = Vector3::Zero();
-  int in_one = 0;
-  for (int i = 0; i < 60; ++i) {
-    const simulation::FrameInput input = hand.Next(f_W);
-    const ContactModel a = by_pass->Step(input), b = by_one->Step(input), c = by_many->Step(input);
-    f_W = a.F_T_W.f;
-    for (const ContactModel* other : {&b, &c}) {
-      ASSERT_EQ(std::memcmp(&a.X_WP, &other->X_WP, sizeof(a.X_WP)), 0) << i;
-      ASSERT_EQ(Vector3(a.F_T_W.f), Vector3(other->F_T_W.f)) << i;
-      ASSERT_EQ(a.removed_volume_m3, other->removed_volume_m3) << i;
-    }
-    in_one += by_one->LastFrameStats().one_dispatch ? 1 : 0;
-    EXPECT_FALSE(by_pass->LastFrameStats().one_dispatch);
-  }
-  EXPECT_GT(in_one, 30) << "most frames need no new lists";
-  EXPECT_GT(f_W.norm(), 10.0) << "in contact";
-  EXPECT_EQ(HashState(by_pass->Snapshot()), HashState(by_one->Snapshot()));
-  EXPECT_EQ(HashState(by_pass->Snapshot()), HashState(by_many->Snapshot()));
 }
 
 TEST(VulkanEngine, CutsLikeTheReferenceWithAToolOfThousandsOfBalls) {
