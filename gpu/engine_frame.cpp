@@ -1,6 +1,7 @@
 #include "gpu/engine_impl.h"
 
 #include <bit>
+#include <cmath>
 #include <limits>
 
 namespace osteon::gpu {
@@ -83,7 +84,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
 // Entries of a list that one invocation looks at, each with as many tool balls at most: one on a GPU. A
 // processor does what all of a workgroup's lanes share once for each workgroup: few, long ones, but some for
 // each core. And llvmpipe ends all loops of an invocation after 65 535 turns together, of which no pass takes
-// more than twelve a pair.
+// more than thirty a pair.
 uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t span) const {
   constexpr std::size_t kMostPairs = 2'000, kMostEntries = 4096, kWorkgroups = 4;
   const std::size_t lanes = program->lanes();
@@ -143,14 +144,24 @@ void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSol
 
 // How far the tool's balls are from where the lists were made.
 void VulkanEngine::Impl::MeasureDrift(Frame& f) const {
-  f.cutting_drift_start_mm = f.cutting_drift_goal_mm = f.shaft_drift_start_mm = f.shaft_drift_goal_mm = 0.0f;
-  for (std::size_t t = 0; t < start_m.size(); ++t) {
-    const bool cuts = t < tool.cutter_count;
-    float& at_start = cuts ? f.cutting_drift_start_mm : f.shaft_drift_start_mm;
-    float& at_goal = cuts ? f.cutting_drift_goal_mm : f.shaft_drift_goal_mm;
-    at_start = std::max(at_start, static_cast<float>(kMillimetres * (start_m[t] - lists.built_m[t]).norm()));
-    at_goal = std::max(at_goal, static_cast<float>(kMillimetres * (goal_m[t] - lists.built_m[t]).norm()));
-  }
+  f.cutting_drift_start_mm = FarthestFrom(lists.built_m, start_m, true);
+  f.cutting_drift_goal_mm = FarthestFrom(lists.built_m, goal_m, true);
+  f.shaft_drift_start_mm = FarthestFrom(lists.built_m, start_m, false);
+  f.shaft_drift_goal_mm = FarthestFrom(lists.built_m, goal_m, false);
+  f.cutting_words_start_mm = FarthestFrom(lists.words_m, start_m, true);
+  f.cutting_words_goal_mm = FarthestFrom(lists.words_m, goal_m, true);
+  f.shaft_words_start_mm = FarthestFrom(lists.words_m, start_m, false);
+  f.shaft_words_goal_mm = FarthestFrom(lists.words_m, goal_m, false);
+}
+
+// Of the tool's balls of a kind, the way of the one that is farthest from where it was [mm].
+float VulkanEngine::Impl::FarthestFrom(const std::vector<Vector3>& was_m, const std::vector<Vector3>& is_m,
+                                       bool cuts) const {
+  double most = 0.0;
+  for (std::size_t t = cuts ? 0 : tool.cutter_count, end = cuts ? tool.cutter_count : is_m.size(); t < end;
+       ++t)
+    most = std::max(most, (is_m[t] - was_m[t]).squaredNorm());
+  return static_cast<float>(kMillimetres * std::sqrt(most));
 }
 
 // The clusters that the tool can meet, with its reach, on its way or where it stands.
@@ -207,7 +218,14 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
 bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   Frame f = prepared;
   f.lists_at_contact = mode == FrameMode::kListsAtContact ? 1 : 0;
-  if (mode == FrameMode::kLists) {
+  if (mode == FrameMode::kLists && program->lanes() != kGroupSize && !brute_force && tool.cutter_count > 1 &&
+      f.cutting_words_start_mm > kWordDrift_mm) {
+    mode = FrameMode::kListsRefreshed;
+    lists.words_m = start_m;
+    MeasureDrift(f);
+  }
+  const bool keeps = mode == FrameMode::kLists || mode == FrameMode::kListsRefreshed;
+  if (keeps) {
     const std::size_t pairs = std::max(lists.balls, lists.shaft),
                       all = std::max<std::size_t>(pairs, lists.points);
     f.chunk = Chunk(all, lists.longest_span);
@@ -227,7 +245,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     f.all_work = {.x = 0, .y = 3, .z = 1};
     f.clear_work = {.x = 0, .y = 2, .z = 1};
     f.span_count = static_cast<uint>(WholeSpans());
-    lists.built_m = start_m;
+    lists.built_m = lists.words_m = start_m;
     if (!brute_force) MeasureDrift(f);
   }
   std::memcpy(&program->frame(), &f, sizeof(Frame));
@@ -238,8 +256,8 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   const Frame& done = program->result();
   stats = {.active_balls = done.live_ball_count,
            .active_points = done.live_point_count,
-           .lists_made = mode != FrameMode::kLists};
-  if (mode == FrameMode::kLists) return true;
+           .lists_made = !keeps};
+  if (keeps) return true;
   if (pool) pool->Uploaded();
   lists.made = done.too_many == 0;
   lists.ball_reach_mm = done.ball_reach_mm;
@@ -252,7 +270,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   if (mode == FrameMode::kListsAtProxy) return true;
   const double s = std::min(1.0, std::bit_cast<double>(done.contact_key));
   for (std::size_t t = 0; t < start_m.size(); ++t)
-    lists.built_m[t] = start_m[t] + s * (goal_m[t] - start_m[t]);
+    lists.built_m[t] = lists.words_m[t] = start_m[t] + s * (goal_m[t] - start_m[t]);
   return true;
 }
 

@@ -41,6 +41,8 @@ inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
 inline constexpr double kFiner = 262144.0;  // of the engaged area's units: exact.glsl
 // How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
 // are mostly far from bone, so a wide margin costs nothing.
+// A software driver makes their words anew beyond this drift; a GPU has no use for that.
+inline constexpr float kWordDrift_mm = 0.03f;
 inline constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 0.6e-3;
 // Room for what the tool can meet: entries of a list, tool balls of all entries, tool balls of all clusters.
 inline constexpr std::size_t kMostLive = 4'000'000, kSpans = 4'000'000, kToolRefs = 1'000'000;
@@ -123,6 +125,7 @@ struct VulkanEngine::Impl {
     float ball_reach_mm{0.0f}, point_reach_mm{0.0f};
     uint balls{0}, points{0}, shaft{0}, spans{0}, longest_span{1};
     std::vector<Vector3> built_m;  // the tool's balls where they were made
+    std::vector<Vector3> words_m;  // and where their words were
   } lists;
   bool was_free{true};                        // the last frame met nothing
   Pose X_GT;                                  // the tool's, this frame
@@ -148,6 +151,8 @@ struct VulkanEngine::Impl {
     return {program->host<Block>(kBindBlocks), pool->block_count()};
   }
   void MeasureDrift(Frame& f) const;
+  [[nodiscard]] float FarthestFrom(const std::vector<Vector3>& was_m, const std::vector<Vector3>& is_m,
+                                   bool cuts) const;
   [[nodiscard]] uint Chunk(std::size_t entries, std::size_t span) const;
   [[nodiscard]] Groups Work(std::size_t entries, uint chunk, uint rows) const;
   void SetFlush(Frame& f) const;

@@ -39,6 +39,7 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   ball_items.reserve(sizes.ball_clusters);
   point_items.reserve(sizes.point_clusters);
   lists.built_m.resize(tool.balls.size());
+  lists.words_m.resize(tool.balls.size());
   return "";
 }
 

@@ -13,6 +13,7 @@
 #include "gpu/spirv/path_contact.h"
 #include "gpu/spirv/pick_balls.h"
 #include "gpu/spirv/pick_points.h"
+#include "gpu/spirv/refresh.h"
 #include "gpu/spirv/remove_clear.h"
 #include "gpu/spirv/report.h"
 #include "gpu/spirv/slide_engage.h"
@@ -214,6 +215,8 @@ void FrameProgram::MakePipelines() {
     return run_passes_[static_cast<std::size_t>(mode)];
   };
   run(FrameMode::kLists) = in_turn({{contact}, rest});
+  run(FrameMode::kListsRefreshed) =
+      in_turn({{add("refresh", kSpirv_refresh, constants, all, Then::kReads)}, {contact}, rest});
   run(FrameMode::kListsAtProxy) = in_turn({before, pick, {contact}, rest});
   run(FrameMode::kListsAtContact) = in_turn({before, {path}, pick, rest});
   run(FrameMode::kFlush) = before;

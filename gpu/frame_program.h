@@ -24,6 +24,7 @@ struct ProgramSizes {
 
 enum class FrameMode : std::size_t {
   kLists,           ///< with the lists of an earlier frame
+  kListsRefreshed,  ///< the same, the lists' words made anew where the frame begins
   kListsAtProxy,    ///< with lists made where the frame begins
   kListsAtContact,  ///< with lists made at first contact, found on the whole way
   kFlush,           ///< no frame: the lists' balls go back to where they are read from
@@ -103,7 +104,7 @@ class FrameProgram {
   vk::raii::DescriptorSets sets_{nullptr};
   vk::raii::CommandPool command_pool_{nullptr};
   std::vector<Pass> passes_;
-  std::array<std::vector<std::size_t>, 4> run_passes_;  // by mode
+  std::array<std::vector<std::size_t>, 5> run_passes_;  // by mode
   std::vector<vk::raii::CommandBuffer> commands_;
   FrameMode last_mode_{FrameMode::kLists};
   vk::raii::Fence fence_{nullptr};

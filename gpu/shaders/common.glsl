@@ -88,6 +88,10 @@ vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }
 vec3 Goal(uint t) { return texelFetch(tool_texels, int(2u * t + 1u)).xyz; }
 uvec4 SpanWords(uint k) { return texelFetch(span_texels, int(k / 4u)); }  // those from k on, a multiple of 4
 uint SpanWord(uint k) { return SpanWords(k)[k % 4u]; }
+// The gap of a ball and a tool ball, as a word has it: rounded down.
+uint GapOfWord(vec4 ball, vec4 at) {
+  return uint(clamp((distance(ball.xyz, at.xyz) - at.w - ball.w) / kSpanGapUnit, 0.0, float(kLargestSpanGap)));
+}
 uint ToolOf(uint word) { return word & ((1u << kToolBits) - 1u); }
 vec4 AtContact(uint t, float s) {
   vec4 start = Start(t);

@@ -140,6 +140,8 @@ struct Frame {
   float point_reach_mm;
   // how far the tool ball that moved most is from where it was when the lists were made
   float cutting_drift_start_mm, cutting_drift_goal_mm, shaft_drift_start_mm, shaft_drift_goal_mm;
+  // the same, from where their words were made: see refresh.comp
+  float cutting_words_start_mm, cutting_words_goal_mm, shaft_words_start_mm, shaft_words_goal_mm;
   float path_mm;          // of the tool point that moves farthest, from the proxy to the tool's pose
   uint chunk;             // list entries that one invocation looks at
   uint lists_at_contact;  // 1: the lists are made in this frame, where first contact is
@@ -179,7 +181,7 @@ struct Frame {
   OSTEON_ARRAY(uint, unused_pad, 2);
 };
 
-OSTEON_CONST uint kFrameBytes = 4656u;
+OSTEON_CONST uint kFrameBytes = 4672u;
 
 // What the host reads of a frame: its bytes, and then (with a sum over their words, so that it can't be half there) its number.
 struct Report {

@@ -1,13 +1,13 @@
 #ifndef OSTEON_PAIRS
 #define OSTEON_PAIRS
-// Pairs of a ball and a tool ball in the lists. A span's words tell how far each pair was apart where the lists were made; the
+// Pairs of a ball and a tool ball in the lists. A span's words tell how far each pair was apart where the words were made; the
 // tool has moved by no more than the drift since, and bone only shrinks: pairs too far are passed over without a look at them.
 
-// How far a tool ball of the kind is, at fraction s of the frame's way, from where the lists were made.
+// How far a tool ball of the kind is, at fraction s of the frame's way, from where the words were made.
 float Drift(bool cutting, float s) {
   if (frame.lists_at_contact != 0u) return 0.0;  // only what comes after first contact asks
-  return cutting ? mix(frame.cutting_drift_start_mm, frame.cutting_drift_goal_mm, s)
-                 : mix(frame.shaft_drift_start_mm, frame.shaft_drift_goal_mm, s);
+  return cutting ? mix(frame.cutting_words_start_mm, frame.cutting_words_goal_mm, s)
+                 : mix(frame.shaft_words_start_mm, frame.shaft_words_goal_mm, s);
 }
 
 // The largest gap in a word of a pair that may now be nearer than `gap_mm`.

@@ -42,7 +42,7 @@ Span FindSpan(uint first, uint end, vec3 p, float r, float reach, float s, bool 
     float far = ball.w + r + reach;
     vec3 away = p - ball.xyz;
     if (dot(away, away) > far * far) continue;
-    uint gap = uint(clamp((length(away) - ball.w - r) / kSpanGapUnit, 0.0, float(kLargestSpanGap)));
+    uint gap = GapOfWord(vec4(p, r), ball);
     span.least = min(span.least, gap);
     spans[place++] = gap << kToolBits | t;
   }

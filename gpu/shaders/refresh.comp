@@ -1,0 +1,26 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The gaps in the lists' words, measured anew where the frame begins: the more the tool has drifted since, the more pairs must be
+// looked at that are too far. Row 0: live balls and the balls that cut; row 1: points; row 2: pairs with those that do not.
+#include "common.glsl"
+#include "pairs.glsl"
+
+void main() {
+  uint row = gl_WorkGroupID.y, list = row == 0u ? kCutting : row == 1u ? kPoint : kShaft;
+  uint count = row == 0u ? frame.live_ball_count : row == 1u ? frame.live_point_count : frame.shaft_count;
+  uint end = ChunkEnd(count);
+  for (uint i = ChunkBegin(); i < end; i += ChunkStep()) {
+    uvec4 entry = Entry(list, i);
+    vec4 ball = list == kPoint ? vec4(LivePoint(i).xyz, 0.0) : LiveBall(list == kShaft ? entry.x : i);
+    uint least = kLargestSpanGap, last = entry.y + entry.z;
+    uvec4 words = uvec4(0u);
+    for (uint k = entry.y; k < last; ++k) {
+      words = k % 4u == 0u ? SpanWords(k) : words.yzwx;
+      uint t = ToolOf(words.x), gap = GapOfWord(ball, Start(t));
+      least = min(least, gap);
+      spans[k] = gap << kToolBits | t;
+    }
+    if (list == kCutting) live_entries[i].more = least;
+    if (list == kShaft) shaft_pairs[i].least = least;
+  }
+}
