@@ -254,9 +254,8 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
                                               : kFrameTimeout_ns))
     return false;
   const Frame& done = program->result();
-  stats = {.active_balls = done.live_ball_count,
-           .active_points = done.live_point_count,
-           .lists_made = !keeps};
+  stats = {
+      .active_balls = done.live_ball_count, .active_points = done.live_point_count, .lists_made = !keeps};
   if (keeps) return true;
   if (pool) pool->Uploaded();
   lists.made = done.too_many == 0;

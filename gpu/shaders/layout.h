@@ -64,7 +64,8 @@ struct Exact {
   dvec3 delta, shift;  // to the constrained target; straight, from first contact
   dvec3 n;             // direction of the cutting contacts' resultant
   double cutting;      // length of their share of delta
-  // with the turn and straight: the fraction that is allowed, the whole way of the tool point that moves farthest
+  // with the turn and straight: the fraction that is allowed, the whole way of the tool point that moves
+  // farthest
   double slide_limit, straight_limit, way, straight_way;
   double slid_share, advance, edge_work;  // of the slide that was done; of the frame
   OSTEON_ARRAY(dvec3, hold_n, 4);         // of what holds the tool, and how much
@@ -73,7 +74,8 @@ struct Exact {
   // area and moment by material, in units of 1 / (area_scale kFiner) and 1 / (moment_scale kFiner)
   OSTEON_ARRAY(int64_t, engaged, 2 * kMaxMaterials);
   OSTEON_ARRAY(uint64_t, removed, kMaxMaterials);  // cleared volume in units of the bone's
-  // weight and weight n of each face, in units of 1 / (face_scale kFiner); row 0: balls that cut; row 1: those that do not
+  // weight and weight n of each face, in units of 1 / (face_scale kFiner); row 0: balls that cut; row 1:
+  // those that do not
   OSTEON_ARRAY(int64_t, face_sums, 2 * kFaces * 4);
 };
 
@@ -94,8 +96,8 @@ struct Candidate {
 // One frame: what the host writes, then what the passes find.
 struct Frame {
   OSTEON_ARRAY(uint64_t, bin_keys, kBins);  // found; all ones where there is no pair
-  // found: fractions of first contact, and of the slide's with the turn and straight. Bits of doubles: those of one
-  // sign order like the doubles
+  // found: fractions of first contact, and of the slide's with the turn and straight. Bits of doubles: those
+  // of one sign order like the doubles
   uint64_t contact_key, slide_key, straight_key;
   Exact exact;
 
@@ -159,8 +161,8 @@ struct Frame {
   Groups clear_work;  // live balls, live points
   uint live_ball_count, live_point_count, shaft_count, span_count;
   uint longest_span;  // tool balls of an entry
-  uint too_many;  // balls or points beyond live_capacity: the frame is void
-  uint is_void;   // nothing was changed: see IsVoid
+  uint too_many;      // balls or points beyond live_capacity: the frame is void
+  uint is_void;       // nothing was changed: see IsVoid
 
   // found
   uint turns;        // which slide was done
@@ -170,7 +172,7 @@ struct Frame {
   vec4 shift_mm;     // straight, from first contact to the target
   uint candidate_count;
   uint shaft_candidate, shaft_end;  // those of balls that do not cut; then the remembered ones
-  uint hold_count;       // candidates that hold the tool, and how much
+  uint hold_count;                  // candidates that hold the tool, and how much
   OSTEON_ARRAY(uint, hold_candidate, 4);
   OSTEON_ARRAY(Candidate, candidates, kCandidates);
   // row 0: balls that cut (nothing with a single one); row 1: those that do not
@@ -183,7 +185,8 @@ struct Frame {
 
 OSTEON_CONST uint kFrameBytes = 4672u;
 
-// What the host reads of a frame: its bytes, and then (with a sum over their words, so that it can't be half there) its number.
+// What the host reads of a frame: its bytes, and then (with a sum over their words, so that it can't be half
+// there) its number.
 struct Report {
   Frame frame;
   uint sum, sequence;
@@ -208,14 +211,15 @@ struct Block {
   uint waits;      // 1: none was made yet
 };
 
-// A cluster of 64 balls or points, and the tool balls that can meet it: tool_refs[first …] in rising order, so that
-// those that cut come first.
+// A cluster of 64 balls or points, and the tool balls that can meet it: tool_refs[first …] in rising order,
+// so that those that cut come first.
 struct Item {
   uint cluster;
   uint first, cutters, count;
 };
 
-// A ball or point within reach, and the cutting tool balls that can meet it: words spans[first …], in rising order.
+// A ball or point within reach, and the cutting tool balls that can meet it: words spans[first …], in rising
+// order.
 struct Live {
   uint index;
   uint first, count;
@@ -233,7 +237,7 @@ struct ShaftPair {
 OSTEON_CONST uint kBindFrame = 0;
 // a tool ball's centre at the proxy (w: radius) and at the tool's pose; then what floats leave of these
 OSTEON_CONST uint kBindTool = 1;
-OSTEON_CONST uint kBindItems = 2;  // clusters of balls, then (from ball cluster count on) of points
+OSTEON_CONST uint kBindItems = 2;     // clusters of balls, then (from ball cluster count on) of points
 OSTEON_CONST uint kBindToolRefs = 3;  // 0 … tool_count - 1 first
 OSTEON_CONST uint kBindReport = 4;
 OSTEON_CONST uint kBindBalls = 5;        // centre, radius; radius 0: gone
