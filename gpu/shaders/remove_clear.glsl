@@ -3,8 +3,8 @@
 // (row 1), each once and booked in whole units of volume: the result does not depend on scheduling. The list's copies are the
 // balls from here on, until flush.comp writes them back.
 //
-// Software drivers skip no branch: what few balls and points need stands behind the loop over them, which all lanes leave as soon
-// as one of them needs it.
+// Software drivers skip no branch: what few balls and points need stands behind the loop over them, which each lane leaves at one
+// that needs it.
 #include "pairs.glsl"
 #include "rate_law.glsl"
 
@@ -217,12 +217,11 @@ void RemoveAndClear(uint row) {
     while (slot < end) {
       vec4 ball;
       uint own = slot;
-      bool touched = false, any = false;
-      while (slot < end && !any) {
+      bool touched = false;
+      while (slot < end && !touched) {
         own = slot;
         ball = LiveBall(slot);
         touched = ball.w > 0.0 && MayTouch(way, rough, ball.xyz, ball.w);
-        any = subgroupAny(touched);
         slot += ChunkStep();
       }
       if (touched) Keep(way, own, ball, InFloats(Shrunk(Exactly(ball), only)));
@@ -242,12 +241,11 @@ void RemoveAndClear(uint row) {
     while (slot < end) {
       vec4 point;
       uint own = slot;
-      bool touched = false, any = false;
-      while (slot < end && !any) {
+      bool touched = false;
+      while (slot < end && !touched) {
         own = slot;
         point = LivePoint(slot);
         touched = point.w > 0.0 && MayTouch(way, rough, point.xyz, 0.0);
-        any = subgroupAny(touched);
         slot += ChunkStep();
       }
       if (touched && Inside(only, dvec3(point.xyz))) Clear(own, point);
