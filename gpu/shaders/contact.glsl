@@ -29,7 +29,7 @@ void FindContact(uint row) {
   }
   for (uint list = FirstList(row, 1u); list <= LastList(row, 1u); ++list) {
     float drift = Drift(list == kCutting, 0.0), path = frame.path_mm;
-    Walk walk = BeginWalk(list, 1u, true);
+    Walk walk = BeginWalk(list, true);
     for (bool more = true; more;) {
       vec4 ball;
       bool may = false;

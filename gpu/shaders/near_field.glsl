@@ -215,7 +215,7 @@ void FindNearField(uint row) {
   }
   for (uint list = FirstList(row, 1u); list <= LastList(row, 1u); ++list) {
     uint farthest = WordGap(Drift(list == kCutting, s) + near.enlargement);
-    Walk walk = BeginWalk(list, 1u, go);
+    Walk walk = BeginWalk(list, go);
     for (bool more = true; more;) {
       Parts parts = kNoParts;
       for (uint summands = 0u; summands < kMostSummands && more; ++summands) {

@@ -27,16 +27,14 @@ struct Walk {
   uint list;
   uint next, end;  // entries not looked at yet
   uint slot;       // where the ball or point lies that it is at
-  uint first, k, last;  // its words; those from k on were not looked at yet
-  uint turn, turns;     // how often it goes through the words of an entry, one after the other
+  uint k, last;         // its words that were not looked at yet
   uvec4 words;     // those before k
   uint left;       // which of these are still to come
   uint word;       // of the pair it is at
 };
-Walk BeginWalk(uint list, uint turns, bool any) {
+Walk BeginWalk(uint list, bool any) {
   uint count = list == kCutting ? frame.live_ball_count : list == kShaft ? frame.shaft_count : frame.live_point_count;
-  return Walk(list, ChunkBegin(), any ? ChunkEnd(count) : 0u, 0u, 0u, 0u, 0u, turns, turns,
-              uvec4(0u), 0u, 0u);
+  return Walk(list, ChunkBegin(), any ? ChunkEnd(count) : 0u, 0u, 0u, 0u, uvec4(0u), 0u, 0u);
 }
 uvec4 Entry(uint list, uint i) {
   if (list == kPoint) return texelFetch(point_entry_texels, int(i));
@@ -46,15 +44,11 @@ uvec4 Entry(uint list, uint i) {
 // On to the next pair whose word tells a gap of `farthest` at most; false at the end. One turn of the loop is an entry or four
 // words: software drivers go on until all lanes have found one, and what is then done with the pairs is done for all at once.
 bool NextPair(inout Walk walk, uint farthest) {
-  while (walk.left == 0u && (walk.k < walk.last || walk.turn + 1u < walk.turns || walk.next < walk.end)) {
-    bool again = walk.k >= walk.last && walk.turn + 1u < walk.turns;
-    walk.k = again ? walk.first : walk.k;
-    walk.turn += again ? 1u : 0u;
+  while (walk.left == 0u && (walk.k < walk.last || walk.next < walk.end)) {
     if (walk.k >= walk.last && walk.next < walk.end) {
       uvec4 entry = Entry(walk.list, walk.next);
       walk.slot = walk.list == kShaft ? entry.x : walk.next;
-      walk.first = walk.k = entry.y;
-      walk.turn = 0u;
+      walk.k = entry.y;
       walk.last = walk.list == kPoint || entry.w <= farthest ? entry.y + entry.z : entry.y;
       walk.next += ChunkStep();
     }

@@ -154,7 +154,7 @@ void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
 // The way of all cutting balls, over this invocation's balls: a ball's tool balls come in their order, one after the other.
 void RemovePairs(Way way, bool go) {
   const uint kNoSlot = 0xffffffffu;
-  Walk walk = BeginWalk(kCutting, 1u, go);
+  Walk walk = BeginWalk(kCutting, go);
   uint slot = kNoSlot;
   vec4 ball = vec4(0.0);
   dvec4 exact_ball = dvec4(0.0lf);
@@ -252,7 +252,7 @@ void RemoveAndClear(uint row) {
     }
     return;
   }
-  Walk walk = BeginWalk(kPoint, 1u, row == 1u && go);
+  Walk walk = BeginWalk(kPoint, row == 1u && go);
   for (bool more = true; more;) {
     vec4 point;
     bool touched = false;

@@ -1,7 +1,7 @@
-// Rows 0 (balls that cut) and 2 (those that do not), the slide: pass 1 again, from first contact to the constrained target. Pairs that overlap by less than the
-// tolerance may overlap up to it, or a tool would stick to every ball that stands out of a smooth wall. Row 1, engaged area:
-// volume of the mass points within a layer of the cutting surface over the layer's depth, projected on the plane normal to
-// the force (twin of ReferenceEngine::MeasureEngagement).
+// Rows 0 (balls that cut) and 2 (those that do not), the slide: pass 1 again, from first contact to the constrained target.
+// Pairs that overlap by less than the tolerance may overlap up to it, or a tool would stick to every ball that stands out of a
+// smooth wall. Row 1, engaged area: volume of the mass points within a layer of the cutting surface over the layer's depth,
+// projected on the plane normal to the force (twin of ReferenceEngine::MeasureEngagement).
 #include "first_contact.glsl"
 #include "pairs.glsl"
 
@@ -79,7 +79,7 @@ void SlideAndEngage(uint row) {
   float way = float(max(frame.exact.slide_limit * frame.exact.way, frame.exact.straight_limit * frame.exact.straight_way));
   for (uint list = FirstList(row, 2u); list <= LastList(row, 2u); ++list) {
     uint farthest = WordGap(Drift(list == kCutting, at_contact) + way);
-    Walk walk = BeginWalk(list, 1u, go && row != 1u);
+    Walk walk = BeginWalk(list, go && row != 1u);
     for (bool more = true; more;) {
       vec4 ball;
       bool may = false;
