@@ -70,7 +70,6 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
     f.face_n[i] = Unscaled(contact.face_n_G[i]);
     f.exact.face_n[i] = {contact.face_n_G[i].x, contact.face_n_G[i].y, contact.face_n_G[i].z};
   }
-  f.face_count = static_cast<uint>(contact.face_count);
   f.remembered_count = static_cast<uint>(contact.pair_count);
   f.held_count = static_cast<uint>(contact.held_count);
   for (std::size_t i = 0; i < f.remembered_count; ++i) {

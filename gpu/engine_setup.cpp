@@ -121,7 +121,6 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   still.tool_count = static_cast<uint>(tool.balls.size());
   still.cutter_count = static_cast<uint>(tool.cutter_count);
   still.ball_count = static_cast<uint>(AllBalls());
-  still.parent_count = static_cast<uint>(ball_count);
   still.first_child = pool ? static_cast<uint>(pool->FirstCluster() * kGroupSize) : 0;
   still.split_radius_mm = static_cast<float>(kMillimetres * params.split.least_radius_m);
   still.point_count = static_cast<uint>(point_count);

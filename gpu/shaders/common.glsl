@@ -78,10 +78,9 @@ bool IsVoid() {
   return (frame.lists_at_contact == 0u && far) || frame.too_many != 0u;
 }
 
-// This invocation's share of a list: for (uint slot = ChunkBegin(); slot < ChunkEnd(count); slot += ChunkStep())
+// This invocation's share of a list: for (uint slot = ChunkBegin(); slot < ChunkEnd(count); slot += kLanes)
 uint ChunkBegin() { return gl_WorkGroupID.x * frame.chunk * kLanes + gl_LocalInvocationID.x; }
 uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * frame.chunk * kLanes); }
-uint ChunkStep() { return kLanes; }
 
 // Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
 vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }

@@ -1,6 +1,57 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// Pass 1 over the lists of the frames before: while the tool stays near where they were made, first contact is with one of
+// them. Row 0: live balls and the balls that cut; row 1: pairs with those that do not.
 #include "common.glsl"
-#include "contact.glsl"
+#include "first_contact.glsl"
+#include "pairs.glsl"
 
-void main() { FindContact(gl_WorkGroupID.y); }
+void main() {
+  uint row = gl_WorkGroupID.y;
+  // what others have found already bounds the way that is of interest
+  double s = FromKey(frame.contact_key);
+  float first = AtLeast(s), rounding = frame.rounding_mm;
+  if (kOneCutter) {
+    vec4 start = Start(0);
+    vec3 m = Goal(0) - start.xyz;
+    dvec4 exact_start = ExactStart(0);
+    dvec3 exact_m = ExactGoal(0) - exact_start.xyz;
+    uint slot = ChunkBegin(), end = row == 0u ? ChunkEnd(frame.live_ball_count) : 0u;
+    while (slot < end) {
+      vec4 ball;
+      bool may = false, any = false;
+      while (slot < end && !any) {
+        ball = LiveBall(slot);
+        may = ball.w > 0.0 && EarliestContact(ball.xyz - start.xyz, m, start.w + ball.w, rounding) < first;
+        any = subgroupAny(may);
+        slot += kLanes;
+      }
+      double own = ExactFirstContact(dvec3(ball.xyz) - exact_start.xyz, exact_m, exact_start.w + double(ball.w));
+      s = may ? min(s, own) : s;
+      first = AtLeast(s);
+    }
+  }
+  for (uint list = FirstList(row, 1u); list <= LastList(row, 1u); ++list) {
+    float drift = Drift(list == kCutting, 0.0), path = frame.path_mm;
+    Walk walk = BeginWalk(list, true);
+    for (bool more = true; more;) {
+      vec4 ball;
+      bool may = false;
+      while (!may) {
+        more = NextPair(walk, WordGap(drift + first * path));
+        if (!more) break;
+        ball = LiveBall(walk.slot);
+        vec4 start = Start(ToolOf(walk.word));
+        vec3 m = Goal(ToolOf(walk.word)) - start.xyz;
+        may = ball.w > 0.0 && EarliestContact(ball.xyz - start.xyz, m, start.w + ball.w, rounding) < first;
+      }
+      if (!may) continue;
+      dvec4 start = ExactStart(ToolOf(walk.word));
+      dvec3 m = ExactGoal(ToolOf(walk.word)) - start.xyz;
+      s = min(s, ExactFirstContact(dvec3(ball.xyz) - start.xyz, m, start.w + double(ball.w)));
+      first = AtLeast(s);
+    }
+  }
+  s = subgroupMin(s);
+  if (subgroupElect() && s < 2.0lf) atomicMin(frame.contact_key, ToKey(s));
+}

@@ -1,5 +1,3 @@
-#ifndef OSTEON_FIRST_CONTACT
-#define OSTEON_FIRST_CONTACT
 // Pass 1, one pair (equation 3, corrected; twin of simulation/cutting_math.h FirstContactFraction), in floats: never later than
 // the contact is, by what `rounding` makes of the balls' places.
 float EarliestContact(vec3 D, vec3 m, float R, float rounding) {
@@ -11,4 +9,3 @@ float EarliestContact(vec3 D, vec3 m, float R, float rounding) {
   bool misses = Dm <= 0.0 || (discriminant < 0.0 && gap > 0.0) || s > 1.0;
   return misses ? 2.0 : s;
 }
-#endif

@@ -5,7 +5,7 @@
 
 void main() {
   uint end = ChunkEnd(frame.flush_count);
-  for (uint slot = ChunkBegin(); slot < end; slot += ChunkStep()) {
+  for (uint slot = ChunkBegin(); slot < end; slot += kLanes) {
     uint i = LiveEntry(slot).index;
     if (i < kBallsPerBuffer) balls[i] = live_balls[slot];
     else more_balls[i - kBallsPerBuffer] = live_balls[slot];

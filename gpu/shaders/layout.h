@@ -120,8 +120,7 @@ struct Frame {
   uint immediate;
   uint live_capacity;
   uint span_capacity;
-  uint parent_count;      // balls of the bone; those from first_child on are children
-  uint first_child;       // a block of kGroupSize slots after the other
+  uint first_child;       // balls from here on are children, a block of kGroupSize slots after the other
   float split_radius_mm;  // larger balls ask for a split; huge where none is split
   uint request_capacity;
 
@@ -132,7 +131,7 @@ struct Frame {
   OSTEON_ARRAY(vec4, face_n, kFaces);  // directions in which faces pressed, the frame before; zero: none
   OSTEON_ARRAY(uint, remembered_bone, kRemembered);
   OSTEON_ARRAY(uint, remembered_tool, kRemembered);
-  uint face_count, remembered_count, held_count;  // held: of the remembered, that held
+  uint remembered_count, held_count;  // held: of the remembered, that held
   uint turning;
   float friction;
   float spindle_rad_per_s;
@@ -167,7 +166,6 @@ struct Frame {
   // found
   uint turns;        // which slide was done
   vec4 delta;        // to the constrained target; w: length of the cutting contacts' share
-  vec4 n;            // direction of the cutting contacts' resultant
   vec4 friction_mm;  // its share of delta; w: the slack of the hold
   vec4 shift_mm;     // straight, from first contact to the target
   uint candidate_count;
@@ -180,10 +178,9 @@ struct Frame {
   uint request_count;  // of balls that should be split; may be above the capacity
   uint tool_rest;      // of the tool's texels, the first of what floats leave
   uint sequence;       // the report's
-  OSTEON_ARRAY(uint, unused_pad, 2);
 };
 
-OSTEON_CONST uint kFrameBytes = 4672u;
+OSTEON_CONST uint kFrameBytes = 4640u;
 
 // What the host reads of a frame: its bytes, and then (with a sum over their words, so that it can't be half
 // there) its number.

@@ -1,6 +1,247 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// Pass 2, first half (twin of ReferenceEngine::FindNearField): the nearest pair in each bin of direction, as the least of
+// whole-number keys, and lens-weighted sums (equation 4, corrected) around the normals of the faces that pressed the frame
+// before. Row 0: live balls and the balls that cut; row 1: pairs with those that do not.
+//
+// Software drivers skip no branch, so what few pairs need (a sum, a key) stands behind the loop over them, which all lanes leave
+// as soon as one of them has such a pair.
 #include "common.glsl"
-#include "near_field.glsl"
+#include "pairs.glsl"
 
-void main() { FindNearField(gl_WorkGroupID.y); }
+const double kPi = 3.14159265358979323846lf;
+const double kLargestLens = 0.5lf;       // mm^3, simulation::kLargestLensVolume
+const double kFaceCosine = 0.866lf;      // simulation::kFaceCosine
+const double kMiddleWorth_mm = 0.05lf;   // simulation::kMiddleWorth_m
+const float kDirectionRounding = 1e-5;   // of floats, in a cosine: so near to a bin's edge they do not tell the side
+
+// Twin of simulation::LensVolume, up to the largest that counts.
+double LensVolume(double r1, double r2, double d) {
+  double dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
+  double lens = kPi / 12.0lf * over * over * (d * d + 2.0lf * d * (r1 + r2) - 3.0lf * dr * dr) / max(d, 1e-20lf);
+  double v = d <= abs(dr) ? 4.0lf / 3.0lf * kPi * least * least * least : lens;
+  return over <= 0.0lf ? 0.0lf : min(v, kLargestLens);
+}
+
+// Twin of simulation::FindBin; u in T. In floats, with how far the direction is from another bin, about; and exactly.
+struct Bin {
+  uint number;
+  float off_middle, inside;
+};
+Bin FindBin(vec3 u, bool cutting) {
+  vec3 size = abs(u);
+  bool x = size.x >= size.y && size.x >= size.z, y = !x && size.y >= size.z;
+  uint axis = x ? 0u : y ? 1u : 2u;
+  vec3 v = x ? u : y ? u.yzx : u.zxy;  // the axis first, then the next ones around
+  uint face = 2u * axis + (v.x < 0.0 ? 1u : 0u);
+  float edge = abs(v.x), to_face = edge - max(abs(v.y), abs(v.z));
+  uint a = 3.0 * v.y < -edge ? 0u : 3.0 * v.y > edge ? 2u : 1u;
+  uint b = 3.0 * v.z < -edge ? 0u : 3.0 * v.z > edge ? 2u : 1u;
+  float to_third = min(abs(3.0 * abs(v.y) - edge), abs(3.0 * abs(v.z) - edge));
+  float along = edge + 2.0 / 3.0 * ((float(a) - 1.0) * v.y + (float(b) - 1.0) * v.z);
+  // 1 / sqrt(1 + 4/9 of the thirds that are off the middle)
+  float per_length = a == 1u && b == 1u ? 1.0 : a == 1u || b == 1u ? 0.83205029 : 0.72760688;
+  return cutting ? Bin(9u * face + 3u * a + b, 1.0 - along * per_length, min(to_face, to_third))
+                 : Bin(kCuttingBinCount + face, 1.0 - edge, to_face);
+}
+struct ExactBin {
+  uint number;
+  double off_middle;
+};
+ExactBin FindExactBin(dvec3 u, bool cutting) {
+  dvec3 size = abs(u);
+  bool x = size.x >= size.y && size.x >= size.z, y = !x && size.y >= size.z;
+  uint axis = x ? 0u : y ? 1u : 2u;
+  dvec3 v = x ? u : y ? u.yzx : u.zxy;
+  uint face = 2u * axis + (v.x < 0.0lf ? 1u : 0u);
+  double edge = abs(v.x);
+  uint a = 3.0lf * v.y < -edge ? 0u : 3.0lf * v.y > edge ? 2u : 1u;
+  uint b = 3.0lf * v.z < -edge ? 0u : 3.0lf * v.z > edge ? 2u : 1u;
+  double along = edge + 2.0lf / 3.0lf * ((double(a) - 1.0lf) * v.y + (double(b) - 1.0lf) * v.z);
+  // 1 / sqrt(1 + 4/9 of the thirds that are off the middle)
+  double per_length = a == 1u && b == 1u   ? 1.0lf
+                      : a == 1u || b == 1u ? 0.83205029433784368302lf
+                                           : 0.72760687510899891329lf;
+  return cutting ? ExactBin(9u * face + 3u * a + b, 1.0lf - along * per_length)
+                 : ExactBin(kCuttingBinCount + face, 1.0lf - edge);
+}
+
+// What all pairs of an invocation share.
+struct Near {
+  vec3 axis_x, axis_y, axis_z, origin;  // T at the tool's pose
+  vec3 face_0, face_1, face_2, face_3;
+  float enlargement, face_point_scale, rounding;
+  // exactly
+  double exact_enlargement, face_scale;
+  dvec3 exact_x, exact_y, exact_z, exact_face_0, exact_face_1, exact_face_2, exact_face_3;
+};
+
+vec3 InTool(Near near, vec3 v) { return vec3(dot(v, near.axis_x), dot(v, near.axis_y), dot(v, near.axis_z)); }
+
+// What every pair is asked: whether it may be the nearest of its bin, or in a face's cone.
+struct Pair {
+  bool nearest, in_face;
+};
+Pair Touch(Near near, vec4 ball, vec4 at, bool cutting) {
+  vec3 from_bone = at.xyz - ball.xyz;
+  float d = length(from_bone), gap = d - at.w - ball.w;
+  vec3 n = from_bone * (1.0 / max(d, 1e-20));
+  bool is_near = ball.w > 0.0 && gap < near.enlargement + near.rounding;
+  Bin bin = FindBin(InTool(near, n), cutting);
+  float score = gap + float(kMiddleWorth_mm) * bin.off_middle - near.rounding;
+  uint units = uint(clamp(score + 1.0, 0.0, 1.999) / kGapUnit);
+  float most = max(max(dot(n, near.face_0), dot(n, near.face_1)), max(dot(n, near.face_2), dot(n, near.face_3)));
+  // the least key so far, or an older one: the upper half of its 64 bits begins with the units
+  return Pair(is_near && (bin.inside < kDirectionRounding ||
+                          units <= frame_halves[2u * bin.number + 1u] >> (kBoneBits + kToolBits - 32u)),
+              is_near && most > float(kFaceCosine) - kDirectionRounding);
+}
+
+// The same pair exactly.
+struct ExactPair {
+  dvec3 n;
+  double d, gap;
+};
+ExactPair LookAt(vec4 ball, dvec4 at) {
+  dvec3 from_bone = at.xyz - dvec3(ball.xyz);
+  double d = length(from_bone);
+  return ExactPair(from_bone / max(d, 1e-20lf), d, d - at.w - double(ball.w));
+}
+void TakeKey(Near near, Pair pair, ExactPair exact, bool cutting, uint bone, uint t) {
+  if (!pair.nearest || exact.d <= 0.0lf || exact.gap >= near.exact_enlargement) return;
+  ExactBin bin =
+      FindExactBin(dvec3(dot(exact.n, near.exact_x), dot(exact.n, near.exact_y), dot(exact.n, near.exact_z)), cutting);
+  uint units = uint(clamp(exact.gap + kMiddleWorth_mm * bin.off_middle + 1.0lf, 0.0lf, 1.999lf) / double(kGapUnit));
+  uint64_t key = (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(bone) << kToolBits) | uint64_t(t);
+  atomicMin(frame.bin_keys[bin.number], key);
+}
+
+// Sums of one face over this invocation's pairs, in whole units: weight and weight·n (doubles hold whole numbers up to 2^53),
+// weight·centre and weight·radius. Of 256 pairs, since no summand reaches 2^44 or 2^23.
+const uint kMostSummands = 256u;
+struct Part {
+  dvec4 n;
+  ivec4 c;
+};
+struct Parts {
+  Part part_0, part_1, part_2, part_3;
+};
+const Part kNone = Part(dvec4(0.0lf), ivec4(0));
+const Parts kNoParts = Parts(kNone, kNone, kNone, kNone);
+
+// `lens`: 0 for a pair that does not count; `alone`: the only cutter's, whose centre is known.
+void Gather(inout Part part, Near near, dvec3 face, dvec3 n, double lens, vec4 center, bool alone) {
+  double inside = max(0.0lf, dot(n, face) - kFaceCosine);
+  double w = lens * inside * inside;
+  part.n += Rounded(dvec4(w, w * n) * near.face_scale);
+  if (!alone) part.c += ivec4(round(float(w) * center * near.face_point_scale));
+}
+void GatherAll(inout Parts parts, Near near, Pair pair, ExactPair exact, float r_b, double r_t, vec3 center, bool alone) {
+  double lens = pair.in_face ? LensVolume(r_t + near.exact_enlargement, double(r_b), exact.d) : 0.0lf;
+  Gather(parts.part_0, near, near.exact_face_0, exact.n, lens, vec4(center, r_t), alone);
+  Gather(parts.part_1, near, near.exact_face_1, exact.n, lens, vec4(center, r_t), alone);
+  Gather(parts.part_2, near, near.exact_face_2, exact.n, lens, vec4(center, r_t), alone);
+  Gather(parts.part_3, near, near.exact_face_3, exact.n, lens, vec4(center, r_t), alone);
+}
+
+#define FLUSH(part, number)                                                  \
+  {                                                                          \
+    uint face = (shaft ? kFaces : 0u) + number, place = face * kFaceColumns; \
+    ADD_FINE(frame.exact.face_sums[4 * face], int64_t(part.n.x))             \
+    ADD_FINE(frame.exact.face_sums[4 * face + 1], int64_t(part.n.y))         \
+    ADD_FINE(frame.exact.face_sums[4 * face + 2], int64_t(part.n.z))         \
+    ADD_FINE(frame.exact.face_sums[4 * face + 3], int64_t(part.n.w))         \
+    if (!alone) {                                                            \
+      ADD_TO(frame.face_sums[place], part.c.x)                               \
+      ADD_TO(frame.face_sums[place + 1], part.c.y)                           \
+      ADD_TO(frame.face_sums[place + 2], part.c.z)                           \
+      ADD_TO(frame.face_sums[place + 3], part.c.w)                           \
+    }                                                                        \
+  }
+
+void AddParts(Parts parts, bool shaft, bool alone) {
+  FLUSH(parts.part_0, 0)
+  FLUSH(parts.part_1, 1)
+  FLUSH(parts.part_2, 2)
+  FLUSH(parts.part_3, 3)
+}
+
+void main() {
+  uint row = gl_WorkGroupID.y;
+  double exact_s = ExactFraction();
+  float s = float(exact_s);
+  bool go = !IsVoid();
+  Near near;
+  near.axis_x = frame.axis_x.xyz;
+  near.axis_y = frame.axis_y.xyz;
+  near.axis_z = frame.axis_z.xyz;
+  near.origin = frame.goal.xyz;
+  near.face_0 = frame.face_n[0].xyz;
+  near.face_1 = frame.face_n[1].xyz;
+  near.face_2 = frame.face_n[2].xyz;
+  near.face_3 = frame.face_n[3].xyz;
+  near.enlargement = frame.enlargement_mm;
+  near.face_point_scale = frame.face_point_scale;
+  near.rounding = frame.rounding_mm;
+  near.exact_enlargement = frame.exact.enlargement;
+  near.face_scale = kFiner * double(frame.face_scale);
+  near.exact_x = dvec3(near.axis_x);  // the axes of bins are those that floats tell
+  near.exact_y = dvec3(near.axis_y);
+  near.exact_z = dvec3(near.axis_z);
+  near.exact_face_0 = frame.exact.face_n[0];
+  near.exact_face_1 = frame.exact.face_n[1];
+  near.exact_face_2 = frame.exact.face_n[2];
+  near.exact_face_3 = frame.exact.face_n[3];
+  if (kOneCutter) {
+    vec4 only = AtContact(0, s);
+    dvec4 exact_only = ExactAtContact(0, exact_s);
+    uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
+    while (slot < end) {
+      Parts parts = kNoParts;
+      for (uint summands = 0u; summands < kMostSummands && slot < end; ++summands) {
+        Pair pair;
+        vec4 ball;
+        uint own = slot;
+        bool counts = false;
+        while (slot < end && !counts) {
+          ball = LiveBall(slot);
+          pair = Touch(near, ball, only, true);
+          own = slot;
+          slot += kLanes;
+          counts = subgroupAny(pair.nearest || pair.in_face);
+        }
+        ExactPair exact = LookAt(ball, exact_only);
+        TakeKey(near, pair, exact, true, LiveEntry(own).index, 0u);
+        GatherAll(parts, near, pair, exact, ball.w, exact_only.w, vec3(0.0), true);
+      }
+      AddParts(parts, false, true);
+    }
+  }
+  for (uint list = FirstList(row, 1u); list <= LastList(row, 1u); ++list) {
+    uint farthest = WordGap(Drift(list == kCutting, s) + near.enlargement);
+    Walk walk = BeginWalk(list, go);
+    for (bool more = true; more;) {
+      Parts parts = kNoParts;
+      for (uint summands = 0u; summands < kMostSummands && more; ++summands) {
+        Pair pair;
+        vec4 ball, at;
+        bool counts = false;
+        while (!counts) {
+          more = NextPair(walk, farthest);
+          if (!more) break;
+          ball = LiveBall(walk.slot);
+          at = AtContact(ToolOf(walk.word), s);
+          pair = Touch(near, ball, at, list == kCutting);
+          counts = subgroupAny(pair.nearest || pair.in_face);
+        }
+        if (!more) break;
+        uint t = ToolOf(walk.word);
+        dvec4 exact_at = ExactAtContact(t, exact_s);
+        ExactPair exact = LookAt(ball, exact_at);
+        TakeKey(near, pair, exact, list == kCutting, LiveEntry(walk.slot).index, t);
+        GatherAll(parts, near, pair, exact, ball.w, exact_at.w, InTool(near, Goal(t) - near.origin), false);
+      }
+      AddParts(parts, list == kShaft, false);
+    }
+  }
+}

@@ -1,5 +1,3 @@
-#ifndef OSTEON_PAIRS
-#define OSTEON_PAIRS
 // Pairs of a ball and a tool ball in the lists. A span's words tell how far each pair was apart where the words were made; the
 // tool has moved by no more than the drift since, and bone only shrinks: pairs too far are passed over without a look at them.
 
@@ -50,7 +48,7 @@ bool NextPair(inout Walk walk, uint farthest) {
       walk.slot = walk.list == kShaft ? entry.x : walk.next;
       walk.k = entry.y;
       walk.last = walk.list == kPoint || entry.w <= farthest ? entry.y + entry.z : entry.y;
-      walk.next += ChunkStep();
+      walk.next += kLanes;
     }
     walk.words = SpanWords(walk.k);
     uint count = min(walk.last - walk.k, 4u);
@@ -64,4 +62,3 @@ bool NextPair(inout Walk walk, uint farthest) {
   walk.left &= walk.left - 1u;
   return found;
 }
-#endif

@@ -1,6 +1,274 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// Pass 3: every cutting ball's capsules (first contact to slid, slid to end of the advance) take their share of each live ball
+// (row 0; equation 5, corrected; twin of simulation::ShrinkBall), one invocation a ball, and clear the mass points in them
+// (row 1), each once and booked in whole units of volume: the result does not depend on scheduling. The list's copies are the
+// balls from here on, until flush.comp writes them back.
+//
+// Software drivers skip no branch: what few balls and points need stands behind the loop over them, which each lane leaves at one
+// that needs it.
 #include "common.glsl"
-#include "remove_clear.glsl"
+#include "pairs.glsl"
+#include "rate_law.glsl"
 
-void main() { RemoveAndClear(gl_WorkGroupID.y); }
+const double kLeastBallRadius = 1e-3lf;  // mm
+const double kOnAxis = 1e-3lf;           // simulation::kOnAxis
+
+// One piece of a cutting ball's path, as floats tell it: whether it may touch.
+struct Rough {
+  vec3 a, m;  // from a to a + m
+  float per_mm2;  // 1 / m²; 0 where nothing moves
+};
+Rough MakeRough(vec3 a, vec3 b) {
+  vec3 m = b - a;
+  float mm = dot(m, m);
+  return Rough(a, m, mm > 0.0 ? 1.0 / mm : 0.0);
+}
+float SquaredDistance(Rough c, vec3 p) {
+  vec3 out_of_a = p - c.a, away = out_of_a - clamp(dot(out_of_a, c.m) * c.per_mm2, 0.0, 1.0) * c.m;
+  return dot(away, away);
+}
+
+// The same exactly.
+struct Capsule {
+  dvec3 a, m;
+  double per_mm2, r;
+};
+Capsule MakeCapsule(dvec3 a, dvec3 b, double r) {
+  dvec3 m = b - a;
+  double mm = dot(m, m);
+  return Capsule(a, m, mm > 0.0lf ? 1.0lf / mm : 0.0lf, r);
+}
+dvec3 Away(Capsule c, dvec3 p) {
+  dvec3 out_of_a = p - c.a;
+  return out_of_a - clamp(dot(out_of_a, c.m) * c.per_mm2, 0.0lf, 1.0lf) * c.m;
+}
+bool Inside(Capsule c, dvec3 p) { return length(Away(c, p)) < c.r; }
+
+// The direction in which a ball gives way whose centre lies on the axis: what rounding has left would count.
+dvec3 OnAxis(Capsule c, dvec3 p, dvec3 away, double d) {
+  dvec3 u = away;
+  double along = dot(p - c.a, c.m) * c.per_mm2;
+  if (along > 0.0lf && along < 1.0lf) u -= dot(u, c.m) * c.per_mm2 * c.m;
+  dvec3 s = abs(c.m);
+  dvec3 pick = s.x <= s.y && s.x <= s.z ? dvec3(1, 0, 0) : s.y <= s.z ? dvec3(0, 1, 0) : dvec3(0, 0, 1);
+  double length_of_u = length(u);
+  return length_of_u > kOnAxis * d ? u / length_of_u : normalize(pick - dot(pick, c.m) * c.per_mm2 * c.m);
+}
+
+bool Swallows(Capsule c, dvec4 ball) { return ball.w + c.r - length(Away(c, ball.xyz)) >= 2.0lf * ball.w; }
+
+dvec4 Shrunk(dvec4 ball, Capsule c) {
+  dvec3 away = Away(c, ball.xyz);
+  double d = length(away), p = ball.w > 0.0lf ? max(0.0lf, ball.w + c.r - d) : 0.0lf, half_p = 0.5lf * p;
+  dvec3 u = away * (1.0lf / max(d, 1e-20lf));
+  // a loop, since software drivers execute a branch that nobody takes
+  for (uint once = p > 0.0lf && d < kOnAxis * c.r ? 0 : 1; once < 1; ++once) u = OnAxis(c, ball.xyz, away, d);
+  bool gone = p > 0.0lf && (p >= 2.0lf * ball.w || ball.w - half_p < kLeastBallRadius);
+  return gone ? dvec4(ball.xyz, 0.0lf) : dvec4(ball.xyz + half_p * u, ball.w - half_p);
+}
+
+// The way of the frame.
+struct Way {
+  double at_contact;
+  Slide slid_by;
+  dvec3 step_mm;
+  float rounding;
+  uint farthest;  // in a word of a pair that may meet on it
+  // as floats tell it
+  float rough_contact, rough_share;
+  vec3 rough_move, rough_step;
+};
+// Both pieces of tool ball t's way.
+struct Pieces {
+  Capsule slide, give;
+};
+Pieces PiecesOf(Way way, uint t) {
+  dvec4 contact = ExactAtContact(t, way.at_contact);
+  dvec3 slid = AfterSlide(way.slid_by, contact.xyz, ExactGoal(t));
+  return Pieces(MakeCapsule(contact.xyz, slid, contact.w), MakeCapsule(slid, slid + way.step_mm, contact.w));
+}
+dvec4 Shrunk(dvec4 ball, Pieces pieces) { return Shrunk(Shrunk(ball, pieces.slide), pieces.give); }
+bool Inside(Pieces pieces, dvec3 p) { return Inside(pieces.slide, p) || Inside(pieces.give, p); }
+// The nearer of both: its squared distance.
+struct RoughPieces {
+  Rough slide, give;
+  float r;
+};
+RoughPieces RoughPiecesOf(Way way, uint t) {
+  vec4 contact = AtContact(t, way.rough_contact);
+  vec3 target = (way.slid_by.turns ? Goal(t) : contact.xyz) + way.rough_move,
+       slid = mix(contact.xyz, target, way.rough_share);
+  return RoughPieces(MakeRough(contact.xyz, slid), MakeRough(slid, slid + way.rough_step), contact.w);
+}
+// Whether they may touch a ball, or a point of radius 0.
+bool MayTouch(Way way, RoughPieces pieces, vec3 p, float radius) {
+  float reach = pieces.r + radius + way.rounding;
+  return min(SquaredDistance(pieces.slide, p), SquaredDistance(pieces.give, p)) < reach * reach;
+}
+
+// A ball after the frame, by the words of its entry: in their order, both pieces of one tool ball's way before the next one's.
+vec4 Shrink(Way way, uint slot, vec4 ball) {
+  Live entry = LiveEntry(slot);
+  uint last = entry.first + (ball.w > 0.0 && entry.more <= way.farthest ? entry.count : 0u);
+  dvec4 exact_ball = Exactly(ball);
+  for (uint k = entry.first; k < last; ++k) {
+    uint word = SpanWord(k);
+    bool may = (word >> kToolBits) <= way.farthest && MayTouch(way, RoughPiecesOf(way, ToolOf(word)), ball.xyz, ball.w);
+    for (uint once = may ? 0 : 1; once < 1; ++once) {
+      exact_ball = Shrunk(exact_ball, PiecesOf(way, ToolOf(word)));
+      ball = InFloats(exact_ball);
+    }
+  }
+  return ball;
+}
+
+// Whether one piece of the way swallows the ball as it was.
+bool IsSwallowed(Way way, uint slot, dvec4 whole) {
+  bool swallowed = false;
+  Live entry = LiveEntry(slot);
+  uint last = kOneCutter ? entry.first + 1u : entry.first + entry.count;
+  for (uint k = entry.first; k < last; ++k) {
+    Pieces pieces = PiecesOf(way, kOneCutter ? 0u : ToolOf(SpanWord(k)));
+    swallowed = swallowed || Swallows(pieces.slide, whole) || Swallows(pieces.give, whole);
+  }
+  return swallowed;
+}
+
+// The ball's new state to where it lies; a large one is noted for the host to split, a small child dropped.
+void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
+  if (ball.w == whole.w) return;
+  if (kSplit) {
+    uint index = LiveEntry(slot).index;
+    bool child = index >= frame.first_child;
+    if (!child && whole.w > frame.split_radius_mm && !IsSwallowed(way, slot, Exactly(whole))) {
+      uint place = atomicAdd(frame.request_count, 1u);
+      if (place < frame.request_capacity) requests[place] = SplitRequest(index, whole, ball);
+    }
+    if (child) {
+      uint block = (index - frame.first_child) / kGroupSize;
+      if (ball.w < blocks[block].least_mm) ball.w = 0.0;
+      if (ball.w == 0.0) atomicAdd(blocks[block].live, 0xffffffffu);
+    }
+  }
+  live_balls[slot] = ball;
+}
+
+// The way of all cutting balls, over this invocation's balls: a ball's tool balls come in their order, one after the other.
+void RemovePairs(Way way, bool go) {
+  const uint kNoSlot = 0xffffffffu;
+  Walk walk = BeginWalk(kCutting, go);
+  uint slot = kNoSlot;
+  vec4 ball = vec4(0.0);
+  dvec4 exact_ball = dvec4(0.0lf);
+  float before = 0.0;
+  for (bool more = true; more;) {
+    bool touched = false;
+    while (!touched) {
+      more = NextPair(walk, way.farthest);
+      if (!more) break;
+      if (walk.slot != slot) {
+        if (ball.w != before) live_balls[slot] = ball;
+        slot = walk.slot;
+        ball = LiveBall(slot);
+        exact_ball = Exactly(ball);
+        before = ball.w;
+      }
+      touched = ball.w > 0.0 && MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), ball.xyz, ball.w);
+    }
+    if (!touched) continue;
+    exact_ball = Shrunk(exact_ball, PiecesOf(way, ToolOf(walk.word)));
+    ball = InFloats(exact_ball);
+  }
+  if (ball.w != before) live_balls[slot] = ball;
+}
+
+void Clear(uint slot, vec4 point) {
+  uint i = PointEntry(slot).index;
+  uint material = point_states[i];
+  live_points[slot].w = -point.w;
+  point_states[i] = material | kCleared;
+  atomicAdd(frame.exact.removed[material], uint64_t(point_units[i]));
+}
+
+void main() {
+  uint row = gl_WorkGroupID.y;
+  bool go = frame.is_void == 0u && frame.spindle_rad_per_s != 0.0;
+  Way way;
+  way.at_contact = ExactFraction();
+  way.slid_by = ChosenSlide();
+  Advance advance = AdvanceOfFrame(way.at_contact, way.slid_by);
+  way.step_mm = advance.step_mm;
+  if (row == 0u && gl_WorkGroupID.x == 0u && gl_LocalInvocationID.x == 0u) {
+    frame.exact.advance = advance.advance_mm;
+    frame.exact.edge_work = advance.edge_work_Nmm;
+    frame.exact.step = advance.step_mm;
+    frame.turns = way.slid_by.turns ? 1u : 0u;
+    frame.exact.slid_share = way.slid_by.share;
+  }
+  way.rounding = frame.rounding_mm;
+  way.rough_contact = float(way.at_contact);
+  way.rough_share = float(way.slid_by.share);
+  way.rough_move = vec3(way.slid_by.move);
+  way.rough_step = vec3(way.step_mm);
+  way.farthest = WordGap(Drift(true, way.rough_contact) + float(way.slid_by.way_mm + length(advance.step_mm)));
+  // the only cutter's, where there is but one
+  Pieces only = PiecesOf(way, 0u);
+  RoughPieces rough = RoughPiecesOf(way, 0u);
+
+  uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
+  if (kOneCutter) {
+    while (slot < end) {
+      vec4 ball;
+      uint own = slot;
+      bool touched = false;
+      while (slot < end && !touched) {
+        own = slot;
+        ball = LiveBall(slot);
+        touched = ball.w > 0.0 && MayTouch(way, rough, ball.xyz, ball.w);
+        slot += kLanes;
+      }
+      if (touched) Keep(way, own, ball, InFloats(Shrunk(Exactly(ball), only)));
+    }
+  } else if (kSplit) {
+    for (; slot < end; slot += kLanes) {
+      vec4 ball = LiveBall(slot);
+      Keep(way, slot, ball, Shrink(way, slot, ball));
+    }
+  } else {
+    RemovePairs(way, row == 0u && go);
+  }
+
+  if (kOneCutter) {
+    slot = ChunkBegin();
+    end = row == 1u && go ? ChunkEnd(frame.live_point_count) : 0u;
+    while (slot < end) {
+      vec4 point;
+      uint own = slot;
+      bool touched = false;
+      while (slot < end && !touched) {
+        own = slot;
+        point = LivePoint(slot);
+        touched = point.w > 0.0 && MayTouch(way, rough, point.xyz, 0.0);
+        slot += kLanes;
+      }
+      if (touched && Inside(only, dvec3(point.xyz))) Clear(own, point);
+    }
+    return;
+  }
+  Walk walk = BeginWalk(kPoint, row == 1u && go);
+  for (bool more = true; more;) {
+    vec4 point;
+    bool touched = false;
+    while (!touched) {
+      more = NextPair(walk, way.farthest);
+      if (!more) break;
+      point = LivePoint(walk.slot);
+      touched = point.w > 0.0 && MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), point.xyz, 0.0);
+    }
+    if (!touched || !Inside(PiecesOf(way, ToolOf(walk.word)), dvec3(point.xyz))) continue;
+    Clear(walk.slot, point);
+    walk.left = 0u;  // once is enough
+    walk.k = walk.last;
+  }
+}

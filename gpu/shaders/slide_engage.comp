@@ -1,6 +1,168 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// Rows 0 (balls that cut) and 2 (those that do not), the slide: pass 1 again, from first contact to the constrained target.
+// Pairs that overlap by less than the tolerance may overlap up to it, or a tool would stick to every ball that stands out of a
+// smooth wall. Row 1, engaged area: volume of the mass points within a layer of the cutting surface over the layer's depth,
+// projected on the plane normal to the force (twin of ReferenceEngine::MeasureEngagement).
 #include "common.glsl"
-#include "slide_engage.glsl"
+#include "first_contact.glsl"
+#include "pairs.glsl"
 
-void main() { SlideAndEngage(gl_WorkGroupID.y); }
+#define GATHER_MATERIAL(number) sum_##number += material == number ? units : dvec2(0.0lf);
+#define FLUSH_MATERIAL(number)                                             \
+  if (frame.material_count > number) {                                     \
+    ADD_FINE(frame.exact.engaged[2 * number], int64_t(sum_##number.x))     \
+    ADD_FINE(frame.exact.engaged[2 * number + 1], int64_t(sum_##number.y)) \
+  }
+
+// The way of the frame's slide, with the turn and straight; first contact on it, exactly and as a float that is not less.
+struct Met {
+  bool turning;
+  float turn_tolerance, tolerance, rounding;
+  vec3 delta, shift;
+  double exact_turn_tolerance, exact_tolerance;
+  dvec3 exact_delta, exact_shift;
+  double s, straight;
+  float first, first_straight;
+};
+// Whether the pair may be met before what was found so far.
+bool May(Met met, vec4 ball, vec4 at, vec3 goal) {
+  vec3 D = ball.xyz - at.xyz;
+  float R = at.w + ball.w;
+  return ball.w > 0.0 &&
+         (EarliestContact(D, goal + met.delta - at.xyz, R - met.turn_tolerance, met.rounding) < met.first ||
+          (met.turning && EarliestContact(D, met.shift, R - met.tolerance, met.rounding) < met.first_straight));
+}
+void Meet(inout Met met, vec4 ball, dvec4 at, dvec3 goal) {
+  dvec3 D = dvec3(ball.xyz) - at.xyz;
+  double R = at.w + double(ball.w);
+  met.s = min(met.s, ExactFirstContact(D, goal + met.exact_delta - at.xyz, R - met.exact_turn_tolerance));
+  met.straight = min(met.straight, ExactFirstContact(D, met.exact_shift, R - met.exact_tolerance));
+  met.first = AtLeast(met.s);
+  met.first_straight = AtLeast(met.straight);
+}
+
+void main() {
+  uint row = gl_WorkGroupID.y;
+  bool go = frame.is_void == 0u;
+  double exact_s = ExactFraction();
+  float at_contact = float(exact_s), rounding = frame.rounding_mm;
+  vec4 only = AtContact(0, at_contact);  // the only cutter, where there is but one
+  dvec4 exact_only = ExactAtContact(0, exact_s);
+  // with a turn, which may use a third of the tolerance: the rest is for going along whatever holds it; and straight
+  Met met;
+  met.turning = frame.turning != 0u;
+  met.tolerance = frame.tolerance_mm;
+  met.turn_tolerance = met.turning ? 0.35 * met.tolerance : met.tolerance;
+  met.rounding = rounding;
+  met.delta = frame.delta.xyz;
+  met.shift = frame.shift_mm.xyz;
+  met.exact_tolerance = frame.exact.tolerance;
+  met.exact_turn_tolerance = met.turning ? 0.35lf * met.exact_tolerance : met.exact_tolerance;
+  met.exact_delta = frame.exact.delta;
+  met.exact_shift = frame.exact.shift;
+  met.s = met.straight = 2.0lf;
+  met.first = met.first_straight = 2.0;
+  if (kOneCutter) {
+    uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
+    vec3 goal = Goal(0);
+    dvec3 exact_goal = ExactGoal(0);
+    while (slot < end) {
+      vec4 ball;
+      bool may = false, any = false;
+      while (slot < end && !any) {
+        ball = LiveBall(slot);
+        may = May(met, ball, only, goal);
+        any = subgroupAny(may);
+        slot += kLanes;
+      }
+      if (may) Meet(met, ball, exact_only, exact_goal);
+    }
+  }
+  // no tool ball goes farther than the slide may be
+  float way = float(max(frame.exact.slide_limit * frame.exact.way, frame.exact.straight_limit * frame.exact.straight_way));
+  for (uint list = FirstList(row, 2u); list <= LastList(row, 2u); ++list) {
+    uint farthest = WordGap(Drift(list == kCutting, at_contact) + way);
+    Walk walk = BeginWalk(list, go && row != 1u);
+    for (bool more = true; more;) {
+      vec4 ball;
+      bool may = false;
+      while (!may) {
+        more = NextPair(walk, farthest);
+        if (!more) break;
+        ball = LiveBall(walk.slot);
+        may = May(met, ball, AtContact(ToolOf(walk.word), at_contact), Goal(ToolOf(walk.word)));
+      }
+      if (may) Meet(met, ball, ExactAtContact(ToolOf(walk.word), exact_s), ExactGoal(ToolOf(walk.word)));
+    }
+  }
+  double s = subgroupMin(met.s), straight = subgroupMin(met.straight);
+  if (subgroupElect()) {
+    if (s < 2.0lf) atomicMin(frame.slide_key, ToKey(s));
+    if (straight < 2.0lf) atomicMin(frame.straight_key, ToKey(straight));
+  }
+
+  double exact_layer = frame.exact.layer, per_layer = 1.0lf / exact_layer;
+  double area_scale = kFiner * double(frame.area_scale), moment_scale = kFiner * double(frame.moment_scale);
+  dvec3 n = frame.exact.n, axis = frame.exact.axis, start = frame.exact.start,
+        origin = start + exact_s * (frame.exact.goal - start);
+  float layer = frame.layer_mm;
+  uint slot = ChunkBegin(), end = row == 1u && go && frame.delta.w > 0.0 ? ChunkEnd(frame.live_point_count) : 0u;
+  // whole numbers below 2^53: their sums are exact
+  dvec2 sum_0 = dvec2(0.0lf), sum_1 = sum_0, sum_2 = sum_0, sum_3 = sum_0, sum_4 = sum_0, sum_5 = sum_0, sum_6 = sum_0,
+        sum_7 = sum_0;
+  while (slot < end) {
+    vec4 point;
+    Live entry;
+    float nearest = 0.0;
+    bool any = false;
+    // most points of the list are out of the layer
+    while (slot < end && !any) {
+      point = LivePoint(slot);
+      entry = PointEntry(slot);
+      nearest = layer + rounding;
+      uint last = entry.first + (kOneCutter ? 1u : entry.count);
+      uvec4 words = uvec4(0u);
+      for (uint k = entry.first; k < last; ++k) {
+        vec4 at = only;
+        if (!kOneCutter) {
+          words = k % 4u == 0u ? SpanWords(k) : words.yzwx;
+          at = AtContact(ToolOf(words.x), at_contact);
+        }
+        float gap = distance(point.xyz, at.xyz) - at.w;
+        nearest = gap > -layer - rounding ? min(nearest, gap) : nearest;
+      }
+      any = subgroupAny(point.w > 0.0 && nearest < layer + rounding);  // negative: cleared
+      slot += kLanes;
+    }
+    // then exactly, the nearest alone, or those that floats do not tell from it
+    bool counts = point.w > 0.0 && nearest < layer + rounding;
+    uint last = entry.first + (!counts ? 0u : kOneCutter ? 1u : entry.count);
+    double exact_nearest = exact_layer, projection = 0.0lf;
+    uvec4 words = uvec4(0u);
+    for (uint k = entry.first; k < last; ++k) {
+      dvec4 at = exact_only;
+      if (!kOneCutter) {
+        words = k % 4u == 0u ? SpanWords(k) : words.yzwx;
+        vec4 about = AtContact(ToolOf(words.x), at_contact);
+        float gap = distance(point.xyz, about.xyz) - about.w;
+        if (gap > nearest + 2.0 * rounding && gap > 2.0 * rounding - layer) continue;
+        at = ExactAtContact(ToolOf(words.x), exact_s);
+      }
+      dvec3 away = dvec3(point.xyz) - at.xyz;
+      double d = length(away), gap = d - at.w;
+      bool nearer = abs(gap) < exact_layer && gap < exact_nearest;
+      exact_nearest = nearer ? gap : exact_nearest;
+      projection = nearer ? max(0.0lf, -dot(n, away) / max(d, 1e-20lf)) : projection;
+    }
+    double area = counts ? double(point.w) * per_layer * projection : 0.0lf;
+    double arm = length(cross(dvec3(point.xyz) - origin, axis));
+    dvec2 units = Rounded(area * dvec2(area_scale, arm * moment_scale));
+    uint material = entry.more;
+    GATHER_MATERIAL(0) GATHER_MATERIAL(1) GATHER_MATERIAL(2) GATHER_MATERIAL(3)
+    GATHER_MATERIAL(4) GATHER_MATERIAL(5) GATHER_MATERIAL(6) GATHER_MATERIAL(7)
+  }
+  if (row != 1u) return;
+  FLUSH_MATERIAL(0) FLUSH_MATERIAL(1) FLUSH_MATERIAL(2) FLUSH_MATERIAL(3)
+  FLUSH_MATERIAL(4) FLUSH_MATERIAL(5) FLUSH_MATERIAL(6) FLUSH_MATERIAL(7)
+}
