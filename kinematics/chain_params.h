@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <numbers>
+
+#include "kinematics/spatial.h"
+
+// A serial arm of revolute joints, as data: what a robot description says, in SI. Nothing here computes.
+//
+// Frames: link frame i sits on joint i and turns with it; link 0 is the base B, fixed. At joint position q
+//
+//     X_(i-1)i = X_PJ_i  Rot(axis_J_i, q_i)        X_BF = X_01 X_12 ... X_(N-1)N X_LF
+
+namespace osteon::kinematics {
+
+template <int N>
+using JointVectorN = Eigen::Matrix<double, N, 1>;  ///< q, qd, qdd, tau [rad, rad/s, rad/s^2, N·m]
+template <int N>
+using JacobianN = Eigen::Matrix<double, 6, N>;  ///< rows: v (3) then w (3)
+template <int N>
+using JointMatrixN = Eigen::Matrix<double, N, N>;
+
+/// What one joint may do. Positions as absolute bounds, since a KR's are not symmetric about zero.
+struct JointLimits {
+  double lower_rad{-std::numbers::pi};
+  double upper_rad{std::numbers::pi};
+  double velocity_rad_per_s{0.0};
+  double acceleration_rad_per_s2{0.0};
+  double torque_Nm{0.0};  ///< 0: not published
+};
+
+/// Mass properties of a rigid body.
+struct LinkInertia {
+  double mass_kg{0.0};
+  Vector3 p_LLcm_m{Vector3::Zero()};      ///< centre of mass, in the link's frame
+  Matrix3 I_LLcm_kg_m2{Matrix3::Zero()};  ///< about the centre of mass, along the link frame's axes
+};
+
+/// Friction of a joint's drive, on the joint's side:
+///
+///     tau = viscous qd + coulomb tanh(qd / smoothing)
+struct JointFriction {
+  double viscous_Nms_per_rad{0.0};
+  double coulomb_Nm{0.0};
+  double smoothing_rad_per_s{0.01};  ///< > 0
+};
+
+/// A joint and the link that it turns.
+struct RevoluteJoint {
+  Pose X_PJ{Pose::Identity()};       ///< link frame at q = 0, in the frame of the link before
+  Vector3 axis_J{Vector3::UnitZ()};  ///< unit
+  JointLimits limits;
+  LinkInertia link;
+  JointFriction friction;
+  double rotor_inertia_kg_m2{
+      0.0};  ///< of the drive, seen at the joint (gear ratio squared times the rotor's)
+};
+
+/// @tparam N number of joints, 6 or 7
+template <int N>
+struct ChainParams {
+  std::array<RevoluteJoint, static_cast<std::size_t>(N)> joints;
+  Pose X_LF{Pose::Identity()};  ///< flange in the last link's frame
+  bool has_masses{false};       ///< false: kinematics and limits only, no dynamics may be asked for
+};
+
+}  // namespace osteon::kinematics
