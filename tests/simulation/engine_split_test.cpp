@@ -2,10 +2,10 @@
 #include <cstdio>
 #include <vector>
 
-#include "simulation/cut_metrics.h"
+#include "simulation/metrics/cut_metrics.h"
 #include "simulation/metrics/depth_scenes.h"
-#include "simulation/split_packing.h"
-#include "simulation/swept_tool.h"
+#include "simulation/packing/split_packing.h"
+#include "simulation/tools/swept_tool.h"
 #include "tests/simulation/engine_bench.h"
 
 // Splitting and the choice of cutters in the engine: contact, slide and removal together.

@@ -1,4 +1,4 @@
-#include "simulation/packing_export.h"
+#include "simulation/packing/packing_export.h"
 
 #include <sstream>
 

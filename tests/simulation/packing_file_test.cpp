@@ -1,4 +1,4 @@
-#include "simulation/packing_file.h"
+#include "simulation/packing/packing_file.h"
 
 #include <sys/stat.h>
 
