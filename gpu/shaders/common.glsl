@@ -78,9 +78,13 @@ bool IsVoid() {
   return (frame.lists_at_contact == 0u && far) || frame.too_many != 0u;
 }
 
-// This invocation's share of a list: for (uint slot = ChunkBegin(); slot < ChunkEnd(count); slot += kLanes)
-uint ChunkBegin() { return gl_WorkGroupID.x * frame.chunk * kLanes + gl_LocalInvocationID.x; }
-uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * frame.chunk * kLanes); }
+// A pass has rows of workgroups, each for a list, and a list's entries go round by kLanes. A software driver hands each of its
+// threads one block of workgroups: so each has a share of every row, and of what lies near the tool.
+uint GroupNumber() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
+uint Row() { return GroupNumber() % gl_NumWorkGroups.y; }
+// This invocation's share of a list: for (uint slot = FirstEntry(); slot < count; slot += EntryStep())
+uint FirstEntry() { return GroupNumber() / gl_NumWorkGroups.y * kLanes + gl_LocalInvocationID.x; }
+uint EntryStep() { return gl_NumWorkGroups.x * kLanes; }
 
 // Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
 vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }

@@ -167,7 +167,7 @@ void AddParts(Parts parts, bool shaft, bool alone) {
 }
 
 void main() {
-  uint row = gl_WorkGroupID.y;
+  uint row = Row();
   double exact_s = ExactFraction();
   float s = float(exact_s);
   bool go = !IsVoid();
@@ -195,7 +195,7 @@ void main() {
   if (kOneCutter) {
     vec4 only = AtContact(0, s);
     dvec4 exact_only = ExactAtContact(0, exact_s);
-    uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
+    uint slot = FirstEntry(), end = row == 0u && go ? frame.live_ball_count : 0u;
     while (slot < end) {
       Parts parts = kNoParts;
       for (uint summands = 0u; summands < kMostSummands && slot < end; ++summands) {
@@ -207,7 +207,7 @@ void main() {
           ball = LiveBall(slot);
           pair = Touch(near, ball, only, true);
           own = slot;
-          slot += kLanes;
+          slot += EntryStep();
           counts = subgroupAny(pair.nearest || pair.in_face);
         }
         ExactPair exact = LookAt(ball, exact_only);

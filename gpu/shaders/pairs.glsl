@@ -32,7 +32,7 @@ struct Walk {
 };
 Walk BeginWalk(uint list, bool any) {
   uint count = list == kCutting ? frame.live_ball_count : list == kShaft ? frame.shaft_count : frame.live_point_count;
-  return Walk(list, ChunkBegin(), any ? ChunkEnd(count) : 0u, 0u, 0u, 0u, uvec4(0u), 0u, 0u);
+  return Walk(list, FirstEntry(), any ? count : 0u, 0u, 0u, 0u, uvec4(0u), 0u, 0u);
 }
 uvec4 Entry(uint list, uint i) {
   if (list == kPoint) return texelFetch(point_entry_texels, int(i));
@@ -48,7 +48,7 @@ bool NextPair(inout Walk walk, uint farthest) {
       walk.slot = walk.list == kShaft ? entry.x : walk.next;
       walk.k = entry.y;
       walk.last = walk.list == kPoint || entry.w <= farthest ? entry.y + entry.z : entry.y;
-      walk.next += kLanes;
+      walk.next += EntryStep();
     }
     walk.words = SpanWords(walk.k);
     uint count = min(walk.last - walk.k, 4u);

@@ -6,10 +6,10 @@
 #include "pairs.glsl"
 
 void main() {
-  uint row = gl_WorkGroupID.y, list = row == 0u ? kCutting : row == 1u ? kPoint : kShaft;
+  uint row = Row(), list = row == 0u ? kCutting : row == 1u ? kPoint : kShaft;
   uint count = row == 0u ? frame.live_ball_count : row == 1u ? frame.live_point_count : frame.shaft_count;
-  uint end = ChunkEnd(count);
-  for (uint i = ChunkBegin(); i < end; i += kLanes) {
+  uint end = count;
+  for (uint i = FirstEntry(); i < end; i += EntryStep()) {
     uvec4 entry = Entry(list, i);
     vec4 ball = list == kPoint ? vec4(LivePoint(i).xyz, 0.0) : LiveBall(list == kShaft ? entry.x : i);
     uint least = kLargestSpanGap, last = entry.y + entry.z;

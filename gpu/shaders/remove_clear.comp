@@ -192,14 +192,14 @@ void Clear(uint slot, vec4 point) {
 }
 
 void main() {
-  uint row = gl_WorkGroupID.y;
+  uint row = Row();
   bool go = frame.is_void == 0u && frame.spindle_rad_per_s != 0.0;
   Way way;
   way.at_contact = ExactFraction();
   way.slid_by = ChosenSlide();
   Advance advance = AdvanceOfFrame(way.at_contact, way.slid_by);
   way.step_mm = advance.step_mm;
-  if (row == 0u && gl_WorkGroupID.x == 0u && gl_LocalInvocationID.x == 0u) {
+  if (GroupNumber() == 0u && gl_LocalInvocationID.x == 0u) {
     frame.exact.advance = advance.advance_mm;
     frame.exact.edge_work = advance.edge_work_Nmm;
     frame.exact.step = advance.step_mm;
@@ -216,7 +216,7 @@ void main() {
   Pieces only = PiecesOf(way, 0u);
   RoughPieces rough = RoughPiecesOf(way, 0u);
 
-  uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
+  uint slot = FirstEntry(), end = row == 0u && go ? frame.live_ball_count : 0u;
   if (kOneCutter) {
     while (slot < end) {
       vec4 ball;
@@ -226,12 +226,12 @@ void main() {
         own = slot;
         ball = LiveBall(slot);
         touched = ball.w > 0.0 && MayTouch(way, rough, ball.xyz, ball.w);
-        slot += kLanes;
+        slot += EntryStep();
       }
       if (touched) Keep(way, own, ball, InFloats(Shrunk(Exactly(ball), only)));
     }
   } else if (kSplit) {
-    for (; slot < end; slot += kLanes) {
+    for (; slot < end; slot += EntryStep()) {
       vec4 ball = LiveBall(slot);
       Keep(way, slot, ball, Shrink(way, slot, ball));
     }
@@ -240,8 +240,8 @@ void main() {
   }
 
   if (kOneCutter) {
-    slot = ChunkBegin();
-    end = row == 1u && go ? ChunkEnd(frame.live_point_count) : 0u;
+    slot = FirstEntry();
+    end = row == 1u && go ? frame.live_point_count : 0u;
     while (slot < end) {
       vec4 point;
       uint own = slot;
@@ -250,7 +250,7 @@ void main() {
         own = slot;
         point = LivePoint(slot);
         touched = point.w > 0.0 && MayTouch(way, rough, point.xyz, 0.0);
-        slot += kLanes;
+        slot += EntryStep();
       }
       if (touched && Inside(only, dvec3(point.xyz))) Clear(own, point);
     }

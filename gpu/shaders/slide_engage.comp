@@ -43,7 +43,7 @@ void Meet(inout Met met, vec4 ball, dvec4 at, dvec3 goal) {
 }
 
 void main() {
-  uint row = gl_WorkGroupID.y;
+  uint row = Row();
   bool go = frame.is_void == 0u;
   double exact_s = ExactFraction();
   float at_contact = float(exact_s), rounding = frame.rounding_mm;
@@ -64,7 +64,7 @@ void main() {
   met.s = met.straight = 2.0lf;
   met.first = met.first_straight = 2.0;
   if (kOneCutter) {
-    uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
+    uint slot = FirstEntry(), end = row == 0u && go ? frame.live_ball_count : 0u;
     vec3 goal = Goal(0);
     dvec3 exact_goal = ExactGoal(0);
     while (slot < end) {
@@ -74,7 +74,7 @@ void main() {
         ball = LiveBall(slot);
         may = May(met, ball, only, goal);
         any = subgroupAny(may);
-        slot += kLanes;
+        slot += EntryStep();
       }
       if (may) Meet(met, ball, exact_only, exact_goal);
     }
@@ -107,7 +107,7 @@ void main() {
   dvec3 n = frame.exact.n, axis = frame.exact.axis, start = frame.exact.start,
         origin = start + exact_s * (frame.exact.goal - start);
   float layer = frame.layer_mm;
-  uint slot = ChunkBegin(), end = row == 1u && go && frame.delta.w > 0.0 ? ChunkEnd(frame.live_point_count) : 0u;
+  uint slot = FirstEntry(), end = row == 1u && go && frame.delta.w > 0.0 ? frame.live_point_count : 0u;
   // whole numbers below 2^53: their sums are exact
   dvec2 sum_0 = dvec2(0.0lf), sum_1 = sum_0, sum_2 = sum_0, sum_3 = sum_0, sum_4 = sum_0, sum_5 = sum_0, sum_6 = sum_0,
         sum_7 = sum_0;
@@ -133,7 +133,7 @@ void main() {
         nearest = gap > -layer - rounding ? min(nearest, gap) : nearest;
       }
       any = subgroupAny(point.w > 0.0 && nearest < layer + rounding);  // negative: cleared
-      slot += kLanes;
+      slot += EntryStep();
     }
     // then exactly, the nearest alone, or those that floats do not tell from it
     bool counts = point.w > 0.0 && nearest < layer + rounding;
