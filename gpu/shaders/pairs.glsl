@@ -62,3 +62,16 @@ bool NextPair(inout Walk walk, uint farthest) {
   walk.left &= walk.left - 1u;
   return found;
 }
+
+// What floats have found in an invocation's share of a list, to be looked at exactly behind the loop that finds it. On a processor
+// there is room for many, so that all lanes have one to look at.
+const uint kRoom = kLanes == kGroupSize ? 1u : 64u;
+struct Found {
+  uint count;
+  uint slot[kRoom], what[kRoom];
+} found;
+void Note(uint slot, uint what) {
+  found.slot[found.count] = slot;
+  found.what[found.count] = what;
+  ++found.count;
+}
