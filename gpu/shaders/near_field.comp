@@ -112,6 +112,8 @@ void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   ExactBin bin =
       FindExactBin(dvec3(dot(exact.n, near.exact_x), dot(exact.n, near.exact_y), dot(exact.n, near.exact_z)), cutting);
   uint units = uint(clamp(exact.gap + kMiddleWorth_mm * bin.off_middle + 1.0lf, 0.0lf, 1.999lf) * double(1.0f / kGapUnit));
+  // others have been found since this one was
+  if (units > frame_halves[2u * bin.number + 1u] >> (kBoneBits + kToolBits - 32u)) return;
   uint64_t key = (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(bone) << kToolBits) | uint64_t(t);
   atomicMin(frame.bin_keys[bin.number], key);
 }
@@ -166,14 +168,9 @@ void AddParts(Parts parts, bool shaft, bool alone) {
   FLUSH(parts.part_3, 3)
 }
 
-const uint kNearest = 1u << kToolBits;  // beside the tool ball of a pair that was found
+// A pair marked: that may be the nearest of its bin.
 void NoteIf(Pair pair, uint slot, uint t) {
-  if (pair.nearest || pair.in_face) Note(slot, t | (pair.nearest ? kNearest : 0u));
-}
-// Whether there is a pair from i on that may be the nearest of its bin; i is it then.
-bool NextNearest(inout uint i) {
-  while (i < found.count && (found.what[i] & kNearest) == 0u) ++i;
-  return i < found.count;
+  if (pair.nearest || pair.in_face) Note(slot, t, pair.nearest);
 }
 
 void main() {
@@ -212,7 +209,7 @@ void main() {
         found.count = 0u;
         for (; found.count < kRoom && slot < end; slot += EntryStep())
           NoteIf(Touch(near, LiveBall(slot), only, true), slot, 0u);
-        for (uint i = 0u; NextNearest(i); ++i)
+        for (uint i = 0u; NextMarked(i); ++i)
           TakeKey(near, LookAt(LiveBall(found.slot[i]), exact_only), true, LiveEntry(found.slot[i]).index, 0u);
         for (uint i = 0u; i < found.count; ++i) {
           vec4 ball = LiveBall(found.slot[i]);
@@ -235,7 +232,7 @@ void main() {
           uint t = ToolOf(walk.word);
           NoteIf(Touch(near, LiveBall(walk.slot), AtContact(t, s), list == kCutting), walk.slot, t);
         }
-        for (uint i = 0u; NextNearest(i); ++i) {
+        for (uint i = 0u; NextMarked(i); ++i) {
           uint t = ToolOf(found.what[i]);
           TakeKey(near, LookAt(LiveBall(found.slot[i]), ExactAtContact(t, exact_s)), list == kCutting,
                   LiveEntry(found.slot[i]).index, t);

@@ -66,12 +66,18 @@ bool NextPair(inout Walk walk, uint farthest) {
 // What floats have found in an invocation's share of a list, to be looked at exactly behind the loop that finds it. On a processor
 // there is room for many, so that all lanes have one to look at.
 const uint kRoom = kLanes == kGroupSize ? 1u : 64u;
+const uint kMark = 1u << kToolBits;
 struct Found {
   uint count;
-  uint slot[kRoom], what[kRoom];
+  uint slot[kRoom], what[kRoom];  // entry or ball; tool ball, and kMark where more is to be asked
 } found;
-void Note(uint slot, uint what) {
+void Note(uint slot, uint t, bool mark) {
   found.slot[found.count] = slot;
-  found.what[found.count] = what;
+  found.what[found.count] = t | (mark ? kMark : 0u);
   ++found.count;
+}
+// Whether a marked one comes from i on; i is it then.
+bool NextMarked(inout uint i) {
+  while (i < found.count && (found.what[i] & kMark) == 0u) ++i;
+  return i < found.count;
 }

@@ -168,7 +168,7 @@ void RemoveOnce(Way way, RoughPieces rough, Pieces only, uint end) {
     found.count = 0u;
     for (; found.count < kRoom && slot < end; slot += EntryStep()) {
       vec4 ball = LiveBall(slot);
-      if (ball.w > 0.0 && MayTouch(way, rough, ball.xyz, ball.w)) Note(slot, 0u);
+      if (ball.w > 0.0 && MayTouch(way, rough, ball.xyz, ball.w)) Note(slot, 0u, false);
     }
     for (uint i = 0u; i < found.count;) {
       bool on_axis = false;
@@ -200,7 +200,7 @@ void RemovePairs(Way way, bool go) {
       if (!more) break;
       vec4 whole = LiveBall(walk.slot);
       uint t = ToolOf(walk.word);
-      if (whole.w > 0.0 && MayTouch(way, RoughPiecesOf(way, t), whole.xyz, whole.w)) Note(walk.slot, t);
+      if (whole.w > 0.0 && MayTouch(way, RoughPiecesOf(way, t), whole.xyz, whole.w)) Note(walk.slot, t, false);
     }
     for (uint i = 0u; i < found.count;) {
       bool on_axis = false;
