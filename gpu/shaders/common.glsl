@@ -14,6 +14,7 @@ layout(local_size_x_id = 3) in;
 layout(constant_id = 3) const uint kLanes = 64;
 layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
 layout(constant_id = 4) const bool kSplit = false;      // large balls are split
+layout(constant_id = 6) const uint kMaterials = kMaxMaterials;
 
 layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
 layout(scalar, binding = kBindFrame) readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
@@ -28,7 +29,6 @@ layout(scalar, binding = kBindPointStates) buffer PointStateBuffer { uint point_
 layout(scalar, binding = kBindPointUnits) readonly buffer PointUnitBuffer { uint point_units[]; };
 layout(scalar, binding = kBindLiveBalls) buffer LiveBallBuffer { vec4 live_balls[]; };
 layout(scalar, binding = kBindLiveEntries) buffer LiveEntryBuffer { Live live_entries[]; };
-layout(scalar, binding = kBindShaftPairs) buffer ShaftPairBuffer { ShaftPair shaft_pairs[]; };
 layout(scalar, binding = kBindLivePoints) buffer LivePointBuffer { vec4 live_points[]; };
 layout(scalar, binding = kBindPointEntries) buffer PointEntryBuffer { Live point_entries[]; };
 layout(scalar, binding = kBindSlots) buffer SlotBuffer { uint slots[]; };
@@ -41,7 +41,6 @@ layout(binding = kBindToolTexels) uniform samplerBuffer tool_texels;
 layout(binding = kBindSpanTexels) uniform usamplerBuffer span_texels;
 layout(binding = kBindEntryTexels) uniform usamplerBuffer entry_texels;
 layout(binding = kBindPointEntryTexels) uniform usamplerBuffer point_entry_texels;
-layout(binding = kBindShaftTexels) uniform usamplerBuffer shaft_texels;
 layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
 
 // Adds a whole number of each invocation of the subgroup to a sum. Called by all of them.

@@ -8,9 +8,9 @@
 #include "first_contact.glsl"
 #include "pairs.glsl"
 
-#define GATHER_MATERIAL(number) sum_##number += material == number ? units : dvec2(0.0lf);
+#define GATHER_MATERIAL(number) if (kMaterials > number) sum_##number += material == number ? units : dvec2(0.0lf);
 #define FLUSH_MATERIAL(number)                                             \
-  if (frame.material_count > number) {                                     \
+  if (kMaterials > number) {                                               \
     ADD_FINE(frame.exact.engaged[2 * number], int64_t(sum_##number.x))     \
     ADD_FINE(frame.exact.engaged[2 * number + 1], int64_t(sum_##number.y)) \
   }
