@@ -23,9 +23,6 @@ void VulkanEngine::Impl::Place(const Pose& pose) {
     goal_m[t] = X_GT * tool.balls[t].center_T_m;
     placed[2 * t] = ToMillimetres(start_m[t], tool.balls[t].radius_m * kMillimetres);
     placed[2 * t + 1] = ToMillimetres(goal_m[t], 0.0);
-  }
-  // in a loop of its own: GCC 12.2 takes the rounding away where both are one expression
-  for (std::size_t t = 0; t < count; ++t) {
     placed[2 * (count + t)] = Rest(start_m[t], tool.balls[t].radius_m, placed[2 * t]);
     placed[2 * (count + t) + 1] = Rest(goal_m[t], 0.0, placed[2 * t + 1]);
   }
