@@ -75,10 +75,12 @@ struct Way {
   dvec3 step_mm;
   float rounding;
   uint farthest;  // in a word of a pair that may meet on it
+  uint cutter;    // with kContactSphere the only one
   // as floats tell it
   float rough_contact, rough_share;
   vec3 rough_move, rough_step;
 };
+bool Cuts(Way way, uint t) { return !kContactSphere || t == way.cutter; }
 // Both pieces of tool ball t's way.
 struct Pieces {
   Capsule slide, give;
@@ -114,7 +116,8 @@ vec4 Shrink(Way way, uint slot, vec4 ball) {
   dvec4 exact_ball = Exactly(ball);
   for (uint k = entry.first; k < last; ++k) {
     uint word = SpanWord(k);
-    bool may = (word >> kToolBits) <= way.farthest && MayTouch(way, RoughPiecesOf(way, ToolOf(word)), ball.xyz, ball.w);
+    bool may = (word >> kToolBits) <= way.farthest && Cuts(way, ToolOf(word)) &&
+               MayTouch(way, RoughPiecesOf(way, ToolOf(word)), ball.xyz, ball.w);
     for (uint once = may ? 0 : 1; once < 1; ++once) {
       exact_ball = Shrunk(exact_ball, PiecesOf(way, ToolOf(word)));
       ball = InFloats(exact_ball);
@@ -129,8 +132,9 @@ bool IsSwallowed(Way way, uint slot, dvec4 whole) {
   Live entry = LiveEntry(slot);
   uint last = kOneCutter ? entry.first + 1u : entry.first + entry.count;
   for (uint k = entry.first; k < last; ++k) {
-    Pieces pieces = PiecesOf(way, kOneCutter ? 0u : ToolOf(SpanWord(k)));
-    swallowed = swallowed || Swallows(pieces.slide, whole) || Swallows(pieces.give, whole);
+    uint t = kOneCutter ? 0u : ToolOf(SpanWord(k));
+    Pieces pieces = PiecesOf(way, t);
+    swallowed = swallowed || (Cuts(way, t) && (Swallows(pieces.slide, whole) || Swallows(pieces.give, whole)));
   }
   return swallowed;
 }
@@ -174,7 +178,8 @@ void RemovePairs(Way way, bool go) {
         exact_ball = Exactly(ball);
         before = ball.w;
       }
-      touched = ball.w > 0.0 && MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), ball.xyz, ball.w);
+      touched = ball.w > 0.0 && Cuts(way, ToolOf(walk.word)) &&
+                MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), ball.xyz, ball.w);
     }
     if (!touched) continue;
     exact_ball = Shrunk(exact_ball, PiecesOf(way, ToolOf(walk.word)));
@@ -195,6 +200,8 @@ void main() {
   uint row = gl_WorkGroupID.y;
   bool go = frame.is_void == 0u && frame.spindle_rad_per_s != 0.0;
   Way way;
+  way.cutter = ToolOf(frame.touching);
+  if (kContactSphere) go = go && way.cutter < frame.cutter_count;  // a shaft cuts nothing
   way.at_contact = ExactFraction();
   way.slid_by = ChosenSlide();
   Advance advance = AdvanceOfFrame(way.at_contact, way.slid_by);
@@ -264,7 +271,8 @@ void main() {
       more = NextPair(walk, way.farthest);
       if (!more) break;
       point = LivePoint(walk.slot);
-      touched = point.w > 0.0 && MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), point.xyz, 0.0);
+      touched = point.w > 0.0 && Cuts(way, ToolOf(walk.word)) &&
+                MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), point.xyz, 0.0);
     }
     if (!touched || !Inside(PiecesOf(way, ToolOf(walk.word)), dvec3(point.xyz))) continue;
     Clear(walk.slot, point);
