@@ -14,9 +14,9 @@ namespace osteon::simulation {
 
 /// "No contact on this path": larger than any fraction.
 inline constexpr double kNoContact = 2.0;
-/// Tool balls that touch within this way of the tool are met at the same time [m]: far more than rounding,
-/// which would choose between them, and far less than a ball that is stored in floats can be placed.
-inline constexpr double kSameTouch_m = 1e-12;
+/// Tool balls that touch within this way of the tool touch at the same time [m]: a ball that was cut lies so
+/// near to what has cut it, since it is stored in floats, and rounding would choose.
+inline constexpr double kSameTouch_m = 1e-8;
 
 /// Pass 1. Fraction of a tool ball's path at which it first touches a bone ball (equation 3).
 ///
