@@ -150,6 +150,8 @@ struct VulkanEngine::Impl {
   [[nodiscard]] std::span<Block> Blocks() const {
     return {program->host<Block>(kBindBlocks), pool->block_count()};
   }
+  // the tool ball that touches first is the only one that cuts
+  [[nodiscard]] bool CutsAlone() const { return params.cutters == simulation::Cutters::kContactSphere; }
   void MeasureDrift(Frame& f) const;
   [[nodiscard]] float FarthestFrom(const std::vector<Vector3>& was_m, const std::vector<Vector3>& is_m,
                                    bool cuts) const;

@@ -23,6 +23,7 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   sizes.tool_refs = tool.balls.size() + kToolRefs;
   sizes.live = brute_force ? longest : std::min(longest, kMostLive);
   sizes.spans = WholeSpans() + kSpans;
+  sizes.contact_sphere = CutsAlone();
   if (pool) {
     sizes.requests = std::min(ball_count, sizes.live);
     sizes.blocks = pool->block_count();

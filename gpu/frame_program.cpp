@@ -18,6 +18,7 @@
 #include "gpu/spirv/report.h"
 #include "gpu/spirv/slide_engage.h"
 #include "gpu/spirv/solve.h"
+#include "gpu/spirv/touching.h"
 
 namespace osteon::gpu {
 namespace {
@@ -159,17 +160,20 @@ void FrameProgram::MakePipelines() {
     uint ball_clusters;
     uint lanes;
     VkBool32 split;
+    VkBool32 contact_sphere;
     uint materials;
   } const constants{.one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
                     .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
                     .lanes = lanes(),
                     .split = sizes_.blocks > 0 ? VK_TRUE : VK_FALSE,
+                    .contact_sphere = sizes_.contact_sphere ? VK_TRUE : VK_FALSE,
                     .materials = static_cast<uint>(sizes_.materials)};
-  const std::array<vk::SpecializationMapEntry, 5> entries{
+  const std::array<vk::SpecializationMapEntry, 6> entries{
       {{1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)},
        {4, offsetof(Constants, split), sizeof(VkBool32)},
+       {5, offsetof(Constants, contact_sphere), sizeof(VkBool32)},
        {6, offsetof(Constants, materials), sizeof(uint)}}};
   // the solution is one workgroup's work, on a processor one subgroup's
   Constants alone = constants;
@@ -198,6 +202,9 @@ void FrameProgram::MakePipelines() {
       add("slide_engage", kSpirv_slide_engage, constants, all, Then::kReads),
       add("remove_clear", kSpirv_remove_clear, constants, offsetof(Frame, clear_work), Then::kReads)};
   if (gpu_) rest.push_back(add("report", kSpirv_report, alone, kOne, Then::kNothing));
+  // beside the near field, which has no need of it
+  if (sizes_.contact_sphere)
+    rest.insert(rest.begin(), add("touching", kSpirv_touching, constants, pairs, Then::kNothing));
   const std::size_t contact = add("contact", kSpirv_contact, constants, pairs, Then::kReads);
   const std::size_t path =
       add("path_contact", kSpirv_path_contact, constants, offsetof(Frame, path_work), Then::kReads);

@@ -20,6 +20,7 @@ struct ProgramSizes {
   std::size_t live{0};                             ///< entries of each list of what the tool can meet
   std::size_t requests{0}, uploads{0}, blocks{0};  ///< of balls that are split; 0: none is
   std::size_t spans{0};                            ///< tool balls of all live balls and points together
+  bool contact_sphere{false};                      ///< the tool ball that touches first cuts alone
 };
 
 enum class FrameMode : std::size_t {

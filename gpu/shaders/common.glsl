@@ -14,6 +14,7 @@ layout(local_size_x_id = 3) in;
 layout(constant_id = 3) const uint kLanes = 64;
 layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
 layout(constant_id = 4) const bool kSplit = false;      // large balls are split
+layout(constant_id = 5) const bool kContactSphere = false;  // the tool ball that touches first cuts alone
 layout(constant_id = 6) const uint kMaterials = kMaxMaterials;
 
 layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };

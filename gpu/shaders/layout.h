@@ -28,6 +28,7 @@ struct dvec3 {
 
 OSTEON_CONST uint kGroupSize = 64;  // invocations of a workgroup; balls or points of a cluster
 OSTEON_CONST uint kMaxToolBalls = 10000;
+OSTEON_CONST uint kNoToolBall = 0xffffffffu;
 OSTEON_CONST uint kMaxMaterials = 8;
 // the contact law's, see simulation/contact_law.h
 OSTEON_CONST uint kBins = 60;  // of direction; from kCuttingBinCount on of balls that do not cut
@@ -178,6 +179,9 @@ struct Frame {
   uint request_count;  // of balls that should be split; may be above the capacity
   uint tool_rest;      // of the tool's texels, the first of what floats leave
   uint sequence;       // the report's
+  // where one tool ball cuts alone, which: its number in the tool's own list above, the device's in the lower
+  // kToolBits; kNoToolBall where nothing was touched
+  uint touching;
 };
 
 OSTEON_CONST uint kFrameBytes = 4640u;
@@ -233,7 +237,8 @@ struct ShaftPair {
 
 // Storage buffers, in the order of their bindings.
 OSTEON_CONST uint kBindFrame = 0;
-// a tool ball's centre at the proxy (w: radius) and at the tool's pose; then what floats leave of these
+// a tool ball's centre at the proxy (w: radius) and at the tool's pose (w: its number in the tool's own list);
+// then what floats leave of the centres and the radius
 OSTEON_CONST uint kBindTool = 1;
 OSTEON_CONST uint kBindItems = 2;     // clusters of balls, then (from ball cluster count on) of points
 OSTEON_CONST uint kBindToolRefs = 3;  // 0 … tool_count - 1 first

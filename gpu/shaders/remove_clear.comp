@@ -78,10 +78,12 @@ struct Way {
   dvec3 step_mm;
   float rounding;
   uint farthest;  // in a word of a pair that may meet on it
+  uint cutter;    // with kContactSphere the only one
   // as floats tell it
   float rough_contact, rough_share;
   vec3 rough_move, rough_step;
 };
+bool Cuts(Way way, uint t) { return !kContactSphere || t == way.cutter; }
 // Both pieces of tool ball t's way.
 struct Pieces {
   Capsule slide, give;
@@ -120,7 +122,8 @@ vec4 Shrink(Way way, uint slot, vec4 ball) {
   dvec4 exact_ball = Exactly(ball);
   for (uint k = entry.first; k < last; ++k) {
     uint word = SpanWord(k);
-    bool may = (word >> kToolBits) <= way.farthest && MayTouch(way, RoughPiecesOf(way, ToolOf(word)), ball.xyz, ball.w);
+    bool may = (word >> kToolBits) <= way.farthest && Cuts(way, ToolOf(word)) &&
+               MayTouch(way, RoughPiecesOf(way, ToolOf(word)), ball.xyz, ball.w);
     for (uint once = may ? 0 : 1; once < 1; ++once) {
       bool on_axis;
       exact_ball = Shrunk(exact_ball, PiecesOf(way, ToolOf(word)), true, on_axis);
@@ -136,8 +139,9 @@ bool IsSwallowed(Way way, uint slot, dvec4 whole) {
   Live entry = LiveEntry(slot);
   uint last = kOneCutter ? entry.first + 1u : entry.first + entry.count;
   for (uint k = entry.first; k < last; ++k) {
-    Pieces pieces = PiecesOf(way, kOneCutter ? 0u : ToolOf(SpanWord(k)));
-    swallowed = swallowed || Swallows(pieces.slide, whole) || Swallows(pieces.give, whole);
+    uint t = kOneCutter ? 0u : ToolOf(SpanWord(k));
+    Pieces pieces = PiecesOf(way, t);
+    swallowed = swallowed || (Cuts(way, t) && (Swallows(pieces.slide, whole) || Swallows(pieces.give, whole)));
   }
   return swallowed;
 }
@@ -200,7 +204,7 @@ void RemovePairs(Way way, bool go) {
       if (!more) break;
       vec4 whole = LiveBall(walk.slot);
       uint t = ToolOf(walk.word);
-      if (whole.w > 0.0 && MayTouch(way, RoughPiecesOf(way, t), whole.xyz, whole.w)) Note(walk.slot, t, false);
+      if (whole.w > 0.0 && Cuts(way, t) && MayTouch(way, RoughPiecesOf(way, t), whole.xyz, whole.w)) Note(walk.slot, t, false);
     }
     for (uint i = 0u; i < found.count;) {
       bool on_axis = false;
@@ -235,6 +239,8 @@ void main() {
   uint row = Row();
   bool go = frame.is_void == 0u && frame.spindle_rad_per_s != 0.0;
   Way way;
+  way.cutter = ToolOf(frame.touching);
+  if (kContactSphere) go = go && way.cutter < frame.cutter_count;  // a shaft cuts nothing
   way.at_contact = ExactFraction();
   way.slid_by = ChosenSlide();
   Advance advance = AdvanceOfFrame(way.at_contact, way.slid_by);
@@ -293,7 +299,8 @@ void main() {
       more = NextPair(walk, way.farthest);
       if (!more) break;
       point = LivePoint(walk.slot);
-      touched = point.w > 0.0 && MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), point.xyz, 0.0);
+      touched = point.w > 0.0 && Cuts(way, ToolOf(walk.word)) &&
+                MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), point.xyz, 0.0);
     }
     if (!touched || !Inside(PiecesOf(way, ToolOf(walk.word)), dvec3(point.xyz))) continue;
     Clear(walk.slot, point);
