@@ -135,6 +135,8 @@ class SerialChain {
   }
   // J^T F, of the flange's origin.
   Joints TorquesOf(const Posture& posture, const Wrench& F_B) const noexcept;
+  // J M^-1 J^T.
+  Eigen::Matrix<double, 6, 6> MobilityOf(const Joints& q, const JacobianN<N>& J) const noexcept;
   // RNEA with the base accelerating by a, in K(0); kMoving false: qd and qdd are 0.
   template <bool kMoving>
   Joints NewtonEuler(const Joints& q, const Joints& qd, const Joints& qdd, const Vector3& a) const noexcept;
