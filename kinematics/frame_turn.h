@@ -1,11 +1,9 @@
 #pragma once
 
+#include "kinematics/pair.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::kinematics {
-
-/// Two doubles that go through an operation together: every x86-64 and AArch64 has such registers.
-using Pair [[gnu::vector_size(16)]] = double;
 
 /// A 3-vector of any kind of number.
 template <class Scalar>
