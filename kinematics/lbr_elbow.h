@@ -1,0 +1,76 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "control/rt/marker.h"
+#include "kinematics/lbr_params.h"
+#include "kinematics/spatial.h"
+#include "kinematics/two_links.h"
+
+// Where an LBR's elbow can be for a given wrist: what the inverse and the intervals of the arm angle share.
+//
+//           E            the triangle shoulder S, elbow E, wrist W is rigid; it turns about SW by the arm
+//        u / \ f         angle psi. In its plane: axis a along SW, e toward the elbow; m = a x e its normal.
+//         /   \              e = cos(psi) up + sin(psi) side       m = cos(psi) side - sin(psi) up
+//        S-----W             u = cos(alpha) a + sin(alpha) e       f = cos(beta) a - sin(beta) e
+//           a            with alpha + beta = |q4|; d = m x u points out of the elbow.
+
+namespace osteon::kinematics {
+
+/// The circle's frame: `axis` along shoulder to wrist, `up` to the circle's highest point (+x of B where the
+/// axis is vertical), `side` = axis x up.
+struct ElbowCircle {
+  Vector3 axis, up, side;
+};
+
+inline ElbowCircle CircleAround(const Vector3& axis) OSTEON_RT {
+  constexpr double kVertical = 1e-9;  // sine below which the line has no highest point around it
+  const double h = std::sqrt(axis.x() * axis.x() + axis.y() * axis.y());
+  if (h < kVertical) {
+    const Vector3 up = (Vector3::UnitX() - axis.x() * axis).normalized();
+    return {.axis = axis, .up = up, .side = axis.cross(up)};
+  }
+  const double cosine = axis.x() / h, sine = axis.y() / h;
+  return {.axis = axis,
+          .up = Vector3(-axis.z() * cosine, -axis.z() * sine, h),
+          .side = Vector3(sine, -cosine, 0.0)};
+}
+
+/// Triangle of the two links and the line between shoulder and wrist.
+struct ElbowTriangle {
+  Vector3 axis;                       ///< from shoulder to wrist, unit
+  double out_of_reach_m;              ///< as LbrSolutions::out_of_reach_m; the rest is set where it is 0
+  double cos_shoulder, sin_shoulder;  ///< alpha, 0 … pi
+  double cos_elbow, sin_elbow;        ///< |q4|, 0 … pi
+};
+
+inline ElbowTriangle TriangleTo(const LbrParams& params, const Vector3& p_SW) OSTEON_RT {
+  const double upper = params.shoulder_to_elbow_m, fore = params.elbow_to_wrist_m, reach = p_SW.norm();
+  const TwoLinks links = TwoLinksTo(upper, fore, reach);
+  ElbowTriangle t;
+  t.out_of_reach_m = links.out_of_reach_m;
+  if (links.out_of_reach_m != 0.0) return t;
+  t.cos_elbow = links.cos_elbow;
+  t.sin_elbow = links.sin_elbow;
+  if (reach == 0.0) {  // equal links, folded: any direction
+    t.axis = Vector3::UnitZ();
+    t.cos_shoulder = 1.0;
+    t.sin_shoulder = 0.0;
+    return t;
+  }
+  t.axis = p_SW / reach;
+  const double across = 2.0 * reach * upper;
+  t.cos_shoulder = std::clamp((reach * reach + (upper - fore) * (upper + fore)) / across, -1.0, 1.0);
+  t.sin_shoulder = std::min(1.0, links.four_areas_m2 / across);
+  return t;
+}
+
+/// Wrist of an LBR seen from its shoulder, in B.
+inline Vector3 ShoulderToWrist(const LbrParams& params, const Pose& X_BF) OSTEON_RT {
+  Vector3 p_SW = X_BF.translation() - params.wrist_to_flange_m * X_BF.linear().col(2);
+  p_SW.z() -= params.base_to_shoulder_m;
+  return p_SW;
+}
+
+}  // namespace osteon::kinematics
