@@ -92,11 +92,15 @@ DifferentialInverse<N>::DifferentialInverse(const DifferentialInverseParams<N>& 
   require("speed_share", params.speed_share, params.speed_share > 0.0 && params.speed_share <= 1.0, "0 … 1");
   require("acceleration_share", params.acceleration_share, params.acceleration_share > 0.0, "> 0");
   require("turning_length_m", params.turning_length_m, params.turning_length_m > 0.0, "> 0");
-  require("least_damping_m", params.least_damping_m, params.least_damping_m >= 0.0, ">= 0");
-  require("singular_zone_m", params.singular_zone_m, params.singular_zone_m > 0.0, "> 0");
+  require("least_damping_m", params.least_damping_m, params.least_damping_m > 0.0, "> 0");
+  require("singular_zone_m", params.singular_zone_m,
+          params.singular_zone_m >= kDampedUpTo * params.least_damping_m, ">= 4 least_damping_m");
   require("singular_margin_rad", params.singular_margin_rad, params.singular_margin_rad >= 0.0, ">= 0");
   require("singular_speed_share", params.singular_speed_share,
           params.singular_speed_share > 0.0 && params.singular_speed_share <= 1.0, "0 … 1");
+  require("null_speed_rad_per_s", params.null_speed_rad_per_s, params.null_speed_rad_per_s >= 0.0, ">= 0");
+  require("null_acceleration_share", params.null_acceleration_share,
+          params.null_acceleration_share > 0.0 && params.null_acceleration_share <= 1.0, "0 … 1");
   for (int i = 0; i < N; ++i) {
     const JointLimits& limit = params.limits[static_cast<std::size_t>(i)];
     const std::string joint = "joint A" + std::to_string(i + 1) + " ";
@@ -170,7 +174,8 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
       continue;
     }
     const double curvature_m = weighed(u).dot(Curvature<N>(in.J, v));
-    const Vanishing y = SpeedAlong(v, sigma[k], curvature_m, a, length, v.dot(in.qd_before), in.dt_s);
+    const Vanishing y =
+        SpeedAlong(v, sigma[k], curvature_m, a, length, v.dot(in.qd_before), in.share_before, in.dt_s);
     const double lost = a - (sigma[k] + 0.5 * curvature_m * y.speed * in.dt_s) * y.speed;
     task += y.speed * v;
     lost_squared += lost * lost;
@@ -182,7 +187,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   JointVectorN<N> n = JointVectorN<N>::Zero();
   if constexpr (N > 6) n = directions.col(6);
   const Box box = BoxAt(in.q, in.dt_s);
-  ScaleIntoBox(box, task, n, n.dot(in.qd_null), out);
+  ScaleIntoBox(box, task, n, WantedNullSpeed(n, in), out);
   LimitChange(box, in.qd_before, in.dt_s, out);
 
   const double lost_share = length > 0.0 ? std::min(1.0, out.lost_m_per_s / length) : 0.0;
@@ -199,25 +204,40 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   return out;
 }
 
+// The wanted null motion along n, in size and change.
+template <int N>
+double DifferentialInverse<N>::WantedNullSpeed(const JointVectorN<N>& n,
+                                               const MotionInput<N>& in) const OSTEON_RT {
+  double change = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < N; ++i)
+    change = std::min(change, params_.null_acceleration_share * acceleration_rad_per_s2_[i] * in.dt_s /
+                                  std::max(std::abs(n[i]), kTiny));
+  const double most = params_.null_speed_rad_per_s, before = n.dot(in.qd_before);
+  return std::clamp(std::clamp(n.dot(in.qd_null), -most, most), before - change, before + change);
+}
+
 // Joint speed along the unit direction v, for the part a of the twist, where sigma is in the zone.
 template <int N>
 typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
     const JointVectorN<N>& v, double sigma_m, double curvature_m, double a_m_per_s, double twist_m_per_s,
-    double before_rad_per_s, double dt_s) const OSTEON_RT {
+    double before_rad_per_s, double share_before, double dt_s) const OSTEON_RT {
   double speed = std::numeric_limits<double>::infinity(), acceleration = speed;
   for (int i = 0; i < N; ++i) {
     const double part = std::max(std::abs(v[i]), kTiny);
     speed = std::min(speed, params_.singular_speed_share * speed_rad_per_s_[i] / part);
     acceleration = std::min(acceleration, acceleration_rad_per_s2_[i] / part);
   }
-  const double edge = sigma_m / params_.singular_zone_m;
+  const double neutral_m = kDampedUpTo * params_.least_damping_m;
+  const double bends = std::min(1.0, std::abs(curvature_m) / kReturning_m);
+  const double zone_m = neutral_m + bends * (params_.singular_zone_m - neutral_m);
+  if (sigma_m >= zone_m) return {.speed = a_m_per_s / sigma_m, .lambda = 0.0};
+  const double edge = sigma_m / zone_m;
   const double depth = std::max(1.0 - edge * edge, kTiny);  // 0 at the zone's edge, where nothing may jump
 
   // damped; on the way back the less, the more the direction bends, and with its second order
   const bool returns = a_m_per_s * curvature_m > 0.0;
-  const double bend = returns ? std::min(1.0, std::abs(curvature_m) / kReturning_m) : 0.0;
-  const double deep = std::max(0.0, 1.0 - sigma_m / (kDampedUpTo * params_.least_damping_m + kTiny));
-  const double least = std::pow(deep * params_.least_damping_m, 2) * (1.0 - bend);
+  const double deep = std::max(0.0, 1.0 - sigma_m / neutral_m) * params_.least_damping_m;
+  const double least = deep * deep * (returns ? 1.0 - bends : 1.0);
   double y = 0.0;
   if (sigma_m > 0.0 || (returns && least == 0.0)) {
     const double stiff = sigma_m + (least > 0.0 ? least / sigma_m : 0.0);
@@ -226,8 +246,11 @@ typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
   }
 
   // the joints' acceleration, their speed, and the end of the reach
-  const double change = acceleration * dt_s / depth;
-  y = std::clamp(y, before_rad_per_s - change, before_rad_per_s + change);
+  if (share_before > 0.0) {  // against what it was before limits scaled the whole
+    const double before = before_rad_per_s / share_before;
+    const double change = acceleration * dt_s / (depth * share_before);
+    y = std::clamp(y, before - change, before + change);
+  }
   y = std::clamp(y, -speed / depth, speed / depth);
   if (std::abs(curvature_m) > kTiny) {
     const double away = std::copysign(1.0, curvature_m);  // of y, where it makes sigma larger

@@ -37,17 +37,22 @@ struct DifferentialInverseParams {
   double speed_share{0.9};                         ///< of the velocity limits that may be used, (0, 1]
   double acceleration_share{1.0};                  ///< of the acceleration limits, > 0
   double turning_length_m{0.3};                    ///< a turn of 1 rad weighs as much as this way; > 0
-  /// Of a direction that vanishes and that no motion along it brings back (a straight wrist): least lambda
-  /// [m] where sigma = 0; >= 0.
-  double least_damping_m{0.005};
-  /// Singular values below this count as vanishing, those above are inverted as they are; > 0. For an iiwa
-  /// .07 m is an elbow bent by less than about 27 deg: the last 25 mm of its reach.
+  /// Where the reach ends (|c_k| from .05 m/rad on), singular values below this count as vanishing. For an
+  /// iiwa .07 m is an elbow bent by less than about 27 deg: the last 25 mm of its reach.
   double singular_zone_m{0.07};
+  /// Where no motion along the direction brings it back (a straight wrist), lambda at sigma = 0; singular
+  /// values below four times this count as vanishing there. Small, since the tool's way is kept outside;
+  /// .002 m is a wrist that misses straight by about 2 deg. > 0.
+  double least_damping_m{0.002};
   /// How far from the singular posture a motion against the end of the reach stops, as a joint angle; >= 0.
   /// A thousandth of a radian at an iiwa's elbow is .1 um of reach.
   double singular_margin_rad{2e-3};
   /// Share of the joints' speed that a vanishing direction may use, (0, 1]: the rest is left to the others.
   double singular_speed_share{0.5};
+  double null_speed_rad_per_s{0.5};  ///< most of the wanted null motion (norm over the joints); >= 0
+  /// Of the joints' acceleration that a change of the wanted null motion may use, (0, 1]: an objective that
+  /// comes or goes is no jump.
+  double null_acceleration_share{0.25};
 };
 
 template <int N>
@@ -56,8 +61,9 @@ struct MotionInput {
   Twist V_BT;                            ///< wanted mean velocity of the tool over the tick, in B
   JointVectorN<N> q{JointVectorN<N>::Zero()};
   JointVectorN<N> qd_before{JointVectorN<N>::Zero()};  ///< of the tick before [rad/s]
-  /// Joint velocity that the null space should follow [rad/s]: its part in the null space is used. Bounds on
-  /// its size and smoothness are the caller's. Zero for 6 joints.
+  double share_before{1.0};                            ///< its MotionOutput::share
+  /// Joint velocity that the null space should follow [rad/s], as far as its parameters allow: its part in
+  /// the null space is used, so a gradient will do. Without effect for 6 joints.
   JointVectorN<N> qd_null{JointVectorN<N>::Zero()};
   double dt_s{0.001};  ///< > 0
 };
@@ -80,13 +86,13 @@ struct MotionOutput {
 /// Differential inverse kinematics for arms of 6 or 7 joints, with limits. No state: the caller carries the
 /// velocity of the tick before.
 ///
-/// **Singular directions.** Where sigma_k is below the zone, the joint speed y_k along v_k is bounded instead
+/// **Singular directions.** Where sigma_k is in its zone, the joint speed y_k along v_k is bounded instead
 /// of growing as 1/sigma_k: damped least squares that damps the vanishing direction alone, with the least
 /// lambda that keeps the bound, lambda^2 = sigma_k (|a_k / y_k| - sigma_k). The bound is
 ///
 ///     |y_k| <= (joint speed along v_k) / w          w = 1 - (sigma_k / zone)^2: none at the zone's edge
 ///     |y_k| <= braking speed over sigma_k / |c_k|   where y_k makes sigma_k smaller: the reach ends smoothly
-///     |y_k - before| <= (joint acceleration along v_k) dt / w
+///     |y_k - y_k before| <= (joint acceleration along v_k) dt / w
 ///
 /// with c_k = d sigma_k / d y_k. Where y_k makes sigma_k larger (the way back), the second order counts as
 /// well, sigma y dt + c (y dt)^2 / 2 = a dt: finite where sigma = 0, so that an arm that was pushed straight
@@ -123,7 +129,8 @@ class DifferentialInverse {
   };
   [[nodiscard]] Vanishing SpeedAlong(const JointVectorN<N>& v, double sigma_m, double curvature_m,
                                      double a_m_per_s, double twist_m_per_s, double before_rad_per_s,
-                                     double dt_s) const OSTEON_RT;
+                                     double share_before, double dt_s) const OSTEON_RT;
+  [[nodiscard]] double WantedNullSpeed(const JointVectorN<N>& n, const MotionInput<N>& in) const OSTEON_RT;
   struct Box {
     JointVectorN<N> low, high;                                              ///< <= 0, >= 0 [rad/s]
     std::array<bool, static_cast<std::size_t>(N)> low_brakes, high_brakes;  ///< position, not speed
