@@ -130,22 +130,17 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
     return out;
   }
 
-  // the twist that makes the tick's mean the wanted one: the tool's way is curved where joints turn
-  V -= 0.5 * in.dt_s * Curvature<N>(in.J, in.qd_before);
-
   // the six directions, a radian as long as the turning length
   JacobianN<N> J = in.J;
   J.template bottomRows<3>() *= length_m;
-  Vector6 V_scaled = V;
-  V_scaled.tail<3>() *= length_m;
+  const auto scaled = [length_m](Vector6 twist) {
+    twist.template tail<3>() *= length_m;
+    return twist;
+  };
   const Eigen::JacobiSVD<JacobianN<N>> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Vector6 sigma = svd.singularValues();
   Eigen::Matrix<double, N, N> directions = svd.matrixV();
-  const auto weighed = [length_m](Vector6 u) {
-    u.template tail<3>() *= length_m;
-    return u;
-  };
-  const Vector6 u_min = weighed(svd.matrixU().col(5));
+  const Vector6 u_min = scaled(svd.matrixU().col(5));
   if constexpr (N > 6) {
     // singular to the last bit: of the two directions without motion, the one that bends the most is v
     if (sigma[5] < kUnresolved * sigma[0]) {
@@ -161,6 +156,17 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   out.sigma_min_m = sigma[5];
   out.sigma_gradient_m = SingularValueGradient<N>(in.J, u_min, directions.col(5));
 
+  // The tool's way is curved where joints turn, by half a tick of J' qd: the twist whose tick has the wanted
+  // one as its mean. With qd as it will be where nothing limits it.
+  JointVectorN<N> qd_free = in.qd_before;
+  for (int k = 0; k < 6; ++k) {
+    if (sigma[k] < params_.singular_zone_m) continue;
+    const double a = svd.matrixU().col(k).dot(scaled(V));
+    qd_free += (a / sigma[k] - directions.col(k).dot(in.qd_before)) * directions.col(k);
+  }
+  V -= 0.5 * in.dt_s * Curvature<N>(in.J, qd_free);
+  const Vector6 V_scaled = scaled(V);
+
   // the task
   JointVectorN<N> task = JointVectorN<N>::Zero();
   const double length = V_scaled.norm();
@@ -173,7 +179,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
       task += (a / sigma[k]) * v;
       continue;
     }
-    const double curvature_m = weighed(u).dot(Curvature<N>(in.J, v));
+    const double curvature_m = scaled(u).dot(Curvature<N>(in.J, v));
     const Vanishing y =
         SpeedAlong(v, sigma[k], curvature_m, a, length, v.dot(in.qd_before), in.share_before, in.dt_s);
     const double lost = a - (sigma[k] + 0.5 * curvature_m * y.speed * in.dt_s) * y.speed;

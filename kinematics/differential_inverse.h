@@ -52,7 +52,7 @@ struct DifferentialInverseParams {
   double null_speed_rad_per_s{0.5};  ///< most of the wanted null motion (norm over the joints); >= 0
   /// Of the joints' acceleration that a change of the wanted null motion may use, (0, 1]: an objective that
   /// comes or goes is no jump.
-  double null_acceleration_share{0.25};
+  double null_acceleration_share{0.5};
 };
 
 template <int N>

@@ -12,6 +12,7 @@
 #include <Eigen/SVD>
 
 #include "control/rt/no_alloc_scope.h"
+#include "iiwa14.h"
 #include "kinematics/lbr_arm.h"
 
 namespace osteon::kinematics {
@@ -21,13 +22,15 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr double kDt_s = 0.001;
 
 const LbrArm& Arm() {
-  static const LbrArm arm{LbrParams{}};
+  static const LbrArm arm{Iiwa14()};
   return arm;
 }
 
+const std::array<JointLimits, 7>& Limits() { return Arm().params().limits; }
+
 DifferentialInverseParams<7> Params() {
   DifferentialInverseParams<7> params;
-  params.limits = kIiwa14Limits;
+  params.limits = Limits();
   return params;
 }
 
@@ -36,7 +39,7 @@ constexpr std::array<int, 6> kWithoutA3{0, 1, 3, 4, 5, 6};
 DifferentialInverseParams<6> SixParams() {
   DifferentialInverseParams<6> params;
   for (std::size_t i = 0; i < 6; ++i)
-    params.limits[i] = kIiwa14Limits[static_cast<std::size_t>(kWithoutA3[i])];
+    params.limits[i] = Limits()[static_cast<std::size_t>(kWithoutA3[i])];
   return params;
 }
 JointVectorN<7> Seven(const JointVectorN<6>& q) {
@@ -97,7 +100,7 @@ class DifferentialInverseTest : public ::testing::Test {
   JointVectorN<7> RegularPosture() {
     while (true) {
       JointVectorN<7> q;
-      for (int i = 0; i < 7; ++i) q[i] = 0.7 * Unit() * kIiwa14Limits[static_cast<std::size_t>(i)].upper_rad;
+      for (int i = 0; i < 7; ++i) q[i] = 0.7 * Unit() * Limits()[static_cast<std::size_t>(i)].upper_rad;
       JacobianN<7> J = Jacobian(q);
       J.bottomRows<3>() *= Params().turning_length_m;
       if (J.jacobiSvd().singularValues()[5] > 1.5 * Params().singular_zone_m) return q;
@@ -138,7 +141,7 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatAnyNullMotionA
     const int near = n % 7;
     const double room = 0.02 * (1.0 + Unit());
     in.q[near] =
-        kIiwa14Limits[static_cast<std::size_t>(near)].upper_rad - Params().position_margin_rad - room;
+        Limits()[static_cast<std::size_t>(near)].upper_rad - Params().position_margin_rad - room;
     in.J = Jacobian(in.q);
     in.V_BT = {.v = 0.3 * UnitVector(), .w = 0.8 * UnitVector()};
     in.qd_null = 0.3 * JointVectorN<7>::NullaryExpr([this] { return Unit(); });
@@ -150,11 +153,11 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatAnyNullMotionA
     const JointVectorN<7> null = in.J.fullPivLu().kernel().col(0).normalized();
     // the box, from its definition
     double tau_s = 0.0;
-    for (const JointLimits& limit : kIiwa14Limits)
+    for (const JointLimits& limit : Limits())
       tau_s = std::max(tau_s, 0.9 * limit.velocity_rad_per_s / limit.acceleration_rad_per_s2);
     JointVectorN<7> low, high;
     for (int i = 0; i < 7; ++i) {
-      const JointLimits& limit = kIiwa14Limits[static_cast<std::size_t>(i)];
+      const JointLimits& limit = Limits()[static_cast<std::size_t>(i)];
       const double up = limit.upper_rad - Params().position_margin_rad - in.q[i];
       const double down = in.q[i] - limit.lower_rad - Params().position_margin_rad;
       high[i] = std::min(0.9 * limit.velocity_rad_per_s, up / (tau_s + kDt_s));
