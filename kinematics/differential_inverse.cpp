@@ -227,11 +227,13 @@ template <int N>
 typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
     const JointVectorN<N>& v, double sigma_m, double curvature_m, double a_m_per_s, double twist_m_per_s,
     double before_rad_per_s, double share_before, double dt_s) const OSTEON_RT {
-  double speed = std::numeric_limits<double>::infinity(), acceleration = speed;
+  double speed = std::numeric_limits<double>::infinity(), acceleration = speed, braking = speed;
   for (int i = 0; i < N; ++i) {
     const double part = std::max(std::abs(v[i]), kTiny);
     speed = std::min(speed, params_.singular_speed_share * speed_rad_per_s_[i] / part);
     acceleration = std::min(acceleration, acceleration_rad_per_s2_[i] / part);
+    braking =
+        std::min(braking, 0.5 * params_.limits[static_cast<std::size_t>(i)].acceleration_rad_per_s2 / part);
   }
   const double neutral_m = kDampedUpTo * params_.least_damping_m;
   const double bends = std::min(1.0, std::abs(curvature_m) / kReturning_m);
@@ -261,7 +263,7 @@ typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
   if (std::abs(curvature_m) > kTiny) {
     const double away = std::copysign(1.0, curvature_m);  // of y, where it makes sigma larger
     const double distance = sigma_m / std::abs(curvature_m) - params_.singular_margin_rad;
-    const double least_away = distance > 0.0 ? -BrakingSpeed(distance, 0.5 * acceleration, dt_s) / depth
+    const double least_away = distance > 0.0 ? -BrakingSpeed(distance, braking, dt_s) / depth
                                              : std::min(-distance / (kReturnTicks * dt_s),
                                                         twist_m_per_s / params_.turning_length_m);
     y = away * std::max(away * y, least_away);

@@ -35,8 +35,9 @@ struct DifferentialInverseParams {
   std::array<JointLimits, static_cast<std::size_t>(N)> limits{};
   double position_margin_rad{0.0174532925199433};  ///< kept from the position limits (1 deg); >= 0
   double speed_share{0.9};                         ///< of the velocity limits that may be used, (0, 1]
-  double acceleration_share{1.0};                  ///< of the acceleration limits, > 0
-  double turning_length_m{0.3};                    ///< a turn of 1 rad weighs as much as this way; > 0
+  double acceleration_share{1.0};  ///< of the acceleration limits that a change may use, > 0; braking before
+                                   ///< a limit or the end of the reach counts on the limits themselves
+  double turning_length_m{0.3};  ///< a turn of 1 rad weighs as much as this way; > 0
   /// Where the reach ends (|c_k| from .05 m/rad on), singular values below this count as vanishing. For an
   /// iiwa .07 m is an elbow bent by less than about 27 deg: the last 25 mm of its reach.
   double singular_zone_m{0.07};
