@@ -1,0 +1,310 @@
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <kdl/chaindynparam.hpp>
+#include <kdl/chainidsolver_recursive_newton_euler.hpp>
+
+#include "control/rt/no_alloc_scope.h"
+#include "kinematics/payload.h"
+#include "kinematics/serial_chain.h"
+#include "tests/kinematics/chain_samples.h"
+#include "tests/kinematics/mujoco_arm.h"
+
+namespace osteon::kinematics {
+namespace {
+
+constexpr double kRelative = 1e-9;  // of the largest torque: asked for; rounding gives 1e-13
+
+// The worst share by which torques differ from KDL's over random states, with a wrench on the flange in every
+// other.
+template <int N>
+double InverseDynamicsError(const ChainParams<N>& params, int states, std::mt19937_64& random) {
+  const Vector3 gravity_B(1.0, -2.0, -9.0);  // of an arm that is mounted askew
+  const SerialChain<N> arm(params, gravity_B);
+  const KDL::Chain chain = KdlChain(params);
+  KDL::ChainIdSolver_RNE inverse(chain, KDL::Vector(gravity_B.x(), gravity_B.y(), gravity_B.z()));
+  KDL::JntArray q(N), qd(N), qdd(N), tau(N);
+  double worst = 0.0;
+  for (int n = 0; n < states; ++n) {
+    q.data = RandomJoints<N>(random, std::numbers::pi);
+    qd.data = RandomJoints<N>(random, 3.0);
+    qdd.data = RandomJoints<N>(random, 10.0);
+    Wrench F;
+    if (n % 2 == 1)
+      F = {.f = RandomJoints<6>(random, 200.0).head<3>(), .t = RandomJoints<6>(random, 20.0).head<3>()};
+    // KDL wants each segment's wrench in the segment's frame
+    const Matrix3 R_BF = arm.FlangePose(q.data).linear();
+    const Vector3 f = R_BF.transpose() * F.f, t = R_BF.transpose() * F.t;
+    KDL::Wrenches wrenches(chain.getNrOfSegments(), KDL::Wrench::Zero());
+    wrenches.back() = KDL::Wrench(KDL::Vector(f.x(), f.y(), f.z()), KDL::Vector(t.x(), t.y(), t.z()));
+    EXPECT_EQ(inverse.CartToJnt(q, qd, qdd, wrenches, tau), 0);
+    const JointVectorN<N> found = n % 2 == 1 ? arm.InverseDynamics(q.data, qd.data, qdd.data, F)
+                                             : arm.InverseDynamics(q.data, qd.data, qdd.data);
+    worst = std::max(worst, (found - tau.data).cwiseAbs().maxCoeff() / tau.data.cwiseAbs().maxCoeff());
+  }
+  return worst;
+}
+
+TEST(ChainDynamics, InverseDynamicsEqualsKdl) {
+  std::mt19937_64 random{21};
+  EXPECT_LT(InverseDynamicsError(Iiwa14(), 20'000, random), kRelative);
+  for (int n = 0; n < 20; ++n) {
+    EXPECT_LT(InverseDynamicsError(RandomChain<6>(random), 100, random), kRelative);
+    EXPECT_LT(InverseDynamicsError(RandomChain<7>(random), 100, random), kRelative);
+  }
+}
+
+template <int N>
+double GravityCoriolisError(const ChainParams<N>& params, int states, std::mt19937_64& random) {
+  const SerialChain<N> arm(params);
+  const KDL::Chain chain = KdlChain(params);
+  KDL::ChainDynParam dynamics(chain, KDL::Vector(0, 0, -9.81));
+  KDL::JntArray q(N), qd(N), tau(N);
+  double worst = 0.0;
+  for (int n = 0; n < states; ++n) {
+    q.data = RandomJoints<N>(random, std::numbers::pi);
+    qd.data = RandomJoints<N>(random, 3.0);
+    EXPECT_EQ(dynamics.JntToGravity(q, tau), 0);
+    worst = std::max(worst,
+                     (arm.Gravity(q.data) - tau.data).cwiseAbs().maxCoeff() / tau.data.cwiseAbs().maxCoeff());
+    EXPECT_EQ(dynamics.JntToCoriolis(q, qd, tau), 0);
+    worst = std::max(worst, (arm.Coriolis(q.data, qd.data) - tau.data).cwiseAbs().maxCoeff() /
+                                tau.data.cwiseAbs().maxCoeff());
+  }
+  return worst;
+}
+
+TEST(ChainDynamics, GravityAndCoriolisEqualKdl) {
+  std::mt19937_64 random{22};
+  EXPECT_LT(GravityCoriolisError(Iiwa14(), 10'000, random), kRelative);
+  EXPECT_LT(GravityCoriolisError(RandomChain<6>(random), 500, random), kRelative);
+}
+
+// Both libraries: MuJoCo computes in other frames and with spatial accelerations, KDL with none of its code.
+template <int N>
+struct MassErrors {
+  double kdl{0.0}, mujoco{0.0}, mujoco_inverse{0.0}, mujoco_forward{0.0};
+};
+
+template <int N>
+MassErrors<N> BesideBoth(const ChainParams<N>& params, int states, std::mt19937_64& random) {
+  const Vector3 gravity_B(0.5, 1.0, -9.5);
+  const SerialChain<N> arm(params, gravity_B);
+  MujocoArm<N> mujoco(params, gravity_B);
+  const KDL::Chain chain = KdlChain(params);
+  KDL::ChainDynParam dynamics(chain, KDL::Vector(0, 0, -9.81));
+  KDL::JntArray joints(N);
+  KDL::JntSpaceInertiaMatrix M_kdl(N);
+  const auto share = [](const auto& found, const auto& expected) {
+    return (found - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
+  };
+  MassErrors<N> worst;
+  for (int n = 0; n < states; ++n) {
+    const JointVectorN<N> q = RandomJoints<N>(random, std::numbers::pi), qd = RandomJoints<N>(random, 3.0),
+                          qdd = RandomJoints<N>(random, 10.0), tau = RandomJoints<N>(random, 100.0);
+    joints.data = q;
+    EXPECT_EQ(dynamics.JntToMass(joints, M_kdl), 0);
+    const JointMatrixN<N> M = arm.MassMatrix(q), M_expected = M_kdl.data;
+    EXPECT_EQ(M, JointMatrixN<N>(M.transpose()));
+    worst.kdl = std::max(worst.kdl, share(M, M_expected));
+    worst.mujoco = std::max(worst.mujoco, share(M, mujoco.MassMatrix(q)));
+    worst.mujoco_inverse = std::max(
+        worst.mujoco_inverse, share(arm.InverseDynamics(q, qd, qdd), mujoco.InverseDynamics(q, qd, qdd)));
+    worst.mujoco_forward = std::max(
+        worst.mujoco_forward, share(arm.ForwardDynamics(q, qd, tau), mujoco.ForwardDynamics(q, qd, tau)));
+  }
+  return worst;
+}
+
+TEST(ChainDynamics, MassMatrixAndMotionEqualKdlAndMujoco) {
+  std::mt19937_64 random{23};
+  const auto check = [](const auto& worst) {
+    EXPECT_LT(worst.kdl, kRelative);
+    EXPECT_LT(worst.mujoco, kRelative);
+    EXPECT_LT(worst.mujoco_inverse, kRelative);
+    EXPECT_LT(worst.mujoco_forward, kRelative);
+  };
+  check(BesideBoth(Iiwa14(), 10'000, random));
+  for (int n = 0; n < 10; ++n) {
+    check(BesideBoth(RandomChain<6>(random), 200, random));
+    check(BesideBoth(RandomChain<7>(random), 200, random));
+  }
+}
+
+// An inverse pair, of two methods that share no recursion.
+template <int N>
+double InversePairError(const ChainParams<N>& params, int states, std::mt19937_64& random) {
+  const SerialChain<N> arm(params);
+  double worst = 0.0;
+  for (int n = 0; n < states; ++n) {
+    const JointVectorN<N> q = RandomJoints<N>(random, std::numbers::pi), qd = RandomJoints<N>(random, 3.0),
+                          qdd = RandomJoints<N>(random, 10.0);
+    const Wrench F{.f = RandomJoints<6>(random, 200.0).template head<3>(),
+                   .t = RandomJoints<6>(random, 20.0).template head<3>()};
+    const JointVectorN<N> back = arm.ForwardDynamics(q, qd, arm.InverseDynamics(q, qd, qdd, F), F);
+    worst = std::max(worst, (back - qdd).cwiseAbs().maxCoeff() / 10.0);
+  }
+  return worst;
+}
+
+TEST(ChainDynamics, ForwardDynamicsUndoesInverseDynamics) {
+  std::mt19937_64 random{24};
+  EXPECT_LT(InversePairError(Iiwa14(), 20'000, random), kRelative);
+  for (int n = 0; n < 20; ++n) {
+    EXPECT_LT(InversePairError(RandomChain<6>(random), 100, random), kRelative);
+    EXPECT_LT(InversePairError(RandomChain<7>(random), 100, random), kRelative);
+  }
+}
+
+// The power balance that control laws lean on. Ṁ by central differences, h = 1e-5: error h^2/6 and 1e-16/h
+// times M of a few kg m^2, below 1e-8.
+TEST(ChainDynamics, CoriolisMatrixMakesTheMassMatrixRateSkew) {
+  std::mt19937_64 random{25};
+  for (const ChainParams<7>& params : {Iiwa14(), RandomChain<7>(random)}) {
+    const SerialChain<7> arm(params);
+    for (int n = 0; n < 200; ++n) {
+      const JointVectorN<7> q = RandomJoints<7>(random, 3.0), qd = RandomJoints<7>(random, 2.0);
+      const JointMatrixN<7> C = arm.CoriolisMatrix(q, qd);
+      const JointVectorN<7> expected = arm.Coriolis(q, qd);
+      EXPECT_LT((C * qd - expected).cwiseAbs().maxCoeff(), 1e-12 * std::max(1.0, expected.norm()));
+      const double h = 1e-5;
+      const JointMatrixN<7> M_dot = (arm.MassMatrix(q + h * qd) - arm.MassMatrix(q - h * qd)) / (2.0 * h);
+      const JointMatrixN<7> skew = M_dot - 2.0 * C;
+      EXPECT_LT((skew + skew.transpose()).cwiseAbs().maxCoeff(), 1e-7);
+    }
+  }
+}
+
+// The arm falls freely for a second from a raised posture: what it loses in height it has as motion. The
+// classical Runge-Kutta method is of fourth order: half the step, a sixteenth of the error.
+TEST(ChainDynamics, FreeMotionKeepsItsEnergyToTheIntegratorsOrder) {
+  const ChainParams<7> params = Iiwa14();
+  const SerialChain<7> arm(params);
+  const auto energy = [&](const JointVectorN<7>& q, const JointVectorN<7>& qd) {
+    const auto posture = arm.Place(q);
+    double sum = 0.5 * qd.dot(arm.MassMatrix(q) * qd);
+    for (int i = 0; i < 7; ++i) {
+      const LinkInertia& link = params.joints[static_cast<std::size_t>(i)].link;
+      sum += 9.81 * link.mass_kg * (arm.LinkPose(posture, i) * link.p_LLcm_m).z();
+    }
+    return sum;
+  };
+  const auto error = [&](int steps) {
+    JointVectorN<7> q = (JointVectorN<7>() << 0.3, 0.5, -0.2, -0.9, 0.4, 0.6, 0.1).finished();
+    JointVectorN<7> qd = (JointVectorN<7>() << 0.2, -0.3, 0.5, 0.1, -0.4, 0.3, 1.0).finished();
+    const double before = energy(q, qd), dt = 0.5 / steps;
+    const auto rate = [&](const JointVectorN<7>& q_at, const JointVectorN<7>& qd_at) {
+      return arm.ForwardDynamics(q_at, qd_at, JointVectorN<7>::Zero());
+    };
+    for (int n = 0; n < steps; ++n) {
+      const JointVectorN<7> v1 = qd, a1 = rate(q, v1);
+      const JointVectorN<7> v2 = qd + 0.5 * dt * a1, a2 = rate(q + 0.5 * dt * v1, v2);
+      const JointVectorN<7> v3 = qd + 0.5 * dt * a2, a3 = rate(q + 0.5 * dt * v2, v3);
+      const JointVectorN<7> v4 = qd + dt * a3, a4 = rate(q + dt * v3, v4);
+      q += dt / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
+      qd += dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    }
+    return std::abs(energy(q, qd) - before);
+  };
+  const double coarse = error(800), fine = error(1600), finest = error(3200);
+  EXPECT_GT(coarse / fine, 12.0) << coarse << ' ' << fine << ' ' << finest;
+  EXPECT_GT(fine / finest, 12.0) << coarse << ' ' << fine << ' ' << finest;
+  EXPECT_LT(finest, 1e-6) << "J";
+}
+
+TEST(ChainDynamics, FrictionOpposesMotionAndSaturates) {
+  ChainParams<7> params = Iiwa14();
+  params.joints[2].friction = {.viscous_Nms_per_rad = 0.5, .coulomb_Nm = 2.0, .smoothing_rad_per_s = 0.01};
+  const SerialChain<7> arm(params);
+  JointVectorN<7> qd = JointVectorN<7>::Zero();
+  EXPECT_EQ(arm.Friction(qd), qd);
+  qd[2] = 1.0;
+  EXPECT_NEAR(arm.Friction(qd)[2], 2.5, 1e-12);
+  EXPECT_NEAR(arm.Friction(-qd)[2], -2.5, 1e-12);
+  qd[2] = 0.01;
+  EXPECT_NEAR(arm.Friction(qd)[2], 0.005 + 2.0 * std::tanh(1.0), 1e-12);
+  EXPECT_EQ(arm.Friction(qd)[3], 0.0);
+}
+
+// A hand's wrench on a resting arm in free space: the flange starts with the acceleration that the mobility
+// says.
+TEST(ChainDynamics, MobilityIsTheAccelerationForAWrench) {
+  std::mt19937_64 random{26};
+  const SerialChain<7> arm(RandomChain<7>(random), Vector3::Zero());
+  for (int n = 0; n < 100; ++n) {
+    const JointVectorN<7> q = RandomJoints<7>(random, 3.0), rest = JointVectorN<7>::Zero();
+    const auto posture = arm.Place(q);
+    const Eigen::Matrix<double, 6, 1> F = RandomJoints<6>(random, 50.0);
+    const JointVectorN<7> qdd = arm.ForwardDynamics(q, rest, rest, {.f = F.head<3>(), .t = F.tail<3>()});
+    const Eigen::Matrix<double, 6, 1> expected = arm.Jacobian(posture) * qdd;
+    EXPECT_LT((arm.Mobility(q) * F - expected).norm(), 1e-10 * expected.norm());
+    const Vector3 p_B = posture.X_BF * Vector3(0.02, 0.1, 0.3);
+    const Eigen::Matrix<double, 6, 6> unit = arm.OperationalInertia(q, p_B) * arm.Mobility(q, p_B);
+    EXPECT_TRUE(unit.isIdentity(1e-6)) << unit;
+    const Vector3 u = F.head<3>().normalized();
+    EXPECT_NEAR(arm.FeltMass(q, u, p_B) * u.dot(arm.Mobility(q, p_B).topLeftCorner<3, 3>() * u), 1.0, 1e-9);
+    EXPECT_NEAR(arm.FeltMass(q, u) * u.dot(arm.Mobility(q).topLeftCorner<3, 3>() * u), 1.0, 1e-9);
+  }
+}
+
+// Stretched upwards the iiwa can push along z with nothing but its structure, and sideways as ever.
+TEST(ChainDynamics, FeltMassIsFiniteAtASingularityWhereTheArmCanMove) {
+  const SerialChain<7> arm(Iiwa14());
+  const JointVectorN<7> up = JointVectorN<7>::Zero();
+  EXPECT_GT(arm.FeltMass(up, Vector3::UnitX()), 0.1);
+  EXPECT_LT(arm.FeltMass(up, Vector3::UnitX()), 30.0);
+  EXPECT_GT(arm.FeltMass(up, Vector3::UnitZ()), 1e12);
+}
+
+// Tool and link as one body or as two: the torques of the whole are those of the bare arm and of the payload,
+// whose weight and inertia act on the flange as a wrench.
+TEST(ChainDynamics, PayloadActsOnTheFlangeAsItsWeightAndInertia) {
+  std::mt19937_64 random{27};
+  for (int n = 0; n < 50; ++n) {
+    const ChainParams<6> bare_params = RandomChain<6>(random);
+    LinkInertia payload = RandomChain<6>(random).joints[0].link;
+    const SerialChain<6> bare(bare_params), loaded(WithPayload(bare_params, payload));
+    const JointVectorN<6> q = RandomJoints<6>(random, 3.0), qd = RandomJoints<6>(random, 2.0),
+                          qdd = RandomJoints<6>(random, 5.0);
+    const auto posture = bare.Place(q);
+    const JacobianN<6> J = bare.Jacobian(posture), J_dot = bare.JacobianDot(posture, qd);
+    const Eigen::Matrix<double, 6, 1> V = J * qd, A = J * qdd + J_dot * qd;
+    const Matrix3 R = posture.X_BF.linear(), I = R * payload.I_LLcm_kg_m2 * R.transpose();
+    const Vector3 w = V.tail<3>(), wd = A.tail<3>(), c = R * payload.p_LLcm_m;
+    const Vector3 a = A.head<3>() + wd.cross(c) + w.cross(w.cross(c)) + Vector3(0, 0, 9.81);
+    Eigen::Matrix<double, 6, 1> F;
+    F.head<3>() = payload.mass_kg * a;
+    F.tail<3>() = I * wd + w.cross(I * w) + c.cross(F.head<3>());
+    const JointVectorN<6> expected = bare.InverseDynamics(q, qd, qdd) + J.transpose() * F;
+    EXPECT_LT((loaded.InverseDynamics(q, qd, qdd) - expected).norm(), 1e-12 * expected.norm());
+  }
+}
+
+TEST(ChainDynamics, PayloadThatIsNoBodyIsRefusedAndOneWithoutMassesChangesNothing) {
+  LinkInertia payload{.mass_kg = 1.0};
+  EXPECT_EQ(WithPayload(Kr6R900(), payload).joints.back().link.mass_kg, 0.0);
+  EXPECT_EQ(WithPayload(Iiwa14(), LinkInertia{}).joints.back().link.mass_kg,
+            Iiwa14().joints.back().link.mass_kg);
+  payload.mass_kg = -1.0;
+  EXPECT_THROW(static_cast<void>(WithPayload(Iiwa14(), payload)), std::invalid_argument);
+}
+
+TEST(ChainDynamics, DoesNotAllocate) {
+  std::mt19937_64 random{28};
+  const SerialChain<7> arm(Iiwa14());
+  const JointVectorN<7> q = RandomJoints<7>(random, 2.0), qd = RandomJoints<7>(random, 1.0);
+  const Wrench F{.f = {1, 2, 3}, .t = {4, 5, 6}};
+  rt::NoAllocScope scope;
+  JointVectorN<7> sum = arm.InverseDynamics(q, qd, q) + arm.InverseDynamics(q, qd, q, F) + arm.Gravity(q) +
+                        arm.Coriolis(q, qd) + arm.Friction(qd) + arm.ForwardDynamics(q, qd, q) +
+                        arm.ForwardDynamics(q, qd, q, F);
+  sum += (arm.MassMatrix(q) + arm.CoriolisMatrix(q, qd)) * qd;
+  const double total = sum.sum() + arm.OperationalInertia(q).sum() + arm.Mobility(q, F.f).sum() +
+                       arm.FeltMass(q, Vector3::UnitZ());
+  EXPECT_EQ(scope.heap_calls(), 0);
+  EXPECT_EQ(scope.locks(), 0);
+  EXPECT_TRUE(std::isfinite(total));
+}
+
+}  // namespace
+}  // namespace osteon::kinematics

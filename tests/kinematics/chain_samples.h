@@ -1,0 +1,33 @@
+#pragma once
+
+#include <random>
+
+#include <kdl/chain.hpp>
+
+#include "kinematics/chain_params.h"
+
+// Arms to test with, and the same arms as KDL has them.
+
+namespace osteon::kinematics {
+
+/// LBR iiwa 14 R820 as lbr_description gives it: joint origins off the axes, axes along z, y, z, -y, z, y, z.
+[[nodiscard]] ChainParams<7> Iiwa14();
+
+/// KR 6 R900-2 from the joint origins of kuka_experimental's kr6r900sixx description. No masses.
+[[nodiscard]] ChainParams<6> Kr6R900();
+
+/// Any arm: origins within 0.3 m, turned any way, axes any way, masses of a body with the arm's sizes,
+/// rotors, friction, and a flange of any pose.
+template <int N>
+[[nodiscard]] ChainParams<N> RandomChain(std::mt19937_64& random);
+
+/// @returns the chain's joints as KDL's segments, and its flange as a last one without a joint. KDL wants a
+/// link's inertia at the segment's tip, which here is the joint itself: the described frame.
+template <int N>
+[[nodiscard]] KDL::Chain KdlChain(const ChainParams<N>& params);
+
+/// Uniform in ±range for each joint.
+template <int N>
+[[nodiscard]] JointVectorN<N> RandomJoints(std::mt19937_64& random, double range);
+
+}  // namespace osteon::kinematics
