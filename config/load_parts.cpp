@@ -23,8 +23,9 @@ kinematics::LbrParams LoadRobot(const std::filesystem::path& path) {
   std::array<std::string, 7> names;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     names[i] = joints[i].Text("name");
-    kinematics::JointLimit& limit = params.limits[i];
-    limit.position_rad = joints[i].Number("position_deg", 1, 179);
+    kinematics::JointLimits& limit = params.limits[i];
+    limit.upper_rad = joints[i].Number("position_deg", 1, 179);
+    limit.lower_rad = -limit.upper_rad;
     limit.velocity_rad_per_s = joints[i].Number("velocity_deg_per_s", 1, 360);
     limit.acceleration_rad_per_s2 = joints[i].Number("acceleration_rad_per_s2", 0.1, 100);
     limit.torque_Nm = joints[i].Number("torque_Nm", 1, 1000);

@@ -59,8 +59,8 @@ std::string Describe(const StopReport& stop) {
     case StopReason::kNotFinite:
       return fmt::format("not finite: A{} commanded {}", stop.joint, stop.found);
     case StopReason::kJointLimit:
-      return fmt::format("joint limit: A{} commanded {:.4f} rad, accepted ±{:.4f}", stop.joint, stop.found,
-                         stop.accepted);
+      return fmt::format("joint limit: A{} commanded {:.4f} rad, accepted at {} {:.4f}", stop.joint,
+                         stop.found, stop.found > stop.accepted ? "most" : "least", stop.accepted);
     case StopReason::kJointStep:
       return fmt::format("joint step: A{} moved {:.5f} rad in one command, accepted {:.5f}", stop.joint,
                          stop.found, stop.accepted);
@@ -68,7 +68,7 @@ std::string Describe(const StopReport& stop) {
   return "unknown";
 }
 
-FriServer::FriServer(const FriServerParams& params, const std::array<kinematics::JointLimit, 7>& limits,
+FriServer::FriServer(const FriServerParams& params, const std::array<kinematics::JointLimits, 7>& limits,
                      const JointVector& q_start)
     : params_(params),
       limits_(limits),
@@ -85,13 +85,14 @@ FriServer::FriServer(const FriServerParams& params, const std::array<kinematics:
   Require(params.tracking_error_zero_rad > 0.0, "tracking_error_zero_rad", params.tracking_error_zero_rad,
           "> 0");
   for (int i = 0; i < control::kJoints; ++i) {
-    const kinematics::JointLimit& limit = limits[static_cast<std::size_t>(i)];
-    Require(limit.position_rad > 0.0, fmt::format("position limit of A{} [rad]", i + 1), limit.position_rad,
-            "> 0");
+    const kinematics::JointLimits& limit = limits[static_cast<std::size_t>(i)];
+    Require(limit.lower_rad < limit.upper_rad, fmt::format("upper position limit of A{} [rad]", i + 1),
+            limit.upper_rad, fmt::format("above the lower limit {}", limit.lower_rad));
     Require(limit.velocity_rad_per_s > 0.0, fmt::format("velocity limit of A{} [rad/s]", i + 1),
             limit.velocity_rad_per_s, "> 0");
-    Require(std::abs(q_start[i]) <= limit.position_rad, fmt::format("start position of A{} [rad]", i + 1),
-            q_start[i], fmt::format("±{}", limit.position_rad));
+    Require(q_start[i] >= limit.lower_rad && q_start[i] <= limit.upper_rad,
+            fmt::format("start position of A{} [rad]", i + 1), q_start[i],
+            fmt::format("{} … {}", limit.lower_rad, limit.upper_rad));
   }
 }
 
@@ -249,10 +250,10 @@ void FriServer::Follow() {
     return SafetyStop(StopReason::kJointCount, 0, pending_.joint_count, control::kJoints);
   for (int i = 0; i < control::kJoints; ++i) {
     const double q_rad = pending_.q[static_cast<std::size_t>(i)];
-    const kinematics::JointLimit& limit = limits_[static_cast<std::size_t>(i)];
-    if (!std::isfinite(q_rad)) return SafetyStop(StopReason::kNotFinite, i + 1, q_rad, limit.position_rad);
-    if (std::abs(q_rad) > limit.position_rad)
-      return SafetyStop(StopReason::kJointLimit, i + 1, q_rad, limit.position_rad);
+    const kinematics::JointLimits& limit = limits_[static_cast<std::size_t>(i)];
+    if (!std::isfinite(q_rad)) return SafetyStop(StopReason::kNotFinite, i + 1, q_rad, limit.upper_rad);
+    if (q_rad > limit.upper_rad) return SafetyStop(StopReason::kJointLimit, i + 1, q_rad, limit.upper_rad);
+    if (q_rad < limit.lower_rad) return SafetyStop(StopReason::kJointLimit, i + 1, q_rad, limit.lower_rad);
     const double step_rad = std::abs(q_rad - q_commanded_[i]);
     const double max_step_rad =
         limit.velocity_rad_per_s * period_s() * cycles_since_command_ * params_.step_margin;

@@ -91,9 +91,9 @@ struct ArmMeasurement {
 /// Real arms interpolate, brake along a path and need to be acknowledged after a stop: not modelled here.
 class FriServer {
  public:
-  /// @param limits position and velocity limits are used; all must be positive.
+  /// @param limits position and velocity limits are used; lower < upper, velocity > 0.
   /// @throws std::invalid_argument on a parameter out of range or q_start [rad] outside the limits.
-  FriServer(const FriServerParams& params, const std::array<kinematics::JointLimit, 7>& limits,
+  FriServer(const FriServerParams& params, const std::array<kinematics::JointLimits, 7>& limits,
             const kinematics::JointVector& q_start);
 
   /// Opens the session, as the robot program does. Counters go on.
@@ -132,7 +132,7 @@ class FriServer {
   [[nodiscard]] StopReport Report(StopReason reason, int joint, double found, double accepted) const;
 
   FriServerParams params_;
-  std::array<kinematics::JointLimit, 7> limits_;
+  std::array<kinematics::JointLimits, 7> limits_;
   FriCodec codec_;
   LinkQuality quality_;
   FriCounters counters_;

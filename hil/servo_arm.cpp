@@ -25,7 +25,7 @@ Eigen::Matrix2d Transition(double w, double z, double period_s) {
 
 }  // namespace
 
-ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::JointLimit, 7>& limits,
+ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::JointLimits, 7>& limits,
                    double period_s, const kinematics::JointVector& q_start)
     : period_s_(period_s),
       max_acceleration_rad_per_s2_(params.max_acceleration_rad_per_s2),

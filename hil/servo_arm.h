@@ -33,8 +33,8 @@ class ServoArm {
 
   /// At rest at q_start [rad]. Of the limits, velocity is used.
   /// @throws std::invalid_argument on a parameter out of range.
-  ServoArm(const ServoArmParams& params, const std::array<kinematics::JointLimit, 7>& limits, double period_s,
-           const kinematics::JointVector& q_start);
+  ServoArm(const ServoArmParams& params, const std::array<kinematics::JointLimits, 7>& limits,
+           double period_s, const kinematics::JointVector& q_start);
 
   /// Advances by one period with the command given at its beginning.
   void Step(const kinematics::JointVector& q_cmd) OSTEON_RT;

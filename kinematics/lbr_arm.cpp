@@ -154,9 +154,10 @@ bool LbrArm::Inverse(const Pose& X_BF, double arm_angle_rad, const JointVector& 
         candidate << shoulder.turn, shoulder.tilt, elbow.turn, -elbow.tilt, wrist.turn, wrist.tilt,
             std::atan2(row.x(), row.y());
         bool allowed = true;
-        for (int i = 0; i < 7; ++i)
-          allowed =
-              allowed && std::abs(candidate[i]) <= params_.limits[static_cast<std::size_t>(i)].position_rad;
+        for (int i = 0; i < 7; ++i) {
+          const JointLimits& limit = params_.limits[static_cast<std::size_t>(i)];
+          allowed = allowed && candidate[i] >= limit.lower_rad && candidate[i] <= limit.upper_rad;
+        }
         const double distance = (candidate - seed).squaredNorm();
         if (!allowed || !(distance < best_distance)) continue;
         best = candidate;

@@ -3,6 +3,7 @@
 #include <array>
 #include <numbers>
 
+#include "kinematics/chain_params.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::kinematics {
@@ -10,21 +11,16 @@ namespace osteon::kinematics {
 using JointVector = Eigen::Matrix<double, 7, 1>;  ///< q, qd … of an LBR [rad, rad/s …]
 using Jacobian = Eigen::Matrix<double, 6, 7>;     ///< rows: v (3) then w (3)
 
-struct JointLimit {
-  double position_rad{0.0};  ///< ± this, below pi
-  double velocity_rad_per_s{0.0};
-  double acceleration_rad_per_s2{0.0};
-  double torque_Nm{0.0};
-};
-
 /// Limits of the iiwa 14 R820 for A1 … A7: KUKA's data sheet; accelerations as Drake uses them.
-inline constexpr std::array<JointLimit, 7> kIiwa14Limits = [] {
+inline constexpr std::array<JointLimits, 7> kIiwa14Limits = [] {
   constexpr double rad = std::numbers::pi / 180.0;
-  return std::array<JointLimit, 7>{
-      JointLimit{170 * rad, 85 * rad, 8.57, 320.0}, {120 * rad, 85 * rad, 8.57, 320.0},
-      {170 * rad, 100 * rad, 8.74, 176.0},          {120 * rad, 75 * rad, 11.36, 176.0},
-      {170 * rad, 130 * rad, 12.23, 110.0},         {120 * rad, 135 * rad, 15.72, 40.0},
-      {175 * rad, 135 * rad, 15.72, 40.0}};
+  return std::array<JointLimits, 7>{JointLimits{-170 * rad, 170 * rad, 85 * rad, 8.57, 320.0},
+                                    JointLimits{-120 * rad, 120 * rad, 85 * rad, 8.57, 320.0},
+                                    JointLimits{-170 * rad, 170 * rad, 100 * rad, 8.74, 176.0},
+                                    JointLimits{-120 * rad, 120 * rad, 75 * rad, 11.36, 176.0},
+                                    JointLimits{-170 * rad, 170 * rad, 130 * rad, 12.23, 110.0},
+                                    JointLimits{-120 * rad, 120 * rad, 135 * rad, 15.72, 40.0},
+                                    JointLimits{-175 * rad, 175 * rad, 135 * rad, 15.72, 40.0}};
 }();
 
 /// Geometry and limits of a KUKA LBR (spherical-revolute-spherical, no lateral offsets). Defaults: iiwa 14
@@ -34,7 +30,7 @@ struct LbrParams {
   double shoulder_to_elbow_m{0.420};
   double elbow_to_wrist_m{0.400};
   double wrist_to_flange_m{0.126};
-  std::array<JointLimit, 7> limits{kIiwa14Limits};
+  std::array<JointLimits, 7> limits{kIiwa14Limits};
 };
 
 /// Kinematics of an LBR iiwa. Allocation-free.

@@ -12,16 +12,19 @@ namespace osteon::safety {
 JointGuard::JointGuard(const JointGuardParams& params) : params_(params) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
   for (std::size_t i = 0; i < params.limits.size(); ++i) {
-    const kinematics::JointLimit& limit = params.limits[i];
-    if (!positive(limit.position_rad) || !positive(limit.velocity_rad_per_s) ||
+    const kinematics::JointLimits& limit = params.limits[i];
+    if (!std::isfinite(limit.lower_rad) || !std::isfinite(limit.upper_rad) ||
+        !(limit.lower_rad < limit.upper_rad) || !positive(limit.velocity_rad_per_s) ||
         !positive(limit.acceleration_rad_per_s2))
-      throw std::invalid_argument(
-          "joint A" + std::to_string(i + 1) + ": found position " + std::to_string(limit.position_rad) +
-          " rad, velocity " + std::to_string(limit.velocity_rad_per_s) + " rad/s, acceleration " +
-          std::to_string(limit.acceleration_rad_per_s2) + " rad/s^2, accepted > 0 each");
-    if (!(params.position_margin_rad >= 0.0 && params.position_margin_rad < limit.position_rad))
+      throw std::invalid_argument("joint A" + std::to_string(i + 1) + ": found positions " +
+                                  std::to_string(limit.lower_rad) + " … " + std::to_string(limit.upper_rad) +
+                                  " rad, velocity " + std::to_string(limit.velocity_rad_per_s) +
+                                  " rad/s, acceleration " + std::to_string(limit.acceleration_rad_per_s2) +
+                                  " rad/s^2, accepted lower < upper and > 0 for the others");
+    if (!(params.position_margin_rad >= 0.0 &&
+          params.position_margin_rad < 0.5 * (limit.upper_rad - limit.lower_rad)))
       throw std::invalid_argument("position_margin_rad: found " + std::to_string(params.position_margin_rad) +
-                                  ", accepted 0 … below every position limit");
+                                  ", accepted 0 … below half of every joint's range");
   }
   if (!(params.speed_share > 0.0 && params.speed_share <= 1.0))
     throw std::invalid_argument("speed_share: found " + std::to_string(params.speed_share) +
@@ -35,17 +38,19 @@ JointGuard::Result JointGuard::Limit(const kinematics::JointVector& q,
                                      double dt_s) const OSTEON_RT {
   Result result;
   for (int i = 0; i < 7; ++i) {
-    const kinematics::JointLimit& limit = params_.limits[static_cast<std::size_t>(i)];
+    const kinematics::JointLimits& limit = params_.limits[static_cast<std::size_t>(i)];
     const double step = wanted_step_rad[i];
     if (!std::isfinite(q[i]) || !(std::abs(step) <= params_.jump_rad)) {
       result.jump = true;
       result.share = 0.0;
       return result;
     }
-    if (std::abs(q[i]) > limit.position_rad) result.violated = true;
+    if (q[i] > limit.upper_rad || q[i] < limit.lower_rad) result.violated = true;
 
-    const double distance =
-        limit.position_rad - params_.position_margin_rad - std::copysign(1.0, step) * q[i];
+    // to the limit that the step leads to
+    const bool down = std::signbit(step);
+    const double distance = down ? -limit.lower_rad - params_.position_margin_rad + q[i]
+                                 : limit.upper_rad - params_.position_margin_rad - q[i];
     const double speed = std::min(params_.speed_share * limit.velocity_rad_per_s,
                                   BrakingSpeed(distance, limit.acceleration_rad_per_s2, dt_s));
     if (std::abs(step) > speed * dt_s) result.share = std::min(result.share, speed * dt_s / std::abs(step));

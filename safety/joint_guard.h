@@ -8,8 +8,9 @@
 namespace osteon::safety {
 
 struct JointGuardParams {
-  std::array<kinematics::JointLimit, 7> limits{};  ///< the arm's own; position, velocity, acceleration > 0
-  double position_margin_rad{0.0174532925199433};  ///< kept from the position limit (1 deg); >= 0
+  std::array<kinematics::JointLimits, 7>
+      limits{};  ///< the arm's own; lower < upper, velocity, acceleration > 0
+  double position_margin_rad{0.0174532925199433};  ///< kept from either position limit (1 deg); >= 0
   double speed_share{0.9};                         ///< of the velocity limit that a command may use, (0, 1]
   double jump_rad{0.1};  ///< a step of one joint beyond this is no motion but another branch; > 0
 };

@@ -24,7 +24,8 @@ TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
   EXPECT_DOUBLE_EQ(cell_.robot.elbow_to_wrist_m, defaults.elbow_to_wrist_m);
   EXPECT_DOUBLE_EQ(cell_.robot.wrist_to_flange_m, defaults.wrist_to_flange_m);
   for (std::size_t i = 0; i < 7; ++i) {
-    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].position_rad, defaults.limits[i].position_rad);
+    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].lower_rad, defaults.limits[i].lower_rad);
+    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].upper_rad, defaults.limits[i].upper_rad);
     EXPECT_DOUBLE_EQ(cell_.robot.limits[i].velocity_rad_per_s, defaults.limits[i].velocity_rad_per_s);
     EXPECT_DOUBLE_EQ(cell_.robot.limits[i].acceleration_rad_per_s2,
                      defaults.limits[i].acceleration_rad_per_s2);
@@ -41,7 +42,7 @@ TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
   EXPECT_DOUBLE_EQ(cell_.cutting.max_force_N, 200.0);
   EXPECT_DOUBLE_EQ(cell_.servo.period_s, 0.001);
   EXPECT_DOUBLE_EQ(cell_.servo.spindle_rad_per_s, cell_.tool.spindle_rad_per_s);
-  EXPECT_DOUBLE_EQ(cell_.servo.joints.limits[6].position_rad, 175.0 * kDegree);
+  EXPECT_DOUBLE_EQ(cell_.servo.joints.limits[6].upper_rad, 175.0 * kDegree);
   EXPECT_EQ(cell_.simulated.servo.dead_cycles, 3);
   EXPECT_DOUBLE_EQ(cell_.cutting.max_slide_m, simulation::CuttingParams{}.max_slide_m);
   EXPECT_EQ(cell_.tool.tool.name, "hemispherical reamer 50 mm");
@@ -134,9 +135,8 @@ TEST_F(DemoCellTest, ArmReachesAllThatReamingNeedsFarFromLimitsAndSingularities)
           EXPECT_LT((q - cell_.start.q).cwiseAbs().maxCoeff(), 90.0 * kDegree)
               << "another branch of the inverse";
           for (int i = 0; i < 7; ++i)
-            least_margin_rad =
-                std::min(least_margin_rad,
-                         cell_.robot.limits[static_cast<std::size_t>(i)].position_rad - std::abs(q[i]));
+            least_margin_rad = std::min(
+                least_margin_rad, cell_.robot.limits[static_cast<std::size_t>(i)].upper_rad - std::abs(q[i]));
           kinematics::Jacobian J = arm.FlangeJacobian(q);
           const Vector3 p_FT = arm.FlangePose(q).linear() * cell_.tool.X_FT.translation();
           for (int i = 0; i < 7; ++i) J.col(i).head<3>() += Vector3(J.col(i).tail<3>()).cross(p_FT);

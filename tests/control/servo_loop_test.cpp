@@ -111,7 +111,8 @@ TEST(ServoLoop, PushedTowardsAJointLimitItSlowsDownAndStaysInside) {
   params.workspace.sphere_radius_m = 2.0;
   params.workspace.plane_offset_m = -2.0;
   const double start_a4 = std::abs(ServoBench::StartJoints()[3]);
-  params.joints.limits[3].position_rad = start_a4 + 0.15;
+  params.joints.limits[3].upper_rad = start_a4 + 0.15;
+  params.joints.limits[3].lower_rad = -params.joints.limits[3].upper_rad;
   ServoBench bench(params, 10.0);
   bench.Activate();
   // towards the shoulder: the elbow must bend

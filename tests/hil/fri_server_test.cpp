@@ -247,7 +247,11 @@ TEST(FriServer, StopsOnAnIllegalCommand) {
   ExpectStop(q, StopReason::kJointStep, 4, "joint step: A4");
   q = Start();
   q[1] = 2.1;  // A2: 120 deg = 2.0944 rad
-  ExpectStop(q, StopReason::kJointLimit, 2, "joint limit: A2 commanded 2.1000 rad, accepted ±2.0944");
+  ExpectStop(q, StopReason::kJointLimit, 2, "joint limit: A2 commanded 2.1000 rad, accepted at most 2.0944");
+  q = Start();
+  q[1] = -2.1;
+  ExpectStop(q, StopReason::kJointLimit, 2,
+             "joint limit: A2 commanded -2.1000 rad, accepted at least -2.0944");
   q = Start();
   q[6] = std::numeric_limits<double>::quiet_NaN();
   ExpectStop(q, StopReason::kNotFinite, 7, "not finite: A7");

@@ -14,7 +14,7 @@ namespace {
 
 using kinematics::JointVector;
 
-std::array<kinematics::JointLimit, 7> FastLimits() {
+std::array<kinematics::JointLimits, 7> FastLimits() {
   auto limits = Iiwa14Limits();
   for (auto& limit : limits) limit.velocity_rad_per_s = 1e9;
   return limits;

@@ -150,13 +150,15 @@ struct TestClient {
 };
 
 /// Limits of the iiwa 14.
-inline std::array<kinematics::JointLimit, 7> Iiwa14Limits() {
+inline std::array<kinematics::JointLimits, 7> Iiwa14Limits() {
   constexpr double kDeg = 3.14159265358979323846 / 180.0;
   constexpr std::array<double, 7> position{170, 120, 170, 120, 170, 120, 175};
   constexpr std::array<double, 7> velocity{85, 85, 100, 75, 130, 135, 135};
-  std::array<kinematics::JointLimit, 7> limits{};
+  std::array<kinematics::JointLimits, 7> limits{};
   for (std::size_t i = 0; i < 7; ++i)
-    limits[i] = {.position_rad = position[i] * kDeg, .velocity_rad_per_s = velocity[i] * kDeg};
+    limits[i] = {.lower_rad = -position[i] * kDeg,
+                 .upper_rad = position[i] * kDeg,
+                 .velocity_rad_per_s = velocity[i] * kDeg};
   return limits;
 }
 

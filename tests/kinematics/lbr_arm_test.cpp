@@ -46,7 +46,7 @@ class LbrArmTest : public ::testing::Test {
   JointVector RandomPosture() {
     JointVector q;
     for (int i = 0; i < 7; ++i)
-      q[i] = unit_(random_) * arm_.params().limits[static_cast<std::size_t>(i)].position_rad;
+      q[i] = unit_(random_) * arm_.params().limits[static_cast<std::size_t>(i)].upper_rad;
     return q;
   }
 
@@ -146,7 +146,7 @@ TEST_F(LbrArmTest, EverySolutionGivesThePoseAndTheArmAngleAskedFor) {
     EXPECT_LT((arm_.FlangePose(found).matrix() - X_BF.matrix()).cwiseAbs().maxCoeff(), 1e-10);
     EXPECT_LT(std::abs(std::remainder(arm_.ArmAngle(found) - angle, 2.0 * std::numbers::pi)), 1e-9);
     for (int i = 0; i < 7; ++i)
-      EXPECT_LE(std::abs(found[i]), arm_.params().limits[static_cast<std::size_t>(i)].position_rad);
+      EXPECT_LE(std::abs(found[i]), arm_.params().limits[static_cast<std::size_t>(i)].upper_rad);
     EXPECT_LE((found - seed).norm(), (q - seed).norm() + 1e-9) << "q is a solution: none farther may win";
     if ((found - q).norm() > 0.1) ++other_configuration;
   }
@@ -157,7 +157,7 @@ TEST_F(LbrArmTest, EverySolutionGivesThePoseAndTheArmAngleAskedFor) {
 // link in place.
 TEST_F(LbrArmTest, InverseFindsAllEightConfigurations) {
   LbrParams params;
-  for (JointLimit& limit : params.limits) limit.position_rad = std::numbers::pi;
+  for (JointLimits& limit : params.limits) limit = {};  // ± pi
   const LbrArm arm(params);
   const JointVector q = (JointVector() << 0.3, 0.7, -0.4, -1.2, 0.5, 0.9, -0.2).finished();
   const Pose X_BF = arm.FlangePose(q);
@@ -229,7 +229,9 @@ TEST_F(LbrArmTest, PostureBeyondALimitIsNeverGiven) {
   const Pose X_BF = arm_.FlangePose(q);
   for (int i = 0; i < 7; ++i) {
     LbrParams tight;
-    tight.limits[static_cast<std::size_t>(i)].position_rad = std::abs(q[i]) - 1e-6;
+    JointLimits& limit = tight.limits[static_cast<std::size_t>(i)];
+    limit.upper_rad = std::abs(q[i]) - 1e-6;
+    limit.lower_rad = -limit.upper_rad;
     const LbrArm arm(tight);
     JointVector found = q;
     // a bent joint has the same size in all eight; a turning one beyond 90 deg has a solution on the other
@@ -237,7 +239,7 @@ TEST_F(LbrArmTest, PostureBeyondALimitIsNeverGiven) {
     const bool bent = i == 1 || i == 3 || i == 5;
     EXPECT_EQ(arm.Inverse(X_BF, arm_.ArmAngle(q), q, found), !bent) << "joint " << i + 1;
     if (!bent) {
-      EXPECT_LE(std::abs(found[i]), tight.limits[static_cast<std::size_t>(i)].position_rad);
+      EXPECT_LE(std::abs(found[i]), limit.upper_rad);
       EXPECT_LT((arm.FlangePose(found).matrix() - X_BF.matrix()).cwiseAbs().maxCoeff(), 1e-12);
     }
   }

@@ -16,8 +16,11 @@ constexpr double kDt_s = 0.001;
 
 JointGuardParams Params() {
   JointGuardParams params;
-  params.limits.fill(
-      {.position_rad = 2.0, .velocity_rad_per_s = 1.5, .acceleration_rad_per_s2 = 10.0, .torque_Nm = 100.0});
+  params.limits.fill({.lower_rad = -2.0,
+                      .upper_rad = 2.0,
+                      .velocity_rad_per_s = 1.5,
+                      .acceleration_rad_per_s2 = 10.0,
+                      .torque_Nm = 100.0});
   return params;
 }
 
@@ -53,6 +56,26 @@ TEST(JointGuard, ApproachToAPositionLimitIsMonotoneAndEndsBeforeIt) {
   }
 }
 
+// A KR's A2 goes -190 … 45 deg: each way ends at its own limit.
+TEST(JointGuard, EitherSideHasItsOwnLimit) {
+  JointGuardParams params = Params();
+  params.limits[1].lower_rad = -3.3;
+  params.limits[1].upper_rad = 0.8;
+  const JointGuard guard(params);
+  for (const double sign : {1.0, -1.0}) {
+    JointVector q = JointVector::Zero(), wanted = JointVector::Zero();
+    wanted[1] = sign * 1.35 * kDt_s;
+    for (int i = 0; i < 6000; ++i) q += guard.Limit(q, wanted, kDt_s).step;
+    EXPECT_NEAR(q[1], sign > 0 ? 0.8 - params.position_margin_rad : -3.3 + params.position_margin_rad, 1e-3);
+    EXPECT_FALSE(guard.Limit(q, wanted, kDt_s).violated);
+  }
+  JointVector q = JointVector::Zero();
+  q[1] = 0.81;
+  EXPECT_TRUE(guard.Limit(q, JointVector::Zero(), kDt_s).violated);
+  q[1] = -3.29;
+  EXPECT_FALSE(guard.Limit(q, JointVector::Zero(), kDt_s).violated);
+}
+
 TEST(JointGuard, AnotherBranchIsNoMotion) {
   const JointGuard guard(Params());
   JointVector wanted = JointVector::Zero();
@@ -71,7 +94,7 @@ TEST(JointGuard, OutsideTheArmsOwnLimitsIsViolation) {
 }
 
 TEST(JointGuard, RefusesLimitsThatAreNotSet) {
-  EXPECT_THROW(JointGuard(JointGuardParams{}), std::invalid_argument) << "all limits zero";
+  EXPECT_THROW(JointGuard(JointGuardParams{}), std::invalid_argument) << "no speed, no acceleration";
   JointGuardParams params = Params();
   params.position_margin_rad = 2.5;
   EXPECT_THROW(JointGuard{params}, std::invalid_argument);
