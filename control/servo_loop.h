@@ -21,7 +21,8 @@
 
 namespace osteon::control {
 
-/// Everything that the servo loop can be told. Every field has a usable default.
+/// Everything that the servo loop can be told. Every field has a usable default but the arm's limits
+/// (joints.limits).
 struct ServoParams {
   AdmittanceParams admittance;
   CouplingParams coupling;
@@ -29,7 +30,7 @@ struct ServoParams {
   safety::SensorForceParams sensor_force;
   safety::TwistLimitParams twist;
   safety::WorkspaceParams workspace;  ///< deceleration: should not exceed the stop's
-  safety::JointGuardParams joints{.limits = kinematics::kIiwa14Limits};
+  safety::JointGuardParams joints;    ///< limits: the arm's own, no default
   safety::WatchdogParams watchdog;
   double spindle_rad_per_s{26.18};           ///< while rendering; 250 rpm; 0 for a still spindle
   double stop_deceleration_m_per_s2{3.0};    ///< of the tool in a Stop 1

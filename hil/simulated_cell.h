@@ -14,7 +14,7 @@ namespace osteon::hil {
 
 /// What plays the device.
 struct SimulatedCellParams {
-  kinematics::LbrParams arm{};
+  kinematics::LbrParams arm{};  ///< no default
   ServoArmParams servo{};
   FriServerParams fri{};
   OperatorHandParams hand{};

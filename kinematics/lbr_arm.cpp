@@ -1,18 +1,17 @@
 #include "kinematics/lbr_arm.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "kinematics/lbr_elbow.h"
 
 namespace osteon::kinematics {
 namespace {
 
-constexpr double kReachSlack_m = 1e-12;  // rounding of a stretched arm's own forward kinematics
-constexpr double kStraightElbow =
-    1e-6;  // sine below which the elbow counts as on the line: moves the wrist by < 1 pm
-constexpr double kVerticalLine =
-    1e-9;  // sine below which the shoulder-wrist line has no highest point around it
-constexpr double kFreeJoint = 1e-12;  // sine below which a direction says nothing about the angle around it
+constexpr double kPi = std::numbers::pi;
 
 Matrix3 RotationY(double angle_rad) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
@@ -26,22 +25,6 @@ Matrix3 RotationZ(double angle_rad) {
   Matrix3 R;
   R << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
   return R;
-}
-
-// The elbow's circle seen from the shoulder: `axis` along shoulder to wrist, `up` to its highest point, side
-// = axis x up.
-struct ElbowCircle {
-  Vector3 axis, up, side;
-};
-
-ElbowCircle CircleAround(const Vector3& p_SW) {
-  ElbowCircle circle;
-  circle.axis = p_SW.normalized();
-  Vector3 up = Vector3::UnitZ() - circle.axis.z() * circle.axis;
-  if (up.norm() < kVerticalLine) up = Vector3::UnitX() - circle.axis.x() * circle.axis;
-  circle.up = up.normalized();
-  circle.side = circle.axis.cross(circle.up);
-  return circle;
 }
 
 // Points and axes of a posture, in B.
@@ -77,23 +60,33 @@ Posture PostureOf(const LbrParams& params, const JointVector& q) {
   return a;
 }
 
-// Angles of Rz(turn) Ry(tilt) z = direction with the tilt of the given sign; the turn is `free` where the
-// tilt is 0.
-struct TurnTilt {
-  double turn, tilt;
-};
-
-TurnTilt DirectionAngles(const Vector3& direction, double sign, double free) {
-  const double sine = std::hypot(direction.x(), direction.y());
-  if (sine < kFreeJoint) return {free, std::atan2(0.0, direction.z())};
-  return {std::atan2(sign * direction.y(), sign * direction.x()), sign * std::atan2(sine, direction.z())};
+[[noreturn]] void Refuse(const std::string& name, double found, const char* accepted) {
+  throw std::invalid_argument("arm: " + name + ": found " + std::to_string(found) + ", accepted " + accepted);
 }
 
 }  // namespace
 
-Pose LbrArm::FlangePose(const JointVector& q) const noexcept { return PostureOf(params_, q).X_BF; }
+LbrArm::LbrArm(const LbrParams& params) : params_(params) {
+  if (!std::isfinite(params.base_to_shoulder_m))
+    Refuse("base_to_shoulder_m", params.base_to_shoulder_m, "a finite length");
+  if (!std::isfinite(params.wrist_to_flange_m))
+    Refuse("wrist_to_flange_m", params.wrist_to_flange_m, "a finite length");
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
+  if (!positive(params.shoulder_to_elbow_m)) Refuse("shoulder_to_elbow_m", params.shoulder_to_elbow_m, "> 0");
+  if (!positive(params.elbow_to_wrist_m)) Refuse("elbow_to_wrist_m", params.elbow_to_wrist_m, "> 0");
+  for (std::size_t i = 0; i < 7; ++i) {
+    const JointLimits& limit = params.limits[i];
+    const std::string name = "position limit of A" + std::to_string(i + 1) + " [rad]";
+    if (!(limit.lower_rad >= -kPi && limit.lower_rad <= kPi))
+      Refuse("lower " + name, limit.lower_rad, "-pi … pi");
+    if (!(limit.upper_rad > limit.lower_rad && limit.upper_rad <= kPi))
+      Refuse("upper " + name, limit.upper_rad, "above the lower one … pi");
+  }
+}
 
-Jacobian LbrArm::FlangeJacobian(const JointVector& q) const noexcept {
+Pose LbrArm::FlangePose(const JointVector& q) const OSTEON_RT { return PostureOf(params_, q).X_BF; }
+
+Jacobian LbrArm::FlangeJacobian(const JointVector& q) const OSTEON_RT {
   const Posture a = PostureOf(params_, q);
   Jacobian J;
   for (int i = 0; i < 7; ++i) {
@@ -105,68 +98,122 @@ Jacobian LbrArm::FlangeJacobian(const JointVector& q) const noexcept {
   return J;
 }
 
-double LbrArm::ArmAngle(const JointVector& q) const noexcept {
-  const Posture a = PostureOf(params_, q);
-  const ElbowCircle circle = CircleAround(a.p_wrist - a.p_shoulder);
-  const Vector3 p_SE = a.p_elbow - a.p_shoulder;
-  const double up = circle.up.dot(p_SE), side = circle.side.dot(p_SE);
-  if (std::hypot(up, side) < kStraightElbow * params_.shoulder_to_elbow_m) return 0.0;
-  return std::atan2(side, up);
+double LbrArm::ArmAngle(const JointVector& q) const OSTEON_RT {
+  // columns of R_B2 and R_B3
+  const double c1 = std::cos(q[0]), s1 = std::sin(q[0]), c2 = std::cos(q[1]), s2 = std::sin(q[1]);
+  const double c3 = std::cos(q[2]), s3 = std::sin(q[2]);
+  const Vector3 x_2(c1 * c2, s1 * c2, -s2), y_2(-s1, c1, 0.0), u(c1 * s2, s1 * s2, c2);
+  const Vector3 x_3 = c3 * x_2 + s3 * y_2, y_3 = c3 * y_2 - s3 * x_2;
+
+  // the normal of the elbow's plane is the elbow's axis, whichever way it bends
+  const Vector3 f = std::cos(q[3]) * u - std::sin(q[3]) * x_3;
+  const Vector3 p_SW = params_.shoulder_to_elbow_m * u + params_.elbow_to_wrist_m * f;
+  const double reach = p_SW.norm();
+  const ElbowCircle circle = CircleAround(reach > 0.0 ? Vector3(p_SW / reach) : Vector3::UnitZ());
+  const Vector3 m = q[3] < 0.0 ? Vector3(-y_3) : y_3;
+  return std::atan2(-m.dot(circle.up), m.dot(circle.side));
+}
+
+const LbrSolution* LbrSolutions::Nearest(const JointVector& seed) const OSTEON_RT {
+  if (!reachable()) return nullptr;
+  const LbrSolution* best = nullptr;
+  double best_distance = std::numeric_limits<double>::infinity();
+  for (const LbrSolution& candidate : configuration) {
+    const double distance = (candidate.q - seed).squaredNorm();
+    if (!candidate.valid() || !(distance < best_distance)) continue;
+    best = &candidate;
+    best_distance = distance;
+  }
+  return best;
+}
+
+LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVector& seed) const OSTEON_RT {
+  LbrSolutions result;
+
+  // wrist from the shoulder, and the triangle that it makes with the elbow
+  const Vector3 R_x = X_BF.linear().col(0), R_y = X_BF.linear().col(1), w = X_BF.linear().col(2);
+  Vector3 p_SW = X_BF.translation() - params_.wrist_to_flange_m * w;
+  p_SW.z() -= params_.base_to_shoulder_m;
+  const ElbowTriangle triangle = TriangleTo(params_, p_SW);
+  result.out_of_reach_m = triangle.out_of_reach_m;
+  if (!std::isfinite(R_x.sum() + R_y.sum() + w.sum() + arm_angle_rad))
+    result.out_of_reach_m = std::numeric_limits<double>::quiet_NaN();
+  if (!result.reachable()) return result;
+
+  // its place on the circle: upper arm u, forearm f, normal m, outward direction d
+  const ElbowCircle circle = CircleAround(triangle.axis);
+  const double cos_psi = std::cos(arm_angle_rad), sin_psi = std::sin(arm_angle_rad);
+  const Vector3 e = cos_psi * circle.up + sin_psi * circle.side;
+  const Vector3 m = cos_psi * circle.side - sin_psi * circle.up;
+  const Vector3 u = triangle.cos_shoulder * circle.axis + triangle.sin_shoulder * e;
+  const Vector3 d = triangle.cos_shoulder * e - triangle.sin_shoulder * circle.axis;
+  const Vector3 f = triangle.cos_elbow * u - triangle.sin_elbow * d;
+
+  // configuration 0: q2, q4, q6 >= 0. Shoulder: R_B3 = [d m u]
+  JointVector q;
+  double sine = std::sqrt(u.x() * u.x() + u.y() * u.y()), c, s;
+  if (sine < kFreeJoint) {
+    sine = 0.0;
+    q[0] = seed[0];
+    c = std::cos(q[0]), s = std::sin(q[0]);
+  } else {
+    q[0] = std::atan2(u.y(), u.x());
+    c = u.x() / sine, s = u.y() / sine;
+  }
+  q[1] = std::atan2(sine, u.z());
+  q[2] = std::atan2(c * d.y() - s * d.x(), c * m.y() - s * m.x());  // y of frame 2 is (-s c 0)
+  q[3] = std::atan2(triangle.sin_elbow, triangle.cos_elbow);
+
+  // wrist: R_B4 = [m x f, m, f]
+  const Vector3 x_4 = m.cross(f);
+  const double w_x = x_4.dot(w), w_y = m.dot(w);
+  sine = std::sqrt(w_x * w_x + w_y * w_y);
+  if (sine < kFreeJoint) {
+    sine = 0.0;
+    q[4] = seed[4];
+    c = std::cos(q[4]), s = std::sin(q[4]);
+  } else {
+    q[4] = std::atan2(w_y, w_x);
+    c = w_x / sine, s = w_y / sine;
+  }
+  q[5] = std::atan2(sine, f.dot(w));
+  const Vector3 y_6 = c * m - s * x_4;
+  q[6] = std::atan2(y_6.dot(R_x), y_6.dot(R_y));
+
+  // the same joints where a neighbour is flipped, and by how much each is beyond its limits either way
+  std::array<JointVector, 2> q_of{q, {}};
+  std::array<std::array<double, 7>, 2> beyond_of{};
+  for (int i = 0; i < 7; ++i) q_of[1][i] = i % 2 == 1 ? -q[i] : q[i] - std::copysign(kPi, q[i]);
+  for (std::size_t flipped = 0; flipped < 2; ++flipped) {
+    for (std::size_t i = 0; i < 7; ++i) {
+      const double value = q_of[flipped][static_cast<int>(i)];
+      beyond_of[flipped][i] =
+          std::max(params_.limits[i].lower_rad - value, value - params_.limits[i].upper_rad);
+    }
+  }
+  for (unsigned k = 0; k < LbrSolutions::kConfigurations; ++k) {
+    const unsigned flip2 = k & 1u, flip4 = k >> 1 & 1u, flip6 = k >> 2 & 1u;
+    const std::array<unsigned, 7> flip{flip2, flip2, flip2 ^ flip4, flip4, flip4 ^ flip6, flip6, flip6};
+    LbrSolution& solution = result.configuration[k];
+    for (std::size_t i = 0; i < 7; ++i) {
+      solution.q[static_cast<int>(i)] = q_of[flip[i]][static_cast<int>(i)];
+      const double beyond = beyond_of[flip[i]][i];
+      if (beyond <= 0.0) continue;
+      solution.beyond = static_cast<std::uint8_t>(solution.beyond | 1u << i);
+      if (!(beyond > solution.beyond_rad)) continue;
+      solution.beyond_rad = beyond;
+      solution.worst_joint = static_cast<int>(i);
+    }
+  }
+  return result;
 }
 
 bool LbrArm::Inverse(const Pose& X_BF, double arm_angle_rad, const JointVector& seed,
-                     JointVector& q) const noexcept {
-  const double upper = params_.shoulder_to_elbow_m, fore = params_.elbow_to_wrist_m;
-
-  // wrist from the shoulder; within reach?
-  const Vector3 p_SW = X_BF.translation() - params_.wrist_to_flange_m * X_BF.linear().col(2) -
-                       Vector3(0.0, 0.0, params_.base_to_shoulder_m);
-  const double reach = p_SW.norm();
-  const bool reachable =
-      reach > 0.0 && reach <= upper + fore + kReachSlack_m && reach >= std::abs(upper - fore);
-  if (!reachable) return false;  // also where it is not a number
-
-  // elbow from the shoulder: cosine rule in the triangle, then the place on the circle
-  const double cosine = std::min(1.0, (reach * reach + upper * upper - fore * fore) / (2.0 * reach * upper));
-  double sine = std::sqrt((1.0 - cosine) * (1.0 + cosine));
-  if (sine < kStraightElbow) sine = 0.0;
-  const ElbowCircle circle = CircleAround(p_SW);
-  const Vector3 upper_arm = cosine * circle.axis + sine * (std::cos(arm_angle_rad) * circle.up +
-                                                           std::sin(arm_angle_rad) * circle.side);
-  const Vector3 forearm = sine == 0.0 ? upper_arm : Vector3((p_SW - upper * upper_arm).normalized());
-
-  // the eight postures; keep the nearest that every limit allows
-  JointVector best = seed;
-  double best_distance = std::numeric_limits<double>::infinity();
-  for (const double sign2 : {1.0, -1.0}) {
-    const TurnTilt shoulder = DirectionAngles(upper_arm, sign2, seed[0]);
-    const Matrix3 R_B2 = RotationZ(shoulder.turn) * RotationY(shoulder.tilt);
-    for (const double sign4 : {1.0, -1.0}) {
-      // A4 turns about -y, hence the sign of its tilt
-      const TurnTilt elbow = DirectionAngles(R_B2.transpose() * forearm, -sign4, seed[2]);
-      const Matrix3 R_B4 = R_B2 * RotationZ(elbow.turn) * RotationY(elbow.tilt);
-      const Matrix3 R_4F = R_B4.transpose() * X_BF.linear();
-      for (const double sign6 : {1.0, -1.0}) {
-        const TurnTilt wrist = DirectionAngles(R_4F.col(2), sign6, seed[4]);
-        // what is left is Ry(q6) Rz(q7), whose second row is (sin q7, cos q7, 0)
-        const Eigen::RowVector3d row = RotationZ(wrist.turn).col(1).transpose() * R_4F;
-        JointVector candidate;
-        candidate << shoulder.turn, shoulder.tilt, elbow.turn, -elbow.tilt, wrist.turn, wrist.tilt,
-            std::atan2(row.x(), row.y());
-        bool allowed = true;
-        for (int i = 0; i < 7; ++i) {
-          const JointLimits& limit = params_.limits[static_cast<std::size_t>(i)];
-          allowed = allowed && candidate[i] >= limit.lower_rad && candidate[i] <= limit.upper_rad;
-        }
-        const double distance = (candidate - seed).squaredNorm();
-        if (!allowed || !(distance < best_distance)) continue;
-        best = candidate;
-        best_distance = distance;
-      }
-    }
-  }
-  if (!std::isfinite(best_distance)) return false;
-  q = best;
+                     JointVector& q) const OSTEON_RT {
+  const LbrSolutions solutions = Solve(X_BF, arm_angle_rad, seed);
+  const LbrSolution* nearest = solutions.Nearest(seed);
+  if (nearest == nullptr) return false;
+  q = nearest->q;
   return true;
 }
 

@@ -1,76 +1,96 @@
 #pragma once
 
 #include <array>
-#include <numbers>
+#include <cstdint>
 
+#include "control/rt/marker.h"
 #include "kinematics/chain_params.h"
+#include "kinematics/lbr_params.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::kinematics {
 
-using JointVector = Eigen::Matrix<double, 7, 1>;  ///< q, qd … of an LBR [rad, rad/s …]
-using Jacobian = Eigen::Matrix<double, 6, 7>;     ///< rows: v (3) then w (3)
+using JointVector = JointVectorN<7>;  ///< q, qd … of an LBR [rad, rad/s …]
+using Jacobian = JacobianN<7>;        ///< rows: v (3) then w (3)
 
-/// Limits of the iiwa 14 R820 for A1 … A7: KUKA's data sheet; accelerations as Drake uses them.
-inline constexpr std::array<JointLimits, 7> kIiwa14Limits = [] {
-  constexpr double rad = std::numbers::pi / 180.0;
-  return std::array<JointLimits, 7>{JointLimits{-170 * rad, 170 * rad, 85 * rad, 8.57, 320.0},
-                                    JointLimits{-120 * rad, 120 * rad, 85 * rad, 8.57, 320.0},
-                                    JointLimits{-170 * rad, 170 * rad, 100 * rad, 8.74, 176.0},
-                                    JointLimits{-120 * rad, 120 * rad, 75 * rad, 11.36, 176.0},
-                                    JointLimits{-170 * rad, 170 * rad, 130 * rad, 12.23, 110.0},
-                                    JointLimits{-120 * rad, 120 * rad, 135 * rad, 15.72, 40.0},
-                                    JointLimits{-175 * rad, 175 * rad, 135 * rad, 15.72, 40.0}};
-}();
+/// One posture that reaches a pose.
+struct LbrSolution {
+  JointVector q{JointVector::Zero()};  ///< [rad], each within -pi … pi
+  double beyond_rad{0.0};  ///< by how much the worst joint is outside its limits; 0 where all are within
+  int worst_joint{-1};     ///< 0 … 6, the joint with beyond_rad; -1 where all are within
+  std::uint8_t beyond{0};  ///< bit i: joint i is outside its limits
 
-/// Geometry and limits of a KUKA LBR (spherical-revolute-spherical, no lateral offsets). Defaults: iiwa 14
-/// R820. Source: lbr_description; limits as in KUKA's data sheet; accelerations as Drake uses them.
-struct LbrParams {
-  double base_to_shoulder_m{0.360};
-  double shoulder_to_elbow_m{0.420};
-  double elbow_to_wrist_m{0.400};
-  double wrist_to_flange_m{0.126};
-  std::array<JointLimits, 7> limits{kIiwa14Limits};
+  [[nodiscard]] bool valid() const noexcept { return beyond == 0; }
+};
+
+/// All postures of a pose and an arm angle: one for each configuration, or none.
+struct LbrSolutions {
+  static constexpr int kConfigurations = 8;
+
+  /// By configuration number (LbrArm::Configuration). Set where reachable().
+  std::array<LbrSolution, kConfigurations> configuration;
+  /// How far the wrist's centre is from what the arm's two links reach: > 0 too far from the shoulder, < 0
+  /// too near, 0 reachable, NaN where the pose or the angle is not finite.
+  double out_of_reach_m{0.0};
+
+  [[nodiscard]] bool reachable() const noexcept { return out_of_reach_m == 0.0; }
+
+  /// The valid solution nearest to `seed` (sum of squared joint differences; of equals the lower number);
+  /// nullptr where there is none or the seed is not finite.
+  [[nodiscard]] const LbrSolution* Nearest(const JointVector& seed) const OSTEON_RT;
 };
 
 /// Kinematics of an LBR iiwa. Allocation-free.
 ///
-/// Joints A1 … A7 turn about z, y, z, -y, z, y, z; zero is the arm stretched upwards:
-///
-///     X_BF = Rz(q1) Tz(d_bs) Ry(q2) Rz(q3) Tz(d_se) R-y(q4) Rz(q5) Tz(d_ew) Ry(q6) Rz(q7) Tz(d_wf)
-///
-/// A1 A2 A3 meet in the shoulder, A4 is the elbow, A5 A6 A7 meet in the wrist. With shoulder and wrist held,
-/// the elbow can still travel on a circle about the line between them: the arm angle says where on the circle
-/// it is.
+/// Joints A1 … A7 turn about z, y, z, -y, z, y, z; zero is the arm stretched upwards (LbrParams has the
+/// product). A1 A2 A3 meet in the shoulder, A4 is the elbow, A5 A6 A7 meet in the wrist. With shoulder and
+/// wrist held, the elbow can still travel on a circle about the line between them: the arm angle says where
+/// on the circle it is.
 class LbrArm {
  public:
-  explicit LbrArm(const LbrParams& params) : params_(params) {}
+  /// @throws std::invalid_argument where a length or a limit is out of range (LbrParams), naming it.
+  explicit LbrArm(const LbrParams& params);
 
   [[nodiscard]] const LbrParams& params() const noexcept { return params_; }
 
   /// X_BF of joint positions q [rad].
-  [[nodiscard]] Pose FlangePose(const JointVector& q) const noexcept;
+  [[nodiscard]] Pose FlangePose(const JointVector& q) const OSTEON_RT;
 
   /// Geometric Jacobian of the flange's origin, in B: V_BF = J qd, rows v then w.
-  [[nodiscard]] Jacobian FlangeJacobian(const JointVector& q) const noexcept;
+  [[nodiscard]] Jacobian FlangeJacobian(const JointVector& q) const OSTEON_RT;
+
+  /// Configuration number 0 … 7: bit 0 where q2 < 0, bit 1 where q4 < 0, bit 2 where q6 < 0.
+  [[nodiscard]] static int Configuration(const JointVector& q) OSTEON_RT {
+    return (q[1] < 0.0 ? 1 : 0) + (q[3] < 0.0 ? 2 : 0) + (q[5] < 0.0 ? 4 : 0);
+  }
 
   /// Arm angle [rad], -pi … pi: where the elbow is on its circle, as the right-handed angle about the line
   /// from shoulder to wrist, counted from the circle's highest point. So it is 0 where q3 = 0 and the elbow
-  /// is up, pi where it hangs. Where the line is vertical it is counted from +x of B; where the arm is
-  /// straight it is 0.
-  [[nodiscard]] double ArmAngle(const JointVector& q) const noexcept;
+  /// is up, pi where it hangs. Where the line is vertical it is counted from +x of B. It is read from the
+  /// elbow's axis, so that it stays defined and exact while the arm straightens (q4 = 0 counts as q4 > 0).
+  [[nodiscard]] double ArmAngle(const JointVector& q) const OSTEON_RT;
 
-  /// Closed-form inverse: joint positions that put the flange at X_BF with the given arm angle, the nearest
-  /// to `seed` (sum of squared joint differences) of the (at most eight: signs of q2, q4, q6) solutions
-  /// within the position limits. A joint that a singularity leaves free (A1 with the upper arm vertical, A3
-  /// with the arm straight, A5 with the wrist straight) stays at its seed. False where there is none: out of
-  /// reach, all beyond a limit, or an input that is not finite; q is then unchanged. `q` may be the same
-  /// object as `seed`. Source: Shimizu et al., Analytical Inverse Kinematic Computation for 7-DOF Redundant
-  /// Manipulators With Joint Limits, IEEE Trans. Robotics 24 (5), 2008; the reference direction is the
-  /// vertical's instead of the q3 = 0 arm's, so that the angle fixes the elbow's place whatever the signs of
-  /// q2 and q4.
+  /// Closed-form inverse: every posture that puts the flange at X_BF with the given arm angle.
+  ///
+  /// A bent joint flips with its neighbours turned by pi, which keeps every link in place: so the eight share
+  /// one set of seven arctangents. Sines and cosines come from components, never from an angle, and each
+  /// joint is found against the axes of those before it: the pose is kept to rounding however near a
+  /// singularity, where only the share of two joints in their sum is uncertain.
+  /// @param seed where a singularity leaves a joint free (A1 with the upper arm vertical, A5 with the wrist
+  ///   straight), it stays at its value here in one, half a turn away in the other of the two configurations
+  ///   that then are one.
+  ///
+  /// Source: Shimizu et al., Analytical Inverse Kinematic Computation for 7-DOF Redundant Manipulators With
+  /// Joint Limits, IEEE Trans. Robotics 24 (5), 2008; the reference direction is the vertical's instead of
+  /// the q3 = 0 arm's, so that the angle fixes the elbow's place whatever the signs of q2 and q4.
+  [[nodiscard]] LbrSolutions Solve(const Pose& X_BF, double arm_angle_rad,
+                                   const JointVector& seed = JointVector::Zero()) const OSTEON_RT;
+
+  /// Solve(X_BF, arm_angle_rad, seed).Nearest(seed) into q. False where there is none: out of reach, all
+  /// beyond a limit, or an input that is not finite; q is then unchanged. `q` may be the same object as
+  /// `seed`.
   [[nodiscard]] bool Inverse(const Pose& X_BF, double arm_angle_rad, const JointVector& seed,
-                             JointVector& q) const noexcept;
+                             JointVector& q) const OSTEON_RT;
 
  private:
   LbrParams params_;

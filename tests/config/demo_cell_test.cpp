@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 
 #include "config/load.h"
+#include "tests/kinematics/iiwa14.h"
 
 namespace osteon::config {
 namespace {
@@ -17,19 +18,18 @@ class DemoCellTest : public ::testing::Test {
 };
 
 TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
-  // the robot's file repeats the library's defaults: two places, one truth
-  const kinematics::LbrParams defaults;
-  EXPECT_DOUBLE_EQ(cell_.robot.base_to_shoulder_m, defaults.base_to_shoulder_m);
-  EXPECT_DOUBLE_EQ(cell_.robot.shoulder_to_elbow_m, defaults.shoulder_to_elbow_m);
-  EXPECT_DOUBLE_EQ(cell_.robot.elbow_to_wrist_m, defaults.elbow_to_wrist_m);
-  EXPECT_DOUBLE_EQ(cell_.robot.wrist_to_flange_m, defaults.wrist_to_flange_m);
+  const kinematics::LbrParams sources = kinematics::Iiwa14();
+  EXPECT_DOUBLE_EQ(cell_.robot.base_to_shoulder_m, sources.base_to_shoulder_m);
+  EXPECT_DOUBLE_EQ(cell_.robot.shoulder_to_elbow_m, sources.shoulder_to_elbow_m);
+  EXPECT_DOUBLE_EQ(cell_.robot.elbow_to_wrist_m, sources.elbow_to_wrist_m);
+  EXPECT_DOUBLE_EQ(cell_.robot.wrist_to_flange_m, sources.wrist_to_flange_m);
   for (std::size_t i = 0; i < 7; ++i) {
-    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].lower_rad, defaults.limits[i].lower_rad);
-    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].upper_rad, defaults.limits[i].upper_rad);
-    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].velocity_rad_per_s, defaults.limits[i].velocity_rad_per_s);
+    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].lower_rad, sources.limits[i].lower_rad);
+    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].upper_rad, sources.limits[i].upper_rad);
+    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].velocity_rad_per_s, sources.limits[i].velocity_rad_per_s);
     EXPECT_DOUBLE_EQ(cell_.robot.limits[i].acceleration_rad_per_s2,
-                     defaults.limits[i].acceleration_rad_per_s2);
-    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].torque_Nm, defaults.limits[i].torque_Nm);
+                     sources.limits[i].acceleration_rad_per_s2);
+    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].torque_Nm, sources.limits[i].torque_Nm);
   }
   EXPECT_DOUBLE_EQ(cell_.tool.tool.balls.front().radius_m, 0.025);
   EXPECT_NEAR(cell_.tool.spindle_rad_per_s, 26.18, 0.01);
@@ -60,10 +60,10 @@ TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
 }
 
 TEST_F(DemoCellTest, MaterialsAndSceneAreThoseOfTheLibrary) {
-  const simulation::AcetabulumParams defaults;
-  ASSERT_LE(cell_.scene.materials.size(), defaults.materials.size());
+  const simulation::AcetabulumParams sources;
+  ASSERT_LE(cell_.scene.materials.size(), sources.materials.size());
   for (std::size_t i = 0; i < cell_.scene.materials.size(); ++i) {
-    const simulation::Material &found = cell_.scene.materials[i], &known = defaults.materials[i];
+    const simulation::Material &found = cell_.scene.materials[i], &known = sources.materials[i];
     EXPECT_EQ(found.name, known.name);
     EXPECT_DOUBLE_EQ(found.density_kg_per_m3, known.density_kg_per_m3);
     EXPECT_DOUBLE_EQ(found.specific_cutting_energy_J_per_m3, known.specific_cutting_energy_J_per_m3);
@@ -79,10 +79,10 @@ TEST_F(DemoCellTest, MaterialsAndSceneAreThoseOfTheLibrary) {
     EXPECT_EQ(found.friction_source.assumed, known.friction_source.assumed);
   }
   EXPECT_DOUBLE_EQ(std::get<simulation::AcetabulumShape>(cell_.scene.shape).cup_radius_m,
-                   defaults.shape.cup_radius_m);
-  EXPECT_DOUBLE_EQ(cell_.scene.packing.lattice.finest_m, defaults.packing.lattice.finest_m);
-  EXPECT_DOUBLE_EQ(cell_.scene.packing.surface_gap_m, defaults.packing.surface_gap_m);
-  EXPECT_DOUBLE_EQ(cell_.scene.points.cells.finest_m, defaults.points.cells.finest_m);
+                   sources.shape.cup_radius_m);
+  EXPECT_DOUBLE_EQ(cell_.scene.packing.lattice.finest_m, sources.packing.lattice.finest_m);
+  EXPECT_DOUBLE_EQ(cell_.scene.packing.surface_gap_m, sources.packing.surface_gap_m);
+  EXPECT_DOUBLE_EQ(cell_.scene.points.cells.finest_m, sources.points.cells.finest_m);
 }
 
 TEST_F(DemoCellTest, ServoLoopAndSceneAcceptTheCell) {

@@ -86,8 +86,8 @@ class FakeRecorder : public TickRecorder {
 };
 
 struct Rig {
-  ServoLoop loop{ServoBench::Params(), kinematics::LbrArm({}), Pose::Identity(), ServoBench::FlangeToTool(),
-                 kinematics::LbrArm({}).ArmAngle(ServoBench::StartJoints())};
+  ServoLoop loop{ServoBench::Params(), ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
+                 ServoBench::Arm().ArmAngle(ServoBench::StartJoints())};
   rt::LatestValue<simulation::ContactModel> models;
   rt::LatestValue<simulation::ToolCommand> commands;
   FakeWorld world{models};

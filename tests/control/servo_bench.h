@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "control/servo_loop.h"
+#include "tests/kinematics/iiwa14.h"
 
 namespace osteon::control {
 
@@ -23,10 +24,12 @@ class ServoBench {
     X_FT.translation() << 0.0, 0.0, 0.20;
     return X_FT;
   }
-  static Pose StartPose() { return kinematics::LbrArm({}).FlangePose(StartJoints()) * FlangeToTool(); }
+  static kinematics::LbrArm Arm() { return kinematics::LbrArm(kinematics::Iiwa14()); }
+  static Pose StartPose() { return Arm().FlangePose(StartJoints()) * FlangeToTool(); }
   /// Workspace round the start, the spindle still.
   static ServoParams Params() {
     ServoParams params;
+    params.joints.limits = Arm().params().limits;
     params.workspace.sphere_center_W_m = StartPose().translation();
     params.workspace.sphere_radius_m = 0.2;
     params.workspace.plane_offset_m = StartPose().translation().z() - 0.2;
@@ -35,8 +38,7 @@ class ServoBench {
   }
 
   explicit ServoBench(const ServoParams& params = Params(), double plane_ahead_m = 0.005)
-      : loop(params, kinematics::LbrArm({}), Pose::Identity(), FlangeToTool(),
-             kinematics::LbrArm({}).ArmAngle(StartJoints())) {
+      : loop(params, Arm(), Pose::Identity(), FlangeToTool(), Arm().ArmAngle(StartJoints())) {
     Eigen::Map<kinematics::JointVector>(arm.q_meas.data()) = StartJoints();
     arm.q_ipo = arm.q_meas;
     arm.has_ipo = true;

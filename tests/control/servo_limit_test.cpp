@@ -97,7 +97,7 @@ TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedWhateverComesIn) {
       ASSERT_NO_FATAL_FAILURE(CheckTick(record, bench.loop, limit_N, 5.0));
       for (std::size_t j = 0; j < 7; ++j)
         ASSERT_LE(std::abs(record.q_cmd[j] - before[j]),
-                  0.001 * kinematics::kIiwa14Limits[j].velocity_rad_per_s);
+                  0.001 * kinematics::Iiwa14().limits[j].velocity_rad_per_s);
       before = record.q_cmd;
       if (record.wrench_scale < 1.0) ++limited;
 
@@ -156,7 +156,7 @@ TEST(ServoLimit, MessagesOfRandomBitsNeverMoveTheArmTooFast) {
                                                 bench.now + i * rt::kMillisecond, bench.command);
       for (std::size_t j = 0; j < 7; ++j)
         ASSERT_LE(std::abs(record.q_cmd[j] - before[j]),
-                  0.001 * kinematics::kIiwa14Limits[j].velocity_rad_per_s);
+                  0.001 * kinematics::Iiwa14().limits[j].velocity_rad_per_s);
       before = record.q_cmd;
     }
   }

@@ -23,7 +23,7 @@ double JointSpeedShare(const std::array<double, 7>& before, const std::array<dou
   double share = 0.0;
   for (std::size_t i = 0; i < 7; ++i)
     share = std::max(
-        share, std::abs(after[i] - before[i]) / 0.001 / kinematics::kIiwa14Limits[i].velocity_rad_per_s);
+        share, std::abs(after[i] - before[i]) / 0.001 / kinematics::Iiwa14().limits[i].velocity_rad_per_s);
   return share;
 }
 
@@ -42,15 +42,15 @@ TEST(ServoLoop, WaitsWithTheArmAndStartsWithoutAJump) {
   EXPECT_EQ(record.phase, Phase::kHaptic);
   EXPECT_LT((Joints(record.q_cmd) - Joints(q_ipo)).norm(), 1e-9) << "starts where the arm commands itself";
   record = bench.Run(20);
-  const Pose X_WT = kinematics::LbrArm({}).FlangePose(Joints(q_ipo)) * ServoBench::FlangeToTool();
+  const Pose X_WT = ServoBench::Arm().FlangePose(Joints(q_ipo)) * ServoBench::FlangeToTool();
   EXPECT_LT((Pose(record.X_WT_cmd).matrix() - X_WT.matrix()).norm(), 1e-9)
       << "the tool stays while nobody pushes";
   EXPECT_EQ(record.faults, 0u);
 }
 
 TEST(ServoLoop, TurnsToTheWantedArmAngleSlowlyFromAnyOther) {
-  const double start = kinematics::LbrArm({}).ArmAngle(ServoBench::StartJoints());
-  ServoLoop loop(ServoBench::Params(), kinematics::LbrArm({}), Pose::Identity(), ServoBench::FlangeToTool(),
+  const double start = ServoBench::Arm().ArmAngle(ServoBench::StartJoints());
+  ServoLoop loop(ServoBench::Params(), ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
                  start + 0.02);
   ServoBench bench;  // supplies messages and models
   bench.Activate();
@@ -65,8 +65,8 @@ TEST(ServoLoop, TurnsToTheWantedArmAngleSlowlyFromAnyOther) {
     ASSERT_EQ(record.faults, 0u);
     ASSERT_LT(JointSpeedShare(before, command.q), 0.2);
   }
-  EXPECT_NEAR(kinematics::LbrArm({}).ArmAngle(Joints(command.q)), start + 0.02, 1e-6);
-  const Pose X_WT = kinematics::LbrArm({}).FlangePose(Joints(command.q)) * ServoBench::FlangeToTool();
+  EXPECT_NEAR(ServoBench::Arm().ArmAngle(Joints(command.q)), start + 0.02, 1e-6);
+  const Pose X_WT = ServoBench::Arm().FlangePose(Joints(command.q)) * ServoBench::FlangeToTool();
   EXPECT_LT((X_WT.translation() - ServoBench::StartPose().translation()).norm(), 1e-9) << "the tool stays";
 }
 
@@ -97,8 +97,7 @@ TEST(ServoLoop, CommandedPoseIntegratedPoseAndJointsAreOne) {
   bench.side_W_N = Vector3(20.0, 30.0, 0.0);
   for (int i = 0; i < 2000; ++i) {
     const TickRecord record = bench.Tick();
-    const Pose of_joints =
-        kinematics::LbrArm({}).FlangePose(Joints(record.q_cmd)) * ServoBench::FlangeToTool();
+    const Pose of_joints = ServoBench::Arm().FlangePose(Joints(record.q_cmd)) * ServoBench::FlangeToTool();
     ASSERT_LT((of_joints.matrix() - Pose(record.X_WT_cmd).matrix()).norm(), 1e-9) << "tick " << i;
     ASSERT_EQ(record.faults, 0u) << "tick " << i;
   }
@@ -423,22 +422,25 @@ TEST(ServoLoop, NoTickAllocatesOrLocksInAnyPhase) {
 
 TEST(ServoLoop, RefusesParametersOutOfRange) {
   const auto make = [](const ServoParams& params) {
-    return ServoLoop(params, kinematics::LbrArm({}), Pose::Identity(), Pose::Identity(), 0.0);
+    return ServoLoop(params, ServoBench::Arm(), Pose::Identity(), Pose::Identity(), 0.0);
   };
-  EXPECT_NO_THROW(make(ServoParams{}));
-  ServoParams params;
+  ServoParams usable;
+  EXPECT_THROW(make(usable), std::invalid_argument) << "the arm's limits have no default";
+  usable.joints.limits = ServoBench::Arm().params().limits;
+  EXPECT_NO_THROW(make(usable));
+  ServoParams params = usable;
   params.workspace.deceleration_m_per_s2 = 10.0;
   EXPECT_THROW(make(params), std::invalid_argument)
       << "the workspace must not count on more than the stop does";
-  params = {};
+  params = usable;
   params.period_s = 0.0;
   EXPECT_THROW(make(params), std::invalid_argument);
-  params = {};
+  params = usable;
   params.twist.max_speed_m_per_s = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(make(params), std::invalid_argument);
   Pose mirrored = Pose::Identity();
   mirrored.matrix()(0, 0) = -1.0;
-  EXPECT_THROW(ServoLoop({}, kinematics::LbrArm({}), mirrored, Pose::Identity(), 0.0), std::invalid_argument);
+  EXPECT_THROW(ServoLoop(usable, ServoBench::Arm(), mirrored, Pose::Identity(), 0.0), std::invalid_argument);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ using kinematics::JointVector;
 struct Session {
   explicit Session(const FriServerParams& params = {},
                    const JointVector& q_start = JointVector::Constant(0.5))
-      : server(params, Iiwa14Limits(), q_start) {
+      : server(params, kinematics::Iiwa14().limits, q_start) {
     server.Open();
     Send();
   }
@@ -300,7 +300,7 @@ TEST(FriServer, HostileBytesChangeNothingButACounter) {
 
 TEST(FriServer, RefusesParametersWithoutSense) {
   const JointVector q = JointVector::Constant(0.5);
-  const auto make = [&](const FriServerParams& p) { FriServer server(p, Iiwa14Limits(), q); };
+  const auto make = [&](const FriServerParams& p) { FriServer server(p, kinematics::Iiwa14().limits, q); };
   EXPECT_NO_THROW(make({}));
   EXPECT_NO_THROW(make({.send_period_ms = 10}));
   EXPECT_THROW(make({.send_period_ms = 0}), std::invalid_argument);
@@ -308,7 +308,7 @@ TEST(FriServer, RefusesParametersWithoutSense) {
   EXPECT_THROW(make({.step_margin = 0.5}), std::invalid_argument);
   EXPECT_THROW(make({.send_period_ms = 20}),
                std::invalid_argument);  // 50 answers a second are never EXCELLENT
-  EXPECT_THROW(FriServer({}, Iiwa14Limits(), JointVector::Constant(2.2)), std::invalid_argument);
+  EXPECT_THROW(FriServer({}, kinematics::Iiwa14().limits, JointVector::Constant(2.2)), std::invalid_argument);
   EXPECT_THROW(FriServer({}, {}, q), std::invalid_argument);
 }
 

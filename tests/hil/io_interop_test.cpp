@@ -15,7 +15,7 @@ using control::SessionState;
 
 SimulatedCellParams CellParams() {
   SimulatedCellParams params;
-  params.arm.limits = Iiwa14Limits();
+  params.arm = kinematics::Iiwa14();
   params.q_start = {0.1, 0.6, -0.2, -1.3, 0.3, 0.9, -0.4};
   return params;
 }

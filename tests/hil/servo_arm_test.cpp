@@ -15,7 +15,7 @@ namespace {
 using kinematics::JointVector;
 
 std::array<kinematics::JointLimits, 7> FastLimits() {
-  auto limits = Iiwa14Limits();
+  auto limits = kinematics::Iiwa14().limits;
   for (auto& limit : limits) limit.velocity_rad_per_s = 1e9;
   return limits;
 }
@@ -75,7 +75,7 @@ TEST(ServoArm, LagsBehindARampByItsTimeConstant) {
 }
 
 TEST(ServoArm, KeepsItsVelocityAndAccelerationLimits) {
-  const auto limits = Iiwa14Limits();
+  const auto limits = kinematics::Iiwa14().limits;
   const double T = 1e-3, max_a = 10.0;
   ServoArm arm({.max_acceleration_rad_per_s2 = max_a}, limits, T, JointVector::Zero());
   JointVector qd = arm.qd(), q = arm.q();
@@ -101,7 +101,7 @@ TEST(ServoArm, DoesNotAllocate) {
 
 TEST(ServoArm, RefusesParametersWithoutSense) {
   const auto make = [](const ServoArmParams& p) {
-    ServoArm arm(p, Iiwa14Limits(), 1e-3, JointVector::Zero());
+    ServoArm arm(p, kinematics::Iiwa14().limits, 1e-3, JointVector::Zero());
   };
   EXPECT_NO_THROW(make({}));
   EXPECT_THROW(make({.bandwidth_hz = 0.0}), std::invalid_argument);

@@ -15,7 +15,7 @@ using kinematics::JointVector;
 
 SimulatedCellParams CellParams() {
   SimulatedCellParams params;
-  params.arm.limits = Iiwa14Limits();
+  params.arm = kinematics::Iiwa14();
   Pose X_WB = Pose::Identity();
   X_WB.linear() = ExpRotation({0.0, 0.0, 0.8});
   X_WB.translation() = Vector3(0.1, 0.2, 0.3);

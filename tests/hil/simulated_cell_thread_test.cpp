@@ -60,7 +60,7 @@ class LoopbackSocket {
 // A cell that no delay of a busy machine can end: these tests look at what crosses the socket, not at time.
 SimulatedCell PatientCell() {
   SimulatedCellParams params;
-  params.arm.limits = Iiwa14Limits();
+  params.arm = kinematics::Iiwa14();
   params.fri.quality.end_after_lost_in_a_row = 1000000;
   params.fri.quality.end_after_lost_per_s = 1000000;
   params.fri.quality.good_max_lost_per_s = 1000000;

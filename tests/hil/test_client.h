@@ -11,6 +11,7 @@
 
 #include "control/ports.h"
 #include "kinematics/lbr_arm.h"
+#include "tests/kinematics/iiwa14.h"
 
 // A client of FRI for the tests: writes and reads the wire by hand, byte by byte, from the table of field
 // numbers, so that it checks the simulated arm's libprotobuf schema rather than sharing it.
@@ -148,18 +149,5 @@ struct TestClient {
     return Command(++sequence, static_cast<std::uint32_t>(UintAt(message, {1, 2})), q);
   }
 };
-
-/// Limits of the iiwa 14.
-inline std::array<kinematics::JointLimits, 7> Iiwa14Limits() {
-  constexpr double kDeg = 3.14159265358979323846 / 180.0;
-  constexpr std::array<double, 7> position{170, 120, 170, 120, 170, 120, 175};
-  constexpr std::array<double, 7> velocity{85, 85, 100, 75, 130, 135, 135};
-  std::array<kinematics::JointLimits, 7> limits{};
-  for (std::size_t i = 0; i < 7; ++i)
-    limits[i] = {.lower_rad = -position[i] * kDeg,
-                 .upper_rad = position[i] * kDeg,
-                 .velocity_rad_per_s = velocity[i] * kDeg};
-  return limits;
-}
 
 }  // namespace osteon::hil

@@ -59,7 +59,7 @@ class ArmSocket {
 // The cell of the hand's tests: a cup right below the tool, its bottom a plane for the contact model.
 struct Cell {
   Cell() {
-    params.arm.limits = Iiwa14Limits();
+    params.arm = kinematics::Iiwa14();
     params.q_start = {0.1, 0.5, 0.05, -1.4, 0.1, 0.9, 0.2};
     Pose X_FT = Pose::Identity();
     X_FT.translation().z() = 0.2;
@@ -74,13 +74,14 @@ struct Cell {
   }
   [[nodiscard]] control::ServoParams Servo() const {
     control::ServoParams servo;
+    servo.joints.limits = arm.params().limits;
     servo.workspace.sphere_center_W_m = X_WT.translation();
     servo.workspace.sphere_radius_m = 0.2;
     servo.workspace.plane_offset_m = -2.0;
     return servo;
   }
 
-  kinematics::LbrArm arm{{}};
+  kinematics::LbrArm arm{kinematics::Iiwa14()};
   SimulatedCellParams params;
   Pose X_WT;
 };

@@ -10,6 +10,7 @@
 #include <kdl/chainjnttojacsolver.hpp>
 
 #include "control/rt/no_alloc_scope.h"
+#include "tests/kinematics/iiwa14.h"
 
 namespace osteon::kinematics {
 namespace {
@@ -62,7 +63,7 @@ class LbrArmTest : public ::testing::Test {
     }
   }
 
-  const LbrArm arm_{LbrParams{}};
+  const LbrArm arm_{Iiwa14()};
   std::mt19937_64 random_{20240607};
   std::uniform_real_distribution<double> unit_{-1.0, 1.0};
 };
@@ -156,7 +157,7 @@ TEST_F(LbrArmTest, EverySolutionGivesThePoseAndTheArmAngleAskedFor) {
 // The eight solutions, made by hand: a bent joint flips with its neighbours turned by pi, which keeps every
 // link in place.
 TEST_F(LbrArmTest, InverseFindsAllEightConfigurations) {
-  LbrParams params;
+  LbrParams params = Iiwa14();
   for (JointLimits& limit : params.limits) limit = {};  // ± pi
   const LbrArm arm(params);
   const JointVector q = (JointVector() << 0.3, 0.7, -0.4, -1.2, 0.5, 0.9, -0.2).finished();
@@ -228,7 +229,7 @@ TEST_F(LbrArmTest, PostureBeyondALimitIsNeverGiven) {
   const JointVector q = (JointVector() << 2.0, 0.7, -1.8, -1.2, 2.1, 0.9, -1.9).finished();
   const Pose X_BF = arm_.FlangePose(q);
   for (int i = 0; i < 7; ++i) {
-    LbrParams tight;
+    LbrParams tight = Iiwa14();
     JointLimits& limit = tight.limits[static_cast<std::size_t>(i)];
     limit.upper_rad = std::abs(q[i]) - 1e-6;
     limit.lower_rad = -limit.upper_rad;

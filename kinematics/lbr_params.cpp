@@ -1,0 +1,85 @@
+#include "kinematics/lbr_params.h"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::kinematics {
+namespace {
+
+constexpr double kOff_m = 1e-9;
+constexpr double kOff_rad = 1e-9;
+
+[[noreturn]] void Refuse(const std::string& what, double found, const char* unit, double accepted) {
+  std::ostringstream text;
+  text << "arm is not spherical-revolute-spherical: " << what << ", found " << found << ' ' << unit
+       << " off, accepted " << accepted << ' ' << unit;
+  throw std::invalid_argument(text.str());
+}
+
+std::string Text(const Vector3& v) {
+  std::ostringstream text;
+  text << '(' << v.x() << ' ' << v.y() << ' ' << v.z() << ')';
+  return text.str();
+}
+
+// Axis of a joint at q = 0, in B: a line.
+struct Line {
+  Vector3 point, direction;
+};
+
+double AngleBetween(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+}  // namespace
+
+LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
+  const Vector3 x = Vector3::UnitX(), y = Vector3::UnitY(), z = Vector3::UnitZ();
+  const std::array<Vector3, 7> expected{z, y, z, -y, z, y, z};
+
+  // every axis has its direction, and the turning ones are the line above B's origin
+  Pose X_BL = Pose::Identity();
+  std::array<Line, 7> axis;
+  for (std::size_t i = 0; i < 7; ++i) {
+    const RevoluteJoint& joint = chain.joints[i];
+    const std::string name = "A" + std::to_string(i + 1);
+    X_BL = X_BL * joint.X_PJ;
+    axis[i] = {.point = X_BL.translation(), .direction = X_BL.linear() * joint.axis_J};
+    const double tilt_rad = AngleBetween(axis[i].direction, expected[i]);
+    if (!(tilt_rad <= kOff_rad))
+      Refuse("axis of " + name + " at zero is " + Text(axis[i].direction) + ", accepted " + Text(expected[i]),
+             tilt_rad, "rad", kOff_rad);
+    // a turning axis is z of B itself; a bending one crosses it
+    const double beside_m = expected[i].z() != 0.0 ? std::hypot(axis[i].point.x(), axis[i].point.y())
+                                                   : std::abs(axis[i].point.x());
+    if (!(beside_m <= kOff_m))
+      Refuse("axis of " + name + " passes beside the line from base to flange", beside_m, "m", kOff_m);
+  }
+
+  // the flange is on that line, aligned with B
+  const Pose X_BF = X_BL * chain.X_LF;
+  const double beside_m = std::hypot(X_BF.translation().x(), X_BF.translation().y());
+  if (!(beside_m <= kOff_m))
+    Refuse("flange at zero is beside the line through base and shoulder", beside_m, "m", kOff_m);
+  const double turned_rad = std::max(AngleBetween(X_BF.linear() * x, x), AngleBetween(X_BF.linear() * z, z));
+  if (!(turned_rad <= kOff_rad)) Refuse("flange at zero is turned against B", turned_rad, "rad", kOff_rad);
+
+  LbrParams params;
+  const double shoulder_m = axis[1].point.z(), elbow_m = axis[3].point.z(), wrist_m = axis[5].point.z();
+  params.base_to_shoulder_m = shoulder_m;
+  params.shoulder_to_elbow_m = elbow_m - shoulder_m;
+  params.elbow_to_wrist_m = wrist_m - elbow_m;
+  params.wrist_to_flange_m = X_BF.translation().z() - wrist_m;
+  if (!(params.shoulder_to_elbow_m > kOff_m))
+    throw std::invalid_argument(
+        "arm is not spherical-revolute-spherical: A4 is not above A2 at zero, found " +
+        std::to_string(params.shoulder_to_elbow_m) + " m, accepted > 0");
+  if (!(params.elbow_to_wrist_m > kOff_m))
+    throw std::invalid_argument(
+        "arm is not spherical-revolute-spherical: A6 is not above A4 at zero, found " +
+        std::to_string(params.elbow_to_wrist_m) + " m, accepted > 0");
+  for (std::size_t i = 0; i < 7; ++i) params.limits[i] = chain.joints[i].limits;
+  return params;
+}
+
+}  // namespace osteon::kinematics

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+
+#include "kinematics/chain_params.h"
+#include "kinematics/spatial.h"
+
+namespace osteon::kinematics {
+
+/// Geometry and limits of a KUKA LBR: spherical shoulder, revolute elbow, spherical wrist, no lateral
+/// offsets. No defaults: a robot's file gives them (LbrParamsFrom).
+///
+///     X_BF = Rz(q1) Tz(d_bs) Ry(q2) Rz(q3) Tz(d_se) R-y(q4) Rz(q5) Tz(d_ew) Ry(q6) Rz(q7) Tz(d_wf)
+struct LbrParams {
+  double base_to_shoulder_m{0.0};   ///< d_bs, any sign
+  double shoulder_to_elbow_m{0.0};  ///< d_se, > 0
+  double elbow_to_wrist_m{0.0};     ///< d_ew, > 0
+  double wrist_to_flange_m{0.0};    ///< d_wf, any sign
+  /// A1 … A7; positions within -pi … pi, so that no posture has a second name.
+  std::array<JointLimits, 7> limits{};
+};
+
+/// The four lengths of an arm given joint by joint, where its axes prove that it is one: at zero all axes lie
+/// along z, y, z, -y, z, y, z of B; A1 A2 A3 meet in the shoulder, A5 A6 A7 in the wrist, shoulder, elbow and
+/// wrist stand above one another on z of B, and the flange is aligned with B on that line. Accepted: 1e-9 m
+/// and 1e-9 rad, the accuracy of the closed-form inverse that relies on it.
+/// @throws std::invalid_argument naming the joint, what is off and by how much.
+[[nodiscard]] LbrParams LbrParamsFrom(const ChainParams<7>& chain);
+
+}  // namespace osteon::kinematics
