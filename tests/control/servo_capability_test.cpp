@@ -5,22 +5,36 @@
 #include "control/rt/no_alloc_scope.h"
 #include "kinematics/payload.h"
 #include "servo_bench.h"
-#include "tests/kinematics/chain_samples.h"
+#include "tests/kinematics/iiwa14.h"
 
 namespace osteon::control {
 namespace {
 
 using kinematics::JointVectorN;
 
-// The iiwa 14 with a tool of 2 kg, its A2 with another torque: it carries the push's lever about the
-// shoulder.
+// The bench's arm with 4 kg in the middle of each long link and a tool of 2 kg, its A2 with a torque of
+// choice: it carries the push's lever about the shoulder.
 constexpr double kStrong_Nm = 320.0, kWeak_Nm = 110.0;
 kinematics::ChainParams<7> Body(double shoulder_Nm) {
-  kinematics::ChainParams<7> chain = kinematics::WithPayload(
-      kinematics::Iiwa14(),
-      {.mass_kg = 2.0, .p_LLcm_m = {0.0, 0.0, 0.08}, .I_LLcm_kg_m2 = 0.004 * Matrix3::Identity()});
+  const kinematics::LbrParams lbr = kinematics::Iiwa14();
+  const Vector3 y = Vector3::UnitY(), z = Vector3::UnitZ();
+  const Vector3 axes[7] = {z, y, z, -y, z, y, z};
+  const double lift_m[7] = {0.0, lbr.base_to_shoulder_m, 0.0, lbr.shoulder_to_elbow_m,
+                            0.0, lbr.elbow_to_wrist_m,   0.0};
+  const double middle_m[7] = {0.2, 0.0, 0.2, 0.0, 0.2, 0.0, 0.1};
+  kinematics::ChainParams<7> chain;
+  for (std::size_t i = 0; i < 7; ++i) {
+    chain.joints[i].X_PJ = Eigen::Translation3d(0.0, 0.0, lift_m[i]) * Pose::Identity();
+    chain.joints[i].axis_J = axes[i];
+    chain.joints[i].limits = lbr.limits[i];
+    chain.joints[i].link = {
+        .mass_kg = 4.0, .p_LLcm_m = middle_m[i] * z, .I_LLcm_kg_m2 = 0.02 * Matrix3::Identity()};
+  }
+  chain.X_LF = Eigen::Translation3d(0.0, 0.0, lbr.wrist_to_flange_m) * Pose::Identity();
+  chain.has_masses = true;
   chain.joints[1].limits.torque_Nm = shoulder_Nm;
-  return chain;
+  return kinematics::WithPayload(
+      chain, {.mass_kg = 2.0, .p_LLcm_m = {0.0, 0.0, 0.08}, .I_LLcm_kg_m2 = 0.004 * Matrix3::Identity()});
 }
 
 ServoParams Params(std::optional<kinematics::ChainParams<7>> body) {
@@ -32,10 +46,9 @@ ServoParams Params(std::optional<kinematics::ChainParams<7>> body) {
 
 // The torque of the drives over their limit, worst of all, while the arm at q exerts F at the tool: dynamics
 // of the chain at rest, with the wrench's reaction on the flange.
-double WorstUse(const kinematics::ChainParams<7>& body, const TickRecord& record) {
+double WorstUse(const kinematics::ChainParams<7>& body, const JointArray& joints, const TickRecord& record) {
   const kinematics::SerialChain<7> chain(body);
-  const JointVectorN<7> q = Eigen::Map<const JointVectorN<7>>(record.q_cmd.data()),
-                        zero = JointVectorN<7>::Zero();
+  const JointVectorN<7> q = Eigen::Map<const JointVectorN<7>>(joints.data()), zero = JointVectorN<7>::Zero();
   const Wrench F_T_W = record.F_coupling_T_W;
   const Vector3 p_FT_W = chain.FlangePose(q).linear() * ServoBench::FlangeToTool().translation();
   const Wrench reaction_F{.f = -F_T_W.f, .t = -F_T_W.t - p_FT_W.cross(F_T_W.f)};
@@ -61,10 +74,12 @@ Pressed Press(const ServoParams& params, const kinematics::ChainParams<7>& body)
   bench.push_N = 150.0;
   Pressed pressed;
   for (int i = 0; i < 1500; ++i) {
+    const JointArray posture =
+        bench.command.q;  // in which the tick computes: its motion comes after the wrench
     pressed.last = bench.Tick();
     if (pressed.last.phase != Phase::kHaptic) continue;
     ++pressed.ticks;
-    pressed.worst_use = std::max(pressed.worst_use, WorstUse(body, pressed.last));
+    pressed.worst_use = std::max(pressed.worst_use, WorstUse(body, posture, pressed.last));
     if (pressed.last.arm_share < 1.0) {
       ++pressed.cut_ticks;
       const Vector3 f = pressed.last.F_coupling_T_W.f;
