@@ -8,6 +8,24 @@
 // Inverse dynamics, link by link in the links' own frames, where what is fixed needs no turning.
 
 namespace osteon::kinematics {
+namespace {
+
+template <class V>
+[[gnu::always_inline]] inline Triple<double> Copy(const V& v) {
+  return {v(0), v(1), v(2)};
+}
+
+[[gnu::always_inline]] inline double Dot(const Triple<double>& a, const Triple<double>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// The first half, in both.
+[[gnu::always_inline]] inline Pair Low(Pair v) { return Pair{v[0], v[0]}; }
+
+// The first half as the second, beside 0.
+[[gnu::always_inline]] inline Pair High(Pair v) { return Pair{0.0, v[0]}; }
+
+}  // namespace
 
 // Newton-Euler, outwards for the motion, inwards for the forces. A point r of a link accelerates by a + A r,
 // where
@@ -15,82 +33,103 @@ namespace osteon::kinematics {
 //     A = [wd] + [w][w] = [wd] + w w^T - |w|^2 1
 //
 // serves three times: for the next link's origin, for the force m a + A h, and with the second moments S for
-// the torque about the origin, which is the integral of r × (a + A r) dm: h × a + skew part of A S.
+// the torque about the origin, which is the integral of r × (a + A r) dm: h × a + skew part of A S. What
+// turns together is kept together, one in each half of a Pair: w with wd, force with torque.
 template <int N>
-template <bool kMoving>
 JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, const Joints& qdd,
                                             const Vector3& a_base) const noexcept {
   assert(params_.has_masses);
   const SinCosN<kPadded> turn = Turns(q);
-  std::array<Vector3, static_cast<std::size_t>(N)> force, torque;
-  Vector3 w = Vector3::Zero(), wd = Vector3::Zero(), a = a_base;
-  Matrix3 A = Matrix3::Zero();
+  std::array<Triple<Pair>, static_cast<std::size_t>(N)>
+      loads;            // force and torque of each link, at its origin
+  Triple<Pair> spin{};  // w and wd
+  Triple<double> a{a_base.x(), a_base.y(), a_base.z()};
+  Triple<double> x_row{}, y_row{}, z_row{};  // of A
   for (std::size_t i = 0; i < N; ++i) {
     const Step& step = steps_[i];
     const FrameTurn T{step.cos_alpha, step.sin_alpha, turn.cos[i], turn.sin[i]};
     const Body& body = bodies_[i];
-    const Vector3& h = body.first_moment_kg_m;
-    if constexpr (kMoving) {
-      a = T.ToChild(a + A * step.p);
-      w = T.ToChild(w);
-      wd = T.ToChild(wd);
-      const double rate = qd[static_cast<int>(i)];
-      wd += Vector3(w.y() * rate, -w.x() * rate, qdd[static_cast<int>(i)]);
-      w.z() += rate;
+    const Triple<double> p = Copy(step.p), h = Copy(body.first_moment_kg_m);
+    a = T.ToChild(a + Triple<double>{Dot(x_row, p), Dot(y_row, p), Dot(z_row, p)});
+    spin = T.ToChild(spin);
+    // the joint adds z qd to w, and z qdd + w × z qd to wd
+    const double rate = qd[static_cast<int>(i)];
+    const Pair to_wd{0.0, rate};
+    const Triple<Pair> w_both{Low(spin.x), Low(spin.y), Low(spin.z)};
+    spin.x += to_wd * w_both.y;
+    spin.y -= to_wd * w_both.x;
+    spin.z += Pair{rate, qdd[static_cast<int>(i)]};
 
-      const double xx = w.x() * w.x(), yy = w.y() * w.y(), zz = w.z() * w.z();
-      const double xy = w.x() * w.y(), xz = w.x() * w.z(), yz = w.y() * w.z();
-      A << -yy - zz, xy - wd.z(), xz + wd.y(),  //
-          xy + wd.z(), -xx - zz, yz - wd.x(),   //
-          xz - wd.y(), yz + wd.x(), -xx - yy;
-      const Matrix3& S = body.second_moment_kg_m2;
-      force[i] = body.mass_kg * a + A * h;
-      torque[i] = h.cross(a) + Vector3(A.row(2).dot(S.col(1)) - A.row(1).dot(S.col(2)),
-                                       A.row(0).dot(S.col(2)) - A.row(2).dot(S.col(0)),
-                                       A.row(1).dot(S.col(0)) - A.row(0).dot(S.col(1)));
-    } else {
-      a = T.ToChild(a);
-      force[i] = body.mass_kg * a;
-      torque[i] = h.cross(a);
-    }
+    const Triple<double> w{spin.x[0], spin.y[0], spin.z[0]}, wd{spin.x[1], spin.y[1], spin.z[1]};
+    const double xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
+    const double xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
+    x_row = {-yy - zz, xy - wd.z, xz + wd.y};
+    y_row = {xy + wd.z, -xx - zz, yz - wd.x};
+    z_row = {xz - wd.y, yz + wd.x, -xx - yy};
+    const Matrix3& S = body.second_moment_kg_m2;
+    const Triple<double> Sx = Copy(S.col(0)), Sy = Copy(S.col(1)), Sz = Copy(S.col(2));
+    const double m = body.mass_kg;
+    loads[i] = {Pair{m * a.x + Dot(x_row, h), h.y * a.z - h.z * a.y + Dot(z_row, Sy) - Dot(y_row, Sz)},
+                Pair{m * a.y + Dot(y_row, h), h.z * a.x - h.x * a.z + Dot(x_row, Sz) - Dot(z_row, Sx)},
+                Pair{m * a.z + Dot(z_row, h), h.x * a.y - h.y * a.x + Dot(y_row, Sx) - Dot(x_row, Sy)}};
   }
+  return Gather(turn, loads, qdd);
+}
 
+// Inwards: what each joint has to carry of all links further out.
+template <int N>
+JointVectorN<N> SerialChain<N>::Gather(const SinCosN<kPadded>& turn,
+                                       const std::array<Triple<Pair>, static_cast<std::size_t>(N)>& loads,
+                                       const Joints& qdd) const noexcept {
   Joints tau;
-  Vector3 f = Vector3::Zero(), t = Vector3::Zero();  // on the link, at its origin, from all further out
+  Triple<Pair> load{};
   for (std::size_t i = N; i-- > 0;) {
     const Step& step = steps_[i];
     const FrameTurn T{step.cos_alpha, step.sin_alpha, turn.cos[i], turn.sin[i]};
-    f += force[i];
-    t += torque[i];
-    tau[static_cast<int>(i)] = t.z();
-    if constexpr (kMoving)
-      tau[static_cast<int>(i)] += params_.joints[i].rotor_inertia_kg_m2 * qdd[static_cast<int>(i)];
-    f = T.ToParent(f);
-    t = T.ToParent(t) + step.p.cross(f);
+    load = load + loads[i];
+    tau[static_cast<int>(i)] = load.z[1] + params_.joints[i].rotor_inertia_kg_m2 * qdd[static_cast<int>(i)];
+    load = T.ToParent(load);
+    const Triple<double> p = Copy(step.p);
+    load.x += High(p.y * load.z - p.z * load.y);  // the torque gets p × force
+    load.y += High(p.z * load.x - p.x * load.z);
+    load.z += High(p.x * load.y - p.y * load.x);
   }
   return tau;
+}
+
+// At rest: one acceleration for all, seen from every link.
+template <int N>
+JointVectorN<N> SerialChain<N>::Gravity(const Joints& q) const noexcept {
+  assert(params_.has_masses);
+  const SinCosN<kPadded> turn = Turns(q);
+  std::array<Triple<Pair>, static_cast<std::size_t>(N)> loads;
+  Triple<double> a = Copy(lift_K0_);
+  for (std::size_t i = 0; i < N; ++i) {
+    const FrameTurn T{steps_[i].cos_alpha, steps_[i].sin_alpha, turn.cos[i], turn.sin[i]};
+    const Triple<double> h = Copy(bodies_[i].first_moment_kg_m);
+    const double m = bodies_[i].mass_kg;
+    a = T.ToChild(a);
+    loads[i] = {Pair{m * a.x, h.y * a.z - h.z * a.y}, Pair{m * a.y, h.z * a.x - h.x * a.z},
+                Pair{m * a.z, h.x * a.y - h.y * a.x}};
+  }
+  return Gather(turn, loads, Joints::Zero());
 }
 
 template <int N>
 JointVectorN<N> SerialChain<N>::InverseDynamics(const Joints& q, const Joints& qd,
                                                 const Joints& qdd) const noexcept {
-  return NewtonEuler<true>(q, qd, qdd, lift_K0_);
+  return NewtonEuler(q, qd, qdd, lift_K0_);
 }
 
 template <int N>
 JointVectorN<N> SerialChain<N>::InverseDynamics(const Joints& q, const Joints& qd, const Joints& qdd,
                                                 const Wrench& F_ext_B) const noexcept {
-  return NewtonEuler<true>(q, qd, qdd, lift_K0_) - TorquesOf(Place(q), F_ext_B);
-}
-
-template <int N>
-JointVectorN<N> SerialChain<N>::Gravity(const Joints& q) const noexcept {
-  return NewtonEuler<false>(q, Joints::Zero(), Joints::Zero(), lift_K0_);
+  return NewtonEuler(q, qd, qdd, lift_K0_) - TorquesOf(Place(q), F_ext_B);
 }
 
 template <int N>
 JointVectorN<N> SerialChain<N>::Coriolis(const Joints& q, const Joints& qd) const noexcept {
-  return NewtonEuler<true>(q, qd, Joints::Zero(), Vector3::Zero());
+  return NewtonEuler(q, qd, Joints::Zero(), Vector3::Zero());
 }
 
 template <int N>

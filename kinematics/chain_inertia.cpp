@@ -11,8 +11,6 @@
 namespace osteon::kinematics {
 namespace {
 
-using Pair [[gnu::vector_size(16)]] = double;
-
 // Links i … N as one rigid body, in K(i): mass, first moment h, second moments S = integral of r r^T dm, its
 // six elements.
 struct Composite {

@@ -5,6 +5,7 @@
 
 #include "control/rt/marker.h"
 #include "kinematics/chain_params.h"
+#include "kinematics/frame_turn.h"
 #include "kinematics/sin_cos.h"
 
 namespace osteon::kinematics {
@@ -137,9 +138,11 @@ class SerialChain {
   Joints TorquesOf(const Posture& posture, const Wrench& F_B) const noexcept;
   // J M^-1 J^T.
   Eigen::Matrix<double, 6, 6> MobilityOf(const Joints& q, const JacobianN<N>& J) const noexcept;
-  // RNEA with the base accelerating by a, in K(0); kMoving false: qd and qdd are 0.
-  template <bool kMoving>
+  // RNEA with the base accelerating by a, in K(0).
   Joints NewtonEuler(const Joints& q, const Joints& qd, const Joints& qdd, const Vector3& a) const noexcept;
+  Joints Gather(const SinCosN<kPadded>& turn,
+                const std::array<Triple<Pair>, static_cast<std::size_t>(N)>& loads,
+                const Joints& qdd) const noexcept;
 
   ChainParams<N> params_;
   std::array<Step, static_cast<std::size_t>(N)> steps_;

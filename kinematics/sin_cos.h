@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "control/rt/marker.h"
+#include "kinematics/pair.h"
 
 // Sine and cosine of all joints of an arm at once.
 //
@@ -31,7 +32,6 @@ struct SinCosN {
 template <std::size_t N>
 [[nodiscard]] inline SinCosN<N> SinCos(const std::array<double, N>& angle_rad) OSTEON_RT {
   static_assert(N % 2 == 0, "angles go in pairs: pad with a 0");
-  using Pair [[gnu::vector_size(16)]] = double;
   using Bits [[gnu::vector_size(16)]] = std::int64_t;
   constexpr double kTwoOverPi = 6.36619772367581382433e-01;
   constexpr double kPi2High = 1.57079632673412561417e+00, kPi2Low = 6.07710050650619224932e-11;

@@ -47,7 +47,7 @@ double InverseDynamicsError(const ChainParams<N>& params, int states, std::mt199
 
 TEST(ChainDynamics, InverseDynamicsEqualsKdl) {
   std::mt19937_64 random{21};
-  EXPECT_LT(InverseDynamicsError(Iiwa14(), 20'000, random), kRelative);
+  EXPECT_LT(InverseDynamicsError(Iiwa14Chain(), 20'000, random), kRelative);
   for (int n = 0; n < 20; ++n) {
     EXPECT_LT(InverseDynamicsError(RandomChain<6>(random), 100, random), kRelative);
     EXPECT_LT(InverseDynamicsError(RandomChain<7>(random), 100, random), kRelative);
@@ -76,7 +76,7 @@ double GravityCoriolisError(const ChainParams<N>& params, int states, std::mt199
 
 TEST(ChainDynamics, GravityAndCoriolisEqualKdl) {
   std::mt19937_64 random{22};
-  EXPECT_LT(GravityCoriolisError(Iiwa14(), 10'000, random), kRelative);
+  EXPECT_LT(GravityCoriolisError(Iiwa14Chain(), 10'000, random), kRelative);
   EXPECT_LT(GravityCoriolisError(RandomChain<6>(random), 500, random), kRelative);
 }
 
@@ -124,7 +124,7 @@ TEST(ChainDynamics, MassMatrixAndMotionEqualKdlAndMujoco) {
     EXPECT_LT(worst.mujoco_inverse, kRelative);
     EXPECT_LT(worst.mujoco_forward, kRelative);
   };
-  check(BesideBoth(Iiwa14(), 10'000, random));
+  check(BesideBoth(Iiwa14Chain(), 10'000, random));
   for (int n = 0; n < 10; ++n) {
     check(BesideBoth(RandomChain<6>(random), 200, random));
     check(BesideBoth(RandomChain<7>(random), 200, random));
@@ -149,7 +149,7 @@ double InversePairError(const ChainParams<N>& params, int states, std::mt19937_6
 
 TEST(ChainDynamics, ForwardDynamicsUndoesInverseDynamics) {
   std::mt19937_64 random{24};
-  EXPECT_LT(InversePairError(Iiwa14(), 20'000, random), kRelative);
+  EXPECT_LT(InversePairError(Iiwa14Chain(), 20'000, random), kRelative);
   for (int n = 0; n < 20; ++n) {
     EXPECT_LT(InversePairError(RandomChain<6>(random), 100, random), kRelative);
     EXPECT_LT(InversePairError(RandomChain<7>(random), 100, random), kRelative);
@@ -160,7 +160,7 @@ TEST(ChainDynamics, ForwardDynamicsUndoesInverseDynamics) {
 // times M of a few kg m^2, below 1e-8.
 TEST(ChainDynamics, CoriolisMatrixMakesTheMassMatrixRateSkew) {
   std::mt19937_64 random{25};
-  for (const ChainParams<7>& params : {Iiwa14(), RandomChain<7>(random)}) {
+  for (const ChainParams<7>& params : {Iiwa14Chain(), RandomChain<7>(random)}) {
     const SerialChain<7> arm(params);
     for (int n = 0; n < 200; ++n) {
       const JointVectorN<7> q = RandomJoints<7>(random, 3.0), qd = RandomJoints<7>(random, 2.0);
@@ -178,7 +178,7 @@ TEST(ChainDynamics, CoriolisMatrixMakesTheMassMatrixRateSkew) {
 // The arm falls freely for a second from a raised posture: what it loses in height it has as motion. The
 // classical Runge-Kutta method is of fourth order: half the step, a sixteenth of the error.
 TEST(ChainDynamics, FreeMotionKeepsItsEnergyToTheIntegratorsOrder) {
-  const ChainParams<7> params = Iiwa14();
+  const ChainParams<7> params = Iiwa14Chain();
   const SerialChain<7> arm(params);
   const auto energy = [&](const JointVectorN<7>& q, const JointVectorN<7>& qd) {
     const auto posture = arm.Place(q);
@@ -213,7 +213,7 @@ TEST(ChainDynamics, FreeMotionKeepsItsEnergyToTheIntegratorsOrder) {
 }
 
 TEST(ChainDynamics, FrictionOpposesMotionAndSaturates) {
-  ChainParams<7> params = Iiwa14();
+  ChainParams<7> params = Iiwa14Chain();
   params.joints[2].friction = {.viscous_Nms_per_rad = 0.5, .coulomb_Nm = 2.0, .smoothing_rad_per_s = 0.01};
   const SerialChain<7> arm(params);
   JointVectorN<7> qd = JointVectorN<7>::Zero();
@@ -249,7 +249,7 @@ TEST(ChainDynamics, MobilityIsTheAccelerationForAWrench) {
 
 // Stretched upwards the iiwa can push along z with nothing but its structure, and sideways as ever.
 TEST(ChainDynamics, FeltMassIsFiniteAtASingularityWhereTheArmCanMove) {
-  const SerialChain<7> arm(Iiwa14());
+  const SerialChain<7> arm(Iiwa14Chain());
   const JointVectorN<7> up = JointVectorN<7>::Zero();
   EXPECT_GT(arm.FeltMass(up, Vector3::UnitX()), 0.1);
   EXPECT_LT(arm.FeltMass(up, Vector3::UnitX()), 30.0);
@@ -283,15 +283,15 @@ TEST(ChainDynamics, PayloadActsOnTheFlangeAsItsWeightAndInertia) {
 TEST(ChainDynamics, PayloadThatIsNoBodyIsRefusedAndOneWithoutMassesChangesNothing) {
   LinkInertia payload{.mass_kg = 1.0};
   EXPECT_EQ(WithPayload(Kr6R900(), payload).joints.back().link.mass_kg, 0.0);
-  EXPECT_EQ(WithPayload(Iiwa14(), LinkInertia{}).joints.back().link.mass_kg,
-            Iiwa14().joints.back().link.mass_kg);
+  EXPECT_EQ(WithPayload(Iiwa14Chain(), LinkInertia{}).joints.back().link.mass_kg,
+            Iiwa14Chain().joints.back().link.mass_kg);
   payload.mass_kg = -1.0;
-  EXPECT_THROW(static_cast<void>(WithPayload(Iiwa14(), payload)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(WithPayload(Iiwa14Chain(), payload)), std::invalid_argument);
 }
 
 TEST(ChainDynamics, DoesNotAllocate) {
   std::mt19937_64 random{28};
-  const SerialChain<7> arm(Iiwa14());
+  const SerialChain<7> arm(Iiwa14Chain());
   const JointVectorN<7> q = RandomJoints<7>(random, 2.0), qd = RandomJoints<7>(random, 1.0);
   const Wrench F{.f = {1, 2, 3}, .t = {4, 5, 6}};
   rt::NoAllocScope scope;

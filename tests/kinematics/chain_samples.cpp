@@ -38,7 +38,7 @@ KDL::Frame ToKdl(const Pose& X) {
 
 }  // namespace
 
-ChainParams<7> Iiwa14() {
+ChainParams<7> Iiwa14Chain() {
   const Vector3 y = Vector3::UnitY(), z = Vector3::UnitZ();
   const LinkRow rows[7] = {{0,
                             .1475,

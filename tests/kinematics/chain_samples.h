@@ -11,7 +11,7 @@
 namespace osteon::kinematics {
 
 /// LBR iiwa 14 R820 as lbr_description gives it: joint origins off the axes, axes along z, y, z, -y, z, y, z.
-[[nodiscard]] ChainParams<7> Iiwa14();
+[[nodiscard]] ChainParams<7> Iiwa14Chain();
 
 /// KR 6 R900-2 from the joint origins of kuka_experimental's kr6r900sixx description. No masses.
 [[nodiscard]] ChainParams<6> Kr6R900();

@@ -59,7 +59,7 @@ Worst BesideKdl(const ChainParams<N>& params, int postures, std::mt19937_64& ran
 
 TEST(SerialChain, IiwaPoseAndJacobianEqualThoseOfKdl) {
   std::mt19937_64 random{20261120};
-  const Worst worst = BesideKdl(Iiwa14(), kPostures, random);
+  const Worst worst = BesideKdl(Iiwa14Chain(), kPostures, random);
   EXPECT_LT(worst.pose, kRounding);
   EXPECT_LT(worst.link, kRounding);
   EXPECT_LT(worst.jacobian, kRounding);
@@ -104,7 +104,7 @@ TEST(SerialChain, AlmostParallelAxesLoseNoAccuracy) {
 }
 
 TEST(SerialChain, IiwaStandsUprightAtTheCatalogueHeight) {
-  const Pose X_BF = SerialChain<7>(Iiwa14()).FlangePose(JointVectorN<7>::Zero());
+  const Pose X_BF = SerialChain<7>(Iiwa14Chain()).FlangePose(JointVectorN<7>::Zero());
   EXPECT_NEAR(X_BF.translation().z(), 1.306, 1e-15);
   EXPECT_TRUE(X_BF.linear().isIdentity(1e-15));
 }
@@ -150,7 +150,7 @@ double JacobianDotError(const ChainParams<N>& params, std::mt19937_64& random) {
 
 TEST(SerialChain, JacobianDotIsTheDerivativeOfTheJacobian) {
   std::mt19937_64 random{10};
-  EXPECT_LT(JacobianDotError(Iiwa14(), random), 1e-8);
+  EXPECT_LT(JacobianDotError(Iiwa14Chain(), random), 1e-8);
   EXPECT_LT(JacobianDotError(Kr6R900(), random), 1e-8);
   EXPECT_LT(JacobianDotError(RandomChain<6>(random), random), 1e-8);
 }
@@ -190,7 +190,7 @@ TEST(SerialChain, RefusesAChainThatIsNone) {
       {"flange: position: found", [](ChainParams<7>& c) { c.X_LF.translation().z() = INFINITY; }},
   };
   for (const Case& one : cases) {
-    ChainParams<7> params = Iiwa14();
+    ChainParams<7> params = Iiwa14Chain();
     one.spoil(params);
     try {
       const SerialChain<7> arm(params);
@@ -203,7 +203,7 @@ TEST(SerialChain, RefusesAChainThatIsNone) {
 
 TEST(SerialChain, DoesNotAllocate) {
   std::mt19937_64 random{12};
-  const SerialChain<7> arm(Iiwa14());
+  const SerialChain<7> arm(Iiwa14Chain());
   const JointVectorN<7> q = RandomJoints<7>(random, 2.0), qd = RandomJoints<7>(random, 1.0);
   SerialChain<7>::Posture posture;
   JacobianN<7> J;
