@@ -38,9 +38,7 @@ BaseSearch::BaseSearch(const kinematics::ChainParams<7>& arm, const Matrix3& R_W
       R_WB_(R_WB),
       X_TF_(X_FT.inverse()),
       task_(task),
-      params_(params),
-      coarse_(TaskPoses(task, kCoarseTask)),
-      fine_(TaskPoses(task, {})) {}
+      params_(params) {}
 
 // A1's zero looks along the base's x: toward the site, so that its range lies on both sides.
 Pose BaseSearch::Facing(const Vector3& p_WB) const {
@@ -96,21 +94,26 @@ BaseFigure BaseSearch::JudgeAt(const Pose& X_WB, double arm_angle_rad, const std
   return figure;
 }
 
-BaseFigure BaseSearch::Judge(const Vector3& p_WB, double arm_angle_rad,
-                             const std::vector<Pose>& poses) const {
+BaseFigure BaseSearch::Judge(const Vector3& p_WB, double arm_angle_rad) const {
   if (!Stands(p_WB)) return {.X_WB = Facing(p_WB), .arm_angle_rad = arm_angle_rad};
-  return JudgeAt(Facing(p_WB), arm_angle_rad, poses, 0.0);
+  return JudgeAt(Facing(p_WB), arm_angle_rad, TaskPoses(task_, {}, DirectionOf(task_, p_WB)), 0.0);
 }
 
 BaseFigure BaseSearch::Judge(const Vector3& p_WB) const {
   BaseFigure best{.X_WB = Facing(p_WB)};
   if (!Stands(p_WB)) return best;
+  const std::vector<Pose> poses = TaskPoses(task_, kCoarseTask, DirectionOf(task_, p_WB));
   for (int k = 0; k < params_.arm_angles; ++k) {
     const double angle = kTurn * (static_cast<double>(k) / params_.arm_angles - 0.5);
-    const BaseFigure figure = JudgeAt(best.X_WB, angle, coarse_, best.factor);
+    const BaseFigure figure = JudgeAt(best.X_WB, angle, poses, best.factor);
     if (figure.configuration >= 0 && figure.factor > best.factor) best = figure;
   }
   return best;
+}
+
+double BaseSearch::Score(const BaseFigure& figure) const {
+  const double way_m = (figure.X_WB.translation() - params_.now_W_m).norm();
+  return figure.factor * std::max(0.0, 1.0 - params_.moving_share_per_m * way_m);
 }
 
 std::optional<BaseFigure> BaseSearch::Best(const std::function<void(double)>& progress,
@@ -133,7 +136,7 @@ std::optional<BaseFigure> BaseSearch::Best(const std::function<void(double)>& pr
   std::vector<std::size_t> order(grid.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return grid[a].factor > grid[b].factor; });
+                   [&](std::size_t a, std::size_t b) { return Score(grid[a]) > Score(grid[b]); });
   order.resize(std::min(order.size(), static_cast<std::size_t>(params_.starts)));
 
   // from the best of them on foot: along one axis, then the next, by steps that halve
@@ -147,7 +150,7 @@ std::optional<BaseFigure> BaseSearch::Best(const std::function<void(double)>& pr
         for (std::size_t i = begin; i < end; ++i) {
           const BaseFigure& start = grid[order[i]];
           if (start.configuration < 0) continue;
-          BaseFigure best = Judge(start.X_WB.translation(), start.arm_angle_rad, fine_);
+          BaseFigure best = Judge(start.X_WB.translation(), start.arm_angle_rad);
           double step_m = 0.5 * params_.step_m, step_rad = kFirstAngleStep;
           while (step_m >= params_.final_step_m && !stop()) {
             bool better = false;
@@ -161,8 +164,8 @@ std::optional<BaseFigure> BaseSearch::Best(const std::function<void(double)>& pr
                   angle = std::remainder(angle + sign * step_rad, kTurn);
                 p_WB = {within(params_.x_m, p_WB.x()), within(params_.y_m, p_WB.y()),
                         within(params_.z_m, p_WB.z())};
-                const BaseFigure figure = Judge(p_WB, angle, fine_);
-                if (figure.configuration < 0 || !(figure.factor > best.factor)) continue;
+                const BaseFigure figure = Judge(p_WB, angle);
+                if (figure.configuration < 0 || !(Score(figure) > Score(best))) continue;
                 best = figure;
                 better = true;
               }
@@ -172,14 +175,14 @@ std::optional<BaseFigure> BaseSearch::Best(const std::function<void(double)>& pr
           }
           // as it will be written
           const Vector3 rounded = (1e3 * best.X_WB.translation()).array().round() * 1e-3;
-          refined[i] = Judge(rounded, kDegree * std::round(best.arm_angle_rad / kDegree), fine_);
+          refined[i] = Judge(rounded, kDegree * std::round(best.arm_angle_rad / kDegree));
         }
       },
       1);
   progress(1.0);
   const auto best =
       std::max_element(refined.begin(), refined.end(),
-                       [](const BaseFigure& a, const BaseFigure& b) { return a.factor < b.factor; });
+                       [this](const BaseFigure& a, const BaseFigure& b) { return Score(a) < Score(b); });
   if (best == refined.end() || best->configuration < 0) return std::nullopt;
   return *best;
 }
@@ -188,7 +191,7 @@ BaseFigure BaseSearch::Centred(const BaseFigure& figure) const {
   const Pose X_BW = figure.X_WB.inverse();
   const auto configuration = static_cast<std::size_t>(figure.configuration);
   double least = HUGE_VAL, most = -HUGE_VAL;
-  for (const Pose& X_WT : fine_) {
+  for (const Pose& X_WT : TaskPoses(task_, {}, DirectionOf(task_, figure.X_WB.translation()))) {
     const double q1 = arm_.Solve(X_BW * X_WT * X_TF_, figure.arm_angle_rad).configuration[configuration].q[0];
     least = std::min(least, q1);
     most = std::max(most, q1);
@@ -207,7 +210,7 @@ ToolForce BaseSearch::Forces(const BaseFigure& figure) const {
   const Pose X_BW = figure.X_WB.inverse();
   const double turn = TurnOf(figure.X_WB);
   const auto configuration = static_cast<std::size_t>(figure.configuration);
-  for (const Pose& X_WT : fine_) {
+  for (const Pose& X_WT : TaskPoses(task_, {}, DirectionOf(task_, figure.X_WB.translation()))) {
     const kinematics::LbrSolutions solutions = arm_.Solve(X_BW * X_WT * X_TF_, figure.arm_angle_rad);
     worst.Worsen(force_.At(solutions.configuration[configuration].q, turn));
   }

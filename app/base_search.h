@@ -28,9 +28,11 @@ struct BaseSearchParams {
   double clearance_m{0.35};  ///< from the site's centre to the base's axis, across that axis
   double joint_margin_rad{0.0872664625997165};  ///< kept from the position limits (5 deg)
   double least_bend_rad{0.261799387799149};     ///< of A4 and A6 (15 deg)
-  double step_m{0.1};                           ///< of the first grid
+  Vector3 now_W_m{Vector3::Zero()};  ///< where the base stands; of places as good, the nearer to it is taken:
+  double moving_share_per_m{0.01};   ///< a metre must gain more than this share
+  double step_m{0.05};               ///< of the first grid
   double final_step_m{0.005};
-  int arm_angles{24};  ///< of the circle
+  int arm_angles{36};  ///< of the circle
   int starts{6};       ///< places of the grid that are refined
   int threads{2};
 };
@@ -51,9 +53,8 @@ class BaseSearch {
 
   /// A base at a place, turned so that A1 looks at the site, at its best arm angle of the circle's steps.
   [[nodiscard]] BaseFigure Judge(const Vector3& p_WB) const;
-  /// The same with given arm angle; over all configurations.
-  [[nodiscard]] BaseFigure Judge(const Vector3& p_WB, double arm_angle_rad,
-                                 const std::vector<Pose>& poses) const;
+  /// The same at a given arm angle, the task sampled finely.
+  [[nodiscard]] BaseFigure Judge(const Vector3& p_WB, double arm_angle_rad) const;
 
   /// Grid, then compass search from its best places over x, y, z and the arm angle with the task sampled
   /// finely; the result is rounded to whole millimetres and degrees and judged as it is written.
@@ -73,6 +74,7 @@ class BaseSearch {
  private:
   [[nodiscard]] Pose Facing(const Vector3& p_WB) const;
   [[nodiscard]] double TurnOf(const Pose& X_WB) const;
+  [[nodiscard]] double Score(const BaseFigure& figure) const;
   [[nodiscard]] bool Stands(const Vector3& p_WB) const;
   [[nodiscard]] BaseFigure JudgeAt(const Pose& X_WB, double arm_angle_rad, const std::vector<Pose>& poses,
                                    double least) const;
@@ -83,7 +85,6 @@ class BaseSearch {
   Pose X_TF_;
   TaskVolume task_;
   BaseSearchParams params_;
-  std::vector<Pose> coarse_, fine_;
 };
 
 }  // namespace osteon::app

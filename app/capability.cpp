@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kRadian = std::numbers::pi / 180.0;
 constexpr double kReach_m = 0.9, kLower_m = 0.7, kHigher_m = 0.5;  // of the default ranges, from the site
-constexpr double kPanelStep_m = 0.05;
+constexpr double kPanelStep_m = 0.025;
 constexpr double kPressing_N = 20.0;  // along the tool: what is less says little about a ratio
 
 int Fail(const std::string& what, int code) {
@@ -56,7 +56,7 @@ Matrix3 MountOf(const config::CellConfig& cell, Mount mount) {
   return cell.X_WB.linear();
 }
 
-BaseSearchParams SearchOf(const CapabilityOptions& options, const TaskVolume& task) {
+BaseSearchParams SearchOf(const CapabilityOptions& options, const TaskVolume& task, const Vector3& now_W) {
   const Vector3 site = task.X_WC.translation();
   const auto range = [](const std::optional<std::array<double, 2>>& asked_mm, double from_m, double to_m) {
     if (asked_mm) return AxisRange{1e-3 * (*asked_mm)[0], 1e-3 * (*asked_mm)[1]};
@@ -68,7 +68,42 @@ BaseSearchParams SearchOf(const CapabilityOptions& options, const TaskVolume& ta
           .z_m = range(options.z_mm, site.z() - kLower_m, site.z() + kHigher_m),
           .clearance_m = 1e-3 * options.clearance_mm,
           .joint_margin_rad = options.joint_margin_deg * kRadian,
+          .now_W_m = now_W,
           .threads = options.threads};
+}
+
+// Without the rows and columns in which the task can't be done, but for two round what is marked.
+BasePanel Cropped(const BasePanel& panel) {
+  int low_x = panel.nx, high_x = -1, low_y = panel.ny, high_y = -1;
+  const auto keep = [&](int i, int j) {
+    low_x = std::min(low_x, i);
+    high_x = std::max(high_x, i);
+    low_y = std::min(low_y, j);
+    high_y = std::max(high_y, j);
+  };
+  const auto at = [&](const BasePanel& p, int i, int j) {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(p.nx) + static_cast<std::size_t>(i);
+  };
+  for (int j = 0; j < panel.ny; ++j)
+    for (int i = 0; i < panel.nx; ++i)
+      if (std::isfinite(panel.force_N[at(panel, i, j)])) keep(i, j);
+  for (const std::array<double, 2>& mark : {panel.site, panel.own, panel.best})
+    keep(static_cast<int>(std::lround((mark[0] - panel.x_from_m) / panel.step_m)),
+         static_cast<int>(std::lround((mark[1] - panel.y_from_m) / panel.step_m)));
+  constexpr int kRim = 2;
+  low_x = std::max(0, low_x - kRim);
+  low_y = std::max(0, low_y - kRim);
+  high_x = std::min(panel.nx - 1, high_x + kRim);
+  high_y = std::min(panel.ny - 1, high_y + kRim);
+  BasePanel cropped = panel;
+  cropped.x_from_m += low_x * panel.step_m;
+  cropped.y_from_m += low_y * panel.step_m;
+  cropped.nx = high_x - low_x + 1;
+  cropped.ny = high_y - low_y + 1;
+  cropped.force_N.clear();
+  for (int j = low_y; j <= high_y; ++j)
+    for (int i = low_x; i <= high_x; ++i) cropped.force_N.push_back(panel.force_N[at(panel, i, j)]);
+  return cropped;
 }
 
 // The guaranteed force over a plane of places, round the best one.
@@ -76,7 +111,8 @@ BasePanel PanelAround(const BaseSearch& search, const BaseFigure& best, const Ca
                       bool vertical) {
   const Vector3 site = result.task.X_WC.translation(), p_best = best.X_WB.translation(),
                 p_own = result.X_WB.translation();
-  BasePanel panel{.step_m = kPanelStep_m};
+  BasePanel panel;
+  panel.step_m = kPanelStep_m;
   Vector3 origin = site, u = Vector3::UnitX(), v = Vector3::UnitY();
   const BaseSearchParams& s = result.search;
   AxisRange across = {s.x_m.from - site.x(), s.x_m.to - site.x()},
@@ -105,6 +141,11 @@ BasePanel PanelAround(const BaseSearch& search, const BaseFigure& best, const Ca
   panel.ny = std::max(2, 1 + static_cast<int>(std::floor((up.to - up.from) / panel.step_m + 1e-9)));
   panel.site = local(site);
   panel.own = local(p_own);
+  if (vertical) {
+    // a base beside the plane, turned into it about the site
+    const double side = panel.own[0] < 0.0 ? -1.0 : 1.0;
+    panel.own[0] = side * std::hypot(p_own.x() - site.x(), p_own.y() - site.y());
+  }
   panel.best = local(p_best);
   panel.force_N.assign(static_cast<std::size_t>(panel.nx) * static_cast<std::size_t>(panel.ny), std::nan(""));
   simulation::ParallelFor(
@@ -119,13 +160,13 @@ BasePanel PanelAround(const BaseSearch& search, const BaseFigure& best, const Ca
         }
       },
       16);
-  return panel;
+  return Cropped(panel);
 }
 
 void Search(const config::CellConfig& cell, const CapabilityOptions& options, PhaseProgress& progress,
             CapabilityResult& result) {
   result.searched = true;
-  result.search = SearchOf(options, result.task);
+  result.search = SearchOf(options, result.task, result.X_WB.translation());
   const BaseSearch search(cell.chain, MountOf(cell, options.mount), cell.tool.X_FT, result.task, result.need,
                           result.search);
   progress.Begin("looking for a base");
@@ -199,7 +240,9 @@ int Run(const CapabilityOptions& options) {
   if (std::filesystem::exists(options.out) && !std::filesystem::is_directory(options.out))
     return Fail(fmt::format("--out {}: found a file, accepted a folder", options.out.string()), 2);
   const config::CellConfig cell = config::LoadCell(options.cell);
-  CapabilityResult result{.cell = options.cell.stem().string(), .tool = cell.tool.tool.name};
+  CapabilityResult result;
+  result.cell = options.cell.stem().string();
+  result.tool = cell.tool.tool.name;
   std::optional<double> radius_m;
   if (options.radius_mm) radius_m = 1e-3 * *options.radius_mm;
   result.task = TaskOf(cell, radius_m);

@@ -24,7 +24,7 @@ struct CapabilityOptions {
   std::optional<std::array<double, 2>> x_mm{}, y_mm{}, z_mm{};  ///< where the base may stand, in W
   double clearance_mm{350.0};
   double joint_margin_deg{5.0};
-  int nodes{41};      ///< of a map, across the workspace
+  int nodes{61};      ///< of a map, across the workspace
   bool search{true};  ///< for a better base
   int threads{2};
   std::string command_line{};

@@ -6,6 +6,11 @@
 #include "simulation/parallel.h"
 
 namespace osteon::app {
+namespace {
+
+constexpr double kMargin = 1.04;  // of a map round the workspace
+
+}  // namespace
 
 CapabilityMap::CapabilityMap(const config::CellConfig& cell, const TaskVolume& task,
                              const CapabilityNeed& need, int threads)
@@ -16,6 +21,7 @@ CapabilityMap::CapabilityMap(const config::CellConfig& cell, const TaskVolume& t
       task_(task),
       own_arm_angle_rad_(cell.start.arm_angle_rad),
       own_configuration_(static_cast<std::size_t>(kinematics::LbrArm::Configuration(cell.start.q))),
+      first_rad_(DirectionOf(task, cell.X_WB.translation())),
       threads_(threads) {}
 
 std::optional<ToolForce> CapabilityMap::Best(const Pose& X_WT) const {
@@ -33,7 +39,7 @@ std::optional<ToolForce> CapabilityMap::Own(const Pose& X_WT) const {
 }
 
 CapabilityMap::Task CapabilityMap::AtBestArmAngle() const {
-  const std::vector<Pose> poses = TaskPoses(task_, {});
+  const std::vector<Pose> poses = TaskPoses(task_, {}, first_rad_);
   std::vector<std::optional<ToolForce>> forces(poses.size());
   simulation::ParallelFor(
       poses.size(), threads_,
@@ -53,7 +59,7 @@ CapabilityMap::Task CapabilityMap::AtBestArmAngle() const {
 
 CapabilityMap::Task CapabilityMap::AtOwnArmAngle() const {
   Task task;
-  for (const Pose& X_WT : TaskPoses(task_, {})) {
+  for (const Pose& X_WT : TaskPoses(task_, {}, first_rad_)) {
     ++task.poses;
     if (const auto force = Own(X_WT))
       task.force.Worsen(*force);
@@ -65,7 +71,9 @@ CapabilityMap::Task CapabilityMap::AtOwnArmAngle() const {
 
 MapPanel CapabilityMap::Panel(MapPlane plane, int nodes, const std::function<bool()>& stop) const {
   const safety::WorkspaceParams& space = task_.workspace;
-  MapPanel panel{.plane = plane, .origin_W = task_.X_WC.translation()};
+  MapPanel panel;
+  panel.plane = plane;
+  panel.origin_W = task_.X_WC.translation();
   if (plane == MapPlane::kVertical) {
     const Vector3 base_W = X_BW_.inverse().translation();
     Vector3 out = task_.X_WC.translation() - base_W;
@@ -73,9 +81,11 @@ MapPanel CapabilityMap::Panel(MapPlane plane, int nodes, const std::function<boo
     panel.u_W = out.norm() > 1e-9 ? out.normalized() : Vector3::UnitX();
     panel.v_W = Vector3::UnitZ();
   }
-  // a square that holds the sphere, its nodes on whole steps from the site's centre
-  const Vector3 center = space.sphere_center_W_m - panel.origin_W;
-  const double u = center.dot(panel.u_W), v = center.dot(panel.v_W), r = space.sphere_radius_m;
+  // a square that holds the sphere as the head's centre sees it, its nodes on whole steps from the site's
+  // centre
+  const Vector3 p_apex_head = task_.head_radius_m * task_.X_WC.linear().col(2);
+  const Vector3 center = space.sphere_center_W_m + p_apex_head - panel.origin_W;
+  const double u = center.dot(panel.u_W), v = center.dot(panel.v_W), r = kMargin * space.sphere_radius_m;
   panel.step_m = 2.0 * r / (nodes - 1);
   panel.u_from_m = panel.step_m * std::floor((u - r) / panel.step_m);
   panel.v_from_m = panel.step_m * std::floor((v - r) / panel.step_m);
@@ -105,10 +115,7 @@ MapPanel CapabilityMap::Panel(MapPlane plane, int nodes, const std::function<boo
           const auto row = static_cast<double>(i / static_cast<std::size_t>(panel.nu));
           const Vector3 p_W = panel.origin_W + (panel.u_from_m + column * panel.step_m) * panel.u_W +
                               (panel.v_from_m + row * panel.step_m) * panel.v_W;
-          const std::vector<Pose> cone = TiltCone(task_, p_W, TaskFineness{}.azimuths);
-          if ((p_W - space.sphere_center_W_m).norm() > r ||
-              space.plane_normal_W.dot(cone.front().translation()) < space.plane_offset_m)
-            continue;
+          const std::vector<Pose> cone = TiltCone(task_, p_W, TaskFineness{}.azimuths, first_rad_);
           worst(
               cone, [this](const Pose& X) { return Best(X); }, panel.axial_N[i], panel.lateral_N[i]);
           worst(

@@ -58,6 +58,7 @@ class CapabilityMap {
   TaskVolume task_;
   double own_arm_angle_rad_;
   std::size_t own_configuration_;
+  double first_rad_;  ///< where the tilts' directions begin
   int threads_;
 };
 

@@ -12,7 +12,6 @@ namespace osteon::app {
 namespace {
 
 constexpr const char* kTaskColor = "#d55e00";
-constexpr double kMapBand_N = 25.0;
 
 // Largest force of the scale: the bands end at a round number above nine tenths of the values.
 HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields, double need_N,
@@ -22,12 +21,13 @@ HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields, double 
     for (const double value : *field)
       if (std::isfinite(value)) values.push_back(value);
   const double most = values.empty() ? 0.0 : Percentile(values, 0.95);
-  const double max = std::clamp(100.0 * std::ceil(std::max(most, need_N) / 100.0), 100.0, 1000.0);
-  return {.label = label,
-          .min = 0.0,
-          .max = max,
-          .step = max > 500.0 ? 2.0 * kMapBand_N : kMapBand_N,
-          .tick_step = max > 400.0 ? 100.0 : 50.0};
+  // eight to fifteen bands of a round width, two to a tick
+  const double top = std::clamp(1.1 * std::max(most, need_N), 50.0, 1000.0);
+  double tick = 10.0;
+  for (const double width : {20.0, 50.0, 100.0, 200.0})
+    if (tick * 7.5 < top) tick = width;
+  return {
+      .label = label, .min = 0.0, .max = tick * std::ceil(top / tick), .step = 0.5 * tick, .tick_step = tick};
 }
 
 std::vector<double> Levels(const HeatScale& scale, double need_N) {
@@ -43,7 +43,7 @@ std::vector<double> Levels(const HeatScale& scale, double need_N) {
 // Where the task's cylinder meets a panel's plane: its outline there, in mm of the panel.
 Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
   constexpr int kSides = 72;
-  Polyline outline{.closed = true};
+  Polyline outline{.points = {}, .closed = true};
   const auto add = [&](const Vector3& p_C) {
     const Vector3 p = task.X_WC * p_C - panel.origin_W;
     outline.points.push_back({1e3 * p.dot(panel.u_W), 1e3 * p.dot(panel.v_W)});
@@ -67,6 +67,32 @@ Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
   return outline;
 }
 
+// Where the cell's workspace lets the centre of an upright tool's head be: sphere and plane, moved from the
+// apex.
+Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel) {
+  constexpr int kSides = 180;
+  const safety::WorkspaceParams& space = task.workspace;
+  const Vector3 p_apex_head = task.head_radius_m * task.X_WC.linear().col(2);
+  const Vector3 center = space.sphere_center_W_m + p_apex_head - panel.origin_W;
+  const Vector3 normal = panel.u_W.cross(panel.v_W);
+  const double off = center.dot(normal);
+  Polyline outline{.points = {}, .closed = true};
+  if (std::abs(off) >= space.sphere_radius_m) return outline;
+  const double radius = std::sqrt(space.sphere_radius_m * space.sphere_radius_m - off * off);
+  const Vector2 middle(center.dot(panel.u_W), center.dot(panel.v_W));
+  // the plane as n·p >= d within the panel
+  const Vector2 n(space.plane_normal_W.dot(panel.u_W), space.plane_normal_W.dot(panel.v_W));
+  const double d = space.plane_offset_m - space.plane_normal_W.dot(panel.origin_W - p_apex_head);
+  for (int k = 0; k < kSides; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / kSides;
+    Vector2 p = middle + radius * Vector2(std::cos(angle), std::sin(angle));
+    // beyond the plane: back along its normal
+    if (n.norm() > 1e-9 && n.dot(p) < d) p += (d - n.dot(p)) / n.squaredNorm() * n;
+    outline.points.push_back(1e3 * p);
+  }
+  return outline;
+}
+
 HeatMap PanelOf(const CapabilityResult& r, const MapPanel& panel, const std::vector<double>& values,
                 const std::string& what, const HeatScale& scale, double need_N) {
   const bool vertical = panel.plane == MapPlane::kVertical;
@@ -79,34 +105,34 @@ HeatMap PanelOf(const CapabilityResult& r, const MapPanel& panel, const std::vec
           .ny = panel.nv,
           .values = values,
           .contours = Levels(scale, need_N),
-          .lines = {{.line = TaskOutline(r.task, panel), .color = kTaskColor, .width_px = 2.0}},
+          .lines = {{.line = WorkspaceOutline(r.task, panel), .color = "#ffffff", .width_px = 3.4},
+                    {.line = WorkspaceOutline(r.task, panel), .dashed = true},
+                    {.line = TaskOutline(r.task, panel), .color = kTaskColor, .width_px = 2.0}},
           .marks = {{.x = 0.0, .y = 0.0, .marker = Marker::kCross, .color = kTaskColor, .label = ""}}};
 }
 
 }  // namespace
 
 std::string MapSvg(const CapabilityResult& r, bool own_arm_angle) {
-  std::vector<const std::vector<double>*> axial, lateral, all;
+  std::vector<const std::vector<double>*> axial, lateral;
   for (const MapPanel& panel : r.maps) {
     axial.push_back(own_arm_angle ? &panel.own_axial_N : &panel.axial_N);
     lateral.push_back(own_arm_angle ? &panel.own_lateral_N : &panel.lateral_N);
   }
-  all = axial;
-  all.insert(all.end(), lateral.begin(), lateral.end());
-  const HeatScale scale = ScaleOf(all, r.need.axial_N, "guaranteed force [N]");
+  const std::vector<HeatScale> scales{ScaleOf(axial, r.need.axial_N, "axial force [N]"),
+                                      ScaleOf(lateral, r.need.lateral_N, "lateral force [N]")};
   std::vector<HeatMap> panels;
   for (std::size_t i = 0; i < r.maps.size(); ++i)
-    panels.push_back(PanelOf(r, r.maps[i], *axial[i], "Axial", scale, r.need.axial_N));
+    panels.push_back(PanelOf(r, r.maps[i], *axial[i], "Axial", scales[0], r.need.axial_N));
   for (std::size_t i = 0; i < r.maps.size(); ++i)
-    panels.push_back(PanelOf(r, r.maps[i], *lateral[i], "Lateral", scale, r.need.lateral_N));
-  return HeatMapSvg(panels, 2, scale,
+    panels.push_back(PanelOf(r, r.maps[i], *lateral[i], "Lateral", scales[1], r.need.lateral_N));
+  return HeatMapSvg(panels, static_cast<int>(r.maps.size()), scales,
                     own_arm_angle ? fmt::format("Force held at arm angle {:.0f} deg",
                                                 r.own_arm_angle_rad * 180.0 / std::numbers::pi)
                                   : "Force held at the best arm angle",
                     {{.text = "task: the head's centre", .color = kTaskColor},
-                     {.text = "outside the workspace, or no posture",
-                      .color = "#e4e6e9",
-                      .mark = LegendEntry::Mark::kFill}});
+                     {.text = "workspace", .color = kTextColor, .mark = LegendEntry::Mark::kDash},
+                     {.text = "no posture", .color = "#e4e6e9", .mark = LegendEntry::Mark::kFill}});
 }
 
 std::string BaseSvg(const CapabilityResult& r) {
@@ -141,7 +167,7 @@ std::string BaseSvg(const CapabilityResult& r) {
                                  .color = "#d55e00",
                                  .label = "best"}}});
   return HeatMapSvg(
-      panels, 2, scale, "Where the base may stand",
+      panels, 2, {scale}, "Where the base may stand",
       {{.text = "the task can't be done from there", .color = "#e4e6e9", .mark = LegendEntry::Mark::kFill}});
 }
 

@@ -61,25 +61,31 @@ CapabilityNeed NeedOf(const config::CellConfig& cell, const TaskVolume& task) {
                           force_N, task.tilt_rad * 360.0 / kTurn)};
 }
 
-std::vector<Pose> TiltCone(const TaskVolume& task, const Vector3& p_W_head, int azimuths) {
+double DirectionOf(const TaskVolume& task, const Vector3& p_WB) {
+  const Vector3 p_C = task.X_WC.inverse() * p_WB;
+  return std::atan2(p_C.y(), p_C.x());
+}
+
+std::vector<Pose> TiltCone(const TaskVolume& task, const Vector3& p_W_head, int azimuths, double first_rad) {
+  const Matrix3 R_CT = ExpRotation({std::numbers::pi, 0.0, 0.0}) * ExpRotation({0.0, 0.0, task.tool_yaw_rad});
+  const Matrix3 R_WC = task.X_WC.linear();
   const auto pose = [&](double tilt, double azimuth) {
     Pose X_WT = Pose::Identity();
-    X_WT.linear() = task.X_WC.linear() * ExpRotation({std::numbers::pi, 0.0, 0.0}) *
-                    ExpRotation({0.0, 0.0, task.tool_yaw_rad}) *
-                    ExpRotation(tilt * Vector3(std::cos(azimuth), std::sin(azimuth), 0.0));
+    const Vector3 turn_C(-std::sin(azimuth), std::cos(azimuth), 0.0);
+    X_WT.linear() = R_WC * R_CT * ExpRotation(tilt * (R_CT.transpose() * turn_C));
     X_WT.translation() = p_W_head + task.head_radius_m * X_WT.linear().col(2);
     return X_WT;
   };
   std::vector<Pose> poses{pose(0.0, 0.0)};
   if (task.tilt_rad > 0.0)
-    for (int k = 0; k < azimuths; ++k) poses.push_back(pose(task.tilt_rad, kTurn * k / azimuths));
+    for (int k = 0; k < azimuths; ++k) poses.push_back(pose(task.tilt_rad, first_rad + kTurn * k / azimuths));
   return poses;
 }
 
-std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness) {
+std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness, double first_rad) {
   std::vector<Pose> poses;
   const auto add = [&](const Vector3& p_C) {
-    for (const Pose& X_WT : TiltCone(task, task.X_WC * p_C, fineness.azimuths))
+    for (const Pose& X_WT : TiltCone(task, task.X_WC * p_C, fineness.azimuths, first_rad))
       if (Allowed(task.workspace, X_WT.translation())) poses.push_back(X_WT);
   };
   for (int h = 0; h < fineness.heights; ++h) {
@@ -87,7 +93,7 @@ std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness
         std::lerp(task.bottom_m, task.top_m, static_cast<double>(h) / (fineness.heights - 1));
     add({0.0, 0.0, height_m});
     for (int k = 0; task.radius_m > 0.0 && k < fineness.around; ++k) {
-      const double angle = kTurn * k / fineness.around;
+      const double angle = first_rad + kTurn * k / fineness.around;
       add({task.radius_m * std::cos(angle), task.radius_m * std::sin(angle), height_m});
     }
   }

@@ -50,16 +50,23 @@ struct TaskVolume {
 
 /// How finely a task is sampled.
 struct TaskFineness {
-  int heights{3}, around{6}, azimuths{8};
+  int heights{3}, around{8}, azimuths{8};
 };
 inline constexpr TaskFineness kCoarseTask{.heights = 2, .around = 4, .azimuths = 4};
 
 /// X_WT with the head's centre at a place: the tool along the site's axis first, then tilted to the cone's
 /// edge all round.
-[[nodiscard]] std::vector<Pose> TiltCone(const TaskVolume& task, const Vector3& p_W_head, int azimuths);
+/// @param first_rad  direction of the first tilt, about the site's axis from its x: toward the base, so that
+///   the arm's own worst ways, toward it, away and to the sides, are among them
+[[nodiscard]] std::vector<Pose> TiltCone(const TaskVolume& task, const Vector3& p_W_head, int azimuths,
+                                         double first_rad);
+
+/// Where a base stands seen from the site: the angle about the site's axis from its x.
+[[nodiscard]] double DirectionOf(const TaskVolume& task, const Vector3& p_WB);
 
 /// X_WT over the volume: each height's centre and rim, each with its tilt cone. The forces are worst at its
 /// edges, where the levers are longest, so the edges are sampled and of the inside the axis.
-[[nodiscard]] std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness);
+[[nodiscard]] std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness,
+                                          double first_rad);
 
 }  // namespace osteon::app

@@ -26,6 +26,7 @@ constexpr std::array<std::array<double, 3>, 9> kViridis{{{68, 1, 84},
                                                          {253, 231, 37}}};
 constexpr std::array<std::uint8_t, 3> kNothing{228, 230, 233};
 constexpr int kPixelsACell = 8;
+constexpr double kLabelPx = 11.5;
 constexpr double kGap = 30.0, kScaleWidth = 18.0;
 
 std::array<double, 3> Viridis(double share) {
@@ -172,7 +173,7 @@ std::string ContourLines(const HeatMap& map, const PlotArea& area) {
       at = k;
     }
     const double x = std::clamp(longest[at].x, area.left + 18.0, area.left + area.width - 18.0);
-    out += SvgText(x, longest[at].y + 4.0, Number(level, 0), "middle", "#ffffff", 11.5,
+    out += SvgText(x, longest[at].y + 4.0, Number(level, 0), "middle", "#ffffff", kLabelPx,
                    R"(font-weight="600" stroke="#1b1f24" stroke-width="2.6" paint-order="stroke")");
   }
   return out;
@@ -192,8 +193,26 @@ std::string Overlays(const HeatMap& map, const PlotArea& area) {
     if (!(mark.x >= map.x.min && mark.x <= map.x.max && mark.y >= map.y.min && mark.y <= map.y.max)) continue;
     const double x = area.X(mark.x), y = area.Y(mark.y);
     out += DrawMarker(x, y, mark.marker, mark.color);
-    const bool left = x > area.left + 0.6 * area.width;
-    out += SvgText(x + (left ? -9.0 : 9.0), y + 4.0, mark.label, left ? "end" : "start", kTextColor, 11.5,
+    // right, left or above: where the panel has room and no other mark stands
+    const double width = TextWidth(mark.label, kLabelPx) + 12.0;
+    const auto free = [&](double from, double to) {
+      return from > area.left && to < area.left + area.width &&
+             std::none_of(map.marks.begin(), map.marks.end(), [&](const MapMark& other) {
+               const double at = area.X(other.x);
+               return &other != &mark && at > from - 6.0 && at < to + 6.0 &&
+                      std::abs(area.Y(other.y) - y) < 14.0;
+             });
+    };
+    const bool right = free(x, x + width), left = !right && free(x - width, x);
+    const double middle = std::clamp(x, area.left + 0.5 * width, area.left + area.width - 0.5 * width);
+    out += SvgText(right  ? x + 9.0
+                   : left ? x - 9.0
+                          : middle,
+                   right || left ? y + 4.0 : y - 9.0, mark.label,
+                   right  ? "start"
+                   : left ? "end"
+                          : "middle",
+                   kTextColor, kLabelPx,
                    R"(font-weight="600" stroke="#ffffff" stroke-width="3" paint-order="stroke")");
   }
   return out;
@@ -218,6 +237,26 @@ std::string ScaleBar(const HeatScale& scale, double left, double top, double hei
                        fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(x), Pixels(y)));
 }
 
+std::string DrawPanel(const HeatMap& map, const HeatScale& scale, const PlotArea& area,
+                      const std::string& picture) {
+  Ticks x_ticks = LinearTicks(area.x, 6);
+  const Ticks y_ticks = LinearTicks(area.y, std::max(3, static_cast<int>(area.height / 45.0)));
+  SpreadLabels(area, x_ticks);
+  // ids are this panel's own: several pictures fit on a page
+  const std::string id = fmt::format(
+      "map-{:x}", std::hash<std::string>{}(picture + map.title + Pixels(area.left) + Pixels(area.top)));
+  std::string body = SvgText(area.left, area.top - 9.0, Fit(map.title, area.width), "start", kTextColor,
+                             kFontPx, R"(font-weight="600")");
+  body += fmt::format("<clipPath id=\"{}\">{}</clipPath>\n<g clip-path=\"url(#{})\">\n", id,
+                      SvgRect(area.left, area.top, area.width, area.height, "#000000"), id);
+  body += Field(map, scale, area) + ContourLines(map, area) + Overlays(map, area) + "</g>\n";
+  body += SvgRect(area.left, area.top, area.width, area.height, "none",
+                  fmt::format(R"(stroke="{}" stroke-width="1")", kAxisColor));
+  body += DrawTickTexts(area, x_ticks, y_ticks);
+  return body + DrawAxisLabels(area, map.x_label, area.top + area.height + 38.0, map.y_label,
+                               area.left - WidestLabel(y_ticks) - 20.0);
+}
+
 }  // namespace
 
 std::string ViridisColor(double share) {
@@ -226,17 +265,17 @@ std::string ViridisColor(double share) {
                      static_cast<int>(std::lround(rgb[1])), static_cast<int>(std::lround(rgb[2])));
 }
 
-std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns, const HeatScale& scale,
+std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns, const std::vector<HeatScale>& scales,
                        const std::string& title, const std::vector<LegendEntry>& legend, double width_px) {
-  constexpr double kScaleStrip = kScaleWidth + 72.0, kAxisStrip = 62.0, kLeft = 4.0;
+  constexpr double kScaleStrip = kScaleWidth + 92.0, kAxisStrip = 62.0, kLeft = 4.0;
   const LegendBlock block = DrawLegend(kLeft, 2.0, width_px - 8.0, title, legend);
   const double panel_width = (width_px - kScaleStrip - kLeft - kGap * (columns - 1)) / columns;
-  const double first_top = block.height_px + 34.0;
   std::string body = block.svg;
-  double top = first_top, lowest = top;
+  double top = block.height_px + 34.0, lowest = top;
   for (std::size_t k = 0; k < panels.size(); ++k) {
     const HeatMap& map = panels[k];
     const int column = static_cast<int>(k) % columns;
+    const HeatScale& scale = scales[std::min(k / static_cast<std::size_t>(columns), scales.size() - 1)];
     if (k > 0 && column == 0) top = lowest + 76.0;
     PlotArea area{.x = map.x, .y = map.y};
     area.left = kLeft + column * (panel_width + kGap) + kAxisStrip;
@@ -244,23 +283,10 @@ std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns, const He
     area.width = panel_width - kAxisStrip;
     area.height = area.width * (map.y.max - map.y.min) / (map.x.max - map.x.min);
     lowest = column == 0 ? area.top + area.height : std::max(lowest, area.top + area.height);
-    Ticks x_ticks = LinearTicks(area.x, 6);
-    const Ticks y_ticks = LinearTicks(area.y, std::max(3, static_cast<int>(area.height / 45.0)));
-    SpreadLabels(area, x_ticks);
-    const std::string id =
-        fmt::format("map-{:x}", std::hash<std::string>{}(map.title + Pixels(area.left) + title));
-    body += SvgText(area.left, area.top - 9.0, Fit(map.title, area.width), "start", kTextColor, kFontPx,
-                    R"(font-weight="600")");
-    body += fmt::format("<clipPath id=\"{}\">{}</clipPath>\n<g clip-path=\"url(#{})\">\n", id,
-                        SvgRect(area.left, area.top, area.width, area.height, "#000000"), id);
-    body += Field(map, scale, area) + ContourLines(map, area) + Overlays(map, area) + "</g>\n";
-    body += SvgRect(area.left, area.top, area.width, area.height, "none",
-                    fmt::format(R"(stroke="{}" stroke-width="1")", kAxisColor));
-    body += DrawTickTexts(area, x_ticks, y_ticks);
-    body += DrawAxisLabels(area, map.x_label, area.top + area.height + 38.0, map.y_label,
-                           area.left - WidestLabel(y_ticks) - 20.0);
+    body += DrawPanel(map, scale, area, title);
+    if (column == columns - 1 || k + 1 == panels.size())
+      body += ScaleBar(scale, width_px - kScaleStrip + 14.0, top, lowest - top);
   }
-  body += ScaleBar(scale, width_px - kScaleStrip + 14.0, first_top, lowest - first_top);
   return SvgDocument(width_px, lowest + 48.0, title, body);
 }
 

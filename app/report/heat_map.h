@@ -6,7 +6,7 @@
 #include "app/report/contour.h"
 #include "app/report/svg_frame.h"
 
-// A field over a plane as bands of colour with contour lines, equal axes, and one scale beside all panels.
+// A field over a plane as bands of colour with contour lines, equal axes, and a scale beside each row.
 //
 //     title                                     ┌──┐ 400
 //     ┌────────────────┐  ┌────────────────┐    │  │
@@ -43,7 +43,7 @@ struct HeatMap {
   std::vector<MapMark> marks{};
 };
 
-/// The colours of all panels: viridis in bands of `step`, the last one open.
+/// The colours of a row of panels: viridis in bands of `step`, the last one open.
 struct HeatScale {
   std::string label{};  ///< with unit
   double min{0.0}, max{400.0}, step{25.0};
@@ -53,9 +53,10 @@ struct HeatScale {
 /// Colour of a value: viridis (van der Walt and Smith, 2015), "#rrggbb".
 [[nodiscard]] std::string ViridisColor(double share);
 
-/// Panels in rows, under one title and one legend, with the scale at the right.
-[[nodiscard]] std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns, const HeatScale& scale,
-                                     const std::string& title, const std::vector<LegendEntry>& legend,
-                                     double width_px = 920.0);
+/// Panels in rows, under one title and one legend, each row with its scale at the right.
+/// @param scales  one a row; the last serves the rows that have none of their own
+[[nodiscard]] std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns,
+                                     const std::vector<HeatScale>& scales, const std::string& title,
+                                     const std::vector<LegendEntry>& legend, double width_px = 920.0);
 
 }  // namespace osteon::app

@@ -8,6 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "control/rt/no_alloc_scope.h"
+#include "kinematics/best_arm_angle.h"
+#include "kinematics/serial_chain.h"
+#include "tests/kinematics/chain_samples.h"
+#include "tests/kinematics/iiwa14.h"
 
 // The closed forms against what they stand for: torques of single wrenches, by matrix products, over random
 // arms and dense samples of directions.
@@ -289,6 +293,116 @@ TEST(ForceCapability, DoesNotAllocate) {
   EXPECT_GT(sum, 0.0);
   EXPECT_EQ(heap_calls, 0);
   EXPECT_EQ(locks, 0);
+}
+
+// The iiwa 14, its joints anywhere within their limits, and a tool that goes on along the flange's axis.
+class Iiwa14Force : public ::testing::Test {
+ protected:
+  JointVectorN<7> AnyPosture() {
+    JointVectorN<7> q;
+    for (int i = 0; i < 7; ++i) {
+      const JointLimits& limits = body_.joints[static_cast<std::size_t>(i)].limits;
+      q[i] = std::uniform_real_distribution<double>(limits.lower_rad, limits.upper_rad)(random_);
+      torque_limit_[i] = limits.torque_Nm;
+    }
+    return q;
+  }
+  // of a tool of length_m, and its axis
+  ForceCapability<7> At(const JointVectorN<7>& q, double length_m, GravityHelp help, Vector3& axis_B) const {
+    const SerialChain<7>::Posture posture = chain_.Place(q);
+    axis_B = posture.X_BF.linear().col(2);
+    return {chain_.JacobianAt(posture, posture.X_BF * Vector3(0.0, 0.0, length_m)), chain_.Gravity(q),
+            torque_limit_, help};
+  }
+
+  const ChainParams<7> body_ = Iiwa14Chain();
+  const SerialChain<7> chain_{body_};
+  JointVectorN<7> torque_limit_ = JointVectorN<7>::Zero();
+  std::mt19937_64 random_{23};
+};
+
+// A6 turns about an axis across the tool, (0.126 + L) from its apex: 40 N·m leave 177, 123, 94 N. Every other
+// joint holds more, wherever the arm is. Without gravity: the masses beyond A6 take their part of its torque.
+TEST_F(Iiwa14Force, A6LimitsTheLateralForceToItsTorqueOverItsLever) {
+  const SerialChain<7> weightless(body_, Vector3::Zero());
+  for (const double length_m : {0.10, 0.20, 0.30})
+    for (int n = 0; n < 1000; ++n) {
+      const JointVectorN<7> q = AnyPosture();
+      const SerialChain<7>::Posture posture = weightless.Place(q);
+      const ForceCapability<7> arm(weightless.JacobianAt(posture, posture.X_BF * Vector3(0.0, 0.0, length_m)),
+                                   weightless.Gravity(q), torque_limit_, GravityHelp::kNotCounted);
+      const CapabilityLimit lateral = arm.LateralForce(posture.X_BF.linear().col(2));
+      ASSERT_NEAR(lateral.value, 40.0 / (0.126 + length_m), 1e-9);
+      ASSERT_EQ(lateral.joint, 5);
+    }
+}
+
+// Axially most postures hold twice the cell's ceiling. Without counting on gravity's help it is a percent
+// less: the drives at the shoulder carry some 60 N·m of the arm's own weight.
+TEST_F(Iiwa14Force, AxialForceIs400NewtonInAlmostEveryPosture) {
+  constexpr int kPostures = 20'000;
+  int exact = 0, cautious = 0;
+  for (int n = 0; n < kPostures; ++n) {
+    const JointVectorN<7> q = AnyPosture();
+    Vector3 axis_B;
+    if (At(q, 0.2, GravityHelp::kCounted, axis_B).Force(axis_B).value >= 400.0) ++exact;
+    if (At(q, 0.2, GravityHelp::kNotCounted, axis_B).Force(axis_B).value >= 400.0) ++cautious;
+  }
+  EXPECT_GE(exact, 0.95 * kPostures);
+  EXPECT_GE(cautious, 0.94 * kPostures);
+  EXPECT_LT(cautious, exact);
+}
+
+// Every arm angle of a fine grid, every configuration: none holds more than the one that was found.
+TEST_F(Iiwa14Force, TheBestArmAngleIsTheBestOfItsSelfMotion) {
+  const LbrArm arm(Iiwa14());
+  constexpr int kFine = 3600;
+  int better_than_own = 0, poses = 0;
+  for (int n = 0; n < 40; ++n) {
+    const JointVectorN<7> q_own = AnyPosture();
+    const auto force = [&](const JointVectorN<7>& q) {
+      Vector3 axis_B;
+      return At(q, 0.18, GravityHelp::kNotCounted, axis_B).Force(axis_B).value;
+    };
+    const Pose X_BF = arm.FlangePose(q_own);
+    const BestArmAngle best = FindBestArmAngle(arm, X_BF, force);
+    ASSERT_TRUE(best.found);
+    ++poses;
+    // it is a posture of the pose, within the limits, with the value that it says
+    ASSERT_LT((arm.FlangePose(best.q).matrix() - X_BF.matrix()).norm(), 1e-9);
+    ASSERT_NEAR(std::remainder(arm.ArmAngle(best.q) - best.arm_angle_rad, 2.0 * kPi), 0.0, 1e-6);
+    ASSERT_EQ(force(best.q), best.value);
+    double most = 0.0;
+    for (int k = 0; k < kFine; ++k)
+      for (const LbrSolution& solution : arm.Solve(X_BF, 2.0 * kPi * k / kFine).configuration)
+        if (solution.valid()) most = std::max(most, force(solution.q));
+    // 2 %: a hill narrower than 10 deg may hide between the samples
+    ASSERT_GE(best.value, 0.98 * most) << "pose " << n;
+    if (best.value > 1.1 * force(q_own)) ++better_than_own;
+  }
+  EXPECT_GT(better_than_own, poses / 2) << "the arm angle must matter, or nothing is proven";
+}
+
+// One joint's limits leave a self-motion of a third of a degree: no sample of the circle meets it.
+TEST_F(Iiwa14Force, ANarrowSelfMotionIsFound) {
+  LbrParams params = Iiwa14();
+  JointVectorN<7> q;
+  q << 0.3, 0.6, 0.4, -1.3, 0.5, 0.9, -0.2;
+  params.limits[2].lower_rad = q[2] - 0.003;
+  params.limits[2].upper_rad = q[2] + 0.003;
+  const LbrArm arm(params);
+  const Pose X_BF = arm.FlangePose(q);
+  const auto value = [](const JointVectorN<7>& posture) { return posture[0]; };
+  const BestArmAngle best = FindBestArmAngle(arm, X_BF, value);
+  ASSERT_TRUE(best.found);
+  EXPECT_LT((arm.FlangePose(best.q).matrix() - X_BF.matrix()).norm(), 1e-9);
+  EXPECT_NEAR(best.q[2], q[2], 0.003 + 1e-9);
+  EXPECT_GE(best.value, q[0]) << "the posture that made the pose is one of them";
+  params.limits[3] = {.lower_rad = 1.0, .upper_rad = 1.1};
+  EXPECT_FALSE(FindBestArmAngle(LbrArm(params), X_BF, value).found);
+  Pose X_far = X_BF;
+  X_far.translation() *= 3.0;
+  EXPECT_FALSE(FindBestArmAngle(arm, X_far, value).found);
 }
 
 }  // namespace
