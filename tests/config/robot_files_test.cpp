@@ -52,6 +52,15 @@ TEST(RobotFiles, Iiwa14IsThatOfTheRobotDescription) {
   EXPECT_LT((chain.X_LF.matrix() - expected.X_LF.matrix()).cwiseAbs().maxCoeff(), 1e-16);
 }
 
+// Bit for bit: the demo's hash hangs on it.
+TEST(RobotFiles, SummedOriginsGiveTheLengthsOfTheCatalogueExactly) {
+  const kinematics::LbrParams lbr = kinematics::LbrParamsFrom(ChainOf<7>("lbr_iiwa_14_r820"));
+  EXPECT_EQ(lbr.base_to_shoulder_m, 0.360);
+  EXPECT_EQ(lbr.shoulder_to_elbow_m, 0.420);
+  EXPECT_EQ(lbr.elbow_to_wrist_m, 0.400);
+  EXPECT_EQ(lbr.wrist_to_flange_m, 0.126);
+}
+
 // Catalogue: flange heights upright; the arms weigh 29.9 and 23.9 kg with their bases of 7.05 and 4.86 kg.
 TEST(RobotFiles, LbrsStandAndWeighWhatTheirCatalogueSays) {
   struct Arm {
