@@ -5,6 +5,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <new>
 #include <random>
 #include <stdexcept>
 #include <vector>
@@ -243,10 +244,9 @@ std::optional<int> CountAllocations(const std::vector<Pairing>& pairings) {
     g_sink = pairing.ours(0, 100);
     calls += scope.heap_calls() + scope.locks();
   }
-  // a sanitizer has its own heap: then one call too many is not seen either
+  // a sanitizer has its own heap: then one call that is there is not seen either
   rt::NoAllocScope scope;
-  const auto seen = std::make_unique<std::array<double, 3>>();
-  g_sink = seen->front();
+  ::operator delete(::operator new(8));
   if (scope.heap_calls() == 0) return {};
   return calls;
 }
