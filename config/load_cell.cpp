@@ -249,6 +249,7 @@ ToolConfig ChooseTool(const Reader& reader, const ToolChoice& own, const std::op
 void Spread(CellConfig& cell) {
   control::ServoParams& servo = cell.servo;
   servo.joints.limits = cell.robot.limits;
+  servo.arm_body = cell.chain;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
   cell.cutting.stiffness_N_per_m = servo.coupling.max_stiffness_N_per_m;
