@@ -249,8 +249,7 @@ TEST_P(EngineCutters, TheContactSphereAloneLeavesBoneInTheToolsPath) {
   EXPECT_LT(removed[1], 0.8 * removed[0]);
 }
 
-/// Two balls of 1 mm beside each other, their tops at z = 0, about a place that floats of millimetres hold
-/// exactly.
+/// Two balls of 1 mm beside each other, their tops at z = 0.
 Bone TwoBumps(double x_m) {
   Bone bone = EmptyBone(kSoft);
   for (const double side : {-1.0, 1.0})
@@ -263,8 +262,7 @@ int Lost(const CarvedState& state) {
   return (state.balls[3] < 1.0f ? 1 : 0) | (state.balls[7] < 1.0f ? 2 : 0);
 }
 
-// Both tool balls touch at once, and rounding would choose: there one engine would, by the place, cut what
-// the other leaves.
+// Both tool balls touch at once but for the floats that bone is stored in, which would choose, by the place.
 TEST_P(EngineCutters, OfBallsThatTouchAtOnceTheFirstInTheToolsOrderCuts) {
   for (const double first : {-1.0, 1.0})
     for (const bool first_cuts : {true, false}) {
@@ -274,7 +272,7 @@ TEST_P(EngineCutters, OfBallsThatTouchAtOnceTheFirstInTheToolsOrderCuts) {
                               .radius_m = 2e-3,
                               .cutting = first_cuts || side != first});
       for (int place = 0; place < 4; ++place) {
-        const double x_m = place / 64.0 * 1e-3;
+        const double x_m = 0.137e-3 * place;
         const auto engine = Make(TwoBumps(x_m), tool, Alone());
         for (int i = 0; i < 3; ++i) engine->Step(At(Down({x_m, 0, 0.3e-3 - 0.2e-3 * i}), kSpindle_rad_per_s));
         // one that does not cut takes nothing away, and the other may not
