@@ -156,12 +156,11 @@ TEST(EngineSplitTwins, SplitAlike) { ExpectSplitAlike(MakeBlockScene().tool, Imm
 TEST(EngineSplitTwins, SplitAlikeWithTheContactSphereAlone) {
   Tool tool;
   for (int i = 0; i < 3; ++i)
-    tool.balls.push_back({.center_m = Vector3(3e-3 * std::cos(2.1 * i), 3e-3 * std::sin(2.1 * i), -2e-3),
+    tool.balls.push_back({.center_m = Vector3(1.2e-3 * std::cos(2.1 * i), 1.2e-3 * std::sin(2.1 * i), -2e-3),
                           .radius_m = 2e-3 + 0.05e-3 * i});
   CuttingParams params = Immediate();
-  params.law = RemovalLaw::kRate;
   params.cutters = Cutters::kContactSphere;
-  ExpectSplitAlike(tool, params, 150);
+  ExpectSplitAlike(tool, params, 60);
 }
 
 TEST_P(EngineSplit, ABudgetOnlyDelays) {
