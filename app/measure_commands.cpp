@@ -44,6 +44,22 @@ CLI::App* AddBenchFrame(CLI::App& bench, BenchFrameOptions& options) {
   return sub;
 }
 
+CLI::App* AddBenchKinematics(CLI::App& bench, BenchKinematicsOptions& options) {
+  CLI::App* sub = bench.add_subcommand("kinematics", "times the arm's mathematics beside KDL's");
+  sub->add_option("--robot", options.robot, "its file, joint by joint (default: the LBR iiwa 14 R820)");
+  sub->add_option("--calls", options.calls, "of each function")
+      ->check(NumberWithin(1000, 1e9))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "write the figures there");
+  sub->footer(
+      "Medians of 51 batches, ours and KDL's in turn. Inverse kinematics: all solutions and what the limits "
+      "say of "
+      "each, against one that KDL's LMA finds or not. Without masses there are no dynamics.\n\n"
+      "Examples:\n  osteon bench kinematics\n"
+      "  osteon bench kinematics --robot config/robots/kr_6_r900_2.yaml --json kr.json");
+  return sub;
+}
+
 CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
   CLI::App* sub =
       chart.add_subcommand("scaling", "frame rate against number of spheres: the paper's figure 4");
@@ -96,11 +112,12 @@ CLI::App* AddChartSpeedAccuracy(CLI::App& chart, SpeedAccuracyOptions& options) 
 MeasureCommands::MeasureCommands(CLI::App& app)
     : bench_(app.add_subcommand("bench", "measures what the parts take")),
       frame_(AddBenchFrame(*bench_, frame_options_)),
+      kinematics_(AddBenchKinematics(*bench_, kinematics_options_)),
       chart_(app.add_subcommand("chart", "measures and draws")),
       scaling_(AddChartScaling(*chart_, scaling_options_)),
       accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)) {
   bench_->require_subcommand(1);
-  bench_->footer("Examples:\n  osteon bench frame\n  osteon bench frame --help");
+  bench_->footer("Examples:\n  osteon bench frame\n  osteon bench kinematics\n  osteon bench frame --help");
   chart_->require_subcommand(1);
   chart_->footer("Examples:\n  osteon chart scaling\n  osteon chart speed-accuracy --quick");
 }
@@ -110,6 +127,10 @@ bool MeasureCommands::asked() const { return bench_->parsed() || chart_->parsed(
 int MeasureCommands::Run(const std::filesystem::path& config_root) {
   if (scaling_->parsed()) return RunChartScaling(scaling_options_);
   if (accuracy_->parsed()) return RunChartSpeedAccuracy(accuracy_options_);
+  if (kinematics_->parsed()) {
+    kinematics_options_.config_root = config_root;
+    return RunBenchKinematics(kinematics_options_);
+  }
   frame_options_.config_root = config_root;
   return RunBenchFrame(frame_options_);
 }

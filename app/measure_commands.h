@@ -5,12 +5,13 @@
 #include <CLI/CLI.hpp>
 
 #include "app/bench_frame.h"
+#include "app/bench_kinematics.h"
 #include "app/chart_scaling.h"
 #include "app/chart_speed_accuracy.h"
 
 namespace osteon::app {
 
-/// The subcommands that measure: `bench frame`, `chart scaling`, `chart speed-accuracy`.
+/// The subcommands that measure: `bench frame`, `bench kinematics`, `chart scaling`, `chart speed-accuracy`.
 class MeasureCommands {
  public:
   explicit MeasureCommands(CLI::App& app);
@@ -22,9 +23,10 @@ class MeasureCommands {
 
  private:
   BenchFrameOptions frame_options_;  // before what points into it
+  BenchKinematicsOptions kinematics_options_;
   ScalingOptions scaling_options_;
   SpeedAccuracyOptions accuracy_options_;
-  CLI::App *bench_, *frame_, *chart_, *scaling_, *accuracy_;
+  CLI::App *bench_, *frame_, *kinematics_, *chart_, *scaling_, *accuracy_;
 };
 
 }  // namespace osteon::app

@@ -6,7 +6,8 @@
 #include "control/servo_loop.h"
 #include "hil/scripts.h"
 #include "hil/simulated_cell.h"
-#include "kinematics/lbr_arm.h"
+#include "kinematics/chain_params.h"
+#include "kinematics/lbr_params.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/scenes.h"
 #include "simulation/tool.h"
@@ -41,6 +42,8 @@ struct FriConfig {
 /// A cell, with the files it names already read.
 struct CellConfig {
   kinematics::LbrParams robot;
+  /// The same arm joint by joint, its last link with what hangs on the flange: force sensor and tool.
+  kinematics::ChainParams<7> chain;
   ToolConfig tool;
   simulation::SceneParams scene;  ///< with those of the cell's materials that it needs
   Pose X_WB{Pose::Identity()};    ///< robot base in world

@@ -8,12 +8,11 @@
 #include "config/cell_config.h"
 #include "config/reader.h"
 
-// One function for each kind of file under config/. Each checks every value against its accepted range, and
-// values against each other; paths inside a file start from its own folder. All throw ConfigError.
+// One function for each kind of file under config/ (robots: load_robot.h). Each checks every value against
+// its accepted range, and values against each other; paths inside a file start from its own folder. All throw
+// ConfigError.
 
 namespace osteon::config {
-
-[[nodiscard]] kinematics::LbrParams LoadRobot(const std::filesystem::path& path);
 
 /// A size that a tool does not come in: "found …, accepted …". Who asked for it knows where.
 class ToolSizeError : public std::runtime_error {

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include "config/load.h"
+#include "config/load_robot.h"
 #include "config/read_pose.h"
 #include "config/read_script.h"
+#include "kinematics/payload.h"
 
 namespace osteon::config {
 namespace {
@@ -186,6 +188,30 @@ void PlaceArm(const Reader& section, CellConfig& cell) {
     section.Refuse("height_mm", "the arm can not be there: out of reach or beyond its joint limits");
 }
 
+// The arm that the cell names: it is driven over FRI, so one of seven joints, and an LBR.
+void ReadArm(const Reader& reader, const std::filesystem::path& file, CellConfig& cell) {
+  const RobotModel model = LoadRobot(file);
+  const auto* chain = std::get_if<kinematics::ChainParams<7>>(&model.chain);
+  if (!chain)
+    reader.Refuse("robot", fmt::format("found {} with {} joints, accepted an LBR, with 7", model.name,
+                                       model.joint_count()));
+  try {
+    cell.robot = kinematics::LbrParamsFrom(*chain);
+  } catch (const std::invalid_argument& error) {
+    reader.Refuse("robot", fmt::format("{}: {}", model.name, error.what()));
+  }
+  cell.chain = *chain;
+}
+
+// What hangs on the flange becomes part of the last link.
+void CarryPayload(const kinematics::LinkInertia& sensor_F, CellConfig& cell) {
+  const simulation::Tool& tool = cell.tool.tool;
+  const kinematics::LinkInertia tool_T{
+      .mass_kg = tool.mass_kg, .p_LLcm_m = tool.center_of_mass_m, .I_LLcm_kg_m2 = tool.inertia_kg_m2};
+  const kinematics::LinkInertia tool_F = kinematics::SeenFrom(cell.tool.X_FT, tool_T);
+  cell.chain = kinematics::WithPayload(cell.chain, kinematics::Joined(sensor_F, tool_F));
+}
+
 // The materials that a scene needs, in its order, from those of a file.
 std::vector<simulation::Material> Pick(const Reader& cell, const std::filesystem::path& file,
                                        const std::vector<std::string>& names) {
@@ -219,6 +245,7 @@ ToolConfig ChooseTool(const Reader& reader, const ToolChoice& own, const std::op
 void Spread(CellConfig& cell) {
   control::ServoParams& servo = cell.servo;
   servo.joints.limits = cell.robot.limits;
+  servo.arm_body = cell.chain;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
   cell.cutting.stiffness_N_per_m = servo.coupling.max_stiffness_N_per_m;
@@ -253,6 +280,9 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   if (reader.Has("tool_diameter_mm")) own_tool.diameter_m = reader.Number("tool_diameter_mm", 0.1, 200);
   cell.X_WB = ReadPose(reader.Section("base_in_world"));
   cell.X_WG = ReadPose(reader.Section("bone_in_world"));
+  Reader sensor = reader.Section("force_sensor");
+  static_cast<void>(sensor.Text("source"));
+  const kinematics::LinkInertia sensor_F = ReadBody(sensor);
   const Reader start = reader.Section("start");
   ReadStart(start, cell.start);
   const Reader limits = reader.Section("limits");
@@ -272,6 +302,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadLinkQuality(link_quality, cell.simulated.fri.quality);
   reader.Finish();
 
+  CheckBody(sensor, sensor_F, "force_sensor");
   CheckLinkQuality(link_quality, cell.simulated.fri);
   CheckOrder(coupling, "fresh_ms", "gone_ms", servo.coupling.fresh_s * 1e3, servo.coupling.gone_s * 1e3);
   CheckOrder(watchdog, "the coupling's gone_ms", "model_stop_ms", servo.coupling.gone_s * 1e3,
@@ -282,8 +313,9 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   servo.period_s = 1e-3 * cell.simulated.fri.send_period_ms;
   CheckSight(limits, cell);
 
-  cell.robot = LoadRobot(robot);
+  ReadArm(reader, robot, cell);
   cell.tool = ChooseTool(reader, own_tool, tool);
+  CarryPayload(sensor_F, cell);
   cell.scene = LoadScene(scene);
   cell.scene.materials = Pick(reader, materials, cell.scene.material_names);
   PlaceArm(start, cell);

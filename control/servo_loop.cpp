@@ -17,6 +17,7 @@ constexpr double kSpeedSlack =
     1.1;  // a pull-back through the joints may leave the straight line by second order
 constexpr double kSightMemory_s =
     0.1;  // many frames, or the speed limit would follow each one's age up and down
+constexpr double kGravity_m_per_s2 = 9.81;  // along -z of W
 constexpr double kSamePeriod_s = 1e-6;
 constexpr double kElbowRate_per_s = 40.0;  // toward the wanted arm angle, where it is near
 constexpr double kElbowThere_rad = 1e-6;
@@ -102,6 +103,15 @@ ServoLoop::ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, c
   RequirePose(X_WB, "X_WB");
   RequirePose(X_FT, "X_FT");
   if (!std::isfinite(arm_angle_rad)) throw std::invalid_argument("arm_angle_rad: accepted a finite angle");
+  if (!params.arm_body || !params.arm_body->has_masses) return;
+  for (int i = 0; i < 7; ++i) {
+    torque_limit_Nm_[i] = params.arm_body->joints[static_cast<std::size_t>(i)].limits.torque_Nm;
+    if (!(torque_limit_Nm_[i] > 0.0) || !std::isfinite(torque_limit_Nm_[i]))
+      throw std::invalid_argument("torque_Nm of joint " + std::to_string(i + 1) + ": found " +
+                                  std::to_string(torque_limit_Nm_[i]) +
+                                  ", accepted > 0: what the arm can hold");
+  }
+  body_.emplace(*params.arm_body, X_WB.linear().transpose() * Vector3(0.0, 0.0, -kGravity_m_per_s2));
 }
 
 Pose ServoLoop::ToolPose(const JointVector& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
@@ -234,7 +244,7 @@ void ServoLoop::Render(const ForceReading& reading, const simulation::ContactMod
   const CouplingOutput coupling = EvaluateCoupling(params_.coupling, model, X_WT_, Scaled(V_WT_, share_), now,
                                                    params_.spindle_rad_per_s > 0.0, coupling_);
   record.model_age_s = coupling.age_s;
-  const safety::LimitedWrench limited = wrench_limiter_.Limit(coupling.F_T_W);
+  const safety::LimitedWrench limited = LimitWrench(coupling.F_T_W);
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
 
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, now);
@@ -260,6 +270,7 @@ void ServoLoop::Render(const ForceReading& reading, const simulation::ContactMod
   }
   record.F_coupling_T_W = limited.F;
   record.wrench_scale = limited.share;
+  record.arm_share = limited.arm_share;
 
   // speed: of the cell, and by how far the tool gets before a frame tells what is there; slower no harder
   // than a stop, so that a simulation that stalls while the tool flies is outrun (the model's age then holds
@@ -293,11 +304,24 @@ void ServoLoop::Render(const ForceReading& reading, const simulation::ContactMod
   s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, limited.F.t.norm());
   s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
   Count(s.wrench, limited.share < 1.0, wrench_acted_);
+  Count(s.arm, limited.arm_share < 1.0, arm_acted_);
   Count(s.twist, slow.share < 1.0, twist_acted_);
   Count(s.workspace, inside.acted, workspace_acted_);
   Count(s.joints, joints_limited, joints_acted_);
   Count(s.model_age, coupling.fade < 1.0, model_acted_);
   Count(s.sensor_age, sensor_share < 1.0, sensor_acted_);
+}
+
+// What the arm can hold counts where it is told to be: that is where it will be when the wrench arrives.
+safety::LimitedWrench ServoLoop::LimitWrench(const Wrench& F_T_W) const OSTEON_RT {
+  if (!body_) return wrench_limiter_.Limit(F_T_W);
+  const kinematics::SerialChain<7>::Posture posture = body_->Place(q_);
+  const kinematics::Jacobian J_B = body_->JacobianAt(posture, posture.X_BF * X_FT_.translation());
+  kinematics::Jacobian J_W;
+  J_W.topRows<3>() = X_WB_.linear() * J_B.topRows<3>();
+  J_W.bottomRows<3>() = X_WB_.linear() * J_B.bottomRows<3>();
+  return wrench_limiter_.Limit(
+      F_T_W, {J_W, body_->Gravity(q_), torque_limit_Nm_, kinematics::GravityHelp::kNotCounted});
 }
 
 void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 
 #include "control/admittance_law.h"
 #include "control/ports.h"
@@ -11,6 +12,7 @@
 #include "kinematics/differential_inverse.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/redundancy.h"
+#include "kinematics/serial_chain.h"
 #include "safety/fault.h"
 #include "safety/joint_guard.h"
 #include "safety/limits.h"
@@ -49,6 +51,9 @@ struct ServoParams {
   kinematics::PosturePreferenceParams posture;
   double max_tracking_error_m{0.03};  ///< measured from commanded tool position
   double period_s{0.001};             ///< of the arm's messages
+  /// The arm with sensor and tool as its payload: the coupling is scaled to what its torques can hold in the
+  /// posture. Absent, or without masses: the cell's limits alone.
+  std::optional<kinematics::ChainParams<7>> arm_body;
 };
 
 /// How often and how long something was held back.
@@ -64,7 +69,9 @@ struct ServoStatistics {
   double peak_sensor_force_N{0.0};      ///< what the sensor said
   double peak_tool_speed_m_per_s{0.0};  ///< commanded
   double peak_tracking_error_m{0.0};
-  LimitCount wrench, twist, workspace, joints, model_age, sensor_age;
+  LimitCount wrench;  ///< by any limit, the arm's included
+  LimitCount arm;     ///< the arm's torques could not hold the coupling
+  LimitCount twist, workspace, joints, model_age, sensor_age;
   std::uint64_t active_ticks{0};     ///< messages answered in COMMANDING_ACTIVE
   std::uint64_t missed_messages{0};  ///< deadlines that passed without one, once commanding
 };
@@ -132,6 +139,7 @@ class ServoLoop {
               TickRecord& record) OSTEON_RT;
   void Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
                  rt::Nanoseconds now) OSTEON_RT;
+  [[nodiscard]] safety::LimitedWrench LimitWrench(const Wrench& F_T_W) const OSTEON_RT;
   void StartStopping() OSTEON_RT;
   void Brake() OSTEON_RT;
   void BrakeJoints() OSTEON_RT;
@@ -143,6 +151,8 @@ class ServoLoop {
   kinematics::LbrArm arm_;
   Pose X_WB_, X_BW_, X_FT_, X_TF_;
   double wanted_arm_angle_rad_;
+  std::optional<kinematics::SerialChain<7>> body_;
+  kinematics::JointVectorN<7> torque_limit_Nm_{kinematics::JointVectorN<7>::Zero()};
   safety::WrenchLimiter wrench_limiter_;
   safety::WrenchRateTrip rate_trip_;
   safety::SensorForceTrip sensor_trip_;
@@ -174,8 +184,8 @@ class ServoLoop {
   int joint_stop_ticks_{0};    ///< left of a stop along the joints; 0: none under way
 
   // what acted in the tick before
-  bool wrench_acted_{false}, twist_acted_{false}, workspace_acted_{false}, joints_acted_{false},
-      model_acted_{false}, sensor_acted_{false};
+  bool wrench_acted_{false}, arm_acted_{false}, twist_acted_{false}, workspace_acted_{false},
+      joints_acted_{false}, model_acted_{false}, sensor_acted_{false};
 
   std::atomic<bool> stop_requested_{false};
   static_assert(std::atomic<bool>::is_always_lock_free);

@@ -127,9 +127,7 @@ ArmAngleIntervals FindArmAngleIntervals(const LbrArm& arm, const Pose& X_BF, int
                                         const JointVector& seed) OSTEON_RT {
   const LbrParams& params = arm.params();
   ArmAngleIntervals result;
-  Vector3 p_SW = X_BF.translation() - params.wrist_to_flange_m * X_BF.linear().col(2);
-  p_SW.z() -= params.base_to_shoulder_m;
-  const ElbowTriangle triangle = TriangleTo(params, p_SW);
+  const ElbowTriangle triangle = TriangleTo(params, ShoulderToWrist(params, X_BF));
   result.out_of_reach_m = triangle.out_of_reach_m;
   if (!X_BF.linear().allFinite()) result.out_of_reach_m = std::numeric_limits<double>::quiet_NaN();
   if (result.out_of_reach_m != 0.0) return result;

@@ -131,12 +131,9 @@ LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVe
   LbrSolutions result;
 
   // wrist from the shoulder, and the triangle that it makes with the elbow
-  const Vector3 R_x = X_BF.linear().col(0), R_y = X_BF.linear().col(1), w = X_BF.linear().col(2);
-  Vector3 p_SW = X_BF.translation() - params_.wrist_to_flange_m * w;
-  p_SW.z() -= params_.base_to_shoulder_m;
-  const ElbowTriangle triangle = TriangleTo(params_, p_SW);
+  const ElbowTriangle triangle = TriangleTo(params_, ShoulderToWrist(params_, X_BF));
   result.out_of_reach_m = triangle.out_of_reach_m;
-  if (!std::isfinite(R_x.sum() + R_y.sum() + w.sum() + arm_angle_rad))
+  if (!std::isfinite(X_BF.linear().sum() + arm_angle_rad))
     result.out_of_reach_m = std::numeric_limits<double>::quiet_NaN();
   if (!result.reachable()) return result;
 
@@ -165,20 +162,8 @@ LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVe
   q[3] = std::atan2(triangle.sin_elbow, triangle.cos_elbow);
 
   // wrist: R_B4 = [m x f, m, f]
-  const Vector3 x_4 = m.cross(f);
-  const double w_x = x_4.dot(w), w_y = m.dot(w);
-  sine = std::sqrt(w_x * w_x + w_y * w_y);
-  if (sine < kFreeJoint) {
-    sine = 0.0;
-    q[4] = seed[4];
-    c = std::cos(q[4]), s = std::sin(q[4]);
-  } else {
-    q[4] = std::atan2(w_y, w_x);
-    c = w_x / sine, s = w_y / sine;
-  }
-  q[5] = std::atan2(sine, f.dot(w));
-  const Vector3 y_6 = c * m - s * x_4;
-  q[6] = std::atan2(y_6.dot(R_x), y_6.dot(R_y));
+  const WristAngles wrist = WristTo(m.cross(f), m, f, X_BF.linear(), seed[4]);
+  q.tail<3>() << wrist.turn, wrist.tilt, wrist.twist;
 
   // the same joints where a neighbour is flipped, and by how much each is beyond its limits either way
   std::array<JointVector, 2> q_of{q, {}};

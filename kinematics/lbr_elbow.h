@@ -6,6 +6,7 @@
 #include "control/rt/marker.h"
 #include "kinematics/lbr_params.h"
 #include "kinematics/spatial.h"
+#include "kinematics/two_links.h"
 
 // Where an LBR's elbow can be for a given wrist: what the inverse and the intervals of the arm angle share.
 //
@@ -44,37 +45,32 @@ struct ElbowTriangle {
   double cos_elbow, sin_elbow;        ///< |q4|, 0 … pi
 };
 
-/// Sines come from Heron's product, which keeps its relative accuracy where the arm is straight or folded.
 inline ElbowTriangle TriangleTo(const LbrParams& params, const Vector3& p_SW) OSTEON_RT {
-  constexpr double kSlack_m = 1e-12;  // rounding of a stretched arm's own forward kinematics
-  const double upper = params.shoulder_to_elbow_m, fore = params.elbow_to_wrist_m;
-  const double reach = p_SW.norm(), most = upper + fore, difference = upper - fore;
+  const double upper = params.shoulder_to_elbow_m, fore = params.elbow_to_wrist_m, reach = p_SW.norm();
+  const TwoLinks links = TwoLinksTo(upper, fore, reach);
   ElbowTriangle t;
-  if (reach > most + kSlack_m) {
-    t.out_of_reach_m = reach - most;
+  t.out_of_reach_m = links.out_of_reach_m;
+  if (links.out_of_reach_m != 0.0) return t;
+  t.cos_elbow = links.cos_elbow;
+  t.sin_elbow = links.sin_elbow;
+  if (reach == 0.0) {  // equal links, folded: any direction
+    t.axis = Vector3::UnitZ();
+    t.cos_shoulder = 1.0;
+    t.sin_shoulder = 0.0;
     return t;
   }
-  if (reach < std::abs(difference) - kSlack_m) {
-    t.out_of_reach_m = reach - std::abs(difference);
-    return t;
-  }
-  t.out_of_reach_m = reach - reach;  // 0, or not a number as the input
-  t.axis = reach > 0.0 ? Vector3(p_SW / reach) : Vector3::UnitZ();
-  // within rounding of straight it is straight: the reach decides the elbow to 1e-7 rad only, which would
-  // turn the free joint of a wrist that is straight as well; the wrist moves by 1e-15 m
-  const double from_most = (most - reach) * (most + reach);
-  const double short_of_most = from_most < 4e-15 * most * most ? 0.0 : from_most;
-  const double above_least = std::max(0.0, (reach - difference) * (reach + difference));
-  const double four_areas = std::sqrt(short_of_most * above_least);
-  const double across = reach > 0.0 ? 2.0 * reach * upper : 1.0;
-  t.sin_shoulder = reach > 0.0 ? std::min(1.0, four_areas / across) : 0.0;
-  t.cos_shoulder = reach > 0.0 ? std::clamp((reach * reach + difference * most) / across, -1.0, 1.0) : 1.0;
-  t.sin_elbow = four_areas / (2.0 * upper * fore);
-  t.cos_elbow = (above_least - short_of_most) / (4.0 * upper * fore);
+  t.axis = p_SW / reach;
+  const double across = 2.0 * reach * upper;
+  t.cos_shoulder = std::clamp((reach * reach + (upper - fore) * (upper + fore)) / across, -1.0, 1.0);
+  t.sin_shoulder = std::min(1.0, links.four_areas_m2 / across);
   return t;
 }
 
-/// Sine below which a direction says nothing about the angle around the axis that it is measured from.
-inline constexpr double kFreeJoint = 1e-12;
+/// Wrist of an LBR seen from its shoulder, in B.
+inline Vector3 ShoulderToWrist(const LbrParams& params, const Pose& X_BF) OSTEON_RT {
+  Vector3 p_SW = X_BF.translation() - params.wrist_to_flange_m * X_BF.linear().col(2);
+  p_SW.z() -= params.base_to_shoulder_m;
+  return p_SW;
+}
 
 }  // namespace osteon::kinematics

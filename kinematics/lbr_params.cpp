@@ -29,6 +29,9 @@ struct Line {
   Vector3 point, direction;
 };
 
+// A length to whole picometres: the sum of a description's origins, less the rounding that summing them adds.
+double Length(double sum_m) { return std::round(sum_m * 1e12) / 1e12; }
+
 double AngleBetween(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 }  // namespace
@@ -66,10 +69,10 @@ LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
 
   LbrParams params;
   const double shoulder_m = axis[1].point.z(), elbow_m = axis[3].point.z(), wrist_m = axis[5].point.z();
-  params.base_to_shoulder_m = shoulder_m;
-  params.shoulder_to_elbow_m = elbow_m - shoulder_m;
-  params.elbow_to_wrist_m = wrist_m - elbow_m;
-  params.wrist_to_flange_m = X_BF.translation().z() - wrist_m;
+  params.base_to_shoulder_m = Length(shoulder_m);
+  params.shoulder_to_elbow_m = Length(elbow_m - shoulder_m);
+  params.elbow_to_wrist_m = Length(wrist_m - elbow_m);
+  params.wrist_to_flange_m = Length(X_BF.translation().z() - wrist_m);
   if (!(params.shoulder_to_elbow_m > kOff_m))
     throw std::invalid_argument(
         "arm is not spherical-revolute-spherical: A4 is not above A2 at zero, found " +

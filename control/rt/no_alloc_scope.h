@@ -2,7 +2,7 @@
 
 namespace osteon::rt {
 
-/// Counts heap calls and mutex locks of this thread while alive. For tests only: the executable must link
+/// Counts heap calls and mutex locks of this thread while alive. For tests and benches: the executable must link
 /// osteon::rt_guard, which interposes glibc's malloc family and pthread_mutex_lock.
 class NoAllocScope {
  public:

@@ -6,7 +6,8 @@
 
 #include "tests/app/command.h"
 
-// `bench frame`, `chart scaling` and `chart speed-accuracy` as a user runs them, small. No time is judged.
+// `bench frame`, `bench kinematics`, `chart scaling` and `chart speed-accuracy` as a user runs them, small.
+// No time is judged.
 
 namespace osteon::app {
 namespace {
@@ -82,6 +83,55 @@ TEST(BenchFrame, SaysWhatItDoesNotTake) {
   const CommandResult wrong = RunCommand(folder.path(), {"bench", "frme"});
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_NE(wrong.err.find("unknown subcommand frme; did you mean frame?"), std::string::npos) << wrong.err;
+}
+
+TEST(BenchKinematics, WritesTheKeysOfItsContract) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"bench", "kinematics", "--calls", "1000", "--json", "k.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "k.json");
+  EXPECT_EQ(json.at("schema"), "osteon.bench.kinematics/1");
+  EXPECT_EQ(json.at("robot"), "LBR iiwa 14 R820");
+  EXPECT_EQ(json.at("joints"), 7);
+  EXPECT_EQ(json.at("calls"), 1000);
+  for (const char* key :
+       {"fk", "jacobian", "fk_jacobian", "inverse", "dynamics", "mass_matrix", "forward_dynamics"}) {
+    const std::string name = std::string(key) + "_ns";
+    EXPECT_GT(json.at(name).get<double>(), 0.0) << key;
+    EXPECT_GT(json.at("kdl").at(name).get<double>(), 0.0) << key;
+    EXPECT_DOUBLE_EQ(json.at("ratio").at(key).get<double>(),
+                     json.at("kdl").at(name).get<double>() / json.at(name).get<double>());
+  }
+  EXPECT_EQ(json.at("kdl").at("version"), "1.5.1");
+  // null where a sanitizer has the heap
+  if (!json.at("allocations").is_null()) EXPECT_EQ(json.at("allocations"), 0);
+}
+
+TEST(BenchKinematics, HasNoDynamicsWithoutMasses) {
+  const TemporaryFolder folder;
+  const std::string robot = std::string(OSTEON_SOURCE_DIR) + "/config/robots/kr_6_r900_2.yaml";
+  const CommandResult run = RunCommand(
+      folder.path(), {"bench", "kinematics", "--robot", robot, "--calls", "1000", "--json", "k.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "k.json");
+  EXPECT_EQ(json.at("robot"), "KR 6 R900-2");
+  EXPECT_EQ(json.at("joints"), 6);
+  EXPECT_GT(json.at("fk_ns").get<double>(), 0.0);
+  EXPECT_GT(json.at("inverse_ns").get<double>(), 0.0);
+  EXPECT_TRUE(json.at("dynamics_ns").is_null());
+  EXPECT_TRUE(json.at("kdl").at("mass_matrix_ns").is_null());
+}
+
+TEST(BenchKinematics, SaysWhatItDoesNotTake) {
+  const TemporaryFolder folder;
+  const CommandResult few = RunCommand(folder.path(), {"bench", "kinematics", "--calls", "3"});
+  EXPECT_EQ(few.exit_code, 2);
+  EXPECT_NE(few.err.find("--calls: found 3, accepted 1000"), std::string::npos) << few.err;
+  const CommandResult none = RunCommand(folder.path(), {"bench", "kinematics", "--robot", "no_such.yaml"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("osteon bench kinematics: no_such.yaml: no such file"), std::string::npos)
+      << none.err;
 }
 
 TEST(BenchFrame, EndsWithOneWhereThereIsNoDevice) {

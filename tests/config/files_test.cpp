@@ -11,6 +11,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "config/load.h"
+#include "config/load_robot.h"
 #include "config/units.h"
 
 namespace osteon::config {
@@ -209,6 +210,8 @@ TEST_F(ConfigFilesTest, ValuesThatContradictEachOtherAreRefused) {
            Case{"cells/demo.yaml", "tool_diameter_mm: 50", "tool_diameter_mm: 50.5",
                 "tool_diameter_mm: found 50.5, accepted 36 … 68 in steps of 1"},
            Case{"robots/lbr_iiwa_14_r820.yaml", "name: A2", "name: A3", "name: found A3, accepted A2"},
+           Case{"cells/demo.yaml", "[0.00024, 0.00024, 0.0004,", "[0.00024, 0.00024, 0.0005,",
+                "inertia_kg_m2: force_sensor: principal moments of inertia"},
            Case{"scenes/acetabulum.yaml", "cup_radius_mm: 24", "cup_radius_mm: 39",
                 "cup_radius_mm: found 39, accepted at most 38"},
            Case{"scenes/acetabulum.yaml", "[6.5, 12]", "[12, 6.5]",

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "control/rt/marker.h"
+#include "kinematics/ortho_parallel_params.h"
+#include "kinematics/spatial.h"
+
+namespace osteon::kinematics {
+
+/// One posture that reaches a pose, or would if its side of the base reached that far.
+struct OrthoParallelSolution {
+  /// [rad]. Of a joint's names for one place (2 pi apart) one within its limits, nearest to zero; where none
+  /// is, the least beyond.
+  JointVectorN<6> q{JointVectorN<6>::Zero()};
+  double beyond_rad{0.0};  ///< by how much the worst joint is outside its limits; 0 where all are within
+  int worst_joint{-1};     ///< 0 … 5, the joint with beyond_rad; -1 where all are within
+  std::uint8_t beyond{0};  ///< bit i: joint i is outside its limits
+  bool exists{false};      ///< false: this side does not reach the wrist; nothing else is set
+
+  [[nodiscard]] bool valid() const noexcept { return exists && beyond == 0; }
+};
+
+/// All postures of a pose.
+struct OrthoParallelSolutions {
+  static constexpr int kConfigurations = 8;
+
+  /// By configuration number (OrthoParallelArm::Configuration).
+  std::array<OrthoParallelSolution, kConfigurations> configuration;
+  /// How far the wrist's centre is from the nearest place that it can reach: > 0 too far, < 0 too near, 0
+  /// reachable, NaN where the pose is not finite. Exact where b = 0.
+  double out_of_reach_m{0.0};
+
+  [[nodiscard]] bool reachable() const noexcept { return out_of_reach_m == 0.0; }
+};
+
+/// Closed-form inverse of a six-axis arm with ortho-parallel basis and spherical wrist. Its forward
+/// kinematics are SerialChain<6>(ChainFrom(params)). Allocation-free.
+class OrthoParallelArm {
+ public:
+  using Joints = JointVectorN<6>;
+
+  /// @throws std::invalid_argument where a length, a sign or a limit is out of range, naming it.
+  explicit OrthoParallelArm(const OrthoParallelParams& params);
+
+  [[nodiscard]] const OrthoParallelParams& params() const noexcept { return params_; }
+
+  /// Configuration number 0 … 7: bit 0 where the wrist is behind A1 (overhead, KUKA's S bit 0), bit 1 where
+  /// the forearm bends back (theta3 + atan(a2/c3) < 0), bit 2 where theta5 < 0.
+  [[nodiscard]] int Configuration(const Joints& q) const OSTEON_RT;
+
+  /// Every posture that puts the flange at X_BF: four places of the arm, each with two of the wrist.
+  ///
+  /// In the plane of the arm the two links are a triangle: with gamma = theta3 + atan(a2/c3), k =
+  /// hypot(a2, c3) and the wrist at (x, z) from A2,
+  ///
+  ///     16 area^2 = ((c2 + k)^2 - s^2) (s^2 - (c2 - k)^2),  s^2 = x^2 + z^2     gives sin(gamma)
+  ///     exp(i theta2) = (z + i x) (c2 + k exp(-i gamma)) / s^2
+  ///
+  /// Sines and cosines come from components as in LbrArm::Solve: the pose is kept to rounding beside a
+  /// singularity. The flipped wrist is the other turned by pi.
+  /// @param seed where a singularity leaves a joint free (A1 with the wrist above it, A4 with the wrist
+  ///   straight), it stays at its value here (A4: or half a turn away in the flipped wrist).
+  /// Source: Brandstötter et al. 2014 (ortho_parallel_params.h); the complex form and the half-angle products
+  /// instead of its arccosines, which lose half the digits where the arm is straight.
+  [[nodiscard]] OrthoParallelSolutions Solve(const Pose& X_BF,
+                                             const Joints& seed = Joints::Zero()) const OSTEON_RT;
+
+  /// Joint positions nearest to `seed` (sum of squared joint differences) of all valid solutions and all
+  /// their names 2 pi apart that the limits allow. False where there is none or the seed is not finite; q is
+  /// then unchanged. `q` may be the same object as `seed`.
+  [[nodiscard]] bool Nearest(const OrthoParallelSolutions& solutions, const Joints& seed,
+                             Joints& q) const OSTEON_RT;
+
+  /// Nearest(Solve(X_BF, seed), seed, q).
+  [[nodiscard]] bool Inverse(const Pose& X_BF, const Joints& seed, Joints& q) const OSTEON_RT;
+
+ private:
+  void SetPair(const std::array<double, 6>& theta, OrthoParallelSolution& straight,
+               OrthoParallelSolution& flipped) const OSTEON_RT;
+
+  OrthoParallelParams params_;
+  double fore_m_, fore_rad_;  // k = hypot(a2, c3), atan(a2/c3)
+};
+
+}  // namespace osteon::kinematics
