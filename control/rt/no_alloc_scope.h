@@ -2,8 +2,8 @@
 
 namespace osteon::rt {
 
-/// Counts heap calls and mutex locks of this thread while alive. For tests and benches: the executable must link
-/// osteon::rt_guard, which interposes glibc's malloc family and pthread_mutex_lock.
+/// Counts heap calls and mutex locks of this thread while alive. For tests and benches: the executable must
+/// link osteon::rt_guard, which interposes glibc's malloc family and pthread_mutex_lock.
 class NoAllocScope {
  public:
   NoAllocScope();
