@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -89,7 +88,7 @@ BaseFigure BaseSearch::JudgeAt(const Pose& X_WB, double arm_angle_rad, const std
     factor = std::min(factor, force_.Factor(q, turn));
     if (factor < least) return figure;
   }
-  figure.configuration = std::countr_zero(allowed);
+  figure.configurations = allowed;
   figure.factor = factor;
   return figure;
 }
@@ -106,7 +105,7 @@ BaseFigure BaseSearch::Judge(const Vector3& p_WB) const {
   for (int k = 0; k < params_.arm_angles; ++k) {
     const double angle = kTurn * (static_cast<double>(k) / params_.arm_angles - 0.5);
     const BaseFigure figure = JudgeAt(best.X_WB, angle, poses, best.factor);
-    if (figure.configuration >= 0 && figure.factor > best.factor) best = figure;
+    if (figure.configurations != 0 && figure.factor > best.factor) best = figure;
   }
   return best;
 }
@@ -116,13 +115,11 @@ double BaseSearch::Score(const BaseFigure& figure) const {
   return figure.factor * std::max(0.0, 1.0 - params_.moving_share_per_m * way_m);
 }
 
-std::optional<BaseFigure> BaseSearch::Best(const std::function<void(double)>& progress,
-                                           const std::function<bool()>& stop) const {
+std::optional<BaseFigure> BaseSearch::Best(const std::function<bool()>& stop) const {
   // the grid; each place into its own element, so that threads don't matter
   const std::size_t nx = Count(params_.x_m, params_.step_m), ny = Count(params_.y_m, params_.step_m),
                     nz = Count(params_.z_m, params_.step_m);
   std::vector<BaseFigure> grid(nx * ny * nz);
-  std::atomic<std::size_t> done{0};
   simulation::ParallelFor(
       grid.size(), params_.threads,
       [&](std::size_t begin, std::size_t end) {
@@ -130,7 +127,6 @@ std::optional<BaseFigure> BaseSearch::Best(const std::function<void(double)>& pr
           grid[i] = Judge({params_.x_m.from + static_cast<double>(i % nx) * params_.step_m,
                            params_.y_m.from + static_cast<double>(i / nx % ny) * params_.step_m,
                            params_.z_m.from + static_cast<double>(i / nx / ny) * params_.step_m});
-        progress(0.9 * static_cast<double>(done += end - begin) / static_cast<double>(grid.size()));
       },
       64);
   std::vector<std::size_t> order(grid.size());
@@ -149,7 +145,7 @@ std::optional<BaseFigure> BaseSearch::Best(const std::function<void(double)>& pr
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
           const BaseFigure& start = grid[order[i]];
-          if (start.configuration < 0) continue;
+          if (start.configurations == 0) continue;
           BaseFigure best = Judge(start.X_WB.translation(), start.arm_angle_rad);
           double step_m = 0.5 * params_.step_m, step_rad = kFirstAngleStep;
           while (step_m >= params_.final_step_m && !stop()) {
@@ -165,7 +161,7 @@ std::optional<BaseFigure> BaseSearch::Best(const std::function<void(double)>& pr
                 p_WB = {within(params_.x_m, p_WB.x()), within(params_.y_m, p_WB.y()),
                         within(params_.z_m, p_WB.z())};
                 const BaseFigure figure = Judge(p_WB, angle);
-                if (figure.configuration < 0 || !(Score(figure) > Score(best))) continue;
+                if (figure.configurations == 0 || !(Score(figure) > Score(best))) continue;
                 best = figure;
                 better = true;
               }
@@ -179,28 +175,40 @@ std::optional<BaseFigure> BaseSearch::Best(const std::function<void(double)>& pr
         }
       },
       1);
-  progress(1.0);
   const auto best =
       std::max_element(refined.begin(), refined.end(),
                        [this](const BaseFigure& a, const BaseFigure& b) { return Score(a) < Score(b); });
-  if (best == refined.end() || best->configuration < 0) return std::nullopt;
+  if (best == refined.end() || best->configurations == 0) return std::nullopt;
   return *best;
 }
 
 BaseFigure BaseSearch::Centred(const BaseFigure& figure) const {
   const Pose X_BW = figure.X_WB.inverse();
-  const auto configuration = static_cast<std::size_t>(figure.configuration);
+  const double first_rad = DirectionOf(task_, figure.X_WB.translation());
+  const auto solve = [&](const Pose& X_WT) { return arm_.Solve(X_BW * X_WT * X_TF_, figure.arm_angle_rad); };
+
+  const Pose X_WT_start = TiltCone(task_, task_.X_WC * Vector3(0.0, 0.0, task_.top_m), 0, 0.0).front();
+  const kinematics::LbrSolutions start = solve(X_WT_start);
+  std::size_t configuration = 0;
+  double nearest = HUGE_VAL;
+  for (std::size_t c = 0; c < kinematics::LbrSolutions::kConfigurations; ++c) {
+    const double distance = start.configuration[c].q.squaredNorm();
+    if ((figure.configurations & (1u << c)) == 0 || !(distance < nearest)) continue;
+    nearest = distance;
+    configuration = c;
+  }
+
   double least = HUGE_VAL, most = -HUGE_VAL;
-  for (const Pose& X_WT : TaskPoses(task_, {}, DirectionOf(task_, figure.X_WB.translation()))) {
-    const double q1 = arm_.Solve(X_BW * X_WT * X_TF_, figure.arm_angle_rad).configuration[configuration].q[0];
+  for (const Pose& X_WT : TaskPoses(task_, {}, first_rad)) {
+    const double q1 = solve(X_WT).configuration[configuration].q[0];
     least = std::min(least, q1);
     most = std::max(most, q1);
   }
   const kinematics::JointLimits& limits = arm_.params().limits[0];
   const double middle = 0.5 * (least + most) - 0.5 * (limits.lower_rad + limits.upper_rad);
-  // whole degrees from the base's own zero
   const double yaw = TurnOf(figure.X_WB) + middle;
   BaseFigure centred = figure;
+  centred.configurations = 1u << configuration;
   centred.X_WB.linear() = R_WB_ * ExpRotation({0.0, 0.0, kDegree * std::round(yaw / kDegree)});
   return centred;
 }
@@ -209,7 +217,7 @@ ToolForce BaseSearch::Forces(const BaseFigure& figure) const {
   ToolForce worst;
   const Pose X_BW = figure.X_WB.inverse();
   const double turn = TurnOf(figure.X_WB);
-  const auto configuration = static_cast<std::size_t>(figure.configuration);
+  const auto configuration = static_cast<std::size_t>(std::countr_zero(figure.configurations));
   for (const Pose& X_WT : TaskPoses(task_, {}, DirectionOf(task_, figure.X_WB.translation()))) {
     const kinematics::LbrSolutions solutions = arm_.Solve(X_BW * X_WT * X_TF_, figure.arm_angle_rad);
     worst.Worsen(force_.At(solutions.configuration[configuration].q, turn));

@@ -41,8 +41,8 @@ struct BaseSearchParams {
 struct BaseFigure {
   Pose X_WB{Pose::Identity()};
   double arm_angle_rad{0.0};
-  int configuration{-1};  ///< -1: the task can't be done from there
-  double factor{0.0};     ///< guaranteed: of the need, all of it at once
+  unsigned configurations{0};  ///< bit c: configuration c does the whole task; 0: none does
+  double factor{0.0};          ///< guaranteed: of the need, all of it at once
 };
 
 class BaseSearch {
@@ -59,16 +59,14 @@ class BaseSearch {
   /// Grid, then compass search from its best places over x, y, z and the arm angle with the task sampled
   /// finely; the result is rounded to whole millimetres and degrees and judged as it is written.
   /// Deterministic.
-  /// @param progress  told the share that is done, from any thread
   /// @returns nothing where the task can be done from nowhere in the ranges.
-  [[nodiscard]] std::optional<BaseFigure> Best(const std::function<void(double)>& progress,
-                                               const std::function<bool()>& stop) const;
+  [[nodiscard]] std::optional<BaseFigure> Best(const std::function<bool()>& stop) const;
 
   /// Turned about its axis so that A1's range over the task lies in the middle of its limits, to whole
   /// degrees.
   [[nodiscard]] BaseFigure Centred(const BaseFigure& figure) const;
 
-  /// The worst of every figure over the finely sampled task.
+  /// The worst of every figure over the finely sampled task, in the first of its configurations.
   [[nodiscard]] ToolForce Forces(const BaseFigure& figure) const;
 
  private:

@@ -156,7 +156,7 @@ BasePanel PanelAround(const BaseSearch& search, const BaseFigure& best, const Ca
           const auto row = static_cast<double>(i / static_cast<std::size_t>(panel.nx));
           const BaseFigure figure = search.Judge(origin + (panel.x_from_m + column * panel.step_m) * u +
                                                  (panel.y_from_m + row * panel.step_m) * v);
-          if (figure.configuration >= 0) panel.force_N[i] = figure.factor * result.need.axial_N;
+          if (figure.configurations != 0) panel.force_N[i] = figure.factor * result.need.axial_N;
         }
       },
       16);
@@ -170,7 +170,7 @@ void Search(const config::CellConfig& cell, const CapabilityOptions& options, Ph
   const BaseSearch search(cell.chain, MountOf(cell, options.mount), cell.tool.X_FT, result.task, result.need,
                           result.search);
   progress.Begin("looking for a base");
-  const auto best = search.Best([](double) {}, [] { return Interrupted().load(); });
+  const auto best = search.Best([] { return Interrupted().load(); });
   if (!best || Interrupted()) return;
   result.base = search.Centred(*best);
   result.base_force = search.Forces(*result.base);

@@ -177,6 +177,7 @@ class ServoLoop {
   JointVector q_{JointVector::Zero()};
   JointVector q_step_{JointVector::Zero()};  ///< of the last tick
   double motion_share_{1.0};                 ///< of the task, in the last tick
+  double moving_{0.0};                       ///< 0 … 1: how much the tool moved in it
   double sigma_min_m_{1.0};                  ///< of the last tick
   JointVector sigma_gradient_m_{JointVector::Zero()};
   bool elbow_arrived_{false};  ///< it has been at the wanted arm angle

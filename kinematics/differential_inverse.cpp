@@ -13,11 +13,13 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kFlat = 1e-9;         // part of a joint in the null space below which it has none
-constexpr double kUnresolved = 1e-9;   // share of the largest singular value: v and n are then any two
-constexpr double kReturning_m = 0.05;  // curvature [m/rad] from which on a direction comes back by itself
-constexpr double kDampedUpTo = 4.0;    // least dampings: beyond, the singular value is inverted as it is
-constexpr double kReturnTicks = 10.0;  // in which an arm that got too near a singular posture is back
+constexpr double kFlat = 1e-9;             // part of a joint in the null space below which it has none
+constexpr double kUnresolved = 1e-9;       // share of the largest singular value: v and n are then any two
+constexpr double kReturning_m = 0.05;      // curvature [m/rad] from which on a direction comes back by itself
+constexpr double kDampedUpTo = 4.0;        // least dampings: beyond, the singular value is inverted as it is
+constexpr double kReturnTicks = 10.0;      // in which an arm that got too near a singular posture is back
+constexpr double kRelief_rad_per_s = 4.0;  // null motion that makes way, of a joint that is all of it
+constexpr double kMostRelief_rad_per_s = 100.0;  // more than any box leaves
 constexpr double kTiny = 1e-12;
 constexpr double kRoundDown = 1.0 - 1e-12;  // of a speed limit: products of it must not round beyond
 constexpr double kActs = 1e-9;              // a share taken below this is rounding
@@ -289,6 +291,22 @@ typename DifferentialInverse<N>::Box DifferentialInverse<N>::BoxAt(const JointVe
   return box;
 }
 
+// How fast the null space may make way. A joint that the task asks too much of is relieved by its part n_i,
+// and where that passes through zero the relief is at its best: more is not to be had, and a full share of it
+// asked for would throw the arm from one side of that posture to the other. So, for each such joint, in
+// proportion to n_i, and the less so the less it is asked too much of.
+template <int N>
+double DifferentialInverse<N>::MostRelief(const Box& box, const JointVectorN<N>& task,
+                                          const JointVectorN<N>& n, double r_wanted) const OSTEON_RT {
+  double most = kMostRelief_rad_per_s;
+  for (int i = 0; i < N; ++i) {
+    const double asked = std::abs(task[i]), room = task[i] > 0.0 ? box.high[i] : -box.low[i];
+    if (asked <= room) continue;
+    most = std::min(most, kRelief_rad_per_s * std::abs(n[i]) * asked / (asked - room));
+  }
+  return std::max(most, std::abs(r_wanted));
+}
+
 // The largest s in [0, 1] for which some r keeps low <= s task + r n <= high. Each joint bounds r by two
 // lines in s; with L(s) the highest of the lower ones and U(s) the lowest of the upper ones, L <= U at s = 0,
 // and U - L is concave: stepping from an s that is too large to where the two lines that collide there meet
@@ -297,7 +315,6 @@ template <int N>
 void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>& task,
                                           const JointVectorN<N>& n, double r_wanted,
                                           MotionOutput<N>& out) const OSTEON_RT {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
   struct Line {
     double at_0, slope;
     int joint;
@@ -316,23 +333,25 @@ void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>&
     s = most;
     note(i);
   }
+  const double relief = MostRelief(box, task, n, r_wanted);
   double least_r = 0.0, most_r = 0.0;
   for (int step = 0; step <= 2 * N; ++step) {
-    Line lower{-kNone, 0.0, -1}, upper{kNone, 0.0, -1};
+    Line lower{-relief, 0.0, -1}, upper{relief, 0.0, -1};
     for (int i = 0; i < N; ++i) {
       if (std::abs(n[i]) <= kFlat) continue;
       const double slope = -task[i] / n[i], a = box.low[i] / n[i], b = box.high[i] / n[i];
       const Line low{std::min(a, b), slope, i}, high{std::max(a, b), slope, i};
-      if (lower.joint < 0 || low.at_0 + low.slope * s > lower.at_0 + lower.slope * s) lower = low;
-      if (upper.joint < 0 || high.at_0 + high.slope * s < upper.at_0 + upper.slope * s) upper = high;
+      if (low.at_0 + low.slope * s > lower.at_0 + lower.slope * s) lower = low;
+      if (high.at_0 + high.slope * s < upper.at_0 + upper.slope * s) upper = high;
     }
-    if (lower.joint < 0) break;  // no null space
     least_r = lower.at_0 + lower.slope * s;
     most_r = upper.at_0 + upper.slope * s;
     if (least_r <= most_r) break;
     const double meet = (upper.at_0 - lower.at_0) / (lower.slope - upper.slope);
     // of the two that collide, the one that its limit leaves less is named
-    const auto room = [&](int i) { return task[i] > 0.0 ? box.high[i] : -box.low[i]; };
+    const auto room = [&](int i) {
+      return i < 0 ? std::numeric_limits<double>::infinity() : task[i] > 0.0 ? box.high[i] : -box.low[i];
+    };
     note(room(lower.joint) <= room(upper.joint) ? lower.joint : upper.joint);
     if (!(meet < s)) {  // rounding: they touch
       least_r = most_r = 0.5 * (least_r + most_r);

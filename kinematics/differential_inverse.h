@@ -37,7 +37,7 @@ struct DifferentialInverseParams {
   double speed_share{0.9};                         ///< of the velocity limits that may be used, (0, 1]
   double acceleration_share{1.0};  ///< of the acceleration limits that a change may use, > 0; braking before
                                    ///< a limit or the end of the reach counts on the limits themselves
-  double turning_length_m{0.3};  ///< a turn of 1 rad weighs as much as this way; > 0
+  double turning_length_m{0.3};    ///< a turn of 1 rad weighs as much as this way; > 0
   /// Where the reach ends (|c_k| from .05 m/rad on), singular values below this count as vanishing. For an
   /// iiwa .07 m is an elbow bent by less than about 27 deg: the last 25 mm of its reach.
   double singular_zone_m{0.07};
@@ -106,7 +106,8 @@ struct MotionOutput {
 ///
 /// which is always slow enough to brake, one tick's motion included, and makes all joints slow down together:
 /// the last joint to have a say does not stop the others short. r is then the wanted null motion, or the
-/// nearest to it that allows s: the null space makes way for the task and never takes from it. Acceleration
+/// nearest to it that allows s: the null space makes way for the task and never takes from it. It makes way
+/// at most so fast that it comes to rest where the joint that it relieves has no better posture. Acceleration
 /// yields to position where both can not be kept.
 ///
 /// Sources: Nakamura and Hanafusa, Inverse Kinematic Solutions With Singularity Robustness, ASME J. Dyn. Sys.
@@ -137,6 +138,8 @@ class DifferentialInverse {
     std::array<bool, static_cast<std::size_t>(N)> low_brakes, high_brakes;  ///< position, not speed
   };
   [[nodiscard]] Box BoxAt(const JointVectorN<N>& q, double dt_s) const OSTEON_RT;
+  [[nodiscard]] double MostRelief(const Box& box, const JointVectorN<N>& task, const JointVectorN<N>& n,
+                                  double r_wanted) const OSTEON_RT;
   void ScaleIntoBox(const Box& box, const JointVectorN<N>& task, const JointVectorN<N>& n, double r_wanted,
                     MotionOutput<N>& out) const OSTEON_RT;
   void LimitChange(const Box& box, const JointVectorN<N>& qd_before, double dt_s,

@@ -135,17 +135,14 @@ std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath&
   JointVector q = params.q_start;
   Twist V;
   return Ride(params, path, [&](int, const JointVector&, const Wrench& F_T_W) -> Commanded {
-    const Pose X = arm.FlangePose(q) * params.X_FT;
+    // the virtual tool is where the joints are, as in the loop
     Twist V_next;
-    if (!control::NextTwist(same.admittance, X, V, F_T_W, kDt_s, V_next)) return {.q = q, .fault = true};
+    if (!control::NextTwist(same.admittance, arm.FlangePose(q) * params.X_FT, V, F_T_W, kDt_s, V_next))
+      return {.q = q, .fault = true};
     V = safety::LimitTwist(V_next, same.twist).V;
     const JointVector step = method(ToolJacobian(arm, params.X_FT, q), q, V, kDt_s);
     if (!step.allFinite()) return {.q = q, .fault = true};
     q += step;
-    // one pose here as well: the virtual tool is where the joints are, and goes on from how it got there
-    const Pose X_after = arm.FlangePose(q) * params.X_FT;
-    V.v = (X_after.translation() - X.translation()) / kDt_s;
-    V.w = LogRotation(X_after.linear() * X.linear().transpose()) / kDt_s;
     return {.q = q};
   });
 }

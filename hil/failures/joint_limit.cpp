@@ -1,6 +1,7 @@
 #include "hil/failures/joint_limit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -15,6 +16,9 @@ namespace {
 
 using kinematics::JointVector;
 
+// A joint may turn back at the limit, where the hand turns, and where the elbow has made way; a joint that
+// chatters does so hundreds of times.
+constexpr int kMostReversals = 12;
 constexpr double kSpeed_m_per_s = 0.1, kRamp_s = 0.1, kRest_s = 0.3;
 
 struct Case {
@@ -69,6 +73,7 @@ struct Measured {
   double beyond_rad{-1.0};  // of a limit, the farthest joint
   double force_step_N{0.0};
   double turned_rad{0.0};
+  int reversals{0};  // of a joint's velocity, .01 rad/s and more on both sides: the most of any joint
   bool fault{false};
 };
 
@@ -76,6 +81,8 @@ Measured Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
   Measured m{.force_step_N = LargestForceStep(ride)};
   const double out_s = c.out_m / kSpeed_m_per_s + kRamp_s;
   double farthest = 0.0;
+  std::array<double, 7> last_qd{};
+  std::array<int, 7> reversals{};
   for (std::size_t i = 0; i < ride.size(); ++i) {
     const Vector3 way = ride[i].X_WT.translation() - c.X_start.translation();
     const double along = c.direction.dot(way);
@@ -91,8 +98,15 @@ Measured Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
       m.beyond_rad = std::max(
           {m.beyond_rad, q - c.params.arm.limits[j].upper_rad, c.params.arm.limits[j].lower_rad - q});
     }
+    for (std::size_t j = 0; j < 7; ++j) {
+      const double qd = ride[i].qd[static_cast<Eigen::Index>(j)];
+      if (std::abs(qd) < 0.01) continue;
+      if (qd * last_qd[j] < 0.0) ++reversals[j];
+      last_qd[j] = qd;
+    }
     m.fault |= ride[i].fault;
   }
+  m.reversals = *std::ranges::max_element(reversals);
   return m;
 }
 
@@ -114,7 +128,7 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
       cases.push_back(MakeCase(joint, 0.3, out_m));
 
   bool complete = true, faulted = false;
-  int baselines_fail = 0;
+  int baselines_fail = 0, reversals = 0;
   double backward_m = 0.0, beyond_rad = -1.0, force_step_N = 0.0, turned_rad = 0.0;
   for (std::size_t i = 0; i < cases.size() && complete; ++i) {
     const Case& c = cases[i];
@@ -159,16 +173,18 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
     beyond_rad = std::max(beyond_rad, m.beyond_rad);
     force_step_N = std::max(force_step_N, m.force_step_N);
     turned_rad = std::max(turned_rad, m.turned_rad);
+    reversals = std::max(reversals, m.reversals);
     faulted |= m.fault;
     complete = setting.GoesOn(static_cast<double>(i + 1) / static_cast<double>(cases.size()));
   }
   result.baseline_fails = result.baseline > result.bound;
   result.ours_passes = complete && !faulted && result.ours <= result.bound && backward_m < 1e-6 &&
-                       beyond_rad <= -margin_rad + 1e-9 && force_step_N < 5.0;
+                       beyond_rad <= -margin_rad + 1e-9 && force_step_N < 5.0 && reversals <= kMostReversals;
   result.note = fmt::format(
       "{} approaches, the baseline fails in {}; with ours the tool comes back by {:.2g} um while the hand "
       "pushes on "
-      "and turns by {:.1f} mrad, joints stay {:.2f} deg inside their limits, the hand's force changes by "
+      "and turns by {:.1f} mrad, no joint turns back more than {} times, joints stay {:.2f} deg inside their "
+      "limits, the hand's force changes by "
       "{:.2f} N "
       "in a millisecond at most",
       cases.size(), baselines_fail, 1e6 * backward_m, 1e3 * turned_rad,

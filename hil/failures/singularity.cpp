@@ -77,7 +77,7 @@ Case CandleCase() {
 // A6 goes from .5 to -.5 rad with A5 at 90 deg, all other joints still; then everything is turned by `miss`
 // in the direction that the arm loses where it is straight.
 Case WristCase(double miss_rad) {
-  constexpr double kSwing_rad = 0.5, kRate_rad_per_s = 0.5;
+  constexpr double kSwing_rad = 0.5, kRate_rad_per_s = 1.0;
   Case c{.name = fmt::format("wrist, missed by {:g} rad", miss_rad), .wrist = true};
   c.params.arm = ScenarioArm();
   c.params.X_FT = ScenarioTool();
