@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -188,7 +189,7 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
       "{:.2f} N "
       "in a millisecond at most",
       cases.size(), baselines_fail, 1e6 * backward_m, 1e3 * turned_rad,
-      -beyond_rad * 180.0 / 3.14159265358979, force_step_N);
+      -beyond_rad * 180.0 / std::numbers::pi, force_step_N);
   return result;
 }
 
