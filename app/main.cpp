@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include "app/capability_command.h"
 #include "app/demo.h"
 #include "app/doctor.h"
 #include "app/failures.h"
@@ -238,6 +239,7 @@ int Run(int argc, char** argv) {
   doctor_app->footer("Examples:\n  osteon doctor\n  osteon doctor --json doctor.json");
 
   osteon::app::MeasureCommands measure(app);
+  osteon::app::CapabilityCommand capability(app);
 
   try {
     app.parse(argc, argv);
@@ -304,6 +306,7 @@ int Run(int argc, char** argv) {
     failures.command_line = CommandLine(argc, argv);
     return osteon::app::RunFailures(failures);
   }
+  if (capability.asked()) return capability.Run(config_root, CommandLine(argc, argv));
   if (measure.asked()) return measure.Run(config_root);
   if (*doctor_app) return osteon::app::RunDoctor(port, doctor_json);
   fmt::print("{}", app.help());

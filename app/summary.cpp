@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "simulation/cut_metrics.h"
-#include "simulation/swept_tool.h"
+#include "simulation/metrics/cut_metrics.h"
+#include "simulation/tools/swept_tool.h"
 
 namespace osteon::app {
 namespace {
@@ -80,6 +80,15 @@ nlohmann::json ToJson(const DurationFigures& d) {
   return {{"p50", d.p50_s * 1e6}, {"p99", d.p99_s * 1e6}, {"p999", d.p999_s * 1e6}, {"max", d.max_s * 1e6}};
 }
 
+// What a limit kept from the hand.
+std::string CutText(const RunSummary& s) {
+  if (s.cut_ticks == 0) return "none";
+  return fmt::format("up to {:.0f} %, in {} ticks; {}", 100.0 * (1.0 - s.least_wrench_share), s.cut_ticks,
+                     s.arm_cut_ticks == 0 ? "the arm could have held all of it"
+                                          : fmt::format("the arm could not hold up to {:.0f} %, in {} ticks",
+                                                        100.0 * (1.0 - s.least_arm_share), s.arm_cut_ticks));
+}
+
 std::string Text(const DurationFigures& d) {
   return fmt::format("{:.0f} / {:.0f} / {:.0f} µs", d.p50_s * 1e6, d.p99_s * 1e6, d.max_s * 1e6);
 }
@@ -129,6 +138,10 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   std::vector<double> wakeup, compute, frame;
   for (const control::TickRecord& tick : recording.ticks) {
     if (tick.session_state != static_cast<std::uint8_t>(control::SessionState::kCommandingActive)) continue;
+    if (tick.wrench_scale < 1.0) ++s.cut_ticks;
+    if (tick.arm_share < 1.0) ++s.arm_cut_ticks;
+    s.least_wrench_share = std::min(s.least_wrench_share, tick.wrench_scale);
+    s.least_arm_share = std::min(s.least_arm_share, tick.arm_share);
     stamps.push_back(tick.stamp);
     wakeup.push_back(rt::ToSeconds(tick.wakeup_ns));
     compute.push_back(rt::ToSeconds(tick.compute_ns));
@@ -192,6 +205,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   }
   rows.push_back(
       {"Peak rendered force", fmt::format("{:.1f} N of {:.0f} N allowed", s.peak_force_N, s.force_limit_N)});
+  rows.push_back({"Force cut off by limits", CutText(s)});
   rows.push_back({"Peak sensor force", fmt::format("{:.1f} N", s.peak_sensor_force_N)});
   rows.push_back({"Peak tool speed", fmt::format("{:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3)});
   // without the solid (a loaded packing) what was swept is not known
@@ -256,6 +270,10 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                      {"peak_torque_Nm", s.peak_torque_Nm},
                      {"peak_sensor_force_N", s.peak_sensor_force_N},
                      {"force_limit_N", s.force_limit_N},
+                     {"wrench_cut_ticks", s.cut_ticks},
+                     {"wrench_share_min", s.least_wrench_share},
+                     {"arm_cut_ticks", s.arm_cut_ticks},
+                     {"arm_share_min", s.least_arm_share},
                      {"peak_tool_speed_mm_per_s", s.peak_tool_speed_m_per_s * 1e3},
                      {"removed_volume_mm3", s.removed_volume_m3 * 1e9},
                      {"removed_mass_g", s.removed_mass_kg * 1e3},

@@ -38,6 +38,10 @@ struct RunSummary {
   double simulation_rate_hz{0.0};  ///< 1 / median interval between frames
   double peak_force_N{0.0}, peak_torque_Nm{0.0}, peak_sensor_force_N{0.0}, force_limit_N{0.0};
   double peak_tool_speed_m_per_s{0.0};
+  /// Ticks in which a limit cut off a part of the coupling's wrench, and those in which the arm's torques
+  /// would have; and the least shares that were rendered and that the arm could hold.
+  std::uint64_t cut_ticks{0}, arm_cut_ticks{0};
+  double least_wrench_share{1.0}, least_arm_share{1.0};
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
   double swept_volume_m3{0.0};  ///< of the solid, by the proxy's cutting surface; a grid's count, no engine's
   double cup_depth_m{0.0};      ///< deepest proxy apex below the cup's first floor; negative: it stayed above

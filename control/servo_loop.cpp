@@ -17,7 +17,12 @@ constexpr double kSpeedSlack =
     1.1;  // a pull-back through the joints may leave the straight line by second order
 constexpr double kSightMemory_s =
     0.1;  // many frames, or the speed limit would follow each one's age up and down
+constexpr double kGravity_m_per_s2 = 9.81;  // along -z of W
 constexpr double kSamePeriod_s = 1e-6;
+constexpr double kElbowRate_per_s = 40.0;  // toward the wanted arm angle, where it is near
+constexpr double kElbowThere_rad = 1e-6;
+constexpr double kMoving_m_per_s = 0.02,
+                 kMoving_rad_per_s = 0.1;  // of the tool: the elbow has its full speed
 constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
 
 JointVector ToVector(const JointArray& q) { return Eigen::Map<const JointVector>(q.data()); }
@@ -26,6 +31,8 @@ JointArray ToArray(const JointVector& q) {
   Eigen::Map<JointVector>(a.data()) = q;
   return a;
 }
+
+Twist Turned(const Matrix3& R_AB, const Twist& V_B) { return {.v = R_AB * V_B.v, .w = R_AB * V_B.w}; }
 
 Twist Scaled(const Twist& V, double share) { return {.v = share * V.v, .w = share * V.w}; }
 
@@ -49,9 +56,23 @@ ServoParams Validated(const ServoParams& params) {
   require("joint_stop_s", params.joint_stop_s, 0.001, 2.0);
   require("model_sight_m", params.model_sight_m, 1e-5, 1.0);
   require("arm_angle_rate_rad_per_s", params.arm_angle_rate_rad_per_s, 0.0, 1.0);
+  require("joint_acceleration_share", params.joint_acceleration_share, 0.01, 1000.0);
   require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
   require("period_s", params.period_s, 1e-4, 0.02);
   return params;
+}
+
+// A radian weighs as the virtual tool's radius of gyration: what a vanishing direction takes from the twist
+// is then what a smooth stop would take from a body of that mass and inertia.
+kinematics::DifferentialInverseParams<7> MotionParams(const ServoParams& params) {
+  kinematics::DifferentialInverseParams<7> motion;
+  motion.limits = params.joints.limits;
+  motion.position_margin_rad = params.joints.position_margin_rad;
+  motion.speed_share = params.joints.speed_share;
+  motion.acceleration_share = params.joint_acceleration_share;
+  motion.turning_length_m =
+      std::sqrt(params.admittance.inertia_kg_m2.mean() / params.admittance.mass_kg.mean());
+  return motion;
 }
 
 void RequirePose(const Pose& X, const char* name) {
@@ -76,14 +97,32 @@ ServoLoop::ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, c
       rate_trip_(params.coupling.max_stiffness_N_per_m, params.twist.max_speed_m_per_s),
       sensor_trip_(params.sensor_force, wrench_limiter_.max_force_N()),
       workspace_(params.workspace),
+      motion_(MotionParams(params_)),
       joint_guard_(params.joints),
       watchdog_(params.watchdog) {
   RequirePose(X_WB, "X_WB");
   RequirePose(X_FT, "X_FT");
   if (!std::isfinite(arm_angle_rad)) throw std::invalid_argument("arm_angle_rad: accepted a finite angle");
+  if (!params.arm_body || !params.arm_body->has_masses) return;
+  for (int i = 0; i < 7; ++i) {
+    torque_limit_Nm_[i] = params.arm_body->joints[static_cast<std::size_t>(i)].limits.torque_Nm;
+    if (!(torque_limit_Nm_[i] > 0.0) || !std::isfinite(torque_limit_Nm_[i]))
+      throw std::invalid_argument("torque_Nm of joint " + std::to_string(i + 1) + ": found " +
+                                  std::to_string(torque_limit_Nm_[i]) +
+                                  ", accepted > 0: what the arm can hold");
+  }
+  body_.emplace(*params.arm_body, X_WB.linear().transpose() * Vector3(0.0, 0.0, -kGravity_m_per_s2));
 }
 
 Pose ServoLoop::ToolPose(const JointVector& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
+
+// Of the tool's origin, in B.
+kinematics::Jacobian ServoLoop::ToolJacobian(const JointVector& q) const OSTEON_RT {
+  kinematics::Jacobian J = arm_.FlangeJacobian(q);
+  const Vector3 p_FT_B = X_BW_.linear() * X_WT_.linear() * (X_TF_.linear() * X_FT_.translation());
+  for (int i = 0; i < J.cols(); ++i) J.col(i).head<3>() += Vector3(J.col(i).tail<3>()).cross(p_FT_B);
+  return J;
+}
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
   return {.X_WT = X_WT_,
@@ -119,7 +158,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
 
     // phases that the arm decides
     if (!active || phase_ == Phase::kWaiting) {
-      Follow(state);
+      Mirror(state);
       if (phase_ == Phase::kHaptic) faults_.Latch(Fault::kSession);
       if (phase_ != Phase::kWaiting || stop) phase_ = Phase::kStopped;
     }
@@ -158,7 +197,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
 
 // The arm moves by itself, or rests: commanded is what it commands itself. An idle one need not say where it
 // is.
-void ServoLoop::Follow(const ArmState& state) OSTEON_RT {
+void ServoLoop::Mirror(const ArmState& state) OSTEON_RT {
   q_step_.setZero();
   V_WT_ = {};
   share_ = 0.0;
@@ -183,7 +222,8 @@ void ServoLoop::Miss(ReceiveResult received) OSTEON_RT {
 
 void ServoLoop::StartRendering(rt::Nanoseconds now) OSTEON_RT {
   phase_ = Phase::kHaptic;
-  arm_angle_rad_ = arm_.ArmAngle(q_);
+  motion_share_ = 1.0;
+  elbow_arrived_ = false;
   coupling_ = {};
   sight_age_s_ = 0.0;
   rate_trip_.Reset();
@@ -204,7 +244,7 @@ void ServoLoop::Render(const ForceReading& reading, const simulation::ContactMod
   const CouplingOutput coupling = EvaluateCoupling(params_.coupling, model, X_WT_, Scaled(V_WT_, share_), now,
                                                    params_.spindle_rad_per_s > 0.0, coupling_);
   record.model_age_s = coupling.age_s;
-  const safety::LimitedWrench limited = wrench_limiter_.Limit(coupling.F_T_W);
+  const safety::LimitedWrench limited = LimitWrench(coupling.F_T_W);
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
 
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, now);
@@ -230,6 +270,7 @@ void ServoLoop::Render(const ForceReading& reading, const simulation::ContactMod
   }
   record.F_coupling_T_W = limited.F;
   record.wrench_scale = limited.share;
+  record.arm_share = limited.arm_share;
 
   // speed: of the cell, and by how far the tool gets before a frame tells what is there; slower no harder
   // than a stop, so that a simulation that stalls while the tool flies is outrun (the model's age then holds
@@ -246,11 +287,8 @@ void ServoLoop::Render(const ForceReading& reading, const simulation::ContactMod
   share_ = coupling.fade;
 
   // the joints
-  const double turn = WrapAngle(wanted_arm_angle_rad_ - arm_angle_rad_);
-  const double most_turn = params_.arm_angle_rate_rad_per_s * dt_s * share_;
-  bool joints_scaled = false;
-  if (!Reach(Move(X_WT_, V_WT_, share_ * dt_s), arm_angle_rad_ + std::clamp(turn, -most_turn, most_turn),
-             joints_scaled)) {
+  bool joints_limited = false;
+  if (!Follow(Scaled(V_WT_, share_), joints_limited)) {
     StartStopping();
     BrakeJoints();
   }
@@ -266,11 +304,24 @@ void ServoLoop::Render(const ForceReading& reading, const simulation::ContactMod
   s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, limited.F.t.norm());
   s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
   Count(s.wrench, limited.share < 1.0, wrench_acted_);
+  Count(s.arm, limited.arm_share < 1.0, arm_acted_);
   Count(s.twist, slow.share < 1.0, twist_acted_);
   Count(s.workspace, inside.acted, workspace_acted_);
-  Count(s.joints, joints_scaled, joints_acted_);
+  Count(s.joints, joints_limited, joints_acted_);
   Count(s.model_age, coupling.fade < 1.0, model_acted_);
   Count(s.sensor_age, sensor_share < 1.0, sensor_acted_);
+}
+
+// What the arm can hold counts where it is told to be: that is where it will be when the wrench arrives.
+safety::LimitedWrench ServoLoop::LimitWrench(const Wrench& F_T_W) const OSTEON_RT {
+  if (!body_) return wrench_limiter_.Limit(F_T_W);
+  const kinematics::SerialChain<7>::Posture posture = body_->Place(q_);
+  const kinematics::Jacobian J_B = body_->JacobianAt(posture, posture.X_BF * X_FT_.translation());
+  kinematics::Jacobian J_W;
+  J_W.topRows<3>() = X_WB_.linear() * J_B.topRows<3>();
+  J_W.bottomRows<3>() = X_WB_.linear() * J_B.bottomRows<3>();
+  return wrench_limiter_.Limit(
+      F_T_W, {J_W, body_->Gravity(q_), torque_limit_Nm_, kinematics::GravityHelp::kNotCounted});
 }
 
 void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
@@ -289,32 +340,68 @@ void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operat
   }
 }
 
-// Puts the arm at a tool pose as far as the joints may go in a tick, and the virtual tool where the arm then
-// is. False, with the fault latched and nothing moved, where no joint motion leads there.
-bool ServoLoop::Reach(const Pose& X_WT, double arm_angle_rad, bool& scaled) OSTEON_RT {
-  JointVector q_next;
-  if (!arm_.Inverse(X_BW_ * X_WT * X_TF_, arm_angle_rad, q_, q_next)) {
+// Moves the joints so that the tool has a velocity, as far as they may in a tick, and the virtual tool where
+// the arm then is. False, with the fault latched and nothing moved, where that is not known.
+bool ServoLoop::Follow(const Twist& V_WT, bool& limited) OSTEON_RT {
+  const double dt_s = params_.period_s;
+  const Twist V_BT = Turned(X_BW_.linear(), V_WT);
+  kinematics::MotionInput<7> wanted;
+  wanted.J = ToolJacobian(q_);
+  wanted.V_BT = V_BT;
+  wanted.q = q_;
+  wanted.qd_before = q_step_ / dt_s;
+  wanted.share_before = motion_share_;
+  wanted.qd_null = WantedElbow(V_WT);
+  wanted.dt_s = dt_s;
+  const kinematics::MotionOutput<7> moves = motion_.Step(wanted);
+  if (!moves.finite) {
     faults_.Latch(Fault::kInverseKinematics);
     return false;
   }
-  const safety::JointGuard::Result guard = joint_guard_.Limit(q_, q_next - q_, params_.period_s);
+  // what was just limited is checked by what knows nothing of it
+  const safety::JointGuard::Result guard = joint_guard_.Limit(q_, dt_s * moves.qd, dt_s);
   if (guard.jump || guard.violated) {
     faults_.Latch(Fault::kJointLimit);
     return false;
   }
-  scaled = guard.share < 1.0;
+  motion_share_ = moves.share;
+  sigma_min_m_ = moves.sigma_min_m;
+  sigma_gradient_m_ = moves.sigma_gradient_m;
+  limited = moves.limit != kinematics::MotionLimit::kNone || guard.share < 1.0;
   q_step_ = guard.step;
-  if (!scaled) {
-    q_ = q_next;
-    X_WT_ = X_WT;
-    arm_angle_rad_ = WrapAngle(arm_angle_rad);
-    return true;
-  }
-  q_ += guard.step;
+  q_ += q_step_;
   X_WT_ = ToolPose(q_);
-  V_WT_ = Scaled(V_WT_, guard.share);
-  arm_angle_rad_ = arm_.ArmAngle(q_);
+  if (limited) {
+    // the law goes on from what the tool does; as the model's age fades the motion, so its reaction
+    const Twist V_done_WT = Turned(X_WB_.linear(), Scaled(moves.V_BT, guard.share));
+    V_WT_.v += share_ * (V_done_WT.v - V_WT.v);
+    V_WT_.w += share_ * (V_done_WT.w - V_WT.w);
+  }
   return true;
+}
+
+// Where the joints should go for the elbow's sake, as a velocity whose part in the null space counts.
+kinematics::JointVector ServoLoop::WantedElbow(const Twist& V_WT) OSTEON_RT {
+  const double dt_s = params_.period_s;
+  const double moving = std::min(1.0, V_WT.v.norm() / kMoving_m_per_s + V_WT.w.norm() / kMoving_rad_per_s);
+
+  // the arm angle: held, and turned to the wanted one
+  const double arm_angle_rad = arm_.ArmAngle(q_);
+  const double error_rad = WrapAngle(wanted_arm_angle_rad_ - arm_angle_rad);
+  elbow_arrived_ |= std::abs(error_rad) < kElbowThere_rad;
+  const double most = params_.arm_angle_rate_rad_per_s;
+  const double turn =
+      (elbow_arrived_ ? moving : share_) * std::clamp(kElbowRate_per_s * error_rad, -most, most);
+  JointVector qd = JointVector::Zero(), q_there;
+  if (moving == 0.0 && turn == 0.0) return qd;  // not even by rounding
+  if (arm_.Inverse(X_BW_ * Move(X_WT_, V_WT, dt_s) * X_TF_, arm_angle_rad + dt_s * turn, q_, q_there) &&
+      (q_there - q_).cwiseAbs().maxCoeff() < params_.joints.jump_rad)
+    qd = (q_there - q_) / dt_s;
+
+  qd += moving * kinematics::AwayFromLimits<7>(params_.posture, params_.joints.limits,
+                                               params_.joints.position_margin_rad, q_);
+  qd += moving * kinematics::AwayFromSingularity<7>(params_.posture, sigma_min_m_, sigma_gradient_m_);
+  return qd;
 }
 
 // From here on V_WT_ is the velocity of the commanded tool itself.
@@ -341,8 +428,8 @@ void ServoLoop::Brake() OSTEON_RT {
     phase_ = Phase::kStopped;
     return;
   }
-  bool scaled = false;
-  if (!Reach(Move(X_WT_, V_WT_, dt_s), arm_angle_rad_, scaled)) BrakeJoints();
+  bool limited = false;
+  if (!Follow(V_WT_, limited)) BrakeJoints();
 }
 
 void ServoLoop::BrakeJoints() OSTEON_RT {

@@ -30,6 +30,7 @@ struct TickRecord {
   PlainWrench F_operator_T_W;      ///< what the hand exerts, from the sensor, on T, in W
   PlainWrench F_coupling_T_W;      ///< rendered: after every limit, as integrated
   double wrench_scale{1.0};        ///< share of the coupling wrench that the limits let through, 0 … 1
+  double arm_share{1.0};           ///< of it that the arm's torques can hold in this posture, 0 … 1
   double model_age_s{0.0};         ///< of the contact model's pose
   double sensor_age_s{0.0};
   std::uint64_t model_frame{0};

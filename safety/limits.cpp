@@ -54,6 +54,16 @@ LimitedWrench WrenchLimiter::Limit(const Wrench& F) const OSTEON_RT {
   return ScaleWrench(F, params_.max_force_N, params_.max_torque_Nm);
 }
 
+LimitedWrench WrenchLimiter::Limit(const Wrench& F,
+                                   const kinematics::ForceCapability<7>& arm) const OSTEON_RT {
+  LimitedWrench limited = Limit(F);
+  limited.arm_share = IsFinite(F) ? arm.Share(F) : 0.0;
+  if (limited.arm_share >= limited.share) return limited;
+  limited.share = limited.arm_share;
+  limited.F = {.f = limited.share * F.f, .t = limited.share * F.t};
+  return limited;
+}
+
 WrenchRateTrip::WrenchRateTrip(double stiffness_N_per_m, double max_speed_m_per_s)
     : max_rate_N_per_s_(1.5 * stiffness_N_per_m * max_speed_m_per_s) {
   RequirePositive(stiffness_N_per_m, "stiffness_N_per_m");

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "control/rt/marker.h"
+#include "kinematics/force_capability.h"
 #include "kinematics/spatial.h"
 
 // Bounds on what the loop renders and commands. A limiter scales a whole wrench or twist and keeps its
@@ -20,7 +21,8 @@ inline constexpr double kForceCeiling_N = 200.0;
 
 struct LimitedWrench {
   Wrench F;
-  double share{1.0};  ///< of the wrench that was let through, 0 … 1; 0 where it was not finite
+  double share{1.0};      ///< of the wrench that was let through, 0 … 1; 0 where it was not finite
+  double arm_share{1.0};  ///< of it that the arm's torques can hold, 0 … 1; share is this or less
 };
 
 /// Scales the whole wrench so that |f| <= max_force_N and |t| <= max_torque_Nm hold to the last bit:
@@ -42,6 +44,13 @@ class WrenchLimiter {
   explicit WrenchLimiter(const WrenchLimitParams& params);
 
   [[nodiscard]] LimitedWrench Limit(const Wrench& F) const OSTEON_RT;
+  /// The same, and no more than the arm can hold in its posture:
+  ///
+  ///     s = min(arm.Share(F), max_force_N / |f|, max_torque_Nm / |t|),   F' = s F
+  ///
+  /// @param arm  of the point that F acts on, in F's frame
+  [[nodiscard]] LimitedWrench Limit(const Wrench& F,
+                                    const kinematics::ForceCapability<7>& arm) const OSTEON_RT;
   /// The limit in force: the smaller of the parameter and kForceCeiling_N.
   [[nodiscard]] double max_force_N() const OSTEON_RT { return params_.max_force_N; }
   [[nodiscard]] double max_torque_Nm() const OSTEON_RT { return params_.max_torque_Nm; }

@@ -87,7 +87,26 @@ std::string ForceChart(std::span<const TickRecord> ticks, double force_limit_N) 
   chart.series[0].color = "#009e73";
   chart.series[1].color = "#0072b2";
   chart.series[2].color = "#d55e00";
-  return Svg(chart);
+  if (std::none_of(ticks.begin(), ticks.end(),
+                   [](const TickRecord& tick) { return tick.wrench_scale < 1.0; }))
+    return Svg(chart);
+
+  // what a limit kept from the hand
+  Series rendered{.name = "rendered", .x = t_s, .y = {}, .color = "#0072b2"};
+  Series held{
+      .name = "that the arm's torques can hold", .x = t_s, .y = {}, .color = "#cc79a7", .width_px = 1.1};
+  for (const TickRecord& tick : ticks) {
+    rendered.y.push_back(100.0 * tick.wrench_scale);
+    held.y.push_back(100.0 * tick.arm_share);
+  }
+  LineChart shares{.title = "Share of the coupling's wrench",
+                   .x_label = "time [s]",
+                   .y_label = "share [%]",
+                   .y = Range{0.0, 105.0},
+                   .series = {std::move(held), std::move(rendered)},
+                   .plot_height_px = 110.0};
+  chart.x_label.clear();
+  return Svg(std::vector<LineChart>{std::move(chart), std::move(shares)});
 }
 
 std::string ProgressChart(std::span<const TickRecord> ticks, std::span<const FrameRecord> frames) {

@@ -11,9 +11,11 @@
 #include "hil/failures/fast_rotation.h"
 #include "hil/failures/frame_rate.h"
 #include "hil/failures/high_feed.h"
+#include "hil/failures/joint_limit.h"
 #include "hil/failures/leak.h"
 #include "hil/failures/material_step.h"
 #include "hil/failures/own_slot.h"
+#include "hil/failures/singularity.h"
 #include "hil/failures/thin_sheet.h"
 
 namespace osteon::hil {
@@ -29,6 +31,8 @@ std::span<const FailureScenario> FailureScenarios() {
       FailureScenario{.id = 8, .name = "leak", .run = RunLeak},
       FailureScenario{.id = 9, .name = "high feed", .run = RunHighFeed},
       FailureScenario{.id = 11, .name = "fast rotation", .run = RunFastRotation},
+      FailureScenario{.id = 12, .name = "singularity", .run = RunSingularity},
+      FailureScenario{.id = 13, .name = "joint limit", .run = RunJointLimit},
       FailureScenario{.id = 18, .name = "material step", .run = RunMaterialStep},
       FailureScenario{.id = 19, .name = "breakthrough", .run = RunBreakthrough},
       FailureScenario{.id = 20, .name = "energy", .run = RunEnergy},

@@ -111,6 +111,7 @@ void Encode(const TickRecord& record, std::string& bytes) {
   Put(record.F_operator_T_W, message.mutable_f_operator_t_w());
   Put(record.F_coupling_T_W, message.mutable_f_coupling_t_w());
   message.set_wrench_scale(record.wrench_scale);
+  message.set_arm_share(record.arm_share);
   message.set_model_age_s(record.model_age_s);
   message.set_sensor_age_s(record.sensor_age_s);
   message.set_model_frame(record.model_frame);
@@ -140,6 +141,7 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   Get(message.f_operator_t_w(), r.F_operator_T_W);
   Get(message.f_coupling_t_w(), r.F_coupling_T_W);
   r.wrench_scale = message.wrench_scale();
+  if (message.has_arm_share()) r.arm_share = message.arm_share();
   r.model_age_s = message.model_age_s();
   r.sensor_age_s = message.sensor_age_s();
   r.model_frame = message.model_frame();

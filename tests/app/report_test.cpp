@@ -95,6 +95,20 @@ TEST(Report, OfARunIsOneValidFileWithEverythingInIt) {
   EXPECT_FALSE(std::filesystem::exists(file.string() + ".part"));
 }
 
+TEST(Report, ShowsWhatTheLimitsCutOffWhereTheyDid) {
+  SyntheticRun run = MakeSyntheticRun();
+  const std::string title = "Share of the coupling";
+  const auto whole = MakeReport(InputOf(run));
+  ASSERT_TRUE(whole) << whole.error();
+  EXPECT_EQ(whole->html.find(title), std::string::npos) << "nothing was cut off";
+  run.ticks[1000].wrench_scale = 0.6;
+  run.ticks[1000].arm_share = 0.8;
+  const auto cut = MakeReport(InputOf(run));
+  ASSERT_TRUE(cut) << cut.error();
+  EXPECT_NE(cut->html.find(title), std::string::npos);
+  EXPECT_NE(cut->html.find("arm&#39;s torques can hold"), std::string::npos);
+}
+
 TEST(Report, ListsTheFiguresWithoutASource) {
   SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});

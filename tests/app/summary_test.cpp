@@ -169,6 +169,24 @@ TEST(SummaryRows, HoldNoNanForARunThatDidNothing) {
   }
 }
 
+TEST(SummaryRows, SayWhatTheLimitsKeptFromTheHand) {
+  RunSummary summary;
+  EXPECT_EQ(RowOf(summary, "Force cut off by limits"), "none");
+  summary.cut_ticks = 312;
+  summary.least_wrench_share = 0.76;
+  EXPECT_EQ(RowOf(summary, "Force cut off by limits"),
+            "up to 24 %, in 312 ticks; the arm could have held all of it");
+  summary.arm_cut_ticks = 110;
+  summary.least_arm_share = 0.9;
+  EXPECT_EQ(RowOf(summary, "Force cut off by limits"),
+            "up to 24 %, in 312 ticks; the arm could not hold up to 10 %, in 110 ticks");
+  const nlohmann::json json = nlohmann::json::parse(ToJson(summary, "osteon.demo/1"));
+  EXPECT_EQ(json.at("wrench_cut_ticks"), 312);
+  EXPECT_EQ(json.at("wrench_share_min"), 0.76);
+  EXPECT_EQ(json.at("arm_cut_ticks"), 110);
+  EXPECT_EQ(json.at("arm_share_min"), 0.9);
+}
+
 TEST(SummaryRows, ShowVolumesBesideEachOther) {
   EXPECT_EQ(RowOf(Sample(), "Bone removed"), "2500 mm³, 3.50 g; swept 2000 mm³ (+25.0 %)");
   EXPECT_EQ(RowOf(Sample(), "Peak rendered force"), "123.4 N of 200 N allowed");

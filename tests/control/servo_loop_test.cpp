@@ -353,23 +353,44 @@ TEST(ServoLoop, AnArmFarFromItsCommandIsAFault) {
   EXPECT_TRUE(bench.loop.faults().Has(Fault::kTracking));
 }
 
-TEST(ServoLoop, BeyondTheArmsReachItStopsAlongTheJointsLastMotion) {
+// Pushed outward with 60 N until the elbow is straight, then sideways as well, then back.
+TEST(ServoLoop, AtTheEndOfTheArmsReachTheToolStopsAndSlidesAndComesBack) {
   ServoParams params = ServoBench::Params();
   params.workspace.sphere_radius_m = 3.0;
   params.workspace.plane_offset_m = -3.0;
   ServoBench bench(params, 10.0);
   bench.Activate();
-  bench.side_W_N = 60.0 * (ServoBench::StartPose().translation() - Vector3(0.0, 0.0, 0.36)).normalized();
+  const auto p_SW = [](const TickRecord& record) -> Vector3 {
+    return ServoBench::Arm().FlangePose(Joints(record.q_cmd)) *
+               Vector3(0, 0, -kinematics::Iiwa14().wrist_to_flange_m) -
+           Vector3(0.0, 0.0, kinematics::Iiwa14().base_to_shoulder_m);
+  };
+  const double reach_m = kinematics::Iiwa14().shoulder_to_elbow_m + kinematics::Iiwa14().elbow_to_wrist_m;
   auto before = bench.arm.q_meas;
-  for (int i = 0; i < 6000 && bench.loop.phase() != Phase::kStopped; ++i) {
-    const TickRecord record = bench.Tick();
-    if (i > 0) {
-      ASSERT_LE(JointSpeedShare(before, record.q_cmd), 0.9 + 1e-9) << "tick " << i;
+  Vector3 v_before = Vector3::Zero();
+  double jump_m_per_s = 0.0;
+  const auto run = [&](int ticks) {
+    TickRecord record;
+    for (int i = 0; i < ticks; ++i) {
+      record = bench.Tick();
+      EXPECT_EQ(record.faults, 0u) << record.tick;
+      EXPECT_LE(JointSpeedShare(before, record.q_cmd), 0.9 + 1e-9) << record.tick;
+      jump_m_per_s = std::max(jump_m_per_s, (Vector3(record.v_WT_cmd_m_per_s) - v_before).norm());
+      v_before = record.v_WT_cmd_m_per_s;
+      before = record.q_cmd;
     }
-    before = record.q_cmd;
-  }
-  EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
-  EXPECT_TRUE(bench.loop.faults().Any());
+    return record;
+  };
+  const Vector3 outward = (ServoBench::StartPose().translation() - Vector3(0.0, 0.0, 0.36)).normalized();
+  bench.side_W_N = 60.0 * outward;
+  EXPECT_GT(p_SW(run(6000)).norm(), reach_m - 1e-4) << "all of the reach is used";
+  const Vector3 stopped = bench.loop.tool_command().X_WT.p;
+  bench.side_W_N += 5.0 * Vector3::UnitZ().cross(outward);
+  EXPECT_GT((Vector3(run(500).X_WT_cmd.p) - stopped).norm(), 0.02) << "it slides";
+  bench.side_W_N = -20.0 * outward;
+  EXPECT_LT(p_SW(run(500)).norm(), reach_m - 0.015) << "and is not held there";
+  // 60 N on 3 kg are 20 mm/s in a tick
+  EXPECT_LT(jump_m_per_s, 0.02 + 1e-9);
 }
 
 TEST(ServoLoop, TwoRunsAreBitIdentical) {

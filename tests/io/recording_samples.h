@@ -39,6 +39,7 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.F_operator_T_W = SomeWrench(base + 40);
   r.F_coupling_T_W = SomeWrench(base + 50);
   r.wrench_scale = 0.1;
+  r.arm_share = 0.7;
   r.model_age_s = base + 60;
   r.sensor_age_s = base + 61;
   r.model_frame = i + 62;

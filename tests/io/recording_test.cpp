@@ -99,6 +99,7 @@ TEST(Recording, CarriesEveryFieldOfATick) {
   EXPECT_EQ(Vector3(r.F_coupling_T_W.f), Vector3(sent.F_coupling_T_W.f));
   EXPECT_EQ(Vector3(r.F_coupling_T_W.t), Vector3(sent.F_coupling_T_W.t));
   EXPECT_EQ(r.wrench_scale, sent.wrench_scale);
+  EXPECT_EQ(r.arm_share, sent.arm_share);
   EXPECT_EQ(r.model_age_s, sent.model_age_s);
   EXPECT_EQ(r.sensor_age_s, sent.sensor_age_s);
   EXPECT_EQ(r.model_frame, sent.model_frame);
@@ -167,6 +168,17 @@ TEST(Recording, KeepsNegativeZeroAndNaN) {
   EXPECT_TRUE(std::signbit(r.wrench_scale));
   EXPECT_TRUE(std::isnan(r.model_age_s));
   EXPECT_EQ(r.q_cmd[3], sent.q_cmd[3]);
+}
+
+// Field 20 is written last: its tag in two bytes, then the double.
+TEST(Recording, ATickFromBeforeTheArmsShareWasRecordedReadsAsOne) {
+  const std::string now = Encoded(SomeTick(1));
+  constexpr std::size_t kField = 10;
+  ASSERT_EQ(now.substr(now.size() - kField, 2), "\xA1\x01");
+  control::TickRecord r;
+  ASSERT_EQ(Decode(now.substr(0, now.size() - kField), r), "");
+  EXPECT_EQ(r.arm_share, 1.0);
+  EXPECT_EQ(r.compute_ns, SomeTick(1).compute_ns);
 }
 
 TEST(Recording, TwoEqualRunsGiveEqualBytes) {

@@ -74,6 +74,81 @@ TEST(WrenchLimiter, WhatIsNotFiniteBecomesZero) {
   EXPECT_LE(WrenchLimiter({}).Limit({.f = {kHuge, kHuge, kHuge}, .t = {}}).F.f.norm(), 200.0);
 }
 
+// An arm of seven joints, each with a lever of its own; joint 6 alone is weak.
+struct DrawnArm {
+  kinematics::JacobianN<7> J;
+  kinematics::JointVectorN<7> g, tau_max;
+
+  explicit DrawnArm(std::mt19937_64& random, double strength = 1.0) {
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    for (double& x : J.reshaped()) x = unit(random);
+    tau_max << 320.0, 320.0, 176.0, 176.0, 110.0, 40.0, 40.0;
+    tau_max *= strength;
+    for (int i = 0; i < 7; ++i) g[i] = 0.5 * tau_max[i] * unit(random);
+  }
+  [[nodiscard]] kinematics::ForceCapability<7> Capability() const {
+    return {J, g, tau_max, kinematics::GravityHelp::kNotCounted};
+  }
+  // torques that hold the arm while it exerts F
+  [[nodiscard]] kinematics::JointVectorN<7> Torques(const Wrench& F) const {
+    return g + J.topRows<3>().transpose() * F.f + J.bottomRows<3>().transpose() * F.t;
+  }
+};
+
+TEST(WrenchLimiter, NoJointIsAskedForMoreThanItsTorqueAndTheDirectionIsKept) {
+  const WrenchLimiter limiter({.max_force_N = 200.0, .max_torque_Nm = 20.0});
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int by_arm = 0, by_cell = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const DrawnArm arm(random, i % 2 == 0 ? 1.0 : 10.0);
+    const double size_N = 400.0 * std::abs(unit(random));
+    const Wrench F{.f = size_N * Vector3(unit(random), unit(random), unit(random)),
+                   .t = 5.0 * Vector3(unit(random), unit(random), unit(random))};
+    const LimitedWrench limited = limiter.Limit(F, arm.Capability());
+    const LimitedWrench cell = limiter.Limit(F);
+    // 1e-9 N·m: rounding of sums of up to some thousand N·m
+    ASSERT_TRUE(((arm.tau_max - arm.Torques(limited.F).cwiseAbs()).array() > -1e-9).all()) << "draw " << i;
+    ASSERT_LE(limited.F.f.norm(), 200.0);
+    ASSERT_LE(limited.F.t.norm(), 20.0);
+    ASSERT_LT((limited.F.f - limited.share * F.f).norm(), 1e-12);
+    ASSERT_LT((limited.F.t - limited.share * F.t).norm(), 1e-12);
+    ASSERT_EQ(limited.share, std::min(cell.share, limited.arm_share)) << "the nearest limit, and no more";
+    (limited.arm_share < cell.share ? by_arm : by_cell) += limited.share < 1.0 ? 1 : 0;
+  }
+  EXPECT_GT(by_arm, 1000);
+  EXPECT_GT(by_cell, 1000);
+}
+
+TEST(WrenchLimiter, WhatTheArmCanHoldPassesBitForBit) {
+  std::mt19937_64 random(3);
+  const DrawnArm arm(random);
+  const Wrench F{.f = {0.1, 0.2, 3.0}, .t = {0.1, 0.2, 0.3}};
+  const LimitedWrench limited = WrenchLimiter({}).Limit(F, arm.Capability());
+  EXPECT_EQ(limited.share, 1.0);
+  EXPECT_EQ(limited.arm_share, 1.0);
+  EXPECT_EQ(limited.F.f, F.f);
+  EXPECT_EQ(limited.F.t, F.t);
+}
+
+TEST(WrenchLimiter, AnArmThatIsNotKnownOrCannotHoldItselfRendersNothing) {
+  std::mt19937_64 random(4);
+  const Wrench F{.f = {1.0, 2.0, 3.0}, .t = Vector3::Zero()};
+  DrawnArm weak(random), unknown(random);
+  weak.g[5] = 41.0;
+  unknown.J(3, 3) = kNan;
+  for (const DrawnArm* arm : {&weak, &unknown}) {
+    const LimitedWrench limited = WrenchLimiter({}).Limit(F, arm->Capability());
+    EXPECT_EQ(limited.arm_share, 0.0);
+    EXPECT_EQ(limited.share, 0.0);
+    EXPECT_TRUE(limited.F.f.isZero(0.0));
+  }
+  const LimitedWrench bad =
+      WrenchLimiter({}).Limit({.f = {kInf, 0.0, 0.0}, .t = {}}, DrawnArm(random).Capability());
+  EXPECT_EQ(bad.share, 0.0);
+  EXPECT_TRUE(bad.F.f.isZero(0.0));
+}
+
 // K = 20 N/mm at 0.25 m/s: 7.5 N in a tick.
 TEST(WrenchRateTrip, LetsAFreshContactAtFullSpeedPassWithItsDamping) {
   WrenchRateTrip trip(20e3, 0.25);
@@ -153,8 +228,10 @@ TEST(BrakingSpeed, AStopFromItEndsWithinTheDistance) {
 TEST(Limits, DoNotAllocate) {
   const WrenchLimiter limiter({});
   WrenchRateTrip trip(20e3, 0.25);
+  std::mt19937_64 random(5);
+  const kinematics::ForceCapability<7> arm = DrawnArm(random).Capability();
   rt::NoAllocScope scope;
-  const LimitedWrench limited = limiter.Limit({.f = {300.0, 0.0, 0.0}, .t = {1.0, 0.0, 0.0}});
+  const LimitedWrench limited = limiter.Limit({.f = {300.0, 0.0, 0.0}, .t = {1.0, 0.0, 0.0}}, arm);
   const bool tripped = trip.Check(limited.F.f, 0.001);
   const LimitedTwist twist = LimitTwist({.v = {1.0, 0.0, 0.0}, .w = {1.0, 0.0, 0.0}}, {});
   const int heap_calls = scope.heap_calls(), locks = scope.locks();

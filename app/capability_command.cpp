@@ -1,0 +1,93 @@
+#include "app/capability_command.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/usage.h"
+
+namespace osteon::app {
+
+CapabilityCommand::CapabilityCommand(CLI::App& app)
+    : sub_(app.add_subcommand("capability",
+                              "maps what force the arm can hold, and where its base should stand")) {
+  CapabilityOptions& o = options_;
+  sub_->add_option("cell", cell_, "a cell's YAML file, or a name under cells/")->required();
+  sub_->add_option("--out", o.out, "folder for capability.html, .json, .csv, pictures and base.yaml")
+      ->capture_default_str();
+  sub_->add_option("--json", o.json, "a further copy of capability.json");
+  const auto need = [](CLI::Option* option) { return option->group("What is needed"); };
+  need(sub_->add_option("--axial-N", o.axial_N, "along the tool; without it the cell's force limit")
+           ->check(NumberWithin(1, 1000)));
+  auto* lateral =
+      need(sub_->add_option("--lateral-N", o.lateral_N,
+                            "across it at the same time; without it the axial force times the sine of the "
+                            "script's tilt")
+               ->check(NumberWithin(0, 1000)));
+  need(sub_->add_option("--recording", o.recording,
+                        "a run's recording.mcap: the lateral share that its tool asked for instead")
+           ->check(CLI::ExistingFile)
+           ->excludes(lateral));
+  need(sub_->add_option("--torque-Nm", o.torque_Nm, "about any axis at the same time")
+           ->check(NumberWithin(0, 100))
+           ->capture_default_str());
+  need(sub_->add_option(
+               "--radius-mm", o.radius_mm,
+               "of the working volume about the site's axis; without it the radius of the tool's head")
+           ->check(NumberWithin(0, 500)));
+  const auto base = [](CLI::Option* option) { return option->group("Where the base may stand"); };
+  for (const auto& [name, values] : {std::pair{"--x-mm", &x_mm_}, {"--y-mm", &y_mm_}, {"--z-mm", &z_mm_}})
+    base(sub_->add_option(name, *values,
+                          "FROM,TO in the world; without it round the site, as far as the arm reaches")
+             ->delimiter(',')
+             ->expected(2)
+             ->check(NumberWithin(-5000, 5000)));
+  base(sub_->add_option("--mount", mount_,
+                        "floor and ceiling: upright and hanging; cell: as the cell's base is")
+           ->check(OneOf({"cell", "floor", "ceiling"}))
+           ->capture_default_str());
+  base(sub_->add_option("--clearance-mm", o.clearance_mm, "from the site's centre to the base's axis")
+           ->check(NumberWithin(0, 3000))
+           ->capture_default_str());
+  base(sub_->add_option("--joint-margin-deg", o.joint_margin_deg, "kept from every joint limit")
+           ->check(NumberWithin(0, 60))
+           ->capture_default_str());
+  base(sub_->add_flag("!--no-search", o.search, "the map alone"));
+  sub_->add_option("--nodes", o.nodes, "of a map, across the workspace")
+      ->check(NumberWithin(3, 201))
+      ->capture_default_str();
+  sub_->add_option("--threads", o.threads, "the result does not depend on it")
+      ->check(NumberWithin(1, 256))
+      ->capture_default_str();
+  sub_->footer(
+      "Examples:\n  osteon capability config/cells/demo.yaml\n  osteon capability demo --out my_cell "
+      "--radius-mm 60\n"
+      "  osteon capability demo --recording demo_out/recording.mcap\n"
+      "  osteon capability demo --mount ceiling --z-mm 900,1500 --x-mm 0,1200");
+}
+
+int CapabilityCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+  CapabilityOptions& o = options_;
+  o.command_line = command_line;
+  o.cell =
+      cell_.ends_with(".yaml") ? std::filesystem::path(cell_) : config_root / "cells" / (cell_ + ".yaml");
+  o.mount = mount_ == "floor" ? Mount::kFloor : mount_ == "ceiling" ? Mount::kCeiling : Mount::kCell;
+  for (const auto& [name, values, range] :
+       {std::tuple{"--x-mm", &x_mm_, &o.x_mm}, {"--y-mm", &y_mm_, &o.y_mm}, {"--z-mm", &z_mm_, &o.z_mm}}) {
+    if (values->empty()) continue;
+    if (values->front() > values->back()) {
+      fmt::print(stderr, "osteon capability: {}: found {:g},{:g}, accepted FROM at most TO\n", name,
+                 values->front(), values->back());
+      return 2;
+    }
+    *range = {values->front(), values->back()};
+  }
+  if (!std::filesystem::is_regular_file(o.cell)) {
+    fmt::print(stderr, "osteon capability: {}: no file {}; accepted: a YAML file, or the name of one of {}\n",
+               cell_, o.cell.string(), (config_root / "cells").string());
+    return 2;
+  }
+  return RunCapability(o);
+}
+
+}  // namespace osteon::app

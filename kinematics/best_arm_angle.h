@@ -1,0 +1,106 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "kinematics/arm_angle_intervals.h"
+#include "kinematics/lbr_arm.h"
+
+namespace osteon::kinematics {
+
+/// How finely the circle of the elbow is searched.
+struct ArmAngleSearchParams {
+  int steps{36};               ///< of the whole circle, >= 4: a hill narrower than a step may be missed
+  double tolerance_rad{1e-3};  ///< to which the best angle is then refined
+};
+
+/// The best posture of a self-motion.
+struct BestArmAngle {
+  bool found{false};  ///< false: out of reach, or at every arm angle some joint is beyond its limits
+  double value{0.0};
+  double arm_angle_rad{0.0};
+  JointVector q{JointVector::Zero()};
+};
+
+/// The posture with the greatest value among all that put the flange at X_BF within the joint limits: over
+/// the arm angle and the eight configurations. With a force capability as the value, the torque-optimal arm
+/// angle.
+///
+/// The circle is sampled at `steps` angles; where no sample is within the limits, the middles of all
+/// intervals are (FindArmAngleIntervals), so that nothing reachable is missed. The best is refined by golden
+/// section between its neighbours, within its interval. A capability is the least of smooth functions, so the
+/// result is a local maximum, and the global one where no hill is narrower than a step. Deterministic; does
+/// not allocate.
+/// @param value  double(const JointVector& q), finite
+template <class Value>
+[[nodiscard]] BestArmAngle FindBestArmAngle(const LbrArm& arm, const Pose& X_BF, const Value& value,
+                                            const ArmAngleSearchParams& params = {}) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  BestArmAngle best;
+  int configuration = -1;
+  const auto look = [&](double angle, int only) {
+    const LbrSolutions solutions = arm.Solve(X_BF, angle);
+    double most = -HUGE_VAL;
+    for (int c = 0; solutions.reachable() && c < LbrSolutions::kConfigurations; ++c) {
+      const LbrSolution& solution = solutions.configuration[static_cast<std::size_t>(c)];
+      if ((only >= 0 && c != only) || !solution.valid()) continue;
+      const double found = value(solution.q);
+      most = std::max(most, found);
+      if (best.found && !(found > best.value)) continue;
+      best = {.found = true, .value = found, .arm_angle_rad = angle, .q = solution.q};
+      configuration = c;
+    }
+    return most;
+  };
+
+  const int steps = std::max(4, params.steps);
+  for (int k = 0; k < steps; ++k) look(kTurn * (static_cast<double>(k) / steps - 0.5), -1);
+  if (!best.found) {
+    for (int c = 0; c < LbrSolutions::kConfigurations; ++c) {
+      const ArmAngleIntervals intervals = FindArmAngleIntervals(arm, X_BF, c);
+      for (int i = 0; i < intervals.count; ++i) {
+        const ArmAngleInterval& interval = intervals.interval[static_cast<std::size_t>(i)];
+        look(0.5 * (interval.from_rad + interval.to_rad), c);
+      }
+    }
+  }
+  if (!best.found) return best;
+
+  // between the neighbours, within the interval that holds it
+  double low = best.arm_angle_rad - kTurn / steps, high = best.arm_angle_rad + kTurn / steps;
+  const ArmAngleIntervals intervals = FindArmAngleIntervals(arm, X_BF, configuration);
+  for (int i = 0; i < intervals.count; ++i) {
+    const ArmAngleInterval& interval = intervals.interval[static_cast<std::size_t>(i)];
+    const double shift = kTurn * std::floor((best.arm_angle_rad - interval.from_rad) / kTurn);
+    if (best.arm_angle_rad - shift > interval.to_rad) continue;
+    low = std::max(low, interval.from_rad + shift);
+    high = std::min(high, interval.to_rad + shift);
+    break;
+  }
+  const int refined = configuration;
+  look(low, refined);
+  look(high, refined);
+  constexpr double kGolden = 0.6180339887498949;
+  double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+  double at_a = look(a, refined), at_b = look(b, refined);
+  while (high - low > params.tolerance_rad) {
+    if (at_a >= at_b) {
+      high = b;
+      b = a;
+      at_b = at_a;
+      a = high - kGolden * (high - low);
+      at_a = look(a, refined);
+    } else {
+      low = a;
+      a = b;
+      at_a = at_b;
+      b = low + kGolden * (high - low);
+      at_b = look(b, refined);
+    }
+  }
+  best.arm_angle_rad = std::remainder(best.arm_angle_rad, kTurn);
+  return best;
+}
+
+}  // namespace osteon::kinematics

@@ -1,0 +1,397 @@
+#include "kinematics/differential_inverse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/SVD>
+
+namespace osteon::kinematics {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr double kFlat = 1e-9;             // part of a joint in the null space below which it has none
+constexpr double kUnresolved = 1e-9;       // share of the largest singular value: v and n are then any two
+constexpr double kReturning_m = 0.05;      // curvature [m/rad] from which on a direction comes back by itself
+constexpr double kDampedUpTo = 4.0;        // least dampings: beyond, the singular value is inverted as it is
+constexpr double kReturnTicks = 10.0;      // in which an arm that got too near a singular posture is back
+constexpr double kRelief_rad_per_s = 4.0;  // null motion that makes way, of a joint that is all of it
+constexpr double kMostRelief_rad_per_s = 100.0;  // more than any box leaves
+constexpr double kTiny = 1e-12;
+constexpr double kRoundDown = 1.0 - 1e-12;  // of a speed limit: products of it must not round beyond
+constexpr double kActs = 1e-9;              // a share taken below this is rounding
+
+// Acceleration of the tool at the joint velocity y without joint acceleration, J' y, which is also the second
+// order of its displacement: with w_i, v_i the columns of J and W_i the sum of w_j y_j over the joints before
+// i,  v' = sum (2 W_i + w_i y_i) x v_i y_i   and   w' = sum W_i x w_i y_i.
+template <int N>
+Vector6 Curvature(const JacobianN<N>& J, const JointVectorN<N>& y) {
+  Vector3 W = Vector3::Zero(), v_dot = Vector3::Zero(), w_dot = Vector3::Zero();
+  for (int i = 0; i < N; ++i) {
+    const Vector3 v = y[i] * J.template block<3, 1>(0, i), w = y[i] * J.template block<3, 1>(3, i);
+    v_dot += (2.0 * W + w).cross(v);
+    w_dot += W.cross(w);
+    W += w;
+  }
+  Vector6 result;
+  result << v_dot, w_dot;
+  return result;
+}
+
+// u·(dJ/dq_j) v for each joint j: dJ_i/dq_j = [w_min x v_max; w_j x w_i where j < i].
+template <int N>
+JointVectorN<N> SingularValueGradient(const JacobianN<N>& J, const Vector6& u, const JointVectorN<N>& v) {
+  const Vector3 u_v = u.head<3>(), u_w = u.tail<3>();
+  JointVectorN<N> gradient;
+  for (int j = 0; j < N; ++j) {
+    const Vector3 v_j = J.template block<3, 1>(0, j), w_j = J.template block<3, 1>(3, j);
+    Vector3 linear = Vector3::Zero(), angular = Vector3::Zero();
+    for (int i = 0; i < N; ++i) {
+      const Vector3 v_i = J.template block<3, 1>(0, i), w_i = J.template block<3, 1>(3, i);
+      linear += v[i] * (i < j ? w_i.cross(v_j) : w_j.cross(v_i));
+      if (i > j) angular += v[i] * w_j.cross(w_i);
+    }
+    gradient[j] = u_v.dot(linear) + u_w.dot(angular);
+  }
+  return gradient;
+}
+
+// Fastest speed from which a stop ends within the distance, a tick at that speed included: v dt + v^2/2a = d.
+double BrakingSpeed(double distance, double deceleration, double dt_s) {
+  if (!(distance > 0.0)) return 0.0;
+  const double reach = deceleration * dt_s;
+  return std::sqrt(reach * reach + 2.0 * deceleration * distance) - reach;
+}
+
+}  // namespace
+
+const char* Name(MotionLimit limit) noexcept {
+  switch (limit) {
+    case MotionLimit::kNone:
+      return "none";
+    case MotionLimit::kSingularity:
+      return "singularity";
+    case MotionLimit::kPosition:
+      return "joint position";
+    case MotionLimit::kVelocity:
+      return "joint velocity";
+    case MotionLimit::kAcceleration:
+      return "joint acceleration";
+  }
+  return "none";
+}
+
+template <int N>
+DifferentialInverse<N>::DifferentialInverse(const DifferentialInverseParams<N>& params) : params_(params) {
+  const auto require = [](const std::string& name, double value, bool accepted, const char* range) {
+    if (!accepted || !std::isfinite(value))
+      throw std::invalid_argument(name + ": found " + std::to_string(value) + ", accepted " + range);
+  };
+  require("position_margin_rad", params.position_margin_rad, params.position_margin_rad >= 0.0, ">= 0");
+  require("speed_share", params.speed_share, params.speed_share > 0.0 && params.speed_share <= 1.0, "0 … 1");
+  require("acceleration_share", params.acceleration_share, params.acceleration_share > 0.0, "> 0");
+  require("turning_length_m", params.turning_length_m, params.turning_length_m > 0.0, "> 0");
+  require("least_damping_m", params.least_damping_m, params.least_damping_m > 0.0, "> 0");
+  require("singular_zone_m", params.singular_zone_m,
+          params.singular_zone_m >= kDampedUpTo * params.least_damping_m, ">= 4 least_damping_m");
+  require("singular_margin_rad", params.singular_margin_rad, params.singular_margin_rad >= 0.0, ">= 0");
+  require("singular_speed_share", params.singular_speed_share,
+          params.singular_speed_share > 0.0 && params.singular_speed_share <= 1.0, "0 … 1");
+  require("null_speed_rad_per_s", params.null_speed_rad_per_s, params.null_speed_rad_per_s >= 0.0, ">= 0");
+  require("null_acceleration_share", params.null_acceleration_share,
+          params.null_acceleration_share > 0.0 && params.null_acceleration_share <= 1.0, "0 … 1");
+  for (int i = 0; i < N; ++i) {
+    const JointLimits& limit = params.limits[static_cast<std::size_t>(i)];
+    const std::string joint = "joint A" + std::to_string(i + 1) + " ";
+    require(joint + "velocity [rad/s]", limit.velocity_rad_per_s, limit.velocity_rad_per_s > 0.0, "> 0");
+    require(joint + "acceleration [rad/s^2]", limit.acceleration_rad_per_s2,
+            limit.acceleration_rad_per_s2 > 0.0, "> 0");
+    low_rad_[i] = limit.lower_rad + params.position_margin_rad;
+    high_rad_[i] = limit.upper_rad - params.position_margin_rad;
+    require(joint + "range within the margin [rad]", high_rad_[i] - low_rad_[i], high_rad_[i] > low_rad_[i],
+            "> 0");
+    speed_rad_per_s_[i] = params.speed_share * limit.velocity_rad_per_s * kRoundDown;
+    acceleration_rad_per_s2_[i] = params.acceleration_share * limit.acceleration_rad_per_s2;
+    braking_time_s_ = std::max(braking_time_s_, speed_rad_per_s_[i] / limit.acceleration_rad_per_s2);
+  }
+}
+
+template <int N>
+MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OSTEON_RT {
+  MotionOutput<N> out;
+  const double length_m = params_.turning_length_m;
+  Vector6 V;
+  V << in.V_BT.v, in.V_BT.w;
+  if (!in.J.allFinite() || !V.allFinite() || !in.q.allFinite() || !in.qd_before.allFinite() ||
+      !in.qd_null.allFinite() || !(in.dt_s > 0.0)) {
+    out.share = out.change_share = 0.0;
+    out.finite = false;
+    return out;
+  }
+
+  // the six directions, a radian as long as the turning length
+  JacobianN<N> J = in.J;
+  J.template bottomRows<3>() *= length_m;
+  const auto scaled = [length_m](Vector6 twist) {
+    twist.template tail<3>() *= length_m;
+    return twist;
+  };
+  const Eigen::JacobiSVD<JacobianN<N>> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Vector6 sigma = svd.singularValues();
+  Eigen::Matrix<double, N, N> directions = svd.matrixV();
+  const Vector6 u_min = scaled(svd.matrixU().col(5));
+  if constexpr (N > 6) {
+    // singular to the last bit: of the two directions without motion, the one that bends the most is v
+    if (sigma[5] < kUnresolved * sigma[0]) {
+      const JointVectorN<N> v = directions.col(5), n = directions.col(6);
+      const double vv = u_min.dot(Curvature<N>(in.J, v)), nn = u_min.dot(Curvature<N>(in.J, n));
+      const double vn = 0.5 * (u_min.dot(Curvature<N>(in.J, JointVectorN<N>(v + n))) - vv - nn);
+      double angle = 0.5 * std::atan2(2.0 * vn, vv - nn);
+      if (vv + nn < 0.0) angle += 0.5 * 3.14159265358979323846;
+      directions.col(5) = std::cos(angle) * v + std::sin(angle) * n;
+      directions.col(6) = std::cos(angle) * n - std::sin(angle) * v;
+    }
+  }
+  out.sigma_min_m = sigma[5];
+  out.sigma_gradient_m = SingularValueGradient<N>(in.J, u_min, directions.col(5));
+
+  // The tool's way is curved where joints turn, by half a tick of J' qd: the twist whose tick has the wanted
+  // one as its mean. With qd as it will be where nothing limits it.
+  JointVectorN<N> qd_free = in.qd_before;
+  for (int k = 0; k < 6; ++k) {
+    if (sigma[k] < params_.singular_zone_m) continue;
+    const double a = svd.matrixU().col(k).dot(scaled(V));
+    qd_free += (a / sigma[k] - directions.col(k).dot(in.qd_before)) * directions.col(k);
+  }
+  V -= 0.5 * in.dt_s * Curvature<N>(in.J, qd_free);
+  const Vector6 V_scaled = scaled(V);
+
+  // the task
+  JointVectorN<N> task = JointVectorN<N>::Zero();
+  const double length = V_scaled.norm();
+  double lost_squared = 0.0;
+  for (int k = 0; k < 6; ++k) {
+    const Vector6 u = svd.matrixU().col(k);
+    const JointVectorN<N> v = directions.col(k);
+    const double a = u.dot(V_scaled);
+    if (sigma[k] >= params_.singular_zone_m) {
+      task += (a / sigma[k]) * v;
+      continue;
+    }
+    const double curvature_m = scaled(u).dot(Curvature<N>(in.J, v));
+    const Vanishing y =
+        SpeedAlong(v, sigma[k], curvature_m, a, length, v.dot(in.qd_before), in.share_before, in.dt_s);
+    const double lost = a - (sigma[k] + 0.5 * curvature_m * y.speed * in.dt_s) * y.speed;
+    task += y.speed * v;
+    lost_squared += lost * lost;
+    out.damping_m = std::max(out.damping_m, y.lambda);
+  }
+  out.lost_m_per_s = std::sqrt(lost_squared);
+
+  // null space, limits
+  JointVectorN<N> n = JointVectorN<N>::Zero();
+  if constexpr (N > 6) n = directions.col(6);
+  const Box box = BoxAt(in.q, in.dt_s);
+  ScaleIntoBox(box, task, n, WantedNullSpeed(n, in), out);
+  LimitChange(box, in.qd_before, in.dt_s, out);
+
+  const double lost_share = length > 0.0 ? std::min(1.0, out.lost_m_per_s / length) : 0.0;
+  const double worst = std::max({lost_share, 1.0 - out.share, 1.0 - out.change_share});
+  if (worst < kActs) {
+    out.limit = MotionLimit::kNone;
+    out.joint = -1;
+  } else if (worst == lost_share) {
+    out.limit = MotionLimit::kSingularity;
+    out.joint = -1;
+  }
+  const Vector6 V_out = in.J * out.qd + 0.5 * in.dt_s * Curvature<N>(in.J, out.qd);
+  out.V_BT = {.v = V_out.head<3>(), .w = V_out.tail<3>()};
+  return out;
+}
+
+// The wanted null motion along n, in size and change.
+template <int N>
+double DifferentialInverse<N>::WantedNullSpeed(const JointVectorN<N>& n,
+                                               const MotionInput<N>& in) const OSTEON_RT {
+  double change = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < N; ++i)
+    change = std::min(change, params_.null_acceleration_share * acceleration_rad_per_s2_[i] * in.dt_s /
+                                  std::max(std::abs(n[i]), kTiny));
+  const double most = params_.null_speed_rad_per_s, before = n.dot(in.qd_before);
+  return std::clamp(std::clamp(n.dot(in.qd_null), -most, most), before - change, before + change);
+}
+
+// Joint speed along the unit direction v, for the part a of the twist, where sigma is in the zone.
+template <int N>
+typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
+    const JointVectorN<N>& v, double sigma_m, double curvature_m, double a_m_per_s, double twist_m_per_s,
+    double before_rad_per_s, double share_before, double dt_s) const OSTEON_RT {
+  double speed = std::numeric_limits<double>::infinity(), acceleration = speed, braking = speed;
+  for (int i = 0; i < N; ++i) {
+    const double part = std::max(std::abs(v[i]), kTiny);
+    speed = std::min(speed, params_.singular_speed_share * speed_rad_per_s_[i] / part);
+    acceleration = std::min(acceleration, acceleration_rad_per_s2_[i] / part);
+    braking =
+        std::min(braking, 0.5 * params_.limits[static_cast<std::size_t>(i)].acceleration_rad_per_s2 / part);
+  }
+  const double neutral_m = kDampedUpTo * params_.least_damping_m;
+  const double bends = std::min(1.0, std::abs(curvature_m) / kReturning_m);
+  const double zone_m = neutral_m + bends * (params_.singular_zone_m - neutral_m);
+  if (sigma_m >= zone_m) return {.speed = a_m_per_s / sigma_m, .lambda = 0.0};
+  const double edge = sigma_m / zone_m;
+  const double depth = std::max(1.0 - edge * edge, kTiny);  // 0 at the zone's edge, where nothing may jump
+
+  // damped; on the way back the less, the more the direction bends, and with its second order
+  const bool returns = a_m_per_s * curvature_m > 0.0;
+  const double deep = std::max(0.0, 1.0 - sigma_m / neutral_m) * params_.least_damping_m;
+  const double least = deep * deep * (returns ? 1.0 - bends : 1.0);
+  double y = 0.0;
+  if (sigma_m > 0.0 || (returns && least == 0.0)) {
+    const double stiff = sigma_m + (least > 0.0 ? least / sigma_m : 0.0);
+    const double second = returns ? 2.0 * depth * curvature_m * a_m_per_s * dt_s : 0.0;
+    y = 2.0 * a_m_per_s / (stiff + std::sqrt(stiff * stiff + second));
+  }
+
+  // the joints' acceleration, their speed, and the end of the reach
+  if (share_before > 0.0) {  // against what it was before limits scaled the whole
+    const double before = before_rad_per_s / share_before;
+    const double change = acceleration * dt_s / (depth * share_before);
+    y = std::clamp(y, before - change, before + change);
+  }
+  y = std::clamp(y, -speed / depth, speed / depth);
+  if (std::abs(curvature_m) > kTiny) {
+    const double away = std::copysign(1.0, curvature_m);  // of y, where it makes sigma larger
+    const double distance = sigma_m / std::abs(curvature_m) - params_.singular_margin_rad;
+    const double least_away = distance > 0.0 ? -BrakingSpeed(distance, braking, dt_s) / depth
+                                             : std::min(-distance / (kReturnTicks * dt_s),
+                                                        twist_m_per_s / params_.turning_length_m);
+    y = away * std::max(away * y, least_away);
+  }
+  const double ratio = y != 0.0 ? std::abs(a_m_per_s / y) : 0.0;
+  const double damping_squared = sigma_m * (ratio - sigma_m);
+  return {.speed = y, .lambda = damping_squared > 0.0 ? std::sqrt(damping_squared) : 0.0};
+}
+
+template <int N>
+typename DifferentialInverse<N>::Box DifferentialInverse<N>::BoxAt(const JointVectorN<N>& q,
+                                                                   double dt_s) const OSTEON_RT {
+  Box box;
+  for (int i = 0; i < N; ++i) {
+    const double up = std::max(0.0, high_rad_[i] - q[i]) / (braking_time_s_ + dt_s);
+    const double down = std::max(0.0, q[i] - low_rad_[i]) / (braking_time_s_ + dt_s);
+    const auto at = static_cast<std::size_t>(i);
+    box.high_brakes[at] = up < speed_rad_per_s_[i];
+    box.low_brakes[at] = down < speed_rad_per_s_[i];
+    box.high[i] = std::min(up, speed_rad_per_s_[i]);
+    box.low[i] = -std::min(down, speed_rad_per_s_[i]);
+  }
+  return box;
+}
+
+// How fast the null space may make way. A joint that the task asks too much of is relieved by its part n_i,
+// and where that passes through zero the relief is at its best: more is not to be had, and a full share of it
+// asked for would throw the arm from one side of that posture to the other. So, for each such joint, in
+// proportion to n_i, and the less so the less it is asked too much of.
+template <int N>
+double DifferentialInverse<N>::MostRelief(const Box& box, const JointVectorN<N>& task,
+                                          const JointVectorN<N>& n, double r_wanted) const OSTEON_RT {
+  double most = kMostRelief_rad_per_s;
+  for (int i = 0; i < N; ++i) {
+    const double asked = std::abs(task[i]), room = task[i] > 0.0 ? box.high[i] : -box.low[i];
+    if (asked <= room) continue;
+    most = std::min(most, kRelief_rad_per_s * std::abs(n[i]) * asked / (asked - room));
+  }
+  return std::max(most, std::abs(r_wanted));
+}
+
+// The largest s in [0, 1] for which some r keeps low <= s task + r n <= high. Each joint bounds r by two
+// lines in s; with L(s) the highest of the lower ones and U(s) the lowest of the upper ones, L <= U at s = 0,
+// and U - L is concave: stepping from an s that is too large to where the two lines that collide there meet
+// never passes the answer, and each step drops a pair.
+template <int N>
+void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>& task,
+                                          const JointVectorN<N>& n, double r_wanted,
+                                          MotionOutput<N>& out) const OSTEON_RT {
+  struct Line {
+    double at_0, slope;
+    int joint;
+  };
+  const auto note = [&](int joint) {
+    const auto at = static_cast<std::size_t>(joint);
+    const bool brakes = task[joint] > 0.0 ? box.high_brakes[at] : box.low_brakes[at];
+    out.joint = joint;
+    out.limit = brakes ? MotionLimit::kPosition : MotionLimit::kVelocity;
+  };
+  double s = 1.0;
+  for (int i = 0; i < N; ++i) {
+    if (std::abs(n[i]) > kFlat || task[i] == 0.0) continue;
+    const double most = (task[i] > 0.0 ? box.high[i] : box.low[i]) / task[i];
+    if (most >= s) continue;
+    s = most;
+    note(i);
+  }
+  const double relief = MostRelief(box, task, n, r_wanted);
+  double least_r = 0.0, most_r = 0.0;
+  for (int step = 0; step <= 2 * N; ++step) {
+    Line lower{-relief, 0.0, -1}, upper{relief, 0.0, -1};
+    for (int i = 0; i < N; ++i) {
+      if (std::abs(n[i]) <= kFlat) continue;
+      const double slope = -task[i] / n[i], a = box.low[i] / n[i], b = box.high[i] / n[i];
+      const Line low{std::min(a, b), slope, i}, high{std::max(a, b), slope, i};
+      if (low.at_0 + low.slope * s > lower.at_0 + lower.slope * s) lower = low;
+      if (high.at_0 + high.slope * s < upper.at_0 + upper.slope * s) upper = high;
+    }
+    least_r = lower.at_0 + lower.slope * s;
+    most_r = upper.at_0 + upper.slope * s;
+    if (least_r <= most_r) break;
+    const double meet = (upper.at_0 - lower.at_0) / (lower.slope - upper.slope);
+    // of the two that collide, the one that its limit leaves less is named
+    const auto room = [&](int i) {
+      return i < 0 ? std::numeric_limits<double>::infinity() : task[i] > 0.0 ? box.high[i] : -box.low[i];
+    };
+    note(room(lower.joint) <= room(upper.joint) ? lower.joint : upper.joint);
+    if (!(meet < s)) {  // rounding: they touch
+      least_r = most_r = 0.5 * (least_r + most_r);
+      break;
+    }
+    s = std::max(0.0, meet);
+    least_r = most_r = lower.at_0 + lower.slope * s;
+  }
+  out.share = s;
+  const double r = least_r < most_r ? std::clamp(r_wanted, least_r, most_r) : least_r;
+  out.qd = s * task + r * n;
+}
+
+template <int N>
+void DifferentialInverse<N>::LimitChange(const Box& box, const JointVectorN<N>& qd_before, double dt_s,
+                                         MotionOutput<N>& out) const OSTEON_RT {
+  const JointVectorN<N> change = out.qd - qd_before;
+  double alpha = 1.0;
+  int joint = -1;
+  for (int i = 0; i < N; ++i) {
+    const double most = acceleration_rad_per_s2_[i] * dt_s;
+    if (alpha * std::abs(change[i]) <= most) continue;
+    alpha = most / std::abs(change[i]);
+    joint = i;
+  }
+  // as much as position and speed ask for, whatever the acceleration
+  for (int i = 0; i < N; ++i) {
+    const double bound = std::clamp(qd_before[i], box.low[i], box.high[i]);
+    if (bound == qd_before[i] || change[i] == 0.0) continue;
+    alpha = std::max(alpha, std::min(1.0, (bound - qd_before[i]) / change[i]));
+  }
+  if (alpha == 1.0) return;
+  out.change_share = alpha;
+  out.qd = qd_before + alpha * change;
+  if (1.0 - alpha <= 1.0 - out.share) return;
+  out.limit = MotionLimit::kAcceleration;
+  out.joint = joint;
+}
+
+template class DifferentialInverse<6>;
+template class DifferentialInverse<7>;
+
+}  // namespace osteon::kinematics

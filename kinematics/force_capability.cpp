@@ -1,0 +1,150 @@
+#include "kinematics/force_capability.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace osteon::kinematics {
+namespace {
+
+// Least of room / load over the half-spaces that a load nears.
+class Least {
+ public:
+  explicit Least(double cap) : limit_{.value = cap, .joint = -1} {}
+
+  void Add(double room, double load, int joint) {
+    if (load <= 0.0) return;
+    // a load beyond the largest double, or inf - inf on the way to it, leaves nothing
+    const double value = load < HUGE_VAL ? room / load : 0.0;
+    if (value >= limit_.value) return;
+    limit_ = {.value = value, .joint = joint};
+  }
+
+  [[nodiscard]] CapabilityLimit Result() const {
+    // below zero: what comes with the force is too much already
+    if (!(limit_.value > 0.0)) return {.value = 0.0, .joint = limit_.joint};
+    return limit_;
+  }
+
+ private:
+  CapabilityLimit limit_;
+};
+
+// Length of v across a unit axis; |v|^2 - (v·a)^2 would lose half of the digits.
+double Across(const Vector3& v, const Vector3& axis) { return (v - v.dot(axis) * axis).norm(); }
+
+// max of w·u over unit u within the half angle of the axis
+double ConeSupport(const Vector3& w, const Vector3& axis, double cosine, double sine) {
+  const double along = w.dot(axis), size = w.norm();
+  return along >= size * cosine ? size : along * cosine + Across(w, axis) * sine;
+}
+
+// The largest factor whose force and torque stay within the caps.
+double CappedFactor(double force_N, double torque_Nm) {
+  return std::min(force_N > 0.0 ? kForceCap_N / force_N : HUGE_VAL,
+                  torque_Nm > 0.0 ? kTorqueCap_Nm / torque_Nm : HUGE_VAL);
+}
+
+}  // namespace
+
+template <int N>
+ForceCapability<N>::ForceCapability(const JacobianN<N>& J, const JointVectorN<N>& gravity_Nm,
+                                    const JointVectorN<N>& torque_limit_Nm, GravityHelp help) OSTEON_RT
+    : J_(J),
+      room_up_(torque_limit_Nm - gravity_Nm),
+      room_down_(torque_limit_Nm + gravity_Nm) {
+  if (help == GravityHelp::kNotCounted) {
+    room_up_ = torque_limit_Nm - gravity_Nm.cwiseAbs();
+    room_down_ = room_up_;
+  }
+  holds_itself_ = J.allFinite() && room_up_.allFinite() && room_down_.allFinite() &&
+                  room_up_.minCoeff() >= 0.0 && room_down_.minCoeff() >= 0.0;
+}
+
+template <int N>
+CapabilityLimit ForceCapability<N>::Force(const Vector3& u, double torque_Nm) const OSTEON_RT {
+  if (!holds_itself_ || !u.allFinite() || !std::isfinite(torque_Nm)) return {};
+  Least least(kForceCap_N);
+  for (int i = 0; i < N; ++i) {
+    const double load = J_.template block<3, 1>(0, i).dot(u);
+    const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();
+    // what the torque alone asks for counts on both sides, also where the force loads neither
+    if (std::min(room_up_[i], room_down_[i]) < taken) return {.value = 0.0, .joint = i};
+    least.Add((load > 0.0 ? room_up_[i] : room_down_[i]) - taken, std::abs(load), i);
+  }
+  return least.Result();
+}
+
+template <int N>
+CapabilityLimit ForceCapability<N>::Factor(const Wrench& F) const OSTEON_RT {
+  if (!holds_itself_ || !F.f.allFinite() || !F.t.allFinite()) return {};
+  const double force_N = F.f.stableNorm(), torque_Nm = F.t.stableNorm();
+  if (!(force_N > 0.0) && !(torque_Nm > 0.0)) return {};
+  Least least(CappedFactor(force_N, torque_Nm));
+  for (int i = 0; i < N; ++i) {
+    const double load = J_.template block<3, 1>(0, i).dot(F.f) + J_.template block<3, 1>(3, i).dot(F.t);
+    least.Add(load > 0.0 ? room_up_[i] : room_down_[i], std::abs(load), i);
+  }
+  return least.Result();
+}
+
+template <int N>
+CapabilityLimit ForceCapability<N>::ForceInCone(const Vector3& axis, double half_angle_rad,
+                                                double torque_Nm) const OSTEON_RT {
+  if (!holds_itself_ || !axis.allFinite() || !std::isfinite(half_angle_rad) || !std::isfinite(torque_Nm))
+    return {};
+  const double cosine = std::cos(half_angle_rad), sine = std::sin(half_angle_rad);
+  Least least(kForceCap_N);
+  for (int i = 0; i < N; ++i) {
+    const Vector3 Jv = J_.template block<3, 1>(0, i);
+    const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();
+    if (std::min(room_up_[i], room_down_[i]) < taken) return {.value = 0.0, .joint = i};
+    least.Add(room_up_[i] - taken, ConeSupport(Jv, axis, cosine, sine), i);
+    least.Add(room_down_[i] - taken, ConeSupport(-Jv, axis, cosine, sine), i);
+  }
+  return least.Result();
+}
+
+template <int N>
+CapabilityLimit ForceCapability<N>::LateralForce(const Vector3& axis, double axial_N,
+                                                 double torque_Nm) const OSTEON_RT {
+  if (!holds_itself_ || !axis.allFinite() || !std::isfinite(axial_N) || !std::isfinite(torque_Nm)) return {};
+  Least least(kForceCap_N);
+  for (int i = 0; i < N; ++i) {
+    const Vector3 Jv = J_.template block<3, 1>(0, i);
+    const double axial = axial_N * Jv.dot(axis);
+    const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();
+    const double room = std::min(room_up_[i] - axial, room_down_[i] + axial) - taken;
+    if (room < 0.0) return {.value = 0.0, .joint = i};
+    least.Add(room, Across(Jv, axis), i);
+  }
+  return least.Result();
+}
+
+template <int N>
+CapabilityLimit ForceCapability<N>::Factor(const Vector3& axis, const ToolLoad& load) const OSTEON_RT {
+  const double force_N = std::hypot(load.axial_N, load.lateral_N);
+  if (!holds_itself_ || !axis.allFinite() || !std::isfinite(force_N) || !std::isfinite(load.torque_Nm))
+    return {};
+  if (!(force_N > 0.0) && !(load.torque_Nm > 0.0)) return {};
+  Least least(CappedFactor(force_N, load.torque_Nm));
+  for (int i = 0; i < N; ++i) {
+    const Vector3 Jv = J_.template block<3, 1>(0, i);
+    const double axial = load.axial_N * Jv.dot(axis);
+    const double rest =
+        load.lateral_N * Across(Jv, axis) + load.torque_Nm * J_.template block<3, 1>(3, i).norm();
+    least.Add(room_up_[i], std::max(0.0, axial) + rest, i);
+    least.Add(room_down_[i], std::max(0.0, -axial) + rest, i);
+  }
+  return least.Result();
+}
+
+template <int N>
+double ForceCapability<N>::Share(const Wrench& F) const OSTEON_RT {
+  if (F.f.isZero(0.0) && F.t.isZero(0.0)) return 1.0;
+  return std::min(1.0, Factor(F).value);
+}
+
+template class ForceCapability<6>;
+template class ForceCapability<7>;
+
+}  // namespace osteon::kinematics

@@ -1,0 +1,103 @@
+#pragma once
+
+#include "control/rt/marker.h"
+#include "kinematics/chain_params.h"
+
+// What force an arm can hold at a posture, by the torques of its joints alone. A wrench F that the arm exerts
+// at a point of its flange asks of joint i, at rest,
+//
+//     tau_i = g_i + b_i,   b = J^T F,   |tau_i| <= tau_max_i
+//
+// so each joint gives two half-spaces in wrench space, r+_i = tau_max_i - g_i and r-_i = tau_max_i + g_i away
+// from the origin:  b_i <= r+_i,  -b_i <= r-_i.  A set of wrenches is held whole where the support function
+// of the set along each half-space's normal stays within it: the least over a cone, a circle or a ball has a
+// closed form per joint, and nothing is sampled.
+
+namespace osteon::kinematics {
+
+/// Where no joint torque resists (a singular posture, along the lost direction) the arm's structure carries
+/// the load and this model says nothing: forces and torques are capped here, far above what any arm is for.
+inline constexpr double kForceCap_N = 1e4;
+inline constexpr double kTorqueCap_Nm = 1e4;
+
+/// Whether gravity may relieve a drive.
+enum class GravityHelp {
+  kCounted,     ///< r± = tau_max -+ g: exact, as far as the masses are known
+  kNotCounted,  ///< r+ = r- = tau_max - |g|: the same whichever way the force points; never more than exact
+};
+
+/// A largest force, torque or factor, and what ends it.
+struct CapabilityLimit {
+  double value{0.0};  ///< >= 0, finite
+  int joint{-1};      ///< index of the joint at its torque limit; -1: none, the cap
+};
+
+/// A set of loads at the tool: every force a along the axis with a from 0 to axial_N, plus any force across
+/// it up to lateral_N, plus any torque up to torque_Nm, all at once.
+struct ToolLoad {
+  double axial_N{0.0};    ///< sign: along the axis or against it
+  double lateral_N{0.0};  ///< >= 0
+  double torque_Nm{0.0};  ///< >= 0
+};
+
+/// The force capability of one posture. All results are for an arm at rest; nothing allocates or throws.
+/// Where the arm can't hold itself (|g_i| > tau_max_i), or an input is not finite, every result is zero.
+template <int N>
+class ForceCapability {
+ public:
+  /// @param J  Jacobian of the point that the wrenches act on (6 x N, rows v then w); its frame is the one
+  ///   that all directions and wrenches below are expressed in
+  /// @param gravity_Nm  torques that hold the arm with its payload, tau = g(q)
+  /// @param torque_limit_Nm  tau_max, >= 0
+  ForceCapability(const JacobianN<N>& J, const JointVectorN<N>& gravity_Nm,
+                  const JointVectorN<N>& torque_limit_Nm, GravityHelp help) OSTEON_RT;
+
+  [[nodiscard]] bool holds_itself() const OSTEON_RT { return holds_itself_; }
+
+  /// Largest f with f·u held, while any torque up to torque_Nm comes with it. u unit.
+  ///
+  ///     f = min_i (r_i - torque |Jw_i|) / |Jv_i·u|,   r_i the side that u loads
+  [[nodiscard]] CapabilityLimit Force(const Vector3& u, double torque_Nm = 0.0) const OSTEON_RT;
+
+  /// Largest s with s F held; s |F.f| <= kForceCap_N and s |F.t| <= kTorqueCap_Nm. Zero for F = 0.
+  [[nodiscard]] CapabilityLimit Factor(const Wrench& F) const OSTEON_RT;
+
+  /// Guaranteed force: the least of Force over all directions within half_angle_rad (0 … pi) of the axis
+  /// (unit). With pi, the radius of the largest ball of forces.
+  ///
+  ///     h±_i = max over the cone of ±Jv_i·u = |Jv_i|                             where ±Jv_i lies in the
+  ///     cone
+  ///                                           ±Jv_i·a cos + |Jv_i - (Jv_i·a) a| sin        elsewhere
+  ///     f = min over i and sign of (r±_i - torque |Jw_i|) / h±_i,   h > 0
+  [[nodiscard]] CapabilityLimit ForceInCone(const Vector3& axis, double half_angle_rad,
+                                            double torque_Nm = 0.0) const OSTEON_RT;
+
+  /// Guaranteed lateral force: the least of Force over the circle of directions across the axis (unit), while
+  /// axial_N (signed) acts along it.
+  ///
+  ///     f = min over i and sign of (r±_i -+ axial Jv_i·a - torque |Jw_i|) / |Jv_i - (Jv_i·a) a|
+  [[nodiscard]] CapabilityLimit LateralForce(const Vector3& axis, double axial_N = 0.0,
+                                             double torque_Nm = 0.0) const OSTEON_RT;
+
+  /// Largest k with k times the whole set of loads held: 1 or more where the arm can do what is asked.
+  ///
+  ///     b±_i = max(0, ±axial Jv_i·a) + lateral |Jv_i - (Jv_i·a) a| + torque |Jw_i|
+  ///     k = min over i and sign of r±_i / b±_i
+  ///
+  /// Capped as above; zero for a set without a load.
+  [[nodiscard]] CapabilityLimit Factor(const Vector3& axis, const ToolLoad& load) const OSTEON_RT;
+
+  /// The share of F that the arm can hold, s = min(1, Factor(F)): the pose-dependent scale of a wrench
+  /// limiter. 1 for F = 0.
+  [[nodiscard]] double Share(const Wrench& F) const OSTEON_RT;
+
+ private:
+  JacobianN<N> J_;
+  JointVectorN<N> room_up_, room_down_;  ///< r+, r- [N·m]
+  bool holds_itself_{false};
+};
+
+extern template class ForceCapability<6>;
+extern template class ForceCapability<7>;
+
+}  // namespace osteon::kinematics

@@ -1,0 +1,409 @@
+#include "kinematics/force_capability.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "control/rt/no_alloc_scope.h"
+#include "kinematics/best_arm_angle.h"
+#include "kinematics/serial_chain.h"
+#include "tests/kinematics/chain_samples.h"
+#include "tests/kinematics/iiwa14.h"
+
+// The closed forms against what they stand for: torques of single wrenches, by matrix products, over random
+// arms and dense samples of directions.
+
+namespace osteon::kinematics {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kRounding = 1e-12;  // relative: some ten products and one quotient of doubles
+
+template <int N>
+struct Drawn {
+  JacobianN<N> J;
+  JointVectorN<N> g, tau_max;
+  Vector3 axis;
+};
+
+// A Jacobian and gravity of an arm's size: levers up to 1 m, drives of 40 to 320 N·m.
+template <int N>
+Drawn<N> Draw(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  Drawn<N> d;
+  for (int i = 0; i < N; ++i) {
+    for (int row = 0; row < 6; ++row) d.J(row, i) = unit(random);
+    d.tau_max[i] = 180.0 + 140.0 * unit(random);
+    d.g[i] = 0.9 * d.tau_max[i] * unit(random);
+  }
+  d.axis = Vector3(unit(random), unit(random), unit(random)).normalized();
+  return d;
+}
+
+template <int N>
+ForceCapability<N> Exact(const Drawn<N>& d) {
+  return {d.J, d.g, d.tau_max, GravityHelp::kCounted};
+}
+
+// How far the most loaded drive is from its limit while the arm holds F [N·m]; negative beyond.
+template <int N>
+double Room(const Drawn<N>& d, const Wrench& F) {
+  Eigen::Matrix<double, 6, 1> wrench;
+  wrench << F.f, F.t;
+  const JointVectorN<N> tau = d.g + d.J.transpose() * wrench;
+  return (d.tau_max - tau.cwiseAbs()).minCoeff();
+}
+
+// Directions at an angle from the axis, all round.
+Vector3 Around(const Vector3& axis, double angle, double turn) {
+  const Vector3 side = axis.unitOrthogonal(), other = axis.cross(side);
+  return std::cos(angle) * axis + std::sin(angle) * (std::cos(turn) * side + std::sin(turn) * other);
+}
+
+template <typename T>
+class ForceCapabilityOf : public ::testing::Test {};
+using Sizes = ::testing::Types<std::integral_constant<int, 6>, std::integral_constant<int, 7>>;
+TYPED_TEST_SUITE(ForceCapabilityOf, Sizes);
+
+TYPED_TEST(ForceCapabilityOf, LargestForcePutsOneDriveAtItsLimitAndNoneBeyond) {
+  constexpr int N = TypeParam::value;
+  std::mt19937_64 random(11);
+  for (int n = 0; n < 2000; ++n) {
+    const Drawn<N> d = Draw<N>(random);
+    const CapabilityLimit most = Exact(d).Force(d.axis);
+    ASSERT_GT(most.value, 0.0);
+    ASSERT_NEAR(Room(d, {.f = most.value * d.axis, .t = Vector3::Zero()}), 0.0, 320.0 * kRounding);
+    const JointVectorN<N> tau = d.g + d.J.template topRows<3>().transpose() * (most.value * d.axis);
+    ASSERT_NEAR(std::abs(tau[most.joint]), d.tau_max[most.joint], 320.0 * kRounding) << "the one it names";
+  }
+}
+
+TYPED_TEST(ForceCapabilityOf, LargestWrenchPutsOneDriveAtItsLimitAndNoneBeyond) {
+  constexpr int N = TypeParam::value;
+  std::mt19937_64 random(12);
+  for (int n = 0; n < 2000; ++n) {
+    const Drawn<N> d = Draw<N>(random), other = Draw<N>(random);
+    const Wrench F{.f = 30.0 * d.axis, .t = 5.0 * other.axis};
+    const double s = Exact(d).Factor(F).value;
+    ASSERT_NEAR(Room(d, {.f = s * F.f, .t = s * F.t}), 0.0, 320.0 * kRounding);
+  }
+}
+
+// The grid of the cone is 1 deg apart, so its least lies within 1 - cos of that of the true least's scale.
+TYPED_TEST(ForceCapabilityOf, ConeGivesTheLeastOverItsDirections) {
+  constexpr int N = TypeParam::value;
+  constexpr double kStep = kPi / 180.0;
+  std::mt19937_64 random(13);
+  for (int n = 0; n < 30; ++n) {
+    const Drawn<N> d = Draw<N>(random);
+    const ForceCapability<N> arm = Exact(d);
+    const double half_angle = n % 5 == 0 ? kPi : (1 + n % 5) * 10.0 * kStep;
+    const double guaranteed = arm.ForceInCone(d.axis, half_angle).value;
+    double least = kForceCap_N;
+    for (double angle = 0.0; angle < half_angle + 0.5 * kStep; angle += kStep)
+      for (double turn = 0.0; turn < 2.0 * kPi; turn += kStep)
+        least = std::min(least, arm.Force(Around(d.axis, std::min(angle, half_angle), turn)).value);
+    ASSERT_GE(least, guaranteed * (1.0 - kRounding)) << "no direction of the cone is below";
+    ASSERT_LE(least, guaranteed * (1.0 + 2e-3)) << "and one attains it";
+  }
+}
+
+TYPED_TEST(ForceCapabilityOf, LateralForceIsTheLeastOverItsCircleUnderTheAxialForce) {
+  constexpr int N = TypeParam::value;
+  std::mt19937_64 random(14);
+  for (int n = 0; n < 100; ++n) {
+    const Drawn<N> d = Draw<N>(random);
+    const ForceCapability<N> arm = Exact(d);
+    const double axial_N = 0.5 * arm.Force(d.axis).value * (n % 3);  // none, half, all of it
+    const double guaranteed = arm.LateralForce(d.axis, axial_N).value;
+    double least_room = HUGE_VAL, least_room_beyond = HUGE_VAL;
+    for (double turn = 0.0; turn < 2.0 * kPi; turn += kPi / 1800.0) {
+      const Vector3 u = Around(d.axis, 0.5 * kPi, turn);
+      least_room = std::min(least_room, Room(d, {.f = axial_N * d.axis + guaranteed * u, .t = {0, 0, 0}}));
+      least_room_beyond =
+          std::min(least_room_beyond,
+                   Room(d, {.f = axial_N * d.axis + (1.0001 * guaranteed + 1e-3) * u, .t = {0, 0, 0}}));
+    }
+    ASSERT_GE(least_room, -320.0 * kRounding);
+    ASSERT_LT(least_room_beyond, 0.0);
+  }
+}
+
+TYPED_TEST(ForceCapabilityOf, FactorOfALoadHoldsItsWholeSetAndNoMore) {
+  constexpr int N = TypeParam::value;
+  std::mt19937_64 random(15);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int n = 0; n < 200; ++n) {
+    const Drawn<N> d = Draw<N>(random);
+    const ToolLoad load{.axial_N = n % 2 == 0 ? 200.0 : -150.0, .lateral_N = 40.0, .torque_Nm = 6.0};
+    const CapabilityLimit k = Exact(d).Factor(d.axis, load);
+    // the set's worst for each half-space lies at these ends: the most loaded drive is at its limit
+    double least = HUGE_VAL;
+    for (int i = 0; i < N; ++i)
+      for (const double sign : {1.0, -1.0})
+        for (const double axial : {0.0, load.axial_N}) {
+          const Vector3 Jv = d.J.template block<3, 1>(0, i), Jw = d.J.template block<3, 1>(3, i);
+          const Vector3 across = sign * (Jv - Jv.dot(d.axis) * d.axis).normalized();
+          const Wrench worst{.f = k.value * (axial * d.axis + load.lateral_N * across),
+                             .t = k.value * load.torque_Nm * sign * Jw.normalized()};
+          least = std::min(least, Room(d, worst));
+        }
+    ASSERT_NEAR(least, 0.0, 320.0 * kRounding);
+    // and any other member is held
+    for (int m = 0; m < 50; ++m) {
+      const Vector3 t = Vector3(unit(random), unit(random), unit(random)).normalized();
+      const Vector3 across = Around(d.axis, 0.5 * kPi, kPi * unit(random));
+      const double share = std::abs(unit(random));
+      const Wrench F{.f = k.value * (share * load.axial_N * d.axis + unit(random) * load.lateral_N * across),
+                     .t = k.value * unit(random) * load.torque_Nm * t};
+      ASSERT_GE(Room(d, F), -320.0 * kRounding);
+    }
+  }
+}
+
+TYPED_TEST(ForceCapabilityOf, ABoundOnTheTorqueIsHeldWhateverTheTorque) {
+  constexpr int N = TypeParam::value;
+  std::mt19937_64 random(16);
+  for (int n = 0; n < 500; ++n) {
+    Drawn<N> d = Draw<N>(random);
+    d.g *= 0.3;
+    const double f = Exact(d).Force(d.axis, 20.0).value;
+    double least = HUGE_VAL;
+    for (int i = 0; i < N; ++i)
+      for (const double sign : {1.0, -1.0})
+        least = std::min(least, Room(d, {.f = f * d.axis,
+                                         .t = 20.0 * sign * d.J.template block<3, 1>(3, i).normalized()}));
+    ASSERT_GE(least, -320.0 * kRounding);
+    if (f > 0.0) {
+      ASSERT_NEAR(least, 0.0, 320.0 * kRounding);
+    }
+    ASSERT_LE(f, Exact(d).Force(d.axis).value);
+    // the same bound over the cone and the circle: never more than along their members
+    ASSERT_LE(Exact(d).ForceInCone(d.axis, 0.3, 20.0).value, f * (1.0 + kRounding));
+    ASSERT_LE(Exact(d).LateralForce(d.axis, 0.0, 20.0).value, Exact(d).LateralForce(d.axis).value);
+  }
+}
+
+TYPED_TEST(ForceCapabilityOf, GravityNotCountedIsTheSameBothWaysAndNeverMore) {
+  constexpr int N = TypeParam::value;
+  std::mt19937_64 random(17);
+  bool helps = false;
+  for (int n = 0; n < 500; ++n) {
+    const Drawn<N> d = Draw<N>(random);
+    const ForceCapability<N> cautious(d.J, d.g, d.tau_max, GravityHelp::kNotCounted);
+    const double there = cautious.Force(d.axis).value, back = cautious.Force(-d.axis).value;
+    EXPECT_NEAR(there, back, there * kRounding);
+    const double exact = std::min(Exact(d).Force(d.axis).value, Exact(d).Force(-d.axis).value);
+    ASSERT_LE(there, Exact(d).Force(d.axis).value * (1.0 + kRounding));
+    ASSERT_NEAR(there, exact, exact * kRounding) << "the lesser of the two ways";
+    helps = helps || Exact(d).Force(d.axis).value > 1.05 * there;
+  }
+  EXPECT_TRUE(helps) << "gravity must help somewhere, or the two are one";
+}
+
+TYPED_TEST(ForceCapabilityOf, ShareKeepsTorquesAndLeavesWhatFits) {
+  constexpr int N = TypeParam::value;
+  std::mt19937_64 random(18);
+  int cut = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const Drawn<N> d = Draw<N>(random), other = Draw<N>(random);
+    const Wrench F{.f = 150.0 * d.axis, .t = 10.0 * other.axis};
+    const double s = Exact(d).Share(F);
+    ASSERT_GE(Room(d, {.f = s * F.f, .t = s * F.t}), -320.0 * kRounding);
+    if (s < 1.0) ++cut;
+    if (Room(d, F) > 1e-9) {
+      ASSERT_EQ(s, 1.0);
+    }
+  }
+  EXPECT_GT(cut, 100);
+  EXPECT_LT(cut, 2000);
+}
+
+TYPED_TEST(ForceCapabilityOf, ALostDirectionIsCappedAndNoJointIsNamed) {
+  constexpr int N = TypeParam::value;
+  std::mt19937_64 random(19);
+  Drawn<N> d = Draw<N>(random);
+  d.axis = Vector3::UnitX();
+  d.J.row(0).setZero();  // no joint moves the point along x
+  const ForceCapability<N> arm = Exact(d);
+  EXPECT_EQ(arm.Force(d.axis).value, kForceCap_N);
+  EXPECT_EQ(arm.Force(d.axis).joint, -1);
+  EXPECT_EQ(arm.ForceInCone(d.axis, 0.0).value, kForceCap_N);
+  EXPECT_EQ(arm.Factor({.f = 2.0 * d.axis, .t = {0, 0, 0}}).value, 0.5 * kForceCap_N);
+  EXPECT_LT(arm.ForceInCone(d.axis, 0.2).value, kForceCap_N) << "beside it there are limits";
+}
+
+TYPED_TEST(ForceCapabilityOf, AnArmThatCannotHoldItselfHoldsNothing) {
+  constexpr int N = TypeParam::value;
+  std::mt19937_64 random(20);
+  Drawn<N> d = Draw<N>(random);
+  d.g[2] = -1.01 * d.tau_max[2];
+  for (const GravityHelp help : {GravityHelp::kCounted, GravityHelp::kNotCounted}) {
+    const ForceCapability<N> arm(d.J, d.g, d.tau_max, help);
+    EXPECT_FALSE(arm.holds_itself());
+    EXPECT_EQ(arm.Force(d.axis).value, 0.0);
+    EXPECT_EQ(arm.ForceInCone(d.axis, kPi).value, 0.0);
+    EXPECT_EQ(arm.LateralForce(d.axis).value, 0.0);
+    EXPECT_EQ(arm.Factor(d.axis, {.axial_N = 1.0}).value, 0.0);
+    EXPECT_EQ(arm.Share({.f = d.axis, .t = {0, 0, 0}}), 0.0);
+  }
+}
+
+TYPED_TEST(ForceCapabilityOf, WhatIsNotFiniteGivesZeroAndTheHugeIsScaled) {
+  constexpr int N = TypeParam::value;
+  std::mt19937_64 random(21);
+  const Drawn<N> d = Draw<N>(random);
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL}) {
+    Drawn<N> spoilt = d;
+    spoilt.J(1, 3) = bad;
+    EXPECT_EQ(Exact(spoilt).Share({.f = d.axis, .t = {0, 0, 0}}), 0.0);
+    spoilt = d;
+    spoilt.g[1] = bad;
+    EXPECT_EQ(Exact(spoilt).Share({.f = d.axis, .t = {0, 0, 0}}), 0.0);
+    EXPECT_EQ(Exact(d).Share({.f = {0, bad, 0}, .t = {0, 0, 0}}), 0.0);
+    EXPECT_EQ(Exact(d).Force({0, bad, 0}).value, 0.0);
+    EXPECT_EQ(Exact(d).Force(d.axis, bad).value, 0.0);
+  }
+  constexpr double kHuge = std::numeric_limits<double>::max();
+  for (const double sign : {1.0, -1.0}) {
+    const double s = Exact(d).Share({.f = {kHuge, sign * kHuge, kHuge}, .t = {kHuge, kHuge, sign * kHuge}});
+    EXPECT_GE(s, 0.0);
+    EXPECT_LE(s, 1e-290);
+  }
+}
+
+TEST(ForceCapability, DoesNotAllocate) {
+  std::mt19937_64 random(22);
+  const Drawn<7> d = Draw<7>(random);
+  double sum = 0.0;
+  int heap_calls = 0, locks = 0;
+  {
+    const rt::NoAllocScope scope;
+    const ForceCapability<7> arm = Exact(d);
+    sum += arm.Force(d.axis, 1.0).value + arm.Factor({.f = d.axis, .t = d.axis}).value +
+           arm.ForceInCone(d.axis, 0.3).value + arm.LateralForce(d.axis, 10.0).value +
+           arm.Factor(d.axis, {.axial_N = 100.0, .lateral_N = 30.0}).value +
+           arm.Share({.f = d.axis, .t = d.axis});
+    heap_calls = scope.heap_calls();
+    locks = scope.locks();
+  }
+  EXPECT_GT(sum, 0.0);
+  EXPECT_EQ(heap_calls, 0);
+  EXPECT_EQ(locks, 0);
+}
+
+// The iiwa 14, its joints anywhere within their limits, and a tool that goes on along the flange's axis.
+class Iiwa14Force : public ::testing::Test {
+ protected:
+  JointVectorN<7> AnyPosture() {
+    JointVectorN<7> q;
+    for (int i = 0; i < 7; ++i) {
+      const JointLimits& limits = body_.joints[static_cast<std::size_t>(i)].limits;
+      q[i] = std::uniform_real_distribution<double>(limits.lower_rad, limits.upper_rad)(random_);
+      torque_limit_[i] = limits.torque_Nm;
+    }
+    return q;
+  }
+  // of a tool of length_m, and its axis
+  ForceCapability<7> At(const JointVectorN<7>& q, double length_m, GravityHelp help, Vector3& axis_B) const {
+    const SerialChain<7>::Posture posture = chain_.Place(q);
+    axis_B = posture.X_BF.linear().col(2);
+    return {chain_.JacobianAt(posture, posture.X_BF * Vector3(0.0, 0.0, length_m)), chain_.Gravity(q),
+            torque_limit_, help};
+  }
+
+  const ChainParams<7> body_ = Iiwa14Chain();
+  const SerialChain<7> chain_{body_};
+  JointVectorN<7> torque_limit_ = JointVectorN<7>::Zero();
+  std::mt19937_64 random_{23};
+};
+
+// A6 turns about an axis across the tool, (0.126 + L) from its apex: 40 N·m leave 177, 123, 94 N. Every other
+// joint holds more, wherever the arm is. Without gravity: the masses beyond A6 take their part of its torque.
+TEST_F(Iiwa14Force, A6LimitsTheLateralForceToItsTorqueOverItsLever) {
+  const SerialChain<7> weightless(body_, Vector3::Zero());
+  for (const double length_m : {0.10, 0.20, 0.30})
+    for (int n = 0; n < 1000; ++n) {
+      const JointVectorN<7> q = AnyPosture();
+      const SerialChain<7>::Posture posture = weightless.Place(q);
+      const ForceCapability<7> arm(weightless.JacobianAt(posture, posture.X_BF * Vector3(0.0, 0.0, length_m)),
+                                   weightless.Gravity(q), torque_limit_, GravityHelp::kNotCounted);
+      const CapabilityLimit lateral = arm.LateralForce(posture.X_BF.linear().col(2));
+      ASSERT_NEAR(lateral.value, 40.0 / (0.126 + length_m), 1e-9);
+      ASSERT_EQ(lateral.joint, 5);
+    }
+}
+
+// Axially most postures hold twice the cell's ceiling. Without counting on gravity's help it is a percent
+// less: the drives at the shoulder carry some 60 N·m of the arm's own weight.
+TEST_F(Iiwa14Force, AxialForceIs400NewtonInAlmostEveryPosture) {
+  constexpr int kPostures = 20'000;
+  int exact = 0, cautious = 0;
+  for (int n = 0; n < kPostures; ++n) {
+    const JointVectorN<7> q = AnyPosture();
+    Vector3 axis_B;
+    if (At(q, 0.2, GravityHelp::kCounted, axis_B).Force(axis_B).value >= 400.0) ++exact;
+    if (At(q, 0.2, GravityHelp::kNotCounted, axis_B).Force(axis_B).value >= 400.0) ++cautious;
+  }
+  EXPECT_GE(exact, 0.95 * kPostures);
+  EXPECT_GE(cautious, 0.94 * kPostures);
+  EXPECT_LT(cautious, exact);
+}
+
+// Every arm angle of a fine grid, every configuration: none holds more than the one that was found.
+TEST_F(Iiwa14Force, TheBestArmAngleIsTheBestOfItsSelfMotion) {
+  const LbrArm arm(Iiwa14());
+  constexpr int kFine = 3600;
+  int better_than_own = 0, poses = 0;
+  for (int n = 0; n < 40; ++n) {
+    const JointVectorN<7> q_own = AnyPosture();
+    const auto force = [&](const JointVectorN<7>& q) {
+      Vector3 axis_B;
+      return At(q, 0.18, GravityHelp::kNotCounted, axis_B).Force(axis_B).value;
+    };
+    const Pose X_BF = arm.FlangePose(q_own);
+    const BestArmAngle best = FindBestArmAngle(arm, X_BF, force);
+    ASSERT_TRUE(best.found);
+    ++poses;
+    // it is a posture of the pose, within the limits, with the value that it says
+    ASSERT_LT((arm.FlangePose(best.q).matrix() - X_BF.matrix()).norm(), 1e-9);
+    ASSERT_NEAR(std::remainder(arm.ArmAngle(best.q) - best.arm_angle_rad, 2.0 * kPi), 0.0, 1e-6);
+    ASSERT_EQ(force(best.q), best.value);
+    double most = 0.0;
+    for (int k = 0; k < kFine; ++k)
+      for (const LbrSolution& solution : arm.Solve(X_BF, 2.0 * kPi * k / kFine).configuration)
+        if (solution.valid()) most = std::max(most, force(solution.q));
+    // 2 %: a hill narrower than 10 deg may hide between the samples
+    ASSERT_GE(best.value, 0.98 * most) << "pose " << n;
+    if (best.value > 1.1 * force(q_own)) ++better_than_own;
+  }
+  EXPECT_GT(better_than_own, poses / 2) << "the arm angle must matter, or nothing is proven";
+}
+
+// One joint's limits leave a self-motion of a third of a degree: no sample of the circle meets it.
+TEST_F(Iiwa14Force, ANarrowSelfMotionIsFound) {
+  LbrParams params = Iiwa14();
+  JointVectorN<7> q;
+  q << 0.3, 0.6, 0.4, -1.3, 0.5, 0.9, -0.2;
+  params.limits[2].lower_rad = q[2] - 0.003;
+  params.limits[2].upper_rad = q[2] + 0.003;
+  const LbrArm arm(params);
+  const Pose X_BF = arm.FlangePose(q);
+  const auto value = [](const JointVectorN<7>& posture) { return posture[0]; };
+  const BestArmAngle best = FindBestArmAngle(arm, X_BF, value);
+  ASSERT_TRUE(best.found);
+  EXPECT_LT((arm.FlangePose(best.q).matrix() - X_BF.matrix()).norm(), 1e-9);
+  EXPECT_NEAR(best.q[2], q[2], 0.003 + 1e-9);
+  EXPECT_GE(best.value, q[0]) << "the posture that made the pose is one of them";
+  params.limits[3] = {.lower_rad = 1.0, .upper_rad = 1.1};
+  EXPECT_FALSE(FindBestArmAngle(LbrArm(params), X_BF, value).found);
+  Pose X_far = X_BF;
+  X_far.translation() *= 3.0;
+  EXPECT_FALSE(FindBestArmAngle(arm, X_far, value).found);
+}
+
+}  // namespace
+}  // namespace osteon::kinematics
