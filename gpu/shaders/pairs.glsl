@@ -78,8 +78,9 @@ void Note(uint slot, uint t, bool mark) {
   found.what[found.count] = t | (mark ? kMark : 0u);
   ++found.count;
 }
+bool IsMarked(uint i) { return (found.what[i] & kMark) != 0u; }
 // Whether a marked one comes from i on; i is it then.
 bool NextMarked(inout uint i) {
-  while (i < found.count && (found.what[i] & kMark) == 0u) ++i;
+  while (i < found.count && !IsMarked(i)) ++i;
   return i < found.count;
 }
