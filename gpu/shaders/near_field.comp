@@ -212,11 +212,11 @@ void main() {
         for (; found.count < kRoom && slot < end; slot += EntryStep())
           NoteIf(Touch(near, LiveBall(slot), only, true), slot, 0u);
         for (uint i = 0u; kKeysApart && NextMarked(i); ++i)
-          TakeKey(near, LookAt(LiveBall(found.slot[i]), exact_only), true, LiveEntry(found.slot[i]).index, 0u);
+          TakeKey(near, LookAt(LiveBall(found.slot[InRoom(i)]), exact_only), true, LiveEntry(found.slot[InRoom(i)]).index, 0u);
         for (uint i = 0u; i < found.count; ++i) {
-          vec4 ball = LiveBall(found.slot[i]);
+          vec4 ball = LiveBall(found.slot[InRoom(i)]);
           ExactPair exact = LookAt(ball, exact_only);
-          if (!kKeysApart && IsMarked(i)) TakeKey(near, exact, true, LiveEntry(found.slot[i]).index, 0u);
+          if (!kKeysApart && IsMarked(i)) TakeKey(near, exact, true, LiveEntry(found.slot[InRoom(i)]).index, 0u);
           GatherAll(parts, near, exact, ball.w, exact_only.w, vec3(0.0), true);
         }
       }
@@ -237,16 +237,16 @@ void main() {
           NoteIf(Touch(near, LiveBall(walk.slot), AtContact(t, s), list == kCutting), walk.slot, t);
         }
         for (uint i = 0u; kKeysApart && NextMarked(i); ++i) {
-          uint t = ToolOf(found.what[i]);
-          TakeKey(near, LookAt(LiveBall(found.slot[i]), ExactAtContact(t, exact_s)), list == kCutting,
-                  LiveEntry(found.slot[i]).index, t);
+          uint t = ToolOf(found.what[InRoom(i)]);
+          TakeKey(near, LookAt(LiveBall(found.slot[InRoom(i)]), ExactAtContact(t, exact_s)), list == kCutting,
+                  LiveEntry(found.slot[InRoom(i)]).index, t);
         }
         for (uint i = 0u; i < found.count; ++i) {
-          uint t = ToolOf(found.what[i]);
-          vec4 ball = LiveBall(found.slot[i]);
+          uint t = ToolOf(found.what[InRoom(i)]);
+          vec4 ball = LiveBall(found.slot[InRoom(i)]);
           dvec4 exact_at = ExactAtContact(t, exact_s);
           ExactPair exact = LookAt(ball, exact_at);
-          if (!kKeysApart && IsMarked(i)) TakeKey(near, exact, list == kCutting, LiveEntry(found.slot[i]).index, t);
+          if (!kKeysApart && IsMarked(i)) TakeKey(near, exact, list == kCutting, LiveEntry(found.slot[InRoom(i)]).index, t);
           GatherAll(parts, near, exact, ball.w, exact_at.w, InTool(near, Goal(t) - near.origin), false);
         }
       }
