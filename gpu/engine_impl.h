@@ -64,7 +64,8 @@ inline dvec3 Exactly(const Vector3& v) {
 }
 inline Vector3 Direction(const dvec3& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const dvec3& v) { return Direction(v) / kMillimetres; }
-// What ToMillimetres leaves. Volatile, since GCC 12.2 takes the rounding away where it sees both, in some builds.
+// What ToMillimetres leaves. Volatile, since GCC 12.2 takes the rounding away where it sees both, in some
+// builds.
 inline vec4 Rest(const Vector3& v_m, double w_m, const vec4& rounded) {
   const volatile float x = rounded.x, y = rounded.y, z = rounded.z, w = rounded.w;
   const dvec3 v = Exactly(v_m);

@@ -237,8 +237,8 @@ struct ShaftPair {
 
 // Storage buffers, in the order of their bindings.
 OSTEON_CONST uint kBindFrame = 0;
-// a tool ball's centre at the proxy (w: radius) and at the tool's pose (w: its number in the tool's own list);
-// then what floats leave of the centres and the radius
+// a tool ball's centre at the proxy (w: radius) and at the tool's pose (w: its number in the tool's own
+// list); then what floats leave of the centres and the radius
 OSTEON_CONST uint kBindTool = 1;
 OSTEON_CONST uint kBindItems = 2;     // clusters of balls, then (from ball cluster count on) of points
 OSTEON_CONST uint kBindToolRefs = 3;  // 0 … tool_count - 1 first
@@ -251,7 +251,7 @@ OSTEON_CONST uint kBindPointUnits = 9;    // volume in the bone's units
 OSTEON_CONST uint kBindLiveBalls = 10;    // copies of the live balls
 OSTEON_CONST uint kBindLiveEntries = 11;  // Live, then ShaftPair: one list to read, since software drivers
                                           // read all that might be chosen
-OSTEON_CONST uint kBindLivePoints = 12;  // copies of the live points
+OSTEON_CONST uint kBindLivePoints = 12;   // copies of the live points
 OSTEON_CONST uint kBindPointEntries = 13;
 OSTEON_CONST uint kBindSpans = 14;     // words; 0 … tool_count - 1 first
 OSTEON_CONST uint kBindSlots = 15;     // of each ball in the list of live balls, where it is in it

@@ -105,7 +105,9 @@ TEST(BenchKinematics, WritesTheKeysOfItsContract) {
   }
   EXPECT_EQ(json.at("kdl").at("version"), "1.5.1");
   // null where a sanitizer has the heap
-  if (!json.at("allocations").is_null()) EXPECT_EQ(json.at("allocations"), 0);
+  if (!json.at("allocations").is_null()) {
+    EXPECT_EQ(json.at("allocations"), 0);
+  }
 }
 
 TEST(BenchKinematics, HasNoDynamicsWithoutMasses) {
