@@ -139,6 +139,8 @@ struct Workload {
   kinematics::SerialChain<N> arm;
   std::array<JointVectorN<N>, kPostures> q, qd, qdd;
   std::array<Pose, kPostures> X_BF;
+  typename kinematics::SerialChain<N>::Posture posture;
+  kinematics::JacobianN<N> own_J;
   std::array<KDL::JntArray, kPostures> kdl_q, kdl_qd, kdl_qdd;
   std::array<KDL::Frame, kPostures> kdl_X_BF;
 
@@ -159,7 +161,6 @@ struct Workload {
 template <int N>
 std::vector<Pairing> KinematicsPairings(const std::shared_ptr<Workload<N>>& work) {
   Workload<N>& w = *work;
-  using Posture = typename kinematics::SerialChain<N>::Posture;
   const auto fk = [&w](std::size_t n) {
     w.forward.JntToCart(w.kdl_q[n], w.frame);
     return w.frame.p.x();
@@ -168,10 +169,10 @@ std::vector<Pairing> KinematicsPairings(const std::shared_ptr<Workload<N>>& work
     w.velocity.JntToJac(w.kdl_q[n], w.J);
     return w.J(0, 0);
   };
-  const auto own_jacobian = [&w, posture = Posture{}, J = kinematics::JacobianN<N>{}](std::size_t n) mutable {
-    w.arm.Place(w.q[n], posture);
-    w.arm.Jacobian(posture, J);
-    return J(0, 0) + posture.X_BF.translation().x();
+  const auto own_jacobian = [&w](std::size_t n) {
+    w.arm.Place(w.q[n], w.posture);
+    w.arm.Jacobian(w.posture, w.own_J);
+    return w.own_J(0, 0) + w.posture.X_BF.translation().x();
   };
   return {{"fk", "forward kinematics",
            Batch([&w](std::size_t n) { return w.arm.FlangePose(w.q[n]).translation().x(); }), Batch(fk)},

@@ -10,9 +10,9 @@
 
 #include "config/load.h"
 #include "gpu/vulkan_engine.h"
-#include "simulation/cup_frame.h"
-#include "simulation/packing_file.h"
+#include "simulation/packing/packing_file.h"
 #include "simulation/reference_engine.h"
+#include "simulation/solids/cup_frame.h"
 
 namespace osteon::app {
 namespace {

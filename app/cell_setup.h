@@ -11,7 +11,7 @@
 #include "config/load.h"
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
-#include "simulation/solid.h"
+#include "simulation/solids/solid.h"
 
 namespace osteon::app {
 

@@ -4,8 +4,8 @@
 #include <stdexcept>
 
 #include "gpu/vulkan_engine.h"
-#include "simulation/cut_metrics.h"
 #include "simulation/methods/method.h"
+#include "simulation/metrics/cut_metrics.h"
 #include "simulation/reference_engine.h"
 
 namespace osteon::app {

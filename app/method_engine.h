@@ -9,7 +9,7 @@
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/metrics/carved_shape.h"
-#include "simulation/solid.h"
+#include "simulation/solids/solid.h"
 #include "simulation/tool.h"
 
 namespace osteon::app {

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "app/method_engine.h"
-#include "simulation/disjoint_packing.h"
-#include "simulation/mass_points.h"
-#include "simulation/packing_builder.h"
-#include "simulation/split_packing.h"
+#include "simulation/packing/disjoint_packing.h"
+#include "simulation/packing/mass_points.h"
+#include "simulation/packing/packing_builder.h"
+#include "simulation/packing/split_packing.h"
 
 namespace osteon::app {
 namespace {

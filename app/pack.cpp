@@ -13,8 +13,8 @@
 #include "app/phase_progress.h"
 #include "app/report/pack_report.h"
 #include "app/summary.h"
-#include "simulation/disjoint_packing.h"
-#include "simulation/packing_export.h"
+#include "simulation/packing/disjoint_packing.h"
+#include "simulation/packing/packing_export.h"
 #include "simulation/parallel.h"
 
 namespace osteon::app {

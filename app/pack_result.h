@@ -8,10 +8,10 @@
 
 #include "app/phase_progress.h"
 #include "app/report/report.h"
-#include "simulation/mass_points.h"
-#include "simulation/mass_properties.h"
-#include "simulation/packing_file.h"
-#include "simulation/packing_quality.h"
+#include "simulation/packing/mass_points.h"
+#include "simulation/packing/packing_file.h"
+#include "simulation/packing/packing_quality.h"
+#include "simulation/solids/mass_properties.h"
 
 namespace osteon::app {
 

@@ -12,9 +12,9 @@
 #include <fmt/ranges.h>
 
 #include "config/load.h"
-#include "simulation/ball_solid.h"
-#include "simulation/box_solid.h"
-#include "simulation/mapped_file.h"
+#include "simulation/files/mapped_file.h"
+#include "simulation/solids/ball_solid.h"
+#include "simulation/solids/box_solid.h"
 
 namespace osteon::app {
 namespace {

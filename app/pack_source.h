@@ -8,10 +8,10 @@
 
 #include <tl/expected.hpp>
 
-#include "simulation/cut_zone.h"
-#include "simulation/mass_properties.h"
-#include "simulation/packing_file.h"
+#include "simulation/packing/packing_file.h"
 #include "simulation/scenes.h"
+#include "simulation/solids/cut_zone.h"
+#include "simulation/solids/mass_properties.h"
 
 namespace osteon::app {
 

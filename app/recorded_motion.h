@@ -5,7 +5,7 @@
 #include <tl/expected.hpp>
 
 #include "io/recording/recording_reader.h"
-#include "simulation/motion_player.h"
+#include "simulation/tools/motion_player.h"
 
 namespace osteon::app {
 

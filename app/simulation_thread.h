@@ -8,9 +8,9 @@
 
 #include "control/rt/latest_value.h"
 #include "io/recording/recorder.h"
-#include "simulation/cut_metrics.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/frame_record.h"
+#include "simulation/metrics/cut_metrics.h"
 #include "simulation/scene_events.h"
 
 namespace osteon::app {

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "simulation/cut_metrics.h"
-#include "simulation/swept_tool.h"
+#include "simulation/metrics/cut_metrics.h"
+#include "simulation/tools/swept_tool.h"
 
 namespace osteon::app {
 namespace {

@@ -8,7 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "config/reader.h"
-#include "simulation/tissue_map.h"
+#include "simulation/solids/tissue_map.h"
 
 namespace osteon::config {
 

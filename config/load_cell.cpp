@@ -76,6 +76,10 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
   cutting.contact_tolerance_m = section.Number("contact_tolerance_um", 0.1, 500);
   cutting.max_slide_m = section.Number("max_slide_um", 10, 5000);
   cutting.engaged_layer_m = section.Number("engaged_layer_mm", 0.05, 5);
+  if (section.Has("cutters"))
+    cutting.cutters = section.Choice("cutters", {"all", "contact_sphere"}) == 0
+                          ? simulation::Cutters::kAll
+                          : simulation::Cutters::kContactSphere;
   if (!section.Has("split")) return;
   Reader split = section.Section("split");
   cutting.split.on = true;

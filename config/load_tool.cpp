@@ -6,8 +6,8 @@
 
 #include "config/load.h"
 #include "config/read_pose.h"
-#include "simulation/tool_kinds.h"
-#include "simulation/tool_mesh.h"
+#include "simulation/tools/tool_kinds.h"
+#include "simulation/tools/tool_mesh.h"
 
 namespace osteon::config {
 namespace {

@@ -99,28 +99,45 @@ std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance
 VKAPI_ATTR VkBool32 VKAPI_CALL OnValidation(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                             VkDebugUtilsMessageTypeFlagsEXT,
                                             const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
-  ++static_cast<ValidationLog*>(user)->messages;
+  ++static_cast<SharedInstance*>(user)->messages;
   std::fprintf(stderr, "vulkan validation: %s\n", data->pMessage);
   return VK_FALSE;
 }
 
-vk::raii::Instance MakeInstance(const vk::raii::Context& loader, bool validation) {
+std::shared_ptr<SharedInstance> MakeInstance(bool validation) {
+  auto made = std::make_shared<SharedInstance>();
   const vk::ApplicationInfo application("osteon", 1, nullptr, 0, VK_API_VERSION_1_2);
   std::vector<const char*> layers, extensions;
   if (validation) {
     layers.push_back("VK_LAYER_KHRONOS_validation");
     extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
   }
-  return {loader, vk::InstanceCreateInfo({}, &application, layers, extensions)};
+  made->instance.emplace(made->loader, vk::InstanceCreateInfo({}, &application, layers, extensions));
+  if (!validation) return made;
+  using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
+  using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
+  made->messenger.emplace(*made->instance, vk::DebugUtilsMessengerCreateInfoEXT(
+                                               {}, Severity::eWarning | Severity::eError,
+                                               Type::eValidation | Type::eGeneral | Type::ePerformance,
+                                               OnValidation, made.get()));
+  return made;
+}
+
+// The process's. Where one can't be made (no driver, no layers) the next caller tries again.
+std::shared_ptr<SharedInstance> OpenInstance(bool validation) {
+  if (validation) {
+    static const std::shared_ptr<SharedInstance> layered = MakeInstance(true);
+    return layered;
+  }
+  static const std::shared_ptr<SharedInstance> plain = MakeInstance(false);
+  return plain;
 }
 
 }  // namespace
 
 tl::expected<std::vector<DeviceInfo>, std::string> ListDevices() try {
-  const vk::raii::Context loader;
-  const vk::raii::Instance instance = MakeInstance(loader, false);
   std::vector<DeviceInfo> infos;
-  for (const auto& device : Devices(instance)) infos.push_back(Inspect(device));
+  for (const auto& device : Devices(*OpenInstance(false)->instance)) infos.push_back(Inspect(device));
   if (infos.empty()) return tl::make_unexpected(std::string(kNoDriver));
   return infos;
 } catch (const std::exception&) {
@@ -130,18 +147,9 @@ tl::expected<std::vector<DeviceInfo>, std::string> ListDevices() try {
 tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name,
                                                                 bool validation) try {
   auto context = std::make_unique<Context>();
-  context->instance = MakeInstance(context->loader, validation);
-  if (validation) {
-    context->validation = std::make_unique<ValidationLog>();
-    using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
-    using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
-    context->messenger.emplace(
-        *context->instance,
-        vk::DebugUtilsMessengerCreateInfoEXT({}, Severity::eWarning | Severity::eError,
-                                             Type::eValidation | Type::eGeneral | Type::ePerformance,
-                                             OnValidation, context->validation.get()));
-  }
-  std::vector<vk::raii::PhysicalDevice> devices = Devices(*context->instance);
+  context->shared = OpenInstance(validation);
+  context->validation = validation;
+  std::vector<vk::raii::PhysicalDevice> devices = Devices(*context->shared->instance);
   if (devices.empty()) return tl::make_unexpected(std::string(kNoDriver));
 
   std::string seen;

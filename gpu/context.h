@@ -16,17 +16,19 @@
 
 namespace osteon::gpu {
 
-/// Counts what the validation layers say; the messages go to stderr.
-struct ValidationLog {
-  std::atomic<int> messages{0};
+/// What a process has of Vulkan but once, since drivers do not take any number of openings (one gives up
+/// after 29), or twice: without the validation layers and under them.
+struct SharedInstance {
+  vk::raii::Context loader;
+  std::atomic<int> messages{0};  ///< of the validation layers, about all devices; they go to stderr
+  std::optional<vk::raii::Instance> instance;
+  std::optional<vk::raii::DebugUtilsMessengerEXT> messenger;  ///< where the layers are there
 };
 
-/// Instance, device and one compute queue.
+/// Device and one compute queue.
 struct Context {
-  vk::raii::Context loader;
-  std::unique_ptr<ValidationLog> validation;  ///< null where the layers were not asked for
-  std::optional<vk::raii::Instance> instance;
-  std::optional<vk::raii::DebugUtilsMessengerEXT> messenger;
+  std::shared_ptr<SharedInstance> shared;  ///< lives as long as any device of it, and to the process's end
+  bool validation{false};                  ///< under the layers
   std::optional<vk::raii::PhysicalDevice> physical;
   std::optional<vk::raii::Device> device;
   std::optional<vk::raii::Queue> queue;

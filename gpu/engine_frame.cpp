@@ -23,11 +23,9 @@ void VulkanEngine::Impl::Place(const Pose& pose) {
     goal_m[t] = X_GT * tool.balls[t].center_T_m;
     placed[2 * t] = ToMillimetres(start_m[t], tool.balls[t].radius_m * kMillimetres);
     placed[2 * t + 1] = ToMillimetres(goal_m[t], 0.0);
-  }
-  // in a loop of its own: GCC 12.2 takes the rounding away where both are one expression
-  for (std::size_t t = 0; t < count; ++t) {
     placed[2 * (count + t)] = Rest(start_m[t], tool.balls[t].radius_m, placed[2 * t]);
     placed[2 * (count + t) + 1] = Rest(goal_m[t], 0.0, placed[2 * t + 1]);
+    placed[2 * t + 1].w = static_cast<float>(tool.number[t]);
   }
   std::memcpy(program->host<vec4>(kBindTool), placed.data(), placed.size() * sizeof(vec4));
 }
@@ -65,6 +63,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
   f.contact_key = f.slide_key = f.straight_key = std::bit_cast<std::uint64_t>(simulation::kNoContact);
   f.bin_keys.fill(std::numeric_limits<std::uint64_t>::max());
+  f.touching = kNoToolBall;
   const simulation::ContactMemory& contact = memory.contact;
   for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i) {
     f.face_n[i] = Unscaled(contact.face_n_G[i]);
@@ -126,16 +125,17 @@ void VulkanEngine::Impl::SetUploads(Frame& f) const {
 
 // The frame's requests, with what its cutting balls have swept.
 void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSolution& solution) {
-  capsules.resize(2 * tool.cutter_count);
+  capsules.clear();
   for (std::size_t t = 0; t < tool.cutter_count; ++t) {
+    if (CutsAlone() && t != (done.touching & ((1u << kToolBits) - 1u))) continue;
     const Vector3 contact_m = start_m[t] + solution.contact_fraction * (goal_m[t] - start_m[t]);
     const Vector3 target_m =
         done.turns != 0 ? Vector3(goal_m[t] + solution.delta) : Vector3(contact_m + solution.shift);
     const Vector3 slid_m = contact_m + solution.slide_fraction * (target_m - contact_m);
     const double radius_m = tool.balls[t].radius_m;
-    capsules[2 * t] = {.a = contact_m, .b = slid_m, .radius_m = radius_m};
-    capsules[2 * t + 1] = {
-        .a = slid_m, .b = slid_m + solution.origin_end - solution.origin_slid, .radius_m = radius_m};
+    const Vector3 end_m = slid_m + solution.origin_end - solution.origin_slid;
+    capsules.push_back({.a = contact_m, .b = slid_m, .radius_m = radius_m});
+    capsules.push_back({.a = slid_m, .b = end_m, .radius_m = radius_m});
   }
   const std::size_t count = std::min(done.request_count, still.request_capacity);
   pool->EndFrame({program->host<SplitRequest>(kBindRequests), count}, capsules, Blocks());

@@ -64,13 +64,13 @@ inline dvec3 Exactly(const Vector3& v) {
 }
 inline Vector3 Direction(const dvec3& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const dvec3& v) { return Direction(v) / kMillimetres; }
-// What ToMillimetres leaves.
+// What ToMillimetres leaves. Volatile, since GCC 12.2 takes the rounding away where it sees both, in some builds.
 inline vec4 Rest(const Vector3& v_m, double w_m, const vec4& rounded) {
+  const volatile float x = rounded.x, y = rounded.y, z = rounded.z, w = rounded.w;
   const dvec3 v = Exactly(v_m);
-  return {static_cast<float>(v.x - static_cast<double>(rounded.x)),
-          static_cast<float>(v.y - static_cast<double>(rounded.y)),
-          static_cast<float>(v.z - static_cast<double>(rounded.z)),
-          static_cast<float>(w_m * kMillimetres - static_cast<double>(rounded.w))};
+  return {static_cast<float>(v.x - static_cast<double>(x)), static_cast<float>(v.y - static_cast<double>(y)),
+          static_cast<float>(v.z - static_cast<double>(z)),
+          static_cast<float>(w_m * kMillimetres - static_cast<double>(w))};
 }
 
 inline double Total(const Sum& sum, double scale) {
@@ -150,6 +150,8 @@ struct VulkanEngine::Impl {
   [[nodiscard]] std::span<Block> Blocks() const {
     return {program->host<Block>(kBindBlocks), pool->block_count()};
   }
+  // the tool ball that touches first is the only one that cuts
+  [[nodiscard]] bool CutsAlone() const { return params.cutters == simulation::Cutters::kContactSphere; }
   void MeasureDrift(Frame& f) const;
   [[nodiscard]] float FarthestFrom(const std::vector<Vector3>& was_m, const std::vector<Vector3>& is_m,
                                    bool cuts) const;

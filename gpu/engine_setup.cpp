@@ -19,9 +19,11 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   sizes.point_clusters = ClusterCount(point_count);
   sizes.tool_balls = tool.balls.size();
   sizes.cutters = tool.cutter_count;
+  sizes.materials = std::max<std::size_t>(1, bone.materials.size());
   sizes.tool_refs = tool.balls.size() + kToolRefs;
   sizes.live = brute_force ? longest : std::min(longest, kMostLive);
   sizes.spans = WholeSpans() + kSpans;
+  sizes.contact_sphere = CutsAlone();
   if (pool) {
     sizes.requests = std::min(ball_count, sizes.live);
     sizes.blocks = pool->block_count();
@@ -157,7 +159,8 @@ void VulkanEngine::Impl::ListEverything() {
                        .first = static_cast<uint>(FirstOfShaftSpan()),
                        .count = still.tool_count - still.cutter_count,
                        .least = 0});
-  program->Write(kBindShaftPairs, pairs.data(), pairs.size() * sizeof(ShaftPair));
+  program->Write(kBindLiveEntries, pairs.data(), pairs.size() * sizeof(ShaftPair),
+                 still.live_capacity * sizeof(Live));
   lists.made = true;
   lists.ball_reach_mm = lists.point_reach_mm = std::numeric_limits<float>::max();
   lists.longest_span = std::max(still.cutter_count, still.tool_count - still.cutter_count);

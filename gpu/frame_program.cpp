@@ -18,6 +18,7 @@
 #include "gpu/spirv/report.h"
 #include "gpu/spirv/slide_engage.h"
 #include "gpu/spirv/solve.h"
+#include "gpu/spirv/touching.h"
 
 namespace osteon::gpu {
 namespace {
@@ -39,8 +40,7 @@ std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
   bytes[kBindPointStates] = n.points * sizeof(uint);
   bytes[kBindPointUnits] = n.points * sizeof(uint);
   bytes[kBindLiveBalls] = n.live * sizeof(vec4);
-  bytes[kBindLiveEntries] = n.live * sizeof(Live);
-  bytes[kBindShaftPairs] = n.live * sizeof(ShaftPair);
+  bytes[kBindLiveEntries] = n.live * (sizeof(Live) + sizeof(ShaftPair));
   bytes[kBindLivePoints] = n.live * sizeof(vec4);
   bytes[kBindPointEntries] = n.live * sizeof(Live);
   bytes[kBindSpans] = n.spans * sizeof(uint);
@@ -119,27 +119,28 @@ void FrameProgram::MakeBuffers() {
   std::memset(buffers_[kBindReport].mapped, 0, sizeof(Report));
 }
 
-void FrameProgram::Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const {
+void FrameProgram::Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size,
+                        vk::DeviceSize place) const {
   vk::raii::CommandBuffers once(*context_->device, {*command_pool_, vk::CommandBufferLevel::ePrimary, 1});
   once[0].begin(vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
-  once[0].copyBuffer(*from.buffer, *to.buffer, vk::BufferCopy(0, 0, size));
+  once[0].copyBuffer(*from.buffer, *to.buffer, vk::BufferCopy(0, place, size));
   once[0].end();
   const vk::CommandBuffer raw = *once[0];
   context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw));
   context_->queue->waitIdle();
 }
 
-void FrameProgram::Write(uint binding, const void* data, std::size_t size) const {
+void FrameProgram::Write(uint binding, const void* data, std::size_t size, std::size_t place) const {
   if (size == 0) return;
   const Buffer staging = MakeBuffer(*context_, size, Placement::kUpload);
   std::memcpy(staging.mapped, data, size);
-  Copy(staging, buffers_[binding], size);
+  Copy(staging, buffers_[binding], size, place);
 }
 
 void FrameProgram::Read(uint binding, void* data, std::size_t size) const {
   if (size == 0) return;
   const Buffer staging = MakeBuffer(*context_, size, Placement::kReadBack);
-  Copy(buffers_[binding], staging, size);
+  Copy(buffers_[binding], staging, size, 0);
   std::memcpy(data, staging.mapped, size);
 }
 
@@ -149,7 +150,7 @@ void FrameProgram::MakePipelines() {
   for (uint i = 0; i < kBindings; ++i)
     bindings.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
   for (const uint i : {kBindBallTexels, kBindPointTexels, kBindToolTexels, kBindSpanTexels, kBindEntryTexels,
-                       kBindPointEntryTexels, kBindShaftTexels})
+                       kBindPointEntryTexels})
     bindings.emplace_back(i, vk::DescriptorType::eUniformTexelBuffer, 1, vk::ShaderStageFlagBits::eCompute);
   set_layout_ = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
   layout_ = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout_));
@@ -159,15 +160,21 @@ void FrameProgram::MakePipelines() {
     uint ball_clusters;
     uint lanes;
     VkBool32 split;
+    VkBool32 contact_sphere;
+    uint materials;
   } const constants{.one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
                     .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
                     .lanes = lanes(),
-                    .split = sizes_.blocks > 0 ? VK_TRUE : VK_FALSE};
-  const std::array<vk::SpecializationMapEntry, 4> entries{
+                    .split = sizes_.blocks > 0 ? VK_TRUE : VK_FALSE,
+                    .contact_sphere = sizes_.contact_sphere ? VK_TRUE : VK_FALSE,
+                    .materials = static_cast<uint>(sizes_.materials)};
+  const std::array<vk::SpecializationMapEntry, 6> entries{
       {{1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)},
-       {4, offsetof(Constants, split), sizeof(VkBool32)}}};
+       {4, offsetof(Constants, split), sizeof(VkBool32)},
+       {5, offsetof(Constants, contact_sphere), sizeof(VkBool32)},
+       {6, offsetof(Constants, materials), sizeof(uint)}}};
   // the solution is one workgroup's work, on a processor one subgroup's
   Constants alone = constants;
   alone.lanes =
@@ -195,6 +202,9 @@ void FrameProgram::MakePipelines() {
       add("slide_engage", kSpirv_slide_engage, constants, all, Then::kReads),
       add("remove_clear", kSpirv_remove_clear, constants, offsetof(Frame, clear_work), Then::kReads)};
   if (gpu_) rest.push_back(add("report", kSpirv_report, alone, kOne, Then::kNothing));
+  // beside the near field, which has no need of it
+  if (sizes_.contact_sphere)
+    rest.insert(rest.begin(), add("touching", kSpirv_touching, constants, pairs, Then::kNothing));
   const std::size_t contact = add("contact", kSpirv_contact, constants, pairs, Then::kReads);
   const std::size_t path =
       add("path_contact", kSpirv_path_contact, constants, offsetof(Frame, path_work), Then::kReads);
@@ -222,7 +232,7 @@ void FrameProgram::MakePipelines() {
   run(FrameMode::kFlush) = before;
 
   const std::array<vk::DescriptorPoolSize, 2> size{
-      {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 7}}};
+      {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 6}}};
   pool_ = vk::raii::DescriptorPool(
       device, vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size));
   sets_ = vk::raii::DescriptorSets(device, vk::DescriptorSetAllocateInfo(*pool_, *set_layout_));
@@ -246,7 +256,6 @@ void FrameProgram::MakePipelines() {
   view(kBindToolTexels, kBindTool, vk::Format::eR32G32B32A32Sfloat);
   view(kBindSpanTexels, kBindSpans, vk::Format::eR32G32B32A32Uint);
   view(kBindEntryTexels, kBindLiveEntries, vk::Format::eR32G32B32A32Uint);
-  view(kBindShaftTexels, kBindShaftPairs, vk::Format::eR32G32B32A32Uint);
   view(kBindPointEntryTexels, kBindPointEntries, vk::Format::eR32G32B32A32Uint);
 }
 

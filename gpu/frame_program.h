@@ -16,10 +16,11 @@ namespace osteon::gpu {
 /// How many of what a frame's buffers hold.
 struct ProgramSizes {
   std::size_t balls{0}, points{0}, ball_clusters{0}, point_clusters{0};
-  std::size_t tool_balls{0}, cutters{0}, tool_refs{0};
+  std::size_t tool_balls{0}, cutters{0}, tool_refs{0}, materials{1};
   std::size_t live{0};                             ///< entries of each list of what the tool can meet
   std::size_t requests{0}, uploads{0}, blocks{0};  ///< of balls that are split; 0: none is
   std::size_t spans{0};                            ///< tool balls of all live balls and points together
+  bool contact_sphere{false};                      ///< the tool ball that touches first cuts alone
 };
 
 enum class FrameMode : std::size_t {
@@ -58,8 +59,8 @@ class FrameProgram {
   /// Whether the last run is over; waits for it that long.
   [[nodiscard]] bool IsIdle(std::uint64_t timeout_ns) const;
 
-  /// Between host memory and a buffer; waits.
-  void Write(uint binding, const void* data, std::size_t size) const;
+  /// Between host memory and a buffer (from byte `place` on); waits.
+  void Write(uint binding, const void* data, std::size_t size, std::size_t place = 0) const;
   void Read(uint binding, void* data, std::size_t size) const;
 
   /// Of the last run; empty where passes are not timed.
@@ -88,7 +89,7 @@ class FrameProgram {
   [[nodiscard]] vk::raii::CommandBuffer Record(const std::vector<std::size_t>& passes) const;
   [[nodiscard]] bool AwaitFence(std::uint64_t timeout_ns);
   [[nodiscard]] bool AwaitReport(std::uint64_t timeout_ns);
-  void Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size) const;
+  void Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size, vk::DeviceSize place) const;
 
   std::unique_ptr<Context> context_;
   ProgramSizes sizes_;

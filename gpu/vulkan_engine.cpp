@@ -15,9 +15,6 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
   if (bone.materials.size() > kMaxMaterials)
     return tl::make_unexpected("bone: " + std::to_string(bone.materials.size()) +
                                " materials, accepted 1 … " + std::to_string(kMaxMaterials));
-  if (params.cutters != simulation::Cutters::kAll)
-    return tl::make_unexpected(
-        "cutters: the contact sphere alone: the reference engine and the paper's method have that");
   if (params.split.on && vulkan.brute_force)
     return tl::make_unexpected("brute force: accepted without splitting");
   auto context = OpenContext(vulkan.device, vulkan.validation);
@@ -163,7 +160,7 @@ FrameStats VulkanEngine::LastFrameStats() const { return impl_->stats; }
 
 int VulkanEngine::validation_messages() const {
   const Context& context = impl_->program->context();
-  return context.validation ? context.validation->messages.load() : 0;
+  return context.validation ? context.shared->messages.load() : 0;
 }
 
 }  // namespace osteon::gpu

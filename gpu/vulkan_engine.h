@@ -73,7 +73,7 @@ class VulkanEngine final : public simulation::CuttingEngine {
 
   [[nodiscard]] FrameStats LastFrameStats() const;
 
-  /// What the validation layers have said so far; 0 without them.
+  /// What the validation layers have said so far of this process's engines; 0 without them.
   [[nodiscard]] int validation_messages() const;
 
  private:

@@ -33,7 +33,7 @@ enum class RemovalLaw : std::uint8_t {
 /// Which of the tool's cutting balls take bone away.
 enum class Cutters : std::uint8_t {
   kAll,            ///< all, over the whole of the proxy's way
-  kContactSphere,  ///< the one that touched first alone (the paper): leaves bone in the tool's way
+  kContactSphere,  ///< the (tool's first) one that touched first alone (the paper): leaves bone in its way
 };
 
 /// How balls that are too large for a cut are replaced by children (ball_removal.h, split_template.h).

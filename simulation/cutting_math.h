@@ -14,6 +14,9 @@ namespace osteon::simulation {
 
 /// "No contact on this path": larger than any fraction.
 inline constexpr double kNoContact = 2.0;
+/// Tool balls that touch within this way of the tool touch at the same time [m]: a ball that was cut lies so
+/// near to what has cut it, since it is stored in floats, and rounding would choose.
+inline constexpr double kSameTouch_m = 1e-8;
 
 /// Pass 1. Fraction of a tool ball's path at which it first touches a bone ball (equation 3).
 ///

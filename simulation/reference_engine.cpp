@@ -31,6 +31,13 @@ std::vector<MassPoint> StoredPoints(std::vector<MassPoint> points) {
   return points;
 }
 
+// Of the tool point that goes farthest.
+double LongestWay(const ToolPoints& from, const ToolPoints& to) {
+  double longest = 0.0;
+  for (std::size_t t = 0; t < to.size(); ++t) longest = std::max(longest, (to[t] - from[t]).norm());
+  return longest;
+}
+
 }  // namespace
 
 ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG,
@@ -109,8 +116,9 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   if (cutting) {
     ToolPoints end = slid;
     for (Vector3& point : end) point += solution.origin_end - solution.origin_slid;
-    const std::size_t only =
-        params_.cutters == Cutters::kContactSphere ? TouchingBall(start, goal) : kEveryBall;
+    const std::size_t only = params_.cutters == Cutters::kContactSphere
+                                 ? TouchingBall(start, goal, solution.contact_fraction)
+                                 : kEveryBall;
     std::vector<Capsule> capsules;
     AddCapsules(contact, slid, end, only, capsules);
     Remove(capsules, solution);
@@ -134,8 +142,7 @@ double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& t
 
 ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolPoints& to,
                                              double tolerance_m) const {
-  double longest = 0.0;
-  for (std::size_t t = 0; t < to.size(); ++t) longest = std::max(longest, (to[t] - from[t]).norm());
+  const double longest = LongestWay(from, to);
   const double limit = longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0;
   const double met = FirstContact(from, to, tolerance_m);
   const double fraction = std::min(limit, met);
@@ -216,20 +223,18 @@ void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spi
   }
 }
 
-// The tool ball that touches first on this way, the first of several; past the last one where none does.
-std::size_t ReferenceEngine::TouchingBall(const ToolPoints& from, const ToolPoints& to) const {
-  double first = kNoContact;
-  std::size_t touching = tool_.balls.size();
+// The tool ball that touches first on this way, the first in the tool's order of those that do at the same
+// time; past the last one where none does. @param first  the fraction of first contact
+std::size_t ReferenceEngine::TouchingBall(const ToolPoints& from, const ToolPoints& to, double first) const {
+  const double last = std::min(1.0, first + kSameTouch_m / LongestWay(from, to));
   for (std::size_t t = 0; t < tool_.balls.size(); ++t)
     for (const BallState& ball : balls_) {
       if (ball.radius_m <= 0.0) continue;
-      const double s = FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
-                                            tool_.balls[t].radius_m + ball.radius_m);
-      if (s >= first) continue;
-      first = s;
-      touching = t;
+      if (FirstContactFraction(ball.center_m - from[t], to[t] - from[t],
+                               tool_.balls[t].radius_m + ball.radius_m) <= last)
+        return t;
     }
-  return touching;
+  return tool_.balls.size();
 }
 
 // What the cutting balls sweep on both pieces of the proxy's way, one ball after the other.

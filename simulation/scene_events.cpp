@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "simulation/check_range.h"
+#include "simulation/files/check_range.h"
 
 namespace osteon::simulation {
 namespace {

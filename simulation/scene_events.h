@@ -7,8 +7,8 @@
 
 #include "control/rt/clock.h"
 #include "simulation/bone.h"
-#include "simulation/solid.h"
-#include "simulation/surface_samples.h"
+#include "simulation/packing/surface_samples.h"
+#include "simulation/solids/solid.h"
 #include "simulation/tool.h"
 
 namespace osteon::simulation {

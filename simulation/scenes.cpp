@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "simulation/check_range.h"
-#include "simulation/cup_frame.h"
-#include "simulation/split_packing.h"
+#include "simulation/files/check_range.h"
+#include "simulation/packing/split_packing.h"
+#include "simulation/solids/cup_frame.h"
 
 namespace osteon::simulation {
 namespace {

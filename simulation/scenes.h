@@ -5,15 +5,15 @@
 #include <optional>
 #include <variant>
 
-#include "simulation/acetabulum_solid.h"
-#include "simulation/box_solid.h"
-#include "simulation/femur_solid.h"
-#include "simulation/mass_points.h"
-#include "simulation/mesh_solid.h"
-#include "simulation/molar_solid.h"
-#include "simulation/packing_builder.h"
+#include "simulation/mesh/triangle_mesh.h"
+#include "simulation/packing/mass_points.h"
+#include "simulation/packing/packing_builder.h"
 #include "simulation/scene_events.h"
-#include "simulation/triangle_mesh.h"
+#include "simulation/solids/acetabulum_solid.h"
+#include "simulation/solids/box_solid.h"
+#include "simulation/solids/femur_solid.h"
+#include "simulation/solids/mesh_solid.h"
+#include "simulation/solids/molar_solid.h"
 
 namespace osteon::simulation {
 

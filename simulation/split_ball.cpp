@@ -72,7 +72,10 @@ BallState FromFloats(const float* four) {
 BallState Stored(const BallState& ball) {
   float four[4];
   PutFloats(ball.center_m, ball.radius_m, four);
-  return FromFloats(four);
+  // GCC 12.2 takes the rounding away at -O3 where it sees both ways
+  const volatile float* rounded = four;
+  const float read[4] = {rounded[0], rounded[1], rounded[2], rounded[3]};
+  return FromFloats(read);
 }
 
 void Shrink(BallState& ball, std::span<const Capsule> capsules) {

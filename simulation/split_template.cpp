@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "simulation/ball_forest.h"
+#include "simulation/packing/ball_forest.h"
+#include "simulation/packing/scramble.h"
 #include "simulation/parallel.h"
-#include "simulation/scramble.h"
 
 namespace osteon::simulation {
 namespace {

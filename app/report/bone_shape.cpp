@@ -6,7 +6,7 @@
 #include <limits>
 #include <string_view>
 
-#include "simulation/cut_metrics.h"
+#include "simulation/metrics/cut_metrics.h"
 
 namespace osteon::app {
 namespace {

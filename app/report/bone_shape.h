@@ -7,7 +7,7 @@
 #include "app/report/cell_grid.h"
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
-#include "simulation/solid.h"
+#include "simulation/solids/solid.h"
 
 namespace osteon::app {
 

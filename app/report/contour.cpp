@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "simulation/thin_path.h"
+#include "simulation/tools/thin_path.h"
 
 namespace osteon::app {
 namespace {

@@ -10,7 +10,7 @@
 #include "app/report/page.h"
 #include "app/report/svg_plot.h"
 #include "app/report/svg_text.h"
-#include "simulation/point_spectrum.h"
+#include "simulation/packing/point_spectrum.h"
 
 namespace osteon::app {
 namespace {

@@ -8,11 +8,11 @@
 #include <tl/expected.hpp>
 
 #include "app/report/report.h"
-#include "simulation/cut_zone.h"
-#include "simulation/mass_points.h"
-#include "simulation/mass_properties.h"
-#include "simulation/packing_file.h"
-#include "simulation/packing_quality.h"
+#include "simulation/packing/mass_points.h"
+#include "simulation/packing/packing_file.h"
+#include "simulation/packing/packing_quality.h"
+#include "simulation/solids/cut_zone.h"
+#include "simulation/solids/mass_properties.h"
 
 namespace osteon::app {
 

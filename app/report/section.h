@@ -9,7 +9,7 @@
 
 #include "app/report/bone_shape.h"
 #include "app/report/contour.h"
-#include "simulation/swept_tool.h"
+#include "simulation/tools/swept_tool.h"
 
 // A section through the bone by a plane that holds the cup's axis, and what it says about the cut.
 //

@@ -14,6 +14,8 @@ layout(local_size_x_id = 3) in;
 layout(constant_id = 3) const uint kLanes = 64;
 layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
 layout(constant_id = 4) const bool kSplit = false;      // large balls are split
+layout(constant_id = 5) const bool kContactSphere = false;  // the tool ball that touches first cuts alone
+layout(constant_id = 6) const uint kMaterials = kMaxMaterials;
 
 layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
 layout(scalar, binding = kBindFrame) readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
@@ -28,7 +30,6 @@ layout(scalar, binding = kBindPointStates) buffer PointStateBuffer { uint point_
 layout(scalar, binding = kBindPointUnits) readonly buffer PointUnitBuffer { uint point_units[]; };
 layout(scalar, binding = kBindLiveBalls) buffer LiveBallBuffer { vec4 live_balls[]; };
 layout(scalar, binding = kBindLiveEntries) buffer LiveEntryBuffer { Live live_entries[]; };
-layout(scalar, binding = kBindShaftPairs) buffer ShaftPairBuffer { ShaftPair shaft_pairs[]; };
 layout(scalar, binding = kBindLivePoints) buffer LivePointBuffer { vec4 live_points[]; };
 layout(scalar, binding = kBindPointEntries) buffer PointEntryBuffer { Live point_entries[]; };
 layout(scalar, binding = kBindSlots) buffer SlotBuffer { uint slots[]; };
@@ -41,7 +42,6 @@ layout(binding = kBindToolTexels) uniform samplerBuffer tool_texels;
 layout(binding = kBindSpanTexels) uniform usamplerBuffer span_texels;
 layout(binding = kBindEntryTexels) uniform usamplerBuffer entry_texels;
 layout(binding = kBindPointEntryTexels) uniform usamplerBuffer point_entry_texels;
-layout(binding = kBindShaftTexels) uniform usamplerBuffer shaft_texels;
 layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
 
 // Adds a whole number of each invocation of the subgroup to a sum. Called by all of them.
@@ -78,9 +78,13 @@ bool IsVoid() {
   return (frame.lists_at_contact == 0u && far) || frame.too_many != 0u;
 }
 
-// This invocation's share of a list: for (uint slot = ChunkBegin(); slot < ChunkEnd(count); slot += kLanes)
-uint ChunkBegin() { return gl_WorkGroupID.x * frame.chunk * kLanes + gl_LocalInvocationID.x; }
-uint ChunkEnd(uint count) { return min(count, (gl_WorkGroupID.x + 1) * frame.chunk * kLanes); }
+// A pass has rows of workgroups, each for a list, and a list's entries go round by kLanes. A software driver hands each of its
+// threads one block of workgroups: so each has a share of every row, and of what lies near the tool.
+uint GroupNumber() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
+uint Row() { return GroupNumber() % gl_NumWorkGroups.y; }
+// This invocation's share of a list: for (uint slot = FirstEntry(); slot < count; slot += EntryStep())
+uint FirstEntry() { return GroupNumber() / gl_NumWorkGroups.y * kLanes + gl_LocalInvocationID.x; }
+uint EntryStep() { return gl_NumWorkGroups.x * kLanes; }
 
 // Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
 vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }

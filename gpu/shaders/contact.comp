@@ -7,7 +7,7 @@
 #include "pairs.glsl"
 
 void main() {
-  uint row = gl_WorkGroupID.y;
+  uint row = Row();
   // what others have found already bounds the way that is of interest
   double s = FromKey(frame.contact_key);
   float first = AtLeast(s), rounding = frame.rounding_mm;
@@ -16,7 +16,7 @@ void main() {
     vec3 m = Goal(0) - start.xyz;
     dvec4 exact_start = ExactStart(0);
     dvec3 exact_m = ExactGoal(0) - exact_start.xyz;
-    uint slot = ChunkBegin(), end = row == 0u ? ChunkEnd(frame.live_ball_count) : 0u;
+    uint slot = FirstEntry(), end = row == 0u ? frame.live_ball_count : 0u;
     while (slot < end) {
       vec4 ball;
       bool may = false, any = false;
@@ -24,7 +24,7 @@ void main() {
         ball = LiveBall(slot);
         may = ball.w > 0.0 && EarliestContact(ball.xyz - start.xyz, m, start.w + ball.w, rounding) < first;
         any = subgroupAny(may);
-        slot += kLanes;
+        slot += EntryStep();
       }
       double own = ExactFirstContact(dvec3(ball.xyz) - exact_start.xyz, exact_m, exact_start.w + double(ball.w));
       s = may ? min(s, own) : s;

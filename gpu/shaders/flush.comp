@@ -4,8 +4,8 @@
 #include "common.glsl"
 
 void main() {
-  uint end = ChunkEnd(frame.flush_count);
-  for (uint slot = ChunkBegin(); slot < end; slot += kLanes) {
+  uint end = frame.flush_count;
+  for (uint slot = FirstEntry(); slot < end; slot += EntryStep()) {
     uint i = LiveEntry(slot).index;
     if (i < kBallsPerBuffer) balls[i] = live_balls[slot];
     else more_balls[i - kBallsPerBuffer] = live_balls[slot];

@@ -28,6 +28,7 @@ struct dvec3 {
 
 OSTEON_CONST uint kGroupSize = 64;  // invocations of a workgroup; balls or points of a cluster
 OSTEON_CONST uint kMaxToolBalls = 10000;
+OSTEON_CONST uint kNoToolBall = 0xffffffffu;
 OSTEON_CONST uint kMaxMaterials = 8;
 // the contact law's, see simulation/contact_law.h
 OSTEON_CONST uint kBins = 60;  // of direction; from kCuttingBinCount on of balls that do not cut
@@ -178,6 +179,9 @@ struct Frame {
   uint request_count;  // of balls that should be split; may be above the capacity
   uint tool_rest;      // of the tool's texels, the first of what floats leave
   uint sequence;       // the report's
+  // where one tool ball cuts alone, which: its number in the tool's own list above, the device's in the lower
+  // kToolBits; kNoToolBall where nothing was touched
+  uint touching;
 };
 
 OSTEON_CONST uint kFrameBytes = 4640u;
@@ -223,7 +227,8 @@ struct Live {
   uint more;  // of a point: its material; of a ball: the least gap in its words
 };
 
-// A live ball (its slot in the list) and the tool balls that do not cut and can meet it.
+// A live ball (its slot in the list) and the tool balls that do not cut and can meet it: an entry too, from
+// kBindLiveEntries[live_capacity] on.
 struct ShaftPair {
   uint slot;
   uint first, count;
@@ -232,33 +237,34 @@ struct ShaftPair {
 
 // Storage buffers, in the order of their bindings.
 OSTEON_CONST uint kBindFrame = 0;
-// a tool ball's centre at the proxy (w: radius) and at the tool's pose; then what floats leave of these
+// a tool ball's centre at the proxy (w: radius) and at the tool's pose (w: its number in the tool's own list);
+// then what floats leave of the centres and the radius
 OSTEON_CONST uint kBindTool = 1;
 OSTEON_CONST uint kBindItems = 2;     // clusters of balls, then (from ball cluster count on) of points
 OSTEON_CONST uint kBindToolRefs = 3;  // 0 … tool_count - 1 first
 OSTEON_CONST uint kBindReport = 4;
-OSTEON_CONST uint kBindBalls = 5;        // centre, radius; radius 0: gone
-OSTEON_CONST uint kBindMoreBalls = 6;    // those from kBallsPerBuffer on
-OSTEON_CONST uint kBindPoints = 7;       // place, volume [mm^3]
-OSTEON_CONST uint kBindPointStates = 8;  // material, and kCleared
-OSTEON_CONST uint kBindPointUnits = 9;   // volume in the bone's units
-OSTEON_CONST uint kBindLiveBalls = 10;   // copies of the live balls
-OSTEON_CONST uint kBindLiveEntries = 11;
-OSTEON_CONST uint kBindShaftPairs = 12;
-OSTEON_CONST uint kBindLivePoints = 13;  // copies of the live points
-OSTEON_CONST uint kBindPointEntries = 14;
-OSTEON_CONST uint kBindSpans = 15;     // words; 0 … tool_count - 1 first
-OSTEON_CONST uint kBindSlots = 16;     // of each ball in the list of live balls, where it is in it
-OSTEON_CONST uint kBindRequests = 17;  // SplitRequest
-OSTEON_CONST uint kBindUploads = 18;   // SplitUpload
-OSTEON_CONST uint kBindBlocks = 19;    // Block
-OSTEON_CONST uint kBindings = 20;
+OSTEON_CONST uint kBindBalls = 5;         // centre, radius; radius 0: gone
+OSTEON_CONST uint kBindMoreBalls = 6;     // those from kBallsPerBuffer on
+OSTEON_CONST uint kBindPoints = 7;        // place, volume [mm^3]
+OSTEON_CONST uint kBindPointStates = 8;   // material, and kCleared
+OSTEON_CONST uint kBindPointUnits = 9;    // volume in the bone's units
+OSTEON_CONST uint kBindLiveBalls = 10;    // copies of the live balls
+OSTEON_CONST uint kBindLiveEntries = 11;  // Live, then ShaftPair: one list to read, since software drivers
+                                          // read all that might be chosen
+OSTEON_CONST uint kBindLivePoints = 12;  // copies of the live points
+OSTEON_CONST uint kBindPointEntries = 13;
+OSTEON_CONST uint kBindSpans = 14;     // words; 0 … tool_count - 1 first
+OSTEON_CONST uint kBindSlots = 15;     // of each ball in the list of live balls, where it is in it
+OSTEON_CONST uint kBindRequests = 16;  // SplitRequest
+OSTEON_CONST uint kBindUploads = 17;   // SplitUpload
+OSTEON_CONST uint kBindBlocks = 18;    // Block
+OSTEON_CONST uint kBindings = 19;
 // The lists' copies again, to read: software drivers fetch a texel at once, but a buffer's words one by one.
-OSTEON_CONST uint kBindBallTexels = 20;
-OSTEON_CONST uint kBindPointTexels = 21;
+OSTEON_CONST uint kBindBallTexels = 19;
+OSTEON_CONST uint kBindPointTexels = 20;
 // tool, spans and the lists' entries, to read
-OSTEON_CONST uint kBindToolTexels = 22, kBindSpanTexels = 23, kBindEntryTexels = 24,
-                  kBindPointEntryTexels = 25, kBindShaftTexels = 26;
+OSTEON_CONST uint kBindToolTexels = 21, kBindSpanTexels = 22, kBindEntryTexels = 23,
+                  kBindPointEntryTexels = 24;
 
 OSTEON_CONST uint kBallsPerBuffer = 8000000;  // a binding holds 128 MiB on every device
 OSTEON_CONST uint kCleared = 256;
@@ -268,7 +274,8 @@ static_assert(sizeof(Frame) == kFrameBytes && kFrameBytes % 16 == 0 && sizeof(Re
 static_assert(offsetof(Frame, exact) == 8 * 63);
 static_assert(sizeof(Exact) == 8 * (9 + 9 + 16 + 12 + 9 + 1 + 4 + 3 + 16 + 3 + 24 + 32));
 static_assert(sizeof(Candidate) == 32);
-static_assert(sizeof(Item) == 16 && sizeof(Live) == 16 && sizeof(ShaftPair) == 16 && sizeof(Sum) == 8);
+static_assert(sizeof(Item) == 16 && sizeof(Live) == 16 && sizeof(ShaftPair) == sizeof(Live) &&
+              sizeof(Sum) == 8);
 static_assert(sizeof(SplitRequest) == 36 && sizeof(SplitUpload) == 20 && sizeof(Block) == 12);
 }  // namespace osteon::gpu
 #endif

@@ -105,13 +105,17 @@ struct ExactPair {
 ExactPair LookAt(vec4 ball, dvec4 at) {
   dvec3 from_bone = at.xyz - dvec3(ball.xyz);
   double d = length(from_bone);
-  return ExactPair(from_bone / max(d, 1e-20lf), d, d - at.w - double(ball.w));
+  return ExactPair((1.0lf / max(d, 1e-20lf)) * from_bone, d, d - at.w - double(ball.w));
 }
-void TakeKey(Near near, Pair pair, ExactPair exact, bool cutting, uint bone, uint t) {
-  if (!pair.nearest || exact.d <= 0.0lf || exact.gap >= near.exact_enlargement) return;
+// Where no branch is skipped, keys are taken in a loop of their own, behind the one that finds them.
+const bool kKeysApart = kLanes != kGroupSize;
+void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
+  if (exact.d <= 0.0lf || exact.gap >= near.exact_enlargement) return;
   ExactBin bin =
       FindExactBin(dvec3(dot(exact.n, near.exact_x), dot(exact.n, near.exact_y), dot(exact.n, near.exact_z)), cutting);
-  uint units = uint(clamp(exact.gap + kMiddleWorth_mm * bin.off_middle + 1.0lf, 0.0lf, 1.999lf) / double(kGapUnit));
+  uint units = uint(clamp(exact.gap + kMiddleWorth_mm * bin.off_middle + 1.0lf, 0.0lf, 1.999lf) * double(1.0f / kGapUnit));
+  // others may have been found since this one was
+  if (kKeysApart && units > frame_halves[2u * bin.number + 1u] >> (kBoneBits + kToolBits - 32u)) return;
   uint64_t key = (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(bone) << kToolBits) | uint64_t(t);
   atomicMin(frame.bin_keys[bin.number], key);
 }
@@ -136,8 +140,8 @@ void Gather(inout Part part, Near near, dvec3 face, dvec3 n, double lens, vec4 c
   part.n += Rounded(dvec4(w, w * n) * near.face_scale);
   if (!alone) part.c += ivec4(round(float(w) * center * near.face_point_scale));
 }
-void GatherAll(inout Parts parts, Near near, Pair pair, ExactPair exact, float r_b, double r_t, vec3 center, bool alone) {
-  double lens = pair.in_face ? LensVolume(r_t + near.exact_enlargement, double(r_b), exact.d) : 0.0lf;
+void GatherAll(inout Parts parts, Near near, ExactPair exact, float r_b, double r_t, vec3 center, bool alone) {
+  double lens = LensVolume(r_t + near.exact_enlargement, double(r_b), exact.d);
   Gather(parts.part_0, near, near.exact_face_0, exact.n, lens, vec4(center, r_t), alone);
   Gather(parts.part_1, near, near.exact_face_1, exact.n, lens, vec4(center, r_t), alone);
   Gather(parts.part_2, near, near.exact_face_2, exact.n, lens, vec4(center, r_t), alone);
@@ -166,8 +170,13 @@ void AddParts(Parts parts, bool shaft, bool alone) {
   FLUSH(parts.part_3, 3)
 }
 
+// A pair marked: that may be the nearest of its bin.
+void NoteIf(Pair pair, uint slot, uint t) {
+  if (pair.nearest || pair.in_face) Note(slot, t, pair.nearest);
+}
+
 void main() {
-  uint row = gl_WorkGroupID.y;
+  uint row = Row();
   double exact_s = ExactFraction();
   float s = float(exact_s);
   bool go = !IsVoid();
@@ -195,24 +204,21 @@ void main() {
   if (kOneCutter) {
     vec4 only = AtContact(0, s);
     dvec4 exact_only = ExactAtContact(0, exact_s);
-    uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
+    uint slot = FirstEntry(), end = row == 0u && go ? frame.live_ball_count : 0u;
     while (slot < end) {
       Parts parts = kNoParts;
-      for (uint summands = 0u; summands < kMostSummands && slot < end; ++summands) {
-        Pair pair;
-        vec4 ball;
-        uint own = slot;
-        bool counts = false;
-        while (slot < end && !counts) {
-          ball = LiveBall(slot);
-          pair = Touch(near, ball, only, true);
-          own = slot;
-          slot += kLanes;
-          counts = subgroupAny(pair.nearest || pair.in_face);
+      for (uint summands = 0u; summands < kMostSummands && slot < end; summands += kRoom) {
+        found.count = 0u;
+        for (; found.count < kRoom && slot < end; slot += EntryStep())
+          NoteIf(Touch(near, LiveBall(slot), only, true), slot, 0u);
+        for (uint i = 0u; kKeysApart && NextMarked(i); ++i)
+          TakeKey(near, LookAt(LiveBall(found.slot[InRoom(i)]), exact_only), true, LiveEntry(found.slot[InRoom(i)]).index, 0u);
+        for (uint i = 0u; i < found.count; ++i) {
+          vec4 ball = LiveBall(found.slot[InRoom(i)]);
+          ExactPair exact = LookAt(ball, exact_only);
+          if (!kKeysApart && IsMarked(i)) TakeKey(near, exact, true, LiveEntry(found.slot[InRoom(i)]).index, 0u);
+          GatherAll(parts, near, exact, ball.w, exact_only.w, vec3(0.0), true);
         }
-        ExactPair exact = LookAt(ball, exact_only);
-        TakeKey(near, pair, exact, true, LiveEntry(own).index, 0u);
-        GatherAll(parts, near, pair, exact, ball.w, exact_only.w, vec3(0.0), true);
       }
       AddParts(parts, false, true);
     }
@@ -222,24 +228,27 @@ void main() {
     Walk walk = BeginWalk(list, go);
     for (bool more = true; more;) {
       Parts parts = kNoParts;
-      for (uint summands = 0u; summands < kMostSummands && more; ++summands) {
-        Pair pair;
-        vec4 ball, at;
-        bool counts = false;
-        while (!counts) {
+      for (uint summands = 0u; summands < kMostSummands && more; summands += kRoom) {
+        found.count = 0u;
+        while (found.count < kRoom) {
           more = NextPair(walk, farthest);
           if (!more) break;
-          ball = LiveBall(walk.slot);
-          at = AtContact(ToolOf(walk.word), s);
-          pair = Touch(near, ball, at, list == kCutting);
-          counts = subgroupAny(pair.nearest || pair.in_face);
+          uint t = ToolOf(walk.word);
+          NoteIf(Touch(near, LiveBall(walk.slot), AtContact(t, s), list == kCutting), walk.slot, t);
         }
-        if (!more) break;
-        uint t = ToolOf(walk.word);
-        dvec4 exact_at = ExactAtContact(t, exact_s);
-        ExactPair exact = LookAt(ball, exact_at);
-        TakeKey(near, pair, exact, list == kCutting, LiveEntry(walk.slot).index, t);
-        GatherAll(parts, near, pair, exact, ball.w, exact_at.w, InTool(near, Goal(t) - near.origin), false);
+        for (uint i = 0u; kKeysApart && NextMarked(i); ++i) {
+          uint t = ToolOf(found.what[InRoom(i)]);
+          TakeKey(near, LookAt(LiveBall(found.slot[InRoom(i)]), ExactAtContact(t, exact_s)), list == kCutting,
+                  LiveEntry(found.slot[InRoom(i)]).index, t);
+        }
+        for (uint i = 0u; i < found.count; ++i) {
+          uint t = ToolOf(found.what[InRoom(i)]);
+          vec4 ball = LiveBall(found.slot[InRoom(i)]);
+          dvec4 exact_at = ExactAtContact(t, exact_s);
+          ExactPair exact = LookAt(ball, exact_at);
+          if (!kKeysApart && IsMarked(i)) TakeKey(near, exact, list == kCutting, LiveEntry(found.slot[InRoom(i)]).index, t);
+          GatherAll(parts, near, exact, ball.w, exact_at.w, InTool(near, Goal(t) - near.origin), false);
+        }
       }
       AddParts(parts, list == kShaft, false);
     }

@@ -24,19 +24,21 @@ uint LastList(uint row, uint shaft_row) { return row == shaft_row ? kShaft : kCu
 struct Walk {
   uint list;
   uint next, end;  // entries not looked at yet
+  uint before;     // entries of another list in the same texels
   uint slot;       // where the ball or point lies that it is at
   uint k, last;         // its words that were not looked at yet
   uvec4 words;     // those before k
   uint left;       // which of these are still to come
   uint word;       // of the pair it is at
 };
+uint EntriesBefore(uint list) { return list == kShaft ? frame.live_capacity : 0u; }
 Walk BeginWalk(uint list, bool any) {
   uint count = list == kCutting ? frame.live_ball_count : list == kShaft ? frame.shaft_count : frame.live_point_count;
-  return Walk(list, ChunkBegin(), any ? ChunkEnd(count) : 0u, 0u, 0u, 0u, uvec4(0u), 0u, 0u);
+  return Walk(list, FirstEntry(), any ? count : 0u, EntriesBefore(list), 0u, 0u, 0u, uvec4(0u), 0u, 0u);
 }
-uvec4 Entry(uint list, uint i) {
-  if (list == kPoint) return texelFetch(point_entry_texels, int(i));
-  return list == kCutting ? texelFetch(entry_texels, int(i)) : texelFetch(shaft_texels, int(i));
+uvec4 Entry(uint list, uint place) {
+  if (list == kPoint) return texelFetch(point_entry_texels, int(place));
+  return texelFetch(entry_texels, int(place));
 }
 
 // On to the next pair whose word tells a gap of `farthest` at most; false at the end. One turn of the loop is an entry or four
@@ -44,11 +46,11 @@ uvec4 Entry(uint list, uint i) {
 bool NextPair(inout Walk walk, uint farthest) {
   while (walk.left == 0u && (walk.k < walk.last || walk.next < walk.end)) {
     if (walk.k >= walk.last && walk.next < walk.end) {
-      uvec4 entry = Entry(walk.list, walk.next);
+      uvec4 entry = Entry(walk.list, walk.before + walk.next);
       walk.slot = walk.list == kShaft ? entry.x : walk.next;
       walk.k = entry.y;
       walk.last = walk.list == kPoint || entry.w <= farthest ? entry.y + entry.z : entry.y;
-      walk.next += kLanes;
+      walk.next += EntryStep();
     }
     walk.words = SpanWords(walk.k);
     uint count = min(walk.last - walk.k, 4u);
@@ -61,4 +63,25 @@ bool NextPair(inout Walk walk, uint farthest) {
   bool found = walk.left != 0u;
   walk.left &= walk.left - 1u;
   return found;
+}
+
+// What floats have found in an invocation's share of a list, to be looked at exactly behind the loop that finds it. On a processor
+// there is room for many, so that all lanes have one to look at.
+const uint kRoom = kLanes == kGroupSize ? 1u : 64u;
+const uint kMark = 1u << kToolBits;
+struct Found {
+  uint count;
+  uint slot[kRoom], what[kRoom];  // entry or ball; tool ball, and kMark where more is to be asked
+} found;
+uint InRoom(uint i) { return kRoom == 1u ? 0u : i; }  // a known place stays in a register
+void Note(uint slot, uint t, bool mark) {
+  found.slot[InRoom(found.count)] = slot;
+  found.what[InRoom(found.count)] = t | (mark ? kMark : 0u);
+  ++found.count;
+}
+bool IsMarked(uint i) { return (found.what[InRoom(i)] & kMark) != 0u; }
+// Whether a marked one comes from i on; i is it then.
+bool NextMarked(inout uint i) {
+  while (i < found.count && !IsMarked(i)) ++i;
+  return i < found.count;
 }

@@ -27,6 +27,6 @@ void main() {
     live_entries[slot] = Live(i, cutting.first, cutting.count, cutting.least);
     if (shaft.count == 0u) continue;
     NEXT_SLOT(pair, frame.shaft_count)
-    shaft_pairs[pair] = ShaftPair(slot, shaft.first, shaft.count, shaft.least);
+    live_entries[frame.live_capacity + pair] = Live(slot, shaft.first, shaft.count, shaft.least);
   }
 }

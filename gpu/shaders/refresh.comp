@@ -6,11 +6,11 @@
 #include "pairs.glsl"
 
 void main() {
-  uint row = gl_WorkGroupID.y, list = row == 0u ? kCutting : row == 1u ? kPoint : kShaft;
+  uint row = Row(), list = row == 0u ? kCutting : row == 1u ? kPoint : kShaft;
   uint count = row == 0u ? frame.live_ball_count : row == 1u ? frame.live_point_count : frame.shaft_count;
-  uint end = ChunkEnd(count);
-  for (uint i = ChunkBegin(); i < end; i += kLanes) {
-    uvec4 entry = Entry(list, i);
+  uint before = EntriesBefore(list);
+  for (uint i = FirstEntry(); i < count; i += EntryStep()) {
+    uvec4 entry = Entry(list, before + i);
     vec4 ball = list == kPoint ? vec4(LivePoint(i).xyz, 0.0) : LiveBall(list == kShaft ? entry.x : i);
     uint least = kLargestSpanGap, last = entry.y + entry.z;
     uvec4 words = uvec4(0u);
@@ -20,7 +20,6 @@ void main() {
       least = min(least, gap);
       spans[k] = gap << kToolBits | t;
     }
-    if (list == kCutting) live_entries[i].more = least;
-    if (list == kShaft) shaft_pairs[i].least = least;
+    if (list != kPoint) live_entries[before + i].more = least;
   }
 }

@@ -58,12 +58,15 @@ dvec3 OnAxis(Capsule c, dvec3 p, dvec3 away, double d) {
 
 bool Swallows(Capsule c, dvec4 ball) { return ball.w + c.r - length(Away(c, ball.xyz)) >= 2.0lf * ball.w; }
 
-dvec4 Shrunk(dvec4 ball, Capsule c) {
+// A ball after one capsule. `on_axis`: its centre lies there; without `all_cases` that is left to a second call, behind the loop
+// over many balls, since software drivers execute a branch that nobody takes.
+dvec4 Shrunk(dvec4 ball, Capsule c, bool all_cases, inout bool on_axis) {
   dvec3 away = Away(c, ball.xyz);
   double d = length(away), p = ball.w > 0.0lf ? max(0.0lf, ball.w + c.r - d) : 0.0lf, half_p = 0.5lf * p;
-  dvec3 u = away * (1.0lf / max(d, 1e-20lf));
-  // a loop, since software drivers execute a branch that nobody takes
-  for (uint once = p > 0.0lf && d < kOnAxis * c.r ? 0 : 1; once < 1; ++once) u = OnAxis(c, ball.xyz, away, d);
+  dvec3 u = (1.0lf / max(d, 1e-20lf)) * away;
+  bool here = p > 0.0lf && d < kOnAxis * c.r;
+  if (all_cases && here) u = OnAxis(c, ball.xyz, away, d);
+  on_axis = on_axis || here;
   bool gone = p > 0.0lf && (p >= 2.0lf * ball.w || ball.w - half_p < kLeastBallRadius);
   return gone ? dvec4(ball.xyz, 0.0lf) : dvec4(ball.xyz + half_p * u, ball.w - half_p);
 }
@@ -75,10 +78,12 @@ struct Way {
   dvec3 step_mm;
   float rounding;
   uint farthest;  // in a word of a pair that may meet on it
+  uint cutter;    // with kContactSphere the only one
   // as floats tell it
   float rough_contact, rough_share;
   vec3 rough_move, rough_step;
 };
+bool Cuts(Way way, uint t) { return !kContactSphere || t == way.cutter; }
 // Both pieces of tool ball t's way.
 struct Pieces {
   Capsule slide, give;
@@ -88,7 +93,10 @@ Pieces PiecesOf(Way way, uint t) {
   dvec3 slid = AfterSlide(way.slid_by, contact.xyz, ExactGoal(t));
   return Pieces(MakeCapsule(contact.xyz, slid, contact.w), MakeCapsule(slid, slid + way.step_mm, contact.w));
 }
-dvec4 Shrunk(dvec4 ball, Pieces pieces) { return Shrunk(Shrunk(ball, pieces.slide), pieces.give); }
+dvec4 Shrunk(dvec4 ball, Pieces pieces, bool all_cases, out bool on_axis) {
+  on_axis = false;
+  return Shrunk(Shrunk(ball, pieces.slide, all_cases, on_axis), pieces.give, all_cases, on_axis);
+}
 bool Inside(Pieces pieces, dvec3 p) { return Inside(pieces.slide, p) || Inside(pieces.give, p); }
 // The nearer of both: its squared distance.
 struct RoughPieces {
@@ -114,9 +122,11 @@ vec4 Shrink(Way way, uint slot, vec4 ball) {
   dvec4 exact_ball = Exactly(ball);
   for (uint k = entry.first; k < last; ++k) {
     uint word = SpanWord(k);
-    bool may = (word >> kToolBits) <= way.farthest && MayTouch(way, RoughPiecesOf(way, ToolOf(word)), ball.xyz, ball.w);
+    bool may = (word >> kToolBits) <= way.farthest && Cuts(way, ToolOf(word)) &&
+               MayTouch(way, RoughPiecesOf(way, ToolOf(word)), ball.xyz, ball.w);
     for (uint once = may ? 0 : 1; once < 1; ++once) {
-      exact_ball = Shrunk(exact_ball, PiecesOf(way, ToolOf(word)));
+      bool on_axis;
+      exact_ball = Shrunk(exact_ball, PiecesOf(way, ToolOf(word)), true, on_axis);
       ball = InFloats(exact_ball);
     }
   }
@@ -129,8 +139,9 @@ bool IsSwallowed(Way way, uint slot, dvec4 whole) {
   Live entry = LiveEntry(slot);
   uint last = kOneCutter ? entry.first + 1u : entry.first + entry.count;
   for (uint k = entry.first; k < last; ++k) {
-    Pieces pieces = PiecesOf(way, kOneCutter ? 0u : ToolOf(SpanWord(k)));
-    swallowed = swallowed || Swallows(pieces.slide, whole) || Swallows(pieces.give, whole);
+    uint t = kOneCutter ? 0u : ToolOf(SpanWord(k));
+    Pieces pieces = PiecesOf(way, t);
+    swallowed = swallowed || (Cuts(way, t) && (Swallows(pieces.slide, whole) || Swallows(pieces.give, whole)));
   }
   return swallowed;
 }
@@ -154,33 +165,66 @@ void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
   live_balls[slot] = ball;
 }
 
+// The way of the only cutting ball, over this invocation's balls.
+void RemoveOnce(Way way, RoughPieces rough, Pieces only, uint end) {
+  uint slot = FirstEntry();
+  while (slot < end) {
+    found.count = 0u;
+    for (; found.count < kRoom && slot < end; slot += EntryStep()) {
+      vec4 ball = LiveBall(slot);
+      if (ball.w > 0.0 && MayTouch(way, rough, ball.xyz, ball.w)) Note(slot, 0u, false);
+    }
+    for (uint i = 0u; i < found.count;) {
+      bool on_axis = false;
+      for (; i < found.count; ++i) {
+        vec4 ball = LiveBall(found.slot[InRoom(i)]);
+        vec4 shrunk = InFloats(Shrunk(Exactly(ball), only, false, on_axis));
+        if (on_axis) break;
+        Keep(way, found.slot[InRoom(i)], ball, shrunk);
+      }
+      if (!on_axis) break;
+      vec4 ball = LiveBall(found.slot[InRoom(i)]);
+      Keep(way, found.slot[InRoom(i)], ball, InFloats(Shrunk(Exactly(ball), only, true, on_axis)));
+      ++i;
+    }
+  }
+}
+
 // The way of all cutting balls, over this invocation's balls: a ball's tool balls come in their order, one after the other.
 void RemovePairs(Way way, bool go) {
   const uint kNoSlot = 0xffffffffu;
   Walk walk = BeginWalk(kCutting, go);
   uint slot = kNoSlot;
-  vec4 ball = vec4(0.0);
-  dvec4 exact_ball = dvec4(0.0lf);
+  dvec4 ball = dvec4(0.0lf);
   float before = 0.0;
   for (bool more = true; more;) {
-    bool touched = false;
-    while (!touched) {
+    found.count = 0u;
+    while (found.count < kRoom) {
       more = NextPair(walk, way.farthest);
       if (!more) break;
-      if (walk.slot != slot) {
-        if (ball.w != before) live_balls[slot] = ball;
-        slot = walk.slot;
-        ball = LiveBall(slot);
-        exact_ball = Exactly(ball);
-        before = ball.w;
-      }
-      touched = ball.w > 0.0 && MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), ball.xyz, ball.w);
+      vec4 whole = LiveBall(walk.slot);
+      uint t = ToolOf(walk.word);
+      if (whole.w > 0.0 && Cuts(way, t) && MayTouch(way, RoughPiecesOf(way, t), whole.xyz, whole.w)) Note(walk.slot, t, false);
     }
-    if (!touched) continue;
-    exact_ball = Shrunk(exact_ball, PiecesOf(way, ToolOf(walk.word)));
-    ball = InFloats(exact_ball);
+    for (uint i = 0u; i < found.count;) {
+      bool on_axis = false;
+      for (; i < found.count; ++i) {
+        if (found.slot[InRoom(i)] != slot) {
+          if (float(ball.w) != before) live_balls[slot] = InFloats(ball);
+          slot = found.slot[InRoom(i)];
+          ball = Exactly(LiveBall(slot));
+          before = float(ball.w);
+        }
+        dvec4 shrunk = Shrunk(ball, PiecesOf(way, found.what[InRoom(i)]), false, on_axis);
+        if (on_axis) break;
+        ball = shrunk;
+      }
+      if (!on_axis) break;
+      ball = Shrunk(ball, PiecesOf(way, found.what[InRoom(i)]), true, on_axis);
+      ++i;
+    }
   }
-  if (ball.w != before) live_balls[slot] = ball;
+  if (float(ball.w) != before) live_balls[slot] = InFloats(ball);
 }
 
 void Clear(uint slot, vec4 point) {
@@ -192,14 +236,16 @@ void Clear(uint slot, vec4 point) {
 }
 
 void main() {
-  uint row = gl_WorkGroupID.y;
+  uint row = Row();
   bool go = frame.is_void == 0u && frame.spindle_rad_per_s != 0.0;
   Way way;
+  way.cutter = ToolOf(frame.touching);
+  if (kContactSphere) go = go && way.cutter < frame.cutter_count;  // a shaft cuts nothing
   way.at_contact = ExactFraction();
   way.slid_by = ChosenSlide();
   Advance advance = AdvanceOfFrame(way.at_contact, way.slid_by);
   way.step_mm = advance.step_mm;
-  if (row == 0u && gl_WorkGroupID.x == 0u && gl_LocalInvocationID.x == 0u) {
+  if (GroupNumber() == 0u && gl_LocalInvocationID.x == 0u) {
     frame.exact.advance = advance.advance_mm;
     frame.exact.edge_work = advance.edge_work_Nmm;
     frame.exact.step = advance.step_mm;
@@ -216,22 +262,11 @@ void main() {
   Pieces only = PiecesOf(way, 0u);
   RoughPieces rough = RoughPiecesOf(way, 0u);
 
-  uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
+  uint slot = FirstEntry(), end = row == 0u && go ? frame.live_ball_count : 0u;
   if (kOneCutter) {
-    while (slot < end) {
-      vec4 ball;
-      uint own = slot;
-      bool touched = false;
-      while (slot < end && !touched) {
-        own = slot;
-        ball = LiveBall(slot);
-        touched = ball.w > 0.0 && MayTouch(way, rough, ball.xyz, ball.w);
-        slot += kLanes;
-      }
-      if (touched) Keep(way, own, ball, InFloats(Shrunk(Exactly(ball), only)));
-    }
+    RemoveOnce(way, rough, only, end);
   } else if (kSplit) {
-    for (; slot < end; slot += kLanes) {
+    for (; slot < end; slot += EntryStep()) {
       vec4 ball = LiveBall(slot);
       Keep(way, slot, ball, Shrink(way, slot, ball));
     }
@@ -240,8 +275,8 @@ void main() {
   }
 
   if (kOneCutter) {
-    slot = ChunkBegin();
-    end = row == 1u && go ? ChunkEnd(frame.live_point_count) : 0u;
+    slot = FirstEntry();
+    end = row == 1u && go ? frame.live_point_count : 0u;
     while (slot < end) {
       vec4 point;
       uint own = slot;
@@ -250,7 +285,7 @@ void main() {
         own = slot;
         point = LivePoint(slot);
         touched = point.w > 0.0 && MayTouch(way, rough, point.xyz, 0.0);
-        slot += kLanes;
+        slot += EntryStep();
       }
       if (touched && Inside(only, dvec3(point.xyz))) Clear(own, point);
     }
@@ -264,7 +299,8 @@ void main() {
       more = NextPair(walk, way.farthest);
       if (!more) break;
       point = LivePoint(walk.slot);
-      touched = point.w > 0.0 && MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), point.xyz, 0.0);
+      touched = point.w > 0.0 && Cuts(way, ToolOf(walk.word)) &&
+                MayTouch(way, RoughPiecesOf(way, ToolOf(walk.word)), point.xyz, 0.0);
     }
     if (!touched || !Inside(PiecesOf(way, ToolOf(walk.word)), dvec3(point.xyz))) continue;
     Clear(walk.slot, point);

@@ -8,9 +8,9 @@
 #include "first_contact.glsl"
 #include "pairs.glsl"
 
-#define GATHER_MATERIAL(number) sum_##number += material == number ? units : dvec2(0.0lf);
+#define GATHER_MATERIAL(number) if (kMaterials > number) sum_##number += material == number ? units : dvec2(0.0lf);
 #define FLUSH_MATERIAL(number)                                             \
-  if (frame.material_count > number) {                                     \
+  if (kMaterials > number) {                                               \
     ADD_FINE(frame.exact.engaged[2 * number], int64_t(sum_##number.x))     \
     ADD_FINE(frame.exact.engaged[2 * number + 1], int64_t(sum_##number.y)) \
   }
@@ -43,7 +43,7 @@ void Meet(inout Met met, vec4 ball, dvec4 at, dvec3 goal) {
 }
 
 void main() {
-  uint row = gl_WorkGroupID.y;
+  uint row = Row();
   bool go = frame.is_void == 0u;
   double exact_s = ExactFraction();
   float at_contact = float(exact_s), rounding = frame.rounding_mm;
@@ -64,7 +64,7 @@ void main() {
   met.s = met.straight = 2.0lf;
   met.first = met.first_straight = 2.0;
   if (kOneCutter) {
-    uint slot = ChunkBegin(), end = row == 0u && go ? ChunkEnd(frame.live_ball_count) : 0u;
+    uint slot = FirstEntry(), end = row == 0u && go ? frame.live_ball_count : 0u;
     vec3 goal = Goal(0);
     dvec3 exact_goal = ExactGoal(0);
     while (slot < end) {
@@ -74,7 +74,7 @@ void main() {
         ball = LiveBall(slot);
         may = May(met, ball, only, goal);
         any = subgroupAny(may);
-        slot += kLanes;
+        slot += EntryStep();
       }
       if (may) Meet(met, ball, exact_only, exact_goal);
     }
@@ -107,21 +107,18 @@ void main() {
   dvec3 n = frame.exact.n, axis = frame.exact.axis, start = frame.exact.start,
         origin = start + exact_s * (frame.exact.goal - start);
   float layer = frame.layer_mm;
-  uint slot = ChunkBegin(), end = row == 1u && go && frame.delta.w > 0.0 ? ChunkEnd(frame.live_point_count) : 0u;
+  uint slot = FirstEntry(), end = row == 1u && go && frame.delta.w > 0.0 ? frame.live_point_count : 0u;
   // whole numbers below 2^53: their sums are exact
   dvec2 sum_0 = dvec2(0.0lf), sum_1 = sum_0, sum_2 = sum_0, sum_3 = sum_0, sum_4 = sum_0, sum_5 = sum_0, sum_6 = sum_0,
         sum_7 = sum_0;
   while (slot < end) {
-    vec4 point;
-    Live entry;
-    float nearest = 0.0;
-    bool any = false;
-    // most points of the list are out of the layer
-    while (slot < end && !any) {
-      point = LivePoint(slot);
-      entry = PointEntry(slot);
-      nearest = layer + rounding;
-      uint last = entry.first + (kOneCutter ? 1u : entry.count);
+    // the nearest tool ball of each point that may be in the layer; marked where floats do not tell which it is
+    found.count = 0u;
+    for (; found.count < kRoom && slot < end; slot += EntryStep()) {
+      vec4 point = LivePoint(slot);
+      Live entry = PointEntry(slot);
+      float nearest = layer + rounding, next = nearest;
+      uint of = 0u, last = entry.first + (kOneCutter ? 1u : entry.count);
       uvec4 words = uvec4(0u);
       for (uint k = entry.first; k < last; ++k) {
         vec4 at = only;
@@ -130,37 +127,43 @@ void main() {
           at = AtContact(ToolOf(words.x), at_contact);
         }
         float gap = distance(point.xyz, at.xyz) - at.w;
-        nearest = gap > -layer - rounding ? min(nearest, gap) : nearest;
+        gap = gap > -layer - rounding ? gap : layer + rounding;
+        of = gap < nearest ? ToolOf(words.x) : of;
+        next = min(next, max(gap, nearest));
+        nearest = min(nearest, gap);
       }
-      any = subgroupAny(point.w > 0.0 && nearest < layer + rounding);  // negative: cleared
-      slot += kLanes;
+      if (point.w > 0.0 && nearest < layer + rounding)  // negative: cleared
+        Note(slot, of, next - nearest < 2.0 * rounding || nearest < 2.0 * rounding - layer);
     }
-    // then exactly, the nearest alone, or those that floats do not tell from it
-    bool counts = point.w > 0.0 && nearest < layer + rounding;
-    uint last = entry.first + (!counts ? 0u : kOneCutter ? 1u : entry.count);
-    double exact_nearest = exact_layer, projection = 0.0lf;
-    uvec4 words = uvec4(0u);
-    for (uint k = entry.first; k < last; ++k) {
+    for (uint i = 0u; !kOneCutter && NextMarked(i); ++i) {
+      vec4 point = LivePoint(found.slot[InRoom(i)]);
+      Live entry = PointEntry(found.slot[InRoom(i)]);
+      double nearest = exact_layer;
+      uint of = ToolOf(found.what[InRoom(i)]);
+      for (uint k = entry.first; k < entry.first + entry.count; ++k) {
+        uint t = ToolOf(SpanWord(k));
+        dvec4 at = ExactAtContact(t, exact_s);
+        double gap = length(dvec3(point.xyz) - at.xyz) - at.w;
+        bool nearer = abs(gap) < exact_layer && gap < nearest;
+        nearest = nearer ? gap : nearest;
+        of = nearer ? t : of;
+      }
+      found.what[InRoom(i)] = of;
+    }
+    for (uint i = 0u; i < found.count; ++i) {
+      vec4 point = LivePoint(found.slot[InRoom(i)]);
       dvec4 at = exact_only;
-      if (!kOneCutter) {
-        words = k % 4u == 0u ? SpanWords(k) : words.yzwx;
-        vec4 about = AtContact(ToolOf(words.x), at_contact);
-        float gap = distance(point.xyz, about.xyz) - about.w;
-        if (gap > nearest + 2.0 * rounding && gap > 2.0 * rounding - layer) continue;
-        at = ExactAtContact(ToolOf(words.x), exact_s);
-      }
+      if (!kOneCutter) at = ExactAtContact(found.what[InRoom(i)], exact_s);
       dvec3 away = dvec3(point.xyz) - at.xyz;
-      double d = length(away), gap = d - at.w;
-      bool nearer = abs(gap) < exact_layer && gap < exact_nearest;
-      exact_nearest = nearer ? gap : exact_nearest;
-      projection = nearer ? max(0.0lf, -dot(n, away) / max(d, 1e-20lf)) : projection;
+      double d = length(away);
+      double projection = abs(d - at.w) < exact_layer ? max(0.0lf, -dot(n, away) / max(d, 1e-20lf)) : 0.0lf;
+      double area = double(point.w) * per_layer * projection;
+      double arm = length(cross(dvec3(point.xyz) - origin, axis));
+      dvec2 units = Rounded(area * dvec2(area_scale, arm * moment_scale));
+      uint material = PointEntry(found.slot[InRoom(i)]).more;
+      GATHER_MATERIAL(0) GATHER_MATERIAL(1) GATHER_MATERIAL(2) GATHER_MATERIAL(3)
+      GATHER_MATERIAL(4) GATHER_MATERIAL(5) GATHER_MATERIAL(6) GATHER_MATERIAL(7)
     }
-    double area = counts ? double(point.w) * per_layer * projection : 0.0lf;
-    double arm = length(cross(dvec3(point.xyz) - origin, axis));
-    dvec2 units = Rounded(area * dvec2(area_scale, arm * moment_scale));
-    uint material = entry.more;
-    GATHER_MATERIAL(0) GATHER_MATERIAL(1) GATHER_MATERIAL(2) GATHER_MATERIAL(3)
-    GATHER_MATERIAL(4) GATHER_MATERIAL(5) GATHER_MATERIAL(6) GATHER_MATERIAL(7)
   }
   if (row != 1u) return;
   FLUSH_MATERIAL(0) FLUSH_MATERIAL(1) FLUSH_MATERIAL(2) FLUSH_MATERIAL(3)

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "hil/failures/scenario_bench.h"
-#include "simulation/box_solid.h"
 #include "simulation/scene_events.h"
+#include "simulation/solids/box_solid.h"
 
 namespace osteon::hil {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "hil/failures/contact_bench.h"
 #include "hil/failures/scenario_bench.h"
-#include "simulation/box_solid.h"
-#include "simulation/packing_builder.h"
+#include "simulation/packing/packing_builder.h"
+#include "simulation/solids/box_solid.h"
 
 namespace osteon::hil {
 namespace {

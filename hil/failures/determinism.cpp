@@ -9,8 +9,8 @@
 
 #include "hil/failures/scenario_bench.h"
 #include "simulation/cutting_math.h"
+#include "simulation/packing/scramble.h"
 #include "simulation/reference_engine.h"
-#include "simulation/scramble.h"
 
 namespace osteon::hil {
 namespace {

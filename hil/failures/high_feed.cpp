@@ -7,7 +7,7 @@
 
 #include "hil/failures/scenario_bench.h"
 #include "simulation/methods/method.h"
-#include "simulation/swept_tool.h"
+#include "simulation/tools/swept_tool.h"
 
 namespace osteon::hil {
 namespace {

@@ -7,10 +7,10 @@
 
 #include "hil/failures/contact_bench.h"
 #include "hil/failures/scenario_bench.h"
-#include "simulation/box_solid.h"
-#include "simulation/disjoint_packing.h"
-#include "simulation/packing_builder.h"
-#include "simulation/scramble.h"
+#include "simulation/packing/disjoint_packing.h"
+#include "simulation/packing/packing_builder.h"
+#include "simulation/packing/scramble.h"
+#include "simulation/solids/box_solid.h"
 
 namespace osteon::hil {
 namespace {

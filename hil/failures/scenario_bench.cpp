@@ -4,10 +4,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "simulation/box_solid.h"
-#include "simulation/cut_metrics.h"
-#include "simulation/cut_zone.h"
-#include "simulation/mass_points.h"
+#include "simulation/metrics/cut_metrics.h"
+#include "simulation/packing/mass_points.h"
+#include "simulation/solids/box_solid.h"
+#include "simulation/solids/cut_zone.h"
 
 namespace osteon::hil {
 

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "hil/failures/scenario_bench.h"
-#include "simulation/box_solid.h"
 #include "simulation/methods/method.h"
-#include "simulation/scramble.h"
+#include "simulation/packing/scramble.h"
+#include "simulation/solids/box_solid.h"
 
 namespace osteon::hil {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "simulation/cutting_engine.h"
 #include "simulation/methods/live_tree.h"
-#include "simulation/solid.h"
+#include "simulation/solids/solid.h"
 
 namespace osteon::simulation {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "simulation/morton.h"
+#include "simulation/packing/morton.h"
 
 namespace osteon::simulation {
 

@@ -7,7 +7,7 @@
 
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
-#include "simulation/solid.h"
+#include "simulation/solids/solid.h"
 #include "simulation/tool.h"
 
 // The methods that the cutting engine is compared with: each built as its authors say, with every parameter

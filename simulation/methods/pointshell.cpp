@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "simulation/check_range.h"
-#include "simulation/morton.h"
+#include "simulation/files/check_range.h"
+#include "simulation/packing/morton.h"
 
 namespace osteon::simulation {
 

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "simulation/ball_forest.h"
-#include "simulation/check_range.h"
+#include "simulation/files/check_range.h"
 #include "simulation/methods/ball_bone.h"
+#include "simulation/packing/ball_forest.h"
 #include "simulation/parallel.h"
 
 namespace osteon::simulation {

@@ -10,7 +10,7 @@
 
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
-#include "simulation/solid.h"
+#include "simulation/solids/solid.h"
 
 namespace osteon::simulation {
 

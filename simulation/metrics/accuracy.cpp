@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "simulation/check_range.h"
-#include "simulation/graded_cells.h"
+#include "simulation/files/check_range.h"
+#include "simulation/packing/graded_cells.h"
 #include "simulation/parallel.h"
 
 namespace osteon::simulation {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "simulation/metrics/carved_shape.h"
-#include "simulation/solid.h"
-#include "simulation/swept_tool.h"
+#include "simulation/solids/solid.h"
+#include "simulation/tools/swept_tool.h"
 
 namespace osteon::simulation {
 

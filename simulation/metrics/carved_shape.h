@@ -2,8 +2,8 @@
 
 #include <span>
 
-#include "simulation/ball_forest.h"
 #include "simulation/bone.h"
+#include "simulation/packing/ball_forest.h"
 
 namespace osteon::simulation {
 

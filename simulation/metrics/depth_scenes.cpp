@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/box_solid.h"
-#include "simulation/check_range.h"
+#include "simulation/files/check_range.h"
+#include "simulation/solids/box_solid.h"
 
 namespace osteon::simulation {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "simulation/cut_zone.h"
-#include "simulation/solid.h"
+#include "simulation/solids/cut_zone.h"
+#include "simulation/solids/solid.h"
 #include "simulation/tool.h"
 
 namespace osteon::simulation {

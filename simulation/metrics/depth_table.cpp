@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "simulation/ball_removal.h"
-#include "simulation/disjoint_packing.h"
-#include "simulation/packing_builder.h"
-#include "simulation/split_packing.h"
+#include "simulation/packing/disjoint_packing.h"
+#include "simulation/packing/packing_builder.h"
+#include "simulation/packing/split_packing.h"
 
 namespace osteon::simulation {
 

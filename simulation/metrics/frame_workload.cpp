@@ -5,9 +5,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "simulation/cup_frame.h"
-#include "simulation/disjoint_packing.h"
-#include "simulation/tool_kinds.h"
+#include "simulation/packing/disjoint_packing.h"
+#include "simulation/solids/cup_frame.h"
+#include "simulation/tools/tool_kinds.h"
 
 namespace osteon::simulation {
 namespace {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "simulation/counted_packing.h"
 #include "simulation/metrics/pressing_hand.h"
-#include "simulation/motion_player.h"
+#include "simulation/packing/counted_packing.h"
 #include "simulation/scenes.h"
-#include "simulation/shell_tool.h"
+#include "simulation/tools/motion_player.h"
+#include "simulation/tools/shell_tool.h"
 
 // What one cutting frame is timed on: `osteon bench frame`, `osteon chart scaling` and osteon_frame_bench
 // share it.

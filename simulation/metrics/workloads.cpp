@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "simulation/box_solid.h"
 #include "simulation/metrics/depth_scenes.h"
-#include "simulation/scramble.h"
+#include "simulation/packing/scramble.h"
+#include "simulation/solids/box_solid.h"
 
 namespace osteon::simulation {
 namespace {

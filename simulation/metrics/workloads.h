@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "simulation/cut_zone.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/metrics/force_error.h"
+#include "simulation/solids/cut_zone.h"
 #include "simulation/tool.h"
 
 // The work that methods are compared on: a cut whose exact result is known, and then a touch of that cut

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "config/load.h"
-#include "simulation/cup_frame.h"
+#include "simulation/solids/cup_frame.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/simulation/mesh_shapes.h"
 #include "tests/simulation/packing_samples.h"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <thread>
 
-#include "simulation/packing_file.h"
+#include "simulation/packing/packing_file.h"
 #include "tests/app/command.h"
 #include "tests/simulation/mesh_shapes.h"
 

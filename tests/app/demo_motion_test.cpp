@@ -6,7 +6,7 @@
 #include <string>
 
 #include "app/cell_setup.h"
-#include "simulation/motion_player.h"
+#include "simulation/tools/motion_player.h"
 #include "tests/app/command.h"
 
 // Motions that the demo saves, and the events of a scene: in virtual time, as a user runs them.

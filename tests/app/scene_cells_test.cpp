@@ -4,7 +4,7 @@
 
 #include "app/cell_run.h"
 #include "app/cell_setup.h"
-#include "simulation/cup_frame.h"
+#include "simulation/solids/cup_frame.h"
 #include "tests/io/temporary_folder.h"
 
 // Every cell of config/ starts, and so do the meshes of the data in a cell that suits them.

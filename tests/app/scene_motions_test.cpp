@@ -6,7 +6,7 @@
 
 #include "app/cell_setup.h"
 #include "gpu/vulkan_engine.h"
-#include "simulation/motion_player.h"
+#include "simulation/tools/motion_player.h"
 
 // The motions under config/motions/: each is played on its own scene.
 

@@ -12,7 +12,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "simulation/packing_file.h"
+#include "simulation/packing/packing_file.h"
 
 namespace {
 

@@ -23,10 +23,10 @@
 #include <fmt/format.h>
 
 #include "app/report/svg_plot.h"
-#include "simulation/disjoint_packing.h"
-#include "simulation/mesh_solid.h"
-#include "simulation/packing_builder.h"
-#include "simulation/packing_quality.h"
+#include "simulation/packing/disjoint_packing.h"
+#include "simulation/packing/packing_builder.h"
+#include "simulation/packing/packing_quality.h"
+#include "simulation/solids/mesh_solid.h"
 #include "tests/bench/vdb_spheres.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "simulation/bone.h"
-#include "simulation/triangle_mesh.h"
+#include "simulation/mesh/triangle_mesh.h"
 
 namespace osteon::bench {
 

@@ -51,6 +51,14 @@ TEST_F(SplitKeys, ReachTheEngine) {
   EXPECT_EQ(split.pool_blocks, 500u);
 }
 
+TEST_F(SplitKeys, StandBesideWhichBallsCut) {
+  EXPECT_EQ(LoadWith("").cutting.cutters, simulation::Cutters::kAll);
+  EXPECT_EQ(LoadWith("  cutters: all\n").cutting.cutters, simulation::Cutters::kAll);
+}
+TEST_F(SplitKeys, StandBesideTheContactSphereAlone) {
+  EXPECT_EQ(LoadWith("  cutters: contact_sphere\n").cutting.cutters, simulation::Cutters::kContactSphere);
+}
+
 TEST_F(SplitKeys, AreRefusedOutOfRangeWithWhatIsAccepted) {
   try {
     static_cast<void>(LoadWith("  split: {least_radius_mm: 0.3, child_count: 65, pool_count: 500}\n"));

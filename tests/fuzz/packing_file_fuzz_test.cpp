@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/packing_file.h"
+#include "simulation/packing/packing_file.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/simulation/packing_samples.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <stdexcept>
 #include <vector>
 
@@ -48,6 +49,22 @@ class Hand {
   double depth_m_{0.0};
   int frame_{0};
 };
+
+/// A hemisphere of many balls, as a fitted tool has them: those of its rim and the pole reach out most. Each
+/// fifth does not cut.
+inline simulation::Tool Shell(int count) {
+  simulation::Tool tool;
+  const double radius_m = 6e-3, ball_m = 0.8e-3, golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (int i = 0; i < count; ++i) {
+    const double z = (i + 0.5) / count, r = std::sqrt(1.0 - z * z);
+    tool.balls.push_back({.center_m = Vector3((radius_m - ball_m) * r * std::cos(golden * i),
+                                              (radius_m - ball_m) * r * std::sin(golden * i),
+                                              -radius_m + (radius_m - ball_m) * z),
+                          .radius_m = ball_m,
+                          .cutting = i % 5 != 0});
+  }
+  return tool;
+}
 
 inline std::unique_ptr<VulkanEngine> Open(const simulation::Bone& bone, const simulation::Tool& tool,
                                           const VulkanParams& vulkan = {},

@@ -1,4 +1,4 @@
-#include "simulation/ball_grid.h"
+#include "simulation/packing/ball_grid.h"
 
 #include <algorithm>
 #include <random>

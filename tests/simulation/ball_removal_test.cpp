@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/cut_metrics.h"
 #include "simulation/cutting_math.h"
 #include "simulation/metrics/carved_shape.h"
+#include "simulation/metrics/cut_metrics.h"
 
 namespace osteon::simulation {
 namespace {

@@ -1,4 +1,4 @@
-#include "simulation/acetabulum_solid.h"
+#include "simulation/solids/acetabulum_solid.h"
 
 #include <cmath>
 #include <random>

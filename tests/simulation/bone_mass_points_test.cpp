@@ -1,4 +1,4 @@
-#include "simulation/mass_points.h"
+#include "simulation/packing/mass_points.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/acetabulum_solid.h"
-#include "simulation/point_spectrum.h"
+#include "simulation/packing/point_spectrum.h"
+#include "simulation/solids/acetabulum_solid.h"
 #include "tests/simulation/engine_bench.h"
 
 namespace osteon::simulation {

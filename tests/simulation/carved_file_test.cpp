@@ -1,4 +1,4 @@
-#include "simulation/carved_file.h"
+#include "simulation/files/carved_file.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,11 +1,11 @@
-#include "simulation/clearance_climb.h"
+#include "simulation/packing/clearance_climb.h"
 
 #include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
 #include "simple_solids.h"
-#include "simulation/hole_search.h"
+#include "simulation/packing/hole_search.h"
 
 namespace osteon::simulation {
 namespace {

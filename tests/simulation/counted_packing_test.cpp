@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/acetabulum_solid.h"
-#include "simulation/ball_solid.h"
-#include "simulation/counted_packing.h"
-#include "simulation/scramble.h"
+#include "simulation/packing/counted_packing.h"
+#include "simulation/packing/scramble.h"
+#include "simulation/solids/acetabulum_solid.h"
+#include "simulation/solids/ball_solid.h"
 
 namespace osteon::simulation {
 namespace {

@@ -1,4 +1,4 @@
-#include "simulation/cut_metrics.h"
+#include "simulation/metrics/cut_metrics.h"
 
 #include <random>
 

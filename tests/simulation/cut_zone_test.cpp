@@ -1,11 +1,11 @@
-#include "simulation/cut_zone.h"
+#include "simulation/solids/cut_zone.h"
 
 #include <random>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
-#include "simulation/acetabulum_solid.h"
+#include "simulation/solids/acetabulum_solid.h"
 
 namespace osteon::simulation {
 namespace {

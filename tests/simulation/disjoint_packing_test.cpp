@@ -1,4 +1,4 @@
-#include "simulation/disjoint_packing.h"
+#include "simulation/packing/disjoint_packing.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -12,8 +12,8 @@
 
 #include "mesh_shapes.h"
 #include "simple_solids.h"
-#include "simulation/acetabulum_solid.h"
 #include "simulation/scenes.h"
+#include "simulation/solids/acetabulum_solid.h"
 
 namespace osteon::simulation {
 namespace {

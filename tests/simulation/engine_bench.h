@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "gpu/vulkan_engine.h"
-#include "simulation/box_solid.h"
-#include "simulation/mass_points.h"
+#include "simulation/packing/mass_points.h"
 #include "simulation/reference_engine.h"
+#include "simulation/solids/box_solid.h"
 #include "simulation/tool.h"
 
 // What the engines' tests share: small scenes whose surfaces are known exactly, and every claim made of both

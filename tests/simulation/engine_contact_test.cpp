@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <random>
 
-#include "simulation/cup_frame.h"
 #include "simulation/scenes.h"
+#include "simulation/solids/cup_frame.h"
 #include "tests/simulation/engine_bench.h"
 
 // What a tool meets: contact without cutting. The spindle stands still unless a test says otherwise.

@@ -1,4 +1,4 @@
-#include "simulation/mass_properties.h"
+#include "simulation/solids/mass_properties.h"
 
 #include <numbers>
 #include <random>

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/cover_index.h"
+#include "simulation/packing/cover_index.h"
 #include "simulation/scenes.h"
 
 // The real thing: a hip bone of 50 000 triangles, where the folder of anatomical meshes is at hand.

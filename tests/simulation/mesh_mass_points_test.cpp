@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/mass_points.h"
-#include "simulation/mass_properties.h"
-#include "simulation/mesh_solid.h"
+#include "simulation/packing/mass_points.h"
+#include "simulation/solids/mass_properties.h"
+#include "simulation/solids/mesh_solid.h"
 
 // Mass points of the anatomical meshes against the meshes' own closed forms, where their folder is at hand.
 

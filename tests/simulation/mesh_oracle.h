@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "simulation/triangle_mesh.h"
+#include "simulation/mesh/triangle_mesh.h"
 
 // Distances to a mesh by asking every triangle: slow, and without any of the product's code.
 

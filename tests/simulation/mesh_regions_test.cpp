@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 
 #include "mesh_shapes.h"
-#include "simulation/mass_properties.h"
-#include "simulation/mesh_solid.h"
+#include "simulation/solids/mass_properties.h"
+#include "simulation/solids/mesh_solid.h"
 
 // Shells within shells: cavities bound the solid, regions tell its tissues apart.
 

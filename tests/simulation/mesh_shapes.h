@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/triangle_mesh.h"
+#include "simulation/mesh/triangle_mesh.h"
 
 // Small meshes for tests, and files of them. Sizes in metres, files in millimetres.
 

@@ -1,4 +1,4 @@
-#include "simulation/mesh_solid.h"
+#include "simulation/solids/mesh_solid.h"
 
 #include <limits>
 #include <memory>

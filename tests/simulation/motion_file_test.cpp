@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation/tool_motion.h"
+#include "simulation/tools/tool_motion.h"
 
 namespace osteon::simulation {
 namespace {

@@ -1,4 +1,4 @@
-#include "simulation/motion_player.h"
+#include "simulation/tools/motion_player.h"
 
 #include <gtest/gtest.h>
 

@@ -5,10 +5,10 @@
 
 #include <gmock/gmock.h>
 
-#include "simulation/acetabulum_solid.h"
-#include "simulation/cover_index.h"
-#include "simulation/mesh_solid.h"
-#include "simulation/packing_builder.h"
+#include "simulation/packing/cover_index.h"
+#include "simulation/packing/packing_builder.h"
+#include "simulation/solids/acetabulum_solid.h"
+#include "simulation/solids/mesh_solid.h"
 
 // Packings of so many balls as asked for.
 

@@ -1,4 +1,4 @@
-#include "simulation/packing_quality.h"
+#include "simulation/packing/packing_quality.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 
 #include <gmock/gmock.h>
 
-#include "simulation/acetabulum_solid.h"
-#include "simulation/ball_forest.h"
+#include "simulation/packing/ball_forest.h"
+#include "simulation/solids/acetabulum_solid.h"
 #include "tests/simulation/engine_bench.h"
 
 namespace osteon::simulation {

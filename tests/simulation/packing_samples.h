@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation/packing_file.h"
+#include "simulation/packing/packing_file.h"
 
 // A bone for packing files, and hands on a file's bytes that know the layout from docs/packing.md only:
 // offsets and the checksum are written out here once more, not taken from the code under test.

@@ -1,4 +1,4 @@
-#include "simulation/packing_builder.h"
+#include "simulation/packing/packing_builder.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <gmock/gmock.h>
 
-#include "simulation/acetabulum_solid.h"
-#include "simulation/morton.h"
+#include "simulation/packing/morton.h"
+#include "simulation/solids/acetabulum_solid.h"
 
 namespace osteon::simulation {
 namespace {

@@ -1,4 +1,4 @@
-#include "simulation/point_spectrum.h"
+#include "simulation/packing/point_spectrum.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-#include "simulation/acetabulum_solid.h"
+#include "simulation/solids/acetabulum_solid.h"
 
 namespace osteon::simulation {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "simulation/molar_solid.h"
+#include "simulation/solids/molar_solid.h"
 #include "tests/simulation/engine_bench.h"
 
 namespace osteon::simulation {

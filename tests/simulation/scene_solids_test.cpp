@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 
 #include "mesh_oracle.h"
-#include "simulation/box_solid.h"
-#include "simulation/femur_solid.h"
-#include "simulation/molar_solid.h"
+#include "simulation/solids/box_solid.h"
+#include "simulation/solids/femur_solid.h"
+#include "simulation/solids/molar_solid.h"
 
 // The solids of the generated scenes: distances against brute force, tissues against closed forms.
 

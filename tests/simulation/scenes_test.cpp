@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 
 #include "mesh_shapes.h"
-#include "simulation/cup_frame.h"
 #include "simulation/metrics/depth_table.h"
+#include "simulation/solids/cup_frame.h"
 
 namespace osteon::simulation {
 namespace {

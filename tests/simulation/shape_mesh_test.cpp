@@ -1,4 +1,4 @@
-#include "simulation/shape_mesh.h"
+#include "simulation/mesh/shape_mesh.h"
 
 #include <numbers>
 #include <set>

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/scramble.h"
-#include "simulation/shell_tool.h"
-#include "simulation/tool_kinds.h"
+#include "simulation/packing/scramble.h"
+#include "simulation/tools/shell_tool.h"
+#include "simulation/tools/tool_kinds.h"
 
 namespace osteon::simulation {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "simulation/ball_solid.h"
-#include "simulation/box_solid.h"
+#include "simulation/solids/ball_solid.h"
+#include "simulation/solids/box_solid.h"
 
 namespace osteon::simulation {
 

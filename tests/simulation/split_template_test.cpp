@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/box_solid.h"
 #include "simulation/metrics/carved_shape.h"
-#include "simulation/split_packing.h"
+#include "simulation/packing/split_packing.h"
+#include "simulation/solids/box_solid.h"
 
 namespace osteon::simulation {
 namespace {

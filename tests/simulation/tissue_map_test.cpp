@@ -1,11 +1,11 @@
-#include "simulation/tissue_map.h"
+#include "simulation/solids/tissue_map.h"
 
 #include <functional>
 
 #include <gmock/gmock.h>
 
 #include "mesh_shapes.h"
-#include "simulation/mesh_solid.h"
+#include "simulation/solids/mesh_solid.h"
 
 namespace osteon::simulation {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/tool_kinds.h"
-#include "simulation/tool_mass.h"
+#include "simulation/tools/tool_kinds.h"
+#include "simulation/tools/tool_mass.h"
 
 namespace osteon::simulation {
 namespace {

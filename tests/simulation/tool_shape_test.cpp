@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/mesh_solid.h"
-#include "simulation/tool_kinds.h"
-#include "simulation/tool_mesh.h"
+#include "simulation/solids/mesh_solid.h"
+#include "simulation/tools/tool_kinds.h"
+#include "simulation/tools/tool_mesh.h"
 #include "tests/simulation/mesh_shapes.h"
 
 namespace osteon::simulation {

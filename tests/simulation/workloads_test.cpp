@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/cut_metrics.h"
-#include "simulation/mass_points.h"
+#include "simulation/metrics/cut_metrics.h"
 #include "simulation/metrics/workload_scores.h"
-#include "simulation/packing_builder.h"
+#include "simulation/packing/mass_points.h"
+#include "simulation/packing/packing_builder.h"
 #include "simulation/reference_engine.h"
-#include "simulation/swept_tool.h"
+#include "simulation/tools/swept_tool.h"
 
 namespace osteon::simulation {
 namespace {

@@ -1,0 +1,62 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Where the tool ball that touches first cuts alone: which it is, of those that touch at the same time the first in the tool's own
+// order (twin of ReferenceEngine::TouchingBall). First contact is known, and the lists hold whatever touches there. Row 0: live
+// balls and the balls that cut; row 1: pairs with those that do not.
+#include "common.glsl"
+#include "first_contact.glsl"
+#include "pairs.glsl"
+
+const double kSameTouch_mm = 1e-5lf;  // simulation::kSameTouch_m
+
+// Least for the first in the tool's own order.
+uint KeyOf(uint t) { return uint(texelFetch(tool_texels, int(2u * t + 1u)).w) << kToolBits | t; }
+
+// Whether the pair is met at fraction `last` of the way, or before; in floats it may be.
+bool MayTouch(vec4 ball, uint t, float last, float rounding) {
+  vec4 start = Start(t);
+  return ball.w > 0.0 && EarliestContact(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w, rounding) <= last;
+}
+bool Touches(vec4 ball, uint t, double last) {
+  dvec4 start = ExactStart(t);
+  return ExactFirstContact(dvec3(ball.xyz) - start.xyz, ExactGoal(t) - start.xyz, start.w + double(ball.w)) <= last;
+}
+
+void main() {
+  uint row = Row(), key = kNoToolBall;
+  double s = FromKey(frame.contact_key), last = min(1.0lf, s + kSameTouch_mm / double(frame.path_mm));
+  bool met = s < 2.0lf;
+  float rough_last = AtLeast(last), rounding = frame.rounding_mm;
+  if (kOneCutter) {
+    uint slot = FirstEntry(), end = row == 0u && met ? frame.live_ball_count : 0u;
+    while (slot < end) {
+      vec4 ball;
+      bool may = false;
+      while (slot < end && !may) {
+        ball = LiveBall(slot);
+        may = MayTouch(ball, 0u, rough_last, rounding);
+        slot += EntryStep();
+      }
+      if (!may || !Touches(ball, 0u, last)) continue;
+      key = KeyOf(0u);
+      slot = end;
+    }
+  }
+  for (uint list = FirstList(row, 1u); list <= LastList(row, 1u); ++list) {
+    uint farthest = WordGap(Drift(list == kCutting, float(s)));
+    Walk walk = BeginWalk(list, met);
+    for (bool more = true; more;) {
+      vec4 ball;
+      bool may = false;
+      while (!may) {
+        more = NextPair(walk, farthest);
+        if (!more) break;
+        ball = LiveBall(walk.slot);
+        may = KeyOf(ToolOf(walk.word)) < key && MayTouch(ball, ToolOf(walk.word), rough_last, rounding);
+      }
+      if (may && Touches(ball, ToolOf(walk.word), last)) key = KeyOf(ToolOf(walk.word));
+    }
+  }
+  key = subgroupMin(key);
+  if (subgroupElect() && key != kNoToolBall) atomicMin(frame.touching, key);
+}

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <tl/expected.hpp>
+
+#include "simulation/files/file_error.h"
+
+namespace osteon::simulation {
+
+/// A file that appears whole or not at all: bytes go to a temporary file beside it, which takes its name on
+/// Commit. A name that stands for a device or a pipe is written to as it is; a symbolic link is followed.
+///
+///     auto file = OutputFile::Create("bone.osp");
+///     file->Write(bytes);           // errors are kept until Commit
+///     return file->Commit();
+class OutputFile {
+ public:
+  [[nodiscard]] static tl::expected<OutputFile, FileError> Create(const std::filesystem::path& path);
+
+  /// Without Commit the temporary file goes, and what was there before stays.
+  ~OutputFile();
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&&) = delete;
+
+  void Write(std::span<const std::byte> bytes);
+  void Write(std::string_view text) { Write(std::as_bytes(std::span(text))); }
+
+  /// Brings the bytes to the disk and gives the file its name. @returns the first error there was: disk full,
+  /// no permission.
+  [[nodiscard]] tl::expected<void, FileError> Commit();
+
+ private:
+  OutputFile(std::filesystem::path path, std::filesystem::path temporary, int fd)
+      : path_(std::move(path)), temporary_(std::move(temporary)), fd_(fd) {}
+  void Close();
+
+  std::filesystem::path path_, temporary_;  ///< no temporary: written in place
+  int fd_{-1};
+  int error_{0};  ///< errno of the first failure
+  std::uint64_t written_{0};
+};
+
+}  // namespace osteon::simulation

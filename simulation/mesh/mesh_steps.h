@@ -1,0 +1,73 @@
+#pragma once
+
+#include <algorithm>
+#include <compare>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simulation/mesh/mesh_file.h"
+#include "simulation/mesh/triangle_mesh.h"
+
+// The steps from a file's triangles to a solid: weld, check, sort the shells.
+
+namespace osteon::simulation {
+
+/// Triangles over shared vertices, and the part of the file that each came from.
+struct PartedMesh {
+  TriangleMesh mesh;
+  std::vector<std::string> parts;
+  std::vector<std::uint32_t> part_of_triangle;  ///< empty: all of one part
+};
+
+/// A place, for messages.
+[[nodiscard]] std::string InMm(const Vector3& p_m);
+
+/// One side of an edge.
+struct MeshEdge {
+  std::uint32_t low, high, triangle;
+  bool rising;  ///< the triangle walks it from low to high
+  auto operator<=>(const MeshEdge&) const = default;
+};
+[[nodiscard]] std::vector<MeshEdge> SortedEdges(const TriangleMesh& mesh);
+
+/// Welds what lies at exactly the same place, each part on its own, and drops what collapses or is there
+/// twice.
+/// @param m_per_unit  metres to a unit of the file
+[[nodiscard]] PartedMesh WeldParts(const RawMesh& raw, double m_per_unit, MeshReport& report);
+
+/// Welds ends of open edges within the tolerance of each other (0: at exactly the same place), whatever part
+/// they belong to. @returns how many vertices went.
+std::size_t WeldOpenEdges(PartedMesh& parted, double tolerance_m, MeshReport& report);
+
+/// Checks all that CheckMesh does, and sorts the shells into what bounds the solid and its regions. A mesh
+/// without regions keeps its vertices and triangles as they are (or all flipped).
+[[nodiscard]] tl::expected<LoadedMesh, MeshError> AcceptMesh(PartedMesh parted, const MeshReport& report,
+                                                             const std::string& name);
+
+/// Finds how the shells nest; fills the report's shells and the regions. `mesh` is manifold, its volume not
+/// negative, and its shells do not cross each other.
+[[nodiscard]] tl::expected<LoadedMesh, MeshError> SortShells(PartedMesh parted, MeshReport report,
+                                                             const std::string& name);
+
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  [[nodiscard]] std::uint32_t Find(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  /// The lowest member stands for a set.
+  void Join(std::uint32_t i, std::uint32_t j) {
+    i = Find(i);
+    j = Find(j);
+    parent_[std::max(i, j)] = std::min(i, j);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "simulation/bone.h"
+#include "simulation/cutting_engine.h"
+#include "simulation/solids/solid.h"
+#include "simulation/tool.h"
+
+// What a cut is measured by, independently of the engine that made it.
+
+namespace osteon::simulation {
+
+/// Distance from `origin_m` along the unit vector `direction` to the first ball of a union; nothing where
+/// none is met, 0 where the origin lies in one.
+[[nodiscard]] std::optional<double> FirstHit(std::span<const Ball> balls, const Vector3& origin_m,
+                                             const Vector3& direction);
+
+/// The balls that are left; of those that were split, the children.
+[[nodiscard]] std::vector<Ball> LiveBalls(const CarvedState& state);
+
+/// How far the tool's apex was below the cup's first floor (of the uncut balls, along the cup's axis) at one
+/// proxy pose [m].
+class ApexDepth {
+ public:
+  ApexDepth(const Bone& bone, const Tool& tool);
+  /// Negative above the floor.
+  [[nodiscard]] double Of(const Pose& X_GP) const;
+  /// Distance of the first floor from the cup's centre.
+  [[nodiscard]] double floor_m() const { return floor_m_; }
+
+ private:
+  Cup cup_;
+  Vector3 head_T_m_;
+  double head_radius_m_;
+  double floor_m_;
+};
+
+/// Volume of the solid that the tool's cutting balls sweep along a path of proxy poses: the solid's cells of
+/// a regular grid whose centre lies within a ball's radius of its centre's path. Independent of balls and
+/// mass points.
+/// @param cell_m  edge of a cell; the error falls with the cell's size over the cut's
+[[nodiscard]] double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP,
+                                 double cell_m);
+
+}  // namespace osteon::simulation

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "simulation/bone.h"
+#include "simulation/solids/solid.h"
+
+namespace osteon::simulation {
+
+/// Balls of any sizes, to ask how far a point is from their union and which two overlap most.
+///
+///     octave of radius   [.25, .5) mm          [.5, 1) mm       [1, 2) mm …
+///     tree of boxes          /\                    /\               /\          boxes hold centres; each
+///     around centres        /\/\                  /\/\             /\/\         knows its greatest radius
+///     leaves             runs of 8 balls along a Morton curve
+///
+/// One tree an octave: a box's distance less its greatest radius is then a bound within a factor of two of
+/// every ball in it, however unlike the packing's balls are. Searches are branch and bound, so they are
+/// exact, and heavy overlap costs no more than the few boxes that could hold something worse than the worst
+/// so far.
+class BallForest {
+ public:
+  /// Copies the balls. @pre centres are finite, radii finite and positive.
+  explicit BallForest(std::span<const Ball> balls);
+
+  /// Distance from p to the union of the balls, 0 inside; `at_most_m` where it is farther, or without balls.
+  [[nodiscard]] double Gap(const Vector3& p_m,
+                           double at_most_m = std::numeric_limits<double>::infinity()) const;
+
+  /// Greatest r + r' - |c - c'| over all pairs; 0 where none overlap.
+  [[nodiscard]] double GreatestOverlap(int threads) const;
+
+  /// Least |c - c'| / max(r, r') between one of the balls and the others; infinite where there is no other.
+  [[nodiscard]] double Separation(const Ball& one_of_them) const;
+
+  /// Greatest radius + signed distance of the centre; minus infinity without balls.
+  /// Rests on signed distances inside the solid being exact: a box deep inside holds nothing that protrudes.
+  [[nodiscard]] double GreatestProtrusion(const Solid& solid, int threads) const;
+
+ private:
+  struct Node {
+    std::array<double, 3> low_m, high_m;  ///< box of the centres
+    double radius_m;                      ///< greatest
+    [[nodiscard]] double SquaredDistance(const Vector3& p_m) const;
+  };
+  /// Level 0 has a node for each run of kLeaf balls, each further level one for each run of kArity nodes of
+  /// the last.
+  struct Tree {
+    std::vector<Ball> balls;
+    std::vector<std::vector<Node>> levels;
+  };
+  static constexpr std::size_t kLeaf = 8, kArity = 4;
+
+  static Tree MakeTree(std::vector<Ball> balls);
+  /// Calls visit(ball, its index) for balls in nodes that may come nearer to p than limit(node), nearest
+  /// first, and stops where it returns true.
+  template <typename Limit, typename Visit>
+  static bool Search(const Tree& tree, const Vector3& p_m, const Limit& limit, const Visit& visit);
+
+  std::vector<Tree> trees_;  ///< the octave of the largest balls first
+};
+
+}  // namespace osteon::simulation

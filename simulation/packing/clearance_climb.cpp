@@ -1,0 +1,133 @@
+#include "simulation/packing/clearance_climb.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace osteon::simulation {
+
+void ClearanceClimb::Look(const Vector3& p_m, double reach_m) {
+  seen_.clear();
+  planes_.clear();
+  balls_.Gather(p_m, reach_m, seen_);
+  gaps_m_.resize(seen_.size());
+  looked_from_m_ = p_m;
+  looked_m_ = reach_m;
+}
+
+/// Clearance at p; leaves in bounds_ what comes within `window` of it.
+double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
+  std::optional<SurfacePoint> surface;
+  const double depth = depths_.LowerBound(p_m);
+  while (true) {
+    double clearance = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < seen_.size(); ++k) {
+      const Ball& ball = seen_[k];
+      const double x = p_m.x() - ball.center_m.x, y = p_m.y() - ball.center_m.y,
+                   z = p_m.z() - ball.center_m.z;
+      gaps_m_[k] = std::sqrt(x * x + y * y + z * z) - ball.radius_m;
+      clearance = std::min(clearance, gaps_m_[k]);
+    }
+    // An exact query of the surface takes longer than all the rest: only where it may matter.
+    if (!surface && depth < clearance + window_m) surface = solid_.NearestSurface(p_m);
+    if (surface) clearance = std::min(clearance, -surface->distance_m);
+    // Balls not seen lie further than this. The second time round they do, by what is asked for.
+    const double sure = looked_m_ - (p_m - looked_from_m_).norm();
+    if (sure < clearance + window_m) {
+      const std::vector<Plane> planes = std::move(planes_);
+      Look(p_m, 1.5 * (std::max(0.0, clearance) + window_m) + 1e-12);
+      planes_ = planes;
+      continue;
+    }
+    if (surface && std::abs(surface->distance_m) > 1e-12) {
+      const Vector3 normal = (p_m - surface->p_m) / -surface->distance_m;
+      // a plane of nearly the same direction is an older view of the same piece of surface
+      std::erase_if(planes_, [&normal](const Plane& plane) { return plane.normal.dot(normal) > 0.95; });
+      planes_.push_back({normal, surface->p_m});
+    }
+    if (window_m > 0.0) {
+      bounds_.clear();
+      for (std::size_t k = 0; k < seen_.size(); ++k) {
+        const double distance = gaps_m_[k] + seen_[k].radius_m;
+        if (gaps_m_[k] < clearance + window_m && distance > 0.0)
+          bounds_.push_back({gaps_m_[k], (p_m - Vector3(seen_[k].center_m)) / distance});
+      }
+      if (surface) AddPlanes(p_m, clearance, clearance + window_m);
+    }
+    return clearance;
+  }
+}
+
+/// Adds the tangent planes nearer than `within` to the bounds. Where the surface bulges inwards, a plane met
+/// elsewhere says less than the clearance measured: that counts.
+void ClearanceClimb::AddPlanes(const Vector3& p_m, double clearance_m, double within_m) {
+  for (const Plane& plane : planes_) {
+    const double value = std::max(clearance_m, plane.normal.dot(p_m - plane.at_m));
+    if (value < within_m) bounds_.push_back({value, plane.normal});
+  }
+}
+
+Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double least_m) {
+  Vector3 p = p_m;
+  double most = 0.7 * scale_m;
+  double clearance = Measure(p, 2.0 * most);
+  constexpr int kMostSteps = 40;  // five to ten are usual: balls curve, and the optimum has four of them
+  for (int i = 0; i < kMostSteps && !bounds_.empty(); ++i) {
+    if (clearance >= cap_.At(p)) return Settle(p, clearance);
+    const auto [step, hoped] = WalkRidges(bounds_, most);
+    const double gain = hoped - clearance;
+    if (!(gain > 1e-7 * std::abs(clearance))) break;
+    last_bounds_ = bounds_;
+    const bool inner = step.norm() < 0.99 * most;
+    if (inner) most = std::min(most, std::max(step.norm(), 0.01 * scale_m));
+    const double there = Measure(p + step, 2.0 * most);
+    if (there > clearance + 0.1 * gain) {
+      p += step;
+      clearance = there;
+      if (!inner) most *= 2.0;
+      // An optimum within reach that falls short of `least` by far: what is left is curvature.
+      if (inner && there < 0.6 * least_m && gain < 0.1 * least_m) break;
+    } else {
+      std::swap(bounds_, last_bounds_);
+      AddPlanes(p, clearance, std::numeric_limits<double>::infinity());  // one may be new
+      most = 0.3 * step.norm();
+      if (most < 1e-6 * std::abs(clearance)) break;
+    }
+  }
+  return {.center_m = p, .radius_m = clearance};
+}
+
+/// Newton's method for the place where a ball of the cap's radius touches the three nearest obstacles, each
+/// step the shortest that the linearised equations allow. Where it leads nowhere, the ball stays.
+Ball ClearanceClimb::Settle(const Vector3& p_m, double clearance_m) {
+  const Ball unsettled{.center_m = p_m, .radius_m = std::min(clearance_m, cap_.At(p_m))};
+  Vector3 p = p_m;
+  constexpr int kMostSteps = 12;
+  for (int i = 0; i < kMostSteps; ++i) {
+    const double radius = cap_.At(p);
+    const double clearance = Measure(p, 3.0 * radius);
+    const std::size_t count = std::min<std::size_t>(3, bounds_.size());
+    if (count == 0) break;
+    std::partial_sort(bounds_.begin(), bounds_.begin() + count, bounds_.end(),
+                      [](const ClearanceBound& a, const ClearanceBound& b) { return a.value_m < b.value_m; });
+    double off = 0.0;
+    Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> gradients(count, 3);
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> missing(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      gradients.row(k) = bounds_[k].gradient.transpose();
+      missing[k] = radius - bounds_[k].value_m;
+      off = std::max(off, std::abs(missing[k]));
+    }
+    if (off < 1e-9 * radius) return {.center_m = p, .radius_m = std::min(clearance, radius)};
+    Vector3 step = gradients.completeOrthogonalDecomposition().solve(missing);
+    const double length = step.norm();
+    if (!(length < 1e3 * radius)) break;
+    if (length > 0.5 * radius) step *= 0.5 * radius / length;
+    p += step;
+  }
+  return unsettled;
+}
+
+}  // namespace osteon::simulation

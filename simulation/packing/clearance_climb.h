@@ -1,0 +1,74 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "simulation/packing/ball_grid.h"
+#include "simulation/packing/ridge_walk.h"
+#include "simulation/solids/cut_zone.h"
+#include "simulation/solids/distance_grid.h"
+#include "simulation/solids/solid.h"
+
+namespace osteon::simulation {
+
+/// The greatest radius of a ball by where its centre is: r0 + a·d, d the depth below the cut zone.
+struct RadiusCap {
+  const CutZone& zone;
+  double radius_m{0.0};
+  double grade{0.0};
+
+  [[nodiscard]] double At(const Vector3& p_m) const {
+    return grade > 0.0 ? radius_m + grade * std::max(0.0, zone.DepthAt(p_m)) : radius_m;
+  }
+};
+
+/// Climbs to local maxima of the clearance: the distance to the surface or to the nearest ball, whichever is
+/// less.
+///
+/// One object a thread. It keeps what it has seen of a neighbourhood between climbs; nothing may be inserted
+/// into the balls meanwhile.
+class ClearanceClimb {
+ public:
+  ClearanceClimb(const Solid& solid, const DistanceGrid& depths, const BallGrid& balls, const RadiusCap& cap)
+      : solid_(solid), depths_(depths), balls_(balls), cap_(cap) {}
+
+  /// Takes up the balls whose surfaces come nearer than `reach` to p, and forgets all else.
+  void Look(const Vector3& p_m, double reach_m);
+  /// The balls that the last Look took up.
+  [[nodiscard]] std::span<const Ball> seen() const { return seen_; }
+
+  /// The largest ball around the local maximum that a climb from p ends on. Where the cap leaves room, the
+  /// climb ends as soon as there is enough of it, and the ball settles: it comes to rest against its three
+  /// nearest neighbours.
+  ///
+  /// The ball overlaps nothing by more than rounding. A climb that cannot come to `least` may be abandoned;
+  /// what it returns is then less.
+  /// @param scale_m  about the radius expected: the first steps' length
+  [[nodiscard]] Ball Climb(const Vector3& p_m, double scale_m, double least_m);
+
+  /// Clearance at p, negative outside the solid or within a ball.
+  [[nodiscard]] double ClearanceAt(const Vector3& p_m) { return Measure(p_m, 0.0); }
+
+ private:
+  struct Plane {
+    Vector3 normal;  ///< into the solid
+    Vector3 at_m;
+  };
+  double Measure(const Vector3& p_m, double window_m);
+  void AddPlanes(const Vector3& p_m, double clearance_m, double within_m);
+  [[nodiscard]] Ball Settle(const Vector3& p_m, double clearance_m);
+
+  const Solid& solid_;
+  const DistanceGrid& depths_;
+  const BallGrid& balls_;
+  const RadiusCap& cap_;
+
+  Vector3 looked_from_m_{Vector3::Zero()};
+  double looked_m_{0.0};
+  std::vector<Ball> seen_;
+  std::vector<double> gaps_m_;  ///< to the balls seen, where the last Measure was
+  std::vector<Plane> planes_;   ///< the surface's tangent planes met so far
+  std::vector<ClearanceBound> bounds_, last_bounds_;
+};
+
+}  // namespace osteon::simulation

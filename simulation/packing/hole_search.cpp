@@ -1,0 +1,219 @@
+#include "simulation/packing/hole_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "simulation/packing/scramble.h"
+
+namespace osteon::simulation {
+namespace {
+
+/// Fibonacci's lattice on the sphere: point i of `count`.
+Vector3 SpherePoint(int i, int count) {
+  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0)) * i;
+  const double z = 1.0 - (2.0 * i + 1.0) / count, r = std::sqrt(1.0 - z * z);
+  return {r * std::cos(turn), r * std::sin(turn), z};
+}
+
+/// A rotation that is uniform over the seeds. Source: Shoemake, Graphics Gems III, 1992.
+Matrix3 RandomRotation(std::uint64_t bits) {
+  const double a = Uniform(bits = Scramble(bits)),
+               b = Uniform(bits = Scramble(bits)) * 2.0 * std::numbers::pi;
+  const double c = Uniform(Scramble(bits)) * 2.0 * std::numbers::pi;
+  const double s = std::sqrt(1.0 - a), t = std::sqrt(a);
+  return Eigen::Quaterniond(t * std::cos(c), s * std::sin(b), s * std::cos(b), t * std::sin(c))
+      .toRotationMatrix();
+}
+
+constexpr int kNeighbors = 6;
+
+template <int kCount>
+struct Lattice {
+  std::array<Vector3, kCount> points;
+  std::array<std::array<int, kNeighbors>, kCount> neighbors;
+
+  Lattice() {
+    for (int i = 0; i < kCount; ++i) points[i] = SpherePoint(i, kCount);
+    for (int i = 0; i < kCount; ++i) {
+      std::array<std::pair<double, int>, kCount> by_angle;
+      for (int j = 0; j < kCount; ++j) by_angle[j] = {-points[i].dot(points[j]), j};
+      std::sort(by_angle.begin(), by_angle.end());
+      for (int k = 0; k < kNeighbors; ++k) neighbors[i][k] = by_angle[k + 1].second;  // itself comes first
+    }
+  }
+};
+
+}  // namespace
+
+void HoleSearch::AroundBall(std::size_t index, double least_m, double most_m, std::vector<Ball>& found) {
+  static const Lattice<kDirections> lattice;
+  const Ball ball = balls_.balls()[index];
+  const Vector3 center = ball.center_m;
+  const double r = ball.radius_m;
+  const Matrix3 turn = RandomRotation(seed_ ^ Scramble(index));
+  for (int j = 0; j < kDirections; ++j) {
+    const Vector3 u = turn * lattice.points[j];
+    x_[j] = u.x();
+    y_[j] = u.y();
+    z_[j] = u.z();
+  }
+  radius_m_.fill(most_m);
+  climb_.Look(center, r + 2.0 * most_m);
+  for (const Ball& other : climb_.seen())
+    if ((center - Vector3(other.center_m)).squaredNorm() > r * r) BoundByBall(ball, other);  // not by itself
+  if (depths_.LowerBound(center) < r + 2.0 * most_m) BoundBySurface(ball, most_m);
+  const bool capped = BoundByCap(ball, most_m);
+
+  const std::size_t first = found.size();
+  const auto climb_from = [&](int j) {
+    const Vector3 p = center + (r + radius_m_[j]) * Vector3(x_[j], y_[j], z_[j]);
+    Report(climb_.Climb(p, radius_m_[j], least_m), least_m, first, found);
+  };
+  bool all_capped = true;
+  for (int j = 0; j < kDirections; ++j) {
+    all_capped &= capped_[j] != 0.0;
+    if (radius_m_[j] < 0.6 * least_m)
+      continue;  // climbing on from there makes up for the lattice's coarseness
+    bool is_maximum = true, at_rim = false;
+    for (const int k : lattice.neighbors[j]) {
+      is_maximum &= radius_m_[k] < radius_m_[j] || (radius_m_[k] == radius_m_[j] && k > j);
+      at_rim |= capped_[k] == 0.0;
+    }
+    // Where the cap leaves room, the rim of that room is where a ball leans on something else as well.
+    if (capped && capped_[j] != 0.0 ? at_rim : is_maximum) climb_from(j);
+  }
+  if (all_capped) climb_from(0);
+}
+
+/// Bounds the radii by the surface, as it is nearest to a dozen places around the ball.
+void HoleSearch::BoundBySurface(const Ball& ball, double most_m) {
+  constexpr int kProbes = 12;
+  static const Lattice<kProbes> lattice;
+  const Vector3 center = ball.center_m;
+  const double r = ball.radius_m, away = r + 0.5 * std::min(r, most_m);
+  std::array<Vector3, kProbes> normals;
+  int count = 0;
+  for (const Vector3& u : lattice.points) {
+    const Vector3 p = center + away * u;
+    const SurfacePoint surface = solid_.NearestSurface(p);
+    if (std::abs(surface.distance_m) < 1e-9) continue;  // too near to tell the normal
+    const Vector3 n = (p - surface.p_m) / -surface.distance_m;
+    if (std::any_of(normals.begin(), normals.begin() + count,
+                    [&n](const Vector3& m) { return m.dot(n) > 0.98; }))
+      continue;
+    normals[count++] = n;
+    // As if a ball lay on the other side: a plane would hide the holes beside a surface that bulges inwards.
+    BoundByBall(ball, {.center_m = surface.p_m - 2.0 * r * n, .radius_m = 2.0 * r});
+  }
+}
+
+/// |c + (r + s) u - c'| = r' + s, solved for the radius s.
+void HoleSearch::BoundByBall(const Ball& ball, const Ball& other) {
+  const Vector3 d = Vector3(ball.center_m) - Vector3(other.center_m);
+  const double dx = d.x(), dy = d.y(), dz = d.z(), r = ball.radius_m;
+  const double constant = d.squaredNorm() + r * r - other.radius_m * other.radius_m;
+  const double difference = other.radius_m - r;
+  for (int j = 0; j < kDirections; ++j) {
+    const double along = x_[j] * dx + y_[j] * dy + z_[j] * dz;
+    const double s = (constant + 2.0 * r * along) / (2.0 * (difference - along));
+    radius_m_[j] = difference > along && s < radius_m_[j] ? s : radius_m_[j];
+  }
+}
+
+bool HoleSearch::BoundByCap(const Ball& ball, double most_m) {
+  capped_.fill(0.0);
+  const Vector3 center = ball.center_m;
+  const double cap = cap_.At(center), r = ball.radius_m;
+  if (cap - cap_.grade * (r + most_m) > most_m) return false;
+  Vector3 slope =
+      Vector3::Zero();  // of the cap; the zone's depth is not smooth everywhere, but a start will do
+  if (cap_.grade > 0.0)
+    for (int axis = 0; axis < 3; ++axis)
+      slope[axis] = (cap_.At(center + 0.1 * r * Vector3::Unit(axis)) - cap) / (0.1 * r);
+  bool any = false;
+  for (int j = 0; j < kDirections; ++j) {
+    const double along = slope.x() * x_[j] + slope.y() * y_[j] + slope.z() * z_[j];
+    const double s = along < 1.0 ? std::max(cap_.radius_m, (cap + r * along) / (1.0 - along)) : most_m;
+    if (s > radius_m_[j]) continue;
+    radius_m_[j] = s;
+    capped_[j] = 1.0;
+    any = true;
+  }
+  return any;
+}
+
+/// Appends the hole, unless it is too small or there already (at `first` or later).
+void HoleSearch::Report(const Ball& hole, double least_m, std::size_t first, std::vector<Ball>& found) const {
+  if (!(hole.radius_m >= least_m)) return;
+  for (std::size_t i = first; i < found.size(); ++i)
+    if ((Vector3(hole.center_m) - Vector3(found[i].center_m)).squaredNorm() <
+        1e-4 * hole.radius_m * hole.radius_m)
+      return;
+  found.push_back(hole);
+}
+
+Ball HoleSearch::From(const Vector3& p_m, double scale_m, double least_m) {
+  climb_.Look(p_m, 3.0 * scale_m);
+  return climb_.Climb(p_m, scale_m, least_m);
+}
+
+struct HoleSearch::CubeSearch {
+  double least_m;
+  std::size_t first;  ///< of the holes found here
+  std::vector<Ball>& found;
+  std::vector<Ball> near;  ///< a stack: the balls that matter within the cube, then those within its part, …
+};
+
+void HoleSearch::InCube(const Vector3& center_m, double side_m, double least_m, std::vector<Ball>& found) {
+  CubeSearch search{.least_m = least_m, .first = found.size(), .found = found, .near = {}};
+  balls_.Gather(center_m, kSure * least_m + std::sqrt(0.75) * side_m, search.near);
+  Divide(search, center_m, side_m, depths_.LowerBound(center_m), 0, search.near.size(), false);
+}
+
+/// @param depth_m  a lower bound of the centre's depth in the solid
+/// @param first, last  what of search.near matters here
+/// @param climbed  whether a cube around this one has been climbed from without there being surely a hole
+void HoleSearch::Divide(CubeSearch& search, const Vector3& center_m, double side_m, double depth_m,
+                        std::size_t first, std::size_t last, bool climbed) {
+  // The clearance within the cube is at most its centre's and half the diagonal.
+  const double reach = std::sqrt(0.75) * side_m, sure = kSure * search.least_m;
+  double clearance = sure + reach;
+  const auto take = [&](const Ball& ball) {
+    const double gap = (center_m - Vector3(ball.center_m)).norm() - ball.radius_m;
+    if (gap < sure + reach) search.near.push_back(ball);
+    clearance = std::min(clearance, gap);
+  };
+  for (std::size_t i = first; i < last; ++i) {
+    const Ball ball = search.near[i];  // a copy: near grows
+    take(ball);
+  }
+  for (std::size_t i = search.first; i < search.found.size(); ++i) take(search.found[i]);
+  depth_m = std::max(depth_m, depths_.LowerBound(center_m));
+  if (clearance + reach >= sure && depth_m < clearance) {
+    depth_m = -solid_.SignedDistance(center_m);
+    clearance = std::min(clearance, depth_m);
+  }
+  if (clearance + reach >= sure) {
+    const bool sure_hole = clearance >= search.least_m;
+    if (sure_hole || (!climbed && clearance >= 0.8 * search.least_m)) {
+      climbed = true;
+      const std::size_t before = search.found.size();
+      Report(From(center_m, search.least_m, search.least_m), search.least_m, search.first, search.found);
+      // a climb back to a hole found before: there is room for a second ball here
+      if (sure_hole && search.found.size() == before)
+        search.found.push_back({.center_m = center_m, .radius_m = std::min(clearance, cap_.At(center_m))});
+    }
+    // Otherwise the rest of this cube is looked at again once that ball is in place.
+    if (!sure_hole) {
+      const std::size_t end = search.near.size();
+      for (int i = 0; i < 8; ++i) {
+        const Vector3 offset = 0.25 * side_m * Vector3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+        Divide(search, center_m + offset, 0.5 * side_m, depth_m - 0.5 * reach, last, end, climbed);
+      }
+    }
+  }
+  search.near.resize(last);
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,121 @@
+#include "simulation/packing/packing_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/files/check_range.h"
+#include "simulation/packing/graded_descent.h"
+#include "simulation/packing/morton.h"
+#include "simulation/packing/surface_gaps.h"
+#include "simulation/packing/tangent_balls.h"
+
+namespace osteon::simulation {
+namespace {
+
+constexpr std::size_t kMostBalls = 100'000'000;
+
+/// A lattice may take this share of a wanted count; more where it would have holes otherwise.
+constexpr double kLatticeShare = 0.4, kLatticeShareWithHoles = 0.75;
+/// Fewer samples than this for each ball wanted from them are too few to choose from.
+constexpr double kLeastSamplesPerBall = 1.5;
+
+void Check(const PackingParams& p) {
+  CheckGrade("packing: lattice", p.lattice, 0.02e-3, 0.500);
+  CheckGrade("packing: surface samples", p.samples, 0.001e-3, 0.010);
+  CheckRangeMm("packing: cup radius cap", p.cup_radius_cap_m, 0.56 * p.lattice.finest_m, 0.500);
+  CheckRangeMm("packing: least radius", p.least_radius_m, 0.001e-3, p.cup_radius_cap_m);
+  CheckRangeMm("packing: surface gap", p.surface_gap_m, 0.001e-3, p.greatest_surface_gap_m);
+  CheckRangeMm("packing: greatest surface gap", p.greatest_surface_gap_m, p.surface_gap_m, 0.050);
+  if (p.radius_growth && !(*p.radius_growth >= 0.0 && *p.radius_growth <= 1.0))
+    throw std::invalid_argument(
+        fmt::format("packing: radius growth: found {:g}, accepted 0 … 1", *p.radius_growth));
+  if (p.count > kMostBalls)
+    throw std::invalid_argument(
+        fmt::format("packing: count: found {}, accepted 0 … {}", p.count, kMostBalls));
+}
+
+/// Body-centred: each cell gives its centre and its least corner, where a ball of the cap's size, or nearly
+/// so, fits in. Nearer to the surface the balls that touch it do the same with fewer.
+std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const PackingParams& params) {
+  const auto add = [&](const Cell& cell, std::vector<Ball>& balls) {
+    const auto site = [&](const Vector3& p, double distance_m) {
+      constexpr double kLeastOfCap = 0.9;
+      const double cap = params.RadiusCapAt(zone.DepthAt(p), cell.side_m);
+      if (-distance_m >= kLeastOfCap * cap)
+        balls.push_back({.center_m = p, .radius_m = std::min(-distance_m, cap)});
+    };
+    const double distance = solid.SignedDistance(cell.center());
+    if (distance > cell.reach_m()) return;
+    site(cell.center(), distance);
+    site(cell.least_corner(), solid.SignedDistance(cell.least_corner()));
+  };
+  return DescendGraded<Ball>(solid, zone, params.lattice, CellsWanted::kSolid, params.threads, kMostBalls,
+                             add);
+}
+
+/// The lattice, its spacing widened until it leaves enough of a wanted count to the surface.
+std::vector<Ball> FittingLattice(const Solid& solid, const CutZone& zone, PackingParams& params) {
+  const auto count = static_cast<double>(params.count);
+  for (;;) {
+    std::vector<Ball> balls = LatticeBalls(solid, zone, params);
+    const auto found = static_cast<double>(balls.size());
+    // a body-centred lattice has no holes where its balls have .56 of its spacing
+    const bool at_holes = params.cup_radius_cap_m < 0.6 * params.lattice.finest_m;
+    const double share = at_holes ? kLatticeShareWithHoles : kLatticeShare;
+    if (params.count == 0 || found <= share * count) return balls;
+    double wider = std::max(1.02, std::cbrt(found / (0.97 * share * count)));
+    if (!at_holes)
+      wider = std::min(wider, std::max(1.02, params.cup_radius_cap_m / (0.599 * params.lattice.finest_m)));
+    params.lattice.finest_m *= wider;
+  }
+}
+
+/// Tangent balls to choose from along a Morton curve; where `wanted` asks for more, from a finer sample.
+std::vector<TangentBall> EnoughTangentBalls(const Solid& solid, const CutZone& zone,
+                                            const PackingParams& params, std::size_t wanted) {
+  GradeParams samples = params.samples;
+  constexpr int kMostRounds = 6;
+  for (int round = 0;; ++round) {
+    std::vector<TangentBall> balls = FindTangentBalls(solid, zone, params, samples);
+    const double per_ball =
+        static_cast<double>(balls.size()) / static_cast<double>(std::max<std::size_t>(1, wanted));
+    if (wanted == 0 || per_ball >= kLeastSamplesPerBall || round == kMostRounds) {
+      SortAlongMortonCurve(balls, solid.Bounds(), [](const TangentBall& ball) { return ball.foot_m; });
+      return balls;
+    }
+    samples.finest_m *= std::clamp(std::sqrt(per_ball / (1.3 * kLeastSamplesPerBall)), 0.2, 0.9);
+  }
+}
+
+}  // namespace
+
+double PackingParams::SpacingAt(double depth_m) const {
+  const std::vector<double>& from = lattice.coarser_from_m;
+  const auto level = std::upper_bound(from.begin(), from.end(), depth_m) - from.begin();
+  return std::ldexp(lattice.finest_m, static_cast<int>(level));
+}
+
+double PackingParams::RadiusCapAt(double depth_m, double spacing_m) const {
+  if (radius_growth) return cup_radius_cap_m + *radius_growth * std::max(0.0, depth_m);
+  return std::max(cup_radius_cap_m, std::min(radius_over_spacing * spacing_m, depth_m - cup_depth_m));
+}
+
+double PackingParams::SurfaceGapAt(double depth_m) const {
+  const std::vector<double>& from = lattice.coarser_from_m;
+  const double below_finest = from.empty() ? 0.0 : std::max(0.0, depth_m - from.front());
+  return std::min(surface_gap_m + surface_gap_growth * below_finest, greatest_surface_gap_m);
+}
+
+std::vector<Ball> BuildPacking(const Solid& solid, const CutZone& zone, const PackingParams& asked) {
+  Check(asked);
+  PackingParams params = asked;
+  std::vector<Ball> balls = FittingLattice(solid, zone, params);
+  const std::size_t wanted = params.count - std::min(params.count, balls.size());
+  const std::vector<TangentBall> samples = EnoughTangentBalls(solid, zone, params, wanted);
+  const std::vector<Ball> cover = CoverSurface(samples, wanted);
+  balls.insert(balls.end(), cover.begin(), cover.end());
+  SortAlongMortonCurve(balls, solid.Bounds(), [](const Ball& ball) { return Vector3(ball.center_m); });
+  return balls;
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include <tl/expected.hpp>
+
+#include "simulation/bone.h"
+#include "simulation/files/file_error.h"
+
+// Balls for other programs, in millimetres and in G's own coordinates. Both files appear whole or not at all.
+
+namespace osteon::simulation {
+
+/// PLY, binary little-endian: element vertex with float x, y, z, radius.
+[[nodiscard]] tl::expected<void, FileError> WritePly(const std::filesystem::path& path,
+                                                     std::span<const Ball> balls);
+
+/// A header line "x_mm,y_mm,z_mm,r_mm", then a line a ball; numbers as short as a float32 allows.
+[[nodiscard]] tl::expected<void, FileError> WriteCsv(const std::filesystem::path& path,
+                                                     std::span<const Ball> balls);
+
+}  // namespace osteon::simulation

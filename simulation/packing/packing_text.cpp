@@ -1,0 +1,244 @@
+#include "simulation/packing/packing_text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace osteon::simulation {
+namespace {
+
+struct Figure {
+  const char* key;
+  double Material::*value;
+  const char* source_key;      ///< where the figure comes from, ...
+  const char* assumption_key;  ///< ... or on what it was assumed
+  FigureSource Material::*source;
+  bool may_be_zero;  ///< else above it
+  double greatest;
+};
+/// As CheckMaterials has it.
+constexpr double kAny = std::numeric_limits<double>::max();
+constexpr std::array<Figure, 4> kFigures{{
+    {"density_kg_per_m3", &Material::density_kg_per_m3, "density_source", "density_assumption",
+     &Material::density_source, false, kAny},
+    {"specific_cutting_energy_J_per_m3", &Material::specific_cutting_energy_J_per_m3, "cutting_energy_source",
+     "cutting_energy_assumption", &Material::cutting_energy_source, false, kAny},
+    {"cutting_force_ratio", &Material::cutting_force_ratio, "cutting_force_source",
+     "cutting_force_assumption", &Material::cutting_force_source, false, kAny},
+    {"friction", &Material::friction, "friction_source", "friction_assumption", &Material::friction_source,
+     true, 2.0},
+}};
+
+constexpr const char* kCrcKey = "source_crc32";
+constexpr const char* kTextAccepted = "UTF-8 without control characters";
+
+std::string Escaped(const std::string& value) {
+  std::string out;
+  for (const char c : value) {
+    if (c == '\\' || c == '\n') out += '\\';
+    out += c == '\n' ? 'n' : c;
+  }
+  return out;
+}
+
+/// A byte that a message may show.
+std::string Shown(std::string_view text) {
+  std::string out;
+  for (const char c : text.substr(0, 40))
+    out +=
+        c >= 0x20 && c < 0x7f ? std::string(1, c) : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+  return "\"" + out + (text.size() > 40 ? "…\"" : "\"");
+}
+
+/// Length of the UTF-8 character that begins the text; 0 where there is none. Shortest forms only, no
+/// surrogates (RFC 3629).
+std::size_t CharacterLength(std::string_view text) {
+  const auto at = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned lead = at(0);
+  if (lead < 0x80) return 1;
+  const std::size_t length = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+  if (lead < 0xc2 || lead > 0xf4 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((at(i) & 0xc0) != 0x80) return 0;
+  const unsigned second = at(1);
+  if ((lead == 0xe0 && second < 0xa0) || (lead == 0xed && second > 0x9f)) return 0;
+  if ((lead == 0xf0 && second < 0x90) || (lead == 0xf4 && second > 0x8f)) return 0;
+  return length;
+}
+
+/// Lines "key=value", one after the other. The first error stays; reading on after it gives empty values.
+class LineReader {
+ public:
+  explicit LineReader(std::string_view text) : text_(text) {}
+
+  [[nodiscard]] bool AtEnd() const { return error_ || at_ == text_.size(); }
+  [[nodiscard]] const std::optional<TextError>& error() const { return error_; }
+
+  /// The next line's key and unescaped value.
+  std::pair<std::string, std::string> Next(const std::string& expected) {
+    if (error_) return {};
+    line_ = at_;
+    const std::size_t end = text_.find('\n', at_);
+    if (end == text_.npos) {
+      Fail(at_ == text_.size() ? "the end of the text" : "a line without its end", expected);
+      return {};
+    }
+    const std::string_view line = text_.substr(at_, end - at_);
+    at_ = end + 1;
+    const std::size_t equals = line.find('=');
+    if (equals == line.npos) {
+      Fail(Shown(line), expected);
+      return {};
+    }
+    value_ = line_ + equals + 1;
+    return {std::string(line.substr(0, equals)), Unescaped(line.substr(equals + 1))};
+  }
+
+  /// The value of the next line, which must have this key.
+  std::string Value(const std::string& key) {
+    auto [found, value] = Next("a line " + key + "=…");
+    if (!error_ && found != key) Fail("a line " + Shown(found), "a line " + key + "=…");
+    return value;
+  }
+
+  void ReadFigure(const Figure& figure, Material& material) {
+    const std::string text = Value(figure.key);
+    double& value = material.*figure.value;
+    const auto [rest, wrong] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool in_range = value <= figure.greatest && (figure.may_be_zero ? value >= 0.0 : value > 0.0);
+    if (wrong != std::errc{} || rest != text.data() + text.size() || !in_range)
+      FailValue(figure.key, Shown(text),
+                figure.greatest == kAny ? "a finite number above 0" : fmt::format("0 … {}", figure.greatest));
+    const std::string accepted = fmt::format("a line {}=… or {}=…", figure.source_key, figure.assumption_key);
+    auto [key, source] = Next(accepted);
+    if (key != figure.source_key && key != figure.assumption_key) Fail("a line " + Shown(key), accepted);
+    material.*figure.source = {.text = source, .assumed = key == figure.assumption_key};
+  }
+
+  /// At the beginning of the line that was read last.
+  void Fail(const std::string& found, const std::string& accepted) { Keep(line_, "", found, accepted); }
+  /// At the value that was read last.
+  void FailValue(const std::string& key, const std::string& found, const std::string& accepted) {
+    Keep(value_, key, found, accepted);
+  }
+
+ private:
+  void Keep(std::size_t byte, const std::string& where, const std::string& found,
+            const std::string& accepted) {
+    if (!error_) error_ = TextError{.byte = byte, .where = where, .found = found, .accepted = accepted};
+  }
+
+  std::string Unescaped(std::string_view raw) {
+    std::string out;
+    for (std::size_t i = 0; i < raw.size();) {
+      const std::size_t length = CharacterLength(raw.substr(i));
+      const auto c = static_cast<unsigned char>(raw[i]);
+      if (length == 0 || c < 0x20 || c == 0x7f) {
+        Keep(value_ + i, "", Shown(raw.substr(i, 1)), kTextAccepted);
+        return {};
+      }
+      if (c == '\\') {
+        const char next = i + 1 < raw.size() ? raw[i + 1] : '\0';
+        if (next != '\\' && next != 'n') {
+          Keep(value_ + i, "", Shown(raw.substr(i, 2)), "\\\\ or \\n behind a backslash's place");
+          return {};
+        }
+        out += next == 'n' ? '\n' : '\\';
+        i += 2;
+        continue;
+      }
+      out += raw.substr(i, length);
+      i += length;
+    }
+    return out;
+  }
+
+  std::string_view text_;
+  std::size_t at_{0}, line_{0}, value_{0};
+  std::optional<TextError> error_;
+};
+
+bool GoodKey(const std::string& key) {
+  return !key.empty() && std::ranges::all_of(key, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+}  // namespace
+
+tl::expected<std::string, TextError> MaterialsToText(const std::vector<Material>& materials) {
+  std::string text;
+  for (const Material& material : materials) {
+    text += fmt::format("material={}\n", Escaped(material.name));
+    for (const Figure& figure : kFigures) {
+      const FigureSource& source = material.*figure.source;
+      text += fmt::format("{}={}\n{}={}\n", figure.key, material.*figure.value,
+                          source.assumed ? figure.assumption_key : figure.source_key, Escaped(source.text));
+    }
+  }
+  // one set of rules: what may be written is what can be read
+  if (const auto read = MaterialsFromText(text); !read) return tl::make_unexpected(read.error());
+  return text;
+}
+
+tl::expected<std::vector<Material>, TextError> MaterialsFromText(std::string_view text) {
+  const std::string accepted = fmt::format("1 … {} materials", kMaxMaterials);
+  std::vector<Material> materials;
+  std::set<std::string> names;
+  LineReader reader(text);
+  if (reader.AtEnd()) return tl::make_unexpected(TextError{0, "", "no material", accepted});
+  while (!reader.AtEnd()) {
+    Material material;
+    material.name = reader.Value("material");
+    if (materials.size() == kMaxMaterials) reader.Fail("a material more", accepted);
+    if (material.name.empty()) reader.FailValue("material", "no name", "a name");
+    if (!names.insert(material.name).second)
+      reader.FailValue("material", Shown(material.name) + " a second time", "each name once");
+    for (const Figure& figure : kFigures) reader.ReadFigure(figure, material);
+    materials.push_back(std::move(material));
+  }
+  if (reader.error()) return tl::make_unexpected(*reader.error());
+  return materials;
+}
+
+tl::expected<std::string, TextError> ProvenanceToText(const NamedProvenance& value) {
+  const PackingProvenance& provenance = value.provenance;
+  std::string text = fmt::format("bone={}\nprogram={}\nsource={}\n", Escaped(value.name),
+                                 Escaped(provenance.program), Escaped(provenance.source));
+  if (provenance.source_crc) text += fmt::format("{}={:08x}\n", kCrcKey, *provenance.source_crc);
+  for (const auto& [key, each] : provenance.parameters) text += fmt::format("{}={}\n", key, Escaped(each));
+  if (const auto read = ProvenanceFromText(text); !read) return tl::make_unexpected(read.error());
+  return text;
+}
+
+tl::expected<NamedProvenance, TextError> ProvenanceFromText(std::string_view text) {
+  NamedProvenance value;
+  LineReader reader(text);
+  value.name = reader.Value("bone");
+  value.provenance.program = reader.Value("program");
+  value.provenance.source = reader.Value("source");
+  std::set<std::string> keys{"bone", "program", "source"};
+  while (!reader.AtEnd()) {
+    auto [key, parameter] = reader.Next("a line key=value");
+    if (!GoodKey(key)) reader.Fail("a key " + Shown(key), "letters, digits and _");
+    if (!keys.insert(key).second) reader.Fail("the key " + key + " a second time", "each key once");
+    if (key != kCrcKey) {
+      value.provenance.parameters.emplace_back(std::move(key), std::move(parameter));
+      continue;
+    }
+    std::uint32_t crc = 0;
+    const char* end = parameter.data() + parameter.size();
+    const auto [rest, wrong] = std::from_chars(parameter.data(), end, crc, 16);
+    if (parameter.size() != 8 || wrong != std::errc{} || rest != end || !value.provenance.parameters.empty())
+      reader.FailValue(kCrcKey, Shown(parameter), "8 hexadecimal digits, before all parameters");
+    value.provenance.source_crc = crc;
+  }
+  if (reader.error()) return tl::make_unexpected(*reader.error());
+  return value;
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "simulation/packing/packing_file.h"
+
+// The two sections of a packing file that are text: UTF-8, lines "key=value" in a fixed order, each ended by
+// a line feed. In values a backslash is written \\ and a line feed \n; no other control character may occur.
+
+namespace osteon::simulation {
+
+/// What is wrong with a text, and where in it.
+struct TextError {
+  std::size_t byte{0};
+  std::string where, found, accepted;
+};
+
+struct NamedProvenance {
+  std::string name;  ///< of the bone
+  PackingProvenance provenance;
+};
+
+/// @returns an error where a value is not UTF-8, holds a control character or is out of range.
+[[nodiscard]] tl::expected<std::string, TextError> MaterialsToText(const std::vector<Material>& materials);
+[[nodiscard]] tl::expected<std::vector<Material>, TextError> MaterialsFromText(std::string_view text);
+
+[[nodiscard]] tl::expected<std::string, TextError> ProvenanceToText(const NamedProvenance& value);
+[[nodiscard]] tl::expected<NamedProvenance, TextError> ProvenanceFromText(std::string_view text);
+
+}  // namespace osteon::simulation

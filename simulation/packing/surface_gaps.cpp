@@ -1,0 +1,93 @@
+#include "simulation/packing/surface_gaps.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace osteon::simulation {
+
+SurfaceGaps::SurfaceGaps(std::span<const TangentBall> samples, double first_gap_m)
+    : samples_(samples), gap_m_(samples.size(), static_cast<float>(first_gap_m)) {
+  Eigen::AlignedBox3d bounds;
+  for (const TangentBall& sample : samples) bounds.extend(sample.foot_m);
+  origin_m_ = samples.empty() ? Vector3(Vector3::Zero()) : Vector3(bounds.center());
+  while (leaves_ * kLeafSamples < samples.size()) leaves_ *= 2;
+  nodes_.resize(2 * leaves_);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    Node& leaf = nodes_[leaves_ + i / kLeafSamples];
+    leaf.box.extend((samples[i].foot_m - origin_m_).cast<float>());
+    leaf.greatest_m = gap_m_[i];
+  }
+  for (std::size_t i = leaves_ - 1; i > 0; --i) {
+    nodes_[i].box = nodes_[2 * i].box.merged(nodes_[2 * i + 1].box);
+    nodes_[i].greatest_m = std::max(nodes_[2 * i].greatest_m, nodes_[2 * i + 1].greatest_m);
+  }
+}
+
+void SurfaceGaps::Add(const Ball& ball) {
+  Visit(1, ball, (Vector3(ball.center_m) - origin_m_).cast<float>());
+}
+
+void SurfaceGaps::Visit(std::size_t node_index, const Ball& ball, const Eigen::Vector3f& center) {
+  Node& node = nodes_[node_index];
+  if (node.greatest_m <= 0.0f) return;
+  const float reach = static_cast<float>(ball.radius_m) + node.greatest_m;
+  if (node.box.squaredExteriorDistance(center) >= reach * reach) return;
+  if (node_index < leaves_) {
+    Visit(2 * node_index, ball, center);
+    Visit(2 * node_index + 1, ball, center);
+    node.greatest_m = std::max(nodes_[2 * node_index].greatest_m, nodes_[2 * node_index + 1].greatest_m);
+    return;
+  }
+  const std::size_t begin = (node_index - leaves_) * kLeafSamples;
+  const std::size_t end = std::min(begin + kLeafSamples, samples_.size());
+  node.greatest_m = 0.0f;
+  for (std::size_t i = begin; i < end; ++i) {
+    const double distance = (samples_[i].foot_m - Vector3(ball.center_m)).norm() - ball.radius_m;
+    gap_m_[i] = std::min(gap_m_[i], static_cast<float>(std::max(0.0, distance)));
+    node.greatest_m = std::max(node.greatest_m, gap_m_[i]);
+  }
+}
+
+std::vector<Ball> CoverSurface(std::span<const TangentBall> samples, std::size_t count) {
+  Eigen::AlignedBox3d bounds;
+  for (const TangentBall& sample : samples) bounds.extend(sample.foot_m);
+  SurfaceGaps gaps(samples, samples.empty() ? 0.0 : bounds.diagonal().norm());
+
+  struct Entry {
+    float measure;
+    std::uint32_t sample;
+    bool operator<(const Entry& other) const {  // a heap has its greatest on top: of equals the first
+      return measure != other.measure ? measure < other.measure : sample > other.sample;
+    }
+  };
+  const auto measure = [&](std::size_t i) -> float {
+    const float gap = gaps.GapAt(i);
+    if (gap <= (count == 0 ? samples[i].tolerance_m : 0.0f)) return 0.0f;
+    return gap / samples[i].tolerance_m * std::sqrt(static_cast<float>(samples[i].ball.radius_m));
+  };
+  std::vector<Entry> heap(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    heap[i] = {.measure = measure(i), .sample = static_cast<std::uint32_t>(i)};
+  std::make_heap(heap.begin(), heap.end());
+
+  // Gaps only shrink: what is on top with its measure still true is the greatest.
+  std::vector<Ball> balls;
+  while (!heap.empty() && (count == 0 || balls.size() < count)) {
+    std::pop_heap(heap.begin(), heap.end());
+    Entry& top = heap.back();
+    const float now = measure(top.sample);
+    if (now > 0.0f && now < top.measure) {
+      top.measure = now;
+      std::push_heap(heap.begin(), heap.end());
+      continue;
+    }
+    if (now > 0.0f) {
+      balls.push_back(samples[top.sample].ball);
+      gaps.Add(balls.back());
+    }
+    heap.pop_back();
+  }
+  return balls;
+}
+
+}  // namespace osteon::simulation

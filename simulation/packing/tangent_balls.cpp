@@ -1,0 +1,119 @@
+#include "simulation/packing/tangent_balls.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "simulation/packing/graded_descent.h"
+#include "simulation/packing/scramble.h"
+
+namespace osteon::simulation {
+namespace {
+
+constexpr std::size_t kMostBalls = 100'000'000;  // 7 GB of them
+constexpr std::uint64_t kSampleSalt = 2;
+
+struct Foot {
+  Vector3 p_m;
+  Vector3 inward;  ///< unit
+};
+
+/// The surface point nearest to a random place in the cell, if it lies in the cell itself: each part of the
+/// surface then has its samples from the one cell it lies in.
+std::optional<Foot> SampleIn(const Cell& cell, const Solid& solid, std::uint64_t salt) {
+  CellRandom random(cell, salt);
+  const Vector3 p = cell.least_corner() + cell.side_m * random.NextInUnitCube();
+  const SurfacePoint foot = solid.NearestSurface(p);
+  if (std::abs(foot.distance_m) < 1e-9) return {};  // too close to tell the normal
+  for (int axis = 0; axis < 3; ++axis)
+    if (static_cast<std::int32_t>(std::floor(foot.p_m[axis] / cell.side_m)) != cell.index[axis]) return {};
+  return Foot{.p_m = foot.p_m, .inward = (p - foot.p_m) / -foot.distance_m};
+}
+
+class Search {
+ public:
+  Search(const Solid& solid, const CutZone& zone, const PackingParams& params)
+      : solid_(solid),
+        zone_(zone),
+        params_(params),
+        // no ball inside is larger
+        most_m_(0.5 * solid.Bounds().sizes().minCoeff()) {}
+
+  /// Largest radius of a ball at the foot that the cap at its centre allows. Caps grow by no more than depth
+  /// does, hence by no more than the radius: every smaller ball keeps them too.
+  [[nodiscard]] double Cap(const Foot& foot, double depth_m) const {
+    const double spacing = params_.SpacingAt(depth_m);
+    const auto allowed = [&](double radius) {
+      return radius <= params_.RadiusCapAt(zone_.DepthAt(foot.p_m + radius * foot.inward), spacing);
+    };
+    if (allowed(most_m_)) return most_m_;
+    double low = std::min(most_m_, params_.cup_radius_cap_m), high = most_m_;
+    while (high - low > 1e-3 * low) {
+      const double middle = 0.5 * (low + high);
+      (allowed(middle) ? low : high) = middle;
+    }
+    return low;
+  }
+
+  /// The largest ball at the foot with at most this radius, up to a slack; none under the least radius.
+  ///
+  /// Shrinking ball (Ma, Bae, Choi, The Visual Computer 28, 2012): through the foot and the surface point
+  /// nearest to the centre there is one ball tangent at the foot, and none larger is empty. From a guess
+  /// below the cap (a neighbour's radius) the ball grows until one is not empty.
+  [[nodiscard]] std::optional<Ball> Largest(const Foot& foot, double cap_m, double guess_m,
+                                            double slack_m2) const {
+    constexpr int kMostRounds = 40;
+    double radius = std::min(cap_m, guess_m);
+    std::optional<Ball> empty;  // the largest known to be
+    bool growing = true;
+    for (int round = 0; round < kMostRounds && radius >= params_.least_radius_m; ++round) {
+      const Vector3 center = foot.p_m + radius * foot.inward;
+      const SurfacePoint nearest = solid_.NearestSurface(center);
+      const Vector3 chord = nearest.p_m - foot.p_m;
+      const double sagitta = chord.dot(foot.inward);
+      const double slack = std::min(0.1 * radius, std::max(1e-6 * radius, slack_m2 / radius));
+      double next = 0.0;
+      if (-nearest.distance_m >= radius - slack || sagitta <= 0.0) {
+        const double inside = std::min(radius, -nearest.distance_m);
+        if (inside < params_.least_radius_m) return {};
+        empty = Ball{.center_m = center, .radius_m = inside};
+        if (!growing || radius >= cap_m) return empty;
+        next = std::min(cap_m, 2.0 * radius);
+      } else {
+        growing = false;
+        next = std::min(0.999999 * radius, chord.squaredNorm() / (2.0 * sagitta));
+        if (empty && next <= 1.001 * empty->radius_m) return empty;
+      }
+      radius = next;
+    }
+    return empty;
+  }
+
+ private:
+  const Solid& solid_;
+  const CutZone& zone_;
+  const PackingParams& params_;
+  double most_m_;
+};
+
+}  // namespace
+
+std::vector<TangentBall> FindTangentBalls(const Solid& solid, const CutZone& zone,
+                                          const PackingParams& params, const GradeParams& samples) {
+  const Search search(solid, zone, params);
+  const std::uint64_t salt = kSampleSalt + params.seed * kSplitMixStep;
+  const auto add = [&](const Cell& cell, std::vector<TangentBall>& balls) {
+    const std::optional<Foot> foot = SampleIn(cell, solid, salt);
+    if (!foot) return;
+    const double depth = zone.DepthAt(foot->p_m), cap = search.Cap(*foot, depth);
+    const double guess = balls.empty() ? cap : 1.1 * balls.back().ball.radius_m;
+    const auto ball = search.Largest(*foot, cap, guess, 0.05 * cell.side_m * cell.side_m);
+    if (!ball) return;
+    balls.push_back(
+        {.foot_m = foot->p_m, .ball = *ball, .tolerance_m = static_cast<float>(params.SurfaceGapAt(depth))});
+  };
+  return DescendGraded<TangentBall>(solid, zone, samples, CellsWanted::kSurface, params.threads, kMostBalls,
+                                    add);
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "simulation/packing/packing_builder.h"
+
+namespace osteon::simulation {
+
+/// A sample of the surface and the largest ball that touches the surface there from inside.
+struct TangentBall {
+  Vector3 foot_m;
+  Ball ball;
+  float tolerance_m{0.0f};  ///< greatest gap that may stay at the foot
+};
+
+/// At most one sample in each cell of a division of the surface with these sides, and its ball: no larger
+/// than the cap at its centre, no smaller than the least radius (such samples are left out).
+///
+/// A ball may keep off its foot by a twentieth of h²/r, h the samples' spacing: less than what the gap grows
+/// by between one sample and the next. On a mesh, where the ball that touches an edge has no radius, that
+/// gives the ball of the smooth surface the mesh stands for. No ball leaves the solid.
+///
+/// In the octree's order; the same for any number of threads.
+/// @throws std::invalid_argument where there would be more than 100 million.
+[[nodiscard]] std::vector<TangentBall> FindTangentBalls(const Solid& solid, const CutZone& zone,
+                                                        const PackingParams& params,
+                                                        const GradeParams& samples);
+
+}  // namespace osteon::simulation

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "simulation/solids/cut_zone.h"
+
+namespace osteon::simulation {
+
+/// Sizes of the generated acetabulum: a block of bone with a hemispherical cup in its top face.
+struct AcetabulumShape {
+  double width_m{0.080};   ///< along x and y
+  double height_m{0.060};  ///< along z
+  double cup_radius_m{0.024};
+  double cartilage_m{0.002};    ///< thickness of the cup's lining
+  double subchondral_m{0.001};  ///< thickness of the cortical plate below it
+};
+
+/// @throws std::invalid_argument naming the size, its value and what is accepted.
+void CheckShape(const AcetabulumShape& shape);
+
+/// Block minus ball. G has its origin at the cup's centre, on the top face; +z points out of the opening, and
+/// the block fills |x|, |y| <= width/2, -height <= z <= 0.
+///
+/// Tissue goes by the distance to the cup's sphere, up to the rim: cartilage, subchondral cortical plate,
+/// cancellous bone. The outer faces are saw cuts through cancellous bone: they carry no shell.
+class AcetabulumSolid final : public Solid {
+ public:
+  /// @throws std::invalid_argument as CheckShape does.
+  explicit AcetabulumSolid(const AcetabulumShape& shape);
+
+  /// Exact everywhere, outside as well.
+  [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override;
+  [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return block_; }
+  [[nodiscard]] const Cup& cup() const { return cup_; }
+
+ private:
+  AcetabulumShape shape_;
+  Cup cup_;
+  CupZone zone_;
+  Eigen::AlignedBox3d block_;
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "simulation/bone.h"
+#include "simulation/solids/solid.h"
+
+namespace osteon::simulation {
+
+/// Where a bone is going to be cut. How fine its balls and points are goes by the depth below this zone.
+class CutZone {
+ public:
+  CutZone() = default;
+  virtual ~CutZone() = default;
+  CutZone(const CutZone&) = delete;
+  CutZone& operator=(const CutZone&) = delete;
+
+  /// Depth of p, in G, below the cuttable surface; negative within what is cut away. 1-Lipschitz.
+  [[nodiscard]] virtual double DepthAt(const Vector3& p_m) const = 0;
+};
+
+/// All of the bone alike: the depth is zero everywhere.
+class EverywhereZone final : public CutZone {
+ public:
+  [[nodiscard]] double DepthAt(const Vector3&) const override { return 0.0; }
+};
+
+/// A cup: the distance to what a reamer of its radius sweeps on its way in, the ray from the cup's centre
+/// along its axis, thickened by the radius.
+class CupZone final : public CutZone {
+ public:
+  explicit CupZone(const Cup& cup) : cup_(cup) {}
+  [[nodiscard]] double DepthAt(const Vector3& p_m) const override {
+    const Vector3 d = p_m - Vector3(cup_.center_m);
+    const double along = std::max(0.0, d.dot(Vector3(cup_.axis)));
+    return (d - along * Vector3(cup_.axis)).norm() - cup_.radius_m;
+  }
+
+ private:
+  Cup cup_;
+};
+
+/// A planned tool path: the distance to a polyline of the tool's centre, thickened by the tool's radius.
+class PathZone final : public CutZone {
+ public:
+  /// @throws std::invalid_argument where there is no point, one is not finite, or the radius is not positive.
+  PathZone(std::vector<Vector3> centers_m, double radius_m);
+  [[nodiscard]] double DepthAt(const Vector3& p_m) const override;
+
+ private:
+  std::vector<Vector3> centers_m_;
+  double radius_m_;
+};
+
+/// A region of the bone's surface: the depth is the distance to the surface, or to the region's ball where
+/// that is more; without a region, to all of the surface.
+class SurfaceZone final : public CutZone {
+ public:
+  /// @param solid  must outlive the zone
+  explicit SurfaceZone(const Solid& solid, const std::optional<Ball>& region = {})
+      : solid_(solid), region_(region) {}
+  [[nodiscard]] double DepthAt(const Vector3& p_m) const override;
+
+ private:
+  const Solid& solid_;
+  std::optional<Ball> region_;
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,59 @@
+#pragma once
+
+#include "simulation/solids/mesh_solid.h"
+
+namespace osteon::simulation {
+
+/// Sizes of the generated upper femur, its neck sawn off: proportions from memory, the shaft's within what is
+/// reported for adults (outer diameter 25 to 30 mm, canal 10 to 15 mm at its narrowest).
+struct FemurShape {
+  double length_m{0.110};             ///< from the saw cut down
+  double flare_m{0.065};              ///< height over which the shaft widens to the cut
+  double shaft_radius_m{0.0138};      ///< outer, mean of the two half axes of the oval
+  double top_radius_m{0.0225};        ///< outer, at the saw cut
+  double oval_ratio{1.12};            ///< half axis along x (inwards) over that along y
+  double medial_shift_m{0.006};       ///< of the outline at the saw cut along +x, from the canal's axis
+  double shaft_wall_m{0.0055};        ///< cortical, along the axes of the oval
+  double top_wall_m{0.0020};          ///< at the saw cut
+  double shaft_lining_m{0.0018};      ///< cancellous, between wall and marrow, at its thinnest (along y)
+  double top_marrow_radius_m{0.004};  ///< marrow at the saw cut; cancellous bone fills what is around it
+};
+
+/// @throws std::invalid_argument naming the size, its value and what is accepted.
+void CheckShape(const FemurShape& shape);
+
+/// The upper end of a femur after the neck's resection, in G: origin where the canal's axis meets the saw
+/// cut, +z up out of the canal, +x inwards (medial).
+///
+/// Outside: a tube of oval rings, as a mesh; distances are exact for that mesh. Inside, tissue goes by place:
+/// cortical beyond an oval whose half axes are those of the outline less the wall, marrow within a round
+/// canal about the z axis, cancellous bone between. Both ends are saw cuts: they carry no shell.
+class FemurSolid final : public Solid {
+ public:
+  enum Tissue : MaterialIndex { kCortical = 0, kCancellous = 1, kMarrow = 2 };
+
+  /// @throws std::invalid_argument as CheckShape does.
+  explicit FemurSolid(const FemurShape& shape);
+
+  [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override {
+    return mesh_.NearestSurface(p_m);
+  }
+  [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return mesh_.Bounds(); }
+
+  /// One height's section: ovals about (shift, 0) along x and y, and the marrow's circle about the axis.
+  struct Section {
+    double shift_m, outer_x_m, outer_y_m, wall_m, marrow_m;
+  };
+  [[nodiscard]] Section At(double z_m) const;
+
+ private:
+  FemurShape shape_;
+  MeshSolid mesh_;
+};
+
+/// The femur's outer surface.
+/// @throws std::invalid_argument as CheckShape does.
+[[nodiscard]] TriangleMesh FemurMesh(const FemurShape& shape);
+
+}  // namespace osteon::simulation

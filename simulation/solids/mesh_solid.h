@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "simulation/mesh/mesh_bvh.h"
+#include "simulation/solids/solid.h"
+#include "simulation/solids/tissue_map.h"
+
+namespace osteon::simulation {
+
+/// Signed distances to a closed surface: negative inside.
+///
+/// Sign by the angle-weighted pseudonormal of the nearest face, edge or vertex, which is right for every
+/// closed manifold. Source: Baerentzen, Aanaes, IEEE Trans. Vis. Comput. Graph. 11, 2005.
+class MeshDistance {
+ public:
+  /// @pre CheckMesh accepts the mesh.
+  explicit MeshDistance(const TriangleMesh& mesh);
+
+  struct Point {
+    TriangleHit hit;
+    Vector3 normal{Vector3::Zero()};  ///< outward at the nearest point, not of unit length
+    double distance_m{0.0};           ///< signed
+  };
+  [[nodiscard]] Point Nearest(const Vector3& p_m) const;
+  [[nodiscard]] const Eigen::AlignedBox3d& bounds() const { return box_; }
+
+ private:
+  MeshBvh bvh_;
+  Eigen::AlignedBox3d box_;
+  // Apart, since nearly every search ends on a face and should load no more than that. Only faces' have unit
+  // length.
+  std::vector<Vector3> face_normals_;                   ///< by triangle
+  std::vector<Vector3> edge_normals_, corner_normals_;  ///< three a triangle
+};
+
+/// The solid that a closed mesh bounds, with the regions of other tissue in it.
+class MeshSolid final : public Solid {
+ public:
+  /// @pre CheckMesh accepts the mesh; `tissue` passes CheckTissueMap.
+  MeshSolid(const LoadedMesh& loaded, TissueMap tissue);
+  /// A mesh without regions.
+  explicit MeshSolid(const TriangleMesh& mesh, TissueMap tissue = {});
+
+  /// To the solid's boundary: its outer surface and its cavities. Regions bound nothing.
+  [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override;
+  /// The tissue of the innermost region around p, by the depth below that region's surface; outside them all,
+  /// that of the solid. At most one search for each region whose box holds p, and one more; none where the
+  /// tissue is the same at every depth.
+  [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
+  /// Of a material that regions, and they alone, are made of throughout: the nearest of their surfaces.
+  [[nodiscard]] std::optional<SurfacePoint> RegionDistance(MaterialIndex material,
+                                                           const Vector3& p_m) const override;
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return boundary_.bounds(); }
+  [[nodiscard]] const TissueMap& tissue() const { return tissue_; }
+
+ private:
+  [[nodiscard]] const ShellTissue& Tissue(std::size_t shell) const;
+
+  MeshDistance boundary_;
+  std::vector<std::unique_ptr<MeshDistance>> regions_;  ///< outer ones before those inside them
+  TissueMap tissue_;
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "simulation/solids/mesh_solid.h"
+
+namespace osteon::simulation {
+
+/// Sizes of the generated molar. The proportions are those of a human lower first molar, from memory: four
+/// cusps around a cross of fissures, a narrower neck, two roots that bend backwards, and a pulp whose chamber
+/// has a horn under each cusp and sends two canals into the front root and one into the back root.
+struct MolarShape {
+  double length_m{
+      0.0206};  ///< from the highest cusp to the roots' tips; everything but the enamel grows with it
+  double enamel_m{0.0020};  ///< thickness of the enamel on top; it thins to nothing at the neck
+  double pulp_width{1.0};   ///< of the pulp's chamber, horns and canals; with age they narrow
+};
+
+/// @throws std::invalid_argument naming the size, its value and what is accepted.
+void CheckShape(const MolarShape& shape);
+
+/// A molar in G: origin in the middle of the neck (where the enamel ends), +z towards the occlusal surface,
+/// x from the back root to the front one, y across the cheek-tongue direction.
+///
+/// Distances are to a mesh of the outer surface (shape_mesh.h), exact for that mesh. The pulp is a nested
+/// region of the mesh, the enamel a layer below the crown's surface, whose thickness goes by the height z of
+/// the surface's nearest point: e u (2 - u), u = z over 60 % of the crown's height, between 0 and 1.
+class MolarSolid final : public Solid {
+ public:
+  enum Tissue : MaterialIndex { kEnamel = 0, kDentine = 1, kPulp = 2 };
+
+  /// @throws std::invalid_argument as CheckShape does.
+  explicit MolarSolid(const MolarShape& shape);
+
+  [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override {
+    return mesh_.NearestSurface(p_m);
+  }
+  [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
+  [[nodiscard]] std::optional<SurfacePoint> RegionDistance(MaterialIndex material,
+                                                           const Vector3& p_m) const override {
+    return mesh_.RegionDistance(material, p_m);
+  }
+  [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return mesh_.Bounds(); }
+
+  /// Thickness of the enamel where the surface is at this height.
+  [[nodiscard]] double EnamelThickness(double z_m) const;
+
+ private:
+  MolarShape shape_;
+  MeshSolid mesh_;
+};
+
+/// The molar's outer surface with its pulp as a region: what MolarSolid measures against, and a mesh file may
+/// be made of.
+/// @throws std::invalid_argument as CheckShape does.
+[[nodiscard]] LoadedMesh MolarMesh(const MolarShape& shape);
+
+}  // namespace osteon::simulation

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "simulation/cutting_engine.h"
+#include "simulation/tools/tool_motion.h"
+
+namespace osteon::simulation {
+
+/// The curve through a motion's samples, twice continuously differentiable: natural cubic splines of the
+/// position's and the quaternion's elements, the quaternion then normalised (consecutive samples taken to the
+/// same half of the sphere). Between samples h apart the error is h^4/384 of the fourth derivative and less.
+class MotionCurve {
+ public:
+  /// @pre at least two samples, whose times ascend strictly
+  explicit MotionCurve(std::span<const MotionSample> samples);
+
+  /// Before the first and after the last sample: that sample.
+  [[nodiscard]] Pose X_GT(double time_s) const;
+  [[nodiscard]] double SpindleAt(double time_s) const;
+  [[nodiscard]] double duration_s() const { return knots_.back().time_s; }
+
+ private:
+  using Channels = Eigen::Matrix<double, 7, 1>;  // x y z, w x y z
+  struct Knot {
+    double time_s, spindle_rad_per_s;
+    Channels value, second;  // and second derivative
+  };
+  [[nodiscard]] std::size_t Before(double time_s) const;
+  std::vector<Knot> knots_;
+};
+
+/// What a motion was thinned out to, and what that cost.
+struct FittedMotion {
+  std::vector<MotionSample> samples;  ///< as they come back from a file
+  double position_error_m{0.0};       ///< greatest distance of the curve from a recorded sample
+  double rotation_error_rad{0.0};
+};
+
+struct FitParams {
+  double tolerance_m{2e-6};
+  double tolerance_rad{2e-5};   ///< 2 um at 100 mm from the apex
+  double longest_step_s{0.05};  ///< between samples that stay
+};
+
+/// The recorded samples that are needed for a curve within the tolerances of all of them: one every
+/// longest_step_s, those at which the spindle's speed changes, and, wherever the curve is further away, the
+/// worst one, until it is not. A function of its arguments.
+/// @pre at least two samples, whose times ascend strictly; the first at 0
+[[nodiscard]] FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& params = {});
+
+/// A motion as frames at any rate: what a cutting engine is fed with.
+class MotionPlayer {
+ public:
+  /// @param X_WG  where the bone is
+  /// @throws std::invalid_argument where the rate is outside 1 … 100 000 Hz.
+  MotionPlayer(const ToolMotion& motion, double rate_hz, const Pose& X_WG = Pose::Identity());
+
+  /// Frames 0 … frame_count() - 1, at 0, 1 / rate, … up to the motion's end.
+  [[nodiscard]] std::size_t frame_count() const { return frame_count_; }
+  [[nodiscard]] FrameInput Frame(std::size_t index) const;
+
+ private:
+  MotionCurve curve_;
+  double rate_hz_;
+  Pose X_WG_;
+  std::size_t frame_count_;
+};
+
+}  // namespace osteon::simulation

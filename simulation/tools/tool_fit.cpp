@@ -1,0 +1,165 @@
+#include "simulation/tools/tool_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace osteon::simulation {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// The largest ball that touches the surface at the sample from inside: shrinking ball (Ma, Bae, Choi, The
+// Visual Computer 28, 2012).
+std::optional<ToolBall> TangentBall(const Solid& solid, const SurfaceSample& sample, double largest_m,
+                                    double least_m) {
+  const Vector3 inward = -sample.normal;
+  double radius = largest_m;
+  constexpr int kMostRounds = 60;
+  for (int round = 0; round < kMostRounds && radius >= least_m; ++round) {
+    const Vector3 center = sample.p_m + radius * inward;
+    const SurfacePoint nearest = solid.NearestSurface(center);
+    const double clearance = -nearest.distance_m;
+    if (clearance >= radius * (1.0 - 1e-4)) {  // a tenth of a micrometre at 1 mm
+      const double inside = std::min(radius, clearance);
+      if (inside < least_m) return std::nullopt;
+      return ToolBall{.center_m = center, .radius_m = inside, .cutting = sample.cutting};
+    }
+    const Vector3 chord = nearest.p_m - sample.p_m;
+    const double sagitta = chord.dot(inward);
+    // a foot beside the sample's own tangent plane tells nothing: the sample lies on an edge, or beyond it
+    if (sagitta <= 1e-12) {
+      if (clearance < least_m) return std::nullopt;
+      radius = std::min(0.5 * radius, clearance);
+      continue;
+    }
+    radius = std::min(0.9999999 * radius, chord.squaredNorm() / (2.0 * sagitta));
+  }
+  return std::nullopt;
+}
+
+// The largest ball below an edge that leaves half the gap to it. Clearance is 1-Lipschitz, so that the gap
+// grows with the depth of the centre: bisection.
+std::optional<ToolBall> BallBelowEdge(const Solid& solid, const SurfaceSample& sample, double largest_m,
+                                      double least_m) {
+  const auto clearance = [&](double depth_m) {
+    return -solid.SignedDistance(sample.p_m - depth_m * sample.normal);
+  };
+  double low = 0.0, high = largest_m;
+  for (int round = 0; round < 40 && high - low > 1e-4 * high; ++round) {
+    const double middle = 0.5 * (low + high);
+    (middle - clearance(middle) <= 0.5 * sample.gap_m ? low : high) = middle;
+  }
+  const double radius = clearance(low);
+  if (radius < least_m) return std::nullopt;
+  return ToolBall{
+      .center_m = sample.p_m - low * sample.normal, .radius_m = radius, .cutting = sample.cutting};
+}
+
+double Gap(const Vector3& p_m, const ToolBall& ball) {
+  return std::max(0.0, (p_m - Vector3(ball.center_m)).norm() - ball.radius_m);
+}
+
+}  // namespace
+
+ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
+                const std::vector<ToolBall>& first, const ToolFitParams& params) {
+  // by height: what a ball can serve is then one stretch of the list
+  std::vector<SurfaceSample> sorted(samples.begin(), samples.end());
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const SurfaceSample& a, const SurfaceSample& b) { return a.p_m.z() > b.p_m.z(); });
+  double greatest_gap_m = 0.0;
+  for (const SurfaceSample& sample : sorted) greatest_gap_m = std::max(greatest_gap_m, sample.gap_m);
+
+  const double largest_m = 0.5 * solid.Bounds().sizes().maxCoeff();
+  std::vector<ToolBall> candidates;
+  const std::size_t stride = std::clamp<std::size_t>(sorted.size() / 3000, 1, 4);
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    if (!sorted[i].edge && i % stride != 0) continue;
+    const auto ball = sorted[i].edge ? BallBelowEdge(solid, sorted[i], largest_m, params.least_radius_m)
+                                     : TangentBall(solid, sorted[i], largest_m, params.least_radius_m);
+    if (ball) candidates.push_back(*ball);
+  }
+
+  std::vector<double> gap(sorted.size(), kInfinity);
+  // calls visit(i) for the samples of the ball's kind near enough to be served, in order
+  const auto for_near = [&](const ToolBall& ball, const auto& visit) {
+    const double reach = ball.radius_m + greatest_gap_m;
+    const auto begin = std::partition_point(sorted.begin(), sorted.end(), [&](const SurfaceSample& sample) {
+      return sample.p_m.z() > ball.center_m.z + reach;
+    });
+    for (auto i = static_cast<std::size_t>(begin - sorted.begin()); i < sorted.size(); ++i) {
+      if (sorted[i].p_m.z() < ball.center_m.z - reach) break;
+      if (sorted[i].cutting == ball.cutting) visit(i);
+    }
+  };
+  ToolFit fit;
+  const auto add = [&](const ToolBall& ball) {
+    fit.balls.push_back(ball);
+    for (std::size_t i = 0; i < sorted.size(); ++i)
+      if (sorted[i].cutting == ball.cutting) gap[i] = std::min(gap[i], Gap(sorted[i].p_m, ball));
+  };
+  for (const ToolBall& ball : first) add(ball);
+
+  std::vector<const ToolBall*> serving;
+  for (std::size_t i = 0; i < sorted.size() && fit.balls.size() < params.greatest_count; ++i) {
+    if (gap[i] <= sorted[i].gap_m) continue;
+    serving.clear();
+    const ToolBall* best = nullptr;
+    double best_gap = 0.9 * gap[i];  // where none serves, the one that comes nearest
+    for (const ToolBall& ball : candidates) {
+      if (ball.cutting != sorted[i].cutting) continue;
+      const double left = Gap(sorted[i].p_m, ball);
+      if (left <= sorted[i].gap_m) serving.push_back(&ball);
+      if (left < best_gap) best = &ball, best_gap = left;
+    }
+    // of many, a fair share is looked at: neighbours serve almost the same
+    constexpr std::size_t kLookedAt = 256;
+    std::size_t most = 0;
+    const std::size_t step = serving.size() / kLookedAt + 1;
+    for (std::size_t k = 0; k < serving.size(); k += step) {
+      const ToolBall& ball = *serving[k];
+      std::size_t served = 0;
+      for_near(ball, [&](std::size_t j) {
+        if (gap[j] > sorted[j].gap_m && Gap(sorted[j].p_m, ball) <= sorted[j].gap_m) ++served;
+      });
+      if (served > most || (served == most && ball.radius_m > best->radius_m)) best = &ball, most = served;
+    }
+    if (best) add(*best);
+  }
+
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    fit.worst_ratio = std::max(fit.worst_ratio, gap[i] / sorted[i].gap_m);
+  std::stable_sort(fit.balls.begin(), fit.balls.end(), [](const ToolBall& a, const ToolBall& b) {
+    if (a.cutting != b.cutting) return a.cutting;
+    return a.center_m.z > b.center_m.z;
+  });
+  return fit;
+}
+
+ToolQuality MeasureTool(const Tool& tool, const Solid& solid, std::span<const SurfaceSample> samples) {
+  ToolQuality quality;
+  for (const ToolBall& ball : tool.balls) {
+    ++(ball.cutting ? quality.cutting_balls : quality.touching_balls);
+    quality.protrusion_max_m =
+        std::max(quality.protrusion_max_m, ball.radius_m + solid.SignedDistance(ball.center_m));
+  }
+  std::size_t cutting = 0, touching = 0;
+  for (const SurfaceSample& sample : samples) {
+    double gap = kInfinity;
+    for (const ToolBall& ball : tool.balls)
+      if (ball.cutting == sample.cutting) gap = std::min(gap, Gap(sample.p_m, ball));
+    ++(sample.cutting ? cutting : touching);
+    double& mean = sample.cutting ? quality.cutting_gap_mean_m : quality.touching_gap_mean_m;
+    double& max = sample.cutting ? quality.cutting_gap_max_m : quality.touching_gap_max_m;
+    mean += gap;
+    max = std::max(max, gap);
+    quality.worst_ratio = std::max(quality.worst_ratio, gap / sample.gap_m);
+  }
+  if (cutting > 0) quality.cutting_gap_mean_m /= static_cast<double>(cutting);
+  if (touching > 0) quality.touching_gap_mean_m /= static_cast<double>(touching);
+  return quality;
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,231 @@
+#include "simulation/tools/tool_kinds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "simulation/files/check_range.h"
+
+namespace osteon::simulation {
+namespace {
+
+// Fitted to this share of the accepted gap at the samples; between them there is room for the rest.
+constexpr double kFitShare = 0.85;
+
+void CheckDensity(const std::string& name, double density_kg_per_m3) {
+  if (density_kg_per_m3 >= 100.0 && density_kg_per_m3 <= 25'000.0) return;
+  throw std::invalid_argument(
+      fmt::format("{}: found {:.6g} kg/m3, accepted 100 … 25000 kg/m3", name, density_kg_per_m3));
+}
+
+void CheckHolder(const std::string& name, const HolderParams& holder) {
+  CheckRangeMm(name + ": holder radius", holder.radius_m, 1e-3, 0.2);
+  CheckRangeMm(name + ": holder length", holder.length_m, 1e-3, 0.5);
+  CheckDensity(name + ": holder density", holder.density_kg_per_m3);
+}
+
+MassProperties HolderMass(const HolderParams& holder, double front_z_m) {
+  return CylinderMassProperties(holder.radius_m, front_z_m, front_z_m - holder.length_m,
+                                holder.density_kg_per_m3);
+}
+
+/// An outline that grows from the apex back.
+class Outline {
+ public:
+  explicit Outline(const BallParams& balls) : balls_(balls) {}
+
+  /// A straight line to the point (z, r); nothing where it would have no length.
+  Outline& To(double z_m, double r_m, bool cutting) {
+    constexpr double kNothing_m = 1e-9;
+    if (std::abs(z_m - z_m_) < kNothing_m && std::abs(r_m - r_m_) < kNothing_m) return *this;
+    return Add({.back_z_m = z_m, .back_r_m = r_m, .cutting = cutting});
+  }
+  /// An arc of a ball around the axis, to z.
+  Outline& ArcTo(double z_m, double center_z_m, double radius_m, bool cutting) {
+    const double dz = z_m - center_z_m;
+    return Add({.back_z_m = z_m,
+                .back_r_m = std::sqrt(std::max(0.0, radius_m * radius_m - dz * dz)),
+                .sphere_radius_m = radius_m,
+                .sphere_z_m = center_z_m,
+                .cutting = cutting});
+  }
+  ProfilePiece& last() { return pieces_.back(); }
+  [[nodiscard]] double z_m() const { return z_m_; }
+  [[nodiscard]] double r_m() const { return r_m_; }
+  [[nodiscard]] std::vector<ProfilePiece> Done() { return std::move(pieces_); }
+
+ private:
+  Outline& Add(ProfilePiece piece) {
+    piece.front_z_m = z_m_;
+    piece.front_r_m = r_m_;
+    piece.gap_m = piece.cutting ? balls_.cutting_gap_m : balls_.touching_gap_m;
+    z_m_ = piece.back_z_m;
+    r_m_ = piece.back_r_m;
+    pieces_.push_back(piece);
+    return *this;
+  }
+
+  BallParams balls_;
+  std::vector<ProfilePiece> pieces_;
+  double z_m_{0.0}, r_m_{0.0};
+};
+
+}  // namespace
+
+void CheckBallsAndHolder(const std::string& name, const BallParams& balls, const HolderParams& holder,
+                         double density_kg_per_m3) {
+  CheckRangeMm(name + ": cutting gap", balls.cutting_gap_m, 1e-6, 5e-3);
+  CheckRangeMm(name + ": touching gap", balls.touching_gap_m, 1e-6, 5e-3);
+  if (balls.greatest_count < 1 || balls.greatest_count > 10'000)
+    throw std::invalid_argument(
+        fmt::format("{}: greatest count: found {}, accepted 1 … 10000", name, balls.greatest_count));
+  CheckHolder(name, holder);
+  CheckDensity(name + ": density", density_kg_per_m3);
+}
+
+Tool FitBalls(const std::string& name, const Solid& solid,
+              const std::function<std::vector<SurfaceSample>(std::size_t)>& sample,
+              const std::vector<ToolBall>& first, std::size_t greatest_count) {
+  constexpr std::size_t kSamplesPerBall = 120;
+  const ToolFitParams params{.greatest_count = greatest_count};
+  std::vector<SurfaceSample> samples;
+  ToolFit fit;
+  for (std::size_t count = 16'000;; count *= 4) {
+    samples = sample(count);
+    for (SurfaceSample& s : samples) s.gap_m *= kFitShare;
+    fit = FitTool(solid, samples, first, params);
+    if (fit.worst_ratio > 1.0 || fit.balls.size() * kSamplesPerBall <= count) break;
+  }
+  if (fit.worst_ratio > 1.0) {
+    double scale = 1.0;  // that the balls suffice for
+    while (fit.worst_ratio > 1.0 && scale < 1e3) {
+      scale *= 1.2;
+      for (SurfaceSample& s : samples) s.gap_m *= 1.2;
+      fit = FitTool(solid, samples, first, params);
+    }
+    throw std::invalid_argument(fmt::format(
+        "{}: greatest count: found {}, accepted more: so many balls suffice for gaps {:.2g} times as "
+        "large",
+        name, greatest_count, scale));
+  }
+  Tool tool{.name = name, .balls = std::move(fit.balls)};
+  if (const ToolBall* head = CuttingHead(tool)) {
+    const auto at = tool.balls.begin() + (head - tool.balls.data());
+    std::rotate(tool.balls.begin(), at, at + 1);
+  }
+  return tool;
+}
+
+BuiltTool MakeTurnedTool(const std::string& name, std::vector<ProfilePiece> pieces, double density_kg_per_m3,
+                         const BallParams& balls, const HolderParams& holder,
+                         const std::vector<ToolBall>& first) {
+  CheckBallsAndHolder(name, balls, holder, density_kg_per_m3);
+  const auto profile = std::make_shared<const ToolProfile>(std::move(pieces));
+  const auto sample = [&](std::size_t count) { return profile->Sample(count, 0); };
+  BuiltTool built{.tool = FitBalls(name, *profile, sample, first, balls.greatest_count),
+                  .length_m = profile->length_m() + holder.length_m,
+                  .profile = profile};
+  const std::array<MassProperties, 2> bodies{RevolvedMassProperties(profile->pieces(), density_kg_per_m3),
+                                             HolderMass(holder, -profile->length_m())};
+  SetMass(Combine(bodies), built.tool);
+  return built;
+}
+
+BuiltTool MakeReamer(const ReamerParams& p) {
+  const std::string name = fmt::format("hemispherical reamer {:.10g} mm", p.diameter_m * 1e3);
+  const double radius_m = 0.5 * p.diameter_m;
+  CheckRangeMm("reamer: diameter", p.diameter_m, 2e-3, 0.2);
+  CheckRangeMm(name + ": shell", p.shell_m, 1e-4, 0.9 * radius_m);
+  CheckRangeMm(name + ": shaft length", p.shaft_length_m, 0.0, 0.5);
+  CheckDensity(name + ": density", p.density_kg_per_m3);
+  CheckHolder(name, p.holder);
+
+  BuiltTool built;
+  built.tool = MakeReamer(radius_m, p.shaft_radius_m, p.touching_length_m, 1.0, Vector3::Zero());
+  built.tool.name = name;
+  built.length_m = radius_m + (p.shaft_length_m + p.holder.length_m);
+  const std::array<MassProperties, 3> bodies{
+      HemisphericalShellMassProperties(radius_m, p.shell_m, p.density_kg_per_m3),
+      CylinderMassProperties(p.shaft_radius_m, -radius_m, -radius_m - p.shaft_length_m, p.density_kg_per_m3),
+      HolderMass(p.holder, -radius_m - p.shaft_length_m)};
+  SetMass(Combine(bodies), built.tool);
+  return built;
+}
+
+BuiltTool MakeBurr(const BurrParams& p) {
+  static constexpr std::array<const char*, 5> kNames{"round", "pear", "cylinder", "taper", "flat cylinder"};
+  const std::string name =
+      fmt::format("{} burr {:.10g} mm", kNames[static_cast<std::size_t>(p.shape)], p.diameter_m * 1e3);
+  const double R = 0.5 * p.diameter_m, neck_m = 0.5 * p.neck_diameter_m, shank_m = 0.5 * p.shank_diameter_m;
+  CheckRangeMm("burr: diameter", p.diameter_m, 0.2e-3, 0.05);
+  CheckRangeMm(name + ": neck diameter", p.neck_diameter_m, 0.1e-3,
+               std::min(0.99 * p.diameter_m, p.shank_diameter_m));
+  CheckRangeMm(name + ": neck length", p.neck_length_m, 0.0, 0.2);
+  CheckRangeMm(name + ": shank diameter", p.shank_diameter_m, 0.5e-3, 0.05);
+  if (p.shape != BurrShape::kRound)
+    CheckRangeMm(name + ": head length", p.head_length_m, 1.01 * p.diameter_m, 0.2);
+
+  constexpr double kBackSlope = 0.36397023426620234;  // tan 20 deg
+  Outline outline(p.balls);
+  std::vector<ToolBall> first;
+  // a ball of radius tip_m ahead, and its tangent cone back to the radius back_m: angles at the ball's
+  // centre, from -z
+  const auto ball_and_cone = [&](double tip_m, double back_m) {
+    const double behind_m = p.head_length_m - tip_m;
+    const double angle = std::atan2(back_m, behind_m) + std::acos(tip_m / std::hypot(back_m, behind_m));
+    outline.ArcTo(-tip_m - tip_m * std::cos(angle), -tip_m, tip_m, true).To(-p.head_length_m, back_m, true);
+  };
+  switch (p.shape) {
+    case BurrShape::kRound:
+      outline.ArcTo(-R - std::sqrt(R * R - neck_m * neck_m), -R, R, true);
+      first.push_back({.center_m = Vector3(0, 0, -R), .radius_m = R, .cutting = true});
+      break;
+    case BurrShape::kPear:
+      ball_and_cone(R, neck_m);
+      break;
+    case BurrShape::kCylinder:
+      ball_and_cone(R, R);
+      break;
+    case BurrShape::kTaper:
+      CheckRangeMm(name + ": tip diameter", p.tip_diameter_m, 0.1e-3, p.diameter_m);
+      ball_and_cone(0.5 * p.tip_diameter_m, R);
+      break;
+    case BurrShape::kFlatCylinder:
+      outline.To(0.0, R, true).To(-p.head_length_m, R, true);
+      break;
+  }
+  outline.To(outline.z_m() - (outline.r_m() - neck_m) / kBackSlope, neck_m, true);
+  outline.To(outline.z_m() - p.neck_length_m, neck_m, false);
+  outline.To(outline.z_m() - (shank_m - neck_m) / kBackSlope, shank_m, false);
+  CheckRangeMm(name + ": length", p.length_m, -outline.z_m() + 1e-3, 0.3);
+  outline.To(-p.length_m, shank_m, false);
+  return MakeTurnedTool(name, outline.Done(), p.density_kg_per_m3, p.balls, p.holder, first);
+}
+
+BuiltTool MakeTwistDrill(const TwistDrillParams& p) {
+  const std::string name = fmt::format("twist drill {:.10g} mm", p.diameter_m * 1e3);
+  const double R = 0.5 * p.diameter_m;
+  CheckRangeMm("twist drill: diameter", p.diameter_m, 0.5e-3, 0.05);
+  if (!(p.point_rad >= 1.0 && p.point_rad <= 3.1))
+    throw std::invalid_argument(fmt::format("{}: point: found {:.6g} deg, accepted 57.3 … 177.6 deg", name,
+                                            p.point_rad * 180.0 / std::numbers::pi));
+  const double point_m = R / std::tan(0.5 * p.point_rad);
+  CheckRangeMm(name + ": flute length", p.flute_length_m, point_m + 1e-4, 0.5);
+  CheckRangeMm(name + ": length", p.length_m, p.flute_length_m, 0.5);
+  CheckRangeMm(name + ": flute gap", p.flute_gap_m, 1e-6, 5e-3);
+
+  Outline outline(p.balls);
+  outline.To(-point_m, R, true);
+  outline.last().metal_ratio = p.flute_metal_ratio;
+  outline.To(-p.flute_length_m, R, true);
+  outline.last().metal_ratio = p.flute_metal_ratio;
+  outline.last().gap_m = p.flute_gap_m;
+  outline.To(-p.length_m, R, false);
+  return MakeTurnedTool(name, outline.Done(), p.density_kg_per_m3, p.balls, p.holder);
+}
+
+}  // namespace osteon::simulation
