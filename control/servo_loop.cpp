@@ -23,6 +23,7 @@ constexpr double kElbowRate_per_s = 40.0;  // toward the wanted arm angle, where
 constexpr double kElbowThere_rad = 1e-6;
 constexpr double kMoving_m_per_s = 0.02,
                  kMoving_rad_per_s = 0.1;  // of the tool: the elbow has its full speed
+constexpr double kStands = 1e-6;           // of that: rounding
 constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
 
 JointVector ToVector(const JointArray& q) { return Eigen::Map<const JointVector>(q.data()); }
@@ -367,6 +368,7 @@ bool ServoLoop::Follow(const Twist& V_WT, bool& limited) OSTEON_RT {
   }
   motion_share_ = moves.share;
   moving_ = std::min(1.0, moves.V_BT.v.norm() / kMoving_m_per_s + moves.V_BT.w.norm() / kMoving_rad_per_s);
+  if (moving_ < kStands) moving_ = 0.0;
   sigma_min_m_ = moves.sigma_min_m;
   sigma_gradient_m_ = moves.sigma_gradient_m;
   limited = moves.limit != kinematics::MotionLimit::kNone || guard.share < 1.0;

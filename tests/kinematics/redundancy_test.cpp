@@ -17,7 +17,7 @@ constexpr double kMargin_rad = 0.02;
 double LimitPotential(const PosturePreferenceParams& params, const JointVectorN<7>& q) {
   double sum = 0.0;
   for (int i = 0; i < 7; ++i) {
-    const JointLimits& limit = Iiwa14().limits[static_cast<std::size_t>(i)];
+    const JointLimits limit = Iiwa14().limits[static_cast<std::size_t>(i)];
     for (const double room : {q[i] - limit.lower_rad - kMargin_rad, limit.upper_rad - kMargin_rad - q[i]}) {
       const double depth = std::max(0.0, 1.0 - room / params.limit_zone_rad);
       sum += params.limit_speed_rad_per_s * params.limit_zone_rad / 3.0 * depth * depth * depth;
