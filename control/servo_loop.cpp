@@ -223,6 +223,7 @@ void ServoLoop::Miss(ReceiveResult received) OSTEON_RT {
 void ServoLoop::StartRendering(rt::Nanoseconds now) OSTEON_RT {
   phase_ = Phase::kHaptic;
   motion_share_ = 1.0;
+  moving_ = 0.0;
   elbow_arrived_ = false;
   coupling_ = {};
   sight_age_s_ = 0.0;
@@ -365,6 +366,7 @@ bool ServoLoop::Follow(const Twist& V_WT, bool& limited) OSTEON_RT {
     return false;
   }
   motion_share_ = moves.share;
+  moving_ = std::min(1.0, moves.V_BT.v.norm() / kMoving_m_per_s + moves.V_BT.w.norm() / kMoving_rad_per_s);
   sigma_min_m_ = moves.sigma_min_m;
   sigma_gradient_m_ = moves.sigma_gradient_m;
   limited = moves.limit != kinematics::MotionLimit::kNone || guard.share < 1.0;
@@ -383,24 +385,28 @@ bool ServoLoop::Follow(const Twist& V_WT, bool& limited) OSTEON_RT {
 // Where the joints should go for the elbow's sake, as a velocity whose part in the null space counts.
 kinematics::JointVector ServoLoop::WantedElbow(const Twist& V_WT) OSTEON_RT {
   const double dt_s = params_.period_s;
-  const double moving = std::min(1.0, V_WT.v.norm() / kMoving_m_per_s + V_WT.w.norm() / kMoving_rad_per_s);
+  // what limits will leave of the twist, by the tick before: an elbow held for a tool that can't move would
+  // move
+  const Twist V_likely_WT = Scaled(V_WT, motion_share_);
 
   // the arm angle: held, and turned to the wanted one
   const double arm_angle_rad = arm_.ArmAngle(q_);
   const double error_rad = WrapAngle(wanted_arm_angle_rad_ - arm_angle_rad);
   elbow_arrived_ |= std::abs(error_rad) < kElbowThere_rad;
   const double most = params_.arm_angle_rate_rad_per_s;
-  const double turn =
-      (elbow_arrived_ ? moving : share_) * std::clamp(kElbowRate_per_s * error_rad, -most, most);
+  const double share = phase_ != Phase::kHaptic ? 0.0 : elbow_arrived_ ? moving_ : share_;
+  const double turn = share * std::clamp(kElbowRate_per_s * error_rad, -most, most);
   JointVector qd = JointVector::Zero(), q_there;
-  if (moving == 0.0 && turn == 0.0) return qd;  // not even by rounding
-  if (arm_.Inverse(X_BW_ * Move(X_WT_, V_WT, dt_s) * X_TF_, arm_angle_rad + dt_s * turn, q_, q_there) &&
+  if (turn == 0.0 && V_likely_WT.v.isZero(0.0) && V_likely_WT.w.isZero(0.0))
+    return qd;  // not by rounding either
+  if (arm_.Inverse(X_BW_ * Move(X_WT_, V_likely_WT, dt_s) * X_TF_, arm_angle_rad + dt_s * turn, q_,
+                   q_there) &&
       (q_there - q_).cwiseAbs().maxCoeff() < params_.joints.jump_rad)
     qd = (q_there - q_) / dt_s;
 
-  qd += moving * kinematics::AwayFromLimits<7>(params_.posture, params_.joints.limits,
-                                               params_.joints.position_margin_rad, q_);
-  qd += moving * kinematics::AwayFromSingularity<7>(params_.posture, sigma_min_m_, sigma_gradient_m_);
+  qd += moving_ * kinematics::AwayFromLimits<7>(params_.posture, params_.joints.limits,
+                                                params_.joints.position_margin_rad, q_);
+  qd += moving_ * kinematics::AwayFromSingularity<7>(params_.posture, sigma_min_m_, sigma_gradient_m_);
   return qd;
 }
 

@@ -17,20 +17,79 @@ Matrix3 Cross(const Vector3& v) {
   return C;
 }
 
-// R A R^T, R being the turn to the parent.
-Matrix3 ToParent(const FrameTurn& T, const Matrix3& A) {
-  Matrix3 half, whole;
-  for (int j = 0; j < 3; ++j) half.row(j) = T.ToParent(A.col(j)).transpose();
-  for (int j = 0; j < 3; ++j) whole.row(j) = T.ToParent(half.col(j)).transpose();
-  return whole;
+[[gnu::always_inline]] inline Triple<double> Copy(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+[[gnu::always_inline]] inline Triple<double> CrossOf(const Triple<double>& a, const Triple<double>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// What a link with all that hangs on it, joints free, asks for: torque = J wd + H a + torque0 and force = H^T
-// wd + M a
-// + force0, at its origin.
+[[gnu::always_inline]] inline double Dot(const Triple<double>& a, const Triple<double>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+[[gnu::always_inline]] inline Triple<double> Half(const Triple<Pair>& v, int half) {
+  return {v.x[half], v.y[half], v.z[half]};
+}
+
+// What a link with all that hangs on it, joints free, asks for at its origin:
+//
+//     torque = J wd + H a + torque0        force = H^T wd + M a + force0
+//
+// J and M turn alike, as the halves of pairs; so do torque0 and force0. H is kept as its symmetric part and
+// the vector of its skew one, which turn as such.
 struct Articulated {
-  Matrix3 J, H, M;
-  Vector3 torque, force;
+  Symmetric<Pair> JM;
+  Symmetric<double> H;
+  Triple<double> H_skew;
+  Triple<Pair> bias;
+
+  // H's rows.
+  [[gnu::always_inline]] std::array<Triple<double>, 3> Rows() const {
+    return {{{H.xx, H.xy - H_skew.z, H.xz + H_skew.y},
+             {H.xy + H_skew.z, H.yy, H.yz - H_skew.x},
+             {H.xz - H_skew.y, H.yz + H_skew.x, H.zz}}};
+  }
+
+  // Adds a body that hangs on this one, from the child's frame: turned, then moved by p. With the rotated
+  // blocks H' = H + [p] M and J' = J + [p] G^T + G [p]^T, where G = H + 1/2 [p] M.
+  [[gnu::always_inline]] void Add(Articulated child, const FrameTurn& T, const Triple<double>& p) {
+    child.JM.ToParent(T);
+    child.H.ToParent(T);
+    child.H_skew = T.ToParent(child.H_skew);
+    child.bias = T.ToParent(child.bias);
+
+    const Symmetric<Pair>& in = child.JM;
+    const Triple<double> M_x{in.xx[1], in.xy[1], in.xz[1]}, M_y{in.xy[1], in.yy[1], in.yz[1]},
+        M_z{in.xz[1], in.yz[1], in.zz[1]};
+    const std::array<Triple<double>, 3> moved{
+        {{p.y * M_z.x - p.z * M_y.x, p.y * M_z.y - p.z * M_y.y, p.y * M_z.z - p.z * M_y.z},
+         {p.z * M_x.x - p.x * M_z.x, p.z * M_x.y - p.x * M_z.y, p.z * M_x.z - p.x * M_z.z},
+         {p.x * M_y.x - p.y * M_x.x, p.x * M_y.y - p.y * M_x.y, p.x * M_y.z - p.y * M_x.z}}};
+    std::array<Triple<double>, 3> G = child.Rows();
+    for (std::size_t i = 0; i < 3; ++i)
+      G[i] = {G[i].x + 0.5 * moved[i].x, G[i].y + 0.5 * moved[i].y, G[i].z + 0.5 * moved[i].z};
+    // column j of [p] G^T is p × row j of G
+    const Triple<double> x = CrossOf(p, G[0]), y = CrossOf(p, G[1]), z = CrossOf(p, G[2]);
+    JM.xx += in.xx + Pair{2.0 * x.x, 0.0};
+    JM.yy += in.yy + Pair{2.0 * y.y, 0.0};
+    JM.zz += in.zz + Pair{2.0 * z.z, 0.0};
+    JM.xy += in.xy + Pair{x.y + y.x, 0.0};
+    JM.xz += in.xz + Pair{x.z + z.x, 0.0};
+    JM.yz += in.yz + Pair{y.z + z.y, 0.0};
+
+    H.xx += child.H.xx + moved[0].x;
+    H.yy += child.H.yy + moved[1].y;
+    H.zz += child.H.zz + moved[2].z;
+    H.xy += child.H.xy + 0.5 * (moved[0].y + moved[1].x);
+    H.xz += child.H.xz + 0.5 * (moved[0].z + moved[2].x);
+    H.yz += child.H.yz + 0.5 * (moved[1].z + moved[2].y);
+    H_skew = H_skew + child.H_skew +
+             Triple<double>{0.5 * (moved[2].y - moved[1].z), 0.5 * (moved[0].z - moved[2].x),
+                            0.5 * (moved[1].x - moved[0].y)};
+
+    const Triple<double> turn = CrossOf(p, Half(child.bias, 1));
+    bias = bias + child.bias + Triple<Pair>{Pair{turn.x, 0.0}, Pair{turn.y, 0.0}, Pair{turn.z, 0.0}};
+  }
 };
 
 }  // namespace
@@ -43,62 +102,89 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
   assert(params_.has_masses);
   const SinCosN<kPadded> turn = Turns(q);
   std::array<Articulated, static_cast<std::size_t>(N)> bodies;
-  std::array<Vector3, static_cast<std::size_t>(N)> wd_bias, a_bias, U_torque, U_force;
+  std::array<Triple<double>, static_cast<std::size_t>(N)> wd_bias, a_bias;
+  std::array<Triple<Pair>, static_cast<std::size_t>(N)>
+      U;  // what a turn of the joint asks for: torque, force
   std::array<double, static_cast<std::size_t>(N)> u, D;
 
   // outwards: turning, bias of bodies and joints
-  Vector3 w = Vector3::Zero();
+  Triple<double> w{};
   for (std::size_t i = 0; i < N; ++i) {
     const Step& step = steps_[i];
     const FrameTurn T{step.cos_alpha, step.sin_alpha, turn.cos[i], turn.sin[i]};
-    a_bias[i] = T.ToChild(w.cross(w.cross(step.p)));
+    a_bias[i] = T.ToChild(CrossOf(w, CrossOf(w, Copy(step.p))));
     w = T.ToChild(w);
     const double rate = qd[static_cast<int>(i)];
-    wd_bias[i] = Vector3(w.y() * rate, -w.x() * rate, 0.0);
-    w.z() += rate;
+    wd_bias[i] = {w.y * rate, -w.x * rate, 0.0};
+    w.z += rate;
+
     const Body& body = bodies_[i];
-    bodies[i] = {body.inertia_kg_m2, Cross(body.first_moment_kg_m), body.mass_kg * Matrix3::Identity(),
-                 w.cross(body.inertia_kg_m2 * w), w.cross(w.cross(body.first_moment_kg_m))};
+    const Matrix3& J = body.inertia_kg_m2;
+    const double m = body.mass_kg;
+    const Triple<double> h = Copy(body.first_moment_kg_m);
+    const Triple<double> spin{J(0, 0) * w.x + J(0, 1) * w.y + J(0, 2) * w.z,
+                              J(0, 1) * w.x + J(1, 1) * w.y + J(1, 2) * w.z,
+                              J(0, 2) * w.x + J(1, 2) * w.y + J(2, 2) * w.z};
+    const Triple<double> torque = CrossOf(w, spin), force = CrossOf(w, CrossOf(w, h));
+    bodies[i].JM = {Pair{J(0, 0), m},   Pair{J(1, 1), m},   Pair{J(2, 2), m},
+                    Pair{J(0, 1), 0.0}, Pair{J(0, 2), 0.0}, Pair{J(1, 2), 0.0}};
+    bodies[i].H = {};
+    bodies[i].H_skew = h;
+    bodies[i].bias = {Pair{torque.x, force.x}, Pair{torque.y, force.y}, Pair{torque.z, force.z}};
   }
 
   // inwards: what remains of a body once its joint gives way
   for (std::size_t i = N; i-- > 0;) {
     Articulated& body = bodies[i];
-    U_torque[i] = body.J.col(2);
-    U_force[i] = body.H.row(2).transpose();
-    D[i] = body.J(2, 2) + params_.joints[i].rotor_inertia_kg_m2;
-    u[i] = tau[static_cast<int>(i)] - body.torque.z();
+    const Symmetric<Pair>& in = body.JM;
+    U[i] = {Pair{in.xz[0], body.H.xz - body.H_skew.y}, Pair{in.yz[0], body.H.yz + body.H_skew.x},
+            Pair{in.zz[0], body.H.zz}};
+    D[i] = in.zz[0] + params_.joints[i].rotor_inertia_kg_m2;
+    u[i] = tau[static_cast<int>(i)] - body.bias.z[0];
     if (i == 0) break;
-    const Vector3 t = U_torque[i] / D[i], f = U_force[i] / D[i];
-    body.J -= U_torque[i] * t.transpose();
-    body.H -= U_torque[i] * f.transpose();
-    body.M -= U_force[i] * f.transpose();
-    body.torque += body.J * wd_bias[i] + body.H * a_bias[i] + u[i] * t;
-    body.force += body.H.transpose() * wd_bias[i] + body.M * a_bias[i] + u[i] * f;
+    const double inverse = 1.0 / D[i];
+    const Triple<Pair> V{inverse * U[i].x, inverse * U[i].y, inverse * U[i].z};
+    body.JM.xx -= U[i].x * V.x;
+    body.JM.yy -= U[i].y * V.y;
+    body.JM.zz -= U[i].z * V.z;
+    body.JM.xy -= U[i].x * V.y;
+    body.JM.xz -= U[i].x * V.z;
+    body.JM.yz -= U[i].y * V.z;
+    // H loses torque times force^T / D, whose skew part is that of force × torque / 2 D
+    const Triple<double> t = Half(U[i], 0), f = Half(V, 1), skew = CrossOf(f, t);
+    body.H.xx -= t.x * f.x;
+    body.H.yy -= t.y * f.y;
+    body.H.zz -= t.z * f.z;
+    body.H.xy -= 0.5 * (t.x * f.y + t.y * f.x);
+    body.H.xz -= 0.5 * (t.x * f.z + t.z * f.x);
+    body.H.yz -= 0.5 * (t.y * f.z + t.z * f.y);
+    body.H_skew = {body.H_skew.x - 0.5 * skew.x, body.H_skew.y - 0.5 * skew.y, body.H_skew.z - 0.5 * skew.z};
+
+    const std::array<Triple<double>, 3> H = body.Rows();
+    const Triple<double>&wd = wd_bias[i], &a = a_bias[i];
+    const Triple<Pair> both{Pair{wd.x, a.x}, Pair{wd.y, a.y}, Pair{wd.z, a.z}};
+    body.bias.x += in.xx * both.x + in.xy * both.y + in.xz * both.z + u[i] * V.x +
+                   Pair{Dot(H[0], a), H[0].x * wd.x + H[1].x * wd.y + H[2].x * wd.z};
+    body.bias.y += in.xy * both.x + in.yy * both.y + in.yz * both.z + u[i] * V.y +
+                   Pair{Dot(H[1], a), H[0].y * wd.x + H[1].y * wd.y + H[2].y * wd.z};
+    body.bias.z += in.xz * both.x + in.yz * both.y + in.zz * both.z + u[i] * V.z +
+                   Pair{Dot(H[2], a), H[0].z * wd.x + H[1].z * wd.y + H[2].z * wd.z};
 
     const Step& step = steps_[i];
     const FrameTurn T{step.cos_alpha, step.sin_alpha, turn.cos[i], turn.sin[i]};
-    const Matrix3 J = ToParent(T, body.J), H = ToParent(T, body.H), M = ToParent(T, body.M);
-    const Matrix3 P = Cross(step.p), H_moved = H + P * M;
-    const Vector3 force = T.ToParent(body.force);
-    Articulated& parent = bodies[i - 1];
-    parent.J += J - H * P + P * H_moved.transpose();
-    parent.H += H_moved;
-    parent.M += M;
-    parent.torque += T.ToParent(body.torque) + step.p.cross(force);
-    parent.force += force;
+    bodies[i - 1].Add(body, T, Copy(step.p));
   }
 
   // outwards: accelerations
   Joints qdd;
-  Vector3 wd = Vector3::Zero(), a = lift_K0_;
+  Triple<double> wd{}, a = Copy(lift_K0_);
   for (std::size_t i = 0; i < N; ++i) {
     const Step& step = steps_[i];
     const FrameTurn T{step.cos_alpha, step.sin_alpha, turn.cos[i], turn.sin[i]};
-    a = T.ToChild(a + wd.cross(step.p)) + a_bias[i];
+    a = T.ToChild(a + CrossOf(wd, Copy(step.p))) + a_bias[i];
     wd = T.ToChild(wd) + wd_bias[i];
-    const double rate = (u[i] - U_torque[i].dot(wd) - U_force[i].dot(a)) / D[i];
-    wd.z() += rate;
+    const double rate = (u[i] - Dot(Half(U[i], 0), wd) - Dot(Half(U[i], 1), a)) / D[i];
+    wd.z += rate;
     qdd[static_cast<int>(i)] = rate;
   }
   return qdd;

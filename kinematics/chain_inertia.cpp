@@ -11,60 +11,36 @@
 namespace osteon::kinematics {
 namespace {
 
-// Links i … N as one rigid body, in K(i): mass, first moment h, second moments S = integral of r r^T dm, its
-// six elements.
+// Links i … N as one rigid body, in K(i): mass, first moment h, second moments S = integral of r r^T dm.
 struct Composite {
   double m{0.0};
-  Vector3 h{Vector3::Zero()};
-  double xx{0.0}, yy{0.0}, zz{0.0}, xy{0.0}, xz{0.0}, yz{0.0};
+  Triple<double> h{};
+  Symmetric<double> S;
 
-  // The same body in the frame before: turned about z, then about x, then moved.
+  // The same body in the frame before: turned, then moved.
   [[gnu::always_inline]] void ToParent(const FrameTurn& T, const Vector3& p) {
-    Turn(T.cos_theta, T.sin_theta, xx, yy, xy, xz, yz);
-    Turn(T.cos_alpha, T.sin_alpha, yy, zz, yz, xy, xz);
-    const Vector3 turned = T.ToParent(h);
-    h = turned + m * p;
-    xx += p.x() * (turned.x() + h.x());
-    yy += p.y() * (turned.y() + h.y());
-    zz += p.z() * (turned.z() + h.z());
-    xy += turned.x() * p.y() + p.x() * h.y();
-    xz += turned.x() * p.z() + p.x() * h.z();
-    yz += turned.y() * p.z() + p.y() * h.z();
-  }
-
- private:
-  // Turns a symmetric matrix in the plane of two axes a, b, the third being c.
-  [[gnu::always_inline]] static void Turn(double cos, double sin, double& aa, double& bb, double& ab,
-                                          double& ac, double& bc) {
-    const double sum = aa + bb, cs = cos * sin, ss = sin * sin;
-    const double shift = ss * (bb - aa) - 2.0 * cs * ab;  // c^2 aa - 2 c s ab + s^2 bb = aa + shift
-    ab += cs * (aa - bb) - 2.0 * ss * ab;
-    aa += shift;
-    bb = sum - aa;
-    const double before = ac;
-    ac = cos * before - sin * bc;
-    bc = sin * before + cos * bc;
+    S.ToParent(T);
+    const Triple<double> t = T.ToParent(h);
+    h = {t.x + m * p.x(), t.y + m * p.y(), t.z + m * p.z()};
+    S.xx += p.x() * (t.x + h.x);
+    S.yy += p.y() * (t.y + h.y);
+    S.zz += p.z() * (t.z + h.z);
+    S.xy += t.x * p.y() + p.x() * h.y;
+    S.xz += t.x * p.z() + p.x() * h.z;
+    S.yz += t.y * p.z() + p.y() * h.z;
   }
 };
 
 // Forces and torques that unit accelerations of the joints ask for, two joints at a time, in one frame.
 struct Columns {
-  Pair fx{}, fy{}, fz{}, tx{}, ty{}, tz{};
+  Triple<Pair> f{}, t{};
 
   [[gnu::always_inline]] void ToParent(const FrameTurn& T, const Vector3& p) {
-    Turn(T, fx, fy, fz);
-    Turn(T, tx, ty, tz);
-    tx += p.y() * fz - p.z() * fy;
-    ty += p.z() * fx - p.x() * fz;
-    tz += p.x() * fy - p.y() * fx;
-  }
-
- private:
-  [[gnu::always_inline]] static void Turn(const FrameTurn& T, Pair& x, Pair& y, Pair& z) {
-    const Pair tilted = T.sin_theta * x + T.cos_theta * y;
-    x = T.cos_theta * x - T.sin_theta * y;
-    y = T.cos_alpha * tilted - T.sin_alpha * z;
-    z = T.sin_alpha * tilted + T.cos_alpha * z;
+    f = T.ToParent(f);
+    t = T.ToParent(t);
+    t.x += p.y() * f.z - p.z() * f.y;
+    t.y += p.z() * f.x - p.x() * f.z;
+    t.z += p.x() * f.y - p.y() * f.x;
   }
 };
 
@@ -82,26 +58,28 @@ JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints& q) const noexcept {
   JointMatrixN<N> M;
   for (std::size_t i = N; i-- > 0;) {
     const Body& link = bodies_[i];
+    const Vector3& h = link.first_moment_kg_m;
+    const Matrix3& S = link.second_moment_kg_m2;
     body.m += link.mass_kg;
-    body.h += link.first_moment_kg_m;
-    body.xx += link.second_moment_kg_m2(0, 0);
-    body.yy += link.second_moment_kg_m2(1, 1);
-    body.zz += link.second_moment_kg_m2(2, 2);
-    body.xy += link.second_moment_kg_m2(0, 1);
-    body.xz += link.second_moment_kg_m2(0, 2);
-    body.yz += link.second_moment_kg_m2(1, 2);
+    body.h = body.h + Triple<double>{h.x(), h.y(), h.z()};
+    body.S.xx += S(0, 0);
+    body.S.yy += S(1, 1);
+    body.S.zz += S(2, 2);
+    body.S.xy += S(0, 1);
+    body.S.xz += S(0, 2);
+    body.S.yz += S(1, 2);
 
     Columns& own = columns[i / 2];
     const std::size_t lane = i % 2;
-    own.fx[lane] = -body.h.y();
-    own.fy[lane] = body.h.x();
-    own.fz[lane] = 0.0;
-    own.tx[lane] = -body.xz;
-    own.ty[lane] = -body.yz;
-    own.tz[lane] = body.xx + body.yy;
+    own.f.x[lane] = -body.h.y;
+    own.f.y[lane] = body.h.x;
+    own.f.z[lane] = 0.0;
+    own.t.x[lane] = -body.S.xz;
+    own.t.y[lane] = -body.S.yz;
+    own.t.z[lane] = body.S.xx + body.S.yy;
     for (std::size_t j = i; j < N; ++j)
       M(static_cast<int>(i), static_cast<int>(j)) = M(static_cast<int>(j), static_cast<int>(i)) =
-          columns[j / 2].tz[j % 2];
+          columns[j / 2].t.z[j % 2];
     M(static_cast<int>(i), static_cast<int>(i)) += params_.joints[i].rotor_inertia_kg_m2;
     if (i == 0) break;
 

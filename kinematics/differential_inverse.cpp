@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -150,7 +151,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
       const double vv = u_min.dot(Curvature<N>(in.J, v)), nn = u_min.dot(Curvature<N>(in.J, n));
       const double vn = 0.5 * (u_min.dot(Curvature<N>(in.J, JointVectorN<N>(v + n))) - vv - nn);
       double angle = 0.5 * std::atan2(2.0 * vn, vv - nn);
-      if (vv + nn < 0.0) angle += 0.5 * 3.14159265358979323846;
+      if (vv + nn < 0.0) angle += 0.5 * std::numbers::pi;
       directions.col(5) = std::cos(angle) * v + std::sin(angle) * n;
       directions.col(6) = std::cos(angle) * n - std::sin(angle) * v;
     }

@@ -45,4 +45,31 @@ struct FrameTurn {
   }
 };
 
+/// A symmetric 3x3 matrix of any kind of number.
+template <class Scalar>
+struct Symmetric {
+  Scalar xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
+
+  /// The same in the parent's axes: R A R^T, turned in one plane after the other.
+  [[gnu::always_inline]] void ToParent(const FrameTurn& T) {
+    Turn(T.cos_theta, T.sin_theta, xx, yy, xy, xz, yz);
+    Turn(T.cos_alpha, T.sin_alpha, yy, zz, yz, xy, xz);
+  }
+
+ private:
+  // In the plane of two axes a, b, the third being c.
+  [[gnu::always_inline]] static void Turn(double cos, double sin, Scalar& aa, Scalar& bb, Scalar& ab,
+                                          Scalar& ac, Scalar& bc) {
+    const double cs = cos * sin, ss = sin * sin;
+    const Scalar sum = aa + bb;
+    const Scalar shift = ss * (bb - aa) - 2.0 * cs * ab;  // c^2 aa - 2 c s ab + s^2 bb = aa + shift
+    ab += cs * (aa - bb) - 2.0 * ss * ab;
+    aa += shift;
+    bb = sum - aa;
+    const Scalar before = ac;
+    ac = cos * before - sin * bc;
+    bc = sin * before + cos * bc;
+  }
+};
+
 }  // namespace osteon::kinematics

@@ -18,7 +18,8 @@ constexpr double kPi = std::numbers::pi, kTurn = 2.0 * kPi;
   throw std::invalid_argument("arm: " + name + ": found " + std::to_string(found) + ", accepted " + accepted);
 }
 
-// One value of a joint, named within its limits where that is possible, and by how much it is beyond.
+// One value of a joint, named within its limits where that is possible, and by how much it is beyond (<= 0:
+// not).
 struct Fitted {
   double q, beyond;
 };
@@ -29,7 +30,6 @@ Fitted Fit(double q, const JointLimits& limit) {
   const double other = q < limit.lower_rad ? q + kTurn : q - kTurn;
   const double beyond = std::max(limit.lower_rad - q, q - limit.upper_rad);
   const double beyond_other = std::max(limit.lower_rad - other, other - limit.upper_rad);
-  if (beyond_other <= 0.0) return {other, 0.0};
   return beyond_other < beyond ? Fitted{other, beyond_other} : Fitted{q, beyond};
 }
 

@@ -107,13 +107,15 @@ ExactPair LookAt(vec4 ball, dvec4 at) {
   double d = length(from_bone);
   return ExactPair((1.0lf / max(d, 1e-20lf)) * from_bone, d, d - at.w - double(ball.w));
 }
+// Where no branch is skipped, keys are taken in a loop of their own, behind the one that finds them.
+const bool kKeysApart = kLanes != kGroupSize;
 void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   if (exact.d <= 0.0lf || exact.gap >= near.exact_enlargement) return;
   ExactBin bin =
       FindExactBin(dvec3(dot(exact.n, near.exact_x), dot(exact.n, near.exact_y), dot(exact.n, near.exact_z)), cutting);
   uint units = uint(clamp(exact.gap + kMiddleWorth_mm * bin.off_middle + 1.0lf, 0.0lf, 1.999lf) * double(1.0f / kGapUnit));
-  // others have been found since this one was
-  if (units > frame_halves[2u * bin.number + 1u] >> (kBoneBits + kToolBits - 32u)) return;
+  // others may have been found since this one was
+  if (kKeysApart && units > frame_halves[2u * bin.number + 1u] >> (kBoneBits + kToolBits - 32u)) return;
   uint64_t key = (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(bone) << kToolBits) | uint64_t(t);
   atomicMin(frame.bin_keys[bin.number], key);
 }
@@ -209,11 +211,13 @@ void main() {
         found.count = 0u;
         for (; found.count < kRoom && slot < end; slot += EntryStep())
           NoteIf(Touch(near, LiveBall(slot), only, true), slot, 0u);
-        for (uint i = 0u; NextMarked(i); ++i)
-          TakeKey(near, LookAt(LiveBall(found.slot[i]), exact_only), true, LiveEntry(found.slot[i]).index, 0u);
+        for (uint i = 0u; kKeysApart && NextMarked(i); ++i)
+          TakeKey(near, LookAt(LiveBall(found.slot[InRoom(i)]), exact_only), true, LiveEntry(found.slot[InRoom(i)]).index, 0u);
         for (uint i = 0u; i < found.count; ++i) {
-          vec4 ball = LiveBall(found.slot[i]);
-          GatherAll(parts, near, LookAt(ball, exact_only), ball.w, exact_only.w, vec3(0.0), true);
+          vec4 ball = LiveBall(found.slot[InRoom(i)]);
+          ExactPair exact = LookAt(ball, exact_only);
+          if (!kKeysApart && IsMarked(i)) TakeKey(near, exact, true, LiveEntry(found.slot[InRoom(i)]).index, 0u);
+          GatherAll(parts, near, exact, ball.w, exact_only.w, vec3(0.0), true);
         }
       }
       AddParts(parts, false, true);
@@ -232,16 +236,18 @@ void main() {
           uint t = ToolOf(walk.word);
           NoteIf(Touch(near, LiveBall(walk.slot), AtContact(t, s), list == kCutting), walk.slot, t);
         }
-        for (uint i = 0u; NextMarked(i); ++i) {
-          uint t = ToolOf(found.what[i]);
-          TakeKey(near, LookAt(LiveBall(found.slot[i]), ExactAtContact(t, exact_s)), list == kCutting,
-                  LiveEntry(found.slot[i]).index, t);
+        for (uint i = 0u; kKeysApart && NextMarked(i); ++i) {
+          uint t = ToolOf(found.what[InRoom(i)]);
+          TakeKey(near, LookAt(LiveBall(found.slot[InRoom(i)]), ExactAtContact(t, exact_s)), list == kCutting,
+                  LiveEntry(found.slot[InRoom(i)]).index, t);
         }
         for (uint i = 0u; i < found.count; ++i) {
-          uint t = ToolOf(found.what[i]);
-          vec4 ball = LiveBall(found.slot[i]);
+          uint t = ToolOf(found.what[InRoom(i)]);
+          vec4 ball = LiveBall(found.slot[InRoom(i)]);
           dvec4 exact_at = ExactAtContact(t, exact_s);
-          GatherAll(parts, near, LookAt(ball, exact_at), ball.w, exact_at.w, InTool(near, Goal(t) - near.origin), false);
+          ExactPair exact = LookAt(ball, exact_at);
+          if (!kKeysApart && IsMarked(i)) TakeKey(near, exact, list == kCutting, LiveEntry(found.slot[InRoom(i)]).index, t);
+          GatherAll(parts, near, exact, ball.w, exact_at.w, InTool(near, Goal(t) - near.origin), false);
         }
       }
       AddParts(parts, list == kShaft, false);

@@ -73,13 +73,15 @@ struct Found {
   uint count;
   uint slot[kRoom], what[kRoom];  // entry or ball; tool ball, and kMark where more is to be asked
 } found;
+uint InRoom(uint i) { return kRoom == 1u ? 0u : i; }  // a known place stays in a register
 void Note(uint slot, uint t, bool mark) {
-  found.slot[found.count] = slot;
-  found.what[found.count] = t | (mark ? kMark : 0u);
+  found.slot[InRoom(found.count)] = slot;
+  found.what[InRoom(found.count)] = t | (mark ? kMark : 0u);
   ++found.count;
 }
+bool IsMarked(uint i) { return (found.what[InRoom(i)] & kMark) != 0u; }
 // Whether a marked one comes from i on; i is it then.
 bool NextMarked(inout uint i) {
-  while (i < found.count && (found.what[i] & kMark) == 0u) ++i;
+  while (i < found.count && !IsMarked(i)) ++i;
   return i < found.count;
 }

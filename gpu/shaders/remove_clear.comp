@@ -177,14 +177,14 @@ void RemoveOnce(Way way, RoughPieces rough, Pieces only, uint end) {
     for (uint i = 0u; i < found.count;) {
       bool on_axis = false;
       for (; i < found.count; ++i) {
-        vec4 ball = LiveBall(found.slot[i]);
+        vec4 ball = LiveBall(found.slot[InRoom(i)]);
         vec4 shrunk = InFloats(Shrunk(Exactly(ball), only, false, on_axis));
         if (on_axis) break;
-        Keep(way, found.slot[i], ball, shrunk);
+        Keep(way, found.slot[InRoom(i)], ball, shrunk);
       }
       if (!on_axis) break;
-      vec4 ball = LiveBall(found.slot[i]);
-      Keep(way, found.slot[i], ball, InFloats(Shrunk(Exactly(ball), only, true, on_axis)));
+      vec4 ball = LiveBall(found.slot[InRoom(i)]);
+      Keep(way, found.slot[InRoom(i)], ball, InFloats(Shrunk(Exactly(ball), only, true, on_axis)));
       ++i;
     }
   }
@@ -209,18 +209,18 @@ void RemovePairs(Way way, bool go) {
     for (uint i = 0u; i < found.count;) {
       bool on_axis = false;
       for (; i < found.count; ++i) {
-        if (found.slot[i] != slot) {
+        if (found.slot[InRoom(i)] != slot) {
           if (float(ball.w) != before) live_balls[slot] = InFloats(ball);
-          slot = found.slot[i];
+          slot = found.slot[InRoom(i)];
           ball = Exactly(LiveBall(slot));
           before = float(ball.w);
         }
-        dvec4 shrunk = Shrunk(ball, PiecesOf(way, found.what[i]), false, on_axis);
+        dvec4 shrunk = Shrunk(ball, PiecesOf(way, found.what[InRoom(i)]), false, on_axis);
         if (on_axis) break;
         ball = shrunk;
       }
       if (!on_axis) break;
-      ball = Shrunk(ball, PiecesOf(way, found.what[i]), true, on_axis);
+      ball = Shrunk(ball, PiecesOf(way, found.what[InRoom(i)]), true, on_axis);
       ++i;
     }
   }

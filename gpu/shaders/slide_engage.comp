@@ -136,10 +136,10 @@ void main() {
         Note(slot, of, next - nearest < 2.0 * rounding || nearest < 2.0 * rounding - layer);
     }
     for (uint i = 0u; !kOneCutter && NextMarked(i); ++i) {
-      vec4 point = LivePoint(found.slot[i]);
-      Live entry = PointEntry(found.slot[i]);
+      vec4 point = LivePoint(found.slot[InRoom(i)]);
+      Live entry = PointEntry(found.slot[InRoom(i)]);
       double nearest = exact_layer;
-      uint of = ToolOf(found.what[i]);
+      uint of = ToolOf(found.what[InRoom(i)]);
       for (uint k = entry.first; k < entry.first + entry.count; ++k) {
         uint t = ToolOf(SpanWord(k));
         dvec4 at = ExactAtContact(t, exact_s);
@@ -148,19 +148,19 @@ void main() {
         nearest = nearer ? gap : nearest;
         of = nearer ? t : of;
       }
-      found.what[i] = of;
+      found.what[InRoom(i)] = of;
     }
     for (uint i = 0u; i < found.count; ++i) {
-      vec4 point = LivePoint(found.slot[i]);
+      vec4 point = LivePoint(found.slot[InRoom(i)]);
       dvec4 at = exact_only;
-      if (!kOneCutter) at = ExactAtContact(found.what[i], exact_s);
+      if (!kOneCutter) at = ExactAtContact(found.what[InRoom(i)], exact_s);
       dvec3 away = dvec3(point.xyz) - at.xyz;
       double d = length(away);
       double projection = abs(d - at.w) < exact_layer ? max(0.0lf, -dot(n, away) / max(d, 1e-20lf)) : 0.0lf;
       double area = double(point.w) * per_layer * projection;
       double arm = length(cross(dvec3(point.xyz) - origin, axis));
       dvec2 units = Rounded(area * dvec2(area_scale, arm * moment_scale));
-      uint material = PointEntry(found.slot[i]).more;
+      uint material = PointEntry(found.slot[InRoom(i)]).more;
       GATHER_MATERIAL(0) GATHER_MATERIAL(1) GATHER_MATERIAL(2) GATHER_MATERIAL(3)
       GATHER_MATERIAL(4) GATHER_MATERIAL(5) GATHER_MATERIAL(6) GATHER_MATERIAL(7)
     }
