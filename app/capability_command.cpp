@@ -52,7 +52,7 @@ CapabilityCommand::CapabilityCommand(CLI::App& app)
   base(sub_->add_option("--joint-margin-deg", o.joint_margin_deg, "kept from every joint limit")
            ->check(NumberWithin(0, 60))
            ->capture_default_str());
-  base(sub_->add_flag("!--no-search", o.search, "the map alone"));
+  base(sub_->add_flag("--no-search", no_search_, "the map alone"));
   sub_->add_option("--nodes", o.nodes, "of a map, across the workspace")
       ->check(NumberWithin(3, 201))
       ->capture_default_str();
@@ -69,6 +69,7 @@ CapabilityCommand::CapabilityCommand(CLI::App& app)
 int CapabilityCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
   CapabilityOptions& o = options_;
   o.command_line = command_line;
+  o.search = !no_search_;
   o.cell =
       cell_.ends_with(".yaml") ? std::filesystem::path(cell_) : config_root / "cells" / (cell_ + ".yaml");
   o.mount = mount_ == "floor" ? Mount::kFloor : mount_ == "ceiling" ? Mount::kCeiling : Mount::kCell;

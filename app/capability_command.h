@@ -23,6 +23,7 @@ class CapabilityCommand {
   CapabilityOptions options_;
   std::string cell_, mount_{"cell"};
   std::vector<double> x_mm_, y_mm_, z_mm_;
+  bool no_search_{false};
   CLI::App* sub_;
 };
 

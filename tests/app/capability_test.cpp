@@ -341,7 +341,9 @@ TEST(BaseSearch, ACupThatLooksUpIsTheSameFromAllSides) {
   for (const double turn : {0.4, 1.3, 2.2}) {
     const BaseFigure figure = search.Judge(site + ExpRotation({0.0, 0.0, turn}) * Vector3(-0.5, 0.0, 0.1));
     // the workspace's sphere is not round the site's axis alone: it leaves out no pose of this task
-    EXPECT_NEAR(figure.factor, from_behind.factor, 1e-9 * from_behind.factor);
+    // 0.2 %: the tool keeps its yaw in the room, so that A7 may allow another configuration, whose centres of
+    // mass lie on the other side of the axes
+    EXPECT_NEAR(figure.factor, from_behind.factor, 2e-3 * from_behind.factor);
   }
 }
 

@@ -107,7 +107,7 @@ TEST(Capability, SaysWhatItDoesNotTake) {
       {{"demo", "--mount", "wall"}, "found wall, accepted cell, floor, ceiling"},
       {{"demo", "--out", "file"}, "found a file, accepted a folder"},
       {{"demo", "--recording", "file"}, "--recording"},
-      {{"demo", "--nod", "9"}, "did you mean --nodes?"}};
+      {{"demo", "--node", "9"}, "did you mean --nodes?"}};
   for (const Case& each : cases) {
     std::vector<std::string> arguments{"capability"};
     arguments.insert(arguments.end(), each.arguments.begin(), each.arguments.end());
