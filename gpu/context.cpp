@@ -4,6 +4,8 @@
 #include <cctype>
 #include <cstdio>
 
+#include "gpu/driver_threads.h"
+
 namespace osteon::gpu {
 namespace {
 
@@ -178,7 +180,9 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   vk::DeviceCreateInfo create({}, queue);
   create.pEnabledFeatures = &core;
   create.pNext = &features;
+  const DriverThreads threads;
   context->device.emplace(*context->physical, create);
+  threads.Spread();
   context->queue.emplace(*context->device, context->queue_family, 0);
   return context;
 } catch (const vk::LayerNotPresentError&) {

@@ -13,60 +13,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-Matrix3 RotationY(double angle_rad) {
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  Matrix3 R;
-  R << c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c;
-  return R;
-}
-
-Matrix3 RotationZ(double angle_rad) {
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  Matrix3 R;
-  R << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
-  return R;
-}
-
-// Points and axes of a posture, in B.
-struct Posture {
-  std::array<Vector3, 7> axis;
-  Vector3 p_shoulder, p_elbow, p_wrist;
-  Pose X_BF;
-};
-
-Posture PostureOf(const LbrParams& params, const JointVector& q) {
-  Posture a;
-  Matrix3 R = Matrix3::Identity();
-  a.axis[0] = R.col(2);
-  R *= RotationZ(q[0]);
-  a.p_shoulder = Vector3(0.0, 0.0, params.base_to_shoulder_m);
-  a.axis[1] = R.col(1);
-  R *= RotationY(q[1]);
-  a.axis[2] = R.col(2);
-  R *= RotationZ(q[2]);
-  a.p_elbow = a.p_shoulder + params.shoulder_to_elbow_m * R.col(2);
-  a.axis[3] = -R.col(1);
-  R *= RotationY(-q[3]);
-  a.axis[4] = R.col(2);
-  R *= RotationZ(q[4]);
-  a.p_wrist = a.p_elbow + params.elbow_to_wrist_m * R.col(2);
-  a.axis[5] = R.col(1);
-  R *= RotationY(q[5]);
-  a.axis[6] = R.col(2);
-  R *= RotationZ(q[6]);
-  a.X_BF = Pose::Identity();
-  a.X_BF.linear() = R;
-  a.X_BF.translation() = a.p_wrist + params.wrist_to_flange_m * R.col(2);
-  return a;
-}
-
 [[noreturn]] void Refuse(const std::string& name, double found, const char* accepted) {
   throw std::invalid_argument("arm: " + name + ": found " + std::to_string(found) + ", accepted " + accepted);
 }
 
-}  // namespace
-
-LbrArm::LbrArm(const LbrParams& params) : params_(params) {
+const LbrParams& Validated(const LbrParams& params) {
   if (!std::isfinite(params.base_to_shoulder_m))
     Refuse("base_to_shoulder_m", params.base_to_shoulder_m, "a finite length");
   if (!std::isfinite(params.wrist_to_flange_m))
@@ -82,20 +33,17 @@ LbrArm::LbrArm(const LbrParams& params) : params_(params) {
     if (!(limit.upper_rad > limit.lower_rad && limit.upper_rad <= kPi))
       Refuse("upper " + name, limit.upper_rad, "above the lower one … pi");
   }
+  return params;
 }
 
-Pose LbrArm::FlangePose(const JointVector& q) const OSTEON_RT { return PostureOf(params_, q).X_BF; }
+}  // namespace
+
+LbrArm::LbrArm(const LbrParams& params) : params_(Validated(params)), chain_(ChainFrom(params)) {}
+
+Pose LbrArm::FlangePose(const JointVector& q) const OSTEON_RT { return chain_.FlangePose(q); }
 
 Jacobian LbrArm::FlangeJacobian(const JointVector& q) const OSTEON_RT {
-  const Posture a = PostureOf(params_, q);
-  Jacobian J;
-  for (int i = 0; i < 7; ++i) {
-    const Vector3& axis = a.axis[static_cast<std::size_t>(i)];
-    const Vector3& p_joint = i < 3 ? a.p_shoulder : i == 3 ? a.p_elbow : a.p_wrist;
-    J.block<3, 1>(0, i) = axis.cross(a.X_BF.translation() - p_joint);
-    J.block<3, 1>(3, i) = axis;
-  }
-  return J;
+  return chain_.Jacobian(chain_.Place(q));
 }
 
 double LbrArm::ArmAngle(const JointVector& q) const OSTEON_RT {

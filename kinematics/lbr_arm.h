@@ -6,6 +6,7 @@
 #include "control/rt/marker.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/lbr_params.h"
+#include "kinematics/serial_chain.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::kinematics {
@@ -94,6 +95,7 @@ class LbrArm {
 
  private:
   LbrParams params_;
+  SerialChain<7> chain_;
 };
 
 }  // namespace osteon::kinematics

@@ -85,4 +85,20 @@ LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
   return params;
 }
 
+ChainParams<7> ChainFrom(const LbrParams& params) {
+  const Vector3 y = Vector3::UnitY(), z = Vector3::UnitZ();
+  const std::array<Vector3, 7> axes{z, y, z, -y, z, y, z};
+  // shoulder, elbow and wrist: where the bending joints are, and the turning ones with them
+  const std::array<double, 7> above_m{0.0, params.base_to_shoulder_m, 0.0, params.shoulder_to_elbow_m,
+                                      0.0, params.elbow_to_wrist_m,   0.0};
+  ChainParams<7> chain;
+  for (std::size_t i = 0; i < 7; ++i) {
+    chain.joints[i].X_PJ.translation() = above_m[i] * z;
+    chain.joints[i].axis_J = axes[i];
+    chain.joints[i].limits = params.limits[i];
+  }
+  chain.X_LF.translation() = params.wrist_to_flange_m * z;
+  return chain;
+}
+
 }  // namespace osteon::kinematics

@@ -27,4 +27,7 @@ struct LbrParams {
 /// @throws std::invalid_argument naming the joint, what is off and by how much.
 [[nodiscard]] LbrParams LbrParamsFrom(const ChainParams<7>& chain);
 
+/// The same arm joint by joint: link frames on the line from base to flange, all aligned at zero. No masses.
+[[nodiscard]] ChainParams<7> ChainFrom(const LbrParams& params);
+
 }  // namespace osteon::kinematics

@@ -1,3 +1,7 @@
+#include <sched.h>
+
+#include <filesystem>
+#include <fstream>
 #include <set>
 #include <thread>
 
@@ -91,6 +95,32 @@ TEST(Devices, AreOpenedAndClosedAnyNumberOfTimesOnOneInstance) {
   }
   EXPECT_FALSE((*first)->validation);
   EXPECT_FALSE((*first)->shared->messenger.has_value()) << "the layers were not asked for";
+}
+
+// Two workers on one core for a whole run make every frame nearly twice as long, and Linux leaves them there.
+TEST(Devices, EachWorkerOfAProcessorHasACoreOfItsOwn) {
+  const auto context = OpenContext("", false);
+  ASSERT_TRUE(context.has_value()) << context.error();
+  if ((*context)->info.kind != "cpu") GTEST_SKIP() << "the device is a GPU: " << (*context)->info.name;
+  cpu_set_t allowed;
+  ASSERT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
+  int rasterizers = 0;
+  std::vector<int> cores;  // of threads that have but one
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::string name;
+    std::getline(std::ifstream(task.path() / "comm"), name);
+    if (name.starts_with("llvmpipe-")) ++rasterizers;
+    cpu_set_t own;
+    ASSERT_EQ(sched_getaffinity(std::stoi(task.path().filename()), sizeof own, &own), 0);
+    if (CPU_COUNT(&own) != 1) continue;
+    for (int core = 0; core < CPU_SETSIZE; ++core)
+      if (CPU_ISSET(core, &own)) cores.push_back(core);
+  }
+  ASSERT_GT(rasterizers, 0);
+  if (CPU_COUNT(&allowed) == 1 || CPU_COUNT(&allowed) < rasterizers)
+    GTEST_SKIP() << rasterizers << " workers, " << CPU_COUNT(&allowed) << " cores";
+  EXPECT_EQ(static_cast<int>(cores.size()), rasterizers);
+  EXPECT_EQ(std::set<int>(cores.begin(), cores.end()).size(), cores.size());
 }
 
 TEST(Devices, AreOpenedByThreadsAtOnce) {

@@ -178,8 +178,8 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatTheNullSpaceCa
     const double r_wanted = std::clamp(null.dot(in.qd_null), -0.5, 0.5);
     double relief = 100.0;
     for (int i = 0; i < 7; ++i) {
-      const double asked = std::abs(task[i]), room = task[i] > 0.0 ? high[i] : -low[i];
-      if (asked > room) relief = std::min(relief, 4.0 * std::abs(null[i]) * asked / (asked - room));
+      const double asked = std::abs(task[i]), space = task[i] > 0.0 ? high[i] : -low[i];
+      if (asked > space) relief = std::min(relief, 4.0 * std::abs(null[i]) * asked / (asked - space));
     }
     relief = std::max(relief, std::abs(r_wanted));
     double best = std::max(largest_share(relief), largest_share(-relief));

@@ -97,5 +97,14 @@ TEST(LbrParams, AFlangeThatIsBesideOrTurnedIsRefused) {
   EXPECT_NE(MessageOf(chain).find("A4 is not above A2"), std::string::npos) << MessageOf(chain);
 }
 
+TEST(LbrParams, TheArmJointByJointHasTheSameLengths) {
+  const LbrParams arm = Iiwa14(), again = LbrParamsFrom(ChainFrom(arm));
+  EXPECT_EQ(again.base_to_shoulder_m, arm.base_to_shoulder_m);
+  EXPECT_EQ(again.shoulder_to_elbow_m, arm.shoulder_to_elbow_m);
+  EXPECT_EQ(again.elbow_to_wrist_m, arm.elbow_to_wrist_m);
+  EXPECT_EQ(again.wrist_to_flange_m, arm.wrist_to_flange_m);
+  for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(again.limits[i].upper_rad, arm.limits[i].upper_rad);
+}
+
 }  // namespace
 }  // namespace osteon::kinematics

@@ -1,0 +1,71 @@
+#include "gpu/driver_threads.h"
+
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace osteon::gpu {
+namespace {
+
+constexpr const char* kTasks = "/proc/self/task";
+constexpr const char* kRasterizer = "llvmpipe-";  // name of a rasterizer's thread, less its number
+
+// Of this process, sorted; none where the system does not say.
+std::vector<int> Threads() {
+  std::vector<int> ids;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(kTasks, error)) {
+    const std::string text = entry.path().filename().string();
+    int id = 0;
+    if (std::from_chars(text.data(), text.data() + text.size(), id).ec == std::errc{}) ids.push_back(id);
+  }
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+std::string NameOf(int id) {
+  std::ifstream file(std::string(kTasks) + "/" + std::to_string(id) + "/comm");
+  std::string name;
+  std::getline(file, name);
+  return name;
+}
+
+}  // namespace
+
+DriverThreads::DriverThreads() : before_(Threads()) {}
+
+int DriverThreads::Spread() const {
+  // a thread that was given no name has its creator's
+  const std::string own = NameOf(static_cast<int>(gettid()));
+  std::vector<int> begun, workers;
+  const std::vector<int> now = Threads();
+  std::set_difference(now.begin(), now.end(), before_.begin(), before_.end(), std::back_inserter(begun));
+  std::size_t rasterizers = 0;
+  for (const int id : begun) {
+    const std::string name = NameOf(id);
+    if (name.starts_with(kRasterizer)) ++rasterizers;
+    if (name == own && workers.size() < rasterizers) workers.push_back(id);
+  }
+  cpu_set_t allowed;
+  if (workers.size() != rasterizers || sched_getaffinity(0, sizeof allowed, &allowed) != 0 ||
+      static_cast<std::size_t>(CPU_COUNT(&allowed)) < workers.size())
+    return 0;
+
+  int spread = 0, core = 0;
+  for (const int id : workers) {
+    while (!CPU_ISSET(core, &allowed)) ++core;
+    cpu_set_t alone;
+    CPU_ZERO(&alone);
+    CPU_SET(core++, &alone);
+    if (sched_setaffinity(id, sizeof alone, &alone) == 0) ++spread;
+  }
+  return spread;
+}
+
+}  // namespace osteon::gpu
