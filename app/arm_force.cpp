@@ -10,8 +10,6 @@ using kinematics::ForceCapability;
 using kinematics::GravityHelp;
 using kinematics::JointVector;
 
-constexpr double kGravity_m_per_s2 = 9.81;
-
 template <typename Tag>
 void TakeLesser(double& mine, Tag& tag, double other, Tag other_tag) {
   if (!(other < mine)) return;
@@ -32,7 +30,7 @@ void ToolForce::Worsen(const ToolForce& other) {
 
 ArmForce::ArmForce(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, const Pose& X_FT,
                    const CapabilityNeed& need)
-    : chain_(arm, R_WB.transpose() * Vector3(0.0, 0.0, -kGravity_m_per_s2)),
+    : chain_(arm, R_WB.transpose() * kinematics::kGravity_W_m_per_s2),
       lbr_(kinematics::LbrParamsFrom(arm)),
       X_FT_(X_FT),
       need_(need) {

@@ -23,6 +23,7 @@
 
 #include "app/chart_files.h"
 #include "app/interrupt.h"
+#include "app/report/ticks.h"
 #include "app/summary.h"
 #include "config/load_robot.h"
 #include "control/rt/no_alloc_scope.h"
@@ -71,11 +72,6 @@ double TimeBatch(const std::function<double(std::size_t, std::size_t)>& batch, s
   const Clock::time_point begun = Clock::now();
   g_sink = batch(first, calls);
   return std::chrono::duration<double, std::nano>(Clock::now() - begun).count() / static_cast<double>(calls);
-}
-
-double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
 }
 
 KDL::Vector ToKdl(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
@@ -263,8 +259,8 @@ void Time(std::vector<Pairing>& pairings, std::size_t calls) {
       kdl.push_back(TimeBatch(pairing.kdl, batch * kdl_batch, kdl_batch));
     }
     if (Interrupted()) return;
-    pairing.ours_ns = Median(std::move(ours));
-    pairing.kdl_ns = Median(std::move(kdl));
+    pairing.ours_ns = Percentile(ours, 0.5);
+    pairing.kdl_ns = Percentile(kdl, 0.5);
   }
 }
 

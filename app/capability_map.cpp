@@ -12,6 +12,12 @@ constexpr double kMargin = 1.04;  // of a map round the workspace
 
 }  // namespace
 
+Vector3 MapPanel::Node(std::size_t i) const {
+  const auto column = static_cast<double>(i % static_cast<std::size_t>(nu));
+  const auto row = static_cast<double>(i / static_cast<std::size_t>(nu));
+  return origin_W + (u_from_m + column * step_m) * u_W + (v_from_m + row * step_m) * v_W;
+}
+
 CapabilityMap::CapabilityMap(const config::CellConfig& cell, const TaskVolume& task,
                              const CapabilityNeed& need, int threads)
     : arm_(DrawnIn(cell.robot, cell.servo.joints.position_margin_rad)),
@@ -111,11 +117,7 @@ MapPanel CapabilityMap::Panel(MapPlane plane, int nodes, const std::function<boo
       count, threads_,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end && !stop(); ++i) {
-          const auto column = static_cast<double>(i % static_cast<std::size_t>(panel.nu));
-          const auto row = static_cast<double>(i / static_cast<std::size_t>(panel.nu));
-          const Vector3 p_W = panel.origin_W + (panel.u_from_m + column * panel.step_m) * panel.u_W +
-                              (panel.v_from_m + row * panel.step_m) * panel.v_W;
-          const std::vector<Pose> cone = TiltCone(task_, p_W, TaskFineness{}.azimuths, first_rad_);
+          const std::vector<Pose> cone = TiltCone(task_, panel.Node(i), TaskFineness{}.azimuths, first_rad_);
           worst(
               cone, [this](const Pose& X) { return Best(X); }, panel.axial_N[i], panel.lateral_N[i]);
           worst(

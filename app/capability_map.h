@@ -27,6 +27,9 @@ struct MapPanel {
   int nu{0}, nv{0};
   std::vector<double> axial_N, lateral_N;          ///< each pose at its best arm angle
   std::vector<double> own_axial_N, own_lateral_N;  ///< at the cell's arm angle and configuration
+
+  /// Where the node of element i lies, in W [m].
+  [[nodiscard]] Vector3 Node(std::size_t i) const;
 };
 
 /// The cell's base and tool.

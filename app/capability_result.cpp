@@ -164,10 +164,7 @@ std::string MapCsv(const CapabilityResult& r) {
   const auto number = [](double value) { return std::isfinite(value) ? fmt::format("{:.2f}", value) : ""; };
   for (const MapPanel& panel : r.maps)
     for (std::size_t i = 0; i < panel.axial_N.size(); ++i) {
-      const auto column = static_cast<double>(i % static_cast<std::size_t>(panel.nu));
-      const auto row = static_cast<double>(i / static_cast<std::size_t>(panel.nu));
-      const Vector3 p_mm = 1e3 * (panel.origin_W + (panel.u_from_m + column * panel.step_m) * panel.u_W +
-                                  (panel.v_from_m + row * panel.step_m) * panel.v_W);
+      const Vector3 p_mm = 1e3 * panel.Node(i);
       csv += fmt::format("{},{:.1f},{:.1f},{:.1f},{},{},{},{}\n",
                          panel.plane == MapPlane::kVertical ? "vertical" : "horizontal", p_mm.x(), p_mm.y(),
                          p_mm.z(), number(panel.axial_N[i]), number(panel.lateral_N[i]),

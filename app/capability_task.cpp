@@ -13,11 +13,6 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-bool Allowed(const safety::WorkspaceParams& space, const Vector3& p_WT) {
-  return (p_WT - space.sphere_center_W_m).norm() <= space.sphere_radius_m &&
-         space.plane_normal_W.dot(p_WT) >= space.plane_offset_m;
-}
-
 // Where the hand still pushes with all its force: a script's keys go on, to where its spring would pull.
 std::optional<double> FullForceDepth(const hil::ScriptParams& script) {
   return std::visit(
@@ -84,9 +79,10 @@ std::vector<Pose> TiltCone(const TaskVolume& task, const Vector3& p_W_head, int 
 
 std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness, double first_rad) {
   std::vector<Pose> poses;
+  const safety::Workspace workspace(task.workspace);
   const auto add = [&](const Vector3& p_C) {
     for (const Pose& X_WT : TiltCone(task, task.X_WC * p_C, fineness.azimuths, first_rad))
-      if (Allowed(task.workspace, X_WT.translation())) poses.push_back(X_WT);
+      if (workspace.Distance(X_WT.translation()) >= 0.0) poses.push_back(X_WT);
   };
   for (int h = 0; h < fineness.heights; ++h) {
     const double height_m =

@@ -181,10 +181,7 @@ void PlaceArm(const Reader& section, CellConfig& cell) {
                Eigen::AngleAxisd(start.tool_yaw_rad, Vector3::UnitZ()) *
                Eigen::Translation3d(0, 0, head_radius_m);
 
-  const Vector3 apex = start.X_WT.translation();
-  const safety::WorkspaceParams& space = cell.servo.workspace;
-  if ((apex - space.sphere_center_W_m).norm() > space.sphere_radius_m ||
-      space.plane_normal_W.dot(apex) < space.plane_offset_m)
+  if (safety::Workspace(cell.servo.workspace).Distance(start.X_WT.translation()) < 0.0)
     section.Refuse("height_mm", "the tool's apex is outside the workspace");
   const kinematics::LbrArm arm(cell.robot);
   const Pose X_BF = cell.X_WB.inverse() * start.X_WT * cell.tool.X_FT.inverse();

@@ -17,7 +17,6 @@ constexpr double kSpeedSlack =
     1.1;  // a pull-back through the joints may leave the straight line by second order
 constexpr double kSightMemory_s =
     0.1;  // many frames, or the speed limit would follow each one's age up and down
-constexpr double kGravity_m_per_s2 = 9.81;  // along -z of W
 constexpr double kSamePeriod_s = 1e-6;
 constexpr double kElbowRate_per_s = 40.0;  // toward the wanted arm angle, where it is near
 constexpr double kElbowThere_rad = 1e-6;
@@ -112,18 +111,10 @@ ServoLoop::ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, c
                                   std::to_string(torque_limit_Nm_[i]) +
                                   ", accepted > 0: what the arm can hold");
   }
-  body_.emplace(*params.arm_body, X_WB.linear().transpose() * Vector3(0.0, 0.0, -kGravity_m_per_s2));
+  body_.emplace(*params.arm_body, X_WB.linear().transpose() * kinematics::kGravity_W_m_per_s2);
 }
 
 Pose ServoLoop::ToolPose(const JointVector& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
-
-// Of the tool's origin, in B.
-kinematics::Jacobian ServoLoop::ToolJacobian(const JointVector& q) const OSTEON_RT {
-  kinematics::Jacobian J = arm_.FlangeJacobian(q);
-  const Vector3 p_FT_B = X_BW_.linear() * X_WT_.linear() * (X_TF_.linear() * X_FT_.translation());
-  for (int i = 0; i < J.cols(); ++i) J.col(i).head<3>() += Vector3(J.col(i).tail<3>()).cross(p_FT_B);
-  return J;
-}
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
   return {.X_WT = X_WT_,
@@ -317,8 +308,7 @@ void ServoLoop::Render(const ForceReading& reading, const simulation::ContactMod
 // What the arm can hold counts where it is told to be: that is where it will be when the wrench arrives.
 safety::LimitedWrench ServoLoop::LimitWrench(const Wrench& F_T_W) const OSTEON_RT {
   if (!body_) return wrench_limiter_.Limit(F_T_W);
-  const kinematics::SerialChain<7>::Posture posture = body_->Place(q_);
-  const kinematics::Jacobian J_B = body_->JacobianAt(posture, posture.X_BF * X_FT_.translation());
+  const kinematics::Jacobian J_B = arm_.JacobianAt(q_, X_FT_.translation());
   kinematics::Jacobian J_W;
   J_W.topRows<3>() = X_WB_.linear() * J_B.topRows<3>();
   J_W.bottomRows<3>() = X_WB_.linear() * J_B.bottomRows<3>();
@@ -348,7 +338,7 @@ bool ServoLoop::Follow(const Twist& V_WT, bool& limited) OSTEON_RT {
   const double dt_s = params_.period_s;
   const Twist V_BT = Turned(X_BW_.linear(), V_WT);
   kinematics::MotionInput<7> wanted;
-  wanted.J = ToolJacobian(q_);
+  wanted.J = arm_.JacobianAt(q_, X_FT_.translation());
   wanted.V_BT = V_BT;
   wanted.q = q_;
   wanted.qd_before = q_step_ / dt_s;

@@ -131,7 +131,6 @@ class ServoLoop {
   using JointVector = kinematics::JointVector;
 
   [[nodiscard]] Pose ToolPose(const JointVector& q) const OSTEON_RT;
-  [[nodiscard]] kinematics::Jacobian ToolJacobian(const JointVector& q) const OSTEON_RT;
   void Mirror(const ArmState& state) OSTEON_RT;
   void Miss(ReceiveResult received) OSTEON_RT;
   void StartRendering(rt::Nanoseconds now) OSTEON_RT;

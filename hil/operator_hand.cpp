@@ -23,7 +23,7 @@ Vector3 Limited(const Vector3& v, double max_size) {
 }  // namespace
 
 OperatorHand::OperatorHand(const OperatorHandParams& params, HandScript script)
-    : params_(params), script_(std::move(script)) {
+    : params_(params), script_(std::move(script)), impedance_(params) {
   const auto check = [](const char* name, double found, bool zero_too) {
     if (std::isfinite(found) && (found > 0.0 || (zero_too && found == 0.0))) return;
     throw std::invalid_argument(
@@ -46,7 +46,22 @@ OperatorHand::OperatorHand(const OperatorHandParams& params, HandScript script)
     for (double& phase : axis) phase = 2.0 * std::numbers::pi * static_cast<double>(bits() >> 11) * 0x1p-53;
 }
 
-void OperatorHand::Begin() noexcept { V_mass_ = {}; }
+void OperatorHand::Begin() noexcept { impedance_.Begin(); }
+
+Wrench HandImpedance::Step(double period_s, const Pose& X, const Twist& V, const Pose& X_target,
+                           const Twist& V_target) noexcept {
+  // the mass follows: backward Euler of v_m' = (v - v_m) / tau
+  const double share = period_s / (params_.grip_time_s + period_s);
+  const Twist dV{.v = share * (V.v - V_mass_.v), .w = share * (V.w - V_mass_.w)};
+  V_mass_.v += dV.v;
+  V_mass_.w += dV.w;
+
+  const Vector3 turn = X.linear() * LogRotation(X.linear().transpose() * X_target.linear());
+  return {.f = params_.stiffness_N_per_m * (X_target.translation() - X.translation()) +
+               params_.damping_Ns_per_m * (V_target.v - V.v) - params_.mass_kg / period_s * dV.v,
+          .t = params_.stiffness_Nm_per_rad * turn + params_.damping_Nms_per_rad * (V_target.w - V.w) -
+               params_.inertia_kgm2 / period_s * dV.w};
+}
 
 Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, const Twist& V_WT) noexcept {
   const HandTarget target = script_.Sample(time_s);
@@ -55,30 +70,22 @@ Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, cons
   // head's centre, of the tool and of the target, relative to T's origin
   const Vector3 p_T_head_W = -script_.head_radius_m() * X_WT.linear().col(2);
   const Vector3 p_T_head_target_W = -script_.head_radius_m() * target.X_WT.linear().col(2);
-  const Vector3 v_W = V_WT.v + V_WT.w.cross(p_T_head_W);
-  const Vector3 v_target_W = target.V_WT.v + target.V_WT.w.cross(p_T_head_target_W);
-
-  // the mass follows: backward Euler of v_m' = (v - v_m) / tau
-  const double share = period_s / (params_.grip_time_s + period_s);
-  const Twist dV{.v = share * (v_W - V_mass_.v), .w = share * (V_WT.w - V_mass_.w)};
-  V_mass_.v += dV.v;
-  V_mass_.w += dV.w;
+  Pose X_W_head = X_WT, X_W_head_target = target.X_WT;
+  X_W_head.translation() += p_T_head_W;
+  X_W_head_target.translation() += p_T_head_target_W;
 
   // impedance at the head's centre
-  const Vector3 error_W = (target.X_WT.translation() + p_T_head_target_W) - (X_WT.translation() + p_T_head_W);
-  Vector3 f = params_.stiffness_N_per_m * error_W + params_.damping_Ns_per_m * (v_target_W - v_W) -
-              params_.mass_kg / period_s * dV.v + Tremor(time_s);
-  const Vector3 r_W = X_WT.linear() * LogRotation(X_WT.linear().transpose() * target.X_WT.linear());
-  const Vector3 t = params_.stiffness_Nm_per_rad * r_W +
-                    params_.damping_Nms_per_rad * (target.V_WT.w - V_WT.w) -
-                    params_.inertia_kgm2 / period_s * dV.w;
+  const Wrench F = impedance_.Step(
+      period_s, X_W_head, {.v = V_WT.v + V_WT.w.cross(p_T_head_W), .w = V_WT.w}, X_W_head_target,
+      {.v = target.V_WT.v + target.V_WT.w.cross(p_T_head_target_W), .w = target.V_WT.w});
+  Vector3 f = F.f + Tremor(time_s);
 
   // along the axis the hand presses no harder than the script says
   const double axial_N = axis_W.dot(f);
   f += (std::clamp(axial_N, -target.force_limit_N, target.force_limit_N) - axial_N) * axis_W;
 
   f = Limited(target.grip * f, params_.max_force_N);
-  return {.f = f, .t = Limited(target.grip * t + p_T_head_W.cross(f), params_.max_torque_Nm)};
+  return {.f = f, .t = Limited(target.grip * F.t + p_T_head_W.cross(f), params_.max_torque_Nm)};
 }
 
 Vector3 OperatorHand::Tremor(double time_s) const noexcept {

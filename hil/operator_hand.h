@@ -24,6 +24,25 @@ struct OperatorHandParams {
   std::uint64_t tremor_seed{1};
 };
 
+/// Spring, damper and mass between a point of the tool and where the hand wants it: the laws of OperatorHand
+/// below, without script, tremor and bounds.
+class HandImpedance {
+ public:
+  explicit HandImpedance(const OperatorHandParams& params) : params_(params) {}
+
+  /// The hand's mass at rest.
+  void Begin() noexcept { V_mass_ = {}; }
+
+  /// One period. Poses at the point, velocities of the point, all in W. @param period_s > 0
+  /// @returns what the hand exerts, at the point, in W.
+  [[nodiscard]] Wrench Step(double period_s, const Pose& X, const Twist& V, const Pose& X_target,
+                            const Twist& V_target) noexcept;
+
+ private:
+  OperatorHandParams params_;
+  Twist V_mass_;  ///< of the hand's mass, at the point
+};
+
 /// A hand that holds the tool and follows a script: an impedance toward the script's target, with a mass.
 ///
 /// At the centre of the reamer's head, which is what a surgeon guides (the tool is rigid, so where the hand
@@ -65,7 +84,7 @@ class OperatorHand {
 
   OperatorHandParams params_;
   HandScript script_;
-  Twist V_mass_;                                           // of the hand's mass, at the head's centre
+  HandImpedance impedance_;                                // at the head's centre
   std::array<std::array<double, 3>, 3> tremor_phase_rad_;  // axis, line of the spectrum
 };
 

@@ -20,6 +20,9 @@ using JacobianN = Eigen::Matrix<double, 6, N>;  ///< rows: v (3) then w (3)
 template <int N>
 using JointMatrixN = Eigen::Matrix<double, N, N>;
 
+/// Acceleration of free fall in the world, whose z points up.
+inline const Vector3 kGravity_W_m_per_s2{0.0, 0.0, -9.81};
+
 /// What one joint may do. Positions as absolute bounds, since a KR's are not symmetric about zero.
 struct JointLimits {
   double lower_rad{-std::numbers::pi};

@@ -9,6 +9,8 @@
 
 #include <Eigen/SVD>
 
+#include "kinematics/braking_speed.h"
+
 namespace osteon::kinematics {
 namespace {
 
@@ -58,13 +60,6 @@ JointVectorN<N> SingularValueGradient(const JacobianN<N>& J, const Vector6& u, c
     gradient[j] = u_v.dot(linear) + u_w.dot(angular);
   }
   return gradient;
-}
-
-// Fastest speed from which a stop ends within the distance, a tick at that speed included: v dt + v^2/2a = d.
-double BrakingSpeed(double distance, double deceleration, double dt_s) {
-  if (!(distance > 0.0)) return 0.0;
-  const double reach = deceleration * dt_s;
-  return std::sqrt(reach * reach + 2.0 * deceleration * distance) - reach;
 }
 
 }  // namespace

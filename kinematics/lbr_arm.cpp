@@ -46,6 +46,11 @@ Jacobian LbrArm::FlangeJacobian(const JointVector& q) const OSTEON_RT {
   return chain_.Jacobian(chain_.Place(q));
 }
 
+Jacobian LbrArm::JacobianAt(const JointVector& q, const Vector3& p_F) const OSTEON_RT {
+  const SerialChain<7>::Posture posture = chain_.Place(q);
+  return chain_.JacobianAt(posture, posture.X_BF * p_F);
+}
+
 double LbrArm::ArmAngle(const JointVector& q) const OSTEON_RT {
   // columns of R_B2 and R_B3
   const double c1 = std::cos(q[0]), s1 = std::sin(q[0]), c2 = std::cos(q[1]), s2 = std::sin(q[1]);

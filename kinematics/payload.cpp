@@ -3,14 +3,6 @@
 #include "kinematics/check_chain.h"
 
 namespace osteon::kinematics {
-namespace {
-
-// What a point mass at p adds to the inertia about the origin, along the same axes.
-Matrix3 Steiner(double mass_kg, const Vector3& p) {
-  return mass_kg * (p.squaredNorm() * Matrix3::Identity() - p * p.transpose());
-}
-
-}  // namespace
 
 LinkInertia SeenFrom(const Pose& X_AB, const LinkInertia& body_B) {
   const Matrix3 R = X_AB.linear(), I = R * body_B.I_LLcm_kg_m2 * R.transpose();
@@ -24,8 +16,8 @@ LinkInertia Joined(const LinkInertia& a, const LinkInertia& b) {
   both.mass_kg = a.mass_kg + b.mass_kg;
   if (both.mass_kg == 0.0) return both;
   both.p_LLcm_m = (a.mass_kg * a.p_LLcm_m + b.mass_kg * b.p_LLcm_m) / both.mass_kg;
-  both.I_LLcm_kg_m2 = a.I_LLcm_kg_m2 + Steiner(a.mass_kg, a.p_LLcm_m - both.p_LLcm_m) + b.I_LLcm_kg_m2 +
-                      Steiner(b.mass_kg, b.p_LLcm_m - both.p_LLcm_m);
+  both.I_LLcm_kg_m2 = a.I_LLcm_kg_m2 + PointInertia(a.mass_kg, a.p_LLcm_m - both.p_LLcm_m) + b.I_LLcm_kg_m2 +
+                      PointInertia(b.mass_kg, b.p_LLcm_m - both.p_LLcm_m);
   return both;
 }
 

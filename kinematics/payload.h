@@ -6,6 +6,11 @@
 
 namespace osteon::kinematics {
 
+/// Inertia about the origin of a point mass at p, along the same axes: what Steiner's theorem adds.
+[[nodiscard]] inline Matrix3 PointInertia(double mass_kg, const Vector3& p_m) {
+  return mass_kg * (p_m.squaredNorm() * Matrix3::Identity() - p_m * p_m.transpose());
+}
+
 /// The same body seen from frame A: centre and inertia turned, the centre moved. @param body_B  in B
 [[nodiscard]] LinkInertia SeenFrom(const Pose& X_AB, const LinkInertia& body_B);
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "kinematics/check_chain.h"
+#include "kinematics/payload.h"
 
 namespace osteon::kinematics {
 namespace {
@@ -37,6 +38,17 @@ struct Walker {
     x = cos_q * x + sin_q * tilted;
   }
 };
+
+// Of the point of the flange that now is at p_B.
+template <int N>
+[[gnu::always_inline]] inline void FillJacobian(const typename SerialChain<N>::Posture& posture,
+                                                const Vector3& p_B, JacobianN<N>& J) {
+  for (int i = 0; i < N; ++i) {
+    const Vector3 axis = posture.axis_B(i);
+    J.col(i).template head<3>() = axis.cross(p_B - posture.p_BL[static_cast<std::size_t>(i)]);
+    J.col(i).template tail<3>() = axis;
+  }
+}
 
 }  // namespace
 
@@ -78,9 +90,7 @@ SerialChain<N>::SerialChain(const ChainParams<N>& params, const Vector3& gravity
     const Vector3 p_KKcm = R_LK.transpose() * link.p_LLcm_m;
     body.mass_kg = link.mass_kg;
     body.first_moment_kg_m = link.mass_kg * p_KKcm;
-    body.inertia_kg_m2 =
-        R_LK.transpose() * link.I_LLcm_kg_m2 * R_LK +
-        link.mass_kg * (p_KKcm.squaredNorm() * Matrix3::Identity() - p_KKcm * p_KKcm.transpose());
+    body.inertia_kg_m2 = R_LK.transpose() * link.I_LLcm_kg_m2 * R_LK + PointInertia(link.mass_kg, p_KKcm);
     body.second_moment_kg_m2 = 0.5 * body.inertia_kg_m2.trace() * Matrix3::Identity() - body.inertia_kg_m2;
     x_before = x;
     z_before = z;
@@ -142,12 +152,7 @@ Pose SerialChain<N>::LinkPose(const Posture& posture, int i) const noexcept {
 
 template <int N>
 void SerialChain<N>::Jacobian(const Posture& posture, JacobianN<N>& J) const noexcept {
-  const Vector3 p_BF = posture.X_BF.translation();
-  for (int i = 0; i < N; ++i) {
-    const Vector3 axis = posture.axis_B(i);
-    J.col(i).template head<3>() = axis.cross(p_BF - posture.p_BL[static_cast<std::size_t>(i)]);
-    J.col(i).template tail<3>() = axis;
-  }
+  FillJacobian<N>(posture, posture.X_BF.translation(), J);
 }
 
 template <int N>
@@ -160,11 +165,7 @@ JacobianN<N> SerialChain<N>::Jacobian(const Posture& posture) const noexcept {
 template <int N>
 JacobianN<N> SerialChain<N>::JacobianAt(const Posture& posture, const Vector3& p_B) const noexcept {
   JacobianN<N> J;
-  for (int i = 0; i < N; ++i) {
-    const Vector3 axis = posture.axis_B(i);
-    J.col(i).template head<3>() = axis.cross(p_B - posture.p_BL[static_cast<std::size_t>(i)]);
-    J.col(i).template tail<3>() = axis;
-  }
+  FillJacobian<N>(posture, p_B, J);
   return J;
 }
 

@@ -33,7 +33,7 @@ class SerialChain {
 
   /// @param gravity_B  acceleration of free fall, in B [m/s^2]
   /// @throws std::invalid_argument naming the joint, the value found and what is accepted.
-  explicit SerialChain(const ChainParams<N>& params, const Vector3& gravity_B = {0.0, 0.0, -9.81});
+  explicit SerialChain(const ChainParams<N>& params, const Vector3& gravity_B = kGravity_W_m_per_s2);
 
   [[nodiscard]] const ChainParams<N>& params() const noexcept { return params_; }
 

@@ -101,10 +101,4 @@ LimitedTwist LimitTwist(const Twist& V, const TwistLimitParams& params) OSTEON_R
   return {.V = {.v = share * V.v, .w = share * V.w}, .share = share};
 }
 
-double BrakingSpeed(double distance, double deceleration, double dt_s) OSTEON_RT {
-  if (!(distance > 0.0)) return 0.0;
-  const double reach = deceleration * dt_s;
-  return std::sqrt(reach * reach + 2.0 * deceleration * distance) - reach;
-}
-
 }  // namespace osteon::safety

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "control/rt/marker.h"
+#include "kinematics/braking_speed.h"
 #include "kinematics/force_capability.h"
 #include "kinematics/spatial.h"
 
@@ -119,8 +120,6 @@ struct LimitedTwist {
 /// Scales the whole twist so that |v| <= max_speed and |w| <= max_turn; one that is not finite becomes zero.
 [[nodiscard]] LimitedTwist LimitTwist(const Twist& V, const TwistLimitParams& params) OSTEON_RT;
 
-/// Fastest speed from which a stop with the given deceleration ends within the distance, one tick at that
-/// speed included: v dt + v^2 / (2 a) = d. Zero for d <= 0.
-[[nodiscard]] double BrakingSpeed(double distance, double deceleration, double dt_s) OSTEON_RT;
+using kinematics::BrakingSpeed;
 
 }  // namespace osteon::safety

@@ -11,30 +11,6 @@ using kinematics::JointVector;
 
 constexpr double kDt_s = 1e-3;
 
-// OperatorHand's impedance at the tool's origin instead of a reamer's head, without a bound along an axis.
-class PathHand {
- public:
-  explicit PathHand(const OperatorHandParams& params) : params_(params) {}
-
-  Wrench Step(const HandGoal& goal, const Pose& X_WT, const Twist& V_WT) {
-    const double share = kDt_s / (params_.grip_time_s + kDt_s);
-    const Twist dV{.v = share * (V_WT.v - V_mass_.v), .w = share * (V_WT.w - V_mass_.w)};
-    V_mass_.v += dV.v;
-    V_mass_.w += dV.w;
-    Wrench F;
-    F.f = params_.stiffness_N_per_m * (goal.X_WT.translation() - X_WT.translation()) +
-          params_.damping_Ns_per_m * (goal.V_WT.v - V_WT.v) - params_.mass_kg / kDt_s * dV.v;
-    F.t = params_.stiffness_Nm_per_rad * X_WT.linear() *
-              LogRotation(X_WT.linear().transpose() * goal.X_WT.linear()) +
-          params_.damping_Nms_per_rad * (goal.V_WT.w - V_WT.w) - params_.inertia_kgm2 / kDt_s * dV.w;
-    return safety::ScaleWrench(F, params_.max_force_N, params_.max_torque_Nm).F;
-  }
-
- private:
-  OperatorHandParams params_;
-  Twist V_mass_;
-};
-
 // Arm and hand around whatever commands the joints. `command` gets the time, the measured joints and the
 // hand's wrench.
 struct Commanded {
@@ -46,7 +22,7 @@ std::vector<ArmRideTick> Ride(
     const std::function<Commanded(int tick, const JointVector& q_meas, const Wrench& F_T_W)>& command) {
   const kinematics::LbrArm arm(params.arm);
   ServoArm servo(params.servo, params.arm.limits, kDt_s, params.q_start);
-  PathHand hand(params.hand);
+  HandImpedance hand(params.hand);  // at the tool's origin
   JointVector q_before = params.q_start;
   std::vector<ArmRideTick> ride;
   const int ticks = static_cast<int>(std::lround(params.seconds / kDt_s));
@@ -54,9 +30,12 @@ std::vector<ArmRideTick> Ride(
   for (int i = 0; i < ticks; ++i) {
     ArmRideTick tick;
     tick.goal = path(i * kDt_s);
-    const Eigen::Matrix<double, 6, 1> V = ToolJacobian(arm, params.X_FT, servo.q()) * servo.qd();
+    const Eigen::Matrix<double, 6, 1> V = arm.JacobianAt(servo.q(), params.X_FT.translation()) * servo.qd();
     const Wrench F =
-        hand.Step(tick.goal, arm.FlangePose(servo.q()) * params.X_FT, {.v = V.head<3>(), .w = V.tail<3>()});
+        safety::ScaleWrench(hand.Step(kDt_s, arm.FlangePose(servo.q()) * params.X_FT,
+                                      {.v = V.head<3>(), .w = V.tail<3>()}, tick.goal.X_WT, tick.goal.V_WT),
+                            params.hand.max_force_N, params.hand.max_torque_Nm)
+            .F;
     const Commanded commanded = command(i, servo.q(), F);
     servo.Step(commanded.q);
     tick.q = commanded.q;
@@ -91,13 +70,6 @@ Pose ScenarioTool() {
   Pose X_FT = Pose::Identity();
   X_FT.translation() = Vector3(0.0, 0.0, 0.20);
   return X_FT;
-}
-
-kinematics::Jacobian ToolJacobian(const kinematics::LbrArm& arm, const Pose& X_FT, const JointVector& q) {
-  kinematics::Jacobian J = arm.FlangeJacobian(q);
-  const Vector3 p_FT_B = arm.FlangePose(q).linear() * X_FT.translation();
-  for (int i = 0; i < 7; ++i) J.col(i).head<3>() += Vector3(J.col(i).tail<3>()).cross(p_FT_B);
-  return J;
 }
 
 std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const HandPath& path) {
@@ -140,7 +112,7 @@ std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath&
     if (!control::NextTwist(same.admittance, arm.FlangePose(q) * params.X_FT, V, F_T_W, kDt_s, V_next))
       return {.q = q, .fault = true};
     V = safety::LimitTwist(V_next, same.twist).V;
-    const JointVector step = method(ToolJacobian(arm, params.X_FT, q), q, V, kDt_s);
+    const JointVector step = method(arm.JacobianAt(q, params.X_FT.translation()), q, V, kDt_s);
     if (!step.allFinite()) return {.q = q, .fault = true};
     q += step;
     return {.q = q};

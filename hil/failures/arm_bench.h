@@ -50,10 +50,6 @@ struct ArmRideTick {
 /// Tool of the scenarios on its flange: straight, .2 m long.
 [[nodiscard]] Pose ScenarioTool();
 
-/// Of the tool's origin, in B.
-[[nodiscard]] kinematics::Jacobian ToolJacobian(const kinematics::LbrArm& arm, const Pose& X_FT,
-                                                const kinematics::JointVector& q);
-
 /// The real servo loop.
 [[nodiscard]] std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const HandPath& path);
 

@@ -42,7 +42,8 @@ Case MakeCase(int joint, double room_rad, double out_m) {
   const kinematics::LbrArm arm(c.params.arm);
   c.X_start = arm.FlangePose(c.params.q_start) * c.params.X_FT;
   c.direction =
-      side * Vector3(ToolJacobian(arm, c.params.X_FT, c.params.q_start).col(joint).head<3>()).normalized();
+      side * Vector3(arm.JacobianAt(c.params.q_start, c.params.X_FT.translation()).col(joint).head<3>())
+                 .normalized();
   c.params.seconds = 2.0 * (out_m / kSpeed_m_per_s + kRamp_s) + kRest_s + 0.5;
   return c;
 }

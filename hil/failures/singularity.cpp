@@ -86,7 +86,7 @@ Case WristCase(double miss_rad) {
   JointVector straight = c.params.q_start;
   straight[5] = 0.0;
   const Pose X_FT = c.params.X_FT;
-  const kinematics::Jacobian J = ToolJacobian(arm, X_FT, straight);
+  const kinematics::Jacobian J = arm.JacobianAt(straight, X_FT.translation());
   const Eigen::Matrix<double, 6, 1> lost = J.jacobiSvd(Eigen::ComputeFullU).matrixU().col(5);
   const Vector3 axis = lost.tail<3>().normalized();
   const double duration_s = 1.875 * 2.0 * kSwing_rad / kRate_rad_per_s;
@@ -98,7 +98,7 @@ Case WristCase(double miss_rad) {
     q[5] -= 2.0 * kSwing_rad * turn.s;
     HandGoal goal{.X_WT = arm.FlangePose(q) * X_FT};
     const Eigen::Matrix<double, 6, 1> V =
-        ToolJacobian(arm, X_FT, q).col(5) * (-2.0 * kSwing_rad * turn.slope_per_s);
+        arm.JacobianAt(q, X_FT.translation()).col(5) * (-2.0 * kSwing_rad * turn.slope_per_s);
     const Matrix3 R_off = ExpRotation(miss_rad * off.s * axis);
     goal.X_WT.linear() = R_off * goal.X_WT.linear();
     goal.V_WT = {.v = V.head<3>(), .w = R_off * V.tail<3>() + miss_rad * off.slope_per_s * axis};
