@@ -246,7 +246,7 @@ int Run(const CapabilityOptions& options) {
   std::optional<double> radius_m;
   if (options.radius_mm) radius_m = 1e-3 * *options.radius_mm;
   result.task = TaskOf(cell, radius_m);
-  result.need = NeedOf(cell, result.task);
+  result.need = NeedOf(cell);
   result.X_WB = cell.X_WB;
   result.own_arm_angle_rad = cell.start.arm_angle_rad;
   if (options.axial_N) {

@@ -47,13 +47,10 @@ TaskVolume TaskOf(const config::CellConfig& cell, const std::optional<double>& r
   return task;
 }
 
-CapabilityNeed NeedOf(const config::CellConfig& cell, const TaskVolume& task) {
-  const double force_N = std::min(cell.servo.wrench.max_force_N, safety::kForceCeiling_N);
-  return {.axial_N = force_N,
-          .lateral_N = force_N * std::sin(task.tilt_rad),
-          .lateral_from =
-              fmt::format("the cell's limits: {:g} N along the site's axis, the tool tilted by {:g} deg",
-                          force_N, task.tilt_rad * 360.0 / kTurn)};
+CapabilityNeed NeedOf(const config::CellConfig& cell) {
+  return {.axial_N = std::min(cell.servo.wrench.max_force_N, safety::kForceCeiling_N),
+          .lateral_N = cell.servo.posture_load.lateral_N,
+          .lateral_from = "the cell's posture: lateral_force_N"};
 }
 
 double DirectionOf(const TaskVolume& task, const Vector3& p_WB) {

@@ -44,9 +44,8 @@ struct TaskVolume {
 ///   a head's radius beside where it was planned
 [[nodiscard]] TaskVolume TaskOf(const config::CellConfig& cell, const std::optional<double>& radius_m = {});
 
-/// What a cell's limits ask for: its force limit along the tool, and across it what that force has there
-/// where the hand pushes along the site's axis with the tool tilted: F sin(tilt).
-[[nodiscard]] CapabilityNeed NeedOf(const config::CellConfig& cell, const TaskVolume& task);
+/// What a cell asks for: its force limit along the tool, and across it the lateral force of its posture.
+[[nodiscard]] CapabilityNeed NeedOf(const config::CellConfig& cell);
 
 /// How finely a task is sampled.
 struct TaskFineness {

@@ -37,6 +37,18 @@ void ReadLimits(Reader section, control::ServoParams& servo) {
   servo.model_sight_m = section.Number("model_sight_mm", 0.01, 100);
 }
 
+void ReadPosture(Reader section, control::ServoParams& servo) {
+  kinematics::PosturePreferenceParams& posture = servo.posture;
+  posture.limit_zone_rad = section.Number("limit_zone_deg", 0.1, 120);
+  posture.limit_speed_rad_per_s = section.Number("limit_deg_per_s", 0, 100);
+  posture.singular_zone_m = section.Number("singular_zone_mm", 1, 500);
+  posture.singular_speed_rad_per_s = section.Number("singular_deg_per_s", 0, 100);
+  servo.posture_load.lateral_N = section.Number("lateral_force_N", 0, safety::kForceCeiling_N);
+  posture.load_zone = section.Number("load_zone_ratio", 1.05, 5);
+  posture.load_speed_rad_per_s = section.Number("load_deg_per_s", 0, 100);
+  servo.joint_acceleration_share = section.Number("joint_acceleration_ratio", 0.1, 100);
+}
+
 void ReadWorkspace(Reader section, safety::WorkspaceParams& workspace) {
   workspace.sphere_center_W_m = section.Triple("sphere_center_mm", -5000, 5000);
   workspace.sphere_radius_m = section.Number("sphere_radius_mm", 10, 2000);
@@ -247,6 +259,7 @@ void Spread(CellConfig& cell) {
   control::ServoParams& servo = cell.servo;
   servo.joints.limits = cell.robot.limits;
   servo.arm_body = cell.chain;
+  servo.posture_load.axial_N = servo.wrench.max_force_N;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
   cell.cutting.stiffness_N_per_m = servo.coupling.max_stiffness_N_per_m;
@@ -288,6 +301,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadStart(start, cell.start);
   const Reader limits = reader.Section("limits");
   ReadLimits(limits, servo);
+  ReadPosture(reader.Section("posture"), servo);
   ReadWorkspace(reader.Section("workspace"), servo.workspace);
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);

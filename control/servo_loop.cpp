@@ -57,6 +57,15 @@ ServoParams Validated(const ServoParams& params) {
   require("model_sight_m", params.model_sight_m, 1e-5, 1.0);
   require("arm_angle_rate_rad_per_s", params.arm_angle_rate_rad_per_s, 0.0, 1.0);
   require("joint_acceleration_share", params.joint_acceleration_share, 0.01, 1000.0);
+  require("posture limit_zone_rad", params.posture.limit_zone_rad, 1e-3, 3.0);
+  require("posture limit_speed_rad_per_s", params.posture.limit_speed_rad_per_s, 0.0, 2.0);
+  require("posture singular_zone_m", params.posture.singular_zone_m, 1e-3, 1.0);
+  require("posture singular_speed_rad_per_s", params.posture.singular_speed_rad_per_s, 0.0, 2.0);
+  require("posture load_zone", params.posture.load_zone, 1.01, 10.0);
+  require("posture load_speed_rad_per_s", params.posture.load_speed_rad_per_s, 0.0, 2.0);
+  require("posture_load axial_N", params.posture_load.axial_N, 0.0, 1000.0);
+  require("posture_load lateral_N", params.posture_load.lateral_N, 0.0, 1000.0);
+  require("posture_load torque_Nm", params.posture_load.torque_Nm, 0.0, 1000.0);
   require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
   require("period_s", params.period_s, 1e-4, 0.02);
   return params;
@@ -104,11 +113,15 @@ ServoLoop::ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, c
   RequirePose(X_FT, "X_FT");
   if (!std::isfinite(arm_angle_rad)) throw std::invalid_argument("arm_angle_rad: accepted a finite angle");
   if (!params.arm_body || !params.arm_body->has_masses) return;
+  wanted_load_.load = params.posture_load;
+  wanted_load_.p_F = X_FT.translation();
+  wanted_load_.axis_F = X_FT.linear().col(2);
+  kinematics::JointVectorN<7>& torque_limit_Nm = wanted_load_.torque_limit_Nm;
   for (int i = 0; i < 7; ++i) {
-    torque_limit_Nm_[i] = params.arm_body->joints[static_cast<std::size_t>(i)].limits.torque_Nm;
-    if (!(torque_limit_Nm_[i] > 0.0) || !std::isfinite(torque_limit_Nm_[i]))
+    torque_limit_Nm[i] = params.arm_body->joints[static_cast<std::size_t>(i)].limits.torque_Nm;
+    if (!(torque_limit_Nm[i] > 0.0) || !std::isfinite(torque_limit_Nm[i]))
       throw std::invalid_argument("torque_Nm of joint " + std::to_string(i + 1) + ": found " +
-                                  std::to_string(torque_limit_Nm_[i]) +
+                                  std::to_string(torque_limit_Nm[i]) +
                                   ", accepted > 0: what the arm can hold");
   }
   body_.emplace(*params.arm_body, X_WB.linear().transpose() * kinematics::kGravity_W_m_per_s2);
@@ -313,7 +326,7 @@ safety::LimitedWrench ServoLoop::LimitWrench(const Wrench& F_T_W) const OSTEON_R
   J_W.topRows<3>() = X_WB_.linear() * J_B.topRows<3>();
   J_W.bottomRows<3>() = X_WB_.linear() * J_B.bottomRows<3>();
   return wrench_limiter_.Limit(
-      F_T_W, {J_W, body_->Gravity(q_), torque_limit_Nm_, kinematics::GravityHelp::kNotCounted});
+      F_T_W, {J_W, body_->Gravity(q_), wanted_load_.torque_limit_Nm, kinematics::GravityHelp::kNotCounted});
 }
 
 void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
@@ -361,6 +374,7 @@ bool ServoLoop::Follow(const Twist& V_WT, bool& limited) OSTEON_RT {
   if (moving_ < kStands) moving_ = 0.0;
   sigma_min_m_ = moves.sigma_min_m;
   sigma_gradient_m_ = moves.sigma_gradient_m;
+  null_direction_ = moves.null_direction;
   limited = moves.limit != kinematics::MotionLimit::kNone || guard.share < 1.0;
   q_step_ = guard.step;
   q_ += q_step_;
@@ -387,7 +401,11 @@ kinematics::JointVector ServoLoop::WantedElbow(const Twist& V_WT) OSTEON_RT {
   elbow_arrived_ |= std::abs(error_rad) < kElbowThere_rad;
   const double most = params_.arm_angle_rate_rad_per_s;
   const double share = phase_ != Phase::kHaptic ? 0.0 : elbow_arrived_ ? moving_ : share_;
-  const double turn = share * std::clamp(kElbowRate_per_s * error_rad, -most, most);
+  kinematics::LoadPreference<7> load;
+  if (body_) load = kinematics::TowardsLoad<7>(params_.posture, *body_, wanted_load_, q_, null_direction_);
+  // an angle at which the arm does not hold the load is not worth holding
+  const double worth = 1.0 - load.depth * load.depth;
+  const double turn = worth * share * std::clamp(kElbowRate_per_s * error_rad, -most, most);
   JointVector qd = JointVector::Zero(), q_there;
   if (turn == 0.0 && V_likely_WT.v.isZero(0.0) && V_likely_WT.w.isZero(0.0))
     return qd;  // not by rounding either
@@ -399,6 +417,7 @@ kinematics::JointVector ServoLoop::WantedElbow(const Twist& V_WT) OSTEON_RT {
   qd += moving_ * kinematics::AwayFromLimits<7>(params_.posture, params_.joints.limits,
                                                 params_.joints.position_margin_rad, q_);
   qd += moving_ * kinematics::AwayFromSingularity<7>(params_.posture, sigma_min_m_, sigma_gradient_m_);
+  qd += moving_ * load.qd;
   return qd;
 }
 

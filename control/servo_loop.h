@@ -49,6 +49,9 @@ struct ServoParams {
   /// as much; held to 1 it is met 7.1 mm deep instead of 3.9, a limit on force in disguise.
   double joint_acceleration_share{4.0};
   kinematics::PosturePreferenceParams posture;
+  /// What the posture should hold, along the tool's z and across it at its origin; needs arm_body. With
+  /// nothing in it the elbow is led by limits and singular postures alone.
+  kinematics::ToolLoad posture_load;
   double max_tracking_error_m{0.03};  ///< measured from commanded tool position
   double period_s{0.001};             ///< of the arm's messages
   /// The arm with sensor and tool as its payload: the coupling is scaled to what its torques can hold in the
@@ -151,7 +154,7 @@ class ServoLoop {
   Pose X_WB_, X_BW_, X_FT_, X_TF_;
   double wanted_arm_angle_rad_;
   std::optional<kinematics::SerialChain<7>> body_;
-  kinematics::JointVectorN<7> torque_limit_Nm_{kinematics::JointVectorN<7>::Zero()};
+  kinematics::WantedLoad<7> wanted_load_;  ///< torque limits: of the drives
   safety::WrenchLimiter wrench_limiter_;
   safety::WrenchRateTrip rate_trip_;
   safety::SensorForceTrip sensor_trip_;
@@ -179,6 +182,7 @@ class ServoLoop {
   double moving_{0.0};                       ///< 0 … 1: how much the tool moved in it
   double sigma_min_m_{1.0};                  ///< of the last tick
   JointVector sigma_gradient_m_{JointVector::Zero()};
+  JointVector null_direction_{JointVector::Zero()};
   bool elbow_arrived_{false};  ///< it has been at the wanted arm angle
   int joint_stop_ticks_{0};    ///< left of a stop along the joints; 0: none under way
 

@@ -190,6 +190,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   // null space, limits
   JointVectorN<N> n = JointVectorN<N>::Zero();
   if constexpr (N > 6) n = directions.col(6);
+  out.null_direction = n;
   const Box box = BoxAt(in.q, in.dt_s);
   ScaleIntoBox(box, task, n, WantedNullSpeed(n, in), out);
   LimitChange(box, in.qd_before, in.dt_s, out);

@@ -79,6 +79,7 @@ struct MotionOutput {
   double sigma_min_m{0.0};   ///< smallest singular value, turns weighed by the turning length
   double damping_m{0.0};     ///< the largest lambda of a_k sigma / (sigma^2 + lambda^2)
   JointVectorN<N> sigma_gradient_m{JointVectorN<N>::Zero()};  ///< of sigma_min by q [m/rad]
+  JointVectorN<N> null_direction{JointVectorN<N>::Zero()};    ///< n, unit, either sign; zero for 6 joints
   MotionLimit limit{MotionLimit::kNone};
   int joint{-1};      ///< the joint that set the limit, 0 … N-1; -1: none
   bool finite{true};  ///< false: the input was not, qd is zero

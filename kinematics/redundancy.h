@@ -3,7 +3,8 @@
 #include <array>
 
 #include "control/rt/marker.h"
-#include "kinematics/chain_params.h"
+#include "kinematics/force_capability.h"
+#include "kinematics/serial_chain.h"
 
 // Preferences of the posture, as joint velocities whose part in the null space a differential inverse follows
 // (MotionInput::qd_null). They add up.
@@ -15,6 +16,18 @@ struct PosturePreferenceParams {
   double limit_speed_rad_per_s{0.3};  ///< at the limit itself; >= 0
   double singular_zone_m{0.07};       ///< smallest singular values below this are led up; > 0
   double singular_speed_rad_per_s{0.3};  ///< at a singular value of zero; >= 0
+  double load_zone{
+      1.5};  ///< of the load wanted: a posture that holds less is led to one that holds more; > 1
+  double load_speed_rad_per_s{0.3};  ///< where no more than the load is held; >= 0
+};
+
+/// What a posture should be able to hold, and where.
+template <int N>
+struct WantedLoad {
+  ToolLoad load;                                             ///< with nothing in it: no preference
+  Vector3 p_F{Vector3::Zero()};                              ///< where it acts, in the flange's frame [m]
+  Vector3 axis_F{Vector3::UnitZ()};                          ///< its axis, unit, in the flange's frame
+  JointVectorN<N> torque_limit_Nm{JointVectorN<N>::Zero()};  ///< of the drives; > 0
 };
 
 /// Away from the joints' limits: minus the gradient of sum_i ((zone - d_i) / zone)^3 zone / 3, d_i the
@@ -30,5 +43,30 @@ template <int N>
 template <int N>
 [[nodiscard]] JointVectorN<N> AwayFromSingularity(const PosturePreferenceParams& params, double sigma_min_m,
                                                   const JointVectorN<N>& sigma_gradient_m) OSTEON_RT;
+
+/// Largest multiple of the load that the arm holds at q, whichever way gravity helps.
+/// @pre chain.params().has_masses
+template <int N>
+[[nodiscard]] CapabilityLimit HeldLoad(const SerialChain<N>& chain, const WantedLoad<N>& wanted,
+                                       const JointVectorN<N>& q) OSTEON_RT;
+
+template <int N>
+struct LoadPreference {
+  JointVectorN<N> qd{JointVectorN<N>::Zero()};  ///< [rad/s]
+  double depth{0.0};  ///< 0: the posture holds the zone's multiple of the load; 1: no more than the load
+};
+
+/// Towards postures that hold more of the load: up the slope of HeldLoad along the unit null direction n,
+///
+///     qd = speed depth^2 k' / (|k'| + .2/rad) n        depth = (zone - k) / (zone - 1), 0 … 1
+///
+/// k is the least over the joints of smooth functions, with edges where the joint that limits changes; k' is
+/// the difference over ±.02 rad, the slope of k averaged over that much, so that the way up ends on an edge
+/// instead of going to and fro across it.
+/// @pre chain.params().has_masses
+template <int N>
+[[nodiscard]] LoadPreference<N> TowardsLoad(const PosturePreferenceParams& params,
+                                            const SerialChain<N>& chain, const WantedLoad<N>& wanted,
+                                            const JointVectorN<N>& q, const JointVectorN<N>& n) OSTEON_RT;
 
 }  // namespace osteon::kinematics

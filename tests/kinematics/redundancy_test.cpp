@@ -1,12 +1,16 @@
 #include "kinematics/redundancy.h"
 
 #include <algorithm>
+#include <optional>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "chain_samples.h"
 #include "control/rt/no_alloc_scope.h"
 #include "iiwa14.h"
+#include "kinematics/differential_inverse.h"
+#include "kinematics/lbr_arm.h"
 
 namespace osteon::kinematics {
 namespace {
@@ -70,6 +74,112 @@ TEST(Redundancy, AwayFromSingularityGoesUpTheGradientWithABoundedSpeedThatStarts
   EXPECT_LT(AwayFromSingularity<6>(params, 0.0, JointVectorN<6>::Constant(1e-9)).norm(), 1e-5)
       << "no direction is made of noise";
   EXPECT_EQ(scope.heap_calls(), 0);
+}
+
+// An iiwa with weak A3 and A4 that presses 200 N along a tool of 0.2 m, and 35 N across it: where its elbow
+// is decides what it holds.
+struct Pressing {
+  Pressing() {
+    ChainParams<7> params = Iiwa14Chain();
+    for (std::size_t i = 0; i < 7; ++i) params.joints[i].limits = Iiwa14().limits[i];
+    chain.emplace(params);
+    wanted.load = {.axial_N = 200.0, .lateral_N = 35.0};
+    wanted.p_F = {0.0, 0.0, 0.2};
+    wanted.torque_limit_Nm << 320.0, 320.0, 80.0, 80.0, 110.0, 40.0, 40.0;
+  }
+  std::optional<SerialChain<7>> chain;
+  WantedLoad<7> wanted;
+};
+
+// The flange stands still while the elbow follows the preference: the posture ends where it holds the zone's
+// multiple of the load, or where no neighbour on its circle holds more.
+TEST(Redundancy, TheElbowGoesUpToWhereTheArmHoldsMost) {
+  const Pressing pressing;
+  const LbrArm lbr(Iiwa14());
+  DifferentialInverseParams<7> params;
+  params.limits = Iiwa14().limits;
+  const DifferentialInverse<7> motion(params);
+  const PosturePreferenceParams preference;
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int climbed = 0, at_zone = 0, at_top = 0;
+  while (climbed < 15) {
+    MotionInput<7> in;
+    in.q << unit(random), 0.9 * unit(random), unit(random), 1.0 + 0.7 * unit(random), unit(random),
+        1.0 + 0.5 * unit(random), unit(random);
+    const double begun = HeldLoad<7>(*pressing.chain, pressing.wanted, in.q).value;
+    if (begun > 1.1) continue;
+    ++climbed;
+    const Pose X_BF = lbr.FlangePose(in.q);
+    in.dt_s = 0.001;
+    MotionOutput<7> out;
+    for (int tick = 0; tick < 15'000; ++tick) {
+      in.J = lbr.FlangeJacobian(in.q);
+      // what a tick's third order leaves is led back, so that all of it is one self-motion
+      const Pose X_now = lbr.FlangePose(in.q);
+      in.V_BT = {.v = 10.0 * (X_BF.translation() - X_now.translation()),
+                 .w = 10.0 * (X_now.linear() * LogRotation(X_now.linear().transpose() * X_BF.linear()))};
+      in.qd_null = TowardsLoad<7>(preference, *pressing.chain, pressing.wanted, in.q, out.null_direction).qd;
+      out = motion.Step(in);
+      in.q += in.dt_s * out.qd;
+      in.qd_before = out.qd;
+      in.share_before = out.share;
+    }
+    EXPECT_LT((lbr.FlangePose(in.q).matrix() - X_BF.matrix()).cwiseAbs().maxCoeff(), 1e-4);
+    const double held = HeldLoad<7>(*pressing.chain, pressing.wanted, in.q).value;
+    EXPECT_GT(held, begun - 1e-6);
+    if (held > preference.load_zone - 0.12) {
+      ++at_zone;  // the preference fades out below the zone
+      continue;
+    }
+    // else a top: 8 % allows for the averaging over ±.02 rad beside an edge
+    double around = held;
+    for (const double turn : {-0.1, -0.05, 0.05, 0.1}) {
+      JointVector neighbour;
+      if (lbr.Inverse(X_BF, lbr.ArmAngle(in.q) + turn, in.q, neighbour) &&
+          (neighbour - in.q).cwiseAbs().maxCoeff() < 0.5)
+        around = std::max(around, HeldLoad<7>(*pressing.chain, pressing.wanted, neighbour).value);
+    }
+    EXPECT_LT(around, 1.08 * held) << in.q.transpose();
+    if (around < 1.08 * held) ++at_top;
+  }
+  EXPECT_GT(at_zone, 3);
+  EXPECT_GT(at_top, 3);
+}
+
+TEST(Redundancy, WhatHoldsEnoughOrNeedsNothingHasNoPreference) {
+  Pressing pressing;
+  const PosturePreferenceParams params;
+  JointVectorN<7> q, n = JointVectorN<7>::Zero();
+  q << 0.1, 0.5, 0.05, -1.4, 0.1, 0.9, 0.2;
+  n << 0.5, -0.1, -0.6, 0.0, 0.4, 0.1, -0.45;
+  n.normalize();
+  const auto led = [&] { return TowardsLoad<7>(params, *pressing.chain, pressing.wanted, q, n).qd.norm(); };
+  const double k = HeldLoad<7>(*pressing.chain, pressing.wanted, q).value;
+  const ToolLoad asked = pressing.wanted.load;
+  const auto times = [&](double share) {
+    pressing.wanted.load = {.axial_N = share * asked.axial_N, .lateral_N = share * asked.lateral_N};
+  };
+  times(k / (1.001 * params.load_zone));
+  EXPECT_EQ(led(), 0.0) << "the arm holds the zone's multiple";
+  times(k / (0.95 * params.load_zone));
+  EXPECT_GT(led(), 0.0);
+  const double shallow = led();
+  times(k);
+  EXPECT_GT(led(), shallow) << "the less it holds";
+  EXPECT_LT(led(), params.load_speed_rad_per_s);
+  times(0.0);
+  EXPECT_EQ(led(), 0.0) << "no load";
+}
+
+TEST(Redundancy, TheLoadsPreferenceDoesNotAllocate) {
+  const Pressing pressing;
+  const PosturePreferenceParams params;
+  JointVectorN<7> q = JointVectorN<7>::Constant(0.4), n = JointVectorN<7>::Constant(0.3);
+  const rt::NoAllocScope scope;
+  EXPECT_TRUE((TowardsLoad<7>(params, *pressing.chain, pressing.wanted, q, n).qd.allFinite()));
+  EXPECT_EQ(scope.heap_calls(), 0);
+  EXPECT_EQ(scope.locks(), 0);
 }
 
 }  // namespace
