@@ -266,8 +266,11 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
     if (solution.contact_count >= kMaxContacts) continue;
     const NearPair& pair = candidates.pairs[i];
     bool covered = false;
-    for (int c = 0; c < solution.contact_count; ++c)
-      covered = covered || solution.contacts[static_cast<std::size_t>(c)].n.dot(pair.n) > kFaceCosine;
+    for (int c = 0; c < solution.contact_count; ++c) {
+      // but where a shaft touches, what the edge cuts gives way and the shaft does not
+      const SolvedContact& contact = solution.contacts[static_cast<std::size_t>(c)];
+      covered = covered || (contact.n.dot(pair.n) > kFaceCosine && (pair.cutting || !contact.cutting));
+    }
     if (covered) continue;
     // never in the way of where the contacts hold the tool
     solution.contacts[static_cast<std::size_t>(solution.contact_count++)] = {

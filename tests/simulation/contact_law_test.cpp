@@ -212,6 +212,25 @@ TEST(ReportContacts, GiveTheServoLoopTheFramesForce) {
   EXPECT_GT(several, 20);
 }
 
+// A burr's edge and its shaft against one wall: as the edge's plane gives way the shaft's must stand, or the
+// servo loop meets it some frames later, as deep as the edge has gone meanwhile.
+TEST(ReportContacts, AShaftIsReportedBesideAnEdgeThatPressesTheSameWay) {
+  Scene scene;
+  scene.input.motion_G_m = Vector3(0, 0, -0.2e-3);
+  scene.Add({0, 0, 1}, 0.0);
+  scene.Add({0.1, 0, 1}, 0.05e-3);
+  scene.near.nearest[1].cutting = false;
+  scene.Add({0, 0.1, 1}, 0.05e-3);  // another ball that cuts is the edge's own face
+  const FrameSolution solution = scene.Report();
+  ASSERT_EQ(solution.contact_count, 2);
+  EXPECT_TRUE(solution.contacts[0].cutting);
+  EXPECT_FALSE(solution.contacts[1].cutting);
+  EXPECT_LT(solution.contacts[1].gap_m, -0.14e-3) << "at the tool's pose it is inside";
+
+  scene.near.nearest[0].cutting = false;
+  EXPECT_EQ(scene.Report().contact_count, 1) << "nothing recedes: one plane of the face is enough";
+}
+
 TEST(ReportContacts, PointOfABallIsItsFootAlongTheContactsNormal) {
   Scene scene;
   scene.input.R_GT = ExpRotation({0.3, -0.2, 0.1});
