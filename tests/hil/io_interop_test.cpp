@@ -40,6 +40,7 @@ TEST(FriInterop, SessionWalksToActiveAndEveryFigureArrives) {
     }
     ASSERT_EQ(arm.safety_state, 0);
     ASSERT_EQ(arm.period_s, 1e-3);
+    command.activation = arm.activation;
     if (s.session == SessionState::kCommandingActive) command.q[0] += 1e-4;
     cell.Receive(session.Answer(command));
   }
