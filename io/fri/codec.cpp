@@ -124,8 +124,8 @@ CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> data
   std::span<const std::uint8_t> body;
   CodecError parsed = Open(family, datagram, body);
   if (parsed == CodecError::kNone) parsed = Parse(body, wire);
-  if (parsed == CodecError::kMalformed && TellFamily(datagram).value_or(family) != family)
-    return CodecError::kOtherVersion;
+  if (parsed == CodecError::kMalformed || parsed == CodecError::kWrongId)
+    return TellFamily(datagram).value_or(family) != family ? CodecError::kOtherVersion : parsed;
   if (parsed != CodecError::kNone) return parsed;
   const FriFamily bare = family == FriFamily::k2_7 ? FriFamily::k2_5 : family;
   if (FamilyOfFields(wire).value_or(bare) != bare) return CodecError::kOtherVersion;
