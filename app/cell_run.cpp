@@ -81,7 +81,7 @@ CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engi
   CellRunResult result;
   Loop loop(setup.config);
   hil::SimulatedCell cell = MakeCell(setup, params.seconds);
-  io::FriSession session;
+  io::FriSession session(setup.config.fri.session);
   control::ArmState state;
   control::ArmCommand command;
   simulation::ContactModel model;
@@ -143,7 +143,9 @@ tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulat
   // what may be refused comes first: an earlier run's recording is only overwritten by a run
   std::unique_ptr<io::FriLink> link;
   if (!params.virtual_time) {
-    auto opened = io::FriLink::Open({.bind_address = setup.config.fri.host, .port = setup.config.fri.port});
+    auto opened = io::FriLink::Open({.bind_address = setup.config.fri.host,
+                                     .port = setup.config.fri.port,
+                                     .session = setup.config.fri.session});
     if (!opened) return tl::make_unexpected(opened.error());
     link = std::move(*opened);
   }

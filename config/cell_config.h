@@ -6,6 +6,7 @@
 #include "control/servo_loop.h"
 #include "hil/scripts.h"
 #include "hil/simulated_cell.h"
+#include "io/fri/fri_session.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/lbr_params.h"
 #include "simulation/cutting_engine.h"
@@ -37,6 +38,7 @@ struct StartConfig {
 struct FriConfig {
   std::string host;  ///< dotted IPv4
   std::uint16_t port{0};
+  io::FriSessionParams session;
 };
 
 /// A cell, with the files it names already read.

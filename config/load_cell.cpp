@@ -100,10 +100,22 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
   cutting.split.pool_blocks = static_cast<std::size_t>(split.Whole("pool_count", 1, 1'000'000));
 }
 
-void ReadFri(Reader section, FriConfig& fri, int& period_ms) {
+// Both ends of the link; what is not said is as in their own defaults.
+void ReadFri(Reader section, FriConfig& fri, hil::FriServerParams& arm) {
   fri.host = section.Text("host");
   fri.port = static_cast<std::uint16_t>(section.Whole("port", 1024, 65535));
-  period_ms = section.Whole("period_ms", 1, 20);
+  arm.send_period_ms = section.Whole("period_ms", 1, 20);
+  if (section.Has("receive_multiplier_count"))
+    arm.receive_multiplier = section.Whole("receive_multiplier_count", 1, 10);
+  if (section.Has("version"))
+    fri.session.version = io::kFriVersions.at(
+        section.Choice("version", {"1.11", "1.12", "1.13", "1.14", "1.15", "1.16", "2.5", "2.7"}));
+  if (section.Has("wrench_torques"))
+    fri.session.torque_order = section.Choice("wrench_torques", {"zyx", "xyz"}) == 0
+                                   ? io::FriTorqueOrder::kZyx
+                                   : io::FriTorqueOrder::kXyz;
+  arm.version = fri.session.version;
+  arm.torques_zyx = fri.session.torque_order == io::FriTorqueOrder::kZyx;
 }
 
 void ReadHand(Reader section, hil::OperatorHandParams& hand) {
@@ -308,7 +320,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadAdmittance(reader.Section("admittance"), servo.admittance);
   ReadCoupling(coupling, servo.coupling);
   ReadCutting(reader.Section("cutting"), cell.cutting);
-  ReadFri(reader.Section("fri"), cell.fri, cell.simulated.fri.send_period_ms);
+  ReadFri(reader.Section("fri"), cell.fri, cell.simulated.fri);
   const Reader hand = reader.Section("operator"), script = reader.Section("script");
   ReadHand(hand, cell.simulated.hand);
   cell.script = ReadScript(script);

@@ -24,25 +24,68 @@ enum class SessionState : std::uint8_t {
   kCommandingActive = 4,
 };
 
+/// How the arm's own controller works; the numbers are FRI's.
+enum class ControlMode : std::uint8_t {
+  kPosition = 0,
+  kCartesianImpedance = 1,
+  kJointImpedance = 2,
+  kNone = 3,  ///< e.g. brakes applied
+};
+
+/// What the arm's program asks the client for; the numbers are FRI's.
+enum class CommandMode : std::uint8_t {
+  kNone = 0,
+  kPosition = 1,
+  kWrench = 2,         ///< and a wrench along with the position; the arm in Cartesian impedance
+  kTorque = 3,         ///< and joint torques; the arm in joint impedance
+  kCartesianPose = 4,  ///< not commanded by us: the link holds the arm where it is
+};
+
 /// One message from the arm.
 struct ArmState {
   rt::Nanoseconds stamp{0};  ///< when it arrived here
   std::uint32_t sequence{0};
   SessionState session{SessionState::kIdle};
-  std::uint8_t quality{0};       ///< 0 poor … 3 excellent
-  std::uint8_t safety_state{0};  ///< 0 normal, 1 … 3 stop level 0 … 2
+  std::uint8_t quality{0};         ///< 0 poor … 3 excellent
+  std::uint8_t safety_state{0};    ///< 0 normal, 1 … 3 stop level 0 … 2
+  std::uint8_t operation_mode{0};  ///< 0 T1, 1 T2, 2 automatic
+  bool drives_active{false};       ///< those of all joints
+  ControlMode control_mode{ControlMode::kPosition};
+  CommandMode command_mode{CommandMode::kNone};
   double period_s{0.001};
   JointArray q_meas{};  ///< [rad]
   JointArray q_ipo{};   ///< [rad] the arm's own interpolator; valid in COMMANDING_*
   bool has_ipo{false};
-  JointArray tau_ext{};                                       ///< [N·m] external torque, the arm's estimate
-  std::uint32_t lost{0}, duplicate{0}, late{0}, rejected{0};  ///< messages so far
+  JointArray tau_ext{};  ///< [N·m] external torque, the arm's estimate
+
+  /// Counts the times that COMMANDING_ACTIVE began: what a command must name to be followed.
+  std::uint32_t activation{0};
+  /// COMMANDING_ACTIVE, and no command has named this activation yet: the link holds the interpolator's
+  /// position.
+  bool holding{false};
+
+  // Messages so far.
+  std::uint32_t lost{0};           ///< never came
+  std::uint32_t duplicate{0};      ///< came twice
+  std::uint32_t late{0};           ///< came in order, but were not read before the next was there
+  std::uint32_t reordered{0};      ///< overtaken by a newer one on their way
+  std::uint32_t rejected{0};       ///< hostile, damaged, of another sender or of another version
+  std::uint32_t other_version{0};  ///< of those: of another version of the protocol
+  // Answers so far, as the arm's messages reflect them.
+  std::uint32_t answers_lost{0};     ///< the arm took a later one without having seen this
+  std::uint32_t answers_foreign{0};  ///< the arm reflects what we never sent: somebody else answers it too
 };
 
 /// What the loop answers: where the joints should be. In states in which the arm moves by itself, the link
 /// mirrors instead.
 struct ArmCommand {
   JointArray q{};  ///< [rad]
+  /// ArmState::activation as the loop knows it: it has seen that the arm is handed over, and begins at the
+  /// interpolator's position. Commands for another one are held back, so that a loop that missed the arm's
+  /// leaving and coming back does not make it jump.
+  std::uint32_t activation{0};
+  PlainWrench F{};   ///< kWrench: on the arm's motion centre, in its frame
+  JointArray tau{};  ///< [N·m] kTorque
 };
 
 enum class ReceiveResult : std::uint8_t { kOk, kTimeout, kClosed };

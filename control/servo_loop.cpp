@@ -173,7 +173,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
       V_WT_ = {};
       phase_ = Phase::kStopped;
     }
-    if (active && phase_ == Phase::kWaiting) StartRendering(now);
+    if (active && phase_ == Phase::kWaiting) StartRendering(state, now);
     if (phase_ == Phase::kHaptic) {
       const double error_m = (X_WT_meas.translation() - X_WT_.translation()).norm();
       statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
@@ -189,6 +189,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   }
 
   command.q = ToArray(q_);
+  command.activation = activation_;
   record.phase = phase_;
   record.faults = faults_.bits();
   record.q_meas = state.q_meas;
@@ -225,7 +226,8 @@ void ServoLoop::Miss(ReceiveResult received) OSTEON_RT {
   phase_ = Phase::kStopped;
 }
 
-void ServoLoop::StartRendering(rt::Nanoseconds now) OSTEON_RT {
+void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
+  activation_ = state.activation;
   phase_ = Phase::kHaptic;
   motion_share_ = 1.0;
   moving_ = 0.0;

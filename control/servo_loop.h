@@ -136,7 +136,7 @@ class ServoLoop {
   [[nodiscard]] Pose ToolPose(const JointVector& q) const OSTEON_RT;
   void Mirror(const ArmState& state) OSTEON_RT;
   void Miss(ReceiveResult received) OSTEON_RT;
-  void StartRendering(rt::Nanoseconds now) OSTEON_RT;
+  void StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
   void Render(const ForceReading& reading, const simulation::ContactModel& model, rt::Nanoseconds now,
               TickRecord& record) OSTEON_RT;
   void Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
@@ -164,6 +164,7 @@ class ServoLoop {
   safety::Watchdog watchdog_;
 
   Phase phase_{Phase::kWaiting};
+  std::uint32_t activation_{0};  ///< of the arm, that rendering began with
   safety::FaultSet faults_;
   ServoStatistics statistics_;
   CouplingState coupling_;

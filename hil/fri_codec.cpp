@@ -8,9 +8,95 @@
 namespace osteon::hil {
 namespace {
 
+using io::FriFamily;
+
+constexpr double kMmPerM = 1e3;
+constexpr std::size_t kHead = 4, kTail = 4;
+constexpr const char* kMotionCentre = "flange";  // how poses of the arm are named
+
 void Put(const control::JointArray& from, fri::JointValues& to) {
   to.clear_value();
   for (const double v : from) to.add_value(v);
+}
+
+// Bit by bit, from the definition: io has zlib's, so that each checks the other.
+std::uint32_t Crc32(std::span<const std::uint8_t> bytes) {
+  std::uint32_t crc = 0xffffffffu;
+  for (const std::uint8_t byte : bytes) {
+    crc ^= byte;
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1u) != 0 ? 0xedb88320u : 0u);
+  }
+  return ~crc;
+}
+
+void PutWord(std::uint32_t value, std::uint8_t* to) {
+  for (int i = 0; i < 4; ++i) to[i] = static_cast<std::uint8_t>(value >> (8 * i));
+}
+
+std::uint32_t Word(const std::uint8_t* from) {
+  std::uint32_t value = 0;
+  for (int i = 0; i < 4; ++i) value |= static_cast<std::uint32_t>(from[i]) << (8 * i);
+  return value;
+}
+
+// The message in its frame; empty where the frame is wrong (an empty message would have no header).
+std::span<const std::uint8_t> Unframed(std::span<const std::uint8_t> datagram) {
+  if (datagram.size() <= kHead + kTail) return {};
+  const auto body = datagram.subspan(kHead, datagram.size() - kHead - kTail);
+  const bool whole = Word(datagram.data()) == body.size() && Word(body.data() + body.size()) == Crc32(body);
+  return whole ? body : std::span<const std::uint8_t>{};
+}
+
+void PutPose(FriFamily family, const std::string& name, const Pose& X, fri::Transformation& to) {
+  to.Clear();
+  to.set_name(name);
+  const Vector3 p_mm = kMmPerM * X.translation();
+  if (family == FriFamily::k1) {
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) to.add_element(X.linear()(row, column));
+      to.add_element(p_mm[row]);
+    }
+    return;
+  }
+  const Eigen::Quaterniond q(Matrix3(X.linear()));
+  for (const double element : {p_mm.x(), p_mm.y(), p_mm.z(), q.w(), q.x(), q.y(), q.z()})
+    to.add_element(element);
+}
+
+// By the angle of the redundant joint.
+void PutRedundancy(const control::JointArray& q, fri::Redundancy& to) {
+  to.set_strategy(0);
+  to.set_value(q[2]);
+}
+
+std::optional<Pose> PoseOf(FriFamily family, const fri::Transformation& from) {
+  Pose X = Pose::Identity();
+  const auto& e = from.element();
+  if (family == FriFamily::k1) {
+    if (e.size() != 12) return std::nullopt;
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) X.linear()(row, column) = e[4 * row + column];
+      X.translation()[row] = e[4 * row + 3] / kMmPerM;
+    }
+  } else {
+    if (e.size() != 7) return std::nullopt;
+    X.translation() = Vector3(e[0], e[1], e[2]) / kMmPerM;
+    X.linear() = Eigen::Quaterniond(e[3], e[4], e[5], e[6]).toRotationMatrix();
+  }
+  const bool rigid = X.matrix().allFinite() &&
+                     (X.linear() * X.linear().transpose()).isApprox(Matrix3::Identity(), 1e-3) &&
+                     X.linear().determinant() > 0.0;
+  return rigid ? std::optional(X) : std::nullopt;
+}
+
+void PutIo(const ArmIo& from, fri::IoValue& to) {
+  to.set_name(from.name);
+  to.set_type(static_cast<fri::IoType>(from.type));
+  to.set_direction(from.output ? fri::OUTPUT : fri::INPUT);
+  if (from.type == ArmIo::Type::kAnalog)
+    to.set_analog_value(from.analog);
+  else
+    to.set_digital_value(from.digital);
 }
 
 }  // namespace
@@ -20,12 +106,14 @@ struct FriCodec::Messages {
   fri::CommandMessage command;
 };
 
-FriCodec::FriCodec() : messages_(std::make_unique<Messages>()) {}
+FriCodec::FriCodec(io::FriVersion version)
+    : family_(io::FamilyOf(version)), messages_(std::make_unique<Messages>()) {}
 FriCodec::~FriCodec() = default;
 FriCodec::FriCodec(FriCodec&&) noexcept = default;
 FriCodec& FriCodec::operator=(FriCodec&&) noexcept = default;
 
 std::span<const std::uint8_t> FriCodec::Encode(const FriMonitoring& c) {
+  const bool has_poses = family_ != FriFamily::k1;
   fri::MonitoringMessage& m = messages_->monitoring;
   m.mutable_header()->set_message_identifier(kFriMonitoringId);
   m.mutable_header()->set_sequence_counter(c.sequence);
@@ -43,9 +131,19 @@ std::span<const std::uint8_t> FriCodec::Encode(const FriMonitoring& c) {
   fri::MonitorData& data = *m.mutable_monitor_data();
   Put(c.q_meas, *data.mutable_measured_joint_position());
   Put(c.tau_meas, *data.mutable_measured_torque());
-  Put(c.q_cmd, *data.mutable_commanded_joint_position());
+  if (!has_poses) Put(c.q_cmd, *data.mutable_commanded_joint_position());
   Put(c.tau_cmd, *data.mutable_commanded_torque());
   Put(c.tau_ext, *data.mutable_external_torque());
+  if (family_ == FriFamily::k2_7) {
+    data.mutable_external_force()->clear_element();
+    for (const double v : c.wire_force) data.mutable_external_force()->add_element(v);
+  }
+  data.clear_read_io_request();
+  for (const ArmIo& io : c.ios) PutIo(io, *data.add_read_io_request());
+  if (has_poses) {
+    PutPose(family_, kMotionCentre, c.X_meas, *data.mutable_measured_cartesian_pose());
+    PutRedundancy(c.q_meas, *data.mutable_measured_redundancy());
+  }
   data.mutable_timestamp()->set_sec(static_cast<std::uint32_t>(c.stamp / rt::kSecond));
   data.mutable_timestamp()->set_nanosec(static_cast<std::uint32_t>(c.stamp % rt::kSecond));
 
@@ -56,38 +154,80 @@ std::span<const std::uint8_t> FriCodec::Encode(const FriMonitoring& c) {
   connection.set_receive_multiplier(c.receive_multiplier);
 
   fri::IpoData& ipo = *m.mutable_ipo_data();
-  if (c.has_ipo)
+  if (c.has_ipo) {
     Put(c.q_ipo, *ipo.mutable_joint_position());
-  else
+    if (has_poses) {
+      PutPose(family_, kMotionCentre, c.X_ipo, *ipo.mutable_cartesian_pose());
+      PutRedundancy(c.q_ipo, *ipo.mutable_redundancy());
+    }
+  } else {
     ipo.clear_joint_position();
-  ipo.set_client_command_mode(c.has_ipo ? fri::POSITION : fri::NO_COMMAND);
+    ipo.clear_cartesian_pose();
+    ipo.clear_redundancy();
+  }
+  ipo.set_client_command_mode(c.has_ipo ? static_cast<fri::ClientCommandMode>(c.command_mode)
+                                        : fri::NO_COMMAND);
   ipo.set_overlay_type(c.has_ipo ? fri::JOINT_OVERLAY : fri::NO_OVERLAY);
   ipo.set_tracking_performance(c.tracking_performance);
+  m.clear_requested_transformations();
+  for (const ArmFrame& frame : c.frames)
+    PutPose(family_, frame.name, frame.X, *m.add_requested_transformations());
 
+  const bool framed = family_ == FriFamily::k2_7;
+  const std::size_t head = framed ? kHead : 0, around = framed ? kHead + kTail : 0;
   const std::size_t size = m.ByteSizeLong();
-  if (size > buffer_.size() || !m.SerializeToArray(buffer_.data(), static_cast<int>(buffer_.size())))
+  if (size + around > buffer_.size() ||
+      !m.SerializeToArray(buffer_.data() + head, static_cast<int>(buffer_.size() - around)))
     throw std::logic_error("FRI monitoring message does not fit a datagram");
-  return {buffer_.data(), size};
+  if (framed) {
+    PutWord(static_cast<std::uint32_t>(size), buffer_.data());
+    PutWord(Crc32({buffer_.data() + head, size}), buffer_.data() + head + size);
+  }
+  return {buffer_.data(), size + around};
+}
+
+bool FriCodec::Parse(std::span<const std::uint8_t> body) {
+  // "partial", then asked for completeness: the strict call writes to stderr whatever a stranger sends
+  fri::CommandMessage& m = messages_->command;
+  return !body.empty() && m.ParsePartialFromArray(body.data(), static_cast<int>(body.size())) &&
+         m.IsInitialized() && m.header().message_identifier() == kFriCommandId;
 }
 
 std::optional<FriCommand> FriCodec::Decode(std::span<const std::uint8_t> datagram) {
-  if (datagram.empty() || datagram.size() > kFriMaxDatagram) return std::nullopt;
-  // "partial", then asked for completeness: the strict call writes to stderr whatever a stranger sends
-  fri::CommandMessage& m = messages_->command;
-  if (!m.ParsePartialFromArray(datagram.data(), static_cast<int>(datagram.size())) || !m.IsInitialized())
-    return std::nullopt;
-  if (m.header().message_identifier() != kFriCommandId) return std::nullopt;
+  if (datagram.size() > kFriMaxDatagram) return std::nullopt;
+  if (!Parse(family_ == FriFamily::k2_7 ? Unframed(datagram) : datagram)) return std::nullopt;
 
+  const fri::CommandMessage& m = messages_->command;
   FriCommand command;
   command.sequence = m.header().sequence_counter();
   command.reflected_sequence = m.header().reflected_sequence_counter();
-  if (m.has_command_data() && m.command_data().has_joint_position()) {
-    const auto& values = m.command_data().joint_position().value();
-    command.has_joint_position = true;
-    command.joint_count = values.size();
-    std::copy_n(values.begin(), std::min(values.size(), control::kJoints), command.q.begin());
-  }
+  if (!m.has_command_data()) return command;
+  const fri::CommandData& data = m.command_data();
+  const auto take = [](const auto& values, auto& to) {
+    std::copy_n(values.begin(), std::min<std::size_t>(static_cast<std::size_t>(values.size()), to.size()),
+                to.begin());
+    return values.size();
+  };
+  command.has_joint_position = data.has_joint_position();
+  command.joint_count = take(data.joint_position().value(), command.q);
+  command.has_wrench = data.has_cartesian_wrench_feed_forward();
+  command.wrench_count = take(data.cartesian_wrench_feed_forward().element(), command.wire_wrench);
+  command.has_torque = data.has_joint_torque();
+  command.torque_count = take(data.joint_torque().value(), command.tau);
+  for (const fri::IoValue& io : data.write_io_request())
+    command.ios.push_back({.name = io.name(),
+                           .type = static_cast<ArmIo::Type>(io.type()),
+                           .output = io.direction() == fri::OUTPUT,
+                           .digital = io.digital_value(),
+                           .analog = io.analog_value()});
+  for (const fri::Transformation& frame : data.commanded_transformations())
+    if (const auto X = PoseOf(family_, frame)) command.frames.push_back({.name = frame.name(), .X = *X});
   return command;
+}
+
+bool FriCodec::IsOfOtherVersion(std::span<const std::uint8_t> datagram) {
+  if (datagram.size() > kFriMaxDatagram) return false;
+  return Parse(family_ == FriFamily::k2_7 ? datagram : Unframed(datagram));
 }
 
 }  // namespace osteon::hil

@@ -6,9 +6,13 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "control/ports.h"
 #include "control/rt/clock.h"
+#include "io/fri/version.h"
+#include "kinematics/spatial.h"
 
 namespace osteon::hil {
 
@@ -16,7 +20,24 @@ inline constexpr std::size_t kFriMaxDatagram = 1500;
 inline constexpr std::uint32_t kFriMonitoringId = 0x245142;
 inline constexpr std::uint32_t kFriCommandId = 0x34001;
 
-/// What a monitoring message of FRI 1.15 says, as plain data. Joints in rad and N·m.
+/// An input or output that the robot program registered. Only one of the values counts, by type.
+struct ArmIo {
+  enum class Type : std::uint8_t { kBoolean = 0, kDigital = 1, kAnalog = 2 };
+  std::string name;
+  Type type{Type::kBoolean};
+  bool output{false};
+  std::uint64_t digital{0};
+  double analog{0.0};
+};
+
+/// A frame that the robot program lets the client move.
+struct ArmFrame {
+  std::string name;
+  PlainPose X{};
+};
+
+/// What a monitoring message says, as plain data. Joints in rad and N·m. What a version does not have is not
+/// sent.
 struct FriMonitoring {
   std::uint32_t sequence{0};
   std::uint32_t reflected_sequence{0};
@@ -25,31 +46,41 @@ struct FriMonitoring {
   std::uint8_t safety_state{0};    ///< 0 normal, 1 … 3 stop level 0 … 2
   std::uint8_t drive_state{2};     ///< of every joint: 0 off, 1 transitioning, 2 active
   std::uint8_t operation_mode{2};  ///< 0 T1, 1 T2, 2 AUT
-  std::uint8_t control_mode{0};    ///< 0 position
+  control::ControlMode control_mode{control::ControlMode::kPosition};
   std::uint32_t send_period_ms{1};
   std::uint32_t receive_multiplier{1};
   control::JointArray q_meas{}, tau_meas{}, q_cmd{}, tau_cmd{}, tau_ext{};
-  bool has_ipo{false};  ///< commanding states: q_ipo is sent, command mode POSITION, overlay JOINT
+  std::array<double, 6> wire_force{};  ///< external, in the wire's order; 2.7
+  PlainPose X_meas{}, X_ipo{};         ///< of the motion centre, in the robot's base; 2.x
+  /// Commanding states: q_ipo, the command mode and overlay JOINT are sent.
+  bool has_ipo{false};
+  control::CommandMode command_mode{control::CommandMode::kPosition};
   control::JointArray q_ipo{};
   double tracking_performance{0.0};
   rt::Nanoseconds stamp{0};  ///< >= 0
+  std::span<const ArmIo> ios{};
+  std::span<const ArmFrame> frames{};  ///< asked for, as they are
 };
 
-/// What a client's command message says.
+/// What a client's command message says. Values as sent: they may be NaN.
 struct FriCommand {
   std::uint32_t sequence{0};
   std::uint32_t reflected_sequence{0};
-  bool has_joint_position{false};
-  int joint_count{0};       ///< as sent; q holds the first seven
-  control::JointArray q{};  ///< [rad], as sent: may be NaN
+  bool has_joint_position{false}, has_wrench{false}, has_torque{false};
+  int joint_count{0}, wrench_count{0}, torque_count{0};  ///< as sent; the arrays hold the first seven or six
+  control::JointArray q{};                               ///< [rad]
+  std::array<double, 6> wire_wrench{};                   ///< N, N·m in the wire's order
+  control::JointArray tau{};                             ///< [N·m]
+  std::vector<ArmIo> ios;
+  std::vector<ArmFrame> frames;  ///< those whose elements are a rigid motion
 };
 
-/// Writes monitoring messages and reads command messages with libprotobuf. Reuses its message objects, so
-/// that it does not allocate once each kind of message has passed (an odd message may make it allocate
-/// again).
+/// Writes monitoring messages and reads command messages with libprotobuf, and frames them in 2.7 with a
+/// CRC-32 of its own. Reuses its message objects, so that it does not allocate once each kind of message has
+/// passed (an odd message may make it allocate again).
 class FriCodec {
  public:
-  FriCodec();
+  explicit FriCodec(io::FriVersion version = io::FriVersion::k1_15);
   ~FriCodec();
   FriCodec(FriCodec&&) noexcept;
   FriCodec& operator=(FriCodec&&) noexcept;
@@ -58,11 +89,17 @@ class FriCodec {
   [[nodiscard]] std::span<const std::uint8_t> Encode(const FriMonitoring& content);
 
   /// Empty where the bytes are not a complete command message (too long, undecodable, a required field or the
-  /// id wrong).
+  /// id wrong, frame or no frame against the version).
   [[nodiscard]] std::optional<FriCommand> Decode(std::span<const std::uint8_t> datagram);
+
+  /// Whether Decode refused this for its frame alone: a client of another version.
+  [[nodiscard]] bool IsOfOtherVersion(std::span<const std::uint8_t> datagram);
 
  private:
   struct Messages;
+  [[nodiscard]] bool Parse(std::span<const std::uint8_t> body);
+
+  io::FriFamily family_;
   std::unique_ptr<Messages> messages_;
   std::array<std::uint8_t, kFriMaxDatagram> buffer_{};
 };

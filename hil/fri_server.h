@@ -3,11 +3,14 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
+#include <vector>
 
 #include "control/ports.h"
 #include "control/rt/clock.h"
 #include "hil/fri_codec.h"
+#include "hil/fri_drives.h"
+#include "hil/fri_outputs.h"
+#include "hil/fri_stop.h"
 #include "hil/link_quality.h"
 #include "kinematics/lbr_arm.h"
 
@@ -15,9 +18,13 @@ namespace osteon::hil {
 
 /// The arm's side of a session.
 struct FriServerParams {
-  int send_period_ms{1};
+  io::FriVersion version{io::FriVersion::k1_15};
+  int send_period_ms{1};      ///< 1, 2, 5, 10 on arms; 1 … 100 here
   int receive_multiplier{1};  ///< the client owes an answer to one message in this many
   QualityPolicyParams quality{};
+  control::ControlMode control_mode{control::ControlMode::kPosition};
+  control::CommandMode command_mode{control::CommandMode::kPosition};  ///< kPosition, kWrench or kTorque
+  bool torques_zyx{true};  ///< of wrenches on the wire: about z, y, x (KUKA's A, B, C), or x, y, z
   int request_after_good_cycles{
       200};  ///< the robot program asks for commanding after so many cycles in MONITORING_READY
   int activate_after_mirrored_answers{50};  ///< answers in COMMANDING_WAIT before the motion is handed over
@@ -27,68 +34,65 @@ struct FriServerParams {
       1e-3};  ///< COMMANDING_WAIT: how far from the interpolator's position an answer may be
   double tracking_error_zero_rad{
       0.1};  ///< largest joint error at which trackingPerformance reads 0; 0 error reads 1
+  double max_axis_delta_rad{
+      0.1};  ///< in impedance control: how far from the measured position a joint may be commanded; assumed
+  double drive_start_s{0.5};              ///< drives, from the acknowledgement of a stop to ACTIVE; assumed
+  double close_s{5.0};                    ///< from Close() to IDLE
+  double external_torque_cutoff_hz{0.0};  ///< low pass of the estimated external torque; 0: none
+  kinematics::JointVector external_torque_offset_Nm{
+      kinematics::JointVector::Zero()};  ///< what the estimate reads with nobody touching, e.g. a wrong
+                                         ///< payload
+  std::vector<ArmIo> ios{};              ///< at most 10
+  std::vector<ArmFrame> frames{};        ///< that the client is asked for; at most 5
 };
-
-/// Why the arm ended commanding or closed the session.
-enum class StopReason : std::uint8_t {
-  kNone,
-  kQualityTimeout,  ///< the session closes
-  kLostInARow,      ///< the arm holds; back to monitoring
-  kLostPerSecond,   ///< the same
-  kNotMirrored,     ///< this and the following: safety stop, level 1; the drives go off
-  kJointCount,
-  kNotFinite,
-  kJointLimit,
-  kJointStep,
-};
-
-/// What stopped the arm, with the figures that did.
-struct StopReport {
-  StopReason reason{StopReason::kNone};
-  std::uint32_t sequence{0};  ///< of the monitoring message whose answer it was
-  int joint{0};               ///< 1 … 7 where one joint is to blame, otherwise 0
-  double found{0.0};          ///< rad, answers, or joints, by reason
-  double accepted{0.0};       ///< the bound, in the same unit
-};
-
-/// One line for a screen, e.g. "joint step: A4 moved 0.0120 rad in one command, accepted 0.0014".
-[[nodiscard]] std::string Describe(const StopReport& stop);
 
 /// Datagrams so far.
 struct FriCounters {
   std::uint64_t sent{0};
-  std::uint64_t answered{0};    ///< answers due that came in time, complete
-  std::uint64_t lost{0};        ///< answers due that did not
-  std::uint64_t excused{0};     ///< the same, but the arm itself was late
-  std::uint64_t stale{0};       ///< answers to a message that is no longer the current one
-  std::uint64_t duplicate{0};   ///< second answers to one message
-  std::uint64_t malformed{0};   ///< not a command message
-  std::uint64_t incomplete{0};  ///< without the joint position that the state asks for
+  std::uint64_t answered{0};       ///< answers due that came in time, complete
+  std::uint64_t lost{0};           ///< answers due that did not
+  std::uint64_t excused{0};        ///< the same, but the arm itself was late
+  std::uint64_t stale{0};          ///< answers to a message that is no longer the current one
+  std::uint64_t duplicate{0};      ///< second answers to one message
+  std::uint64_t malformed{0};      ///< not a command message
+  std::uint64_t other_version{0};  ///< of those: a command message of another version
+  std::uint64_t incomplete{0};  ///< without the joint position, wrench or torque that state and mode ask for
+  std::uint64_t ignored{0};     ///< with a motion of its own where nothing is commanded, e.g. after a stop
+  std::uint64_t refused_outputs{0};  ///< requests to frames or outputs that there are not
+  std::uint64_t client_gap{0};       ///< answers that the client counted and that never came
+  std::uint64_t client_back{0};      ///< answers whose own counter did not rise: two clients, or a new one
 };
 
 /// What the arm measures; goes out with the next message.
 struct ArmMeasurement {
   kinematics::JointVector q{kinematics::JointVector::Zero()};        ///< [rad]
   kinematics::JointVector tau_ext{kinematics::JointVector::Zero()};  ///< [N·m]
+  PlainPose X_BC{};     ///< of the motion centre C, in the robot's base
+  PlainWrench F_C_C{};  ///< external, on C, in C
 };
 
-/// The arm's end of FRI 1.15 in POSITION mode with joint overlay: bytes in, bytes out, no socket and no
-/// clock.
+/// The arm's end of FRI with joint overlay: bytes in, bytes out, no socket and no clock.
 ///
 ///     IDLE ──Open──▶ MONITORING_WAIT ◀──quality──▶ MONITORING_READY ──program asks──▶ COMMANDING_WAIT
-///                          ▲                                                              │ mirrored
+///       ▲                  ▲      │                                                       │ mirrored
+///       └── Close, timeout ┼──────┘                                                       │
 ///                          └──────── losses, safety stop ──────── COMMANDING_ACTIVE ◀─────┘
 ///
 /// A cycle, once each send period: Receive() for each datagram that came, EndCycle(), advance the arm toward
 /// q_commanded(), BeginCycle(). In IDLE the arm sends nothing. The state that a message names is the one that
 /// its answer is judged by.
 ///
-/// In COMMANDING_ACTIVE a command must have seven finite joint values within the position limits, and may not
-/// move a joint further than its velocity limit allows since the last accepted command (lost ones lengthen
-/// that time); otherwise a safety stop that lasts. Without a new command, and in every other state, the arm
-/// holds the last accepted one. The interpolator's position (ipo) rests where commanding began.
+/// **Commanding begins** where quality is GOOD, the drives are active, no safety stop lasts, and the control
+/// mode has what the program asks for: WRENCH needs Cartesian impedance, TORQUE joint impedance, POSITION any
+/// control. In WRENCH and TORQUE mode each answer in COMMANDING_* must bring one: without, it counts as lost.
 ///
-/// Real arms interpolate, brake along a path and need to be acknowledged after a stop: not modelled here.
+/// In COMMANDING_ACTIVE a command must have seven finite joint values within the position limits, may not
+/// move a joint further than its velocity limit allows since the last accepted command (lost ones lengthen
+/// that time), and in impedance control must stay near the measured position; otherwise a safety stop that
+/// lasts until Acknowledge(). Without a new command, and in every other state, the arm holds the last
+/// accepted one, without wrench or torque. The interpolator's position (ipo) rests where commanding began.
+///
+/// Real arms interpolate and brake along a path: not modelled here.
 class FriServer {
  public:
   /// @param limits position and velocity limits are used; lower < upper, velocity > 0.
@@ -98,6 +102,17 @@ class FriServer {
 
   /// Opens the session, as the robot program does. Counters go on.
   void Open();
+  /// Ends it: commanding at once, the session after close_s.
+  void Close();
+
+  /// A safety stop from outside, e.g. the emergency stop. @param level 0 … 2
+  void EmergencyStop(int level);
+  /// The stop's acknowledgement, and the program's restart.
+  void Acknowledge();
+  /// What the program sets between two motions. False, and nothing happens, while commanding.
+  bool SetModes(control::ControlMode control_mode, control::CommandMode command_mode);
+  /// An input of the robot. False where there is none of that name and type.
+  bool SetInput(const ArmIo& input) { return outputs_.SetInput(input); }
 
   /// One datagram of the client, however odd. True where it answers the current message.
   bool Receive(std::span<const std::uint8_t> datagram);
@@ -114,6 +129,14 @@ class FriServer {
 
   /// Where the arm's servo should go [rad].
   [[nodiscard]] const kinematics::JointVector& q_commanded() const { return q_commanded_; }
+  /// What the client adds: on the motion centre, in its frame; zero outside WRENCH mode.
+  [[nodiscard]] const Wrench& F_commanded() const { return F_commanded_; }
+  /// [N·m]; zero outside TORQUE mode.
+  [[nodiscard]] const kinematics::JointVector& tau_commanded() const { return tau_commanded_; }
+  [[nodiscard]] control::ControlMode control_mode() const { return params_.control_mode; }
+  [[nodiscard]] const FriDrives& drives() const { return drives_; }
+  [[nodiscard]] std::span<const ArmIo> ios() const { return outputs_.ios(); }
+  [[nodiscard]] std::span<const ArmFrame> frames() const { return outputs_.frames(); }
   [[nodiscard]] control::SessionState state() const { return state_; }
   [[nodiscard]] int quality() const { return quality_.level(); }
   [[nodiscard]] const FriCounters& counters() const { return counters_; }
@@ -123,12 +146,19 @@ class FriServer {
  private:
   [[nodiscard]] bool Commanding() const;
   void CountAnswer(bool client_had_its_time);
+  void CountClientSequence(std::uint32_t sequence);
+  void CountIgnored();
+  [[nodiscard]] bool HasWhatModeNeeds() const;
   void WalkMonitoring();
+  void AskForCommanding();
   void WalkCommandingWait();
   void Follow();
+  [[nodiscard]] bool TakeOverlay();
   void LeaveCommanding();
+  [[nodiscard]] bool ReportLosses();
   void EndOnLosses();
   void SafetyStop(StopReason reason, int joint, double found, double accepted);
+  void SafetyStop(const StopReport& report, int level);
   [[nodiscard]] StopReport Report(StopReason reason, int joint, double found, double accepted) const;
 
   FriServerParams params_;
@@ -139,14 +169,20 @@ class FriServer {
   StopReport stop_;
 
   control::SessionState state_{control::SessionState::kIdle};
-  bool safety_stopped_{false};
+  FriDrives drives_;
+  FriOutputs outputs_;
   bool program_asks_{true};
+  int closing_cycles_{0};  // left until IDLE; 0: not closing
   int cycles_in_session_{0};
   bool was_good_{false};
   int good_cycles_{0};
   int mirrored_{0};
   int cycles_since_command_{0};
-  kinematics::JointVector q_commanded_, q_ipo_;
+  kinematics::JointVector q_commanded_, q_ipo_, q_measured_;
+  PlainPose X_measured_, X_ipo_;
+  kinematics::JointVector tau_estimated_{kinematics::JointVector::Zero()};  // without the offset
+  kinematics::JointVector tau_commanded_{kinematics::JointVector::Zero()};
+  Wrench F_commanded_;
 
   std::uint32_t sequence_{0};           // of the message last sent
   std::uint32_t client_sequence_{0};    // of the answer last taken

@@ -55,7 +55,12 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   F_F_B.head<3>() = R_BW * F_T_W.f;
   F_F_B.tail<3>() = R_BW * F_T_W.t + p_FT_B.cross(Vector3(F_F_B.head<3>()));
 
-  const auto datagram = server_.BeginCycle({.q = servo_.q(), .tau_ext = J.transpose() * F_F_B}, now);
+  const Matrix3 R_TW = X_WT.linear().transpose();
+  const auto datagram = server_.BeginCycle({.q = servo_.q(),
+                                            .tau_ext = J.transpose() * F_F_B,
+                                            .X_BC = Pose(X_BF * X_FT_),
+                                            .F_C_C = Wrench{.f = R_TW * F_T_W.f, .t = R_TW * F_T_W.t}},
+                                           now);
 
   ++state_.cycle;
   state_.stamp = now;

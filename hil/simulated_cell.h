@@ -75,6 +75,8 @@ class SimulatedCell {
   std::span<const std::uint8_t> Step(rt::Nanoseconds now, bool client_had_its_time = true);
 
   [[nodiscard]] const CellState& state() const { return state_; }
+  /// The arm's side of the session, for what the robot's program and its operator do. Its motion centre is T.
+  [[nodiscard]] FriServer& server() { return server_; }
   [[nodiscard]] control::ForceReading force() const { return {state_.stamp, state_.F_hand_T_W}; }
   [[nodiscard]] double period_s() const { return server_.period_s(); }
   [[nodiscard]] const HandScript& script() const { return hand_.script(); }

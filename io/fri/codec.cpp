@@ -1,11 +1,12 @@
 #include "io/fri/codec.h"
 
-#include <fri.pb.h>
 #include <pb_decode.h>
 #include <pb_encode.h>
 
 #include <algorithm>
-#include <cmath>
+
+#include "io/fri/frame.h"
+#include "io/fri/wire_parts.h"
 
 static_assert(kOsteonFriArraySize == osteon::control::kJoints);
 
@@ -38,63 +39,42 @@ extern "C" bool osteon_fri_RobotInfo_callback(pb_istream_t* in, pb_ostream_t* /*
 namespace osteon::io {
 namespace {
 
-using control::JointArray;
+using control::CommandMode;
 using control::SessionState;
 
 constexpr std::uint32_t kMaxPeriodMs = 100, kMaxMultiplier = 100;
 
-// Fixed bound, early out: the first error found is the one reported.
-class Check {
- public:
-  [[nodiscard]] CodecError error() const OSTEON_RT { return error_; }
-  void Fail(CodecError error) OSTEON_RT {
-    if (error_ == CodecError::kNone) error_ = error;
-  }
-
-  void Finite(double value) OSTEON_RT {
-    if (!std::isfinite(value)) Fail(CodecError::kNotFinite);
-  }
-
-  template <class E>
-  void Enum(bool has, std::uint32_t wire, E largest, E& value) OSTEON_RT {
-    if (!has) return;
-    if (wire > static_cast<std::uint32_t>(largest)) return Fail(CodecError::kOutOfRange);
-    value = static_cast<E>(wire);
-  }
-
-  void Joints(bool has, const osteon_fri_JointValues& wire, std::optional<JointArray>& value) OSTEON_RT {
-    if (!has) return;
-    if (wire.value.count != kOsteonFriArraySize) return Fail(CodecError::kWrongCount);
-    JointArray& joints = value.emplace();
-    std::copy(std::begin(wire.value.value), std::end(wire.value.value), joints.begin());
-    for (const double joint : joints) Finite(joint);
-  }
-
- private:
-  CodecError error_{CodecError::kNone};
-};
-
-// Sets the wire's presence flag and array; false where a value is not finite.
-bool PutJoints(const std::optional<JointArray>& value, bool& has, osteon_fri_JointValues& wire) OSTEON_RT {
-  has = value.has_value();
-  if (!has) return true;
-  wire.value.count = kOsteonFriArraySize;
-  std::copy(value->begin(), value->end(), std::begin(wire.value.value));
-  return std::all_of(value->begin(), value->end(), [](double joint) { return std::isfinite(joint); });
-}
-
-CodecError Parse(std::span<const std::uint8_t> datagram, const pb_msgdesc_t* fields, void* wire) OSTEON_RT {
+// The bare message inside a datagram of the family.
+CodecError Open(FriFamily family, std::span<const std::uint8_t> datagram,
+                std::span<const std::uint8_t>& body) OSTEON_RT {
   if (datagram.size() > kFriMaxDatagram) return CodecError::kTooLong;
-  pb_istream_t stream = pb_istream_from_buffer(datagram.data(), datagram.size());
-  return pb_decode(&stream, fields, wire) ? CodecError::kNone : CodecError::kMalformed;
+  body = datagram;
+  if (family != FriFamily::k2_7) return CodecError::kNone;
+  switch (Unframe(datagram, body)) {
+    case FrameError::kNone:
+      return CodecError::kNone;
+    case FrameError::kChecksum:
+      return CodecError::kChecksum;
+    case FrameError::kNotFramed:
+      break;
+  }
+  return CodecError::kMalformed;
 }
 
-CodecError Write(const pb_msgdesc_t* fields, const void* wire, std::span<std::uint8_t> buffer,
-                 std::size_t& size) OSTEON_RT {
-  pb_ostream_t stream = pb_ostream_from_buffer(buffer.data(), std::min(buffer.size(), kFriMaxDatagram));
-  if (!pb_encode(&stream, fields, wire)) return CodecError::kNoSpace;
-  size = stream.bytes_written;
-  return CodecError::kNone;
+CodecError Parse(std::span<const std::uint8_t> body, osteon_fri_FRIMonitoringMessage& wire) OSTEON_RT {
+  pb_istream_t stream = pb_istream_from_buffer(body.data(), body.size());
+  if (!pb_decode(&stream, osteon_fri_FRIMonitoringMessage_fields, &wire)) return CodecError::kMalformed;
+  return wire.header.messageIdentifier == kFriMonitoringId ? CodecError::kNone : CodecError::kWrongId;
+}
+
+// By the fields that no other family has; a bare message without them is of nobody.
+std::optional<FriFamily> FamilyOfFields(const osteon_fri_FRIMonitoringMessage& wire) OSTEON_RT {
+  const auto& monitor = wire.monitorData;
+  if (monitor.has_measuredCartesianPose || monitor.has_measuredRedundancyInformation ||
+      wire.ipoData.has_cartesianPose || wire.ipoData.has_redundancyInformation)
+    return FriFamily::k2_5;
+  if (monitor.has_commandedJointPosition) return FriFamily::k1;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -106,31 +86,52 @@ const char* Describe(CodecError error) {
     case CodecError::kTooLong:
       return "datagram longer than 1500 bytes";
     case CodecError::kMalformed:
-      return "not a protobuf of this message";
+      return "not a message of this version";
     case CodecError::kWrongId:
       return "wrong message identifier";
     case CodecError::kMissingField:
       return "a field that this session state needs is missing";
     case CodecError::kWrongCount:
-      return "not exactly 7 joint values or drive states";
+      return "not exactly 7 joint values or drive states, or a matrix or quaternion of another size";
     case CodecError::kNotFinite:
       return "a value is NaN or infinite";
     case CodecError::kOutOfRange:
-      return "an enum, period or multiplier is out of range";
+      return "an enum, period, multiplier or rotation is out of range";
     case CodecError::kNoSpace:
       return "buffer too small";
+    case CodecError::kChecksum:
+      return "the frame's CRC-32 is not that of its message";
+    case CodecError::kOtherVersion:
+      return "a message of another FRI version";
   }
   return "unknown error";
 }
 
-CodecError DecodeMonitoring(std::span<const std::uint8_t> datagram, MonitoringMessage& message) OSTEON_RT {
+std::optional<FriFamily> TellFamily(std::span<const std::uint8_t> datagram) OSTEON_RT {
   osteon_fri_FRIMonitoringMessage wire{};
-  const CodecError parsed = Parse(datagram, osteon_fri_FRIMonitoringMessage_fields, &wire);
+  std::span<const std::uint8_t> body;
+  if (Open(FriFamily::k2_7, datagram, body) == CodecError::kNone && Parse(body, wire) == CodecError::kNone)
+    return FriFamily::k2_7;
+  wire = {};
+  if (datagram.size() > kFriMaxDatagram || Parse(datagram, wire) != CodecError::kNone) return std::nullopt;
+  return FamilyOfFields(wire);
+}
+
+CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> datagram,
+                            MonitoringMessage& message) OSTEON_RT {
+  // the bytes; where they make no sense, maybe they do to another version
+  osteon_fri_FRIMonitoringMessage wire{};
+  std::span<const std::uint8_t> body;
+  CodecError parsed = Open(family, datagram, body);
+  if (parsed == CodecError::kNone) parsed = Parse(body, wire);
+  if (parsed == CodecError::kMalformed || parsed == CodecError::kWrongId)
+    return TellFamily(datagram).value_or(family) != family ? CodecError::kOtherVersion : parsed;
   if (parsed != CodecError::kNone) return parsed;
-  if (wire.header.messageIdentifier != kFriMonitoringId) return CodecError::kWrongId;
+  const FriFamily bare = family == FriFamily::k2_7 ? FriFamily::k2_5 : family;
+  if (FamilyOfFields(wire).value_or(bare) != bare) return CodecError::kOtherVersion;
   if (!wire.has_connectionInfo) return CodecError::kMissingField;
 
-  Check check;
+  WireCheck check;
   MonitoringMessage m;
   m.sequence = wire.header.sequenceCounter;
   m.reflected_sequence = wire.header.reflectedSequenceCounter;
@@ -151,7 +152,7 @@ CodecError DecodeMonitoring(std::span<const std::uint8_t> datagram, MonitoringMe
     check.Fail(CodecError::kWrongCount);
   check.Enum(robot.has_safetyState, robot.safetyState, FriSafetyState::kStopLevel2, m.safety);
   check.Enum(robot.has_operationMode, robot.operationMode, FriOperationMode::kAutomatic, m.operation);
-  check.Enum(robot.has_controlMode, robot.controlMode, FriControlMode::kNone, m.control);
+  check.Enum(robot.has_controlMode, robot.controlMode, control::ControlMode::kNone, m.control);
   if (robot.driveState.count != 0 && robot.driveState.count != kOsteonFriArraySize)
     check.Fail(CodecError::kWrongCount);
   for (std::uint32_t i = 0; i < robot.driveState.count; ++i)
@@ -164,15 +165,24 @@ CodecError DecodeMonitoring(std::span<const std::uint8_t> datagram, MonitoringMe
   check.Joints(monitor.has_commandedJointPosition, monitor.commandedJointPosition, m.q_cmd);
   check.Joints(monitor.has_commandedTorque, monitor.commandedTorque, m.tau_cmd);
   check.Joints(monitor.has_externalTorque, monitor.externalTorque, m.tau_ext);
+  if (family == FriFamily::k2_7) check.Wrench(monitor.has_externalForce, monitor.externalForce, m.wire_force);
+  check.Pose(monitor.has_measuredCartesianPose, monitor.measuredCartesianPose,
+             monitor.has_measuredRedundancyInformation, monitor.measuredRedundancyInformation, m.X_meas);
+  for (pb_size_t i = 0; i < monitor.readIORequest_count; ++i) check.Io(monitor.readIORequest[i], m.ios);
   if (monitor.has_timestamp) m.time = FriTime{monitor.timestamp.sec, monitor.timestamp.nanosec};
 
   // interpolator
   const auto& ipo = wire.ipoData;
   check.Joints(ipo.has_jointPosition, ipo.jointPosition, m.q_ipo);
-  check.Enum(ipo.has_clientCommandMode, ipo.clientCommandMode, FriCommandMode::kTorque, m.command_mode);
+  check.Pose(ipo.has_cartesianPose, ipo.cartesianPose, ipo.has_redundancyInformation,
+             ipo.redundancyInformation, m.X_ipo);
+  check.Enum(ipo.has_clientCommandMode, ipo.clientCommandMode,
+             family == FriFamily::k1 ? CommandMode::kTorque : CommandMode::kCartesianPose, m.command_mode);
   check.Enum(ipo.has_overlayType, ipo.overlayType, FriOverlay::kCartesian, m.overlay);
   if (ipo.has_trackingPerformance) m.tracking_performance = ipo.trackingPerformance;
   check.Finite(m.tracking_performance);
+  for (pb_size_t i = 0; i < wire.requestedTransformations_count; ++i)
+    check.Transformation(family, wire.requestedTransformations[i], m.transformations);
 
   // what the session state promises
   const bool commanding = m.session >= SessionState::kCommandingWait;
@@ -183,23 +193,41 @@ CodecError DecodeMonitoring(std::span<const std::uint8_t> datagram, MonitoringMe
   return check.error();
 }
 
-CodecError EncodeCommand(const CommandMessage& message, std::span<std::uint8_t> buffer,
+CodecError EncodeCommand(FriFamily family, const CommandMessage& message, std::span<std::uint8_t> buffer,
                          std::size_t& size) OSTEON_RT {
   osteon_fri_FRICommandMessage wire{};
   wire.header = {kFriCommandId, message.sequence, message.reflected_sequence};
-  wire.has_commandData = message.q || message.wire_wrench || message.tau;
   auto& data = wire.commandData;
   bool finite = PutJoints(message.q, data.has_jointPosition, data.jointPosition);
+  finite &=
+      PutWrench(message.wire_wrench, data.has_cartesianWrenchFeedForward, data.cartesianWrenchFeedForward);
   finite &= PutJoints(message.tau, data.has_jointTorque, data.jointTorque);
-  data.has_cartesianWrenchFeedForward = message.wire_wrench.has_value();
-  if (message.wire_wrench) {
-    auto& wrench = data.cartesianWrenchFeedForward;
-    wrench.element_count = 6;
-    std::copy(message.wire_wrench->begin(), message.wire_wrench->end(), std::begin(wrench.element));
-    for (const double element : wrench.element) finite &= std::isfinite(element);
+  for (const FriTransformation& transformation : message.outputs.transformations)
+    finite &= PutTransformation(family, transformation,
+                                data.commandedTransformations[data.commandedTransformations_count++]);
+  for (const FriIo& write : message.outputs.writes)
+    finite &= PutIo(write, data.writeIORequest[data.writeIORequest_count++]);
+  data.has_cartesianPose = message.X && family != FriFamily::k1;
+  if (data.has_cartesianPose) {
+    finite &= PutPose(*message.X, data.cartesianPose);
+    data.has_redundancyInformation = message.X->redundancy.has_value();
+    if (message.X->redundancy)
+      data.redundancyInformation = {message.X->redundancy->strategy, message.X->redundancy->value};
   }
   if (!finite) return CodecError::kNotFinite;
-  return Write(osteon_fri_FRICommandMessage_fields, &wire, buffer, size);
+  wire.has_commandData = data.has_jointPosition || data.has_cartesianWrenchFeedForward ||
+                         data.has_jointTorque || data.has_cartesianPose ||
+                         data.commandedTransformations_count > 0 || data.writeIORequest_count > 0;
+
+  // the protobuf, at its place within the frame
+  const bool framed = family == FriFamily::k2_7;
+  const std::size_t head = framed ? kFriFrameHead : 0, around = framed ? head + kFriFrameTail : 0;
+  const std::size_t room = std::min(buffer.size(), kFriMaxDatagram);
+  if (room < around) return CodecError::kNoSpace;
+  pb_ostream_t stream = pb_ostream_from_buffer(buffer.data() + head, room - around);
+  if (!pb_encode(&stream, osteon_fri_FRICommandMessage_fields, &wire)) return CodecError::kNoSpace;
+  size = framed ? Frame(buffer, stream.bytes_written) : stream.bytes_written;
+  return CodecError::kNone;
 }
 
 }  // namespace osteon::io

@@ -2,14 +2,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "control/rt/marker.h"
 #include "io/fri/messages.h"
+#include "io/fri/version.h"
 
-// FRI 1.15 datagrams to plain structs and back, by nanopb in fixed memory: what a client reads and writes.
-// The simulated arm (hil) has a codec of its own, over libprotobuf, so that the two check each other. What
-// comes in is hostile until DecodeMonitoring has said kNone.
+// FRI datagrams to plain structs and back, by nanopb in fixed memory: what a client reads and writes. The
+// simulated arm (hil) has a codec of its own, over libprotobuf, so that the two check each other. What comes
+// in is hostile until DecodeMonitoring has said kNone.
 
 namespace osteon::io {
 
@@ -24,22 +26,28 @@ enum class CodecError : std::uint8_t {
   kMalformed,     ///< not a protobuf of this message, or an array longer than the wire's fixed size
   kWrongId,       ///< the header's message identifier is another one
   kMissingField,  ///< without connection info, measured position (beyond IDLE) or ipo position (COMMANDING_*)
-  kWrongCount,    ///< not exactly seven joint values or drive states, or an arm of another number of joints
+  kWrongCount,    ///< joint values, drive states, matrix or quaternion elements: not as many as there must be
   kNotFinite,     ///< NaN or infinity
-  kOutOfRange,    ///< an enum, a period or a multiplier that does not exist
-  kNoSpace,       ///< the caller's buffer is too small
+  kOutOfRange,    ///< an enum, a period, a multiplier or a rotation that does not exist
+  kNoSpace,       ///< the caller's buffer is too small, or the message beyond 1500 bytes
+  kChecksum,      ///< 2.7: the frame's CRC-32 is not the message's
+  kOtherVersion,  ///< a message of another family of versions: TellFamily says which
 };
 
 /// One line for screens and logs; not for the tick.
 [[nodiscard]] const char* Describe(CodecError error);
 
-/// Parses and checks a message from the arm. `message` changes on kNone only.
-[[nodiscard]] CodecError DecodeMonitoring(std::span<const std::uint8_t> datagram,
+/// Parses and checks a message from an arm of that family. `message` changes on kNone only.
+[[nodiscard]] CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> datagram,
                                           MonitoringMessage& message) OSTEON_RT;
 
+/// Which family a monitoring message comes from, by its frame and by the fields that only one has. Empty
+/// where it is none, or has none of those fields (an arm that tells nothing but its session state).
+[[nodiscard]] std::optional<FriFamily> TellFamily(std::span<const std::uint8_t> datagram) OSTEON_RT;
+
 /// Writes a client's answer; `size` is the datagram's length on kNone. Never encodes a value that is not
-/// finite.
-[[nodiscard]] CodecError EncodeCommand(const CommandMessage& message, std::span<std::uint8_t> buffer,
-                                       std::size_t& size) OSTEON_RT;
+/// finite. Poses are left out where the family has none.
+[[nodiscard]] CodecError EncodeCommand(FriFamily family, const CommandMessage& message,
+                                       std::span<std::uint8_t> buffer, std::size_t& size) OSTEON_RT;
 
 }  // namespace osteon::io

@@ -56,7 +56,7 @@ tl::expected<std::unique_ptr<FriLink>, std::string> FriLink::Open(const FriLinkP
 
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (fd < 0) return tl::unexpected(place + ": no socket: " + Reason(errno));
-  std::unique_ptr<FriLink> link(new FriLink(fd, params.port));  // closes fd on every way out
+  std::unique_ptr<FriLink> link(new FriLink(fd, params));  // closes fd on every way out
 
   if (bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     const int error = errno;
@@ -97,7 +97,7 @@ ReceiveResult FriLink::Receive(control::ArmState& state, rt::Nanoseconds deadlin
       if (read == Read::kBroken) return ReceiveResult::kClosed;
       if (read == Read::kEmpty) break;
       if (read == Read::kIgnored) continue;
-      if (received) session_.CountSuperseded(state);
+      if (received) session_.CountLate(state);
       received = true;
     }
     if (received) return ReceiveResult::kOk;

@@ -16,7 +16,8 @@ namespace osteon::io {
 
 struct FriLinkParams {
   std::string bind_address{"127.0.0.1"};  ///< IPv4 address of the network card that the arm is on
-  std::uint16_t port{30200};              ///< 30200 … 30209 on KUKA's side; 0 lets the system choose
+  std::uint16_t port{30200};  ///< 30200 … 30209 on KUKA's side, one an arm; 0 lets the system choose
+  FriSessionParams session{};
 };
 
 /// FRI over UDP. The arm speaks first; answers go to where its message came from. The first sender of a valid
@@ -44,8 +45,13 @@ class FriLink final : public control::ArmLink {
   /// The bound port.
   [[nodiscard]] std::uint16_t port() const { return port_; }
 
+  /// Outputs, the last message in full, and what keeps the arm from being commanded; from the link's thread.
+  [[nodiscard]] FriSession& session() { return session_; }
+  [[nodiscard]] const FriSession& session() const { return session_; }
+
  private:
-  FriLink(int socket, std::uint16_t port) : socket_(socket), port_(port) {}
+  FriLink(int socket, const FriLinkParams& params)
+      : socket_(socket), port_(params.port), session_(params.session) {}
 
   enum class Read : std::uint8_t { kMessage, kIgnored, kEmpty, kBroken };
   Read ReadOne(control::ArmState& state) OSTEON_RT;

@@ -6,12 +6,53 @@
 namespace osteon::io {
 namespace {
 
+using control::CommandMode;
+using control::JointArray;
 using control::SessionState;
 
 constexpr std::int32_t kWindow = 64;  // counters that seen_ remembers
 
-bool IsFinite(const control::JointArray& q) OSTEON_RT {
+bool IsFinite(const JointArray& q) OSTEON_RT {
   return std::all_of(q.begin(), q.end(), [](double joint) { return std::isfinite(joint); });
+}
+
+bool IsFinite(const PlainWrench& F) OSTEON_RT { return Vector3(F.f).allFinite() && Vector3(F.t).allFinite(); }
+
+bool Near(const JointArray& a, const JointArray& b, double bound_rad) OSTEON_RT {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (!(std::abs(a[i] - b[i]) <= bound_rad)) return false;
+  return true;
+}
+
+std::array<double, 6> ToWire(const PlainWrench& F, FriTorqueOrder order) OSTEON_RT {
+  if (order == FriTorqueOrder::kXyz) return {F.f.x, F.f.y, F.f.z, F.t.x, F.t.y, F.t.z};
+  return {F.f.x, F.f.y, F.f.z, F.t.z, F.t.y, F.t.x};
+}
+
+PlainWrench FromWire(const std::array<double, 6>& wire, FriTorqueOrder order) OSTEON_RT {
+  const bool xyz = order == FriTorqueOrder::kXyz;
+  PlainWrench F;
+  F.f = Vector3(wire[0], wire[1], wire[2]);
+  F.t = Vector3(wire[xyz ? 3 : 5], wire[4], wire[xyz ? 5 : 3]);
+  return F;
+}
+
+// The entry of that name, null where there is none.
+template <class List>
+auto* Find(const List& list, const FriName& name) OSTEON_RT {
+  const auto* at =
+      std::find_if(list.begin(), list.end(), [&](const auto& item) { return item.name == name; });
+  return at == list.end() ? nullptr : at;
+}
+
+// The list with this item in the place of the one of its name, or at its end. False where it is full.
+template <class List, class Item>
+bool Replace(List& list, const Item& item) OSTEON_RT {
+  List next;
+  for (const Item& other : list) next.Add(other.name == item.name ? item : other);
+  if (Find(list, item.name) == nullptr && !next.Add(item)) return false;
+  list = next;
+  return true;
 }
 
 }  // namespace
@@ -20,15 +61,21 @@ FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
                              control::ArmState& state) OSTEON_RT {
   MonitoringMessage message;
   FriAccept result = FriAccept::kRejected;
-  const CodecError error = DecodeMonitoring(datagram, message);
+  const CodecError error = DecodeMonitoring(family_, datagram, message);
   if (error != CodecError::kNone) {
     last_error_ = error;
     ++counters_.rejected;
+    if (error == CodecError::kOtherVersion) {
+      ++counters_.other_version;
+      other_family_ = TellFamily(datagram);
+    }
   } else {
     result = CheckSequence(message);
   }
 
   if (result == FriAccept::kAccepted) {
+    CheckReflected(message);
+    CheckActivation(message);
     last_ = message;
     has_last_ = pending_ = true;
     state.stamp = stamp;
@@ -36,8 +83,15 @@ FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
     state.session = message.session;
     state.quality = static_cast<std::uint8_t>(message.quality);
     state.safety_state = static_cast<std::uint8_t>(message.safety);
+    state.operation_mode = static_cast<std::uint8_t>(message.operation);
+    state.drives_active = std::all_of(message.drives.begin(), message.drives.end(),
+                                      [](FriDriveState drive) { return drive == FriDriveState::kActive; });
+    state.control_mode = message.control;
+    state.command_mode = message.command_mode;
     state.period_s = 1e-3 * message.send_period_ms;
     state.has_ipo = message.q_ipo.has_value();
+    state.activation = activation_;
+    state.holding = holding_;
     if (message.q_meas) state.q_meas = *message.q_meas;
     if (message.q_ipo) state.q_ipo = *message.q_ipo;
     if (message.tau_ext) state.tau_ext = *message.tau_ext;
@@ -53,7 +107,7 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
   if (!has_last_ || restarted) {
     seen_ = 1;
     due_ = 1;
-    held_.reset();  // sent to another arm, or to this one before it moved by itself
+    BeginSession();
     return FriAccept::kAccepted;
   }
   if (step > 0) {
@@ -61,6 +115,7 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
     seen_ = step < kWindow ? (seen_ << ahead) | 1u : 1u;
     counters_.lost += ahead - 1;
     due_ += ahead;
+    if (step >= kWindow) active_ = false;  // it may have left COMMANDING_ACTIVE and come back unseen
     return FriAccept::kAccepted;
   }
   if (step > -kWindow) {
@@ -72,32 +127,65 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
     seen_ |= bit;
     if (counters_.lost > 0) --counters_.lost;
   }
-  ++counters_.late;
-  return FriAccept::kLate;
+  ++counters_.reordered;
+  return FriAccept::kReordered;
+}
+
+void FriSession::BeginSession() OSTEON_RT {
+  held_.reset();  // sent to another arm, or to this one before it moved by itself
+  first_answer_ = command_sequence_;
+  any_reflected_ = active_ = false;
+  outputs_ = {};
+}
+
+// Of this session's answers the arm names the newest that it has seen.
+void FriSession::CheckReflected(const MonitoringMessage& message) OSTEON_RT {
+  const std::uint32_t at = message.reflected_sequence - first_answer_;
+  if (at >= command_sequence_ - first_answer_) {  // none of them: not yet, or another client's
+    if (any_reflected_) ++counters_.answers_foreign;
+    return;
+  }
+  const std::uint32_t step = any_reflected_ ? message.reflected_sequence - reflected_ : at + 1;
+  if (step > at + 1) {  // back
+    ++counters_.answers_foreign;
+    return;
+  }
+  if (step > 0) counters_.answers_lost += step - 1;
+  any_reflected_ = true;
+  reflected_ = message.reflected_sequence;
+  // so the writes that this answer, or one before it, carried have arrived
+  if (writes_sent_ && at >= writes_since_ - first_answer_) {
+    outputs_.writes.Clear();
+    writes_sent_ = false;
+  }
+}
+
+void FriSession::CheckActivation(const MonitoringMessage& message) OSTEON_RT {
+  const bool active = message.session == SessionState::kCommandingActive;
+  if (active && !active_) {
+    ++activation_;
+    holding_ = true;
+  }
+  active_ = active;
+  holding_ &= active;
 }
 
 std::span<const std::uint8_t> FriSession::Answer(const control::ArmCommand& command) OSTEON_RT {
   if (!pending_ || last_.session == SessionState::kIdle || due_ < last_.receive_multiplier) return {};
 
   CommandMessage answer{.sequence = command_sequence_, .reflected_sequence = last_.sequence};
-  switch (last_.session) {
-    case SessionState::kCommandingActive:
-      answer.q = IsFinite(command.q) ? command.q : held_.value_or(*last_.q_ipo);
-      break;
-    case SessionState::kCommandingWait:
-      answer.q = last_.q_ipo;
-      break;
-    default:
-      answer.q = last_.q_cmd;
-      break;
-  }
-  if (last_.session >= SessionState::kCommandingWait) {
-    if (last_.command_mode == FriCommandMode::kWrench) answer.wire_wrench.emplace();
-    if (last_.command_mode == FriCommandMode::kTorque) answer.tau.emplace();
-  }
-
+  PutMotion(command, answer);
+  PutOutputs(answer.outputs);
   std::size_t size = 0;
-  if (EncodeCommand(answer, buffer_, size) != CodecError::kNone) return {};
+  CodecError error = EncodeCommand(family_, answer, buffer_, size);
+  if (error != CodecError::kNone) {  // the arm needs the motion; what does not fit beside it can wait
+    answer.outputs = {};
+    error = EncodeCommand(family_, answer, buffer_, size);
+  } else if (!answer.outputs.writes.empty() && !writes_sent_) {
+    writes_sent_ = true;
+    writes_since_ = command_sequence_;
+  }
+  if (error != CodecError::kNone) return {};
   held_ = answer.q;
   pending_ = false;
   due_ = 0;
@@ -105,7 +193,74 @@ std::span<const std::uint8_t> FriSession::Answer(const control::ArmCommand& comm
   return {buffer_.data(), size};
 }
 
-void FriSession::CountSuperseded(control::ArmState& state) OSTEON_RT {
+bool FriSession::Follows(const control::ArmCommand& command) OSTEON_RT {
+  if (command.activation != activation_ || !IsFinite(command.q)) return false;
+  if (holding_ && !Near(command.q, *last_.q_ipo, params_.entry_step_rad)) return false;
+  holding_ = false;
+  return true;
+}
+
+void FriSession::PutMotion(const control::ArmCommand& command, CommandMessage& answer) OSTEON_RT {
+  if (last_.session < SessionState::kCommandingWait) {
+    if (family_ == FriFamily::k1) answer.q = last_.q_cmd;
+    return;
+  }
+  const bool cartesian = last_.command_mode == CommandMode::kCartesianPose;
+  const bool active = last_.session == SessionState::kCommandingActive && !cartesian;
+  const bool follows = active && Follows(command);
+  if (follows)
+    answer.q = command.q;
+  else
+    answer.q = active && !holding_ && held_ ? held_ : last_.q_ipo;
+
+  if (cartesian) answer.X = last_.X_ipo;
+  if (last_.command_mode == CommandMode::kWrench)
+    answer.wire_wrench =
+        ToWire(follows && IsFinite(command.F) ? command.F : PlainWrench{}, params_.torque_order);
+  if (last_.command_mode == CommandMode::kTorque)
+    answer.tau = follows && IsFinite(command.tau) ? command.tau : JointArray{};
+}
+
+// The robot program takes outputs once the connection stands.
+void FriSession::PutOutputs(FriOutputs& outputs) OSTEON_RT {
+  if (last_.session < SessionState::kMonitoringReady) return;
+  outputs.writes = outputs_.writes;
+  for (const FriTransformation& transformation : outputs_.transformations)
+    if (Find(last_.transformations, transformation.name) != nullptr)
+      outputs.transformations.Add(transformation);
+}
+
+FriOutputError FriSession::Write(const FriIo& output) OSTEON_RT {
+  const FriIo* known = Find(last_.ios, output.name);
+  if (known == nullptr) return FriOutputError::kUnknown;
+  if (known->direction != FriIoDirection::kOutput) return FriOutputError::kNotOutput;
+  const bool analog = known->type == FriIoType::kAnalog;
+  if (output.type != known->type || (analog ? !output.analog : !output.digital) ||
+      !std::isfinite(output.analog.value_or(0.0)))
+    return FriOutputError::kWrongType;
+  FriIo write{.name = output.name, .type = output.type, .direction = FriIoDirection::kOutput};
+  if (analog)
+    write.analog = output.analog;
+  else
+    write.digital = output.digital;
+  if (!Replace(outputs_.writes, write)) return FriOutputError::kFull;
+  writes_sent_ = false;
+  return FriOutputError::kNone;
+}
+
+FriOutputError FriSession::Transform(const FriTransformation& transformation) OSTEON_RT {
+  if (Find(last_.transformations, transformation.name) == nullptr) return FriOutputError::kUnknown;
+  const Pose X = transformation.X;
+  if (!X.matrix().allFinite()) return FriOutputError::kWrongType;
+  return Replace(outputs_.transformations, transformation) ? FriOutputError::kNone : FriOutputError::kFull;
+}
+
+std::optional<PlainWrench> FriSession::external_force() const OSTEON_RT {
+  if (!last_.wire_force) return std::nullopt;
+  return FromWire(*last_.wire_force, params_.torque_order);
+}
+
+void FriSession::CountLate(control::ArmState& state) OSTEON_RT {
   ++counters_.late;
   PutCounters(state);
 }
@@ -121,7 +276,11 @@ void FriSession::PutCounters(control::ArmState& state) const OSTEON_RT {
   state.lost = counters_.lost;
   state.duplicate = counters_.duplicate;
   state.late = counters_.late;
+  state.reordered = counters_.reordered;
   state.rejected = counters_.rejected;
+  state.other_version = counters_.other_version;
+  state.answers_lost = counters_.answers_lost;
+  state.answers_foreign = counters_.answers_foreign;
 }
 
 }  // namespace osteon::io

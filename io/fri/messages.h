@@ -3,10 +3,13 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "control/ports.h"
+#include "kinematics/spatial.h"
 
-// FRI 1.15 messages as plain data. The enums' numbers are the wire's.
+// FRI messages as plain data, of all versions: what a version does not have stays empty. The enums' numbers
+// are the wire's.
 
 namespace osteon::io {
 
@@ -14,18 +17,93 @@ enum class FriQuality : std::uint8_t { kPoor = 0, kFair = 1, kGood = 2, kExcelle
 enum class FriSafetyState : std::uint8_t { kNormal = 0, kStopLevel0 = 1, kStopLevel1 = 2, kStopLevel2 = 3 };
 enum class FriOperationMode : std::uint8_t { kT1 = 0, kT2 = 1, kAutomatic = 2 };
 enum class FriDriveState : std::uint8_t { kOff = 0, kTransitioning = 1, kActive = 2 };
-enum class FriControlMode : std::uint8_t {
-  kPosition = 0,
-  kCartesianImpedance = 1,
-  kJointImpedance = 2,
-  kNone = 3
-};
-enum class FriCommandMode : std::uint8_t { kNone = 0, kPosition = 1, kWrench = 2, kTorque = 3 };
 enum class FriOverlay : std::uint8_t { kNone = 0, kJoint = 1, kCartesian = 2 };
+enum class FriIoType : std::uint8_t { kBoolean = 0, kDigital = 1, kAnalog = 2 };
+enum class FriIoDirection : std::uint8_t { kInput = 0, kOutput = 1 };
+
+inline constexpr std::size_t kFriMaxTransformations = 5, kFriMaxIos = 10;
 
 /// The arm's clock.
 struct FriTime {
   std::uint32_t sec{0}, nanosec{0};
+  bool operator==(const FriTime&) const = default;
+};
+
+/// A name as the wire bounds it: at most 63 characters, none of them NUL. From the arm it may be any bytes.
+class FriName {
+ public:
+  static constexpr std::size_t kMaxLength = 63;
+  constexpr FriName() = default;
+  /// Longer ones are cut: Fits() tells.
+  explicit constexpr FriName(std::string_view name) noexcept : length_(std::min(name.size(), kMaxLength)) {
+    for (std::size_t i = 0; i < length_; ++i) text_[i] = name[i];
+  }
+  [[nodiscard]] static constexpr bool Fits(std::string_view name) noexcept {
+    return name.size() <= kMaxLength && name.find('\0') == std::string_view::npos;
+  }
+  [[nodiscard]] constexpr std::string_view view() const noexcept { return {text_.data(), length_}; }
+  [[nodiscard]] constexpr const char* c_str() const noexcept { return text_.data(); }
+  constexpr bool operator==(const FriName& other) const noexcept { return view() == other.view(); }
+
+ private:
+  std::array<char, kMaxLength + 1> text_{};
+  std::size_t length_{0};
+};
+
+/// A frame that the robot program registered for the client to move, or a pose of the arm. Lengths in m here,
+/// in mm on the wire.
+struct FriTransformation {
+  FriName name;
+  PlainPose X{};
+  std::optional<FriTime> time{};
+};
+
+/// An input or output of the robot's field buses. `digital` counts for kBoolean and kDigital, `analog` for
+/// kAnalog.
+struct FriIo {
+  FriName name;
+  FriIoType type{FriIoType::kBoolean};
+  FriIoDirection direction{FriIoDirection::kInput};
+  std::optional<std::uint64_t> digital{};
+  std::optional<double> analog{};
+};
+
+/// Up to N of something, in fixed memory.
+template <class T, std::size_t N>
+class FriList {
+ public:
+  /// False where it is full.
+  bool Add(const T& item) noexcept {
+    if (size_ == N) return false;
+    items_[size_++] = item;
+    return true;
+  }
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
+  [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return items_[i]; }
+  [[nodiscard]] const T* begin() const noexcept { return items_.data(); }
+  [[nodiscard]] const T* end() const noexcept { return items_.data() + size_; }
+  void Clear() noexcept { size_ = 0; }
+
+ private:
+  std::array<T, N> items_{};
+  std::size_t size_{0};
+};
+using FriTransformations = FriList<FriTransformation, kFriMaxTransformations>;
+using FriIos = FriList<FriIo, kFriMaxIos>;
+
+/// 2.x: which of the elbow positions that share a pose.
+struct FriRedundancy {
+  std::uint32_t strategy{0};  ///< 0: the angle E1, 4: none
+  double value{0.0};
+};
+
+/// 2.x: a pose of the arm, as it crosses the wire and may go back: tx ty tz [mm], qw qx qy qz.
+struct FriPose {
+  FriName name;
+  std::array<double, 7> element{};
+  std::optional<FriTime> time{};
+  std::optional<FriRedundancy> redundancy{};
 };
 
 /// What the arm sends each period.
@@ -38,18 +116,30 @@ struct MonitoringMessage {
   std::uint32_t receive_multiplier{1};  ///< the client answers every so many messages; 1 … 100
   FriSafetyState safety{FriSafetyState::kNormal};
   FriOperationMode operation{FriOperationMode::kT1};
-  FriControlMode control{FriControlMode::kPosition};
+  control::ControlMode control{control::ControlMode::kPosition};
   std::array<FriDriveState, control::kJoints> drives{};
   std::optional<control::JointArray> q_meas;    ///< [rad]
   std::optional<control::JointArray> tau_meas;  ///< [N·m]
-  std::optional<control::JointArray> q_cmd;     ///< [rad] what the arm took as commanded
+  std::optional<control::JointArray> q_cmd;     ///< [rad] what the arm took as commanded; 1.x
   std::optional<control::JointArray> tau_cmd;   ///< [N·m]
   std::optional<control::JointArray> tau_ext;   ///< [N·m] external, the arm's estimate
-  std::optional<control::JointArray> q_ipo;     ///< [rad] the arm's interpolator; in COMMANDING_* only
-  FriCommandMode command_mode{FriCommandMode::kNone};
+  /// External force, the arm's estimate: Fx Fy Fz [N], torques [N·m] in the wire's order; 2.7.
+  std::optional<std::array<double, 6>> wire_force;
+  std::optional<FriPose> X_meas;             ///< measured Cartesian pose; 2.x
+  std::optional<control::JointArray> q_ipo;  ///< [rad] the arm's interpolator; in COMMANDING_* only
+  std::optional<FriPose> X_ipo;              ///< the same, Cartesian; 2.x
+  control::CommandMode command_mode{control::CommandMode::kNone};
   FriOverlay overlay{FriOverlay::kNone};
   double tracking_performance{0.0};  ///< 0 … 1; 0 outside COMMANDING_ACTIVE
   std::optional<FriTime> time;
+  FriIos ios;                          ///< inputs and outputs that the robot program registered, with values
+  FriTransformations transformations;  ///< frames that it asks the client for
+};
+
+/// What a client may give along with its motion.
+struct FriOutputs {
+  FriTransformations transformations;  ///< those that the arm asks for
+  FriIos writes;                       ///< outputs to set
 };
 
 /// What the client answers. Without joint positions, torques and wrench it is the header alone.
@@ -60,6 +150,8 @@ struct CommandMessage {
   /// Fx Fy Fz [N], torques about A, B, C [N·m]: the wire's order.
   std::optional<std::array<double, 6>> wire_wrench{};
   std::optional<control::JointArray> tau{};  ///< [N·m]
+  std::optional<FriPose> X{};                ///< 2.x
+  FriOutputs outputs{};
 };
 
 }  // namespace osteon::io

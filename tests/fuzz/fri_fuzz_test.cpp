@@ -1,25 +1,53 @@
 #include <cmath>
+#include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "control/rt/no_alloc_scope.h"
 #include "io/fri/fri_session.h"
 #include "tests/io/fri_oracle.h"
 
 // Fixed-seed fuzzing of what a socket may bring: valid messages with some bytes changed, cut or repeated, and
-// noise.
+// noise. OSTEON_FUZZ_RUNS sets the number of datagrams of each test, e.g. 1000000.
 
 namespace osteon::io {
 namespace {
 
 constexpr unsigned kSeed = 20240607;
+constexpr std::array kFamilies{FriFamily::k1, FriFamily::k2_5, FriFamily::k2_7};
+
+int Runs(int usual) {
+  const char* wanted = std::getenv("OSTEON_FUZZ_RUNS");
+  return wanted == nullptr ? usual : std::max(1, std::atoi(wanted));
+}
 
 bool Finite(const std::optional<control::JointArray>& joints) {
   return !joints || std::all_of(joints->begin(), joints->end(), [](double x) { return std::isfinite(x); });
 }
 
+// A message with everything that a version has, so that mutations reach every part of the parser.
+fri::FRIMonitoringMessage Full(std::uint32_t sequence, fri::SessionState state, FriFamily family) {
+  fri::FRIMonitoringMessage m = test::Monitoring(sequence, state, family);
+  auto* io = m.mutable_monitordata()->add_readiorequest();
+  io->set_name("Drill.On");
+  io->set_type(fri::BOOLEAN);
+  io->set_direction(fri::OUTPUT);
+  io->set_digitalvalue(1);
+  auto* frame = m.add_requestedtransformations();
+  if (family == FriFamily::k1) {
+    frame->set_name("cup");
+    for (const double element : {1., 0., 0., 1., 0., 1., 0., 2., 0., 0., 1., 3.}) frame->add_element(element);
+  } else {
+    test::PutPose(frame);
+  }
+  return m;
+}
+
 class Mutator {
  public:
+  // libprotobuf, the oracle, reports names that are no UTF-8 to stderr.
+  Mutator() { google::protobuf::SetLogHandler(nullptr); }
   std::vector<std::uint8_t> Change(std::vector<std::uint8_t> bytes) {
     const std::size_t changes = 1 + Below(6);
     for (std::size_t i = 0; i < changes && !bytes.empty(); ++i) {
@@ -47,6 +75,11 @@ class Mutator {
     }
     return bytes;
   }
+  // The message changed, in a frame that fits it, or the frame changed: a CRC would keep all else out.
+  std::vector<std::uint8_t> Change(FriFamily family, const fri::FRIMonitoringMessage& message) {
+    if (family != FriFamily::k2_7 || Below(8) == 0) return Change(test::Datagram(family, message));
+    return test::Framed(Change(test::Bytes(message)));
+  }
   std::vector<std::uint8_t> Noise() {
     std::vector<std::uint8_t> bytes(Below(kFriMaxDatagram + 100));
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(Below(256));
@@ -58,17 +91,43 @@ class Mutator {
   std::mt19937 random_{kSeed};
 };
 
+TEST(FriFuzz, AMessageCutAtAnyLengthIsRefusedOrWhole) {
+  for (const FriFamily family : kFamilies) {
+    const auto whole = test::Datagram(family, Full(7, fri::COMMANDING_ACTIVE, family));
+    for (std::size_t size = 0; size <= whole.size(); ++size) {
+      const std::vector<std::uint8_t> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+      MonitoringMessage m;
+      rt::NoAllocScope scope;
+      const CodecError error = DecodeMonitoring(family, cut, m);
+      (void)TellFamily(cut);
+      ASSERT_EQ(scope.heap_calls(), 0);
+      // a bare message may end before its last field (5 or 6) and be one: what must be there, is
+      if (error == CodecError::kNone) {
+        ASSERT_TRUE(m.q_meas && m.q_ipo) << size;
+        ASSERT_TRUE(family != FriFamily::k2_7 || size == whole.size());
+      }
+    }
+    MonitoringMessage m;
+    EXPECT_EQ(DecodeMonitoring(family, whole, m), CodecError::kNone);
+  }
+}
+
 TEST(FriFuzz, WhatIsAcceptedIsFiniteAndInRange) {
   SCOPED_TRACE(kSeed);
   Mutator mutator;
   int accepted = 0, refused = 0;
-  for (int i = 0; i < 60'000; ++i) {
+  const int runs = Runs(60'000);
+  for (int i = 0; i < runs; ++i) {
+    const FriFamily family = kFamilies[mutator.Below(3)];
     const auto state = static_cast<fri::SessionState>(mutator.Below(5));
-    const auto bytes =
-        i % 4 == 3 ? mutator.Noise()
-                   : mutator.Change(test::Bytes(test::Monitoring(static_cast<std::uint32_t>(i), state)));
+    const auto bytes = i % 4 == 3
+                           ? mutator.Noise()
+                           : mutator.Change(family, Full(static_cast<std::uint32_t>(i), state, family));
     MonitoringMessage m;
-    if (DecodeMonitoring(bytes, m) != CodecError::kNone) {
+    rt::NoAllocScope scope;
+    const CodecError error = DecodeMonitoring(family, bytes, m);
+    ASSERT_EQ(scope.heap_calls(), 0) << i;
+    if (error != CodecError::kNone) {
       ++refused;
       continue;
     }
@@ -78,32 +137,51 @@ TEST(FriFuzz, WhatIsAcceptedIsFiniteAndInRange) {
                 Finite(m.tau_cmd) && Finite(m.tau_ext) && std::isfinite(m.tracking_performance));
     ASSERT_LE(m.session, control::SessionState::kCommandingActive);
     ASSERT_LE(m.quality, FriQuality::kExcellent);
+    ASSERT_LE(m.command_mode, control::CommandMode::kCartesianPose);
     ASSERT_TRUE(m.send_period_ms >= 1 && m.send_period_ms <= 100);
+    for (const FriTransformation& frame : m.transformations) {
+      const Pose X = frame.X;
+      ASSERT_TRUE(X.matrix().allFinite() && std::abs(X.linear().determinant() - 1.0) < 0.01) << i;
+    }
+    for (const FriIo& io : m.ios) ASSERT_TRUE(std::isfinite(io.analog.value_or(0.0)));
     // What libprotobuf refuses, we refuse: it is the looser reader (it knows no fixed sizes).
     fri::FRIMonitoringMessage oracle;
-    ASSERT_TRUE(oracle.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) << i;
+    const auto inside = test::Inside(family, bytes);
+    ASSERT_TRUE(oracle.ParseFromArray(inside.data(), static_cast<int>(inside.size()))) << i;
     ASSERT_EQ(oracle.header().sequencecounter(), m.sequence);
   }
-  EXPECT_GT(accepted, 1000) << "the mutations must not be so wild that nothing gets through";
-  EXPECT_GT(refused, 1000);
+  EXPECT_GT(accepted, runs / 60) << "the mutations must not be so wild that nothing gets through";
+  EXPECT_GT(refused, runs / 60);
 }
 
 TEST(FriFuzz, TheSessionNeverAnswersWithWhatIsNotFinite) {
   SCOPED_TRACE(kSeed);
   Mutator mutator;
-  FriSession session;
+  std::array sessions{FriSession({.version = FriVersion::k1_15}), FriSession({.version = FriVersion::k2_5}),
+                      FriSession({.version = FriVersion::k2_7})};
   control::ArmState state;
   int answers = 0;
-  for (int i = 0; i < 20'000; ++i) {
+  const int runs = Runs(20'000);
+  for (int i = 0; i < runs; ++i) {
+    const std::size_t which = mutator.Below(3);
+    const FriFamily family = kFamilies[which];
+    FriSession& session = sessions[which];
     const auto kind = static_cast<fri::SessionState>(mutator.Below(5));
-    const auto bytes = mutator.Change(test::Bytes(test::Monitoring(static_cast<std::uint32_t>(i), kind)));
-    session.Accept(bytes, i, state);
-    control::ArmCommand command{test::Joints(0.1)};
+    fri::FRIMonitoringMessage message = Full(static_cast<std::uint32_t>(i), kind, family);
+    message.mutable_ipodata()->set_clientcommandmode(
+        static_cast<fri::ClientCommandMode>(mutator.Below(family == FriFamily::k1 ? 4 : 5)));
+    session.Accept(mutator.Change(family, message), i, state);
+    control::ArmCommand command{.q = test::Joints(0.3), .activation = state.activation};
+    command.F.f = Vector3(1, 2, 3);
     if (i % 3 == 0) command.q[mutator.Below(7)] = std::nan("");
+    if (i % 5 == 0) command.tau[mutator.Below(7)] = std::nan("");
+    if (i % 7 == 0) command.F.t.y = std::nan("");
+    (void)session.Write({.name = FriName("Drill.On"), .digital = 1});
+    (void)session.Transform({.name = FriName("cup")});
     const auto answer = session.Answer(command);
     if (answer.empty()) continue;
     ++answers;
-    const auto sent = test::Command(answer);
+    const auto sent = test::Command(answer, family);
     ASSERT_TRUE(sent);
     const auto& data = sent->commanddata();
     if (data.has_jointposition()) {
@@ -115,8 +193,10 @@ TEST(FriFuzz, TheSessionNeverAnswersWithWhatIsNotFinite) {
     }
     for (const double element : data.cartesianwrenchfeedforward().element())
       ASSERT_TRUE(std::isfinite(element));
+    for (const double element : data.cartesianpose().element()) ASSERT_TRUE(std::isfinite(element));
   }
-  EXPECT_GT(answers, 500);
+  EXPECT_GT(answers, runs / 40);
+  for (const FriSession& session : sessions) EXPECT_LT(session.Diagnosis().size(), 2000u);
 }
 
 }  // namespace

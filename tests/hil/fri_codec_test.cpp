@@ -7,6 +7,7 @@
 #include <random>
 
 #include "test_client.h"
+#include "tests/io/fri_golden.h"
 
 namespace osteon::hil {
 namespace {
@@ -93,6 +94,77 @@ TEST(FriCodec, ReadsTheCommandSeenOnArms) {
   ASSERT_TRUE(command->has_joint_position);
   EXPECT_EQ(command->joint_count, 7);
   for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(command->q[i], 0.25 * static_cast<double>(i));
+}
+
+namespace golden = io::test::golden;
+
+// Golden bytes, bare and framed.
+TEST(FriCodec, ReadsCommandsOfEveryVersion) {
+  for (const io::FriVersion version : io::kFriVersions) {
+    SCOPED_TRACE(Name(version));
+    const bool framed = version == io::FriVersion::k2_7;
+    FriCodec codec(version);
+    const auto header =
+        codec.Decode(golden::FromHex(framed ? golden::kHeaderOnlyFramed : golden::kHeaderOnly));
+    ASSERT_TRUE(header);
+    EXPECT_FALSE(header->has_joint_position || header->has_wrench || header->has_torque);
+    const Bytes wrench = golden::FromHex(framed ? golden::kPositionWrenchFramed : golden::kPositionWrench);
+    const auto command = codec.Decode(wrench);
+    ASSERT_TRUE(command);
+    EXPECT_EQ(command->sequence, 8u);
+    EXPECT_EQ(command->q[6], 1.25);
+    ASSERT_TRUE(command->has_wrench);
+    EXPECT_EQ(command->wrench_count, 6);
+    EXPECT_EQ(command->wire_wrench, (std::array<double, 6>{1, 2, 3, 4, 5, 6}));
+    EXPECT_FALSE(command->has_torque);
+    // the other kind is told apart
+    const Bytes other = golden::FromHex(framed ? golden::kPositionWrench : golden::kPositionWrenchFramed);
+    EXPECT_FALSE(codec.Decode(other));
+    EXPECT_TRUE(codec.IsOfOtherVersion(other));
+    EXPECT_FALSE(codec.IsOfOtherVersion(Bytes{1, 2, 3}));
+    if (!framed) continue;
+    for (std::size_t i = 0; i < wrench.size(); ++i) {
+      Bytes damaged = wrench;
+      damaged[i] ^= 1;
+      EXPECT_FALSE(codec.Decode(damaged)) << i;
+    }
+  }
+  const auto torque = FriCodec().Decode(golden::FromHex(golden::kPositionTorque));
+  ASSERT_TRUE(torque && torque->has_torque);
+  EXPECT_EQ(torque->torque_count, 7);
+  EXPECT_EQ(torque->tau[0], 1.0);
+}
+
+TEST(FriCodec, SendsWhatEachVersionHas) {
+  for (const io::FriVersion version : io::kFriVersions) {
+    SCOPED_TRACE(Name(version));
+    const io::FriFamily family = io::FamilyOf(version);
+    const bool framed = family == io::FriFamily::k2_7, has_poses = family != io::FriFamily::k1;
+    FriCodec codec(version);
+    FriMonitoring m = Example();
+    m.has_ipo = true;
+    m.command_mode = control::CommandMode::kTorque;
+    m.wire_force = {1, 2, 3, 4, 5, 6};
+    const std::vector<ArmIo> ios{
+        {.name = "In", .digital = 1},
+        {.name = "Out", .type = ArmIo::Type::kAnalog, .output = true, .analog = 0.5}};
+    const std::vector<ArmFrame> frames{{.name = "cup"}};
+    m.ios = ios;
+    m.frames = frames;
+    auto bytes = codec.Encode(m);
+    if (framed) bytes = bytes.subspan(4, bytes.size() - 8);
+    EXPECT_EQ(At(bytes, {3, 3}).size(), has_poses ? 0u : 1u);
+    EXPECT_EQ(At(bytes, {3, 6}).size(), framed ? 1u : 0u);
+    EXPECT_EQ(At(bytes, {3, 9}).size(), has_poses ? 1u : 0u);
+    EXPECT_EQ(At(bytes, {3, 10}).size(), has_poses ? 1u : 0u);
+    EXPECT_EQ(At(bytes, {5, 2}).size(), has_poses ? 1u : 0u);
+    EXPECT_EQ(At(bytes, {5, 3}).size(), has_poses ? 1u : 0u);
+    EXPECT_EQ(UintAt(bytes, {5, 10}), 3u);
+    EXPECT_EQ(At(bytes, {3, 8}).size(), 2u);
+    EXPECT_EQ(UintAt(bytes, {3, 8, 4}), 1u);
+    ASSERT_EQ(At(bytes, {6, 2}).size(), 1u);
+    EXPECT_EQ(At(bytes, {6, 2}).front().content.size(), 8u * (has_poses ? 7u : 12u)) << "packed";
+  }
 }
 
 TEST(FriCodec, AnswerWithoutJointsIsAnAnswer) {

@@ -257,13 +257,225 @@ TEST(FriServer, StopsOnAnIllegalCommand) {
   ExpectStop(q, StopReason::kNotFinite, 7, "not finite: A7");
   q[6] = -std::numeric_limits<double>::infinity();
   ExpectStop(q, StopReason::kNotFinite, 7, "not finite: A7");
-  ExpectStop(std::vector<double>(6, 0.5), StopReason::kJointCount, 0, "6 joint values");
-  ExpectStop(std::vector<double>(8, 0.5), StopReason::kJointCount, 0, "8 joint values");
+  ExpectStop(std::vector<double>(6, 0.5), StopReason::kCount, 0, "6 values");
+  ExpectStop(std::vector<double>(8, 0.5), StopReason::kCount, 0, "8 values");
   q = Start();
   q[0] = 0.5011;
   ExpectStop(q, StopReason::kNotMirrored, 1, "not mirrored: A1", SessionState::kCommandingWait);
   q[0] = std::numeric_limits<double>::quiet_NaN();
   ExpectStop(q, StopReason::kNotMirrored, 1, "not mirrored: A1", SessionState::kCommandingWait);
+}
+
+// A stop is taken back by its acknowledgement; the drives need their half second, then the program asks
+// again.
+TEST(FriServer, AfterAStopTheArmIgnoresCommandsUntilItIsAcknowledged) {
+  for (const int level : {0, 1, 2}) {
+    Session s;
+    ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
+    s.server.EmergencyStop(level);
+    s.Cycle();
+    EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
+    EXPECT_EQ(s.server.stop().reason, StopReason::kEmergencyStop);
+    EXPECT_EQ(UintAt(s.message, {2, 2}), static_cast<std::uint64_t>(level) + 1);
+    EXPECT_EQ(UintAt(s.message, {2, 5}), 0u);
+    for (int i = 0; i < 1000; ++i) s.Command(std::vector<double>(7, 0.6));  // a client that did not notice
+    EXPECT_EQ(s.server.counters().ignored, 1000u);
+    EXPECT_EQ(s.server.q_commanded(), JointVector::Constant(0.5));
+    EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
+
+    s.server.Acknowledge();
+    s.Cycle();
+    EXPECT_EQ(UintAt(s.message, {2, 2}), 0u);
+    EXPECT_EQ(UintAt(s.message, {2, 5}), 1u);  // transitioning
+    for (int i = 0; i < 498; ++i) s.Cycle();
+    EXPECT_EQ(UintAt(s.message, {2, 5}), 1u);
+    s.Cycle();
+    EXPECT_EQ(UintAt(s.message, {2, 5}), 2u);
+    EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
+    EXPECT_TRUE(s.WalkTo(SessionState::kCommandingActive));
+    EXPECT_EQ(s.server.counters().ignored, 1000u) << "mirrored answers are no commands";
+  }
+}
+
+TEST(FriServer, ClosingTakesFiveSeconds) {
+  Session s;
+  ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
+  s.server.Close();
+  for (int i = 0; i < 4999; ++i) s.Cycle();
+  EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
+  s.Cycle();
+  EXPECT_EQ(s.server.state(), SessionState::kIdle);
+  EXPECT_TRUE(s.message.empty());
+  s.server.Open();
+  s.Send();
+  EXPECT_TRUE(s.WalkTo(SessionState::kCommandingActive));
+}
+
+using control::CommandMode;
+using control::ControlMode;
+
+TEST(FriServer, CommandModesNeedTheirControlMode) {
+  for (const auto control : {ControlMode::kPosition, ControlMode::kCartesianImpedance,
+                             ControlMode::kJointImpedance, ControlMode::kNone})
+    for (const auto command : {CommandMode::kPosition, CommandMode::kWrench, CommandMode::kTorque}) {
+      Session s({.control_mode = control, .command_mode = command});
+      s.client.wrench = std::vector<double>(6, 0.0);
+      s.client.tau = std::vector<double>(7, 0.0);
+      const bool agree = control != ControlMode::kNone &&
+                         (command == CommandMode::kPosition ||
+                          (command == CommandMode::kWrench && control == ControlMode::kCartesianImpedance) ||
+                          (command == CommandMode::kTorque && control == ControlMode::kJointImpedance));
+      EXPECT_EQ(s.WalkTo(SessionState::kCommandingActive), agree);
+      EXPECT_EQ(s.server.stop().reason, agree ? StopReason::kNone : StopReason::kControlMode);
+      EXPECT_EQ(UintAt(s.message, {2, 7}), static_cast<std::uint64_t>(control));
+      if (agree) {
+        EXPECT_EQ(UintAt(s.message, {5, 10}), static_cast<std::uint64_t>(command));
+        EXPECT_FALSE(s.server.SetModes(ControlMode::kPosition, CommandMode::kPosition)) << "under way";
+      } else {
+        EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
+        EXPECT_TRUE(s.server.SetModes(ControlMode::kPosition, CommandMode::kPosition));
+        EXPECT_TRUE(s.WalkTo(SessionState::kCommandingActive)) << "once the program has put it right";
+      }
+    }
+  Session s({.command_mode = CommandMode::kWrench});
+  (void)s.WalkTo(SessionState::kCommandingActive);
+  EXPECT_EQ(Describe(s.server.stop()),
+            "control mode: POSITION control, the program's command mode needs CARTESIAN_IMPEDANCE control");
+}
+
+// Its presence is checked while waiting, its value while active.
+TEST(FriServer, WrenchOrTorqueMustComeEachTime) {
+  for (const bool torque : {false, true}) {
+    const FriServerParams params{
+        .control_mode = torque ? ControlMode::kJointImpedance : ControlMode::kCartesianImpedance,
+        .command_mode = torque ? CommandMode::kTorque : CommandMode::kWrench};
+    Session lacking(params);
+    ASSERT_TRUE(lacking.WalkTo(SessionState::kCommandingWait));
+    for (int i = 0; i < 5; ++i) lacking.Cycle();  // the position alone
+    EXPECT_EQ(lacking.server.counters().incomplete, 5u);
+    EXPECT_EQ(lacking.server.stop().reason, StopReason::kLostInARow);
+
+    Session s(params);
+    (torque ? s.client.tau : s.client.wrench) = std::vector<double>(torque ? 7 : 6, 1e9);
+    ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive)) << "ignored while waiting";
+    EXPECT_EQ(s.server.F_commanded().f.norm() + s.server.tau_commanded().norm(), 0.0);
+    (torque ? s.client.tau : s.client.wrench) = {1, 2, 3, 4, 5, 6};
+    if (torque) s.client.tau.push_back(7);
+    s.Cycle();
+    if (torque) {
+      EXPECT_EQ(s.server.tau_commanded()[6], 7.0);
+      EXPECT_EQ(DoublesAt(s.message, {3, 4, 1}), s.client.tau) << "reported as commanded";
+    } else {
+      EXPECT_EQ(s.server.F_commanded().f, Vector3(1, 2, 3));
+      EXPECT_EQ(s.server.F_commanded().t, Vector3(6, 5, 4)) << "A, B, C turn about z, y, x";
+    }
+    (torque ? s.client.tau : s.client.wrench)[1] = std::numeric_limits<double>::quiet_NaN();
+    s.Cycle();
+    EXPECT_EQ(s.server.stop().reason, StopReason::kNotFinite);
+    EXPECT_EQ(s.server.stop().joint, torque ? 2 : 0);
+    EXPECT_EQ(s.server.F_commanded().f.norm() + s.server.tau_commanded().norm(), 0.0) << "let go";
+
+    Session few(params);
+    (torque ? few.client.tau : few.client.wrench) = std::vector<double>(torque ? 7 : 6, 0.0);
+    ASSERT_TRUE(few.WalkTo(SessionState::kCommandingActive));
+    (torque ? few.client.tau : few.client.wrench).pop_back();
+    few.Cycle();
+    EXPECT_EQ(few.server.stop().reason, StopReason::kCount);
+    EXPECT_EQ(few.server.stop().found, torque ? 6.0 : 5.0);
+  }
+}
+
+TEST(FriServer, WrenchTorquesMayComeInTheOtherOrder) {
+  Session s({.control_mode = ControlMode::kCartesianImpedance,
+             .command_mode = CommandMode::kWrench,
+             .torques_zyx = false});
+  s.client.wrench = {1, 2, 3, 4, 5, 6};
+  ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
+  s.Cycle();
+  EXPECT_EQ(s.server.F_commanded().t, Vector3(4, 5, 6));
+}
+
+// "Illegal axis delta": compliant, the arm may be pushed away from what it is told; position control holds.
+TEST(FriServer, ACommandFarFromTheMeasuredPositionStopsACompliantArm) {
+  for (const auto control :
+       {ControlMode::kPosition, ControlMode::kCartesianImpedance, ControlMode::kJointImpedance})
+    for (const double off_rad : {0.099, 0.101}) {
+      Session s({.control_mode = control});
+      ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
+      JointVector q = s.server.q_commanded();
+      q[3] += off_rad;
+      const auto bytes = s.server.BeginCycle({.q = q}, ++s.cycles * rt::kMillisecond);
+      s.message.assign(bytes.begin(), bytes.end());
+      s.Cycle();
+      const bool illegal = control != ControlMode::kPosition && off_rad > 0.1;
+      EXPECT_EQ(s.server.stop().reason, illegal ? StopReason::kAxisDelta : StopReason::kNone);
+      if (!illegal) continue;
+      EXPECT_EQ(s.server.stop().joint, 4);
+      EXPECT_EQ(Describe(s.server.stop()),
+                "illegal axis delta: A4 commanded 0.1010 rad from where it is, accepted 0.1000");
+      EXPECT_EQ(UintAt(s.message, {2, 2}), 2u);
+    }
+}
+
+TEST(FriServer, ExternalTorqueIsAnEstimate) {
+  FriServerParams params{.external_torque_cutoff_hz = 10.0};
+  params.external_torque_offset_Nm[2] = 0.25;
+  FriServer server(params, kinematics::Iiwa14().limits, JointVector::Constant(0.5));
+  server.Open();
+  const JointVector tau = JointVector::Constant(8.0);
+  double read_Nm = 0.0;
+  for (int i = 0; i < 16; ++i)  // 1 / (2 pi 10 Hz) = 15.9 ms
+    read_Nm =
+        DoublesAt(server.BeginCycle({.q = JointVector::Constant(0.5), .tau_ext = tau}, 1), {3, 5, 1})[0];
+  EXPECT_NEAR(read_Nm, 8.0 * (1.0 - std::exp(-2.0 * 3.14159265358979 * 10.0 * 0.016)), 1e-9);
+  const auto bytes = server.BeginCycle({.q = JointVector::Constant(0.5), .tau_ext = tau}, 1);
+  EXPECT_NEAR(DoublesAt(bytes, {3, 5, 1})[2] - DoublesAt(bytes, {3, 5, 1})[0], 0.25, 1e-12);
+  EXPECT_EQ(DoublesAt(bytes, {3, 2, 1})[0], 8.0) << "the measured torque is not filtered";
+}
+
+TEST(FriServer, CountsGapsInTheClientsOwnCounter) {
+  Session s;
+  for (int i = 0; i < 5; ++i) s.Cycle();
+  s.client.sequence += 3;
+  s.Cycle();
+  EXPECT_EQ(s.server.counters().client_gap, 3u);
+  EXPECT_EQ(s.server.counters().client_back, 0u);
+  s.client.sequence -= 2;
+  s.Cycle();
+  EXPECT_EQ(s.server.counters().client_back, 1u);
+  s.Cycle();
+  EXPECT_EQ(s.server.counters().client_gap + s.server.counters().client_back, 4u);
+}
+
+TEST(FriServer, PeriodsAndMultipliersOfRealArmsReachActive) {
+  for (const int period_ms : {1, 2, 5, 10})
+    for (const int multiplier : {1, 2, 5}) {
+      FriServerParams params{.send_period_ms = period_ms, .receive_multiplier = multiplier};
+      const int due = 1000 / (period_ms * multiplier);
+      params.quality.fair_after_answers = std::min(10, due / 2);
+      params.quality.good_after_answers = std::min(50, due / 2);
+      params.quality.excellent_after_answers = std::min(90, due);
+      Session s(params);
+      for (int i = 1; i < 6000 && s.server.state() != SessionState::kCommandingActive; ++i)
+        s.Cycle(i % multiplier == 0);
+      EXPECT_EQ(s.server.state(), SessionState::kCommandingActive) << period_ms << " ms, " << multiplier;
+      EXPECT_EQ(s.server.counters().lost, 0u);
+      EXPECT_EQ(UintAt(s.message, {4, 3}), static_cast<std::uint64_t>(period_ms));
+      EXPECT_EQ(UintAt(s.message, {4, 4}), static_cast<std::uint64_t>(multiplier));
+    }
+}
+
+TEST(FriServer, RefusesOutputsWithoutSense) {
+  const auto make = [](std::vector<ArmIo> ios, std::vector<ArmFrame> frames) {
+    FriServer({.ios = std::move(ios), .frames = std::move(frames)}, kinematics::Iiwa14().limits,
+              JointVector::Constant(0.5));
+  };
+  EXPECT_NO_THROW(make({{.name = "a"}, {.name = "b"}}, {{.name = "a"}}));
+  EXPECT_THROW(make({{.name = "a"}, {.name = "a"}}, {}), std::invalid_argument);
+  EXPECT_THROW(make({{.name = ""}}, {}), std::invalid_argument);
+  EXPECT_THROW(make({{.name = std::string(64, 'n')}}, {}), std::invalid_argument);
+  EXPECT_THROW(make(std::vector<ArmIo>(11), {}), std::invalid_argument);
+  EXPECT_THROW(make({}, std::vector<ArmFrame>(6)), std::invalid_argument);
 }
 
 TEST(FriServer, StepJustWithinTheVelocityLimitIsFollowed) {
@@ -306,6 +518,10 @@ TEST(FriServer, RefusesParametersWithoutSense) {
   EXPECT_THROW(make({.send_period_ms = 0}), std::invalid_argument);
   EXPECT_THROW(make({.receive_multiplier = 0}), std::invalid_argument);
   EXPECT_THROW(make({.step_margin = 0.5}), std::invalid_argument);
+  EXPECT_THROW(make({.command_mode = control::CommandMode::kCartesianPose}), std::invalid_argument);
+  EXPECT_THROW(make({.max_axis_delta_rad = 0.0}), std::invalid_argument);
+  EXPECT_THROW(make({.close_s = -1.0}), std::invalid_argument);
+  EXPECT_THROW(make({.external_torque_cutoff_hz = -1.0}), std::invalid_argument);
   EXPECT_THROW(make({.send_period_ms = 20}),
                std::invalid_argument);  // 50 answers a second are never EXCELLENT
   EXPECT_THROW(FriServer({}, kinematics::Iiwa14().limits, JointVector::Constant(2.2)), std::invalid_argument);

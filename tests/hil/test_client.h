@@ -133,11 +133,32 @@ inline std::vector<double> DoublesAt(std::span<const std::uint8_t> message,
   return values;
 }
 
+/// A command message with joints and a wrench (six elements, packed) or torques (seven, unpacked); each
+/// absent where empty.
+inline Bytes OverlayCommand(std::uint32_t sequence, std::uint32_t reflected, const std::vector<double>& q,
+                            const std::vector<double>& wrench, const std::vector<double>& tau) {
+  Bytes message = Command(sequence, reflected, {}), data, part;
+  for (const double v : q) PutDouble(part, 1, v);
+  if (!q.empty()) PutBytes(data, 1, part);
+  Bytes packed, vector, torques;
+  for (const double v : wrench) {
+    const auto bits = std::bit_cast<std::uint64_t>(v);
+    for (int i = 0; i < 8; ++i) packed.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
+  }
+  PutBytes(vector, 1, packed);
+  if (!wrench.empty()) PutBytes(data, 2, vector);
+  for (const double v : tau) PutDouble(torques, 1, v);
+  if (!tau.empty()) PutBytes(data, 3, torques);
+  PutBytes(message, 2, data);
+  return message;
+}
+
 /// Answers as a client of 1.15 must: mirrors, and in COMMANDING_ACTIVE sends the interpolator's position plus
-/// an offset.
+/// an offset; while commanding with a wrench and torques, where it has them.
 struct TestClient {
   std::uint32_t sequence{0};
   std::array<double, 7> offset{};
+  std::vector<double> wrench{}, tau{};
 
   Bytes Answer(std::span<const std::uint8_t> message) {
     const auto state = static_cast<control::SessionState>(UintAt(message, {4, 1}));
@@ -146,7 +167,10 @@ struct TestClient {
     std::vector<double> q = commanding ? DoublesAt(message, {5, 1, 1}) : DoublesAt(message, {3, 3, 1});
     if (state == control::SessionState::kCommandingActive)
       for (std::size_t i = 0; i < q.size(); ++i) q[i] += offset[i];
-    return Command(++sequence, static_cast<std::uint32_t>(UintAt(message, {1, 2})), q);
+    const auto reflected = static_cast<std::uint32_t>(UintAt(message, {1, 2}));
+    if (commanding && !(wrench.empty() && tau.empty()))
+      return OverlayCommand(++sequence, reflected, q, wrench, tau);
+    return Command(++sequence, reflected, q);
   }
 };
 

@@ -86,13 +86,17 @@ struct Cell {
   Pose X_WT;
 };
 
-TEST(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
-  const Cell setup;
+// The loop in position mode, an arm of each family of versions.
+class WholeTick : public ::testing::TestWithParam<io::FriVersion> {};
+
+TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
+  Cell setup;
+  setup.params.fri.version = GetParam();
   SimulatedCell cell(setup.params, setup.Script());
   control::ServoLoop loop(
       setup.Servo(), setup.arm, Pose::Identity(), setup.params.X_FT,
       setup.arm.ArmAngle(Eigen::Map<const kinematics::JointVector>(setup.params.q_start.data())));
-  auto link = io::FriLink::Open({.port = 0});
+  auto link = io::FriLink::Open({.port = 0, .session = {.version = GetParam()}});
   ASSERT_TRUE(link) << link.error();
   const ArmSocket arm((*link)->port());
   const io::test::TemporaryFolder folder;
@@ -152,6 +156,59 @@ TEST(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
   EXPECT_EQ(loop.faults().bits(), 0u);
   EXPECT_EQ(loop.phase(), Phase::kStopped);
   EXPECT_EQ(cell.state().counters.lost, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, WholeTick,
+                         ::testing::Values(io::FriVersion::k1_15, io::FriVersion::k2_5,
+                                           io::FriVersion::k2_7));
+
+// The link alone, in every version and mode, with all that a message can carry, from the first message to
+// following and through a stop.
+TEST(LinkTick, NeitherAllocatesNorLocksInAnyVersionAndMode) {
+  using control::CommandMode;
+  using control::ControlMode;
+  for (const io::FriVersion version : io::kFriVersions)
+    for (const auto& [mode, needs] : {std::pair{CommandMode::kPosition, ControlMode::kPosition},
+                                      {CommandMode::kWrench, ControlMode::kCartesianImpedance},
+                                      {CommandMode::kTorque, ControlMode::kJointImpedance}}) {
+      SCOPED_TRACE(Name(version));
+      Cell setup;
+      setup.params.fri = {.version = version, .control_mode = needs, .command_mode = mode};
+      setup.params.fri.request_after_good_cycles = setup.params.fri.activate_after_mirrored_answers = 5;
+      setup.params.fri.ios = {{.name = "On", .output = true}};
+      setup.params.fri.frames = {{.name = "cup"}};
+      SimulatedCell cell(setup.params, setup.Script());
+      auto link = io::FriLink::Open({.port = 0, .session = {.version = version}});
+      ASSERT_TRUE(link) << link.error();
+      const ArmSocket arm((*link)->port());
+      control::ArmState state;
+      int heap_calls = 0, locks = 0, active = 0, stopped = 0;
+      for (int tick = 0; tick < 200; ++tick) {
+        if (tick == 150) cell.server().EmergencyStop(1);
+        arm.Send(cell.Step((tick + 1) * rt::kMillisecond));
+        rt::NoAllocScope scope;
+        const control::ReceiveResult received = (*link)->Receive(state, rt::MonotonicNow() + rt::kSecond);
+        if (tick == 60) {
+          (void)(*link)->session().Write({.name = io::FriName("On"), .digital = 1});
+          (void)(*link)->session().Transform({.name = io::FriName("cup")});
+        }
+        control::ArmCommand command{.q = state.q_ipo, .activation = state.activation, .tau = state.tau_ext};
+        command.F.t = Vector3(1, 2, 3);
+        const bool answered = (*link)->Send(command);
+        heap_calls += scope.heap_calls();
+        locks += scope.locks();
+        ASSERT_TRUE(received == control::ReceiveResult::kOk && answered);
+        active += state.session == control::SessionState::kCommandingActive;
+        stopped += state.safety_state != 0;
+        arm.TakeAnswers(cell);
+      }
+      EXPECT_EQ(heap_calls, 0);
+      EXPECT_EQ(locks, 0);
+      EXPECT_GT(active, 50);
+      EXPECT_GT(stopped, 40);
+      EXPECT_EQ(cell.server().ios()[0].digital, 1u);
+      EXPECT_EQ(cell.state().counters.lost + cell.state().counters.malformed, 0u);
+    }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "control/rt/no_alloc_scope.h"
+#include "tests/io/fri_golden.h"
 #include "tests/io/fri_oracle.h"
 
 namespace osteon::io {
@@ -14,52 +15,129 @@ namespace {
 
 using control::SessionState;
 using test::Bytes;
+using test::Datagram;
 using test::Joints;
 using test::Monitoring;
+namespace golden = test::golden;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-std::vector<std::uint8_t> Encoded(const CommandMessage& message) {
+constexpr std::array kFamilies{FriFamily::k1, FriFamily::k2_5, FriFamily::k2_7};
+
+std::vector<std::uint8_t> Encoded(const CommandMessage& message, FriFamily family = FriFamily::k1) {
   std::vector<std::uint8_t> buffer(kFriMaxDatagram);
   std::size_t size = 0;
-  EXPECT_EQ(EncodeCommand(message, buffer, size), CodecError::kNone);
+  EXPECT_EQ(EncodeCommand(family, message, buffer, size), CodecError::kNone);
   buffer.resize(size);
   return buffer;
 }
 
-CodecError ErrorOf(const std::vector<std::uint8_t>& datagram) {
+CodecError ErrorOf(const std::vector<std::uint8_t>& datagram, FriFamily family = FriFamily::k1) {
   MonitoringMessage message;
-  return DecodeMonitoring(datagram, message);
+  return DecodeMonitoring(family, datagram, message);
 }
 
-// Golden: sizes and bytes seen on a real 1.15 connection (design notes, "Wire protocols").
+// Golden bytes, for every version.
 
-TEST(FriCommand, WithJointPositionHasTheObservedBytes) {
-  const auto bytes = Encoded(CommandMessage{.sequence = 8, .reflected_sequence = 8, .q = Joints(0.5)});
+TEST(FriVersion, NamesAreReadAndWritten) {
+  for (const FriVersion version : kFriVersions) EXPECT_EQ(FriVersionNamed(Name(version)), version);
+  for (const char* name : {"1.10", "1.17", "2.6", "1.1", "", "fri"})
+    EXPECT_FALSE(FriVersionNamed(name)) << name;
+  EXPECT_EQ(FamilyOf(FriVersion::k1_11), FriFamily::k1);
+  EXPECT_EQ(FamilyOf(FriVersion::k1_16), FriFamily::k1);
+  EXPECT_EQ(FamilyOf(FriVersion::k2_5), FriFamily::k2_5);
+  EXPECT_EQ(FamilyOf(FriVersion::k2_7), FriFamily::k2_7);
+}
+
+TEST(FriGolden, CommandsOfEveryVersion) {
+  const CommandMessage header{.sequence = 8, .reflected_sequence = 8};
+  CommandMessage position = header;
+  position.q = Joints(0.5);
+  CommandMessage wrench = position, torque = position;
+  wrench.wire_wrench = {1, 2, 3, 4, 5, 6};
+  torque.tau = Joints(1.0);
+  for (const FriVersion version : kFriVersions) {
+    SCOPED_TRACE(Name(version));
+    const FriFamily family = FamilyOf(version);
+    const bool framed = version == FriVersion::k2_7;
+    EXPECT_EQ(Encoded(header, family),
+              golden::FromHex(framed ? golden::kHeaderOnlyFramed : golden::kHeaderOnly));
+    EXPECT_EQ(Encoded(wrench, family),
+              golden::FromHex(framed ? golden::kPositionWrenchFramed : golden::kPositionWrench));
+    EXPECT_EQ(test::Inside(family, Encoded(position, family)).size(), 77u);
+    if (framed) continue;
+    EXPECT_EQ(Encoded(position, family), golden::FromHex(golden::kPosition));
+    EXPECT_EQ(Encoded(torque, family), golden::FromHex(golden::kPositionTorque));
+  }
+  // as observed on arms
+  const auto bytes = Encoded(position);
   const std::vector<std::uint8_t> prefix{0x0a, 0x08, 0x08, 0x81, 0x80, 0x0d, 0x10, 0x08,
                                          0x18, 0x08, 0x12, 0x41, 0x0a, 0x3f, 0x09};
-  ASSERT_EQ(bytes.size(), 77u);
   EXPECT_TRUE(std::equal(prefix.begin(), prefix.end(), bytes.begin()));
-  for (std::size_t joint = 0; joint < 7; ++joint) EXPECT_EQ(bytes[14 + 9 * joint], 0x09) << "tag, unpacked";
-}
-
-TEST(FriCommand, WithWrenchOrTorqueHasTheObservedSize) {
-  CommandMessage wrench{.sequence = 8, .reflected_sequence = 8, .q = Joints(0.5)};
-  wrench.wire_wrench = {1, 2, 3, 4, 5, 6};
-  const auto bytes = Encoded(wrench);
-  EXPECT_EQ(bytes.size(), 129u);
-  const std::vector<std::uint8_t> start{0x12, 0x32, 0x0a, 0x30};
-  EXPECT_NE(std::search(bytes.begin(), bytes.end(), start.begin(), start.end()), bytes.end());
-
-  CommandMessage torque{.sequence = 8, .reflected_sequence = 8, .q = Joints(0.5)};
-  torque.tau = Joints(1.0);
+  EXPECT_EQ(Encoded(position).size(), 77u);
+  EXPECT_EQ(Encoded(wrench).size(), 129u);
   EXPECT_EQ(Encoded(torque).size(), 143u);
+  EXPECT_EQ(Encoded(header, FriFamily::k2_5).size(), 10u);
+  EXPECT_EQ(Encoded(header, FriFamily::k2_7).size(), 18u);
+  EXPECT_EQ(Encoded(wrench, FriFamily::k2_7).size(), 137u);
 }
 
-TEST(FriMonitoring, HasTheObservedSizes) {
-  EXPECT_EQ(Bytes(Monitoring(8, fri::MONITORING_READY)).size(), 401u);
-  EXPECT_EQ(Bytes(Monitoring(8, fri::COMMANDING_WAIT)).size(), 466u);
+TEST(FriGolden, MonitoringMessagesOfEveryVersion) {
+  EXPECT_EQ(golden::FromHex(golden::kMonitoring1).size(), 401u);
+  EXPECT_EQ(golden::FromHex(golden::kCommanding1).size(), 466u);
+  EXPECT_EQ(Bytes(Monitoring(8, fri::MONITORING_READY)), golden::FromHex(golden::kMonitoring1));
+  for (const FriFamily family : kFamilies) {
+    SCOPED_TRACE(Describe(family));
+    const auto bytes = golden::FromHex(family == FriFamily::k1     ? golden::kCommanding1
+                                       : family == FriFamily::k2_5 ? golden::kCommanding2_5
+                                                                   : golden::kCommanding2_7);
+    EXPECT_EQ(Datagram(family, Monitoring(8, fri::COMMANDING_ACTIVE, family)), bytes) << "libprotobuf";
+    MonitoringMessage m;
+    ASSERT_EQ(DecodeMonitoring(family, bytes, m), CodecError::kNone);
+    EXPECT_EQ(m.sequence, 8u);
+    EXPECT_EQ(m.q_meas, Joints(0.1));
+    EXPECT_EQ(m.q_ipo, Joints(0.3));
+    EXPECT_EQ(m.tau_ext, Joints(-3.0));
+    EXPECT_EQ(m.q_cmd.has_value(), family == FriFamily::k1);
+    EXPECT_EQ(m.X_meas.has_value(), family != FriFamily::k1);
+    EXPECT_EQ(m.X_ipo.has_value(), family != FriFamily::k1);
+    EXPECT_EQ(m.wire_force.has_value(), family == FriFamily::k2_7);
+  }
+}
+
+// Which version an arm speaks, and that the others refuse it for that reason.
+TEST(FriVersion, IsToldFromAMessage) {
+  for (const FriFamily arm : kFamilies) {
+    const auto bytes = Datagram(arm, Monitoring(8, fri::MONITORING_READY, arm));
+    EXPECT_EQ(TellFamily(bytes), arm) << Describe(arm);
+    for (const FriFamily client : kFamilies)
+      EXPECT_EQ(ErrorOf(bytes, client), client == arm ? CodecError::kNone : CodecError::kOtherVersion)
+          << Describe(arm) << " read as " << Describe(client);
+  }
+  EXPECT_FALSE(TellFamily({}));
+  EXPECT_FALSE(TellFamily(Encoded(CommandMessage{}))) << "not a monitoring message";
+  fri::FRIMonitoringMessage idle;  // an idle arm need not say more than its state
+  *idle.mutable_header() = Monitoring(1, fri::IDLE).header();
+  *idle.mutable_connectioninfo() = Monitoring(1, fri::IDLE).connectioninfo();
+  EXPECT_FALSE(TellFamily(Bytes(idle)));
+  EXPECT_EQ(ErrorOf(Bytes(idle), FriFamily::k1), CodecError::kNone);
+  EXPECT_EQ(ErrorOf(Bytes(idle), FriFamily::k2_5), CodecError::kNone);
+  EXPECT_EQ(ErrorOf(Datagram(FriFamily::k2_7, idle), FriFamily::k2_7), CodecError::kNone);
+  EXPECT_EQ(ErrorOf(Datagram(FriFamily::k2_7, idle), FriFamily::k1), CodecError::kOtherVersion);
+}
+
+TEST(FriFrame, LengthAndChecksumMustFit) {
+  const auto good = Datagram(FriFamily::k2_7, Monitoring(8, fri::MONITORING_READY, FriFamily::k2_7));
+  ASSERT_EQ(ErrorOf(good, FriFamily::k2_7), CodecError::kNone);
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    auto bad = good;
+    bad[i] ^= 0x10;
+    EXPECT_EQ(ErrorOf(bad, FriFamily::k2_7), i < 4 ? CodecError::kMalformed : CodecError::kChecksum) << i;
+  }
+  EXPECT_EQ(ErrorOf({good.begin(), good.end() - 1}, FriFamily::k2_7), CodecError::kMalformed);
+  EXPECT_EQ(ErrorOf({0, 0, 0, 0, 0, 0, 0, 0}, FriFamily::k2_7), CodecError::kMalformed)
+      << "no message inside";
 }
 
 // nanopb against libprotobuf.
@@ -73,7 +151,7 @@ TEST(FriMonitoring, DecodesWhatLibprotobufEncodes) {
   sent.mutable_robotinfo()->set_drivestate(6, fri::TRANSITIONING);
   sent.mutable_ipodata()->set_trackingperformance(0.75);
   MonitoringMessage m;
-  ASSERT_EQ(DecodeMonitoring(Bytes(sent), m), CodecError::kNone);
+  ASSERT_EQ(DecodeMonitoring(FriFamily::k1, Bytes(sent), m), CodecError::kNone);
   EXPECT_EQ(m.sequence, 300u);
   EXPECT_EQ(m.reflected_sequence, 299u);
   EXPECT_EQ(m.session, SessionState::kCommandingActive);
@@ -82,7 +160,7 @@ TEST(FriMonitoring, DecodesWhatLibprotobufEncodes) {
   EXPECT_EQ(m.receive_multiplier, 2u);
   EXPECT_EQ(m.safety, FriSafetyState::kStopLevel1);
   EXPECT_EQ(m.operation, FriOperationMode::kAutomatic);
-  EXPECT_EQ(m.control, FriControlMode::kPosition);
+  EXPECT_EQ(m.control, control::ControlMode::kPosition);
   EXPECT_EQ(m.drives[0], FriDriveState::kActive);
   EXPECT_EQ(m.drives[6], FriDriveState::kTransitioning);
   EXPECT_EQ(m.q_meas, Joints(0.1));
@@ -91,7 +169,7 @@ TEST(FriMonitoring, DecodesWhatLibprotobufEncodes) {
   EXPECT_EQ(m.tau_cmd, Joints(20.0));
   EXPECT_EQ(m.tau_ext, Joints(-3.0));
   EXPECT_EQ(m.q_ipo, Joints(0.3));
-  EXPECT_EQ(m.command_mode, FriCommandMode::kPosition);
+  EXPECT_EQ(m.command_mode, control::CommandMode::kPosition);
   EXPECT_EQ(m.overlay, FriOverlay::kJoint);
   EXPECT_EQ(m.tracking_performance, 0.75);
   EXPECT_EQ(m.time->sec, 1'700'000'000u);
@@ -114,6 +192,121 @@ TEST(FriCommand, IsReadAndWrittenAlikeByLibprotobuf) {
   EXPECT_EQ(Bytes(oracle), bytes);
 }
 
+TEST(FriMonitoring, DecodesPosesForceAndOutputsOfTheVersionsThatHaveThem) {
+  for (const FriFamily family : kFamilies) {
+    SCOPED_TRACE(Describe(family));
+    fri::FRIMonitoringMessage sent = Monitoring(8, fri::COMMANDING_ACTIVE, family);
+    auto* digital = sent.mutable_monitordata()->add_readiorequest();
+    digital->set_name("Drill.Ready");
+    digital->set_type(fri::DIGITAL);
+    digital->set_direction(fri::INPUT);
+    digital->set_digitalvalue(0x123456789aull);
+    auto* analog = sent.mutable_monitordata()->add_readiorequest();
+    analog->set_name("Pump.Flow");
+    analog->set_type(fri::ANALOG);
+    analog->set_direction(fri::OUTPUT);
+    analog->set_analogvalue(-2.5);
+    auto* frame = sent.add_requestedtransformations();
+    if (family == FriFamily::k1) {
+      frame->set_name("flange");
+      for (const double element : {0., -1., 0., 100., 0., 0., -1., -200., 1., 0., 0., 350.5})
+        frame->add_element(element);
+    } else {
+      test::PutPose(frame);
+    }
+    frame->mutable_timestamp()->set_sec(5);
+    frame->mutable_timestamp()->set_nanosec(6);
+    sent.add_requestedtransformations()->set_name("unset");
+
+    MonitoringMessage m;
+    ASSERT_EQ(DecodeMonitoring(family, Datagram(family, sent), m), CodecError::kNone);
+    ASSERT_EQ(m.ios.size(), 2u);
+    EXPECT_EQ(m.ios[0].name.view(), "Drill.Ready");
+    EXPECT_EQ(m.ios[0].type, FriIoType::kDigital);
+    EXPECT_EQ(m.ios[0].direction, FriIoDirection::kInput);
+    EXPECT_EQ(m.ios[0].digital, 0x123456789aull);
+    EXPECT_FALSE(m.ios[0].analog);
+    EXPECT_EQ(m.ios[1].direction, FriIoDirection::kOutput);
+    EXPECT_EQ(m.ios[1].analog, -2.5);
+    // a third of a turn: x to z, y to -x, z to -y
+    ASSERT_EQ(m.transformations.size(), 2u);
+    EXPECT_EQ(m.transformations[0].name.view(), "flange");
+    EXPECT_EQ(m.transformations[0].time, (FriTime{5, 6}));
+    Pose X = Pose::Identity();
+    X.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+    X.translation() << 0.1, -0.2, 0.3505;
+    EXPECT_TRUE(Pose(m.transformations[0].X).isApprox(X, 1e-15));
+    EXPECT_TRUE(Pose(m.transformations[1].X).isApprox(Pose::Identity()));
+    if (family == FriFamily::k1) continue;
+    EXPECT_EQ(m.X_meas->name.view(), "flange");
+    EXPECT_EQ(m.X_meas->element, (std::array<double, 7>{100, -200, 350.5, .5, .5, -.5, .5}));
+    EXPECT_EQ(m.X_meas->redundancy->value, 0.25);
+    EXPECT_EQ(m.X_ipo->element, m.X_meas->element);
+    if (family == FriFamily::k2_7) {
+      EXPECT_EQ(m.wire_force, (std::array<double, 6>{1, 2, 3, 4, 5, 6}));
+    }
+  }
+}
+
+TEST(FriCommand, PosesAndOutputsAreReadAlikeByLibprotobuf) {
+  for (const FriFamily family : kFamilies) {
+    SCOPED_TRACE(Describe(family));
+    CommandMessage sent{.sequence = 1, .reflected_sequence = 2, .q = Joints(-0.4)};
+    sent.X = FriPose{.name = FriName("flange"), .element = {1, 2, 3, 1, 0, 0, 0}};
+    sent.X->redundancy = FriRedundancy{.strategy = 4, .value = 0.5};
+    FriTransformation frame{.name = FriName("cup"), .time = FriTime{7, 8}};
+    Pose X = Pose::Identity();
+    X.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+    X.translation() << 0.1, -0.2, 0.3505;
+    frame.X = X;
+    sent.outputs.transformations.Add(frame);
+    sent.outputs.writes.Add(
+        {.name = FriName("Drill.On"), .direction = FriIoDirection::kOutput, .digital = 1});
+
+    const auto bytes = Encoded(sent, family);
+    fri::FRICommandMessage oracle;
+    const auto inside = test::Inside(family, bytes);
+    ASSERT_TRUE(oracle.ParseFromArray(inside.data(), static_cast<int>(inside.size())));
+    EXPECT_EQ(Datagram(family, oracle), bytes) << "byte for byte";
+    const auto& data = oracle.commanddata();
+    EXPECT_EQ(data.has_cartesianpose(), family != FriFamily::k1);
+    EXPECT_EQ(data.has_redundancyinformation(), family != FriFamily::k1);
+    ASSERT_EQ(data.commandedtransformations_size(), 1);
+    const auto& element = data.commandedtransformations(0).element();
+    const std::vector<double> matrix{0, -1, 0, 100, 0, 0, -1, -200, 1, 0, 0, 350.5};
+    const std::vector<double> quaternion{100, -200, 350.5, .5, .5, -.5, .5};
+    EXPECT_EQ(std::vector<double>(element.begin(), element.end()),
+              family == FriFamily::k1 ? matrix : quaternion);
+    EXPECT_EQ(data.commandedtransformations(0).timestamp().nanosec(), 8u);
+    ASSERT_EQ(data.writeiorequest_size(), 1);
+    EXPECT_EQ(data.writeiorequest(0).name(), "Drill.On");
+    EXPECT_EQ(data.writeiorequest(0).digitalvalue(), 1u);
+    EXPECT_FALSE(data.writeiorequest(0).has_analogvalue());
+  }
+}
+
+TEST(FriMonitoring, RefusesPosesThatAreNone) {
+  const auto with = [](const std::vector<double>& elements, FriFamily family,
+                       const std::string& name = "cup") {
+    fri::FRIMonitoringMessage m = Monitoring(1, fri::MONITORING_READY, family);
+    auto* frame = m.add_requestedtransformations();
+    frame->set_name(name);
+    for (const double element : elements) frame->add_element(element);
+    return ErrorOf(Datagram(family, m), family);
+  };
+  const std::vector<double> quaternion{0, 0, 0, 1, 0, 0, 0}, matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  EXPECT_EQ(with(matrix, FriFamily::k1), CodecError::kNone);
+  EXPECT_EQ(with(quaternion, FriFamily::k2_5), CodecError::kNone);
+  EXPECT_EQ(with(matrix, FriFamily::k2_5), CodecError::kWrongCount);
+  EXPECT_EQ(with(quaternion, FriFamily::k1), CodecError::kWrongCount);
+  EXPECT_EQ(with({0, 0, 0, 0, 0, 0, 0}, FriFamily::k2_7), CodecError::kOutOfRange) << "no rotation";
+  EXPECT_EQ(with({kInf, 0, 0, 1, 0, 0, 0}, FriFamily::k2_7), CodecError::kNotFinite);
+  EXPECT_EQ(with({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0}, FriFamily::k1), CodecError::kOutOfRange)
+      << "a mirror";
+  EXPECT_EQ(with(matrix, FriFamily::k1, std::string(63, 'n')), CodecError::kNone);
+  EXPECT_EQ(with(matrix, FriFamily::k1, std::string(64, 'n')), CodecError::kMalformed);
+}
+
 // A protobuf reader must take repeated scalars packed as well.
 TEST(FriMonitoring, AcceptsPackedJointValues) {
   std::string packed(1, '\x0a');
@@ -130,7 +323,8 @@ TEST(FriMonitoring, AcceptsPackedJointValues) {
   // monitorData (3) again, merged: measuredJointPosition (1) with the packed values
   bytes += std::string("\x1a\x3c\x0a\x3a", 4) + packed;
   MonitoringMessage m;
-  ASSERT_EQ(DecodeMonitoring(std::vector<std::uint8_t>(bytes.begin(), bytes.end()), m), CodecError::kNone);
+  ASSERT_EQ(DecodeMonitoring(FriFamily::k1, std::vector<std::uint8_t>(bytes.begin(), bytes.end()), m),
+            CodecError::kNone);
   EXPECT_EQ(m.q_meas, Joints(0.1));
 }
 
@@ -212,7 +406,7 @@ TEST(FriMonitoring, LeavesTheMessageAloneOnError) {
   m.sequence = 42;
   fri::FRIMonitoringMessage bad = Monitoring(7, fri::COMMANDING_ACTIVE);
   bad.mutable_ipodata()->mutable_jointposition()->set_value(0, kNaN);
-  ASSERT_NE(DecodeMonitoring(Bytes(bad), m), CodecError::kNone);
+  ASSERT_NE(DecodeMonitoring(FriFamily::k1, Bytes(bad), m), CodecError::kNone);
   EXPECT_EQ(m.sequence, 42u);
 }
 
@@ -222,10 +416,10 @@ TEST(FriCommand, NeverEncodesWhatIsNotFinite) {
   for (const double bad : {kNaN, kInf}) {
     CommandMessage message{.q = Joints(0.0)};
     (*message.q)[4] = bad;
-    EXPECT_EQ(EncodeCommand(message, buffer, size), CodecError::kNotFinite);
+    EXPECT_EQ(EncodeCommand(FriFamily::k1, message, buffer, size), CodecError::kNotFinite);
     message.q = Joints(0.0);
     message.wire_wrench = {0, 0, 0, 0, 0, bad};
-    EXPECT_EQ(EncodeCommand(message, buffer, size), CodecError::kNotFinite);
+    EXPECT_EQ(EncodeCommand(FriFamily::k1, message, buffer, size), CodecError::kNotFinite);
   }
 }
 
@@ -233,23 +427,30 @@ TEST(FriCommand, ReportsABufferTooSmall) {
   std::array<std::uint8_t, 76> buffer{};
   std::size_t size = 0;
   EXPECT_EQ(
-      EncodeCommand(CommandMessage{.sequence = 8, .reflected_sequence = 8, .q = Joints(0.5)}, buffer, size),
+      EncodeCommand(FriFamily::k1, CommandMessage{.sequence = 8, .reflected_sequence = 8, .q = Joints(0.5)},
+                    buffer, size),
       CodecError::kNoSpace);
 }
 
 TEST(FriCodec, DoesNotAllocate) {
-  const auto bytes = Bytes(Monitoring(8, fri::COMMANDING_ACTIVE));
-  const CommandMessage command{.q = Joints(0.5)};
-  std::array<std::uint8_t, kFriMaxDatagram> buffer{};
-  std::size_t size = 0;
-  MonitoringMessage m;
-  rt::NoAllocScope scope;
-  const CodecError decoded = DecodeMonitoring(bytes, m);
-  const CodecError encoded = EncodeCommand(command, buffer, size);
-  EXPECT_EQ(scope.heap_calls(), 0);
-  EXPECT_EQ(scope.locks(), 0);
-  EXPECT_EQ(decoded, CodecError::kNone);
-  EXPECT_EQ(encoded, CodecError::kNone);
+  for (const FriFamily family : kFamilies) {
+    const auto bytes = Datagram(family, Monitoring(8, fri::COMMANDING_ACTIVE, family));
+    CommandMessage command{.q = Joints(0.5), .wire_wrench = std::array<double, 6>{}, .tau = Joints(1.0)};
+    command.outputs.transformations.Add({.name = FriName("cup")});
+    command.outputs.writes.Add({.name = FriName("Drill.On"), .digital = 1});
+    std::array<std::uint8_t, kFriMaxDatagram> buffer{};
+    std::size_t size = 0;
+    MonitoringMessage m;
+    rt::NoAllocScope scope;
+    const CodecError decoded = DecodeMonitoring(family, bytes, m);
+    const auto other = TellFamily(bytes);
+    const CodecError encoded = EncodeCommand(family, command, buffer, size);
+    EXPECT_EQ(scope.heap_calls(), 0);
+    EXPECT_EQ(scope.locks(), 0);
+    EXPECT_EQ(decoded, CodecError::kNone);
+    EXPECT_EQ(encoded, CodecError::kNone);
+    EXPECT_EQ(other, family);
+  }
 }
 
 }  // namespace

@@ -70,10 +70,10 @@ TEST(FriLink, AnswersTheArmAtTheAddressItSpokeFrom) {
   ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
   EXPECT_GT(state.stamp, before);
   EXPECT_LE(state.stamp, rt::MonotonicNow());
-  ASSERT_TRUE(link->Send(ArmCommand{Joints(0.9)}));
+  ASSERT_TRUE(link->Send(ArmCommand{.q = Joints(0.31), .activation = state.activation}));
   const auto answer = test::Command(arm.Answer());
   ASSERT_TRUE(answer);
-  EXPECT_EQ(test::Values(answer->commanddata().jointposition()), Joints(0.9));
+  EXPECT_EQ(test::Values(answer->commanddata().jointposition()), Joints(0.31));
   EXPECT_EQ(answer->header().reflectedsequencecounter(), 1u);
 }
 
@@ -161,6 +161,50 @@ TEST(FriLink, ErrorsSayWhatIsWrong) {
       << not_ours.error();
 }
 
+// Each arm has a link of its own, as the arms have ports of their own.
+TEST(FriLink, SeveralArmsOfDifferentVersionsDoNotDisturbEachOther) {
+  struct Arm {
+    FriVersion version;
+    std::unique_ptr<FriLink> link;
+    std::unique_ptr<Peer> peer;
+  };
+  std::vector<Arm> arms;
+  for (const FriVersion version : kFriVersions) {
+    auto link = FriLink::Open({.port = 0, .session = {.version = version}});
+    ASSERT_TRUE(link) << link.error();
+    const std::uint16_t port = (*link)->port();
+    arms.push_back({version, std::move(*link), std::make_unique<Peer>(port)});
+  }
+  for (std::uint32_t cycle = 1; cycle <= 3; ++cycle) {
+    for (const Arm& arm : arms)
+      arm.peer->Send(test::Datagram(FamilyOf(arm.version),
+                                    Monitoring(cycle, fri::COMMANDING_ACTIVE, FamilyOf(arm.version))));
+    for (std::size_t i = 0; i < arms.size(); ++i) {
+      ArmState state;
+      ASSERT_EQ(arms[i].link->Receive(state, Soon()), ReceiveResult::kOk) << Name(arms[i].version);
+      EXPECT_EQ(state.sequence, cycle);
+      const double first_rad = 0.3 + 1e-3 * static_cast<double>(i);
+      ASSERT_TRUE(arms[i].link->Send({.q = Joints(first_rad), .activation = state.activation}));
+      const auto answer = test::Command(arms[i].peer->Answer(), FamilyOf(arms[i].version));
+      ASSERT_TRUE(answer) << Name(arms[i].version);
+      EXPECT_EQ(test::Values(answer->commanddata().jointposition()), Joints(first_rad));
+    }
+  }
+}
+
+TEST(FriLink, SaysThatTheArmSpeaksAnotherVersion) {
+  const auto link = OpenAnywhere();
+  const Peer arm(link->port());
+  for (std::uint32_t i = 1; i <= 3; ++i)
+    arm.Send(test::Datagram(FriFamily::k2_7, Monitoring(i, fri::MONITORING_WAIT, FriFamily::k2_7)));
+  ArmState state;
+  EXPECT_EQ(link->Receive(state, 0), ReceiveResult::kTimeout);
+  EXPECT_EQ(state.other_version, 3u);
+  EXPECT_NE(link->session().Diagnosis().find("The arm speaks FRI 2.7 (framed), configured is 1.15"),
+            std::string::npos)
+      << link->session().Diagnosis();
+}
+
 TEST(FriLink, DoesNotAllocate) {
   const auto link = OpenAnywhere();
   const Peer arm(link->port());
@@ -168,7 +212,7 @@ TEST(FriLink, DoesNotAllocate) {
   ArmState state;
   rt::NoAllocScope scope;
   const ReceiveResult received = link->Receive(state, Soon());
-  const bool sent = link->Send(ArmCommand{state.q_ipo});
+  const bool sent = link->Send(ArmCommand{.q = state.q_ipo});
   EXPECT_EQ(scope.heap_calls(), 0);
   EXPECT_EQ(scope.locks(), 0);
   EXPECT_EQ(received, ReceiveResult::kOk);

@@ -10,8 +10,10 @@
 #include <vector>
 
 #include <fri.pb.h>
+#include <zlib.h>
 
 #include "control/ports.h"
+#include "io/fri/version.h"
 
 // The arm's side as libprotobuf writes and reads it from the same .proto: independent of nanopb.
 
@@ -27,9 +29,16 @@ inline control::JointArray Joints(double first) {
   return q;
 }
 
-/// A monitoring message as a 1.15 arm sends it: five joint vectors, time stamp, and the ipo position while
-/// commanding.
-inline fri::FRIMonitoringMessage Monitoring(std::uint32_t sequence, fri::SessionState state) {
+/// 2.x: lengths in mm, a third of a turn about (1, -1, 1) / sqrt(3) that the test knows as a matrix.
+inline void PutPose(fri::Transformation* to) {
+  to->set_name("flange");
+  for (const double element : {100.0, -200.0, 350.5, 0.5, 0.5, -0.5, 0.5}) to->add_element(element);
+}
+
+/// A monitoring message as an arm sends it: 1.x five joint vectors, 2.x four and its pose, 2.7 its external
+/// force too; time stamp, and the interpolator's position (and pose) while commanding.
+inline fri::FRIMonitoringMessage Monitoring(std::uint32_t sequence, fri::SessionState state,
+                                            FriFamily family = FriFamily::k1) {
   fri::FRIMonitoringMessage m;
   m.mutable_header()->set_messageidentifier(0x245142);
   m.mutable_header()->set_sequencecounter(sequence);
@@ -43,7 +52,15 @@ inline fri::FRIMonitoringMessage Monitoring(std::uint32_t sequence, fri::Session
   auto* monitor = m.mutable_monitordata();
   PutJoints(0.1, monitor->mutable_measuredjointposition());
   PutJoints(10.0, monitor->mutable_measuredtorque());
-  PutJoints(0.2, monitor->mutable_commandedjointposition());
+  if (family == FriFamily::k1) {
+    PutJoints(0.2, monitor->mutable_commandedjointposition());
+  } else {
+    PutPose(monitor->mutable_measuredcartesianpose());
+    monitor->mutable_measuredredundancyinformation()->set_strategy(0);
+    monitor->mutable_measuredredundancyinformation()->set_value(0.25);
+  }
+  if (family == FriFamily::k2_7)
+    for (int i = 1; i <= 6; ++i) monitor->mutable_externalforce()->add_element(i);
   PutJoints(20.0, monitor->mutable_commandedtorque());
   PutJoints(-3.0, monitor->mutable_externaltorque());
   monitor->mutable_timestamp()->set_sec(1'700'000'000);
@@ -54,7 +71,13 @@ inline fri::FRIMonitoringMessage Monitoring(std::uint32_t sequence, fri::Session
   connection->set_sendperiod(1);
   connection->set_receivemultiplier(1);
   auto* ipo = m.mutable_ipodata();
-  if (state >= fri::COMMANDING_WAIT) PutJoints(0.3, ipo->mutable_jointposition());
+  if (state >= fri::COMMANDING_WAIT) {
+    PutJoints(0.3, ipo->mutable_jointposition());
+    if (family != FriFamily::k1) {
+      PutPose(ipo->mutable_cartesianpose());
+      *ipo->mutable_redundancyinformation() = monitor->measuredredundancyinformation();
+    }
+  }
   ipo->set_clientcommandmode(fri::POSITION);
   ipo->set_overlaytype(fri::JOINT);
   ipo->set_trackingperformance(0.0);
@@ -66,8 +89,34 @@ inline std::vector<std::uint8_t> Bytes(const google::protobuf::MessageLite& mess
   return {text.begin(), text.end()};
 }
 
+/// Bytes in the frame of 2.7.
+inline std::vector<std::uint8_t> Framed(std::vector<std::uint8_t> bytes) {
+  const auto put = [](std::uint32_t v) {
+    return std::array{static_cast<std::uint8_t>(v), static_cast<std::uint8_t>(v >> 8),
+                      static_cast<std::uint8_t>(v >> 16), static_cast<std::uint8_t>(v >> 24)};
+  };
+  const auto size = put(static_cast<std::uint32_t>(bytes.size()));
+  const auto crc = put(static_cast<std::uint32_t>(crc32(0, bytes.data(), static_cast<uInt>(bytes.size()))));
+  bytes.insert(bytes.begin(), size.begin(), size.end());
+  bytes.insert(bytes.end(), crc.begin(), crc.end());
+  return bytes;
+}
+
+/// A message as a datagram of that family.
+inline std::vector<std::uint8_t> Datagram(FriFamily family, const google::protobuf::MessageLite& message) {
+  return family == FriFamily::k2_7 ? Framed(Bytes(message)) : Bytes(message);
+}
+
+/// The message inside a datagram of that family, whose frame the codec's own tests look at.
+inline std::span<const std::uint8_t> Inside(FriFamily family, std::span<const std::uint8_t> datagram) {
+  return family == FriFamily::k2_7 && datagram.size() >= 8 ? datagram.subspan(4, datagram.size() - 8)
+                                                           : datagram;
+}
+
 /// A client's datagram as libprotobuf reads it; empty where it is none.
-inline std::optional<fri::FRICommandMessage> Command(std::span<const std::uint8_t> datagram) {
+inline std::optional<fri::FRICommandMessage> Command(std::span<const std::uint8_t> datagram,
+                                                     FriFamily family = FriFamily::k1) {
+  datagram = Inside(family, datagram);
   fri::FRICommandMessage m;
   if (!m.ParseFromArray(datagram.data(), static_cast<int>(datagram.size()))) return std::nullopt;
   if (m.header().messageidentifier() != 0x34001) return std::nullopt;

@@ -16,14 +16,18 @@ using test::Bytes;
 using test::Joints;
 using test::Monitoring;
 
+using test::Datagram;
+
+constexpr std::array kFamilies{FriVersion::k1_15, FriVersion::k2_5, FriVersion::k2_7};  // one of each
+
 class FriSessionTest : public ::testing::Test {
  protected:
   FriAccept Take(std::uint32_t sequence, fri::SessionState state = fri::MONITORING_READY) {
     return session_.Accept(Bytes(Monitoring(sequence, state)), ++now_, state_);
   }
-  // The answer as the arm would read it.
+  // The answer, by a loop that knows of the present activation, as the arm would read it.
   fri::FRICommandMessage Answer(const control::JointArray& q) {
-    const auto bytes = session_.Answer(ArmCommand{q});
+    const auto bytes = session_.Answer(ArmCommand{.q = q, .activation = state_.activation});
     fri::FRICommandMessage answer;
     EXPECT_TRUE(answer.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())));
     return answer;
@@ -36,7 +40,7 @@ class FriSessionTest : public ::testing::Test {
     return q;
   }
 
-  FriSession session_;
+  FriSession session_{{.entry_step_rad = 10.0}};
   ArmState state_;
   rt::Nanoseconds now_{1000};
 };
@@ -45,7 +49,13 @@ TEST_F(FriSessionTest, StateIsTheMessage) {
   fri::FRIMonitoringMessage m = Monitoring(77, fri::COMMANDING_ACTIVE);
   m.mutable_connectioninfo()->set_sendperiod(2);
   m.mutable_robotinfo()->set_safetystate(fri::STOP_LEVEL_2);
+  m.mutable_ipodata()->set_clientcommandmode(fri::TORQUE);
+  m.mutable_robotinfo()->set_controlmode(fri::JOINT_IMPEDANCE);
   ASSERT_EQ(session_.Accept(Bytes(m), 123, state_), FriAccept::kAccepted);
+  EXPECT_EQ(state_.operation_mode, 2);
+  EXPECT_TRUE(state_.drives_active);
+  EXPECT_EQ(state_.command_mode, control::CommandMode::kTorque);
+  EXPECT_EQ(state_.control_mode, control::ControlMode::kJointImpedance);
   EXPECT_EQ(state_.stamp, 123);
   EXPECT_EQ(state_.sequence, 77u);
   EXPECT_EQ(state_.session, control::SessionState::kCommandingActive);
@@ -56,12 +66,16 @@ TEST_F(FriSessionTest, StateIsTheMessage) {
   EXPECT_TRUE(state_.has_ipo);
   EXPECT_EQ(state_.q_ipo, Joints(0.3));
   EXPECT_EQ(state_.tau_ext, Joints(-3.0));
+  m.mutable_header()->set_sequencecounter(78);
+  m.mutable_robotinfo()->set_drivestate(3, fri::OFF);
+  ASSERT_EQ(session_.Accept(Bytes(m), 124, state_), FriAccept::kAccepted);
+  EXPECT_FALSE(state_.drives_active);
 }
 
 TEST_F(FriSessionTest, OwesWhatTheSessionStateSays) {
   const auto q = Joints(0.9);
   Take(0, fri::IDLE);
-  EXPECT_TRUE(session_.Answer(ArmCommand{q}).empty());
+  EXPECT_TRUE(session_.Answer(ArmCommand{.q = q}).empty());
   Take(1, fri::MONITORING_WAIT);
   EXPECT_EQ(Position(Answer(q)), Joints(0.2)) << "mirrors the commanded position";
   Take(2, fri::MONITORING_READY);
@@ -81,24 +95,327 @@ TEST_F(FriSessionTest, SendsTheHeaderAloneWhereThereIsNothingToMirror) {
   EXPECT_EQ(answer.header().reflectedsequencecounter(), 1u);
 }
 
-TEST_F(FriSessionTest, SendsAWrenchOrTorqueWhereTheArmAsksForOne) {
-  fri::FRIMonitoringMessage m = Monitoring(1, fri::COMMANDING_WAIT);
-  m.mutable_ipodata()->set_clientcommandmode(fri::WRENCH);
-  session_.Accept(Bytes(m), 1, state_);
-  const auto wrench = Answer(Joints(0.9));
-  ASSERT_EQ(wrench.commanddata().cartesianwrenchfeedforward().element_size(), 6);
-  EXPECT_EQ(wrench.commanddata().cartesianwrenchfeedforward().element(2), 0.0);
+// While waiting its value is ignored and its presence checked: a zero one goes along each time.
+TEST_F(FriSessionTest, SendsTheLoopsWrenchOrTorqueWhereTheArmAsksForOne) {
+  ArmCommand command{.q = Joints(0.3)};
+  command.F.f = Vector3(1, 2, 3);
+  command.F.t = Vector3(40, 50, 60);
+  command.tau = Joints(7.0);
+  std::uint32_t sequence = 0;
+  const auto answer = [&](fri::SessionState state, fri::ClientCommandMode mode) {
+    fri::FRIMonitoringMessage m = Monitoring(++sequence, state);
+    m.mutable_ipodata()->set_clientcommandmode(mode);
+    EXPECT_EQ(session_.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
+    command.activation = state_.activation;
+    const auto sent = test::Command(session_.Answer(command));
+    EXPECT_TRUE(sent && sent->commanddata().has_jointposition());
+    return sent->commanddata();
+  };
+  const auto elements = [](const fri::MessageCommandData& data) {
+    const auto& element = data.cartesianwrenchfeedforward().element();
+    return std::vector<double>(element.begin(), element.end());
+  };
+
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(elements(answer(fri::COMMANDING_WAIT, fri::WRENCH)), std::vector<double>(6, 0.0));
+  const auto wrench = answer(fri::COMMANDING_ACTIVE, fri::WRENCH);
+  EXPECT_EQ(elements(wrench), (std::vector<double>{1, 2, 3, 60, 50, 40})) << "about z, y, x";
+  EXPECT_FALSE(wrench.has_jointtorque());
+  command.F.t = Vector3(std::numeric_limits<double>::quiet_NaN(), 0, 0);
+  EXPECT_EQ(elements(answer(fri::COMMANDING_ACTIVE, fri::WRENCH)), std::vector<double>(6, 0.0));
+
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(test::Values(answer(fri::COMMANDING_WAIT, fri::TORQUE).jointtorque()), control::JointArray{});
+  const auto torque = answer(fri::COMMANDING_ACTIVE, fri::TORQUE);
+  EXPECT_EQ(test::Values(torque.jointtorque()), Joints(7.0));
+  EXPECT_FALSE(torque.has_cartesianwrenchfeedforward());
+  command.tau[2] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(test::Values(answer(fri::COMMANDING_ACTIVE, fri::TORQUE).jointtorque()), control::JointArray{});
+
+  const auto position = answer(fri::COMMANDING_ACTIVE, fri::POSITION);
+  EXPECT_FALSE(position.has_jointtorque() || position.has_cartesianwrenchfeedforward());
+}
+
+TEST_F(FriSessionTest, OrderOfTheWrenchsTorquesIsAsConfigured) {
+  for (const bool xyz : {false, true}) {
+    FriSession session(
+        {.version = FriVersion::k2_7, .torque_order = xyz ? FriTorqueOrder::kXyz : FriTorqueOrder::kZyx});
+    fri::FRIMonitoringMessage m = Monitoring(1, fri::COMMANDING_ACTIVE, FriFamily::k2_7);
+    m.mutable_ipodata()->set_clientcommandmode(fri::WRENCH);
+    ASSERT_EQ(session.Accept(Datagram(FriFamily::k2_7, m), 1, state_), FriAccept::kAccepted);
+    ArmCommand command{.q = Joints(0.3), .activation = state_.activation};
+    command.F.f = Vector3(10, 20, 30);
+    command.F.t = Vector3(4, 5, 6);
+    const auto sent = test::Command(session.Answer(command), FriFamily::k2_7);
+    ASSERT_TRUE(sent);
+    const auto& element = sent->commanddata().cartesianwrenchfeedforward().element();
+    EXPECT_EQ(std::vector<double>(element.begin(), element.end()),
+              xyz ? (std::vector<double>{10, 20, 30, 4, 5, 6}) : (std::vector<double>{10, 20, 30, 6, 5, 4}));
+    // the arm's own force, 1 … 6 on the wire, by the same order
+    ASSERT_TRUE(session.external_force());
+    EXPECT_EQ(Vector3(session.external_force()->f), Vector3(1, 2, 3));
+    EXPECT_EQ(Vector3(session.external_force()->t), xyz ? Vector3(4, 5, 6) : Vector3(6, 5, 4));
+  }
+}
+
+TEST_F(FriSessionTest, OwesWhatTheVersionSays) {
+  for (const FriVersion version : kFriVersions) {
+    SCOPED_TRACE(Name(version));
+    const FriFamily family = FamilyOf(version);
+    FriSession session({.version = version});
+    std::uint32_t sequence = 0;
+    for (const auto state :
+         {fri::MONITORING_WAIT, fri::MONITORING_READY, fri::COMMANDING_WAIT, fri::COMMANDING_ACTIVE}) {
+      ASSERT_EQ(session.Accept(Datagram(family, Monitoring(++sequence, state, family)), 1, state_),
+                FriAccept::kAccepted);
+      const auto sent =
+          test::Command(session.Answer({.q = Joints(0.31), .activation = state_.activation}), family);
+      ASSERT_TRUE(sent);
+      const bool monitoring = state < fri::COMMANDING_WAIT;
+      EXPECT_EQ(sent->has_commanddata(), !monitoring || family == FriFamily::k1);
+      if (sent->has_commanddata()) {
+        EXPECT_EQ(Position(*sent), Joints(monitoring ? 0.2 : state == fri::COMMANDING_WAIT ? 0.3 : 0.31));
+      }
+    }
+  }
+}
+
+TEST_F(FriSessionTest, MirrorsTheArmsPoseWhereItAsksForCartesianPoses) {
+  FriSession session({.version = FriVersion::k2_5});
+  fri::FRIMonitoringMessage m = Monitoring(1, fri::COMMANDING_ACTIVE, FriFamily::k2_5);
+  m.mutable_ipodata()->set_clientcommandmode(fri::CARTESIAN_POSE);
+  ASSERT_EQ(session.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
+  const auto sent = test::Command(session.Answer({.q = Joints(0.31), .activation = state_.activation}));
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(Bytes(sent->commanddata().cartesianpose()), Bytes(m.ipodata().cartesianpose()));
+  EXPECT_EQ(sent->commanddata().redundancyinformation().value(), 0.25);
+  EXPECT_EQ(Position(*sent), Joints(0.3));
+  EXPECT_NE(session.Diagnosis().find("CARTESIAN_POSE"), std::string::npos);
+}
+
+// Back in COMMANDING_ACTIVE, a loop that has not noticed must not move the arm.
+TEST_F(FriSessionTest, HoldsTheInterpolatorUntilACommandNamesTheActivation) {
+  FriSession session;
+  std::uint32_t sequence = 0;
+  const auto answer = [&](fri::SessionState state, double first_joint, std::uint32_t activation) {
+    session.Accept(Bytes(Monitoring(++sequence, state)), 1, state_);
+    const auto sent = test::Command(
+        session.Answer({.q = Joints(first_joint), .activation = activation, .tau = Joints(9.0)}));
+    EXPECT_TRUE(sent);
+    return Position(*sent);
+  };
+  EXPECT_EQ(answer(fri::COMMANDING_WAIT, 0.3, 0), Joints(0.3));
+  EXPECT_EQ(state_.activation, 0u);
+  EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 0), Joints(0.3)) << "not told yet";
+  EXPECT_EQ(state_.activation, 1u);
+  EXPECT_TRUE(state_.holding);
+  EXPECT_NE(session.Diagnosis().find("held"), std::string::npos);
+  EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.35, 1), Joints(0.3)) << "told, but it would jump";
+  EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 1), Joints(0.31));
+  EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.4, 1), Joints(0.4)) << "its own way from here on";
+  EXPECT_FALSE(state_.holding);
+  EXPECT_EQ(session.Diagnosis(), "");
+  EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.5, 7), Joints(0.4)) << "a command for another activation";
+
+  EXPECT_EQ(answer(fri::MONITORING_READY, 0.4, 1), Joints(0.2));
+  EXPECT_EQ(answer(fri::COMMANDING_WAIT, 0.4, 1), Joints(0.3));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.3, 1), Joints(0.3));
+  EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 1), Joints(0.3)) << "an old loop goes on";
+  EXPECT_EQ(state_.activation, 2u);
+  EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 2), Joints(0.31));
+
+  sequence += 63;  // 63 lost: it may have left and come back
+  EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 2), Joints(0.3));
+  EXPECT_EQ(state_.activation, 3u);
+  EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 3), Joints(0.31));
+  sequence += 62;
+  EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.32, 3), Joints(0.32));
+}
+
+TEST_F(FriSessionTest, CountsAnswersThatTheArmDidNotTake) {
+  const auto take = [&](std::uint32_t sequence, std::uint32_t reflected) {
+    fri::FRIMonitoringMessage m = Monitoring(sequence, fri::MONITORING_READY);
+    m.mutable_header()->set_reflectedsequencecounter(reflected);
+    EXPECT_EQ(session_.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
+    return Answer(Joints(0.0)).header().sequencecounter();
+  };
+  EXPECT_EQ(take(10, 0), 1u);  // none of ours seen
+  EXPECT_EQ(take(11, 0), 2u);
+  EXPECT_EQ(take(12, 2), 3u);  // 1 was lost
+  EXPECT_EQ(state_.answers_lost, 1u);
+  EXPECT_EQ(take(13, 3), 4u);
+  EXPECT_EQ(take(14, 3), 5u);
+  EXPECT_EQ(take(15, 3), 6u);
+  EXPECT_EQ(state_.answers_lost, 1u) << "they may be on their way";
+  EXPECT_EQ(take(16, 6), 7u);
+  EXPECT_EQ(state_.answers_lost, 3u);
+  EXPECT_EQ(state_.answers_foreign, 0u);
+  EXPECT_EQ(take(17, 900), 8u);  // never sent
+  EXPECT_EQ(take(18, 2), 9u);    // goes back
+  EXPECT_EQ(state_.answers_foreign, 2u);
+  EXPECT_EQ(take(19, 9), 10u);
+  EXPECT_EQ(state_.answers_lost, 5u);
+  EXPECT_NE(session_.Diagnosis().find("another client"), std::string::npos);
+}
+
+TEST_F(FriSessionTest, SaysWhichVersionTheArmSpeaks) {
+  for (const FriVersion arm : kFamilies)
+    for (const FriVersion client : kFamilies) {
+      FriSession session({.version = client});
+      ArmState state;
+      EXPECT_NE(session.Diagnosis().find("No message"), std::string::npos);
+      for (std::uint32_t i = 0; i < 3; ++i)
+        session.Accept(Datagram(FamilyOf(arm), Monitoring(i, fri::MONITORING_READY, FamilyOf(arm))), 1,
+                       state);
+      EXPECT_EQ(state.other_version, arm == client ? 0u : 3u);
+      EXPECT_EQ(state.rejected, state.other_version);
+      if (arm == client) continue;
+      EXPECT_EQ(session.last_error(), CodecError::kOtherVersion);
+      EXPECT_EQ(session.other_family(), FamilyOf(arm));
+      EXPECT_EQ(session.Diagnosis(), "The arm speaks " + std::string(Describe(FamilyOf(arm))) +
+                                         ", configured is " + Name(client) +
+                                         " (3 messages refused): set the version to the arm's.");
+    }
+}
+
+TEST_F(FriSessionTest, DiagnosisNamesWhatKeepsTheArmFromMoving) {
+  std::uint32_t sequence = 0;
+  const auto with = [&](fri::SessionState state, auto change) {
+    fri::FRIMonitoringMessage m = Monitoring(++sequence, state);
+    change(m);
+    EXPECT_EQ(session_.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
+    return session_.Diagnosis();
+  };
+  const auto contains = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  const std::vector<std::uint8_t> noise{1, 2, 3};
+  session_.Accept(noise, 1, state_);
+  EXPECT_TRUE(contains(session_.Diagnosis(), "none was a message of FRI 1.15"));
+  EXPECT_TRUE(contains(
+      with(fri::MONITORING_WAIT, [](auto& m) { m.mutable_connectioninfo()->set_quality(fri::FAIR); }),
+      "FAIR, commanding needs GOOD"));
+  EXPECT_TRUE(contains(with(fri::MONITORING_READY, [](auto&) {}), "has not asked for commanding"));
+  EXPECT_EQ(with(fri::COMMANDING_WAIT, [](auto&) {}), "");
+  EXPECT_TRUE(contains(
+      with(fri::COMMANDING_WAIT, [](auto& m) { m.mutable_ipodata()->set_clientcommandmode(fri::WRENCH); }),
+      "needs Cartesian impedance control; the arm is in position control"));
+  EXPECT_TRUE(contains(
+      with(fri::COMMANDING_WAIT, [](auto& m) { m.mutable_ipodata()->set_clientcommandmode(fri::TORQUE); }),
+      "needs joint impedance control"));
+  EXPECT_TRUE(contains(
+      with(fri::MONITORING_READY, [](auto& m) { m.mutable_robotinfo()->set_safetystate(fri::STOP_LEVEL_1); }),
+      "safety stop (level 1)"));
+  EXPECT_TRUE(contains(with(fri::MONITORING_READY,
+                            [](auto& m) { m.mutable_robotinfo()->set_drivestate(2, fri::TRANSITIONING); }),
+                       "Not all drives"));
+}
+
+// What the robot program registered, no more: unknown names would end its session.
+class FriOutputsTest : public FriSessionTest {
+ protected:
+  fri::FRICommandMessage Cycle(std::uint32_t reflected) {
+    fri::FRIMonitoringMessage m = Monitoring(++sequence_, fri::MONITORING_READY);
+    m.mutable_header()->set_reflectedsequencecounter(reflected);
+    const auto add = [&m](const char* name, fri::IOType type, fri::IODirection direction) {
+      auto* io = m.mutable_monitordata()->add_readiorequest();
+      io->set_name(name);
+      io->set_type(type);
+      io->set_direction(direction);
+    };
+    add("On", fri::BOOLEAN, fri::OUTPUT);
+    add("Flow", fri::ANALOG, fri::OUTPUT);
+    add("Ready", fri::BOOLEAN, fri::INPUT);
+    if (asks_) m.add_requestedtransformations()->set_name("cup");
+    EXPECT_EQ(session_.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
+    return Answer(Joints(0.0));
+  }
+  std::uint32_t sequence_{0};
+  bool asks_{true};
+};
+
+TEST_F(FriOutputsTest, AreRefusedWhereTheRobotProgramDoesNotKnowThem) {
+  EXPECT_EQ(session_.Write({.name = FriName("On"), .digital = 1}), FriOutputError::kUnknown)
+      << "no message yet";
+  Cycle(0);
+  EXPECT_EQ(session_.Write({.name = FriName("Off"), .digital = 1}), FriOutputError::kUnknown);
+  EXPECT_EQ(session_.Write({.name = FriName("Ready"), .digital = 1}), FriOutputError::kNotOutput);
+  EXPECT_EQ(session_.Write({.name = FriName("On"), .analog = 1}), FriOutputError::kWrongType);
+  EXPECT_EQ(session_.Write({.name = FriName("On"), .type = FriIoType::kDigital, .digital = 1}),
+            FriOutputError::kWrongType);
+  EXPECT_EQ(session_.Write({.name = FriName("Flow"),
+                            .type = FriIoType::kAnalog,
+                            .analog = std::numeric_limits<double>::quiet_NaN()}),
+            FriOutputError::kWrongType);
+  EXPECT_EQ(session_.Transform({.name = FriName("bone")}), FriOutputError::kUnknown);
+  const auto answer = Cycle(1);
+  EXPECT_EQ(answer.commanddata().writeiorequest_size(), 0);
+  EXPECT_EQ(answer.commanddata().commandedtransformations_size(), 0);
+}
+
+TEST_F(FriOutputsTest, WritesAreRepeatedUntilTheArmHasTakenAnAnswerWithThem) {
+  Cycle(0);  // our answer 1
+  ASSERT_EQ(session_.Write({.name = FriName("On"), .digital = 1}), FriOutputError::kNone);
+  ASSERT_EQ(session_.Write({.name = FriName("Flow"), .type = FriIoType::kAnalog, .analog = 0.5}),
+            FriOutputError::kNone);
+  ASSERT_EQ(session_.Write({.name = FriName("On"), .digital = 0}),
+            FriOutputError::kNone);  // the newest counts
+  for (int i = 0; i < 3; ++i) {      // answers 2, 3, 4; the arm has seen the first
+    const auto answer = Cycle(1);
+    ASSERT_EQ(answer.commanddata().writeiorequest_size(), 2);
+    EXPECT_EQ(answer.commanddata().writeiorequest(0).name(), "On");
+    EXPECT_EQ(answer.commanddata().writeiorequest(0).digitalvalue(), 0u);
+    EXPECT_EQ(answer.commanddata().writeiorequest(0).direction(), fri::OUTPUT);
+    EXPECT_EQ(answer.commanddata().writeiorequest(1).analogvalue(), 0.5);
+  }
+  EXPECT_EQ(Cycle(3).commanddata().writeiorequest_size(), 0) << "2 was lost, 3 arrived";
+}
+
+TEST_F(FriOutputsTest, FramesGoAlongWhereTheArmAsksForThem) {
+  Cycle(0);
+  FriTransformation cup{.name = FriName("cup")};
+  Pose X = Pose::Identity();
+  X.translation() << 0.001, 0.002, 0.003;
+  cup.X = X;
+  ASSERT_EQ(session_.Transform(cup), FriOutputError::kNone);
+  for (int i = 0; i < 2; ++i) {
+    const auto answer = Cycle(0);
+    ASSERT_EQ(answer.commanddata().commandedtransformations_size(), 1);
+    EXPECT_EQ(answer.commanddata().commandedtransformations(0).element(3), 1.0) << "mm";
+  }
+  asks_ = false;
+  EXPECT_EQ(Cycle(0).commanddata().commandedtransformations_size(), 0);
+}
+
+// Ten outputs and five frames of the longest names do not fit 1500 bytes; the motion does.
+TEST_F(FriSessionTest, WhatDoesNotFitBesideTheMotionIsLeftOut) {
+  fri::FRIMonitoringMessage m = Monitoring(1, fri::COMMANDING_ACTIVE);
+  const auto name = [](char kind, int i) { return std::string(62, kind) + static_cast<char>('0' + i); };
+  for (int i = 0; i < 10; ++i) {
+    auto* io = m.mutable_monitordata()->add_readiorequest();
+    io->set_name(name('o', i));
+    io->set_type(fri::BOOLEAN);
+    io->set_direction(fri::OUTPUT);
+  }
+  ASSERT_EQ(session_.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
+  for (int i = 0; i < 10; ++i)
+    ASSERT_EQ(session_.Write({.name = FriName(name('o', i)), .digital = ~0ull}), FriOutputError::kNone);
   m = Monitoring(2, fri::COMMANDING_ACTIVE);
-  m.mutable_ipodata()->set_clientcommandmode(fri::TORQUE);
-  session_.Accept(Bytes(m), 2, state_);
-  EXPECT_EQ(Answer(Joints(0.9)).commanddata().jointtorque().value_size(), 7);
+  for (int i = 0; i < 5; ++i) m.add_requestedtransformations()->set_name(name('f', i));
+  ASSERT_EQ(session_.Accept(Bytes(m), 2, state_), FriAccept::kAccepted);
+  for (int i = 0; i < 5; ++i)
+    ASSERT_EQ(session_.Transform({.name = FriName(name('f', i))}), FriOutputError::kNone);
+  const auto answer = Answer(Joints(0.9));
+  EXPECT_EQ(Position(answer), Joints(0.9));
+  EXPECT_EQ(answer.commanddata().writeiorequest_size(), 0);
+  EXPECT_EQ(answer.commanddata().commandedtransformations_size(), 0);
 }
 
 TEST_F(FriSessionTest, ReflectsTheArmsCounterAndCountsItsOwn) {
   for (std::uint32_t i = 0; i < 3; ++i) {
     Take(100 + i);
     const auto answer = Answer(Joints(0.9));
-    EXPECT_EQ(answer.header().sequencecounter(), i);
+    EXPECT_EQ(answer.header().sequencecounter(), 1 + i);
     EXPECT_EQ(answer.header().reflectedsequencecounter(), 100 + i);
     EXPECT_TRUE(session_.Answer(ArmCommand{}).empty()) << "one answer a message";
   }
@@ -153,12 +470,13 @@ TEST_F(FriSessionTest, CountsLossDuplicatesAndReordering) {
   EXPECT_EQ(Take(11), FriAccept::kDuplicate);
   EXPECT_EQ(Take(15), FriAccept::kAccepted);  // 12, 13, 14 missing
   EXPECT_EQ(state_.lost, 3u);
-  EXPECT_EQ(Take(13), FriAccept::kLate);  // came after all
+  EXPECT_EQ(Take(13), FriAccept::kReordered);  // came after all
   EXPECT_EQ(Take(13), FriAccept::kDuplicate);
   EXPECT_EQ(Take(10), FriAccept::kDuplicate);
   EXPECT_EQ(state_.sequence, 15u) << "never goes back";
   EXPECT_EQ(state_.lost, 2u);
-  EXPECT_EQ(state_.late, 1u);
+  EXPECT_EQ(state_.reordered, 1u);
+  EXPECT_EQ(state_.late, 0u);
   EXPECT_EQ(state_.duplicate, 3u);
   EXPECT_EQ(state_.rejected, 0u);
 }
@@ -168,13 +486,14 @@ TEST_F(FriSessionTest, CountsAcrossTheCountersWrap) {
   EXPECT_EQ(Take(0xffffffffu), FriAccept::kAccepted);
   EXPECT_EQ(Take(1), FriAccept::kAccepted);
   EXPECT_EQ(state_.lost, 1u);
-  EXPECT_EQ(Take(0), FriAccept::kLate);
+  EXPECT_EQ(Take(0), FriAccept::kReordered);
   EXPECT_EQ(state_.lost, 0u);
 }
 
 TEST_F(FriSessionTest, ANewSessionOfTheArmBeginsInMonitoringOnly) {
   Take(5000, fri::COMMANDING_ACTIVE);
-  EXPECT_EQ(Take(3, fri::COMMANDING_ACTIVE), FriAccept::kLate) << "an old command state must not come back";
+  EXPECT_EQ(Take(3, fri::COMMANDING_ACTIVE), FriAccept::kReordered)
+      << "an old command state must not come back";
   EXPECT_EQ(Take(4, fri::MONITORING_WAIT), FriAccept::kAccepted);
   EXPECT_EQ(state_.sequence, 4u);
   EXPECT_EQ(state_.lost, 0u);
@@ -190,14 +509,36 @@ TEST_F(FriSessionTest, CountsAndExplainsWhatItRejects) {
   EXPECT_TRUE(session_.Answer(ArmCommand{}).empty()) << "noise is not answered";
 }
 
-TEST_F(FriSessionTest, DoesNotAllocate) {
-  const auto bytes = Bytes(Monitoring(8, fri::COMMANDING_ACTIVE));
-  rt::NoAllocScope scope;
-  session_.Accept(bytes, 1, state_);
-  const std::size_t size = session_.Answer(ArmCommand{state_.q_ipo}).size();
-  EXPECT_EQ(scope.heap_calls(), 0);
-  EXPECT_EQ(scope.locks(), 0);
-  EXPECT_EQ(size, 77u);
+TEST_F(FriSessionTest, NeitherAllocatesNorLocksInAnyVersionAndMode) {
+  for (const FriVersion version : kFriVersions)
+    for (const auto mode : {fri::POSITION, fri::WRENCH, fri::TORQUE, fri::CARTESIAN_POSE}) {
+      const FriFamily family = FamilyOf(version);
+      if (mode == fri::CARTESIAN_POSE && family == FriFamily::k1) continue;
+      FriSession session({.version = version});
+      fri::FRIMonitoringMessage m = Monitoring(8, fri::COMMANDING_ACTIVE, family);
+      m.mutable_ipodata()->set_clientcommandmode(mode);
+      m.add_requestedtransformations()->set_name("cup");
+      auto* io = m.mutable_monitordata()->add_readiorequest();
+      io->set_name("On");
+      io->set_type(fri::BOOLEAN);
+      io->set_direction(fri::OUTPUT);
+      const auto bytes = Datagram(family, m);
+      const FriFamily stranger = family == FriFamily::k2_7 ? FriFamily::k1 : FriFamily::k2_7;
+      const auto other = Datagram(stranger, Monitoring(9, fri::IDLE, stranger));
+      rt::NoAllocScope scope;
+      const FriAccept accepted = session.Accept(bytes, 1, state_);
+      (void)session.Accept(other, 1, state_);
+      const FriOutputError wrote = session.Write({.name = FriName("On"), .digital = 1});
+      const FriOutputError moved = session.Transform({.name = FriName("cup")});
+      const std::size_t size =
+          session.Answer({.q = state_.q_ipo, .activation = state_.activation, .tau = state_.tau_ext}).size();
+      EXPECT_EQ(scope.heap_calls(), 0);
+      EXPECT_EQ(scope.locks(), 0);
+      EXPECT_EQ(accepted, FriAccept::kAccepted);
+      EXPECT_EQ(wrote, FriOutputError::kNone);
+      EXPECT_EQ(moved, FriOutputError::kNone);
+      EXPECT_GT(size, 77u);
+    }
 }
 
 }  // namespace

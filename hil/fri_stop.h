@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace osteon::hil {
+
+/// Why the arm ended commanding, would not begin it, or closed the session.
+enum class StopReason : std::uint8_t {
+  kNone,
+  kQualityTimeout,  ///< the session closes
+  kLostInARow,      ///< the arm holds; back to monitoring
+  kLostPerSecond,   ///< the same
+  kControlMode,    ///< the program asks for a command mode that the control mode has not; stays in monitoring
+  kEmergencyStop,  ///< this and the following: safety stop; the drives go off until it is acknowledged
+  kNotMirrored,
+  kCount,
+  kNotFinite,
+  kJointLimit,
+  kJointStep,
+  kAxisDelta,  ///< compliant, and commanded too far from where the arm is: "illegal axis delta"
+};
+
+/// What stopped the arm, with the figures that did.
+struct StopReport {
+  StopReason reason{StopReason::kNone};
+  std::uint32_t sequence{0};  ///< of the monitoring message whose answer it was
+  int joint{0};               ///< 1 … 7 where one joint is to blame, otherwise 0
+  double found{0.0};          ///< rad, answers, values or a mode's number, by reason
+  double accepted{0.0};       ///< the bound, in the same unit
+};
+
+/// One line for a screen, e.g. "joint step: A4 moved 0.0120 rad in one command, accepted 0.0014".
+[[nodiscard]] std::string Describe(const StopReport& stop);
+
+}  // namespace osteon::hil

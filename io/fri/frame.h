@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "control/rt/marker.h"
+
+// What FRI 2.7 puts around each message:
+//
+//     u32 length, little-endian | protobuf, `length` bytes | u32 CRC-32 of the protobuf, little-endian
+//
+// The CRC is zlib's (polynomial 0x04C11DB7, reflected). Bare messages can not be mistaken for framed ones:
+// they begin with 0a 08 or the like, as a length some 100 MB.
+
+namespace osteon::io {
+
+inline constexpr std::size_t kFriFrameHead = 4, kFriFrameTail = 4;
+
+enum class FrameError : std::uint8_t {
+  kNone = 0,
+  kNotFramed,  ///< the length is not the datagram's
+  kChecksum,   ///< it is, and the CRC is not the protobuf's
+};
+
+/// The protobuf inside; `body` changes on kNone only.
+[[nodiscard]] FrameError Unframe(std::span<const std::uint8_t> datagram,
+                                 std::span<const std::uint8_t>& body) OSTEON_RT;
+
+/// Puts the frame around a protobuf of `size` bytes that lies at buffer[kFriFrameHead]; the buffer has room
+/// for the tail. @returns the datagram's size.
+std::size_t Frame(std::span<std::uint8_t> buffer, std::size_t size) OSTEON_RT;
+
+}  // namespace osteon::io

@@ -1,0 +1,87 @@
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "config/load.h"
+
+// What a cell may say of its link: both ends hear it.
+
+namespace osteon::config {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class FriKeys : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::copy(fs::path(OSTEON_SOURCE_DIR) / "config", folder_, fs::copy_options::recursive);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  CellConfig LoadWith(const std::string& keys) const {
+    const fs::path cell = folder_ / "cells/thin_plate.yaml";
+    std::stringstream text;
+    text << std::ifstream(cell).rdbuf();
+    std::string edited = text.str();
+    const std::string before = "  period_ms: 1\n";
+    const std::size_t at = edited.find(before);
+    if (at == std::string::npos) throw std::logic_error("the cell has changed");
+    edited.insert(at, keys);
+    std::ofstream(cell) << edited;
+    return LoadCell(cell);
+  }
+  std::string Refusal(const std::string& keys) const {
+    try {
+      (void)LoadWith(keys);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  const fs::path folder_ =
+      fs::temp_directory_path() / ("osteon_fri_keys_" + std::to_string(::getpid()) + "_" +
+                                   testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+TEST_F(FriKeys, AreTheLibrarysWhereTheCellSaysNothing) {
+  const CellConfig cell = LoadWith("");
+  EXPECT_EQ(cell.fri.session.version, io::FriVersion::k1_15);
+  EXPECT_EQ(cell.simulated.fri.version, io::FriVersion::k1_15);
+  EXPECT_EQ(cell.fri.session.torque_order, io::FriTorqueOrder::kZyx);
+  EXPECT_TRUE(cell.simulated.fri.torques_zyx);
+  EXPECT_EQ(cell.simulated.fri.receive_multiplier, 1);
+}
+
+TEST_F(FriKeys, ReachLinkAndSimulatedArm) {
+  const CellConfig cell = LoadWith("  version: 2.7\n  wrench_torques: xyz\n  receive_multiplier_count: 2\n");
+  EXPECT_EQ(cell.fri.session.version, io::FriVersion::k2_7);
+  EXPECT_EQ(cell.simulated.fri.version, io::FriVersion::k2_7);
+  EXPECT_EQ(cell.fri.session.torque_order, io::FriTorqueOrder::kXyz);
+  EXPECT_FALSE(cell.simulated.fri.torques_zyx);
+  EXPECT_EQ(cell.simulated.fri.receive_multiplier, 2);
+}
+
+TEST_F(FriKeys, EveryVersionHasItsName) {
+  const fs::path fresh = folder_ / "cells/thin_plate.yaml";
+  const fs::path kept = folder_ / "kept.yaml";
+  fs::copy_file(fresh, kept);
+  for (const io::FriVersion version : io::kFriVersions) {
+    fs::copy_file(kept, fresh, fs::copy_options::overwrite_existing);
+    EXPECT_EQ(LoadWith(std::string("  version: ") + Name(version) + "\n").fri.session.version, version);
+  }
+}
+
+TEST_F(FriKeys, RefusesAVersionThatIsNotSpoken) {
+  const std::string text = Refusal("  version: 2.6\n");
+  EXPECT_THAT(text, HasSubstr("thin_plate.yaml:"));
+  EXPECT_THAT(text, HasSubstr("version: found 2.6, accepted 1.11"));
+  EXPECT_THAT(text, HasSubstr("2.7"));
+}
+
+}  // namespace
+}  // namespace osteon::config
