@@ -118,6 +118,12 @@ void ReadFri(Reader section, FriConfig& fri, hil::FriServerParams& arm) {
   arm.torques_zyx = fri.session.torque_order == io::FriTorqueOrder::kZyx;
 }
 
+// Of the simulated arm's drives, by what each of them can do.
+struct DriveFriction {
+  double coulomb_share{0.0};  ///< of its torque limit
+  double viscous_share{0.0};  ///< of its torque limit, at its velocity limit
+};
+
 void ReadHand(Reader section, hil::OperatorHandParams& hand) {
   hand.stiffness_N_per_m = section.Number("stiffness_N_per_m", 50, 50000);
   hand.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0.1, 1000);
@@ -132,10 +138,40 @@ void ReadHand(Reader section, hil::OperatorHandParams& hand) {
   hand.tremor_seed = static_cast<std::uint64_t>(section.Whole("tremor_seed", 0, 1'000'000'000));
 }
 
-void ReadSimulatedArm(Reader section, hil::ServoArmParams& arm, int period_ms) {
-  arm.bandwidth_hz = section.Number("bandwidth_hz", 0.5, 200);
-  arm.damping_ratio = section.Number("damping_ratio", 0.1, 5);
-  arm.dead_cycles = static_cast<int>(std::lround(section.Number("dead_time_ms", 0, 30) * 1e3 / period_ms));
+void ReadMount(Reader section, hil::FlexibleMountParams& mount) {
+  mount.stiffness_N_per_m = section.Number("stiffness_N_per_m", 1e4, 1e9);
+  mount.stiffness_Nm_per_rad = section.Number("stiffness_Nm_per_rad", 1e3, 1e8);
+  mount.damping_ratio = section.Number("damping_ratio", 0, 2);
+  mount.mass_kg = section.Number("mass_kg", 1, 5000);
+  mount.inertia_kg_m2 = section.Number("inertia_kg_m2", 0.01, 1000);
+}
+
+void ReadDynamicArm(Reader section, hil::DynamicArmParams& arm, DriveFriction& friction) {
+  arm.mass_error = section.Number("mass_error_ratio", -0.5, 0.5);
+  friction.coulomb_share = section.Number("coulomb_ratio", 0, 0.2);
+  friction.viscous_share = section.Number("viscous_ratio", 0, 0.5);
+  arm.friction_compensation = section.Number("friction_compensation_ratio", 0, 1);
+  arm.stiffness_Nm_per_rad.setConstant(section.Number("joint_stiffness_Nm_per_rad", 0, 1e4));
+  arm.stiffness_N_per_m = section.Number("stiffness_N_per_m", 0, 1e4);
+  arm.stiffness_Nm_per_rad_turn = section.Number("stiffness_Nm_per_rad", 0, 1e3);
+  arm.joint_damping_ratio = section.Number("damping_ratio", 0, 2);
+  arm.cartesian_damping_ratio = arm.joint_damping_ratio;
+  arm.substeps = section.Whole("substep_count", 1, 1000);
+  if (section.Has("mount")) ReadMount(section.Section("mount"), arm.mount.emplace());
+}
+
+void ReadSimulatedArm(Reader section, hil::SimulatedCellParams& cell, DriveFriction& friction) {
+  cell.level = static_cast<hil::ArmLevel>(section.Choice("level", {"kinematic", "servo", "dynamic"}));
+  hil::ServoArmParams& servo = cell.servo;
+  servo.bandwidth_hz = section.Number("bandwidth_hz", 0.5, 200);
+  servo.damping_ratio = section.Number("damping_ratio", 0.1, 5);
+  servo.dead_cycles =
+      static_cast<int>(std::lround(section.Number("dead_time_ms", 0, 30) * 1e3 / cell.fri.send_period_ms));
+  cell.dynamic.bandwidth_hz = servo.bandwidth_hz;
+  cell.dynamic.damping_ratio = servo.damping_ratio;
+  cell.dynamic.dead_cycles = servo.dead_cycles;
+  if (cell.level == hil::ArmLevel::kDynamic || section.Has("dynamic"))
+    ReadDynamicArm(section.Section("dynamic"), cell.dynamic, friction);
 }
 
 void ReadLinkQuality(Reader section, hil::QualityPolicyParams& quality) {
@@ -237,6 +273,21 @@ void CarryPayload(const kinematics::LinkInertia& sensor_F, CellConfig& cell) {
   cell.chain = kinematics::WithPayload(cell.chain, kinematics::Joined(sensor_F, tool_F));
 }
 
+// The simulated arm is the real one, with friction.
+void GiveMasses(const Reader& section, const DriveFriction& friction, CellConfig& cell) {
+  cell.simulated.chain = cell.chain;
+  for (kinematics::RevoluteJoint& joint : cell.simulated.chain.joints) {
+    const kinematics::JointLimits& limits = joint.limits;
+    joint.friction.coulomb_Nm += friction.coulomb_share * limits.torque_Nm;
+    joint.friction.viscous_Nms_per_rad +=
+        friction.viscous_share * limits.torque_Nm / limits.velocity_rad_per_s;
+    if (cell.simulated.level == hil::ArmLevel::kDynamic && !(cell.chain.has_masses && limits.torque_Nm > 0.0))
+      section.Refuse("level",
+                     "found dynamic, accepted kinematic or servo: the robot's file has no masses or "
+                     "no torques");
+  }
+}
+
 // The materials that a scene needs, in its order, from those of a file.
 std::vector<simulation::Material> Pick(const Reader& cell, const std::filesystem::path& file,
                                        const std::vector<std::string>& names) {
@@ -324,7 +375,9 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   const Reader hand = reader.Section("operator"), script = reader.Section("script");
   ReadHand(hand, cell.simulated.hand);
   cell.script = ReadScript(script);
-  ReadSimulatedArm(reader.Section("simulated_arm"), cell.simulated.servo, cell.simulated.fri.send_period_ms);
+  DriveFriction friction;
+  const Reader simulated_arm = reader.Section("simulated_arm");
+  ReadSimulatedArm(simulated_arm, cell.simulated, friction);
   const Reader link_quality = reader.Section("link_quality");
   ReadLinkQuality(link_quality, cell.simulated.fri.quality);
   reader.Finish();
@@ -343,6 +396,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadArm(reader, robot, cell);
   cell.tool = ChooseTool(reader, own_tool, tool);
   CarryPayload(sensor_F, cell);
+  GiveMasses(simulated_arm, friction, cell);
   cell.scene = LoadScene(scene);
   cell.scene.materials = Pick(reader, materials, cell.scene.material_names);
   PlaceArm(start, cell);

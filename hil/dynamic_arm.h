@@ -3,8 +3,8 @@
 #include <array>
 #include <optional>
 
+#include "hil/arm_model.h"
 #include "hil/flexible_mount.h"
-#include "hil/simulated_arm.h"
 #include "kinematics/serial_chain.h"
 
 namespace osteon::hil {

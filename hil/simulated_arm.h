@@ -1,23 +1,13 @@
 #pragma once
 
-#include <cstdint>
+#include <memory>
 
-#include "control/rt/marker.h"
-#include "kinematics/chain_params.h"
-#include "kinematics/spatial.h"
+#include "hil/arm_model.h"
+#include "hil/dynamic_arm.h"
+#include "hil/servo_arm.h"
+#include "kinematics/lbr_params.h"
 
 namespace osteon::hil {
-
-/// How the arm's own controller takes commands: the FRI control modes.
-enum class ArmControl : std::uint8_t { kPosition, kCartesianImpedance, kJointImpedance };
-
-/// What the arm's controller is told for a cycle.
-struct ArmDrive {
-  ArmControl control{ArmControl::kPosition};
-  kinematics::JointVectorN<7> q_cmd{kinematics::JointVectorN<7>::Zero()};   ///< [rad]
-  kinematics::JointVectorN<7> tau_Nm{kinematics::JointVectorN<7>::Zero()};  ///< on top, in joint impedance
-  Wrench F_T_B{};  ///< on top, in Cartesian impedance: at the motion's centre (the tool), in B
-};
 
 /// How much of an arm is modelled. Each has what the one before leaves out.
 enum class ArmLevel : std::uint8_t {
@@ -26,24 +16,20 @@ enum class ArmLevel : std::uint8_t {
   kDynamic,    ///< masses, friction, torque limits, impedance, a mounting that gives (DynamicArm)
 };
 
-/// Seven joints that follow commands. One writer; deterministic; Step() does not allocate.
-class SimulatedArm {
- public:
-  virtual ~SimulatedArm() = default;
-
-  /// Advances by one period, with what is told and what presses on the tool at its beginning.
-  /// @param F_T_B  wrench that acts on the tool from outside, at the motion's centre, in B
-  virtual void Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT = 0;
-
-  [[nodiscard]] virtual const kinematics::JointVectorN<7>& q() const OSTEON_RT = 0;   ///< [rad]
-  [[nodiscard]] virtual const kinematics::JointVectorN<7>& qd() const OSTEON_RT = 0;  ///< [rad/s]
-  /// What the joints' torque sensors read [N·m]; zero where the level has no torques.
-  [[nodiscard]] virtual kinematics::JointVectorN<7> tau_measured_Nm() const OSTEON_RT = 0;
-  /// The controller's estimate of what the outside exerts on the joints [N·m]: J^T F of the present wrench,
-  /// and what its model of the arm gets wrong.
-  [[nodiscard]] virtual kinematics::JointVectorN<7> tau_external_Nm() const OSTEON_RT = 0;
-  /// Where the base is, seen from where it stands at rest; joints and flange are measured from it.
-  [[nodiscard]] virtual Pose X_BBnow() const OSTEON_RT { return Pose::Identity(); }
+struct SimulatedArmParams {
+  ArmLevel level{ArmLevel::kServo};
+  kinematics::LbrParams lbr{};  ///< kKinematic, kServo
+  ServoArmParams servo{};       ///< kServo
+  DynamicArmParams dynamic{};   ///< kDynamic
+  /// kDynamic: the same arm with masses, with what hangs on its flange.
+  kinematics::ChainParams<7> chain{};
+  Vector3 gravity_B_m_per_s2{kinematics::kGravity_W_m_per_s2};
+  Vector3 p_FT_m{Vector3::Zero()};  ///< the motion's centre, in the flange's frame
+  kinematics::JointVectorN<7> q_start{kinematics::JointVectorN<7>::Zero()};
 };
+
+/// @throws std::invalid_argument from the level's own arm.
+[[nodiscard]] std::unique_ptr<SimulatedArm> MakeSimulatedArm(const SimulatedArmParams& params,
+                                                             double period_s);
 
 }  // namespace osteon::hil

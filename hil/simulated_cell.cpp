@@ -10,6 +10,30 @@ using kinematics::JointVector;
 
 JointVector ToVector(const control::JointArray& q) { return Eigen::Map<const JointVector>(q.data()); }
 
+Wrench Turned(const Matrix3& R_AB, const Wrench& F_B) { return {.f = R_AB * F_B.f, .t = R_AB * F_B.t}; }
+
+SimulatedArmParams BodyOf(const SimulatedCellParams& params) {
+  return {.level = params.level,
+          .lbr = params.arm,
+          .servo = params.servo,
+          .dynamic = params.dynamic,
+          .chain = params.chain,
+          .gravity_B_m_per_s2 = Pose(params.X_WB).linear().transpose() * kinematics::kGravity_W_m_per_s2,
+          .p_FT_m = Pose(params.X_FT).translation(),
+          .q_start = ToVector(params.q_start)};
+}
+
+ArmControl ControlOf(control::ControlMode mode) {
+  switch (mode) {
+    case control::ControlMode::kCartesianImpedance:
+      return ArmControl::kCartesianImpedance;
+    case control::ControlMode::kJointImpedance:
+      return ArmControl::kJointImpedance;
+    default:
+      return ArmControl::kPosition;
+  }
+}
+
 }  // namespace
 
 SimulatedCell::SimulatedCell(const SimulatedCellParams& params, HandScript script)
@@ -17,7 +41,7 @@ SimulatedCell::SimulatedCell(const SimulatedCellParams& params, HandScript scrip
       X_WB_(params.X_WB),
       X_FT_(params.X_FT),
       server_(params.fri, params.arm.limits, ToVector(params.q_start)),
-      servo_(params.servo, params.arm.limits, server_.period_s(), ToVector(params.q_start)),
+      body_(MakeSimulatedArm(BodyOf(params), server_.period_s())),
       hand_(params.hand, std::move(script)) {
   server_.Open();
 }
@@ -26,17 +50,20 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   // the client's answer, and the arm's move with it
   const bool was_active = server_.state() == control::SessionState::kCommandingActive;
   server_.EndCycle(client_had_its_time);
-  servo_.Step(server_.q_commanded());
+  const Matrix3 R_BT = (arm_.FlangePose(body_->q()) * X_FT_).linear();
+  ArmDrive drive;
+  drive.control = ControlOf(server_.control_mode());
+  drive.q_cmd = server_.q_commanded();
+  drive.tau_Nm = server_.tau_commanded();
+  drive.F_T_B = Turned(R_BT, server_.F_commanded());
+  body_->Step(drive, F_hand_T_B_);
   const bool active = server_.state() == control::SessionState::kCommandingActive;
 
-  // the tool, as measured
-  const Pose X_BF = arm_.FlangePose(servo_.q());
-  const kinematics::Jacobian J = arm_.FlangeJacobian(servo_.q());
-  const Eigen::Matrix<double, 6, 1> V_BF = J * servo_.qd();
-  const Vector3 p_FT_B = X_BF.linear() * X_FT_.translation();
-  const Twist V_WT{.v = X_WB_.linear() * (V_BF.head<3>() + V_BF.tail<3>().cross(p_FT_B)),
-                   .w = X_WB_.linear() * V_BF.tail<3>()};
-  const Pose X_WT = X_WB_ * X_BF * X_FT_;
+  // the tool, as it is
+  const Pose X_BT = arm_.FlangePose(body_->q()) * X_FT_;
+  const Pose X_WT = X_WB_ * body_->X_BBnow() * X_BT;
+  const Eigen::Matrix<double, 6, 1> V_BT = arm_.JacobianAt(body_->q(), X_FT_.translation()) * body_->qd();
+  const Twist V_WT{.v = X_WB_.linear() * V_BT.head<3>(), .w = X_WB_.linear() * V_BT.tail<3>()};
 
   // the hand
   Wrench F_T_W;
@@ -49,17 +76,12 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
     F_T_W = hand_.Step(state_.cell_time_s, period_s(), X_WT, V_WT);
   }
 
-  // what the joints feel of it: tau = J^T F, F moved to the flange and expressed in B
-  const Matrix3 R_BW = X_WB_.linear().transpose();
-  Eigen::Matrix<double, 6, 1> F_F_B;
-  F_F_B.head<3>() = R_BW * F_T_W.f;
-  F_F_B.tail<3>() = R_BW * F_T_W.t + p_FT_B.cross(Vector3(F_F_B.head<3>()));
+  F_hand_T_B_ = Turned(X_WB_.linear().transpose(), F_T_W);
 
-  const Matrix3 R_TW = X_WT.linear().transpose();
-  const auto datagram = server_.BeginCycle({.q = servo_.q(),
-                                            .tau_ext = J.transpose() * F_F_B,
-                                            .X_BC = Pose(X_BF * X_FT_),
-                                            .F_C_C = Wrench{.f = R_TW * F_T_W.f, .t = R_TW * F_T_W.t}},
+  const auto datagram = server_.BeginCycle({.q = body_->q(),
+                                            .tau_ext = body_->tau_external_Nm(),
+                                            .X_BC = X_BT,
+                                            .F_C_C = Turned(X_WT.linear().transpose(), F_T_W)},
                                            now);
 
   ++state_.cycle;
@@ -69,7 +91,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   state_.script_done = state_.active_once && state_.cell_time_s >= hand_.script().duration_s();
   state_.counters = server_.counters();
   state_.stop = server_.stop();
-  std::copy_n(servo_.q().data(), control::kJoints, state_.q_meas.begin());
+  std::copy_n(body_->q().data(), control::kJoints, state_.q_meas.begin());
   std::copy_n(server_.q_commanded().data(), control::kJoints, state_.q_cmd.begin());
   state_.X_WT_meas = X_WT;
   state_.v_WT_meas_m_per_s = V_WT.v;

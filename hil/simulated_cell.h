@@ -1,13 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "control/ports.h"
 #include "control/rt/latest_value.h"
 #include "hil/fri_server.h"
 #include "hil/operator_hand.h"
-#include "hil/servo_arm.h"
+#include "hil/simulated_arm.h"
 #include "kinematics/lbr_arm.h"
 
 namespace osteon::hil {
@@ -15,7 +16,10 @@ namespace osteon::hil {
 /// What plays the device.
 struct SimulatedCellParams {
   kinematics::LbrParams arm{};  ///< no default
+  ArmLevel level{ArmLevel::kServo};
   ServoArmParams servo{};
+  DynamicArmParams dynamic{};
+  kinematics::ChainParams<7> chain{};  ///< of the dynamic level: the arm with masses, sensor and tool
   FriServerParams fri{};
   OperatorHandParams hand{};
   PlainPose X_WB{};               ///< robot base in world
@@ -54,9 +58,10 @@ struct CellState {
 /// out. The same in wall time (SimulatedCellThread) and in virtual time. Two runs with the same input give
 /// the same bytes.
 ///
-/// The arm is "lagging servo" (ServoArm): stiff against the hand, whose wrench reaches the client through the
-/// sensor alone. There is no bone here: in admittance the contact is virtual, and the hand feels it as the
-/// arm's motion.
+/// How much of the arm is modelled is a level (SimulatedArm). Up to the lagging servo it is stiff against the
+/// hand, whose wrench reaches the client through the sensor alone. There is no bone here: in admittance the
+/// contact is virtual, and the hand feels it as the arm's motion. A mounting that gives moves the tool, but
+/// the hand does not feel its speed.
 ///
 /// The hand takes hold when COMMANDING_ACTIVE begins, and lets go when it ends.
 class SimulatedCell {
@@ -85,7 +90,8 @@ class SimulatedCell {
   kinematics::LbrArm arm_;
   Pose X_WB_, X_FT_;
   FriServer server_;
-  ServoArm servo_;
+  std::unique_ptr<SimulatedArm> body_;
+  Wrench F_hand_T_B_;
   OperatorHand hand_;
   std::uint64_t active_cycles_{0};
   CellState state_;

@@ -158,18 +158,19 @@ TEST(SimulatedCell, TheHandHoldsOnlyWhileTheArmIsCommanded) {
 }
 
 // tau_i is the work of the hand's wrench for a unit turn of joint i: from differences of the forward
-// kinematics alone.
+// kinematics alone. The wrench of a step acts in the next one.
 TEST(SimulatedCell, ExternalTorqueIsTheHandsVirtualWork) {
   const SimulatedCellParams params = CellParams();
   SimulatedCell cell(params, ScriptBelow(params, 1.0));
   TestClient client;
   Bytes message;
+  Wrench F;
   for (int k = 0; k < 5000 && cell.state().cell_time_s < 0.5; ++k) {
+    F = cell.force().F_T_W;
     const auto bytes = cell.Step(k * rt::kMillisecond);
     message.assign(bytes.begin(), bytes.end());
     cell.Receive(client.Answer(message));
   }
-  const Wrench F = cell.force().F_T_W;
   ASSERT_GT(F.f.norm(), 10.0);
   ASSERT_GT(F.t.norm(), 0.1);
   const auto tau = DoublesAt(message, {3, 5, 1});

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+
+#include "control/rt/marker.h"
+#include "kinematics/chain_params.h"
+#include "kinematics/spatial.h"
+
+namespace osteon::hil {
+
+/// How the arm's own controller takes commands: the FRI control modes.
+enum class ArmControl : std::uint8_t { kPosition, kCartesianImpedance, kJointImpedance };
+
+/// What the arm's controller is told for a cycle.
+struct ArmDrive {
+  ArmControl control{ArmControl::kPosition};
+  kinematics::JointVectorN<7> q_cmd{kinematics::JointVectorN<7>::Zero()};   ///< [rad]
+  kinematics::JointVectorN<7> tau_Nm{kinematics::JointVectorN<7>::Zero()};  ///< on top, in joint impedance
+  Wrench F_T_B{};  ///< on top, in Cartesian impedance: at the motion's centre (the tool), in B
+};
+
+/// Seven joints that follow commands. One writer; deterministic; Step() does not allocate.
+class SimulatedArm {
+ public:
+  virtual ~SimulatedArm() = default;
+
+  /// Advances by one period, with what is told and what presses on the tool at its beginning.
+  /// @param F_T_B  wrench that acts on the tool from outside, at the motion's centre, in B
+  virtual void Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT = 0;
+
+  [[nodiscard]] virtual const kinematics::JointVectorN<7>& q() const OSTEON_RT = 0;   ///< [rad]
+  [[nodiscard]] virtual const kinematics::JointVectorN<7>& qd() const OSTEON_RT = 0;  ///< [rad/s]
+  /// What the joints' torque sensors read [N·m]; zero where the level has no torques.
+  [[nodiscard]] virtual kinematics::JointVectorN<7> tau_measured_Nm() const OSTEON_RT = 0;
+  /// The controller's estimate of what the outside exerts on the joints [N·m]: J^T F of the present wrench,
+  /// and what its model of the arm gets wrong.
+  [[nodiscard]] virtual kinematics::JointVectorN<7> tau_external_Nm() const OSTEON_RT = 0;
+  /// Where the base is, seen from where it stands at rest; joints and flange are measured from it.
+  [[nodiscard]] virtual Pose X_BBnow() const OSTEON_RT { return Pose::Identity(); }
+};
+
+}  // namespace osteon::hil
