@@ -244,7 +244,6 @@ std::span<const std::uint8_t> FriServer::BeginCycle(const ArmMeasurement& measur
   m.receive_multiplier = static_cast<std::uint32_t>(params_.receive_multiplier);
   m.q_meas = ToArray(measured.q);
   m.q_cmd = ToArray(q_commanded_);
-  // No link masses: what the joints measure is what acts on them from outside, and what they hold against it.
   q_measured_ = measured.q;
   X_measured_ = measured.X_BC;
   if (params_.external_torque_cutoff_hz > 0.0)
@@ -253,7 +252,7 @@ std::span<const std::uint8_t> FriServer::BeginCycle(const ArmMeasurement& measur
         (measured.tau_ext - tau_estimated_);
   else
     tau_estimated_ = measured.tau_ext;
-  m.tau_meas = ToArray(measured.tau_ext);
+  m.tau_meas = ToArray(measured.tau_meas);
   m.tau_cmd = ToArray(tau_commanded_);
   m.tau_ext = ToArray(tau_estimated_ + params_.external_torque_offset_Nm);
   m.wire_force = ToWire(measured.F_C_C, params_.torques_zyx);

@@ -65,8 +65,10 @@ struct FriCounters {
 
 /// What the arm measures; goes out with the next message.
 struct ArmMeasurement {
-  kinematics::JointVector q{kinematics::JointVector::Zero()};        ///< [rad]
-  kinematics::JointVector tau_ext{kinematics::JointVector::Zero()};  ///< [N·m]
+  kinematics::JointVector q{kinematics::JointVector::Zero()};  ///< [rad]
+  kinematics::JointVector tau_meas{
+      kinematics::JointVector::Zero()};  ///< [N·m] by the joints' sensors, if any
+  kinematics::JointVector tau_ext{kinematics::JointVector::Zero()};  ///< [N·m] by what acts from outside
   PlainPose X_BC{};     ///< of the motion centre C, in the robot's base
   PlainWrench F_C_C{};  ///< external, on C, in C
 };

@@ -79,6 +79,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   F_hand_T_B_ = Turned(X_WB_.linear().transpose(), F_T_W);
 
   const auto datagram = server_.BeginCycle({.q = body_->q(),
+                                            .tau_meas = body_->tau_measured_Nm(),
                                             .tau_ext = body_->tau_external_Nm(),
                                             .X_BC = X_BT,
                                             .F_C_C = Turned(X_WT.linear().transpose(), F_T_W)},

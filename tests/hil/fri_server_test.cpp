@@ -428,7 +428,7 @@ TEST(FriServer, ExternalTorqueIsAnEstimate) {
     read_Nm =
         DoublesAt(server.BeginCycle({.q = JointVector::Constant(0.5), .tau_ext = tau}, 1), {3, 5, 1})[0];
   EXPECT_NEAR(read_Nm, 8.0 * (1.0 - std::exp(-2.0 * 3.14159265358979 * 10.0 * 0.016)), 1e-9);
-  const auto bytes = server.BeginCycle({.q = JointVector::Constant(0.5), .tau_ext = tau}, 1);
+  const auto bytes = server.BeginCycle({.q = JointVector::Constant(0.5), .tau_meas = tau, .tau_ext = tau}, 1);
   EXPECT_NEAR(DoublesAt(bytes, {3, 5, 1})[2] - DoublesAt(bytes, {3, 5, 1})[0], 0.25, 1e-12);
   EXPECT_EQ(DoublesAt(bytes, {3, 2, 1})[0], 8.0) << "the measured torque is not filtered";
 }
