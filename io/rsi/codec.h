@@ -15,6 +15,7 @@
 namespace osteon::io {
 
 inline constexpr std::size_t kRsiMaxDatagram = 2048;
+inline constexpr double kRsiMaxValue = 1e6;  ///< [mm, deg] either way: beyond it no arm of this world is
 
 enum class RsiErrorCode : std::uint8_t {
   kNone = 0,
