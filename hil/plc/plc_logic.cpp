@@ -65,10 +65,10 @@ const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs&
 
   // the reset button, pressed: what has its cause gone is cleared
   if (inputs.reset && !reset_before_) {
-    std::uint16_t standing = latching;
-    if (!controller_.lives) standing |= latched_ & Bit(PlcBlock::kControllerLost);
-    if (!guard_.lives) standing |= latched_ & Bit(PlcBlock::kGuardLost);
-    latched_ &= standing;
+    int standing = latching;
+    if (!controller_.lives) standing |= Bit(PlcBlock::kControllerLost);
+    if (!guard_.lives) standing |= Bit(PlcBlock::kGuardLost);
+    latched_ = static_cast<std::uint16_t>(latched_ & standing);
   }
   reset_before_ = inputs.reset;
 

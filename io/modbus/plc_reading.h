@@ -27,11 +27,11 @@ struct PlcCounters {
 struct PlcReading {
   rt::Nanoseconds stamp{0};  ///< when the block was asked for: it is no older; 0: none yet
   PlcLink link{PlcLink::kConnecting};
-  PlcInputs inputs;
+  PlcInputs inputs{};
   rt::Nanoseconds heartbeat_changed{0};  ///< when PLC_HEARTBEAT was last seen to change (stamp of that block)
-  PlcBadRegister bad;                    ///< the last register that was out of range; address 0: none
+  PlcBadRegister bad{};                  ///< the last register that was out of range; address 0: none
   int last_error{0};                     ///< errno (libmodbus' included) of the last failure; 0: none
-  PlcCounters counters;
+  PlcCounters counters{};
 };
 
 /// Why motion is not permitted; the first that holds.

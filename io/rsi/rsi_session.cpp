@@ -43,6 +43,7 @@ RsiSession::RsiSession(const RsiSessionParams& params)
           "1 … 1000: 1, or the cycle's milliseconds");
   Require(params.timeout_cycles >= 1, "timeout_cycles", params.timeout_cycles, ">= 1");
   Require(params.settle_messages >= 1, "settle_messages", params.settle_messages, ">= 1");
+  Require(params.late_at_start >= 0, "late_at_start", params.late_at_start, ">= 0");
   Require(params.decimals >= -1 && params.decimals <= 9, "decimals", params.decimals,
           "0 … 9, or -1 for the layout's own");
   for (std::size_t i = 0; i < kAxes; ++i)
@@ -68,7 +69,7 @@ RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
   RsiAccept result = RsiAccept::kAccepted;
   std::uint32_t ahead = 0;
   Order order = CheckSequence(message.ipoc, stamp, ahead);
-  if (joined_late_ && order == Order::kNext && message.delay.value_or(1) == 0) order = Order::kFirst;
+  if (joined_late_ && order == Order::kNext && !TooLate(message)) order = Order::kFirst;
   switch (order) {
     case Order::kFirst:
       Begin(message);
@@ -138,6 +139,10 @@ RsiSession::Order RsiSession::CheckSequence(std::uint64_t ipoc, rt::Nanoseconds 
   return Order::kLate;
 }
 
+bool RsiSession::TooLate(const RsiRobotMessage& first) const OSTEON_RT {
+  return first.delay.value_or(0) > static_cast<std::uint32_t>(params_.late_at_start);
+}
+
 void RsiSession::Begin(const RsiRobotMessage& message) OSTEON_RT {
   has_last_ = true;
   seen_ = 1;
@@ -145,7 +150,7 @@ void RsiSession::Begin(const RsiRobotMessage& message) OSTEON_RT {
   awaiting_ = false;
   stop_ = false;
   total_ = sent_ = applied_ = sum_before_ = {};
-  joined_late_ = message.delay.value_or(0) > 0;
+  joined_late_ = TooLate(message);
   start_deg_ = message.axes_set.value_or(*message.axes_measured);
   if (chain_) X_BF_start_ = chain_->FlangePose(ToRadians(start_deg_));
   status_.sum = {};

@@ -23,6 +23,9 @@ struct RsiSessionParams {
   int ipoc_step{4};    ///< by which IPOC grows each cycle: 1, or the cycle's milliseconds; >= 1
   int timeout_cycles{100};  ///< the controller's Timeout: after so many late answers RSI has ended; >= 1
   int settle_messages{10};  ///< answered with no correction before the loop may move the arm; >= 1
+  /// Delay that RSI may begin with and still count as just begun, where the first answers are always lost; >=
+  /// 0. A correction that another program had in force before would then be a jump.
+  int late_at_start{0};
   /// Bound on each correction, either way, counted from the start pose [deg; of RKorr mm for X Y Z]; > 0. Set
   /// it inside of the controller's own, whose monitor ends RSI.
   std::array<double, 6> range{90.0, 90.0, 90.0, 90.0, 90.0, 90.0};
@@ -71,9 +74,9 @@ struct RsiStatus {
 ///
 /// A command that is not finite, or whose correction is beyond its range, is not sent: the last one is held
 /// and counted. A session ends where IPOC falls far back, leaps by more than the Timeout, or nothing came for
-/// as long. One that begins with Delay > 0 has been running without us, so that its start pose is not known
-/// and a correction could be a jump: it is not answered. Without the element Delay nobody can tell; configure
-/// it.
+/// as long. One that begins with Delay > late_at_start has been running without us, so that its start pose is
+/// not known and a correction could be a jump: it is not answered. Without the element Delay nobody can tell;
+/// configure it.
 ///
 /// To the loop's seven joints: A7 is zero, external torques are zero, the interpolator rests at q_start.
 /// Allocation-free after construction; one thread at a time.
@@ -111,6 +114,7 @@ class RsiSession {
   enum class Order : std::uint8_t { kFirst, kNext, kDuplicate, kLate };
   // @param ahead  set with kNext: cycles since the message before
   Order CheckSequence(std::uint64_t ipoc, rt::Nanoseconds stamp, std::uint32_t& ahead) OSTEON_RT;
+  bool TooLate(const RsiRobotMessage& first) const OSTEON_RT;
   void Begin(const RsiRobotMessage& message) OSTEON_RT;
   void FollowSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT;
   bool Wanted(const control::ArmCommand& command, std::array<double, 6>& correction) OSTEON_RT;

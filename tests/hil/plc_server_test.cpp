@@ -91,7 +91,7 @@ TEST(PlcServer, ClosesOnWhatIsNoModbusAndServesTheOthers) {
   for (int i = 0; i < 50; ++i) {
     const Raw hostile(server.port());
     std::vector<std::uint8_t> noise(6 + random() % 600);
-    for (auto& byte : noise) byte = random() % 256 & 0xff;
+    for (auto& byte : noise) byte = static_cast<std::uint8_t>(random() % 256);
     noise[2] = 0xff;  // no Modbus for sure
     hostile.Send(noise);
     closed += hostile.Receive() == 0 ? 1 : 0;

@@ -171,6 +171,14 @@ TEST_F(RsiSessionTest, NeverAnswersRsiThatRanWithoutIt) {
   EXPECT_EQ(session_->status().sessions, 1u);
 }
 
+TEST_F(RsiSessionTest, ADelayAtTheStartMayBeTolerated) {
+  Open({.settle_messages = 1, .late_at_start = 2});
+  EXPECT_EQ(Take(1000, 3), RsiAccept::kJoinedLate);
+  EXPECT_EQ(Take(1004, 2), RsiAccept::kAccepted);
+  EXPECT_EQ(Take(1008, 3), RsiAccept::kAccepted) << "the start alone is judged";
+  EXPECT_EQ(session_->status().sessions, 1u);
+}
+
 TEST_F(RsiSessionTest, BeginsAnewWhereRsiDid) {
   const auto correct = [&](std::uint64_t ipoc) {
     ipoc = Settle(ipoc, 2);
@@ -236,6 +244,7 @@ TEST_F(RsiSessionTest, RefusesParametersByName) {
   EXPECT_NE(refused({.cycle_ms = 5}).find("cycle_ms: found 5"), std::string::npos);
   EXPECT_NE(refused({.ipoc_step = 0}).find("ipoc_step: found 0"), std::string::npos);
   EXPECT_NE(refused({.timeout_cycles = 0}).find("timeout_cycles"), std::string::npos);
+  EXPECT_NE(refused({.late_at_start = -1}).find("late_at_start: found -1"), std::string::npos);
   EXPECT_NE(refused({.settle_messages = 0}).find("settle_messages"), std::string::npos);
   EXPECT_NE(refused({.range = {1, 1, 0, 1, 1, 1}}).find("range 3: found 0"), std::string::npos);
   EXPECT_NE(refused({.decimals = 10}).find("decimals"), std::string::npos);
