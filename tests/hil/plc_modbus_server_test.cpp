@@ -98,7 +98,7 @@ TEST(ModbusServer, HostileBytesWriteNothingElse) {
   int whole = 0, broken = 0;
   for (int i = 0; i < 200'000; ++i) {
     Bytes bytes{0, 1, 0, 0, 0, 11, 1, 16, 0x03, 0xde, 0, 2, 4, 0, 9, 0, 1};
-    for (unsigned k = 1 + random() % 3; k > 0; --k)
+    for (auto k = 1 + random() % 3; k > 0; --k)
       bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random() % 256);
     if (random() % 4 == 0) bytes.resize(random() % bytes.size());
     const MbapFrame frame = FrameOf(bytes);
