@@ -43,6 +43,7 @@ RsiSession::RsiSession(const RsiSessionParams& params)
           "1 … 1000: 1, or the cycle's milliseconds");
   Require(params.timeout_cycles >= 1, "timeout_cycles", params.timeout_cycles, ">= 1");
   Require(params.settle_messages >= 1, "settle_messages", params.settle_messages, ">= 1");
+  Require(params.entry_step_deg > 0.0, "entry_step_deg", params.entry_step_deg, "> 0");
   Require(params.late_at_start >= 0, "late_at_start", params.late_at_start, ">= 0");
   Require(params.decimals >= -1 && params.decimals <= 9, "decimals", params.decimals,
           "0 … 9, or -1 for the layout's own");
@@ -82,7 +83,7 @@ RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
       result = RsiAccept::kDuplicate;
       break;
     case Order::kLate:
-      ++counters_.late;
+      ++counters_.reordered;
       result = RsiAccept::kLate;
       break;
   }
@@ -100,11 +101,20 @@ RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
   if (result == RsiAccept::kAccepted) {
     const auto settled = static_cast<std::uint32_t>(params_.settle_messages);
     ++in_session_;
+    if (in_session_ == settled + 1) {
+      ++activation_;
+      holding_ = true;
+    }
+    state.activation = activation_;
+    state.holding = holding_;
     state.stamp = stamp;
     state.sequence = static_cast<std::uint32_t>(message.ipoc);
     state.session = in_session_ <= settled ? SessionState::kCommandingWait : SessionState::kCommandingActive;
     state.quality = 3;
     state.safety_state = 0;
+    state.drives_active = true;  // RSI runs in motion alone
+    state.control_mode = control::ControlMode::kPosition;
+    state.command_mode = control::CommandMode::kPosition;
     state.period_s = 1e-3 * params_.cycle_ms;
     state.q_meas = state.q_ipo = state.tau_ext = {};
     for (std::size_t i = 0; i < kAxes; ++i) {
@@ -147,6 +157,7 @@ void RsiSession::Begin(const RsiRobotMessage& message) OSTEON_RT {
   has_last_ = true;
   seen_ = 1;
   in_session_ = 0;
+  holding_ = false;
   awaiting_ = false;
   stop_ = false;
   total_ = sent_ = applied_ = sum_before_ = {};
@@ -173,6 +184,16 @@ void RsiSession::FollowSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT {
       for (std::size_t i = 0; i < kAxes; ++i) status_.sum[i] += late * applied_[i];
   }
   awaiting_ = false;
+}
+
+// Whether the loop's commands count: it has seen that the arm is handed over, and began where it stands.
+bool RsiSession::MayMove(const control::ArmCommand& command) OSTEON_RT {
+  if (in_session_ <= static_cast<std::uint32_t>(params_.settle_messages)) return false;
+  if (command.activation != activation_) return false;
+  for (std::size_t i = 0; holding_ && i < kAxes; ++i)
+    if (!(std::abs(command.q[i] / kDegree - start_deg_[i]) <= params_.entry_step_deg)) return false;
+  holding_ = false;
+  return true;
 }
 
 // The correction from the start pose that the command asks for; false where it may not be sent.
@@ -203,8 +224,7 @@ bool RsiSession::Wanted(const control::ArmCommand& command, Six& correction) OST
 std::span<const std::uint8_t> RsiSession::Answer(const control::ArmCommand& command) OSTEON_RT {
   if (!pending_) return {};
   Six total = total_;
-  if (in_session_ > static_cast<std::uint32_t>(params_.settle_messages) && !stop_ && !Wanted(command, total))
-    total = total_;
+  if (!stop_ && !(MayMove(command) && Wanted(command, total))) total = total_;
 
   RsiAnswer answer{.layout = params_.layout,
                    .kind = params_.kind,
@@ -242,6 +262,7 @@ void RsiSession::PutCounters(control::ArmState& state) const OSTEON_RT {
   state.lost = counters_.lost;
   state.duplicate = counters_.duplicate;
   state.late = counters_.late;
+  state.reordered = counters_.reordered;
   state.rejected = counters_.rejected;
 }
 

@@ -22,6 +22,8 @@ struct RsiSessionParams {
   int cycle_ms{4};     ///< 4 (IPO_FAST) or 12 (IPO)
   int ipoc_step{4};    ///< by which IPOC grows each cycle: 1, or the cycle's milliseconds; >= 1
   int timeout_cycles{100};  ///< the controller's Timeout: after so many late answers RSI has ended; >= 1
+  double entry_step_deg{
+      1.0};                 ///< the first command of an activation may be so far off q_start, each axis; > 0
   int settle_messages{10};  ///< answered with no correction before the loop may move the arm; >= 1
   /// Delay that RSI may begin with and still count as just begun, where the first answers are always lost; >=
   /// 0. A correction that another program had in force before would then be a jump.
@@ -72,6 +74,9 @@ struct RsiStatus {
 ///
 /// which a real controller's configuration (reference system, tool) has to match.
 ///
+/// The first command that names the activation (control::ArmState) has to be within entry_step_deg of
+/// q_start; until then the arm is held there.
+///
 /// A command that is not finite, or whose correction is beyond its range, is not sent: the last one is held
 /// and counted. A session ends where IPOC falls far back, leaps by more than the Timeout, or nothing came for
 /// as long. One that begins with Delay > late_at_start has been running without us, so that its start pose is
@@ -117,11 +122,12 @@ class RsiSession {
   bool TooLate(const RsiRobotMessage& first) const OSTEON_RT;
   void Begin(const RsiRobotMessage& message) OSTEON_RT;
   void FollowSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT;
+  bool MayMove(const control::ArmCommand& command) OSTEON_RT;
   bool Wanted(const control::ArmCommand& command, std::array<double, 6>& correction) OSTEON_RT;
   void PutCounters(control::ArmState& state) const OSTEON_RT;
 
   struct Counters {
-    std::uint32_t lost{0}, duplicate{0}, late{0}, rejected{0};
+    std::uint32_t lost{0}, duplicate{0}, late{0}, reordered{0}, rejected{0};
   };
   using Six = std::array<double, 6>;
 
@@ -135,6 +141,8 @@ class RsiSession {
   rt::Nanoseconds last_stamp_{0};
   std::uint64_t seen_{0};        // bit i: IPOC last_ipoc_ - i steps has arrived
   std::uint32_t in_session_{0};  // messages accepted
+  std::uint32_t activation_{0};  // of control::ArmState
+  bool holding_{false};
   bool has_last_{false};
   bool joined_late_{false};
   bool pending_{false};   // the message last accepted is not answered yet

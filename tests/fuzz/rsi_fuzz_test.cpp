@@ -100,7 +100,10 @@ TEST(RsiFuzz, TheSessionOnlyAnswersWithAWholeMessageInItsRange) {
   Mutator mutator;
   int answers = 0;
   for (const bool absolute : {true, false}) {
-    RsiSession session({.absolute = absolute, .settle_messages = 1, .range = {30, 30, 30, 30, 30, 30}});
+    RsiSession session({.absolute = absolute,
+                        .entry_step_deg = 180.0,
+                        .settle_messages = 1,
+                        .range = {30, 30, 30, 30, 30, 30}});
     control::ArmState state;
     rt::Nanoseconds now = 0;
     for (int i = 0; i < 20'000; ++i) {
@@ -108,7 +111,7 @@ TEST(RsiFuzz, TheSessionOnlyAnswersWithAWholeMessageInItsRange) {
       text.replace(text.find("0000012345"), 10, std::to_string(1000 + 4 * i));
       session.Accept(mutator.Below(3) ? test::Bytes(text) : mutator.Change(test::Bytes(text)),
                      now += 4 * rt::kMillisecond, state);
-      control::ArmCommand command{state.q_meas};
+      control::ArmCommand command{.q = state.q_meas, .activation = state.activation, .F = {}, .tau = {}};
       command.q[mutator.Below(6)] += i % 7 ? 0.001 * static_cast<double>(mutator.Below(1000)) : std::nan("");
       const auto answer = session.Answer(command);
       if (answer.empty()) continue;

@@ -38,14 +38,16 @@ BothSides Make(bool kroshu, bool cartesian, bool absolute, bool hold_on, int cyc
                    .hold_on = hold_on,
                    .cycle_ms = cycle_ms,
                    .ipoc_step = ipoc_step,
+                   .entry_step_deg = 180.0,
                    .range = {900, 900, 900, 90, 90, 90},
                    .arm = setup.controller.arm};
   return setup;
 }
 
 // The joints over time that the loop asks for: a slow sine about the start.
-control::ArmCommand Command(const Six& start_deg, double t_s) {
+control::ArmCommand Command(const Six& start_deg, double t_s, std::uint32_t activation) {
   control::ArmCommand command;
+  command.activation = activation;
   for (std::size_t i = 0; i < 6; ++i)
     command.q[i] = (start_deg[i] + 4.0 * std::sin(1.5 * t_s + 0.3 * static_cast<double>(i)) -
                     4.0 * std::sin(0.3 * static_cast<double>(i))) *
@@ -77,7 +79,7 @@ TEST(RsiInterop, ArmFollowsInEveryMode) {
               ASSERT_EQ(session.Accept(message, now, arm), io::RsiAccept::kAccepted)
                   << io::Describe(session.last_error());
               ASSERT_NEAR(arm.q_meas[2], controller.state().axes_measured_deg[2] * kDegree, 1e-6);
-              command = Command(setup.controller.start_deg, k < 10 ? 0.0 : 0.004 * (k - 10));
+              command = Command(setup.controller.start_deg, k < 10 ? 0.0 : 0.004 * (k - 10), arm.activation);
               ASSERT_TRUE(controller.Receive(session.Answer(command))) << controller.last_error();
             }
             EXPECT_EQ(arm.session, control::SessionState::kCommandingActive);
@@ -112,8 +114,8 @@ TEST(RsiInterop, RelativeSumSurvivesLosses) {
         ASSERT_EQ(session.Accept(message, (1 + k) * 4 * rt::kMillisecond, arm), io::RsiAccept::kAccepted);
         for (std::size_t i = 0; i < 6; ++i)
           ASSERT_NEAR(session.status().sum[i], controller.state().correction[i], 1e-6) << "cycle " << k;
-        const auto answer =
-            session.Answer(Command(setup.controller.start_deg, k < 10 ? 0.0 : 0.004 * (k - 10)));
+        const auto answer = session.Answer(
+            Command(setup.controller.start_deg, k < 10 ? 0.0 : 0.004 * (k - 10), arm.activation));
         if (delayed)
           late.assign(answer.begin(), answer.end());
         else
@@ -135,7 +137,9 @@ TEST(RsiInterop, AfterTimeoutAndRestartTheArmDoesNotJump) {
   const auto cycle = [&](const Six& offset_deg) {
     const auto message = controller.Step();
     ASSERT_EQ(session.Accept(message, now += 4 * rt::kMillisecond, arm), io::RsiAccept::kAccepted);
-    control::ArmCommand command{arm.q_ipo};
+    control::ArmCommand command;
+    command.q = arm.q_ipo;
+    command.activation = arm.activation;
     for (std::size_t i = 0; i < 6; ++i) command.q[i] += offset_deg[i] * kDegree;
     ASSERT_TRUE(controller.Receive(session.Answer(command))) << controller.last_error();
   };
@@ -169,6 +173,7 @@ TEST(RsiInterop, LinkMovesTheArmOverUdp) {
     ASSERT_EQ(result, control::ReceiveResult::kOk);
     command.q = arm.q_ipo;
     command.q[0] += 5.0 * kDegree;
+    command.activation = arm.activation;
     ASSERT_TRUE((*link)->Send(command));
   }
   EXPECT_EQ(arm.session, control::SessionState::kCommandingActive);

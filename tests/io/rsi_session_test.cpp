@@ -27,7 +27,11 @@ std::string Robot(std::uint64_t ipoc, std::uint32_t delay = 0) {
 
 class RsiSessionTest : public ::testing::Test {
  protected:
-  void Open(RsiSessionParams params) { session_.emplace(params); }
+  // The loop may begin anywhere, unless a test is about that.
+  void Open(RsiSessionParams params, double entry_step_deg = 180.0) {
+    params.entry_step_deg = entry_step_deg;
+    session_.emplace(params);
+  }
   RsiAccept Take(std::uint64_t ipoc, std::uint32_t delay = 0) {
     now_ += 4 * rt::kMillisecond;
     return session_->Accept(test::Bytes(Robot(ipoc, delay)), now_, state_);
@@ -35,6 +39,7 @@ class RsiSessionTest : public ::testing::Test {
   // A1 of the answer, by expat; NaN where there is none.
   double Answer(double a1_deg) {
     ArmCommand command{{a1_deg * kDegree, -80 * kDegree, 70 * kDegree, 0, 50 * kDegree, -5 * kDegree, 9.9}};
+    command.activation = activation_.value_or(state_.activation);
     const auto bytes = session_->Answer(command);
     text_ = test::Text(bytes);
     if (bytes.empty()) return std::nan("");
@@ -51,10 +56,11 @@ class RsiSessionTest : public ::testing::Test {
     return ipoc;
   }
 
-  std::optional<RsiSession> session_{RsiSessionParams{.settle_messages = 2}};
+  std::optional<RsiSession> session_{RsiSessionParams{.entry_step_deg = 180.0, .settle_messages = 2}};
   ArmState state_;
   rt::Nanoseconds now_{rt::kSecond};
   std::string text_;
+  std::optional<std::uint32_t> activation_;  // that the loop believes in, where it is not the state's
 };
 
 TEST_F(RsiSessionTest, StateIsTheMessage) {
@@ -126,7 +132,8 @@ TEST_F(RsiSessionTest, CountsLostDuplicateAndLateByTheStep) {
     EXPECT_EQ(state_.lost, 2u);
     EXPECT_EQ(Take(at(2)), RsiAccept::kLate);
     EXPECT_EQ(state_.lost, 1u) << "it came after all";
-    EXPECT_EQ(state_.late, 1u);
+    EXPECT_EQ(state_.reordered, 1u);
+    EXPECT_EQ(state_.late, 0u);
     EXPECT_EQ(Take(at(2)), RsiAccept::kDuplicate);
     EXPECT_EQ(Take(at(3)), RsiAccept::kDuplicate);
     EXPECT_EQ(state_.duplicate, 2u);
@@ -157,6 +164,30 @@ TEST_F(RsiSessionTest, HoldsWhatMayNotBeSent) {
   EXPECT_EQ(session_->status().not_finite, 1u);
   Take(ipoc += 4);
   EXPECT_NEAR(Answer(5.0), -5.0, 1e-9) << "the bound itself";
+}
+
+TEST_F(RsiSessionTest, HoldsUntilTheLoopNamesTheActivationAndBeginsAtTheStart) {
+  Open({.settle_messages = 1}, 1.0);
+  std::uint64_t ipoc = Settle(1000, 1);
+  Take(ipoc);
+  EXPECT_EQ(state_.activation, 1u);
+  EXPECT_TRUE(state_.holding);
+  activation_ = 0;
+  EXPECT_EQ(Answer(10.5), 0.0) << "a command for another activation";
+  activation_.reset();
+  Take(ipoc += 4);
+  EXPECT_EQ(Answer(12.5), 0.0) << "2.5 deg off the start";
+  Take(ipoc += 4);
+  EXPECT_TRUE(state_.holding);
+  EXPECT_NEAR(Answer(10.5), 0.5, 1e-9);
+  Take(ipoc += 4);
+  EXPECT_FALSE(state_.holding);
+  EXPECT_NEAR(Answer(12.5), 2.5, 1e-9);
+  ipoc = Settle(500, 1);  // RSI began anew
+  Take(ipoc);
+  EXPECT_EQ(state_.activation, 2u);
+  activation_ = 1;
+  EXPECT_EQ(Answer(10.5), 0.0);
 }
 
 TEST_F(RsiSessionTest, NeverAnswersRsiThatRanWithoutIt) {
@@ -216,7 +247,8 @@ TEST_F(RsiSessionTest, CartesianCorrectionIsTheFlangesDisplacement) {
   Take(1000);
   (void)session_->Answer({});
   Take(1004);
-  const ArmCommand command{{30 * kDegree, -80 * kDegree, 70 * kDegree, 0, 50 * kDegree, -5 * kDegree}};
+  ArmCommand command{{30 * kDegree, -80 * kDegree, 70 * kDegree, 0, 50 * kDegree, -5 * kDegree}};
+  command.activation = state_.activation;
   const auto read = test::ReadByExpat(test::Text(session_->Answer(command)));
   ASSERT_TRUE(read);
   const kinematics::SerialChain<6> chain(kinematics::ChainFrom(kinematics::Kr6R900Params()));
@@ -244,6 +276,7 @@ TEST_F(RsiSessionTest, RefusesParametersByName) {
   EXPECT_NE(refused({.cycle_ms = 5}).find("cycle_ms: found 5"), std::string::npos);
   EXPECT_NE(refused({.ipoc_step = 0}).find("ipoc_step: found 0"), std::string::npos);
   EXPECT_NE(refused({.timeout_cycles = 0}).find("timeout_cycles"), std::string::npos);
+  EXPECT_NE(refused({.entry_step_deg = 0}).find("entry_step_deg"), std::string::npos);
   EXPECT_NE(refused({.late_at_start = -1}).find("late_at_start: found -1"), std::string::npos);
   EXPECT_NE(refused({.settle_messages = 0}).find("settle_messages"), std::string::npos);
   EXPECT_NE(refused({.range = {1, 1, 0, 1, 1, 1}}).find("range 3: found 0"), std::string::npos);
