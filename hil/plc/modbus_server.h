@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+// Modbus TCP as a server speaks it, bytes in and bytes out: written apart from libmodbus, which the product
+// uses.
+//
+//     transaction u16 | protocol u16 = 0 | length u16 | unit u8 | function u8 | data        big-endian
+//
+// Functions 3 (read holding registers), 6 and 16 (write one, several). Others get exception 1, addresses that
+// are not there 2, counts that are not allowed 3. Source: MODBUS Application Protocol 1.1b3; Messaging on
+// TCP/IP 1.0b.
+
+namespace osteon::hil {
+
+inline constexpr std::size_t kMbapHeader = 7;
+inline constexpr std::size_t kModbusMaxAdu = 260;
+
+/// The registers behind the server.
+struct ModbusRegisters {
+  /// The value, or nothing where there is no such register to read.
+  std::function<std::optional<std::uint16_t>(std::uint16_t address)> read;
+  /// Whether there is such a register to write.
+  std::function<bool(std::uint16_t address)> writable;
+  std::function<void(std::uint16_t address, std::uint16_t value)> write;
+};
+
+enum class MbapState : std::uint8_t {
+  kIncomplete,  ///< more bytes belong to it
+  kWhole,       ///< size bytes are one request
+  kBroken,      ///< no Modbus TCP: the connection has to be closed
+};
+
+struct MbapFrame {
+  MbapState state{MbapState::kIncomplete};
+  std::size_t size{0};
+};
+
+/// What a stream's first bytes are.
+[[nodiscard]] MbapFrame FrameOf(std::span<const std::uint8_t> stream);
+
+/// Answers one whole request (FrameOf said kWhole). A write happens as a whole or not at all. Never empty.
+[[nodiscard]] std::vector<std::uint8_t> AnswerModbus(std::span<const std::uint8_t> request,
+                                                     const ModbusRegisters& registers);
+
+}  // namespace osteon::hil

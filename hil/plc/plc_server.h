@@ -1,0 +1,91 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hil/plc/modbus_server.h"
+#include "hil/plc/plc_logic.h"
+
+namespace osteon::hil {
+
+struct PlcServerParams {
+  std::string bind_address{"127.0.0.1"};  ///< dotted IPv4; the loopback unless told otherwise
+  std::uint16_t port{1502};               ///< 0: any free one
+  int cycle_ms{10};                       ///< of the program, 1 … 100
+  PlcLogicParams logic{};
+};
+
+/// What an operator has in his hands.
+struct PlcPanel {
+  bool emergency_stop{false};
+  EnablingSwitch enabling{EnablingSwitch::kReleased};
+  bool foot_pedal{false};
+  ModeSelector mode{ModeSelector::kNone};
+  bool reset{false};
+  bool brake_test_due{false};
+};
+
+struct PlcServerCounters {
+  std::uint64_t requests{0}, connections{0};
+  std::uint64_t refused{0};  ///< connections beyond the few that are served at once
+  std::uint64_t broken{0};   ///< connections closed for bytes that are no Modbus
+};
+
+/// The simulated PLC in wall time: PlcLogic, its panel, and a Modbus TCP server of a few connections, in one
+/// thread. The register map is that of io/modbus/register_map.h, written down here once more.
+class PlcServer {
+ public:
+  /// Starts at once. @throws std::system_error where the port cannot be had, std::invalid_argument on a
+  /// parameter.
+  explicit PlcServer(const PlcServerParams& params);
+  ~PlcServer();
+  PlcServer(const PlcServer&) = delete;
+  PlcServer& operator=(const PlcServer&) = delete;
+
+  // Any thread.
+  void SetPanel(const PlcPanel& panel);
+  /// Fault: connections stay open, and nothing is answered any more; or is again.
+  void Hang(bool hung) { hung_.store(hung, std::memory_order_relaxed); }
+  /// Fault: the program stands still while the server answers.
+  void StopProgram(bool stopped) { program_stopped_.store(stopped, std::memory_order_relaxed); }
+  /// Fault: all connections are closed now.
+  void DropConnections() { drop_.store(true, std::memory_order_relaxed); }
+  [[nodiscard]] PlcLogicOutputs outputs() const;
+  [[nodiscard]] PlcServerCounters counters() const;
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+
+  /// Ends the thread; all sockets close. Safe to call twice.
+  void Stop();
+
+ private:
+  struct Client {
+    int socket;
+    std::vector<std::uint8_t> received;
+  };
+
+  void Run();
+  void StepProgram();
+  void Accept();
+  bool Serve(Client& client);
+
+  PlcServerParams params_;
+  int listener_{-1};
+  std::uint16_t port_{0};
+  PlcLogic logic_;
+  std::vector<Client> clients_;
+  std::uint16_t controller_heartbeat_{0}, motion_request_{0}, guard_heartbeat_{0};  // as written
+  PlcPanel shown_;  // the panel of the program's last step
+  ModbusRegisters registers_;
+  mutable std::mutex mutex_;  // panel_, outputs_, counters_
+  PlcPanel panel_;
+  PlcLogicOutputs outputs_;
+  PlcServerCounters counters_;
+  std::atomic<bool> hung_{false}, program_stopped_{false}, drop_{false}, stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace osteon::hil

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "hil/rsi/rsi_wire.h"
+#include "hil/servo_arm.h"
+#include "kinematics/ortho_parallel_arm.h"
+#include "kinematics/serial_chain.h"
+
+namespace osteon::hil {
+
+/// How the simulated KR and its RSI program are set up.
+struct RsiControllerParams {
+  kinematics::OrthoParallelParams arm{};  ///< no default
+  Six start_deg{0.0, -90.0, 90.0, 0.0, 90.0, 0.0};
+  int cycle_ms{4};  ///< 4 (IPO_FAST) or 12 (IPO)
+  RsiFormat format{RsiFormat::kImFree};
+  bool cartesian{false};  ///< expects <RKorr>, otherwise <AK>
+  bool absolute{true};    ///< corrections count from the pose at the start; false: they add up
+  bool hold_on{true};     ///< without an answer the last correction again; false: none
+  int timeout_cycles{100};
+  /// Delay counts every late answer since the start, and Timeout ends RSI at so many of them; true: those in
+  /// a row.
+  bool delay_in_a_row{false};
+  std::uint64_t first_ipoc{4'208'163'634};
+  int ipoc_step{4};
+  /// Monitor of the correction from the start pose, either way: [deg], of RKorr mm for X Y Z.
+  Six range{90.0, 90.0, 90.0, 90.0, 90.0, 90.0};
+  ServoArmParams servo{.dead_cycles = 1};
+};
+
+enum class RsiStopReason : std::uint8_t {
+  kNone,
+  kTimeout,          ///< so many late answers
+  kAskedFor,         ///< <Stop>1</Stop>
+  kCorrectionRange,  ///< a correction beyond its monitor's range
+  kAxisLimit,        ///< a set point beyond the axis's software limit
+  kOutOfReach,       ///< no posture for a corrected pose
+};
+
+/// Why RSI ended. Plain data.
+struct RsiStopReport {
+  RsiStopReason reason{RsiStopReason::kNone};
+  int axis{0};  ///< 1 … 6 where it is about one (of RKorr: X Y Z A B C)
+  double found{0.0}, accepted{0.0};
+};
+
+/// One line with the figures, e.g. "correction range: A2 corrected by 91 deg, accepted 90".
+[[nodiscard]] std::string Describe(const RsiStopReport& stop);
+
+struct RsiCounters {
+  std::uint64_t sent{0}, answered{0};
+  std::uint64_t missed{0};      ///< cycles without an answer in time
+  std::uint64_t late{0};        ///< answers to a cycle that was over
+  std::uint64_t wrong_ipoc{0};  ///< answers to a cycle that never was
+  std::uint64_t duplicate{0};
+  std::uint64_t malformed{0};
+};
+
+/// What the arm looks like after a step. Plain data.
+struct RsiControllerState {
+  bool running{true};
+  std::uint64_t ipoc{0};   ///< of the message last sent
+  std::uint32_t delay{0};  ///< as that message says
+  Six axes_set_deg{}, axes_measured_deg{};
+  Six correction{};  ///< in force, from the start pose
+  RsiCounters counters;
+  RsiStopReport stop;
+};
+
+/// A KR's controller while RSI runs: bytes in, bytes out, one Step() a cycle, in virtual and wall time alike.
+/// Two runs with the same input give the same bytes.
+///
+///     Step: was the last message answered?  →  correction in force  →  set point  →  servo  →  next message
+///
+/// An answer counts where it echoes the IPOC of the message last sent and comes before the next Step.
+/// Otherwise Delay rises, at Timeout RSI ends, and by HOLDON the last correction is taken again or none: with
+/// absolute corrections none is a jump back to the start pose, with relative ones the sum rests (HOLDON: it
+/// grows by the last once more).
+///
+/// RKorr is about the base's axes at the flange's origin: p = p_start + (X Y Z), R = Rz(A) Ry(B) Rx(C)
+/// R_start; relative ones add up number by number. Tool and base of the program are flange and robot root.
+///
+/// **What is assumed.** When exactly a real controller calls an answer late, what its Delay counts (both ways
+/// are here), that a dropped answer stays dropped, and lag and dead time of the axes (ServoArm): none was
+/// measured. The program moves the arm by nothing but corrections. When RSI ends, the set point stays where
+/// it is.
+class RsiController {
+ public:
+  /// @throws std::invalid_argument on a parameter out of range, naming it.
+  explicit RsiController(const RsiControllerParams& params);
+
+  /// One datagram of the PC. True where it answers the message last sent.
+  bool Receive(std::span<const std::uint8_t> datagram);
+
+  /// One cycle. @returns the datagram to send, valid until the next call; empty once RSI has ended.
+  std::span<const std::uint8_t> Step();
+
+  /// RSI starts again where the arm stands: as the program's next RSI_ON.
+  void Restart();
+
+  [[nodiscard]] const RsiControllerState& state() const { return state_; }
+  [[nodiscard]] double period_s() const { return 1e-3 * params_.cycle_ms; }
+  /// Why the last malformed datagram was one.
+  [[nodiscard]] const std::string& last_error() const { return last_error_; }
+
+ private:
+  void Judge();
+  void Correct();
+  void End(RsiStopReason reason, int axis, double found, double accepted);
+
+  RsiControllerParams params_;
+  kinematics::OrthoParallelArm arm_;
+  kinematics::SerialChain<6> chain_;
+  ServoArm servo_;
+  Six start_deg_;
+  kinematics::JointVectorN<6> q_set_;
+  Pose X_BF_start_;
+  Six last_{};  // correction of the last answer
+  SenMessage answer_;
+  bool answered_{false};
+  std::uint64_t first_ipoc_;  // of this start
+  RsiControllerState state_;
+  std::string text_, last_error_;
+};
+
+}  // namespace osteon::hil

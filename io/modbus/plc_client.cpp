@@ -1,0 +1,226 @@
+#include "io/modbus/plc_client.h"
+
+#include <arpa/inet.h>
+#include <modbus/modbus.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <stdexcept>
+
+namespace osteon::io {
+namespace {
+
+constexpr rt::Nanoseconds kSlice = 10 * rt::kMillisecond;  // how soon a pause sees Stop()
+
+void Require(bool accepted, const char* name, double found, const char* range) {
+  if (!accepted)
+    throw std::invalid_argument(std::string("PLC: ") + name + ": found " + std::to_string(found) +
+                                ", accepted " + range);
+}
+
+}  // namespace
+
+struct PlcClient::Connection {
+  explicit Connection(const PlcClientParams& params)
+      : context(modbus_new_tcp(params.address.c_str(), params.port)) {
+    if (context != nullptr)
+      modbus_set_byte_timeout(context, 0, 0);  // the response timeout holds for all of it
+  }
+  ~Connection() {
+    if (context == nullptr) return;
+    modbus_close(context);
+    modbus_free(context);
+  }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  void SetTimeout(int ms) const {
+    modbus_set_response_timeout(context, static_cast<std::uint32_t>(ms / 1000),
+                                static_cast<std::uint32_t>(ms % 1000) * 1000u);
+  }
+
+  modbus_t* context;
+};
+
+PlcClient::PlcClient(const PlcClientParams& params) : params_(params) {
+  in_addr parsed{};
+  if (inet_pton(AF_INET, params.address.c_str(), &parsed) != 1)
+    throw std::invalid_argument("PLC: address: found \"" + params.address +
+                                "\", accepted a dotted IPv4 address such as 127.0.0.1");
+  Require(params.port != 0, "port", params.port, "1 … 65535");
+  Require(params.read_every_ms >= 1 && params.read_every_ms <= 100, "read_every_ms", params.read_every_ms,
+          "1 … 100");
+  Require(params.heartbeat_every_ms >= 1 && params.heartbeat_every_ms <= 100, "heartbeat_every_ms",
+          params.heartbeat_every_ms, "1 … 100: what the PLC allows");
+  Require(params.response_timeout_ms >= 1 && params.response_timeout_ms <= 1000, "response_timeout_ms",
+          params.response_timeout_ms, "1 … 1000");
+  Require(params.connect_timeout_ms >= 1 && params.connect_timeout_ms <= 5000, "connect_timeout_ms",
+          params.connect_timeout_ms, "1 … 5000");
+  Require(params.first_pause_ms >= 1, "first_pause_ms", params.first_pause_ms, ">= 1");
+  Require(params.longest_pause_ms >= params.first_pause_ms && params.longest_pause_ms <= 60'000,
+          "longest_pause_ms", params.longest_pause_ms, "first_pause_ms … 60000");
+  thread_ = std::thread([this] { Run(); });
+}
+
+PlcClient::~PlcClient() { Stop(); }
+
+void PlcClient::Stop() {
+  stop_.store(true, std::memory_order_relaxed);
+  if (thread_.joinable()) thread_.join();
+}
+
+void PlcClient::Pause(rt::Nanoseconds until) {
+  for (rt::Nanoseconds now = rt::MonotonicNow(); now < until && !stop_.load(std::memory_order_relaxed);
+       now = rt::MonotonicNow())
+    rt::SleepUntil(std::min(until, now + kSlice));
+}
+
+void PlcClient::NoteFailure(int error) {
+  if (error == ETIMEDOUT) ++reading_.counters.timeouts;
+  if (error >= MODBUS_ENOBASE) ++reading_.counters.rejected;  // libmodbus' own numbers
+  reading_.last_error = error;
+}
+
+void PlcClient::Disconnected() {
+  if (reading_.link == PlcLink::kConnected) reading_.link = PlcLink::kConnecting;
+  Publish();
+}
+
+void PlcClient::Run() {
+  int pause_ms = params_.first_pause_ms;
+  while (!stop_.load(std::memory_order_relaxed)) {
+    Connection connection(params_);
+    if (Connect(connection)) {
+      rt::Nanoseconds next_read = rt::MonotonicNow(), next_beat = next_read;
+      while (!stop_.load(std::memory_order_relaxed)) {
+        if (!ReadBlock(connection)) break;
+        pause_ms = params_.first_pause_ms;
+        const rt::Nanoseconds now = rt::MonotonicNow();
+        if (now >= next_beat) {
+          if (!WriteHeartbeat(connection)) break;
+          next_beat =
+              std::max(next_beat, now - rt::kMillisecond) + params_.heartbeat_every_ms * rt::kMillisecond;
+        }
+        next_read = std::max(next_read, rt::MonotonicNow() - rt::kMillisecond) +
+                    params_.read_every_ms * rt::kMillisecond;
+        Pause(std::min(next_read, std::max(next_beat, now)));
+      }
+      ++reading_.counters.lost;
+    }
+    if (stop_.load(std::memory_order_relaxed)) break;
+    Disconnected();
+    Pause(rt::MonotonicNow() + pause_ms * rt::kMillisecond);
+    pause_ms = std::min(2 * pause_ms, params_.longest_pause_ms);
+  }
+  Disconnected();
+}
+
+bool PlcClient::Connect(Connection& connection) {
+  int error = ENOMEM;
+  if (connection.context != nullptr) {
+    connection.SetTimeout(params_.connect_timeout_ms);
+    if (modbus_connect(connection.context) == 0) {
+      connection.SetTimeout(params_.response_timeout_ms);
+      return true;
+    }
+    error = errno;
+  }
+  ++reading_.counters.refused;
+  reading_.link = PlcLink::kConnecting;
+  reading_.last_error = error;
+  return false;
+}
+
+bool PlcClient::ReadBlock(Connection& connection) {
+  std::array<std::uint16_t, kPlcReadCount> block{};
+  const rt::Nanoseconds asked = rt::MonotonicNow();
+  if (modbus_read_registers(connection.context, kPlcFirstRead, kPlcReadCount, block.data()) !=
+      kPlcReadCount) {
+    NoteFailure(errno);
+    return false;
+  }
+  PlcInputs inputs;
+  if (const auto bad = DecodePlc(block, inputs)) {
+    ++reading_.counters.rejected;
+    reading_.bad = *bad;
+    reading_.last_error = EMBXILVAL;
+    return false;
+  }
+  ++reading_.counters.reads;
+  const bool first = reading_.link != PlcLink::kConnected;
+  const bool changed = first || inputs.heartbeat != reading_.inputs.heartbeat;
+  reading_.inputs = inputs;
+  reading_.stamp = asked;
+  if (inputs.version != kPlcVersion) {
+    reading_.link = PlcLink::kWrongVersion;
+    reading_.last_error = 0;
+    return false;  // nothing may be written; asks again after a pause
+  }
+  if (changed) reading_.heartbeat_changed = asked;
+  reading_.link = PlcLink::kConnected;
+  Publish();
+  return true;
+}
+
+bool PlcClient::WriteHeartbeat(Connection& connection) {
+  const std::uint32_t beats = beats_.load(std::memory_order_relaxed);
+  if (beats == beats_written_) return true;  // the loop stands still: so does the heartbeat
+  const std::array<std::uint16_t, 2> values{
+      static_cast<std::uint16_t>(heartbeat_ + 1u),
+      static_cast<std::uint16_t>(motion_.load(std::memory_order_relaxed) ? 1 : 0)};
+  const int count = params_.role == PlcRole::kController ? 2 : 1;
+  const int address = params_.role == PlcRole::kController ? kPlcControllerHeartbeat : kPlcGuardHeartbeat;
+  if (modbus_write_registers(connection.context, address, count, values.data()) != count) {
+    NoteFailure(errno);
+    return false;
+  }
+  heartbeat_ = values[0];
+  beats_written_ = beats;
+  ++reading_.counters.writes;
+  return true;
+}
+
+std::string Describe(const PlcClientParams& params, const PlcReading& reading) {
+  const std::string place = "PLC " + params.address + ":" + std::to_string(params.port) + ": ";
+  const PlcCounters& n = reading.counters;
+  switch (reading.link) {
+    case PlcLink::kConnected:
+      return place + "connected, " + std::to_string(n.reads) + " blocks read";
+    case PlcLink::kWrongVersion:
+      return place + "VERSION (977): found " + std::to_string(reading.inputs.version) + ", accepted " +
+             std::to_string(kPlcVersion) + "; nothing is written to it";
+    case PlcLink::kConnecting:
+      break;
+  }
+  std::string text = place + "no connection";
+  if (reading.last_error == EMBXILVAL && reading.bad.address != 0)
+    text += ": register " + std::to_string(reading.bad.address) + ": found " +
+            std::to_string(reading.bad.found) + ", accepted 0 … " + std::to_string(reading.bad.accepted_most);
+  else if (reading.last_error != 0)
+    text += std::string(": ") + modbus_strerror(reading.last_error);
+  return text + " (" + std::to_string(n.refused) + " attempts refused, " + std::to_string(n.timeouts) +
+         " time-outs, " + std::to_string(n.lost) + " connections lost)";
+}
+
+const char* Describe(PlcVerdict verdict) {
+  switch (verdict) {
+    case PlcVerdict::kRun:
+      return "motion is permitted";
+    case PlcVerdict::kNoConnection:
+      return "no connection to the PLC: Stop 1";
+    case PlcVerdict::kWrongVersion:
+      return "the PLC's VERSION (977) is another one: no start";
+    case PlcVerdict::kStale:
+      return "the PLC's registers are too old: Stop 1";
+    case PlcVerdict::kPlcStopped:
+      return "the PLC answers, but PLC_HEARTBEAT (983) stands still: Stop 1";
+    case PlcVerdict::kEmergencyStop:
+      return "EMERGENCY_STOP (978) is 1: Stop 1";
+    case PlcVerdict::kNotPermitted:
+      return "RUN_PERMITTED (974) is 0: Stop 1";
+  }
+  return "unknown";
+}
+
+}  // namespace osteon::io

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "control/rt/latest_value.h"
+#include "io/modbus/plc_reading.h"
+
+namespace osteon::io {
+
+/// Which registers a client writes.
+enum class PlcRole : std::uint8_t {
+  kController,  ///< CONTROLLER_HEARTBEAT and MOTION_REQUEST
+  kGuard,       ///< GUARD_HEARTBEAT
+};
+
+struct PlcClientParams {
+  std::string address{"127.0.0.1"};  ///< dotted IPv4
+  std::uint16_t port{kPlcDefaultPort};
+  PlcRole role{PlcRole::kController};
+  int read_every_ms{10};        ///< 1 … 100
+  int heartbeat_every_ms{50};   ///< 1 … 100: what the PLC allows
+  int response_timeout_ms{20};  ///< 1 … 1000: for a whole answer
+  int connect_timeout_ms{200};  ///< 1 … 5000
+  int first_pause_ms{50};       ///< after a failure; doubles with each further one
+  int longest_pause_ms{2000};   ///< >= first_pause_ms
+};
+
+/// Modbus TCP to the cell's PLC, by libmodbus in a thread of its own: the tick never waits, it takes the
+/// newest reading with its age.
+///
+/// Each cycle reads the block 970 … 983; where VERSION is right, the heartbeat follows as often as it is due.
+/// After any failure (time-out, exception, an answer out of protocol, a value that does not exist) the
+/// connection is closed and made again after a pause: on a connection with one answer outstanding, later
+/// answers belong to earlier questions. The reading says "not connected" from then until a block has been
+/// read.
+///
+/// The heartbeat is the loop's, not this thread's: it is written only where Beat() was called since it was
+/// written last. A loop that hangs is found out by the PLC.
+class PlcClient {
+ public:
+  /// Starts at once. @throws std::invalid_argument where a parameter is out of range, naming it.
+  explicit PlcClient(const PlcClientParams& params);
+  ~PlcClient();
+  PlcClient(const PlcClient&) = delete;
+  PlcClient& operator=(const PlcClient&) = delete;
+
+  /// One reader thread.
+  [[nodiscard]] const PlcReading& Latest() OSTEON_RT { return published_.Load(); }
+
+  /// From the loop, each tick: it lives. Any thread.
+  void Beat() OSTEON_RT { beats_.fetch_add(1, std::memory_order_relaxed); }
+
+  /// MOTION_REQUEST, written with the next heartbeat. Any thread; no effect for a guard.
+  void RequestMotion(bool wanted) OSTEON_RT { motion_.store(wanted, std::memory_order_relaxed); }
+
+  /// Ends the thread. Safe to call twice.
+  void Stop();
+
+ private:
+  struct Connection;  // libmodbus' context
+
+  void Run();
+  bool Connect(Connection& connection);
+  bool ReadBlock(Connection& connection);
+  bool WriteHeartbeat(Connection& connection);
+  void NoteFailure(int error);
+  void Disconnected();
+  void Pause(rt::Nanoseconds until);
+  void Publish() { published_.Store(reading_); }
+
+  PlcClientParams params_;
+  PlcReading reading_;  // the thread's
+  std::uint16_t heartbeat_{0};
+  std::uint32_t beats_written_{0};
+  rt::LatestValue<PlcReading> published_;
+  std::atomic<std::uint32_t> beats_{0};
+  std::atomic<bool> motion_{false}, stop_{false};
+  std::thread thread_;
+};
+
+/// One line for screens, e.g. "PLC 127.0.0.1:1502: no connection: Connection refused (3 attempts)". Not for
+/// the tick.
+[[nodiscard]] std::string Describe(const PlcClientParams& params, const PlcReading& reading);
+/// The same of a verdict: "not permitted: RUN_PERMITTED (974) is 0".
+[[nodiscard]] const char* Describe(PlcVerdict verdict);
+
+}  // namespace osteon::io

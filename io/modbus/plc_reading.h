@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+
+#include "control/rt/clock.h"
+#include "control/rt/marker.h"
+#include "io/modbus/register_map.h"
+
+namespace osteon::io {
+
+enum class PlcLink : std::uint8_t {
+  kConnecting,    ///< no connection yet, or lost: trying again with growing pauses
+  kConnected,     ///< the last read was answered
+  kWrongVersion,  ///< VERSION is not kPlcVersion: nothing is written to this PLC
+};
+
+/// Since the client began.
+struct PlcCounters {
+  std::uint32_t reads{0}, writes{0};  ///< answered
+  std::uint32_t timeouts{0};          ///< no answer within the response timeout
+  std::uint32_t lost{0};              ///< connections that ended, whatever for
+  std::uint32_t refused{0};           ///< attempts to connect that failed
+  std::uint32_t rejected{0};  ///< answers with an exception, out of protocol, or a value that does not exist
+};
+
+/// What the tick sees of the PLC. Plain data.
+struct PlcReading {
+  rt::Nanoseconds stamp{0};  ///< when the block was asked for: it is no older; 0: none yet
+  PlcLink link{PlcLink::kConnecting};
+  PlcInputs inputs{};
+  rt::Nanoseconds heartbeat_changed{0};  ///< when PLC_HEARTBEAT was last seen to change (stamp of that block)
+  PlcBadRegister bad{};                  ///< the last register that was out of range; address 0: none
+  int last_error{0};                     ///< errno (libmodbus' included) of the last failure; 0: none
+  PlcCounters counters{};
+};
+
+/// Why motion is not permitted; the first that holds.
+enum class PlcVerdict : std::uint8_t {
+  kRun = 0,
+  kNoConnection,   ///< Stop 1
+  kWrongVersion,   ///< no start
+  kStale,          ///< the block is older than max_age: Stop 1
+  kPlcStopped,     ///< the PLC answers, but its program does not run: Stop 1
+  kEmergencyStop,  ///< Stop 1
+  kNotPermitted,   ///< RUN_PERMITTED is 0: Stop 1
+};
+
+/// May the arm move? @param max_age of the block, and of the PLC's heartbeat twice that [ns]
+[[nodiscard]] inline PlcVerdict Judge(const PlcReading& reading, rt::Nanoseconds now,
+                                      rt::Nanoseconds max_age) OSTEON_RT {
+  if (reading.link == PlcLink::kWrongVersion) return PlcVerdict::kWrongVersion;
+  if (reading.link != PlcLink::kConnected || reading.stamp == 0) return PlcVerdict::kNoConnection;
+  if (now - reading.stamp > max_age) return PlcVerdict::kStale;
+  if (now - reading.heartbeat_changed > 2 * max_age) return PlcVerdict::kPlcStopped;
+  if (reading.inputs.emergency_stop) return PlcVerdict::kEmergencyStop;
+  return reading.inputs.run_permitted ? PlcVerdict::kRun : PlcVerdict::kNotPermitted;
+}
+
+}  // namespace osteon::io

@@ -1,0 +1,252 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "io/rsi/codec.h"
+#include "io/rsi/xml_reader.h"
+
+namespace osteon::io {
+namespace {
+
+using Event = XmlReader::Event;
+
+// The elements' names, and how their attributes are called: a prefix and 1 … 6, or six names of their own.
+struct ElementName {
+  RsiElement element;
+  std::string_view name;
+  char prefix;  // 'A', 'E'; 'X' for X Y Z A B C; 'D' for the one attribute D; 0: none, text
+};
+
+constexpr std::array<ElementName, 8> kElements{{
+    {RsiElement::kRIst, "RIst", 'X'},
+    {RsiElement::kRSol, "RSol", 'X'},
+    {RsiElement::kAIPos, "AIPos", 'A'},
+    {RsiElement::kASPos, "ASPos", 'A'},
+    {RsiElement::kEIPos, "EIPos", 'E'},
+    {RsiElement::kMACur, "MACur", 'A'},
+    {RsiElement::kDelay, "Delay", 'D'},
+    {RsiElement::kIpoc, "IPOC", '\0'},
+}};
+constexpr std::string_view kFrameNames = "XYZABC";
+
+const ElementName* Find(std::string_view name) OSTEON_RT {
+  for (const ElementName& element : kElements)
+    if (element.name == name) return &element;
+  return nullptr;
+}
+
+// 1 … 6 of an attribute that the element knows, 0 of another.
+int AttributeNumber(const ElementName& element, std::string_view name) OSTEON_RT {
+  if (element.prefix == 'D') return name == "D" ? 1 : 0;
+  if (element.prefix == 'X') {
+    const std::size_t found = name.size() == 1 ? kFrameNames.find(name[0]) : std::string_view::npos;
+    return found == std::string_view::npos ? 0 : static_cast<int>(found) + 1;
+  }
+  if (element.prefix == '\0' || name.size() != 2 || name[0] != element.prefix) return 0;
+  return name[1] >= '1' && name[1] <= '6' ? name[1] - '0' : 0;
+}
+
+bool SameLetters(std::string_view a, std::string_view upper) OSTEON_RT {
+  return std::equal(a.begin(), a.end(), upper.begin(), upper.end(),
+                    [](char x, char y) { return (x >= 'a' && x <= 'z' ? x - 'a' + 'A' : x) == y; });
+}
+
+std::string_view Trimmed(std::string_view text) OSTEON_RT {
+  constexpr std::string_view kSpace = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kSpace);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
+}
+
+bool ReadNumber(std::string_view text, double& value) OSTEON_RT {
+  text = Trimmed(text);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() && std::abs(value) <= kRsiMaxValue;
+}
+
+// What has been read of one message.
+struct Reading {
+  RsiRobotMessage message;
+  std::uint16_t seen{0};
+  RsiError error;
+
+  RsiError Refuse(RsiErrorCode code, std::size_t byte, const ElementName* element = nullptr,
+                  int attribute = 0) OSTEON_RT {
+    return {.code = code,
+            .element = element != nullptr ? element->element : RsiElement::kNone,
+            .attribute = static_cast<std::uint8_t>(attribute),
+            .byte = static_cast<std::uint16_t>(byte)};
+  }
+
+  void Keep(const ElementName& element, const std::array<double, 6>& values) OSTEON_RT {
+    switch (element.element) {
+      case RsiElement::kRIst:
+        message.pose_measured = values;
+        break;
+      case RsiElement::kRSol:
+        message.pose_set = values;
+        break;
+      case RsiElement::kAIPos:
+        message.axes_measured = values;
+        break;
+      case RsiElement::kASPos:
+        message.axes_set = values;
+        break;
+      case RsiElement::kEIPos:
+        message.external_axes = values;
+        break;
+      case RsiElement::kMACur:
+        message.motor_currents = values;
+        break;
+      case RsiElement::kDelay:
+        message.delay = static_cast<std::uint32_t>(values[0]);
+        break;
+      default:
+        break;
+    }
+  }
+
+  bool KeepIpoc(std::string_view text) OSTEON_RT {
+    if (text.empty() || text.size() > 20 || text[0] < '0' || text[0] > '9') return false;
+    const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), message.ipoc);
+    message.ipoc_digits = static_cast<std::uint8_t>(text.size());
+    return failed == std::errc{} && end == text.data() + text.size();
+  }
+
+  RsiError ReadElement(XmlReader& reader) OSTEON_RT;
+};
+
+// One child of the root, whose kOpen has just been seen, to its kClose.
+RsiError Reading::ReadElement(XmlReader& reader) OSTEON_RT {
+  const ElementName* element = Find(reader.name());
+  if (element != nullptr) {
+    const auto bit = static_cast<std::uint16_t>(element->element);
+    if (seen & bit) return Refuse(RsiErrorCode::kRepeated, reader.at(), element);
+    seen |= bit;
+  }
+  std::array<double, 6> values{};
+  unsigned found = 0;
+  for (;;) {
+    switch (reader.Next()) {
+      case Event::kAttribute: {
+        const int number =
+            element != nullptr && reader.depth() == 2 ? AttributeNumber(*element, reader.name()) : 0;
+        if (number == 0) break;
+        const unsigned bit = 1u << (number - 1);
+        if (found & bit) return Refuse(RsiErrorCode::kRepeated, reader.at(), element, number);
+        found |= bit;
+        double& value = values[static_cast<std::size_t>(number - 1)];
+        if (!ReadNumber(reader.value(), value) || (element->prefix == 'D' && value < 0.0))
+          return Refuse(RsiErrorCode::kNumber, reader.at(), element, number);
+        break;
+      }
+      case Event::kText:
+        if (element == nullptr || element->element != RsiElement::kIpoc || reader.depth() != 2) break;
+        if (found != 0) return Refuse(RsiErrorCode::kRepeated, reader.at(), element);
+        found = 1;
+        if (!KeepIpoc(reader.value())) return Refuse(RsiErrorCode::kNumber, reader.at(), element);
+        break;
+      case Event::kClose: {
+        if (reader.depth() != 2) break;
+        if (element == nullptr) return {};
+        const unsigned wanted = element->prefix == 'E'                           ? 0
+                                : element->prefix == 'D' || element->prefix == 0 ? 1
+                                                                                 : 0x3f;
+        for (int i = 0; i < 6; ++i)
+          if (wanted & ~found & 1u << i)
+            return Refuse(RsiErrorCode::kMissing, reader.at(), element, element->prefix == 0 ? 0 : i + 1);
+        Keep(*element, values);
+        return {};
+      }
+      case Event::kOpen:
+        break;
+      case Event::kEnd:
+      case Event::kError:
+        return Refuse(RsiErrorCode::kMalformed, reader.at(), element);
+    }
+  }
+}
+
+}  // namespace
+
+RsiError DecodeRobot(std::span<const std::uint8_t> datagram, std::uint16_t needed,
+                     RsiRobotMessage& message) OSTEON_RT {
+  Reading reading;
+  if (datagram.size() > kRsiMaxDatagram) return reading.Refuse(RsiErrorCode::kTooLong, kRsiMaxDatagram);
+  XmlReader reader({reinterpret_cast<const char*>(datagram.data()), datagram.size()});
+
+  // the root
+  if (reader.Next() != Event::kOpen) return reading.Refuse(RsiErrorCode::kMalformed, reader.at());
+  if (reader.name() != "Rob") return reading.Refuse(RsiErrorCode::kWrongRoot, reader.at());
+  bool typed = false;
+
+  for (;;) {
+    switch (reader.Next()) {
+      case Event::kAttribute:
+        if (!SameLetters(reader.name(), "TYPE")) break;
+        if (typed) return reading.Refuse(RsiErrorCode::kRepeated, reader.at());
+        typed = true;
+        if (Trimmed(reader.value()) != "KUKA") return reading.Refuse(RsiErrorCode::kWrongRoot, reader.at());
+        break;
+      case Event::kOpen:
+        if (const RsiError error = reading.ReadElement(reader)) return error;
+        break;
+      case Event::kText:  // between elements; nobody's
+      case Event::kClose:
+        break;
+      case Event::kError:
+        return reading.Refuse(RsiErrorCode::kMalformed, reader.at());
+      case Event::kEnd: {
+        const unsigned wanted = needed | static_cast<unsigned>(RsiElement::kIpoc);
+        for (const ElementName& element : kElements)
+          if (wanted & ~static_cast<unsigned>(reading.seen) & static_cast<unsigned>(element.element))
+            return reading.Refuse(RsiErrorCode::kMissing, datagram.size(), &element);
+        message = reading.message;
+        return {};
+      }
+    }
+  }
+}
+
+std::string Describe(const RsiError& error) {
+  std::string of;
+  for (const ElementName& element : kElements)
+    if (element.element == error.element) of = std::string(element.name) + ": ";
+  if (error.attribute != 0) {
+    for (const ElementName& element : kElements) {
+      if (element.element != error.element) continue;
+      const std::size_t i = error.attribute - 1u;
+      if (element.prefix == 'X')
+        of += std::string(kFrameNames.substr(i, 1));
+      else if (element.prefix == 'D')
+        of += "D";
+      else
+        of += std::string(1, element.prefix) + std::to_string(error.attribute);
+      of += " ";
+    }
+  }
+  const std::string where = " (byte " + std::to_string(error.byte) + ")";
+  switch (error.code) {
+    case RsiErrorCode::kNone:
+      return "none";
+    case RsiErrorCode::kTooLong:
+      return "longer than " + std::to_string(kRsiMaxDatagram) + " bytes";
+    case RsiErrorCode::kMalformed:
+      return of + "not well-formed XML, or cut off" + where;
+    case RsiErrorCode::kWrongRoot:
+      return "not a <Rob Type=\"KUKA\">" + where;
+    case RsiErrorCode::kRepeated:
+      return of + "is there twice" + where;
+    case RsiErrorCode::kMissing:
+      return of + "is missing" + where;
+    case RsiErrorCode::kNumber:
+      return of + "is not a number of its range" + where;
+    case RsiErrorCode::kNoSpace:
+      return "the buffer is too small";
+  }
+  return "unknown";
+}
+
+}  // namespace osteon::io

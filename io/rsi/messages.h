@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+// RSI messages as plain data, in the wire's units: degrees and millimetres.
+
+namespace osteon::io {
+
+inline constexpr int kRsiAxes = 6;
+/// A1 … A6 or E1 … E6 [deg] (motor currents: per cent of the rated one).
+using RsiAxes = std::array<double, kRsiAxes>;
+/// X Y Z [mm], A B C [deg]: turns about Z, then the new Y, then the new X.
+using RsiFrame = std::array<double, 6>;
+
+/// The elements of <Rob> that are read; others are skipped. The numbers are bits of a set.
+enum class RsiElement : std::uint16_t {
+  kNone = 0,
+  kRIst = 1u << 0,   ///< pose of the tool, measured
+  kRSol = 1u << 1,   ///< pose of the tool, set point
+  kAIPos = 1u << 2,  ///< axes, measured
+  kASPos = 1u << 3,  ///< axes, set point
+  kEIPos = 1u << 4,  ///< external axes, measured
+  kMACur = 1u << 5,  ///< motor currents
+  kDelay = 1u << 6,  ///< answers that came too late
+  kIpoc = 1u << 7,   ///< the message's number
+};
+
+/// What the controller sends each cycle: <Rob>. Only what its Ethernet configuration names is there.
+struct RsiRobotMessage {
+  std::uint64_t ipoc{0};       ///< always there
+  std::uint8_t ipoc_digits{};  ///< as written, leading zeros included: the answer echoes them
+  std::optional<std::uint32_t> delay;
+  std::optional<RsiFrame> pose_measured, pose_set;  ///< RIst, RSol
+  std::optional<RsiAxes> axes_measured, axes_set;   ///< AIPos, ASPos
+  std::optional<RsiAxes> external_axes;             ///< EIPos; axes that are not written are 0
+  std::optional<RsiAxes> motor_currents;            ///< MACur
+};
+
+/// Which <Sen> the controller's Ethernet configuration expects.
+enum class RsiLayout : std::uint8_t {
+  kImFree,  ///< <Sen Type="ImFree">, correction, IPOC
+  kKroshu,  ///< <Sen Type="KROSHU">, Stop, correction, IPOC: read by position, so byte for byte
+};
+
+enum class RsiCorrection : std::uint8_t {
+  kAxes,       ///< <AK A1 … A6> [deg]
+  kCartesian,  ///< <RKorr X Y Z A B C> [mm, deg]
+};
+
+/// What the PC answers: <Sen>.
+struct RsiAnswer {
+  RsiLayout layout{RsiLayout::kImFree};
+  RsiCorrection kind{RsiCorrection::kAxes};
+  std::array<double, 6> correction{};
+  bool stop{false};             ///< ends RSI; KROSHU's layout alone can say so
+  std::uint64_t ipoc{0};        ///< of the message that it answers
+  std::uint8_t ipoc_digits{0};  ///< at least as many; 0: as many as it takes
+};
+
+/// Decimals of the corrections: what each layout's controllers are known to read.
+[[nodiscard]] constexpr int RsiDecimals(RsiLayout layout) { return layout == RsiLayout::kImFree ? 4 : 6; }
+
+}  // namespace osteon::io

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <netinet/in.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "control/ports.h"
+#include "io/rsi/rsi_session.h"
+
+namespace osteon::io {
+
+struct RsiLinkParams {
+  std::string bind_address{"127.0.0.1"};  ///< IPv4 address of the network card that the controller is on
+  std::uint16_t port{49152};              ///< as in the controller's Ethernet configuration; 0: any free one
+  RsiSessionParams session{};
+};
+
+/// RSI over UDP: this side is the server, the controller speaks first, and answers go to where its message
+/// came from. The first sender of a valid message is the peer: others are counted as rejected, until the peer
+/// has been silent for a second. Of several messages that wait, the newest counts and the others are late.
+///
+/// ArmState::stamp is the arrival in the kernel where the system tells it, the time of reading otherwise.
+/// One thread at a time; no allocation, no system calls but the socket's and the clock's.
+class RsiLink final : public control::ArmLink {
+ public:
+  /// The error names address and port, or the session's parameter, and says what to do.
+  [[nodiscard]] static tl::expected<std::unique_ptr<RsiLink>, std::string> Open(const RsiLinkParams& params);
+  ~RsiLink() override;
+  RsiLink(const RsiLink&) = delete;
+  RsiLink& operator=(const RsiLink&) = delete;
+
+  /// `deadline` is on CLOCK_MONOTONIC; messages that have arrived are taken even where it has passed.
+  control::ReceiveResult Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT override;
+
+  /// True as well where nothing is owed.
+  bool Send(const control::ArmCommand& command) OSTEON_RT override;
+
+  /// See RsiSession::RequestStop.
+  void RequestStop() OSTEON_RT { session_.RequestStop(); }
+
+  [[nodiscard]] const RsiStatus& status() const OSTEON_RT { return session_.status(); }
+  [[nodiscard]] const RsiError& last_error() const OSTEON_RT { return session_.last_error(); }
+  /// The bound port.
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+
+ private:
+  RsiLink(int socket, const RsiLinkParams& params)
+      : socket_(socket), port_(params.port), session_(params.session) {}
+
+  enum class Read : std::uint8_t { kMessage, kIgnored, kEmpty, kBroken };
+  Read ReadOne(control::ArmState& state) OSTEON_RT;
+
+  int socket_;
+  std::uint16_t port_;
+  sockaddr_in peer_{};
+  bool has_peer_{false};
+  rt::Nanoseconds heard_{0};  // when the peer last sent a valid message
+  RsiSession session_;
+  std::array<std::uint8_t, kRsiMaxDatagram + 1> buffer_{};  // one more, to see what is too long
+};
+
+}  // namespace osteon::io

@@ -1,0 +1,269 @@
+#include "io/rsi/rsi_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::io {
+namespace {
+
+using control::SessionState;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::int64_t kWindow = 64;  // messages that seen_ remembers
+constexpr std::size_t kAxes = kRsiAxes;
+
+void Require(bool accepted, const std::string& name, double found, const char* range) {
+  if (!accepted)
+    throw std::invalid_argument("RSI: " + name + ": found " + std::to_string(found) + ", accepted " + range);
+}
+
+kinematics::JointVectorN<6> ToRadians(const RsiAxes& axes_deg) OSTEON_RT {
+  kinematics::JointVectorN<6> q;
+  for (std::size_t i = 0; i < kAxes; ++i) q[static_cast<int>(i)] = axes_deg[i] * kDegree;
+  return q;
+}
+
+// A, B, C [deg] of R = Rz(A) Ry(B) Rx(C); A = 0 where B is ±90 deg.
+std::array<double, 3> Abc(const Matrix3& R) OSTEON_RT {
+  const double cos_b = std::hypot(R(0, 0), R(1, 0));
+  const double b = std::atan2(-R(2, 0), cos_b) / kDegree;
+  if (cos_b < 1e-9) return {0.0, b, std::atan2(-R(1, 2), R(1, 1)) / kDegree};
+  return {std::atan2(R(1, 0), R(0, 0)) / kDegree, b, std::atan2(R(2, 1), R(2, 2)) / kDegree};
+}
+
+}  // namespace
+
+RsiSession::RsiSession(const RsiSessionParams& params)
+    : params_(params), decimals_(params.decimals < 0 ? RsiDecimals(params.layout) : params.decimals) {
+  Require(params.cycle_ms == 4 || params.cycle_ms == 12, "cycle_ms", params.cycle_ms, "4 or 12");
+  Require(params.ipoc_step >= 1 && params.ipoc_step <= 1000, "ipoc_step", params.ipoc_step,
+          "1 … 1000: 1, or the cycle's milliseconds");
+  Require(params.timeout_cycles >= 1, "timeout_cycles", params.timeout_cycles, ">= 1");
+  Require(params.settle_messages >= 1, "settle_messages", params.settle_messages, ">= 1");
+  Require(params.entry_step_deg > 0.0, "entry_step_deg", params.entry_step_deg, "> 0");
+  Require(params.late_at_start >= 0, "late_at_start", params.late_at_start, ">= 0");
+  Require(params.decimals >= -1 && params.decimals <= 9, "decimals", params.decimals,
+          "0 … 9, or -1 for the layout's own");
+  for (std::size_t i = 0; i < kAxes; ++i)
+    Require(params.range[i] > 0.0 && params.range[i] <= 1e5, "range " + std::to_string(i + 1),
+            params.range[i], "0 … 1e5, not 0");
+  if (params.kind == RsiCorrection::kCartesian) {
+    if (!params.arm)
+      throw std::invalid_argument("RSI: Cartesian corrections need the arm's geometry (params.arm)");
+    chain_.emplace(kinematics::ChainFrom(*params.arm));
+  }
+}
+
+RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp,
+                             control::ArmState& state) OSTEON_RT {
+  RsiRobotMessage message;
+  const RsiError error = DecodeRobot(datagram, static_cast<std::uint16_t>(RsiElement::kAIPos), message);
+  if (error) {
+    last_error_ = error;
+    CountRejected(state);
+    return RsiAccept::kRejected;
+  }
+
+  RsiAccept result = RsiAccept::kAccepted;
+  std::uint32_t ahead = 0;
+  Order order = CheckSequence(message.ipoc, stamp, ahead);
+  if (joined_late_ && order == Order::kNext && !TooLate(message)) order = Order::kFirst;
+  switch (order) {
+    case Order::kFirst:
+      Begin(message);
+      break;
+    case Order::kNext:
+      FollowSum(ahead, message.delay.value_or(status_.delay + ahead - 1));
+      break;
+    case Order::kDuplicate:
+      ++counters_.duplicate;
+      result = RsiAccept::kDuplicate;
+      break;
+    case Order::kLate:
+      ++counters_.reordered;
+      result = RsiAccept::kLate;
+      break;
+  }
+  if (result == RsiAccept::kAccepted) {
+    last_ipoc_ = message.ipoc;
+    ipoc_digits_ = message.ipoc_digits;
+    last_stamp_ = stamp;
+    status_.delay = message.delay.value_or(0);
+    pending_ = !joined_late_;
+    if (joined_late_) {
+      ++counters_.rejected;
+      result = RsiAccept::kJoinedLate;
+    }
+  }
+  if (result == RsiAccept::kAccepted) {
+    const auto settled = static_cast<std::uint32_t>(params_.settle_messages);
+    ++in_session_;
+    if (in_session_ == settled + 1) {
+      ++activation_;
+      holding_ = true;
+    }
+    state.activation = activation_;
+    state.holding = holding_;
+    state.stamp = stamp;
+    state.sequence = static_cast<std::uint32_t>(message.ipoc);
+    state.session = in_session_ <= settled ? SessionState::kCommandingWait : SessionState::kCommandingActive;
+    state.quality = 3;
+    state.safety_state = 0;
+    state.drives_active = true;  // RSI runs in motion alone
+    state.control_mode = control::ControlMode::kPosition;
+    state.command_mode = control::CommandMode::kPosition;
+    state.period_s = 1e-3 * params_.cycle_ms;
+    state.q_meas = state.q_ipo = state.tau_ext = {};
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      state.q_meas[i] = (*message.axes_measured)[i] * kDegree;
+      state.q_ipo[i] = start_deg_[i] * kDegree;
+    }
+    state.has_ipo = true;
+  }
+  PutCounters(state);
+  return result;
+}
+
+RsiSession::Order RsiSession::CheckSequence(std::uint64_t ipoc, rt::Nanoseconds stamp,
+                                            std::uint32_t& ahead) OSTEON_RT {
+  // unsigned difference, read as signed: right wherever two numbers are less than 2^63 apart
+  const auto apart = static_cast<std::int64_t>(ipoc - last_ipoc_);
+  const std::int64_t steps = apart / params_.ipoc_step;
+  const rt::Nanoseconds timeout = rt::kMillisecond * params_.cycle_ms * params_.timeout_cycles;
+  if (!has_last_ || stamp - last_stamp_ > timeout || steps > params_.timeout_cycles || steps <= -kWindow)
+    return Order::kFirst;
+  if (apart > 0) {
+    // a leap of less than a step is not ours to judge: it is newer
+    ahead = static_cast<std::uint32_t>(std::max<std::int64_t>(1, steps));
+    seen_ = ahead < kWindow ? (seen_ << ahead) | 1u : 1u;
+    counters_.lost += ahead - 1;
+    return Order::kNext;
+  }
+  const std::uint64_t bit = std::uint64_t{1} << -steps;
+  if (seen_ & bit) return Order::kDuplicate;
+  seen_ |= bit;
+  if (counters_.lost > 0) --counters_.lost;
+  return Order::kLate;
+}
+
+bool RsiSession::TooLate(const RsiRobotMessage& first) const OSTEON_RT {
+  return first.delay.value_or(0) > static_cast<std::uint32_t>(params_.late_at_start);
+}
+
+void RsiSession::Begin(const RsiRobotMessage& message) OSTEON_RT {
+  has_last_ = true;
+  seen_ = 1;
+  in_session_ = 0;
+  holding_ = false;
+  awaiting_ = false;
+  stop_ = false;
+  total_ = sent_ = applied_ = sum_before_ = {};
+  joined_late_ = TooLate(message);
+  start_deg_ = message.axes_set.value_or(*message.axes_measured);
+  if (chain_) X_BF_start_ = chain_->FlangePose(ToRadians(start_deg_));
+  status_.sum = {};
+  if (!joined_late_) ++status_.sessions;
+}
+
+// What the controller has in force after `ahead` cycles, from what its Delay says of them. Each cycle but the
+// first had no answer for sure, since its message never came; the first has one where ours was in time.
+void RsiSession::FollowSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT {
+  // Delay counts on, or (other controllers) begins anew after an answer in time.
+  const std::uint32_t risen = delay >= status_.delay ? delay - status_.delay : delay;
+  const bool in_time = awaiting_ && risen < ahead;
+  if (in_time) applied_ = sent_;
+  const std::uint32_t late = in_time ? ahead - 1 : ahead;
+  if (params_.absolute) {
+    if (late > 0) status_.sum = params_.hold_on ? applied_ : Six{};
+  } else {
+    if (awaiting_ && !in_time) status_.sum = sum_before_;
+    if (params_.hold_on)
+      for (std::size_t i = 0; i < kAxes; ++i) status_.sum[i] += late * applied_[i];
+  }
+  awaiting_ = false;
+}
+
+// Whether the loop's commands count: it has seen that the arm is handed over, and began where it stands.
+bool RsiSession::MayMove(const control::ArmCommand& command) OSTEON_RT {
+  if (in_session_ <= static_cast<std::uint32_t>(params_.settle_messages)) return false;
+  if (command.activation != activation_) return false;
+  for (std::size_t i = 0; holding_ && i < kAxes; ++i)
+    if (!(std::abs(command.q[i] / kDegree - start_deg_[i]) <= params_.entry_step_deg)) return false;
+  holding_ = false;
+  return true;
+}
+
+// The correction from the start pose that the command asks for; false where it may not be sent.
+bool RsiSession::Wanted(const control::ArmCommand& command, Six& correction) OSTEON_RT {
+  kinematics::JointVectorN<6> q;
+  for (std::size_t i = 0; i < kAxes; ++i) q[static_cast<int>(i)] = command.q[i];
+  if (!q.allFinite()) {
+    ++status_.not_finite;
+    return false;
+  }
+  if (params_.kind == RsiCorrection::kAxes) {
+    for (std::size_t i = 0; i < kAxes; ++i) correction[i] = command.q[i] / kDegree - start_deg_[i];
+  } else {
+    const Pose X_BF = chain_->FlangePose(q);
+    const Vector3 p_mm = 1e3 * (X_BF.translation() - X_BF_start_.translation());
+    const std::array<double, 3> abc = Abc(X_BF.linear() * X_BF_start_.linear().transpose());
+    correction = {p_mm.x(), p_mm.y(), p_mm.z(), abc[0], abc[1], abc[2]};
+  }
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    if (std::abs(correction[i]) <= params_.range[i]) continue;
+    ++status_.out_of_range;
+    status_.worst = static_cast<std::uint8_t>(i + 1);
+    return false;
+  }
+  return true;
+}
+
+std::span<const std::uint8_t> RsiSession::Answer(const control::ArmCommand& command) OSTEON_RT {
+  if (!pending_) return {};
+  Six total = total_;
+  if (!stop_ && !(MayMove(command) && Wanted(command, total))) total = total_;
+
+  RsiAnswer answer{.layout = params_.layout,
+                   .kind = params_.kind,
+                   .correction = total,
+                   .stop = stop_,
+                   .ipoc = last_ipoc_,
+                   .ipoc_digits = ipoc_digits_};
+  if (!params_.absolute)
+    for (std::size_t i = 0; i < kAxes; ++i) answer.correction[i] = total[i] - status_.sum[i];
+  for (double& value : answer.correction) value = RsiRounded(value, decimals_);
+
+  std::size_t size = 0;
+  if (EncodeAnswer(answer, decimals_, buffer_, size) != RsiErrorCode::kNone) return {};
+  total_ = total;
+  sent_ = answer.correction;
+  sum_before_ = status_.sum;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    status_.sum[i] = params_.absolute ? sent_[i] : sum_before_[i] + sent_[i];
+  pending_ = false;
+  awaiting_ = true;
+  return {buffer_.data(), size};
+}
+
+void RsiSession::CountSuperseded(control::ArmState& state) OSTEON_RT {
+  ++counters_.late;
+  PutCounters(state);
+}
+
+void RsiSession::CountRejected(control::ArmState& state) OSTEON_RT {
+  ++counters_.rejected;
+  PutCounters(state);
+}
+
+void RsiSession::PutCounters(control::ArmState& state) const OSTEON_RT {
+  state.lost = counters_.lost;
+  state.duplicate = counters_.duplicate;
+  state.late = counters_.late;
+  state.reordered = counters_.reordered;
+  state.rejected = counters_.rejected;
+}
+
+}  // namespace osteon::io

@@ -1,0 +1,132 @@
+// The product's PLC client (libmodbus) against the simulated PLC (a codec of its own).
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "hil/plc/plc_server.h"
+#include "io/modbus/plc_client.h"
+
+namespace osteon::hil {
+namespace {
+
+using io::PlcLink;
+using io::PlcVerdict;
+
+// Two clients as in the cell: controller and guard, with their loops.
+class PlcCell : public ::testing::Test {
+ protected:
+  void Open(const PlcServerParams& params) {
+    server_ = std::make_unique<PlcServer>(params);
+    const auto client = [&](io::PlcRole role) {
+      return std::make_unique<io::PlcClient>(io::PlcClientParams{.port = server_->port(),
+                                                                 .role = role,
+                                                                 .heartbeat_every_ms = 20,
+                                                                 .response_timeout_ms = 500,
+                                                                 .longest_pause_ms = 100});
+    };
+    controller_ = client(io::PlcRole::kController);
+    guard_ = client(io::PlcRole::kGuard);
+  }
+  // Loops turn until it holds; false after a long time.
+  bool Until(const std::function<bool()>& holds) {
+    for (int i = 0; i < 20'000; ++i) {
+      if (controller_lives_) controller_->Beat();
+      if (guard_lives_) guard_->Beat();
+      if (holds()) return true;
+      rt::SleepUntil(rt::MonotonicNow() + rt::kMillisecond);
+    }
+    return false;
+  }
+  PlcVerdict Verdict() { return io::Judge(controller_->Latest(), rt::MonotonicNow(), rt::kSecond); }
+  bool Start() {
+    server_->SetPanel({.enabling = EnablingSwitch::kMiddle, .foot_pedal = true, .mode = ModeSelector::kT1});
+    if (!Until([&] { return (server_->outputs().blocks & 0x3f) == 0; })) return false;  // both beat
+    server_->SetPanel(
+        {.enabling = EnablingSwitch::kMiddle, .foot_pedal = true, .mode = ModeSelector::kT1, .reset = true});
+    if (!Until([&] { return DescribeBlocks(server_->outputs().blocks) == "not requested"; })) return false;
+    server_->SetPanel({.enabling = EnablingSwitch::kMiddle, .foot_pedal = true, .mode = ModeSelector::kT1});
+    controller_->RequestMotion(true);
+    return Until([&] { return Verdict() == PlcVerdict::kRun; });
+  }
+
+  // an hour: but where the heartbeat is the subject, no test of how busy the machine is
+  PlcServerParams params_{.port = 0, .logic = {.heartbeat_timeout = 3600 * rt::kSecond}};
+  std::unique_ptr<PlcServer> server_;
+  std::unique_ptr<io::PlcClient> controller_, guard_;
+  bool controller_lives_{true}, guard_lives_{true};
+};
+
+TEST_F(PlcCell, ComesUpAndEveryRegisterArrives) {
+  Open(params_);
+  ASSERT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
+  const io::PlcReading& reading = controller_->Latest();
+  EXPECT_EQ(reading.inputs.mode, io::PlcMode::kT1);
+  EXPECT_EQ(reading.inputs.enabling, io::PlcEnabling::kEnabled);
+  EXPECT_TRUE(reading.inputs.foot_pedal && reading.inputs.spindle_permitted && reading.inputs.power_on);
+  EXPECT_FALSE(reading.inputs.emergency_stop || reading.inputs.brake_test_requested);
+  EXPECT_EQ(reading.inputs.version, 3);
+
+  server_->SetPanel({.emergency_stop = true, .enabling = EnablingSwitch::kSqueezed, .brake_test_due = true});
+  EXPECT_TRUE(Until([&] { return Verdict() == PlcVerdict::kEmergencyStop; }));
+  EXPECT_EQ(controller_->Latest().inputs.enabling, io::PlcEnabling::kSqueezed);
+  EXPECT_TRUE(controller_->Latest().inputs.brake_test_requested);
+  EXPECT_TRUE(Until([&] { return !controller_->Latest().inputs.power_on; })) << "whatever the software does";
+}
+
+TEST_F(PlcCell, ALoopThatHangsIsFoundOut) {
+  params_.logic.heartbeat_timeout = 2 * rt::kSecond;
+  for (const bool guard : {false, true}) {
+    Open(params_);
+    controller_lives_ = guard_lives_ = true;
+    ASSERT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
+    (guard ? guard_lives_ : controller_lives_) = false;  // its Modbus thread goes on
+    EXPECT_TRUE(Until([&] { return Verdict() == PlcVerdict::kNotPermitted; }));
+    const auto lost = static_cast<std::uint16_t>(guard ? PlcBlock::kGuardLost : PlcBlock::kControllerLost);
+    EXPECT_TRUE(server_->outputs().blocks & lost) << DescribeBlocks(server_->outputs().blocks);
+    EXPECT_EQ(controller_->Latest().link, PlcLink::kConnected);
+  }
+}
+
+TEST_F(PlcCell, AProgramThatStandsStillIsFoundOut) {
+  Open(params_);
+  ASSERT_TRUE(Start());
+  server_->StopProgram(true);
+  EXPECT_TRUE(Until([&] { return Verdict() == PlcVerdict::kPlcStopped; }));
+  EXPECT_TRUE(controller_->Latest().inputs.run_permitted) << "which the registers alone would not say";
+}
+
+TEST_F(PlcCell, ALostConnectionStopsAndIsMadeAgain) {
+  Open(params_);
+  ASSERT_TRUE(Start());
+  server_->DropConnections();
+  ASSERT_TRUE(Until([&] { return controller_->Latest().counters.lost > 0; }));
+  EXPECT_TRUE(Until([&] { return Verdict() == PlcVerdict::kRun; }))
+      << "a short gap is within the heartbeat's time";
+  EXPECT_GE(server_->counters().connections, 3u);
+}
+
+TEST_F(PlcCell, AServerThatHangsIsNoConnection) {
+  Open(params_);
+  ASSERT_TRUE(Start());
+  server_->Hang(true);
+  ASSERT_TRUE(Until([&] { return Verdict() == PlcVerdict::kNoConnection; }));
+  EXPECT_GE(controller_->Latest().counters.timeouts, 1u);
+  server_->Hang(false);
+  EXPECT_TRUE(Until([&] { return controller_->Latest().link == PlcLink::kConnected; }));
+}
+
+TEST_F(PlcCell, AnotherVersionIsNeverWrittenTo) {
+  params_.logic.version = 4;
+  Open(params_);
+  ASSERT_TRUE(Until([&] { return Verdict() == PlcVerdict::kWrongVersion; }));
+  ASSERT_TRUE(Until([&] { return server_->counters().requests > 5; })) << "it goes on asking";
+  EXPECT_EQ(controller_->Latest().counters.writes, 0u);
+  EXPECT_TRUE(server_->outputs().blocks & static_cast<std::uint16_t>(PlcBlock::kNoController));
+  EXPECT_EQ(io::Describe({.port = server_->port()}, controller_->Latest()),
+            "PLC 127.0.0.1:" + std::to_string(server_->port()) +
+                ": VERSION (977): found 4, accepted 3; nothing is written to it");
+}
+
+}  // namespace
+}  // namespace osteon::hil

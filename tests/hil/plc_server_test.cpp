@@ -1,0 +1,141 @@
+#include "hil/plc/plc_server.h"
+
+#include <arpa/inet.h>
+#include <modbus/modbus.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <system_error>
+
+#include <gtest/gtest.h>
+
+// Our server against libmodbus' own client, and against bytes that are none.
+
+namespace osteon::hil {
+namespace {
+
+struct FreeContext {
+  void operator()(modbus_t* context) const {
+    modbus_close(context);
+    modbus_free(context);
+  }
+};
+using Context = std::unique_ptr<modbus_t, FreeContext>;
+
+Context Connect(const PlcServer& server) {
+  Context context(modbus_new_tcp("127.0.0.1", server.port()));
+  modbus_set_response_timeout(context.get(), 5, 0);
+  EXPECT_EQ(modbus_connect(context.get()), 0) << modbus_strerror(errno);
+  return context;
+}
+
+TEST(PlcServer, LibmodbusReadsAndWritesIt) {
+  PlcServer server({.port = 0});
+  server.SetPanel({.mode = ModeSelector::kT2, .brake_test_due = true});
+  const Context client = Connect(server);
+  std::array<std::uint16_t, 14> block{};
+  for (int i = 0; i < 500 && block[0] != 2; ++i)  // until the program has seen the panel
+    ASSERT_EQ(modbus_read_registers(client.get(), 970, 14, block.data()), 14) << modbus_strerror(errno);
+  EXPECT_EQ(block[0], 2);
+  EXPECT_EQ(block[3], 1) << "brake test";
+  EXPECT_EQ(block[4], 0) << "not permitted";
+  EXPECT_EQ(block[7], 3) << "version";
+  const std::array<std::uint16_t, 2> beat{1, 1};
+  EXPECT_EQ(modbus_write_registers(client.get(), 990, 2, beat.data()), 2) << modbus_strerror(errno);
+  EXPECT_EQ(modbus_write_register(client.get(), 992, 77), 1) << modbus_strerror(errno);
+  EXPECT_EQ(modbus_write_register(client.get(), 974, 1), -1) << "nobody permits himself to run";
+  EXPECT_EQ(errno, EMBXILADD);
+  EXPECT_EQ(modbus_read_registers(client.get(), 970, 15, block.data()), -1);
+  EXPECT_EQ(errno, EMBXILADD);
+  EXPECT_EQ(modbus_read_input_registers(client.get(), 970, 1, block.data()), -1);
+  EXPECT_EQ(errno, EMBXILFUN);
+  EXPECT_EQ(modbus_read_registers(client.get(), 970, 14, block.data()), 14) << "and goes on";
+}
+
+class Raw {
+ public:
+  explicit Raw(std::uint16_t port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(port);
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  }
+  ~Raw() { close(socket_); }
+  Raw(const Raw&) = delete;
+  Raw& operator=(const Raw&) = delete;
+  void Send(std::span<const std::uint8_t> bytes) const {
+    (void)send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
+  // What comes next: bytes, 0 where the server closed, -1 where nothing came for five seconds.
+  [[nodiscard]] ssize_t Receive() const {
+    pollfd waiting{socket_, POLLIN, 0};
+    if (poll(&waiting, 1, 5000) != 1) return -1;
+    std::array<std::uint8_t, 600> bytes;
+    return std::max<ssize_t>(0, recv(socket_, bytes.data(), bytes.size(), 0));
+  }
+
+ private:
+  int socket_;
+};
+
+TEST(PlcServer, ClosesOnWhatIsNoModbusAndServesTheOthers) {
+  PlcServer server({.port = 0});
+  const Context good = Connect(server);
+  std::mt19937 random(11);
+  std::uint64_t closed = 0;
+  for (int i = 0; i < 50; ++i) {
+    const Raw hostile(server.port());
+    std::vector<std::uint8_t> noise(6 + random() % 600);
+    for (auto& byte : noise) byte = static_cast<std::uint8_t>(random() % 256);
+    noise[2] = 0xff;  // no Modbus for sure
+    hostile.Send(noise);
+    closed += hostile.Receive() == 0 ? 1 : 0;
+    std::uint16_t version = 0;
+    ASSERT_EQ(modbus_read_registers(good.get(), 977, 1, &version), 1) << modbus_strerror(errno);
+    ASSERT_EQ(version, 3);
+  }
+  EXPECT_EQ(closed, 50u);
+  EXPECT_EQ(server.counters().broken, 50u);
+}
+
+TEST(PlcServer, TakesRequestsInPiecesAndSeveralAtOnce) {
+  PlcServer server({.port = 0});
+  const std::array<std::uint8_t, 12> request{0, 1, 0, 0, 0, 6, 1, 3, 0x03, 0xd1, 0, 1};
+  const Raw client(server.port());
+  for (const std::uint8_t byte : request) client.Send({&byte, 1});
+  EXPECT_EQ(client.Receive(), 11);
+  std::vector<std::uint8_t> three;
+  for (int i = 0; i < 3; ++i) three.insert(three.end(), request.begin(), request.end());
+  client.Send(three);
+  ssize_t received = 0;
+  while (received < 33) {
+    const ssize_t more = client.Receive();
+    ASSERT_GT(more, 0);
+    received += more;
+  }
+  EXPECT_EQ(received, 33);
+}
+
+TEST(PlcServer, ServesAFewAndRefusesMore) {
+  PlcServer server({.port = 0});
+  std::vector<std::unique_ptr<Raw>> clients;
+  for (int i = 0; i < 5; ++i) clients.push_back(std::make_unique<Raw>(server.port()));
+  EXPECT_EQ(clients.back()->Receive(), 0) << "closed at once";
+  EXPECT_EQ(server.counters().connections, 4u);
+  EXPECT_EQ(server.counters().refused, 1u);
+}
+
+TEST(PlcServer, SaysWhatIsWrong) {
+  const PlcServer first({.port = 0});
+  EXPECT_THROW(PlcServer({.port = first.port()}), std::system_error);
+  EXPECT_THROW(PlcServer({.bind_address = "localhost"}), std::invalid_argument);
+  EXPECT_THROW(PlcServer({.port = 0, .cycle_ms = 0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace osteon::hil

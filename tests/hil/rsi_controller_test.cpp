@@ -1,0 +1,252 @@
+#include "hil/rsi/rsi_controller.h"
+
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/kinematics/kr_arms.h"
+
+namespace osteon::hil {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+RsiControllerParams Params() {
+  RsiControllerParams params;
+  params.arm = kinematics::Kr6R900Params();
+  params.first_ipoc = 1000;
+  return params;
+}
+
+bool Send(RsiController& controller, std::uint64_t ipoc, const Six& c, bool cartesian = false) {
+  const std::string text =
+      cartesian ? fmt::format(R"(<Sen Type="ImFree"><RKorr X="{}" Y="{}" Z="{}" A="{}" B="{}" C="{}"/>)"
+                              R"(<IPOC>{}</IPOC></Sen>)",
+                              c[0], c[1], c[2], c[3], c[4], c[5], ipoc)
+                : fmt::format(R"(<Sen Type="ImFree"><AK A1="{}" A2="{}" A3="{}" A4="{}" A5="{}" A6="{}"/>)"
+                              R"(<IPOC>{}</IPOC></Sen>)",
+                              c[0], c[1], c[2], c[3], c[4], c[5], ipoc);
+  return controller.Receive({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+// One cycle that is answered in time.
+void Cycle(RsiController& controller, const Six& correction, bool cartesian = false) {
+  ASSERT_FALSE(controller.Step().empty());
+  ASSERT_TRUE(Send(controller, controller.state().ipoc, correction, cartesian)) << controller.last_error();
+}
+
+std::string MessageOf(RsiController& controller) {
+  const auto bytes = controller.Step();
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(RsiController, IpocStepsByOneOrByTheMilliseconds) {
+  for (const int step : {1, 4, 12}) {
+    RsiControllerParams params = Params();
+    params.ipoc_step = step;
+    RsiController controller(params);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NE(MessageOf(controller).find(fmt::format("<IPOC>{}</IPOC>", 1000 + k * step)),
+                std::string::npos);
+  }
+}
+
+TEST(RsiController, AbsoluteCorrectionsCountFromTheStart) {
+  RsiController controller(Params());
+  for (int k = 0; k < 100; ++k) Cycle(controller, {10, 0, 0, 0, 0, -2});
+  controller.Step();
+  EXPECT_NEAR(controller.state().axes_set_deg[0], 10.0, 1e-9);
+  EXPECT_NEAR(controller.state().axes_measured_deg[0], 10.0, 0.01) << "400 ms later the servo is there";
+  EXPECT_NEAR(controller.state().axes_measured_deg[5], -2.0, 0.01);
+}
+
+TEST(RsiController, RelativeCorrectionsAddUp) {
+  RsiControllerParams params = Params();
+  params.absolute = false;
+  RsiController controller(params);
+  for (int k = 0; k < 100; ++k) Cycle(controller, {0.1, 0, 0, 0, 0, 0});
+  controller.Step();
+  EXPECT_NEAR(controller.state().axes_set_deg[0], 10.0, 1e-9);
+}
+
+// The table of README.md: what a cycle without an answer does.
+TEST(RsiController, WithoutAnAnswerHoldOnDecides) {
+  struct Row {
+    bool absolute, hold_on;
+    double after_deg;  // of A1, after answers of 2 and 3 deg and one cycle without
+  };
+  for (const Row& row :
+       {Row{true, true, 3.0}, Row{true, false, 0.0}, Row{false, true, 8.0}, Row{false, false, 5.0}}) {
+    RsiControllerParams params = Params();
+    params.absolute = row.absolute;
+    params.hold_on = row.hold_on;
+    RsiController controller(params);
+    Cycle(controller, {2, 0, 0, 0, 0, 0});
+    Cycle(controller, {3, 0, 0, 0, 0, 0});
+    controller.Step();
+    EXPECT_EQ(controller.state().delay, 0u);
+    controller.Step();  // nobody answered
+    EXPECT_NEAR(controller.state().axes_set_deg[0], row.after_deg, 1e-9) << row.absolute << row.hold_on;
+    EXPECT_EQ(controller.state().delay, 1u);
+    EXPECT_EQ(controller.state().counters.missed, 1u);
+  }
+}
+
+TEST(RsiController, HoldOnZeroThrowsTheArmBackToItsStart) {
+  RsiControllerParams params = Params();
+  params.hold_on = false;
+  RsiController controller(params);
+  for (int k = 0; k < 200; ++k) Cycle(controller, {20, 0, 0, 0, 0, 0});
+  controller.Step();
+  ASSERT_NEAR(controller.state().axes_measured_deg[0], 20.0, 0.01);
+  controller.Step();
+  EXPECT_NEAR(controller.state().axes_set_deg[0], 0.0, 1e-9) << "20 deg in one cycle";
+  double before = controller.state().axes_measured_deg[0];
+  for (int k = 0; k < 90; ++k) {
+    controller.Step();
+    const double at = controller.state().axes_measured_deg[0];
+    EXPECT_LE(std::abs(at - before), 360.0 * 0.004 + 1e-9) << "no faster than the axis can";
+    before = at;
+  }
+  EXPECT_LT(before, 1.0) << "and there it goes";
+}
+
+TEST(RsiController, LateAnswersRaiseDelayUntilTimeoutEndsRsi) {
+  RsiControllerParams params = Params();
+  params.timeout_cycles = 3;
+  RsiController controller(params);
+  Cycle(controller, {1, 0, 0, 0, 0, 0});
+  std::uint64_t late_ipoc = 0;
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    EXPECT_NE(MessageOf(controller).find(fmt::format("<Delay D=\"{}\"/>", k)), std::string::npos);
+    if (k > 0) {
+      EXPECT_FALSE(Send(controller, late_ipoc, {5, 0, 0, 0, 0, 0})) << "its cycle is over";
+    }
+    late_ipoc = controller.state().ipoc;
+  }
+  EXPECT_EQ(controller.state().counters.late, 2u);
+  EXPECT_TRUE(controller.Step().empty());
+  EXPECT_FALSE(controller.state().running);
+  EXPECT_EQ(Describe(controller.state().stop), "timeout: 3 answers late, RSI ends at 3");
+  EXPECT_TRUE(controller.Step().empty()) << "and stays silent";
+}
+
+TEST(RsiController, DelayCountsAllOrThoseInARow) {
+  for (const bool in_a_row : {false, true}) {
+    RsiControllerParams params = Params();
+    params.timeout_cycles = 4;
+    params.delay_in_a_row = in_a_row;
+    RsiController controller(params);
+    for (int k = 0; k < 20 && controller.state().running; ++k) {
+      controller.Step();
+      if (k % 2 != 0) Send(controller, controller.state().ipoc, {});
+    }
+    EXPECT_EQ(controller.state().running, in_a_row);
+    if (in_a_row) {
+      EXPECT_LE(controller.state().delay, 1u);
+    }
+  }
+}
+
+TEST(RsiController, CountsWhatAnswersNothing) {
+  RsiController controller(Params());
+  EXPECT_FALSE(Send(controller, 1000, {})) << "it has not spoken yet";
+  controller.Step();
+  EXPECT_FALSE(Send(controller, 2000, {}));
+  EXPECT_TRUE(Send(controller, 1000, {}));
+  EXPECT_FALSE(Send(controller, 1000, {1, 0, 0, 0, 0, 0}));
+  EXPECT_FALSE(controller.Receive({}));
+  controller.Step();
+  const RsiCounters& n = controller.state().counters;
+  EXPECT_EQ(n.wrong_ipoc, 2u);
+  EXPECT_EQ(n.duplicate, 1u);
+  EXPECT_EQ(n.malformed, 1u);
+  EXPECT_EQ(n.answered, 1u);
+  EXPECT_NEAR(controller.state().axes_set_deg[0], 0.0, 1e-9) << "the first answer counts";
+}
+
+TEST(RsiController, MonitorsEndRsi) {
+  struct Case {
+    Six correction;
+    bool cartesian;
+    const char* stop;
+  };
+  for (const Case& c : {
+           Case{{0, 0, 0, 0, 0, 90.5}, false, "correction range: number 6 corrected by 90.5, accepted 90"},
+           Case{{0, 0, 70, 0, 0, 0}, false, "axis limit: A3 set to 160 deg, accepted at most 156"},
+           Case{{0, 0, 0, 0, 31, 0}, false, "axis limit: A5 set to 121 deg, accepted at most 120"},
+           Case{{0, 0, 600, 0, 0, 0}, true, "out of reach: no posture for the corrected pose"},
+       }) {
+    RsiControllerParams params = Params();
+    params.cartesian = c.cartesian;
+    if (c.cartesian) params.range = {1000, 1000, 1000, 90, 90, 90};
+    RsiController controller(params);
+    Cycle(controller, c.correction, c.cartesian);
+    EXPECT_TRUE(controller.Step().empty());
+    EXPECT_EQ(Describe(controller.state().stop), c.stop);
+    EXPECT_NEAR(controller.state().axes_set_deg[2], 90.0, 1e-9) << "the set point stays";
+  }
+}
+
+TEST(RsiController, CartesianCorrectionMovesTheFlangeBySoMuch) {
+  for (const bool absolute : {true, false}) {
+    RsiControllerParams params = Params();
+    params.cartesian = true;
+    params.absolute = absolute;
+    params.range = {500, 500, 500, 90, 90, 90};
+    RsiController controller(params);
+    const kinematics::SerialChain<6> chain(kinematics::ChainFrom(params.arm));
+    const auto flange = [&] {
+      kinematics::JointVectorN<6> q;
+      for (int i = 0; i < 6; ++i)
+        q[i] = controller.state().axes_set_deg[static_cast<std::size_t>(i)] * kDegree;
+      return chain.FlangePose(q);
+    };
+    const Pose before = flange();
+    const int cycles = absolute ? 1 : 10;
+    const double share = 1.0 / cycles;
+    for (int k = 0; k < cycles; ++k)
+      Cycle(controller, {30 * share, -40 * share, 50 * share, 0, 0, 12 * share}, true);
+    controller.Step();
+    const Pose after = flange();
+    EXPECT_LT((after.translation() - before.translation() - Vector3(0.03, -0.04, 0.05)).norm(), 1e-9);
+    const Vector3 turn = LogRotation(after.linear() * before.linear().transpose());
+    EXPECT_LT((turn - Vector3(12 * kDegree, 0, 0)).norm(), 1e-9) << "about the base's x";
+  }
+}
+
+TEST(RsiController, SameInputSameBytes) {
+  RsiController a(Params()), b(Params());
+  for (int k = 0; k < 200; ++k) {
+    const auto m = a.Step(), n = b.Step();
+    ASSERT_TRUE(std::equal(m.begin(), m.end(), n.begin(), n.end()));
+    if (k % 7 == 0) continue;
+    const Six correction{0.01 * k, 0, -0.02 * k, 0, 0, 0};
+    Send(a, a.state().ipoc, correction);
+    Send(b, b.state().ipoc, correction);
+  }
+}
+
+TEST(RsiController, RefusesParametersByName) {
+  const auto refused = [](auto change) -> std::string {
+    RsiControllerParams params = Params();
+    change(params);
+    try {
+      RsiController controller(params);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_NE(refused([](auto& p) { p.cycle_ms = 8; }).find("cycle_ms: found 8"), std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.start_deg[1] = 46; }).find("start_deg of A2: found 46"),
+            std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.range[0] = 0; }).find("range 1"), std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.timeout_cycles = 0; }).find("timeout_cycles"), std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.ipoc_step = 0; }).find("ipoc_step"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace osteon::hil

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <expat.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// Samples of RSI's XML, and expat as a second reader of what is read and written.
+
+namespace osteon::io::test {
+
+/// As a KR C4 sends it with every internal element configured.
+inline const std::string kFullRobot =
+    R"(<Rob Type="KUKA"><RIst X="1180.5" Y="-20.25" Z="1290.125" A="-180.0" B="0.5" C="179.75"/>)"
+    R"(<RSol X="1180.0" Y="-20.0" Z="1290.0" A="-180.0" B="0.0" C="180.0"/>)"
+    R"(<AIPos A1="1.5" A2="-90.25" A3="90.125" A4="0.0" A5="89.5" A6="-0.0625"/>)"
+    R"(<ASPos A1="1.25" A2="-90.5" A3="90.0" A4="0.25" A5="90.0" A6="0.0"/>)"
+    R"(<EIPos E1="10.5" E2="0.0" E3="0.0" E4="0.0" E5="0.0" E6="-1.0"/>)"
+    R"(<MACur A1="1.0" A2="-12.5" A3="6.25" A4="0.5" A5="-0.75" A6="0.125"/>)"
+    R"(<Delay D="3"/><IPOC>4208163634</IPOC></Rob>)";
+
+/// The newer, shorter layout.
+inline const std::string kShortRobot =
+    R"(<Rob Type="KUKA"><RIst X="1180.5" Y="-20.25" Z="1290.125" A="-180.0" B="0.5" C="179.75"/>)"
+    R"(<AIPos A1="1.5" A2="-90.25" A3="90.125" A4="0.0" A5="89.5" A6="-0.0625"/>)"
+    R"(<EIPos E1="0.0" E2="0.0" E3="0.0" E4="0.0" E5="0.0" E6="0.0"/>)"
+    R"(<Delay D="0"/><IPOC>0000012345</IPOC></Rob>)";
+
+inline std::vector<std::uint8_t> Bytes(std::string_view text) { return {text.begin(), text.end()}; }
+inline std::string Text(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
+
+/// "element/attribute" → value, "element" → text; of the root's children, and of the root itself.
+using XmlValues = std::map<std::string, std::string>;
+
+/// What expat makes of it; nothing where it is not well-formed.
+inline std::optional<XmlValues> ReadByExpat(std::string_view text) {
+  struct Reading {
+    XmlValues values;
+    std::vector<std::string> open;
+  } reading;
+  XML_Parser parser = XML_ParserCreate(nullptr);
+  XML_SetUserData(parser, &reading);
+  XML_SetElementHandler(
+      parser,
+      [](void* data, const XML_Char* name, const XML_Char** attributes) {
+        auto& r = *static_cast<Reading*>(data);
+        r.open.emplace_back(name);
+        if (r.open.size() > 2) return;
+        for (; *attributes != nullptr; attributes += 2)
+          r.values[r.open.back() + "/" + attributes[0]] = attributes[1];
+      },
+      [](void* data, const XML_Char*) { static_cast<Reading*>(data)->open.pop_back(); });
+  XML_SetCharacterDataHandler(parser, [](void* data, const XML_Char* content, int size) {
+    auto& r = *static_cast<Reading*>(data);
+    if (r.open.size() <= 2) r.values[r.open.back()].append(content, static_cast<std::size_t>(size));
+  });
+  const bool whole = XML_Parse(parser, text.data(), static_cast<int>(text.size()), XML_TRUE) == XML_STATUS_OK;
+  XML_ParserFree(parser);
+  if (!whole) return {};
+  return reading.values;
+}
+
+}  // namespace osteon::io::test
