@@ -216,8 +216,10 @@ TEST(UdpCanBus, DeliversWhatPassesAFilter) {
   const Peer peer;
   const auto bus = OpenToward(peer, {{.id = 0x10, .mask = 0x7F0}, {.id = 0x42}});
   std::uint32_t sequence = 0;
-  for (const std::uint16_t id : {0x0F, 0x10, 0x1F, 0x20, 0x42, 0x43})
-    peer.Send(bus->port(), Encoded({.frame = Frame(id, {}), .session = 1, .sequence = sequence++}));
+  for (const int id : {0x0F, 0x10, 0x1F, 0x20, 0x42, 0x43})
+    peer.Send(
+        bus->port(),
+        Encoded({.frame = Frame(static_cast<std::uint16_t>(id), {}), .session = 1, .sequence = sequence++}));
   std::vector<int> got;
   for (CanArrival arrival; bus->TryReceive(arrival) == CanResult::kOk;) got.push_back(arrival.frame.id);
   EXPECT_EQ(got, (std::vector<int>{0x10, 0x1F, 0x42}));
