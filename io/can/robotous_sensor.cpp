@@ -143,7 +143,7 @@ void RobotousSensor::Answer(const std::array<std::uint8_t, 16>& bytes) OSTEON_RT
 void RobotousSensor::TakeReading(const std::array<std::uint8_t, 16>& bytes, rt::Nanoseconds stamp) OSTEON_RT {
   if (step_ == Step::kStart) {
     Advance();
-    rate_since_ = stamp;
+    rate_since_ = rate_last_ = stamp;
     rate_count_ = 0;
   } else if (step_ == Step::kMeasureRate) {
     MeasureRate(stamp);
@@ -164,6 +164,7 @@ void RobotousSensor::TakeReading(const std::array<std::uint8_t, 16>& bytes, rt::
 }
 
 void RobotousSensor::MeasureRate(rt::Nanoseconds stamp) OSTEON_RT {
+  rate_last_ = stamp;
   if (++rate_count_ < params_.rate_readings) return;
   const double period_s = rt::ToSeconds(stamp - rate_since_) / rate_count_;
   const double ratio = period_s * params_.rate_hz;
@@ -202,7 +203,8 @@ bool RobotousSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
       const rt::Nanoseconds whole = rt::kSecond / params_.rate_hz * params_.rate_readings;
       if (due_ == 0) due_ = now + 2 * whole + params_.answer_timeout;
       if (now >= due_)
-        Fail(Wrong::kRateMeasured, rate_count_ / rt::ToSeconds(2 * whole + params_.answer_timeout));
+        Fail(Wrong::kRateMeasured,
+             rate_count_ > 0 ? rate_count_ / rt::ToSeconds(rate_last_ - rate_since_) : 0.0);
     }
     if (bias_ == Bias::kNone || step_ != Step::kRunning) return false;
     frame = {.id = params_.command_id,

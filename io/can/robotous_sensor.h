@@ -91,7 +91,7 @@ class RobotousSensor final : public WrenchSensor {
   Bias bias_{Bias::kNone};
   SensorReading latest_;
   std::uint64_t readings_{0}, unexpected_{0};
-  rt::Nanoseconds rate_since_{0};
+  rt::Nanoseconds rate_since_{0}, rate_last_{0};
   int rate_count_{0};
 };
 

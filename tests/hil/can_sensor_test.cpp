@@ -182,7 +182,7 @@ TEST(Robotous, ASensorThatDoesNotConfirmItsRateIsRefused) {
   };
   EXPECT_NE(failure({.keeps_its_rate = true}).find("rate reads back as code 0, accepted 8"),
             std::string::npos);
-  EXPECT_NE(failure({.lies_about_rate = true}).find("readings come at 2"),
+  EXPECT_NE(failure({.lies_about_rate = true}).find("readings come at 200 Hz, accepted 1000 Hz"),
             std::string::npos);
   EXPECT_NE(failure({.refuse_code = 0x0F}).find("refused command 0x0F with error 1"), std::string::npos);
   EXPECT_NE(failure({.silent = true}).find("no answer to command 0x08"), std::string::npos);
