@@ -29,9 +29,15 @@ std::array<int, 2> TwoBytes(double gauge) {
   return {on_the_wire / 256, on_the_wire % 256};
 }
 
+// It is the gauges that have a range.
+SensorModelParams Unclamped(SensorModelParams params) {
+  params.range_N = params.range_Nm = 1e9;
+  return params;
+}
+
 }  // namespace
 
-AtiDevice::AtiDevice(const AtiDeviceParams& params) : params_(params), model_(params.model) {
+AtiDevice::AtiDevice(const AtiDeviceParams& params) : params_(params), model_(Unclamped(params.model)) {
   if (params.base < 0 || params.base > 0x7F)
     throw std::invalid_argument("ATI sensor: base: found " + std::to_string(params.base) +
                                 ", accepted 0 … 127");

@@ -30,7 +30,7 @@ constexpr std::array<double, 7> kTorqueUnit_Nm{
 
 // The sensor's own bits.
 constexpr std::uint16_t kStatusFault =
-    0x19FC;  // 2 … 8 converter, ground, supply, calibration, memory; 11, 12 temperature
+    0x19FE;  // 1 … 8 converter, ground, supply, calibration, memory; 11, 12 temperature
 constexpr std::uint16_t kStatusBus = 0x4000;
 
 std::uint16_t Id(std::uint8_t base, std::uint16_t code) OSTEON_RT {
@@ -203,6 +203,7 @@ bool AtiSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
   if (phase_ == SensorPhase::kFailed || now < due_) return false;
   frame = {.id = Id(params_.base, kReadings)};
   if (step_ == kStepRunning) {
+    joiner_.GiveUp();  // the other half of an earlier answer: it never joins this one's
     due_ = now - due_ > params_.period ? now + params_.period : due_ + params_.period;
     return true;
   }

@@ -41,7 +41,8 @@ std::vector<IdClaim> Claims(const ReamerDriveParams& params) {
   add("SYNC", canopen::kSync, "it belongs to CANopen");
   add("EMCY", canopen::kEmergency + params.node);
   add("TPDO1", canopen::kTpdo1 + params.node);
-  add("RPDO1", canopen::kRpdo1 + params.node, "give the drive a node of 16 or more");
+  add("RPDO1", canopen::kRpdo1 + params.node,
+      "give the drive another node (16 or more beside an ATI sensor)");
   add("TPDO2", canopen::kTpdo2 + params.node);
   add("SDO answers", canopen::kSdoAnswer + params.node);
   add("SDO requests", canopen::kSdoRequest + params.node);

@@ -410,11 +410,12 @@ TEST(CanIds, DevicesThatDoNotMeetAreAccepted) {
 TEST(CanIds, AnOverlapNamesBothAndWhatToDo) {
   const auto text = FindOverlap(Both(RobotousParams{.command_id = 0x210}, Params()));
   ASSERT_TRUE(text);
-  EXPECT_EQ(*text,
-            "CAN ids overlap: 0x210 of the Robotous force sensor (command id 0x210) (commands) and 0x210 of "
-            "the reamer "
-            "drive (node 16) (RPDO1); give the sensor other ids, give the drive another node, or use a bus "
-            "for each");
+  EXPECT_EQ(
+      *text,
+      "CAN ids overlap: 0x210 of the Robotous force sensor (command id 0x210) (commands) and 0x210 of the "
+      "reamer drive (node 16) (RPDO1); give the sensor other ids, give the drive another node (16 or more "
+      "beside "
+      "an ATI sensor), or use a bus for each");
   EXPECT_TRUE(FindOverlap(Both(RobotousParams{.first_id = 0x000}, Params()))) << "NMT";
 }
 
