@@ -1,5 +1,5 @@
-// Simulated devices and their clients over a real kernel's vcan, in wall time: see run_in_uml.sh. Each side has its own
-// socket. Nothing here is asserted about the time that it takes.
+// Simulated devices and their clients over a real kernel's vcan, in wall time: see run_in_uml.sh. Each side
+// has its own socket. Nothing here is asserted about the time that it takes.
 
 #include <cstdlib>
 
@@ -84,8 +84,8 @@ TEST(CanDevices, DriveOverVcan) {
   ASSERT_EQ(drive.phase(), DrivePhase::kReady) << drive.failure();
   drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 10});
   EXPECT_TRUE(wire.Until([&] {
-    return drive.status().faults != 0 ||
-           (std::abs(drive.status().speed_rad_per_s - 10) < 0.02 && std::abs(drive.status().torque_Nm - 2.0) < 0.02);
+    return drive.status().faults != 0 || (std::abs(drive.status().speed_rad_per_s - 10) < 0.02 &&
+                                          std::abs(drive.status().torque_Nm - 2.0) < 0.02);
   }));
   EXPECT_EQ(drive.status().faults, 0u);
 }
