@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+#include "hil/can/frame_queue.h"
+#include "hil/can/sensor_model.h"
+#include "io/can/can_pump.h"
+
+namespace osteon::hil {
+
+struct AtiDeviceParams {
+  SensorModelParams model{.range_N = 660.0, .range_Nm = 60.0};  ///< a gauge is at its end 9 % beyond
+  int base{0x20};
+  std::uint32_t counts_per_N{1'000'000}, counts_per_Nm{1'000'000};
+  int force_unit{2},
+      torque_unit{3};  ///< as it tells them; N and N·m. Its counts are always those of N and N·m
+};
+
+/// Plays an ATI NETCANOEM force sensor: six strain gauges behind a calibration matrix that mixes them,
+/// written apart from io/can. The gauges follow from the load by the inverse of the matrix that it gives
+/// away.
+class AtiDevice final : public io::CanClient {
+ public:
+  /// @throws std::invalid_argument on a base outside 0 … 0x7F, counts of 0, or from the model.
+  explicit AtiDevice(const AtiDeviceParams& params);
+
+  /// The load on the tool side at S, in S, from now on.
+  void SetLoad(const Wrench& F_S) { load_ = F_S; }
+  void SetSilent(bool silent);
+  /// Bits that its status carries, e.g. 0x4000: bus error (with bit 15, "any error", as it does).
+  void SetStatus(int bits) { status_ = bits; }
+
+  void Accept(const io::CanArrival& arrival) OSTEON_RT override;
+  bool Next(rt::Nanoseconds now, io::CanFrame& frame) OSTEON_RT override;
+
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  [[nodiscard]] const Matrix6& matrix() const { return matrix_; }
+
+ private:
+  void Reading(rt::Nanoseconds now) noexcept;
+
+  AtiDeviceParams params_;
+  SensorModel model_;
+  Matrix6 matrix_, inverse_;
+  Wrench load_;
+  int status_{0};
+  bool silent_{false};
+  FrameQueue queue_;
+};
+
+}  // namespace osteon::hil

@@ -1,0 +1,333 @@
+#include "hil/can/drive_device.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+namespace osteon::hil {
+namespace {
+
+constexpr int kPreOperational = 127, kOperational = 5, kStopped = 4;
+constexpr int kBlocked = 0x7121, kHeartbeatError = 0x8130;
+constexpr double kStep_s = 1e-4;
+constexpr rt::Nanoseconds kLongest =
+    100 * rt::kMillisecond;                             // of one advance: after a pause the rest is forgotten
+constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;  // rad/s
+constexpr double kAtRest_rad_per_s = 0.1;
+
+std::vector<DictionaryEntry> Dictionary(const DriveDeviceParams& params) {
+  const auto node = static_cast<std::uint32_t>(params.node);
+  std::vector<DictionaryEntry> list{
+      {.index = 0x1000, .value = 0x00020192},  // servo drive, profile 402
+      {.index = 0x1016, .sub = 0, .bytes = 1, .value = 1},
+      {.index = 0x1016, .sub = 1, .writable = true},
+      {.index = 0x1017, .bytes = 2, .writable = true},
+      {.index = 0x6007, .bytes = 2, .writable = true, .value = 1},
+      {.index = 0x603F, .bytes = 2, .mappable = true},
+      {.index = 0x6040, .bytes = 2, .writable = true, .mappable = true},
+      {.index = 0x6041, .bytes = 2, .mappable = true},
+      {.index = 0x605A, .bytes = 2, .writable = true, .value = 2},
+      {.index = 0x605E, .bytes = 2, .writable = true, .value = 2},
+      {.index = 0x6060, .bytes = 1, .writable = true, .mappable = true, .value = 3},
+      {.index = 0x6061, .bytes = 1, .mappable = true, .value = 3},
+      {.index = 0x606C, .mappable = true},
+      {.index = 0x6076,
+       .value = static_cast<std::uint32_t>(std::lround(1000 * params.motor.rated_torque_Nm))},
+      {.index = 0x6077, .bytes = 2, .mappable = true},
+      {.index = 0x6083, .writable = true, .value = 10000},
+      {.index = 0x6084, .writable = true, .value = 10000},
+      {.index = 0x6085, .writable = true, .value = 50000},
+      {.index = 0x60FF, .writable = true, .mappable = true},
+      {.index = 0x3201, .sub = 1, .bytes = 2, .mappable = true, .value = 250},
+  };
+  // PDOs as they come from the maker: on, mapped to the word of state or command alone, without SYNC.
+  const struct {
+    int communication, mapping;
+    std::uint32_t id, object;
+  } pdos[]{{0x1400, 0x1600, 0x200 + node, 0x60400010},
+           {0x1800, 0x1A00, 0x180 + node, 0x60410010},
+           {0x1801, 0x1A01, 0x280 + node, 0x60410010}};
+  for (const auto& pdo : pdos) {
+    list.push_back({.index = pdo.communication, .sub = 1, .writable = true, .value = pdo.id});
+    list.push_back({.index = pdo.communication, .sub = 2, .bytes = 1, .writable = true, .value = 255});
+    list.push_back({.index = pdo.mapping, .sub = 0, .bytes = 1, .writable = true, .value = 1});
+    for (int sub = 1; sub <= 8; ++sub)
+      list.push_back(
+          {.index = pdo.mapping, .sub = sub, .writable = true, .value = sub == 1 ? pdo.object : 0});
+  }
+  return list;
+}
+
+}  // namespace
+
+DriveDevice::DriveDevice(const DriveDeviceParams& params)
+    : params_(params), motor_(params.motor), objects_(Dictionary(params)) {
+  if (params.node < 1 || params.node > 127)
+    throw std::invalid_argument("drive: node: found " + std::to_string(params.node) + ", accepted 1 … 127");
+}
+
+void DriveDevice::SetCuttingTorque(double at_the_tool_Nm) {
+  cutting_Nm_ = std::isfinite(at_the_tool_Nm) ? std::abs(at_the_tool_Nm) : 0.0;
+}
+
+void DriveDevice::Break(int error_code) {
+  broken_ = error_code;
+  Trip(error_code);
+}
+
+void DriveDevice::SetPower(bool on) {
+  if (on == power_) return;
+  power_ = on;
+  Boot();
+  queue_.Clear();
+}
+
+void DriveDevice::Boot() {
+  objects_ = ObjectDictionary(Dictionary(params_));
+  state_ = State::kNotReady;
+  nmt_ = 0;
+  last_control_ = error_ = 0;
+  boot_due_ = 0;
+  heartbeat_due_ = 0;
+  master_heard_ = -1;
+  rpdo_fresh_ = false;
+}
+
+int DriveDevice::statusword() const {
+  constexpr int kVoltage = 0x10, kNoQuickStop = 0x20, kRemote = 0x200;
+  switch (state_) {
+    case State::kNotReady:
+      return 0;
+    case State::kDisabled:
+      return kRemote + kVoltage + 0x40;
+    case State::kReady:
+      return kRemote + kVoltage + kNoQuickStop + 0x01;
+    case State::kSwitchedOn:
+      return kRemote + kVoltage + kNoQuickStop + 0x03;
+    case State::kEnabled:
+      return kRemote + kVoltage + kNoQuickStop + 0x07;
+    case State::kQuickStop:
+      return kRemote + kVoltage + 0x07;
+    case State::kFaultReaction:
+      return kRemote + kVoltage + 0x0F;
+    case State::kFault:
+      break;
+  }
+  return kRemote + kVoltage + 0x08;
+}
+
+void DriveDevice::Control(int word) noexcept {
+  const bool on = word & 1, voltage = word & 2, no_quick_stop = word & 4, enable = word & 8;
+  const bool reset_edge = (word & 0x80) != 0 && (last_control_ & 0x80) == 0;
+  last_control_ = word;
+  if (state_ == State::kNotReady || state_ == State::kFaultReaction) return;
+  if (state_ == State::kFault) {
+    if (!reset_edge || broken_ != 0) return;
+    state_ = State::kDisabled;
+    error_ = 0;
+    queue_.Push(static_cast<std::uint16_t>(0x080 + params_.node), {0, 0, 0, 0, 0, 0, 0, 0});
+    return;
+  }
+  if (!voltage) {
+    state_ = State::kDisabled;
+  } else if (!no_quick_stop) {
+    if (state_ == State::kEnabled)
+      state_ = State::kQuickStop;
+    else if (state_ != State::kQuickStop)
+      state_ = State::kDisabled;
+  } else if (!on) {
+    if (state_ != State::kQuickStop) state_ = State::kReady;
+  } else if (!enable) {
+    if (state_ == State::kReady || state_ == State::kEnabled) state_ = State::kSwitchedOn;
+  } else if (state_ == State::kReady) {
+    state_ = State::kSwitchedOn;
+  } else if (state_ == State::kSwitchedOn || state_ == State::kQuickStop) {
+    state_ = State::kEnabled;
+    ramp_rad_per_s_ = motor_.speed_rad_per_s();
+  }
+}
+
+void DriveDevice::Trip(int error_code) noexcept {
+  if (state_ == State::kFault || state_ == State::kFaultReaction || state_ == State::kNotReady) return;
+  const bool turning = state_ == State::kEnabled || state_ == State::kQuickStop;
+  state_ = turning ? State::kFaultReaction : State::kFault;
+  error_ = error_code;
+  const int error_register = 0x01;
+  queue_.Push(static_cast<std::uint16_t>(0x080 + params_.node),
+              {error_code % 256, error_code / 256, error_register, 0, 0, 0, 0, 0});
+}
+
+void DriveDevice::Nmt(int command) noexcept {
+  if (command == 0x01) nmt_ = kOperational;
+  if (command == 0x02) nmt_ = kStopped;
+  if (command == 0x80) nmt_ = kPreOperational;
+  if (command == 0x81 || command == 0x82) Boot();
+}
+
+// What may not be written just now.
+std::uint32_t DriveDevice::Guard(void* self, const DictionaryEntry& entry, std::uint32_t value) {
+  constexpr std::uint32_t kNotNow = 0x08000022, kRange = 0x06090030, kNotMappable = 0x06040041,
+                          kTooLong = 0x06040042;
+  auto& drive = *static_cast<DriveDevice*>(self);
+  const bool pdo = (entry.index >= 0x1400 && entry.index < 0x1C00);
+  if (!pdo) return entry.index == 0x6060 && value != 3 && value != 9 ? kRange : 0;
+  if (drive.nmt_ == kOperational) return kNotNow;
+  const bool mapping = entry.index % 0x400 >= 0x200;
+  const int communication = mapping ? entry.index - 0x200 : entry.index;
+  const bool off = drive.objects_.Get(communication, 1) >= 0x80000000u;
+  if (!mapping) return entry.sub == 2 && !off ? kNotNow : 0;
+  if (!off) return kNotNow;
+  if (entry.sub > 0) {
+    if (drive.objects_.Get(entry.index, 0) != 0) return kNotNow;
+    const DictionaryEntry* object =
+        drive.objects_.Find(static_cast<int>(value / 65536), static_cast<int>(value / 256 % 256));
+    if (value == 0) return 0;
+    const bool fits = object != nullptr && object->mappable && value % 256 == 8u * object->bytes &&
+                      (entry.index >= 0x1A00 || object->writable);
+    return fits ? 0 : kNotMappable;
+  }
+  std::uint32_t bits = 0;
+  for (std::uint32_t sub = 1; sub <= value; ++sub)
+    bits += drive.objects_.Get(entry.index, static_cast<int>(sub)) % 256;
+  return value > 8 ? kRange : bits > 64 ? kTooLong : 0;
+}
+
+void DriveDevice::Accept(const io::CanArrival& arrival) OSTEON_RT {
+  if (!power_) return;
+  AdvanceTo(arrival.stamp);
+  if (nmt_ == 0) return;
+  const io::CanFrame& frame = arrival.frame;
+  if (frame.id == 0x000 && frame.size == 2 && (frame.data[1] == 0 || frame.data[1] == params_.node))
+    return Nmt(frame.data[0]);
+  if (frame.id == 0x600 + params_.node && nmt_ != kStopped) {
+    Refresh();
+    if (objects_.Serve(frame, static_cast<std::uint16_t>(0x580 + params_.node), queue_, &Guard, this) &&
+        frame.data[1] == 0x40 && frame.data[2] == 0x60)
+      Control(static_cast<int>(objects_.Get(0x6040)));
+    return;
+  }
+  const std::uint32_t watched = objects_.Get(0x1016, 1);
+  if (watched != 0 && frame.id == 0x700 + watched / 65536 && frame.size == 1) {
+    master_heard_ = arrival.stamp;
+    return;
+  }
+  if (nmt_ != kOperational) return;
+  if (frame.id == objects_.Get(0x1400, 1)) {
+    rpdo_ = frame;
+    rpdo_fresh_ = true;
+    if (objects_.Get(0x1400, 2) >= 254) TakeRpdo();
+  } else if (frame.id == 0x080) {
+    if (rpdo_fresh_) TakeRpdo();
+    for (const int number : {0, 1}) SendTpdo(number);
+  }
+}
+
+// A PDO shorter than its mapping is not taken (CiA 301: EMCY 8210).
+void DriveDevice::TakeRpdo() noexcept {
+  rpdo_fresh_ = false;
+  const int count = static_cast<int>(objects_.Get(0x1600, 0));
+  std::size_t at = 0;
+  bool control = false;
+  for (int sub = 1; sub <= count; ++sub) {
+    const std::uint32_t entry = objects_.Get(0x1600, sub);
+    const std::size_t bytes = entry % 256 / 8;
+    if (at + bytes > rpdo_.size) {
+      queue_.Push(static_cast<std::uint16_t>(0x080 + params_.node), {0x10, 0x82, 0x11, 0, 0, 0, 0, 0});
+      return;
+    }
+    long value = 0;
+    for (std::size_t i = bytes; i > 0; --i) value = 256 * value + rpdo_.data[at + i - 1];
+    at += bytes;
+    const int index = static_cast<int>(entry / 65536);
+    objects_.Set(index, static_cast<int>(entry / 256 % 256), value);
+    control = control || index == 0x6040;
+  }
+  if (control) Control(static_cast<int>(objects_.Get(0x6040)));
+}
+
+void DriveDevice::SendTpdo(int number) noexcept {
+  const std::uint32_t id = objects_.Get(0x1800 + number, 1);
+  if (id >= 0x80000000u || objects_.Get(0x1800 + number, 2) != 1) return;
+  Refresh();
+  io::CanFrame frame;
+  const int count = static_cast<int>(objects_.Get(0x1A00 + number, 0));
+  std::array<int, 8> bytes{};
+  std::size_t at = 0;
+  for (int sub = 1; sub <= count; ++sub) {
+    const std::uint32_t entry = objects_.Get(0x1A00 + number, sub);
+    std::uint32_t value = objects_.Get(static_cast<int>(entry / 65536), static_cast<int>(entry / 256 % 256));
+    for (std::uint32_t i = 0; i < entry % 256 / 8 && at < 8; ++i, value /= 256)
+      bytes[at++] = static_cast<int>(value % 256);
+  }
+  // FrameQueue takes lists: the sizes that occur.
+  const auto cob = static_cast<std::uint16_t>(id);
+  const auto& b = bytes;
+  if (at == 2) queue_.Push(cob, {b[0], b[1]});
+  if (at == 6) queue_.Push(cob, {b[0], b[1], b[2], b[3], b[4], b[5]});
+  if (at == 7) queue_.Push(cob, {b[0], b[1], b[2], b[3], b[4], b[5], b[6]});
+}
+
+void DriveDevice::Refresh() noexcept {
+  objects_.Set(0x6041, 0, statusword());
+  objects_.Set(0x6061, 0, objects_.GetSigned(0x6060));
+  objects_.Set(0x606C, 0, std::lround(motor_.speed_rad_per_s() / kRpm));
+  const double permille = 1000.0 * motor_.torque_Nm() / params_.motor.rated_torque_Nm;
+  objects_.Set(0x6077, 0, std::lround(std::clamp(permille, -32768.0, 32767.0)));
+  objects_.Set(0x603F, 0, error_);
+}
+
+bool DriveDevice::Next(rt::Nanoseconds now, io::CanFrame& frame) OSTEON_RT {
+  AdvanceTo(now);
+  if (!power_) return false;
+  const auto heartbeat_id = static_cast<std::uint16_t>(0x700 + params_.node);
+  if (nmt_ == 0) {
+    if (boot_due_ == 0) boot_due_ = now + params_.boot;
+    if (now < boot_due_) return false;
+    nmt_ = kPreOperational;
+    state_ = State::kDisabled;
+    if (broken_ != 0) Trip(broken_);
+    queue_.Push(heartbeat_id, {0});
+  }
+  const rt::Nanoseconds period = objects_.Get(0x1017) * rt::kMillisecond;
+  if (period > 0 && now >= heartbeat_due_) {
+    heartbeat_due_ = now + period;
+    queue_.Push(heartbeat_id, {nmt_});
+  }
+  const rt::Nanoseconds patience = objects_.Get(0x1016, 1) % 65536 * rt::kMillisecond;
+  if (patience > 0 && master_heard_ >= 0 && now - master_heard_ > patience) {
+    master_heard_ = -1;
+    if (objects_.Get(0x6007) == 1) Trip(kHeartbeatError);
+  }
+  return queue_.Pop(frame);
+}
+
+void DriveDevice::AdvanceTo(rt::Nanoseconds now) noexcept {
+  if (time_ < 0 || now - time_ > kLongest)
+    time_ = now - std::min(now - std::max<rt::Nanoseconds>(time_, 0), kLongest);
+  const auto step = static_cast<rt::Nanoseconds>(kStep_s * 1e9);
+  for (; now - time_ >= step; time_ += step) Turn(kStep_s);
+}
+
+void DriveDevice::Turn(double dt_s) noexcept {
+  const double load_Nm = cutting_Nm_ / params_.motor.gear_ratio + params_.friction_Nm;
+  const bool stopping = state_ == State::kQuickStop || state_ == State::kFaultReaction;
+  if (!power_ || (state_ != State::kEnabled && !stopping)) {
+    motor_.Coast(dt_s, load_Nm);
+    ramp_rad_per_s_ = motor_.speed_rad_per_s();
+    return;
+  }
+  const double target = stopping ? 0.0 : objects_.GetSigned(0x60FF) * kRpm;
+  const bool faster = std::abs(target) > std::abs(ramp_rad_per_s_);
+  const double slope = objects_.Get(stopping ? 0x6085 : faster ? 0x6083 : 0x6084) * kRpm * dt_s;
+  ramp_rad_per_s_ += std::clamp(target - ramp_rad_per_s_, -slope, slope);
+  motor_.Step(dt_s, ramp_rad_per_s_, load_Nm);
+
+  const bool at_rest = std::abs(motor_.speed_rad_per_s()) < kAtRest_rad_per_s;
+  stalled_s_ = at_rest && motor_.limited() ? stalled_s_ + dt_s : 0.0;
+  if (state_ == State::kEnabled && stalled_s_ > params_.stall_s) Trip(kBlocked);
+  if (state_ == State::kFaultReaction && at_rest) state_ = State::kFault;
+}
+
+}  // namespace osteon::hil

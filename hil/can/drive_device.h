@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+
+#include "hil/can/drive_motor.h"
+#include "hil/can/frame_queue.h"
+#include "hil/can/object_dictionary.h"
+#include "io/can/can_pump.h"
+
+namespace osteon::hil {
+
+struct DriveDeviceParams {
+  DriveMotorParams motor{};
+  int node{16};
+  double friction_Nm{0.0};  ///< of motor and gear, at the motor
+  double stall_s{0.2};      ///< at its torque limit and at rest for so long: error 7121, motor blocked
+  rt::Nanoseconds boot{100 * rt::kMillisecond};  ///< from power-on to the boot-up message
+};
+
+/// Plays the reamer's drive: a CiA 402 servo on CANopen, written apart from io/can. It does what it is told
+/// by the protocol alone: object dictionary by SDO, PDOs as they are mapped (and changed only while they are
+/// off and the drive is pre-operational), NMT, SYNC, heartbeats both ways, EMCY, the whole state machine,
+/// ramps, quick stop, faults with their reaction.
+///
+/// The motor turns in virtual time: up to the time of each call, in steps of 0.1 ms. Frames in and out as any
+/// CanClient, so that a CanPump runs it over a bus and a VirtualCan in virtual time.
+class DriveDevice final : public io::CanClient {
+ public:
+  /// @throws std::invalid_argument on a node outside 1 … 127, or from the motor.
+  explicit DriveDevice(const DriveDeviceParams& params);
+
+  /// What the cut asks of the tool from now on: a braking torque at the tool, its sign is ignored.
+  void SetCuttingTorque(double at_the_tool_Nm);
+  /// A fault of its own, e.g. 0x4310 (drive too hot): stays until `Mend`, whatever is reset.
+  void Break(int error_code);
+  void Mend() { broken_ = 0; }
+  /// Off: silent, coasting, everything forgotten. On: boots.
+  void SetPower(bool on);
+
+  void Accept(const io::CanArrival& arrival) OSTEON_RT override;
+  bool Next(rt::Nanoseconds now, io::CanFrame& frame) OSTEON_RT override;
+
+  [[nodiscard]] double tool_speed_rad_per_s() const {
+    return motor_.speed_rad_per_s() / params_.motor.gear_ratio;
+  }
+  [[nodiscard]] const DriveMotor& motor() const { return motor_; }
+  [[nodiscard]] int statusword() const;
+
+ private:
+  enum class State {
+    kNotReady,
+    kDisabled,
+    kReady,
+    kSwitchedOn,
+    kEnabled,
+    kQuickStop,
+    kFaultReaction,
+    kFault
+  };
+
+  void Boot();
+  void AdvanceTo(rt::Nanoseconds now) noexcept;
+  void Turn(double dt_s) noexcept;
+  void Control(int word) noexcept;
+  void Trip(int error_code) noexcept;
+  void TakeRpdo() noexcept;
+  void SendTpdo(int number) noexcept;
+  void Refresh() noexcept;
+  void Nmt(int command) noexcept;
+  static std::uint32_t Guard(void* self, const DictionaryEntry& entry, std::uint32_t value);
+
+  DriveDeviceParams params_;
+  DriveMotor motor_;
+  ObjectDictionary objects_;
+  FrameQueue queue_;
+  State state_{State::kNotReady};
+  int nmt_{0};  // 0 booting, 127 pre-operational, 5 operational, 4 stopped
+  bool power_{true};
+  int last_control_{0}, error_{0}, broken_{0};
+  double cutting_Nm_{0.0};
+  double ramp_rad_per_s_{0.0};  // what the velocity loop follows
+  double stalled_s_{0.0};
+  rt::Nanoseconds time_{-1}, boot_due_{0}, heartbeat_due_{0}, master_heard_{-1};
+  io::CanFrame rpdo_;
+  bool rpdo_fresh_{false};
+};
+
+}  // namespace osteon::hil

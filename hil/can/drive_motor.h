@@ -1,0 +1,39 @@
+#pragma once
+
+namespace osteon::hil {
+
+/// A velocity-controlled motor behind a gear. Angles and torques here are the motor's.
+struct DriveMotorParams {
+  double inertia_kg_m2{2e-4};      ///< motor, gear and tool, seen by the motor
+  double rated_torque_Nm{0.5};     ///< of the motor
+  double torque_limit_ratio{3.0};  ///< of the rated torque
+  double gear_ratio{20.0};         ///< turns of the motor a turn of the tool
+  double bandwidth_hz{20.0};       ///< of the velocity loop
+};
+
+/// `J w' = tau - load sign(w)`, tau from a PI loop on the speed, limited. The load brakes and never drives:
+/// at rest it holds against any torque up to itself.
+class DriveMotor {
+ public:
+  /// @throws std::invalid_argument on a value that is not positive.
+  explicit DriveMotor(const DriveMotorParams& params);
+
+  /// @param load_Nm braking torque at the motor, >= 0.
+  void Step(double dt_s, double target_rad_per_s, double load_Nm) noexcept;
+  /// Without torque: the load brakes it alone.
+  void Coast(double dt_s, double load_Nm) noexcept;
+
+  [[nodiscard]] double speed_rad_per_s() const { return speed_; }
+  [[nodiscard]] double torque_Nm() const { return torque_; }
+  [[nodiscard]] bool limited() const { return limited_; }
+  [[nodiscard]] const DriveMotorParams& params() const { return params_; }
+
+ private:
+  void Accelerate(double dt_s, double load_Nm) noexcept;
+
+  DriveMotorParams params_;
+  double speed_{0.0}, torque_{0.0}, integral_{0.0};
+  bool limited_{false};
+};
+
+}  // namespace osteon::hil

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "hil/can/frame_queue.h"
+#include "hil/can/sensor_model.h"
+#include "io/can/can_pump.h"
+
+namespace osteon::hil {
+
+struct RobotousDeviceParams {
+  SensorModelParams model{.range_N = 500.0, .range_Nm = 15.0};
+  int command_id{0x64}, first_id{0x01}, second_id{0x02};
+  int counts_per_N{50}, counts_per_Nm{2000};
+};
+
+/// What can be wrong with it.
+struct RobotousDeviceFaults {
+  bool silent{false};           ///< no supply: forgets its settings, answers nothing
+  bool keeps_its_rate{false};   ///< does as told, and reads back the rate that it had
+  bool lies_about_rate{false};  ///< reads back what was asked for, and sends at 200 Hz
+  int refuse_code{0};           ///< this command is answered with the error "not supported"
+};
+
+/// Plays a Robotous RFT force sensor: the sensor's end of the protocol, written apart from io/can.
+///
+/// As the manual has it: nothing is sent until "start"; of the commands only "stop" and "bias" are heard
+/// while it sends; rate (200 Hz) and low-pass (off) are kept, bias is not. Commands answered here: set and
+/// read filter, read once, start, stop, set and read rate, bias, overload count.
+///
+/// Frames in and out as any CanClient, so that a CanPump runs it over a bus and a VirtualCan in virtual time.
+class RobotousDevice final : public io::CanClient {
+ public:
+  /// @throws std::invalid_argument from the model.
+  explicit RobotousDevice(const RobotousDeviceParams& params);
+
+  /// The load on the tool side at S, in S, from now on.
+  void SetLoad(const Wrench& F_S) { load_ = F_S; }
+  void SetFaults(const RobotousDeviceFaults& faults);
+
+  void Accept(const io::CanArrival& arrival) OSTEON_RT override;
+  bool Next(rt::Nanoseconds now, io::CanFrame& frame) OSTEON_RT override;
+
+  [[nodiscard]] bool sending() const { return sending_; }
+  [[nodiscard]] std::uint64_t readings() const { return readings_; }
+
+ private:
+  using Values = std::array<double, 6>;
+  void Reading(int echo, rt::Nanoseconds now) noexcept;
+  void Reply(int echo, int a, int b = 0) noexcept;
+
+  RobotousDeviceParams params_;
+  RobotousDeviceFaults faults_;
+  SensorModel model_;
+  Wrench load_;
+  FrameQueue queue_;
+  int rate_code_{0}, filter_on_{0}, filter_code_{0};
+  bool sending_{false}, take_bias_{false};
+  Values zero_{}, low_passed_{};
+  bool low_pass_fresh_{true};
+  std::array<int, 6> overloads_{};
+  rt::Nanoseconds due_{0};
+  std::uint64_t readings_{0};
+};
+
+}  // namespace osteon::hil

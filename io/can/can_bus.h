@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "control/rt/clock.h"
+#include "control/rt/marker.h"
+#include "io/can/frame.h"
+
+namespace osteon::io {
+
+enum class CanResult : std::uint8_t {
+  kOk,
+  kEmpty,  ///< nothing came (until the deadline)
+  kFull,   ///< the system's send queue is full, or nobody takes the frame: not sent
+  kDown,   ///< the interface is down or gone, the controller is off the bus
+};
+
+/// What has become of frames so far, and what the controller says about the bus.
+struct CanStatus {
+  std::uint64_t received{0}, sent{0};
+  std::uint64_t unsent{0};  ///< Send() said kFull or kDown
+  std::uint64_t lost{0};    ///< known to be lost on the way here: queue overflow, a gap in the tunnel's count
+  std::uint64_t rejected{
+      0};  ///< not a classical data frame with an 11-bit id, or a datagram that is none of ours
+  std::uint64_t duplicate{0};     ///< tunnel: seen before, or overtaken; not delivered
+  std::uint64_t error_frames{0};  ///< SocketCAN: reports of the controller
+  bool error_warning{false}, error_passive{false}, bus_off{false};
+};
+
+/// Identifiers that a bus delivers: those with (id & mask) == (this id & mask).
+struct CanFilter {
+  std::uint16_t id{0};
+  std::uint16_t mask{kCanMaxId};
+};
+
+/// One end of a CAN bus, for one thread at a time. Nothing here allocates, locks or throws once opened.
+class CanBus {
+ public:
+  CanBus() = default;
+  virtual ~CanBus() = default;
+  CanBus(const CanBus&) = delete;
+  CanBus& operator=(const CanBus&) = delete;
+
+  /// Hands the frame over at once or not at all. A frame beyond 8 bytes or 11 bits is kFull: it never fits.
+  virtual CanResult Send(const CanFrame& frame) OSTEON_RT = 0;
+
+  /// The next frame that has arrived; never waits.
+  virtual CanResult TryReceive(CanArrival& arrival) OSTEON_RT = 0;
+
+  /// Waits for a frame until `deadline` on CLOCK_MONOTONIC; takes one that has arrived even where it has
+  /// passed.
+  virtual CanResult Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT = 0;
+
+  /// What has arrived, at most as many as there is room for; never waits. The frames are the first of `room`.
+  std::size_t Drain(std::span<CanArrival> room) OSTEON_RT {
+    std::size_t count = 0;
+    while (count < room.size() && TryReceive(room[count]) == CanResult::kOk) ++count;
+    return count;
+  }
+
+  [[nodiscard]] virtual const CanStatus& status() const OSTEON_RT = 0;
+};
+
+}  // namespace osteon::io

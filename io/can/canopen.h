@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "control/rt/marker.h"
+#include "io/can/frame.h"
+
+// The part of CANopen (CiA 301) that a drive's client needs. Little-endian; n is the node, 1 … 127.
+
+namespace osteon::io::canopen {
+
+inline constexpr std::uint16_t kNmt = 0x000, kSync = 0x080, kEmergency = 0x080, kTpdo1 = 0x180,
+                               kRpdo1 = 0x200, kTpdo2 = 0x280, kSdoAnswer = 0x580, kSdoRequest = 0x600,
+                               kHeartbeat = 0x700;
+
+enum class NmtCommand : std::uint8_t { kStart = 0x01, kStop = 0x02, kPreOperational = 0x80, kReset = 0x81 };
+
+/// What a heartbeat says.
+enum class NmtState : std::uint8_t {
+  kBootUp = 0x00,
+  kStopped = 0x04,
+  kOperational = 0x05,
+  kPreOperational = 0x7F,
+  kUnknown = 0xFF,
+};
+
+[[nodiscard]] CanFrame Nmt(NmtCommand command, std::uint8_t node) OSTEON_RT;
+[[nodiscard]] CanFrame Sync() OSTEON_RT;
+[[nodiscard]] CanFrame Heartbeat(std::uint8_t node, NmtState state) OSTEON_RT;
+
+/// One entry of an object dictionary.
+struct Object {
+  std::uint16_t index{0};
+  std::uint8_t sub{0};
+  std::uint8_t size{0};  ///< bytes: 1, 2 or 4
+
+  friend bool operator==(const Object&, const Object&) = default;
+};
+
+/// Expedited transfers: values of up to 4 bytes in one frame.
+[[nodiscard]] CanFrame SdoWrite(std::uint8_t node, const Object& object, std::uint32_t value) OSTEON_RT;
+[[nodiscard]] CanFrame SdoRead(std::uint8_t node, const Object& object) OSTEON_RT;
+
+/// What a server answered.
+struct SdoAnswer {
+  enum class Kind : std::uint8_t { kWritten, kValue, kAbort };
+  Kind kind{Kind::kAbort};
+  std::uint16_t index{0};
+  std::uint8_t sub{0};
+  std::uint8_t size{0};    ///< of a value; 4 where the server does not say
+  std::uint32_t value{0};  ///< the value, or the abort code
+};
+
+/// Empty where the data is no answer to an expedited transfer.
+[[nodiscard]] std::optional<SdoAnswer> DecodeSdo(const CanFrame& frame) OSTEON_RT;
+
+/// Text of an abort code; not for the tick.
+[[nodiscard]] const char* DescribeAbort(std::uint32_t code);
+
+/// A PDO's mapping entry: index, sub-index, bits.
+[[nodiscard]] constexpr std::uint32_t Mapped(const Object& object) OSTEON_RT {
+  return std::uint32_t{object.index} << 16 | std::uint32_t{object.sub} << 8 | object.size * 8u;
+}
+
+}  // namespace osteon::io::canopen

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "control/rt/clock.h"
+#include "control/rt/marker.h"
+
+namespace osteon::io {
+
+inline constexpr std::uint16_t kCanMaxId = 0x7FF;  ///< 11 bits
+
+/// A classical CAN data frame with an 11-bit identifier. Bytes beyond `size` are zero, so that equal frames
+/// compare equal.
+struct CanFrame {
+  std::uint16_t id{0};   ///< 0 … 0x7FF
+  std::uint8_t size{0};  ///< 0 … 8
+  std::array<std::uint8_t, 8> data{};
+
+  friend bool operator==(const CanFrame&, const CanFrame&) = default;
+};
+
+/// A frame as it came from a bus.
+struct CanArrival {
+  CanFrame frame;
+  rt::Nanoseconds stamp{0};  ///< when it reached this machine, CLOCK_MONOTONIC (or virtual time)
+  bool after_gap{false};     ///< the transport knows that frames before this one were lost
+};
+
+/// As candump and cansend write it, e.g. "064#0B00"; for errors and tests, not for the tick.
+[[nodiscard]] std::string ToText(const CanFrame& frame);
+
+/// An identifier as errors print it, e.g. "0x064".
+[[nodiscard]] std::string IdText(std::uint16_t id);
+
+}  // namespace osteon::io

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "control/rt/clock.h"
+#include "control/rt/marker.h"
+#include "io/can/frame.h"
+
+namespace osteon::io {
+
+/// Two frames that a sensor sends back to back.
+struct PairJoinerParams {
+  std::uint16_t first_id{0}, second_id{0};
+  std::uint8_t first_size{8}, second_size{8};
+  /// The halves of a pair arrive within this time. Well below the time between pairs, so that a second half
+  /// never joins the first one of another pair when the two frames between them are lost.
+  rt::Nanoseconds window{rt::kMillisecond / 2};
+};
+
+/// Joins halves that carry no number of their own. A first half waits for its second one; it is given up when
+/// another first half comes, when the transport says that frames are missing (after_gap), or when the second
+/// half comes too late. A second half without a waiting first one is dropped.
+class PairJoiner {
+ public:
+  enum class Result : std::uint8_t {
+    kForeign,  ///< another id
+    kWaiting,  ///< half a pair, or half of none
+    kJoined,   ///< bytes() is the pair, stamp() its arrival
+  };
+
+  explicit PairJoiner(const PairJoinerParams& params) : params_(params) {}
+
+  Result Add(const CanArrival& arrival) OSTEON_RT {
+    const bool first = arrival.frame.id == params_.first_id, second = arrival.frame.id == params_.second_id;
+    if (arrival.after_gap) GiveUp();
+    if (!first && !second) return Result::kForeign;
+    if (arrival.frame.size != (first ? params_.first_size : params_.second_size)) {
+      ++malformed_;
+      GiveUp();
+      return Result::kWaiting;
+    }
+    if (first) {
+      GiveUp();
+      waiting_ = true;
+      stamp_ = arrival.stamp;
+      for (std::size_t i = 0; i < 8; ++i) bytes_[i] = arrival.frame.data[i];
+      return Result::kWaiting;
+    }
+    // The stamps come from two clocks: a little backwards is no sign of another pair.
+    const rt::Nanoseconds apart = arrival.stamp - stamp_;
+    if (!waiting_ || apart > params_.window || apart < -params_.window) {
+      GiveUp();
+      ++halves_;
+      return Result::kWaiting;
+    }
+    waiting_ = false;
+    for (std::size_t i = 0; i < 8; ++i) bytes_[8 + i] = arrival.frame.data[i];
+    return Result::kJoined;
+  }
+
+  /// Forgets the half that waits; it is counted.
+  void GiveUp() OSTEON_RT {
+    halves_ += waiting_ ? 1 : 0;
+    waiting_ = false;
+  }
+
+  [[nodiscard]] const std::array<std::uint8_t, 16>& bytes() const OSTEON_RT { return bytes_; }
+  [[nodiscard]] rt::Nanoseconds stamp() const OSTEON_RT { return stamp_; }
+  [[nodiscard]] std::uint64_t halves() const OSTEON_RT { return halves_; }  ///< that never found the other
+  [[nodiscard]] std::uint64_t malformed() const OSTEON_RT { return malformed_; }  ///< frames of a wrong size
+
+ private:
+  PairJoinerParams params_;
+  std::array<std::uint8_t, 16> bytes_{};
+  rt::Nanoseconds stamp_{0};
+  bool waiting_{false};
+  std::uint64_t halves_{0}, malformed_{0};
+};
+
+}  // namespace osteon::io

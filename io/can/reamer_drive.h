@@ -1,0 +1,156 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "io/can/can_bus.h"
+#include "io/can/can_pump.h"
+#include "io/can/canopen.h"
+#include "io/can/cia402.h"
+
+namespace osteon::io {
+
+struct ReamerDriveParams {
+  std::uint8_t node{16};            ///< 1 … 127; at least 16 beside an ATI sensor
+  std::uint8_t master_node{127};    ///< ours, for the heartbeat that the drive watches
+  std::int8_t mode{3};              ///< 3 profile velocity, 9 cyclic synchronous velocity
+  double gear_ratio{1.0};           ///< turns of the motor a turn of the tool
+  double rated_torque_Nm{0.0};      ///< of the motor; no default. Has to match the drive's 6076 within 1 %
+  int direction{1};                 ///< 1 or -1: the motor's sense for a positive tool speed
+  double max_speed_rad_per_s{0.0};  ///< of the tool; commands beyond are clamped. No default
+  double acceleration_rad_per_s2{100.0};                   ///< of the tool, to speed and from it
+  double quick_stop_rad_per_s2{400.0};                     ///< of the tool
+  rt::Nanoseconds cycle{4 * rt::kMillisecond};             ///< of command, SYNC and status
+  rt::Nanoseconds heartbeat{50 * rt::kMillisecond};        ///< asked of the drive, and sent by us; whole ms
+  int missed_heartbeats{3};                                ///< in a row are a loss, on both sides
+  int missed_cycles{10};                                   ///< status PDOs missing in a row are a loss
+  rt::Nanoseconds answer_timeout{100 * rt::kMillisecond};  ///< of an SDO
+  int attempts{3};                                         ///< of an SDO
+  /// Temperature has no standard object: the maker's, i16. Accepted size 2 bytes.
+  canopen::Object temperature{0x3201, 0x01, 2};
+};
+
+/// What happened to the drive; latched until ResetFaults().
+enum DriveFault : std::uint32_t {
+  kDriveHeartbeatLost = 1u << 0,  ///< silent for longer than it may be
+  kDriveStatusLost = 1u << 1,     ///< its PDOs do not come any more
+  kDriveEmergency = 1u << 2,      ///< it sent an EMCY; DriveStatus::emergency_code
+  kDriveInFault = 1u << 3,        ///< its state is fault or fault reaction; DriveStatus::error_code
+  kDriveRestarted = 1u << 4,      ///< it booted, or left OPERATIONAL: its configuration is gone
+  kDriveLeftEnabled = 1u << 5,    ///< was enabled, and is not although nobody told it so
+};
+
+enum class DrivePhase : std::uint8_t {
+  kStarting,  ///< being configured
+  kReady,     ///< operational; status comes
+  kFailed,    ///< refused; failure() says why. Restart() tries again
+};
+
+struct DriveCommand {
+  DriveGoal goal{DriveGoal::kOff};
+  double speed_rad_per_s{0.0};  ///< of the tool; counts where the goal is kEnabled. Not finite: 0
+};
+
+struct DriveStatus {
+  rt::Nanoseconds stamp{0};  ///< of the newest status PDO; 0: none yet
+  DriveState state{DriveState::kNotReady};
+  double speed_rad_per_s{0.0};  ///< of the tool
+  double torque_Nm{0.0};        ///< at the tool: per mille of rated × rated torque × gear ratio; no losses
+  double temperature{0.0};      ///< as the maker counts it
+  std::uint16_t statusword{0};
+  std::uint16_t error_code{0};      ///< 603F
+  std::uint16_t emergency_code{0};  ///< of the last EMCY that was not "reset"
+  std::uint32_t faults{0};          ///< DriveFault
+};
+
+/// The reamer's drive: a CiA 402 servo on CANopen.
+///
+/// Set-up: NMT pre-operational; 1000 has to say profile 402 and 6076 the rated torque; ramps, heartbeats,
+/// quick stop and the three PDOs by SDO; NMT start.
+///
+///     RPDO1  controlword u16, mode i8, target velocity i32 (motor rpm)      taken over at SYNC
+///     TPDO1  statusword u16, mode i8, velocity i32 (motor rpm)              after each SYNC
+///     TPDO2  torque i16 (per mille of rated), error u16, temperature i16    after each SYNC
+///
+/// Then a cycle each `cycle`: RPDO1 and SYNC. Both sides watch the other's heartbeat: silence of the drive is
+/// a latched fault here, silence of ours a fault of the drive, which stops along its quick-stop ramp.
+///
+/// Any fault turns the goal to kOff (kQuickStop where the drive can still hear it and turns) until
+/// ResetFaults(): the drive never starts by itself. A fault of the drive itself is then reset by a rising
+/// edge of controlword bit 7.
+///
+/// Source: CiA 301 4.2, CiA 402 (IEC 61800-7-201).
+class ReamerDrive final : public CanClient {
+ public:
+  /// The error names the parameter, the value found and what is accepted.
+  [[nodiscard]] static tl::expected<ReamerDrive, std::string> Make(const ReamerDriveParams& params);
+
+  void Accept(const CanArrival& arrival) OSTEON_RT override;
+  bool Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT override;
+
+  void Command(const DriveCommand& command) OSTEON_RT { command_ = command; }
+  [[nodiscard]] const DriveStatus& status() const OSTEON_RT { return status_; }
+  [[nodiscard]] DrivePhase phase() const OSTEON_RT { return phase_; }
+
+  /// Clears what is latched, and resets a fault of the drive. The command has to be kOff: with any other the
+  /// drive would start by itself. False, and nothing done, otherwise.
+  bool ResetFaults() OSTEON_RT;
+
+  /// Configures the drive anew, e.g. after kDriveRestarted.
+  void Restart() OSTEON_RT;
+
+  /// Why the drive was refused. Empty unless kFailed. Not for the tick.
+  [[nodiscard]] std::string failure() const;
+
+  [[nodiscard]] std::uint64_t rejected() const OSTEON_RT {
+    return rejected_;
+  }  ///< frames of a wrong size or content
+
+ private:
+  struct Step {
+    enum class Kind : std::uint8_t { kRead, kWrite } kind;
+    canopen::Object object;
+    std::uint32_t value;  // to write, or that has to be read
+    std::uint32_t mask;   // of what is read; 0: the rated torque
+  };
+  enum class Wrong : std::uint8_t { kNothing, kSilent, kAborted, kValue, kNotStarted };
+
+  explicit ReamerDrive(const ReamerDriveParams& params);
+  void TakeSdo(const CanFrame& frame) OSTEON_RT;
+  void TakeHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT;
+  void TakeStatus(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT;
+  void Watch(rt::Nanoseconds now) OSTEON_RT;
+  void Latch(DriveFault fault) OSTEON_RT;
+  bool NextOfSetUp(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT;
+  [[nodiscard]] CanFrame CommandFrame() OSTEON_RT;
+  [[nodiscard]] std::uint16_t Controlword() OSTEON_RT;
+  void Fail(Wrong wrong, std::uint32_t found) OSTEON_RT;
+
+  ReamerDriveParams params_;
+  std::vector<Step> steps_;  // filled once
+  DrivePhase phase_{DrivePhase::kStarting};
+  std::size_t step_{0};
+  bool quiet_{false};  // pre-operational was ordered
+  int attempts_{0};
+  rt::Nanoseconds due_{0};
+  Wrong wrong_{Wrong::kNothing};
+  std::uint32_t found_{0};
+
+  DriveCommand command_;
+  DriveStatus status_;
+  bool was_enabled_{false};
+  int reset_cycles_{0};  // controlwords of a fault reset still to send
+  bool sync_due_{false};
+  rt::Nanoseconds next_cycle_{0}, next_heartbeat_{0};
+  rt::Nanoseconds heard_{0}, ready_since_{0};
+  std::uint64_t rejected_{0};
+};
+
+/// What the bus has to deliver for this drive.
+[[nodiscard]] std::vector<CanFilter> Filters(const ReamerDriveParams& params);
+
+}  // namespace osteon::io

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "io/can/can_bus.h"
+#include "io/can/pair_joiner.h"
+#include "io/can/wrench_sensor.h"
+
+namespace osteon::io {
+
+struct RobotousParams {
+  std::uint16_t command_id{0x64}, first_id{0x01},
+      second_id{0x02};        ///< the maker's; an id a sensor can be set
+  int rate_hz{1000};          ///< accepted: 10, 20, 50, 100, 200, 500, 1000
+  int filter_hz{0};           ///< low-pass in the sensor; 0: off; 1, 2, 3, 5, 10, 20, 30, 40, 50, 100 … 500
+  double counts_per_N{50.0};  ///< by model; 50 for most
+  double counts_per_Nm{2000.0};                            ///< by model; 2000 for most
+  rt::Nanoseconds settle{20 * rt::kMillisecond};           ///< after "stop", for what is still on its way
+  rt::Nanoseconds answer_timeout{100 * rt::kMillisecond};  ///< for each answer
+  int attempts{3};                                         ///< of each command
+  int rate_readings{100};  ///< over which the true rate is looked at before the sensor is ready
+};
+
+/// Robotous RFT on CAN.
+///
+///     command   8 bytes to command_id: code, parameters, zeros
+///     answer    16 bytes in two frames, first_id then second_id: byte 0 echoes the code
+///     reading   byte 0 0x0B; 1 … 12 Fx Fy Fz Tx Ty Tz, int16 big-endian; 13 overloaded axes, a bit each
+///
+/// Set-up: stop (0x0C), low-pass (0x08) and rate (0x0F) set and read back (0x09, 0x10), start (0x0B); then
+/// the rate of what comes is measured. A sensor whose rate is not confirmed, by its word or by its readings,
+/// is refused: at 200 Hz, its default, the loop would feel 5 ms old forces and not know it.
+///
+/// The bias is the sensor's own (0x11 with 1 or 0); it answers nothing to that.
+///
+/// Source: RFT series manual 1.8 (communication), and the maker's published sample for the codes of rates and
+/// cut-off frequencies. Whether "result" of a set command is 0 or 1 on success differs by source: its error
+/// code and the value read back decide.
+class RobotousSensor final : public WrenchSensor {
+ public:
+  /// The error names the parameter, the value found and what is accepted.
+  [[nodiscard]] static tl::expected<RobotousSensor, std::string> Make(const RobotousParams& params);
+
+  void Accept(const CanArrival& arrival) OSTEON_RT override;
+  bool Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT override;
+  [[nodiscard]] const SensorReading& Latest() const OSTEON_RT override { return latest_; }
+  [[nodiscard]] SensorPhase phase() const OSTEON_RT override { return phase_; }
+  [[nodiscard]] SensorCounters counters() const OSTEON_RT override;
+  void RequestBias(bool on) OSTEON_RT override { bias_ = on ? Bias::kSet : Bias::kClear; }
+  void Restart() OSTEON_RT override;
+  [[nodiscard]] std::string failure() const override;
+
+ private:
+  explicit RobotousSensor(const RobotousParams& params);
+
+  enum class Step : std::uint8_t {
+    kStop,
+    kSetFilter,
+    kReadFilter,
+    kSetRate,
+    kReadRate,
+    kStart,  // its answer is the first reading
+    kMeasureRate,
+    kRunning,
+  };
+  enum class Wrong : std::uint8_t { kNothing, kSilent, kRefused, kFilter, kRateCode, kRateMeasured };
+  enum class Bias : std::uint8_t { kNone, kSet, kClear };
+
+  void Fail(Wrong wrong, double found) OSTEON_RT;
+  void Answer(const std::array<std::uint8_t, 16>& bytes) OSTEON_RT;
+  void TakeReading(const std::array<std::uint8_t, 16>& bytes, rt::Nanoseconds stamp) OSTEON_RT;
+  void MeasureRate(rt::Nanoseconds stamp) OSTEON_RT;
+  void Advance() OSTEON_RT;
+  [[nodiscard]] CanFrame Command(Step step) const OSTEON_RT;
+
+  RobotousParams params_;
+  std::uint8_t rate_code_{0}, filter_code_{0};
+  PairJoiner joiner_;
+  SensorPhase phase_{SensorPhase::kStarting};
+  Step step_{Step::kStop};
+  int attempts_{0};         // of this step's command
+  rt::Nanoseconds due_{0};  // when to try again
+  Wrong wrong_{Wrong::kNothing};
+  Step wrong_step_{Step::kStop};
+  double found_{0.0};
+  Bias bias_{Bias::kNone};
+  SensorReading latest_;
+  std::uint64_t readings_{0}, unexpected_{0};
+  rt::Nanoseconds rate_since_{0}, rate_last_{0};
+  int rate_count_{0};
+};
+
+/// What the bus has to deliver for this sensor.
+[[nodiscard]] std::vector<CanFilter> Filters(const RobotousParams& params);
+
+}  // namespace osteon::io

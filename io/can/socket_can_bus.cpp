@@ -1,0 +1,173 @@
+#include "io/can/socket_can_bus.h"
+
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "io/can/socket_wait.h"
+
+namespace osteon::io {
+namespace {
+
+constexpr int kMaxSkipped = 64;  // error frames and odd frames passed over in one call
+
+std::string Reason(int error) { return std::generic_category().message(error); }
+
+// Whether `name` is an interface of type CAN that is up; otherwise what is wrong with it.
+std::string WrongWithInterface(int fd, const std::string& name, int& index) {
+  ifreq request{};
+  if (name.empty() || name.size() >= sizeof request.ifr_name)
+    return "accepted: an interface name of 1 to 15 characters, e.g. can0";
+  std::copy(name.begin(), name.end(), request.ifr_name);
+  if (ioctl(fd, SIOCGIFINDEX, &request) != 0)
+    return "this machine has no such interface (ip -details link show type can)";
+  index = request.ifr_ifindex;
+  if (ioctl(fd, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) == 0)
+    return "the interface is down; as root: ip link set " + name +
+           " up type can bitrate 1000000 restart-ms 100 (a vcan: ip link set " + name + " up)";
+  return {};
+}
+
+}  // namespace
+
+tl::expected<std::unique_ptr<SocketCanBus>, std::string> SocketCanBus::Open(const SocketCanParams& params) {
+  const std::string place = "CAN interface '" + params.interface + "': ";
+  const int fd = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
+  if (fd < 0)
+    return tl::unexpected(place + "this kernel does not speak SocketCAN (" + Reason(errno) +
+                          "); as root: modprobe can-raw, or use the UDP tunnel for a simulated cell");
+  std::unique_ptr<SocketCanBus> bus(new SocketCanBus(fd));  // closes fd on every way out
+
+  int index = 0;
+  if (const std::string wrong = WrongWithInterface(fd, params.interface, index); !wrong.empty())
+    return tl::unexpected(place + wrong);
+
+  // Before bind, so that nothing else ever enters the queue.
+  std::vector<can_filter> filters;
+  for (const CanFilter& filter : params.filters)
+    filters.push_back({.can_id = filter.id, .can_mask = filter.mask | CAN_EFF_FLAG | CAN_RTR_FLAG});
+  if (filters.empty()) filters.push_back({.can_id = 0, .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG});
+  const can_err_mask_t errors =
+      CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_TX_TIMEOUT | CAN_ERR_ACK | CAN_ERR_BUSERROR;
+  const int loopback = params.local_loopback ? 1 : 0, on = 1, off = 0;
+  if (setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
+                 static_cast<socklen_t>(filters.size() * sizeof(can_filter))) != 0 ||
+      setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) != 0 ||
+      setsockopt(fd, SOL_CAN_RAW, CAN_RAW_LOOPBACK, &loopback, sizeof loopback) != 0 ||
+      setsockopt(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &off, sizeof off) != 0)
+    return tl::unexpected(place + "cannot set the socket up: " + Reason(errno));
+  // Without these the time of reading serves, and an overflow goes unseen.
+  (void)setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
+  (void)setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
+
+  sockaddr_can address{};
+  address.can_family = AF_CAN;
+  address.can_ifindex = index;
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    return tl::unexpected(place +
+                          (errno == ENODEV ? "it is not a CAN interface" : "cannot bind: " + Reason(errno)));
+  return bus;
+}
+
+SocketCanBus::~SocketCanBus() { close(socket_); }
+
+CanResult SocketCanBus::Send(const CanFrame& frame) OSTEON_RT {
+  can_frame wire{};
+  CanResult result = CanResult::kFull;
+  if (frame.id <= kCanMaxId && frame.size <= CAN_MAX_DLEN) {
+    wire.can_id = frame.id;
+    wire.can_dlc = frame.size;
+    std::copy_n(frame.data.begin(), frame.size, wire.data);
+    if (status_.bus_off)
+      result = CanResult::kDown;
+    else if (write(socket_, &wire, sizeof wire) == static_cast<ssize_t>(sizeof wire))
+      result = CanResult::kOk;
+    else if (errno != ENOBUFS && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)
+      result = CanResult::kDown;
+  }
+  ++(result == CanResult::kOk ? status_.sent : status_.unsent);
+  return result;
+}
+
+CanResult SocketCanBus::TryReceive(CanArrival& arrival) OSTEON_RT {
+  for (int i = 0; i < kMaxSkipped; ++i) {
+    can_frame wire{};
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))>
+        control{};
+    iovec bytes{.iov_base = &wire, .iov_len = sizeof wire};
+    msghdr message{};
+    message.msg_iov = &bytes;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    const ssize_t size = recvmsg(socket_, &message, MSG_DONTWAIT);
+    if (size < 0)
+      return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ? CanResult::kEmpty : CanResult::kDown;
+
+    for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
+      if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
+      std::uint32_t dropped = 0;
+      std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
+      gap_ = gap_ || dropped != overflow_;
+      status_.lost += dropped - overflow_;  // modulo 2^32, as the kernel counts
+      overflow_ = dropped;
+    }
+    if (size != sizeof wire || wire.can_dlc > CAN_MAX_DLEN) {
+      ++status_.rejected;
+      continue;
+    }
+    if ((wire.can_id & CAN_ERR_FLAG) != 0) {
+      TakeErrorFrame(wire.can_id & CAN_ERR_MASK, wire.data);
+      continue;
+    }
+    if ((wire.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) != 0) {
+      ++status_.rejected;
+      continue;
+    }
+    arrival = {};
+    arrival.frame.id = static_cast<std::uint16_t>(wire.can_id & CAN_SFF_MASK);
+    arrival.frame.size = wire.can_dlc;
+    std::copy_n(wire.data, wire.can_dlc, arrival.frame.data.begin());
+    arrival.stamp = ArrivalTime(message);
+    arrival.after_gap = gap_;
+    gap_ = false;
+    ++status_.received;
+    return CanResult::kOk;
+  }
+  return CanResult::kEmpty;
+}
+
+CanResult SocketCanBus::Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT {
+  for (;;) {
+    if (const CanResult result = TryReceive(arrival); result != CanResult::kEmpty) return result;
+    if (const CanResult result = WaitReadable(socket_, deadline); result != CanResult::kOk) return result;
+  }
+}
+
+void SocketCanBus::TakeErrorFrame(std::uint32_t error_class, const std::uint8_t* data) OSTEON_RT {
+  ++status_.error_frames;
+  if ((error_class & CAN_ERR_BUSOFF) != 0) status_.bus_off = true;
+  if ((error_class & CAN_ERR_RESTARTED) != 0)
+    status_.bus_off = status_.error_passive = status_.error_warning = false;
+  if ((error_class & CAN_ERR_CRTL) == 0) return;
+  const std::uint8_t state = data[1];
+  if ((state & (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING)) != 0) status_.error_warning = true;
+  if ((state & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0) status_.error_passive = true;
+  if ((state & CAN_ERR_CRTL_ACTIVE) != 0) status_.error_passive = status_.error_warning = false;
+  if ((state & CAN_ERR_CRTL_RX_OVERFLOW) != 0) {
+    ++status_.lost;  // at least one, in the controller
+    gap_ = true;
+  }
+}
+
+}  // namespace osteon::io

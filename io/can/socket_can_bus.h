@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "io/can/can_bus.h"
+
+namespace osteon::io {
+
+struct SocketCanParams {
+  std::string interface { "can0" };  ///< a network interface of type CAN that is up
+  std::vector<CanFilter> filters{};  ///< what is delivered; none: everything
+  /// Show what we send to other programs of this machine (candump, a simulated device on vcan). Our own
+  /// socket never gets its own frames.
+  bool local_loopback{false};
+};
+
+/// Linux SocketCAN: a raw socket on one interface, classical frames with 11-bit ids. The kernel filters:
+/// 29-bit ids and remote requests never come here. Reports of the controller (error frames) are counted and
+/// end in status(); off the bus, Send says kDown until the controller has restarted (`restart-ms`).
+///
+/// Stamps are the arrival in the kernel. What the socket's queue had no room for is counted as lost, and the
+/// next frame says after_gap.
+///
+/// Setting an interface up is the system's business, once, as root:
+///
+///     ip link set can0 up type can bitrate 1000000 restart-ms 100
+class SocketCanBus final : public CanBus {
+ public:
+  /// The error names the interface and says what to do.
+  [[nodiscard]] static tl::expected<std::unique_ptr<SocketCanBus>, std::string> Open(
+      const SocketCanParams& params);
+  ~SocketCanBus() override;
+
+  CanResult Send(const CanFrame& frame) OSTEON_RT override;
+  CanResult TryReceive(CanArrival& arrival) OSTEON_RT override;
+  CanResult Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT override;
+  [[nodiscard]] const CanStatus& status() const OSTEON_RT override { return status_; }
+
+ private:
+  explicit SocketCanBus(int socket) : socket_(socket) {}
+  void TakeErrorFrame(std::uint32_t error_class, const std::uint8_t* data) OSTEON_RT;
+
+  int socket_;
+  CanStatus status_;
+  std::uint32_t overflow_{0};  // the kernel's count of frames that found no room in our queue
+  bool gap_{false};
+};
+
+}  // namespace osteon::io

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "io/can/can_bus.h"
+#include "io/can/udp_can_codec.h"
+
+namespace osteon::io {
+
+struct UdpCanParams {
+  std::string bind_address{"127.0.0.1"};  ///< IPv4 address of ours
+  std::uint16_t bind_port{29536};
+  std::string peer_address{
+      "127.0.0.1"};  ///< the one peer; everybody else's datagrams are dropped by the system
+  std::uint16_t peer_port{29537};
+  std::vector<CanFilter> filters{};  ///< what is delivered; none: everything
+};
+
+/// A CAN bus of two ends over UDP, for simulated cells only: kernels without CAN, and machines where nobody
+/// may set an interface up. Datagrams as in udp_can_codec.h; hostile until decoded.
+///
+/// What arrives out of order or twice is counted and not delivered; a gap in the sender's count is counted as
+/// lost, and the next frame says after_gap. A new session of the peer (it was started again) begins its count
+/// anew. Nobody listening at the other end is kFull, as an unconnected bus would be: nothing acknowledges.
+class UdpCanBus final : public CanBus {
+ public:
+  /// The error names address and port, and says what to do.
+  [[nodiscard]] static tl::expected<std::unique_ptr<UdpCanBus>, std::string> Open(const UdpCanParams& params);
+
+  /// Two ends of one bus in this process, on the loopback at ports that the system chooses.
+  using Pair = std::pair<std::unique_ptr<UdpCanBus>, std::unique_ptr<UdpCanBus>>;
+  [[nodiscard]] static tl::expected<Pair, std::string> OpenPair();
+
+  ~UdpCanBus() override;
+
+  CanResult Send(const CanFrame& frame) OSTEON_RT override;
+  CanResult TryReceive(CanArrival& arrival) OSTEON_RT override;
+  CanResult Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT override;
+  [[nodiscard]] const CanStatus& status() const OSTEON_RT override { return status_; }
+
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+
+ private:
+  UdpCanBus(int socket, std::vector<CanFilter> filters);
+  [[nodiscard]] bool InOrder(const UdpCanMessage& message) OSTEON_RT;
+  [[nodiscard]] bool Wanted(const CanFrame& frame) const OSTEON_RT;
+
+  int socket_;
+  std::uint16_t port_{0};
+  std::vector<CanFilter> filters_;
+  CanStatus status_;
+  std::uint32_t session_, sequence_{0};          // ours
+  std::uint32_t peer_session_{0}, expected_{0};  // the peer's
+  bool heard_{false}, gap_{false};
+  std::array<std::uint8_t, kUdpCanMaxDatagram> out_{};
+  std::array<std::uint8_t, kUdpCanMaxDatagram + 1> in_{};  // one more, to see what is too long
+};
+
+}  // namespace osteon::io

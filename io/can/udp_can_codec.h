@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "control/rt/marker.h"
+#include "io/can/frame.h"
+
+// The UDP tunnel's datagram: one CAN frame, for simulated cells on kernels without CAN. Ours; big-endian.
+//
+//     byte  0  u32  magic "OCAN"
+//           4  u8   version, 1
+//           5  u8   length of the data, 0 … 8
+//           6  u16  identifier, 0 … 0x7FF
+//           8  u32  session: chosen when the sender opened, another one each time
+//          12  u32  sequence: counts the sender's frames of a session from 0, modulo 2^32
+//          16       the data: exactly `length` bytes end the datagram
+
+namespace osteon::io {
+
+inline constexpr std::size_t kUdpCanHeader = 16;
+inline constexpr std::size_t kUdpCanMaxDatagram = kUdpCanHeader + 8;
+inline constexpr std::uint32_t kUdpCanMagic = 0x4F43414E;
+inline constexpr std::uint8_t kUdpCanVersion = 1;
+
+struct UdpCanMessage {
+  CanFrame frame;
+  std::uint32_t session{0};
+  std::uint32_t sequence{0};
+};
+
+/// Why a datagram was refused.
+enum class UdpCanError : std::uint8_t {
+  kNone = 0,
+  kTooShort,  ///< less than a header
+  kMagic,
+  kVersion,
+  kLength,  ///< more than 8 data bytes, or not as many as the header says
+  kId,      ///< beyond 11 bits
+};
+
+/// One line for screens and logs; not for the tick.
+[[nodiscard]] const char* Describe(UdpCanError error);
+
+/// `message` changes on kNone only.
+[[nodiscard]] UdpCanError DecodeUdpCan(std::span<const std::uint8_t> datagram,
+                                       UdpCanMessage& message) OSTEON_RT;
+
+/// The datagram is the first `returned` bytes of `buffer`; 0 where the frame is no classical one.
+[[nodiscard]] std::size_t EncodeUdpCan(const UdpCanMessage& message,
+                                       std::array<std::uint8_t, kUdpCanMaxDatagram>& buffer) OSTEON_RT;
+
+}  // namespace osteon::io

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/can/can_pump.h"
+
+// Frames in the tests, as candump writes them: "064#0B00".
+
+namespace osteon::io::test {
+
+inline CanFrame Frame(const std::string& text) {
+  const std::size_t hash = text.find('#');
+  CanFrame frame{.id = static_cast<std::uint16_t>(std::stoul(text.substr(0, hash), nullptr, 16))};
+  for (std::size_t at = hash + 1; at + 1 < text.size(); at += 2)
+    frame.data.at(frame.size++) = static_cast<std::uint8_t>(std::stoul(text.substr(at, 2), nullptr, 16));
+  return frame;
+}
+
+inline CanArrival At(rt::Nanoseconds stamp, const std::string& text, bool after_gap = false) {
+  return {.frame = Frame(text), .stamp = stamp, .after_gap = after_gap};
+}
+
+/// What the client wants to send now.
+inline std::vector<std::string> Sent(CanClient& client, rt::Nanoseconds now) {
+  std::vector<std::string> frames;
+  for (CanFrame frame; frames.size() < 100 && client.Next(now, frame);) frames.push_back(ToText(frame));
+  return frames;
+}
+
+using Frames = std::vector<std::string>;
+
+}  // namespace osteon::io::test
