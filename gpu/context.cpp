@@ -83,8 +83,8 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
     info.refusal = "no compute queue";
   else if ((subgroup.supportedOperations & kSubgroupNeeds) != kSubgroupNeeds || subgroup.subgroupSize > 64)
     info.refusal = "no subgroup arithmetic, ballot and vote in subgroups of up to 64";
-  else if (p.limits.maxComputeSharedMemorySize < 16'000)
-    info.refusal = "less than 16 kB of shared memory";
+  else if (p.limits.maxComputeSharedMemorySize < 32'000)
+    info.refusal = "less than 32 kB of shared memory";
   return info;
 }
 

@@ -95,7 +95,8 @@ uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t span) const {
 
 Groups VulkanEngine::Impl::Work(std::size_t entries, uint chunk, uint rows) const {
   const std::size_t share = std::size_t{program->lanes()} * chunk;
-  return {.x = static_cast<uint>((entries + share - 1) / share), .y = rows, .z = 1};
+  const std::size_t least = program->lanes() == kGroupSize ? 1 : 0;  // one whose last workgroup goes on
+  return {.x = static_cast<uint>(std::max(least, (entries + share - 1) / share)), .y = rows, .z = 1};
 }
 
 // The balls of the lists go back, with the chunk that the frame has.
@@ -110,8 +111,7 @@ void VulkanEngine::Impl::Flush() const {
   f.chunk = Chunk(lists.balls, 1);
   SetFlush(f);
   SetUploads(f);
-  std::memcpy(&program->frame(), &f, sizeof(Frame));
-  program->Run(FrameMode::kFlush, kFrameTimeout_ns);
+  program->Run(f, FrameMode::kFlush, kFrameTimeout_ns);
 }
 
 // What the frame before has split.
@@ -240,17 +240,19 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     FindWork(f, mode);
     SetUploads(f);
     SetFlush(f);
-    f.pair_work = {.x = 0, .y = 2, .z = 1};
-    f.all_work = {.x = 0, .y = 3, .z = 1};
-    f.clear_work = {.x = 0, .y = 2, .z = 1};
+    // one at least where the last one goes on
+    const uint least = program->lanes() == kGroupSize ? 1 : 0;
+    f.pair_work = {.x = least, .y = 2, .z = 1};
+    f.all_work = {.x = least, .y = 3, .z = 1};
+    f.clear_work = {.x = least, .y = 2, .z = 1};
     f.span_count = static_cast<uint>(WholeSpans());
     lists.built_m = lists.words_m = start_m;
     if (!brute_force) MeasureDrift(f);
   }
-  std::memcpy(&program->frame(), &f, sizeof(Frame));
-  if (!program->Run(mode, brute_force         ? kBruteTimeout_ns
-                          : memory.frame == 0 ? kWarmUpTimeout_ns
-                                              : kFrameTimeout_ns))
+  if (!program->Run(f, mode,
+                    brute_force         ? kBruteTimeout_ns
+                    : memory.frame == 0 ? kWarmUpTimeout_ns
+                                        : kFrameTimeout_ns))
     return false;
   const Frame& done = program->result();
   stats = {

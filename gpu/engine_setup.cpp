@@ -119,7 +119,6 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   still.face_point_scale = static_cast<float>(kLargestSummand / (kLargestFaceWeight_mm3 * reach_mm));
   still.area_scale = static_cast<float>(kLargestSummand / largest_mm2);
   still.moment_scale = static_cast<float>(kLargestSummand / (largest_mm2 * reach_mm));
-  still.tool_rest = static_cast<uint>(2 * tool.balls.size());
   still.tool_count = static_cast<uint>(tool.balls.size());
   still.cutter_count = static_cast<uint>(tool.cutter_count);
   still.ball_count = static_cast<uint>(AllBalls());

@@ -15,7 +15,6 @@
 #include "gpu/spirv/pick_points.h"
 #include "gpu/spirv/refresh.h"
 #include "gpu/spirv/remove_clear.h"
-#include "gpu/spirv/report.h"
 #include "gpu/spirv/slide_engage.h"
 #include "gpu/spirv/solve.h"
 #include "gpu/spirv/touching.h"
@@ -25,7 +24,8 @@ namespace {
 
 constexpr std::uint32_t kMostPasses = 16;
 
-constexpr uint kSolveLanes = 256;  // of the solution, on a GPU
+// Of a workgroup whose last one goes on with what one workgroup does, or whose sums meet, on a GPU.
+constexpr uint kWideLanes = 256;
 
 // Bytes of each storage buffer, by binding.
 std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
@@ -95,7 +95,7 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
   }
   MakeBuffers();
   MakePipelines();
-  for (const auto& passes : run_passes_) commands_.push_back(Record(passes));
+  for (const auto& passes : run_passes_) commands_.push_back(Record(passes, nullptr));
 }
 
 void FrameProgram::MakeBuffers() {
@@ -162,27 +162,27 @@ void FrameProgram::MakePipelines() {
     VkBool32 split;
     VkBool32 contact_sphere;
     uint materials;
+    VkBool32 on_gpu;
+    uint tool_rest;
   } const constants{.one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
                     .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
                     .lanes = lanes(),
                     .split = sizes_.blocks > 0 ? VK_TRUE : VK_FALSE,
                     .contact_sphere = sizes_.contact_sphere ? VK_TRUE : VK_FALSE,
-                    .materials = static_cast<uint>(sizes_.materials)};
-  const std::array<vk::SpecializationMapEntry, 6> entries{
+                    .materials = static_cast<uint>(sizes_.materials),
+                    .on_gpu = gpu_ ? VK_TRUE : VK_FALSE,
+                    .tool_rest = static_cast<uint>(2 * sizes_.tool_balls)};
+  const std::array<vk::SpecializationMapEntry, 8> entries{
       {{1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)},
        {4, offsetof(Constants, split), sizeof(VkBool32)},
        {5, offsetof(Constants, contact_sphere), sizeof(VkBool32)},
-       {6, offsetof(Constants, materials), sizeof(uint)}}};
-  // the solution is one workgroup's work, on a processor one subgroup's
-  Constants alone = constants;
-  alone.lanes =
-      gpu_ ? kSolveLanes
-           : context_->physical
-                 ->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
-                 .get<vk::PhysicalDeviceSubgroupProperties>()
-                 .subgroupSize;
+       {6, offsetof(Constants, materials), sizeof(uint)},
+       {7, offsetof(Constants, on_gpu), sizeof(VkBool32)},
+       {8, offsetof(Constants, tool_rest), sizeof(uint)}}};
+  Constants wide = constants;
+  if (gpu_) wide.lanes = kWideLanes;
   const auto add = [&](const char* name, const auto& code, const Constants& own, std::size_t groups,
                        Then then) {
     const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
@@ -192,16 +192,22 @@ void FrameProgram::MakePipelines() {
                                                   &specialization);
     passes_.push_back(
         {name, vk::raii::Pipeline(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout_)),
-         groups, then});
+         groups, then, std::max(1u, own.lanes / lanes())});
     return passes_.size() - 1;
   };
   const std::size_t pairs = offsetof(Frame, pair_work), all = offsetof(Frame, all_work);
-  std::vector<std::size_t> rest = {
-      add("near_field", kSpirv_near_field, constants, pairs, Then::kReads),
-      add("solve", kSpirv_solve, alone, kOne, Then::kReads),
-      add("slide_engage", kSpirv_slide_engage, constants, all, Then::kReads),
-      add("remove_clear", kSpirv_remove_clear, constants, offsetof(Frame, clear_work), Then::kReads)};
-  if (gpu_) rest.push_back(add("report", kSpirv_report, alone, kOne, Then::kNothing));
+  std::vector<std::size_t> rest = {add("near_field", kSpirv_near_field, wide, pairs, Then::kReads)};
+  if (!gpu_) {
+    // the solution is one subgroup's work; on a GPU that of the near field's last workgroup
+    Constants alone = constants;
+    alone.lanes = context_->physical
+                      ->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
+                      .get<vk::PhysicalDeviceSubgroupProperties>()
+                      .subgroupSize;
+    rest.push_back(add("solve", kSpirv_solve, alone, kOne, Then::kReads));
+  }
+  rest.push_back(add("slide_engage", kSpirv_slide_engage, wide, all, Then::kReads));
+  rest.push_back(add("remove_clear", kSpirv_remove_clear, wide, offsetof(Frame, clear_work), Then::kNothing));
   // beside the near field, which has no need of it
   if (sizes_.contact_sphere)
     rest.insert(rest.begin(), add("touching", kSpirv_touching, constants, pairs, Then::kNothing));
@@ -259,7 +265,8 @@ void FrameProgram::MakePipelines() {
   view(kBindPointEntryTexels, kBindPointEntries, vk::Format::eR32G32B32A32Uint);
 }
 
-vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& passes) const {
+vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& passes,
+                                             const Frame* known) const {
   using Access = vk::AccessFlagBits;
   using Stage = vk::PipelineStageFlagBits;
   vk::raii::CommandBuffers made(*context_->device, {*command_pool_, vk::CommandBufferLevel::ePrimary, 1});
@@ -285,12 +292,16 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
   for (const std::size_t i : passes) {
     const Pass& pass = passes_[i];
     c.bindPipeline(vk::PipelineBindPoint::eCompute, *pass.pipeline);
-    if (pass.groups == kOne)
+    if (pass.groups == kOne) {
       c.dispatch(1, 1, 1);
-    else
+    } else if (known) {
+      Groups groups;
+      std::memcpy(&groups, reinterpret_cast<const char*>(known) + pass.groups, sizeof(Groups));
+      c.dispatch((groups.x + pass.share - 1) / pass.share, groups.y, groups.z);
+    } else
       c.dispatchIndirect(*frame.buffer, pass.groups);
     const vk::AccessFlags reads = Access::eShaderRead | Access::eShaderWrite;
-    if (pass.then == Then::kReads)
+    if (pass.then == Then::kReads && i != passes.back())
       barrier(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader, reads);
     if (pass.then == Then::kGroups)
       barrier(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eDrawIndirect,
@@ -303,6 +314,15 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
               Access::eHostRead);
   c.end();
   return c;
+}
+
+// The lists' sizes are the host's to know where they were made before: once for each time they are made.
+void FrameProgram::RecordLists(const Frame& frame) {
+  const std::array<Groups, 3> groups{frame.pair_work, frame.all_work, frame.clear_work};
+  if (std::memcmp(&groups, &recorded_, sizeof(groups)) == 0) return;
+  auto& commands = commands_[static_cast<std::size_t>(FrameMode::kLists)];
+  commands = Record(run_passes_[static_cast<std::size_t>(FrameMode::kLists)], &frame);
+  recorded_ = groups;
 }
 
 bool FrameProgram::AwaitFence(std::uint64_t timeout_ns) {
@@ -330,12 +350,15 @@ bool FrameProgram::AwaitReport(std::uint64_t timeout_ns) {
   return AwaitFence(timeout_ns) && is_here();
 }
 
-bool FrameProgram::Run(FrameMode mode, std::uint64_t timeout_ns) try {
-  const vk::CommandBuffer raw = *commands_[static_cast<std::size_t>(mode)];
+bool FrameProgram::Run(const Frame& frame, FrameMode mode, std::uint64_t timeout_ns) try {
   last_mode_ = mode;
-  frame().sequence = ++sequence_;
   // the last frame's, which is over where its report was awaited, but for the fence
   if (!AwaitFence(timeout_ns)) return false;
+  Frame asked = frame;
+  asked.sequence = ++sequence_;
+  std::memcpy(frame_in_.mapped, &asked, sizeof(Frame));
+  if (gpu_ && mode == FrameMode::kLists) RecordLists(frame);
+  const vk::CommandBuffer raw = *commands_[static_cast<std::size_t>(mode)];
   context_->device->resetFences(*fence_);
   context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence_);
   return policy_ == FencePolicy::kReport && mode != FrameMode::kFlush ? AwaitReport(timeout_ns)

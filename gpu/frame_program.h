@@ -40,9 +40,7 @@ class FrameProgram {
 
   FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& sizes, const VulkanParams& params);
 
-  /// The frame that the next Run works on, and after it what it has found. Host memory; the first may be
-  /// slow to read.
-  [[nodiscard]] Frame& frame() { return *static_cast<Frame*>(frame_in_.mapped); }
+  /// What the last Run has found. Host memory.
   [[nodiscard]] const Frame& result() const {
     return gpu_ ? report().frame : *static_cast<const Frame*>(frame_in_.mapped);
   }
@@ -53,8 +51,8 @@ class FrameProgram {
     return static_cast<T*>(buffers_[binding].mapped);
   }
 
-  /// One submit. False where the device is lost or the time is up; frame() must be written anew for the next.
-  bool Run(FrameMode mode, std::uint64_t timeout_ns);
+  /// One submit. False where the device is lost or the time is up.
+  bool Run(const Frame& frame, FrameMode mode, std::uint64_t timeout_ns);
 
   /// Whether the last run is over; waits for it that long.
   [[nodiscard]] bool IsIdle(std::uint64_t timeout_ns) const;
@@ -77,6 +75,7 @@ class FrameProgram {
     vk::raii::Pipeline pipeline;
     std::size_t groups;  ///< offset in Frame of its indirect arguments; kOne: one workgroup
     Then then;
+    uint share{1};  ///< of the workgroups that the arguments tell, one in so many is enough
   };
   static constexpr std::size_t kOne = ~std::size_t{0};
 
@@ -86,7 +85,10 @@ class FrameProgram {
   void MakeBuffers();
   [[nodiscard]] const Buffer& FrameBuffer() const { return copies_in_ ? buffers_[kBindFrame] : frame_in_; }
   void MakePipelines();
-  [[nodiscard]] vk::raii::CommandBuffer Record(const std::vector<std::size_t>& passes) const;
+  // With `known` the sizes of dispatches are told here, which is quicker than from the device's memory.
+  [[nodiscard]] vk::raii::CommandBuffer Record(const std::vector<std::size_t>& passes,
+                                               const Frame* known) const;
+  void RecordLists(const Frame& frame);
   [[nodiscard]] bool AwaitFence(std::uint64_t timeout_ns);
   [[nodiscard]] bool AwaitReport(std::uint64_t timeout_ns);
   void Copy(const Buffer& from, const Buffer& to, vk::DeviceSize size, vk::DeviceSize place) const;
@@ -107,6 +109,7 @@ class FrameProgram {
   std::vector<Pass> passes_;
   std::array<std::vector<std::size_t>, 5> run_passes_;  // by mode
   std::vector<vk::raii::CommandBuffer> commands_;
+  std::array<Groups, 3> recorded_{};  // workgroups in kLists' commands
   FrameMode last_mode_{FrameMode::kLists};
   vk::raii::Fence fence_{nullptr};
   vk::raii::QueryPool stamps_{nullptr};

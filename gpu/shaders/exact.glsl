@@ -15,11 +15,11 @@ vec4 InFloats(dvec4 v) { return vec4(vec3(v.xyz), float(v.w)); }
 
 // Tool ball t: what floats leave of its numbers makes them whole.
 dvec4 ExactStart(uint t) {
-  return Exactly(texelFetch(tool_texels, int(2u * t))) + Exactly(texelFetch(tool_texels, int(frame.tool_rest + 2u * t)));
+  return Exactly(texelFetch(tool_texels, int(2u * t))) + Exactly(texelFetch(tool_texels, int(kToolRest + 2u * t)));
 }
 dvec3 ExactGoal(uint t) {
   return dvec3(texelFetch(tool_texels, int(2u * t + 1u)).xyz) +
-         dvec3(texelFetch(tool_texels, int(frame.tool_rest + 2u * t + 1u)).xyz);
+         dvec3(texelFetch(tool_texels, int(kToolRest + 2u * t + 1u)).xyz);
 }
 double ExactFraction() { return min(1.0lf, FromKey(frame.contact_key)); }
 dvec4 ExactAtContact(uint t, double s) {
@@ -57,13 +57,13 @@ struct Slide {
   dvec3 move;     // what there is from the tool's pose to the target, or straight from first contact to it
 };
 Slide ChosenSlide() {
-  double met = FromKey(frame.slide_key), full = min(frame.exact.slide_limit, met);
+  double met = FromKey(frame.slide_key), limit = frame.exact.slide_limit, full = min(limit, met);
   double straight = min(frame.exact.straight_limit, FromKey(frame.straight_key));
   double full_way = full * frame.exact.way, straight_way = straight * frame.exact.straight_way;
-  bool turns =
-      frame.turning == 0u || met >= frame.exact.slide_limit || full_way + kTurnWorth_mm > 0.5lf * straight_way;
-  return Slide(turns, turns ? full : straight, turns ? full_way : straight_way,
-               turns ? frame.exact.delta : frame.exact.shift);
+  uint turning = frame.turning;
+  dvec3 delta = frame.exact.delta, shift = frame.exact.shift;
+  bool turns = turning == 0u || met >= limit || full_way + kTurnWorth_mm > 0.5lf * straight_way;
+  return Slide(turns, turns ? full : straight, turns ? full_way : straight_way, turns ? delta : shift);
 }
 // Where a tool ball is after the slide, from where it was at contact.
 dvec3 AfterSlide(Slide slide, dvec3 at_contact, dvec3 goal) {

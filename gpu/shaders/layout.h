@@ -177,7 +177,7 @@ struct Frame {
   // row 0: balls that cut (nothing with a single one); row 1: those that do not
   OSTEON_ARRAY(Sum, face_sums, 2 * kFaces * kFaceColumns);
   uint request_count;  // of balls that should be split; may be above the capacity
-  uint tool_rest;      // of the tool's texels, the first of what floats leave
+  uint groups_done;    // workgroups of a pass whose last one goes on: see IsLastGroup
   uint sequence;       // the report's
   // where one tool ball cuts alone, which: its number in the tool's own list above, the device's in the lower
   // kToolBits; kNoToolBall where nothing was touched

@@ -5,13 +5,13 @@
 // before. Row 0: live balls and the balls that cut; row 1: pairs with those that do not.
 //
 // Software drivers skip no branch, so what few pairs need (a sum, a key) stands behind the loop over them, which all lanes leave
-// as soon as one of them has such a pair.
+// as soon as one of them has such a pair. On a GPU a workgroup's keys and sums meet before they go on, and the last one solves.
 #include "common.glsl"
 #include "pairs.glsl"
+#include "solve.glsl"
 
 const double kPi = 3.14159265358979323846lf;
 const double kLargestLens = 0.5lf;       // mm^3, simulation::kLargestLensVolume
-const double kFaceCosine = 0.866lf;      // simulation::kFaceCosine
 const double kMiddleWorth_mm = 0.05lf;   // simulation::kMiddleWorth_m
 const float kDirectionRounding = 1e-5;   // of floats, in a cosine: so near to a bin's edge they do not tell the side
 
@@ -108,7 +108,12 @@ ExactPair LookAt(vec4 ball, dvec4 at) {
   return ExactPair((1.0lf / max(d, 1e-20lf)) * from_bone, d, d - at.w - double(ball.w));
 }
 // Where no branch is skipped, keys are taken in a loop of their own, behind the one that finds them.
-const bool kKeysApart = kLanes != kGroupSize;
+const bool kKeysApart = !kOnGpu;
+// On a GPU an invocation's last key waits for those of its workgroup, since all that go to one place take turns.
+struct Waiting {
+  uint bin;
+  uint64_t key;
+} waiting;
 void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   if (exact.d <= 0.0lf || exact.gap >= near.exact_enlargement) return;
   ExactBin bin =
@@ -117,7 +122,25 @@ void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   // others may have been found since this one was
   if (kKeysApart && units > frame_halves[2u * bin.number + 1u] >> (kBoneBits + kToolBits - 32u)) return;
   uint64_t key = (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(bone) << kToolBits) | uint64_t(t);
-  atomicMin(frame.bin_keys[bin.number], key);
+  if (!kOnGpu) {
+    atomicMin(frame.bin_keys[bin.number], key);
+  } else if (bin.number == waiting.bin) {
+    waiting.key = min(waiting.key, key);
+  } else {
+    if (waiting.bin < kBins) atomicMin(frame.bin_keys[waiting.bin], waiting.key);
+    waiting = Waiting(bin.number, key);
+  }
+}
+// The least of a workgroup alone, which tells the others by its units; by all of them.
+shared uint least_units[kBins];
+void TakeLeast() {
+  if (gl_LocalInvocationID.x < kBins) least_units[gl_LocalInvocationID.x] = 0xffffffffu;
+  barrier();
+  bool waits = waiting.bin < kBins;
+  uint units = uint(waiting.key >> (kBoneBits + kToolBits));
+  if (waits) atomicMin(least_units[waiting.bin], units);
+  barrier();
+  if (waits && units == least_units[waiting.bin]) atomicMin(frame.bin_keys[waiting.bin], waiting.key);
 }
 
 // Sums of one face over this invocation's pairs, in whole units: weight and weight·n (doubles hold whole numbers up to 2^53),
@@ -133,6 +156,9 @@ struct Parts {
 const Part kNone = Part(dvec4(0.0lf), ivec4(0));
 const Parts kNoParts = Parts(kNone, kNone, kNone, kNone);
 
+// A face that did not press, on a GPU: the same for all, so that its branch is skipped.
+bool IsIdle(vec3 face) { return kOnGpu && face == vec3(0.0); }
+
 // `lens`: 0 for a pair that does not count; `alone`: the only cutter's, whose centre is known.
 void Gather(inout Part part, Near near, dvec3 face, dvec3 n, double lens, vec4 center, bool alone) {
   double inside = max(0.0lf, dot(n, face) - kFaceCosine);
@@ -142,10 +168,10 @@ void Gather(inout Part part, Near near, dvec3 face, dvec3 n, double lens, vec4 c
 }
 void GatherAll(inout Parts parts, Near near, ExactPair exact, float r_b, double r_t, vec3 center, bool alone) {
   double lens = LensVolume(r_t + near.exact_enlargement, double(r_b), exact.d);
-  Gather(parts.part_0, near, near.exact_face_0, exact.n, lens, vec4(center, r_t), alone);
-  Gather(parts.part_1, near, near.exact_face_1, exact.n, lens, vec4(center, r_t), alone);
-  Gather(parts.part_2, near, near.exact_face_2, exact.n, lens, vec4(center, r_t), alone);
-  Gather(parts.part_3, near, near.exact_face_3, exact.n, lens, vec4(center, r_t), alone);
+  if (!IsIdle(near.face_0)) Gather(parts.part_0, near, near.exact_face_0, exact.n, lens, vec4(center, r_t), alone);
+  if (!IsIdle(near.face_1)) Gather(parts.part_1, near, near.exact_face_1, exact.n, lens, vec4(center, r_t), alone);
+  if (!IsIdle(near.face_2)) Gather(parts.part_2, near, near.exact_face_2, exact.n, lens, vec4(center, r_t), alone);
+  if (!IsIdle(near.face_3)) Gather(parts.part_3, near, near.exact_face_3, exact.n, lens, vec4(center, r_t), alone);
 }
 
 #define FLUSH(part, number)                                                  \
@@ -168,6 +194,57 @@ void AddParts(Parts parts, bool shaft, bool alone) {
   FLUSH(parts.part_1, 1)
   FLUSH(parts.part_2, 2)
   FLUSH(parts.part_3, 3)
+}
+
+// The same on a GPU, by all of a workgroup: few of it have anything, which is noted in shared memory and added up, so that there is
+// one atomic addition for all. (To one place they come one after the other: 8 us where each subgroup adds its own.)
+const uint kNotes = 64u;  // at a time
+shared double part_notes[kNotes][4u * kFaces];
+shared uint note_count;
+shared double part_totals[16][4u * kFaces];
+void NoteAll(uint place, dvec4 a, dvec4 b, dvec4 c, dvec4 d) {
+  double all[4u * kFaces] = double[](a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, c.w, d.x, d.y, d.z, d.w);
+  for (uint i = 0u; i < 4u * kFaces; ++i) part_notes[place][i] = all[i];
+}
+// Of column lane % 16, to the first 16 invocations. Whole numbers: their order does not matter.
+double NotesTotal(uint count) {
+  uint lane = gl_LocalInvocationID.x, column = lane % 16u, row = lane / 16u;
+  double sum = 0.0lf;
+  for (uint i = row; i < count; i += kLanes / 16u) sum += part_notes[i][column];
+  part_totals[row][column] = sum;
+  barrier();
+  double total = 0.0lf;
+  for (uint i = 0u; i < kLanes / 16u; ++i) total += part_totals[i][column];
+  return total;
+}
+void AddPartsOfGroup(Parts parts, bool shaft, bool alone) {
+  uint lane = gl_LocalInvocationID.x, place = (shaft ? 4u * kFaces : 0u) + lane;
+  bool any = parts.part_0.n.x + parts.part_1.n.x + parts.part_2.n.x + parts.part_3.n.x > 0.0lf;
+  if (lane == 0u) note_count = 0u;
+  barrier();
+  uint own = any ? atomicAdd(note_count, 1u) : 0u;
+  barrier();
+  uint count = note_count;
+  for (uint first = 0u; first < count; first += kNotes) {
+    uint here = min(count - first, kNotes);
+    bool notes = any && own >= first && own < first + kNotes;
+    if (notes) NoteAll(own - first, parts.part_0.n, parts.part_1.n, parts.part_2.n, parts.part_3.n);
+    barrier();
+    double total = NotesTotal(here);
+    if (lane < 4u * kFaces && total != 0.0lf) atomicAdd(frame.exact.face_sums[place], int64_t(total));
+    if (!alone) {
+      barrier();
+      if (notes)
+        NoteAll(own - first, dvec4(parts.part_0.c), dvec4(parts.part_1.c), dvec4(parts.part_2.c), dvec4(parts.part_3.c));
+      barrier();
+      int64_t c = int64_t(NotesTotal(here));
+      if (lane < 4u * kFaces && c != 0L) {
+        atomicAdd(frame.face_sums[place].high, int(c >> 16));
+        atomicAdd(frame.face_sums[place].low, uint(c) & 0xffffu);
+      }
+    }
+    barrier();
+  }
 }
 
 // A pair marked: that may be the nearest of its bin.
@@ -201,12 +278,13 @@ void main() {
   near.exact_face_1 = frame.exact.face_n[1];
   near.exact_face_2 = frame.exact.face_n[2];
   near.exact_face_3 = frame.exact.face_n[3];
+  Parts parts = kNoParts;
+  waiting = Waiting(kBins, 0ul);
   if (kOneCutter) {
     vec4 only = AtContact(0, s);
     dvec4 exact_only = ExactAtContact(0, exact_s);
     uint slot = FirstEntry(), end = row == 0u && go ? frame.live_ball_count : 0u;
     while (slot < end) {
-      Parts parts = kNoParts;
       for (uint summands = 0u; summands < kMostSummands && slot < end; summands += kRoom) {
         found.count = 0u;
         for (; found.count < kRoom && slot < end; slot += EntryStep())
@@ -220,14 +298,15 @@ void main() {
           GatherAll(parts, near, exact, ball.w, exact_only.w, vec3(0.0), true);
         }
       }
+      if (kOnGpu && slot >= end) break;
       AddParts(parts, false, true);
+      parts = kNoParts;
     }
   }
   for (uint list = FirstList(row, 1u); list <= LastList(row, 1u); ++list) {
     uint farthest = WordGap(Drift(list == kCutting, s) + near.enlargement);
     Walk walk = BeginWalk(list, go);
     for (bool more = true; more;) {
-      Parts parts = kNoParts;
       for (uint summands = 0u; summands < kMostSummands && more; summands += kRoom) {
         found.count = 0u;
         while (found.count < kRoom) {
@@ -250,7 +329,13 @@ void main() {
           GatherAll(parts, near, exact, ball.w, exact_at.w, InTool(near, Goal(t) - near.origin), false);
         }
       }
+      if (kOnGpu && !more) break;
       AddParts(parts, list == kShaft, false);
+      parts = kNoParts;
     }
   }
+  if (!kOnGpu) return;
+  TakeLeast();
+  AddPartsOfGroup(parts, row == 1u, kOneCutter && row == 0u);
+  if (IsLastGroup()) Solve();
 }

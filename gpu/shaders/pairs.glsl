@@ -67,7 +67,7 @@ bool NextPair(inout Walk walk, uint farthest) {
 
 // What floats have found in an invocation's share of a list, to be looked at exactly behind the loop that finds it. On a processor
 // there is room for many, so that all lanes have one to look at.
-const uint kRoom = kLanes == kGroupSize ? 1u : 64u;
+const uint kRoom = kOnGpu ? 1u : 64u;
 const uint kMark = 1u << kToolBits;
 struct Found {
   uint count;

@@ -3,13 +3,15 @@
 // Pass 3: every cutting ball's capsules (first contact to slid, slid to end of the advance) take their share of each live ball
 // (row 0; equation 5, corrected; twin of simulation::ShrinkBall), one invocation a ball, and clear the mass points in them
 // (row 1), each once and booked in whole units of volume: the result does not depend on scheduling. The list's copies are the
-// balls from here on, until flush.comp writes them back.
+// balls from here on, until flush.comp writes them back. On a GPU the last workgroup reports the frame.
 //
 // Software drivers skip no branch: what few balls and points need stands behind the loop over them, which each lane leaves at one
 // that needs it.
 #include "common.glsl"
 #include "pairs.glsl"
 #include "rate_law.glsl"
+
+shared uint report_sum;
 
 const double kLeastBallRadius = 1e-3lf;  // mm
 const double kOnAxis = 1e-3lf;           // simulation::kOnAxis
@@ -235,29 +237,11 @@ void Clear(uint slot, vec4 point) {
   atomicAdd(frame.exact.removed[material], uint64_t(point_units[i]));
 }
 
-void main() {
+// What a workgroup is to do, of the balls (row 0) or points (row 1) that are near.
+void Remove(Way way) {
   uint row = Row();
   bool go = frame.is_void == 0u && frame.spindle_rad_per_s != 0.0;
-  Way way;
-  way.cutter = ToolOf(frame.touching);
   if (kContactSphere) go = go && way.cutter < frame.cutter_count;  // a shaft cuts nothing
-  way.at_contact = ExactFraction();
-  way.slid_by = ChosenSlide();
-  Advance advance = AdvanceOfFrame(way.at_contact, way.slid_by);
-  way.step_mm = advance.step_mm;
-  if (GroupNumber() == 0u && gl_LocalInvocationID.x == 0u) {
-    frame.exact.advance = advance.advance_mm;
-    frame.exact.edge_work = advance.edge_work_Nmm;
-    frame.exact.step = advance.step_mm;
-    frame.turns = way.slid_by.turns ? 1u : 0u;
-    frame.exact.slid_share = way.slid_by.share;
-  }
-  way.rounding = frame.rounding_mm;
-  way.rough_contact = float(way.at_contact);
-  way.rough_share = float(way.slid_by.share);
-  way.rough_move = vec3(way.slid_by.move);
-  way.rough_step = vec3(way.step_mm);
-  way.farthest = WordGap(Drift(true, way.rough_contact) + float(way.slid_by.way_mm + length(advance.step_mm)));
   // the only cutter's, where there is but one
   Pieces only = PiecesOf(way, 0u);
   RoughPieces rough = RoughPiecesOf(way, 0u);
@@ -307,4 +291,46 @@ void main() {
     walk.left = 0u;  // once is enough
     walk.k = walk.last;
   }
+}
+
+// The frame to where the host reads it: a copy command takes four times as long on a GPU. The host asks for the number and then
+// compares the sum, so the words may arrive in any order.
+void ReportFrame() {
+  const uint count = kFrameBytes / 16u;
+  if (gl_LocalInvocationID.x == 0u) report_sum = 0u;
+  barrier();
+  uint sum = 0u;
+  for (uint i = gl_LocalInvocationID.x; i < count; i += kLanes) {
+    uvec4 words = frame_words[i];
+    report_words[i] = words;
+    sum += words.x + words.y + words.z + words.w;
+  }
+  sum = subgroupAdd(sum);
+  if (subgroupElect()) atomicAdd(report_sum, sum);
+  barrier();
+  if (gl_LocalInvocationID.x == 0u) report_words[count] = uvec4(report_sum, frame.sequence, 0u, 0u);
+}
+
+void main() {
+  Way way;
+  way.cutter = ToolOf(frame.touching);
+  way.at_contact = ExactFraction();
+  way.slid_by = ChosenSlide();
+  Advance advance = AdvanceOfFrame(way.at_contact, way.slid_by);
+  way.step_mm = advance.step_mm;
+  way.rounding = frame.rounding_mm;
+  way.rough_contact = float(way.at_contact);
+  way.rough_share = float(way.slid_by.share);
+  way.rough_move = vec3(way.slid_by.move);
+  way.rough_step = vec3(way.step_mm);
+  way.farthest = WordGap(Drift(true, way.rough_contact) + float(way.slid_by.way_mm + length(advance.step_mm)));
+  Remove(way);
+  if (GroupNumber() == 0u && gl_LocalInvocationID.x == 0u) {
+    frame.exact.advance = advance.advance_mm;
+    frame.exact.edge_work = advance.edge_work_Nmm;
+    frame.exact.step = advance.step_mm;
+    frame.turns = way.slid_by.turns ? 1u : 0u;
+    frame.exact.slid_share = way.slid_by.share;
+  }
+  if (kOnGpu && IsLastGroup()) ReportFrame();
 }

@@ -42,10 +42,14 @@ void Meet(inout Met met, vec4 ball, dvec4 at, dvec3 goal) {
   met.first_straight = AtLeast(met.straight);
 }
 
-void main() {
-  uint row = Row();
-  bool go = frame.is_void == 0u;
-  double exact_s = ExactFraction();
+#define SHARE_MATERIAL(number)                   \
+  if (kMaterials > number) {                     \
+    SHARE(2u * number, int64_t(sum_##number.x))     \
+    SHARE(2u * number + 1u, int64_t(sum_##number.y)) \
+  }
+
+// Rows 0 and 2, the slide.
+void FindSlide(uint row, bool go, double exact_s) {
   float at_contact = float(exact_s), rounding = frame.rounding_mm;
   vec4 only = AtContact(0, at_contact);  // the only cutter, where there is but one
   dvec4 exact_only = ExactAtContact(0, exact_s);
@@ -101,6 +105,18 @@ void main() {
     if (s < 2.0lf) atomicMin(frame.slide_key, ToKey(s));
     if (straight < 2.0lf) atomicMin(frame.straight_key, ToKey(straight));
   }
+}
+
+void main() {
+  uint row = Row();
+  bool go = frame.is_void == 0u;
+  double exact_s = ExactFraction();
+  float at_contact = float(exact_s), rounding = frame.rounding_mm;
+  vec4 only = AtContact(0, at_contact);  // the only cutter, where there is but one
+  dvec4 exact_only = ExactAtContact(0, exact_s);
+  // a GPU skips what another row does
+  if (!kOnGpu || row != 1u) FindSlide(row, go, exact_s);
+  if (kOnGpu && row != 1u) return;
 
   double exact_layer = frame.exact.layer, per_layer = 1.0lf / exact_layer;
   double area_scale = kFiner * double(frame.area_scale), moment_scale = kFiner * double(frame.moment_scale);
@@ -166,6 +182,15 @@ void main() {
     }
   }
   if (row != 1u) return;
+  if (kOnGpu) {
+    SHARE_MATERIAL(0) SHARE_MATERIAL(1) SHARE_MATERIAL(2) SHARE_MATERIAL(3)
+    SHARE_MATERIAL(4) SHARE_MATERIAL(5) SHARE_MATERIAL(6) SHARE_MATERIAL(7)
+    barrier();
+    uint place = gl_LocalInvocationID.x;
+    int64_t total = place < 2u * kMaterials ? GroupTotal(place) : 0L;
+    if (total != 0L) atomicAdd(frame.exact.engaged[place], total);
+    return;
+  }
   FLUSH_MATERIAL(0) FLUSH_MATERIAL(1) FLUSH_MATERIAL(2) FLUSH_MATERIAL(3)
   FLUSH_MATERIAL(4) FLUSH_MATERIAL(5) FLUSH_MATERIAL(6) FLUSH_MATERIAL(7)
 }

@@ -316,8 +316,12 @@ TEST(VulkanEngine, TimesItsPassesWhereAsked) {
     EXPECT_GE(pass.seconds, 0.0);
   }
   for (const char* name :
-       {"path_contact", "pick_balls", "pick_points", "near_field", "solve", "slide_engage", "remove_clear"})
+       {"path_contact", "pick_balls", "pick_points", "near_field", "slide_engage", "remove_clear"})
     EXPECT_TRUE(names.contains(name)) << name;
+  const std::vector<DeviceInfo> devices = ListDevices().value();
+  const auto used = std::ranges::find(devices, timed->device(), &DeviceInfo::name);
+  ASSERT_NE(used, devices.end());
+  EXPECT_EQ(names.contains("solve"), used->kind == "cpu") << "a GPU's near field goes on with it";
   EXPECT_TRUE(plain->LastPassTimes().empty());
 }
 

@@ -1,0 +1,497 @@
+// Pass 2, second half, one workgroup's work (twin of simulation/contact_law.cpp and hold_point.cpp): the pairs that may hold the
+// tool, the point in which their planes hold it, friction, and the resultant of the faces that cut. In double precision: a few
+// dozen planes, whose active set hangs on small differences.
+//
+// On a GPU this is a chain of waits: so what is read is asked for at once, what few invocations need is done by others beside what
+// the chain needs, and there is one division where there were three.
+
+const uint kNoPlane = kCandidates;
+const double kOppositeCosine = -0.8lf;
+const double kHoldSlack = 1e-6lf;
+const double kViolated_mm = 1e-5lf, kLeastPivot = 1e-13lf;
+const double kFaceCosine = 0.866lf;      // simulation::kFaceCosine
+const uint kMostRounds = 200;
+const uint kNoFace = 2u * kFaces;
+
+// The planes by the bin of their pair, then those of the remembered pairs. Those that are there, in that order, are
+// there[0 … there_count - 1].
+shared bool plane_there[kCandidates];
+shared uint there[kCandidates], there_count;
+shared dvec3 plane_n[kCandidates + 1];
+shared double plane_gap[kCandidates], yielding_gap[kCandidates];
+shared dvec3 plane_motion[kCandidates];
+shared double tool_radius[kCandidates];
+shared uint bone_ball[kCandidates], tool_ball[kCandidates];
+shared uint bin_of[kRemembered];     // of a remembered pair, where a bin has the same
+shared double opposite_gap[kLanes];  // of a plane's others, by those who look at them
+shared uint start_plane[4];       // that held the frame before
+// of the hold with the turn, and of that without
+shared double plane_offset[2][kCandidates + 1];
+
+// ---- where planes hold a point
+
+// Up to four planes that hold a point, kNoPlane for none.
+struct Held {
+  uvec4 plane;
+  dvec4 m;
+  uint size;
+  dvec3 point;
+  double slack;
+};
+
+double Violation(uint hold, Held held, uint i, dvec3 shift) {
+  return plane_offset[hold][i] - dot(plane_n[i], shift + held.point) - held.slack;
+}
+
+// Multipliers of the nearest point on all planes of a set, by elimination of the Gram matrix; those that are none have a row
+// of the unit matrix. False where the planes are parallel or one would pull.
+bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
+  bvec4 is = notEqual(p, uvec4(kNoPlane));
+  dvec3 a = plane_n[p.x], b = plane_n[p.y], c = plane_n[p.z], d = plane_n[p.w];
+  dvec4 real = dvec4(is.x ? 1.0lf : 0.0lf, is.y ? 1.0lf : 0.0lf, is.z ? 1.0lf : 0.0lf, is.w ? 1.0lf : 0.0lf);
+  dvec4 slack = kHoldSlack * real, pad = 1.0lf - real;
+  dvec4 row_0 = dvec4(dot(a, a) + slack.x + pad.x, dot(a, b) + slack.x * real.y, dot(a, c) + slack.x * real.z,
+                      dot(a, d) + slack.x * real.w);
+  dvec4 row_1 = dvec4(row_0.y, dot(b, b) + slack.y + pad.y, dot(b, c) + slack.y * real.z, dot(b, d) + slack.y * real.w);
+  dvec4 row_2 = dvec4(row_0.z, row_1.z, dot(c, c) + slack.z + pad.z, dot(c, d) + slack.z * real.w);
+  dvec4 row_3 = dvec4(row_0.w, row_1.w, row_2.w, dot(d, d) + slack.w + pad.w);
+  dvec4 v = dvec4(plane_offset[hold][p.x] - dot(a, shift), plane_offset[hold][p.y] - dot(b, shift),
+                  plane_offset[hold][p.z] - dot(c, shift), plane_offset[hold][p.w] - dot(d, shift)) * real;
+  // one division a pivot: they are what takes long
+  dvec4 per;
+  bool good = row_0.x > kLeastPivot;
+  per.x = 1.0lf / row_0.x;
+  double f = row_1.x * per.x;
+  row_1 -= f * row_0;
+  v.y -= f * v.x;
+  f = row_2.x * per.x;
+  row_2 -= f * row_0;
+  v.z -= f * v.x;
+  f = row_3.x * per.x;
+  row_3 -= f * row_0;
+  v.w -= f * v.x;
+  good = good && row_1.y > kLeastPivot;
+  per.y = 1.0lf / row_1.y;
+  f = row_2.y * per.y;
+  row_2 -= f * row_1;
+  v.z -= f * v.y;
+  f = row_3.y * per.y;
+  row_3 -= f * row_1;
+  v.w -= f * v.y;
+  good = good && row_2.z > kLeastPivot;
+  per.z = 1.0lf / row_2.z;
+  f = row_3.z * per.z;
+  row_3 -= f * row_2;
+  v.w -= f * v.z;
+  good = good && row_3.w > kLeastPivot;
+  per.w = 1.0lf;
+  if (is.w) per.w = 1.0lf / row_3.w;  // seldom
+  set.m.w = v.w * per.w;
+  set.m.z = (v.z - row_2.w * set.m.w) * per.z;
+  set.m.y = (v.y - row_1.z * set.m.z - row_1.w * set.m.w) * per.y;
+  set.m.x = (v.x - row_0.y * set.m.y - row_0.z * set.m.z - row_0.w * set.m.w) * per.x;
+  set.plane = p;
+  set.size = uint(is.x) + uint(is.y) + uint(is.z) + uint(is.w);
+  set.point = set.m.x * a + set.m.y * b + set.m.z * c + set.m.w * d;
+  set.slack = kHoldSlack * dot(set.m, real);
+  return good && (!is.x || set.m.x > 0.0lf) && (!is.y || set.m.y > 0.0lf) && (!is.z || set.m.z > 0.0lf) &&
+         (!is.w || set.m.w > 0.0lf);
+}
+
+// The planes of `held` that the mask names, and the one that enters.
+uvec4 Chosen(Held held, uint mask, uint entering) {
+  uvec4 p = uvec4((mask & 1u) != 0u ? held.plane.x : kNoPlane, (mask & 2u) != 0u ? held.plane.y : kNoPlane,
+                  (mask & 4u) != 0u ? held.plane.z : kNoPlane, entering);
+  if ((mask & 8u) != 0u) {
+    if (p.x == kNoPlane) p.x = held.plane.w;
+    else if (p.y == kNoPlane) p.y = held.plane.w;
+    else if (p.z == kNoPlane) p.z = held.plane.w;
+  }
+  return p;
+}
+
+// Planes in the order x, y, z, w without gaps, so that masks and the host's order agree.
+Held Packed(Held set) {
+  for (uint pass = 0; pass < 3; ++pass) {
+    if (set.plane.x == kNoPlane) {
+      set.plane.xy = set.plane.yx;
+      set.m.xy = set.m.yx;
+    }
+    if (set.plane.y == kNoPlane) {
+      set.plane.yz = set.plane.zy;
+      set.m.yz = set.m.zy;
+    }
+    if (set.plane.z == kNoPlane) {
+      set.plane.zw = set.plane.wz;
+      set.m.zw = set.m.wz;
+    }
+  }
+  return set;
+}
+
+// What a lane has, on all of the subgroup.
+Held OfLane(Held own, uint lane) {
+  return Held(subgroupBroadcast(own.plane, lane), subgroupBroadcast(own.m, lane), subgroupBroadcast(own.size, lane),
+              subgroupBroadcast(own.point, lane), subgroupBroadcast(own.slack, lane));
+}
+
+// Twin of simulation::FindHoldPoint, about `shift` instead of the tool's pose: one subgroup's work, the same on every lane.
+Held FindHold(uint hold, dvec3 shift, bool start) {
+  uint lane = gl_SubgroupInvocationID;
+  Held held = Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf);
+  for (uint once = start ? 0 : 1; once < 1; ++once) {
+    Held likely;
+    uvec4 planes = uvec4(start_plane[0], start_plane[1], start_plane[2], start_plane[3]);
+    if (SolveSet(hold, planes, shift, likely) && likely.size > 0u) held = Packed(likely);
+  }
+  for (uint round = 0; round < kMostRounds; ++round) {
+    // the most violated plane, of equal ones the first
+    float worst = 0.0;
+    uint entering = kNoPlane;
+    for (uint k = lane; k < there_count; k += gl_SubgroupSize) {
+      uint i = there[k];
+      double violation = Violation(hold, held, i, shift);
+      if (violation <= kViolated_mm || float(violation) <= worst) continue;
+      worst = float(violation);
+      entering = i;
+    }
+    // (reductions of whole numbers, which GPUs have)
+    float most = uintBitsToFloat(subgroupMax(floatBitsToUint(worst)));
+    // a bound, since software drivers go on without a lane at work
+    entering = min(subgroupMin(worst == most ? entering : kNoPlane), kNoPlane);
+    if (entering == kNoPlane) break;
+    // of the sets of it and those that hold, the one whose point keeps the others
+    float least = 1e30;
+    uint chosen = 16u;
+    Held own = held;
+    for (uint mask = lane; mask < (1u << held.size); mask += gl_SubgroupSize) {
+      Held set;
+      bool good = bitCount(mask) < 4 && SolveSet(hold, Chosen(held, mask, entering), shift, set);
+      double violation = 0.0lf;
+      if (good) {
+        if (held.size > 0u) violation = max(violation, Violation(hold, set, held.plane.x, shift));
+        if (held.size > 1u) violation = max(violation, Violation(hold, set, held.plane.y, shift));
+        if (held.size > 2u) violation = max(violation, Violation(hold, set, held.plane.z, shift));
+        if (held.size > 3u) violation = max(violation, Violation(hold, set, held.plane.w, shift));
+      }
+      if (!good || float(violation) >= least) continue;
+      least = float(violation);
+      chosen = mask;
+      own = set;
+    }
+    float best = uintBitsToFloat(subgroupMin(floatBitsToUint(least)));
+    uint first = subgroupMin(least == best ? chosen : 16u);
+    if (first == 16u) break;
+    bool again = any(equal(held.plane, uvec4(entering)));
+    held = Packed(OfLane(own, subgroupMin(chosen == first ? lane : gl_SubgroupSize - 1u)));
+    if (again) break;
+  }
+  return held;
+}
+
+// Where planes hold the tool, what friction takes back, and how much of the multipliers is worth a force (twin of
+// simulation::HoldTool).
+struct Hold {
+  Held held;
+  double normal, most;
+  dvec3 friction;
+};
+shared Hold holds[2];  // with the turn, without
+
+void HoldTool(uint number, dvec3 origin_motion, double s, float friction) {
+  bool turning = number == 0u;
+  Hold hold;
+  hold.friction = dvec3(0.0lf);
+  // then friction, if there is any; a loop, so that the code of FindHold is there but once
+  dvec3 shift = dvec3(0.0lf);
+  for (uint pass = 0; pass < 2; ++pass) {
+    Held found = FindHold(number, shift, pass == 0u);
+    if (pass == 1u) {
+      hold.friction += found.point;
+      break;
+    }
+    hold.held = found;
+    hold.normal = found.m.x + found.m.y + found.m.z + found.m.w;
+    hold.most = min(hold.normal, 2.0lf * (length(found.point) + found.slack));
+    if (hold.normal <= 0.0lf || friction <= 0.0) break;
+    dvec3 turn = turning ? (1.0lf - s) * dvec3(frame.turn.xyz) : dvec3(0.0lf), slip = dvec3(0.0lf);
+    for (uint k = 0; k < found.size; ++k) {
+      uint i = found.plane[k];
+      dvec3 motion = turning ? plane_motion[i] : origin_motion;
+      slip += found.m[k] * (motion + found.point - tool_radius[i] * cross(turn, plane_n[i]));
+    }
+    slip /= hold.normal;
+    dvec3 n = normalize(found.point);
+    slip -= dot(n, slip) * n;
+    double size = length(slip);
+    if (size <= 0.0lf) break;
+    hold.friction = -min(1.0lf, double(friction) * hold.most / size) * slip;
+    // the way back may lead into another plane, by micrometres: out again
+    shift = found.point + hold.friction;
+  }
+  if (subgroupElect()) holds[number] = hold;
+}
+
+// ---- candidates
+
+// Takes the pair of a bin, or a remembered one, if it is one: live, and near the tool at first contact. What it reads of buffers
+// depends on no branch.
+void Take(uint source, double s, double enlargement) {
+  bool binned = source < kBins;
+  uint k = binned ? 0u : source - kBins;
+  uint64_t key = fresh.bin_keys[binned ? source : 0u];
+  uint remembered_bone = frame.remembered_bone[k], remembered_tool = frame.remembered_tool[k];
+  uint ball_count = frame.ball_count, tool_count = frame.tool_count, live_count = frame.live_ball_count;
+  uint remembered_count = frame.remembered_count;
+  bool is = binned ? key != 0xfffffffffffffffful : k < remembered_count;
+  uint bone = binned ? uint(key >> kToolBits) & ((1u << kBoneBits) - 1u) : remembered_bone;
+  uint t = binned ? uint(key) & ((1u << kToolBits) - 1u) : remembered_tool;
+  is = is && bone < ball_count && t < tool_count;
+  uint slot = slots[is ? bone : 0u];
+  dvec4 start = ExactStart(is ? t : 0u);
+  dvec3 goal = ExactGoal(is ? t : 0u), at = start.xyz + s * (goal - start.xyz);
+  is = is && slot < live_count;
+  slot = is ? slot : 0u;
+  uint index = live_entries[slot].index;
+  vec4 ball = live_balls[slot];
+  is = is && index == bone;
+  dvec3 from_bone = at - dvec3(ball.xyz);
+  double d = length(from_bone), gap = d - start.w - double(ball.w);
+  is = is && ball.w > 0.0 && d > 0.0lf && gap < enlargement;
+  plane_there[source] = is;
+  bone_ball[source] = bone;
+  tool_ball[source] = t;
+  plane_n[source] = is ? (1.0lf / d) * from_bone : dvec3(0.0lf);
+  plane_gap[source] = gap;
+  plane_motion[source] = goal - at;
+  tool_radius[source] = start.w;
+}
+
+shared uint there_bits[3];
+shared dvec3 resultant_of[2 * kFaces];
+shared double longest_of[64];   // of each subgroup
+
+// Where a plane stands among those that are there.
+uint Place(uint c) {
+  uint place = 0u;
+  for (uint w = 0; w < 3; ++w) {
+    uint below = c >= 32u * (w + 1u) ? 0xffffffffu : c <= 32u * w ? 0u : (1u << (c - 32u * w)) - 1u;
+    place += bitCount(there_bits[w] & below);
+  }
+  return place;
+}
+
+// The faces of the frame before: the mean normal of the balls around each, with its weight and how far it is to be left for the
+// exact one, since the balls lie widely. Known before what holds is.
+struct OldFace {
+  dvec3 n, mean;
+  bool is;
+  double off;
+};
+shared OldFace old_face[kFaces];
+void FindOldFaces() {
+  for (uint f = kLanes - 1u - gl_LocalInvocationID.x; f < kFaces; f += kLanes) {
+    dvec4 sum = dvec4(0.0lf);
+    for (uint i = 0u; i < 4u; ++i)
+      sum[i] = double(fresh.exact.face_sums[4u * f + i] + fresh.exact.face_sums[4u * (kFaces + f) + i]);
+    double weighed = length(sum.yzw);
+    old_face[f] = OldFace(frame.exact.face_n[f], (1.0lf / max(weighed, 1e-300lf)) * sum.yzw, sum.x > 0.0lf,
+                          (0.983lf - weighed / max(sum.x, 1e-300lf)) * (1.0lf / 0.013lf));
+  }
+}
+
+// The faces' resultant, along these normals: one subgroup's work, an invocation a face. Of `held` nothing is asked for by a number
+// that is not known, which would be memory's.
+void FindResultant(Held held, double normal, double hold_most) {
+  // strongest first, so that a new face forms around what holds most
+  uvec4 plane = held.plane;
+  dvec4 m = held.m;
+  for (uint pass = 0; pass < 3; ++pass) {
+    if (held.size > 1u && m.y > m.x) {
+      m.xy = m.yx;
+      plane.xy = plane.yx;
+    }
+    if (held.size > 2u && m.z > m.y) {
+      m.yz = m.zy;
+      plane.yz = plane.zy;
+    }
+    if (held.size > 3u && m.w > m.z) {
+      m.zw = m.wz;
+      plane.zw = plane.wz;
+    }
+  }
+  dvec3 n_0 = plane_n[plane.x], n_1 = plane_n[plane.y], n_2 = plane_n[plane.z], n_3 = plane_n[plane.w];
+  bvec4 is = lessThan(uvec4(0u, 1u, 2u, 3u), uvec4(held.size));
+  // the face of the frame before that each plane belongs to; one that belongs to none begins a face of its own
+  uvec4 face = uvec4(is.x ? kFaces : kNoFace, is.y ? kFaces + 1u : kNoFace, is.z ? kFaces + 2u : kNoFace,
+                     is.w ? kFaces + 3u : kNoFace);
+  dvec4 nearest = dvec4(kFaceCosine);
+  for (uint f = 0u; f < kFaces; ++f) {
+    dvec3 n = old_face[f].n;
+    dvec4 cosine = dvec4(dot(n_0, n), dot(n_1, n), dot(n_2, n), dot(n_3, n));
+    bvec4 nearer = greaterThan(cosine, nearest);
+    if (is.x && nearer.x) face.x = f;
+    if (is.y && nearer.y) face.y = f;
+    if (is.z && nearer.z) face.z = f;
+    if (is.w && nearer.w) face.w = f;
+    nearest = max(nearest, cosine);
+  }
+  // or it joins one that began before: each of those, of what has joined it so far
+  if (is.y && any(greaterThanEqual(face.yzw, uvec3(kFaces)))) {
+    uint of[4] = uint[](face.x, face.y, face.z, face.w);
+    dvec3 n[4] = dvec3[](n_0, n_1, n_2, n_3);
+    double share[4] = double[](m.x, m.y, m.z, m.w);
+    for (uint k = 1u; k < held.size; ++k)
+      for (uint first = of[k] < kFaces ? k : 0u; first < k; ++first) {
+        if (of[first] != kFaces + first) continue;
+        dvec3 sum = dvec3(0.0lf);
+        for (uint i = first; i < k; ++i)
+          if (of[i] == kFaces + first) sum += share[i] * n[i];
+        if (dot(n[k], sum) > kFaceCosine * length(sum)) of[k] = kFaces + first;
+      }
+    face = uvec4(of[0], of[1], of[2], of[3]);
+  }
+  double per_normal = normal > 0.0lf ? 1.0lf / normal : 0.0lf, free_share = normal > 0.0lf ? hold_most * per_normal : 1.0lf;
+  // of each plane's face the multipliers together
+  dvec4 own = dvec4(dot(m, dvec4(equal(face, uvec4(face.x)))), dot(m, dvec4(equal(face, uvec4(face.y)))),
+                    dot(m, dvec4(equal(face, uvec4(face.z)))), dot(m, dvec4(equal(face, uvec4(face.w)))));
+  dvec4 counted = own * dvec4(is);
+  double largest = max(max(counted.x, counted.y), max(counted.z, counted.w));
+  uvec4 cutters = uvec4(lessThan(uvec4(tool_ball[min(plane.x, kCandidates - 1u)], tool_ball[min(plane.y, kCandidates - 1u)],
+                                       tool_ball[min(plane.z, kCandidates - 1u)], tool_ball[min(plane.w, kCandidates - 1u)]),
+                                 uvec4(frame.cutter_count)));
+  for (uint f = gl_SubgroupInvocationID; f < 2u * kFaces; f += gl_SubgroupSize) {
+    dvec4 here = dvec4(equal(face, uvec4(f))) * m;
+    dvec3 hold_f = here.x * n_0 + here.y * n_1 + here.z * n_2 + here.w * n_3;
+    double multiplier = here.x + here.y + here.z + here.w, cuts = dot(here, dvec4(cutters)), size = length(hold_f);
+    OldFace old = old_face[min(f, kFaces - 1u)];
+    dvec3 n = (1.0lf / max(size, 1e-300lf)) * hold_f;
+    if (f < kFaces && old.is) {
+      double exact = clamp(max(4.0lf * (1.0lf - largest * per_normal), old.off), 0.0lf, 1.0lf);
+      n = normalize((1.0lf - exact) * old.mean + exact * n);
+    }
+    resultant_of[f] = size > 0.0lf ? cuts / multiplier * (free_share * size * n + (1.0lf - free_share) * multiplier *
+                                                                                       per_normal * held.point)
+                                   : dvec3(0.0lf);
+  }
+}
+
+// By all of a workgroup.
+void Solve() {
+  uint lane = gl_LocalInvocationID.x;
+  bool is_void = IsVoid();
+  double s = ExactFraction(), tolerance = frame.exact.tolerance, most = frame.exact.max_slide;
+  dvec3 motion = frame.exact.goal - (frame.exact.start + s * (frame.exact.goal - frame.exact.start));  // of T's origin
+  uint hold_count = frame.turning != 0u ? 2u : 1u, held_count = frame.held_count;
+  float friction_share = frame.friction;
+  FindOldFaces();  // by the last invocations, which have no pair to wait for
+  for (uint source = lane; source < kCandidates; source += kLanes) Take(source, s, frame.exact.enlargement);
+  for (uint k = lane; k < kRemembered; k += kLanes) bin_of[k] = kNoPlane;
+  if (lane < 4u) start_plane[lane] = kNoPlane;
+  if (lane < 3u) there_bits[lane] = 0u;
+  if (lane == 0u) {
+    plane_n[kNoPlane] = dvec3(0.0lf);
+    plane_offset[0][kNoPlane] = plane_offset[1][kNoPlane] = 0.0lf;
+  }
+  barrier();
+  // a remembered pair that a bin has too counts once
+  for (uint i = lane; i < kRemembered * kBins; i += kLanes) {
+    uint k = i / kBins, bin = i % kBins;
+    if (plane_there[kBins + k] && plane_there[bin] && bone_ball[bin] == bone_ball[kBins + k] &&
+        tool_ball[bin] == tool_ball[kBins + k])
+      bin_of[k] = bin;
+  }
+  barrier();
+  for (uint c = lane; c < kCandidates; c += kLanes) {
+    uint k = c < kBins ? 0u : c - kBins;
+    bool twice = c >= kBins && bin_of[k] != kNoPlane, is = plane_there[c];
+    if (is && c >= kBins && k < held_count) start_plane[k] = twice ? bin_of[k] : c;
+    if (is && !twice) atomicOr(there_bits[c / 32u], 1u << (c % 32u));
+  }
+  barrier();
+  for (uint c = lane; c < kCandidates; c += kLanes)
+    if ((there_bits[c / 32u] >> (c % 32u) & 1u) != 0u) there[Place(c)] = c;
+  if (lane == 0u) there_count = Place(kCandidates);
+  barrier();
+  // where another faces it and less than the tolerance is left between them, both yield; as many look at a plane's others as
+  // there are for each
+  uint count = there_count, each = max(1u, kLanes / max(1u, count)), planes = kLanes / each;
+  for (uint begin = 0u; begin < count; begin += planes) {
+    uint k = begin + lane / each, c = there[min(k, kCandidates - 1u)];
+    dvec3 n = plane_n[k < count ? c : kNoPlane];
+    double least = tolerance + 1e3lf;
+    for (uint i = lane % each; i < count; i += each) {
+      uint other = there[i];
+      double gap = plane_gap[other];
+      least = dot(plane_n[other], n) < kOppositeCosine ? min(least, gap) : least;
+    }
+    opposite_gap[lane] = least;
+    barrier();
+    if (lane % each == 0u && k < count && lane / each < planes) {
+      for (uint i = 1u; i < each; ++i) least = min(least, opposite_gap[lane + i]);
+      double room = min(tolerance, plane_gap[c] + least);
+      double yielding = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
+      yielding_gap[c] = yielding;
+      plane_offset[0][c] = -(yielding + dot(n, plane_motion[c]));
+      plane_offset[1][c] = -(yielding + dot(n, motion));
+    }
+    barrier();
+  }
+  for (uint number = gl_SubgroupID; number < hold_count; number += gl_NumSubgroups) HoldTool(min(number, 1u), motion, s, friction_share);
+  for (uint k = kLanes - 1u - lane; k < (is_void ? 0u : there_count); k += kLanes) {
+    uint c = there[k];
+    vec3 n = vec3(plane_n[c]);
+    frame.candidates[k] = Candidate(n.x, n.y, n.z, float(plane_gap[c]), float(yielding_gap[c]), bone_ball[c],
+                                           tool_ball[c], c);
+  }
+  barrier();
+  Hold hold = holds[0], unturned = holds[hold_count - 1u];
+  Held held = hold.held;
+  dvec3 friction = hold.friction, delta = held.point + friction;
+  // one subgroup goes on, the others see to what only the next pass needs
+  if (gl_SubgroupID == 0u) FindResultant(held, hold.normal, hold.most);
+  if (lane == kLanes - 1u && !is_void) {
+    frame.candidate_count = there_count;
+    frame.shaft_candidate = Place(kCuttingBinCount);
+    frame.shaft_end = Place(kBins);
+    frame.hold_count = held.size;
+    for (uint k = 0; k < 4; ++k) {
+      frame.hold_candidate[k] = held.plane[k] != kNoPlane ? Place(held.plane[k]) : kNoPlane;
+      frame.exact.hold[k] = held.m[k];
+      frame.exact.hold_n[k] = plane_n[held.plane[k]];
+    }
+    frame.friction_mm = vec4(vec3(friction), float(held.slack));
+    dvec3 shift = motion + unturned.held.point + unturned.friction;
+    double straight = length(shift);
+    frame.exact.shift = shift;
+    frame.shift_mm = vec4(vec3(shift), 0.0);
+    frame.exact.straight_way = straight;
+    frame.exact.straight_limit = straight > most ? most / straight : 1.0lf;
+    frame.turns = 1u;
+  }
+  // the way to the target of the tool point that moves farthest
+  double longest = length(motion + delta);
+  uint end_tool = hold_count == 2u ? frame.tool_count : 0u;
+  for (uint t = kLanes - 1u - lane; t < end_tool; t += kLanes) {
+    float about = distance(AtContact(t, float(s)).xyz, Goal(t) + vec3(delta));
+    for (uint may = about + frame.rounding_mm > float(longest) ? 0 : 1; may < 1; ++may)
+      longest = max(longest, length(ExactGoal(t) + delta - ExactAtContact(t, s).xyz));
+  }
+  longest = subgroupMax(longest);
+  if (subgroupElect()) longest_of[gl_SubgroupID] = longest;
+  barrier();
+  if (lane == 0) frame.is_void = is_void ? 1u : 0u;
+  if (lane != 0 || is_void) return;
+  dvec3 cutting = dvec3(0.0lf);
+  for (uint f = 0; f < 2u * kFaces; ++f) cutting += resultant_of[f];
+  for (uint k = 0; k < gl_NumSubgroups; ++k) longest = max(longest, longest_of[k]);
+  double size = length(cutting), per_size = size > 0.0lf ? 1.0lf / size : 0.0lf;
+  frame.exact.way = longest;
+  frame.exact.slide_limit = longest > most ? most / longest : 1.0lf;
+  // what is found where no later pass has work to do
+  frame.exact.slid_share = frame.exact.slide_limit;
+  frame.exact.delta = delta;
+  frame.exact.cutting = size;
+  frame.exact.n = per_size * cutting;
+  frame.delta = vec4(vec3(delta), float(size));
+}
