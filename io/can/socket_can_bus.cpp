@@ -12,16 +12,13 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <system_error>
 
-#include "io/can/socket_wait.h"
+#include "io/net/udp_socket.h"
 
 namespace osteon::io {
 namespace {
 
 constexpr int kMaxSkipped = 64;  // error frames and odd frames passed over in one call
-
-std::string Reason(int error) { return std::generic_category().message(error); }
 
 // Whether `name` is an interface of type CAN that is up; otherwise what is wrong with it.
 std::string WrongWithInterface(int fd, const std::string& name, int& index) {
@@ -44,7 +41,7 @@ tl::expected<std::unique_ptr<SocketCanBus>, std::string> SocketCanBus::Open(cons
   const std::string place = "CAN interface '" + params.interface + "': ";
   const int fd = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
   if (fd < 0)
-    return tl::unexpected(place + "this kernel does not speak SocketCAN (" + Reason(errno) +
+    return tl::unexpected(place + "this kernel does not speak SocketCAN (" + SystemReason(errno) +
                           "); as root: modprobe can-raw, or use the UDP tunnel for a simulated cell");
   std::unique_ptr<SocketCanBus> bus(new SocketCanBus(fd));  // closes fd on every way out
 
@@ -65,7 +62,7 @@ tl::expected<std::unique_ptr<SocketCanBus>, std::string> SocketCanBus::Open(cons
       setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) != 0 ||
       setsockopt(fd, SOL_CAN_RAW, CAN_RAW_LOOPBACK, &loopback, sizeof loopback) != 0 ||
       setsockopt(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &off, sizeof off) != 0)
-    return tl::unexpected(place + "cannot set the socket up: " + Reason(errno));
+    return tl::unexpected(place + "cannot set the socket up: " + SystemReason(errno));
   // Without these the time of reading serves, and an overflow goes unseen.
   (void)setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
   (void)setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
@@ -74,8 +71,8 @@ tl::expected<std::unique_ptr<SocketCanBus>, std::string> SocketCanBus::Open(cons
   address.can_family = AF_CAN;
   address.can_ifindex = index;
   if (bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    return tl::unexpected(place +
-                          (errno == ENODEV ? "it is not a CAN interface" : "cannot bind: " + Reason(errno)));
+    return tl::unexpected(
+        place + (errno == ENODEV ? "it is not a CAN interface" : "cannot bind: " + SystemReason(errno)));
   return bus;
 }
 
@@ -150,7 +147,8 @@ CanResult SocketCanBus::TryReceive(CanArrival& arrival) OSTEON_RT {
 CanResult SocketCanBus::Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT {
   for (;;) {
     if (const CanResult result = TryReceive(arrival); result != CanResult::kEmpty) return result;
-    if (const CanResult result = WaitReadable(socket_, deadline); result != CanResult::kOk) return result;
+    const Wait wait = WaitReadable(socket_, deadline);
+    if (wait != Wait::kReady) return wait == Wait::kGone ? CanResult::kDown : CanResult::kEmpty;
   }
 }
 

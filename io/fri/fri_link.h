@@ -1,7 +1,5 @@
 #pragma once
 
-#include <netinet/in.h>
-
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -11,6 +9,7 @@
 
 #include "control/ports.h"
 #include "io/fri/fri_session.h"
+#include "io/net/udp_peer.h"
 
 namespace osteon::io {
 
@@ -32,9 +31,6 @@ class FriLink final : public control::ArmLink {
  public:
   /// The error names address and port, and says what to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<FriLink>, std::string> Open(const FriLinkParams& params);
-  ~FriLink() override;
-  FriLink(const FriLink&) = delete;
-  FriLink& operator=(const FriLink&) = delete;
 
   /// `deadline` is on CLOCK_MONOTONIC; messages that have arrived are taken even where it has passed.
   control::ReceiveResult Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT override;
@@ -43,24 +39,16 @@ class FriLink final : public control::ArmLink {
   bool Send(const control::ArmCommand& command) OSTEON_RT override;
 
   /// The bound port.
-  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] std::uint16_t port() const { return peer_.port(); }
 
   /// Outputs, the last message in full, and what keeps the arm from being commanded; from the link's thread.
   [[nodiscard]] FriSession& session() { return session_; }
   [[nodiscard]] const FriSession& session() const { return session_; }
 
  private:
-  FriLink(int socket, const FriLinkParams& params)
-      : socket_(socket), port_(params.port), session_(params.session) {}
+  FriLink(const BoundUdp& bound, const FriLinkParams& params) : peer_(bound), session_(params.session) {}
 
-  enum class Read : std::uint8_t { kMessage, kIgnored, kEmpty, kBroken };
-  Read ReadOne(control::ArmState& state) OSTEON_RT;
-
-  int socket_;
-  std::uint16_t port_;
-  sockaddr_in peer_{};
-  bool has_peer_{false};
-  rt::Nanoseconds heard_{0};  // when the peer last sent a valid message
+  UdpPeer peer_;
   FriSession session_;
   std::array<std::uint8_t, kFriMaxDatagram + 1> buffer_{};  // one more, to see what is too long
 };

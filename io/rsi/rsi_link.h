@@ -1,7 +1,5 @@
 #pragma once
 
-#include <netinet/in.h>
-
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -10,6 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "control/ports.h"
+#include "io/net/udp_peer.h"
 #include "io/rsi/rsi_session.h"
 
 namespace osteon::io {
@@ -30,9 +29,6 @@ class RsiLink final : public control::ArmLink {
  public:
   /// The error names address and port, or the session's parameter, and says what to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<RsiLink>, std::string> Open(const RsiLinkParams& params);
-  ~RsiLink() override;
-  RsiLink(const RsiLink&) = delete;
-  RsiLink& operator=(const RsiLink&) = delete;
 
   /// `deadline` is on CLOCK_MONOTONIC; messages that have arrived are taken even where it has passed.
   control::ReceiveResult Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT override;
@@ -46,20 +42,12 @@ class RsiLink final : public control::ArmLink {
   [[nodiscard]] const RsiStatus& status() const OSTEON_RT { return session_.status(); }
   [[nodiscard]] const RsiError& last_error() const OSTEON_RT { return session_.last_error(); }
   /// The bound port.
-  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] std::uint16_t port() const { return peer_.port(); }
 
  private:
-  RsiLink(int socket, const RsiLinkParams& params)
-      : socket_(socket), port_(params.port), session_(params.session) {}
+  RsiLink(const BoundUdp& bound, const RsiLinkParams& params) : peer_(bound), session_(params.session) {}
 
-  enum class Read : std::uint8_t { kMessage, kIgnored, kEmpty, kBroken };
-  Read ReadOne(control::ArmState& state) OSTEON_RT;
-
-  int socket_;
-  std::uint16_t port_;
-  sockaddr_in peer_{};
-  bool has_peer_{false};
-  rt::Nanoseconds heard_{0};  // when the peer last sent a valid message
+  UdpPeer peer_;
   RsiSession session_;
   std::array<std::uint8_t, kRsiMaxDatagram + 1> buffer_{};  // one more, to see what is too long
 };
