@@ -151,7 +151,8 @@ Led LeadToAndFro(double load_speed_rad_per_s) {
   ServoBench bench(params, 0.5);
   bench.Activate();
   const Vector3 side_W = ServoBench::StartPose().linear().col(1);
-  Led led{.begun = kinematics::HeldLoad<7>(chain, wanted, ServoBench::StartJoints()).value};
+  Led led;
+  led.begun = kinematics::HeldLoad<7>(chain, wanted, ServoBench::StartJoints()).value;
   for (int i = 0; i < 18'000; ++i) {
     bench.side_W_N = 5.0 * std::sin(2.0 * 3.141592653589793 * i / 1000.0) * side_W;
     led.way.emplace_back(bench.Tick().X_WT_cmd.p);
