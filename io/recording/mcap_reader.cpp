@@ -37,6 +37,8 @@ tl::expected<McapReader, std::string> McapReader::Open(const std::filesystem::pa
   reader.crc_ = Crc(0, magic);
   reader.offset_ = magic.size();
   if (on_damage == OnDamage::kSkip) reader.ReadSummary();
+  if (const std::string reason = reader.ReadRecord(); !reason.empty())  // the header
+    return tl::unexpected(path.string() + ": byte " + std::to_string(reader.offset_) + ": " + reason);
   return reader;
 }
 

@@ -57,6 +57,8 @@ class McapReader {
   /// Up to the end, or up to the first byte that is of no use: the rest of a torn file.
   [[nodiscard]] std::uint64_t read_bytes() const { return offset_; }
   [[nodiscard]] std::uint64_t file_bytes() const { return size_; }
+  /// Where the last message's record, or the chunk that holds it, begins.
+  [[nodiscard]] std::uint64_t message_offset() const { return records_offset_; }
   [[nodiscard]] const std::vector<McapDamage>& damage() const { return damage_; }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// Of the header: what wrote the file.

@@ -18,9 +18,11 @@ class Census {
 
   std::string Take(const McapMessage& message) {
     switch (TopicOf(*message.channel)) {
-      case RecordedTopic::kSession:
-        has_session_ = true;
-        return Decode(message.bytes, session_);
+      case RecordedTopic::kSession: {
+        std::string wrong = Decode(message.bytes, session_);
+        has_session_ |= wrong.empty();
+        return wrong;
+      }
       case RecordedTopic::kTick: {
         control::TickRecord tick;
         if (std::string wrong = Decode(message.bytes, tick); !wrong.empty()) return wrong;
@@ -86,7 +88,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
     if (const std::string wrong = census.Take(message); !wrong.empty()) {
       recovery = before;
       if (!message.checked) break;  // where the file was cut off
-      recovery.damage.push_back({reader->read_bytes(), message.bytes.size(), wrong});
+      recovery.damage.push_back({reader->message_offset(), message.bytes.size(), wrong});
       continue;
     }
     auto channel = channels.find(message.channel->id);
