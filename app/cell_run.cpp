@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "app/build_name.h"
+#include "app/chart_files.h"
 #include "app/recorded_config.h"
 #include "app/simulation_thread.h"
 #include "control/rt/clock.h"

@@ -54,15 +54,25 @@ control::ArmState ArmStateOf(const TickRecord& tick) {
           .session = static_cast<control::SessionState>(tick.session_state),
           .quality = in.quality,
           .safety_state = in.safety_state,
+          .operation_mode = in.operation_mode,
+          .drives_active = in.drives_active,
+          .control_mode = static_cast<control::ControlMode>(in.control_mode),
+          .command_mode = static_cast<control::CommandMode>(in.command_mode),
           .period_s = in.period_s,
           .q_meas = tick.q_meas,
           .q_ipo = in.q_ipo,
           .has_ipo = in.has_ipo,
           .tau_ext = in.tau_ext,
+          .activation = in.activation,
+          .holding = in.holding,
           .lost = in.lost,
           .duplicate = in.duplicate,
           .late = in.late,
-          .rejected = in.rejected};
+          .reordered = in.reordered,
+          .rejected = in.rejected,
+          .other_version = in.other_version,
+          .answers_lost = in.answers_lost,
+          .answers_foreign = in.answers_foreign};
 }
 
 template <class T>
@@ -134,6 +144,7 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
                   {.stamp = recorded.input.sensor_stamp, .F_T_W = recorded.input.F_sensor_T_W}, *model,
                   recorded.input.now, command);
     replayed.q_cmd = command.q;  // what the arm is told, whatever the record says
+    replayed.activation_cmd = command.activation;
     ++result.ticks;
     auto difference = Compare(recorded, replayed);
     if (!difference) continue;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/build_name.h"
+#include "app/chart_files.h"
 #include "app/phase_progress.h"
 #include "app/recorded_config.h"
 #include "app/replay.h"

@@ -75,6 +75,7 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   fields::ForceTorque("F_coupling_T_W", r.F_coupling_T_W, visit);
   visit(FieldName{"wrench_scale"}, r.wrench_scale);
   visit(FieldName{"arm_share"}, r.arm_share);
+  visit(FieldName{"activation_cmd"}, r.activation_cmd);
   visit(FieldName{"model_age", "", "s"}, r.model_age_s);
   visit(FieldName{"sensor_age", "", "s"}, r.sensor_age_s);
   visit(FieldName{"model_frame"}, r.model_frame);
@@ -93,7 +94,17 @@ void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"arm_lost"}, in.lost);
   visit(FieldName{"arm_duplicate"}, in.duplicate);
   visit(FieldName{"arm_late"}, in.late);
+  visit(FieldName{"arm_reordered"}, in.reordered);
   visit(FieldName{"arm_rejected"}, in.rejected);
+  visit(FieldName{"arm_other_version"}, in.other_version);
+  visit(FieldName{"arm_answers_lost"}, in.answers_lost);
+  visit(FieldName{"arm_answers_foreign"}, in.answers_foreign);
+  visit(FieldName{"arm_activation"}, in.activation);
+  visit(FieldName{"arm_holding"}, static_cast<unsigned>(in.holding));
+  visit(FieldName{"arm_operation_mode"}, static_cast<unsigned>(in.operation_mode));
+  visit(FieldName{"arm_control_mode"}, static_cast<unsigned>(in.control_mode));
+  visit(FieldName{"arm_command_mode"}, static_cast<unsigned>(in.command_mode));
+  visit(FieldName{"arm_drives_active"}, static_cast<unsigned>(in.drives_active));
   visit(FieldName{"arm_received"}, static_cast<unsigned>(in.received));
   visit(FieldName{"arm_quality"}, static_cast<unsigned>(in.quality));
   visit(FieldName{"arm_safety_state"}, static_cast<unsigned>(in.safety_state));

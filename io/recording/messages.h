@@ -40,7 +40,7 @@ struct SessionInfo {
   ConfigSource config{};
   rt::Nanoseconds utc{0};  ///< at `stamp`, since 1970; 0 in virtual time
   std::string build{};     ///< commit, compiler, C library
-  std::string machine{};   ///< processor, kernel
+  std::string machine{};   ///< processor, cores, system
 };
 
 /// Something worth a line, e.g. a fault.

@@ -1,5 +1,3 @@
-#include <utility>
-
 #include "io/recording/message_parts.h"
 #include "io/recording/messages.h"
 
@@ -28,16 +26,35 @@ void Put(const control::TickInput& from, osteon::TickInput* to) {
   to->set_sensor_stamp_ns(from.sensor_stamp);
   io::Put(from.F_sensor_T_W, to->mutable_f_sensor_t_w());
   to->set_model_pose_stamp_ns(from.model_pose_stamp);
+  to->set_activation(from.activation);
+  to->set_holding(from.holding);
+  to->set_reordered(from.reordered);
+  to->set_other_version(from.other_version);
+  to->set_answers_lost(from.answers_lost);
+  to->set_answers_foreign(from.answers_foreign);
+  to->set_operation_mode(from.operation_mode);
+  to->set_control_mode(from.control_mode);
+  to->set_command_mode(from.command_mode);
+  to->set_drives_active(from.drives_active);
 }
 
 // An empty string, or what is wrong.
 std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   if (!osteon::TickInput::Received_IsValid(from.received()))
     return "received " + std::to_string(from.received()) + ", accepted 0 … 2";
-  for (const auto& [name, value] : {std::pair{"quality", from.quality()},
-                                    {"safety_state", from.safety_state()},
-                                    {"model_status", from.model_status()}})
-    if (value > 3) return std::string(name) + " " + std::to_string(value) + ", accepted 0 … 3";
+  struct Bounded {
+    const char* name;
+    std::uint32_t value, most;
+  };
+  for (const Bounded& each : {Bounded{"quality", from.quality(), 3},
+                              {"safety_state", from.safety_state(), 3},
+                              {"operation_mode", from.operation_mode(), 2},
+                              {"control_mode", from.control_mode(), 3},
+                              {"command_mode", from.command_mode(), 4},
+                              {"model_status", from.model_status(), 3}})
+    if (each.value > each.most)
+      return std::string(each.name) + " " + std::to_string(each.value) + ", accepted 0 … " +
+             std::to_string(each.most);
   to.now = from.now_ns();
   to.arm_stamp = from.arm_stamp_ns();
   to.sequence = from.sequence();
@@ -57,6 +74,16 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   to.sensor_stamp = from.sensor_stamp_ns();
   io::Get(from.f_sensor_t_w(), to.F_sensor_T_W);
   to.model_pose_stamp = from.model_pose_stamp_ns();
+  to.activation = from.activation();
+  to.holding = from.holding();
+  to.reordered = from.reordered();
+  to.other_version = from.other_version();
+  to.answers_lost = from.answers_lost();
+  to.answers_foreign = from.answers_foreign();
+  to.operation_mode = static_cast<std::uint8_t>(from.operation_mode());
+  to.control_mode = static_cast<std::uint8_t>(from.control_mode());
+  to.command_mode = static_cast<std::uint8_t>(from.command_mode());
+  to.drives_active = from.drives_active();
   return {};
 }
 
@@ -84,6 +111,7 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.set_spindle_rad_per_s(record.spindle_rad_per_s);
   message.set_wakeup_ns(record.wakeup_ns);
   message.set_compute_ns(record.compute_ns);
+  message.set_activation_cmd(record.activation_cmd);
   Put(record.input, message.mutable_input());
   message.SerializeToString(&bytes);
 }
@@ -116,6 +144,7 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   r.spindle_rad_per_s = message.spindle_rad_per_s();
   r.wakeup_ns = message.wakeup_ns();
   r.compute_ns = message.compute_ns();
+  r.activation_cmd = message.activation_cmd();
   if (message.has_input())
     if (const std::string wrong = Get(message.input(), r.input); !wrong.empty()) return wrong;
   record = r;

@@ -99,11 +99,41 @@ TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
   Export({Original().string(), "--out", "."});
   const std::vector<std::string> units{"_s", "_ns", "_m",  "_rad",     "_N",         "_Nm",     "_kg",
                                        "_J", "_m2", "_m3", "_m_per_s", "_rad_per_s", "_N_per_m"};
-  const std::vector<std::string> bare{
-      "tick",         "phase",        "session_state",    "faults",          "wrench_scale",  "arm_share",
-      "model_frame",  "arm_sequence", "arm_lost",         "arm_duplicate",   "arm_late",      "arm_rejected",
-      "arm_received", "arm_quality",  "arm_safety_state", "has_ipo",         "stop",          "model_status",
-      "frame",        "status",       "contact_fraction", "balls_not_split", "contact_count", "text"};
+  const std::vector<std::string> bare{"tick",
+                                      "phase",
+                                      "session_state",
+                                      "faults",
+                                      "wrench_scale",
+                                      "arm_share",
+                                      "model_frame",
+                                      "arm_sequence",
+                                      "arm_lost",
+                                      "arm_duplicate",
+                                      "arm_late",
+                                      "arm_rejected",
+                                      "arm_received",
+                                      "arm_reordered",
+                                      "arm_other_version",
+                                      "arm_answers_lost",
+                                      "arm_answers_foreign",
+                                      "arm_activation",
+                                      "arm_holding",
+                                      "arm_operation_mode",
+                                      "arm_control_mode",
+                                      "arm_command_mode",
+                                      "arm_drives_active",
+                                      "activation_cmd",
+                                      "arm_quality",
+                                      "arm_safety_state",
+                                      "has_ipo",
+                                      "stop",
+                                      "model_status",
+                                      "frame",
+                                      "status",
+                                      "contact_fraction",
+                                      "balls_not_split",
+                                      "contact_count",
+                                      "text"};
   for (const char* table : {"ticks", "frames", "events"}) {
     const Csv csv(folder_.path() / (std::string("recording_") + table + ".csv"));
     EXPECT_EQ(csv.columns.front(), "time_s");
@@ -189,9 +219,12 @@ TEST_F(ExportCommandTest, SaysWhatItDoesNotTake) {
     EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
     EXPECT_NE(run.err.find("osteon export: "), std::string::npos) << run.err;
   }
-  const CommandResult full =
-      RunCommand(folder_.path(), {"export", Original().string(), "--json", "/dev/full"});
-  EXPECT_EQ(full.exit_code, 1) << full.err;
+  // a folder where the file would be written: the JSON file can not be
+  std::filesystem::create_directory(folder_.path() / "e.json.part");
+  const CommandResult unwritable =
+      RunCommand(folder_.path(), {"export", Original().string(), "--out", ".", "--json", "e.json"});
+  EXPECT_EQ(unwritable.exit_code, 1) << unwritable.err;
+  EXPECT_NE(unwritable.err.find("e.json: can't be written"), std::string::npos) << unwritable.err;
   EXPECT_NE(RunCommand(folder_.path(), {"export", "--help"}).out.find("Examples:"), std::string::npos);
 }
 

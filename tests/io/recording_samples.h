@@ -46,6 +46,7 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.spindle_rad_per_s = base + 63;
   r.wakeup_ns = static_cast<rt::Nanoseconds>(i) + 64;
   r.compute_ns = static_cast<rt::Nanoseconds>(i) + 65;
+  r.activation_cmd = static_cast<std::uint32_t>(i) + 82;
   control::TickInput& in = r.input;
   const auto number = static_cast<std::uint32_t>(i);
   in.now = r.stamp + 66;
@@ -55,6 +56,16 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   in.duplicate = number + 70;
   in.late = number + 71;
   in.rejected = number + 72;
+  in.activation = number + 77;
+  in.reordered = number + 78;
+  in.other_version = number + 79;
+  in.answers_lost = number + 80;
+  in.answers_foreign = number + 81;
+  in.operation_mode = static_cast<std::uint8_t>(i % 3);
+  in.control_mode = static_cast<std::uint8_t>((i + 3) % 4);
+  in.command_mode = static_cast<std::uint8_t>(i % 5);
+  in.drives_active = i % 2 == 1;
+  in.holding = i % 2 == 0;
   in.received = static_cast<std::uint8_t>(i % 3);
   in.quality = static_cast<std::uint8_t>(i % 4);
   in.safety_state = static_cast<std::uint8_t>((i + 1) % 4);

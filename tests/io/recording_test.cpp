@@ -119,6 +119,7 @@ TEST(Recording, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.spindle_rad_per_s, sent.spindle_rad_per_s);
   EXPECT_EQ(r.wakeup_ns, sent.wakeup_ns);
   EXPECT_EQ(r.compute_ns, sent.compute_ns);
+  EXPECT_EQ(r.activation_cmd, sent.activation_cmd);
 }
 
 TEST(Recording, CarriesEveryInputOfATick) {
@@ -135,6 +136,16 @@ TEST(Recording, CarriesEveryInputOfATick) {
     EXPECT_EQ(r.late, sent.late);
     EXPECT_EQ(r.rejected, sent.rejected);
     EXPECT_EQ(r.received, sent.received);
+    EXPECT_EQ(r.activation, sent.activation);
+    EXPECT_EQ(r.reordered, sent.reordered);
+    EXPECT_EQ(r.other_version, sent.other_version);
+    EXPECT_EQ(r.answers_lost, sent.answers_lost);
+    EXPECT_EQ(r.answers_foreign, sent.answers_foreign);
+    EXPECT_EQ(r.operation_mode, sent.operation_mode);
+    EXPECT_EQ(r.control_mode, sent.control_mode);
+    EXPECT_EQ(r.command_mode, sent.command_mode);
+    EXPECT_EQ(r.drives_active, sent.drives_active);
+    EXPECT_EQ(r.holding, sent.holding);
     EXPECT_EQ(r.quality, sent.quality);
     EXPECT_EQ(r.safety_state, sent.safety_state);
     EXPECT_EQ(r.has_ipo, sent.has_ipo);
