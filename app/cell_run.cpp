@@ -4,6 +4,9 @@
 #include <memory>
 #include <optional>
 
+#include "app/build_name.h"
+#include "app/chart_files.h"
+#include "app/recorded_config.h"
 #include "app/simulation_thread.h"
 #include "control/rt/clock.h"
 #include "io/fri/fri_link.h"
@@ -21,6 +24,11 @@ hil::SimulatedCell MakeCell(const CellSetup& setup, double seconds) {
   return {setup.config.simulated, MakeScript(script)};
 }
 
+rt::Nanoseconds UtcNow() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
+}
+
 void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSet faults,
                   safety::FaultSet& known) {
   for (std::uint32_t bit = 1; bit != 0; bit <<= 1) {
@@ -32,17 +40,10 @@ void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSe
   }
 }
 
-struct Loop {
-  kinematics::LbrArm arm;
-  control::ServoLoop servo;
-  explicit Loop(const config::CellConfig& c)
-      : arm(c.robot), servo(c.servo, arm, c.X_WB, c.tool.X_FT, c.start.arm_angle_rad) {}
-};
-
 CellRunResult RunWall(const CellSetup& setup, simulation::CuttingEngine& engine, FrameRunner& runner,
                       io::FriLink& link, io::Recorder& recorder, const CellRunParams& params) {
   CellRunResult result;
-  Loop loop(setup.config);
+  control::ServoLoop loop = MakeServoLoop(setup.config);
   rt::LatestValue<simulation::ContactModel> models;
   rt::LatestValue<simulation::ToolCommand> commands;
   control::RunServoResult servo;
@@ -53,7 +54,7 @@ CellRunResult RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
     std::atomic<bool> done{false};
     std::thread servo_thread([&] {
       servo = RunServo(
-          loop.servo, link, arm.sensor(), models, commands, recorder,
+          loop, link, arm.sensor(), models, commands, recorder,
           {.deadline_s = 5.0 * setup.config.servo.period_s, .seconds = params.seconds, .stop = params.stop});
       arm.Stop();  // at once: a client that is gone is no loss on the arm's books
       done.store(true);
@@ -79,7 +80,7 @@ CellRunResult RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
 CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engine, FrameRunner& runner,
                          io::Recorder& recorder, const CellRunParams& params) {
   CellRunResult result;
-  Loop loop(setup.config);
+  control::ServoLoop loop = MakeServoLoop(setup.config);
   hil::SimulatedCell cell = MakeCell(setup, params.seconds);
   io::FriSession session(setup.config.fri.session);
   control::ArmState state;
@@ -93,8 +94,7 @@ CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engi
   const auto wanted = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
   const auto patience = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
   std::int64_t since_progress = 0;
-  for (std::int64_t tick = 1; loop.servo.phase() != control::Phase::kStopped && since_progress < patience;
-       ++tick) {
+  for (std::int64_t tick = 1; loop.phase() != control::Phase::kStopped && since_progress < patience; ++tick) {
     const rt::Nanoseconds now = tick * period;
     const auto message = cell.Step(now);
     const bool accepted = !message.empty() && session.Accept(message, now, state) == io::FriAccept::kAccepted;
@@ -108,22 +108,22 @@ CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engi
       runner.RecordEvents(recorder, now);
       pending.reset();
     }
-    recorder.Push(loop.servo.Tick(state, received, cell.force(), model, now, command));
+    recorder.Push(loop.Tick(state, received, cell.force(), model, now, command));
     if (const auto answer = session.Answer(command); accepted && !answer.empty()) cell.Receive(answer);
-    if (tick % kFrameTicks == 0) pending = runner.Run(loop.servo.tool_command());
+    if (tick % kFrameTicks == 0) pending = runner.Run(loop.tool_command());
 
-    RecordFaults(recorder, now, loop.servo.faults(), known);
+    RecordFaults(recorder, now, loop.faults(), known);
     stopped_by_user = params.stop && params.stop->load();
-    const std::uint64_t active = loop.servo.statistics().active_ticks;
+    const std::uint64_t active = loop.statistics().active_ticks;
     since_progress = active > 0 && active < wanted && !stopped_by_user ? 0 : since_progress + 1;
-    if (active >= wanted || stopped_by_user) loop.servo.RequestStop();
+    if (active >= wanted || stopped_by_user) loop.RequestStop();
     if (tick % 100 == 0) {
       recorder.Drain();
       if (params.progress) params.progress(cell.state().cell_time_s);
     }
   }
-  result.faults = loop.servo.faults();
-  result.statistics = loop.servo.statistics();
+  result.faults = loop.faults();
+  result.statistics = loop.statistics();
   result.end = result.faults.Any()                       ? control::RunEnd::kFault
                : stopped_by_user                         ? control::RunEnd::kStopFlag
                : result.statistics.active_ticks < wanted ? control::RunEnd::kNeverActive
@@ -162,7 +162,11 @@ tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulat
                                       .scene = setup.bone.name,
                                       .tool = setup.config.tool.tool.name,
                                       .force_limit_N = setup.config.servo.wrench.max_force_N,
-                                      .config_text = setup.config_text});
+                                      .config_text = setup.config_text,
+                                      .config = setup.config_source,
+                                      .utc = params.virtual_time ? 0 : UtcNow(),
+                                      .build = BuildName(),
+                                      .machine = MachineName()});
   if (!recorder) return tl::make_unexpected(recorder.error());
 
   CellRunResult result = params.virtual_time ? RunVirtual(setup, engine, runner, **recorder, params)

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "app/recorded_config.h"
 #include "config/load.h"
 #include "gpu/vulkan_engine.h"
 #include "simulation/packing/packing_file.h"
@@ -96,7 +97,13 @@ tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell
                                                const std::optional<MeshChoice>& mesh,
                                                const std::optional<config::ToolChoice>& tool) {
   CellSetup setup;
-  setup.config = config::LoadCell(cell_yaml, tool);
+  {
+    const config::FileScope files;
+    setup.config = config::LoadCell(cell_yaml, tool);
+    auto kept = KeepConfig(files, cell_yaml, tool);
+    if (!kept) return tl::make_unexpected(kept.error());
+    setup.config_source = std::move(*kept);
+  }
   setup.config_text = ConfigText(cell_yaml);
   const simulation::SceneParams& scene = setup.config.scene;
   if (mesh && mesh->file.extension() == ".osp") {

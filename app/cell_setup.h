@@ -9,6 +9,7 @@
 
 #include "config/cell_config.h"
 #include "config/load.h"
+#include "io/recording/messages.h"
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/solids/solid.h"
@@ -33,7 +34,8 @@ struct CellSetup {
   simulation::Bone bone;
   std::shared_ptr<const simulation::Solid> solid;  ///< what the bone was packed from; null: not known
   Pose X_WG{Pose::Identity()};
-  std::string config_text;  ///< the YAML files as read, one after the other
+  std::string config_text;         ///< the YAML files as read, one after the other
+  io::ConfigSource config_source;  ///< every file that was read, for the recording
 };
 
 /// Loads the cell's YAML and makes its bone; a mesh is placed so that its site (a cup, or the

@@ -12,9 +12,11 @@
 #include "app/capability_command.h"
 #include "app/demo.h"
 #include "app/doctor.h"
+#include "app/export_command.h"
 #include "app/failures.h"
 #include "app/measure_commands.h"
 #include "app/pack.h"
+#include "app/replay_command.h"
 #include "app/tool_choice.h"
 #include "app/usage.h"
 #include "config/reader.h"
@@ -240,6 +242,8 @@ int Run(int argc, char** argv) {
 
   osteon::app::MeasureCommands measure(app);
   osteon::app::CapabilityCommand capability(app);
+  osteon::app::ExportCommand export_recording(app);
+  osteon::app::ReplayCommand replay(app);
 
   try {
     app.parse(argc, argv);
@@ -307,6 +311,8 @@ int Run(int argc, char** argv) {
     return osteon::app::RunFailures(failures);
   }
   if (capability.asked()) return capability.Run(config_root, CommandLine(argc, argv));
+  if (export_recording.asked()) return export_recording.Run();
+  if (replay.asked()) return replay.Run();
   if (measure.asked()) return measure.Run(config_root);
   if (*doctor_app) return osteon::app::RunDoctor(port, doctor_json);
   fmt::print("{}", app.help());

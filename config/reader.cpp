@@ -10,6 +10,7 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
+#include "config/file_scope.h"
 #include "config/nearest_key.h"
 #include "config/units.h"
 
@@ -179,6 +180,7 @@ Reader Reader::Load(const std::filesystem::path& path) {
   std::ostringstream text;
   text << stream.rdbuf();
   if (!stream) throw ConfigError(path.string(), 0, "can not be read");
+  FileScope::Note(path);
   return Parse(text.str(), path);
 }
 
@@ -281,8 +283,8 @@ std::filesystem::path Reader::File(const std::string& key) {
   if (!entry) return {};
   if (!entry->value.IsScalar() || entry->value.Scalar().empty())
     mapping_->FailValue(key, entry->value, "a file's path");
-  const std::filesystem::path path =
-      (mapping_->file.parent_path() / entry->value.Scalar()).lexically_normal();
+  const std::filesystem::path path = FileScope::Find(mapping_->file.parent_path(), entry->value.Scalar());
+  if (path.empty()) mapping_->FailValue(key, entry->value, "a file beside it (this one is not among them)");
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     mapping_->FailValue(key, entry->value, fmt::format("an existing file (there is no {})", path.string()));

@@ -84,6 +84,40 @@ kinematics::DifferentialInverseParams<7> MotionParams(const ServoParams& params)
   return motion;
 }
 
+// Everything that is not in the record by another name: enough to run this tick again.
+TickInput InputOf(const ArmState& state, ReceiveResult received, const ForceReading& reading,
+                  const simulation::ContactModel& model, rt::Nanoseconds now, bool stop) OSTEON_RT {
+  return {.now = now,
+          .arm_stamp = state.stamp,
+          .sequence = state.sequence,
+          .activation = state.activation,
+          .lost = state.lost,
+          .duplicate = state.duplicate,
+          .late = state.late,
+          .reordered = state.reordered,
+          .rejected = state.rejected,
+          .other_version = state.other_version,
+          .answers_lost = state.answers_lost,
+          .answers_foreign = state.answers_foreign,
+          .quality = state.quality,
+          .safety_state = state.safety_state,
+          .operation_mode = state.operation_mode,
+          .control_mode = static_cast<std::uint8_t>(state.control_mode),
+          .command_mode = static_cast<std::uint8_t>(state.command_mode),
+          .drives_active = state.drives_active,
+          .holding = state.holding,
+          .has_ipo = state.has_ipo,
+          .received = static_cast<std::uint8_t>(received),
+          .stop = stop,
+          .model_status = static_cast<std::uint8_t>(model.status),
+          .period_s = state.period_s,
+          .q_ipo = state.q_ipo,
+          .tau_ext = state.tau_ext,
+          .sensor_stamp = reading.stamp,
+          .F_sensor_T_W = reading.F_T_W,
+          .model_pose_stamp = model.pose_stamp};
+}
+
 void RequirePose(const Pose& X, const char* name) {
   const bool rotation = (X.linear() * X.linear().transpose() - Matrix3::Identity()).norm() < 1e-6 &&
                         X.linear().determinant() > 0.0;
@@ -147,6 +181,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   record.model_age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
   record.sensor_age_s = reading.stamp == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, reading.stamp);
   const bool stop = stop_requested_.load(std::memory_order_relaxed);
+  record.input = InputOf(state, received, reading, model, now, stop);
 
   const JointVector q_meas = ToVector(state.q_meas);
   const Pose X_WT_meas = ToolPose(q_meas);
@@ -194,6 +229,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   record.faults = faults_.bits();
   record.q_meas = state.q_meas;
   record.q_cmd = command.q;
+  record.activation_cmd = command.activation;
   record.X_WT_cmd = X_WT_;
   record.X_WT_meas = X_WT_meas;
   record.v_WT_cmd_m_per_s = Vector3(share_ * V_WT_.v);

@@ -16,6 +16,28 @@ enum class Phase : std::uint8_t {
   kStopped,   ///< at rest, holding
 };
 
+/// What a tick was given, beyond what its record holds anyway (q_meas, session_state, model_frame): with the
+/// frames of the simulation all that another loop needs to do the same again, bit for bit. Plain data.
+struct TickInput {
+  rt::Nanoseconds now{0};        ///< what the tick was told; 0: recorded before inputs were
+  rt::Nanoseconds arm_stamp{0};  ///< ArmState::stamp
+  // Of ArmState.
+  std::uint32_t sequence{0}, activation{0};
+  std::uint32_t lost{0}, duplicate{0}, late{0}, reordered{0}, rejected{0}, other_version{0};
+  std::uint32_t answers_lost{0}, answers_foreign{0};
+  std::uint8_t quality{0}, safety_state{0}, operation_mode{0}, control_mode{0}, command_mode{0};
+  bool drives_active{false}, holding{false}, has_ipo{false};
+  std::uint8_t received{0};         ///< ReceiveResult
+  bool stop{false};                 ///< an orderly stop had been asked for
+  std::uint8_t model_status{0};     ///< simulation::EngineStatus
+  double period_s{0.0};             ///< of ArmState
+  std::array<double, 7> q_ipo{};    ///< [rad]
+  std::array<double, 7> tau_ext{};  ///< [N·m]
+  rt::Nanoseconds sensor_stamp{0};  ///< of the force reading
+  PlainWrench F_sensor_T_W;         ///< the reading as it came; F_operator_T_W is what was taken of it
+  rt::Nanoseconds model_pose_stamp{0};
+};
+
 /// One tick of the servo loop as it is recorded. Plain data.
 struct TickRecord {
   std::uint64_t tick{0};
@@ -35,8 +57,10 @@ struct TickRecord {
   double sensor_age_s{0.0};
   std::uint64_t model_frame{0};
   double spindle_rad_per_s{0.0};
-  rt::Nanoseconds wakeup_ns{0};   ///< from the arm's message to the loop's wake-up; 0 in virtual time
-  rt::Nanoseconds compute_ns{0};  ///< from wake-up to answer; 0 in virtual time
+  std::uint32_t activation_cmd{0};  ///< of the arm, that the command is for
+  rt::Nanoseconds wakeup_ns{0};     ///< from the arm's message to the loop's wake-up; 0 in virtual time
+  rt::Nanoseconds compute_ns{0};    ///< from wake-up to answer; 0 in virtual time
+  TickInput input;
 };
 
 }  // namespace osteon::control

@@ -1,39 +1,22 @@
 #include "io/recording/mcap_writer.h"
 
-#include <zlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <system_error>
-#include <type_traits>
 #include <utility>
 
-#include "io/recording/mcap.h"
+#include "io/recording/mcap_bytes.h"
 
 namespace osteon::io {
 namespace {
 
-template <class T>
-void AppendInt(std::string& out, T value) {
-  static_assert(std::is_unsigned_v<T>);
-  for (std::size_t i = 0; i < sizeof(T); ++i) out.push_back(static_cast<char>(value >> (8 * i) & 0xff));
-}
-
-void AppendString(std::string& out, std::string_view text) {
-  AppendInt(out, static_cast<std::uint32_t>(text.size()));
-  out.append(text);
-}
-
-void AppendRecord(std::string& out, mcap::Opcode opcode, std::string_view content) {
-  out.push_back(static_cast<char>(opcode));
-  AppendInt(out, std::uint64_t{content.size()});
-  out.append(content);
-}
-
-std::uint32_t Crc(std::uint32_t crc, std::string_view bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(crc, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
-}
+using mcap::AppendInt;
+using mcap::AppendRecord;
+using mcap::AppendString;
+using mcap::Crc;
 
 std::string Explain(const std::filesystem::path& path, const char* what, int error) {
   return path.string() + ": " + what + ": " + std::generic_category().message(error);
@@ -43,7 +26,7 @@ std::string Explain(const std::filesystem::path& path, const char* what, int err
 
 tl::expected<McapWriter, std::string> McapWriter::Create(const std::filesystem::path& path,
                                                          std::string_view library, std::size_t chunk_bytes) {
-  std::FILE* file = std::fopen(path.c_str(), "wb");
+  std::FILE* file = std::fopen(path.c_str(), "wbe");
   if (file == nullptr) return tl::unexpected(Explain(path, "cannot create the recording", errno));
   McapWriter writer(path, file, chunk_bytes);
   std::string header;
@@ -56,18 +39,19 @@ tl::expected<McapWriter, std::string> McapWriter::Create(const std::filesystem::
 }
 
 std::uint16_t McapWriter::AddChannel(std::string_view topic, std::string_view message_type,
-                                     std::string_view descriptor_set) {
+                                     std::string_view schema_text, std::string_view schema_encoding,
+                                     std::string_view message_encoding) {
   const auto id = static_cast<std::uint16_t>(channels_.size());
   const auto schema_id = static_cast<std::uint16_t>(id + 1);  // 0 would mean "no schema"
   std::string schema, channel;
   AppendInt(schema, schema_id);
   AppendString(schema, message_type);
-  AppendString(schema, "protobuf");
-  AppendString(schema, descriptor_set);
+  AppendString(schema, schema_encoding);
+  AppendString(schema, schema_text);
   AppendInt(channel, id);
   AppendInt(channel, schema_id);
   AppendString(channel, topic);
-  AppendString(channel, "protobuf");
+  AppendString(channel, message_encoding);
   AppendInt(channel, std::uint32_t{0});  // no metadata
 
   Channel& added = channels_.emplace_back();
@@ -85,6 +69,11 @@ void McapWriter::TimeRange::Add(std::uint64_t time_ns) {
 void McapWriter::Write(std::uint16_t channel_id, std::int64_t stamp_ns, std::string_view bytes) {
   const auto time = static_cast<std::uint64_t>(std::max<std::int64_t>(0, stamp_ns));
   times_.Add(time);
+  if (failed()) {
+    ++lost_;
+    return;
+  }
+  if (chunk_times_.messages > 0 && time > chunk_times_.first_ns + std::uint64_t{kChunkTime_ns}) EndChunk();
   chunk_times_.Add(time);
 
   // a channel's first message brings its schema and itself along
@@ -109,7 +98,7 @@ void McapWriter::Write(std::uint16_t channel_id, std::int64_t stamp_ns, std::str
 
 void McapWriter::EndChunk() {
   if (chunk_.empty()) return;
-  const std::uint64_t start = size_;
+  const std::uint64_t start = size_, messages = chunk_times_.messages;
   std::string content, record;
   AppendInt(content, chunk_times_.first_ns);
   AppendInt(content, chunk_times_.last_ns);
@@ -154,22 +143,41 @@ void McapWriter::EndChunk() {
   ++chunks_;
   chunk_.clear();
   chunk_times_ = {};
+  if (failed()) lost_ += messages;  // all of them, as far as is known: a part of the chunk may be there
 }
 
 void McapWriter::Put(std::string_view bytes) {
   if (failed()) return;
   crc_ = Crc(crc_, bytes);
   size_ += bytes.size();
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) Fail();
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) Fail(errno);
 }
 
-void McapWriter::Fail() { error_ = Explain(path_, "cannot write the recording", errno); }
+void McapWriter::Fail(int error) { error_ = Explain(path_, "cannot write the recording", error); }
 
 void McapWriter::Flush() {
-  if (!failed() && std::fflush(file_.get()) != 0) Fail();
+  if (!failed() && std::fflush(file_.get()) != 0) Fail(errno);
 }
 
-tl::expected<std::uint64_t, std::string> McapWriter::Finish() {
+// A file that was removed or replaced takes every byte, and is gone once it is closed.
+std::string McapWriter::WhyGone() const {
+  struct stat now, made;  // NOLINT: filled by the calls
+  if (fstat(fileno(file_.get()), &made) != 0) return Explain(path_, "cannot write the recording", errno);
+  if (stat(path_.c_str(), &now) != 0 || now.st_ino != made.st_ino || now.st_dev != made.st_dev)
+    return path_.string() + ": the recording was removed or replaced while it was written";
+  return {};
+}
+
+std::string McapWriter::Sync() const {
+  std::string gone = WhyGone();
+  if (!gone.empty()) return gone;
+  // what knows no fdatasync (a pipe, a device) has no disk to wait for
+  if (fdatasync(fileno(file_.get())) != 0 && errno != EINVAL && errno != EROFS)
+    return Explain(path_, "cannot bring the recording to the disk", errno);
+  return {};
+}
+
+tl::expected<std::uint64_t, std::string> McapWriter::Finish(bool to_disk) {
   EndChunk();
   std::string data_end, tail;
   AppendInt(data_end, crc_);
@@ -213,7 +221,8 @@ tl::expected<std::uint64_t, std::string> McapWriter::Finish() {
   Put(summary);
 
   Flush();
-  if (std::fclose(file_.release()) != 0 && !failed()) Fail();
+  if (!failed()) error_ = to_disk ? Sync() : WhyGone();
+  if (std::fclose(file_.release()) != 0 && !failed()) Fail(errno);
   if (failed()) return tl::unexpected(error_);
   return size_;
 }

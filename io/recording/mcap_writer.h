@@ -13,22 +13,26 @@
 namespace osteon::io {
 
 /// Writes one MCAP file, front to back. The same calls give the same bytes: no clock, no address, no library
-/// version but the string given. After the first failed write nothing more is written, and Finish tells.
+/// version but the string given. After the first failed write nothing more is written, lost messages are
+/// counted, and Finish tells.
 class McapWriter {
  public:
-  /// Messages gathered before they are written: at 1 kHz ticks and frames, some 40 ms of them.
+  /// Messages gathered before they are written: at 1 kHz ticks and frames, some 40 ms of them ...
   static constexpr std::size_t kChunkBytes = 64u << 10;
+  /// ... and never more than this, from the first of them to the last, by their log times.
+  static constexpr std::int64_t kChunkTime_ns = 250'000'000;
 
   /// Creates or overwrites the file. The error names the path and the system's reason.
   [[nodiscard]] static tl::expected<McapWriter, std::string> Create(const std::filesystem::path& path,
                                                                     std::string_view library,
                                                                     std::size_t chunk_bytes = kChunkBytes);
 
-  /// Adds a topic of protobuf messages; the schema is a serialised FileDescriptorSet that holds
+  /// Adds a topic. Of protobuf messages the schema is a serialised FileDescriptorSet that holds
   /// `message_type`.
   /// @returns the channel for Write.
-  std::uint16_t AddChannel(std::string_view topic, std::string_view message_type,
-                           std::string_view descriptor_set);
+  std::uint16_t AddChannel(std::string_view topic, std::string_view message_type, std::string_view schema,
+                           std::string_view schema_encoding = "protobuf",
+                           std::string_view message_encoding = "protobuf");
 
   /// One message. Its log and publish time are `stamp_ns` (negative: 0, MCAP has no times before zero).
   void Write(std::uint16_t channel, std::int64_t stamp_ns, std::string_view bytes);
@@ -39,10 +43,22 @@ class McapWriter {
   /// Hands the complete chunks to the system, so that they outlive this process.
   void Flush();
 
-  /// Summary, footer, closed file. @returns the file's size in bytes.
-  tl::expected<std::uint64_t, std::string> Finish();
+  /// Brings what was flushed to the disk itself (fdatasync), so that it outlives the machine, and sees
+  /// whether the file is still where it was made. May wait for the disk. Any thread, beside the one that
+  /// writes; neither during nor after Finish. @returns an empty string, or what is wrong, with the path.
+  [[nodiscard]] std::string Sync() const;
+
+  /// Summary, footer, closed file; on the disk itself, where asked for. @returns the file's size in bytes.
+  /// The error names the path and the reason: it could not be written, or it is not where it was made any
+  /// more.
+  tl::expected<std::uint64_t, std::string> Finish(bool to_disk = false);
 
   [[nodiscard]] bool failed() const { return !error_.empty(); }
+  /// With the path; empty where nothing failed.
+  [[nodiscard]] const std::string& error() const { return error_; }
+  /// Messages taken and those of them that could not be written.
+  [[nodiscard]] std::uint64_t messages() const { return times_.messages; }
+  [[nodiscard]] std::uint64_t lost_messages() const { return lost_; }
 
  private:
   struct Close {
@@ -61,7 +77,8 @@ class McapWriter {
   McapWriter(const std::filesystem::path& path, std::FILE* file, std::size_t chunk_bytes)
       : path_(path), file_(file), chunk_bytes_(chunk_bytes) {}
   void Put(std::string_view bytes);
-  void Fail();
+  void Fail(int error);
+  [[nodiscard]] std::string WhyGone() const;
 
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;
@@ -71,6 +88,7 @@ class McapWriter {
   TimeRange chunk_times_;
   std::string chunk_indexes_;  // ChunkIndex records so far, for the summary
   std::uint32_t chunks_{0};
+  std::uint64_t lost_{0};
   TimeRange times_;
   std::uint64_t size_{0};  // bytes so far
   std::uint32_t crc_{0};   // of all of them

@@ -1,15 +1,33 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "control/tick_record.h"
 #include "simulation/frame_record.h"
 
-// The records as recording.proto's messages. The only source that sees libprotobuf is messages.cpp.
+// The records as recording.proto's messages. Only messages.cpp, tick_message.cpp and
+// frame_message.cpp see libprotobuf.
 
 namespace osteon::io {
+
+/// A file that the configuration was read from.
+struct ConfigFile {
+  std::string name;  ///< from the folder that all of them lie in, e.g. cells/demo.yaml
+  std::string content;
+};
+
+/// A cell's configuration, whole: nothing else is needed to read it again.
+struct ConfigSource {
+  std::vector<ConfigFile> files;
+  std::string cell_file;                    ///< its name among them
+  std::string tool_file;                    ///< of a tool instead of the cell's; empty: the cell's
+  std::optional<double> tool_diameter_m{};  ///< asked for with it; none: the file's default
+  std::string folder;  ///< where they lay; empty where none names another by its whole path
+};
 
 /// What was run, with what: the first message of a recording.
 struct SessionInfo {
@@ -19,6 +37,10 @@ struct SessionInfo {
   std::string scene, tool;
   double force_limit_N{0.0};
   std::string config_text;  ///< the configuration as it was read
+  ConfigSource config{};
+  rt::Nanoseconds utc{0};  ///< at `stamp`, since 1970; 0 in virtual time
+  std::string build{};     ///< commit, compiler, C library
+  std::string machine{};   ///< processor, cores, system
 };
 
 /// Something worth a line, e.g. a fault.

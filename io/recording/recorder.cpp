@@ -8,6 +8,8 @@ namespace osteon::io {
 namespace {
 
 constexpr auto kDrainPeriod = std::chrono::milliseconds(20);
+constexpr auto kChunkPeriod = std::chrono::nanoseconds(McapWriter::kChunkTime_ns);
+constexpr auto kSyncPeriod = std::chrono::seconds(1);
 constexpr rt::Nanoseconds kNever = std::numeric_limits<rt::Nanoseconds>::max();
 
 }  // namespace
@@ -28,9 +30,13 @@ tl::expected<std::unique_ptr<Recorder>, std::string> Recorder::Open(const Record
   file.Write(session_channel, session.stamp, recorder->bytes_);
   file.EndChunk();
   file.Flush();
-  if (file.failed()) return tl::unexpected(recorder->Close().error());  // a full disk shows at once
+  if (file.failed()) return tl::unexpected(file.error());  // a full disk shows at once
 
-  if (params.writer_thread) recorder->thread_ = std::thread([r = recorder.get()] { r->RunWriter(); });
+  if (params.writer_thread) {
+    recorder->to_disk_ = true;
+    recorder->writer_thread_ = std::thread([r = recorder.get()] { r->RunWriter(); });
+    recorder->sync_thread_ = std::thread([r = recorder.get()] { r->RunSync(); });
+  }
   return recorder;
 }
 
@@ -48,16 +54,53 @@ void Recorder::PushEvent(rt::Nanoseconds stamp, std::string text) {
   events_.push_back({.stamp = stamp, .text = std::move(text)});
 }
 
-void Recorder::RunWriter() {
+bool Recorder::WaitForStop(std::chrono::milliseconds time) {
   std::unique_lock lock(stop_mutex_);
-  while (!stop_changed_.wait_for(lock, kDrainPeriod, [this] { return stop_; })) {
-    lock.unlock();
-    Drain();
-    lock.lock();
+  return stop_changed_.wait_for(lock, time, [this] { return stop_; });
+}
+
+// A chunk ends by the log times of what comes in; where nothing comes in any more, by this clock.
+void Recorder::RunWriter() {
+  auto chunk_ended = std::chrono::steady_clock::now();
+  while (!WaitForStop(kDrainPeriod)) {
+    const auto now = std::chrono::steady_clock::now();
+    const bool end_chunk = now - chunk_ended >= kChunkPeriod;
+    if (end_chunk) chunk_ended = now;
+    Write(end_chunk);
   }
 }
 
-void Recorder::Drain() {
+void Recorder::RunSync() {
+  while (!WaitForStop(kSyncPeriod)) {
+    const std::string error = writer_.Sync();
+    if (error.empty()) continue;
+    const std::lock_guard lock(sync_mutex_);
+    sync_error_ = error;
+    return;
+  }
+}
+
+std::string Recorder::error() const {
+  {
+    const std::lock_guard lock(writer_mutex_);
+    if (writer_.failed()) return writer_.error();
+  }
+  const std::lock_guard lock(sync_mutex_);
+  return sync_error_;
+}
+
+RecordingCounts Recorder::counts() const {
+  const std::lock_guard lock(writer_mutex_);
+  RecordingCounts counts = counts_;
+  counts.dropped_ticks = ticks_.dropped();
+  counts.dropped_frames = frames_.dropped();
+  counts.unwritten = writer_.lost_messages();
+  return counts;
+}
+
+void Recorder::Drain() { Write(false); }
+
+void Recorder::Write(bool end_chunk) {
   const std::lock_guard lock(writer_mutex_);
   if (closed_) return;
   std::vector<RecordedEvent> events;
@@ -92,7 +135,8 @@ void Recorder::Drain() {
       ++event;
     }
   }
-  if (!events.empty()) writer_.EndChunk();  // an event and what led to it must survive a crash
+  // an event and what led to it must survive a crash
+  if (end_chunk || !events.empty()) writer_.EndChunk();
   writer_.Flush();
 }
 
@@ -102,18 +146,27 @@ tl::expected<RecordingCounts, std::string> Recorder::Close() {
     stop_ = true;
   }
   stop_changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  for (std::thread* thread : {&writer_thread_, &sync_thread_})
+    if (thread->joinable()) thread->join();
   Drain();
 
   const std::lock_guard lock(writer_mutex_);
   if (!closed_) {
     closed_ = true;
-    counts_.dropped_ticks = ticks_.dropped();
-    counts_.dropped_frames = frames_.dropped();
-    if (auto bytes = writer_.Finish())
+    {
+      const std::lock_guard sync_lock(sync_mutex_);
+      close_error_ = sync_error_;
+    }
+    if (const auto bytes = writer_.Finish(to_disk_))
       counts_.bytes = *bytes;
     else
       close_error_ = bytes.error();
+    counts_.dropped_ticks = ticks_.dropped();
+    counts_.dropped_frames = frames_.dropped();
+    counts_.unwritten = writer_.lost_messages();
+    if (counts_.unwritten > 0)
+      close_error_ += "; " + std::to_string(counts_.unwritten) + " of " + std::to_string(writer_.messages()) +
+                      " messages are lost";
   }
   if (!close_error_.empty()) return tl::unexpected(close_error_);
   return counts_;

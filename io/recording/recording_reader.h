@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "control/tick_record.h"
+#include "io/recording/mcap_reader.h"
 #include "io/recording/messages.h"
 #include "simulation/frame_record.h"
 
@@ -20,7 +21,7 @@ struct Recording {
   std::vector<simulation::FrameRecord> frames;
   std::vector<RecordedEvent> events;
   bool complete{false};  ///< false: the file ends early (the process died); what came before is all here
-  std::uint64_t read_bytes{0};  ///< up to the end, or up to the first record that is cut off
+  std::uint64_t read_bytes{0};  ///< up to the end, or up to the first message that is cut off
 };
 
 /// Reads what Recorder wrote. Topics and records that it does not know are skipped.
@@ -28,5 +29,35 @@ struct Recording {
 /// CRC is checked). No byte of the file is trusted: a length that is not there ends the recording
 /// (incomplete), never the program.
 [[nodiscard]] tl::expected<Recording, std::string> ReadRecording(const std::filesystem::path& path);
+
+/// What a message of a recording is, by its schema's name.
+enum class RecordedTopic : std::uint8_t { kOther, kSession, kTick, kFrame, kEvent };
+[[nodiscard]] RecordedTopic TopicOf(const McapChannel& channel);
+
+/// The same, one message after the other: a recording of hours needs no more memory than one of seconds.
+class RecordingStream {
+ public:
+  /// The error names the file and the reason.
+  [[nodiscard]] static tl::expected<RecordingStream, std::string> Open(const std::filesystem::path& path);
+
+  /// The next message of a topic that is known; the member of its topic then holds it. kOther at the end.
+  /// The error names file, byte and reason; also where the end comes without an osteon.Session.
+  [[nodiscard]] tl::expected<RecordedTopic, std::string> Next();
+
+  SessionInfo session;
+  control::TickRecord tick;
+  simulation::FrameRecord frame;
+  RecordedEvent event;
+
+  /// After the end, as in Recording.
+  [[nodiscard]] bool complete() const { return reader_.complete() && !cut_off_; }
+  [[nodiscard]] const McapReader& file() const { return reader_; }
+
+ private:
+  explicit RecordingStream(McapReader reader) : reader_(std::move(reader)) {}
+
+  McapReader reader_;
+  bool has_session_{false}, cut_off_{false};
+};
 
 }  // namespace osteon::io

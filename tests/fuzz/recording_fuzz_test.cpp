@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "io/recording/recording_reader.h"
+#include "io/recording/recovery.h"
 #include "tests/io/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
@@ -36,7 +37,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
   }
 
   std::mt19937 random(kSeed);
-  int refused = 0, torn = 0;
+  int refused = 0, torn = 0, recovered = 0;
   for (int i = 0; i < 500; ++i) {
     std::string bytes = whole;
     const std::size_t at = random() % summary;  // the data section
@@ -54,6 +55,20 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
         bytes.insert(at, 1 + random() % 4, static_cast<char>(random() % 256));
     }
     test::WriteAll(path, bytes);
+    // recovering never fails where a session is left, and what it writes is whole
+    const auto recovery = RecoverRecording(path, folder.path() / "recovered.mcap");
+    if (!recovery) {
+      EXPECT_TRUE(recovery.error().find(": byte ") != std::string::npos ||
+                  recovery.error().find("no osteon.Session left") != std::string::npos)
+          << recovery.error();
+    } else if (!recovery->was_whole) {
+      ++recovered;
+      const auto again = ReadRecording(folder.path() / "recovered.mcap");
+      ASSERT_TRUE(again) << "mutation " << i << " at byte " << at << ": " << again.error();
+      ASSERT_TRUE(again->complete);
+    } else {
+      ADD_FAILURE() << "mutation " << i << " at byte " << at << " was taken for whole";
+    }
     const auto recording = ReadRecording(path);
     if (!recording) {
       ++refused;
@@ -67,6 +82,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
   }
   EXPECT_GT(refused, 100);
   EXPECT_GT(torn, 30);
+  EXPECT_GT(recovered, 100);
 }
 
 }  // namespace

@@ -46,6 +46,40 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.spindle_rad_per_s = base + 63;
   r.wakeup_ns = static_cast<rt::Nanoseconds>(i) + 64;
   r.compute_ns = static_cast<rt::Nanoseconds>(i) + 65;
+  r.activation_cmd = static_cast<std::uint32_t>(i) + 82;
+  control::TickInput& in = r.input;
+  const auto number = static_cast<std::uint32_t>(i);
+  in.now = r.stamp + 66;
+  in.arm_stamp = r.stamp + 67;
+  in.sequence = number + 68;
+  in.lost = number + 69;
+  in.duplicate = number + 70;
+  in.late = number + 71;
+  in.rejected = number + 72;
+  in.activation = number + 77;
+  in.reordered = number + 78;
+  in.other_version = number + 79;
+  in.answers_lost = number + 80;
+  in.answers_foreign = number + 81;
+  in.operation_mode = static_cast<std::uint8_t>(i % 3);
+  in.control_mode = static_cast<std::uint8_t>((i + 3) % 4);
+  in.command_mode = static_cast<std::uint8_t>(i % 5);
+  in.drives_active = i % 2 == 1;
+  in.holding = i % 2 == 0;
+  in.received = static_cast<std::uint8_t>(i % 3);
+  in.quality = static_cast<std::uint8_t>(i % 4);
+  in.safety_state = static_cast<std::uint8_t>((i + 1) % 4);
+  in.has_ipo = i % 2 == 1;
+  in.stop = i % 3 == 1;
+  in.model_status = static_cast<std::uint8_t>((i + 2) % 4);
+  in.period_s = base + 73;
+  for (std::size_t j = 0; j < 7; ++j) {
+    if (in.has_ipo) in.q_ipo[j] = base + 0.02 * static_cast<double>(j);
+    in.tau_ext[j] = base - 0.02 * static_cast<double>(j);
+  }
+  in.sensor_stamp = r.stamp + 74;
+  in.F_sensor_T_W = SomeWrench(base + 75);
+  in.model_pose_stamp = r.stamp + 76;
   return r;
 }
 
@@ -96,7 +130,16 @@ inline SessionInfo SomeSession() {
           .scene = "cup",
           .tool = "reamer_50",
           .force_limit_N = 200.0,
-          .config_text = "force_limit_N: 200\n"};
+          .config_text = "force_limit_N: 200\n",
+          .config = {.files = {{.name = "cells/demo.yaml", .content = "tool: ../tools/a.yaml\n"},
+                               {.name = "tools/a.png", .content = std::string("\x89PNG\0\xff", 6)}},
+                     .cell_file = "cells/demo.yaml",
+                     .tool_file = "tools/b.yaml",
+                     .tool_diameter_m = 0.05,
+                     .folder = "/somewhere"},
+          .utc = 4,
+          .build = "commit 123",
+          .machine = "a processor"};
 }
 
 }  // namespace osteon::io::test

@@ -66,6 +66,19 @@ TEST(Recording, ComesBackBitForBit) {
   EXPECT_EQ(recording->session.tool, "reamer_50");
   EXPECT_EQ(recording->session.force_limit_N, 200.0);
   EXPECT_EQ(recording->session.config_text, "force_limit_N: 200\n");
+  const ConfigSource &config = recording->session.config, sent = SomeSession().config;
+  ASSERT_EQ(config.files.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(config.files[i].name, sent.files[i].name);
+    EXPECT_EQ(config.files[i].content, sent.files[i].content);
+  }
+  EXPECT_EQ(config.cell_file, "cells/demo.yaml");
+  EXPECT_EQ(config.tool_file, "tools/b.yaml");
+  EXPECT_EQ(config.tool_diameter_m, 0.05);
+  EXPECT_EQ(config.folder, "/somewhere");
+  EXPECT_EQ(recording->session.utc, 4);
+  EXPECT_EQ(recording->session.build, "commit 123");
+  EXPECT_EQ(recording->session.machine, "a processor");
   ASSERT_EQ(recording->ticks.size(), kTicks);
   ASSERT_EQ(recording->frames.size(), kTicks / 2);
   ASSERT_EQ(recording->events.size(), 1u);
@@ -106,6 +119,55 @@ TEST(Recording, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.spindle_rad_per_s, sent.spindle_rad_per_s);
   EXPECT_EQ(r.wakeup_ns, sent.wakeup_ns);
   EXPECT_EQ(r.compute_ns, sent.compute_ns);
+  EXPECT_EQ(r.activation_cmd, sent.activation_cmd);
+}
+
+TEST(Recording, CarriesEveryInputOfATick) {
+  for (const std::uint64_t i : {7u, 8u}) {
+    const control::TickInput sent = SomeTick(i).input;
+    control::TickRecord record;
+    ASSERT_EQ(Decode(Encoded(SomeTick(i)), record), "");
+    const control::TickInput& r = record.input;
+    EXPECT_EQ(r.now, sent.now);
+    EXPECT_EQ(r.arm_stamp, sent.arm_stamp);
+    EXPECT_EQ(r.sequence, sent.sequence);
+    EXPECT_EQ(r.lost, sent.lost);
+    EXPECT_EQ(r.duplicate, sent.duplicate);
+    EXPECT_EQ(r.late, sent.late);
+    EXPECT_EQ(r.rejected, sent.rejected);
+    EXPECT_EQ(r.received, sent.received);
+    EXPECT_EQ(r.activation, sent.activation);
+    EXPECT_EQ(r.reordered, sent.reordered);
+    EXPECT_EQ(r.other_version, sent.other_version);
+    EXPECT_EQ(r.answers_lost, sent.answers_lost);
+    EXPECT_EQ(r.answers_foreign, sent.answers_foreign);
+    EXPECT_EQ(r.operation_mode, sent.operation_mode);
+    EXPECT_EQ(r.control_mode, sent.control_mode);
+    EXPECT_EQ(r.command_mode, sent.command_mode);
+    EXPECT_EQ(r.drives_active, sent.drives_active);
+    EXPECT_EQ(r.holding, sent.holding);
+    EXPECT_EQ(r.quality, sent.quality);
+    EXPECT_EQ(r.safety_state, sent.safety_state);
+    EXPECT_EQ(r.has_ipo, sent.has_ipo);
+    EXPECT_EQ(r.stop, sent.stop);
+    EXPECT_EQ(r.model_status, sent.model_status);
+    EXPECT_EQ(r.period_s, sent.period_s);
+    EXPECT_EQ(r.q_ipo, sent.q_ipo);
+    EXPECT_EQ(r.tau_ext, sent.tau_ext);
+    EXPECT_EQ(r.sensor_stamp, sent.sensor_stamp);
+    EXPECT_EQ(Vector3(r.F_sensor_T_W.f), Vector3(sent.F_sensor_T_W.f));
+    EXPECT_EQ(Vector3(r.F_sensor_T_W.t), Vector3(sent.F_sensor_T_W.t));
+    EXPECT_EQ(r.model_pose_stamp, sent.model_pose_stamp);
+  }
+}
+
+TEST(Recording, CarriesAContactCountThatIsNoCount) {
+  for (const int count : {-1, 9}) {
+    simulation::FrameRecord sent = SomeFrame(1), r;
+    sent.model.contact_count = count;
+    ASSERT_EQ(Decode(Encoded(sent), r), "");
+    EXPECT_EQ(r.model.contact_count, count) << "the loop refused it, and must again";
+  }
 }
 
 TEST(Recording, CarriesEveryFieldOfAFrame) {
@@ -170,13 +232,17 @@ TEST(Recording, KeepsNegativeZeroAndNaN) {
   EXPECT_EQ(r.q_cmd[3], sent.q_cmd[3]);
 }
 
-// Field 20 is written last: its tag in two bytes, then the double.
-TEST(Recording, ATickFromBeforeTheArmsShareWasRecordedReadsAsOne) {
+// Fields are written in their order: 20, its tag in two bytes and the double, before 21, the inputs.
+TEST(Recording, ATickFromBeforeTheArmsShareAndTheInputsWereRecordedReadsAsNone) {
   const std::string now = Encoded(SomeTick(1));
-  constexpr std::size_t kField = 10;
-  ASSERT_EQ(now.substr(now.size() - kField, 2), "\xA1\x01");
+  const std::size_t share = now.rfind("\xA1\x01");
+  ASSERT_NE(share, std::string::npos);
+  ASSERT_EQ(now.substr(share + 10, 2), "\xAA\x01");
   control::TickRecord r;
-  ASSERT_EQ(Decode(now.substr(0, now.size() - kField), r), "");
+  ASSERT_EQ(Decode(now.substr(0, share + 10), r), "");
+  EXPECT_EQ(r.arm_share, SomeTick(1).arm_share);
+  EXPECT_EQ(r.input.now, 0) << "no inputs";
+  ASSERT_EQ(Decode(now.substr(0, share), r), "");
   EXPECT_EQ(r.arm_share, 1.0);
   EXPECT_EQ(r.compute_ns, SomeTick(1).compute_ns);
 }

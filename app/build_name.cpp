@@ -1,0 +1,19 @@
+#include "app/build_name.h"
+
+#include <unistd.h>
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "app/commit.h"
+
+namespace osteon::app {
+
+std::string BuildName() {
+  std::array<char, 64> library{};
+  confstr(_CS_GNU_LIBC_VERSION, library.data(), library.size());
+  return fmt::format("commit {}, gcc {}, {}", kCommit, __VERSION__, library.data());
+}
+
+}  // namespace osteon::app

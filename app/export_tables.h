@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace osteon::app {
+
+struct ExportedTables {
+  std::uint64_t ticks{0}, frames{0}, events{0};  ///< rows
+  std::vector<std::filesystem::path> files;
+  bool complete{false};         ///< of the recording; false: it ends early
+  std::uint64_t tail_bytes{0};  ///< at its end, of a message that is cut off
+};
+
+/// Writes a recording as tables: `<stem>_ticks.csv`, `<stem>_frames.csv` and `<stem>_events.csv` in `folder`,
+/// a message a row. Columns are named once, with their units; `time_s` counts from the session's start.
+/// Numbers have the digits that give their bits back. One message at a time is in memory.
+/// @param progress  called now and then with the share of the file that is done
+/// The error names file, byte and reason (the recording), or the path (a table).
+[[nodiscard]] tl::expected<ExportedTables, std::string> ExportTables(
+    const std::filesystem::path& recording, const std::filesystem::path& folder, const std::string& stem,
+    const std::function<void(double share)>& progress = {});
+
+}  // namespace osteon::app

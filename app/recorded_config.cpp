@@ -1,0 +1,140 @@
+#include "app/recorded_config.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "kinematics/lbr_arm.h"
+
+namespace osteon::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostFiles = 1000;
+
+// The folder that all of them lie in.
+fs::path CommonFolder(const std::vector<config::FileScope::File>& files) {
+  fs::path common;
+  for (const auto& file : files) {
+    const fs::path folder = file.path.parent_path();
+    if (common.empty()) common = folder;
+    const auto [end, ignored] = std::mismatch(common.begin(), common.end(), folder.begin(), folder.end());
+    fs::path shared;
+    for (auto part = common.begin(); part != end; ++part) shared /= *part;
+    common = shared;
+  }
+  return common;
+}
+
+// A fresh folder that is gone with the object.
+class WorkFolder {
+ public:
+  WorkFolder() {
+    std::string name = (fs::temp_directory_path() / "osteon_replay_XXXXXX").string();
+    if (mkdtemp(name.data())) path_ = name;
+  }
+  ~WorkFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+// Whether a name stays in the folder that it is put into.
+bool StaysInside(const std::string& name) {
+  const fs::path path(name);
+  return !name.empty() && name.find('\0') == std::string::npos && path.is_relative() &&
+         path == path.lexically_normal() && path.has_filename() && *path.begin() != "..";
+}
+
+// An empty string, or what is wrong.
+std::string WriteFiles(const io::ConfigSource& source, const fs::path& folder) {
+  if (source.files.size() > kMostFiles)
+    return fmt::format("found {} configuration files, accepted up to {}", source.files.size(), kMostFiles);
+  for (const io::ConfigFile& file : source.files) {
+    if (!StaysInside(file.name))
+      return fmt::format("configuration file \"{}\": accepted a name below its folder",
+                         file.name.substr(0, 80));
+    const fs::path path = folder / file.name;
+    std::error_code error;
+    fs::create_directories(path.parent_path(), error);
+    std::ofstream stream(path, std::ios::binary);
+    stream.write(file.content.data(), static_cast<std::streamsize>(file.content.size()));
+    stream.close();
+    if (error || !stream) return path.string() + ": cannot write";
+  }
+  return {};
+}
+
+// With the names that the files had, not those of the temporary folder.
+std::string WithoutFolder(std::string text, const fs::path& folder) {
+  const std::string prefix = folder.string() + '/';
+  for (std::size_t at = 0; (at = text.find(prefix, at)) != std::string::npos;) text.erase(at, prefix.size());
+  return text;
+}
+
+}  // namespace
+
+tl::expected<io::ConfigSource, std::string> KeepConfig(const config::FileScope& scope,
+                                                       const fs::path& cell_yaml,
+                                                       const std::optional<config::ToolChoice>& tool) {
+  const fs::path folder = CommonFolder(scope.files());
+  const auto name_of = [&](const fs::path& path) {
+    return fs::absolute(path).lexically_normal().lexically_relative(folder).generic_string();
+  };
+  io::ConfigSource source;
+  for (const auto& file : scope.files()) {
+    std::ifstream stream(file.path, std::ios::binary);
+    std::string content(std::istreambuf_iterator<char>(stream), {});
+    if (!stream) return tl::make_unexpected(file.path.string() + ": cannot read it again for the recording");
+    source.files.push_back({.name = name_of(file.path), .content = std::move(content)});
+    if (file.by_whole_path) source.folder = folder.string();
+  }
+  source.cell_file = name_of(cell_yaml);
+  if (tool) {
+    source.tool_file = name_of(tool->file);
+    source.tool_diameter_m = tool->diameter_m;
+  }
+  return source;
+}
+
+tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigSource& source) {
+  if (source.files.empty())
+    return tl::make_unexpected(
+        std::string("found no configuration files in the recording, accepted one that has them (it is older "
+                    "than replay)"));
+  if (!StaysInside(source.cell_file) || (!source.tool_file.empty() && !StaysInside(source.tool_file)))
+    return tl::make_unexpected(std::string("the cell's or the tool's file has a name that leads elsewhere"));
+  const WorkFolder folder;
+  if (folder.path().empty())
+    return tl::make_unexpected(fs::temp_directory_path().string() + ": cannot make a temporary folder");
+  if (std::string wrong = WriteFiles(source, folder.path()); !wrong.empty())
+    return tl::make_unexpected(WithoutFolder(std::move(wrong), folder.path()));
+
+  const config::FileScope scope({.root = folder.path(), .once_at = source.folder});
+  std::optional<config::ToolChoice> tool;
+  if (!source.tool_file.empty())
+    tool = {.file = folder.path() / source.tool_file, .diameter_m = source.tool_diameter_m};
+  try {
+    return config::LoadCell(folder.path() / source.cell_file, tool);
+  } catch (const std::exception& error) {
+    return tl::make_unexpected("the recorded configuration: " + WithoutFolder(error.what(), folder.path()));
+  }
+}
+
+control::ServoLoop MakeServoLoop(const config::CellConfig& cell) {
+  return {cell.servo, kinematics::LbrArm(cell.robot), cell.X_WB, cell.tool.X_FT, cell.start.arm_angle_rad};
+}
+
+}  // namespace osteon::app

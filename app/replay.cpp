@@ -1,0 +1,159 @@
+#include "app/replay.h"
+
+#include <bit>
+#include <map>
+#include <tuple>
+#include <type_traits>
+
+#include <fmt/format.h>
+
+#include "app/recorded_config.h"
+#include "app/tick_fields.h"
+
+namespace osteon::app {
+namespace {
+
+using control::TickRecord;
+using simulation::ContactModel;
+
+// A process that is killed takes its last frames along; the ticks that saw them may have been written
+// already.
+constexpr rt::Nanoseconds kMostTorn = rt::kSecond;
+
+// The contact models that ticks may have seen, by what a tick says of the one it saw.
+class Models {
+ public:
+  explicit Models(const std::vector<simulation::FrameRecord>& frames) {
+    for (const simulation::FrameRecord& frame : frames) {
+      const ContactModel& m = frame.model;
+      models_[{m.frame, m.pose_stamp, static_cast<std::uint8_t>(m.status)}] = &m;
+      last_frame_ = std::max(last_frame_, m.frame);
+    }
+  }
+
+  // Null where its frame is not in the recording.
+  [[nodiscard]] const ContactModel* Find(const TickRecord& tick) {
+    const auto found = models_.find({tick.model_frame, tick.input.model_pose_stamp, tick.input.model_status});
+    if (found != models_.end()) return found->second;
+    if (tick.model_frame != 0 || tick.input.model_pose_stamp != 0) return nullptr;
+    none_.status = static_cast<simulation::EngineStatus>(tick.input.model_status);  // before the first frame
+    return &none_;
+  }
+  [[nodiscard]] std::uint64_t last_frame() const { return last_frame_; }
+
+ private:
+  std::map<std::tuple<std::uint64_t, rt::Nanoseconds, std::uint8_t>, const ContactModel*> models_;
+  ContactModel none_;
+  std::uint64_t last_frame_{0};
+};
+
+control::ArmState ArmStateOf(const TickRecord& tick) {
+  const control::TickInput& in = tick.input;
+  return {.stamp = in.arm_stamp,
+          .sequence = in.sequence,
+          .session = static_cast<control::SessionState>(tick.session_state),
+          .quality = in.quality,
+          .safety_state = in.safety_state,
+          .operation_mode = in.operation_mode,
+          .drives_active = in.drives_active,
+          .control_mode = static_cast<control::ControlMode>(in.control_mode),
+          .command_mode = static_cast<control::CommandMode>(in.command_mode),
+          .period_s = in.period_s,
+          .q_meas = tick.q_meas,
+          .q_ipo = in.q_ipo,
+          .has_ipo = in.has_ipo,
+          .tau_ext = in.tau_ext,
+          .activation = in.activation,
+          .holding = in.holding,
+          .lost = in.lost,
+          .duplicate = in.duplicate,
+          .late = in.late,
+          .reordered = in.reordered,
+          .rejected = in.rejected,
+          .other_version = in.other_version,
+          .answers_lost = in.answers_lost,
+          .answers_foreign = in.answers_foreign};
+}
+
+template <class T>
+std::uint64_t BitsOf(T value) {
+  if constexpr (std::is_floating_point_v<T>)
+    return std::bit_cast<std::uint64_t>(value);
+  else
+    return static_cast<std::uint64_t>(value);
+}
+
+// The first field whose bits differ, or nothing.
+std::optional<ReplayDifference> Compare(const TickRecord& recorded, const TickRecord& replayed) {
+  constexpr std::size_t kMost = 128;
+  std::array<std::uint64_t, kMost> bits{};
+  std::size_t count = 0;
+  VisitOutputs(recorded, [&](const FieldName&, auto value) { bits.at(count++) = BitsOf(value); });
+  std::size_t at = 0, first = count;
+  VisitOutputs(replayed, [&](const FieldName&, auto value) {
+    if (bits[at] != BitsOf(value) && at < first) first = at;
+    ++at;
+  });
+  if (first == count) return {};
+
+  ReplayDifference difference{.tick = recorded.tick, .field = {}, .recorded = {}, .replayed = {}};
+  const auto text_of = [first](const TickRecord& record, std::string& name) {
+    std::string text;
+    std::size_t i = 0;
+    VisitOutputs(record, [&](const FieldName& field, auto value) {
+      if (i++ != first) return;
+      name = field.Text();
+      text = fmt::format("{}", value);
+    });
+    return text;
+  };
+  difference.recorded = text_of(recorded, difference.field);
+  difference.replayed = text_of(replayed, difference.field);
+  return difference;
+}
+
+}  // namespace
+
+ReplayResult Replay(const io::Recording& recording, const config::CellConfig& cell) {
+  ReplayResult result;
+  control::ServoLoop loop = MakeServoLoop(cell);
+  Models models(recording.frames);
+  control::ArmCommand command;
+  bool torn_end = false;
+  for (const TickRecord& recorded : recording.ticks) {
+    // what this tick was given
+    const ContactModel* model = models.Find(recorded);
+    if (recorded.input.now == 0) {
+      result.why_not = fmt::format("tick {} has no inputs: they were not recorded yet then", recorded.tick);
+    } else if (recorded.tick != result.ticks) {
+      result.why_not =
+          fmt::format("found tick {} where {} was due: the disk was behind and ticks are missing",
+                      recorded.tick, result.ticks);
+    } else if (model == nullptr) {
+      result.why_not = fmt::format("tick {} saw frame {}, which is not in the recording", recorded.tick,
+                                   recorded.model_frame);
+      torn_end = recorded.model_frame > models.last_frame() &&
+                 recording.ticks.back().stamp - recorded.stamp <= kMostTorn;
+    }
+    if (!result.why_not.empty()) break;
+
+    // once more
+    if (recorded.input.stop) loop.RequestStop();
+    TickRecord replayed =
+        loop.Tick(ArmStateOf(recorded), static_cast<control::ReceiveResult>(recorded.input.received),
+                  {.stamp = recorded.input.sensor_stamp, .F_T_W = recorded.input.F_sensor_T_W}, *model,
+                  recorded.input.now, command);
+    replayed.q_cmd = command.q;  // what the arm is told, whatever the record says
+    replayed.activation_cmd = command.activation;
+    ++result.ticks;
+    auto difference = Compare(recorded, replayed);
+    if (!difference) continue;
+    ++result.different_ticks;
+    if (!result.first_difference) result.first_difference = std::move(difference);
+  }
+  result.not_run = recording.ticks.size() - result.ticks;
+  result.identical = result.ticks > 0 && result.different_ticks == 0 && (result.not_run == 0 || torn_end);
+  return result;
+}
+
+}  // namespace osteon::app

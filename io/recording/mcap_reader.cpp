@@ -1,0 +1,341 @@
+#include "io/recording/mcap_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+#include "io/recording/mcap_bytes.h"
+
+namespace osteon::io {
+namespace {
+
+using mcap::Crc;
+using mcap::Cursor;
+
+constexpr std::uint64_t kMaxRecord = 64u << 20;  // [bytes] ours have at most a configuration's files
+constexpr std::uint64_t kChunkHead =
+    8 + 8 + 8 + 4 + 4 + 8;  // without compression: times, sizes, CRC, no name
+constexpr std::uint64_t kFooterRecord = mcap::kRecordHead + 8 + 8 + 4;
+
+std::string_view View(std::span<const char> bytes) { return {bytes.data(), bytes.size()}; }
+
+}  // namespace
+
+tl::expected<McapReader, std::string> McapReader::Open(const std::filesystem::path& path,
+                                                       OnDamage on_damage) {
+  std::ifstream file(path, std::ios::binary);
+  std::error_code no_size;
+  const std::uint64_t size = std::filesystem::file_size(path, no_size);
+  if (!file || no_size)
+    return tl::unexpected(path.string() + ": cannot read: " +
+                          (no_size ? no_size.message() : std::generic_category().message(errno)));
+  McapReader reader(path, std::move(file), size, on_damage);
+  std::string magic;
+  if (!reader.Read(0, mcap::kMagic.size(), magic) || magic != mcap::kMagic)
+    return tl::unexpected(path.string() + ": byte 0: not an MCAP file (its first 8 bytes are not the magic)");
+  reader.crc_ = Crc(0, magic);
+  reader.offset_ = magic.size();
+  if (on_damage == OnDamage::kSkip) reader.ReadSummary();
+  if (const std::string reason = reader.ReadRecord(); !reason.empty())  // the header
+    return tl::unexpected(path.string() + ": byte " + std::to_string(reader.offset_) + ": " + reason);
+  return reader;
+}
+
+tl::expected<bool, std::string> McapReader::Next(McapMessage& message) {
+  for (;;) {
+    while (at_ < records_.size()) {
+      bool found = false;
+      last_at_ = at_;
+      const std::string reason = OnInner(message, found);
+      if (found) return true;
+      if (reason.empty()) continue;
+      if (!torn_ && on_damage_ == OnDamage::kRefuse) return tl::unexpected(ErrorAt(reason));
+      if (!torn_) damage_.push_back({records_offset_, records_.size() - at_, reason});
+      records_.resize(at_);
+    }
+    if (torn_ && at_ > 0) offset_ = records_offset_ + mcap::kRecordHead + kChunkHead + at_;
+    torn_ = false;
+    records_.clear();
+    at_ = 0;
+    if (ended_) return false;
+    if (const std::string reason = ReadRecord(); !reason.empty())
+      return tl::unexpected(path_.string() + ": byte " + std::to_string(offset_) + ": " + reason);
+  }
+}
+
+std::string McapReader::ErrorAt(const std::string& reason) const {
+  return path_.string() + ": byte " + std::to_string(records_offset_) + ": " +
+         (in_chunk_ ? "in the chunk's byte " + std::to_string(last_at_) + ": " : "") + reason;
+}
+
+// The next record of the file; its messages, if any, into records_. An empty string, or what is wrong.
+std::string McapReader::ReadRecord() {
+  std::string record;
+  const std::uint64_t rest = size_ - offset_;
+  if (rest < mcap::kRecordHead || !Read(offset_, mcap::kRecordHead, record)) {
+    ended_ = true;
+    return {};
+  }
+  Cursor head(record);
+  const auto opcode = head.Int<std::uint8_t>();
+  const auto length = head.Int<std::uint64_t>();
+  const bool skip = on_damage_ == OnDamage::kSkip;
+  if (opcode == 0 && IsZeroToTheEnd()) {  // room that a file system had not filled when the power went
+    ended_ = true;
+    return {};
+  }
+  std::string reason;
+  if (length > kMaxRecord) {
+    reason = "record of " + std::to_string(length) + " bytes, accepted up to " + std::to_string(kMaxRecord);
+  } else if (length > rest - mcap::kRecordHead) {
+    // cut off here, or a length that was damaged: then sound chunks follow
+    if (skip && Resync("record of " + std::to_string(length) + " bytes, more than the file has")) return {};
+    if (opcode == mcap::kChunk) OnTornChunk();
+    ended_ = true;
+    return {};
+  } else if (!Read(offset_, mcap::kRecordHead + length, record)) {
+    return "cannot read on";
+  } else {
+    records_offset_ = offset_;
+    reason = OnRecord(opcode, std::span<const char>(record).subspan(mcap::kRecordHead));
+  }
+  if (!reason.empty()) {
+    if (!skip) return reason;
+    if (!Resync(reason)) {
+      damage_.push_back({offset_, size_ - offset_, reason});
+      ended_ = true;
+    }
+    return {};
+  }
+  crc_ = Crc(crc_, record);
+  offset_ += record.size();
+  if (ended_) return ReadClosingMagic();
+  return {};
+}
+
+std::string McapReader::OnRecord(std::uint8_t opcode, std::span<const char> content) {
+  if (!has_header_ && opcode != mcap::kHeader && on_damage_ == OnDamage::kRefuse)
+    return "the first record is not a header";
+  Cursor cursor(content);
+  switch (opcode) {
+    case 0:
+      return "opcode 0 is not a record";
+    case mcap::kHeader:
+      has_header_ = true;
+      cursor.String();
+      library_ = cursor.String();
+      return {};
+    case mcap::kSchema:
+    case mcap::kChannel:
+      if (data_ended_) return {};  // the summary repeats them
+      [[fallthrough]];
+    case mcap::kMessage:
+      if (data_ended_) return "message after the end of data";
+      records_.clear();
+      mcap::AppendRecord(records_, static_cast<mcap::Opcode>(opcode), View(content));
+      at_ = 0;
+      in_chunk_ = false;
+      return {};
+    case mcap::kChunk:
+      return data_ended_ ? "chunk after the end of data" : OnChunk(content);
+    case mcap::kDataEnd: {
+      const auto expected = cursor.Int<std::uint32_t>();
+      if (!cursor.ok()) return "end of data is cut off";
+      data_ended_ = true;
+      if (on_damage_ == OnDamage::kSkip && !damage_.empty()) return {};  // known, and noted
+      return expected != 0 && expected != crc_ ? "the data does not match its CRC: the file was changed" : "";
+    }
+    case mcap::kFooter:
+      if (content.size() < 20) return "footer is cut off";
+      if (!data_ended_) return "footer before the end of data";
+      ended_ = true;
+      return {};
+    default:
+      return {};
+  }
+}
+
+std::string McapReader::OnChunk(std::span<const char> content) {
+  Cursor cursor(content);
+  cursor.Int<std::uint64_t>();  // first time
+  cursor.Int<std::uint64_t>();  // last time
+  cursor.Int<std::uint64_t>();  // size
+  const auto expected = cursor.Int<std::uint32_t>();
+  const std::string_view compression = cursor.String();
+  const auto size = cursor.Int<std::uint64_t>();
+  if (!cursor.ok() || size != cursor.rest().size()) return "chunk is cut off";
+  if (!compression.empty())
+    return "chunk compressed with '" + std::string(compression) + "', accepted: not compressed";
+  if (expected != 0 && expected != Crc(0, View(cursor.rest())))
+    return "the chunk does not match its CRC: the file was changed";
+  records_ = View(cursor.rest());
+  at_ = 0;
+  in_chunk_ = true;
+  return {};
+}
+
+// The chunk that was being written when the process died: what is there of it.
+void McapReader::OnTornChunk() {
+  std::string content;
+  const std::uint64_t start = offset_ + mcap::kRecordHead;
+  if (size_ - start <= kChunkHead || !Read(start, size_ - start, content)) return;
+  Cursor cursor(content);
+  cursor.Int<std::uint64_t>();
+  cursor.Int<std::uint64_t>();
+  cursor.Int<std::uint64_t>();
+  cursor.Int<std::uint32_t>();
+  if (!cursor.String().empty()) return;
+  const auto size = cursor.Int<std::uint64_t>();
+  records_ = View(cursor.rest().first(std::min<std::uint64_t>(size, cursor.rest().size())));
+  at_ = 0;
+  records_offset_ = offset_;
+  in_chunk_ = torn_ = true;
+}
+
+// One record of those being handed out. An empty string, or what is wrong: then at_ stays before it.
+std::string McapReader::OnInner(McapMessage& message, bool& found) {
+  Cursor head(std::span<const char>(records_).subspan(at_));
+  const auto opcode = head.Int<std::uint8_t>();
+  const auto length = head.Int<std::uint64_t>();
+  if (!head.ok() || length > head.rest().size()) return "record is cut off";
+  const std::span<const char> content = head.rest().first(length);
+  Cursor cursor(content);
+  if (opcode == mcap::kSchema) {
+    if (const std::string reason = OnSchema(content); !reason.empty()) return reason;
+  } else if (opcode == mcap::kChannel) {
+    if (const std::string reason = OnChannel(content); !reason.empty()) return reason;
+  } else if (opcode == mcap::kMessage) {
+    const auto id = cursor.Int<std::uint16_t>();
+    cursor.Int<std::uint32_t>();  // sequence
+    message.log_time_ns = cursor.Int<std::uint64_t>();
+    cursor.Int<std::uint64_t>();  // publish time
+    if (!cursor.ok()) return "message is cut off";
+    const auto channel = channels_.find(id);
+    if (channel == channels_.end())
+      return "message of channel " + std::to_string(id) + ", which is not in the file";
+    message.channel = &channel->second;
+    message.bytes = cursor.rest();
+    message.checked = !torn_;
+    found = true;
+  } else {
+    return "a record of opcode " + std::to_string(opcode) + " has no place in a chunk";
+  }
+  at_ += mcap::kRecordHead + length;
+  return {};
+}
+
+std::string McapReader::OnSchema(std::span<const char> content) {
+  Cursor cursor(content);
+  const auto id = cursor.Int<std::uint16_t>();
+  Schema schema;
+  schema.name = cursor.String();
+  schema.encoding = cursor.String();
+  schema.data = cursor.String();
+  if (!cursor.ok()) return "schema is cut off";
+  schemas_[id] = std::move(schema);
+  return {};
+}
+
+std::string McapReader::OnChannel(std::span<const char> content) {
+  Cursor cursor(content);
+  const auto id = cursor.Int<std::uint16_t>();
+  const auto schema = cursor.Int<std::uint16_t>();
+  const std::string_view topic = cursor.String(), encoding = cursor.String();
+  if (!cursor.ok()) return "channel is cut off";
+  const auto found = schemas_.find(schema);
+  if (found == schemas_.end())
+    return "channel " + std::to_string(id) + " names schema " + std::to_string(schema) +
+           ", which is not in the file";
+  channels_[id] = {.id = id,
+                   .topic = std::string(topic),
+                   .message_encoding = std::string(encoding),
+                   .schema_name = found->second.name,
+                   .schema_encoding = found->second.encoding,
+                   .schema = found->second.data};
+  return {};
+}
+
+std::string McapReader::ReadClosingMagic() {
+  std::string magic;
+  if (size_ - offset_ < mcap::kMagic.size() || !Read(offset_, mcap::kMagic.size(), magic)) return {};
+  if (magic != mcap::kMagic) return on_damage_ == OnDamage::kRefuse ? "the closing magic is damaged" : "";
+  offset_ += magic.size();
+  complete_ = damage_.empty();
+  return {};
+}
+
+// Schemas and channels as a whole file repeats them at its end: what is left of a file whose first chunk is
+// damaged can then still be read.
+void McapReader::ReadSummary() {
+  std::string footer, record;
+  const std::uint64_t tail = kFooterRecord + mcap::kMagic.size();
+  if (size_ < tail || !Read(size_ - tail, kFooterRecord, footer) || footer[0] != mcap::kFooter) return;
+  std::uint64_t at = Cursor(std::span<const char>(footer).subspan(mcap::kRecordHead)).Int<std::uint64_t>();
+  while (at >= offset_ && at < size_ - tail && size_ - tail - at >= mcap::kRecordHead &&
+         Read(at, mcap::kRecordHead, record)) {
+    Cursor head(record);
+    const auto opcode = head.Int<std::uint8_t>();
+    const auto length = head.Int<std::uint64_t>();
+    if (length > kMaxRecord || length > size_ - tail - at - mcap::kRecordHead ||
+        !Read(at + mcap::kRecordHead, length, record))
+      return;
+    if (opcode == mcap::kSchema) (void)OnSchema(record);
+    if (opcode == mcap::kChannel) (void)OnChannel(record);
+    at += mcap::kRecordHead + length;
+  }
+}
+
+// From a record that makes no sense to the next chunk that is sound. False where there is none.
+bool McapReader::Resync(const std::string& reason) {
+  constexpr std::uint64_t kBlock = 1u << 20, kHead = mcap::kRecordHead + kChunkHead;
+  std::string block;
+  for (std::uint64_t start = offset_ + 1; size_ - start > kHead; start += kBlock) {
+    if (!Read(start, std::min(kBlock + kHead, size_ - start), block)) break;
+    for (std::size_t i = 0; i < kBlock && i + kHead < block.size(); ++i) {
+      if (block[i] != mcap::kChunk) continue;
+      Cursor cursor(std::span<const char>(block).subspan(i + 1));
+      const auto length = cursor.Int<std::uint64_t>();
+      if (length < kChunkHead || length > std::min(kMaxRecord, size_ - start - i - mcap::kRecordHead))
+        continue;
+      cursor.Int<std::uint64_t>();
+      cursor.Int<std::uint64_t>();
+      if (cursor.Int<std::uint64_t>() != length - kChunkHead || !IsSoundChunk(start + i, length)) continue;
+      damage_.push_back({offset_, start + i - offset_, reason});
+      offset_ = start + i;
+      return true;
+    }
+  }
+  return false;
+}
+
+bool McapReader::IsSoundChunk(std::uint64_t offset, std::uint64_t length) {
+  std::string content;
+  if (!Read(offset + mcap::kRecordHead, length, content)) return false;
+  Cursor cursor(content);
+  cursor.Int<std::uint64_t>();
+  cursor.Int<std::uint64_t>();
+  cursor.Int<std::uint64_t>();
+  const auto crc = cursor.Int<std::uint32_t>();
+  if (!cursor.String().empty()) return false;
+  return cursor.Int<std::uint64_t>() == cursor.rest().size() && crc == Crc(0, View(cursor.rest()));
+}
+
+bool McapReader::IsZeroToTheEnd() {
+  std::string block;
+  for (std::uint64_t at = offset_; at < size_; at += block.size())
+    if (!Read(at, std::min<std::uint64_t>(1u << 20, size_ - at), block) ||
+        block.find_first_not_of('\0') != std::string::npos)
+      return false;
+  return true;
+}
+
+bool McapReader::Read(std::uint64_t offset, std::uint64_t length, std::string& bytes) {
+  bytes.resize(length);
+  file_.clear();
+  file_.seekg(static_cast<std::streamoff>(offset));
+  file_.read(bytes.data(), static_cast<std::streamsize>(length));
+  return static_cast<bool>(file_);
+}
+
+}  // namespace osteon::io

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace osteon::io {
+
+/// What a message's channel says about it.
+struct McapChannel {
+  std::uint16_t id{0};
+  std::string topic, message_encoding;
+  std::string schema_name, schema_encoding, schema;  ///< of protobuf: a FileDescriptorSet
+};
+
+/// One message as it lies in the file.
+struct McapMessage {
+  const McapChannel* channel{nullptr};  ///< lives as long as the reader
+  std::uint64_t log_time_ns{0};
+  std::span<const char> bytes;  ///< until the next call of Next
+  bool checked{true};           ///< false: of a chunk that is cut off, whose CRC can not be checked
+};
+
+/// A part of a file that was passed over.
+struct McapDamage {
+  std::uint64_t offset{0}, bytes{0};
+  std::string reason;
+};
+
+/// Reads the messages of an MCAP file in their order in the file; one chunk at a time is in memory.
+///
+/// Everything that any writer puts into an uncompressed file is understood; records beyond schemas, channels
+/// and messages are skipped. No byte is trusted: a length that is not there ends the file (it is torn), never
+/// the program. Of a chunk that is cut off the complete messages are still given, unchecked.
+class McapReader {
+ public:
+  enum class OnDamage {
+    kRefuse,  ///< an error that names the byte
+    kSkip,    ///< goes on with the next chunk that is sound, and notes what was left out
+  };
+
+  /// The error names the file and the reason: cannot be read, or not MCAP.
+  [[nodiscard]] static tl::expected<McapReader, std::string> Open(const std::filesystem::path& path,
+                                                                  OnDamage on_damage = OnDamage::kRefuse);
+
+  /// The next message. False at the file's end. The error names file, byte and reason; it is final.
+  [[nodiscard]] tl::expected<bool, std::string> Next(McapMessage& message);
+
+  /// After the end: closing magic and everything before it were there.
+  [[nodiscard]] bool complete() const { return complete_; }
+  /// Up to the end, or up to the first byte that is of no use: the rest of a torn file.
+  [[nodiscard]] std::uint64_t read_bytes() const { return offset_; }
+  [[nodiscard]] std::uint64_t file_bytes() const { return size_; }
+  /// Where the last message's record, or the chunk that holds it, begins.
+  [[nodiscard]] std::uint64_t message_offset() const { return records_offset_; }
+  [[nodiscard]] const std::vector<McapDamage>& damage() const { return damage_; }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// Of the header: what wrote the file.
+  [[nodiscard]] const std::string& library() const { return library_; }
+  /// "file: byte N: reason" of the last message.
+  [[nodiscard]] std::string ErrorAt(const std::string& reason) const;
+
+ private:
+  struct Schema {
+    std::string name, encoding, data;
+  };
+
+  McapReader(const std::filesystem::path& path, std::ifstream file, std::uint64_t size, OnDamage on_damage)
+      : path_(path), file_(std::move(file)), size_(size), on_damage_(on_damage) {}
+
+  [[nodiscard]] std::string ReadRecord();
+  [[nodiscard]] std::string OnRecord(std::uint8_t opcode, std::span<const char> content);
+  [[nodiscard]] std::string OnChunk(std::span<const char> content);
+  void OnTornChunk();
+  [[nodiscard]] std::string OnInner(McapMessage& message, bool& found);
+  [[nodiscard]] std::string OnSchema(std::span<const char> content);
+  [[nodiscard]] std::string OnChannel(std::span<const char> content);
+  [[nodiscard]] std::string ReadClosingMagic();
+  void ReadSummary();
+  [[nodiscard]] bool Resync(const std::string& reason);
+  [[nodiscard]] bool IsSoundChunk(std::uint64_t offset, std::uint64_t length);
+  [[nodiscard]] bool IsZeroToTheEnd();
+  [[nodiscard]] bool Read(std::uint64_t offset, std::uint64_t length, std::string& bytes);
+
+  std::filesystem::path path_;
+  std::ifstream file_;
+  std::uint64_t size_;
+  OnDamage on_damage_;
+  std::string library_;
+  std::map<std::uint16_t, Schema> schemas_;
+  std::map<std::uint16_t, McapChannel> channels_;  // nodes stay where they are
+  std::vector<McapDamage> damage_;
+
+  std::uint64_t offset_{0};  // of the next record
+  std::uint32_t crc_{0};     // of everything before it
+  bool has_header_{false}, data_ended_{false}, ended_{false}, complete_{false};
+
+  // the records being handed out: a chunk's, or a single one outside any chunk
+  std::string records_;
+  std::uint64_t records_offset_{0};  // in the file, of the record that holds them
+  std::uint64_t at_{0}, last_at_{0};
+  bool in_chunk_{false}, torn_{false};
+};
+
+}  // namespace osteon::io

@@ -1,0 +1,128 @@
+#include "io/recording/recovery.h"
+
+#include <map>
+#include <optional>
+#include <system_error>
+
+#include "io/recording/mcap_writer.h"
+#include "io/recording/messages.h"
+#include "io/recording/recording_reader.h"
+
+namespace osteon::io {
+namespace {
+
+// Counts what is kept. An empty string, or why the message is none.
+class Census {
+ public:
+  explicit Census(Recovery& recovery) : recovery_(recovery) {}
+
+  std::string Take(const McapMessage& message) {
+    switch (TopicOf(*message.channel)) {
+      case RecordedTopic::kSession: {
+        std::string wrong = Decode(message.bytes, session_);
+        has_session_ |= wrong.empty();
+        return wrong;
+      }
+      case RecordedTopic::kTick: {
+        control::TickRecord tick;
+        if (std::string wrong = Decode(message.bytes, tick); !wrong.empty()) return wrong;
+        const double time_s = 1e-9 * static_cast<double>(message.log_time_ns);
+        if (next_tick_ && tick.tick > *next_tick_) recovery_.missing_ticks += tick.tick - *next_tick_;
+        if (!next_tick_) recovery_.first_s = time_s;
+        recovery_.last_s = time_s;
+        next_tick_ = tick.tick + 1;
+        ++recovery_.ticks;
+        return {};
+      }
+      case RecordedTopic::kFrame: {
+        simulation::FrameRecord frame;
+        ++recovery_.frames;
+        return Decode(message.bytes, frame);
+      }
+      case RecordedTopic::kEvent: {
+        RecordedEvent event;
+        ++recovery_.events;
+        return Decode(message.bytes, event);
+      }
+      case RecordedTopic::kOther:
+        break;
+    }
+    return {};
+  }
+  [[nodiscard]] bool has_session() const { return has_session_; }
+
+ private:
+  Recovery& recovery_;
+  SessionInfo session_;
+  std::optional<std::uint64_t> next_tick_;
+  bool has_session_{false};
+};
+
+}  // namespace
+
+tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path& from,
+                                                     const std::filesystem::path& to) {
+  Recovery recovery;
+  auto reader = McapReader::Open(from, McapReader::OnDamage::kSkip);
+  if (!reader) return tl::unexpected(reader.error());
+  std::error_code ignored;
+  if (std::filesystem::equivalent(from, to, ignored))
+    return tl::unexpected(to.string() + ": found the torn recording itself, accepted another file");
+
+  // into a file beside it, which then takes its place
+  const std::filesystem::path part = to.string() + ".part";
+  auto writer = McapWriter::Create(part, reader->library());
+  if (!writer) return tl::unexpected(writer.error());
+  const auto discard = [&](std::string error) -> tl::unexpected<std::string> {
+    std::filesystem::remove(part, ignored);
+    return tl::unexpected(std::move(error));
+  };
+  Census census(recovery);
+  std::map<std::uint16_t, std::uint16_t> channels;
+  McapMessage message;
+  for (;;) {
+    const auto more = reader->Next(message);
+    if (!more) return discard(more.error());
+    if (!*more) break;
+    const Recovery before = recovery;
+    if (const std::string wrong = census.Take(message); !wrong.empty()) {
+      recovery = before;
+      if (!message.checked) break;  // where the file was cut off
+      recovery.damage.push_back({reader->message_offset(), message.bytes.size(), wrong});
+      continue;
+    }
+    auto channel = channels.find(message.channel->id);
+    if (channel == channels.end()) {
+      const McapChannel& c = *message.channel;
+      const auto id =
+          writer->AddChannel(c.topic, c.schema_name, c.schema, c.schema_encoding, c.message_encoding);
+      channel = channels.emplace(c.id, id).first;
+    }
+    writer->Write(channel->second, static_cast<std::int64_t>(message.log_time_ns),
+                  {message.bytes.data(), message.bytes.size()});
+    ++recovery.messages;
+    if (!message.checked) ++recovery.unchecked;
+  }
+  if (!census.has_session())
+    return discard(from.string() + ": no osteon.Session left in it: nothing to recover");
+  recovery.damage.insert(recovery.damage.end(), reader->damage().begin(), reader->damage().end());
+  recovery.was_whole = reader->complete() && recovery.damage.empty();
+  if (recovery.was_whole) {
+    std::filesystem::remove(part, ignored);
+    return recovery;
+  }
+  const auto& damage = reader->damage();
+  const bool to_the_end =
+      !damage.empty() && damage.back().offset + damage.back().bytes >= reader->file_bytes();
+  recovery.tail_bytes = to_the_end ? 0 : reader->file_bytes() - reader->read_bytes();
+
+  const auto bytes = writer->Finish();
+  if (!bytes) return discard(bytes.error());
+  recovery.bytes = *bytes;
+  std::error_code error;
+  std::filesystem::rename(part, to, error);
+  if (error) return discard(to.string() + ": cannot write: " + error.message());
+  return recovery;
+}
+
+}  // namespace osteon::io

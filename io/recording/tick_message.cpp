@@ -1,0 +1,154 @@
+#include "io/recording/message_parts.h"
+#include "io/recording/messages.h"
+
+namespace osteon::io {
+
+using control::TickRecord;
+
+namespace {
+
+void Put(const control::TickInput& from, osteon::TickInput* to) {
+  to->set_now_ns(from.now);
+  to->set_arm_stamp_ns(from.arm_stamp);
+  to->set_sequence(from.sequence);
+  to->set_lost(from.lost);
+  to->set_duplicate(from.duplicate);
+  to->set_late(from.late);
+  to->set_rejected(from.rejected);
+  to->set_received(static_cast<osteon::TickInput::Received>(from.received));
+  to->set_quality(from.quality);
+  to->set_safety_state(from.safety_state);
+  to->set_stop(from.stop);
+  to->set_model_status(from.model_status);
+  to->set_period_s(from.period_s);
+  if (from.has_ipo) to->mutable_q_ipo_rad()->Assign(from.q_ipo.begin(), from.q_ipo.end());
+  to->mutable_tau_ext_nm()->Assign(from.tau_ext.begin(), from.tau_ext.end());
+  to->set_sensor_stamp_ns(from.sensor_stamp);
+  io::Put(from.F_sensor_T_W, to->mutable_f_sensor_t_w());
+  to->set_model_pose_stamp_ns(from.model_pose_stamp);
+  to->set_activation(from.activation);
+  to->set_holding(from.holding);
+  to->set_reordered(from.reordered);
+  to->set_other_version(from.other_version);
+  to->set_answers_lost(from.answers_lost);
+  to->set_answers_foreign(from.answers_foreign);
+  to->set_operation_mode(from.operation_mode);
+  to->set_control_mode(from.control_mode);
+  to->set_command_mode(from.command_mode);
+  to->set_drives_active(from.drives_active);
+}
+
+// An empty string, or what is wrong.
+std::string Get(const osteon::TickInput& from, control::TickInput& to) {
+  if (!osteon::TickInput::Received_IsValid(from.received()))
+    return "received " + std::to_string(from.received()) + ", accepted 0 … 2";
+  struct Bounded {
+    const char* name;
+    std::uint32_t value, most;
+  };
+  for (const Bounded& each : {Bounded{"quality", from.quality(), 3},
+                              {"safety_state", from.safety_state(), 3},
+                              {"operation_mode", from.operation_mode(), 2},
+                              {"control_mode", from.control_mode(), 3},
+                              {"command_mode", from.command_mode(), 4},
+                              {"model_status", from.model_status(), 3}})
+    if (each.value > each.most)
+      return std::string(each.name) + " " + std::to_string(each.value) + ", accepted 0 … " +
+             std::to_string(each.most);
+  to.now = from.now_ns();
+  to.arm_stamp = from.arm_stamp_ns();
+  to.sequence = from.sequence();
+  to.lost = from.lost();
+  to.duplicate = from.duplicate();
+  to.late = from.late();
+  to.rejected = from.rejected();
+  to.received = static_cast<std::uint8_t>(from.received());
+  to.quality = static_cast<std::uint8_t>(from.quality());
+  to.safety_state = static_cast<std::uint8_t>(from.safety_state());
+  to.has_ipo = from.q_ipo_rad_size() > 0;
+  to.stop = from.stop();
+  to.model_status = static_cast<std::uint8_t>(from.model_status());
+  to.period_s = from.period_s();
+  if (to.has_ipo && !io::Get(from.q_ipo_rad(), to.q_ipo)) return "not 7 joint values";
+  if (!io::Get(from.tau_ext_nm(), to.tau_ext)) return "not 7 joint values";
+  to.sensor_stamp = from.sensor_stamp_ns();
+  io::Get(from.f_sensor_t_w(), to.F_sensor_T_W);
+  to.model_pose_stamp = from.model_pose_stamp_ns();
+  to.activation = from.activation();
+  to.holding = from.holding();
+  to.reordered = from.reordered();
+  to.other_version = from.other_version();
+  to.answers_lost = from.answers_lost();
+  to.answers_foreign = from.answers_foreign();
+  to.operation_mode = static_cast<std::uint8_t>(from.operation_mode());
+  to.control_mode = static_cast<std::uint8_t>(from.control_mode());
+  to.command_mode = static_cast<std::uint8_t>(from.command_mode());
+  to.drives_active = from.drives_active();
+  return {};
+}
+
+}  // namespace
+
+void Encode(const TickRecord& record, std::string& bytes) {
+  Tick message;
+  message.set_tick(record.tick);
+  message.set_stamp_ns(record.stamp);
+  message.set_phase(static_cast<Tick::Phase>(record.phase));
+  message.set_session_state(record.session_state);
+  message.set_faults(record.faults);
+  message.mutable_q_meas_rad()->Assign(record.q_meas.begin(), record.q_meas.end());
+  message.mutable_q_cmd_rad()->Assign(record.q_cmd.begin(), record.q_cmd.end());
+  io::Put(record.X_WT_cmd, message.mutable_x_wt_cmd());
+  io::Put(record.X_WT_meas, message.mutable_x_wt_meas());
+  io::Put(record.v_WT_cmd_m_per_s, message.mutable_v_wt_cmd_m_per_s());
+  io::Put(record.F_operator_T_W, message.mutable_f_operator_t_w());
+  io::Put(record.F_coupling_T_W, message.mutable_f_coupling_t_w());
+  message.set_wrench_scale(record.wrench_scale);
+  message.set_arm_share(record.arm_share);
+  message.set_model_age_s(record.model_age_s);
+  message.set_sensor_age_s(record.sensor_age_s);
+  message.set_model_frame(record.model_frame);
+  message.set_spindle_rad_per_s(record.spindle_rad_per_s);
+  message.set_wakeup_ns(record.wakeup_ns);
+  message.set_compute_ns(record.compute_ns);
+  message.set_activation_cmd(record.activation_cmd);
+  Put(record.input, message.mutable_input());
+  message.SerializeToString(&bytes);
+}
+
+std::string Decode(std::span<const char> bytes, TickRecord& record) {
+  Tick message;
+  if (!Parse(bytes, message)) return "not an osteon.Tick";
+  if (!Tick::Phase_IsValid(message.phase()))
+    return "phase " + std::to_string(message.phase()) + ", accepted 0 … 3";
+  if (message.session_state() > 4)
+    return "session_state " + std::to_string(message.session_state()) + ", accepted 0 … 4";
+  TickRecord r;
+  r.tick = message.tick();
+  r.stamp = message.stamp_ns();
+  r.phase = static_cast<control::Phase>(message.phase());
+  r.session_state = static_cast<std::uint8_t>(message.session_state());
+  r.faults = message.faults();
+  if (!io::Get(message.q_meas_rad(), r.q_meas) || !io::Get(message.q_cmd_rad(), r.q_cmd))
+    return "not 7 joint values";
+  if (!io::Get(message.x_wt_cmd(), r.X_WT_cmd) || !io::Get(message.x_wt_meas(), r.X_WT_meas))
+    return "not 9 elements of a rotation";
+  io::Get(message.v_wt_cmd_m_per_s(), r.v_WT_cmd_m_per_s);
+  io::Get(message.f_operator_t_w(), r.F_operator_T_W);
+  io::Get(message.f_coupling_t_w(), r.F_coupling_T_W);
+  r.wrench_scale = message.wrench_scale();
+  if (message.has_arm_share()) r.arm_share = message.arm_share();
+  r.model_age_s = message.model_age_s();
+  r.sensor_age_s = message.sensor_age_s();
+  r.model_frame = message.model_frame();
+  r.spindle_rad_per_s = message.spindle_rad_per_s();
+  r.wakeup_ns = message.wakeup_ns();
+  r.compute_ns = message.compute_ns();
+  r.activation_cmd = message.activation_cmd();
+  if (message.has_input())
+    if (const std::string wrong = Get(message.input(), r.input); !wrong.empty()) return wrong;
+  record = r;
+  return {};
+}
+
+}  // namespace osteon::io

@@ -1,0 +1,83 @@
+// What recording costs the tick: Push at 1 kHz, with the writer's threads at work and a file behind them.
+//
+//     osteon_record_bench [SECONDS] [FILE]
+//
+// Prints median, 99 % and most of Push, of the inputs' copy into the record, and of the clock that measures
+// both, in ns; and how fast the file grows.
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "io/recording/recorder.h"
+#include "tests/io/recording_samples.h"
+
+namespace {
+
+using namespace osteon;
+
+void Print(const char* what, std::vector<rt::Nanoseconds>& ns) {
+  std::sort(ns.begin(), ns.end());
+  const auto at = [&](double share) {
+    return static_cast<long>(ns[static_cast<std::size_t>(share * static_cast<double>(ns.size() - 1))]);
+  };
+  std::printf("%s,%ld,%ld,%ld\n", what, at(0.5), at(0.99), at(1.0));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double seconds = argc > 1 ? std::atof(argv[1]) : 10.0;
+  const std::filesystem::path path =
+      argc > 2 ? argv[2] : (std::filesystem::temp_directory_path() / "osteon_record_bench.mcap").string();
+  if (!(seconds >= 0.1 && seconds <= 3600.0)) {
+    std::fprintf(stderr, "osteon_record_bench: SECONDS: found %s, accepted 0.1 … 3600\n", argv[1]);
+    return 2;
+  }
+  auto recorder = io::Recorder::Open({.path = path}, io::test::SomeSession());
+  if (!recorder) {
+    std::fprintf(stderr, "osteon_record_bench: %s\n", recorder.error().c_str());
+    return 1;
+  }
+  const bool realtime = rt::RequestRealtimePriority(80);
+  const auto ticks = static_cast<std::uint64_t>(seconds * 1e3);
+  std::vector<rt::Nanoseconds> push, inputs, clock;
+  for (auto* times : {&push, &inputs, &clock}) times->reserve(ticks);
+  simulation::FrameRecord frame = io::test::SomeFrame(4);
+  rt::Nanoseconds next = rt::MonotonicNow();
+  for (std::uint64_t i = 0; i < ticks; ++i) {
+    control::TickRecord tick = io::test::SomeTick(i);
+    control::TickInput given = tick.input;
+    rt::SleepUntil(next += rt::kMillisecond);
+    tick.stamp = given.now = rt::MonotonicNow();
+    const rt::Nanoseconds t0 = rt::MonotonicNow();
+    const rt::Nanoseconds t1 = rt::MonotonicNow();
+    tick.input = given;
+    asm volatile("" ::"g"(&tick) : "memory");
+    const rt::Nanoseconds t2 = rt::MonotonicNow();
+    (void)(*recorder)->Push(tick);
+    const rt::Nanoseconds t3 = rt::MonotonicNow();
+    clock.push_back(t1 - t0);
+    inputs.push_back(t2 - t1);
+    push.push_back(t3 - t2);
+    frame.stamp = t3;
+    (void)(*recorder)->PushFrame(frame);
+  }
+  const auto counts = (*recorder)->Close();
+  if (!counts) {
+    std::fprintf(stderr, "osteon_record_bench: %s\n", counts.error().c_str());
+    return 1;
+  }
+  std::printf("what,ns_p50,ns_p99,ns_max\n");
+  Print("push", push);
+  Print("inputs", inputs);
+  Print("clock", clock);
+  std::printf("# %llu ticks, %llu dropped, %s, %.0f kB/s with a frame of 4 contacts a tick\n",
+              static_cast<unsigned long long>(counts->ticks),
+              static_cast<unsigned long long>(counts->dropped_ticks),
+              realtime ? "SCHED_FIFO" : "no SCHED_FIFO", 1e-3 * static_cast<double>(counts->bytes) / seconds);
+  return 0;
+}

@@ -1,0 +1,94 @@
+#include "config/file_scope.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "config/load.h"
+#include "tests/io/temporary_folder.h"
+
+// Which files a configuration is read from, and that it can be held to one folder.
+
+namespace osteon::config {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
+
+std::vector<std::string> NamesOf(const FileScope& scope) {
+  std::vector<std::string> names;
+  for (const FileScope::File& file : scope.files())
+    names.push_back(file.path.lexically_relative(kConfig.lexically_normal()).generic_string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+TEST(FileScope, NotesEveryFileOnce) {
+  const FileScope scope;
+  static_cast<void>(LoadCell(kConfig / "cells/demo.yaml"));
+  EXPECT_EQ(NamesOf(scope), (std::vector<std::string>{"cells/demo.yaml", "materials/bone.yaml",
+                                                      "robots/lbr_iiwa_14_r820.yaml",
+                                                      "scenes/acetabulum.yaml", "tools/reamer.yaml"}));
+  for (const FileScope::File& file : scope.files()) EXPECT_FALSE(file.by_whole_path);
+}
+
+TEST(FileScope, NotesMeshesAndPictures) {
+  const FileScope scope;
+  static_cast<void>(LoadTool(kConfig / "tools/broach.yaml"));
+  static_cast<void>(LoadScene(kConfig / "scenes/acetabulum_density.yaml"));
+  EXPECT_EQ(NamesOf(scope),
+            (std::vector<std::string>{"images/hip_density.png", "scenes/acetabulum_density.yaml",
+                                      "tools/broach.obj", "tools/broach.yaml"}));
+}
+
+TEST(FileScope, NotesNothingOutsideIt) {
+  { const FileScope scope; }
+  static_cast<void>(LoadTool(kConfig / "tools/reamer.yaml"));
+  const FileScope scope;
+  EXPECT_TRUE(scope.files().empty());
+}
+
+class HeldToAFolder : public testing::Test {
+ protected:
+  HeldToAFolder() {
+    fs::copy(kConfig, folder_.path() / "in", fs::copy_options::recursive);
+    text_ = io::test::ReadAll(kConfig / "cells/demo.yaml");
+  }
+  // The demo cell with its robot named otherwise, loaded from the folder; an empty string, or the error.
+  std::string Load(const std::string& robot, FileScope::Params params) {
+    std::string text = text_;
+    const std::string name = "../robots/lbr_iiwa_14_r820.yaml";
+    text.replace(text.find(name), name.size(), robot);
+    const fs::path cell = folder_.path() / "in/cells/demo.yaml";
+    io::test::WriteAll(cell, text);
+    const FileScope scope(std::move(params));
+    try {
+      static_cast<void>(LoadCell(cell));
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  io::test::TemporaryFolder folder_;
+  std::string text_;
+};
+
+TEST_F(HeldToAFolder, FilesOutsideAreRefused) {
+  const std::string outside = (kConfig / "robots/lbr_iiwa_14_r820.yaml").lexically_normal().string();
+  EXPECT_EQ(Load(outside, {}), "") << "without a root, anywhere";
+  const FileScope::Params held{.root = folder_.path() / "in"};
+  EXPECT_EQ(Load("../robots/lbr_iiwa_14_r820.yaml", held), "");
+  EXPECT_NE(Load(outside, held).find("robot: found " + outside.substr(0, 20)), std::string::npos)
+      << Load(outside, held);
+  fs::copy_file(outside, folder_.path() / "beside.yaml");
+  EXPECT_NE(Load("../../beside.yaml", held).find("accepted a file beside it"), std::string::npos);
+}
+
+TEST_F(HeldToAFolder, AWholePathIsFoundWhereItsFilesAreNow) {
+  const FileScope::Params held{.root = folder_.path() / "in", .once_at = "/once/was/here"};
+  EXPECT_EQ(Load("/once/was/here/robots/lbr_iiwa_14_r820.yaml", held), "");
+  EXPECT_NE(Load("/once/was/../robots/lbr_iiwa_14_r820.yaml", held), "");
+}
+
+}  // namespace
+}  // namespace osteon::config
