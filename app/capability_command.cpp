@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "app/cell_file.h"
 #include "app/usage.h"
 
 namespace osteon::app {
@@ -70,8 +71,6 @@ int CapabilityCommand::Run(const std::filesystem::path& config_root, const std::
   CapabilityOptions& o = options_;
   o.command_line = command_line;
   o.search = !no_search_;
-  o.cell =
-      cell_.ends_with(".yaml") ? std::filesystem::path(cell_) : config_root / "cells" / (cell_ + ".yaml");
   o.mount = mount_ == "floor" ? Mount::kFloor : mount_ == "ceiling" ? Mount::kCeiling : Mount::kCell;
   for (const auto& [name, values, range] :
        {std::tuple{"--x-mm", &x_mm_, &o.x_mm}, {"--y-mm", &y_mm_, &o.y_mm}, {"--z-mm", &z_mm_, &o.z_mm}}) {
@@ -83,11 +82,12 @@ int CapabilityCommand::Run(const std::filesystem::path& config_root, const std::
     }
     *range = {values->front(), values->back()};
   }
-  if (!std::filesystem::is_regular_file(o.cell)) {
-    fmt::print(stderr, "osteon capability: {}: no file {}; accepted: a YAML file, or the name of one of {}\n",
-               cell_, o.cell.string(), (config_root / "cells").string());
+  const auto found = FindCell(config_root, cell_);
+  if (!found) {
+    fmt::print(stderr, "osteon capability: {}\n", found.error());
     return 2;
   }
+  o.cell = *found;
   return RunCapability(o);
 }
 

@@ -68,6 +68,7 @@ CellRunResult RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
     result.cell = arm.statistics().cell;
   }
   result.end = servo.end;
+  if (servo.end == control::RunEnd::kNeverActive) result.diagnosis = link.session().Diagnosis();
   result.faults = servo.faults;
   result.statistics = servo.statistics;
   result.realtime = servo.realtime;
@@ -128,6 +129,7 @@ CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engi
                : stopped_by_user                         ? control::RunEnd::kStopFlag
                : result.statistics.active_ticks < wanted ? control::RunEnd::kNeverActive
                                                          : control::RunEnd::kSeconds;
+  if (result.end == control::RunEnd::kNeverActive) result.diagnosis = session.Diagnosis();
   result.cell = cell.state();
   result.after = engine.Snapshot();
   return result;

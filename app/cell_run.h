@@ -28,6 +28,8 @@ struct CellRunParams {
 /// What a run leaves besides its recording.
 struct CellRunResult {
   control::RunEnd end{control::RunEnd::kSeconds};
+  std::string
+      diagnosis;  ///< where the arm was never ready: what kept it from being commanded, if that is known
   safety::FaultSet faults;
   control::ServoStatistics statistics;
   bool realtime{false};

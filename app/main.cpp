@@ -3,13 +3,12 @@
 
 #include <cstdlib>
 #include <exception>
-#include <set>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include "app/capability_command.h"
+#include "app/cell_file.h"
 #include "app/demo.h"
 #include "app/doctor.h"
 #include "app/export_command.h"
@@ -31,15 +30,6 @@ std::string CommandLine(int argc, char** argv) {
     line += plain ? " " + word : " '" + word + "'";
   }
   return line;
-}
-
-// The cells of a configuration folder, in alphabetical order.
-std::string CellNames(const std::filesystem::path& config_root) {
-  std::set<std::string> names;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(config_root / "cells", error))
-    if (entry.path().extension() == ".yaml") names.insert(entry.path().stem().string());
-  return names.empty() ? "there is none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
 // Options of `pack` that are texts on the command line and more than that in PackOptions.
@@ -254,13 +244,12 @@ int Run(int argc, char** argv) {
   }
   if (*demo_app) {
     demo.command_line = CommandLine(argc, argv);
-    demo.cell =
-        cell.ends_with(".yaml") ? std::filesystem::path(cell) : config_root / "cells" / (cell + ".yaml");
-    if (!std::filesystem::is_regular_file(demo.cell)) {
-      fmt::print(stderr, "osteon demo: --cell {}: no file {}; accepted: a YAML file, or one of {}: {}\n",
-                 cell, demo.cell.string(), (config_root / "cells").string(), CellNames(config_root));
+    const auto found = osteon::app::FindCell(config_root, cell);
+    if (!found) {
+      fmt::print(stderr, "osteon demo: --cell {}\n", found.error());
       return 2;
     }
+    demo.cell = *found;
     if (demo.engine == "reference" && !demo.virtual_time) {
       fmt::print(stderr,
                  "osteon demo: --engine reference: found wall time, accepted with --virtual-time only\n");

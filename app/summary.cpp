@@ -120,6 +120,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.tool = tool.name;
   s.recording = params.recording.string();
   s.ended = EndText(result.end);
+  if (!result.diagnosis.empty()) s.ended += ": " + result.diagnosis;
   s.virtual_time = params.virtual_time;
   s.realtime = result.realtime;
   s.balls = setup.bone.balls.size();
@@ -305,15 +306,18 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
 }
 
 tl::expected<void, std::string> WriteText(const std::filesystem::path& path, const std::string& text) {
-  const std::filesystem::path part = path.string() + ".part";
+  std::error_code error;
+  // a file takes its place whole; what is no file (a device, a pipe) is written to and stays what it is
+  const bool whole = !std::filesystem::exists(path, error) || std::filesystem::is_regular_file(path, error);
+  const std::filesystem::path part = whole ? path.string() + ".part" : path.string();
   std::ofstream file(part, std::ios::binary);
   file << text;
   file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(part, path, error);
+  error.clear();
+  if (file && whole) std::filesystem::rename(part, path, error);
   if (file && !error) return {};
   const std::string reason = error ? error.message() : std::strerror(errno);
-  std::filesystem::remove(part, error);
+  if (whole) std::filesystem::remove(part, error);
   return tl::make_unexpected(path.string() + ": can't be written: " + reason);
 }
 

@@ -1,6 +1,8 @@
 #include "app/summary.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -49,6 +51,21 @@ TEST(WriteText, LeavesTheWholeFileAndNothingElse) {
   ASSERT_TRUE(WriteText(path, "first, and longer"));
   ASSERT_TRUE(WriteText(path, "second\n"));
   EXPECT_EQ(ReadAll(path), "second\n");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(WriteText, WritesIntoWhatIsNoFileAndLeavesItWhatItIs) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  const int reader = open(path.c_str(), O_RDWR | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  EXPECT_TRUE(WriteText(path, "text\n"));
+  char bytes[16]{};
+  EXPECT_EQ(read(reader, bytes, sizeof bytes), 5);
+  close(reader);
+  EXPECT_STREQ(bytes, "text\n");
+  EXPECT_TRUE(std::filesystem::is_fifo(path));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 

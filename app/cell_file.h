@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <tl/expected.hpp>
+
+namespace osteon::app {
+
+/// The cell that a user named: a YAML file, or a name under cells/ of the configuration's root. The error
+/// says what there is.
+[[nodiscard]] tl::expected<std::filesystem::path, std::string> FindCell(
+    const std::filesystem::path& config_root, const std::string& name);
+
+}  // namespace osteon::app
