@@ -7,6 +7,7 @@
 
 #include "control/rt/latest_value.h"
 #include "hil/simulated_cell.h"
+#include "hil/udp_client.h"
 
 namespace osteon::hil {
 
@@ -54,7 +55,7 @@ class SimulatedCellThread {
   [[nodiscard]] const CellThreadStatistics& statistics() { return published_.Load(); }
 
   /// The port that this side sends from.
-  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] std::uint16_t port() const { return client_.port(); }
 
  private:
   void Run();
@@ -62,8 +63,7 @@ class SimulatedCellThread {
 
   CellThreadParams params_;
   SimulatedCell cell_;
-  int socket_{-1};
-  std::uint16_t port_{0};
+  UdpClient client_;
   SimulatedForceSensor sensor_;
   rt::LatestValue<CellThreadStatistics> published_;
   std::atomic<bool> stop_{false};

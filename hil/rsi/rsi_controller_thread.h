@@ -7,6 +7,7 @@
 
 #include "control/rt/latest_value.h"
 #include "hil/rsi/rsi_controller.h"
+#include "hil/udp_client.h"
 
 namespace osteon::hil {
 
@@ -48,7 +49,7 @@ class RsiControllerThread {
 
   RsiThreadParams params_;
   RsiController controller_;
-  int socket_{-1};
+  UdpClient client_;
   rt::LatestValue<RsiThreadStatistics> published_;
   std::atomic<bool> stop_{false};
   std::thread thread_;

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include "io/net/udp_socket.h"
+
+namespace osteon::hil {
+
+/// A device's end of a UDP link in which the device speaks first: connected to the one who should answer, so
+/// that the system drops what anybody else sends.
+class UdpClient {
+ public:
+  static constexpr int kMostAtOnce = 64;  ///< one answer is owed; the rest of a flood waits
+
+  /// @param who  "simulated arm", @param what  "client": for errors
+  /// @throws std::invalid_argument on the address or port, std::system_error where there is no socket.
+  UdpClient(const std::string& who, const std::string& what, const std::string& address, std::uint16_t port) {
+    const auto there = io::Ipv4(who + ": " + what, address, port);
+    if (!there) throw std::invalid_argument(there.error());
+    if (port == 0) throw std::invalid_argument(who + ": " + what + "_port: found 0, accepted 1 … 65535");
+    socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (socket_ < 0) throw std::system_error(errno, std::generic_category(), who + ": UDP socket");
+    sockaddr_in own{};
+    socklen_t size = sizeof own;
+    if (connect(socket_, reinterpret_cast<const sockaddr*>(&*there), sizeof *there) != 0 ||
+        getsockname(socket_, reinterpret_cast<sockaddr*>(&own), &size) != 0) {
+      const int error = errno;
+      Close();
+      throw std::system_error(error, std::generic_category(),
+                              who + ": UDP to " + address + ":" + std::to_string(port));
+    }
+    port_ = ntohs(own.sin_port);
+  }
+  ~UdpClient() { Close(); }
+  UdpClient(const UdpClient&) = delete;
+  UdpClient& operator=(const UdpClient&) = delete;
+
+  void Close() {
+    if (socket_ >= 0) close(socket_);
+    socket_ = -1;
+  }
+  /// That this side sends from.
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+
+  /// False where the system could not hand it on, e.g. as nobody listens yet.
+  bool Send(std::span<const std::uint8_t> datagram) {
+    return send(socket_, datagram.data(), datagram.size(), MSG_NOSIGNAL) >= 0;
+  }
+
+  /// take(datagram) for each that waits. @returns how many of ours found nobody, as far as it is reported
+  /// now.
+  template <class Take>
+  std::uint64_t ReceiveAll(std::span<std::uint8_t> room, Take&& take) {
+    std::uint64_t undelivered = 0;
+    for (int i = 0; i < kMostAtOnce; ++i) {
+      const io::Datagram datagram = io::ReadDatagram(socket_, room);
+      if (datagram.read == io::Datagram::Read::kReported)
+        ++undelivered;
+      else if (datagram.read == io::Datagram::Read::kTaken)
+        take(datagram.bytes);
+      else
+        break;
+    }
+    return undelivered;
+  }
+
+ private:
+  int socket_{-1};
+  std::uint16_t port_{0};
+};
+
+}  // namespace osteon::hil
