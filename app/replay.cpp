@@ -114,8 +114,7 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
     if (recorded.input.stop) loop.RequestStop();
     TickRecord replayed =
         loop.Tick(control::ArmStateOf(recorded), static_cast<control::ReceiveResult>(recorded.input.received),
-                  {.stamp = recorded.input.sensor_stamp, .F_T_W = recorded.input.F_sensor_T_W}, *model,
-                  recorded.input.now, command);
+                  control::CellReadingsOf(recorded.input), *model, recorded.input.now, command);
     replayed.q_cmd = command.q;  // what the arm is told, whatever the record says
     replayed.activation_cmd = command.activation;
     ++result.ticks;

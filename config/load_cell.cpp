@@ -6,6 +6,7 @@
 
 #include "config/load.h"
 #include "config/load_robot.h"
+#include "config/read_devices.h"
 #include "config/read_pose.h"
 #include "config/read_script.h"
 #include "kinematics/payload.h"
@@ -360,6 +361,8 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   Reader sensor = reader.Section("force_sensor");
   static_cast<void>(sensor.Text("source"));
   const kinematics::LinkInertia sensor_F = ReadBody(sensor);
+  const DeviceSections devices{reader, sensor};
+  ReadDevices(devices, cell);
   const Reader start = reader.Section("start");
   ReadStart(start, cell.start);
   const Reader limits = reader.Section("limits");
@@ -396,6 +399,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadArm(reader, robot, cell);
   cell.tool = ChooseTool(reader, own_tool, tool);
   CarryPayload(sensor_F, cell);
+  CompleteDevices(devices, cell);
   GiveMasses(simulated_arm, friction, cell);
   cell.scene = LoadScene(scene);
   cell.scene.materials = Pick(reader, materials, cell.scene.material_names);

@@ -2,7 +2,7 @@
 
 namespace osteon::control {
 
-TickInput InputOf(const ArmState& state, ReceiveResult received, const ForceReading& reading,
+TickInput InputOf(const ArmState& state, ReceiveResult received, const CellReadings& readings,
                   const simulation::ContactModel& model, rt::Nanoseconds now, bool stop) OSTEON_RT {
   return {.now = now,
           .arm_stamp = state.stamp,
@@ -30,8 +30,19 @@ TickInput InputOf(const ArmState& state, ReceiveResult received, const ForceRead
           .period_s = state.period_s,
           .q_ipo = state.q_ipo,
           .tau_ext = state.tau_ext,
-          .sensor_stamp = reading.stamp,
-          .F_sensor_T_W = reading.F_T_W,
+          .sensor_stamp = readings.force.stamp,
+          .F_sensor_S = readings.force.F_S,
+          .sensor_trusted = readings.force.trusted,
+          .spindle_stamp = readings.spindle.stamp,
+          .spindle_meas_rad_per_s = readings.spindle.speed_rad_per_s,
+          .spindle_torque_Nm = readings.spindle.torque_Nm,
+          .spindle_ready = readings.spindle.ready,
+          .spindle_fault = readings.spindle.fault,
+          .interlock_stamp = readings.interlock.stamp,
+          .permitted = readings.interlock.permitted,
+          .enabled = readings.interlock.enabled,
+          .spindle_permitted = readings.interlock.spindle_permitted,
+          .interlock_reason = readings.interlock.reason,
           .model_pose_stamp = model.pose_stamp};
 }
 
@@ -61,6 +72,20 @@ ArmState ArmStateOf(const TickRecord& tick) {
           .other_version = in.other_version,
           .answers_lost = in.answers_lost,
           .answers_foreign = in.answers_foreign};
+}
+
+CellReadings CellReadingsOf(const TickInput& input) {
+  return {.force = {.stamp = input.sensor_stamp, .F_S = input.F_sensor_S, .trusted = input.sensor_trusted},
+          .spindle = {.stamp = input.spindle_stamp,
+                      .speed_rad_per_s = input.spindle_meas_rad_per_s,
+                      .torque_Nm = input.spindle_torque_Nm,
+                      .ready = input.spindle_ready,
+                      .fault = input.spindle_fault},
+          .interlock = {.stamp = input.interlock_stamp,
+                        .permitted = input.permitted,
+                        .enabled = input.enabled,
+                        .spindle_permitted = input.spindle_permitted,
+                        .reason = input.interlock_reason}};
 }
 
 }  // namespace osteon::control

@@ -11,11 +11,14 @@ namespace osteon::control {
 
 /// Everything of a tick's arguments that is not in its record by another name.
 /// @param stop  an orderly stop had been asked for
-[[nodiscard]] TickInput InputOf(const ArmState& state, ReceiveResult received, const ForceReading& reading,
+[[nodiscard]] TickInput InputOf(const ArmState& state, ReceiveResult received, const CellReadings& readings,
                                 const simulation::ContactModel& model, rt::Nanoseconds now,
                                 bool stop) OSTEON_RT;
 
 /// The arm's message as the tick had it.
 [[nodiscard]] ArmState ArmStateOf(const TickRecord& tick);
+
+/// What the devices said, as the tick had it.
+[[nodiscard]] CellReadings CellReadingsOf(const TickInput& input);
 
 }  // namespace osteon::control

@@ -45,8 +45,9 @@ void SimulatedCellThread::Run() {
     if (!on_time) ++statistics.overruns;
 
     const rt::Nanoseconds now = rt::MonotonicNow();
+    cell_.SetPower(power_.load(std::memory_order_relaxed));
     const auto datagram = cell_.Step(now, on_time);
-    sensor_.Store(cell_.force());  // before the message, so that who answers it finds the reading
+    loads_.Store(cell_.force());  // before the message, so that who answers it finds the reading
     if (!datagram.empty() && !client_.Send(datagram)) ++statistics.undelivered;
     sent = rt::MonotonicNow();
 

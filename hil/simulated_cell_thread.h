@@ -48,8 +48,11 @@ class SimulatedCellThread {
   /// Ends the thread after its present period; the socket closes. Safe to call twice.
   void Stop();
 
-  /// The force sensor; one reader thread.
-  [[nodiscard]] control::ForceSensor& sensor() { return sensor_; }
+  /// The newest load on the force sensor; one reader thread.
+  [[nodiscard]] control::ForceReading Load() { return loads_.Load(); }
+
+  /// See SimulatedCell. Any thread; takes effect with the next period.
+  void SetPower(bool on) { power_.store(on, std::memory_order_relaxed); }
 
   /// The newest state; one reader thread (not necessarily the sensor's). Complete after Stop().
   [[nodiscard]] const CellThreadStatistics& statistics() { return published_.Load(); }
@@ -64,7 +67,8 @@ class SimulatedCellThread {
   CellThreadParams params_;
   SimulatedCell cell_;
   UdpClient client_;
-  SimulatedForceSensor sensor_;
+  rt::LatestValue<control::ForceReading> loads_;
+  std::atomic<bool> power_{true};
   rt::LatestValue<CellThreadStatistics> published_;
   std::atomic<bool> stop_{false};
   std::thread thread_;

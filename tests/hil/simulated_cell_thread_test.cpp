@@ -82,7 +82,7 @@ TEST(SimulatedCellThread, ReachesCommandingActiveOverUdp) {
     stranger.SendTo(cell.port(), Bytes{1, 2, 3});  // from another port: must not arrive
   }
   EXPECT_EQ(seen, SessionState::kCommandingActive);
-  EXPECT_GT(cell.sensor().Latest().stamp, 0);
+  EXPECT_GT(cell.Load().stamp, 0);
   cell.Stop();
   const CellThreadStatistics& s = cell.statistics();
   EXPECT_EQ(s.cell.counters.sent, s.cell.cycle);

@@ -105,7 +105,7 @@ TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
 
   rt::LatestValue<simulation::ContactModel> models;
   rt::LatestValue<simulation::ToolCommand> commands;
-  SimulatedForceSensor sensor;
+  rt::LatestValue<control::ForceReading> sensor;
   control::ArmState state;
   control::ArmCommand command;
   const Vector3 feed_W = setup.X_WT.linear().col(2);
@@ -134,7 +134,7 @@ TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
     rt::NoAllocScope scope;
     const control::ReceiveResult received = (*link)->Receive(state, rt::MonotonicNow() + rt::kSecond);
     const control::TickRecord record =
-        loop.Tick(state, received, sensor.Latest(), models.Load(), now, command);
+        loop.Tick(state, received, {.force = sensor.Load()}, models.Load(), now, command);
     const bool answered = (*link)->Send(command);
     commands.Store(loop.tool_command());
     const bool recorded = (*recorder)->Push(record);

@@ -1,0 +1,73 @@
+#include "app/virtual_devices.h"
+
+#include <utility>
+
+namespace osteon::app {
+namespace {
+
+constexpr rt::Nanoseconds kHeartbeat = 50 * rt::kMillisecond;  // of the controller, as in wall time
+
+}  // namespace
+
+tl::expected<std::unique_ptr<VirtualDevices>, std::string> VirtualDevices::Make(
+    const config::CellConfig& cell) {
+  auto clients = io::DeviceClients::Make(cell.devices);
+  if (!clients) return tl::make_unexpected(clients.error());
+  return std::unique_ptr<VirtualDevices>(new VirtualDevices(cell, std::move(*clients)));
+}
+
+VirtualDevices::VirtualDevices(const config::CellConfig& cell, std::unique_ptr<io::DeviceClients> clients)
+    : clients_(std::move(clients)), devices_(cell.simulated_devices), buses_(cell.devices.buses.size()) {
+  for (std::size_t i = 0; i < buses_.size(); ++i) {
+    if (i == cell.devices.sensor_bus) {
+      buses_[i].Add(devices_.sensor());
+      buses_[i].Add(clients_->sensor());
+    }
+    if (clients_->drive() && devices_.drive() && i == cell.devices.drive_bus) {
+      buses_[i].Add(*devices_.drive());
+      buses_[i].Add(*clients_->drive());
+    }
+  }
+  if (!cell.simulated_plc) return;
+  logic_.emplace(cell.simulated_plc->logic);
+  plc_cycle_ = cell.simulated_plc->cycle_ms * rt::kMillisecond;
+}
+
+control::CellReadings VirtualDevices::Exchange(const control::CellCommands& commands,
+                                               rt::Nanoseconds now) OSTEON_RT {
+  now_ = now;
+  clients_->Command(commands);
+  for (hil::VirtualCan& bus : buses_) bus.Step(now);
+  if (logic_ && now >= plc_due_) StepPlc(commands, now);
+  return clients_->Readings(plc_, now);
+}
+
+// A cycle of the program, and the block that the client reads after it.
+void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseconds now) {
+  plc_due_ = now + plc_cycle_;
+  const hil::PlcPanel panel = person_.Step(now, logic_->outputs());
+  plc_inputs_.emergency_stop = panel.emergency_stop;
+  plc_inputs_.enabling = panel.enabling;
+  plc_inputs_.foot_pedal = panel.foot_pedal;
+  plc_inputs_.mode = panel.mode;
+  plc_inputs_.reset = panel.reset;
+  plc_inputs_.brake_test_due = panel.brake_test_due;
+  plc_inputs_.controller_heartbeat = static_cast<std::uint16_t>(now / kHeartbeat);
+  plc_inputs_.motion_request = clients_->MotionRequest(commands, plc_, now);
+  const hil::PlcLogicOutputs& outputs = logic_->Step(now, plc_inputs_);
+
+  plc_.stamp = plc_.heartbeat_changed = now;
+  plc_.link = io::PlcLink::kConnected;
+  plc_.inputs = {.mode = static_cast<io::PlcMode>(panel.mode),
+                 .brake_test_requested = panel.brake_test_due,
+                 .run_permitted = outputs.run_permitted,
+                 .version = logic_->params().version,
+                 .emergency_stop = outputs.emergency_stop,
+                 .enabling = static_cast<io::PlcEnabling>(panel.enabling),
+                 .foot_pedal = panel.foot_pedal,
+                 .spindle_permitted = outputs.spindle_permitted,
+                 .power_on = outputs.power_on,
+                 .heartbeat = outputs.heartbeat};
+}
+
+}  // namespace osteon::app
