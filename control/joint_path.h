@@ -34,19 +34,19 @@ struct JointPathOutput {
 ///     qd = (q_goal - q_from) s'(u) r / T     t runs on a clock of rate r in 0 … 1 (PausableClock)
 ///
 /// Velocity and acceleration vanish at both ends and are continuous on the way, as is r' in a pause. A pause
-/// slows the clock, so the arm comes to rest on the line, and goes on along it. T is the least that keeps,
-/// for every course of the clock, with d = |q_goal - q_from| of a joint,
+/// slows the clock, so the arm comes to rest on the line, and goes on along it. T is so long that for every
+/// course of the clock, with d = |q_goal - q_from| of a joint, max s' = 15/8 and max|s''| = 10/sqrt(3),
 ///
-///     d max s' / T <= speed share × velocity                                       max s' = 15/8
-///     d (max|s''| / T^2 + max s' max|r'| / T) <= acceleration share × acceleration max|s''| = 10/sqrt(3)
-///     |dp/ds| s'(u) / T <= tool speed                                       p: apex and flange, in B
+///     d max s' / T                             <= speed share × velocity
+///     d (max|s''| / T^2 + max s' max|r'| / T)  <= acceleration share × acceleration
+///     |dp/ds| s'(u) / T                        <= tool speed, p the apex and the flange's origin
 ///
 /// The last is sampled at kSamples places. What may hide between two is at most half their distance times
 ///
 ///     |d/du (dp/ds s')| <= sum_ij d_i d_j R_max(i,j) max s'^2 + sum_i d_i R_i max|s''|
 ///
-/// with R_i the sum of the arm's lengths beyond joint i, and is added: some percent of T, which so is never
-/// too short, whatever the arm.
+/// with R_i the sum of the arm's lengths beyond joint i, and is added: some percent of T, a fifth
+/// where all joints cross their range. So T is never too short, whatever the arm.
 ///
 /// No allocation after construction; same inputs, same bits. Source of s: Craig, Introduction to Robotics,
 /// 7.3 (quintic polynomials).
@@ -71,7 +71,7 @@ class JointPath {
   /// @pre Begin has returned true
   [[nodiscard]] JointPathOutput<N> Step(double dt_s, bool permitted) OSTEON_RT;
 
-  /// T: how long the path takes with no pause, but for the clock's start, in which pause_s / 3 is lost [s].
+  /// T [s]. With no pause the path takes pause_s / 3 longer: the clock starts from rest.
   [[nodiscard]] double duration_s() const OSTEON_RT { return duration_s_; }
   [[nodiscard]] const Joints& q_goal() const OSTEON_RT { return q_goal_; }
 
