@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "kinematics/chain_reach.h"
+
 namespace osteon::control {
 namespace {
 
@@ -48,11 +50,7 @@ JointPath<N>::JointPath(const JointPathParams& params, const kinematics::ChainPa
                                   std::to_string(limits.acceleration_rad_per_s2) +
                                   " rad/s^2, accepted > 0 for both");
   }
-  double beyond_m = chain.X_LF.translation().norm() + p_FT_m.norm();
-  for (int i = N - 1; i >= 0; --i) {
-    reach_m_[i] = beyond_m;
-    beyond_m += chain.joints[static_cast<std::size_t>(i)].X_PJ.translation().norm();
-  }
+  reach_m_ = kinematics::ReachBeyond(chain).array() + p_FT_m.norm();
 }
 
 template <int N>
