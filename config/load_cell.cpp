@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "config/check_registration.h"
 #include "config/load.h"
 #include "config/load_robot.h"
 #include "config/read_pose.h"
@@ -399,8 +400,10 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   GiveMasses(simulated_arm, friction, cell);
   cell.scene = LoadScene(scene);
   cell.scene.materials = Pick(reader, materials, cell.scene.material_names);
+  CheckFrames(cell, reader);
   PlaceArm(start, cell);
   Spread(cell);
+  CheckStart(cell, reader);
   CheckScript(script, cell.script, hand, cell.simulated.hand.max_force_N);
   return cell;
 }
