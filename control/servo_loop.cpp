@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "control/tick_input.h"
+
 namespace osteon::control {
 namespace {
 
@@ -82,40 +84,6 @@ kinematics::DifferentialInverseParams<7> MotionParams(const ServoParams& params)
   motion.turning_length_m =
       std::sqrt(params.admittance.inertia_kg_m2.mean() / params.admittance.mass_kg.mean());
   return motion;
-}
-
-// Everything that is not in the record by another name: enough to run this tick again.
-TickInput InputOf(const ArmState& state, ReceiveResult received, const ForceReading& reading,
-                  const simulation::ContactModel& model, rt::Nanoseconds now, bool stop) OSTEON_RT {
-  return {.now = now,
-          .arm_stamp = state.stamp,
-          .sequence = state.sequence,
-          .activation = state.activation,
-          .lost = state.lost,
-          .duplicate = state.duplicate,
-          .late = state.late,
-          .reordered = state.reordered,
-          .rejected = state.rejected,
-          .other_version = state.other_version,
-          .answers_lost = state.answers_lost,
-          .answers_foreign = state.answers_foreign,
-          .quality = state.quality,
-          .safety_state = state.safety_state,
-          .operation_mode = state.operation_mode,
-          .control_mode = static_cast<std::uint8_t>(state.control_mode),
-          .command_mode = static_cast<std::uint8_t>(state.command_mode),
-          .drives_active = state.drives_active,
-          .holding = state.holding,
-          .has_ipo = state.has_ipo,
-          .received = static_cast<std::uint8_t>(received),
-          .stop = stop,
-          .model_status = static_cast<std::uint8_t>(model.status),
-          .period_s = state.period_s,
-          .q_ipo = state.q_ipo,
-          .tau_ext = state.tau_ext,
-          .sensor_stamp = reading.stamp,
-          .F_sensor_T_W = reading.F_T_W,
-          .model_pose_stamp = model.pose_stamp};
 }
 
 void RequirePose(const Pose& X, const char* name) {
@@ -440,7 +408,8 @@ kinematics::JointVector ServoLoop::WantedElbow(const Twist& V_WT) OSTEON_RT {
   const double most = params_.arm_angle_rate_rad_per_s;
   const double share = phase_ != Phase::kHaptic ? 0.0 : elbow_arrived_ ? moving_ : share_;
   kinematics::LoadPreference<7> load;
-  if (body_) load = kinematics::TowardsLoad<7>(params_.posture, *body_, wanted_load_, q_, null_direction_);
+  if (body_ && (share > 0.0 || moving_ > 0.0))
+    load = kinematics::TowardsLoad<7>(params_.posture, *body_, wanted_load_, q_, null_direction_);
   // an angle at which the arm does not hold the load is not worth holding
   const double worth = 1.0 - load.depth * load.depth;
   const double turn = worth * share * std::clamp(kElbowRate_per_s * error_rad, -most, most);

@@ -23,17 +23,6 @@ SimulatedArmParams BodyOf(const SimulatedCellParams& params) {
           .q_start = ToVector(params.q_start)};
 }
 
-ArmControl ControlOf(control::ControlMode mode) {
-  switch (mode) {
-    case control::ControlMode::kCartesianImpedance:
-      return ArmControl::kCartesianImpedance;
-    case control::ControlMode::kJointImpedance:
-      return ArmControl::kJointImpedance;
-    default:
-      return ArmControl::kPosition;
-  }
-}
-
 }  // namespace
 
 SimulatedCell::SimulatedCell(const SimulatedCellParams& params, HandScript script)
@@ -52,7 +41,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   server_.EndCycle(client_had_its_time);
   const Matrix3 R_BT = (arm_.FlangePose(body_->q()) * X_FT_).linear();
   ArmDrive drive;
-  drive.control = ControlOf(server_.control_mode());
+  drive.control = server_.control_mode();
   drive.q_cmd = server_.q_commanded();
   drive.tau_Nm = server_.tau_commanded();
   drive.F_T_B = Turned(R_BT, server_.F_commanded());
