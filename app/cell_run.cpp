@@ -12,6 +12,7 @@
 #include "app/recorded_config.h"
 #include "app/simulated_setup.h"
 #include "app/simulation_thread.h"
+#include "app/start_path.h"
 #include "app/virtual_devices.h"
 #include "control/rt/clock.h"
 #include "io/devices/wired_devices.h"
@@ -73,6 +74,40 @@ void PutWhyNot(CellRunResult& result, const std::string& arm, const std::string&
   result.diagnosis = arm + (arm.empty() || devices.empty() ? "" : "; ") + devices;
 }
 
+// Looks along the way to the start while the arm waits, and again where somebody has moved the arm since.
+class StartWatch {
+ public:
+  StartWatch(const CellSetup& setup, control::ServoLoop& loop) : setup_(setup), loop_(loop) {
+    loop_.AllowBegin(false);
+  }
+
+  /// Where the arm is: the servo's thread writes, this one reads.
+  [[nodiscard]] rt::LatestValue<control::StandingArm>& standing() { return standing_; }
+
+  void Look() {
+    const control::StandingArm& arm = standing_.Load();
+    if (!arm.known) return;
+    const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(arm.q.data());
+    if (looked_ && (q - looked_at_).cwiseAbs().maxCoeff() < kMoved_rad) return;
+    looked_at_ = q;
+    loop_.AllowBegin(false);
+    why_not_ = WhyNotToStart(setup_, q);
+    looked_ = true;
+    loop_.AllowBegin(why_not_.empty());
+  }
+
+  [[nodiscard]] const std::string& why_not() const { return why_not_; }
+
+ private:
+  static constexpr double kMoved_rad = 0.02;
+  const CellSetup& setup_;
+  control::ServoLoop& loop_;
+  rt::LatestValue<control::StandingArm> standing_;
+  kinematics::JointVector looked_at_{kinematics::JointVector::Zero()};
+  bool looked_{false};
+  std::string why_not_;
+};
+
 tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
                                                  FrameRunner& runner, Wires& wires, io::Recorder& recorder,
                                                  const CellRunParams& params) {
@@ -82,6 +117,7 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
   rt::LatestValue<simulation::ToolCommand> commands;
   control::RunServoResult servo;
   bool cell_died = false;
+  StartWatch start(setup, loop);
   {
     SimulationThread simulation(runner, commands, models, recorder);
     std::atomic<bool> done{false}, stop{false};
@@ -90,6 +126,7 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
       servo = RunServo(loop, *wires.link, *wires.devices, models, commands, recorder,
                        {.deadline_s = 5.0 * setup.config.servo.period_s,
                         .seconds = params.seconds,
+                        .standing = &start.standing(),
                         .rendered_s = &rendered_s,
                         .stop = &stop});
       if (wires.cell) wires.cell->AskToEnd();  // at once: a client that is gone is no loss on the arm's books
@@ -98,12 +135,14 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
     while (!done.load()) {
       std::this_thread::sleep_for(kLook);
       cell_died |= !done.load() && wires.cell && wires.cell->Ended();
-      if (cell_died || (params.stop && params.stop->load())) stop.store(true);
+      start.Look();
+      if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
       if (params.progress) params.progress(rendered_s.load());
     }
     servo_thread.join();
     simulation.Stop();
   }
+  if (!start.why_not().empty()) return tl::make_unexpected(start.why_not());
   if (cell_died && servo.statistics.active_ticks == 0)
     return tl::make_unexpected(std::string("the simulated cell has ended by itself"));
   result.end = servo.end;
@@ -124,6 +163,9 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
   CellRunResult result;
   control::ServoLoop loop = MakeServoLoop(setup.config);
   hil::SimulatedCell cell = MakeSimulatedCell(setup.config, params.seconds);
+  const kinematics::JointVector q_first =
+      Eigen::Map<const kinematics::JointVector>(setup.config.simulated.q_start.data());
+  if (const std::string why = WhyNotToStart(setup, q_first); !why.empty()) return tl::make_unexpected(why);
   auto devices = VirtualDevices::Make(setup.config);
   if (!devices) return tl::make_unexpected(devices.error());
   io::FriSession session(setup.config.fri.session);

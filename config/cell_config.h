@@ -42,6 +42,7 @@ struct StartConfig {
   double tool_yaw_rad{0.0};     ///< turns the tool about its axis: R_CT = Rx(pi) Rz(yaw)
   Pose X_WT{Pose::Identity()};  ///< what follows from the two
   double arm_angle_rad{0.0};
+  control::JointPathParams path;  ///< of an arm that is handed over elsewhere
   /// The same as joints [rad]: of the arm's solutions the nearest to zero.
   kinematics::JointVector q{kinematics::JointVector::Zero()};
 };

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "config/check_registration.h"
 #include "config/load.h"
 #include "config/load_robot.h"
 #include "config/read_devices.h"
@@ -18,6 +19,11 @@ void ReadStart(Reader section, StartConfig& start) {
   start.height_m = section.Number("height_mm", 0, 500);
   start.tool_yaw_rad = section.Number("tool_yaw_deg", -360, 360);
   start.arm_angle_rad = section.Number("arm_angle_deg", -180, 180);
+  start.path.speed_share = section.Number("speed_ratio", 0.01, 1);
+  start.path.acceleration_share = section.Number("acceleration_ratio", 0.01, 1);
+  start.path.tool_speed_m_per_s =
+      section.Number("tool_speed_mm_per_s", 1, 1e3 * control::kReducedSpeed_m_per_s);
+  start.path.pause_s = section.Number("pause_ms", 50, 5000);
 }
 
 void ReadLimits(Reader section, control::ServoParams& servo) {
@@ -171,6 +177,10 @@ void ReadSimulatedArm(Reader section, hil::SimulatedCellParams& cell, DriveFrict
   cell.dynamic.bandwidth_hz = servo.bandwidth_hz;
   cell.dynamic.damping_ratio = servo.damping_ratio;
   cell.dynamic.dead_cycles = servo.dead_cycles;
+  if (section.Has("start_offset_deg")) {
+    const std::vector<double> offset_rad = section.Numbers("start_offset_deg", 7, -90, 90);
+    std::copy(offset_rad.begin(), offset_rad.end(), cell.q_start.begin());
+  }
   if (cell.level == hil::ArmLevel::kDynamic || section.Has("dynamic"))
     ReadDynamicArm(section.Section("dynamic"), cell.dynamic, friction);
 }
@@ -323,6 +333,7 @@ void Spread(CellConfig& cell) {
   control::ServoParams& servo = cell.servo;
   servo.joints.limits = cell.robot.limits;
   servo.arm_body = cell.chain;
+  servo.start = control::StartParams{.q = cell.start.q, .path = cell.start.path};
   servo.posture_load.axial_N = servo.wrench.max_force_N;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
@@ -333,7 +344,7 @@ void Spread(CellConfig& cell) {
   cell.simulated.X_WB = cell.X_WB;
   cell.simulated.X_FT = cell.tool.X_FT;
   for (std::size_t i = 0; i < cell.simulated.q_start.size(); ++i)
-    cell.simulated.q_start[i] = cell.start.q[static_cast<Eigen::Index>(i)];
+    cell.simulated.q_start[i] += cell.start.q[static_cast<Eigen::Index>(i)];
 
   std::visit(
       [&cell](auto& script) {
@@ -403,8 +414,10 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   GiveMasses(simulated_arm, friction, cell);
   cell.scene = LoadScene(scene);
   cell.scene.materials = Pick(reader, materials, cell.scene.material_names);
+  CheckFrames(cell, reader);
   PlaceArm(start, cell);
   Spread(cell);
+  CheckStart(cell, reader);
   CheckScript(script, cell.script, hand, cell.simulated.hand.max_force_N);
   return cell;
 }

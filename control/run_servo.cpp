@@ -58,6 +58,10 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     const rt::Nanoseconds answered = rt::MonotonicNow();
     commands.Store(loop.tool_command());
 
+    if (params.standing && received == ReceiveResult::kOk && loop.phase() == Phase::kWaiting &&
+        state.session != SessionState::kIdle)
+      params.standing->Store({.known = true, .q = state.q_meas});
+
     // what it took; only a message that came has a wake-up
     ++result.ticks;
     record.compute_ns = answered - woken;
@@ -65,7 +69,8 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
       record.wakeup_ns = woken - state.stamp;
       result.wakeup.Add(record.wakeup_ns);
       result.compute.Add(record.compute_ns);
-      const bool active = state.session == SessionState::kCommandingActive && loop.phase() != Phase::kWaiting;
+      const bool active = state.session == SessionState::kCommandingActive &&
+                          loop.phase() != Phase::kWaiting && loop.phase() != Phase::kAligning;
       if (active && last_active >= 0) result.period.Add(state.stamp - last_active);
       last_active = active ? state.stamp : -1;
       if (active && active_since < 0) active_since = state.stamp;
@@ -81,6 +86,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     }
     if (params.stop != nullptr && params.stop->load(std::memory_order_relaxed)) end(RunEnd::kStopFlag);
     if (loop.faults().Any()) end(RunEnd::kFault);
+    if (!ending && loop.phase() == Phase::kAligning) give_up_at = woken + give_up;  // it comes closer
     if (params.seconds > 0.0 && active_since >= 0 && woken - active_since >= ToNanoseconds(params.seconds))
       end(RunEnd::kSeconds);
     if (active_since < 0 && woken > give_up_at) end(RunEnd::kNeverActive);

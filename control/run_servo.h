@@ -9,11 +9,19 @@
 
 namespace osteon::control {
 
+/// Where an arm stands that has not begun.
+struct StandingArm {
+  bool known{false};
+  JointArray q{};  ///< [rad]
+};
+
 struct RunServoParams {
   double deadline_s{0.005};  ///< wait for an arm message; each one missed counts toward arm stale
   double seconds{10.0};      ///< of rendering; then an orderly stop. 0: until stopped
   double give_up_s{30.0};    ///< without beginning to render, and without coming to rest after the end
   int priority{80};          ///< SCHED_FIFO; 0: do not ask
+  /// Where the arm stands, written with each of its messages while the loop waits. Writer: this thread.
+  rt::LatestValue<StandingArm>* standing{nullptr};
   std::atomic<double>* rendered_s{nullptr};  ///< written each tick: how much of `seconds` has been run
   const std::atomic<bool>* stop{nullptr};    ///< orderly stop where it becomes true, e.g. by a signal handler
 };

@@ -78,6 +78,7 @@ ServoLoop::ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, c
   RequirePose(X_WB, "X_WB");
   RequirePose(X_FT, "X_FT");
   if (!std::isfinite(arm_angle_rad)) throw std::invalid_argument("arm_angle_rad: accepted a finite angle");
+  if (params.start) path_.emplace(params.start->path, *params.arm_body, X_FT.translation());
   if (!params.arm_body || !params.arm_body->has_masses) return;
   wanted_load_.load = params.posture_load;
   wanted_load_.p_F = X_FT.translation();
@@ -139,7 +140,8 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
     if (!active || phase_ == Phase::kWaiting) {
       Mirror(state);
       if (phase_ == Phase::kHaptic) faults_.Latch(Fault::kSession);
-      if (phase_ != Phase::kWaiting || stop) phase_ = Phase::kStopped;
+      const bool again = !stop && (phase_ == Phase::kWaiting || phase_ == Phase::kAligning);
+      phase_ = again ? Phase::kWaiting : Phase::kStopped;
     }
     if (active && phase_ != Phase::kStopped &&
         !(std::abs(state.period_s - params_.period_s) < kSamePeriod_s)) {
@@ -147,16 +149,17 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
       V_WT_ = {};
       phase_ = Phase::kStopped;
     }
-    if (active && phase_ == Phase::kWaiting && MayMove(readings, now)) StartRendering(state, now);
-    if (active && phase_ != Phase::kWaiting) ++statistics_.active_ticks;
-    if (phase_ == Phase::kHaptic) {
+    if (active && phase_ == Phase::kWaiting && MayMove(readings, now)) Begin(state, now);
+    if (phase_ == Phase::kHaptic || phase_ == Phase::kAligning) {
       const double error_m = (X_WT_meas.translation() - X_WT_.translation()).norm();
       statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
       if (!(error_m <= params_.max_tracking_error_m)) faults_.Latch(Fault::kTracking);
       if (state.safety_state != 0) faults_.Latch(Fault::kSession);
       if (stop) StartStopping();
     }
+    if (phase_ == Phase::kAligning) Align(state, Permitted(readings.interlock, now), stop, now);
 
+    if (active && phase_ != Phase::kWaiting && phase_ != Phase::kAligning) ++statistics_.active_ticks;
     if (phase_ == Phase::kHaptic)
       Render(readings, X_WT_meas, model, now, record);
     else if (phase_ == Phase::kStopping)
@@ -211,13 +214,50 @@ void ServoLoop::TakeSpindle(const CellReadings& readings) OSTEON_RT {
 }
 
 bool ServoLoop::MayMove(const CellReadings& readings, rt::Nanoseconds now) const OSTEON_RT {
+  if (!may_begin_.load(std::memory_order_relaxed)) return false;
   const safety::WatchdogParams& most = params_.watchdog;
   if (!readings.force.trusted || !(AgeOf(readings.force.stamp, now) <= most.sensor_stop_s)) return false;
   if (params_.has_spindle && (!readings.spindle.ready || readings.spindle.fault ||
                               !(AgeOf(readings.spindle.stamp, now) <= most.spindle_stop_s)))
     return false;
+  return Permitted(readings.interlock, now);
+}
+
+bool ServoLoop::Permitted(const InterlockReading& interlock, rt::Nanoseconds now) const OSTEON_RT {
   return !params_.has_interlock ||
-         (readings.interlock.permitted && AgeOf(readings.interlock.stamp, now) <= most.interlock_stop_s);
+         (interlock.permitted && AgeOf(interlock.stamp, now) <= params_.watchdog.interlock_stop_s);
+}
+
+// The arm has been handed over: to the start, or on from where it is.
+void ServoLoop::Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
+  activation_ = state.activation;
+  const bool there = !path_ || (q_ - params_.start->q).cwiseAbs().maxCoeff() <= params_.start->there_rad;
+  if (there) {
+    StartRendering(state, now);
+  } else if (path_->Begin(q_, params_.start->q)) {
+    phase_ = Phase::kAligning;
+  } else {
+    faults_.Latch(Fault::kJointLimit);  // the arm stands where no command may put it
+    phase_ = Phase::kStopped;
+  }
+}
+
+// A step of the path. Whatever is wrong stops the path's clock; what can not be commanded is not.
+void ServoLoop::Align(const ArmState& state, bool permitted, bool stop, rt::Nanoseconds now) OSTEON_RT {
+  const bool ends = stop || faults_.Any();
+  const JointPathOutput<7> next = path_->Step(params_.period_s, permitted && !ends);
+  const safety::JointGuard::Result guard = joint_guard_.Limit(q_, next.q - q_, params_.period_s);
+  if (guard.jump || guard.violated || guard.share < 1.0) {
+    faults_.Latch(Fault::kJointLimit);
+    phase_ = Phase::kStopped;
+    return;
+  }
+  q_ = next.q;
+  X_WT_ = ToolPose(q_);
+  if (next.done && !ends)
+    StartRendering(state, now);
+  else if (ends && next.rate == 0.0)
+    phase_ = Phase::kStopped;
 }
 
 void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {

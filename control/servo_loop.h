@@ -42,11 +42,16 @@ struct ServoStatistics {
 ///     message → pose → ages → coupling → wrench trips and limiter → M a + D v = F_operator + F_coupling
 ///             → tool speed, workspace → differential inverse, null space → joint guard → command
 ///
-///   kWaiting ──COMMANDING_ACTIVE──▶ kHaptic ──fault, RequestStop()──▶ kStopping ──at rest──▶ kStopped
+///   kWaiting ──COMMANDING_ACTIVE──▶ kAligning ──there──▶ kHaptic ──fault, RequestStop()──▶ kStopping
+///                                                                                             │ at rest
+///                                                                                             ▼ kStopped
 ///
 /// - kWaiting follows the arm's own position. It goes on only where the force sensor lives, the spindle's
 /// drive is ready and the PLC permits motion, as far as the cell has them. The virtual tool starts from the
 /// commanded joints: no jump.
+/// - kAligning goes to ServoParams::start along a joint path, where the arm was handed over elsewhere. It
+/// goes on while motion is permitted and pauses on its path where it is not; an arm that leaves
+/// COMMANDING_ACTIVE meanwhile is waited for anew.
 /// - kHaptic renders. The age of the contact model slows the motion down: with s the coupling's fade, the
 /// operator's force
 ///   counts s F, the coupling s F_c (in EvaluateCoupling), the tool moves by s v dt. At s = 0 the tool is
@@ -77,6 +82,10 @@ class ServoLoop {
   TickRecord Tick(const ArmState& state, ReceiveResult received, const CellReadings& readings,
                   const simulation::ContactModel& model, rt::Nanoseconds now, ArmCommand& command) OSTEON_RT;
 
+  /// Whether an arm that waits may begin to move; it may at first. From any thread: e.g. while the way to the
+  /// start is looked at.
+  void AllowBegin(bool allowed) OSTEON_RT { may_begin_.store(allowed, std::memory_order_relaxed); }
+
   /// Orderly stop. From any thread, and from a signal handler.
   void RequestStop() OSTEON_RT { stop_requested_.store(true, std::memory_order_relaxed); }
 
@@ -99,6 +108,9 @@ class ServoLoop {
   void Mirror(const ArmState& state) OSTEON_RT;
   void Miss(ReceiveResult received) OSTEON_RT;
   [[nodiscard]] bool MayMove(const CellReadings& readings, rt::Nanoseconds now) const OSTEON_RT;
+  [[nodiscard]] bool Permitted(const InterlockReading& interlock, rt::Nanoseconds now) const OSTEON_RT;
+  void Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
+  void Align(const ArmState& state, bool permitted, bool stop, rt::Nanoseconds now) OSTEON_RT;
   void StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
   void Render(const CellReadings& readings, const Pose& X_WT_meas, const simulation::ContactModel& model,
               rt::Nanoseconds now, TickRecord& record) OSTEON_RT;
@@ -124,6 +136,7 @@ class ServoLoop {
   safety::SensorForceTrip sensor_trip_;
   safety::Workspace workspace_;
   kinematics::DifferentialInverse<7> motion_;
+  std::optional<JointPath<7>> path_;  ///< to the start
   safety::JointGuard joint_guard_;
   safety::Watchdog watchdog_;
 
@@ -159,7 +172,7 @@ class ServoLoop {
   bool wrench_acted_{false}, arm_acted_{false}, twist_acted_{false}, workspace_acted_{false},
       joints_acted_{false}, model_acted_{false}, sensor_acted_{false};
 
-  std::atomic<bool> stop_requested_{false};
+  std::atomic<bool> stop_requested_{false}, may_begin_{true};
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 

@@ -37,6 +37,11 @@ void Validate(const ServoParams& params) {
   require("posture_load torque_Nm", params.posture_load.torque_Nm, 0.0, 1000.0);
   require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
   require("period_s", params.period_s, 1e-4, 0.02);
+  if (!params.start) return;
+  require("start there_rad", params.start->there_rad, 1e-6, 0.1);
+  if (!params.arm_body)
+    throw std::invalid_argument(
+        "servo start: found no arm_body, accepted one: its path needs the arm's lengths");
 }
 
 kinematics::DifferentialInverseParams<7> MotionParams(const ServoParams& params) {

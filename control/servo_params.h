@@ -4,6 +4,7 @@
 
 #include "control/admittance_law.h"
 #include "control/hand_wrench.h"
+#include "control/joint_path.h"
 #include "control/virtual_coupling.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/differential_inverse.h"
@@ -14,6 +15,13 @@
 #include "safety/workspace.h"
 
 namespace osteon::control {
+
+/// Where rendering begins. An arm that is handed over elsewhere goes there first.
+struct StartParams {
+  kinematics::JointVector q{kinematics::JointVector::Zero()};  ///< [rad]
+  JointPathParams path;
+  double there_rad{2e-3};  ///< every joint this near counts as there; > 0
+};
 
 /// Everything that the servo loop can be told. Every field has a usable default but the arm's limits
 /// (joints.limits).
@@ -47,8 +55,9 @@ struct ServoParams {
   double max_tracking_error_m{0.03};  ///< measured from commanded tool position
   double period_s{0.001};             ///< of the arm's messages
   ForceSensorParams sensor;
-  bool has_spindle{false};    ///< the spindle has a drive: what it says of its speed counts
-  bool has_interlock{false};  ///< the cell has a PLC: nothing moves without its permission
+  std::optional<StartParams> start;  ///< absent: where the arm is handed over; needs arm_body
+  bool has_spindle{false};           ///< the spindle has a drive: what it says of its speed counts
+  bool has_interlock{false};         ///< the cell has a PLC: nothing moves without its permission
   /// The arm with sensor and tool as its payload: the coupling is scaled to what its torques can hold in the
   /// posture. Absent, or without masses: the cell's limits alone.
   std::optional<kinematics::ChainParams<7>> arm_body;
