@@ -15,6 +15,7 @@
 #include "app/start_path.h"
 #include "app/virtual_devices.h"
 #include "control/rt/clock.h"
+#include "hil/injection/impaired_cell.h"
 #include "io/devices/wired_devices.h"
 #include "io/fri/fri_link.h"
 
@@ -162,7 +163,7 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
                                                     const CellRunParams& params) {
   CellRunResult result;
   control::ServoLoop loop = MakeServoLoop(setup.config);
-  hil::SimulatedCell cell = MakeSimulatedCell(setup.config, params.seconds);
+  hil::ImpairedCell cell(MakeSimulatedCell(setup.config, params.seconds), setup.config.injections);
   const kinematics::JointVector q_first =
       Eigen::Map<const kinematics::JointVector>(setup.config.simulated.q_start.data());
   if (const std::string why = WhyNotToStart(setup, q_first); !why.empty()) return tl::make_unexpected(why);
@@ -182,10 +183,13 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
   std::int64_t since_progress = 0;
   for (std::int64_t tick = 1; loop.phase() != control::Phase::kStopped && since_progress < patience; ++tick) {
     const rt::Nanoseconds now = tick * period;
-    cell.SetPower((*devices)->power());
-    const auto message = cell.Step(now);
-    (*devices)->SetLoad(cell.force().F_S);
-    const bool accepted = !message.empty() && session.Accept(message, now, state) == io::FriAccept::kAccepted;
+    cell.cell().SetPower((*devices)->power());
+    bool accepted = false;
+    cell.Step(now, [&](std::span<const std::uint8_t> message, rt::Nanoseconds arrival) {
+      accepted |= session.Accept(message, arrival, state) == io::FriAccept::kAccepted;
+    });
+    if (cell.state().active_once) (*devices)->Begin(now);
+    (*devices)->SetLoad(cell.cell().force().F_S);
     const auto received = accepted ? control::ReceiveResult::kOk : control::ReceiveResult::kTimeout;
 
     // the frame of two ticks ago has arrived

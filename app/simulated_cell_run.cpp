@@ -35,6 +35,12 @@ const char* NameOf(control::SessionState state) {
   return "unknown";
 }
 
+nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
+  return {{"pushed", n.pushed},       {"passed", n.passed},       {"lost", n.lost},
+          {"duplicated", n.duplicated}, {"reordered", n.reordered}, {"corrupted", n.corrupted},
+          {"delayed", n.delayed},     {"silenced", n.silenced},   {"overflow", n.overflow}};
+}
+
 void PrintWires(const config::CellConfig& cell) {
   fmt::print("osteon cell: the arm sends FRI {} to {}:{}\n", io::Name(cell.fri.session.version),
              cell.fri.host, cell.fri.port);
@@ -76,6 +82,13 @@ std::string ToJson(const hil::CellHostState& state) {
         {"blocks", hil::DescribeBlocks(state.plc.blocks)},
         {"requests", state.plc_counters.requests},
         {"connections", state.plc_counters.connections}}},
+      {"wires",
+       {{"arm_to_controller", WireJson(state.arm.wires.arm_to_controller)},
+        {"arm_from_controller", WireJson(state.arm.wires.arm_from_controller)},
+        {"sensor_to_controller", WireJson(state.devices.sensor_to_controller)},
+        {"sensor_from_controller", WireJson(state.devices.sensor_from_controller)},
+        {"drive_to_controller", WireJson(state.devices.drive_to_controller)},
+        {"drive_from_controller", WireJson(state.devices.drive_from_controller)}}},
       {"spindle", {{"speed_rad_per_s", state.tool_speed_rad_per_s}}}};
   return json.dump(2) + "\n";
 }

@@ -11,11 +11,11 @@ hil::SimulatedCell MakeSimulatedCell(const config::CellConfig& cell, double seco
 }
 
 hil::CellHostParams HostParams(const config::CellConfig& cell) {
-  return {.arm = {.client_address = cell.fri.host, .client_port = cell.fri.port},
-          .buses = cell.devices.buses,
+  return {.arm = {.client_address = cell.fri.host,
+                  .client_port = cell.fri.port,
+                  .injections = cell.injections},
+          .wires = cell.devices,
           .devices = cell.simulated_devices,
-          .sensor_bus = cell.devices.sensor_bus,
-          .drive_bus = cell.devices.drive_bus,
           .plc = cell.simulated_plc};
 }
 

@@ -17,27 +17,37 @@ tl::expected<std::unique_ptr<VirtualDevices>, std::string> VirtualDevices::Make(
 }
 
 VirtualDevices::VirtualDevices(const config::CellConfig& cell, std::unique_ptr<io::DeviceClients> clients)
-    : clients_(std::move(clients)), devices_(cell.simulated_devices), buses_(cell.devices.buses.size()) {
-  for (std::size_t i = 0; i < buses_.size(); ++i) {
-    if (i == cell.devices.sensor_bus) {
-      buses_[i].Add(devices_.sensor());
-      buses_[i].Add(clients_->sensor());
-    }
-    if (clients_->drive() && devices_.drive() && i == cell.devices.drive_bus) {
-      buses_[i].Add(*devices_.drive());
-      buses_[i].Add(*clients_->drive());
-    }
+    : clients_(std::move(clients)),
+      devices_(cell.simulated_devices),
+      plc_faults_(cell.injections, hil::Wire::kPlc, hil::Direction::kBoth) {
+  const io::DeviceParams& wires = cell.devices;
+  std::vector<io::CanBus*> ends;
+  pumps_.reserve(wires.buses.size());
+  for (std::size_t i = 0; i < wires.buses.size(); ++i) {
+    hil::MemoryCanBus &ours = controller_ends_.emplace_back(now_), &theirs = device_ends_.emplace_back(now_);
+    hil::MemoryCanBus::Join(ours, theirs);
+    ends.push_back(&theirs);
+    io::CanPump& pump = pumps_.emplace_back(ours);
+    if (i == wires.sensor_bus) pump.Add(clients_->sensor());
+    if (clients_->drive() && i == wires.drive_bus) pump.Add(*clients_->drive());
   }
+  wires_.emplace(ends, devices_, wires, cell.injections, &now_);
   if (!cell.simulated_plc) return;
   logic_.emplace(cell.simulated_plc->logic);
   plc_cycle_ = cell.simulated_plc->cycle_ms * rt::kMillisecond;
+}
+
+void VirtualDevices::Begin(rt::Nanoseconds now) {
+  wires_->Begin(now);
+  plc_faults_.Begin(now);
 }
 
 control::CellReadings VirtualDevices::Exchange(const control::CellCommands& commands,
                                                rt::Nanoseconds now) OSTEON_RT {
   now_ = now;
   clients_->Command(commands);
-  for (hil::VirtualCan& bus : buses_) bus.Step(now);
+  wires_->Pump(now);
+  for (io::CanPump& pump : pumps_) pump.Pump(now);
   if (logic_ && now >= plc_due_) StepPlc(commands, now);
   return clients_->Readings(plc_, now);
 }
@@ -56,8 +66,10 @@ void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseco
   plc_inputs_.motion_request = clients_->MotionRequest(commands, plc_, now);
   const hil::PlcLogicOutputs& outputs = logic_->Step(now, plc_inputs_);
 
-  plc_.stamp = plc_.heartbeat_changed = now;
-  plc_.link = io::PlcLink::kConnected;
+  const hil::WireFaults faults = plc_faults_.At(now);
+  if (faults.silence) return;
+  plc_.link = faults.loss > 0.0 ? io::PlcLink::kConnecting : io::PlcLink::kConnected;
+  plc_.stamp = plc_.heartbeat_changed = now - faults.delay;
   plc_.inputs = {.mode = static_cast<io::PlcMode>(panel.mode),
                  .brake_test_requested = panel.brake_test_due,
                  .run_permitted = outputs.run_permitted,

@@ -6,6 +6,7 @@
 
 #include "control/servo_loop.h"
 #include "hil/can/simulated_devices.h"
+#include "hil/injection/wire_faults.h"
 #include "hil/plc/plc_server.h"
 #include "hil/scripts.h"
 #include "hil/simulated_cell.h"
@@ -71,6 +72,7 @@ struct CellConfig {
   hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that stand in for the real ones
   hil::SimulatedDeviceParams simulated_devices;  ///< the same devices' other ends
   std::optional<hil::PlcServerParams> simulated_plc;
+  hil::InjectionParams injections;  ///< what goes wrong on the simulated cell's wires
   hil::ScriptParams script;  ///< what the operator is told to do
 };
 

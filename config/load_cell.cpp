@@ -8,6 +8,7 @@
 #include "config/load.h"
 #include "config/load_robot.h"
 #include "config/read_devices.h"
+#include "config/read_injections.h"
 #include "config/read_pose.h"
 #include "config/read_script.h"
 #include "kinematics/payload.h"
@@ -394,6 +395,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadSimulatedArm(simulated_arm, cell.simulated, friction);
   const Reader link_quality = reader.Section("link_quality");
   ReadLinkQuality(link_quality, cell.simulated.fri.quality);
+  cell.injections = ReadInjections(reader);
   reader.Finish();
 
   CheckBody(sensor, sensor_F, "force_sensor");

@@ -3,13 +3,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include "io/can/can_pump.h"
+#include "hil/plc/plc_injection.h"
 
 namespace osteon::hil {
 
 CellHost::CellHost(const CellHostParams& params, SimulatedCell cell)
     : params_(params), devices_(params.devices) {
-  for (const io::CanBusParams& bus : params.buses) {
+  for (const io::CanBusParams& bus : params.wires.buses) {
     auto opened = io::UdpCanBus::Open({.bind_port = bus.device_port, .peer_port = bus.port});
     if (!opened) throw std::runtime_error("CAN bus " + bus.name + ", devices: " + opened.error());
     buses_.push_back(std::move(*opened));
@@ -39,28 +39,37 @@ CellHostState CellHost::State() {
     state.plc = plc_->outputs();
     state.plc_counters = plc_->counters();
   }
-  state.tool_speed_rad_per_s = tool_speed_rad_per_s_.load(std::memory_order_relaxed);
+  if (state.arm.cell.active_once) commanding_.store(true, std::memory_order_relaxed);
+  const Devices& devices = published_.Load();
+  state.devices = devices.wires;
+  state.tool_speed_rad_per_s = devices.tool_speed_rad_per_s;
   return state;
 }
 
 void CellHost::RunDevices() {
   static_cast<void>(params_.device_priority > 0 && rt::RequestRealtimePriority(params_.device_priority));
-  std::vector<io::CanPump> pumps;
-  pumps.reserve(buses_.size());
-  for (std::size_t i = 0; i < buses_.size(); ++i) {
-    io::CanPump& pump = pumps.emplace_back(*buses_[i]);
-    if (i == params_.sensor_bus) pump.Add(devices_.sensor());
-    if (i == params_.drive_bus && devices_.drive()) pump.Add(*devices_.drive());
-  }
+  std::vector<io::CanBus*> ends;
+  for (const auto& bus : buses_) ends.push_back(bus.get());
+  const InjectionParams& injections = params_.arm.injections;
+  DeviceWires wires(ends, devices_, params_.wires, injections);
+  std::optional<PlcInjection> plc_wire;
+  if (plc_) plc_wire.emplace(*plc_, injections);
   PanelOperator person;
   rt::Nanoseconds due = rt::MonotonicNow();
   while (!stop_.load(std::memory_order_relaxed)) {
-    devices_.SetLoad(arm_->Load().F_S);
+    const control::ForceReading load = arm_->Load();
+    devices_.SetLoad(load.F_S);
     const rt::Nanoseconds now = rt::MonotonicNow();
-    for (io::CanPump& pump : pumps) pump.Pump(now);
-    if (const DriveDevice* drive = devices_.drive())
-      tool_speed_rad_per_s_.store(drive->tool_speed_rad_per_s(), std::memory_order_relaxed);
+    if (commanding_.load(std::memory_order_relaxed)) {
+      wires.Begin(now);
+      if (plc_wire) plc_wire->Begin(now);
+    }
+    wires.Pump(now);
+    const DriveDevice* drive = devices_.drive();
+    published_.Store(
+        {.wires = wires.counters(), .tool_speed_rad_per_s = drive ? drive->tool_speed_rad_per_s() : 0.0});
     if (plc_) {
+      plc_wire->Step(now);
       const PlcLogicOutputs outputs = plc_->outputs();
       plc_->SetPanel(person.Step(now, outputs));
       arm_->SetPower(outputs.power_on);

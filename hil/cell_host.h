@@ -7,7 +7,9 @@
 #include <thread>
 #include <vector>
 
+#include "control/rt/latest_value.h"
 #include "hil/can/simulated_devices.h"
+#include "hil/device_wires.h"
 #include "hil/plc/panel_operator.h"
 #include "hil/plc/plc_server.h"
 #include "hil/simulated_cell_thread.h"
@@ -17,10 +19,9 @@
 namespace osteon::hil {
 
 struct CellHostParams {
-  CellThreadParams arm;
-  std::vector<io::CanBusParams> buses;  ///< their tunnels' ends at the devices are ours
+  CellThreadParams arm;     ///< its injections are those of all wires
+  io::DeviceParams wires;   ///< as the controller has them: its tunnels' other ends are ours
   SimulatedDeviceParams devices;
-  std::size_t sensor_bus{0}, drive_bus{0};  ///< in `buses`
   std::optional<PlcServerParams> plc;
   rt::Nanoseconds device_period{rt::kMillisecond / 2};  ///< how often buses and panel are looked after
   int device_priority{75};                              ///< SCHED_FIFO; 0: do not ask
@@ -29,6 +30,7 @@ struct CellHostParams {
 /// What the cell was, at its end or now. Plain data.
 struct CellHostState {
   CellThreadStatistics arm;
+  DeviceWireCounters devices;
   PlcLogicOutputs plc;
   PlcServerCounters plc_counters;
   double tool_speed_rad_per_s{0.0};  ///< of the drive
@@ -59,7 +61,12 @@ class CellHost {
   std::vector<std::unique_ptr<io::UdpCanBus>> buses_;
   std::unique_ptr<PlcServer> plc_;
   std::unique_ptr<SimulatedCellThread> arm_;
-  std::atomic<double> tool_speed_rad_per_s_{0.0};
+  struct Devices {
+    DeviceWireCounters wires;
+    double tool_speed_rad_per_s{0.0};
+  };
+  rt::LatestValue<Devices> published_;  // writer: thread_
+  std::atomic<bool> commanding_{false};  // the arm has been in COMMANDING_ACTIVE
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

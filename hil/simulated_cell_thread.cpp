@@ -8,6 +8,7 @@ namespace osteon::hil {
 SimulatedCellThread::SimulatedCellThread(const CellThreadParams& params, SimulatedCell cell)
     : params_(params),
       cell_(std::move(cell)),
+      wires_(params.injections),
       client_("simulated arm", "client", params.client_address, params.client_port) {
   thread_ = std::thread([this] { Run(); });
 }
@@ -32,11 +33,11 @@ void SimulatedCellThread::Run() {
   while (!stop_.load(std::memory_order_relaxed)) {
     // until the next message is due, and until the client has had a whole period, unless its answer is here
     rt::Nanoseconds target = due;
-    rt::SleepUntil(target);
+    WaitUntil(target, statistics);
     rt::Nanoseconds lateness = rt::MonotonicNow() - target;
     if (!ReceiveAll(statistics) && rt::MonotonicNow() < sent + period) {
       target = sent + period;
-      rt::SleepUntil(target);
+      WaitUntil(target, statistics);
       lateness = std::max(lateness, rt::MonotonicNow() - target);
       ReceiveAll(statistics);
     }
@@ -47,24 +48,51 @@ void SimulatedCellThread::Run() {
     const rt::Nanoseconds now = rt::MonotonicNow();
     cell_.SetPower(power_.load(std::memory_order_relaxed));
     const auto datagram = cell_.Step(now, on_time);
-    loads_.Store(cell_.force());  // before the message, so that who answers it finds the reading
-    if (!datagram.empty() && !client_.Send(datagram)) ++statistics.undelivered;
+    loads_.Store(cell_.force());  // before the message, so that who answers it finds the load
+    answered_ = false;
+    if (cell_.state().active_once) wires_.Begin(now);
+    if (!datagram.empty()) wires_.to_controller.Push(datagram, now);
+    MoveDue(rt::MonotonicNow(), statistics);
     sent = rt::MonotonicNow();
 
     due = (on_time ? target : sent) + period;
     statistics.cell = cell_.state();
+    statistics.wires = wires_.counters();
     published_.Store(statistics);
   }
 }
 
-// True where the answer to the message last sent was among what came.
+// Sleeps; where something is injected, moves what is due meanwhile.
+void SimulatedCellThread::WaitUntil(rt::Nanoseconds target, CellThreadStatistics& statistics) {
+  if (!wires_.injects()) {
+    rt::SleepUntil(target);
+    return;
+  }
+  while (rt::MonotonicNow() < target) {
+    const rt::Nanoseconds due =
+        std::min({wires_.to_controller.NextDue(), wires_.from_controller.NextDue(), target});
+    client_.WaitUntil(due);
+    ReceiveAll(statistics);
+  }
+}
+
+// True where the answer to the message last sent has come.
 bool SimulatedCellThread::ReceiveAll(CellThreadStatistics& statistics) {
   std::array<std::uint8_t, kFriMaxDatagram + 1>
       bytes;  // one more, so that an oversized datagram shows as such
-  bool answered = false;
+  const rt::Nanoseconds now = rt::MonotonicNow();
   statistics.undelivered += client_.ReceiveAll(
-      bytes, [&](std::span<const std::uint8_t> datagram) { answered |= cell_.Receive(datagram); });
-  return answered;
+      bytes, [&](std::span<const std::uint8_t> datagram) { wires_.from_controller.Push(datagram, now); });
+  MoveDue(now, statistics);
+  return answered_;
+}
+
+// What is due leaves its wire: messages toward the client, answers to the arm.
+void SimulatedCellThread::MoveDue(rt::Nanoseconds now, CellThreadStatistics& statistics) {
+  while (wires_.to_controller.NextDue() <= now)
+    if (!client_.Send(wires_.to_controller.Next(now))) ++statistics.undelivered;
+  while (wires_.from_controller.NextDue() <= now)
+    answered_ |= cell_.Receive(wires_.from_controller.Next(now));
 }
 
 }  // namespace osteon::hil

@@ -2,10 +2,12 @@
 
 #include <atomic>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <thread>
 
 #include "control/rt/latest_value.h"
+#include "hil/injection/cell_wires.h"
 #include "hil/simulated_cell.h"
 #include "hil/udp_client.h"
 
@@ -16,6 +18,7 @@ struct CellThreadParams {
       "127.0.0.1"};                  ///< dotted IPv4; the loopback unless the client really is elsewhere
   std::uint16_t client_port{30200};  ///< where the client listens
   int realtime_priority{80};         ///< SCHED_FIFO, 1 … 99; 0: do not ask
+  InjectionParams injections{};      ///< of the arm's wire; others are not this thread's
 };
 
 /// What the thread did. Plain data.
@@ -25,6 +28,7 @@ struct CellThreadStatistics {
   rt::Nanoseconds worst_wakeup_ns{0};
   std::uint64_t undelivered{0};  ///< messages that the system could not hand on, e.g. as nobody listens yet
   bool realtime{false};          ///< the priority was granted
+  CellWireCounters wires;        ///< what was injected
 };
 
 /// The simulated cell in wall time: its own thread, FRI over a UDP socket, an absolute 1 ms schedule.
@@ -36,10 +40,13 @@ struct CellThreadStatistics {
 /// a whole period from the message: where the message left late within its period, the thread waits that much
 /// longer for a missing answer. Woken more than half a period late, it counts an overrun of its own, excuses
 /// a missing answer, and begins its schedule anew instead of sending the missed cycles in a burst.
+///
+/// **Injections** act on the datagrams as they leave and arrive here; the thread wakes when one is due, so
+/// that delays below a period are what they say. What they cost the client is held against it.
 class SimulatedCellThread {
  public:
-  /// Starts at once. @throws std::system_error where there is no socket, std::invalid_argument on the address
-  /// or port.
+  /// Starts at once. @throws std::system_error where there is no socket, std::invalid_argument on the
+  /// address, the port or an injection.
   SimulatedCellThread(const CellThreadParams& params, SimulatedCell cell);
   ~SimulatedCellThread();
   SimulatedCellThread(const SimulatedCellThread&) = delete;
@@ -62,10 +69,14 @@ class SimulatedCellThread {
 
  private:
   void Run();
+  void WaitUntil(rt::Nanoseconds target, CellThreadStatistics& statistics);
   bool ReceiveAll(CellThreadStatistics& statistics);
+  void MoveDue(rt::Nanoseconds now, CellThreadStatistics& statistics);
 
   CellThreadParams params_;
   SimulatedCell cell_;
+  CellWires wires_;
+  bool answered_{false};  // the message last sent
   UdpClient client_;
   rt::LatestValue<control::ForceReading> loads_;
   std::atomic<bool> power_{true};

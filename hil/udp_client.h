@@ -54,6 +54,9 @@ class UdpClient {
     return send(socket_, datagram.data(), datagram.size(), MSG_NOSIGNAL) >= 0;
   }
 
+  /// Sleeps until `time` on CLOCK_MONOTONIC, or until something has come.
+  void WaitUntil(rt::Nanoseconds time) const { static_cast<void>(io::WaitReadable(socket_, time)); }
+
   /// take(datagram) for each that waits. @returns how many of ours found nobody, as far as it is reported
   /// now.
   template <class Take>

@@ -15,6 +15,7 @@
 #include "hil/failures/leak.h"
 #include "hil/failures/material_step.h"
 #include "hil/failures/own_slot.h"
+#include "hil/failures/packets.h"
 #include "hil/failures/singularity.h"
 #include "hil/failures/thin_sheet.h"
 
@@ -33,6 +34,7 @@ std::span<const FailureScenario> FailureScenarios() {
       FailureScenario{.id = 11, .name = "fast rotation", .run = RunFastRotation},
       FailureScenario{.id = 12, .name = "singularity", .run = RunSingularity},
       FailureScenario{.id = 13, .name = "joint limit", .run = RunJointLimit},
+      FailureScenario{.id = 14, .name = "packets", .run = RunPackets},
       FailureScenario{.id = 18, .name = "material step", .run = RunMaterialStep},
       FailureScenario{.id = 19, .name = "breakthrough", .run = RunBreakthrough},
       FailureScenario{.id = 20, .name = "energy", .run = RunEnergy},

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace osteon::hil {
 namespace {
@@ -135,16 +136,20 @@ void PlcServer::Run() {
     }
     if (drop_.exchange(false, std::memory_order_relaxed)) {
       for (const Client& client : clients_) close(client.socket);
+      const std::lock_guard lock(mutex_);
+      counters_.dropped += clients_.size();
       clients_.clear();
     }
 
-    // until the next cycle, or somebody has something to say
+    // until the next cycle, an answer is due, or somebody has something to say
     const bool hung = hung_.load(std::memory_order_relaxed);
+    if (!hung) SendDueAnswers();
     std::array<pollfd, 1 + kMaxClients> waiting{};
     const std::size_t served = clients_.size();
     for (std::size_t i = 0; i < served; ++i) waiting[1 + i] = {clients_[i].socket, POLLIN, 0};
     waiting[0] = {listener_, POLLIN, 0};
-    const rt::Nanoseconds left = std::max<rt::Nanoseconds>(0, due - rt::MonotonicNow());
+    const rt::Nanoseconds wake = hung ? due : NextWake(due);
+    const rt::Nanoseconds left = std::max<rt::Nanoseconds>(0, wake - rt::MonotonicNow());
     const timespec time{.tv_sec = left / rt::kSecond, .tv_nsec = left % rt::kSecond};
     if (ppoll(waiting.data(), hung ? 0 : 1 + served, &time, nullptr) <= 0 || hung) continue;
     for (std::size_t i = served; i-- > 0;) {
@@ -166,7 +171,7 @@ void PlcServer::Accept() {
     return;
   }
   ++counters_.connections;
-  clients_.push_back({.socket = client, .received = {}});
+  clients_.push_back({.socket = client, .received = {}, .answers = {}});
 }
 
 // Reads what is there once and answers what is whole; false where the connection has to be closed.
@@ -183,18 +188,50 @@ bool PlcServer::Serve(Client& client) {
       ++counters_.broken;
       return false;
     }
-    const auto answer = AnswerModbus(std::span(client.received).first(frame.size), registers_);
+    const rt::Nanoseconds now = rt::MonotonicNow();
+    const rt::Nanoseconds delay = delay_.load(std::memory_order_relaxed);
+    // never before the one ahead
+    const rt::Nanoseconds due =
+        client.answers.empty() ? now + delay : std::max(now + delay, client.answers.back().due);
+    client.answers.push_back(
+        {.due = due, .bytes = AnswerModbus(std::span(client.received).first(frame.size), registers_)});
     client.received.erase(client.received.begin(),
                           client.received.begin() + static_cast<std::ptrdiff_t>(frame.size));
     {
       const std::lock_guard lock(mutex_);
       ++counters_.requests;
+      if (due > now) ++counters_.delayed;
     }
+    if (!SendDue(client, now)) return false;
+  }
+}
+
+// False where the connection has to be closed.
+bool PlcServer::SendDue(Client& client, rt::Nanoseconds now) {
+  while (!client.answers.empty() && client.answers.front().due <= now) {
+    const std::vector<std::uint8_t> bytes = std::move(client.answers.front().bytes);
+    client.answers.pop_front();
     // an answer is small; who does not take it has stopped reading
-    if (send(client.socket, answer.data(), answer.size(), MSG_NOSIGNAL) !=
-        static_cast<ssize_t>(answer.size()))
+    if (send(client.socket, bytes.data(), bytes.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(bytes.size()))
       return false;
   }
+  return true;
+}
+
+void PlcServer::SendDueAnswers() {
+  const rt::Nanoseconds now = rt::MonotonicNow();
+  std::erase_if(clients_, [now](Client& client) {
+    if (SendDue(client, now)) return false;
+    close(client.socket);
+    return true;
+  });
+}
+
+rt::Nanoseconds PlcServer::NextWake(rt::Nanoseconds cycle_due) const {
+  rt::Nanoseconds wake = cycle_due;
+  for (const Client& client : clients_)
+    if (!client.answers.empty()) wake = std::min(wake, client.answers.front().due);
+  return wake;
 }
 
 }  // namespace osteon::hil

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -24,6 +25,8 @@ struct PlcServerCounters {
   std::uint64_t requests{0}, connections{0};
   std::uint64_t refused{0};  ///< connections beyond the few that are served at once
   std::uint64_t broken{0};   ///< connections closed for bytes that are no Modbus
+  std::uint64_t dropped{0};  ///< connections closed by DropConnections()
+  std::uint64_t delayed{0};  ///< answers that DelayAnswers() held back
 };
 
 /// The simulated PLC in wall time: PlcLogic, its panel, and a Modbus TCP server of a few connections, in one
@@ -45,6 +48,9 @@ class PlcServer {
   void StopProgram(bool stopped) { program_stopped_.store(stopped, std::memory_order_relaxed); }
   /// Fault: all connections are closed now.
   void DropConnections() { drop_.store(true, std::memory_order_relaxed); }
+  /// Fault: answers to requests from now on are sent so much later, >= 0, in their order; what was read or
+  /// written has happened at once.
+  void DelayAnswers(rt::Nanoseconds delay) { delay_.store(delay, std::memory_order_relaxed); }
   [[nodiscard]] PlcLogicOutputs outputs() const;
   [[nodiscard]] PlcServerCounters counters() const;
   [[nodiscard]] std::uint16_t port() const { return port_; }
@@ -53,15 +59,23 @@ class PlcServer {
   void Stop();
 
  private:
+  struct Answer {
+    rt::Nanoseconds due;
+    std::vector<std::uint8_t> bytes;
+  };
   struct Client {
     int socket;
     std::vector<std::uint8_t> received;
+    std::deque<Answer> answers;  ///< still to be sent, oldest first
   };
 
   void Run();
   void StepProgram();
   void Accept();
   bool Serve(Client& client);
+  static bool SendDue(Client& client, rt::Nanoseconds now);
+  void SendDueAnswers();
+  [[nodiscard]] rt::Nanoseconds NextWake(rt::Nanoseconds cycle_due) const;
 
   PlcServerParams params_;
   int listener_{-1};
@@ -75,6 +89,7 @@ class PlcServer {
   PlcPanel panel_;
   PlcLogicOutputs outputs_;
   PlcServerCounters counters_;
+  std::atomic<rt::Nanoseconds> delay_{0};
   std::atomic<bool> hung_{false}, program_stopped_{false}, drop_{false}, stop_{false};
   std::thread thread_;
 };

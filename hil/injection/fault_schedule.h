@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "control/rt/clock.h"
+#include "control/rt/marker.h"
+#include "hil/injection/wire_faults.h"
+
+namespace osteon::hil {
+
+/// The faults of one wire in one direction, by time. No allocation once made.
+class FaultSchedule {
+ public:
+  /// @param direction  kBoth: of either direction
+  /// @throws std::invalid_argument from Validate.
+  FaultSchedule(const InjectionParams& params, Wire wire, Direction direction);
+
+  /// COMMANDING_ACTIVE is seen at `now`: time begins. Later calls change nothing.
+  void Begin(rt::Nanoseconds now) OSTEON_RT {
+    if (!begun_) begun_at_ = now;
+    begun_ = true;
+  }
+
+  [[nodiscard]] WireFaults At(rt::Nanoseconds now) const OSTEON_RT;
+
+  /// Whether there is never anything.
+  [[nodiscard]] bool empty() const { return windows_.empty(); }
+
+ private:
+  struct Window {
+    rt::Nanoseconds from, to;  ///< since the beginning
+    WireFaults faults;
+  };
+  std::vector<Window> windows_;
+  bool begun_{false};
+  rt::Nanoseconds begun_at_{0};
+};
+
+}  // namespace osteon::hil

@@ -1,0 +1,129 @@
+#include "hil/injection/impaired_wire.h"
+
+#include <algorithm>
+
+#include "simulation/packing/scramble.h"
+
+namespace osteon::hil {
+namespace {
+
+using simulation::Scramble;
+using simulation::Uniform;
+
+std::uint64_t SeedOf(std::uint64_t seed, Wire wire, Direction direction) {
+  return Scramble(Scramble(seed) + 4 * static_cast<std::uint64_t>(wire) +
+                  static_cast<std::uint64_t>(direction));
+}
+
+}  // namespace
+
+ImpairedWire::ImpairedWire(const InjectionParams& params, Wire wire, Direction direction,
+                           const WireRoom& room)
+    : schedule_(params, wire, direction),
+      room_(room),
+      seed_(SeedOf(params.seed, wire, direction)),
+      slots_(room.datagrams),
+      bytes_((room.datagrams + 2) * room.bytes) {}
+
+std::uint64_t ImpairedWire::Bits(Draw draw) const OSTEON_RT {
+  return Scramble(seed_ ^ Scramble(8 * counters_.pushed + static_cast<std::uint64_t>(draw)));
+}
+
+bool ImpairedWire::Happens(Draw draw, double share) const OSTEON_RT { return Uniform(Bits(draw)) < share; }
+
+// Outside a burst one begins with a chance p that makes `loss` the share in the long run: from one burst's
+// end to the next one's beginning (1 - p) / p datagrams pass on average, so loss = b / (b + (1 - p) / p).
+bool ImpairedWire::IsLost(const WireFaults& faults) OSTEON_RT {
+  if (faults.loss <= 0.0) {
+    burst_left_ = 0;
+    return false;
+  }
+  if (burst_left_ > 0) {
+    --burst_left_;
+    return true;
+  }
+  const double chance = faults.loss / (faults.loss + faults.burst * (1.0 - faults.loss));
+  if (!Happens(Draw::kLoss, chance)) return false;
+  burst_left_ = faults.burst - 1;
+  return true;
+}
+
+// One in four loses its end, the others change bits of one byte. @returns the size that is left.
+std::size_t ImpairedWire::Damage(std::span<std::uint8_t> datagram) OSTEON_RT {
+  const std::size_t size = datagram.size(), kept = room_.intact;
+  if (size <= kept) return size;  // nothing that may be damaged
+  ++counters_.corrupted;
+  const std::uint64_t damage = Bits(Draw::kDamage), place = Bits(Draw::kPlace);
+  if (damage % 4 == 0) return kept + place % (size - kept);
+  datagram[kept + place % (size - kept)] ^= static_cast<std::uint8_t>(1 + (damage >> 8) % 255);
+  return size;
+}
+
+void ImpairedWire::Push(std::span<const std::uint8_t> datagram, rt::Nanoseconds now) OSTEON_RT {
+  ++counters_.pushed;
+  if (datagram.size() > room_.bytes) {
+    ++counters_.overflow;
+    return;
+  }
+  const WireFaults faults = schedule_.At(now);
+  if (faults.silence) {
+    ++counters_.silenced;
+    return;
+  }
+  if (IsLost(faults)) {
+    ++counters_.lost;
+    return;
+  }
+
+  const std::span<std::uint8_t> in_hand{bytes_.data() + room_.datagrams * room_.bytes, room_.bytes};
+  const std::span<std::uint8_t> held{in_hand.data() + room_.bytes, room_.bytes};
+  std::copy(datagram.begin(), datagram.end(), in_hand.begin());
+  std::size_t size = datagram.size();
+  if (Happens(Draw::kCorrupt, faults.corrupt)) size = Damage(in_hand.first(size));
+  int copies = 1;
+  if (Happens(Draw::kDuplicate, faults.duplicate)) {
+    ++counters_.duplicated;
+    ++copies;
+  }
+  const auto jitter = static_cast<double>(faults.jitter) * Uniform(Bits(Draw::kJitter));
+  const rt::Nanoseconds due = now + faults.delay + static_cast<rt::Nanoseconds>(jitter);
+
+  if (held_.copies == 0 && Happens(Draw::kReorder, faults.reorder)) {
+    std::copy_n(in_hand.begin(), size, held.begin());
+    held_ = {.copies = copies, .due = due, .size = size};
+    return;
+  }
+  Enqueue(in_hand.first(size), copies, due, now);
+  if (held_.copies > 0) {
+    ++counters_.reordered;
+    Enqueue(held.first(held_.size), held_.copies, held_.due, now);
+    held_ = {};
+  }
+}
+
+void ImpairedWire::Enqueue(std::span<const std::uint8_t> datagram, int copies, rt::Nanoseconds due,
+                           rt::Nanoseconds now) OSTEON_RT {
+  last_due_ = std::max(last_due_, due);  // never before the one ahead
+  for (int i = 0; i < copies; ++i) {
+    if (count_ == slots_.size()) {
+      ++counters_.overflow;
+      continue;
+    }
+    const std::size_t slot = (first_ + count_++) % slots_.size();
+    slots_[slot] = {.due = last_due_, .size = datagram.size()};
+    std::copy(datagram.begin(), datagram.end(),
+              bytes_.begin() + static_cast<std::ptrdiff_t>(slot * room_.bytes));
+    if (last_due_ > now) ++counters_.delayed;
+  }
+}
+
+std::span<const std::uint8_t> ImpairedWire::Next(rt::Nanoseconds now) OSTEON_RT {
+  if (NextDue() > now) return {};
+  const std::size_t slot = first_;
+  first_ = (first_ + 1) % slots_.size();
+  --count_;
+  ++counters_.passed;
+  return {bytes_.data() + slot * room_.bytes, slots_[slot].size};
+}
+
+}  // namespace osteon::hil
