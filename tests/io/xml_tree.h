@@ -8,15 +8,17 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
-// A small XML file as a tree, by expat.
+// Small XML documents as trees, by expat.
 
 namespace osteon::io::test {
 
+/// @throws std::runtime_error where it cannot be read.
 inline std::string ReadText(const std::filesystem::path& file) {
   std::ifstream in(file);
-  if (!in) throw std::runtime_error(file.string() + ": cannot be read");
+  if (!in) throw std::runtime_error("cannot be read");
   std::stringstream text;
   text << in.rdbuf();
   return text.str();
@@ -41,8 +43,8 @@ struct XmlNode {
   }
 };
 
-/// The root. @throws std::runtime_error where the file is not well-formed XML.
-inline XmlNode ReadXmlTree(const std::filesystem::path& file) {
+/// The root of a document. @throws std::runtime_error where it is not well-formed XML, saying why.
+inline XmlNode ParseXml(std::string_view text) {
   struct Reading {
     XmlNode above;  // of the root
     std::vector<XmlNode*> open;
@@ -64,14 +66,23 @@ inline XmlNode ReadXmlTree(const std::filesystem::path& file) {
   XML_SetCharacterDataHandler(parser, [](void* data, const XML_Char* content, int size) {
     static_cast<Reading*>(data)->open.back()->text.append(content, static_cast<std::size_t>(size));
   });
-  const std::string text = ReadText(file);
   const bool whole = XML_Parse(parser, text.data(), static_cast<int>(text.size()), XML_TRUE) == XML_STATUS_OK;
-  const std::string error = whole ? ""
-                                  : std::string(XML_ErrorString(XML_GetErrorCode(parser))) + ", line " +
-                                        std::to_string(XML_GetCurrentLineNumber(parser));
+  std::string error;
+  if (!whole)
+    error = std::string(XML_ErrorString(XML_GetErrorCode(parser))) + ", line " +
+            std::to_string(XML_GetCurrentLineNumber(parser));
   XML_ParserFree(parser);
-  if (!whole) throw std::runtime_error(file.string() + ": " + error);
+  if (!whole) throw std::runtime_error(error);
   return reading.above.children.front();
+}
+
+/// The same of a file, which the error names.
+inline XmlNode ReadXmlTree(const std::filesystem::path& file) {
+  try {
+    return ParseXml(ReadText(file));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(file.string() + ": " + error.what());
+  }
 }
 
 }  // namespace osteon::io::test
