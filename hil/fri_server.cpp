@@ -130,6 +130,7 @@ void FriServer::EmergencyStop(int level) {
 void FriServer::Acknowledge() {
   if (drives_.safety() == 0) return;
   drives_.Acknowledge();
+  stop_ = {};
   program_asks_ = closing_cycles_ == 0;
   good_cycles_ = 0;
 }

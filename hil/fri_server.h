@@ -142,7 +142,7 @@ class FriServer {
   [[nodiscard]] control::SessionState state() const { return state_; }
   [[nodiscard]] int quality() const { return quality_.level(); }
   [[nodiscard]] const FriCounters& counters() const { return counters_; }
-  [[nodiscard]] const StopReport& stop() const { return stop_; }  ///< the last one
+  [[nodiscard]] const StopReport& stop() const { return stop_; }  ///< the last one; none once acknowledged
   [[nodiscard]] double period_s() const { return 1e-3 * params_.send_period_ms; }
 
  private:

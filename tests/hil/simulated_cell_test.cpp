@@ -198,6 +198,7 @@ TEST(SimulatedCell, WithoutPowerTheDrivesStopAndComeBackWithIt) {
   cell.SetPower(true);
   run(3000);
   ASSERT_EQ(cell.state().session, SessionState::kCommandingActive);
+  EXPECT_EQ(cell.state().stop.reason, StopReason::kNone) << "what is acknowledged is over";
   cell.SetPower(false);
   run(2);
   EXPECT_NE(cell.state().session, SessionState::kCommandingActive);

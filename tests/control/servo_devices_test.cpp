@@ -1,0 +1,160 @@
+#include <gtest/gtest.h>
+
+#include "servo_bench.h"
+
+// Force sensor, spindle and PLC, as the loop depends on them.
+
+namespace osteon::control {
+namespace {
+
+using safety::Fault;
+
+// A cell with a drive and a PLC, both in order and permitting, unless a test says otherwise.
+class ServoDevices : public ::testing::Test {
+ protected:
+  static ServoParams Params() {
+    ServoParams params = ServoBench::Params();
+    params.has_spindle = params.has_interlock = true;
+    params.spindle_rad_per_s = 26.0;
+    return params;
+  }
+
+  TickRecord Tick() {
+    const rt::Nanoseconds now = bench.now + ServoBench::kTick;
+    if (spindle_lives) spindle.stamp = now;
+    if (interlock_lives) interlock.stamp = now;
+    bench.readings.spindle = spindle;
+    bench.readings.interlock = interlock;
+    return bench.Tick();
+  }
+  TickRecord Run(int count) {
+    TickRecord record;
+    for (int i = 0; i < count; ++i) record = Tick();
+    return record;
+  }
+  // Renders with a hand that pushes into the plane.
+  void Render() {
+    bench.Activate();
+    bench.push_N = 60.0;
+    Run(600);
+    ASSERT_EQ(bench.loop.phase(), Phase::kHaptic);
+  }
+  // A Stop 1: at rest soon, by nothing but braking.
+  void ExpectStop(Fault fault) {
+    Tick();
+    EXPECT_EQ(bench.loop.phase(), Phase::kStopping);
+    EXPECT_TRUE(bench.loop.faults().Has(fault));
+    Run(200);
+    EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
+    EXPECT_FALSE(bench.loop.cell_commands().motion_requested);
+    EXPECT_EQ(bench.loop.cell_commands().spindle_rad_per_s, 0.0);
+    EXPECT_TRUE(bench.loop.cell_commands().quick_stop);
+  }
+
+  ServoBench bench{Params()};
+  SpindleReading spindle{.speed_rad_per_s = 25.0, .ready = true};
+  InterlockReading interlock{.permitted = true, .enabled = true, .spindle_permitted = true};
+  bool spindle_lives{true}, interlock_lives{true};
+};
+
+TEST_F(ServoDevices, NothingMovesBeforeAllOfThemAreThere) {
+  bench.Activate();
+  bench.push_N = 60.0;
+  const auto waits = [&](const char* why) {
+    Run(50);
+    EXPECT_EQ(bench.loop.phase(), Phase::kWaiting) << why;
+    EXPECT_EQ(bench.command.q, bench.arm.q_ipo) << why;
+    EXPECT_FALSE(bench.loop.faults().Any()) << why;
+    EXPECT_TRUE(bench.loop.cell_commands().motion_requested) << why;
+    EXPECT_EQ(bench.loop.cell_commands().spindle_rad_per_s, 0.0) << why;
+  };
+  interlock.permitted = false;
+  waits("motion is not permitted");
+  interlock.permitted = true;
+  spindle.ready = false;
+  waits("the drive is not configured");
+  spindle.ready = true;
+  spindle.fault = true;
+  waits("the drive has a fault");
+  spindle.fault = false;
+  bench.sensor_lives = false;
+  bench.readings.force.stamp = 0;
+  waits("no force sensor");
+  bench.sensor_lives = true;
+  interlock_lives = false;
+  Run(101);  // what the PLC said last is void
+  Tick();
+  EXPECT_EQ(bench.loop.phase(), Phase::kHaptic) << "it was permitted, and fresh, in between";
+}
+
+TEST_F(ServoDevices, AStandingPermissionOfAPlcThatWentSilentIsNone) {
+  Run(1);
+  interlock_lives = false;
+  Run(150);
+  bench.Activate();
+  Run(50);
+  EXPECT_EQ(bench.loop.phase(), Phase::kWaiting);
+}
+
+TEST_F(ServoDevices, MotionThatIsNoLongerPermittedIsAStop) {
+  Render();
+  interlock.permitted = false;
+  ExpectStop(Fault::kInterlock);
+}
+
+TEST_F(ServoDevices, ASilentPlcIsAStopAtItsAge) {
+  Render();
+  interlock_lives = false;
+  Run(99);
+  EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
+  Run(1);
+  ExpectStop(Fault::kInterlock);
+}
+
+TEST_F(ServoDevices, AFaultOfTheDriveIsAStop) {
+  Render();
+  spindle.fault = true;
+  ExpectStop(Fault::kSpindle);
+}
+
+TEST_F(ServoDevices, ASilentDriveIsAStopAtItsAge) {
+  Render();
+  spindle_lives = false;
+  Run(100);
+  EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
+  ExpectStop(Fault::kSpindle);
+}
+
+TEST_F(ServoDevices, AnOverloadedSensorIsAStopAndIsNotFelt) {
+  Render();
+  CellReadings readings = bench.readings;
+  readings.force.trusted = false;
+  bench.now += ServoBench::kTick;
+  readings.force.stamp = readings.spindle.stamp = readings.interlock.stamp = bench.now;
+  const TickRecord record =
+      bench.loop.Tick(bench.arm, ReceiveResult::kOk, readings, bench.model, bench.now, bench.command);
+  EXPECT_TRUE(bench.loop.faults().Has(Fault::kSensorFault));
+  EXPECT_EQ(Vector3(record.F_operator_T_W.f).norm(), 0.0);
+  EXPECT_EQ(record.phase, Phase::kStopping);
+}
+
+TEST_F(ServoDevices, TheSimulationFollowsTheSpindleAsItTurns) {
+  Render();
+  EXPECT_EQ(bench.loop.cell_commands().spindle_rad_per_s, 26.0);
+  EXPECT_EQ(bench.loop.tool_command().spindle_rad_per_s, 25.0) << "as measured";
+  spindle.speed_rad_per_s = 1.0;
+  Tick();
+  EXPECT_EQ(bench.loop.tool_command().spindle_rad_per_s, 0.0) << "below a twentieth it stands still";
+  spindle.speed_rad_per_s = -25.0;
+  Tick();
+  EXPECT_EQ(bench.loop.tool_command().spindle_rad_per_s, 0.0) << "backwards nothing is cut";
+  spindle.speed_rad_per_s = 25.0;
+  interlock.spindle_permitted = false;
+  Tick();
+  EXPECT_EQ(bench.loop.cell_commands().spindle_rad_per_s, 0.0) << "the pedal was let go";
+  EXPECT_EQ(bench.loop.tool_command().spindle_rad_per_s, 25.0) << "it still turns";
+  EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
+}
+
+}  // namespace
+}  // namespace osteon::control

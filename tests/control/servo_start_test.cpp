@@ -1,0 +1,132 @@
+#include <gtest/gtest.h>
+
+#include "servo_bench.h"
+#include "tests/kinematics/iiwa14.h"
+
+// The way to where rendering begins.
+
+namespace osteon::control {
+namespace {
+
+using kinematics::JointVector;
+
+// An arm that is handed over .3 rad from its start, in some joints.
+class ServoStart : public ::testing::Test {
+ protected:
+  static JointVector Goal() {
+    JointVector q = ServoBench::StartJoints();
+    q[0] += 0.3;
+    q[3] -= 0.15;
+    return q;
+  }
+  static ServoParams Params() {
+    ServoParams params = ServoBench::Params();
+    params.has_interlock = true;
+    params.arm_body = kinematics::ChainFrom(ServoBench::Arm().params());
+    params.start = StartParams{.q = Goal(), .path = {}};
+    return params;
+  }
+  TickRecord Tick() {
+    bench.readings.interlock = {
+        .stamp = bench.now + ServoBench::kTick, .permitted = permitted, .enabled = permitted};
+    const JointVector before = Joints();
+    const TickRecord record = bench.Tick();
+    greatest_step_rad = std::max(greatest_step_rad, (Joints() - before).cwiseAbs().maxCoeff());
+    return record;
+  }
+  void Run(int count) {
+    for (int i = 0; i < count; ++i) Tick();
+  }
+  JointVector Joints() const { return Eigen::Map<const JointVector>(bench.command.q.data()); }
+  double ToGo() const { return (Goal() - Joints()).cwiseAbs().maxCoeff(); }
+
+  ServoBench bench{Params()};
+  bool permitted{true};
+  double greatest_step_rad{0.0};
+};
+
+TEST_F(ServoStart, TheArmGoesThereAndRendersFromThere) {
+  Run(5);
+  bench.Activate();
+  Run(2);
+  EXPECT_EQ(bench.loop.phase(), Phase::kAligning);
+  EXPECT_EQ(bench.loop.tool_command().spindle_rad_per_s, 0.0);
+  greatest_step_rad = 0.0;
+  int ticks = 0;
+  while (bench.loop.phase() == Phase::kAligning && ++ticks < 20'000) Tick();
+  EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
+  EXPECT_LT(ToGo(), 1e-9);
+  EXPECT_GT(ticks, 500) << "slowly";
+  EXPECT_LT(greatest_step_rad, 1e-3);
+  EXPECT_EQ(bench.loop.statistics().active_ticks, 1u) << "the way is no rendering";
+  Run(100);
+  EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
+  EXPECT_FALSE(bench.loop.faults().Any());
+}
+
+TEST_F(ServoStart, WithTheSwitchReleasedItRestsOnItsWayAndGoesOnLater) {
+  Run(5);
+  bench.Activate();
+  Run(600);
+  permitted = false;
+  Run(600);
+  const double rests = ToGo();
+  EXPECT_GT(rests, 0.05);
+  Run(500);
+  EXPECT_EQ(ToGo(), rests);
+  EXPECT_EQ(bench.loop.phase(), Phase::kAligning);
+  EXPECT_FALSE(bench.loop.faults().Any());
+  permitted = true;
+  for (int i = 0; i < 20'000 && bench.loop.phase() == Phase::kAligning; ++i) Tick();
+  EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
+  EXPECT_LT(greatest_step_rad, 1e-3) << "no jump, at the switch neither";
+}
+
+TEST_F(ServoStart, AStopOnTheWayIsAPauseThatStays) {
+  Run(5);
+  bench.Activate();
+  Run(600);
+  bench.loop.RequestStop();
+  Run(1000);
+  EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
+  EXPECT_GT(ToGo(), 0.05);
+  EXPECT_LT(greatest_step_rad, 1e-3);
+  EXPECT_FALSE(bench.loop.faults().Any());
+}
+
+TEST_F(ServoStart, AnArmThatLeavesOnTheWayIsWaitedFor) {
+  Run(5);
+  bench.Activate();
+  Run(400);
+  bench.arm.session = SessionState::kCommandingWait;
+  Run(20);
+  EXPECT_EQ(bench.loop.phase(), Phase::kWaiting);
+  EXPECT_FALSE(bench.loop.faults().Any());
+  bench.Activate();
+  for (int i = 0; i < 20'000 && bench.loop.phase() != Phase::kHaptic; ++i) Tick();
+  EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
+  EXPECT_LT(ToGo(), 1e-9);
+}
+
+TEST_F(ServoStart, NothingBeginsWhileItIsNotAllowed) {
+  bench.loop.AllowBegin(false);
+  bench.Activate();
+  Run(50);
+  EXPECT_EQ(bench.loop.phase(), Phase::kWaiting);
+  bench.loop.AllowBegin(true);
+  Run(2);
+  EXPECT_EQ(bench.loop.phase(), Phase::kAligning);
+}
+
+TEST_F(ServoStart, AnArmThatIsThereDoesNotMove) {
+  ServoParams params = Params();
+  params.start->q = ServoBench::StartJoints();
+  ServoBench there(params);
+  there.Activate();
+  there.readings.interlock = {.stamp = there.now + ServoBench::kTick, .permitted = true, .enabled = true};
+  there.Tick();
+  EXPECT_EQ(there.loop.phase(), Phase::kHaptic);
+}
+
+}  // namespace
+}  // namespace osteon::control
