@@ -9,6 +9,7 @@
 #include "config/load_robot.h"
 #include "config/read_devices.h"
 #include "config/read_injections.h"
+#include "config/read_operator.h"
 #include "config/read_pose.h"
 #include "config/read_script.h"
 #include "kinematics/payload.h"
@@ -131,20 +132,6 @@ struct DriveFriction {
   double coulomb_share{0.0};  ///< of its torque limit
   double viscous_share{0.0};  ///< of its torque limit, at its velocity limit
 };
-
-void ReadHand(Reader section, hil::OperatorHandParams& hand) {
-  hand.stiffness_N_per_m = section.Number("stiffness_N_per_m", 50, 50000);
-  hand.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0.1, 1000);
-  hand.mass_kg = section.Number("mass_kg", 0, 10);
-  hand.stiffness_Nm_per_rad = section.Number("stiffness_Nm_per_rad", 0.1, 1000);
-  hand.damping_Nms_per_rad = section.Number("damping_Nms_per_rad", 0.001, 100);
-  hand.inertia_kgm2 = section.Number("inertia_kg_m2", 0, 1);
-  hand.grip_time_s = section.Number("grip_time_ms", 0.5, 500);
-  hand.max_force_N = section.Number("max_force_N", 1, 500);
-  hand.max_torque_Nm = section.Number("max_torque_Nm", 0.1, 50);
-  hand.tremor_N = section.Number("tremor_N", 0, 50);
-  hand.tremor_seed = static_cast<std::uint64_t>(section.Whole("tremor_seed", 0, 1'000'000'000));
-}
 
 void ReadMount(Reader section, hil::FlexibleMountParams& mount) {
   mount.stiffness_N_per_m = section.Number("stiffness_N_per_m", 1e4, 1e9);
@@ -388,7 +375,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadCutting(reader.Section("cutting"), cell.cutting);
   ReadFri(reader.Section("fri"), cell.fri, cell.simulated.fri);
   const Reader hand = reader.Section("operator"), script = reader.Section("script");
-  ReadHand(hand, cell.simulated.hand);
+  ReadOperator(hand, cell.simulated.hand);
   cell.script = ReadScript(script);
   DriveFriction friction;
   const Reader simulated_arm = reader.Section("simulated_arm");

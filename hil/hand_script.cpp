@@ -4,18 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "hil/quintic.h"
 #include "hil/script_phases.h"
 
 namespace osteon::hil {
 namespace {
-
-struct Blend {
-  double s, slope;  // s(u) and ds/du
-};
-
-Blend Quintic(double u) {
-  return {u * u * u * (10.0 + u * (-15.0 + 6.0 * u)), 30.0 * u * u * (1.0 - u) * (1.0 - u)};
-}
 
 struct Moving {
   double value, rate;

@@ -20,6 +20,12 @@ Vector3 Limited(const Vector3& v, double max_size) {
   return size > max_size ? Vector3(v * (max_size / size)) : v;
 }
 
+// The part along a unit axis bounded, the rest as it is.
+Vector3 AxiallyLimited(const Vector3& f, const Vector3& axis, double most_N) {
+  const double axial_N = axis.dot(f);
+  return f + (std::clamp(axial_N, -most_N, most_N) - axial_N) * axis;
+}
+
 }  // namespace
 
 OperatorHand::OperatorHand(const OperatorHandParams& params, HandScript script)
@@ -39,6 +45,7 @@ OperatorHand::OperatorHand(const OperatorHandParams& params, HandScript script)
   check("max_force_N", params.max_force_N, false);
   check("max_torque_Nm", params.max_torque_Nm, false);
   check("tremor_N", params.tremor_N, true);
+  CheckIncidents(params.incidents);
 
   // raw bits rather than a distribution: the same phases with every standard library
   std::mt19937_64 bits(params.tremor_seed);
@@ -46,46 +53,105 @@ OperatorHand::OperatorHand(const OperatorHandParams& params, HandScript script)
     for (double& phase : axis) phase = 2.0 * std::numbers::pi * static_cast<double>(bits() >> 11) * 0x1p-53;
 }
 
-void OperatorHand::Begin() noexcept { impedance_.Begin(); }
-
-Wrench HandImpedance::Step(double period_s, const Pose& X, const Twist& V, const Pose& X_target,
-                           const Twist& V_target) noexcept {
-  // the mass follows: backward Euler of v_m' = (v - v_m) / tau
-  const double share = period_s / (params_.grip_time_s + period_s);
+Wrench HandImpedance::Carry(double period_s, const Twist& V, double grip) noexcept {
+  if (grip == 0.0) {
+    V_mass_ = {};
+    return {};
+  }
+  // the mass follows: backward Euler of v_m' = grip (v - v_m) / tau
+  const double share = period_s * grip / (params_.grip_time_s + period_s * grip);
   const Twist dV{.v = share * (V.v - V_mass_.v), .w = share * (V.w - V_mass_.w)};
   V_mass_.v += dV.v;
   V_mass_.w += dV.w;
+  return {.f = params_.mass_kg / period_s * dV.v, .t = params_.inertia_kgm2 / period_s * dV.w};
+}
 
-  const Vector3 turn = X.linear() * LogRotation(X.linear().transpose() * X_target.linear());
-  return {.f = params_.stiffness_N_per_m * (X_target.translation() - X.translation()) +
-               params_.damping_Ns_per_m * (V_target.v - V.v) - params_.mass_kg / period_s * dV.v,
-          .t = params_.stiffness_Nm_per_rad * turn + params_.damping_Nms_per_rad * (V_target.w - V.w) -
-               params_.inertia_kgm2 / period_s * dV.w};
+Wrench HandImpedance::Step(double period_s, const Pose& X, const Twist& V, const Pose& X_target,
+                           const Twist& V_target) noexcept {
+  const Wrench F_mass = Carry(period_s, V, 1.0);
+  const Wrench pull = params_.spring().Pull(X, V, X_target, V_target);
+  return {.f = pull.f - F_mass.f, .t = pull.t - F_mass.t};
+}
+
+void OperatorHand::Begin() noexcept {
+  impedance_.Begin();
+  holding_ = IncidentMoment::kNone;
+  kept_ = {};
 }
 
 Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, const Twist& V_WT) noexcept {
   const HandTarget target = script_.Sample(time_s);
-  const Vector3 axis_W = script_.X_WC().linear().col(2);
+  const IncidentMoment moment = MomentOf(params_.incidents, time_s);
+  const Handle handle = HandleAt(time_s, period_s, moment.grip, target, X_WT, V_WT);
 
+  // impedance at the head's centre
+  if (moment.holding != holding_) Change(moment, target.force_limit_N, handle);
+  const double fade = 1.0 - moment.back;
+  const Wrench F = Exerted(holding_, moment.grip, handle, {.f = fade * kept_.f, .t = fade * kept_.t});
+  if (moment.clamped) return {.f = F.f, .t = F.t + handle.p_T_head_W.cross(F.f)};
+
+  // along the axis the hand presses no harder than the script says
+  const double most_N = moment.grip * std::lerp(params_.max_force_N, target.force_limit_N, moment.back);
+  Vector3 f = AxiallyLimited(F.f, script_.X_WC().linear().col(2), most_N);
+
+  // and in all not harder than a hand can
+  const double grip = moment.after_clamp ? std::lerp(1.0, target.grip, moment.back) : target.grip;
+  f = Limited(grip * f + script_.X_WC().linear() * moment.jerk_C_N, params_.max_force_N);
+  return {.f = f, .t = Limited(grip * F.t + handle.p_T_head_W.cross(f), params_.max_torque_Nm)};
+}
+
+OperatorHand::Handle OperatorHand::HandleAt(double time_s, double period_s, double grip,
+                                            const HandTarget& target, const Pose& X_WT,
+                                            const Twist& V_WT) noexcept {
   // head's centre, of the tool and of the target, relative to T's origin
   const Vector3 p_T_head_W = -script_.head_radius_m() * X_WT.linear().col(2);
   const Vector3 p_T_head_target_W = -script_.head_radius_m() * target.X_WT.linear().col(2);
-  Pose X_W_head = X_WT, X_W_head_target = target.X_WT;
-  X_W_head.translation() += p_T_head_W;
-  X_W_head_target.translation() += p_T_head_target_W;
+  Handle handle{.p_T_head_W = p_T_head_W,
+                .X = X_WT,
+                .X_target = target.X_WT,
+                .V = {.v = V_WT.v + V_WT.w.cross(p_T_head_W), .w = V_WT.w},
+                .V_target = {.v = target.V_WT.v + target.V_WT.w.cross(p_T_head_target_W), .w = target.V_WT.w},
+                .F_mass = {},
+                .tremor_N = Tremor(time_s)};
+  handle.X.translation() += p_T_head_W;
+  handle.X_target.translation() += p_T_head_target_W;
+  handle.F_mass = impedance_.Carry(period_s, handle.V, grip);
+  return handle;
+}
 
-  // impedance at the head's centre
-  const Wrench F = impedance_.Step(
-      period_s, X_W_head, {.v = V_WT.v + V_WT.w.cross(p_T_head_W), .w = V_WT.w}, X_W_head_target,
-      {.v = target.V_WT.v + target.V_WT.w.cross(p_T_head_target_W), .w = target.V_WT.w});
-  Vector3 f = F.f + Tremor(time_s);
+Wrench OperatorHand::Exerted(std::size_t holding, double grip, const Handle& handle,
+                             const Wrench& kept) const noexcept {
+  if (IsClamp(holding)) {
+    const Wrench pull = SpringOf(params_.incidents.list[holding]).Pull(handle.X, handle.V, X_W_clamped_, {});
+    return {.f = pull.f - handle.F_mass.f, .t = pull.t - handle.F_mass.t};
+  }
+  const HandSpring spring =
+      holding == IncidentMoment::kNone ? params_.spring() : SpringOf(params_.incidents.list[holding]);
+  const Wrench pull = spring.Pull(handle.X, handle.V, handle.X_target, handle.V_target);
+  return {.f = grip * pull.f - handle.F_mass.f + grip * handle.tremor_N + kept.f,
+          .t = grip * pull.t - handle.F_mass.t + kept.t};
+}
 
-  // along the axis the hand presses no harder than the script says
-  const double axial_N = axis_W.dot(f);
-  f += (std::clamp(axial_N, -target.force_limit_N, target.force_limit_N) - axial_N) * axis_W;
+void OperatorHand::Change(const IncidentMoment& moment, double force_limit_N, const Handle& handle) noexcept {
+  const bool own = holding_ == IncidentMoment::kNone;
+  if (moment.clamped) {
+    X_W_clamped_ = handle.X;
+    kept_ = {};
+  } else {
+    // as bounded as it was until now
+    Wrench before = Exerted(holding_, moment.grip, handle, own ? Wrench{} : kept_);
+    if (own) before.f = AxiallyLimited(before.f, script_.X_WC().linear().col(2), force_limit_N);
+    before.f = Limited(before.f, params_.max_force_N);
+    before.t = Limited(before.t, params_.max_torque_Nm);
+    const Wrench after = Exerted(moment.holding, moment.grip, handle, {});
+    kept_ = {.f = before.f - after.f, .t = before.t - after.t};
+  }
+  holding_ = moment.holding;
+}
 
-  f = Limited(target.grip * f, params_.max_force_N);
-  return {.f = f, .t = Limited(target.grip * F.t + p_T_head_W.cross(f), params_.max_torque_Nm)};
+bool OperatorHand::IsClamp(std::size_t holding) const noexcept {
+  return holding != IncidentMoment::kNone &&
+         std::holds_alternative<RigidClamp>(params_.incidents.list[holding]);
 }
 
 Vector3 OperatorHand::Tremor(double time_s) const noexcept {

@@ -4,6 +4,8 @@
 #include <cstdint>
 
 #include "hil/hand_script.h"
+#include "hil/hand_spring.h"
+#include "hil/operator_incidents.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::hil {
@@ -22,10 +24,15 @@ struct OperatorHandParams {
   double max_torque_Nm{10.0};
   double tremor_N{0.0};  ///< peak of the tremor's force along each axis; 0: none
   std::uint64_t tremor_seed{1};
+  HandIncidents incidents{};  ///< what happens to the hand beside its script; none unless said
+
+  [[nodiscard]] HandSpring spring() const {
+    return {stiffness_N_per_m, damping_Ns_per_m, stiffness_Nm_per_rad, damping_Nms_per_rad};
+  }
 };
 
 /// Spring, damper and mass between a point of the tool and where the hand wants it: the laws of OperatorHand
-/// below, without script, tremor and bounds.
+/// below, without script, tremor, incidents and bounds.
 class HandImpedance {
  public:
   explicit HandImpedance(const OperatorHandParams& params) : params_(params) {}
@@ -37,6 +44,12 @@ class HandImpedance {
   /// @returns what the hand exerts, at the point, in W.
   [[nodiscard]] Wrench Step(double period_s, const Pose& X, const Twist& V, const Pose& X_target,
                             const Twist& V_target) noexcept;
+
+  /// One period of the mass alone. @param grip share of the hand that holds on, 0 … 1: of the damper by which
+  /// the mass hangs on the handle. At 0 the mass comes to rest by itself, so that no grip, however it
+  /// changes, gives back more than was taken.
+  /// @returns what it takes to bring the mass along: the negative of what it exerts.
+  [[nodiscard]] Wrench Carry(double period_s, const Twist& V, double grip) noexcept;
 
  private:
   OperatorHandParams params_;
@@ -61,6 +74,17 @@ class HandImpedance {
 /// passive for every tau > 0, and a pure mass below 1 / (2 pi tau) = 32 Hz. The step is backward Euler,
 /// stable and passive at any period. Then f and t are carried to the tool's origin, scaled by the grip, and
 /// limited to what a hand can do.
+///
+/// **Incidents** (operator_incidents.h) change the hand for a while, with c the way back to the script, from
+/// 0 to 1, and G the grip that is left:
+///
+///     f = G (k' (x_target - x) + b' (v_target - v)) - f_mass + (1 - c) f_kept
+///     |n·f| <= G (max_force + c (force limit - max_force))
+///
+/// f_kept is what makes the wrench the same on both sides of a change of spring, so the change itself moves
+/// nothing. A stiffer spring under the same force stores less, a softer one more: f^2 / 2 (1/k' - 1/k), which
+/// muscles pay for. Apart from that, the moving target, the jerk, the return and the tremor, all of the hand
+/// is passive.
 class OperatorHand {
  public:
   /// @throws std::invalid_argument on a parameter out of range.
@@ -74,18 +98,38 @@ class OperatorHand {
   /// @param X_WT tool pose; @param V_WT velocity of T, in W.
   /// @returns F_T_W: what the hand exerts on the tool, at T's origin, in W. |f| <= max_force, |f·n| <= the
   /// script's force
-  ///   limit at time_s, |t| <= max_torque. Finite for finite input.
+  ///   limit at time_s, |t| <= max_torque, but for what incidents lift. Finite for finite input.
   [[nodiscard]] Wrench Step(double time_s, double period_s, const Pose& X_WT, const Twist& V_WT) noexcept;
 
   [[nodiscard]] const HandScript& script() const { return script_; }
 
  private:
+  // The tool as the hand sees it, at the head's centre, and where it wants it.
+  struct Handle {
+    Vector3 p_T_head_W;
+    Pose X, X_target;
+    Twist V, V_target;
+    Wrench F_mass;  // what it takes to bring the mass along
+    Vector3 tremor_N;
+  };
+  [[nodiscard]] Handle HandleAt(double time_s, double period_s, double grip, const HandTarget& target,
+                                const Pose& X_WT, const Twist& V_WT) noexcept;
+  // What an incident's spring (kNone: the hand's own) exerts there, the mass, the tremor and a kept wrench
+  // with it.
+  [[nodiscard]] Wrench Exerted(std::size_t holding, double grip, const Handle& handle,
+                               const Wrench& kept) const noexcept;
+  // Another spring holds the tool from now on.
+  void Change(const IncidentMoment& moment, double force_limit_N, const Handle& handle) noexcept;
+  [[nodiscard]] bool IsClamp(std::size_t holding) const noexcept;
   [[nodiscard]] Vector3 Tremor(double time_s) const noexcept;
 
   OperatorHandParams params_;
   HandScript script_;
   HandImpedance impedance_;                                // at the head's centre
   std::array<std::array<double, 3>, 3> tremor_phase_rad_;  // axis, line of the spectrum
+  std::size_t holding_{IncidentMoment::kNone};             // whose spring holds the tool
+  Wrench kept_;                                            // offset to that spring
+  Pose X_W_clamped_{Pose::Identity()};                     // where the head was when it was clamped
 };
 
 }  // namespace osteon::hil

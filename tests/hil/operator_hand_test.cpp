@@ -9,23 +9,14 @@
 
 #include "control/rt/no_alloc_scope.h"
 #include "hil/hand_script.h"
+#include "tests/hil/hand_samples.h"
 
 namespace osteon::hil {
 namespace {
 
-// A cup that looks in no special direction.
-Pose TiltedCup() {
-  Pose X_WC = Pose::Identity();
-  X_WC.linear() = ExpRotation({0.7, -0.4, 0.3});
-  X_WC.translation() = Vector3(0.5, -0.2, 0.4);
-  return X_WC;
-}
-
 HandScript Reaming(double seconds = 10.0) {
   return MakeReamingScript({.X_WC = TiltedCup(), .tool_yaw_rad = 0.4, .seconds = seconds});
 }
-
-Vector3 HeadCenter(const Pose& X_WT) { return X_WT * Vector3(0.0, 0.0, -0.025); }
 
 TEST(HandScript, StartsAboveTheCupWithTheFeedIntoIt) {
   const Pose X_WC = TiltedCup();
@@ -122,12 +113,6 @@ TEST(HandScript, AnyLengthKeepsTheTargetsSpeed) {
   EXPECT_THROW((void)Reaming(0.0), std::invalid_argument);
   EXPECT_THROW((void)Reaming(-1.0), std::invalid_argument);
   EXPECT_THROW((void)Reaming(std::nan("")), std::invalid_argument);
-}
-
-// A hand that only stays: one key, everything at full grip.
-HandScript Hold(double force_limit_N = 1e6) {
-  const HandKey key{.height_m = 0.0, .force_limit_N = force_limit_N, .tilt_rad = 0.0, .grip = 1.0};
-  return HandScript(TiltedCup(), 0.025, 0.0, 2.0, key, {{"hold", 1.0, key}});
 }
 
 TEST(OperatorHand, PullsTheToolBackToItsTarget) {
@@ -244,7 +229,7 @@ TEST(OperatorHand, MassIsPassive) {
     double absorbed_J = 0.0;
     for (int k = 1; k <= 5000; ++k) {
       const Vector3 v = 0.1 * Vector3(gauss(random), gauss(random), gauss(random));
-      absorbed_J -= hand.Step(k * 1e-3, 1e-3, X_WT, {.v = v, .w = {}}).f.dot(v) * 1e-3;
+      absorbed_J -= hand.Step(k * 1e-3, 1e-3, X_WT, {.v = v}).f.dot(v) * 1e-3;
       ASSERT_GE(absorbed_J, 0.0);
     }
   }
