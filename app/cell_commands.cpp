@@ -33,6 +33,10 @@ CellCommands::CellCommands(CLI::App& app)
   run_->add_flag("--simulated", operate_.simulated, "start the simulated cell as well, in its own process");
   run_->add_option("--seconds", operate_.seconds, "of rendering; without it until Ctrl-C")
       ->check(NumberWithin(kLeastSeconds, kMostSeconds));
+  run_->add_option(
+          "--recover", operate_.recoveries,
+          "begin again so often where the arm has left COMMANDING_ACTIVE, or was silent, and is back")
+      ->check(NumberWithin(0, 1000));
   run_->add_option("--record", operate_.record, "the recording, readable by `osteon export` and Foxglove")
       ->capture_default_str();
   run_->add_option("--port", operate_.port, "as `osteon cell --port`; with --simulated 0 takes any free ones")

@@ -5,11 +5,10 @@
 #include <optional>
 #include <thread>
 
-#include <nlohmann/json.hpp>
-
 #include "app/build_name.h"
 #include "app/chart_files.h"
 #include "app/recorded_config.h"
+#include "app/simulated_cell_run.h"
 #include "app/simulated_setup.h"
 #include "app/simulation_thread.h"
 #include "app/start_path.h"
@@ -62,12 +61,6 @@ tl::expected<Wires, std::string> OpenWires(const CellSetup& setup) {
   if (!devices) return tl::make_unexpected(devices.error());
   wires.devices = std::move(*devices);
   return wires;
-}
-
-// The stop that `osteon cell` reported; empty where it reported none.
-std::string ArmStopOf(const std::string& report) {
-  const nlohmann::json json = nlohmann::json::parse(report, nullptr, false);
-  return json.is_object() && json.contains("arm") ? json["arm"].value("stop", "") : "";
 }
 
 void PutWhyNot(CellRunResult& result, const std::string& arm, const std::string& devices) {
@@ -127,6 +120,7 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
       servo = RunServo(loop, *wires.link, *wires.devices, models, commands, recorder,
                        {.deadline_s = 5.0 * setup.config.servo.period_s,
                         .seconds = params.seconds,
+                        .recoveries = params.recoveries,
                         .standing = &start.standing(),
                         .rendered_s = &rendered_s,
                         .stop = &stop});
@@ -148,10 +142,11 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
     return tl::make_unexpected(std::string("the simulated cell has ended by itself"));
   result.end = servo.end;
   PutWhyNot(result, wires.link->session().Diagnosis(), wires.devices->Diagnosis());
-  if (wires.cell) result.arm_stop = ArmStopOf(wires.cell->End());
+  if (wires.cell) result.cell_report = wires.cell->End();
   result.faults = servo.faults;
   result.statistics = servo.statistics;
   result.realtime = servo.realtime;
+  result.recovered = servo.recovered;
   safety::FaultSet known;
   RecordFaults(recorder, rt::MonotonicNow(), servo.faults, known);
   result.after = engine.Snapshot();
@@ -181,7 +176,9 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
   const auto wanted = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
   const auto patience = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
   std::int64_t since_progress = 0;
-  for (std::int64_t tick = 1; loop.phase() != control::Phase::kStopped && since_progress < patience; ++tick) {
+  bool recovering = false;
+  for (std::int64_t tick = 1;
+       (recovering || loop.phase() != control::Phase::kStopped) && since_progress < patience; ++tick) {
     const rt::Nanoseconds now = tick * period;
     cell.cell().SetPower((*devices)->power());
     bool accepted = false;
@@ -202,10 +199,19 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
     }
     const control::CellReadings readings = (*devices)->Exchange(loop.cell_commands(), now);
     recorder.Push(loop.Tick(state, received, readings, model, now, command));
+    recovering = false;
     if (const auto answer = session.Answer(command); accepted && !answer.empty()) cell.Receive(answer);
     if (tick % kFrameTicks == 0) pending = runner.Run(loop.tool_command());
 
     RecordFaults(recorder, now, loop.faults(), known);
+    if (loop.CanRecover() && result.recovered < params.recoveries &&
+        loop.statistics().active_ticks < wanted) {
+      ++result.recovered;
+      loop.RequestRecovery();
+      recovering = true;
+      known.Clear();
+      continue;
+    }
     stopped_by_user = params.stop && params.stop->load();
     const std::uint64_t active = loop.statistics().active_ticks;
     since_progress = active > 0 && active < wanted && !stopped_by_user ? 0 : since_progress + 1;
@@ -222,7 +228,11 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
                : result.statistics.active_ticks < wanted ? control::RunEnd::kNeverActive
                                                          : control::RunEnd::kSeconds;
   PutWhyNot(result, session.Diagnosis(), (*devices)->Diagnosis());
-  if (cell.state().stop.reason != hil::StopReason::kNone) result.arm_stop = hil::Describe(cell.state().stop);
+  result.cell_report = ToJson(hil::CellHostState{.arm = {.cell = cell.state(), .wires = cell.counters()},
+                                                 .devices = (*devices)->counters(),
+                                                 .plc = (*devices)->plc(),
+                                                 .plc_counters = {},
+                                                 .tool_speed_rad_per_s = (*devices)->tool_speed_rad_per_s()});
   result.after = engine.Snapshot();
   return result;
 }

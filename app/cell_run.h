@@ -20,6 +20,7 @@ namespace osteon::app {
 struct CellRunParams {
   double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
   bool virtual_time{false};
+  int recoveries{0};  ///< so often the loop begins again after the connection to the arm has ended rendering
   /// Wall time: the simulated cell to start as a process of its own; absent: what is at the wires is used.
   std::optional<CellProcessParams> cell{};
   std::filesystem::path recording;  ///< the MCAP file to write
@@ -33,12 +34,13 @@ struct CellRunResult {
   std::string diagnosis;  ///< where rendering never began: what kept arm or devices from it
   safety::FaultSet faults;
   control::ServoStatistics statistics;
+  int recovered{0};  ///< times that it began again
   bool realtime{false};
   io::RecordingCounts recording;
   simulation::CarvedState after;
   std::vector<simulation::SceneEvent> events;  ///< stamps as in the recording
   std::optional<double> least_wall_m;  ///< that was left beside the cut; nothing where none is watched
-  std::string arm_stop;  ///< why the simulated arm stopped or ended the session; empty where it did not
+  std::string cell_report;  ///< what the simulated cell says of itself, osteon.cell/1; empty: not ours
 };
 
 /// Operates a cell: servo loop and cutting engine, and what is on the cell's wires.

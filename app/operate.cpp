@@ -50,6 +50,7 @@ int RunOperate(const OperateOptions& options) {
   InstallInterrupt();
   RunProgress progress("osteon run", options.seconds);
   const CellRunParams params{.seconds = options.seconds,
+                             .recoveries = options.recoveries,
                              .cell = cell,
                              .recording = options.record,
                              .stop = &Interrupted(),

@@ -13,6 +13,7 @@ struct OperateOptions {
   std::filesystem::path cell;  ///< its YAML
   bool simulated{false};       ///< start the simulated cell as well
   double seconds{0.0};         ///< of rendering; 0: until Ctrl-C
+  int recoveries{0};  ///< so often it begins again after the connection to the arm has ended rendering
   std::filesystem::path record{"run.mcap"};
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
   std::optional<std::uint16_t> port{};       ///< of a simulated cell: the first of its ports

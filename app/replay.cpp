@@ -112,6 +112,7 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
 
     // once more
     if (recorded.input.stop) loop.RequestStop();
+    if (recorded.input.recover) loop.RequestRecovery();
     TickRecord replayed =
         loop.Tick(control::ArmStateOf(recorded), static_cast<control::ReceiveResult>(recorded.input.received),
                   control::CellReadingsOf(recorded.input), *model, recorded.input.now, command);

@@ -36,9 +36,9 @@ const char* NameOf(control::SessionState state) {
 }
 
 nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
-  return {{"pushed", n.pushed},       {"passed", n.passed},       {"lost", n.lost},
+  return {{"pushed", n.pushed},         {"passed", n.passed},       {"lost", n.lost},
           {"duplicated", n.duplicated}, {"reordered", n.reordered}, {"corrupted", n.corrupted},
-          {"delayed", n.delayed},     {"silenced", n.silenced},   {"overflow", n.overflow}};
+          {"delayed", n.delayed},       {"silenced", n.silenced},   {"overflow", n.overflow}};
 }
 
 void PrintWires(const config::CellConfig& cell) {

@@ -185,7 +185,11 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.events = EventRows(result.events, recording);
   s.least_wall_m = result.least_wall_m;
   s.assumptions = simulation::Assumptions(setup.bone.materials);
-  s.arm_stop = result.arm_stop;
+  s.cell_report = result.cell_report;
+  const nlohmann::json cell = nlohmann::json::parse(result.cell_report, nullptr, false);
+  if (cell.is_object() && cell.contains("arm")) s.arm_stop = cell["arm"].value("stop", "");
+  if (!recording.ticks.empty()) s.link = recording.ticks.back().input;
+  s.recovered = result.recovered;
   return s;
 }
 
@@ -270,6 +274,17 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                      {"tool", s.tool},
                      {"virtual_time", s.virtual_time},
                      {"ended", s.ended},
+                     {"recovered", s.recovered},
+                     {"link",
+                      {{"lost", s.link.lost},
+                       {"duplicate", s.link.duplicate},
+                       {"late", s.link.late},
+                       {"reordered", s.link.reordered},
+                       {"rejected", s.link.rejected},
+                       {"answers_lost", s.link.answers_lost},
+                       {"answers_foreign", s.link.answers_foreign}}},
+                     {"cell", s.cell_report.empty() ? nlohmann::json(nullptr)
+                                                    : nlohmann::json::parse(s.cell_report, nullptr, false)},
                      {"seconds", s.seconds},
                      {"spheres", s.balls},
                      {"mass_points", s.points},

@@ -54,6 +54,9 @@ struct RunSummary {
   std::vector<EventRow> events;          ///< of the scene, in their order
   std::optional<double> least_wall_m;    ///< thinnest wall beside the cut; nothing where none is watched
   std::vector<std::string> assumptions;  ///< figures of the materials without a source
+  int recovered{0};                      ///< times that rendering began again
+  std::string cell_report;               ///< what the simulated cell says of itself, osteon.cell/1
+  control::TickInput link;               ///< of the last tick: what became of messages and answers
   std::string arm_stop;                  ///< why the simulated arm ended the session; empty where it did not
 };
 

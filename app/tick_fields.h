@@ -113,6 +113,7 @@ void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   fields::Joints("q_ipo", in.q_ipo, "rad", visit);
   fields::Joints("tau_ext", in.tau_ext, "Nm", visit);
   visit(FieldName{"stop"}, static_cast<unsigned>(in.stop));
+  visit(FieldName{"recover"}, static_cast<unsigned>(in.recover));
   visit(FieldName{"sensor_stamp", "", "ns"}, in.sensor_stamp);
   fields::ForceTorque("F_sensor_S", in.F_sensor_S, visit);
   visit(FieldName{"sensor_trusted"}, static_cast<unsigned>(in.sensor_trusted));

@@ -21,8 +21,8 @@ namespace osteon::app {
 
 /// The cell's devices in virtual time, both sides of each wire: the same clients and simulated devices as in
 /// wall time, with frames handed over in memory, and the PLC's program behind its decoded block. A cell's
-/// injections act on them as in wall time; on the PLC's wire a silence leaves the last block standing, a loss is
-/// a connection that has ended, and a delay makes the block older.
+/// injections act on them as in wall time; on the PLC's wire a silence leaves the last block standing, a loss
+/// is a connection that has ended, and a delay makes the block older.
 class VirtualDevices final : public control::CellDevices {
  public:
   /// The error is a client's; see DeviceClients.
@@ -39,6 +39,15 @@ class VirtualDevices final : public control::CellDevices {
 
   [[nodiscard]] control::CellReadings Exchange(const control::CellCommands& commands,
                                                rt::Nanoseconds now) OSTEON_RT override;
+
+  [[nodiscard]] hil::DeviceWireCounters counters() const { return wires_->counters(); }
+  /// What the PLC decides; nothing where there is none.
+  [[nodiscard]] hil::PlcLogicOutputs plc() const {
+    return logic_ ? logic_->outputs() : hil::PlcLogicOutputs{};
+  }
+  [[nodiscard]] double tool_speed_rad_per_s() {
+    return devices_.drive() ? devices_.drive()->tool_speed_rad_per_s() : 0.0;
+  }
 
   /// What keeps the cell from moving.
   [[nodiscard]] std::string Diagnosis() const { return clients_->Diagnosis(plc_, now_); }

@@ -173,7 +173,8 @@ void ReadSimulatedArm(Reader section, hil::SimulatedCellParams& cell, DriveFrict
     ReadDynamicArm(section.Section("dynamic"), cell.dynamic, friction);
 }
 
-void ReadLinkQuality(Reader section, hil::QualityPolicyParams& quality) {
+void ReadLinkQuality(Reader section, hil::FriServerParams& fri) {
+  hil::QualityPolicyParams& quality = fri.quality;
   quality.fair_after_answers = section.Whole("fair_answered_count", 1, 1000);
   quality.good_after_answers = section.Whole("good_answered_count", 1, 1000);
   quality.excellent_after_answers = section.Whole("excellent_answered_count", 1, 1000);
@@ -181,6 +182,7 @@ void ReadLinkQuality(Reader section, hil::QualityPolicyParams& quality) {
   quality.end_after_lost_in_a_row = section.Whole("end_lost_in_a_row_count", 1, 1000);
   quality.end_after_lost_per_s = section.Whole("end_lost_count", 1, 1000);
   quality.good_timeout_s = section.Number("good_timeout_s", 0.1, 600);
+  if (section.Has("ask_again")) fri.request_again_after_loss = section.Bool("ask_again");
 }
 
 // What hil::LinkQuality would refuse, at the line that is to blame.
@@ -381,7 +383,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   const Reader simulated_arm = reader.Section("simulated_arm");
   ReadSimulatedArm(simulated_arm, cell.simulated, friction);
   const Reader link_quality = reader.Section("link_quality");
-  ReadLinkQuality(link_quality, cell.simulated.fri.quality);
+  ReadLinkQuality(link_quality, cell.simulated.fri);
   cell.injections = ReadInjections(reader);
   reader.Finish();
 

@@ -37,7 +37,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
   const rt::Nanoseconds give_up = ToNanoseconds(params.give_up_s);
   rt::Nanoseconds give_up_at = rt::MonotonicNow() + give_up;
   rt::Nanoseconds active_since = -1, last_active = -1;
-  bool ending = false;
+  bool ending = false, waits_again = false;
   const auto end = [&](RunEnd why) {
     if (ending) return;
     ending = true;
@@ -85,11 +85,19 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
       break;
     }
     if (params.stop != nullptr && params.stop->load(std::memory_order_relaxed)) end(RunEnd::kStopFlag);
+    if (!ending && loop.CanRecover() && result.recovered < params.recoveries) {
+      ++result.recovered;
+      loop.RequestRecovery();
+      give_up_at = woken + give_up;
+      waits_again = true;
+      continue;
+    }
     if (loop.faults().Any()) end(RunEnd::kFault);
     if (!ending && loop.phase() == Phase::kAligning) give_up_at = woken + give_up;  // it comes closer
     if (params.seconds > 0.0 && active_since >= 0 && woken - active_since >= ToNanoseconds(params.seconds))
       end(RunEnd::kSeconds);
-    if (active_since < 0 && woken > give_up_at) end(RunEnd::kNeverActive);
+    if (loop.phase() == Phase::kHaptic) waits_again = false;
+    if ((active_since < 0 || waits_again) && woken > give_up_at) end(RunEnd::kNeverActive);
     if (loop.phase() == Phase::kStopped) {
       end(RunEnd::kStopFlag);
       break;

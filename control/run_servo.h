@@ -20,6 +20,7 @@ struct RunServoParams {
   double seconds{10.0};      ///< of rendering; then an orderly stop. 0: until stopped
   double give_up_s{30.0};    ///< without beginning to render, and without coming to rest after the end
   int priority{80};          ///< SCHED_FIFO; 0: do not ask
+  int recoveries{0};         ///< so often the loop begins again by itself: see ServoLoop::RequestRecovery
   /// Where the arm stands, written with each of its messages while the loop waits. Writer: this thread.
   rt::LatestValue<StandingArm>* standing{nullptr};
   std::atomic<double>* rendered_s{nullptr};  ///< written each tick: how much of `seconds` has been run
@@ -40,6 +41,7 @@ struct RunServoResult {
   ServoStatistics statistics;
   std::uint64_t ticks{0};
   std::uint64_t unsent{0};      ///< answers that the system would not send
+  int recovered{0};             ///< times that it began again
   std::uint64_t unrecorded{0};  ///< ticks that the recorder had no room for
   bool realtime{false};         ///< SCHED_FIFO was granted
   DurationHistogram wakeup;     ///< from ArmState::stamp, the link's time of receipt, to the loop running

@@ -102,6 +102,13 @@ simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
           .stamp = has_pose_ ? now_ : 0};
 }
 
+bool ServoLoop::CanRecover() const OSTEON_RT {
+  safety::FaultSet others = faults_;
+  others.Unlatch(Fault::kSession);
+  others.Unlatch(Fault::kArmStale);
+  return phase_ == Phase::kStopped && faults_.Any() && !others.Any();
+}
+
 CellCommands ServoLoop::cell_commands() const OSTEON_RT {
   const bool ends = phase_ == Phase::kStopping || phase_ == Phase::kStopped;
   return {
@@ -123,7 +130,14 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   record.sensor_age_s = AgeOf(readings.force.stamp, now);
   const bool stop = stop_requested_.load(std::memory_order_relaxed);
   stop_asked_ = stop;
+  const bool recover = recovery_requested_.exchange(false, std::memory_order_relaxed);
   record.input = InputOf(state, received, readings, model, now, stop);
+  record.input.recover = recover;
+  if (recover && !stop && CanRecover()) {
+    faults_.Clear();
+    recovered_ = true;
+    phase_ = Phase::kWaiting;
+  }
 
   const JointVector q_meas = ToVector(state.q_meas);
   const Pose X_WT_meas = ToolPose(q_meas);
@@ -231,7 +245,8 @@ bool ServoLoop::Permitted(const InterlockReading& interlock, rt::Nanoseconds now
 // The arm has been handed over: to the start, or on from where it is.
 void ServoLoop::Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
   activation_ = state.activation;
-  const bool there = !path_ || (q_ - params_.start->q).cwiseAbs().maxCoeff() <= params_.start->there_rad;
+  const bool there =
+      !path_ || recovered_ || (q_ - params_.start->q).cwiseAbs().maxCoeff() <= params_.start->there_rad;
   if (there) {
     StartRendering(state, now);
   } else if (path_->Begin(q_, params_.start->q)) {

@@ -60,8 +60,8 @@ struct ServoStatistics {
 /// nothing is rendered
 ///   and the spindle is still. Where the tool's path has no joints (kInverseKinematics, kJointLimit) the
 ///   joints' own last motion is scaled down instead.
-/// - kStopped holds, and follows the arm again where it leaves COMMANDING_ACTIVE. Only a new loop renders
-/// again.
+/// - kStopped holds, and follows the arm again where it leaves COMMANDING_ACTIVE. Only a recovery, or a new
+/// loop, renders again.
 ///
 /// Whatever limits the motion pulls the virtual tool back with it: commanded and integrated pose are one at
 /// every tick. The joints follow the tool's twist (DifferentialInverse), so that the end of the reach, a
@@ -88,6 +88,13 @@ class ServoLoop {
 
   /// Orderly stop. From any thread, and from a signal handler.
   void RequestStop() OSTEON_RT { stop_requested_.store(true, std::memory_order_relaxed); }
+
+  /// Begin again after a stop that the connection to the arm brought about (Fault::kSession, kArmStale) and
+  /// nothing else: waits for the arm, and then renders from where it stands. Without effect otherwise. From
+  /// any thread.
+  void RequestRecovery() OSTEON_RT { recovery_requested_.store(true, std::memory_order_relaxed); }
+  /// Whether it would have an effect now.
+  [[nodiscard]] bool CanRecover() const OSTEON_RT;
 
   /// What the simulation should follow: the commanded tool pose of the last tick. Its stamp is 0 until the
   /// arm has said where it is: there is no pose yet.
@@ -148,6 +155,7 @@ class ServoLoop {
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};
 
+  bool recovered_{false};          ///< at least once: no way to the start any more
   bool stop_asked_{false};         ///< as the last tick saw it
   bool spindle_permitted_{true};   ///< by the PLC
   double spindle_rad_per_s_{0.0};  ///< what it does: measured where there is a drive
@@ -172,7 +180,7 @@ class ServoLoop {
   bool wrench_acted_{false}, arm_acted_{false}, twist_acted_{false}, workspace_acted_{false},
       joints_acted_{false}, model_acted_{false}, sensor_acted_{false};
 
-  std::atomic<bool> stop_requested_{false}, may_begin_{true};
+  std::atomic<bool> stop_requested_{false}, recovery_requested_{false}, may_begin_{true};
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 

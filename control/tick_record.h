@@ -30,6 +30,7 @@ struct TickInput {
   bool drives_active{false}, holding{false}, has_ipo{false};
   std::uint8_t received{0};         ///< ReceiveResult
   bool stop{false};                 ///< an orderly stop had been asked for
+  bool recover{false};              ///< a recovery was asked for since the tick before
   std::uint8_t model_status{0};     ///< simulation::EngineStatus
   double period_s{0.0};             ///< of ArmState
   std::array<double, 7> q_ipo{};    ///< [rad]

@@ -9,7 +9,7 @@ namespace osteon::hil {
 
 /// What the arm's controller is told for a cycle.
 struct ArmDrive {
-  control::ControlMode control{control::ControlMode::kPosition};  ///< kNone counts as kPosition
+  control::ControlMode control{control::ControlMode::kPosition};            ///< kNone counts as kPosition
   kinematics::JointVectorN<7> q_cmd{kinematics::JointVectorN<7>::Zero()};   ///< [rad]
   kinematics::JointVectorN<7> tau_Nm{kinematics::JointVectorN<7>::Zero()};  ///< on top, in joint impedance
   Wrench F_T_B{};  ///< on top, in Cartesian impedance: at the motion's centre (the tool), in B

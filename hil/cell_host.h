@@ -19,8 +19,8 @@
 namespace osteon::hil {
 
 struct CellHostParams {
-  CellThreadParams arm;     ///< its injections are those of all wires
-  io::DeviceParams wires;   ///< as the controller has them: its tunnels' other ends are ours
+  CellThreadParams arm;    ///< its injections are those of all wires
+  io::DeviceParams wires;  ///< as the controller has them: its tunnels' other ends are ours
   SimulatedDeviceParams devices;
   std::optional<PlcServerParams> plc;
   rt::Nanoseconds device_period{rt::kMillisecond / 2};  ///< how often buses and panel are looked after
@@ -65,7 +65,7 @@ class CellHost {
     DeviceWireCounters wires;
     double tool_speed_rad_per_s{0.0};
   };
-  rt::LatestValue<Devices> published_;  // writer: thread_
+  rt::LatestValue<Devices> published_;   // writer: thread_
   std::atomic<bool> commanding_{false};  // the arm has been in COMMANDING_ACTIVE
   std::atomic<bool> stop_{false};
   std::thread thread_;

@@ -71,6 +71,7 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   in.safety_state = static_cast<std::uint8_t>((i + 1) % 4);
   in.has_ipo = i % 2 == 1;
   in.stop = i % 3 == 1;
+  in.recover = i % 4 == 1;
   in.model_status = static_cast<std::uint8_t>((i + 2) % 4);
   in.period_s = base + 73;
   for (std::size_t j = 0; j < 7; ++j) {

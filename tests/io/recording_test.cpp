@@ -150,6 +150,7 @@ TEST(Recording, CarriesEveryInputOfATick) {
     EXPECT_EQ(r.safety_state, sent.safety_state);
     EXPECT_EQ(r.has_ipo, sent.has_ipo);
     EXPECT_EQ(r.stop, sent.stop);
+    EXPECT_EQ(r.recover, sent.recover);
     EXPECT_EQ(r.model_status, sent.model_status);
     EXPECT_EQ(r.period_s, sent.period_s);
     EXPECT_EQ(r.q_ipo, sent.q_ipo);
