@@ -1,0 +1,118 @@
+#include <unistd.h>
+
+#include <csignal>
+
+#include <gtest/gtest.h>
+
+#include "tests/app/command.h"
+
+// `osteon cell` and `osteon run` as a user has them: two processes that know of each other by their wires
+// alone. How fast this machine is, is nowhere asserted.
+
+namespace osteon::app {
+namespace {
+
+// A first port that another test of this machine hardly has.
+std::string Port() { return std::to_string(32768 + getpid() % 2000 * 8); }
+
+bool Says(const Command& command, const std::string& words) {
+  return command.Out().find(words) != std::string::npos;
+}
+
+// A machine that is busy may stall either side: then a fault says so, and the test another time.
+bool IsStall(const nlohmann::json& summary) {
+  for (const nlohmann::json& fault : summary.at("faults")) {
+    const std::string name = fault;
+    if (!name.ends_with(" stale") && name != "arm left COMMANDING_ACTIVE" && name != "spindle drive fault" &&
+        name != "motion not permitted")
+      return false;
+  }
+  return !summary.at("faults").empty();
+}
+
+TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
+  constexpr int kAttempts = 3;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const TemporaryFolder folder;
+    Command cell(folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
+    ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
+    const CommandResult run = RunCommand(folder.path(), {"run", "thin_plate", "--port", Port(), "--seconds",
+                                                         "2", "--record", "r.mcap", "--json", "run.json"});
+    const bool saw_active = Says(cell, "COMMANDING_ACTIVE");
+    cell.Send(SIGTERM);
+    EXPECT_EQ(cell.Wait().exit_code, 0);
+    ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 1) << run.exit_code << run.err;
+    const nlohmann::json summary = ReadJson(folder.path() / "run.json");
+    EXPECT_EQ(summary.at("schema"), "osteon.run/1");
+    if (run.exit_code == 1) {
+      ASSERT_TRUE(IsStall(summary)) << summary.dump(2);
+      continue;
+    }
+    EXPECT_TRUE(saw_active);
+    EXPECT_EQ(summary.at("ended"), "completed");
+    const io::Recording recording = ReadComplete(folder.path() / "r.mcap");
+    const control::TickInput& last = recording.ticks.back().input;
+    EXPECT_TRUE(last.spindle_ready);
+    EXPECT_NE(last.interlock_stamp, 0);
+    EXPECT_GT(last.spindle_stamp, 0);
+    double turns = 0.0;
+    for (const auto& tick : recording.ticks) turns = std::max(turns, tick.spindle_rad_per_s);
+    EXPECT_GT(turns, 50.0) << "the drill turned, as its drive said";
+    const nlohmann::json report = ReadJson(folder.path() / "cell.json");
+    EXPECT_EQ(report.at("schema"), "osteon.cell/1");
+    EXPECT_GT(report.at("arm").at("answered").get<int>(), 2000);
+    EXPECT_GT(report.at("plc").at("requests").get<int>(), 100);
+    return;
+  }
+  GTEST_SKIP() << "skipped, this machine is too busy: " << kAttempts << " runs ended by a stall";
+}
+
+TEST(CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
+  const TemporaryFolder folder;
+  Command cell(folder.path(), {"cell", "thin_plate", "--port", Port()});
+  ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
+  Command run(folder.path(),
+              {"run", "thin_plate", "--port", Port(), "--record", "r.mcap", "--json", "run.json"});
+  ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
+  usleep(500'000);
+  cell.Send(SIGKILL);
+  EXPECT_EQ(run.Wait().exit_code, 1) << run.Err();
+  const nlohmann::json summary = ReadJson(folder.path() / "run.json");
+  EXPECT_TRUE(IsStall(summary)) << summary.dump(2);
+  EXPECT_LE(summary.at("peak_force_N").get<double>(), summary.at("force_limit_N").get<double>());
+  EXPECT_EQ(ReadComplete(folder.path() / "r.mcap").ticks.back().phase, control::Phase::kStopped);
+}
+
+TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
+  const TemporaryFolder folder;
+  Command cell(folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
+  ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
+  {
+    Command run(folder.path(), {"run", "thin_plate", "--port", Port(), "--record", "r.mcap"});
+    ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
+    run.Send(SIGKILL);
+    run.Wait();
+  }
+  const auto left = [&] {
+    const std::string out = cell.Out();
+    return out.find("MONITORING_WAIT", out.find("COMMANDING_ACTIVE")) != std::string::npos;
+  };
+  EXPECT_TRUE(cell.WaitUntil(left)) << cell.Out();
+  cell.Send(SIGTERM);
+  EXPECT_EQ(cell.Wait().exit_code, 0);
+  const nlohmann::json report = ReadJson(folder.path() / "cell.json");
+  EXPECT_FALSE(report.at("plc").at("run_permitted").get<bool>()) << "its heartbeat stands still";
+  EXPECT_FALSE(report.at("arm").at("stop").get<std::string>().empty());
+}
+
+TEST(CellProcess, APortThatIsTakenIsNamed) {
+  const TemporaryFolder folder;
+  Command cell(folder.path(), {"cell", "thin_plate", "--port", Port()});
+  ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
+  const CommandResult other = RunCommand(folder.path(), {"cell", "thin_plate", "--port", Port()});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.err.find("127.0.0.1:"), std::string::npos) << other.err;
+}
+
+}  // namespace
+}  // namespace osteon::app

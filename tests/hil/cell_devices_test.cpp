@@ -1,0 +1,186 @@
+// Force sensor and drive as the loop has them, over the simulated devices' own ends of the buses, in virtual
+// time.
+
+#include <deque>
+
+#include <gtest/gtest.h>
+
+#include "hil/can/memory_can_bus.h"
+#include "hil/device_wires.h"
+#include "io/devices/device_clients.h"
+
+namespace osteon::hil {
+namespace {
+
+constexpr double kSpeed = 26.0;  // of the tool, rad/s
+
+io::DeviceParams Wires(bool ati, bool two_buses) {
+  io::DeviceParams wires;
+  wires.buses = {{.name = "tool", .port = 1, .device_port = 2}};
+  if (two_buses) wires.buses.push_back({.name = "drive", .port = 3, .device_port = 4});
+  if (ati) wires.sensor = io::AtiParams{};
+  wires.drive = io::ReamerDriveParams{.gear_ratio = 20.0,
+                                      .rated_torque_Nm = 0.5,
+                                      .max_speed_rad_per_s = 1.2 * kSpeed,
+                                      .acceleration_rad_per_s2 = kSpeed / 0.3};
+  wires.drive_bus = two_buses ? 1 : 0;
+  return wires;
+}
+
+SimulatedDeviceParams Devices(bool ati) {
+  SimulatedDeviceParams params;
+  if (ati) params.sensor = AtiDeviceParams{};
+  params.drive = DriveDeviceParams{};
+  return params;
+}
+
+// Both sides, a millisecond a step.
+class Cell {
+ public:
+  explicit Cell(bool ati = false, bool two_buses = false, const InjectionParams& injections = {})
+      : devices_(Devices(ati)) {
+    const io::DeviceParams wires = Wires(ati, two_buses);
+    auto made = io::DeviceClients::Make(wires);
+    if (!made) throw std::invalid_argument(made.error());
+    clients = std::move(*made);
+    std::vector<io::CanBus*> ends;
+    pumps_.reserve(2);
+    for (std::size_t i = 0; i < wires.buses.size(); ++i) {
+      MemoryCanBus &ours = buses_.emplace_back(now), &theirs = buses_.emplace_back(now);
+      MemoryCanBus::Join(ours, theirs);
+      ends.push_back(&theirs);
+      io::CanPump& pump = pumps_.emplace_back(ours);
+      if (i == wires.sensor_bus) pump.Add(clients->sensor());
+      if (i == wires.drive_bus) pump.Add(*clients->drive());
+    }
+    wires_.emplace(ends, devices_, wires, injections, &now);
+  }
+
+  control::CellReadings Run(int ms) {
+    for (int i = 0; i < ms; ++i) {
+      now += rt::kMillisecond;
+      clients->Command(commands);
+      devices_.SetLoad(load_S);
+      wires_->Pump(now);
+      for (io::CanPump& pump : pumps_) pump.Pump(now);
+    }
+    return clients->Readings({}, now);
+  }
+  DeviceWires& wires() { return *wires_; }
+
+  rt::Nanoseconds now{0};
+  control::CellCommands commands;
+  Wrench load_S{.f = Vector3::Zero(), .t = Vector3::Zero()};
+  std::unique_ptr<io::DeviceClients> clients;
+
+ private:
+  SimulatedDevices devices_;
+  std::deque<MemoryCanBus> buses_;
+  std::vector<io::CanPump> pumps_;
+  std::optional<DeviceWires> wires_;
+};
+
+class BothSides : public ::testing::TestWithParam<std::tuple<bool, bool>> {};
+
+TEST_P(BothSides, WhatTheSensorCarriesAndTheDriveTurnsComesBack) {
+  const auto [ati, two_buses] = GetParam();
+  Cell cell(ati, two_buses);
+  cell.load_S = {.f = {12.3, -45.6, 78.9}, .t = {1.25, -0.5, 3.5}};
+  cell.Run(600);
+  EXPECT_EQ(cell.clients->Diagnosis({}, cell.now), "");
+  cell.commands.spindle_rad_per_s = kSpeed;
+  const control::CellReadings readings = cell.Run(1000);
+  EXPECT_TRUE(readings.force.trusted);
+  EXPECT_LE(cell.now - readings.force.stamp, 2 * rt::kMillisecond);
+  // a count is 1/50 N and 1/2000 N·m of the one make, a gauge's of some thousand of the range of the other
+  EXPECT_LT((Vector3(readings.force.F_S.f) - cell.load_S.f).norm(), 0.1);
+  EXPECT_LT((Vector3(readings.force.F_S.t) - cell.load_S.t).norm(), 0.02);
+  EXPECT_TRUE(readings.spindle.ready);
+  EXPECT_FALSE(readings.spindle.fault);
+  EXPECT_LE(cell.now - readings.spindle.stamp, 8 * rt::kMillisecond);
+  EXPECT_NEAR(readings.spindle.speed_rad_per_s, kSpeed, 0.02 * kSpeed);
+}
+
+INSTANTIATE_TEST_SUITE_P(CellDevices, BothSides,
+                         ::testing::Values(std::tuple{false, false}, std::tuple{false, true},
+                                           std::tuple{true, false}, std::tuple{true, true}));
+
+TEST(CellDevices, AnOverloadedSensorIsNotTrusted) {
+  Cell cell;
+  cell.load_S.f = {0.0, 0.0, -600.0};
+  EXPECT_FALSE(cell.Run(600).force.trusted);
+  EXPECT_NE(cell.clients->Diagnosis({}, cell.now).find("force sensor"), std::string::npos);
+}
+
+TEST(CellDevices, ASpindleIsRampedDownAndAQuickStopIsSteeper) {
+  const auto time_to_rest_ms = [](bool quick) {
+    Cell cell;
+    cell.commands.spindle_rad_per_s = kSpeed;
+    EXPECT_NEAR(cell.Run(2000).spindle.speed_rad_per_s, kSpeed, 1.0);
+    cell.commands = {.quick_stop = quick};
+    int ms = 0;
+    while (cell.Run(1).spindle.speed_rad_per_s > 0.05 * kSpeed && ms < 5000) ++ms;
+    EXPECT_FALSE(cell.Run(500).spindle.fault) << "it was told so";
+    return ms;
+  };
+  const int ramped = time_to_rest_ms(false), quick = time_to_rest_ms(true);
+  EXPECT_GT(ramped, 150);
+  EXPECT_LT(ramped, 600);
+  EXPECT_LT(quick, ramped);
+}
+
+TEST(CellDevices, ASilenceOfOneWireIsNoneOfTheOther) {
+  const InjectionParams silence{
+      .injections = {{.wire = Wire::kForceSensor, .from_s = 0.5, .faults = {.silence = true}}}};
+  Cell cell(false, false, silence);
+  cell.Run(600);
+  cell.wires().Begin(cell.now);
+  const control::CellReadings readings = cell.Run(1000);
+  EXPECT_NEAR(rt::ToSeconds(cell.now - readings.force.stamp), 0.5, 0.003);
+  EXPECT_LE(cell.now - readings.spindle.stamp, 8 * rt::kMillisecond);
+  EXPECT_GT(cell.wires().counters().sensor_to_controller.silenced, 900u);
+  EXPECT_EQ(cell.wires().counters().drive_to_controller.silenced, 0u);
+}
+
+TEST(CellDevices, ARequestThatIsNotGrantedIsMadeAnew) {
+  const Cell cell;
+  const control::CellCommands wanted{.motion_requested = true};
+  io::PlcReading plc;
+  int rises = 0, falls = 0;
+  bool before = false;
+  for (int ms = 1; ms <= 3000; ++ms) {
+    const bool now = cell.clients->MotionRequest(wanted, plc, ms * rt::kMillisecond);
+    rises += now && !before;
+    falls += !now && before;
+    before = now;
+  }
+  EXPECT_GE(rises, 4);
+  EXPECT_LE(rises, 8);
+  plc.inputs.run_permitted = true;
+  static_cast<void>(cell.clients->MotionRequest(wanted, plc, 3600 * rt::kMillisecond));
+  for (int ms = 3700; ms <= 9000; ++ms)
+    ASSERT_TRUE(cell.clients->MotionRequest(wanted, plc, ms * rt::kMillisecond)) << "granted: it stands";
+  EXPECT_FALSE(cell.clients->MotionRequest({}, plc, 9001 * rt::kMillisecond));
+}
+
+TEST(CellDevices, DevicesOfOneBusThatShareIdentifiersAreRefused) {
+  io::DeviceParams wires = Wires(true, false);
+  wires.drive->node = 5;  // its RPDO1 is 0x205, an ATI's
+  const auto made = io::DeviceClients::Make(wires);
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().find("node 5"), std::string::npos) << made.error();
+  wires = Wires(true, true);
+  wires.drive->node = 5;
+  EXPECT_TRUE(io::DeviceClients::Make(wires)) << "a bus of its own";
+}
+
+TEST(CellDevices, DiagnosisNamesWhoIsSilent) {
+  auto clients = io::DeviceClients::Make(Wires(false, false));
+  ASSERT_TRUE(clients);
+  const std::string text = (*clients)->Diagnosis({}, rt::kSecond);
+  EXPECT_NE(text.find("force sensor"), std::string::npos) << text;
+  EXPECT_NE(text.find("reamer drive"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace osteon::hil
