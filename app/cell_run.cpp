@@ -3,12 +3,20 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <thread>
+
+#include <nlohmann/json.hpp>
 
 #include "app/build_name.h"
 #include "app/chart_files.h"
 #include "app/recorded_config.h"
+#include "app/simulated_setup.h"
 #include "app/simulation_thread.h"
+#include "app/start_path.h"
+#include "app/virtual_devices.h"
 #include "control/rt/clock.h"
+#include "hil/injection/impaired_cell.h"
+#include "io/devices/wired_devices.h"
 #include "io/fri/fri_link.h"
 
 namespace osteon::app {
@@ -18,11 +26,7 @@ constexpr int kFrameTicks =
     2;  // virtual time: ticks from one frame to the next, and from its pose to its model
 constexpr double kVirtualGiveUp_s = 30.0;  // without COMMANDING_ACTIVE, or without rest after the end
 
-hil::SimulatedCell MakeCell(const CellSetup& setup, double seconds) {
-  hil::ScriptParams script = setup.config.script;
-  std::visit([seconds](auto& s) { s.seconds = seconds; }, script);
-  return {setup.config.simulated, MakeScript(script)};
-}
+constexpr std::chrono::milliseconds kLook{10};  // how often a run is looked after
 
 rt::Nanoseconds UtcNow() {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
@@ -40,35 +44,111 @@ void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSe
   }
 }
 
-CellRunResult RunWall(const CellSetup& setup, simulation::CuttingEngine& engine, FrameRunner& runner,
-                      io::FriLink& link, io::Recorder& recorder, const CellRunParams& params) {
+// What a run in wall time speaks through.
+struct Wires {
+  std::unique_ptr<io::FriLink> link;
+  std::unique_ptr<io::WiredDevices> devices;
+  std::unique_ptr<CellProcess> cell;  // null: not ours to start
+};
+
+tl::expected<Wires, std::string> OpenWires(const CellSetup& setup) {
+  Wires wires;
+  auto link = io::FriLink::Open({.bind_address = setup.config.fri.host,
+                                 .port = setup.config.fri.port,
+                                 .session = setup.config.fri.session});
+  if (!link) return tl::make_unexpected(link.error());
+  wires.link = std::move(*link);
+  auto devices = io::WiredDevices::Open(setup.config.devices);
+  if (!devices) return tl::make_unexpected(devices.error());
+  wires.devices = std::move(*devices);
+  return wires;
+}
+
+// The stop that `osteon cell` reported; empty where it reported none.
+std::string ArmStopOf(const std::string& report) {
+  const nlohmann::json json = nlohmann::json::parse(report, nullptr, false);
+  return json.is_object() && json.contains("arm") ? json["arm"].value("stop", "") : "";
+}
+
+void PutWhyNot(CellRunResult& result, const std::string& arm, const std::string& devices) {
+  if (result.end != control::RunEnd::kNeverActive) return;
+  result.diagnosis = arm + (arm.empty() || devices.empty() ? "" : "; ") + devices;
+}
+
+// Looks along the way to the start while the arm waits, and again where somebody has moved the arm since.
+class StartWatch {
+ public:
+  StartWatch(const CellSetup& setup, control::ServoLoop& loop) : setup_(setup), loop_(loop) {
+    loop_.AllowBegin(false);
+  }
+
+  /// Where the arm is: the servo's thread writes, this one reads.
+  [[nodiscard]] rt::LatestValue<control::StandingArm>& standing() { return standing_; }
+
+  void Look() {
+    const control::StandingArm& arm = standing_.Load();
+    if (!arm.known) return;
+    const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(arm.q.data());
+    if (looked_ && (q - looked_at_).cwiseAbs().maxCoeff() < kMoved_rad) return;
+    looked_at_ = q;
+    loop_.AllowBegin(false);
+    why_not_ = WhyNotToStart(setup_, q);
+    looked_ = true;
+    loop_.AllowBegin(why_not_.empty());
+  }
+
+  [[nodiscard]] const std::string& why_not() const { return why_not_; }
+
+ private:
+  static constexpr double kMoved_rad = 0.02;
+  const CellSetup& setup_;
+  control::ServoLoop& loop_;
+  rt::LatestValue<control::StandingArm> standing_;
+  kinematics::JointVector looked_at_{kinematics::JointVector::Zero()};
+  bool looked_{false};
+  std::string why_not_;
+};
+
+tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
+                                                 FrameRunner& runner, Wires& wires, io::Recorder& recorder,
+                                                 const CellRunParams& params) {
   CellRunResult result;
   control::ServoLoop loop = MakeServoLoop(setup.config);
   rt::LatestValue<simulation::ContactModel> models;
   rt::LatestValue<simulation::ToolCommand> commands;
   control::RunServoResult servo;
+  bool cell_died = false;
+  StartWatch start(setup, loop);
   {
     SimulationThread simulation(runner, commands, models, recorder);
-    hil::SimulatedCellThread arm({.client_address = setup.config.fri.host, .client_port = link.port()},
-                                 MakeCell(setup, params.seconds));
-    std::atomic<bool> done{false};
+    std::atomic<bool> done{false}, stop{false};
+    std::atomic<double> rendered_s{0.0};
     std::thread servo_thread([&] {
-      servo = RunServo(
-          loop, link, arm.sensor(), models, commands, recorder,
-          {.deadline_s = 5.0 * setup.config.servo.period_s, .seconds = params.seconds, .stop = params.stop});
-      arm.Stop();  // at once: a client that is gone is no loss on the arm's books
+      servo = RunServo(loop, *wires.link, *wires.devices, models, commands, recorder,
+                       {.deadline_s = 5.0 * setup.config.servo.period_s,
+                        .seconds = params.seconds,
+                        .standing = &start.standing(),
+                        .rendered_s = &rendered_s,
+                        .stop = &stop});
+      if (wires.cell) wires.cell->AskToEnd();  // at once: a client that is gone is no loss on the arm's books
       done.store(true);
     });
     while (!done.load()) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      if (params.progress) params.progress(arm.statistics().cell.cell_time_s);
+      std::this_thread::sleep_for(kLook);
+      cell_died |= !done.load() && wires.cell && wires.cell->Ended();
+      start.Look();
+      if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
+      if (params.progress) params.progress(rendered_s.load());
     }
     servo_thread.join();
     simulation.Stop();
-    result.cell = arm.statistics().cell;
   }
+  if (!start.why_not().empty()) return tl::make_unexpected(start.why_not());
+  if (cell_died && servo.statistics.active_ticks == 0)
+    return tl::make_unexpected(std::string("the simulated cell has ended by itself"));
   result.end = servo.end;
-  if (servo.end == control::RunEnd::kNeverActive) result.diagnosis = link.session().Diagnosis();
+  PutWhyNot(result, wires.link->session().Diagnosis(), wires.devices->Diagnosis());
+  if (wires.cell) result.arm_stop = ArmStopOf(wires.cell->End());
   result.faults = servo.faults;
   result.statistics = servo.statistics;
   result.realtime = servo.realtime;
@@ -78,11 +158,17 @@ CellRunResult RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
   return result;
 }
 
-CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engine, FrameRunner& runner,
-                         io::Recorder& recorder, const CellRunParams& params) {
+tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engine,
+                                                    FrameRunner& runner, io::Recorder& recorder,
+                                                    const CellRunParams& params) {
   CellRunResult result;
   control::ServoLoop loop = MakeServoLoop(setup.config);
-  hil::SimulatedCell cell = MakeCell(setup, params.seconds);
+  hil::ImpairedCell cell(MakeSimulatedCell(setup.config, params.seconds), setup.config.injections);
+  const kinematics::JointVector q_first =
+      Eigen::Map<const kinematics::JointVector>(setup.config.simulated.q_start.data());
+  if (const std::string why = WhyNotToStart(setup, q_first); !why.empty()) return tl::make_unexpected(why);
+  auto devices = VirtualDevices::Make(setup.config);
+  if (!devices) return tl::make_unexpected(devices.error());
   io::FriSession session(setup.config.fri.session);
   control::ArmState state;
   control::ArmCommand command;
@@ -97,8 +183,13 @@ CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engi
   std::int64_t since_progress = 0;
   for (std::int64_t tick = 1; loop.phase() != control::Phase::kStopped && since_progress < patience; ++tick) {
     const rt::Nanoseconds now = tick * period;
-    const auto message = cell.Step(now);
-    const bool accepted = !message.empty() && session.Accept(message, now, state) == io::FriAccept::kAccepted;
+    cell.cell().SetPower((*devices)->power());
+    bool accepted = false;
+    cell.Step(now, [&](std::span<const std::uint8_t> message, rt::Nanoseconds arrival) {
+      accepted |= session.Accept(message, arrival, state) == io::FriAccept::kAccepted;
+    });
+    if (cell.state().active_once) (*devices)->Begin(now);
+    (*devices)->SetLoad(cell.cell().force().F_S);
     const auto received = accepted ? control::ReceiveResult::kOk : control::ReceiveResult::kTimeout;
 
     // the frame of two ticks ago has arrived
@@ -109,7 +200,8 @@ CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engi
       runner.RecordEvents(recorder, now);
       pending.reset();
     }
-    recorder.Push(loop.Tick(state, received, cell.force(), model, now, command));
+    const control::CellReadings readings = (*devices)->Exchange(loop.cell_commands(), now);
+    recorder.Push(loop.Tick(state, received, readings, model, now, command));
     if (const auto answer = session.Answer(command); accepted && !answer.empty()) cell.Receive(answer);
     if (tick % kFrameTicks == 0) pending = runner.Run(loop.tool_command());
 
@@ -129,8 +221,8 @@ CellRunResult RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engi
                : stopped_by_user                         ? control::RunEnd::kStopFlag
                : result.statistics.active_ticks < wanted ? control::RunEnd::kNeverActive
                                                          : control::RunEnd::kSeconds;
-  if (result.end == control::RunEnd::kNeverActive) result.diagnosis = session.Diagnosis();
-  result.cell = cell.state();
+  PutWhyNot(result, session.Diagnosis(), (*devices)->Diagnosis());
+  if (cell.state().stop.reason != hil::StopReason::kNone) result.arm_stop = hil::Describe(cell.state().stop);
   result.after = engine.Snapshot();
   return result;
 }
@@ -143,13 +235,11 @@ tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulat
   simulation::SceneWatch watch(*setup.solid, setup.bone, setup.config.tool.tool, setup.config.scene.events);
   FrameRunner runner(engine, depth, watch, setup.X_WG);
   // what may be refused comes first: an earlier run's recording is only overwritten by a run
-  std::unique_ptr<io::FriLink> link;
+  Wires wires;
   if (!params.virtual_time) {
-    auto opened = io::FriLink::Open({.bind_address = setup.config.fri.host,
-                                     .port = setup.config.fri.port,
-                                     .session = setup.config.fri.session});
+    auto opened = OpenWires(setup);
     if (!opened) return tl::make_unexpected(opened.error());
-    link = std::move(*opened);
+    wires = std::move(*opened);
   }
   if (const auto folder = params.recording.parent_path(); !folder.empty()) {
     std::error_code error;
@@ -171,14 +261,21 @@ tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulat
                                       .machine = MachineName()});
   if (!recorder) return tl::make_unexpected(recorder.error());
 
-  CellRunResult result = params.virtual_time ? RunVirtual(setup, engine, runner, **recorder, params)
-                                             : RunWall(setup, engine, runner, *link, **recorder, params);
+  if (params.cell && !params.virtual_time) {
+    auto cell = CellProcess::Start(*params.cell);
+    if (!cell) return tl::make_unexpected(cell.error());
+    wires.cell = std::move(*cell);
+  }
+  auto run = params.virtual_time ? RunVirtual(setup, engine, runner, **recorder, params)
+                                 : RunWall(setup, engine, runner, wires, **recorder, params);
+  if (!run) return tl::make_unexpected(run.error());
+  CellRunResult& result = *run;
   const auto counts = (*recorder)->Close();
   if (!counts) return tl::make_unexpected(counts.error());
   result.recording = *counts;
   result.events = runner.events();
   result.least_wall_m = watch.least_wall_m();
-  return result;
+  return run;
 }
 
 }  // namespace osteon::app

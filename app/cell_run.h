@@ -9,17 +9,19 @@
 
 #include <tl/expected.hpp>
 
+#include "app/cell_process.h"
 #include "app/cell_setup.h"
 #include "control/run_servo.h"
-#include "hil/simulated_cell_thread.h"
 #include "io/recording/recorder.h"
 #include "simulation/scene_events.h"
 
 namespace osteon::app {
 
 struct CellRunParams {
-  double seconds{10.0};  ///< of COMMANDING_ACTIVE
+  double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
   bool virtual_time{false};
+  /// Wall time: the simulated cell to start as a process of its own; absent: what is at the wires is used.
+  std::optional<CellProcessParams> cell{};
   std::filesystem::path recording;  ///< the MCAP file to write
   const std::atomic<bool>* stop{nullptr};
   std::function<void(double seconds)> progress{};  ///< called now and then with the time run so far
@@ -28,8 +30,7 @@ struct CellRunParams {
 /// What a run leaves besides its recording.
 struct CellRunResult {
   control::RunEnd end{control::RunEnd::kSeconds};
-  std::string
-      diagnosis;  ///< where the arm was never ready: what kept it from being commanded, if that is known
+  std::string diagnosis;  ///< where rendering never began: what kept arm or devices from it
   safety::FaultSet faults;
   control::ServoStatistics statistics;
   bool realtime{false};
@@ -37,16 +38,17 @@ struct CellRunResult {
   simulation::CarvedState after;
   std::vector<simulation::SceneEvent> events;  ///< stamps as in the recording
   std::optional<double> least_wall_m;  ///< that was left beside the cut; nothing where none is watched
-  hil::CellState cell;
+  std::string arm_stop;  ///< why the simulated arm stopped or ended the session; empty where it did not
 };
 
-/// Runs the simulated cell: arm over FRI, operator, servo loop and cutting engine.
+/// Operates a cell: servo loop and cutting engine, and what is on the cell's wires.
 ///
-/// In wall time the arm is a thread behind a real UDP socket on loopback, the servo loop and the simulation
-/// have threads of their own. In virtual time all of it runs in lockstep in the calling thread, the same
-/// datagrams handed over in memory: the simulation takes every second tick's command and its frame is seen
-/// two ticks later, as a 500 Hz simulation's would. The recording's folder is made where it is not there. The
-/// error says what could not be opened.
+/// In wall time servo loop and simulation have threads of their own; arm, force sensor, spindle and PLC are
+/// behind their protocols, real, or simulated in a process of their own. In virtual time the simulated cell
+/// is part of this process and all of it runs in lockstep in the calling thread, the same datagrams and
+/// frames handed over in memory: the simulation takes every second tick's command and its frame is seen two
+/// ticks later, as a 500 Hz simulation's would. The recording's folder is made where it is not there. The
+/// error says what could not be opened or started.
 [[nodiscard]] tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup,
                                                                simulation::CuttingEngine& engine,
                                                                const CellRunParams& params);

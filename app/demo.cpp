@@ -1,16 +1,15 @@
 #include "app/demo.h"
 
-#include <unistd.h>
-
-#include <cmath>
 #include <cstdio>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "app/cell_ports.h"
 #include "app/cell_run.h"
 #include "app/interrupt.h"
 #include "app/recorded_motion.h"
+#include "app/run_progress.h"
 #include "app/summary.h"
 
 namespace osteon::app {
@@ -42,33 +41,6 @@ std::string WrongPlace(const DemoOptions& options) {
   return "";
 }
 
-// A bar on a terminal, a line a tenth elsewhere.
-class Progress {
- public:
-  explicit Progress(double seconds) : seconds_(seconds), terminal_(isatty(STDERR_FILENO) != 0) {}
-  void Show(double at_s) {
-    const double share = std::min(1.0, at_s / seconds_);
-    if (terminal_) {
-      constexpr int kWidth = 40;
-      const int filled = static_cast<int>(share * kWidth);
-      fmt::print(stderr, "\r[{:{}}] {:4.1f} of {:.1f} s", std::string(static_cast<std::size_t>(filled), '#'),
-                 kWidth, share * seconds_, seconds_);
-    } else if (share >= next_) {
-      fmt::print(stderr, "osteon demo: {:.1f} of {:.1f} s\n", share * seconds_, seconds_);
-      next_ = std::floor(share * 10.0) / 10.0 + 0.1;
-    }
-    std::fflush(stderr);
-  }
-  void Done() const {
-    if (terminal_) fmt::print(stderr, "\r\033[K");
-  }
-
- private:
-  double seconds_;
-  bool terminal_;
-  double next_{0.1};
-};
-
 // The tool's motion into a file that can be played again; an empty string, or what is wrong.
 std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const RunSummary& summary,
                        const io::Recording& recording) {
@@ -88,11 +60,6 @@ std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const
   return written ? std::string() : written.error();
 }
 
-void PrintTable(const RunSummary& summary) {
-  fmt::print("Osteon demo: {} with a {}\n", summary.scene, summary.tool);
-  for (const SummaryRow& row : Rows(summary)) fmt::print("  {:<30} {}\n", row.key, row.value);
-}
-
 }  // namespace
 
 int RunDemo(const DemoOptions& options) {
@@ -103,14 +70,19 @@ int RunDemo(const DemoOptions& options) {
 
   auto setup = SetUpCell(options.cell, options.mesh, options.tool);
   if (!setup) return Fail(setup.error());
-  if (options.port) setup->config.fri.port = *options.port;
+  const auto first_port = UseSimulated(setup->config, options.port);
+  if (!first_port) return Fail(first_port.error());
   auto engine = MakeEngine(*setup, options.engine, options.device);
   if (!engine) return Fail(engine.error());
 
   InstallInterrupt();
-  Progress progress(options.seconds);
+  RunProgress progress("osteon demo", options.seconds);
   const CellRunParams params{.seconds = options.seconds,
                              .virtual_time = options.virtual_time,
+                             .cell = CellProcessParams{.cell = options.cell,
+                                                       .tool = options.tool,
+                                                       .seconds = options.seconds,
+                                                       .first_port = *first_port},
                              .recording = options.out / "recording.mcap",
                              .stop = &Interrupted(),
                              .progress = [&](double at_s) { progress.Show(at_s); }};
@@ -152,10 +124,9 @@ int RunDemo(const DemoOptions& options) {
   if (!options.save_motion.empty())
     if (const std::string wrong = SaveMotion(options, *setup, summary, *recording); !wrong.empty())
       return Fail(wrong, kFailed);
-  PrintTable(summary);
+  PrintTable(summary, "Osteon demo");
   fmt::print("  {:<30} {}\n", "Report", page.string());
-  if (result->end == control::RunEnd::kStopFlag) return kExitInterrupted;
-  return result->end == control::RunEnd::kSeconds && summary.faults.empty() ? 0 : 1;
+  return ExitCode(*result);
 }
 
 }  // namespace osteon::app

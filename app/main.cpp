@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "app/capability_command.h"
+#include "app/cell_commands.h"
 #include "app/cell_file.h"
 #include "app/demo.h"
 #include "app/doctor.h"
@@ -171,7 +172,8 @@ int Run(int argc, char** argv) {
   app.footer(
       "The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
       "  clean                       removes what was built\n\n"
-      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon pack --help\n  osteon bench frame\n  osteon "
+      "Examples:\n  osteon demo\n  osteon demo --help\n  osteon run --help\n  osteon pack --help\n  osteon "
+      "bench frame\n  osteon "
       "failures --help\n  "
       "osteon doctor");
 
@@ -204,7 +206,10 @@ int Run(int argc, char** argv) {
   demo_app->add_option("--cell", cell, "a name under cells/, or a YAML file")->capture_default_str();
   auto* tool_option = demo_app->add_option(
       "--tool", tool, "NAME[:DIAMETER]: instead of the cell's; a name under tools/, or a YAML file; mm");
-  demo_app->add_option("--port", demo.port, "FRI port on loopback instead of the cell's; 0: any free one")
+  demo_app
+      ->add_option(
+          "--port", demo.port,
+          "the first of the cell's ports on loopback (FRI, PLC, CAN) instead of its file's; 0: any free ones")
       ->check(osteon::app::PortNumber());
   demo_app->add_option("--json", demo.json, "a further copy of summary.json");
   demo_app->add_option("--save-motion", demo.save_motion,
@@ -231,6 +236,7 @@ int Run(int argc, char** argv) {
   doctor_app->footer("Examples:\n  osteon doctor\n  osteon doctor --json doctor.json");
 
   osteon::app::MeasureCommands measure(app);
+  osteon::app::CellCommands cells(app);
   osteon::app::CapabilityCommand capability(app);
   osteon::app::ExportCommand export_recording(app);
   osteon::app::ReplayCommand replay(app);
@@ -299,6 +305,7 @@ int Run(int argc, char** argv) {
     failures.command_line = CommandLine(argc, argv);
     return osteon::app::RunFailures(failures);
   }
+  if (cells.asked()) return cells.Run(config_root);
   if (capability.asked()) return capability.Run(config_root, CommandLine(argc, argv));
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run();

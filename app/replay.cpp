@@ -9,6 +9,7 @@
 
 #include "app/recorded_config.h"
 #include "app/tick_fields.h"
+#include "control/tick_input.h"
 
 namespace osteon::app {
 namespace {
@@ -46,34 +47,6 @@ class Models {
   ContactModel none_;
   std::uint64_t last_frame_{0};
 };
-
-control::ArmState ArmStateOf(const TickRecord& tick) {
-  const control::TickInput& in = tick.input;
-  return {.stamp = in.arm_stamp,
-          .sequence = in.sequence,
-          .session = static_cast<control::SessionState>(tick.session_state),
-          .quality = in.quality,
-          .safety_state = in.safety_state,
-          .operation_mode = in.operation_mode,
-          .drives_active = in.drives_active,
-          .control_mode = static_cast<control::ControlMode>(in.control_mode),
-          .command_mode = static_cast<control::CommandMode>(in.command_mode),
-          .period_s = in.period_s,
-          .q_meas = tick.q_meas,
-          .q_ipo = in.q_ipo,
-          .has_ipo = in.has_ipo,
-          .tau_ext = in.tau_ext,
-          .activation = in.activation,
-          .holding = in.holding,
-          .lost = in.lost,
-          .duplicate = in.duplicate,
-          .late = in.late,
-          .reordered = in.reordered,
-          .rejected = in.rejected,
-          .other_version = in.other_version,
-          .answers_lost = in.answers_lost,
-          .answers_foreign = in.answers_foreign};
-}
 
 template <class T>
 std::uint64_t BitsOf(T value) {
@@ -140,9 +113,8 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
     // once more
     if (recorded.input.stop) loop.RequestStop();
     TickRecord replayed =
-        loop.Tick(ArmStateOf(recorded), static_cast<control::ReceiveResult>(recorded.input.received),
-                  {.stamp = recorded.input.sensor_stamp, .F_T_W = recorded.input.F_sensor_T_W}, *model,
-                  recorded.input.now, command);
+        loop.Tick(control::ArmStateOf(recorded), static_cast<control::ReceiveResult>(recorded.input.received),
+                  control::CellReadingsOf(recorded.input), *model, recorded.input.now, command);
     replayed.q_cmd = command.q;  // what the arm is told, whatever the record says
     replayed.activation_cmd = command.activation;
     ++result.ticks;

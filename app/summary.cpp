@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/interrupt.h"
 #include "simulation/metrics/cut_metrics.h"
 #include "simulation/tools/swept_tool.h"
 
@@ -184,7 +185,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.events = EventRows(result.events, recording);
   s.least_wall_m = result.least_wall_m;
   s.assumptions = simulation::Assumptions(setup.bone.materials);
-  if (result.cell.stop.reason != hil::StopReason::kNone) s.arm_stop = hil::Describe(result.cell.stop);
+  s.arm_stop = result.arm_stop;
   return s;
 }
 
@@ -241,6 +242,16 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   rows.push_back({"Faults", faults.empty() ? "none" : faults});
   rows.push_back({"Recording", s.recording});
   return rows;
+}
+
+void PrintTable(const RunSummary& summary, const std::string& title) {
+  fmt::print("{}: {} with a {}\n", title, summary.scene, summary.tool);
+  for (const SummaryRow& row : Rows(summary)) fmt::print("  {:<30} {}\n", row.key, row.value);
+}
+
+int ExitCode(const CellRunResult& result) {
+  if (result.end == control::RunEnd::kStopFlag) return kExitInterrupted;
+  return result.end == control::RunEnd::kSeconds && !result.faults.Any() ? 0 : 1;
 }
 
 std::string ToJson(const RunSummary& s, const std::string& schema) {

@@ -65,6 +65,12 @@ struct RunSummary {
 /// Rows for the terminal and the report.
 [[nodiscard]] std::vector<SummaryRow> Rows(const RunSummary& summary);
 
+/// The rows on the terminal, under `title`, scene and tool.
+void PrintTable(const RunSummary& summary, const std::string& title);
+
+/// Of a process that ran: 0 done, 1 ended by a fault or never begun, kExitInterrupted ended by Ctrl-C.
+[[nodiscard]] int ExitCode(const CellRunResult& result);
+
 /// One JSON object by the contract of docs/commands.md, with `schema`.
 [[nodiscard]] std::string ToJson(const RunSummary& summary, const std::string& schema);
 

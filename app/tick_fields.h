@@ -114,7 +114,18 @@ void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   fields::Joints("tau_ext", in.tau_ext, "Nm", visit);
   visit(FieldName{"stop"}, static_cast<unsigned>(in.stop));
   visit(FieldName{"sensor_stamp", "", "ns"}, in.sensor_stamp);
-  fields::ForceTorque("F_sensor_T_W", in.F_sensor_T_W, visit);
+  fields::ForceTorque("F_sensor_S", in.F_sensor_S, visit);
+  visit(FieldName{"sensor_trusted"}, static_cast<unsigned>(in.sensor_trusted));
+  visit(FieldName{"spindle_stamp", "", "ns"}, in.spindle_stamp);
+  visit(FieldName{"spindle_meas", "", "rad_per_s"}, in.spindle_meas_rad_per_s);
+  visit(FieldName{"spindle_torque", "", "Nm"}, in.spindle_torque_Nm);
+  visit(FieldName{"spindle_ready"}, static_cast<unsigned>(in.spindle_ready));
+  visit(FieldName{"spindle_fault"}, static_cast<unsigned>(in.spindle_fault));
+  visit(FieldName{"interlock_stamp", "", "ns"}, in.interlock_stamp);
+  visit(FieldName{"permitted"}, static_cast<unsigned>(in.permitted));
+  visit(FieldName{"enabled"}, static_cast<unsigned>(in.enabled));
+  visit(FieldName{"spindle_permitted"}, static_cast<unsigned>(in.spindle_permitted));
+  visit(FieldName{"interlock_reason"}, static_cast<unsigned>(in.interlock_reason));
   visit(FieldName{"model_status"}, static_cast<unsigned>(in.model_status));
   visit(FieldName{"model_pose_stamp", "", "ns"}, in.model_pose_stamp);
 }

@@ -1,11 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "control/servo_loop.h"
+#include "hil/can/simulated_devices.h"
+#include "hil/injection/wire_faults.h"
+#include "hil/plc/plc_server.h"
 #include "hil/scripts.h"
 #include "hil/simulated_cell.h"
+#include "io/devices/device_params.h"
 #include "io/fri/fri_session.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/lbr_params.h"
@@ -18,10 +23,18 @@
 
 namespace osteon::config {
 
+/// The motor that turns a tool.
+struct ToolDriveConfig {
+  double gear_ratio{1.0};  ///< turns of the motor a turn of the tool
+  double rated_torque_Nm{0.0};
+  double spin_up_s{0.0};  ///< from rest to the spindle's speed
+};
+
 struct ToolConfig {
   simulation::Tool tool;
   Pose X_FT{Pose::Identity()};  ///< tool in the flange's frame
   double spindle_rad_per_s{0.0};
+  ToolDriveConfig drive;
 };
 
 /// Where the arm begins: the tool looks into the cup along its axis.
@@ -30,6 +43,7 @@ struct StartConfig {
   double tool_yaw_rad{0.0};     ///< turns the tool about its axis: R_CT = Rx(pi) Rz(yaw)
   Pose X_WT{Pose::Identity()};  ///< what follows from the two
   double arm_angle_rad{0.0};
+  control::JointPathParams path;  ///< of an arm that is handed over elsewhere
   /// The same as joints [rad]: of the arm's solutions the nearest to zero.
   kinematics::JointVector q{kinematics::JointVector::Zero()};
 };
@@ -54,8 +68,12 @@ struct CellConfig {
   control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   FriConfig fri;
+  io::DeviceParams devices;            ///< force sensor, reamer drive, PLC: where they are
   hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that stand in for the real ones
-  hil::ScriptParams script;            ///< what the operator is told to do
+  hil::SimulatedDeviceParams simulated_devices;  ///< the same devices' other ends
+  std::optional<hil::PlcServerParams> simulated_plc;
+  hil::InjectionParams injections;  ///< what goes wrong on the simulated cell's wires
+  hil::ScriptParams script;  ///< what the operator is told to do
 };
 
 }  // namespace osteon::config

@@ -4,8 +4,11 @@
 
 #include <fmt/format.h>
 
+#include "config/check_registration.h"
 #include "config/load.h"
 #include "config/load_robot.h"
+#include "config/read_devices.h"
+#include "config/read_injections.h"
 #include "config/read_pose.h"
 #include "config/read_script.h"
 #include "kinematics/payload.h"
@@ -17,6 +20,11 @@ void ReadStart(Reader section, StartConfig& start) {
   start.height_m = section.Number("height_mm", 0, 500);
   start.tool_yaw_rad = section.Number("tool_yaw_deg", -360, 360);
   start.arm_angle_rad = section.Number("arm_angle_deg", -180, 180);
+  start.path.speed_share = section.Number("speed_ratio", 0.01, 1);
+  start.path.acceleration_share = section.Number("acceleration_ratio", 0.01, 1);
+  start.path.tool_speed_m_per_s =
+      section.Number("tool_speed_mm_per_s", 1, 1e3 * control::kReducedSpeed_m_per_s);
+  start.path.pause_s = section.Number("pause_ms", 50, 5000);
 }
 
 void ReadLimits(Reader section, control::ServoParams& servo) {
@@ -170,6 +178,10 @@ void ReadSimulatedArm(Reader section, hil::SimulatedCellParams& cell, DriveFrict
   cell.dynamic.bandwidth_hz = servo.bandwidth_hz;
   cell.dynamic.damping_ratio = servo.damping_ratio;
   cell.dynamic.dead_cycles = servo.dead_cycles;
+  if (section.Has("start_offset_deg")) {
+    const std::vector<double> offset_rad = section.Numbers("start_offset_deg", 7, -90, 90);
+    std::copy(offset_rad.begin(), offset_rad.end(), cell.q_start.begin());
+  }
   if (cell.level == hil::ArmLevel::kDynamic || section.Has("dynamic"))
     ReadDynamicArm(section.Section("dynamic"), cell.dynamic, friction);
 }
@@ -322,6 +334,7 @@ void Spread(CellConfig& cell) {
   control::ServoParams& servo = cell.servo;
   servo.joints.limits = cell.robot.limits;
   servo.arm_body = cell.chain;
+  servo.start = control::StartParams{.q = cell.start.q, .path = cell.start.path};
   servo.posture_load.axial_N = servo.wrench.max_force_N;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
@@ -332,7 +345,7 @@ void Spread(CellConfig& cell) {
   cell.simulated.X_WB = cell.X_WB;
   cell.simulated.X_FT = cell.tool.X_FT;
   for (std::size_t i = 0; i < cell.simulated.q_start.size(); ++i)
-    cell.simulated.q_start[i] = cell.start.q[static_cast<Eigen::Index>(i)];
+    cell.simulated.q_start[i] += cell.start.q[static_cast<Eigen::Index>(i)];
 
   std::visit(
       [&cell](auto& script) {
@@ -360,6 +373,8 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   Reader sensor = reader.Section("force_sensor");
   static_cast<void>(sensor.Text("source"));
   const kinematics::LinkInertia sensor_F = ReadBody(sensor);
+  const DeviceSections devices{reader, sensor};
+  ReadDevices(devices, cell);
   const Reader start = reader.Section("start");
   ReadStart(start, cell.start);
   const Reader limits = reader.Section("limits");
@@ -380,6 +395,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadSimulatedArm(simulated_arm, cell.simulated, friction);
   const Reader link_quality = reader.Section("link_quality");
   ReadLinkQuality(link_quality, cell.simulated.fri.quality);
+  cell.injections = ReadInjections(reader);
   reader.Finish();
 
   CheckBody(sensor, sensor_F, "force_sensor");
@@ -396,11 +412,14 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadArm(reader, robot, cell);
   cell.tool = ChooseTool(reader, own_tool, tool);
   CarryPayload(sensor_F, cell);
+  CompleteDevices(devices, cell);
   GiveMasses(simulated_arm, friction, cell);
   cell.scene = LoadScene(scene);
   cell.scene.materials = Pick(reader, materials, cell.scene.material_names);
+  CheckFrames(cell, reader);
   PlaceArm(start, cell);
   Spread(cell);
+  CheckStart(cell, reader);
   CheckScript(script, cell.script, hand, cell.simulated.hand.max_force_N);
   return cell;
 }

@@ -216,6 +216,13 @@ BuiltTool LoadMeshTool(Reader& reader, const std::optional<double>& diameter_m) 
   return Built(reader, "mesh", [&] { return simulation::MakeMeshTool(loaded->mesh, params); });
 }
 
+ToolDriveConfig ReadDrive(Reader section) {
+  static_cast<void>(section.Text("source"));
+  return {.gear_ratio = section.Number("gear_ratio", 0.1, 1000),
+          .rated_torque_Nm = section.Number("rated_torque_Nm", 0.001, 100),
+          .spin_up_s = section.Number("spin_up_s", 0.01, 10)};
+}
+
 }  // namespace
 
 ToolConfig LoadTool(const std::filesystem::path& path, const std::optional<double>& diameter_m) {
@@ -223,7 +230,8 @@ ToolConfig LoadTool(const std::filesystem::path& path, const std::optional<doubl
   ToolConfig config;
   const std::size_t kind = reader.Choice("kind", {"hemispherical_reamer", "burr", "twist_drill", "mesh"});
   static_cast<void>(reader.Text("source"));
-  config.spindle_rad_per_s = reader.Number("spindle_rpm", 0, 400'000);
+  config.spindle_rad_per_s = reader.Number("spindle_rpm", 1, 400'000);
+  config.drive = ReadDrive(reader.Section("drive"));
   const Pose X_FH = ReadPose(reader.Section("mounting"));
   BuiltTool built;
   switch (kind) {

@@ -103,14 +103,49 @@ class ArmLink {
 /// One reading of the force sensor.
 struct ForceReading {
   rt::Nanoseconds stamp{0};  ///< 0: none yet
-  PlainWrench F_T_W;         ///< what the hand exerts on the tool, at T's origin, in W, tool weight taken out
+  PlainWrench F_S;           ///< on the sensor's tool side, at S's origin, in S; the tool's weight is in it
+  bool trusted{true};        ///< false: beyond the sensor's range, or it reports a fault of its own
 };
 
-class ForceSensor {
+/// One reading of the reamer's drive.
+struct SpindleReading {
+  rt::Nanoseconds stamp{0};     ///< 0: none yet
+  double speed_rad_per_s{0.0};  ///< of the tool
+  double torque_Nm{0.0};        ///< at the tool; friction and what accelerates it are in it
+  bool ready{false};            ///< configured, and its status comes
+  bool fault{false};            ///< of the drive or of its connection; latched there
+};
+
+/// What the cell's PLC says.
+struct InterlockReading {
+  rt::Nanoseconds stamp{0};       ///< 0: none yet
+  bool permitted{false};          ///< motion; false as well where the PLC is silent or stands still
+  bool enabled{false};            ///< the enabling switch is in its middle position
+  bool spindle_permitted{false};  ///< foot pedal, and motion permitted
+  std::uint8_t reason{0};         ///< why not permitted: io::PlcVerdict; 0: permitted
+};
+
+/// What the cell's devices beside the arm say.
+struct CellReadings {
+  ForceReading force{};
+  SpindleReading spindle{};
+  InterlockReading interlock{};
+};
+
+/// What the loop asks of them.
+struct CellCommands {
+  bool motion_requested{false};  ///< of the PLC
+  double spindle_rad_per_s{0.0};
+  bool quick_stop{false};  ///< of the spindle, along its steepest ramp
+};
+
+/// Force sensor, spindle and PLC.
+class CellDevices {
  public:
-  virtual ~ForceSensor() = default;
-  /// The newest reading.
-  [[nodiscard]] virtual ForceReading Latest() OSTEON_RT = 0;
+  virtual ~CellDevices() = default;
+  /// Hands the commands on and takes the newest readings; never waits.
+  [[nodiscard]] virtual CellReadings Exchange(const CellCommands& commands,
+                                              rt::Nanoseconds now) OSTEON_RT = 0;
 };
 
 class TickRecorder {

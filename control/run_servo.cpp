@@ -25,7 +25,7 @@ void Validate(const RunServoParams& params) {
 
 }  // namespace
 
-RunServoResult RunServo(ServoLoop& loop, ArmLink& link, ForceSensor& sensor,
+RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
                         rt::LatestValue<simulation::ContactModel>& models,
                         rt::LatestValue<simulation::ToolCommand>& commands, TickRecorder& recorder,
                         const RunServoParams& params) {
@@ -52,10 +52,15 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, ForceSensor& sensor,
     // one tick: receive, compute, answer
     const ReceiveResult received = link.Receive(state, rt::MonotonicNow() + deadline);
     const rt::Nanoseconds woken = rt::MonotonicNow();
-    TickRecord record = loop.Tick(state, received, sensor.Latest(), models.Load(), woken, command);
+    const CellReadings readings = devices.Exchange(loop.cell_commands(), woken);
+    TickRecord record = loop.Tick(state, received, readings, models.Load(), woken, command);
     if (received == ReceiveResult::kOk && !link.Send(command)) ++result.unsent;
     const rt::Nanoseconds answered = rt::MonotonicNow();
     commands.Store(loop.tool_command());
+
+    if (params.standing && received == ReceiveResult::kOk && loop.phase() == Phase::kWaiting &&
+        state.session != SessionState::kIdle)
+      params.standing->Store({.known = true, .q = state.q_meas});
 
     // what it took; only a message that came has a wake-up
     ++result.ticks;
@@ -64,10 +69,13 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, ForceSensor& sensor,
       record.wakeup_ns = woken - state.stamp;
       result.wakeup.Add(record.wakeup_ns);
       result.compute.Add(record.compute_ns);
-      const bool active = state.session == SessionState::kCommandingActive;
+      const bool active = state.session == SessionState::kCommandingActive &&
+                          loop.phase() != Phase::kWaiting && loop.phase() != Phase::kAligning;
       if (active && last_active >= 0) result.period.Add(state.stamp - last_active);
       last_active = active ? state.stamp : -1;
       if (active && active_since < 0) active_since = state.stamp;
+      if (params.rendered_s && active_since >= 0)
+        params.rendered_s->store(rt::ToSeconds(state.stamp - active_since), std::memory_order_relaxed);
     }
     if (!recorder.Push(record)) ++result.unrecorded;
 
@@ -78,6 +86,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, ForceSensor& sensor,
     }
     if (params.stop != nullptr && params.stop->load(std::memory_order_relaxed)) end(RunEnd::kStopFlag);
     if (loop.faults().Any()) end(RunEnd::kFault);
+    if (!ending && loop.phase() == Phase::kAligning) give_up_at = woken + give_up;  // it comes closer
     if (params.seconds > 0.0 && active_since >= 0 && woken - active_since >= ToNanoseconds(params.seconds))
       end(RunEnd::kSeconds);
     if (active_since < 0 && woken > give_up_at) end(RunEnd::kNeverActive);

@@ -9,19 +9,28 @@
 
 namespace osteon::control {
 
+/// Where an arm stands that has not begun.
+struct StandingArm {
+  bool known{false};
+  JointArray q{};  ///< [rad]
+};
+
 struct RunServoParams {
   double deadline_s{0.005};  ///< wait for an arm message; each one missed counts toward arm stale
-  double seconds{10.0};      ///< of answering in COMMANDING_ACTIVE; then an orderly stop. 0: until stopped
-  double give_up_s{30.0};    ///< without reaching COMMANDING_ACTIVE, and without coming to rest after the end
+  double seconds{10.0};      ///< of rendering; then an orderly stop. 0: until stopped
+  double give_up_s{30.0};    ///< without beginning to render, and without coming to rest after the end
   int priority{80};          ///< SCHED_FIFO; 0: do not ask
-  const std::atomic<bool>* stop{nullptr};  ///< orderly stop where it becomes true, e.g. by a signal handler
+  /// Where the arm stands, written with each of its messages while the loop waits. Writer: this thread.
+  rt::LatestValue<StandingArm>* standing{nullptr};
+  std::atomic<double>* rendered_s{nullptr};  ///< written each tick: how much of `seconds` has been run
+  const std::atomic<bool>* stop{nullptr};    ///< orderly stop where it becomes true, e.g. by a signal handler
 };
 
 enum class RunEnd : std::uint8_t {
   kSeconds,      ///< all seconds were run
   kStopFlag,     ///< asked to stop
   kFault,        ///< the loop stopped itself: see faults
-  kNeverActive,  ///< the arm did not reach COMMANDING_ACTIVE in time
+  kNeverActive,  ///< the arm did not reach COMMANDING_ACTIVE, or the devices were not ready, in time
   kLinkClosed,
 };
 
@@ -44,7 +53,7 @@ struct RunServoResult {
 ///
 /// The wake-up latency is as good as the stamp: where the link takes the kernel's time of receipt it holds
 /// the scheduler's delay, where it stamps in user space only the way from there.
-[[nodiscard]] RunServoResult RunServo(ServoLoop& loop, ArmLink& link, ForceSensor& sensor,
+[[nodiscard]] RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
                                       rt::LatestValue<simulation::ContactModel>& models,
                                       rt::LatestValue<simulation::ToolCommand>& commands,
                                       TickRecorder& recorder, const RunServoParams& params);

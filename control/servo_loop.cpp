@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "control/tick_input.h"
+
 namespace osteon::control {
 namespace {
 
@@ -18,6 +20,7 @@ constexpr double kSpeedSlack =
 constexpr double kSightMemory_s =
     0.1;  // many frames, or the speed limit would follow each one's age up and down
 constexpr double kSamePeriod_s = 1e-6;
+constexpr double kTurns = 0.05;            // of the wanted speed: below, a spindle counts as still
 constexpr double kElbowRate_per_s = 40.0;  // toward the wanted arm angle, where it is near
 constexpr double kElbowThere_rad = 1e-6;
 constexpr double kMoving_m_per_s = 0.02,
@@ -36,86 +39,15 @@ Twist Turned(const Matrix3& R_AB, const Twist& V_B) { return {.v = R_AB * V_B.v,
 
 Twist Scaled(const Twist& V, double share) { return {.v = share * V.v, .w = share * V.w}; }
 
+double AgeOf(rt::Nanoseconds stamp, rt::Nanoseconds now) {
+  return stamp == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, stamp);
+}
+
 double WrapAngle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
 ServoParams Validated(const ServoParams& params) {
-  Validate(params.admittance);
-  Validate(params.coupling);
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("servo ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
-  };
-  require("max_speed_m_per_s", params.twist.max_speed_m_per_s, 1e-3, 2.0);
-  require("max_turn_rad_per_s", params.twist.max_turn_rad_per_s, 1e-3, 10.0);
-  require("spindle_rad_per_s", params.spindle_rad_per_s, 0.0, 50000.0);
-  require("stop_deceleration_m_per_s2", params.stop_deceleration_m_per_s2, 0.01, 50.0);
-  require("stop_deceleration_rad_per_s2", params.stop_deceleration_rad_per_s2, 0.01, 200.0);
-  require("workspace deceleration_m_per_s2", params.workspace.deceleration_m_per_s2, 0.01,
-          params.stop_deceleration_m_per_s2);
-  require("joint_stop_s", params.joint_stop_s, 0.001, 2.0);
-  require("model_sight_m", params.model_sight_m, 1e-5, 1.0);
-  require("arm_angle_rate_rad_per_s", params.arm_angle_rate_rad_per_s, 0.0, 1.0);
-  require("joint_acceleration_share", params.joint_acceleration_share, 0.01, 1000.0);
-  require("posture limit_zone_rad", params.posture.limit_zone_rad, 1e-3, 3.0);
-  require("posture limit_speed_rad_per_s", params.posture.limit_speed_rad_per_s, 0.0, 2.0);
-  require("posture singular_zone_m", params.posture.singular_zone_m, 1e-3, 1.0);
-  require("posture singular_speed_rad_per_s", params.posture.singular_speed_rad_per_s, 0.0, 2.0);
-  require("posture load_zone", params.posture.load_zone, 1.01, 10.0);
-  require("posture load_speed_rad_per_s", params.posture.load_speed_rad_per_s, 0.0, 2.0);
-  require("posture_load axial_N", params.posture_load.axial_N, 0.0, 1000.0);
-  require("posture_load lateral_N", params.posture_load.lateral_N, 0.0, 1000.0);
-  require("posture_load torque_Nm", params.posture_load.torque_Nm, 0.0, 1000.0);
-  require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
-  require("period_s", params.period_s, 1e-4, 0.02);
+  Validate(params);
   return params;
-}
-
-// A radian weighs as the virtual tool's radius of gyration: what a vanishing direction takes from the twist
-// is then what a smooth stop would take from a body of that mass and inertia.
-kinematics::DifferentialInverseParams<7> MotionParams(const ServoParams& params) {
-  kinematics::DifferentialInverseParams<7> motion;
-  motion.limits = params.joints.limits;
-  motion.position_margin_rad = params.joints.position_margin_rad;
-  motion.speed_share = params.joints.speed_share;
-  motion.acceleration_share = params.joint_acceleration_share;
-  motion.turning_length_m =
-      std::sqrt(params.admittance.inertia_kg_m2.mean() / params.admittance.mass_kg.mean());
-  return motion;
-}
-
-// Everything that is not in the record by another name: enough to run this tick again.
-TickInput InputOf(const ArmState& state, ReceiveResult received, const ForceReading& reading,
-                  const simulation::ContactModel& model, rt::Nanoseconds now, bool stop) OSTEON_RT {
-  return {.now = now,
-          .arm_stamp = state.stamp,
-          .sequence = state.sequence,
-          .activation = state.activation,
-          .lost = state.lost,
-          .duplicate = state.duplicate,
-          .late = state.late,
-          .reordered = state.reordered,
-          .rejected = state.rejected,
-          .other_version = state.other_version,
-          .answers_lost = state.answers_lost,
-          .answers_foreign = state.answers_foreign,
-          .quality = state.quality,
-          .safety_state = state.safety_state,
-          .operation_mode = state.operation_mode,
-          .control_mode = static_cast<std::uint8_t>(state.control_mode),
-          .command_mode = static_cast<std::uint8_t>(state.command_mode),
-          .drives_active = state.drives_active,
-          .holding = state.holding,
-          .has_ipo = state.has_ipo,
-          .received = static_cast<std::uint8_t>(received),
-          .stop = stop,
-          .model_status = static_cast<std::uint8_t>(model.status),
-          .period_s = state.period_s,
-          .q_ipo = state.q_ipo,
-          .tau_ext = state.tau_ext,
-          .sensor_stamp = reading.stamp,
-          .F_sensor_T_W = reading.F_T_W,
-          .model_pose_stamp = model.pose_stamp};
 }
 
 void RequirePose(const Pose& X, const char* name) {
@@ -146,6 +78,7 @@ ServoLoop::ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, c
   RequirePose(X_WB, "X_WB");
   RequirePose(X_FT, "X_FT");
   if (!std::isfinite(arm_angle_rad)) throw std::invalid_argument("arm_angle_rad: accepted a finite angle");
+  if (params.start) path_.emplace(params.start->path, *params.arm_body, X_FT.translation());
   if (!params.arm_body || !params.arm_body->has_masses) return;
   wanted_load_.load = params.posture_load;
   wanted_load_.p_F = X_FT.translation();
@@ -165,11 +98,19 @@ Pose ServoLoop::ToolPose(const JointVector& q) const OSTEON_RT { return X_WB_ * 
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
   return {.X_WT = X_WT_,
-          .spindle_rad_per_s = phase_ == Phase::kHaptic ? params_.spindle_rad_per_s : 0.0,
+          .spindle_rad_per_s = phase_ == Phase::kHaptic ? spindle_rad_per_s_ : 0.0,
           .stamp = has_pose_ ? now_ : 0};
 }
 
-TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const ForceReading& reading,
+CellCommands ServoLoop::cell_commands() const OSTEON_RT {
+  const bool ends = phase_ == Phase::kStopping || phase_ == Phase::kStopped;
+  return {
+      .motion_requested = !ends && !stop_asked_,
+      .spindle_rad_per_s = phase_ == Phase::kHaptic && spindle_permitted_ ? params_.spindle_rad_per_s : 0.0,
+      .quick_stop = ends && faults_.Any()};
+}
+
+TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const CellReadings& readings,
                            const simulation::ContactModel& model, rt::Nanoseconds now,
                            ArmCommand& command) OSTEON_RT {
   now_ = now;
@@ -179,9 +120,10 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   record.session_state = static_cast<std::uint8_t>(state.session);
   record.model_frame = model.frame;
   record.model_age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
-  record.sensor_age_s = reading.stamp == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, reading.stamp);
+  record.sensor_age_s = AgeOf(readings.force.stamp, now);
   const bool stop = stop_requested_.load(std::memory_order_relaxed);
-  record.input = InputOf(state, received, reading, model, now, stop);
+  stop_asked_ = stop;
+  record.input = InputOf(state, received, readings, model, now, stop);
 
   const JointVector q_meas = ToVector(state.q_meas);
   const Pose X_WT_meas = ToolPose(q_meas);
@@ -194,13 +136,12 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   } else {
     watchdog_.MeetArm();
     const bool active = state.session == SessionState::kCommandingActive;
-    if (active) ++statistics_.active_ticks;
-
     // phases that the arm decides
     if (!active || phase_ == Phase::kWaiting) {
       Mirror(state);
       if (phase_ == Phase::kHaptic) faults_.Latch(Fault::kSession);
-      if (phase_ != Phase::kWaiting || stop) phase_ = Phase::kStopped;
+      const bool again = !stop && (phase_ == Phase::kWaiting || phase_ == Phase::kAligning);
+      phase_ = again ? Phase::kWaiting : Phase::kStopped;
     }
     if (active && phase_ != Phase::kStopped &&
         !(std::abs(state.period_s - params_.period_s) < kSamePeriod_s)) {
@@ -208,17 +149,19 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
       V_WT_ = {};
       phase_ = Phase::kStopped;
     }
-    if (active && phase_ == Phase::kWaiting) StartRendering(state, now);
-    if (phase_ == Phase::kHaptic) {
+    if (active && phase_ == Phase::kWaiting && MayMove(readings, now)) Begin(state, now);
+    if (phase_ == Phase::kHaptic || phase_ == Phase::kAligning) {
       const double error_m = (X_WT_meas.translation() - X_WT_.translation()).norm();
       statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
       if (!(error_m <= params_.max_tracking_error_m)) faults_.Latch(Fault::kTracking);
       if (state.safety_state != 0) faults_.Latch(Fault::kSession);
       if (stop) StartStopping();
     }
+    if (phase_ == Phase::kAligning) Align(state, Permitted(readings.interlock, now), stop, now);
 
+    if (active && phase_ != Phase::kWaiting && phase_ != Phase::kAligning) ++statistics_.active_ticks;
     if (phase_ == Phase::kHaptic)
-      Render(reading, model, now, record);
+      Render(readings, X_WT_meas, model, now, record);
     else if (phase_ == Phase::kStopping)
       Brake();
   }
@@ -262,6 +205,61 @@ void ServoLoop::Miss(ReceiveResult received) OSTEON_RT {
   phase_ = Phase::kStopped;
 }
 
+void ServoLoop::TakeSpindle(const CellReadings& readings) OSTEON_RT {
+  spindle_permitted_ = !params_.has_interlock || readings.interlock.spindle_permitted;
+  const double wanted = cell_commands().spindle_rad_per_s;
+  const double speed = params_.has_spindle ? readings.spindle.speed_rad_per_s : wanted;
+  // a positive turn is what the tool's edges are ground for
+  spindle_rad_per_s_ = std::isfinite(speed) && speed > kTurns * params_.spindle_rad_per_s ? speed : 0.0;
+}
+
+bool ServoLoop::MayMove(const CellReadings& readings, rt::Nanoseconds now) const OSTEON_RT {
+  if (!may_begin_.load(std::memory_order_relaxed)) return false;
+  const safety::WatchdogParams& most = params_.watchdog;
+  if (!readings.force.trusted || !(AgeOf(readings.force.stamp, now) <= most.sensor_stop_s)) return false;
+  if (params_.has_spindle && (!readings.spindle.ready || readings.spindle.fault ||
+                              !(AgeOf(readings.spindle.stamp, now) <= most.spindle_stop_s)))
+    return false;
+  return Permitted(readings.interlock, now);
+}
+
+bool ServoLoop::Permitted(const InterlockReading& interlock, rt::Nanoseconds now) const OSTEON_RT {
+  return !params_.has_interlock ||
+         (interlock.permitted && AgeOf(interlock.stamp, now) <= params_.watchdog.interlock_stop_s);
+}
+
+// The arm has been handed over: to the start, or on from where it is.
+void ServoLoop::Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
+  activation_ = state.activation;
+  const bool there = !path_ || (q_ - params_.start->q).cwiseAbs().maxCoeff() <= params_.start->there_rad;
+  if (there) {
+    StartRendering(state, now);
+  } else if (path_->Begin(q_, params_.start->q)) {
+    phase_ = Phase::kAligning;
+  } else {
+    faults_.Latch(Fault::kJointLimit);  // the arm stands where no command may put it
+    phase_ = Phase::kStopped;
+  }
+}
+
+// A step of the path. Whatever is wrong stops the path's clock; what can not be commanded is not.
+void ServoLoop::Align(const ArmState& state, bool permitted, bool stop, rt::Nanoseconds now) OSTEON_RT {
+  const bool ends = stop || faults_.Any();
+  const JointPathOutput<7> next = path_->Step(params_.period_s, permitted && !ends);
+  const safety::JointGuard::Result guard = joint_guard_.Limit(q_, next.q - q_, params_.period_s);
+  if (guard.jump || guard.violated || guard.share < 1.0) {
+    faults_.Latch(Fault::kJointLimit);
+    phase_ = Phase::kStopped;
+    return;
+  }
+  q_ = next.q;
+  X_WT_ = ToolPose(q_);
+  if (next.done && !ends)
+    StartRendering(state, now);
+  else if (ends && next.rate == 0.0)
+    phase_ = Phase::kStopped;
+}
+
 void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
   activation_ = state.activation;
   phase_ = Phase::kHaptic;
@@ -274,24 +272,28 @@ void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEO
   watchdog_.Start(now);
 }
 
-void ServoLoop::Render(const ForceReading& reading, const simulation::ContactModel& model,
-                       rt::Nanoseconds now, TickRecord& record) OSTEON_RT {
+void ServoLoop::Render(const CellReadings& readings, const Pose& X_WT_meas,
+                       const simulation::ContactModel& model, rt::Nanoseconds now,
+                       TickRecord& record) OSTEON_RT {
   const double dt_s = params_.period_s;
   const Pose X_before = X_WT_;
+  TakeSpindle(readings);
 
   // the operator
-  Wrench F_operator_T_W = reading.F_T_W;
-  if (record.sensor_age_s >= safety::kNoAge_s) F_operator_T_W = {};
+  Wrench F_operator_T_W;
+  if (record.sensor_age_s < safety::kNoAge_s && readings.force.trusted)
+    F_operator_T_W =
+        HandWrench(params_.sensor, readings.force.F_S, X_WT_meas * X_TF_, X_WT_meas.translation());
   const double sensor_share = watchdog_.SensorShare(record.sensor_age_s);
 
   // the bone
   const CouplingOutput coupling = EvaluateCoupling(params_.coupling, model, X_WT_, Scaled(V_WT_, share_), now,
-                                                   params_.spindle_rad_per_s > 0.0, coupling_);
+                                                   spindle_rad_per_s_ > 0.0, coupling_);
   record.model_age_s = coupling.age_s;
   const safety::LimitedWrench limited = LimitWrench(coupling.F_T_W);
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
 
-  Supervise(coupling, F_operator_T_W, record.sensor_age_s, now);
+  Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
   if (safety::IsFinite(F_operator_T_W)) record.F_operator_T_W = F_operator_T_W;
   if (faults_.Any()) {
     StartStopping();
@@ -368,8 +370,18 @@ safety::LimitedWrench ServoLoop::LimitWrench(const Wrench& F_T_W) const OSTEON_R
 }
 
 void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
-                          rt::Nanoseconds now) OSTEON_RT {
-  faults_.Latch(watchdog_.Check(now, coupling.age_s, sensor_age_s));
+                          const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT {
+  safety::Ages ages{.model_s = coupling.age_s, .sensor_s = sensor_age_s};
+  if (params_.has_spindle) {
+    ages.spindle_s = AgeOf(readings.spindle.stamp, now);
+    if (!readings.spindle.ready || readings.spindle.fault) faults_.Latch(Fault::kSpindle);
+  }
+  if (params_.has_interlock) {
+    ages.interlock_s = AgeOf(readings.interlock.stamp, now);
+    if (!readings.interlock.permitted) faults_.Latch(Fault::kInterlock);
+  }
+  faults_.Latch(watchdog_.Check(now, ages));
+  if (!readings.force.trusted) faults_.Latch(Fault::kSensorFault);
   if (coupling.status == ModelStatus::kDeviceLost) faults_.Latch(Fault::kDevice);
   if (coupling.status == ModelStatus::kNotCredible) faults_.Latch(Fault::kNotFinite);
   if (rate_trip_.Check(coupling.F_T_W.f, params_.period_s)) faults_.Latch(Fault::kWrenchRate);
@@ -440,7 +452,8 @@ kinematics::JointVector ServoLoop::WantedElbow(const Twist& V_WT) OSTEON_RT {
   const double most = params_.arm_angle_rate_rad_per_s;
   const double share = phase_ != Phase::kHaptic ? 0.0 : elbow_arrived_ ? moving_ : share_;
   kinematics::LoadPreference<7> load;
-  if (body_) load = kinematics::TowardsLoad<7>(params_.posture, *body_, wanted_load_, q_, null_direction_);
+  if (body_ && (share > 0.0 || moving_ > 0.0))
+    load = kinematics::TowardsLoad<7>(params_.posture, *body_, wanted_load_, q_, null_direction_);
   // an angle at which the arm does not hold the load is not worth holding
   const double worth = 1.0 - load.depth * load.depth;
   const double turn = worth * share * std::clamp(kElbowRate_per_s * error_rad, -most, most);

@@ -4,60 +4,17 @@
 #include <cstdint>
 #include <optional>
 
-#include "control/admittance_law.h"
 #include "control/ports.h"
 #include "control/rt/marker.h"
+#include "control/servo_params.h"
 #include "control/tick_record.h"
-#include "control/virtual_coupling.h"
-#include "kinematics/differential_inverse.h"
 #include "kinematics/lbr_arm.h"
-#include "kinematics/redundancy.h"
 #include "kinematics/serial_chain.h"
 #include "safety/fault.h"
-#include "safety/joint_guard.h"
-#include "safety/limits.h"
-#include "safety/watchdog.h"
-#include "safety/workspace.h"
 #include "simulation/contact_model.h"
 #include "simulation/cutting_engine.h"
 
 namespace osteon::control {
-
-/// Everything that the servo loop can be told. Every field has a usable default but the arm's limits
-/// (joints.limits).
-struct ServoParams {
-  AdmittanceParams admittance;
-  CouplingParams coupling;
-  safety::WrenchLimitParams wrench;
-  safety::SensorForceParams sensor_force;
-  safety::TwistLimitParams twist;
-  safety::WorkspaceParams workspace;  ///< deceleration: should not exceed the stop's
-  safety::JointGuardParams joints;    ///< limits: the arm's own, no default
-  safety::WatchdogParams watchdog;
-  double spindle_rad_per_s{26.18};           ///< while rendering; 250 rpm; 0 for a still spindle
-  double stop_deceleration_m_per_s2{3.0};    ///< of the tool in a Stop 1
-  double stop_deceleration_rad_per_s2{8.0};  ///< the same, turning
-  double joint_stop_s{0.1};                  ///< time to rest of a stop along the joints
-  /// How far the apex may travel between a frame's pose and the next frame's arrival: bone that its planes do
-  /// not reach yet may be met that deep. They reach e = CuttingParams::normal_enlargement_m beyond the tool,
-  /// so the step stays below the trip on the wrench's rate up to e + 1.5 max_speed period / (1 +
-  /// damping_share).
-  double model_sight_m{0.5e-3};
-  double arm_angle_rate_rad_per_s{0.1};  ///< most, to the wanted arm angle
-  /// Of the joints' accelerations (joints.limits): how fast the commanded motion may change; > 0. The
-  /// published figures are for planning. A virtual wall of 20 kN/m that is met at .25 m/s asks for 3.4 times
-  /// as much; held to 1 it is met 7.1 mm deep instead of 3.9, a limit on force in disguise.
-  double joint_acceleration_share{4.0};
-  kinematics::PosturePreferenceParams posture;
-  /// What the posture should hold, along the tool's z and across it at its origin; needs arm_body. With
-  /// nothing in it the elbow is led by limits and singular postures alone.
-  kinematics::ToolLoad posture_load;
-  double max_tracking_error_m{0.03};  ///< measured from commanded tool position
-  double period_s{0.001};             ///< of the arm's messages
-  /// The arm with sensor and tool as its payload: the coupling is scaled to what its torques can hold in the
-  /// posture. Absent, or without masses: the cell's limits alone.
-  std::optional<kinematics::ChainParams<7>> arm_body;
-};
 
 /// How often and how long something was held back.
 struct LimitCount {
@@ -75,7 +32,7 @@ struct ServoStatistics {
   LimitCount wrench;  ///< by any limit, the arm's included
   LimitCount arm;     ///< the arm's torques could not hold the coupling
   LimitCount twist, workspace, joints, model_age, sensor_age;
-  std::uint64_t active_ticks{0};     ///< messages answered in COMMANDING_ACTIVE
+  std::uint64_t active_ticks{0};     ///< messages answered in COMMANDING_ACTIVE, once the loop has begun
   std::uint64_t missed_messages{0};  ///< deadlines that passed without one, once commanding
 };
 
@@ -85,9 +42,16 @@ struct ServoStatistics {
 ///     message → pose → ages → coupling → wrench trips and limiter → M a + D v = F_operator + F_coupling
 ///             → tool speed, workspace → differential inverse, null space → joint guard → command
 ///
-///   kWaiting ──COMMANDING_ACTIVE──▶ kHaptic ──fault, RequestStop()──▶ kStopping ──at rest──▶ kStopped
+///   kWaiting ──COMMANDING_ACTIVE──▶ kAligning ──there──▶ kHaptic ──fault, RequestStop()──▶ kStopping
+///                                                                                             │ at rest
+///                                                                                             ▼ kStopped
 ///
-/// - kWaiting follows the arm's own position. The virtual tool starts from the commanded joints: no jump.
+/// - kWaiting follows the arm's own position. It goes on only where the force sensor lives, the spindle's
+/// drive is ready and the PLC permits motion, as far as the cell has them. The virtual tool starts from the
+/// commanded joints: no jump.
+/// - kAligning goes to ServoParams::start along a joint path, where the arm was handed over elsewhere. It
+/// goes on while motion is permitted and pauses on its path where it is not; an arm that leaves
+/// COMMANDING_ACTIVE meanwhile is waited for anew.
 /// - kHaptic renders. The age of the contact model slows the motion down: with s the coupling's fade, the
 /// operator's force
 ///   counts s F, the coupling s F_c (in EvaluateCoupling), the tool moves by s v dt. At s = 0 the tool is
@@ -115,8 +79,12 @@ class ServoLoop {
   /// One tick. `state` counts where `received` is kOk; otherwise the loop holds.
   /// @param now on the clock of all stamps
   /// @param[out] command what to answer; always finite, once one message with finite joints was seen
-  TickRecord Tick(const ArmState& state, ReceiveResult received, const ForceReading& reading,
+  TickRecord Tick(const ArmState& state, ReceiveResult received, const CellReadings& readings,
                   const simulation::ContactModel& model, rt::Nanoseconds now, ArmCommand& command) OSTEON_RT;
+
+  /// Whether an arm that waits may begin to move; it may at first. From any thread: e.g. while the way to the
+  /// start is looked at.
+  void AllowBegin(bool allowed) OSTEON_RT { may_begin_.store(allowed, std::memory_order_relaxed); }
 
   /// Orderly stop. From any thread, and from a signal handler.
   void RequestStop() OSTEON_RT { stop_requested_.store(true, std::memory_order_relaxed); }
@@ -124,6 +92,9 @@ class ServoLoop {
   /// What the simulation should follow: the commanded tool pose of the last tick. Its stamp is 0 until the
   /// arm has said where it is: there is no pose yet.
   [[nodiscard]] simulation::ToolCommand tool_command() const OSTEON_RT;
+
+  /// What the cell's devices should do now.
+  [[nodiscard]] CellCommands cell_commands() const OSTEON_RT;
 
   [[nodiscard]] Phase phase() const OSTEON_RT { return phase_; }
   [[nodiscard]] safety::FaultSet faults() const OSTEON_RT { return faults_; }
@@ -136,11 +107,16 @@ class ServoLoop {
   [[nodiscard]] Pose ToolPose(const JointVector& q) const OSTEON_RT;
   void Mirror(const ArmState& state) OSTEON_RT;
   void Miss(ReceiveResult received) OSTEON_RT;
+  [[nodiscard]] bool MayMove(const CellReadings& readings, rt::Nanoseconds now) const OSTEON_RT;
+  [[nodiscard]] bool Permitted(const InterlockReading& interlock, rt::Nanoseconds now) const OSTEON_RT;
+  void Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
+  void Align(const ArmState& state, bool permitted, bool stop, rt::Nanoseconds now) OSTEON_RT;
   void StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
-  void Render(const ForceReading& reading, const simulation::ContactModel& model, rt::Nanoseconds now,
-              TickRecord& record) OSTEON_RT;
+  void Render(const CellReadings& readings, const Pose& X_WT_meas, const simulation::ContactModel& model,
+              rt::Nanoseconds now, TickRecord& record) OSTEON_RT;
+  void TakeSpindle(const CellReadings& readings) OSTEON_RT;
   void Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
-                 rt::Nanoseconds now) OSTEON_RT;
+                 const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT;
   [[nodiscard]] safety::LimitedWrench LimitWrench(const Wrench& F_T_W) const OSTEON_RT;
   void StartStopping() OSTEON_RT;
   void Brake() OSTEON_RT;
@@ -160,6 +136,7 @@ class ServoLoop {
   safety::SensorForceTrip sensor_trip_;
   safety::Workspace workspace_;
   kinematics::DifferentialInverse<7> motion_;
+  std::optional<JointPath<7>> path_;  ///< to the start
   safety::JointGuard joint_guard_;
   safety::Watchdog watchdog_;
 
@@ -170,6 +147,10 @@ class ServoLoop {
   CouplingState coupling_;
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};
+
+  bool stop_asked_{false};         ///< as the last tick saw it
+  bool spindle_permitted_{true};   ///< by the PLC
+  double spindle_rad_per_s_{0.0};  ///< what it does: measured where there is a drive
 
   // the virtual tool, and the joints that put the arm there: one and the same pose, once it is known
   bool has_pose_{false};
@@ -191,7 +172,7 @@ class ServoLoop {
   bool wrench_acted_{false}, arm_acted_{false}, twist_acted_{false}, workspace_acted_{false},
       joints_acted_{false}, model_acted_{false}, sensor_acted_{false};
 
-  std::atomic<bool> stop_requested_{false};
+  std::atomic<bool> stop_requested_{false}, may_begin_{true};
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 

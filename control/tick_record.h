@@ -14,6 +14,7 @@ enum class Phase : std::uint8_t {
   kHaptic,    ///< rendering
   kStopping,  ///< ordered stop under way
   kStopped,   ///< at rest, holding
+  kAligning,  ///< moving to where the run starts, while the enabling switch is held
 };
 
 /// What a tick was given, beyond what its record holds anyway (q_meas, session_state, model_frame): with the
@@ -34,7 +35,15 @@ struct TickInput {
   std::array<double, 7> q_ipo{};    ///< [rad]
   std::array<double, 7> tau_ext{};  ///< [N·m]
   rt::Nanoseconds sensor_stamp{0};  ///< of the force reading
-  PlainWrench F_sensor_T_W;         ///< the reading as it came; F_operator_T_W is what was taken of it
+  PlainWrench F_sensor_S;           ///< the reading as it came; F_operator_T_W is what was taken of it
+  bool sensor_trusted{true};
+  // Of SpindleReading and InterlockReading.
+  rt::Nanoseconds spindle_stamp{0};
+  double spindle_meas_rad_per_s{0.0}, spindle_torque_Nm{0.0};
+  bool spindle_ready{false}, spindle_fault{false};
+  rt::Nanoseconds interlock_stamp{0};
+  bool permitted{false}, enabled{false}, spindle_permitted{false};
+  std::uint8_t interlock_reason{0};
   rt::Nanoseconds model_pose_stamp{0};
 };
 

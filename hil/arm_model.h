@@ -1,19 +1,15 @@
 #pragma once
 
-#include <cstdint>
-
+#include "control/ports.h"
 #include "control/rt/marker.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::hil {
 
-/// How the arm's own controller takes commands: the FRI control modes.
-enum class ArmControl : std::uint8_t { kPosition, kCartesianImpedance, kJointImpedance };
-
 /// What the arm's controller is told for a cycle.
 struct ArmDrive {
-  ArmControl control{ArmControl::kPosition};
+  control::ControlMode control{control::ControlMode::kPosition};  ///< kNone counts as kPosition
   kinematics::JointVectorN<7> q_cmd{kinematics::JointVectorN<7>::Zero()};   ///< [rad]
   kinematics::JointVectorN<7> tau_Nm{kinematics::JointVectorN<7>::Zero()};  ///< on top, in joint impedance
   Wrench F_T_B{};  ///< on top, in Cartesian impedance: at the motion's centre (the tool), in B

@@ -122,14 +122,15 @@ void DynamicArm::Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT {
 DynamicArm::Joints DynamicArm::Command(const ArmDrive& drive, const Joints& q,
                                        const Joints& qd) const OSTEON_RT {
   switch (drive.control) {
-    case ArmControl::kPosition: {
+    case control::ControlMode::kNone:
+    case control::ControlMode::kPosition: {
       const double w = 2.0 * std::numbers::pi * params_.bandwidth_hz;
       return model_.InverseDynamics(q, qd, w * w * (drive.q_cmd - q) - 2.0 * params_.damping_ratio * w * qd);
     }
-    case ArmControl::kJointImpedance:
+    case control::ControlMode::kJointImpedance:
       return params_.stiffness_Nm_per_rad.cwiseProduct(drive.q_cmd - q) - joint_damping_.cwiseProduct(qd) +
              model_.InverseDynamics(q, qd, Joints::Zero()) + drive.tau_Nm;
-    case ArmControl::kCartesianImpedance:
+    case control::ControlMode::kCartesianImpedance:
       return CartesianTorque(drive, q, qd) + model_.InverseDynamics(q, qd, Joints::Zero());
   }
   return Joints::Zero();

@@ -23,15 +23,16 @@ SimulatedArmParams BodyOf(const SimulatedCellParams& params) {
           .q_start = ToVector(params.q_start)};
 }
 
-ArmControl ControlOf(control::ControlMode mode) {
-  switch (mode) {
-    case control::ControlMode::kCartesianImpedance:
-      return ArmControl::kCartesianImpedance;
-    case control::ControlMode::kJointImpedance:
-      return ArmControl::kJointImpedance;
-    default:
-      return ArmControl::kPosition;
-  }
+// What the sensor between flange and tool carries of hand and weight.
+Wrench SensorLoad(const control::ForceSensorParams& sensor, const Pose& X_WT, const Pose& X_WF,
+                  const Wrench& F_hand_T_W) {
+  const Pose X_WS = X_WF * Pose(sensor.X_FS);
+  const Vector3 weight_W = sensor.tool_mass_kg * kinematics::kGravity_W_m_per_s2;
+  const Vector3 lever_hand_W = X_WT.translation() - X_WS.translation();
+  const Vector3 lever_weight_W = X_WF * Vector3(sensor.tool_center_F_m) - X_WS.translation();
+  const Wrench F_S_W{.f = F_hand_T_W.f + weight_W,
+                     .t = F_hand_T_W.t + lever_hand_W.cross(F_hand_T_W.f) + lever_weight_W.cross(weight_W)};
+  return Turned(X_WS.linear().transpose(), F_S_W);
 }
 
 }  // namespace
@@ -40,10 +41,21 @@ SimulatedCell::SimulatedCell(const SimulatedCellParams& params, HandScript scrip
     : arm_(params.arm),
       X_WB_(params.X_WB),
       X_FT_(params.X_FT),
+      X_TF_(X_FT_.inverse()),
+      sensor_(params.sensor),
       server_(params.fri, params.arm.limits, ToVector(params.q_start)),
       body_(MakeSimulatedArm(BodyOf(params), server_.period_s())),
       hand_(params.hand, std::move(script)) {
   server_.Open();
+}
+
+void SimulatedCell::SetPower(bool on) {
+  if (on == power_) return;
+  power_ = on;
+  if (on)
+    server_.Acknowledge();
+  else
+    server_.EmergencyStop(0);
 }
 
 std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool client_had_its_time) {
@@ -52,7 +64,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   server_.EndCycle(client_had_its_time);
   const Matrix3 R_BT = (arm_.FlangePose(body_->q()) * X_FT_).linear();
   ArmDrive drive;
-  drive.control = ControlOf(server_.control_mode());
+  drive.control = server_.control_mode();
   drive.q_cmd = server_.q_commanded();
   drive.tau_Nm = server_.tau_commanded();
   drive.F_T_B = Turned(R_BT, server_.F_commanded());
@@ -98,6 +110,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   state_.v_WT_meas_m_per_s = V_WT.v;
   state_.w_WT_meas_rad_per_s = V_WT.w;
   state_.F_hand_T_W = F_T_W;
+  state_.F_S = SensorLoad(sensor_, X_WT, X_WT * X_TF_, F_T_W);
   return datagram;
 }
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <span>
 
+#include "control/hand_wrench.h"
 #include "control/ports.h"
-#include "control/rt/latest_value.h"
 #include "hil/fri_server.h"
 #include "hil/operator_hand.h"
 #include "hil/simulated_arm.h"
@@ -22,20 +22,10 @@ struct SimulatedCellParams {
   kinematics::ChainParams<7> chain{};  ///< of the dynamic level: the arm with masses, sensor and tool
   FriServerParams fri{};
   OperatorHandParams hand{};
-  PlainPose X_WB{};               ///< robot base in world
-  PlainPose X_FT{};               ///< tool in flange
-  control::JointArray q_start{};  ///< [rad]
-};
-
-/// A force sensor whose readings come from a simulated cell. One writer thread (Store), one reader thread
-/// (Latest); both may be the same.
-class SimulatedForceSensor final : public control::ForceSensor {
- public:
-  void Store(const control::ForceReading& reading) OSTEON_RT { reading_.Store(reading); }
-  [[nodiscard]] control::ForceReading Latest() OSTEON_RT override { return reading_.Load(); }
-
- private:
-  rt::LatestValue<control::ForceReading> reading_;
+  PlainPose X_WB{};                     ///< robot base in world
+  PlainPose X_FT{};                     ///< tool in flange
+  control::ForceSensorParams sensor{};  ///< between flange and tool
+  control::JointArray q_start{};        ///< [rad]
 };
 
 /// What the cell looks like after a step. Plain data.
@@ -52,11 +42,12 @@ struct CellState {
   PlainPose X_WT_meas;
   PlainVector3 v_WT_meas_m_per_s, w_WT_meas_rad_per_s;  ///< velocity of T, in W
   PlainWrench F_hand_T_W;  ///< what the hand exerts on the tool, at T's origin, in W
+  PlainWrench F_S;         ///< what the force sensor carries: that and the tool's weight, at S's origin, in S
 };
 
-/// Arm, operator and ideal force sensor of the cell, in lockstep: one Step() a period, bytes in and bytes
-/// out. The same in wall time (SimulatedCellThread) and in virtual time. Two runs with the same input give
-/// the same bytes.
+/// Arm and operator of the cell, and the load on its force sensor, in lockstep: one Step() a period, bytes in
+/// and bytes out. The same in wall time (SimulatedCellThread) and in virtual time. Two runs with the same
+/// input give the same bytes.
 ///
 /// How much of the arm is modelled is a level (SimulatedArm). Up to the lagging servo it is stiff against the
 /// hand, whose wrench reaches the client through the sensor alone. There is no bone here: in admittance the
@@ -80,15 +71,22 @@ class SimulatedCell {
   std::span<const std::uint8_t> Step(rt::Nanoseconds now, bool client_had_its_time = true);
 
   [[nodiscard]] const CellState& state() const { return state_; }
+  /// The drives' power, which a PLC switches; on at first. Without it they stop at once (Stop 0); with it
+  /// back the stop is acknowledged and the program asks anew.
+  void SetPower(bool on);
+
   /// The arm's side of the session, for what the robot's program and its operator do. Its motion centre is T.
   [[nodiscard]] FriServer& server() { return server_; }
-  [[nodiscard]] control::ForceReading force() const { return {state_.stamp, state_.F_hand_T_W}; }
+  /// The sensor's load as an ideal sensor would read it.
+  [[nodiscard]] control::ForceReading force() const { return {.stamp = state_.stamp, .F_S = state_.F_S}; }
   [[nodiscard]] double period_s() const { return server_.period_s(); }
   [[nodiscard]] const HandScript& script() const { return hand_.script(); }
 
  private:
   kinematics::LbrArm arm_;
-  Pose X_WB_, X_FT_;
+  Pose X_WB_, X_FT_, X_TF_;
+  control::ForceSensorParams sensor_;
+  bool power_{true};
   FriServer server_;
   std::unique_ptr<SimulatedArm> body_;
   Wrench F_hand_T_B_;

@@ -46,10 +46,11 @@ void SimulatedCellThread::Run() {
     if (!on_time) ++statistics.overruns;
 
     const rt::Nanoseconds now = rt::MonotonicNow();
+    cell_.SetPower(power_.load(std::memory_order_relaxed));
     const auto datagram = cell_.Step(now, on_time);
+    loads_.Store(cell_.force());  // before the message, so that who answers it finds the load
     answered_ = false;
     if (cell_.state().active_once) wires_.Begin(now);
-    wires_.PushForce(cell_.force(), now);
     if (!datagram.empty()) wires_.to_controller.Push(datagram, now);
     MoveDue(rt::MonotonicNow(), statistics);
     sent = rt::MonotonicNow();
@@ -68,8 +69,8 @@ void SimulatedCellThread::WaitUntil(rt::Nanoseconds target, CellThreadStatistics
     return;
   }
   while (rt::MonotonicNow() < target) {
-    const rt::Nanoseconds due = std::min(
-        {wires_.to_controller.NextDue(), wires_.from_controller.NextDue(), wires_.NextForceDue(), target});
+    const rt::Nanoseconds due =
+        std::min({wires_.to_controller.NextDue(), wires_.from_controller.NextDue(), target});
     client_.WaitUntil(due);
     ReceiveAll(statistics);
   }
@@ -86,10 +87,8 @@ bool SimulatedCellThread::ReceiveAll(CellThreadStatistics& statistics) {
   return answered_;
 }
 
-// What is due leaves its wire: readings and messages toward the client, answers to the arm.
+// What is due leaves its wire: messages toward the client, answers to the arm.
 void SimulatedCellThread::MoveDue(rt::Nanoseconds now, CellThreadStatistics& statistics) {
-  // before the message, so that who answers it finds the reading
-  if (wires_.TakeForce(now, force_)) sensor_.Store(force_);
   while (wires_.to_controller.NextDue() <= now)
     if (!client_.Send(wires_.to_controller.Next(now))) ++statistics.undelivered;
   while (wires_.from_controller.NextDue() <= now)

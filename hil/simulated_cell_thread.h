@@ -18,7 +18,7 @@ struct CellThreadParams {
       "127.0.0.1"};                  ///< dotted IPv4; the loopback unless the client really is elsewhere
   std::uint16_t client_port{30200};  ///< where the client listens
   int realtime_priority{80};         ///< SCHED_FIFO, 1 … 99; 0: do not ask
-  InjectionParams injections{};      ///< of the arm's wire and the force sensor's
+  InjectionParams injections{};      ///< of the arm's wire; others are not this thread's
 };
 
 /// What the thread did. Plain data.
@@ -41,9 +41,8 @@ struct CellThreadStatistics {
 /// longer for a missing answer. Woken more than half a period late, it counts an overrun of its own, excuses
 /// a missing answer, and begins its schedule anew instead of sending the missed cycles in a burst.
 ///
-/// **Injections** act on the datagrams as they leave and arrive here, and on the sensor's readings; the
-/// thread wakes when one is due, so that delays below a period are what they say. What they cost the client
-/// is held against it.
+/// **Injections** act on the datagrams as they leave and arrive here; the thread wakes when one is due, so
+/// that delays below a period are what they say. What they cost the client is held against it.
 class SimulatedCellThread {
  public:
   /// Starts at once. @throws std::system_error where there is no socket, std::invalid_argument on the
@@ -56,8 +55,11 @@ class SimulatedCellThread {
   /// Ends the thread after its present period; the socket closes. Safe to call twice.
   void Stop();
 
-  /// The force sensor; one reader thread.
-  [[nodiscard]] control::ForceSensor& sensor() { return sensor_; }
+  /// The newest load on the force sensor; one reader thread.
+  [[nodiscard]] control::ForceReading Load() { return loads_.Load(); }
+
+  /// See SimulatedCell. Any thread; takes effect with the next period.
+  void SetPower(bool on) { power_.store(on, std::memory_order_relaxed); }
 
   /// The newest state; one reader thread (not necessarily the sensor's). Complete after Stop().
   [[nodiscard]] const CellThreadStatistics& statistics() { return published_.Load(); }
@@ -75,9 +77,9 @@ class SimulatedCellThread {
   SimulatedCell cell_;
   CellWires wires_;
   bool answered_{false};  // the message last sent
-  control::ForceReading force_;
   UdpClient client_;
-  SimulatedForceSensor sensor_;
+  rt::LatestValue<control::ForceReading> loads_;
+  std::atomic<bool> power_{true};
   rt::LatestValue<CellThreadStatistics> published_;
   std::atomic<bool> stop_{false};
   std::thread thread_;

@@ -44,6 +44,15 @@ FaultText Describe(Fault fault) {
     case Fault::kPeriod:
       return {"arm's period is not the cell's", "holds, renders nothing",
               "set the cell's period_ms to the arm's send period, restart the session"};
+    case Fault::kInterlock:
+      return {"motion not permitted", "Stop 1; the PLC cuts the power after its delay",
+              "see why the PLC does not permit it, clear that, reset, restart the session"};
+    case Fault::kSpindle:
+      return {"spindle drive fault", "stops the spindle, Stop 1",
+              "read the drive's error, clear it, restart the session"};
+    case Fault::kSensorFault:
+      return {"force sensor overloaded or faulty", "drops the reading, Stop 1",
+              "release the handle, check the sensor, restart the session"};
   }
   return {"unknown fault", "Stop 1", "restart the session"};
 }

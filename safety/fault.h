@@ -22,6 +22,9 @@ enum class Fault : std::uint32_t {
   kNotFinite = 1u << 11,         ///< a value from outside is not finite: Stop 1
   kTracking = 1u << 12,          ///< measured pose too far from the commanded one: Stop 1
   kPeriod = 1u << 13,            ///< the arm's period is not the one that the loop steps by: hold
+  kInterlock = 1u << 14,         ///< the PLC does not permit motion, or is silent: Stop 1
+  kSpindle = 1u << 15,           ///< the spindle's drive has a fault, or is silent: Stop 1
+  kSensorFault = 1u << 16,       ///< the force sensor is beyond its range or broken: Stop 1
 };
 
 /// The set of latched faults.

@@ -20,14 +20,21 @@ Watchdog::Watchdog(const WatchdogParams& params) : params_(params) {
   if (!(params.model_stop_s > 0.0)) throw std::invalid_argument("model_stop_s: accepted > 0");
   if (!(params.sensor_full_s > 0.0 && params.sensor_stop_s > params.sensor_full_s))
     throw std::invalid_argument("sensor_full_s, sensor_stop_s: accepted 0 < full < stop");
+  if (!(params.spindle_stop_s > 0.0 && params.interlock_stop_s > 0.0))
+    throw std::invalid_argument("spindle_stop_s, interlock_stop_s: accepted > 0");
   if (params.arm_misses < 1) throw std::invalid_argument("arm_misses: accepted >= 1");
 }
 
-FaultSet Watchdog::Check(rt::Nanoseconds now, double model_age_s, double sensor_age_s) const OSTEON_RT {
+FaultSet Watchdog::Check(rt::Nanoseconds now, const Ages& ages) const OSTEON_RT {
   FaultSet faults;
   const double running_s = AgeSeconds(now, start_);
-  if (std::min(model_age_s, running_s) > params_.model_stop_s) faults.Latch(Fault::kModelStale);
-  if (std::min(sensor_age_s, running_s) > params_.sensor_stop_s) faults.Latch(Fault::kSensorStale);
+  const auto watch = [&](double age_s, double most_s, Fault fault) {
+    if (std::min(age_s, running_s) > most_s) faults.Latch(fault);
+  };
+  watch(ages.model_s, params_.model_stop_s, Fault::kModelStale);
+  watch(ages.sensor_s, params_.sensor_stop_s, Fault::kSensorStale);
+  watch(ages.spindle_s, params_.spindle_stop_s, Fault::kSpindle);
+  watch(ages.interlock_s, params_.interlock_stop_s, Fault::kInterlock);
   return faults;
 }
 

@@ -17,10 +17,17 @@ inline constexpr double kNoAge_s = 1e6;
 [[nodiscard]] double AgeShare(double age_s, double full_s, double gone_s) OSTEON_RT;
 
 struct WatchdogParams {
-  double model_stop_s{0.250};   ///< contact model older: Stop 1
-  double sensor_full_s{0.020};  ///< operator's force counts in full up to this age
-  double sensor_stop_s{0.100};  ///< faded to nothing, and Stop 1
-  int arm_misses{5};            ///< arm messages missed in a row: Stop 1
+  double model_stop_s{0.250};      ///< contact model older: Stop 1
+  double sensor_full_s{0.020};     ///< operator's force counts in full up to this age
+  double sensor_stop_s{0.100};     ///< faded to nothing, and Stop 1
+  double spindle_stop_s{0.100};    ///< the drive's status older: Stop 1
+  double interlock_stop_s{0.100};  ///< the PLC's word older: Stop 1
+  int arm_misses{5};               ///< arm messages missed in a row: Stop 1
+};
+
+/// Ages of what the loop lives on [s]; 0 where the cell has no such thing.
+struct Ages {
+  double model_s{0.0}, sensor_s{0.0}, spindle_s{0.0}, interlock_s{0.0};
 };
 
 /// Watches the ages of what the loop lives on. After the start each source has its full time to show up.
@@ -32,7 +39,7 @@ class Watchdog {
   /// Rendering starts.
   void Start(rt::Nanoseconds now) OSTEON_RT { start_ = now; }
   /// Faults of the ages; call once a rendering tick.
-  [[nodiscard]] FaultSet Check(rt::Nanoseconds now, double model_age_s, double sensor_age_s) const OSTEON_RT;
+  [[nodiscard]] FaultSet Check(rt::Nanoseconds now, const Ages& ages) const OSTEON_RT;
   /// Share of the operator's force that its age lets through.
   [[nodiscard]] double SensorShare(double sensor_age_s) const OSTEON_RT {
     return AgeShare(sensor_age_s, params_.sensor_full_s, params_.sensor_stop_s);

@@ -36,6 +36,9 @@ std::vector<NamedSpan> PhaseSpans(std::span<const TickRecord> ticks) {
         break;
       case Phase::kHaptic:
         break;
+      case Phase::kAligning:
+        spans.push_back({from_s, to_s, "moving to the start", "#e3f0e3"});
+        break;
       case Phase::kStopping:
         spans.push_back({from_s, to_s, "stopping", "#f6dcc8"});
         break;

@@ -34,10 +34,10 @@ io::CanFrame Take(std::span<const std::uint8_t> bytes) OSTEON_RT {
 }  // namespace
 
 ImpairedCanBus::ImpairedCanBus(io::CanBus& bus, const InjectionParams& params, Wire wire,
-                               std::vector<io::CanFilter> frames, Clock clock)
+                               std::vector<io::CanFilter> frames, const rt::Nanoseconds* virtual_now)
     : bus_(bus),
       frames_(std::move(frames)),
-      clock_(clock),
+      virtual_now_(virtual_now),
       to_controller_(params, wire, Direction::kToController, kRoom),
       from_controller_(params, wire, Direction::kFromController, kRoom) {}
 
@@ -62,7 +62,7 @@ CanResult ImpairedCanBus::SendDue(rt::Nanoseconds now) OSTEON_RT {
 
 CanResult ImpairedCanBus::Send(const io::CanFrame& frame) OSTEON_RT {
   if (!IsOfWire(frame)) return bus_.Send(frame);
-  const rt::Nanoseconds now = clock_();
+  const rt::Nanoseconds now = Now();
   Bytes bytes;
   to_controller_.Push(Put(frame, bytes), now);
   return SendDue(now);
@@ -86,7 +86,7 @@ bool ImpairedCanBus::TakeDue(rt::Nanoseconds now, io::CanArrival& arrival) OSTEO
 }
 
 CanResult ImpairedCanBus::TryReceive(io::CanArrival& arrival) OSTEON_RT {
-  const rt::Nanoseconds now = clock_();
+  const rt::Nanoseconds now = Now();
   static_cast<void>(SendDue(now));
   io::CanArrival came;
   for (int i = 0; i < kMaxReads; ++i) {
@@ -113,7 +113,7 @@ CanResult ImpairedCanBus::Receive(io::CanArrival& arrival, rt::Nanoseconds deadl
       arrival = came;
       return waited;
     }
-    if (waited != CanResult::kOk && clock_() < due)
+    if (waited != CanResult::kOk && Now() < due)
       return CanResult::kEmpty;  // the deadline was first, or time stands still
   }
 }

@@ -19,13 +19,12 @@ namespace osteon::hil {
 /// as they are.
 class ImpairedCanBus final : public io::CanBus {
  public:
-  using Clock = rt::Nanoseconds (*)() noexcept;
-
   /// @param bus  must outlive this  @param frames  the wire's identifiers; none: all
-  /// @param clock  other than CLOCK_MONOTONIC where time is virtual
+  /// @param virtual_now  where time is virtual: what it is, read at each call; outlives this. Null:
+  /// CLOCK_MONOTONIC
   /// @throws std::invalid_argument from Validate(params).
   ImpairedCanBus(io::CanBus& bus, const InjectionParams& params, Wire wire,
-                 std::vector<io::CanFilter> frames = {}, Clock clock = rt::MonotonicNow);
+                 std::vector<io::CanFilter> frames = {}, const rt::Nanoseconds* virtual_now = nullptr);
 
   /// COMMANDING_ACTIVE is seen at `now`; later calls change nothing.
   void Begin(rt::Nanoseconds now) OSTEON_RT;
@@ -40,6 +39,9 @@ class ImpairedCanBus final : public io::CanBus {
   [[nodiscard]] const WireCounters& from_controller() const OSTEON_RT { return from_controller_.counters(); }
 
  private:
+  [[nodiscard]] rt::Nanoseconds Now() const OSTEON_RT {
+    return virtual_now_ ? *virtual_now_ : rt::MonotonicNow();
+  }
   [[nodiscard]] bool IsOfWire(const io::CanFrame& frame) const OSTEON_RT;
   io::CanResult SendDue(rt::Nanoseconds now) OSTEON_RT;
   [[nodiscard]] bool TakeIn(const io::CanArrival& arrival) OSTEON_RT;
@@ -47,7 +49,7 @@ class ImpairedCanBus final : public io::CanBus {
 
   io::CanBus& bus_;
   std::vector<io::CanFilter> frames_;
-  Clock clock_;
+  const rt::Nanoseconds* virtual_now_;
   ImpairedWire to_controller_, from_controller_;
   bool gap_{false};  // the bus behind knows of a loss
 };

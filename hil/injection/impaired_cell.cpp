@@ -13,7 +13,6 @@ void ImpairedCell::StepCell(rt::Nanoseconds now) {
   const auto message = cell_.Step(now);
   if (cell_.state().active_once) wires_.Begin(now);
   if (!message.empty()) wires_.to_controller.Push(message, now);
-  wires_.PushForce(cell_.force(), now);
 }
 
 }  // namespace osteon::hil

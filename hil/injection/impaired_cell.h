@@ -14,7 +14,7 @@ namespace osteon::hil {
 ///       cell.Step(now, [&](std::span<const std::uint8_t> message, rt::Nanoseconds arrival) {
 ///         accepted |= session.Accept(message, arrival, state) == io::FriAccept::kAccepted;
 ///       });
-///       loop.Tick(…, cell.force(), …);           // a timeout where nothing was accepted
+///       loop.Tick(…);                            // a timeout where nothing was accepted
 ///       if (accepted) cell.Receive(session.Answer(command));
 ///     }
 ///
@@ -36,16 +36,12 @@ class ImpairedCell {
       client_time_ = due;
       take(wires_.to_controller.Next(due), due);
     }
-    wires_.TakeForce(client_time_, force_);
   }
 
   /// What the client sends, as soon as it has the newest message. Empty: nothing.
   void Receive(std::span<const std::uint8_t> answer) {
     if (!answer.empty()) wires_.from_controller.Push(answer, client_time_);
   }
-
-  /// The sensor's newest reading that has reached the client.
-  [[nodiscard]] const control::ForceReading& force() const { return force_; }
 
   [[nodiscard]] const CellState& state() const { return cell_.state(); }
   [[nodiscard]] SimulatedCell& cell() { return cell_; }
@@ -59,7 +55,6 @@ class ImpairedCell {
   CellWires wires_;
   rt::Nanoseconds period_;
   rt::Nanoseconds client_time_{0};  // of the client's present tick
-  control::ForceReading force_;
 };
 
 }  // namespace osteon::hil

@@ -59,15 +59,16 @@ const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs&
   if (inputs.emergency_stop) latching |= Bit(PlcBlock::kEmergencyStop);
   if (controller_.Watch(now_, inputs.controller_heartbeat, params_.heartbeat_timeout))
     latching |= Bit(PlcBlock::kControllerLost);
-  if (guard_.Watch(now_, inputs.guard_heartbeat, params_.heartbeat_timeout))
+  if (params_.guard && guard_.Watch(now_, inputs.guard_heartbeat, params_.heartbeat_timeout))
     latching |= Bit(PlcBlock::kGuardLost);
   latched_ |= latching;
+  const bool guarded = !params_.guard || guard_.lives;
 
   // the reset button, pressed: what has its cause gone is cleared
   if (inputs.reset && !reset_before_) {
     int standing = latching;
     if (!controller_.lives) standing |= Bit(PlcBlock::kControllerLost);
-    if (!guard_.lives) standing |= Bit(PlcBlock::kGuardLost);
+    if (!guarded) standing |= Bit(PlcBlock::kGuardLost);
     latched_ = static_cast<std::uint16_t>(latched_ & standing);
   }
   reset_before_ = inputs.reset;
@@ -88,7 +89,7 @@ const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs&
   std::uint16_t blocks = latched_;
   if (!controller_.lives && !(latched_ & Bit(PlcBlock::kControllerLost)))
     blocks |= Bit(PlcBlock::kNoController);
-  if (!guard_.lives && !(latched_ & Bit(PlcBlock::kGuardLost))) blocks |= Bit(PlcBlock::kNoGuard);
+  if (!guarded && !(latched_ & Bit(PlcBlock::kGuardLost))) blocks |= Bit(PlcBlock::kNoGuard);
   if (inputs.mode == ModeSelector::kNone) blocks |= Bit(PlcBlock::kNoMode);
   if (!enabled) blocks |= Bit(PlcBlock::kNotEnabled);
   if (!requested_) blocks |= Bit(PlcBlock::kNotRequested);

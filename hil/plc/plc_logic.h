@@ -14,6 +14,7 @@ enum class EnablingSwitch : std::uint8_t { kReleased = 0, kMiddle = 1, kSqueezed
 struct PlcLogicParams {
   rt::Nanoseconds heartbeat_timeout{250 * rt::kMillisecond};  ///< since a heartbeat last changed; > 0
   rt::Nanoseconds power_cut_delay{500 * rt::kMillisecond};    ///< from the loss of RUN_PERMITTED; > 0
+  bool guard{true};  ///< a guard is part of the cell: its heartbeat is watched
   std::uint16_t version{3};
 };
 

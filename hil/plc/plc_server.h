@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hil/plc/modbus_server.h"
+#include "hil/plc/panel.h"
 #include "hil/plc/plc_logic.h"
 
 namespace osteon::hil {
@@ -18,16 +19,6 @@ struct PlcServerParams {
   std::uint16_t port{1502};               ///< 0: any free one
   int cycle_ms{10};                       ///< of the program, 1 … 100
   PlcLogicParams logic{};
-};
-
-/// What an operator has in his hands.
-struct PlcPanel {
-  bool emergency_stop{false};
-  EnablingSwitch enabling{EnablingSwitch::kReleased};
-  bool foot_pedal{false};
-  ModeSelector mode{ModeSelector::kNone};
-  bool reset{false};
-  bool brake_test_due{false};
 };
 
 struct PlcServerCounters {

@@ -24,7 +24,7 @@ void Put(const control::TickInput& from, osteon::TickInput* to) {
   if (from.has_ipo) to->mutable_q_ipo_rad()->Assign(from.q_ipo.begin(), from.q_ipo.end());
   to->mutable_tau_ext_nm()->Assign(from.tau_ext.begin(), from.tau_ext.end());
   to->set_sensor_stamp_ns(from.sensor_stamp);
-  io::Put(from.F_sensor_T_W, to->mutable_f_sensor_t_w());
+  io::Put(from.F_sensor_S, to->mutable_f_sensor_s());
   to->set_model_pose_stamp_ns(from.model_pose_stamp);
   to->set_activation(from.activation);
   to->set_holding(from.holding);
@@ -36,6 +36,17 @@ void Put(const control::TickInput& from, osteon::TickInput* to) {
   to->set_control_mode(from.control_mode);
   to->set_command_mode(from.command_mode);
   to->set_drives_active(from.drives_active);
+  to->set_sensor_trusted(from.sensor_trusted);
+  to->set_spindle_stamp_ns(from.spindle_stamp);
+  to->set_spindle_meas_rad_per_s(from.spindle_meas_rad_per_s);
+  to->set_spindle_torque_nm(from.spindle_torque_Nm);
+  to->set_spindle_ready(from.spindle_ready);
+  to->set_spindle_fault(from.spindle_fault);
+  to->set_interlock_stamp_ns(from.interlock_stamp);
+  to->set_permitted(from.permitted);
+  to->set_enabled(from.enabled);
+  to->set_spindle_permitted(from.spindle_permitted);
+  to->set_interlock_reason(from.interlock_reason);
 }
 
 // An empty string, or what is wrong.
@@ -51,7 +62,8 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
                               {"operation_mode", from.operation_mode(), 2},
                               {"control_mode", from.control_mode(), 3},
                               {"command_mode", from.command_mode(), 4},
-                              {"model_status", from.model_status(), 3}})
+                              {"model_status", from.model_status(), 3},
+                              {"interlock_reason", from.interlock_reason(), 6}})
     if (each.value > each.most)
       return std::string(each.name) + " " + std::to_string(each.value) + ", accepted 0 … " +
              std::to_string(each.most);
@@ -72,7 +84,7 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   if (to.has_ipo && !io::Get(from.q_ipo_rad(), to.q_ipo)) return "not 7 joint values";
   if (!io::Get(from.tau_ext_nm(), to.tau_ext)) return "not 7 joint values";
   to.sensor_stamp = from.sensor_stamp_ns();
-  io::Get(from.f_sensor_t_w(), to.F_sensor_T_W);
+  io::Get(from.f_sensor_s(), to.F_sensor_S);
   to.model_pose_stamp = from.model_pose_stamp_ns();
   to.activation = from.activation();
   to.holding = from.holding();
@@ -84,6 +96,17 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   to.control_mode = static_cast<std::uint8_t>(from.control_mode());
   to.command_mode = static_cast<std::uint8_t>(from.command_mode());
   to.drives_active = from.drives_active();
+  to.sensor_trusted = !from.has_sensor_trusted() || from.sensor_trusted();
+  to.spindle_stamp = from.spindle_stamp_ns();
+  to.spindle_meas_rad_per_s = from.spindle_meas_rad_per_s();
+  to.spindle_torque_Nm = from.spindle_torque_nm();
+  to.spindle_ready = from.spindle_ready();
+  to.spindle_fault = from.spindle_fault();
+  to.interlock_stamp = from.interlock_stamp_ns();
+  to.permitted = from.permitted();
+  to.enabled = from.enabled();
+  to.spindle_permitted = from.spindle_permitted();
+  to.interlock_reason = static_cast<std::uint8_t>(from.interlock_reason());
   return {};
 }
 
@@ -120,7 +143,7 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   Tick message;
   if (!Parse(bytes, message)) return "not an osteon.Tick";
   if (!Tick::Phase_IsValid(message.phase()))
-    return "phase " + std::to_string(message.phase()) + ", accepted 0 … 3";
+    return "phase " + std::to_string(message.phase()) + ", accepted 0 … 4";
   if (message.session_state() > 4)
     return "session_state " + std::to_string(message.session_state()) + ", accepted 0 … 4";
   TickRecord r;

@@ -72,7 +72,7 @@ TEST_F(ExportCommandTest, TablesHoldEveryValueToItsBits) {
     EXPECT_EQ(ticks.Number(row, "X_WT_cmd_z_m"), tick.X_WT_cmd.p.z);
     EXPECT_EQ(ticks.Number(row, "X_WT_meas_R32"), tick.X_WT_meas.R[7]);
     EXPECT_EQ(ticks.Number(row, "F_coupling_T_W_x_N"), tick.F_coupling_T_W.f.x);
-    EXPECT_EQ(ticks.Number(row, "F_sensor_T_W_z_Nm"), tick.input.F_sensor_T_W.t.z);
+    EXPECT_EQ(ticks.Number(row, "F_sensor_S_z_Nm"), tick.input.F_sensor_S.t.z);
     EXPECT_EQ(ticks.Number(row, "q_ipo_1_rad"), tick.input.q_ipo[0]);
     EXPECT_EQ(ticks.Number(row, "model_age_s"), tick.model_age_s);
   }

@@ -61,7 +61,7 @@ TEST_F(ReplayCommandTest, WritingItAgainChangesNothing) {
 TEST_F(ReplayCommandTest, SeesOneBitOfOneReading) {
   io::Recording changed = *recording_;
   const std::size_t at = BusyTick();
-  double& force_N = changed.ticks[at].input.F_sensor_T_W.f.x;
+  double& force_N = changed.ticks[at].input.F_sensor_S.f.x;
   force_N = std::bit_cast<double>(std::bit_cast<std::uint64_t>(force_N) ^ 1u);
   const nlohmann::json json = Replay(Write(changed));
   EXPECT_EQ(code_, 1);

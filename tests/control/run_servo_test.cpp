@@ -55,17 +55,18 @@ class FakeArm : public ArmLink {
 };
 
 // Pushes, and serves as the simulation as well: a fresh model of free space at each reading.
-class FakeWorld : public ForceSensor {
+class FakeWorld : public CellDevices {
  public:
   explicit FakeWorld(rt::LatestValue<simulation::ContactModel>& models) : models_(models) {}
-  ForceReading Latest() OSTEON_RT override {
+  CellReadings Exchange(const CellCommands&, rt::Nanoseconds) OSTEON_RT override {
     const rt::Nanoseconds now = rt::MonotonicNow();
     if (simulates) {
       ++model_.frame;
       model_.pose_stamp = now;
       models_.Store(model_);
     }
-    return {.stamp = now, .F_T_W = Wrench{.f = {0.0, 0.5, 0.0}, .t = Vector3::Zero()}};
+    const Wrench F_T_W{.f = {0.0, 0.5, 0.0}, .t = Vector3::Zero()};
+    return {.force = {.stamp = now, .F_S = ServoBench::OnTheSensor(F_T_W, ServoBench::StartPose())}};
   }
   bool simulates{true};
 

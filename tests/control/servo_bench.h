@@ -58,11 +58,12 @@ class ServoBench {
       if (arm.session != SessionState::kCommandingActive) arm.q_ipo = arm.q_meas;
     }
     if (sensor_lives) {
-      reading.stamp = now;
-      reading.F_T_W = Wrench{.f = push_N * feed_W + side_W_N, .t = Vector3::Zero()};
+      readings.force = {
+          .stamp = now,
+          .F_S = OnTheSensor({.f = push_N * feed_W + side_W_N, .t = Vector3::Zero()}, ToolNow())};
     }
     if (simulation_lives && ticks % frame_ticks == 0) Simulate();
-    const TickRecord record = loop.Tick(arm, received, reading, model, now, command);
+    const TickRecord record = loop.Tick(arm, received, readings, model, now, command);
     ++ticks;
     last_command = loop.tool_command();
     return record;
@@ -72,6 +73,19 @@ class ServoBench {
     TickRecord record;
     for (int i = 0; i < count; ++i) record = Tick();
     return record;
+  }
+
+  /// Where the arm has the tool.
+  [[nodiscard]] Pose ToolNow() const {
+    return arm_.FlangePose(Eigen::Map<const kinematics::JointVector>(arm.q_meas.data())) * FlangeToTool();
+  }
+
+  /// A wrench on the tool as a sensor without mounting reads it: at the flange, in its frame.
+  static Wrench OnTheSensor(const Wrench& F_T_W, const Pose& X_WT) {
+    const Pose X_WF = X_WT * FlangeToTool().inverse();
+    const Vector3 lever_W = X_WT.translation() - X_WF.translation();
+    return {.f = X_WF.linear().transpose() * F_T_W.f,
+            .t = X_WF.linear().transpose() * (F_T_W.t + lever_W.cross(F_T_W.f))};
   }
 
   void Activate() { arm.session = SessionState::kCommandingActive; }
@@ -84,7 +98,7 @@ class ServoBench {
   ServoLoop loop;
   ArmState arm;
   ArmCommand command;
-  ForceReading reading;
+  CellReadings readings;
   simulation::ContactModel model;
   simulation::ToolCommand last_command;
   rt::Nanoseconds now{rt::kSecond};
@@ -97,6 +111,7 @@ class ServoBench {
   Vector3 feed_W, plane_W;
 
  private:
+  kinematics::LbrArm arm_{Arm()};
   bool answered_{false};
 
   // A frame of the command of the tick before.

@@ -93,17 +93,18 @@ TEST(ServoInput, AModelOrReadingOfAnotherTimeIsNotFresh) {
     model.pose_stamp = bench.now + offset;
     model.frame += 1000;
     TickRecord record =
-        bench.loop.Tick(bench.arm, ReceiveResult::kOk, bench.reading, model, bench.now, bench.command);
+        bench.loop.Tick(bench.arm, ReceiveResult::kOk, bench.readings, model, bench.now, bench.command);
     EXPECT_EQ(Vector3(record.F_coupling_T_W.f).norm(), 0.0) << "offset " << offset;
 
     ServoBench other(ServoBench::Params(), 1.0);
     other.Activate();
     other.Run(200);
-    ForceReading reading = other.reading;
-    reading.stamp = other.now + offset;
-    reading.F_T_W = Wrench{.f = Vector3(0.0, 0.0, 200.0), .t = Vector3::Zero()};
+    CellReadings readings = other.readings;
+    readings.force.stamp = other.now + offset;
+    readings.force.F_S =
+        ServoBench::OnTheSensor({.f = Vector3(0.0, 0.0, 200.0), .t = Vector3::Zero()}, other.ToolNow());
     if (offset == -80 * rt::kMillisecond) continue;  // fades to 0 at 100 ms
-    record = other.loop.Tick(other.arm, ReceiveResult::kOk, reading, other.model, other.now, other.command);
+    record = other.loop.Tick(other.arm, ReceiveResult::kOk, readings, other.model, other.now, other.command);
     EXPECT_TRUE(other.loop.faults().Has(Fault::kSensorStale)) << "offset " << offset;
     EXPECT_EQ(Vector3(record.v_WT_cmd_m_per_s).norm(), 0.0) << "not moved by it";
   }
@@ -120,13 +121,13 @@ TEST(ServoInput, AnOlderFrameAfterANewerOneIsUsedAtItsAge) {
   double before_N = 120.0;
   for (int i = 0; i < 200; ++i) {
     bench.now += ServoBench::kTick;
-    bench.reading.stamp = bench.now;
+    bench.readings.force.stamp = bench.now;
     simulation::ContactModel model = newest;
     const bool old = i % 3 == 0;
     model.frame = newest.frame + 100 + static_cast<std::uint64_t>(i) - (old ? 50 : 0);
     model.pose_stamp = bench.now - (old ? 45 : 1) * rt::kMillisecond;
     const TickRecord record =
-        bench.loop.Tick(bench.arm, ReceiveResult::kOk, bench.reading, model, bench.now, bench.command);
+        bench.loop.Tick(bench.arm, ReceiveResult::kOk, bench.readings, model, bench.now, bench.command);
     ASSERT_EQ(record.faults, 0u) << "tick " << i;
     const double f_N = Vector3(record.F_coupling_T_W.f).norm();
     ASSERT_LE(f_N, std::max(0.4 * 120.0, before_N) + 2.5) << "falls with the age at once, comes back slowly";

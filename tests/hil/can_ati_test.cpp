@@ -4,9 +4,8 @@
 
 #include "control/rt/no_alloc_scope.h"
 #include "hil/can/ati_device.h"
-#include "hil/can/virtual_can.h"
 #include "io/can/ati_sensor.h"
-#include "tests/io/can_frames.h"
+#include "tests/hil/can_sensor_cell.h"
 
 // The simulated ATI sensor: its frames, and both sides against each other in virtual time.
 
@@ -16,13 +15,10 @@ namespace {
 using io::SensorPhase;
 using io::test::At;
 using io::test::Frames;
+using io::test::kMs;
 using io::test::Sent;
 
-constexpr rt::Nanoseconds kMs = rt::kMillisecond;
-
-Wrench Load(double fx, double fy, double fz, double tx, double ty, double tz) {
-  return {.f = {fx, fy, fz}, .t = {tx, ty, tz}};
-}
+using Cell = SensorCell<AtiDevice, AtiDeviceParams, io::AtiSensor, io::AtiParams>;
 
 TEST(AtiDevice, AnswersWithTheKnownFrames) {
   AtiDevice device({.counts_per_N = 100, .counts_per_Nm = 0x01020304});
@@ -47,26 +43,6 @@ TEST(AtiDevice, AnswersWithTheKnownFrames) {
   EXPECT_EQ(Sent(device, 0), Frames{});
 }
 
-struct Cell {
-  explicit Cell(const AtiDeviceParams& device_params = {})
-      : device(device_params), sensor(*io::AtiSensor::Make({})) {
-    bus.Add(sensor);
-    bus.Add(device);
-  }
-  void Run(int milliseconds) {
-    for (int i = 0; i < milliseconds; ++i) bus.Step(now += kMs);
-  }
-  void Start() {
-    for (int i = 0; i < 2000 && sensor.phase() == SensorPhase::kStarting; ++i) Run(1);
-  }
-  [[nodiscard]] Wrench F() const { return sensor.Latest().F_S; }
-
-  AtiDevice device;
-  io::AtiSensor sensor;
-  VirtualCan bus;
-  rt::Nanoseconds now{0};
-};
-
 TEST(Ati, TheMatrixArrivesAsItWasGivenAway) {
   Cell cell;
   cell.Start();
@@ -83,17 +59,7 @@ TEST(Ati, TheLoadArrivesWithinTheGaugesRounding) {
   // Half a count of each gauge through a row of the matrix: 660 / 30000 · (1 + 5 · 0.04) / 2 N, the same of
   // 60 N·m.
   const double force = 660.0 / 30000 * 1.2 / 2, torque = 60.0 / 30000 * 1.2 / 2;
-  for (int i = 0; i < 200; ++i) {
-    const double a = 0.1 * i;
-    const Wrench load = Load(200 * std::sin(a), 150 * std::cos(a), -300 * std::sin(2 * a),
-                             20 * std::cos(3 * a), -10 * std::sin(a), 5 * std::cos(a));
-    cell.device.SetLoad(load);
-    cell.Run(1);
-    EXPECT_LE((cell.F().f - load.f).cwiseAbs().maxCoeff(), force);
-    EXPECT_LE((cell.F().t - load.t).cwiseAbs().maxCoeff(), torque);
-    EXPECT_GT(cell.sensor.Latest().stamp, cell.now - kMs) << "this period's";
-  }
-  EXPECT_EQ(cell.sensor.counters().halves, 0u);
+  cell.ExpectLoadsWithin({20, -10, 5}, force, torque);
 }
 
 TEST(Ati, BiasTakesALoadAndItsDriftShowsAfterwards) {

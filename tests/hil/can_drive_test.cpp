@@ -22,9 +22,8 @@ using io::DrivePhase;
 using io::DriveState;
 using io::test::At;
 using io::test::Frames;
+using io::test::kMs;
 using io::test::Sent;
-
-constexpr rt::Nanoseconds kMs = rt::kMillisecond;
 
 // The device alone, talked to in frames.
 struct Bench {

@@ -4,9 +4,8 @@
 
 #include "control/rt/no_alloc_scope.h"
 #include "hil/can/robotous_device.h"
-#include "hil/can/virtual_can.h"
 #include "io/can/robotous_sensor.h"
-#include "tests/io/can_frames.h"
+#include "tests/hil/can_sensor_cell.h"
 
 // Simulated Robotous sensors: their frames as the manual draws them, and both sides against each other in
 // virtual time.
@@ -17,13 +16,10 @@ namespace {
 using io::SensorPhase;
 using io::test::At;
 using io::test::Frames;
+using io::test::kMs;
 using io::test::Sent;
 
-constexpr rt::Nanoseconds kMs = rt::kMillisecond;
-
-Wrench Load(double fx, double fy, double fz, double tx, double ty, double tz) {
-  return {.f = {fx, fy, fz}, .t = {tx, ty, tz}};
-}
+using Cell = SensorCell<RobotousDevice, RobotousDeviceParams, io::RobotousSensor, io::RobotousParams>;
 
 TEST(RobotousDevice, AnswersWithTheManualsFrames) {
   RobotousDevice device({});
@@ -56,43 +52,11 @@ TEST(RobotousDevice, SaturatesAtItsRangeAndCountsIt) {
   EXPECT_EQ(Sent(device, 0), (Frames{"001#1200000100010000", "002#0000000000000000"}));
 }
 
-// A client and a sensor on one bus.
-struct Cell {
-  explicit Cell(const RobotousDeviceParams& device_params = {}, const io::RobotousParams& params = {},
-                const VirtualCanParams& can = {})
-      : device(device_params), sensor(*io::RobotousSensor::Make(params)), bus(can) {
-    bus.Add(sensor);
-    bus.Add(device);
-  }
-  void Run(int milliseconds) {
-    for (int i = 0; i < milliseconds; ++i) bus.Step(now += kMs);
-  }
-  void Start() {
-    for (int i = 0; i < 2000 && sensor.phase() == SensorPhase::kStarting; ++i) Run(1);
-  }
-  [[nodiscard]] Wrench F() const { return sensor.Latest().F_S; }
-
-  RobotousDevice device;
-  io::RobotousSensor sensor;
-  VirtualCan bus;
-  rt::Nanoseconds now{0};
-};
-
 TEST(Robotous, TheLoadArrivesWithinHalfACount) {
   Cell cell;
   cell.Start();
   ASSERT_EQ(cell.sensor.phase(), SensorPhase::kReady) << cell.sensor.failure();
-  for (int i = 0; i < 200; ++i) {
-    const double a = 0.1 * i;
-    const Wrench load = Load(200 * std::sin(a), 150 * std::cos(a), -300 * std::sin(2 * a),
-                             9 * std::cos(3 * a), -7 * std::sin(a), 5 * std::cos(a));
-    cell.device.SetLoad(load);
-    cell.Run(1);
-    EXPECT_LE((cell.F().f - load.f).cwiseAbs().maxCoeff(), 0.5 / 50 + 1e-12);
-    EXPECT_LE((cell.F().t - load.t).cwiseAbs().maxCoeff(), 0.5 / 2000 + 1e-12);
-    EXPECT_GT(cell.sensor.Latest().stamp, cell.now - kMs) << "this period's";
-  }
-  EXPECT_EQ(cell.sensor.counters().halves, 0u);
+  cell.ExpectLoadsWithin({9, -7, 5}, 0.5 / 50 + 1e-12, 0.5 / 2000 + 1e-12);
 }
 
 TEST(Robotous, BiasMakesThePresentLoadZeroAndBack) {

@@ -19,7 +19,7 @@ using io::CanResult;
 using io::test::Frame;
 
 rt::Nanoseconds virtual_now = 0;
-rt::Nanoseconds VirtualNow() noexcept { return virtual_now; }
+
 
 // The bus behind: what the device sent, and what is there for it.
 class MemoryBus final : public io::CanBus {
@@ -63,7 +63,7 @@ InjectionParams Sensor(const WireFaults& faults, Direction direction = Direction
 }
 
 TEST_F(InjectionCan, FramesPassAsTheyAreWithoutFaults) {
-  ImpairedCanBus bus(behind_, {}, Wire::kForceSensor, {}, VirtualNow);
+  ImpairedCanBus bus(behind_, {}, Wire::kForceSensor, {}, &virtual_now);
   for (const char* text : {"001#0B0064FF9C3A98F8", "7FF#", "064#0B"}) {
     EXPECT_EQ(bus.Send(Frame(text)), CanResult::kOk);
     EXPECT_EQ(io::ToText(behind_.sent.back().frame), text);
@@ -84,7 +84,7 @@ TEST_F(InjectionCan, WhatWasInjectedIsWhatIsMissingDoubledOrChanged) {
   const io::CanFrame frame = Frame("123#0102030405060708");
   const auto run = [&](const WireFaults& faults, WireCounters& n) {
     MemoryBus behind;
-    ImpairedCanBus bus(behind, Sensor(faults, Direction::kToController), Wire::kForceSensor, {}, VirtualNow);
+    ImpairedCanBus bus(behind, Sensor(faults, Direction::kToController), Wire::kForceSensor, {}, &virtual_now);
     for (int i = 0; i < 10'000; ++i) EXPECT_EQ(bus.Send(frame), CanResult::kOk) << "the device knows nothing";
     n = bus.to_controller();
     return behind.sent;
@@ -109,7 +109,7 @@ TEST_F(InjectionCan, WhatWasInjectedIsWhatIsMissingDoubledOrChanged) {
 
 TEST_F(InjectionCan, ADelayedFrameWakesWhoWaitsForIt) {
   constexpr rt::Nanoseconds kDelay = 300'000;
-  ImpairedCanBus bus(behind_, Sensor({.delay = kDelay}), Wire::kForceSensor, {}, VirtualNow);
+  ImpairedCanBus bus(behind_, Sensor({.delay = kDelay}), Wire::kForceSensor, {}, &virtual_now);
   behind_.coming.push_back({.frame = Frame("064#0B"), .stamp = 100'000});
   EXPECT_EQ(bus.Send(Frame("001#0B")), CanResult::kOk);
   EXPECT_TRUE(behind_.sent.empty());
@@ -125,9 +125,9 @@ TEST_F(InjectionCan, ADelayedFrameWakesWhoWaitsForIt) {
 
 TEST_F(InjectionCan, OnlyTheWiresOwnFramesAreTouched) {
   ImpairedCanBus sensor(behind_, Sensor({.silence = true}), Wire::kForceSensor, {{.id = 0x64}, {.id = 0x1}},
-                        VirtualNow);
+                        &virtual_now);
   ImpairedCanBus both(sensor, Always({.duplicate = 1.0}, Wire::kDrive), Wire::kDrive,
-                      {{.id = 0x7f, .mask = 0x7f}}, VirtualNow);
+                      {{.id = 0x7f, .mask = 0x7f}}, &virtual_now);
   for (const char* text : {"001#0B", "1FF#00", "080#"}) EXPECT_EQ(both.Send(Frame(text)), CanResult::kOk);
   std::vector<std::string> sent;
   for (const io::CanArrival& came : behind_.sent) sent.push_back(io::ToText(came.frame));
@@ -144,7 +144,7 @@ TEST_F(InjectionCan, OnlyTheWiresOwnFramesAreTouched) {
 
 TEST_F(InjectionCan, BeginsWithCommanding) {
   const InjectionParams params{.injections = {{.wire = Wire::kForceSensor, .faults = {.silence = true}}}};
-  ImpairedCanBus bus(behind_, params, Wire::kForceSensor, {}, VirtualNow);
+  ImpairedCanBus bus(behind_, params, Wire::kForceSensor, {}, &virtual_now);
   bus.Send(Frame("001#0B"));
   EXPECT_EQ(behind_.sent.size(), 1u);
   bus.Begin(virtual_now);
@@ -155,7 +155,7 @@ TEST_F(InjectionCan, BeginsWithCommanding) {
 TEST_F(InjectionCan, DoesNotAllocate) {
   behind_.sent.reserve(100);
   ImpairedCanBus bus(behind_, Sensor({.duplicate = 0.5, .corrupt = 0.5, .delay = 10}), Wire::kForceSensor, {},
-                     VirtualNow);
+                     &virtual_now);
   behind_.coming.assign(20, {.frame = Frame("064#0B"), .stamp = 0});
   io::CanArrival arrival;
   const io::CanFrame frame = Frame("001#0B");

@@ -70,8 +70,7 @@ TEST(InjectionCell, WithoutInjectionsEveryByteIsTheCellsOwn) {
     behind.Step();
     ASSERT_EQ(behind.bytes, std::vector<std::uint8_t>(message.begin(), message.end()));
     ASSERT_EQ(behind.arrivals, std::vector<rt::Nanoseconds>{0});
-    ASSERT_EQ(behind.cell.force().stamp, now);
-    ASSERT_EQ(Vector3(behind.cell.force().F_T_W.f), Vector3(plain.force().F_T_W.f));
+    ASSERT_EQ(Vector3(behind.cell.cell().force().F_S.f), Vector3(plain.force().F_S.f));
     ASSERT_EQ(session.Accept(message, now, arm), io::FriAccept::kAccepted);
     plain.Receive(session.Answer({.q = arm.q_ipo, .activation = arm.activation}));
   }
@@ -110,32 +109,6 @@ TEST(InjectionCell, TimeCountsFromWhenCommandingFirstBegan) {
   EXPECT_EQ(missing.front(), 50);
   EXPECT_EQ(run.cell.counters().arm_to_controller.silenced, 100u);
   EXPECT_EQ(run.arm.lost, 100u);
-}
-
-TEST(InjectionCell, TheSensorsReadingsAreLateLostOrFrozen) {
-  Lockstep late({.injections = {{.wire = Wire::kForceSensor, .faults = {.delay = 5 * rt::kMillisecond}}}});
-  ASSERT_TRUE(late.WalkToActive());
-  for (int i = 0; i < 100; ++i) late.Step();
-  EXPECT_EQ(late.cell.force().stamp, late.now - 5 * rt::kMillisecond);
-  EXPECT_EQ(late.arrivals, std::vector<rt::Nanoseconds>{0}) << "the arm's wire is another";
-
-  Lockstep frozen({.injections = {{.wire = Wire::kForceSensor, .to_s = 0.1, .faults = {.silence = true}}}});
-  ASSERT_TRUE(frozen.WalkToActive());
-  const rt::Nanoseconds before = frozen.now - rt::kMillisecond;
-  for (int i = 0; i < 99; ++i) frozen.Step();
-  EXPECT_EQ(frozen.cell.force().stamp, before);
-  frozen.Step();
-  EXPECT_EQ(frozen.cell.force().stamp, frozen.now);
-
-  Lockstep damaged({.injections = {{.wire = Wire::kForceSensor, .faults = {.corrupt = 0.3}}}});
-  ASSERT_TRUE(damaged.WalkToActive());
-  std::uint64_t old = damaged.cell.force().stamp < damaged.now ? 1 : 0;
-  for (int i = 0; i < 1000; ++i) {
-    damaged.Step();
-    old += damaged.cell.force().stamp < damaged.now ? 1 : 0;
-  }
-  EXPECT_EQ(old, damaged.cell.counters().force_sensor.corrupted) << "none is believed";
-  EXPECT_GT(old, 200u);
 }
 
 TEST(InjectionCell, TwoRunsOfOneSeedAreTheSame) {
@@ -189,8 +162,7 @@ TEST(InjectionCellThread, CountsWhatItInjectedAndTheClientDoes) {
   ASSERT_TRUE(link) << link.error();
   const InjectionParams params{
       .injections = {
-          {.direction = Direction::kToController, .from_s = -1, .faults = {.loss = 0.2, .duplicate = 0.1}},
-          {.wire = Wire::kForceSensor, .from_s = -1, .faults = {.silence = true}}}};
+          {.direction = Direction::kToController, .from_s = -1, .faults = {.loss = 0.2, .duplicate = 0.1}}}};
   SimulatedCellThread cell({.client_port = (*link)->port(), .injections = params}, Cell(5));
   control::ArmState arm;
   for (int k = 0; k < 200; ++k)
@@ -206,8 +178,6 @@ TEST(InjectionCellThread, CountsWhatItInjectedAndTheClientDoes) {
   EXPECT_EQ(arm.duplicate, n.duplicated);
   // those that were lost before the first that came, or after the last, are nobody's gap
   EXPECT_LE(arm.lost, n.lost);
-  EXPECT_EQ(s.wires.force_sensor.silenced, s.wires.force_sensor.pushed);
-  EXPECT_EQ(cell.sensor().Latest().stamp, 0) << "never heard of";
 }
 
 }  // namespace

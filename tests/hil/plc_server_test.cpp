@@ -1,10 +1,6 @@
 #include "hil/plc/plc_server.h"
 
-#include <arpa/inet.h>
 #include <modbus/modbus.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <memory>
 #include <random>
@@ -12,6 +8,8 @@
 #include <system_error>
 
 #include <gtest/gtest.h>
+
+#include "tests/io/loopback_socket.h"
 
 // Our server against libmodbus' own client, and against bytes that are none.
 
@@ -56,31 +54,15 @@ TEST(PlcServer, LibmodbusReadsAndWritesIt) {
   EXPECT_EQ(modbus_read_registers(client.get(), 970, 14, block.data()), 14) << "and goes on";
 }
 
-class Raw {
+class Raw : public io::test::LoopbackSocket {
  public:
-  explicit Raw(std::uint16_t port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(port);
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
-  }
-  ~Raw() { close(socket_); }
-  Raw(const Raw&) = delete;
-  Raw& operator=(const Raw&) = delete;
-  void Send(std::span<const std::uint8_t> bytes) const {
-    (void)send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-  }
-  // What comes next: bytes, 0 where the server closed, -1 where nothing came for five seconds.
-  [[nodiscard]] ssize_t Receive() const {
-    pollfd waiting{socket_, POLLIN, 0};
-    if (poll(&waiting, 1, 5000) != 1) return -1;
-    std::array<std::uint8_t, 600> bytes;
-    return std::max<ssize_t>(0, recv(socket_, bytes.data(), bytes.size(), 0));
-  }
+  explicit Raw(std::uint16_t port) : LoopbackSocket(SOCK_STREAM) { Connect(port); }
 
- private:
-  int socket_;
+  // How many bytes come next: 0 where the server closed, -1 where nothing came for five seconds.
+  [[nodiscard]] ssize_t Receive() const {
+    const auto bytes = LoopbackSocket::Receive(5000);
+    return bytes ? static_cast<ssize_t>(bytes->size()) : -1;
+  }
 };
 
 TEST(PlcServer, ClosesOnWhatIsNoModbusAndServesTheOthers) {

@@ -43,8 +43,9 @@ TEST(SimulatedArm, EachLevelArrivesAndTheSpeedIsThatOfThePosition) {
       arm->Step(To(params.q_start + std::min(1.0, k / 300.0) * way), {});
       sum += arm->q() - before;
       // over a cycle the mean of a smooth speed's ends, to the second order: what 15 Hz turn it by
-      if (level != ArmLevel::kKinematic && k > 10)
+      if (level != ArmLevel::kKinematic && k > 10) {
         EXPECT_LT((arm->q() - before - 0.5e-3 * (speed_before + arm->qd())).cwiseAbs().maxCoeff(), 1e-6);
+      }
     }
     EXPECT_LT((arm->q() - params.q_start - way).cwiseAbs().maxCoeff(), 1e-6);
     EXPECT_LT((sum - way).cwiseAbs().maxCoeff(), 1e-6);

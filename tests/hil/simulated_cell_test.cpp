@@ -53,13 +53,13 @@ class AdmittanceClient {
         X_WT_(ToolPose(params, q_)),
         arm_angle_(arm_.ArmAngle(q_)) {}
 
-  Bytes Answer(std::span<const std::uint8_t> message, const control::ForceReading& reading) {
+  Bytes Answer(std::span<const std::uint8_t> message, const Wrench& F_hand_T_W) {
     const auto state = static_cast<SessionState>(UintAt(message, {4, 1}));
     if (state != SessionState::kCommandingActive) return mirror_.Answer(message);
     const double T = 1e-3;
     const Vector3 n = X_WC_.linear().col(2);
     const double height_m = n.dot(X_WT_.translation() - X_WC_.translation()) + 0.025;
-    Wrench F = reading.F_T_W;
+    Wrench F = F_hand_T_W;
     wall_N = height_m < 0.0 ? std::max(0.0, -20000.0 * height_m - 200.0 * n.dot(V_.v)) : 0.0;
     F.f += wall_N * n;
     V_.v = (V_.v + T / 3.0 * F.f) / (1.0 + T * 60.0 / 3.0);
@@ -103,7 +103,7 @@ Outcome RunCell(double seconds) {
   for (int k = 0; k < 60000 && !cell.state().script_done; ++k) {
     const auto message = cell.Step(k * rt::kMillisecond);
     run.bytes.insert(run.bytes.end(), message.begin(), message.end());
-    cell.Receive(client.Answer(message, cell.force()));
+    cell.Receive(client.Answer(message, cell.state().F_hand_T_W));
     const Vector3 f = cell.state().F_hand_T_W.f;
     run.peak_axial_N = std::max(run.peak_axial_N, std::abs(n.dot(f)));
     if (std::abs(cell.state().cell_time_s - 0.5 * seconds) < 1e-6) run.wall_at_push_N = client.wall_N;
@@ -145,16 +145,63 @@ TEST(SimulatedCell, TheHandHoldsOnlyWhileTheArmIsCommanded) {
     active_cycles += active;
     EXPECT_NEAR(cell.state().cell_time_s, active_cycles * 1e-3, 1e-12);
     if (!active) {
-      EXPECT_EQ(Vector3(cell.force().F_T_W.f).norm(), 0.0);
+      EXPECT_EQ(Vector3(cell.state().F_hand_T_W.f).norm(), 0.0);
     }
     EXPECT_EQ(cell.force().stamp, k * rt::kMillisecond);
     cell.Receive(client.Answer(message));
   }
   ASSERT_GT(active_cycles, 500);
-  EXPECT_GT(Vector3(cell.force().F_T_W.f).norm(), 1.0);  // the arm stands still, the target leaves
+  EXPECT_GT(Vector3(cell.state().F_hand_T_W.f).norm(), 1.0);  // the arm stands still, the target leaves
   for (int k = 0; k < 6; ++k) (void)cell.Step((1500 + k) * rt::kMillisecond);
   EXPECT_EQ(cell.state().stop.reason, StopReason::kLostInARow);
-  EXPECT_EQ(Vector3(cell.force().F_T_W.f).norm(), 0.0);
+  EXPECT_EQ(Vector3(cell.state().F_hand_T_W.f).norm(), 0.0);
+}
+
+// The load on the sensor, and what the controller makes of it: written apart, with tool and sensor at odd
+// places.
+TEST(SimulatedCell, TheControllerFindsTheHandInTheSensorsLoad) {
+  SimulatedCellParams params = CellParams();
+  Pose X_FS = Pose::Identity();
+  X_FS.linear() = ExpRotation({0.3, -0.2, 0.9});
+  X_FS.translation() << 0.01, -0.02, 0.035;
+  params.sensor = {.X_FS = X_FS, .tool_mass_kg = 1.7, .tool_center_F_m = Vector3(0.02, 0.01, 0.09)};
+  SimulatedCell cell(params, ScriptBelow(params, 1.0));
+  TestClient client;
+  const auto hand = [&] {
+    const Pose X_WT = cell.state().X_WT_meas;
+    return control::HandWrench(params.sensor, cell.force().F_S, X_WT * Pose(params.X_FT).inverse(),
+                               X_WT.translation());
+  };
+  client.Answer(cell.Step(0));
+  EXPECT_NEAR(Vector3(cell.force().F_S.f).norm(), 1.7 * 9.81, 1e-9) << "nobody holds it: the tool's weight";
+  EXPECT_LT(hand().f.norm(), 1e-9);
+  EXPECT_LT(hand().t.norm(), 1e-9);
+  for (int k = 1; k < 5000 && cell.state().cell_time_s < 0.5; ++k)
+    cell.Receive(client.Answer(cell.Step(k * rt::kMillisecond)));
+  const Wrench exerted = cell.state().F_hand_T_W;
+  ASSERT_GT(exerted.f.norm(), 10.0);
+  EXPECT_LT((hand().f - exerted.f).norm(), 1e-9);
+  EXPECT_LT((hand().t - exerted.t).norm(), 1e-9);
+}
+
+TEST(SimulatedCell, WithoutPowerTheDrivesStopAndComeBackWithIt) {
+  const SimulatedCellParams params = CellParams();
+  SimulatedCell cell(params, ScriptBelow(params, 10.0));
+  TestClient client;
+  int now_ms = 0;
+  const auto run = [&](int cycles) {
+    for (int k = 0; k < cycles; ++k) cell.Receive(client.Answer(cell.Step(++now_ms * rt::kMillisecond)));
+  };
+  cell.SetPower(false);
+  run(3000);
+  EXPECT_FALSE(cell.state().active_once) << "never commanded without power";
+  cell.SetPower(true);
+  run(3000);
+  ASSERT_EQ(cell.state().session, SessionState::kCommandingActive);
+  cell.SetPower(false);
+  run(2);
+  EXPECT_NE(cell.state().session, SessionState::kCommandingActive);
+  EXPECT_EQ(cell.state().stop.reason, StopReason::kEmergencyStop);
 }
 
 // tau_i is the work of the hand's wrench for a unit turn of joint i: from differences of the forward
@@ -166,7 +213,7 @@ TEST(SimulatedCell, ExternalTorqueIsTheHandsVirtualWork) {
   Bytes message;
   Wrench F;
   for (int k = 0; k < 5000 && cell.state().cell_time_s < 0.5; ++k) {
-    F = cell.force().F_T_W;
+    F = cell.state().F_hand_T_W;
     const auto bytes = cell.Step(k * rt::kMillisecond);
     message.assign(bytes.begin(), bytes.end());
     cell.Receive(client.Answer(message));

@@ -1,60 +1,22 @@
 #include "hil/simulated_cell_thread.h"
 
-#include <arpa/inet.h>
-#include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <stdexcept>
 
+#include <gtest/gtest.h>
+
 #include "test_client.h"
+#include "tests/io/loopback_socket.h"
 
 namespace osteon::hil {
 namespace {
 
 using control::SessionState;
 
-// A UDP socket on the loopback at a port that the system chooses.
-class LoopbackSocket {
+// The client's socket.
+class ClientSocket : public io::test::LoopbackSocket {
  public:
-  LoopbackSocket() : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
-    sockaddr_in own = Loopback(0);
-    socklen_t size = sizeof(own);
-    if (fd_ < 0 || bind(fd_, reinterpret_cast<sockaddr*>(&own), size) != 0 ||
-        getsockname(fd_, reinterpret_cast<sockaddr*>(&own), &size) != 0)
-      throw std::runtime_error("no UDP on the loopback");
-    port_ = ntohs(own.sin_port);
-    const timeval timeout{.tv_sec = 2, .tv_usec = 0};
-    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout));
-  }
-  ~LoopbackSocket() { close(fd_); }
-  LoopbackSocket(const LoopbackSocket&) = delete;
-  LoopbackSocket& operator=(const LoopbackSocket&) = delete;
-
-  [[nodiscard]] std::uint16_t port() const { return port_; }
   // The oldest datagram; empty after 2 s without one.
-  Bytes Receive() {
-    Bytes bytes(2000);
-    const ssize_t n = recv(fd_, bytes.data(), bytes.size(), 0);
-    bytes.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
-    return bytes;
-  }
-  void SendTo(std::uint16_t port, const Bytes& bytes) {
-    const sockaddr_in to = Loopback(port);
-    sendto(fd_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof(to));
-  }
-
- private:
-  static sockaddr_in Loopback(std::uint16_t port) {
-    sockaddr_in a{};
-    a.sin_family = AF_INET;
-    a.sin_port = htons(port);
-    a.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    return a;
-  }
-  int fd_;
-  std::uint16_t port_{0};
+  [[nodiscard]] Bytes Receive() const { return LoopbackSocket::Receive(2000).value_or(Bytes{}); }
 };
 
 // A cell that no delay of a busy machine can end: these tests look at what crosses the socket, not at time.
@@ -70,7 +32,7 @@ SimulatedCell PatientCell() {
 }
 
 TEST(SimulatedCellThread, ReachesCommandingActiveOverUdp) {
-  LoopbackSocket socket, stranger;
+  ClientSocket socket, stranger;
   SimulatedCellThread cell({.client_port = socket.port()}, PatientCell());
   TestClient client;
   SessionState seen = SessionState::kIdle;
@@ -82,7 +44,7 @@ TEST(SimulatedCellThread, ReachesCommandingActiveOverUdp) {
     stranger.SendTo(cell.port(), Bytes{1, 2, 3});  // from another port: must not arrive
   }
   EXPECT_EQ(seen, SessionState::kCommandingActive);
-  EXPECT_GT(cell.sensor().Latest().stamp, 0);
+  EXPECT_GT(cell.Load().stamp, 0);
   cell.Stop();
   const CellThreadStatistics& s = cell.statistics();
   EXPECT_EQ(s.cell.counters.sent, s.cell.cycle);
@@ -92,7 +54,7 @@ TEST(SimulatedCellThread, ReachesCommandingActiveOverUdp) {
 }
 
 TEST(SimulatedCellThread, HostileDatagramsOfTheClientAreCounted) {
-  LoopbackSocket socket;
+  ClientSocket socket;
   SimulatedCellThread cell({.client_port = socket.port()}, PatientCell());
   for (int i = 0; i < 20; ++i) {
     ASSERT_FALSE(socket.Receive().empty());
@@ -107,7 +69,7 @@ TEST(SimulatedCellThread, HostileDatagramsOfTheClientAreCounted) {
 
 TEST(SimulatedCellThread, StopsInOrderThoughNobodyListens) {
   std::uint16_t port = 0;
-  { port = LoopbackSocket().port(); }
+  { port = ClientSocket().port(); }
   SimulatedCellThread cell({.client_port = port}, PatientCell());
   while (cell.statistics().cell.cycle < 20) rt::SleepUntil(rt::MonotonicNow() + rt::kMillisecond);
   cell.Stop();
@@ -119,7 +81,7 @@ TEST(SimulatedCellThread, StopsInOrderThoughNobodyListens) {
 }
 
 TEST(SimulatedCellThread, SendsNothingAfterStop) {
-  LoopbackSocket socket;
+  ClientSocket socket;
   SimulatedCellThread cell({.client_port = socket.port()}, PatientCell());
   ASSERT_FALSE(socket.Receive().empty());
   cell.Stop();

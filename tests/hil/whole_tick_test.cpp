@@ -1,9 +1,5 @@
 // The bar: no allocation and no lock in the tick, from the datagram's arrival to the record in the ring.
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <numbers>
@@ -18,6 +14,7 @@
 #include "io/fri/fri_link.h"
 #include "io/recording/recorder.h"
 #include "test_client.h"
+#include "tests/io/loopback_socket.h"
 #include "tests/io/temporary_folder.h"
 
 namespace osteon::hil {
@@ -26,34 +23,13 @@ namespace {
 using control::Phase;
 
 // The simulated arm's socket: connected to the client's port, answers taken where they wait.
-class ArmSocket {
+class ArmSocket : public io::test::LoopbackSocket {
  public:
-  explicit ArmSocket(std::uint16_t client_port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(client_port);
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
-  }
-  ~ArmSocket() { close(socket_); }
-  ArmSocket(const ArmSocket&) = delete;
-  ArmSocket& operator=(const ArmSocket&) = delete;
+  explicit ArmSocket(std::uint16_t client_port) { Connect(client_port); }
 
-  void Send(std::span<const std::uint8_t> bytes) const {
-    EXPECT_EQ(send(socket_, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
-  }
-  // Loopback delivers within the sender's call.
   void TakeAnswers(SimulatedCell& cell) const {
-    std::array<std::uint8_t, 2000> bytes{};
-    for (;;) {
-      const ssize_t size = recv(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT);
-      if (size < 0) return;
-      cell.Receive({bytes.data(), static_cast<std::size_t>(size)});
-    }
+    while (const auto answer = Receive()) cell.Receive(*answer);
   }
-
- private:
-  int socket_;
 };
 
 // The cell of the hand's tests: a cup right below the tool, its bottom a plane for the contact model.
@@ -105,7 +81,7 @@ TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
 
   rt::LatestValue<simulation::ContactModel> models;
   rt::LatestValue<simulation::ToolCommand> commands;
-  SimulatedForceSensor sensor;
+  rt::LatestValue<control::ForceReading> sensor;
   control::ArmState state;
   control::ArmCommand command;
   const Vector3 feed_W = setup.X_WT.linear().col(2);
@@ -134,7 +110,7 @@ TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
     rt::NoAllocScope scope;
     const control::ReceiveResult received = (*link)->Receive(state, rt::MonotonicNow() + rt::kSecond);
     const control::TickRecord record =
-        loop.Tick(state, received, sensor.Latest(), models.Load(), now, command);
+        loop.Tick(state, received, {.force = sensor.Load()}, models.Load(), now, command);
     const bool answered = (*link)->Send(command);
     commands.Store(loop.tool_command());
     const bool recorded = (*recorder)->Push(record);

@@ -12,16 +12,11 @@ namespace {
 
 using test::At;
 using test::Frames;
+using test::kFrameTime;
+using test::kMs;
 using test::Sent;
 
-constexpr rt::Nanoseconds kMs = rt::kMillisecond;
-constexpr rt::Nanoseconds kFrameTime = 130'000;
-
-AtiSensor Sensor(const AtiParams& params = {}) {
-  auto sensor = AtiSensor::Make(params);
-  EXPECT_TRUE(sensor) << sensor.error();
-  return *sensor;
-}
+AtiSensor Sensor(const AtiParams& params = {}) { return test::Made<AtiSensor>(params); }
 
 // 1.0, 2.0, 0.5 and 0 as float32: 3F800000, 40000000, 3F000000, 00000000.
 // Rows: 1 on the diagonal; row 0 has 2 in column 1 and 0.5 in column 5 as well.

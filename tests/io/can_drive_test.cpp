@@ -18,9 +18,8 @@ namespace {
 using test::At;
 using test::Frame;
 using test::Frames;
+using test::kMs;
 using test::Sent;
-
-constexpr rt::Nanoseconds kMs = rt::kMillisecond;
 
 // The table of states as CiA 402 prints it: x is any bit.
 struct StateRow {

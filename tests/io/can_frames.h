@@ -7,11 +7,16 @@
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "io/can/can_pump.h"
 
 // Frames in the tests, as candump writes them: "064#0B00".
 
 namespace osteon::io::test {
+
+inline constexpr rt::Nanoseconds kMs = rt::kMillisecond;
+inline constexpr rt::Nanoseconds kFrameTime = 130'000;  ///< that 8 bytes take on a bus of 1 Mbit/s
 
 inline CanFrame Frame(const std::string& text) {
   const std::size_t hash = text.find('#');
@@ -33,5 +38,13 @@ inline std::vector<std::string> Sent(CanClient& client, rt::Nanoseconds now) {
 }
 
 using Frames = std::vector<std::string>;
+
+/// A sensor's client, whose parameters are right.
+template <class Sensor, class Params>
+[[nodiscard]] Sensor Made(const Params& params) {
+  auto sensor = Sensor::Make(params);
+  EXPECT_TRUE(sensor) << sensor.error();
+  return *sensor;
+}
 
 }  // namespace osteon::io::test

@@ -11,16 +11,11 @@ namespace {
 
 using test::At;
 using test::Frames;
+using test::kFrameTime;
+using test::kMs;
 using test::Sent;
 
-constexpr rt::Nanoseconds kMs = rt::kMillisecond;
-constexpr rt::Nanoseconds kFrameTime = 130'000;
-
-RobotousSensor Sensor(const RobotousParams& params = {}) {
-  auto sensor = RobotousSensor::Make(params);
-  EXPECT_TRUE(sensor) << sensor.error();
-  return *sensor;
-}
+RobotousSensor Sensor(const RobotousParams& params = {}) { return test::Made<RobotousSensor>(params); }
 
 void Answer(RobotousSensor& sensor, rt::Nanoseconds now, const std::string& first,
             const std::string& second = "0000000000000000") {

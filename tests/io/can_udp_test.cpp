@@ -1,7 +1,3 @@
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <vector>
 
@@ -10,6 +6,7 @@
 #include "control/rt/no_alloc_scope.h"
 #include "io/can/can_pump.h"
 #include "io/can/udp_can_bus.h"
+#include "tests/io/loopback_socket.h"
 
 namespace osteon::io {
 namespace {
@@ -117,36 +114,7 @@ TEST(UdpCanBus, RefusesFramesThatAreNone) {
 }
 
 // The peer's side as a plain socket, so that it can misbehave.
-class Peer {
- public:
-  Peer() : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
-    sockaddr_in here{};
-    here.sin_family = AF_INET;
-    here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(bind(socket_, reinterpret_cast<const sockaddr*>(&here), sizeof here), 0);
-    socklen_t length = sizeof here;
-    EXPECT_EQ(getsockname(socket_, reinterpret_cast<sockaddr*>(&here), &length), 0);
-    port_ = ntohs(here.sin_port);
-  }
-  ~Peer() { close(socket_); }
-  Peer(const Peer&) = delete;
-  Peer& operator=(const Peer&) = delete;
-
-  void Send(std::uint16_t to_port, const Bytes& bytes) const {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(to_port);
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(
-        sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to),
-        static_cast<ssize_t>(bytes.size()));
-  }
-  [[nodiscard]] std::uint16_t port() const { return port_; }
-
- private:
-  int socket_;
-  std::uint16_t port_{0};
-};
+using Peer = test::LoopbackSocket;
 
 std::unique_ptr<UdpCanBus> OpenToward(const Peer& peer, std::vector<CanFilter> filters = {}) {
   auto bus = UdpCanBus::Open({.bind_port = 0, .peer_port = peer.port(), .filters = std::move(filters)});
@@ -164,7 +132,7 @@ TEST(UdpCanBus, CountsLossesAndSaysSoWithTheNextFrame) {
   const Peer peer;
   const auto bus = OpenToward(peer);
   CanArrival arrival;
-  for (const std::uint32_t sequence : {0u, 1u, 4u, 5u}) peer.Send(bus->port(), Numbered(1, sequence));
+  for (const std::uint32_t sequence : {0u, 1u, 4u, 5u}) peer.SendTo(bus->port(), Numbered(1, sequence));
   const std::array<bool, 4> gap{false, false, true, false};
   for (const bool expected : gap) {
     ASSERT_EQ(bus->TryReceive(arrival), CanResult::kOk);
@@ -177,7 +145,7 @@ TEST(UdpCanBus, DeliversNothingTwiceOrOutOfOrder) {
   const Peer peer;
   const auto bus = OpenToward(peer);
   for (const std::uint32_t sequence : {0u, 1u, 1u, 0u, 3u, 2u, 4u})
-    peer.Send(bus->port(), Numbered(1, sequence));
+    peer.SendTo(bus->port(), Numbered(1, sequence));
   std::vector<int> got;
   for (CanArrival arrival; bus->TryReceive(arrival) == CanResult::kOk;) got.push_back(arrival.frame.id);
   EXPECT_EQ(got, (std::vector<int>{0, 1, 3, 4}));
@@ -189,8 +157,8 @@ TEST(UdpCanBus, FollowsAPeerThatWasStartedAgainAndACounterThatWraps) {
   const Peer peer;
   const auto bus = OpenToward(peer);
   for (const std::uint32_t sequence : {0xFFFFFFFEu, 0xFFFFFFFFu, 0u})
-    peer.Send(bus->port(), Numbered(1, sequence));
-  peer.Send(bus->port(), Numbered(2, 0));
+    peer.SendTo(bus->port(), Numbered(1, sequence));
+  peer.SendTo(bus->port(), Numbered(2, 0));
   std::array<CanArrival, 8> room;
   EXPECT_EQ(bus->Drain(room), 4u);
   EXPECT_EQ(bus->status().lost, 0u);
@@ -200,11 +168,11 @@ TEST(UdpCanBus, FollowsAPeerThatWasStartedAgainAndACounterThatWraps) {
 TEST(UdpCanBus, CountsWhatIsNoneOfOursAndListensToItsPeerAlone) {
   const Peer peer, stranger;
   const auto bus = OpenToward(peer);
-  stranger.Send(bus->port(), Numbered(1, 0));
-  peer.Send(bus->port(), {});
-  peer.Send(bus->port(), Bytes(500, 'O'));
-  peer.Send(bus->port(), Bytes(kGolden.begin(), kGolden.end() - 1));
-  peer.Send(bus->port(), Numbered(1, 7));
+  stranger.SendTo(bus->port(), Numbered(1, 0));
+  peer.SendTo(bus->port(), Bytes{});
+  peer.SendTo(bus->port(), Bytes(500, 'O'));
+  peer.SendTo(bus->port(), Bytes(kGolden.begin(), kGolden.end() - 1));
+  peer.SendTo(bus->port(), Numbered(1, 7));
   CanArrival arrival;
   ASSERT_EQ(bus->TryReceive(arrival), CanResult::kOk);
   EXPECT_EQ(arrival.frame.id, 7);
@@ -217,7 +185,7 @@ TEST(UdpCanBus, DeliversWhatPassesAFilter) {
   const auto bus = OpenToward(peer, {{.id = 0x10, .mask = 0x7F0}, {.id = 0x42}});
   std::uint32_t sequence = 0;
   for (const int id : {0x0F, 0x10, 0x1F, 0x20, 0x42, 0x43})
-    peer.Send(
+    peer.SendTo(
         bus->port(),
         Encoded({.frame = Frame(static_cast<std::uint16_t>(id), {}), .session = 1, .sequence = sequence++}));
   std::vector<int> got;

@@ -1,13 +1,10 @@
 #include "io/fri/fri_link.h"
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
 #include "tests/io/fri_oracle.h"
+#include "tests/io/link_bench.h"
+#include "tests/io/loopback_socket.h"
 
 namespace osteon::io {
 namespace {
@@ -18,46 +15,23 @@ using control::ReceiveResult;
 using test::Bytes;
 using test::Joints;
 using test::Monitoring;
+using test::Soon;
 
 // The arm's side: a plain UDP socket.
-class Peer {
+class Peer : public test::LoopbackSocket {
  public:
-  explicit Peer(std::uint16_t port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(port);
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
-  }
-  ~Peer() { close(socket_); }
-  Peer(const Peer&) = delete;
-  Peer& operator=(const Peer&) = delete;
+  explicit Peer(std::uint16_t port) { Connect(port); }
 
-  void Send(const std::vector<std::uint8_t>& bytes) const {
-    EXPECT_EQ(send(socket_, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
-  }
+  void Send(const std::vector<std::uint8_t>& bytes) const { LoopbackSocket::Send(bytes); }
   void Send(std::uint32_t sequence, fri::SessionState state) const {
     Send(Bytes(Monitoring(sequence, state)));
   }
-  // Loopback delivers within the sender's call, so what is not here now was never sent.
   [[nodiscard]] std::vector<std::uint8_t> Answer() const {
-    std::vector<std::uint8_t> bytes(2000);
-    const ssize_t size = recv(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT);
-    bytes.resize(size < 0 ? 0 : static_cast<std::size_t>(size));
-    return bytes;
+    return Receive().value_or(std::vector<std::uint8_t>{});
   }
-
- private:
-  int socket_;
 };
 
-rt::Nanoseconds Soon() { return rt::MonotonicNow() + 2 * rt::kSecond; }
-
-std::unique_ptr<FriLink> OpenAnywhere() {
-  auto link = FriLink::Open({.port = 0});
-  EXPECT_TRUE(link) << link.error();
-  return std::move(*link);
-}
+std::unique_ptr<FriLink> OpenAnywhere() { return test::OpenAnywhere<FriLink>(); }
 
 TEST(FriLink, AnswersTheArmAtTheAddressItSpokeFrom) {
   const auto link = OpenAnywhere();
@@ -146,20 +120,7 @@ TEST(FriLink, TakesANewPeerAfterASecondOfSilence) {
   EXPECT_EQ(restarted.Answer().size(), 77u);
 }
 
-TEST(FriLink, ErrorsSayWhatIsWrong) {
-  const auto first = OpenAnywhere();
-  const auto taken = FriLink::Open({.port = first->port()});
-  ASSERT_FALSE(taken);
-  EXPECT_NE(taken.error().find("127.0.0.1:" + std::to_string(first->port()) + " is taken"), std::string::npos)
-      << taken.error();
-  const auto no_address = FriLink::Open({.bind_address = "localhost", .port = 0});
-  ASSERT_FALSE(no_address);
-  EXPECT_NE(no_address.error().find("'localhost' is not an IPv4 address"), std::string::npos);
-  const auto not_ours = FriLink::Open({.bind_address = "192.0.2.1", .port = 0});  // TEST-NET-1: nobody's
-  ASSERT_FALSE(not_ours);
-  EXPECT_NE(not_ours.error().find("no network card with that address"), std::string::npos)
-      << not_ours.error();
-}
+TEST(FriLink, ErrorsSayWhatIsWrong) { test::ExpectAddressErrors<FriLink, FriLinkParams>("FRI"); }
 
 // Each arm has a link of its own, as the arms have ports of their own.
 TEST(FriLink, SeveralArmsOfDifferentVersionsDoNotDisturbEachOther) {
@@ -209,14 +170,7 @@ TEST(FriLink, DoesNotAllocate) {
   const auto link = OpenAnywhere();
   const Peer arm(link->port());
   arm.Send(1, fri::COMMANDING_ACTIVE);
-  ArmState state;
-  rt::NoAllocScope scope;
-  const ReceiveResult received = link->Receive(state, Soon());
-  const bool sent = link->Send(ArmCommand{.q = state.q_ipo});
-  EXPECT_EQ(scope.heap_calls(), 0);
-  EXPECT_EQ(scope.locks(), 0);
-  EXPECT_EQ(received, ReceiveResult::kOk);
-  EXPECT_TRUE(sent);
+  test::ExpectNoAllocation(*link);
 }
 
 }  // namespace

@@ -1,49 +1,20 @@
-#include "io/fri/fri_session.h"
-
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "control/rt/no_alloc_scope.h"
-#include "tests/io/fri_oracle.h"
+#include "tests/io/fri_session_fixture.h"
+
+// What the client owes the arm, by state, version and mode, and when it hands over.
 
 namespace osteon::io {
 namespace {
 
 using control::ArmCommand;
-using control::ArmState;
 using test::Bytes;
+using test::Datagram;
 using test::Joints;
 using test::Monitoring;
-
-using test::Datagram;
-
-constexpr std::array kFamilies{FriVersion::k1_15, FriVersion::k2_5, FriVersion::k2_7};  // one of each
-
-class FriSessionTest : public ::testing::Test {
- protected:
-  FriAccept Take(std::uint32_t sequence, fri::SessionState state = fri::MONITORING_READY) {
-    return session_.Accept(Bytes(Monitoring(sequence, state)), ++now_, state_);
-  }
-  // The answer, by a loop that knows of the present activation, as the arm would read it.
-  fri::FRICommandMessage Answer(const control::JointArray& q) {
-    const auto bytes = session_.Answer(ArmCommand{.q = q, .activation = state_.activation});
-    fri::FRICommandMessage answer;
-    EXPECT_TRUE(answer.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())));
-    return answer;
-  }
-  static control::JointArray Position(const fri::FRICommandMessage& answer) {
-    control::JointArray q{};
-    EXPECT_EQ(answer.commanddata().jointposition().value_size(), 7);
-    std::copy(answer.commanddata().jointposition().value().begin(),
-              answer.commanddata().jointposition().value().end(), q.begin());
-    return q;
-  }
-
-  FriSession session_{{.entry_step_rad = 10.0}};
-  ArmState state_;
-  rt::Nanoseconds now_{1000};
-};
 
 TEST_F(FriSessionTest, StateIsTheMessage) {
   fri::FRIMonitoringMessage m = Monitoring(77, fri::COMMANDING_ACTIVE);
@@ -232,206 +203,6 @@ TEST_F(FriSessionTest, HoldsTheInterpolatorUntilACommandNamesTheActivation) {
   EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.32, 3), Joints(0.32));
 }
 
-TEST_F(FriSessionTest, CountsAnswersThatTheArmDidNotTake) {
-  const auto take = [&](std::uint32_t sequence, std::uint32_t reflected) {
-    fri::FRIMonitoringMessage m = Monitoring(sequence, fri::MONITORING_READY);
-    m.mutable_header()->set_reflectedsequencecounter(reflected);
-    EXPECT_EQ(session_.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
-    return Answer(Joints(0.0)).header().sequencecounter();
-  };
-  EXPECT_EQ(take(10, 0), 1u);  // none of ours seen
-  EXPECT_EQ(take(11, 0), 2u);
-  EXPECT_EQ(take(12, 2), 3u);  // 1 was lost
-  EXPECT_EQ(state_.answers_lost, 1u);
-  EXPECT_EQ(take(13, 3), 4u);
-  EXPECT_EQ(take(14, 3), 5u);
-  EXPECT_EQ(take(15, 3), 6u);
-  EXPECT_EQ(state_.answers_lost, 1u) << "they may be on their way";
-  EXPECT_EQ(take(16, 6), 7u);
-  EXPECT_EQ(state_.answers_lost, 3u);
-  EXPECT_EQ(state_.answers_foreign, 0u);
-  EXPECT_EQ(take(17, 900), 8u);  // never sent
-  EXPECT_EQ(take(18, 2), 9u);    // goes back
-  EXPECT_EQ(state_.answers_foreign, 2u);
-  EXPECT_EQ(take(19, 9), 10u);
-  EXPECT_EQ(state_.answers_lost, 5u);
-  EXPECT_NE(session_.Diagnosis().find("another client"), std::string::npos);
-}
-
-TEST_F(FriSessionTest, SaysWhichVersionTheArmSpeaks) {
-  for (const FriVersion arm : kFamilies)
-    for (const FriVersion client : kFamilies) {
-      FriSession session({.version = client});
-      ArmState state;
-      EXPECT_NE(session.Diagnosis().find("No message"), std::string::npos);
-      for (std::uint32_t i = 0; i < 3; ++i)
-        session.Accept(Datagram(FamilyOf(arm), Monitoring(i, fri::MONITORING_READY, FamilyOf(arm))), 1,
-                       state);
-      EXPECT_EQ(state.other_version, arm == client ? 0u : 3u);
-      EXPECT_EQ(state.rejected, state.other_version);
-      if (arm == client) continue;
-      EXPECT_EQ(session.last_error(), CodecError::kOtherVersion);
-      EXPECT_EQ(session.other_family(), FamilyOf(arm));
-      EXPECT_EQ(session.Diagnosis(), "The arm speaks " + std::string(Describe(FamilyOf(arm))) +
-                                         ", configured is " + Name(client) +
-                                         " (3 messages refused): set the version to the arm's.");
-    }
-}
-
-TEST_F(FriSessionTest, DiagnosisNamesWhatKeepsTheArmFromMoving) {
-  std::uint32_t sequence = 0;
-  const auto with = [&](fri::SessionState state, auto change) {
-    fri::FRIMonitoringMessage m = Monitoring(++sequence, state);
-    change(m);
-    EXPECT_EQ(session_.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
-    return session_.Diagnosis();
-  };
-  const auto contains = [](const std::string& text, const char* part) {
-    return text.find(part) != std::string::npos;
-  };
-  const std::vector<std::uint8_t> noise{1, 2, 3};
-  session_.Accept(noise, 1, state_);
-  EXPECT_TRUE(contains(session_.Diagnosis(), "none was a message of FRI 1.15"));
-  EXPECT_TRUE(contains(
-      with(fri::MONITORING_WAIT, [](auto& m) { m.mutable_connectioninfo()->set_quality(fri::FAIR); }),
-      "FAIR, commanding needs GOOD"));
-  EXPECT_TRUE(contains(with(fri::MONITORING_READY, [](auto&) {}), "has not asked for commanding"));
-  EXPECT_EQ(with(fri::COMMANDING_WAIT, [](auto&) {}), "");
-  EXPECT_TRUE(contains(
-      with(fri::COMMANDING_WAIT, [](auto& m) { m.mutable_ipodata()->set_clientcommandmode(fri::WRENCH); }),
-      "needs Cartesian impedance control; the arm is in position control"));
-  EXPECT_TRUE(contains(
-      with(fri::COMMANDING_WAIT, [](auto& m) { m.mutable_ipodata()->set_clientcommandmode(fri::TORQUE); }),
-      "needs joint impedance control"));
-  EXPECT_TRUE(contains(
-      with(fri::MONITORING_READY, [](auto& m) { m.mutable_robotinfo()->set_safetystate(fri::STOP_LEVEL_1); }),
-      "safety stop (level 1)"));
-  EXPECT_TRUE(contains(with(fri::MONITORING_READY,
-                            [](auto& m) { m.mutable_robotinfo()->set_drivestate(2, fri::TRANSITIONING); }),
-                       "Not all drives"));
-}
-
-// What the robot program registered, no more: unknown names would end its session.
-class FriOutputsTest : public FriSessionTest {
- protected:
-  fri::FRICommandMessage Cycle(std::uint32_t reflected) {
-    fri::FRIMonitoringMessage m = Monitoring(++sequence_, fri::MONITORING_READY);
-    m.mutable_header()->set_reflectedsequencecounter(reflected);
-    const auto add = [&m](const char* name, fri::IOType type, fri::IODirection direction) {
-      auto* io = m.mutable_monitordata()->add_readiorequest();
-      io->set_name(name);
-      io->set_type(type);
-      io->set_direction(direction);
-    };
-    add("On", fri::BOOLEAN, fri::OUTPUT);
-    add("Flow", fri::ANALOG, fri::OUTPUT);
-    add("Ready", fri::BOOLEAN, fri::INPUT);
-    if (asks_) m.add_requestedtransformations()->set_name("cup");
-    EXPECT_EQ(session_.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
-    return Answer(Joints(0.0));
-  }
-  std::uint32_t sequence_{0};
-  bool asks_{true};
-};
-
-TEST_F(FriOutputsTest, AreRefusedWhereTheRobotProgramDoesNotKnowThem) {
-  EXPECT_EQ(session_.Write({.name = FriName("On"), .digital = 1}), FriOutputError::kUnknown)
-      << "no message yet";
-  Cycle(0);
-  EXPECT_EQ(session_.Write({.name = FriName("Off"), .digital = 1}), FriOutputError::kUnknown);
-  EXPECT_EQ(session_.Write({.name = FriName("Ready"), .digital = 1}), FriOutputError::kNotOutput);
-  EXPECT_EQ(session_.Write({.name = FriName("On"), .analog = 1}), FriOutputError::kWrongType);
-  EXPECT_EQ(session_.Write({.name = FriName("On"), .type = FriIoType::kDigital, .digital = 1}),
-            FriOutputError::kWrongType);
-  EXPECT_EQ(session_.Write({.name = FriName("Flow"),
-                            .type = FriIoType::kAnalog,
-                            .analog = std::numeric_limits<double>::quiet_NaN()}),
-            FriOutputError::kWrongType);
-  EXPECT_EQ(session_.Transform({.name = FriName("bone")}), FriOutputError::kUnknown);
-  const auto answer = Cycle(1);
-  EXPECT_EQ(answer.commanddata().writeiorequest_size(), 0);
-  EXPECT_EQ(answer.commanddata().commandedtransformations_size(), 0);
-}
-
-TEST_F(FriOutputsTest, WritesAreRepeatedUntilTheArmHasTakenAnAnswerWithThem) {
-  Cycle(0);  // our answer 1
-  ASSERT_EQ(session_.Write({.name = FriName("On"), .digital = 1}), FriOutputError::kNone);
-  ASSERT_EQ(session_.Write({.name = FriName("Flow"), .type = FriIoType::kAnalog, .analog = 0.5}),
-            FriOutputError::kNone);
-  ASSERT_EQ(session_.Write({.name = FriName("On"), .digital = 0}),
-            FriOutputError::kNone);  // the newest counts
-  for (int i = 0; i < 3; ++i) {      // answers 2, 3, 4; the arm has seen the first
-    const auto answer = Cycle(1);
-    ASSERT_EQ(answer.commanddata().writeiorequest_size(), 2);
-    EXPECT_EQ(answer.commanddata().writeiorequest(0).name(), "On");
-    EXPECT_EQ(answer.commanddata().writeiorequest(0).digitalvalue(), 0u);
-    EXPECT_EQ(answer.commanddata().writeiorequest(0).direction(), fri::OUTPUT);
-    EXPECT_EQ(answer.commanddata().writeiorequest(1).analogvalue(), 0.5);
-  }
-  EXPECT_EQ(Cycle(3).commanddata().writeiorequest_size(), 0) << "2 was lost, 3 arrived";
-}
-
-TEST_F(FriOutputsTest, FramesGoAlongWhereTheArmAsksForThem) {
-  Cycle(0);
-  FriTransformation cup{.name = FriName("cup")};
-  Pose X = Pose::Identity();
-  X.translation() << 0.001, 0.002, 0.003;
-  cup.X = X;
-  ASSERT_EQ(session_.Transform(cup), FriOutputError::kNone);
-  for (int i = 0; i < 2; ++i) {
-    const auto answer = Cycle(0);
-    ASSERT_EQ(answer.commanddata().commandedtransformations_size(), 1);
-    EXPECT_EQ(answer.commanddata().commandedtransformations(0).element(3), 1.0) << "mm";
-  }
-  asks_ = false;
-  EXPECT_EQ(Cycle(0).commanddata().commandedtransformations_size(), 0);
-}
-
-// Ten outputs and five frames of the longest names do not fit 1500 bytes; the motion does.
-TEST_F(FriSessionTest, WhatDoesNotFitBesideTheMotionIsLeftOut) {
-  fri::FRIMonitoringMessage m = Monitoring(1, fri::COMMANDING_ACTIVE);
-  const auto name = [](char kind, int i) { return std::string(62, kind) + static_cast<char>('0' + i); };
-  for (int i = 0; i < 10; ++i) {
-    auto* io = m.mutable_monitordata()->add_readiorequest();
-    io->set_name(name('o', i));
-    io->set_type(fri::BOOLEAN);
-    io->set_direction(fri::OUTPUT);
-  }
-  ASSERT_EQ(session_.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
-  for (int i = 0; i < 10; ++i)
-    ASSERT_EQ(session_.Write({.name = FriName(name('o', i)), .digital = ~0ull}), FriOutputError::kNone);
-  m = Monitoring(2, fri::COMMANDING_ACTIVE);
-  for (int i = 0; i < 5; ++i) m.add_requestedtransformations()->set_name(name('f', i));
-  ASSERT_EQ(session_.Accept(Bytes(m), 2, state_), FriAccept::kAccepted);
-  for (int i = 0; i < 5; ++i)
-    ASSERT_EQ(session_.Transform({.name = FriName(name('f', i))}), FriOutputError::kNone);
-  const auto answer = Answer(Joints(0.9));
-  EXPECT_EQ(Position(answer), Joints(0.9));
-  EXPECT_EQ(answer.commanddata().writeiorequest_size(), 0);
-  EXPECT_EQ(answer.commanddata().commandedtransformations_size(), 0);
-}
-
-TEST_F(FriSessionTest, ReflectsTheArmsCounterAndCountsItsOwn) {
-  for (std::uint32_t i = 0; i < 3; ++i) {
-    Take(100 + i);
-    const auto answer = Answer(Joints(0.9));
-    EXPECT_EQ(answer.header().sequencecounter(), 1 + i);
-    EXPECT_EQ(answer.header().reflectedsequencecounter(), 100 + i);
-    EXPECT_TRUE(session_.Answer(ArmCommand{}).empty()) << "one answer a message";
-  }
-}
-
-TEST_F(FriSessionTest, AnswersEveryMultiplierthMessageOfTheArm) {
-  std::vector<std::uint32_t> answered;
-  for (const std::uint32_t sequence : {0u, 1u, 2u, 3u, 4u, 6u, 7u, 8u}) {  // 5 is lost
-    fri::FRIMonitoringMessage m = Monitoring(sequence, fri::MONITORING_READY);
-    m.mutable_connectioninfo()->set_receivemultiplier(3);
-    session_.Accept(Bytes(m), 1, state_);
-    if (!session_.Answer(ArmCommand{}).empty()) answered.push_back(sequence);
-  }
-  EXPECT_EQ(answered, (std::vector<std::uint32_t>{2, 6})) << "the lost message counts for the arm's rhythm";
-}
-
 TEST_F(FriSessionTest, HoldsTheLastPositionWhereTheCommandIsNotFinite) {
   Take(1, fri::COMMANDING_WAIT);
   (void)Answer(Joints(0.0));
@@ -462,51 +233,6 @@ TEST_F(FriSessionTest, HoldsTheInterpolatorWhereTheFirstCommandOfAllIsNotFinite)
   control::JointArray bad{};
   bad.fill(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(Position(Answer(bad)), Joints(0.3));
-}
-
-TEST_F(FriSessionTest, CountsLossDuplicatesAndReordering) {
-  EXPECT_EQ(Take(10), FriAccept::kAccepted);
-  EXPECT_EQ(Take(11), FriAccept::kAccepted);
-  EXPECT_EQ(Take(11), FriAccept::kDuplicate);
-  EXPECT_EQ(Take(15), FriAccept::kAccepted);  // 12, 13, 14 missing
-  EXPECT_EQ(state_.lost, 3u);
-  EXPECT_EQ(Take(13), FriAccept::kReordered);  // came after all
-  EXPECT_EQ(Take(13), FriAccept::kDuplicate);
-  EXPECT_EQ(Take(10), FriAccept::kDuplicate);
-  EXPECT_EQ(state_.sequence, 15u) << "never goes back";
-  EXPECT_EQ(state_.lost, 2u);
-  EXPECT_EQ(state_.reordered, 1u);
-  EXPECT_EQ(state_.late, 0u);
-  EXPECT_EQ(state_.duplicate, 3u);
-  EXPECT_EQ(state_.rejected, 0u);
-}
-
-TEST_F(FriSessionTest, CountsAcrossTheCountersWrap) {
-  Take(0xfffffffeu);
-  EXPECT_EQ(Take(0xffffffffu), FriAccept::kAccepted);
-  EXPECT_EQ(Take(1), FriAccept::kAccepted);
-  EXPECT_EQ(state_.lost, 1u);
-  EXPECT_EQ(Take(0), FriAccept::kReordered);
-  EXPECT_EQ(state_.lost, 0u);
-}
-
-TEST_F(FriSessionTest, ANewSessionOfTheArmBeginsInMonitoringOnly) {
-  Take(5000, fri::COMMANDING_ACTIVE);
-  EXPECT_EQ(Take(3, fri::COMMANDING_ACTIVE), FriAccept::kReordered)
-      << "an old command state must not come back";
-  EXPECT_EQ(Take(4, fri::MONITORING_WAIT), FriAccept::kAccepted);
-  EXPECT_EQ(state_.sequence, 4u);
-  EXPECT_EQ(state_.lost, 0u);
-  EXPECT_EQ(Take(5), FriAccept::kAccepted);
-}
-
-TEST_F(FriSessionTest, CountsAndExplainsWhatItRejects) {
-  const std::vector<std::uint8_t> noise{1, 2, 3};
-  EXPECT_EQ(session_.Accept(noise, 1, state_), FriAccept::kRejected);
-  EXPECT_EQ(session_.last_error(), CodecError::kMalformed);
-  EXPECT_EQ(state_.rejected, 1u);
-  EXPECT_EQ(state_.stamp, 0);
-  EXPECT_TRUE(session_.Answer(ArmCommand{}).empty()) << "noise is not answered";
 }
 
 TEST_F(FriSessionTest, NeitherAllocatesNorLocksInAnyVersionAndMode) {

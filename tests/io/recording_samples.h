@@ -78,7 +78,18 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
     in.tau_ext[j] = base - 0.02 * static_cast<double>(j);
   }
   in.sensor_stamp = r.stamp + 74;
-  in.F_sensor_T_W = SomeWrench(base + 75);
+  in.F_sensor_S = SomeWrench(base + 75);
+  in.sensor_trusted = i % 2 == 0;
+  in.spindle_stamp = r.stamp + 82;
+  in.spindle_meas_rad_per_s = base + 83;
+  in.spindle_torque_Nm = base + 84;
+  in.spindle_ready = i % 2 == 1;
+  in.spindle_fault = i % 3 == 1;
+  in.interlock_stamp = r.stamp + 85;
+  in.permitted = i % 2 == 0;
+  in.enabled = i % 3 == 0;
+  in.spindle_permitted = i % 3 == 2;
+  in.interlock_reason = static_cast<std::uint8_t>(i % 7);
   in.model_pose_stamp = r.stamp + 76;
   return r;
 }

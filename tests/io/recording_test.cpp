@@ -155,8 +155,19 @@ TEST(Recording, CarriesEveryInputOfATick) {
     EXPECT_EQ(r.q_ipo, sent.q_ipo);
     EXPECT_EQ(r.tau_ext, sent.tau_ext);
     EXPECT_EQ(r.sensor_stamp, sent.sensor_stamp);
-    EXPECT_EQ(Vector3(r.F_sensor_T_W.f), Vector3(sent.F_sensor_T_W.f));
-    EXPECT_EQ(Vector3(r.F_sensor_T_W.t), Vector3(sent.F_sensor_T_W.t));
+    EXPECT_EQ(Vector3(r.F_sensor_S.f), Vector3(sent.F_sensor_S.f));
+    EXPECT_EQ(Vector3(r.F_sensor_S.t), Vector3(sent.F_sensor_S.t));
+    EXPECT_EQ(r.sensor_trusted, sent.sensor_trusted);
+    EXPECT_EQ(r.spindle_stamp, sent.spindle_stamp);
+    EXPECT_EQ(r.spindle_meas_rad_per_s, sent.spindle_meas_rad_per_s);
+    EXPECT_EQ(r.spindle_torque_Nm, sent.spindle_torque_Nm);
+    EXPECT_EQ(r.spindle_ready, sent.spindle_ready);
+    EXPECT_EQ(r.spindle_fault, sent.spindle_fault);
+    EXPECT_EQ(r.interlock_stamp, sent.interlock_stamp);
+    EXPECT_EQ(r.permitted, sent.permitted);
+    EXPECT_EQ(r.enabled, sent.enabled);
+    EXPECT_EQ(r.spindle_permitted, sent.spindle_permitted);
+    EXPECT_EQ(r.interlock_reason, sent.interlock_reason);
     EXPECT_EQ(r.model_pose_stamp, sent.model_pose_stamp);
   }
 }

@@ -1,12 +1,9 @@
 #include "io/rsi/rsi_link.h"
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
+#include "tests/io/link_bench.h"
+#include "tests/io/loopback_socket.h"
 #include "tests/io/rsi_oracle.h"
 
 namespace osteon::io {
@@ -15,47 +12,24 @@ namespace {
 using control::ArmCommand;
 using control::ArmState;
 using control::ReceiveResult;
+using test::Soon;
 
 // The controller's side: a plain UDP socket.
-class Controller {
+class Controller : public test::LoopbackSocket {
  public:
-  explicit Controller(std::uint16_t port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(port);
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
-  }
-  ~Controller() { close(socket_); }
-  Controller(const Controller&) = delete;
-  Controller& operator=(const Controller&) = delete;
+  explicit Controller(std::uint16_t port) { Connect(port); }
 
-  void Send(std::string_view text) const {
-    EXPECT_EQ(send(socket_, text.data(), text.size(), 0), static_cast<ssize_t>(text.size()));
-  }
+  void Send(std::string_view text) const { LoopbackSocket::Send(test::Bytes(text)); }
   void Send(std::uint64_t ipoc, int delay = 0) const {
     Send("<Rob Type=\"KUKA\"><AIPos A1=\"0\" A2=\"-90\" A3=\"90\" A4=\"0\" A5=\"90\" A6=\"0\"/><Delay D=\"" +
          std::to_string(delay) + "\"/><IPOC>" + std::to_string(ipoc) + "</IPOC></Rob>");
   }
-  // Loopback delivers within the sender's call, so what is not here now was never sent.
   [[nodiscard]] std::string Answer() const {
-    std::string text(3000, '\0');
-    const ssize_t size = recv(socket_, text.data(), text.size(), MSG_DONTWAIT);
-    text.resize(size < 0 ? 0 : static_cast<std::size_t>(size));
-    return text;
+    return test::Text(Receive().value_or(std::vector<std::uint8_t>{}));
   }
-
- private:
-  int socket_;
 };
 
-rt::Nanoseconds Soon() { return rt::MonotonicNow() + 2 * rt::kSecond; }
-
-std::unique_ptr<RsiLink> OpenAnywhere() {
-  auto link = RsiLink::Open({.port = 0});
-  EXPECT_TRUE(link) << link.error();
-  return std::move(*link);
-}
+std::unique_ptr<RsiLink> OpenAnywhere() { return test::OpenAnywhere<RsiLink>(); }
 
 TEST(RsiLink, AnswersTheControllerAtTheAddressItSpokeFrom) {
   const auto link = OpenAnywhere();
@@ -110,15 +84,7 @@ TEST(RsiLink, KeepsToTheFirstPeer) {
 }
 
 TEST(RsiLink, ErrorsSayWhatIsWrong) {
-  const auto first = OpenAnywhere();
-  const auto taken = RsiLink::Open({.port = first->port()});
-  ASSERT_FALSE(taken);
-  EXPECT_NE(taken.error().find("RSI: UDP 127.0.0.1:" + std::to_string(first->port()) + " is taken"),
-            std::string::npos)
-      << taken.error();
-  const auto no_address = RsiLink::Open({.bind_address = "localhost", .port = 0});
-  ASSERT_FALSE(no_address);
-  EXPECT_NE(no_address.error().find("'localhost' is not an IPv4 address"), std::string::npos);
+  test::ExpectAddressErrors<RsiLink, RsiLinkParams>("RSI");
   const auto no_cycle = RsiLink::Open({.port = 0, .session = {.cycle_ms = 8}});
   ASSERT_FALSE(no_cycle);
   EXPECT_NE(no_cycle.error().find("cycle_ms: found 8"), std::string::npos) << no_cycle.error();
@@ -128,14 +94,7 @@ TEST(RsiLink, DoesNotAllocate) {
   const auto link = OpenAnywhere();
   const Controller kr(link->port());
   kr.Send(1);
-  ArmState state;
-  const rt::NoAllocScope scope;
-  const ReceiveResult received = link->Receive(state, Soon());
-  const bool sent = link->Send(ArmCommand{state.q_ipo});
-  EXPECT_EQ(scope.heap_calls(), 0);
-  EXPECT_EQ(scope.locks(), 0);
-  EXPECT_EQ(received, ReceiveResult::kOk);
-  EXPECT_TRUE(sent);
+  test::ExpectNoAllocation(*link);
 }
 
 }  // namespace

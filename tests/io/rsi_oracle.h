@@ -1,7 +1,5 @@
 #pragma once
 
-#include <expat.h>
-
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -9,6 +7,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "tests/io/xml_tree.h"
 
 // Samples of RSI's XML, and expat as a second reader of what is read and written.
 
@@ -39,30 +39,20 @@ using XmlValues = std::map<std::string, std::string>;
 
 /// What expat makes of it; nothing where it is not well-formed.
 inline std::optional<XmlValues> ReadByExpat(std::string_view text) {
-  struct Reading {
-    XmlValues values;
-    std::vector<std::string> open;
-  } reading;
-  XML_Parser parser = XML_ParserCreate(nullptr);
-  XML_SetUserData(parser, &reading);
-  XML_SetElementHandler(
-      parser,
-      [](void* data, const XML_Char* name, const XML_Char** attributes) {
-        auto& r = *static_cast<Reading*>(data);
-        r.open.emplace_back(name);
-        if (r.open.size() > 2) return;
-        for (; *attributes != nullptr; attributes += 2)
-          r.values[r.open.back() + "/" + attributes[0]] = attributes[1];
-      },
-      [](void* data, const XML_Char*) { static_cast<Reading*>(data)->open.pop_back(); });
-  XML_SetCharacterDataHandler(parser, [](void* data, const XML_Char* content, int size) {
-    auto& r = *static_cast<Reading*>(data);
-    if (r.open.size() <= 2) r.values[r.open.back()].append(content, static_cast<std::size_t>(size));
-  });
-  const bool whole = XML_Parse(parser, text.data(), static_cast<int>(text.size()), XML_TRUE) == XML_STATUS_OK;
-  XML_ParserFree(parser);
-  if (!whole) return {};
-  return reading.values;
+  XmlNode root;
+  try {
+    root = ParseXml(text);
+  } catch (const std::runtime_error&) {
+    return {};
+  }
+  XmlValues values;
+  const auto put = [&values](const XmlNode& node) {
+    for (const auto& [name, value] : node.attributes) values[node.name + "/" + name] = value;
+    if (!node.text.empty()) values[node.name] += node.text;
+  };
+  put(root);
+  for (const XmlNode& child : root.children) put(child);
+  return values;
 }
 
 }  // namespace osteon::io::test

@@ -37,11 +37,11 @@ TEST(Watchdog, GivesEverySourceItsFullTimeAfterTheStart) {
   Watchdog watchdog({});
   const rt::Nanoseconds start = rt::kSecond;
   watchdog.Start(start);
-  EXPECT_FALSE(watchdog.Check(start + 90 * kMillisecond, kNoAge_s, kNoAge_s).Any());
-  EXPECT_TRUE(watchdog.Check(start + 110 * kMillisecond, kNoAge_s, kNoAge_s).Has(Fault::kSensorStale));
-  EXPECT_FALSE(watchdog.Check(start + 240 * kMillisecond, kNoAge_s, 0.0).Has(Fault::kModelStale));
-  EXPECT_TRUE(watchdog.Check(start + 260 * kMillisecond, kNoAge_s, 0.0).Has(Fault::kModelStale));
-  EXPECT_FALSE(watchdog.Check(start + rt::kSecond, 0.010, 0.010).Any());
+  EXPECT_FALSE(watchdog.Check(start + 90 * kMillisecond, {kNoAge_s, kNoAge_s}).Any());
+  EXPECT_TRUE(watchdog.Check(start + 110 * kMillisecond, {kNoAge_s, kNoAge_s}).Has(Fault::kSensorStale));
+  EXPECT_FALSE(watchdog.Check(start + 240 * kMillisecond, {kNoAge_s, 0.0}).Has(Fault::kModelStale));
+  EXPECT_TRUE(watchdog.Check(start + 260 * kMillisecond, {kNoAge_s, 0.0}).Has(Fault::kModelStale));
+  EXPECT_FALSE(watchdog.Check(start + rt::kSecond, {0.010, 0.010}).Any());
 }
 
 TEST(Watchdog, CountsMissedArmMessagesInARow) {

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "config/load.h"
+
+namespace osteon::app {
+
+struct CellProcessParams {
+  std::filesystem::path cell;                ///< its YAML
+  std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
+  double seconds{10.0};                      ///< of the operator's script
+  std::uint16_t first_port{0};               ///< as UseSimulatedWires; 0: the file's
+};
+
+/// `osteon cell` as a process of its own, from this program's file. It ends with this process, however that
+/// ends.
+class CellProcess {
+ public:
+  /// The error says why it could not be started.
+  [[nodiscard]] static tl::expected<std::unique_ptr<CellProcess>, std::string> Start(
+      const CellProcessParams& params);
+  /// Ends it.
+  ~CellProcess();
+  CellProcess(const CellProcess&) = delete;
+  CellProcess& operator=(const CellProcess&) = delete;
+
+  /// It has ended by itself: then it has said why on stderr.
+  [[nodiscard]] bool Ended();
+
+  /// Tells it to end, at once. Any thread.
+  void AskToEnd() const;
+
+  /// Waits for its end, and kills it where it takes longer than 5 s. @returns what it says about itself, as
+  /// `osteon cell --json` writes it; empty where it could not.
+  [[nodiscard]] std::string End();
+
+ private:
+  CellProcess(pid_t pid, std::filesystem::path report) : pid_(pid), report_(std::move(report)) {}
+
+  pid_t pid_;
+  std::filesystem::path report_;
+  std::atomic<bool> ended_{false};
+};
+
+}  // namespace osteon::app

@@ -1,0 +1,71 @@
+#include "app/operate.h"
+
+#include <fmt/format.h>
+
+#include "app/cell_ports.h"
+#include "app/cell_run.h"
+#include "app/interrupt.h"
+#include "app/run_progress.h"
+#include "app/summary.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr int kFailed = 1, kBadInput = 2;
+
+int Fail(const std::string& message, int code = kBadInput) {
+  fmt::print(stderr, "osteon run: {}\n", message);
+  return code;
+}
+
+// What the user should see before anything moves.
+void PrintWires(const config::CellConfig& cell) {
+  fmt::print(stderr, "osteon run: FRI {} on {}:{}\n", io::Name(cell.fri.session.version), cell.fri.host,
+             cell.fri.port);
+  for (const io::CanBusParams& bus : cell.devices.buses)
+    fmt::print(stderr, "osteon run: CAN bus {}: {}\n", bus.name,
+               bus.interface.empty() ? fmt::format("tunnel on 127.0.0.1:{}", bus.port) : bus.interface);
+  if (cell.devices.plc)
+    fmt::print(stderr, "osteon run: PLC {}:{}\n", cell.devices.plc->address, cell.devices.plc->port);
+}
+
+}  // namespace
+
+int RunOperate(const OperateOptions& options) {
+  auto setup = SetUpCell(options.cell, {}, options.tool);
+  if (!setup) return Fail(setup.error());
+  std::optional<CellProcessParams> cell;
+  if (options.simulated) {
+    const auto first_port = UseSimulated(setup->config, options.port);
+    if (!first_port) return Fail(first_port.error());
+    cell = CellProcessParams{
+        .cell = options.cell, .tool = options.tool, .seconds = options.seconds, .first_port = *first_port};
+  } else if (options.port) {
+    UseSimulatedWires(setup->config, options.port);
+  }
+  auto engine = MakeEngine(*setup, "vulkan", options.device);
+  if (!engine) return Fail(engine.error());
+  PrintWires(setup->config);
+
+  InstallInterrupt();
+  RunProgress progress("osteon run", options.seconds);
+  const CellRunParams params{.seconds = options.seconds,
+                             .cell = cell,
+                             .recording = options.record,
+                             .stop = &Interrupted(),
+                             .progress = [&](double at_s) { progress.Show(at_s); }};
+  auto result = RunCell(*setup, **engine, params);
+  progress.Done();
+  if (!result) return Fail(result.error());
+
+  const auto recording = io::ReadRecording(params.recording);
+  if (!recording) return Fail(recording.error(), kFailed);
+  const RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, ToJson(summary, "osteon.run/1")); !written)
+      return Fail(written.error(), kFailed);
+  PrintTable(summary, "Osteon run");
+  return ExitCode(*result);
+}
+
+}  // namespace osteon::app

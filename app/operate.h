@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "app/cell_setup.h"
+
+namespace osteon::app {
+
+struct OperateOptions {
+  std::filesystem::path cell;  ///< its YAML
+  bool simulated{false};       ///< start the simulated cell as well
+  double seconds{0.0};         ///< of rendering; 0: until Ctrl-C
+  std::filesystem::path record{"run.mcap"};
+  std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
+  std::optional<std::uint16_t> port{};       ///< of a simulated cell: the first of its ports
+  std::string device{};                      ///< part of a Vulkan device's name
+  std::filesystem::path json{};
+};
+
+/// `osteon run`: operates a cell, real or simulated, by what is on the wires that its file names.
+/// @returns the process's exit code: 0 done; 1 ended by a fault, never begun, or not recorded; 2 something
+/// was wrong with the input; 130 ended by Ctrl-C.
+[[nodiscard]] int RunOperate(const OperateOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,126 @@
+#include "app/simulated_cell_run.h"
+
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cell_ports.h"
+#include "app/interrupt.h"
+#include "app/simulated_setup.h"
+#include "app/summary.h"
+
+namespace osteon::app {
+namespace {
+
+// The arm must not go on without its client for long before it says how it fared: see ToJson's "stop".
+constexpr std::chrono::milliseconds kLook{2};
+
+const char* NameOf(control::SessionState state) {
+  switch (state) {
+    case control::SessionState::kIdle:
+      return "IDLE";
+    case control::SessionState::kMonitoringWait:
+      return "MONITORING_WAIT";
+    case control::SessionState::kMonitoringReady:
+      return "MONITORING_READY";
+    case control::SessionState::kCommandingWait:
+      return "COMMANDING_WAIT";
+    case control::SessionState::kCommandingActive:
+      return "COMMANDING_ACTIVE";
+  }
+  return "unknown";
+}
+
+nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
+  return {{"pushed", n.pushed},       {"passed", n.passed},       {"lost", n.lost},
+          {"duplicated", n.duplicated}, {"reordered", n.reordered}, {"corrupted", n.corrupted},
+          {"delayed", n.delayed},     {"silenced", n.silenced},   {"overflow", n.overflow}};
+}
+
+void PrintWires(const config::CellConfig& cell) {
+  fmt::print("osteon cell: the arm sends FRI {} to {}:{}\n", io::Name(cell.fri.session.version),
+             cell.fri.host, cell.fri.port);
+  for (const io::CanBusParams& bus : cell.devices.buses)
+    fmt::print("osteon cell: CAN bus {} is a tunnel between 127.0.0.1:{} and the devices' {}\n", bus.name,
+               bus.port, bus.device_port);
+  if (cell.devices.plc)
+    fmt::print("osteon cell: the PLC listens on {}:{}\n", cell.devices.plc->address, cell.devices.plc->port);
+  fmt::print("osteon cell: Ctrl-C ends it\n");
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+std::string ToJson(const hil::CellHostState& state) {
+  const hil::CellState& arm = state.arm.cell;
+  const hil::FriCounters& c = arm.counters;
+  const nlohmann::ordered_json json{
+      {"schema", "osteon.cell/1"},
+      {"arm",
+       {{"session", NameOf(arm.session)},
+        {"stop", arm.stop.reason == hil::StopReason::kNone ? "" : hil::Describe(arm.stop)},
+        {"commanding_s", arm.cell_time_s},
+        {"script_done", arm.script_done},
+        {"overruns", state.arm.overruns},
+        {"undelivered", state.arm.undelivered},
+        {"sent", c.sent},
+        {"answered", c.answered},
+        {"lost", c.lost},
+        {"excused", c.excused},
+        {"stale", c.stale},
+        {"duplicate", c.duplicate},
+        {"malformed", c.malformed},
+        {"client_gap", c.client_gap},
+        {"client_back", c.client_back}}},
+      {"plc",
+       {{"run_permitted", state.plc.run_permitted},
+        {"power_on", state.plc.power_on},
+        {"blocks", hil::DescribeBlocks(state.plc.blocks)},
+        {"requests", state.plc_counters.requests},
+        {"connections", state.plc_counters.connections}}},
+      {"wires",
+       {{"arm_to_controller", WireJson(state.arm.wires.arm_to_controller)},
+        {"arm_from_controller", WireJson(state.arm.wires.arm_from_controller)},
+        {"sensor_to_controller", WireJson(state.devices.sensor_to_controller)},
+        {"sensor_from_controller", WireJson(state.devices.sensor_from_controller)},
+        {"drive_to_controller", WireJson(state.devices.drive_to_controller)},
+        {"drive_from_controller", WireJson(state.devices.drive_from_controller)}}},
+      {"spindle", {{"speed_rad_per_s", state.tool_speed_rad_per_s}}}};
+  return json.dump(2) + "\n";
+}
+
+int RunSimulatedCell(const SimulatedCellOptions& options) {
+  InstallInterrupt();
+  config::CellConfig cell = config::LoadCell(options.cell, options.tool);
+  UseSimulatedWires(cell, options.port);
+  hil::CellHostState state;
+  try {
+    hil::CellHost host(HostParams(cell), MakeSimulatedCell(cell, options.seconds));
+    PrintWires(cell);
+    auto session = control::SessionState::kIdle;
+    while (!Interrupted().load()) {
+      std::this_thread::sleep_for(kLook);
+      state = host.State();
+      if (state.arm.cell.session == session) continue;
+      session = state.arm.cell.session;
+      fmt::print("osteon cell: {}\n", NameOf(session));
+      std::fflush(stdout);
+    }
+    state = host.State();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "osteon cell: {}\n", error.what());
+    return 2;
+  }
+  if (options.json.empty()) return 0;
+  if (const auto written = WriteText(options.json, ToJson(state)); !written) {
+    fmt::print(stderr, "osteon cell: {}\n", written.error());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "config/load.h"
+#include "hil/cell_host.h"
+
+namespace osteon::app {
+
+struct SimulatedCellOptions {
+  std::filesystem::path cell;                ///< its YAML
+  std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
+  double seconds{0.0};                       ///< of the operator's script; 0: as the file says
+  std::optional<std::uint16_t> port{};       ///< the first of its ports, instead of the file's
+  std::filesystem::path json{};              ///< what it was, written at its end
+};
+
+/// `osteon cell`: the simulated cell alone, on its real protocols, until Ctrl-C. Says on stdout what is
+/// where, and each new state of the arm's session.
+/// @returns the process's exit code: 0 ended by Ctrl-C or SIGTERM; 1 the JSON could not be written; 2
+/// something was wrong with the input, or a port is taken.
+[[nodiscard]] int RunSimulatedCell(const SimulatedCellOptions& options);
+
+/// One JSON object, schema osteon.cell/1.
+[[nodiscard]] std::string ToJson(const hil::CellHostState& state);
+
+}  // namespace osteon::app

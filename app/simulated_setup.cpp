@@ -1,0 +1,22 @@
+#include "app/simulated_setup.h"
+
+#include <variant>
+
+namespace osteon::app {
+
+hil::SimulatedCell MakeSimulatedCell(const config::CellConfig& cell, double seconds) {
+  hil::ScriptParams script = cell.script;
+  if (seconds > 0.0) std::visit([seconds](auto& s) { s.seconds = seconds; }, script);
+  return {cell.simulated, MakeScript(script)};
+}
+
+hil::CellHostParams HostParams(const config::CellConfig& cell) {
+  return {.arm = {.client_address = cell.fri.host,
+                  .client_port = cell.fri.port,
+                  .injections = cell.injections},
+          .wires = cell.devices,
+          .devices = cell.simulated_devices,
+          .plc = cell.simulated_plc};
+}
+
+}  // namespace osteon::app

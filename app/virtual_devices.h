@@ -1,0 +1,64 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "config/cell_config.h"
+#include "control/ports.h"
+#include "hil/can/memory_can_bus.h"
+#include "hil/can/simulated_devices.h"
+#include "hil/device_wires.h"
+#include "hil/injection/fault_schedule.h"
+#include "hil/plc/panel_operator.h"
+#include "io/devices/device_clients.h"
+
+namespace osteon::app {
+
+/// The cell's devices in virtual time, both sides of each wire: the same clients and simulated devices as in
+/// wall time, with frames handed over in memory, and the PLC's program behind its decoded block. A cell's
+/// injections act on them as in wall time; on the PLC's wire a silence leaves the last block standing, a loss is
+/// a connection that has ended, and a delay makes the block older.
+class VirtualDevices final : public control::CellDevices {
+ public:
+  /// The error is a client's; see DeviceClients.
+  [[nodiscard]] static tl::expected<std::unique_ptr<VirtualDevices>, std::string> Make(
+      const config::CellConfig& cell);
+
+  /// COMMANDING_ACTIVE is seen at `now`: injections begin. Later calls change nothing.
+  void Begin(rt::Nanoseconds now);
+
+  /// On the force sensor, in S, from now on.
+  void SetLoad(const Wrench& F_S) { devices_.SetLoad(F_S); }
+  /// The drives' power, by the PLC; on where there is none.
+  [[nodiscard]] bool power() const { return !logic_ || logic_->outputs().power_on; }
+
+  [[nodiscard]] control::CellReadings Exchange(const control::CellCommands& commands,
+                                               rt::Nanoseconds now) OSTEON_RT override;
+
+  /// What keeps the cell from moving.
+  [[nodiscard]] std::string Diagnosis() const { return clients_->Diagnosis(plc_, now_); }
+
+ private:
+  VirtualDevices(const config::CellConfig& cell, std::unique_ptr<io::DeviceClients> clients);
+  void StepPlc(const control::CellCommands& commands, rt::Nanoseconds now);
+
+  std::unique_ptr<io::DeviceClients> clients_;
+  hil::SimulatedDevices devices_;
+  rt::Nanoseconds now_{0};
+  std::deque<hil::MemoryCanBus> controller_ends_, device_ends_;
+  std::vector<io::CanPump> pumps_;  // of the controller's ends
+  std::optional<hil::DeviceWires> wires_;
+  hil::FaultSchedule plc_faults_;
+  std::optional<hil::PlcLogic> logic_;
+  rt::Nanoseconds plc_cycle_{0}, plc_due_{0};
+  hil::PanelOperator person_;
+  hil::PlcLogicInputs plc_inputs_;
+  io::PlcReading plc_;
+};
+
+}  // namespace osteon::app

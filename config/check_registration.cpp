@@ -1,0 +1,199 @@
+#include "config/check_registration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "kinematics/lbr_arm.h"
+#include "safety/workspace.h"
+
+namespace osteon::config {
+namespace {
+
+constexpr double kMillimetre_m = 1e-3, kDegree = std::numbers::pi / 180.0;
+constexpr double kFoot_mm = 150.0;  // half of an arm's foot, and of a small bone beside it
+constexpr double kLongestTool_mm = 600.0;
+constexpr double kInMetres_mm = 5.0;    // a cell is smaller than 5 m and larger than 5 mm
+constexpr double kSteepest_deg = 60.0;  // of the tool into the bone
+constexpr double kUpright_deg = 0.1;    // below that a tilt is the levelling's
+constexpr double kRotation = 1e-6;
+constexpr const char* kLooksLikeMetres = "looks like metres where millimetres are expected";
+
+double AngleBetween_deg(const Vector3& a, const Vector3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
+}
+
+// Radius of the ball around the site in which the work is: its own, and its depth.
+double WorkRadius(const simulation::SceneParams& scene) {
+  if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&scene.shape))
+    return 2.0 * cup->cup_radius_m;
+  double depth_m = 0.0;
+  for (const Vector3& p_C : scene.zone.path_C_m) depth_m = std::max(depth_m, -p_C.z());
+  return scene.site.radius_m + depth_m;
+}
+
+std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
+  const Vector3 p_WB = cell.X_WB.translation(), p_WC = cell.X_WG.translation(),
+                p_FT = cell.tool.X_FT.translation();
+  const kinematics::LbrParams& arm = cell.robot;
+  const double from_base_mm = (p_WC - p_WB).norm() / kMillimetre_m;
+  const Vector3 p_WS = cell.X_WB * Vector3(0.0, 0.0, arm.base_to_shoulder_m);
+  const double reach_m =
+      arm.shoulder_to_elbow_m + arm.elbow_to_wrist_m + std::abs(arm.wrist_to_flange_m) + p_FT.norm();
+  const Matrix3 R_FT = cell.tool.X_FT.linear();
+  const double tilt_deg = AngleBetween_deg(cell.X_WB.linear().col(2), Vector3::UnitZ());
+  const safety::WorkspaceParams& workspace = cell.servo.workspace;
+  const double center_mm = workspace.sphere_center_W_m.norm() / kMillimetre_m;
+  const double to_sphere_m = workspace.sphere_radius_m - (p_WC - workspace.sphere_center_W_m).norm(),
+               to_plane_m = workspace.plane_normal_W.dot(p_WC) - workspace.plane_offset_m;
+  const double work_mm = WorkRadius(cell.scene) / kMillimetre_m;
+
+  return {
+      {.name = "from the arm's base to the site",
+       .value = from_base_mm,
+       .unit = "mm",
+       .low = kFoot_mm,
+       .section = "bone_in_world",
+       .key = "position_mm",
+       .hint = from_base_mm < kInMetres_mm ? kLooksLikeMetres : "the bone would be in the arm's foot",
+       .note = {}},
+      {.name = "from the arm's shoulder to the site",
+       .value = (p_WC - p_WS).norm() / kMillimetre_m,
+       .unit = "mm",
+       .high = reach_m / kMillimetre_m,
+       .section = "bone_in_world",
+       .key = "position_mm",
+       .hint = "out of the stretched arm's reach; base_in_world says where the arm stands",
+       .note = {}},
+      {.name = "from the flange to the tool's apex",
+       .value = p_FT.norm() / kMillimetre_m,
+       .unit = "mm",
+       .high = kLongestTool_mm,
+       .section = {},
+       .key = "tool",
+       .hint = cell.tool.tool.name + ": its mounting's position_mm and its length",
+       .note = {}},
+      {.name = "of the tool's rotation from a rotation",
+       .value = R_FT.determinant() > 0.0 ? (R_FT * R_FT.transpose() - Matrix3::Identity()).norm() : 2.0,
+       .unit = "",
+       .high = kRotation,
+       .section = {},
+       .key = "tool",
+       .hint = cell.tool.tool.name + ": its mounting's rpy_deg",
+       .note = {}},
+      {.name = "from the site to the workspace's sphere",
+       .value = to_sphere_m / kMillimetre_m,
+       .unit = "mm",
+       .low = work_mm,
+       .section = "workspace",
+       .key = "sphere_center_mm",
+       .hint = center_mm > 0.0 && center_mm < kInMetres_mm ? kLooksLikeMetres
+                                                           : "the site with its depth must be inside",
+       .note = {}},
+      {.name = "from the site to the workspace's plane",
+       .value = to_plane_m / kMillimetre_m,
+       .unit = "mm",
+       .low = work_mm,
+       .section = "workspace",
+       .key = "plane_offset_mm",
+       .hint = "the site with its depth must be above",
+       .note = {}},
+      {.name = "of the arm's base from the vertical",
+       .value = tilt_deg,
+       .unit = "deg",
+       .section = "base_in_world",
+       .key = "rpy_deg",
+       .hint = {},
+       .note = tilt_deg > kUpright_deg ? "the arm's own controller must know how it is mounted" : ""},
+  };
+}
+
+std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
+  const kinematics::LbrArm arm(cell.robot);
+  const Pose X_WF = cell.X_WB * arm.FlangePose(cell.start.q), X_WT = X_WF * cell.tool.X_FT;
+  const safety::WorkspaceParams& workspace = cell.servo.workspace;
+  double margin_rad = std::numeric_limits<double>::infinity();
+  int nearest = 0;
+  for (int i = 0; i < 7; ++i) {
+    const kinematics::JointLimits& limits = cell.robot.limits[static_cast<std::size_t>(i)];
+    const double room_rad = std::min(cell.start.q[i] - limits.lower_rad, limits.upper_rad - cell.start.q[i]);
+    if (room_rad < margin_rad) nearest = i + 1;
+    margin_rad = std::min(margin_rad, room_rad);
+  }
+  const double flange_m = workspace.plane_normal_W.dot(X_WF.translation()) - workspace.plane_offset_m;
+
+  return {
+      {.name = "from the joints at the start to their nearest limit",
+       .value = margin_rad / kDegree,
+       .unit = "deg",
+       .low = cell.servo.joints.position_margin_rad / kDegree,
+       .section = "start",
+       .key = "arm_angle_deg",
+       .hint = fmt::format("joint A{}; joint_margin_deg is to be kept", nearest),
+       .note = {}},
+      {.name = "from the apex at the start to the workspace's bounds",
+       .value = safety::Workspace(workspace).Distance(X_WT.translation()) / kMillimetre_m,
+       .unit = "mm",
+       .low = 0.0,
+       .section = "start",
+       .key = "height_mm",
+       .hint = {},
+       .note = {}},
+      {.name = "from the tool's axis at the start to the way into the bone",
+       .value = AngleBetween_deg(X_WT.linear().col(2), -cell.X_WG.linear().col(2)),
+       .unit = "deg",
+       .high = kSteepest_deg,
+       .section = "bone_in_world",
+       .key = "rpy_deg",
+       .hint = "+z of the site points out of the bone, +z of the tool along its feed",
+       .note = {}},
+      {.name = "from the flange at the start to the workspace's plane",
+       .value = flange_m / kMillimetre_m,
+       .unit = "mm",
+       .low = 0.0,
+       .section = "start",
+       .key = "height_mm",
+       .hint = "the arm would be beneath it",
+       .note = {}},
+  };
+}
+
+void Refuse(const std::vector<RegistrationRow>& rows, const Reader& reader) {
+  for (const RegistrationRow& row : rows) {
+    if (row.holds()) continue;
+    Reader at = reader;  // a view: the mapping is read again for its lines alone
+    if (!row.section.empty()) at = at.Section(row.section);
+    at.Refuse(row.key,
+              fmt::format("found {:.6g}{}{} {}, accepted {}{}{}", row.value, row.unit.empty() ? "" : " ",
+                          row.unit, row.name, row.accepted(), row.hint.empty() ? "" : ": ", row.hint));
+  }
+}
+
+}  // namespace
+
+std::string RegistrationRow::accepted() const {
+  const std::string end = unit.empty() ? "" : " " + unit;
+  if (std::isfinite(low) && std::isfinite(high)) return fmt::format("{:.6g} … {:.6g}{}", low, high, end);
+  if (std::isfinite(low)) return fmt::format("at least {:.6g}{}", low, end);
+  if (std::isfinite(high)) return fmt::format("at most {:.6g}{}", high, end);
+  return "any";
+}
+
+std::string RegistrationRow::verdict() const {
+  if (!holds()) return "refused: accepted " + accepted();
+  return note.empty() ? "ok" : "note: " + note;
+}
+
+RegistrationReport DescribeRegistration(const CellConfig& cell) {
+  RegistrationReport report{FrameRows(cell)};
+  for (RegistrationRow& row : StartRows(cell)) report.rows.push_back(std::move(row));
+  return report;
+}
+
+void CheckFrames(const CellConfig& cell, const Reader& reader) { Refuse(FrameRows(cell), reader); }
+
+void CheckStart(const CellConfig& cell, const Reader& reader) { Refuse(StartRows(cell), reader); }
+
+}  // namespace osteon::config

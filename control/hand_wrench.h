@@ -1,0 +1,31 @@
+#pragma once
+
+#include "control/rt/marker.h"
+#include "kinematics/spatial.h"
+
+namespace osteon::control {
+
+/// The force sensor on the flange, and what hangs on its tool side.
+struct ForceSensorParams {
+  PlainPose X_FS{};                ///< its frame as its maker drew it, in the flange's
+  double tool_mass_kg{0.0};        ///< of what it carries
+  PlainVector3 tool_center_F_m{};  ///< where that mass has its centre
+};
+
+/// @throws std::invalid_argument naming the field, the value and what is accepted.
+void Validate(const ForceSensorParams& params);
+
+/// What the hand exerts on the tool, from what the sensor reads: the tool's weight taken out, and moved to
+/// the tool's origin.
+///
+///     f = R_WS f_S - m g                    g = kGravity_W
+///     t = R_WS t_S + (p_S - p_T) x R_WS f_S - (p_c - p_T) x m g
+///
+/// What accelerates the tool is still in it.
+///
+/// @param F_S  as the sensor reads it  @param X_WF  flange in world  @param p_WT  tool's origin in world [m]
+/// @returns F_T_W, at the tool's origin, in W.
+[[nodiscard]] Wrench HandWrench(const ForceSensorParams& params, const Wrench& F_S, const Pose& X_WF,
+                                const Vector3& p_WT) OSTEON_RT;
+
+}  // namespace osteon::control

@@ -1,0 +1,58 @@
+#include "control/servo_params.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::control {
+
+void Validate(const ServoParams& params) {
+  Validate(params.admittance);
+  Validate(params.coupling);
+  Validate(params.sensor);
+  const auto require = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument(std::string("servo ") + name + ": found " + std::to_string(value) +
+                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+  };
+  require("max_speed_m_per_s", params.twist.max_speed_m_per_s, 1e-3, 2.0);
+  require("max_turn_rad_per_s", params.twist.max_turn_rad_per_s, 1e-3, 10.0);
+  require("spindle_rad_per_s", params.spindle_rad_per_s, 0.0, 50000.0);
+  require("stop_deceleration_m_per_s2", params.stop_deceleration_m_per_s2, 0.01, 50.0);
+  require("stop_deceleration_rad_per_s2", params.stop_deceleration_rad_per_s2, 0.01, 200.0);
+  require("workspace deceleration_m_per_s2", params.workspace.deceleration_m_per_s2, 0.01,
+          params.stop_deceleration_m_per_s2);
+  require("joint_stop_s", params.joint_stop_s, 0.001, 2.0);
+  require("model_sight_m", params.model_sight_m, 1e-5, 1.0);
+  require("arm_angle_rate_rad_per_s", params.arm_angle_rate_rad_per_s, 0.0, 1.0);
+  require("joint_acceleration_share", params.joint_acceleration_share, 0.01, 1000.0);
+  require("posture limit_zone_rad", params.posture.limit_zone_rad, 1e-3, 3.0);
+  require("posture limit_speed_rad_per_s", params.posture.limit_speed_rad_per_s, 0.0, 2.0);
+  require("posture singular_zone_m", params.posture.singular_zone_m, 1e-3, 1.0);
+  require("posture singular_speed_rad_per_s", params.posture.singular_speed_rad_per_s, 0.0, 2.0);
+  require("posture load_zone", params.posture.load_zone, 1.01, 10.0);
+  require("posture load_speed_rad_per_s", params.posture.load_speed_rad_per_s, 0.0, 2.0);
+  require("posture_load axial_N", params.posture_load.axial_N, 0.0, 1000.0);
+  require("posture_load lateral_N", params.posture_load.lateral_N, 0.0, 1000.0);
+  require("posture_load torque_Nm", params.posture_load.torque_Nm, 0.0, 1000.0);
+  require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
+  require("period_s", params.period_s, 1e-4, 0.02);
+  if (!params.start) return;
+  require("start there_rad", params.start->there_rad, 1e-6, 0.1);
+  if (!params.arm_body)
+    throw std::invalid_argument(
+        "servo start: found no arm_body, accepted one: its path needs the arm's lengths");
+}
+
+kinematics::DifferentialInverseParams<7> MotionParams(const ServoParams& params) {
+  kinematics::DifferentialInverseParams<7> motion;
+  motion.limits = params.joints.limits;
+  motion.position_margin_rad = params.joints.position_margin_rad;
+  motion.speed_share = params.joints.speed_share;
+  motion.acceleration_share = params.joint_acceleration_share;
+  motion.turning_length_m =
+      std::sqrt(params.admittance.inertia_kg_m2.mean() / params.admittance.mass_kg.mean());
+  return motion;
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <optional>
+
+#include "control/admittance_law.h"
+#include "control/hand_wrench.h"
+#include "control/joint_path.h"
+#include "control/virtual_coupling.h"
+#include "kinematics/chain_params.h"
+#include "kinematics/differential_inverse.h"
+#include "kinematics/redundancy.h"
+#include "safety/joint_guard.h"
+#include "safety/limits.h"
+#include "safety/watchdog.h"
+#include "safety/workspace.h"
+
+namespace osteon::control {
+
+/// Where rendering begins. An arm that is handed over elsewhere goes there first.
+struct StartParams {
+  kinematics::JointVector q{kinematics::JointVector::Zero()};  ///< [rad]
+  JointPathParams path;
+  double there_rad{2e-3};  ///< every joint this near counts as there; > 0
+};
+
+/// Everything that the servo loop can be told. Every field has a usable default but the arm's limits
+/// (joints.limits).
+struct ServoParams {
+  AdmittanceParams admittance;
+  CouplingParams coupling;
+  safety::WrenchLimitParams wrench;
+  safety::SensorForceParams sensor_force;
+  safety::TwistLimitParams twist;
+  safety::WorkspaceParams workspace;  ///< deceleration: should not exceed the stop's
+  safety::JointGuardParams joints;    ///< limits: the arm's own, no default
+  safety::WatchdogParams watchdog;
+  double spindle_rad_per_s{26.18};           ///< while rendering; 250 rpm; 0 for a still spindle
+  double stop_deceleration_m_per_s2{3.0};    ///< of the tool in a Stop 1
+  double stop_deceleration_rad_per_s2{8.0};  ///< the same, turning
+  double joint_stop_s{0.1};                  ///< time to rest of a stop along the joints
+  /// How far the apex may travel between a frame's pose and the next frame's arrival: bone that its planes do
+  /// not reach yet may be met that deep. They reach e = CuttingParams::normal_enlargement_m beyond the tool,
+  /// so the step stays below the trip on the wrench's rate up to e + 1.5 max_speed period / (1 +
+  /// damping_share).
+  double model_sight_m{0.5e-3};
+  double arm_angle_rate_rad_per_s{0.1};  ///< most, to the wanted arm angle
+  /// Of the joints' accelerations (joints.limits): how fast the commanded motion may change; > 0. The
+  /// published figures are for planning. A virtual wall of 20 kN/m that is met at .25 m/s asks for 3.4 times
+  /// as much; held to 1 it is met 7.1 mm deep instead of 3.9, a limit on force in disguise.
+  double joint_acceleration_share{4.0};
+  kinematics::PosturePreferenceParams posture;
+  /// What the posture should hold, along the tool's z and across it at its origin; needs arm_body. With
+  /// nothing in it the elbow is led by limits and singular postures alone.
+  kinematics::ToolLoad posture_load;
+  double max_tracking_error_m{0.03};  ///< measured from commanded tool position
+  double period_s{0.001};             ///< of the arm's messages
+  ForceSensorParams sensor;
+  std::optional<StartParams> start;  ///< absent: where the arm is handed over; needs arm_body
+  bool has_spindle{false};           ///< the spindle has a drive: what it says of its speed counts
+  bool has_interlock{false};         ///< the cell has a PLC: nothing moves without its permission
+  /// The arm with sensor and tool as its payload: the coupling is scaled to what its torques can hold in the
+  /// posture. Absent, or without masses: the cell's limits alone.
+  std::optional<kinematics::ChainParams<7>> arm_body;
+};
+
+/// @throws std::invalid_argument naming the parameter, the value and what is accepted.
+void Validate(const ServoParams& params);
+
+/// What the differential inverse is told. A radian weighs as the virtual tool's radius of gyration: what a
+/// vanishing direction takes from the twist is then what a smooth stop would take from a body of that mass
+/// and inertia.
+[[nodiscard]] kinematics::DifferentialInverseParams<7> MotionParams(const ServoParams& params);
+
+}  // namespace osteon::control

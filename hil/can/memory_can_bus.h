@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "io/can/can_bus.h"
+
+namespace osteon::hil {
+
+/// An end of a CAN bus of two ends in memory, in virtual time: what one sends, the other can have at once. One
+/// thread; no allocation.
+class MemoryCanBus final : public io::CanBus {
+ public:
+  /// @param now  what time it is, read at each call; outlives this
+  explicit MemoryCanBus(const rt::Nanoseconds& now) : now_(now) {}
+
+  /// Joins the two ends of a bus. Both must stay where they are.
+  static void Join(MemoryCanBus& one, MemoryCanBus& other) {
+    one.other_ = &other;
+    other.other_ = &one;
+  }
+
+  io::CanResult Send(const io::CanFrame& frame) OSTEON_RT override;
+  io::CanResult TryReceive(io::CanArrival& arrival) OSTEON_RT override;
+  /// As TryReceive: time does not pass by waiting.
+  io::CanResult Receive(io::CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT override;
+  [[nodiscard]] const io::CanStatus& status() const OSTEON_RT override { return status_; }
+
+ private:
+  const rt::Nanoseconds& now_;
+  MemoryCanBus* other_{nullptr};
+  std::array<io::CanArrival, 256> arrived_{};  // a ring
+  std::size_t first_{0}, count_{0};
+  io::CanStatus status_;
+};
+
+}  // namespace osteon::hil

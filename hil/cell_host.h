@@ -1,0 +1,74 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "control/rt/latest_value.h"
+#include "hil/can/simulated_devices.h"
+#include "hil/device_wires.h"
+#include "hil/plc/panel_operator.h"
+#include "hil/plc/plc_server.h"
+#include "hil/simulated_cell_thread.h"
+#include "io/can/udp_can_bus.h"
+#include "io/devices/device_params.h"
+
+namespace osteon::hil {
+
+struct CellHostParams {
+  CellThreadParams arm;     ///< its injections are those of all wires
+  io::DeviceParams wires;   ///< as the controller has them: its tunnels' other ends are ours
+  SimulatedDeviceParams devices;
+  std::optional<PlcServerParams> plc;
+  rt::Nanoseconds device_period{rt::kMillisecond / 2};  ///< how often buses and panel are looked after
+  int device_priority{75};                              ///< SCHED_FIFO; 0: do not ask
+};
+
+/// What the cell was, at its end or now. Plain data.
+struct CellHostState {
+  CellThreadStatistics arm;
+  DeviceWireCounters devices;
+  PlcLogicOutputs plc;
+  PlcServerCounters plc_counters;
+  double tool_speed_rad_per_s{0.0};  ///< of the drive
+};
+
+/// The whole simulated cell in wall time, on its real protocols: arm, operator, force sensor, reamer drive,
+/// PLC with its panel. A thread for the arm, one for the devices, one for the PLC's server.
+class CellHost {
+ public:
+  /// Starts at once. @throws std::system_error, std::runtime_error or std::invalid_argument naming what could
+  /// not be opened or is out of range.
+  CellHost(const CellHostParams& params, SimulatedCell cell);
+  ~CellHost();
+  CellHost(const CellHost&) = delete;
+  CellHost& operator=(const CellHost&) = delete;
+
+  /// One reader thread. Complete after Stop().
+  [[nodiscard]] CellHostState State();
+
+  /// Ends all threads; sockets close. Safe to call twice.
+  void Stop();
+
+ private:
+  void RunDevices();
+
+  CellHostParams params_;
+  SimulatedDevices devices_;
+  std::vector<std::unique_ptr<io::UdpCanBus>> buses_;
+  std::unique_ptr<PlcServer> plc_;
+  std::unique_ptr<SimulatedCellThread> arm_;
+  struct Devices {
+    DeviceWireCounters wires;
+    double tool_speed_rad_per_s{0.0};
+  };
+  rt::LatestValue<Devices> published_;  // writer: thread_
+  std::atomic<bool> commanding_{false};  // the arm has been in COMMANDING_ACTIVE
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace osteon::hil

@@ -1,0 +1,122 @@
+#include "io/devices/device_clients.h"
+
+#include <cmath>
+
+#include "io/can/id_claims.h"
+
+namespace osteon::io {
+namespace {
+
+constexpr rt::Nanoseconds kGrantedWithin = 400 * rt::kMillisecond;
+constexpr rt::Nanoseconds kWithdrawnFor = 150 * rt::kMillisecond;  // longer than a heartbeat's 100 ms
+constexpr double kStands_rad_per_s = 0.5;  // slower than this a spindle may be switched off
+
+template <class Sensor, class Params>
+tl::expected<std::unique_ptr<WrenchSensor>, std::string> MakeOne(const Params& params) {
+  auto made = Sensor::Make(params);
+  if (!made) return tl::make_unexpected(made.error());
+  return std::make_unique<Sensor>(std::move(*made));
+}
+
+struct MakeSensor {
+  auto operator()(const RobotousParams& params) const { return MakeOne<RobotousSensor>(params); }
+  auto operator()(const AtiParams& params) const { return MakeOne<AtiSensor>(params); }
+};
+
+}  // namespace
+
+std::optional<std::string> FindOverlap(const DeviceParams& params) {
+  for (std::size_t bus = 0; bus < params.buses.size(); ++bus) {
+    std::vector<IdClaim> claims;
+    const auto add = [&](const std::vector<IdClaim>& more) {
+      claims.insert(claims.end(), more.begin(), more.end());
+    };
+    if (params.sensor_bus == bus) add(std::visit([](const auto& p) { return Claims(p); }, params.sensor));
+    if (params.drive && params.drive_bus == bus) add(Claims(*params.drive));
+    if (auto overlap = FindOverlap(claims)) return overlap;
+  }
+  return {};
+}
+
+tl::expected<std::unique_ptr<DeviceClients>, std::string> DeviceClients::Make(const DeviceParams& params) {
+  if (auto overlap = FindOverlap(params)) return tl::make_unexpected(*overlap);
+  auto sensor = std::visit(MakeSensor{}, params.sensor);
+  if (!sensor) return tl::make_unexpected(sensor.error());
+  std::unique_ptr<DeviceClients> clients(new DeviceClients(params, std::move(*sensor)));
+  if (params.drive) {
+    auto drive = ReamerDrive::Make(*params.drive);
+    if (!drive) return tl::make_unexpected(drive.error());
+    clients->drive_ = std::move(*drive);
+  }
+  return clients;
+}
+
+void DeviceClients::Command(const control::CellCommands& commands) OSTEON_RT {
+  if (!drive_) return;
+  const bool turns = std::abs(drive_->status().speed_rad_per_s) > kStands_rad_per_s;
+  DriveCommand command;
+  if (commands.quick_stop)
+    command.goal = DriveGoal::kQuickStop;
+  else if (commands.spindle_rad_per_s != 0.0 || turns)
+    command = {DriveGoal::kEnabled, commands.spindle_rad_per_s};
+  drive_->Command(command);
+}
+
+bool DeviceClients::MotionRequest(const control::CellCommands& commands, const PlcReading& plc,
+                                  rt::Nanoseconds now) OSTEON_RT {
+  if (commands.motion_requested && !was_wanted_) asked_since_ = now;
+  was_wanted_ = commands.motion_requested;
+  if (!was_wanted_) return false;
+  if (plc.inputs.run_permitted) asked_since_ = now;
+  const rt::Nanoseconds waited = now - asked_since_;
+  if (waited > kGrantedWithin + kWithdrawnFor) asked_since_ = now;
+  return waited <= kGrantedWithin;
+}
+
+control::CellReadings DeviceClients::Readings(const PlcReading& plc, rt::Nanoseconds now) const OSTEON_RT {
+  control::CellReadings readings;
+  const SensorReading& load = sensor_->Latest();
+  readings.force = {
+      .stamp = load.stamp, .F_S = load.F_S, .trusted = (load.flags & (kSensorOverload | kSensorFault)) == 0};
+  if (drive_) {
+    const DriveStatus& status = drive_->status();
+    readings.spindle = {.stamp = status.stamp,
+                        .speed_rad_per_s = status.speed_rad_per_s,
+                        .torque_Nm = status.torque_Nm,
+                        .ready = drive_->phase() == DrivePhase::kReady,
+                        .fault = status.faults != 0 || drive_->phase() == DrivePhase::kFailed};
+  }
+  if (params_.plc) {
+    const PlcVerdict verdict = Judge(plc, now, params_.plc_max_age);
+    const bool permitted = verdict == PlcVerdict::kRun;
+    readings.interlock = {.stamp = plc.stamp,
+                          .permitted = permitted,
+                          .enabled = plc.inputs.enabling == PlcEnabling::kEnabled,
+                          .spindle_permitted = permitted && plc.inputs.spindle_permitted,
+                          .reason = static_cast<std::uint8_t>(verdict)};
+  }
+  return readings;
+}
+
+std::string DeviceClients::Diagnosis(const PlcReading& plc, rt::Nanoseconds now) const {
+  std::string text;
+  const auto say = [&text](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
+  if (sensor_->phase() == SensorPhase::kFailed)
+    say("force sensor: " + sensor_->failure());
+  else if (sensor_->phase() == SensorPhase::kStarting)
+    say("force sensor: no reading yet");
+  else if ((sensor_->Latest().flags & (kSensorOverload | kSensorFault)) != 0)
+    say("force sensor: overloaded or faulty");
+  if (drive_ && drive_->phase() == DrivePhase::kFailed)
+    say("reamer drive: " + drive_->failure());
+  else if (drive_ && drive_->phase() == DrivePhase::kStarting)
+    say("reamer drive: not configured yet");
+  else if (drive_ && drive_->status().faults != 0)
+    say(std::string("reamer drive: fault, ") + Describe(drive_->status().state));
+  if (params_.plc)
+    if (const PlcVerdict verdict = Judge(plc, now, params_.plc_max_age); verdict != PlcVerdict::kRun)
+      say(Describe(*params_.plc, plc) + ", " + Describe(verdict));
+  return text;
+}
+
+}  // namespace osteon::io

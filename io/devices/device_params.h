@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "io/can/ati_sensor.h"
+#include "io/can/reamer_drive.h"
+#include "io/can/robotous_sensor.h"
+#include "io/modbus/plc_client.h"
+
+namespace osteon::io {
+
+/// A CAN bus of the cell.
+struct CanBusParams {
+  std::string name;              ///< as the cell's file calls it
+  std::string interface;         ///< of SocketCAN, e.g. can0; empty: the tunnel to a simulated cell, below
+  std::uint16_t port{0};         ///< of the tunnel: ours, on the loopback
+  std::uint16_t device_port{0};  ///< the same of the simulated devices
+};
+
+using WrenchSensorParams = std::variant<RobotousParams, AtiParams>;
+
+/// The cell's devices beside the arm: which there are, and where.
+struct DeviceParams {
+  std::vector<CanBusParams> buses;
+  WrenchSensorParams sensor;
+  std::size_t sensor_bus{0};               ///< in `buses`
+  std::optional<ReamerDriveParams> drive;  ///< absent: a tool without one
+  std::size_t drive_bus{0};
+  std::optional<PlcClientParams> plc;
+  rt::Nanoseconds plc_max_age{100 * rt::kMillisecond};  ///< of the PLC's block; of its heartbeat twice that
+};
+
+/// What each bus has to carry: text naming two devices of one bus that use the same identifier; empty where
+/// there are none.
+[[nodiscard]] std::optional<std::string> FindOverlap(const DeviceParams& params);
+
+}  // namespace osteon::io

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "control/ports.h"
+#include "io/can/can_bus.h"
+#include "io/can/can_pump.h"
+#include "io/devices/device_clients.h"
+
+namespace osteon::io {
+
+/// The cell's devices in wall time: CAN buses that are pumped once a tick, and the PLC's own thread.
+/// Exchange() never waits. One thread at a time.
+class WiredDevices final : public control::CellDevices {
+ public:
+  /// Opens buses and connection; what is at their other end may come later. The error names bus or device,
+  /// and says what to do.
+  [[nodiscard]] static tl::expected<std::unique_ptr<WiredDevices>, std::string> Open(
+      const DeviceParams& params);
+
+  [[nodiscard]] control::CellReadings Exchange(const control::CellCommands& commands,
+                                               rt::Nanoseconds now) OSTEON_RT override;
+
+  /// What keeps the cell from moving; see DeviceClients. Not for the tick.
+  [[nodiscard]] std::string Diagnosis();
+
+  /// Of each bus, in the order of DeviceParams::buses.
+  [[nodiscard]] const CanStatus& bus_status(std::size_t bus) const { return buses_.at(bus)->status(); }
+  [[nodiscard]] DeviceClients& clients() { return *clients_; }
+
+ private:
+  WiredDevices() = default;
+
+  std::unique_ptr<DeviceClients> clients_;
+  std::vector<std::unique_ptr<CanBus>> buses_;
+  std::vector<CanPump> pumps_;
+  std::unique_ptr<PlcClient> plc_;
+  PlcReading no_plc_;
+};
+
+}  // namespace osteon::io

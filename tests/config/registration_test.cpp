@@ -1,0 +1,183 @@
+#include "config/check_registration.h"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "config/load.h"
+
+// A cell whose poses do not fit each other is refused where the one that is to blame stands.
+
+namespace osteon::config {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
+const fs::path kDemo = kConfig / "cells/demo.yaml";
+
+// The error of a check on the demo cell, after it was changed in memory; empty where there is none.
+template <typename Change>
+std::string ErrorOf(void (*check)(const CellConfig&, const Reader&), Change change) {
+  CellConfig cell = LoadCell(kDemo);
+  change(cell);
+  try {
+    check(cell, Reader::Load(kDemo));
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+class Registration : public testing::Test {
+ protected:
+  void SetUp() override { fs::copy(kConfig, folder_, fs::copy_options::recursive); }
+  void TearDown() override { fs::remove_all(folder_); }
+  // The error of the demo cell with a text of one of its files replaced where it first stands.
+  std::string ErrorWith(const std::string& file, const std::string& before, const std::string& after) const {
+    std::stringstream text;
+    text << std::ifstream(folder_ / file).rdbuf();
+    std::string edited = text.str();
+    const std::size_t at = edited.find(before);
+    if (at == std::string::npos) throw std::logic_error(file + " has changed");
+    std::ofstream(folder_ / file) << edited.replace(at, before.size(), after);
+    try {
+      static_cast<void>(LoadCell(folder_ / "cells/demo.yaml"));
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return {};
+  }
+  const fs::path folder_ =
+      fs::temp_directory_path() / ("osteon_registration_" + std::to_string(::getpid()) + "_" +
+                                   testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+constexpr const char* kBone =
+    "bone_in_world:  # frame G: origin at the cup's centre, +z out of the opening\n"
+    "  position_mm: [620, 0, 210]";
+std::string BoneAt(const std::string& position) {
+  return std::string("bone_in_world:  # frame G: origin at the cup's centre, +z out of the opening\n") +
+         "  position_mm: " + position;
+}
+
+TEST_F(Registration, MetresInPlaceOfMillimetresAreNamed) {
+  EXPECT_THAT(ErrorWith("cells/demo.yaml", kBone, BoneAt("[0.62, 0, 0.21]")),
+              AllOf(HasSubstr("demo.yaml:14: position_mm: found 0.654599 mm from the arm's base to the site, "
+                              "accepted at least 150 mm"),
+                    HasSubstr("looks like metres where millimetres are expected")));
+}
+
+TEST_F(Registration, AWorkspaceInMetresIsNamed) {
+  EXPECT_THAT(
+      ErrorWith("cells/demo.yaml", "sphere_center_mm: [620, 0, 260]", "sphere_center_mm: [0.62, 0, 0.26]"),
+      AllOf(HasSubstr(": sphere_center_mm: found -5"), HasSubstr("looks like metres")));
+}
+
+TEST_F(Registration, ABoneInTheArmsFootIsRefused) {
+  EXPECT_THAT(ErrorWith("cells/demo.yaml", kBone, BoneAt("[100, 0, 50]")),
+              AllOf(HasSubstr(": position_mm: found 111.803 mm"), HasSubstr("the arm's foot")));
+}
+
+TEST_F(Registration, ABoneOutOfTheArmsReachIsRefused) {
+  // shoulder at 360 mm; .42 + .4 + .126 + .18 m of arm and tool
+  EXPECT_THAT(
+      ErrorWith("cells/demo.yaml", kBone, BoneAt("[1200, 0, 360]")),
+      HasSubstr("demo.yaml:14: position_mm: found 1200 mm from the arm's shoulder to the site, accepted "
+                "at most 1126 mm"));
+}
+
+TEST_F(Registration, ABaseThatWasTurnedTheWrongWayShowsAtTheReach) {
+  EXPECT_THAT(ErrorWith("cells/demo.yaml", "base_in_world:\n  position_mm: [0, 0, 0]",
+                        "base_in_world:\n  position_mm: [0, -1000, 0]"),
+              HasSubstr("base_in_world says where the arm stands"));
+}
+
+TEST_F(Registration, AToolAsLongAsAnArmIsRefused) {
+  EXPECT_THAT(
+      ErrorWith("tools/reamer.yaml", "mounting:\n  position_mm: [0, 0, 0]",
+                "mounting:\n  position_mm: [0, 0, 1800]"),
+      AllOf(HasSubstr("demo.yaml:4: tool: found 1980 mm from the flange to the tool's apex, accepted at "
+                      "most 600 mm"),
+            HasSubstr("mounting's position_mm")));
+}
+
+TEST_F(Registration, TheWholeSiteMustBeInTheWorkspace) {
+  // the cup's centre is 70 mm above the plane, its work goes 2 × 24 mm from there
+  EXPECT_THAT(
+      ErrorWith("cells/demo.yaml", "plane_offset_mm: 140", "plane_offset_mm: 170"),
+      HasSubstr("plane_offset_mm: found 40 mm from the site to the workspace's plane, accepted at least "
+                "48 mm"));
+  EXPECT_THAT(ErrorWith("cells/demo.yaml", "sphere_radius_mm: 150", "sphere_radius_mm: 90"),
+              HasSubstr("sphere_center_mm: found 40 mm"));
+}
+
+TEST_F(Registration, TheStartKeepsTheJointsMargin) {
+  // an elbow turned so far that a joint comes to within 30 deg of its limit, in a cell that wants 30
+  EXPECT_THAT(ErrorWith("cells/demo.yaml", "joint_margin_deg: 1 ", "joint_margin_deg: 30 "), "");
+  EXPECT_THAT(ErrorWith("cells/demo.yaml", "arm_angle_deg: 0 ", "arm_angle_deg: 100 "),
+              HasSubstr(": arm_angle_deg: found "));
+}
+
+TEST(RegistrationRows, ARotationThatIsNoneIsRefused) {
+  EXPECT_THAT(ErrorOf(CheckFrames, [](CellConfig& cell) { cell.tool.X_FT.linear() *= 1.01; }),
+              HasSubstr("demo.yaml:4: tool: found 0.0"));
+  EXPECT_THAT(ErrorOf(CheckFrames, [](CellConfig& cell) { cell.tool.X_FT.linear().col(0) *= -1.0; }),
+              HasSubstr("demo.yaml:4: tool: found 2 of the tool's rotation"));
+}
+
+TEST(RegistrationRows, ATiltedBaseIsNotedAndAccepted) {
+  CellConfig cell = LoadCell(kDemo);
+  cell.X_WB.linear() = Eigen::AngleAxisd(0.2, Vector3::UnitY()).toRotationMatrix();
+  for (const RegistrationRow& row : DescribeRegistration(cell).rows)
+    if (row.section == "base_in_world") {
+      EXPECT_NEAR(row.value, 11.459, 1e-3);
+      EXPECT_EQ(row.verdict(), "note: the arm's own controller must know how it is mounted");
+    }
+}
+
+// What the start's joints say, whatever it was made from: here they are changed alone.
+TEST(RegistrationRows, TheStartIsMeasuredOnItsJoints) {
+  EXPECT_THAT(ErrorOf(CheckStart, [](CellConfig& cell) { cell.start.q[0] += 1.0; }),
+              HasSubstr(": height_mm: found -"));
+  EXPECT_THAT(ErrorOf(CheckStart, [](CellConfig& cell) { cell.start.q[5] = 2.094; }),
+              HasSubstr(": arm_angle_deg: found 0.0"));
+  // the wrist turned away from the bone, the apex where it was
+  EXPECT_THAT(
+      ErrorOf(CheckStart,
+              [](CellConfig& cell) {
+                cell.X_WG.linear() = Eigen::AngleAxisd(1.1, Vector3::UnitX()) * cell.X_WG.linear();
+              }),
+      HasSubstr("demo.yaml:15: rpy_deg: found 63.0254 deg from the tool's axis at the start to the way "
+                "into the bone, accepted at most 60 deg"));
+  EXPECT_THAT(ErrorOf(CheckStart,
+                      [](CellConfig& cell) {
+                        cell.tool.X_FT.translation().z() = -0.2;  // the flange ahead of the apex
+                        cell.servo.workspace.plane_offset_m = 0.45;
+                        cell.servo.workspace.sphere_radius_m = 1.0;
+                      }),
+              HasSubstr("from the flange at the start to the workspace's plane"));
+}
+
+TEST(RegistrationRows, EveryShippedCellHolds) {
+  int cells = 0;
+  for (const fs::directory_entry& file : fs::directory_iterator(kConfig / "cells")) {
+    const RegistrationReport report = DescribeRegistration(LoadCell(file.path()));
+    EXPECT_EQ(report.rows.size(), 11u);
+    for (const RegistrationRow& row : report.rows)
+      EXPECT_EQ(row.verdict(), "ok") << file.path() << ": " << row.name << " " << row.value << " "
+                                     << row.unit;
+    ++cells;
+  }
+  EXPECT_GE(cells, 5);
+}
+
+}  // namespace
+}  // namespace osteon::config

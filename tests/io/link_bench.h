@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "control/ports.h"
+#include "control/rt/no_alloc_scope.h"
+
+// What is claimed of every arm's UDP link.
+
+namespace osteon::io::test {
+
+inline rt::Nanoseconds Soon() { return rt::MonotonicNow() + 2 * rt::kSecond; }
+
+/// A link on the loopback, at a port that the system chooses.
+template <class Link>
+std::unique_ptr<Link> OpenAnywhere() {
+  auto link = Link::Open({.port = 0});
+  EXPECT_TRUE(link) << link.error();
+  return std::move(*link);
+}
+
+/// A port that is taken and addresses that are none, or not this machine's, are refused in words.
+/// @param who  how the errors name the protocol
+template <class Link, class Params>
+void ExpectAddressErrors(const std::string& who) {
+  const auto expect = [](const Params& params, const std::string& text) {
+    const auto link = Link::Open(params);
+    ASSERT_FALSE(link);
+    EXPECT_NE(link.error().find(text), std::string::npos) << link.error();
+  };
+  const auto first = OpenAnywhere<Link>();
+  expect({.port = first->port()}, who + ": UDP 127.0.0.1:" + std::to_string(first->port()) + " is taken");
+  expect({.bind_address = "localhost", .port = 0}, "'localhost' is not an IPv4 address");
+  expect({.bind_address = "192.0.2.1", .port = 0},  // TEST-NET-1: nobody's
+         "no network card with that address");
+}
+
+/// Takes the message that waits and answers it, without heap or lock.
+inline void ExpectNoAllocation(control::ArmLink& link) {
+  control::ArmState state;
+  const rt::NoAllocScope scope;
+  const control::ReceiveResult received = link.Receive(state, Soon());
+  const bool sent = link.Send(control::ArmCommand{.q = state.q_ipo});
+  const int heap_calls = scope.heap_calls(), locks = scope.locks();
+  EXPECT_EQ(heap_calls, 0);
+  EXPECT_EQ(locks, 0);
+  EXPECT_EQ(received, control::ReceiveResult::kOk);
+  EXPECT_TRUE(sent);
+}
+
+}  // namespace osteon::io::test
