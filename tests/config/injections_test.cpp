@@ -89,7 +89,8 @@ TEST(Injections, RefusalsSayWhereAndWhatIsAccepted) {
   EXPECT_THAT(Refusal(One("loss_ratio: 1.5")),
               HasSubstr("cell.yaml:2: loss_ratio: found 1.5, accepted 0 … 1"));
   EXPECT_THAT(Refusal(One("delay_ms: 201")), HasSubstr("delay_ms: found 201, accepted 0 … 200"));
-  EXPECT_THAT(Refusal(One("loss_ratio: 0.1", "radio")), HasSubstr("wire: found radio, accepted arm, force_sensor, drive, plc"));
+  EXPECT_THAT(Refusal(One("loss_ratio: 0.1", "radio")),
+              HasSubstr("wire: found radio, accepted arm, force_sensor, drive, plc"));
   EXPECT_THAT(Refusal(One("los_ratio: 0.1")), HasSubstr("did you mean \"loss_ratio\"?"));
   EXPECT_THAT(Refusal(One("burst_count: 5, delay_ms: 1")), HasSubstr("burst_count: needs a loss_ratio"));
   EXPECT_THAT(Refusal(One("silence: false")),

@@ -150,6 +150,7 @@ TEST(ImpairedWire, DelayAndJitterKeepTheOrderAndTheirBounds) {
   double sum_s = 0.0;
   for (std::size_t i = 0; i < arrived.size(); ++i) {
     ASSERT_EQ(arrived[i].number, i) << "the order stays";
+    ASSERT_GE(arrived[i].came, i > 0 ? arrived[i - 1].came : 0);
     const rt::Nanoseconds late = arrived[i].came - arrived[i].pushed;
     ASSERT_GE(late, kDelay);
     ASSERT_LE(late, kDelay + kJitter) << "waiting for the one ahead never adds to the greatest delay";

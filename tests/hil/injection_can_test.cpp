@@ -20,7 +20,6 @@ using io::test::Frame;
 
 rt::Nanoseconds virtual_now = 0;
 
-
 // The bus behind: what the device sent, and what is there for it.
 class MemoryBus final : public io::CanBus {
  public:
@@ -84,7 +83,8 @@ TEST_F(InjectionCan, WhatWasInjectedIsWhatIsMissingDoubledOrChanged) {
   const io::CanFrame frame = Frame("123#0102030405060708");
   const auto run = [&](const WireFaults& faults, WireCounters& n) {
     MemoryBus behind;
-    ImpairedCanBus bus(behind, Sensor(faults, Direction::kToController), Wire::kForceSensor, {}, &virtual_now);
+    ImpairedCanBus bus(behind, Sensor(faults, Direction::kToController), Wire::kForceSensor, {},
+                       &virtual_now);
     for (int i = 0; i < 10'000; ++i) EXPECT_EQ(bus.Send(frame), CanResult::kOk) << "the device knows nothing";
     n = bus.to_controller();
     return behind.sent;
