@@ -7,6 +7,7 @@
 #include "app/interrupt.h"
 #include "app/run_progress.h"
 #include "app/summary.h"
+#include "config/check_registration.h"
 
 namespace osteon::app {
 namespace {
@@ -18,7 +19,12 @@ int Fail(const std::string& message, int code = kBadInput) {
   return code;
 }
 
-// What the user should see before anything moves.
+// What the user should see before anything moves: where things are said to be, and where the wires go.
+void PrintRegistration(const config::CellConfig& cell) {
+  for (const config::RegistrationRow& row : config::DescribeRegistration(cell).rows)
+    fmt::print(stderr, "osteon run: {:<42} {:8.1f} {:<4} {}\n", row.name, row.value, row.unit, row.verdict());
+}
+
 void PrintWires(const config::CellConfig& cell) {
   fmt::print(stderr, "osteon run: FRI {} on {}:{}\n", io::Name(cell.fri.session.version), cell.fri.host,
              cell.fri.port);
@@ -45,6 +51,7 @@ int RunOperate(const OperateOptions& options) {
   }
   auto engine = MakeEngine(*setup, "vulkan", options.device);
   if (!engine) return Fail(engine.error());
+  PrintRegistration(setup->config);
   PrintWires(setup->config);
 
   InstallInterrupt();

@@ -69,7 +69,7 @@ void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseco
   const hil::WireFaults faults = plc_faults_.At(now);
   if (faults.silence) return;
   plc_.link = faults.loss > 0.0 ? io::PlcLink::kConnecting : io::PlcLink::kConnected;
-  plc_.stamp = plc_.heartbeat_changed = now - faults.delay;
+  plc_.stamp = plc_.heartbeat_changed = now - faults.delay - faults.jitter;
   plc_.inputs = {.mode = static_cast<io::PlcMode>(panel.mode),
                  .brake_test_requested = panel.brake_test_due,
                  .run_permitted = outputs.run_permitted,

@@ -22,7 +22,8 @@ namespace osteon::app {
 /// The cell's devices in virtual time, both sides of each wire: the same clients and simulated devices as in
 /// wall time, with frames handed over in memory, and the PLC's program behind its decoded block. A cell's
 /// injections act on them as in wall time; on the PLC's wire a silence leaves the last block standing, a loss
-/// is a connection that has ended, and a delay makes the block older.
+/// is a connection that has ended, and a delay, with all of
+/// its jitter, makes the block older.
 class VirtualDevices final : public control::CellDevices {
  public:
   /// The error is a client's; see DeviceClients.

@@ -39,7 +39,6 @@ CellHostState CellHost::State() {
     state.plc = plc_->outputs();
     state.plc_counters = plc_->counters();
   }
-  if (state.arm.cell.active_once) commanding_.store(true, std::memory_order_relaxed);
   const Devices& devices = published_.Load();
   state.devices = devices.wires;
   state.tool_speed_rad_per_s = devices.tool_speed_rad_per_s;
@@ -60,7 +59,7 @@ void CellHost::RunDevices() {
     const control::ForceReading load = arm_->Load();
     devices_.SetLoad(load.F_S);
     const rt::Nanoseconds now = rt::MonotonicNow();
-    if (commanding_.load(std::memory_order_relaxed)) {
+    if (arm_->commanded()) {
       wires.Begin(now);
       if (plc_wire) plc_wire->Begin(now);
     }

@@ -65,8 +65,7 @@ class CellHost {
     DeviceWireCounters wires;
     double tool_speed_rad_per_s{0.0};
   };
-  rt::LatestValue<Devices> published_;   // writer: thread_
-  std::atomic<bool> commanding_{false};  // the arm has been in COMMANDING_ACTIVE
+  rt::LatestValue<Devices> published_;  // writer: thread_
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

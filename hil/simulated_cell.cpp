@@ -23,6 +23,15 @@ SimulatedArmParams BodyOf(const SimulatedCellParams& params) {
           .q_start = ToVector(params.q_start)};
 }
 
+// Where the script begins: an arm that is brought there is let alone until then.
+bool AtStart(const HandScript& script, const Pose& X_WT) {
+  constexpr double kNear_m = 0.03, kNear_rad = 0.3;
+  const Pose X_WT_start = script.Sample(0.0).X_WT;
+  const Eigen::AngleAxisd turn(X_WT.linear().transpose() * X_WT_start.linear());
+  return (X_WT.translation() - X_WT_start.translation()).norm() < kNear_m &&
+         std::abs(turn.angle()) < kNear_rad;
+}
+
 // What the sensor between flange and tool carries of hand and weight.
 Wrench SensorLoad(const control::ForceSensorParams& sensor, const Pose& X_WT, const Pose& X_WF,
                   const Wrench& F_hand_T_W) {
@@ -60,7 +69,6 @@ void SimulatedCell::SetPower(bool on) {
 
 std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool client_had_its_time) {
   // the client's answer, and the arm's move with it
-  const bool was_active = server_.state() == control::SessionState::kCommandingActive;
   server_.EndCycle(client_had_its_time);
   const Matrix3 R_BT = (arm_.FlangePose(body_->q()) * X_FT_).linear();
   ArmDrive drive;
@@ -79,12 +87,15 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
 
   // the hand
   Wrench F_T_W;
-  if (active && !was_active) {
-    active_cycles_ = 0;
+  const bool holds = active && (holds_ || held_once_ || AtStart(hand_.script(), X_WT));
+  if (holds && !holds_) {
+    held_cycles_ = 0;
+    held_once_ = true;
     hand_.Begin();
   }
-  if (active) {
-    state_.cell_time_s = static_cast<double>(++active_cycles_) * period_s();
+  holds_ = holds;
+  if (holds) {
+    state_.cell_time_s = static_cast<double>(++held_cycles_) * period_s();
     F_T_W = hand_.Step(state_.cell_time_s, period_s(), X_WT, V_WT);
   }
 

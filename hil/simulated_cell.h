@@ -34,7 +34,7 @@ struct CellState {
   rt::Nanoseconds stamp{0};
   control::SessionState session{control::SessionState::kIdle};
   bool active_once{false};  ///< COMMANDING_ACTIVE was reached
-  double cell_time_s{0.0};  ///< since COMMANDING_ACTIVE last began, in periods: the script's time
+  double cell_time_s{0.0};  ///< since the hand last took hold, in periods: the script's time
   bool script_done{false};
   FriCounters counters;
   StopReport stop;
@@ -54,7 +54,9 @@ struct CellState {
 /// contact is virtual, and the hand feels it as the arm's motion. A mounting that gives moves the tool, but
 /// the hand does not feel its speed.
 ///
-/// The hand takes hold when COMMANDING_ACTIVE begins, and lets go when it ends.
+/// The hand takes hold when COMMANDING_ACTIVE has begun and the tool is near the script's start (within 30 mm
+/// and .3 rad: an arm that is brought there is let alone until then), and lets go when it ends. Once it has
+/// held the tool it takes hold again wherever that is.
 class SimulatedCell {
  public:
   /// Opens the session. @throws std::invalid_argument from the parts, on a parameter out of range.
@@ -91,7 +93,8 @@ class SimulatedCell {
   std::unique_ptr<SimulatedArm> body_;
   Wrench F_hand_T_B_;
   OperatorHand hand_;
-  std::uint64_t active_cycles_{0};
+  bool holds_{false}, held_once_{false};  // the hand, the tool
+  std::uint64_t held_cycles_{0};
   CellState state_;
 };
 

@@ -50,7 +50,10 @@ void SimulatedCellThread::Run() {
     const auto datagram = cell_.Step(now, on_time);
     loads_.Store(cell_.force());  // before the message, so that who answers it finds the load
     answered_ = false;
-    if (cell_.state().active_once) wires_.Begin(now);
+    if (cell_.state().active_once) {
+      wires_.Begin(now);
+      commanded_.store(true, std::memory_order_relaxed);
+    }
     if (!datagram.empty()) wires_.to_controller.Push(datagram, now);
     MoveDue(rt::MonotonicNow(), statistics);
     sent = rt::MonotonicNow();

@@ -58,6 +58,9 @@ class SimulatedCellThread {
   /// The newest load on the force sensor; one reader thread.
   [[nodiscard]] control::ForceReading Load() { return loads_.Load(); }
 
+  /// COMMANDING_ACTIVE was reached. Any thread.
+  [[nodiscard]] bool commanded() const { return commanded_.load(std::memory_order_relaxed); }
+
   /// See SimulatedCell. Any thread; takes effect with the next period.
   void SetPower(bool on) { power_.store(on, std::memory_order_relaxed); }
 
@@ -79,7 +82,7 @@ class SimulatedCellThread {
   bool answered_{false};  // the message last sent
   UdpClient client_;
   rt::LatestValue<control::ForceReading> loads_;
-  std::atomic<bool> power_{true};
+  std::atomic<bool> power_{true}, commanded_{false};
   rt::LatestValue<CellThreadStatistics> published_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
