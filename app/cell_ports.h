@@ -20,8 +20,4 @@ void UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint16_t> fi
 [[nodiscard]] tl::expected<std::uint16_t, std::string> UseSimulated(config::CellConfig& cell,
                                                                     std::optional<std::uint16_t> port);
 
-/// The first of as many free ports in a row as a cell needs, UDP and TCP alike. The error says that there are
-/// none.
-[[nodiscard]] tl::expected<std::uint16_t, std::string> FreePorts(const config::CellConfig& cell);
-
 }  // namespace osteon::app

@@ -73,7 +73,7 @@ struct CellConfig {
   hil::SimulatedDeviceParams simulated_devices;  ///< the same devices' other ends
   std::optional<hil::PlcServerParams> simulated_plc;
   hil::InjectionParams injections;  ///< what goes wrong on the simulated cell's wires
-  hil::ScriptParams script;  ///< what the operator is told to do
+  hil::ScriptParams script;         ///< what the operator is told to do
 };
 
 }  // namespace osteon::config

@@ -362,8 +362,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   Reader sensor = reader.Section("force_sensor");
   static_cast<void>(sensor.Text("source"));
   const kinematics::LinkInertia sensor_F = ReadBody(sensor);
-  const DeviceSections devices{reader, sensor};
-  ReadDevices(devices, cell);
+  const DeviceSections devices = ReadDevices(reader, sensor, cell);
   const Reader start = reader.Section("start");
   ReadStart(start, cell.start);
   const Reader limits = reader.Section("limits");

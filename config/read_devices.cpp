@@ -32,15 +32,14 @@ std::vector<io::CanBusParams> ReadBuses(Reader& cell) {
   return buses;
 }
 
-// Which of the buses a device is on.
-std::size_t ReadBus(Reader& device, const std::vector<io::CanBusParams>& buses) {
-  const std::string name = device.Text("bus");
+// Which of the buses a device is on: after Finish().
+std::size_t BusOf(const DeviceBus& device, const std::vector<io::CanBusParams>& buses) {
   std::string all;
   for (std::size_t i = 0; i < buses.size(); ++i) {
-    if (buses[i].name == name) return i;
+    if (buses[i].name == device.name) return i;
     all += (all.empty() ? "" : ", ") + buses[i].name;
   }
-  device.Refuse("bus", fmt::format("found {}, accepted one of can: {}", name, all));
+  device.section.Refuse("bus", fmt::format("found {}, accepted one of can: {}", device.name, all));
 }
 
 hil::SensorModelParams ReadSensorModel(Reader section) {
@@ -58,7 +57,6 @@ hil::SensorModelParams ReadSensorModel(Reader section) {
 
 void ReadSensor(Reader section, CellConfig& cell) {
   cell.servo.sensor.X_FS = ReadPose(section);
-  cell.devices.sensor_bus = ReadBus(section, cell.devices.buses);
   const bool robotous = section.Choice("type", {"robotous", "ati"}) == 0;
   const hil::SensorModelParams model = ReadSensorModel(section.Section("simulated"));
   if (robotous) {
@@ -75,7 +73,6 @@ void ReadSensor(Reader section, CellConfig& cell) {
 }
 
 void ReadDrive(Reader section, CellConfig& cell) {
-  cell.devices.drive_bus = ReadBus(section, cell.devices.buses);
   io::ReamerDriveParams& drive = cell.devices.drive.emplace();
   drive.node = static_cast<std::uint8_t>(section.Whole("node_count", 1, 126));
   drive.cycle = ToNanoseconds(section.Number("cycle_ms", 1, 50));
@@ -96,15 +93,23 @@ void ReadPlc(Reader section, CellConfig& cell) {
 
 }  // namespace
 
-void ReadDevices(const DeviceSections& sections, CellConfig& cell) {
-  Reader reader = sections.cell;
+DeviceSections ReadDevices(Reader& reader, Reader& force_sensor, CellConfig& cell) {
   cell.devices.buses = ReadBuses(reader);
-  ReadSensor(sections.force_sensor, cell);
-  if (reader.Has("drive")) ReadDrive(reader.Section("drive"), cell);
+  ReadSensor(force_sensor, cell);
+  DeviceSections sections{.cell = reader, .sensor = {force_sensor, force_sensor.Text("bus")}, .drive = {}};
+  if (reader.Has("drive")) {
+    Reader drive = reader.Section("drive");
+    ReadDrive(drive, cell);
+    sections.drive = DeviceBus{drive, drive.Text("bus")};
+  }
   if (reader.Has("plc")) ReadPlc(reader.Section("plc"), cell);
+  return sections;
 }
 
 void CompleteDevices(const DeviceSections& sections, CellConfig& cell) {
+  cell.devices.sensor_bus = BusOf(sections.sensor, cell.devices.buses);
+  if (sections.drive) cell.devices.drive_bus = BusOf(*sections.drive, cell.devices.buses);
+
   const simulation::Tool& tool = cell.tool.tool;
   control::ForceSensorParams& sensor = cell.servo.sensor;
   sensor.tool_mass_kg = tool.mass_kg;

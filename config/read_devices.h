@@ -1,23 +1,32 @@
 #pragma once
 
-#include <vector>
+#include <optional>
+#include <string>
 
 #include "config/cell_config.h"
 #include "config/reader.h"
 
 namespace osteon::config {
 
-/// The cell's devices as its file names them; what the tool says of its drive comes later (CompleteDevices).
+/// A device's section, and the bus that it names.
+struct DeviceBus {
+  Reader section;
+  std::string name;
+};
+
+/// What CompleteDevices needs of the file.
 struct DeviceSections {
-  Reader cell, force_sensor;
+  Reader cell;
+  DeviceBus sensor;
+  std::optional<DeviceBus> drive;
 };
 
 /// Sections `can`, `force_sensor` (its bus, make and pose), `plc`, and `drive` where there is one: both sides
 /// of each wire.
-void ReadDevices(const DeviceSections& sections, CellConfig& cell);
+[[nodiscard]] DeviceSections ReadDevices(Reader& cell_section, Reader& force_sensor, CellConfig& cell);
 
 /// After Finish() and with the tool loaded: its drive's figures, the sensor's load, and what of the buses
-/// only shows together. Refuses devices that use the same identifiers.
+/// only shows together. Refuses a bus that there is not, and devices that use the same identifiers.
 void CompleteDevices(const DeviceSections& sections, CellConfig& cell);
 
 }  // namespace osteon::config

@@ -7,8 +7,8 @@
 
 namespace osteon::hil {
 
-/// An end of a CAN bus of two ends in memory, in virtual time: what one sends, the other can have at once. One
-/// thread; no allocation.
+/// An end of a CAN bus of two ends in memory, in virtual time: what one sends, the other can have at once.
+/// One thread; no allocation.
 class MemoryCanBus final : public io::CanBus {
  public:
   /// @param now  what time it is, read at each call; outlives this

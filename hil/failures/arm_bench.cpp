@@ -94,8 +94,14 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const HandPa
     simulation::ContactModel nothing_near;
     nothing_near.frame = static_cast<std::uint64_t>(i + 1);
     nothing_near.pose_stamp = now;
+    // as a sensor without mounting and tool reads it: at the flange, in its frame
+    const Pose X_WF = arm.FlangePose(q_meas);
+    const Vector3 lever_W = X_WF.linear() * params.X_FT.translation();
+    const Wrench F_S{.f = X_WF.linear().transpose() * F_T_W.f,
+                     .t = X_WF.linear().transpose() * (F_T_W.t + lever_W.cross(F_T_W.f))};
+    const control::CellReadings readings{.force = {.stamp = now, .F_S = F_S}, .spindle = {}, .interlock = {}};
     const control::TickRecord record =
-        loop.Tick(state, control::ReceiveResult::kOk, {now, F_T_W}, nothing_near, now, command);
+        loop.Tick(state, control::ReceiveResult::kOk, readings, nothing_near, now, command);
     return {.q = Eigen::Map<const JointVector>(command.q.data()), .fault = record.faults != 0};
   });
 }

@@ -120,10 +120,10 @@ TEST_F(WrongInput, CellAndConfiguration) {
 
   std::string root = ConfigWith("tools/reamer.yaml", "radius_mm: 8", "raduis_mm: 8");
   ExpectRefused({"--config-root", root, "demo"},
-                {root + "/tools/reamer.yaml:16: ", "unknown key \"raduis_mm\"", "\"radius_mm\""});
+                {root + "/tools/reamer.yaml:21: ", "unknown key \"raduis_mm\"", "\"radius_mm\""});
   root = ConfigWith("tools/reamer.yaml", "radius_mm: 8", "radius_mm: -8");
   ExpectRefused({"--config-root", root, "demo"},
-                {root + "/tools/reamer.yaml:16: radius_mm: found -8, accepted 0.5 … 50"});
+                {root + "/tools/reamer.yaml:21: radius_mm: found -8, accepted 0.5 … 50"});
   root = ConfigWith("cells/demo.yaml", "tool_diameter_mm: 50", "tool_diameter_mm: 80");
   ExpectRefused({"--config-root", root, "demo"},
                 {root + "/cells/demo.yaml:5: tool_diameter_mm: found 80, accepted 36 … 68 in steps of 1"});

@@ -178,7 +178,7 @@ TEST_F(ConfigFilesTest, NegativeRadiusIsAnsweredWithFileLineAndRange) {
     what = error.what();
   }
   fs::current_path(before);
-  EXPECT_EQ(what, "config/tools/reamer.yaml:16: radius_mm: found -8, accepted 0.5 … 50");
+  EXPECT_EQ(what, "config/tools/reamer.yaml:21: radius_mm: found -8, accepted 0.5 … 50");
 }
 
 TEST_F(ConfigFilesTest, ValuesThatContradictEachOtherAreRefused) {

@@ -24,6 +24,8 @@ class ServoStart : public ::testing::Test {
     params.has_interlock = true;
     params.arm_body = kinematics::ChainFrom(ServoBench::Arm().params());
     params.start = StartParams{.q = Goal(), .path = {}};
+    params.workspace.sphere_radius_m = 1.0;
+    params.workspace.plane_offset_m = -1.0;
     return params;
   }
   TickRecord Tick() {
@@ -31,7 +33,8 @@ class ServoStart : public ::testing::Test {
         .stamp = bench.now + ServoBench::kTick, .permitted = permitted, .enabled = permitted};
     const JointVector before = Joints();
     const TickRecord record = bench.Tick();
-    greatest_step_rad = std::max(greatest_step_rad, (Joints() - before).cwiseAbs().maxCoeff());
+    if (!before.isZero(0.0))  // nothing was commanded before the first
+      greatest_step_rad = std::max(greatest_step_rad, (Joints() - before).cwiseAbs().maxCoeff());
     return record;
   }
   void Run(int count) {
@@ -40,7 +43,7 @@ class ServoStart : public ::testing::Test {
   JointVector Joints() const { return Eigen::Map<const JointVector>(bench.command.q.data()); }
   double ToGo() const { return (Goal() - Joints()).cwiseAbs().maxCoeff(); }
 
-  ServoBench bench{Params()};
+  ServoBench bench{Params(), 10.0};  // no bone near
   bool permitted{true};
   double greatest_step_rad{0.0};
 };

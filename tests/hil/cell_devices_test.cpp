@@ -16,8 +16,8 @@ constexpr double kSpeed = 26.0;  // of the tool, rad/s
 
 io::DeviceParams Wires(bool ati, bool two_buses) {
   io::DeviceParams wires;
-  wires.buses = {{.name = "tool", .port = 1, .device_port = 2}};
-  if (two_buses) wires.buses.push_back({.name = "drive", .port = 3, .device_port = 4});
+  wires.buses = {{.name = "tool", .interface = "", .port = 1, .device_port = 2}};
+  if (two_buses) wires.buses.push_back({.name = "drive", .interface = "", .port = 3, .device_port = 4});
   if (ati) wires.sensor = io::AtiParams{};
   wires.drive = io::ReamerDriveParams{.gear_ratio = 20.0,
                                       .rated_torque_Nm = 0.5,
