@@ -33,8 +33,8 @@ bool IsStall(const nlohmann::json& summary) {
 TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
   constexpr int kAttempts = 3;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const TemporaryFolder folder;
-    Command cell(folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
+    const TemporaryFolder folder, cell_folder;  // each process has its own
+    Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
     const CommandResult run = RunCommand(folder.path(), {"run", "thin_plate", "--port", Port(), "--seconds",
                                                          "2", "--record", "r.mcap", "--json", "run.json"});
@@ -48,7 +48,7 @@ TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
       ASSERT_TRUE(IsStall(summary)) << summary.dump(2);
       continue;
     }
-    EXPECT_TRUE(saw_active);
+    EXPECT_TRUE(saw_active) << cell.Out();
     EXPECT_EQ(summary.at("ended"), "completed");
     const io::Recording recording = ReadComplete(folder.path() / "r.mcap");
     const control::TickInput& last = recording.ticks.back().input;
@@ -58,7 +58,7 @@ TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
     double turns = 0.0;
     for (const auto& tick : recording.ticks) turns = std::max(turns, tick.spindle_rad_per_s);
     EXPECT_GT(turns, 50.0) << "the drill turned, as its drive said";
-    const nlohmann::json report = ReadJson(folder.path() / "cell.json");
+    const nlohmann::json report = ReadJson(cell_folder.path() / "cell.json");
     EXPECT_EQ(report.at("schema"), "osteon.cell/1");
     EXPECT_GT(report.at("arm").at("answered").get<int>(), 2000);
     EXPECT_GT(report.at("plc").at("requests").get<int>(), 100);
@@ -68,8 +68,8 @@ TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
 }
 
 TEST(CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
-  const TemporaryFolder folder;
-  Command cell(folder.path(), {"cell", "thin_plate", "--port", Port()});
+  const TemporaryFolder folder, cell_folder;  // each process has its own
+  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   Command run(folder.path(),
               {"run", "thin_plate", "--port", Port(), "--record", "r.mcap", "--json", "run.json"});
@@ -84,8 +84,8 @@ TEST(CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
 }
 
 TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
-  const TemporaryFolder folder;
-  Command cell(folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
+  const TemporaryFolder folder, cell_folder;  // each process has its own
+  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   {
     Command run(folder.path(), {"run", "thin_plate", "--port", Port(), "--record", "r.mcap"});
@@ -98,16 +98,17 @@ TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
     return out.find("MONITORING_WAIT", out.find("COMMANDING_ACTIVE")) != std::string::npos;
   };
   EXPECT_TRUE(cell.WaitUntil(left)) << cell.Out();
+  usleep(600'000);  // the PLC gives a heartbeat .25 s
   cell.Send(SIGTERM);
   EXPECT_EQ(cell.Wait().exit_code, 0);
-  const nlohmann::json report = ReadJson(folder.path() / "cell.json");
+  const nlohmann::json report = ReadJson(cell_folder.path() / "cell.json");
   EXPECT_FALSE(report.at("plc").at("run_permitted").get<bool>()) << "its heartbeat stands still";
   EXPECT_FALSE(report.at("arm").at("stop").get<std::string>().empty());
 }
 
 TEST(CellProcess, APortThatIsTakenIsNamed) {
-  const TemporaryFolder folder;
-  Command cell(folder.path(), {"cell", "thin_plate", "--port", Port()});
+  const TemporaryFolder folder, cell_folder;  // each process has its own
+  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   const CommandResult other = RunCommand(folder.path(), {"cell", "thin_plate", "--port", Port()});
   EXPECT_EQ(other.exit_code, 2);
