@@ -130,7 +130,7 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
     while (!done.load()) {
       std::this_thread::sleep_for(kLook);
       cell_died |= !done.load() && wires.cell && wires.cell->Ended();
-      start.Look();
+      if (rendered_s.load() == 0.0) start.Look();  // a recovery goes on from where the arm is
       if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
       if (params.progress) params.progress(rendered_s.load());
     }
