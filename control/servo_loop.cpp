@@ -114,7 +114,8 @@ CellCommands ServoLoop::cell_commands() const OSTEON_RT {
   return {
       .motion_requested = !ends && !stop_asked_,
       .spindle_rad_per_s = phase_ == Phase::kHaptic && spindle_permitted_ ? params_.spindle_rad_per_s : 0.0,
-      .quick_stop = ends && faults_.Any()};
+      .quick_stop = ends && faults_.Any(),
+      .clear_faults = phase_ == Phase::kWaiting && recovered_};
 }
 
 TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const CellReadings& readings,

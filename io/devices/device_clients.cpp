@@ -60,6 +60,8 @@ void DeviceClients::Command(const control::CellCommands& commands) OSTEON_RT {
   else if (commands.spindle_rad_per_s != 0.0 || turns)
     command = {DriveGoal::kEnabled, commands.spindle_rad_per_s};
   drive_->Command(command);
+  if (commands.clear_faults && command.goal == DriveGoal::kOff && drive_->status().faults != 0)
+    static_cast<void>(drive_->ResetFaults());
 }
 
 bool DeviceClients::MotionRequest(const control::CellCommands& commands, const PlcReading& plc,

@@ -129,6 +129,22 @@ TEST(CellDevices, ASpindleIsRampedDownAndAQuickStopIsSteeper) {
   EXPECT_LT(quick, ramped);
 }
 
+TEST(CellDevices, AFaultOfTheDriveStaysUntilARecoveryClearsIt) {
+  const InjectionParams silence{
+      .injections = {{.wire = Wire::kDrive, .from_s = 0.0, .to_s = 0.5, .faults = {.silence = true}}}};
+  Cell cell(false, false, silence);
+  cell.commands.spindle_rad_per_s = kSpeed;
+  cell.Run(1000);
+  cell.wires().Begin(cell.now);
+  EXPECT_TRUE(cell.Run(600).spindle.fault);
+  cell.commands = {.motion_requested = true, .quick_stop = true};
+  EXPECT_TRUE(cell.Run(1000).spindle.fault) << "heard again, it is still one";
+  cell.commands = {.motion_requested = true, .clear_faults = true};
+  const control::CellReadings readings = cell.Run(1000);
+  EXPECT_FALSE(readings.spindle.fault);
+  EXPECT_LT(readings.spindle.speed_rad_per_s, 0.5) << "and does not start by itself";
+}
+
 TEST(CellDevices, ASilenceOfOneWireIsNoneOfTheOther) {
   const InjectionParams silence{
       .injections = {{.wire = Wire::kForceSensor, .from_s = 0.5, .faults = {.silence = true}}}};
