@@ -1,0 +1,17 @@
+#pragma once
+
+#include "control/rt/marker.h"
+#include "kinematics/spatial.h"
+
+namespace osteon::control {
+
+/// The same velocity seen along other axes.
+[[nodiscard]] inline Twist Turned(const Matrix3& R_AB, const Twist& V_B) OSTEON_RT {
+  return {.v = R_AB * V_B.v, .w = R_AB * V_B.w};
+}
+
+[[nodiscard]] inline Twist Scaled(const Twist& V, double share) OSTEON_RT {
+  return {.v = share * V.v, .w = share * V.w};
+}
+
+}  // namespace osteon::control
