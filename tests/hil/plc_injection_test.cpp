@@ -2,31 +2,12 @@
 
 #include <stdexcept>
 
-#include <gtest/gtest.h>
-#include <modbus/modbus.h>
-
-#include <array>
-#include <memory>
+#include "tests/hil/modbus_context.h"
 
 // What a scenario does to the simulated PLC's wire, seen by libmodbus' client.
 
 namespace osteon::hil {
 namespace {
-
-struct FreeContext {
-  void operator()(modbus_t* context) const {
-    modbus_close(context);
-    modbus_free(context);
-  }
-};
-using Context = std::unique_ptr<modbus_t, FreeContext>;
-
-Context Connect(const PlcServer& server, unsigned timeout_ms) {
-  Context context(modbus_new_tcp("127.0.0.1", server.port()));
-  modbus_set_response_timeout(context.get(), timeout_ms / 1000, timeout_ms % 1000 * 1000);
-  EXPECT_EQ(modbus_connect(context.get()), 0) << modbus_strerror(errno);
-  return context;
-}
 
 bool Read(const Context& client) {
   std::uint16_t version = 0;

@@ -1,35 +1,20 @@
 #include "hil/plc/plc_server.h"
 
-#include <modbus/modbus.h>
-
 #include <memory>
+#include <array>
 #include <random>
 #include <stdexcept>
 #include <system_error>
 
 #include <gtest/gtest.h>
 
+#include "tests/hil/modbus_context.h"
 #include "tests/io/loopback_socket.h"
 
 // Our server against libmodbus' own client, and against bytes that are none.
 
 namespace osteon::hil {
 namespace {
-
-struct FreeContext {
-  void operator()(modbus_t* context) const {
-    modbus_close(context);
-    modbus_free(context);
-  }
-};
-using Context = std::unique_ptr<modbus_t, FreeContext>;
-
-Context Connect(const PlcServer& server) {
-  Context context(modbus_new_tcp("127.0.0.1", server.port()));
-  modbus_set_response_timeout(context.get(), 5, 0);
-  EXPECT_EQ(modbus_connect(context.get()), 0) << modbus_strerror(errno);
-  return context;
-}
 
 TEST(PlcServer, LibmodbusReadsAndWritesIt) {
   PlcServer server({.port = 0});
