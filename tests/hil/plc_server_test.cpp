@@ -1,7 +1,7 @@
 #include "hil/plc/plc_server.h"
 
-#include <memory>
 #include <array>
+#include <memory>
 #include <random>
 #include <stdexcept>
 #include <system_error>
