@@ -51,6 +51,11 @@ tl::expected<std::unique_ptr<DeviceClients>, std::string> DeviceClients::Make(co
   return clients;
 }
 
+void DeviceClients::PutOn(CanPump& pump, std::size_t bus) {
+  if (bus == params_.sensor_bus) pump.Add(*sensor_);
+  if (drive_ && bus == params_.drive_bus) pump.Add(*drive_);
+}
+
 void DeviceClients::Command(const control::CellCommands& commands) OSTEON_RT {
   if (!drive_) return;
   const bool turns = std::abs(drive_->status().speed_rad_per_s) > kStands_rad_per_s;

@@ -20,9 +20,8 @@ class DeviceClients {
   [[nodiscard]] static tl::expected<std::unique_ptr<DeviceClients>, std::string> Make(
       const DeviceParams& params);
 
-  [[nodiscard]] WrenchSensor& sensor() { return *sensor_; }
-  /// Null where the cell has none.
-  [[nodiscard]] ReamerDrive* drive() { return drive_ ? &*drive_ : nullptr; }
+  /// Adds those of a bus (in DeviceParams::buses) to the pump of its end.
+  void PutOn(CanPump& pump, std::size_t bus);
 
   /// To the drive: turning as told; ramped down and then off with speed 0.
   void Command(const control::CellCommands& commands) OSTEON_RT;

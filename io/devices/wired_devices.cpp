@@ -30,19 +30,16 @@ tl::expected<std::unique_ptr<WiredDevices>, std::string> WiredDevices::Open(cons
   devices->clients_ = std::move(*clients);
   devices->pumps_.reserve(params.buses.size());
   for (std::size_t i = 0; i < params.buses.size(); ++i) {
-    const bool has_sensor = params.sensor_bus == i, has_drive = params.drive && params.drive_bus == i;
     std::vector<CanFilter> filters;
     const auto add = [&](const std::vector<CanFilter>& more) {
       filters.insert(filters.end(), more.begin(), more.end());
     };
-    if (has_sensor) add(std::visit([](const auto& p) { return Filters(p); }, params.sensor));
-    if (has_drive) add(Filters(*params.drive));
+    if (params.sensor_bus == i) add(std::visit([](const auto& p) { return Filters(p); }, params.sensor));
+    if (params.drive && params.drive_bus == i) add(Filters(*params.drive));
     auto bus = OpenBus(params.buses[i], filters);
     if (!bus) return tl::make_unexpected("CAN bus " + params.buses[i].name + ": " + bus.error());
     devices->buses_.push_back(std::move(*bus));
-    CanPump& pump = devices->pumps_.emplace_back(*devices->buses_.back());
-    if (has_sensor) pump.Add(devices->clients_->sensor());
-    if (has_drive) pump.Add(*devices->clients_->drive());
+    devices->clients_->PutOn(devices->pumps_.emplace_back(*devices->buses_.back()), i);
   }
   if (params.plc) devices->plc_ = std::make_unique<PlcClient>(*params.plc);
   return devices;

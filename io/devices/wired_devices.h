@@ -28,10 +28,6 @@ class WiredDevices final : public control::CellDevices {
   /// What keeps the cell from moving; see DeviceClients. Not for the tick.
   [[nodiscard]] std::string Diagnosis();
 
-  /// Of each bus, in the order of DeviceParams::buses.
-  [[nodiscard]] const CanStatus& bus_status(std::size_t bus) const { return buses_.at(bus)->status(); }
-  [[nodiscard]] DeviceClients& clients() { return *clients_; }
-
  private:
   WiredDevices() = default;
 

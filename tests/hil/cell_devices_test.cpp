@@ -49,9 +49,7 @@ class Cell {
       MemoryCanBus &ours = buses_.emplace_back(now), &theirs = buses_.emplace_back(now);
       MemoryCanBus::Join(ours, theirs);
       ends.push_back(&theirs);
-      io::CanPump& pump = pumps_.emplace_back(ours);
-      if (i == wires.sensor_bus) pump.Add(clients->sensor());
-      if (i == wires.drive_bus) pump.Add(*clients->drive());
+      clients->PutOn(pumps_.emplace_back(ours), i);
     }
     wires_.emplace(ends, devices_, wires, injections, &now);
   }
