@@ -36,13 +36,9 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
   if (file < 0) return tl::make_unexpected(report + ": cannot make a file: " + std::strerror(errno));
   close(file);
 
-  std::vector<std::string> words{"osteon",
-                                 "cell",
-                                 std::filesystem::absolute(params.cell).string(),
-                                 "--seconds",
-                                 fmt::format("{:.17g}", params.seconds),
-                                 "--json",
+  std::vector<std::string> words{"osteon", "cell", std::filesystem::absolute(params.cell).string(), "--json",
                                  report};
+  if (params.seconds > 0.0) words.insert(words.end(), {"--seconds", fmt::format("{:.17g}", params.seconds)});
   if (params.first_port != 0) words.insert(words.end(), {"--port", std::to_string(params.first_port)});
   if (params.tool) words.insert(words.end(), {"--tool", ToolText(*params.tool)});
   std::vector<char*> arguments;

@@ -18,7 +18,7 @@ namespace osteon::app {
 struct CellProcessParams {
   std::filesystem::path cell;                ///< its YAML
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
-  double seconds{10.0};                      ///< of the operator's script
+  double seconds{0.0};                       ///< of the operator's script; 0: as the file says
   std::uint16_t first_port{0};               ///< as UseSimulatedWires; 0: the file's
 };
 
