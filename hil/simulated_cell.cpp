@@ -12,17 +12,6 @@ JointVector ToVector(const control::JointArray& q) { return Eigen::Map<const Joi
 
 Wrench Turned(const Matrix3& R_AB, const Wrench& F_B) { return {.f = R_AB * F_B.f, .t = R_AB * F_B.t}; }
 
-SimulatedArmParams BodyOf(const SimulatedCellParams& params) {
-  return {.level = params.level,
-          .lbr = params.arm,
-          .servo = params.servo,
-          .dynamic = params.dynamic,
-          .chain = params.chain,
-          .gravity_B_m_per_s2 = Pose(params.X_WB).linear().transpose() * kinematics::kGravity_W_m_per_s2,
-          .p_FT_m = Pose(params.X_FT).translation(),
-          .q_start = ToVector(params.q_start)};
-}
-
 // Where the script begins: an arm that is brought there is let alone until then.
 bool AtStart(const HandScript& script, const Pose& X_WT) {
   constexpr double kNear_m = 0.03, kNear_rad = 0.3;
@@ -45,6 +34,17 @@ Wrench SensorLoad(const control::ForceSensorParams& sensor, const Pose& X_WT, co
 }
 
 }  // namespace
+
+SimulatedArmParams BodyOf(const SimulatedCellParams& params) {
+  return {.level = params.level,
+          .lbr = params.arm,
+          .servo = params.servo,
+          .dynamic = params.dynamic,
+          .chain = params.chain,
+          .gravity_B_m_per_s2 = Pose(params.X_WB).linear().transpose() * kinematics::kGravity_W_m_per_s2,
+          .p_FT_m = Pose(params.X_FT).translation(),
+          .q_start = ToVector(params.q_start)};
+}
 
 SimulatedCell::SimulatedCell(const SimulatedCellParams& params, HandScript script)
     : arm_(params.arm),

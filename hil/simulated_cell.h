@@ -28,6 +28,9 @@ struct SimulatedCellParams {
   control::JointArray q_start{};        ///< [rad]
 };
 
+/// The arm alone.
+[[nodiscard]] SimulatedArmParams BodyOf(const SimulatedCellParams& params);
+
 /// What the cell looks like after a step. Plain data.
 struct CellState {
   std::uint64_t cycle{0};
