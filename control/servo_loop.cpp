@@ -11,7 +11,6 @@
 namespace osteon::control {
 namespace {
 
-using kinematics::JointVector;
 using safety::Fault;
 
 constexpr double kMostOperatorTorque_Nm = 100.0;  // beyond it a reading counts as this much
@@ -22,20 +21,14 @@ constexpr double kSightMemory_s =
 constexpr double kSamePeriod_s = 1e-6;
 constexpr double kTurns = 0.05;  // of the wanted speed: below, a spindle counts as still
 
-JointVector ToVector(const JointArray& q) { return Eigen::Map<const JointVector>(q.data()); }
-JointArray ToArray(const JointVector& q) {
-  JointArray a;
-  Eigen::Map<JointVector>(a.data()) = q;
-  return a;
+constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
+
+bool AllFinite(const JointArray& q) {
+  return std::all_of(q.begin(), q.end(), [](double value) { return std::isfinite(value); });
 }
 
 double AgeOf(rt::Nanoseconds stamp, rt::Nanoseconds now) {
   return stamp == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, stamp);
-}
-
-ServoParams Validated(const ServoParams& params) {
-  Validate(params);
-  return params;
 }
 
 void RequirePose(const Pose& X, const char* name) {
@@ -45,47 +38,35 @@ void RequirePose(const Pose& X, const char* name) {
     throw std::invalid_argument(std::string(name) + ": accepted a finite position and a rotation");
 }
 
+const ServoParams& Validated(const ServoParams& params, const Pose& X_WB, const Pose& X_FT) {
+  Validate(params);
+  RequirePose(X_WB, "X_WB");
+  RequirePose(X_FT, "X_FT");
+  return params;
+}
+
 }  // namespace
 
 ServoLoop::ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, const Pose& X_WB,
                      const Pose& X_FT, double arm_angle_rad)
-    : params_(Validated(params)),
-      arm_(arm),
-      X_WB_(X_WB),
-      X_BW_(X_WB.inverse()),
-      X_FT_(X_FT),
+    : ServoLoop(params, MakeFollower(Validated(params, X_WB, X_FT), arm, X_WB, X_FT, arm_angle_rad), X_FT) {}
+
+ServoLoop::ServoLoop(const ServoParams& params, const kinematics::OrthoParallelArm& arm, const Pose& X_WB,
+                     const Pose& X_FT)
+    : ServoLoop(params, MakeFollower(Validated(params, X_WB, X_FT), arm, X_WB, X_FT), X_FT) {}
+
+ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm, const Pose& X_FT)
+    : params_(params),
+      arm_(std::move(arm)),
       X_TF_(X_FT.inverse()),
-      wanted_arm_angle_rad_(arm_angle_rad),
       wrench_limiter_(params.wrench),
       rate_trip_(params.coupling.max_stiffness_N_per_m, params.twist.max_speed_m_per_s),
       sensor_trip_(params.sensor_force, wrench_limiter_.max_force_N()),
       workspace_(params.workspace),
-      motion_(MotionParams(params_)),
-      joint_guard_(params.joints),
-      watchdog_(params.watchdog) {
-  RequirePose(X_WB, "X_WB");
-  RequirePose(X_FT, "X_FT");
-  if (!std::isfinite(arm_angle_rad)) throw std::invalid_argument("arm_angle_rad: accepted a finite angle");
-  if (params.start) path_.emplace(params.start->path, *params.arm_body, X_FT.translation());
-  if (!params.arm_body || !params.arm_body->has_masses) return;
-  wanted_load_.load = params.posture_load;
-  wanted_load_.p_F = X_FT.translation();
-  wanted_load_.axis_F = X_FT.linear().col(2);
-  kinematics::JointVectorN<7>& torque_limit_Nm = wanted_load_.torque_limit_Nm;
-  for (int i = 0; i < 7; ++i) {
-    torque_limit_Nm[i] = params.arm_body->joints[static_cast<std::size_t>(i)].limits.torque_Nm;
-    if (!(torque_limit_Nm[i] > 0.0) || !std::isfinite(torque_limit_Nm[i]))
-      throw std::invalid_argument("torque_Nm of joint " + std::to_string(i + 1) + ": found " +
-                                  std::to_string(torque_limit_Nm[i]) +
-                                  ", accepted > 0: what the arm can hold");
-  }
-  body_.emplace(*params.arm_body, X_WB.linear().transpose() * kinematics::kGravity_W_m_per_s2);
-}
-
-Pose ServoLoop::ToolPose(const JointVector& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
+      watchdog_(params.watchdog) {}
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
-  return {.X_WT = X_WT_,
+  return {.X_WT = arm_->X_WT(),
           .spindle_rad_per_s = phase_ == Phase::kHaptic ? spindle_rad_per_s_ : 0.0,
           .stamp = has_pose_ ? now_ : 0};
 }
@@ -128,12 +109,11 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
     phase_ = Phase::kWaiting;
   }
 
-  const JointVector q_meas = ToVector(state.q_meas);
-  const Pose X_WT_meas = ToolPose(q_meas);
+  const Pose X_WT_meas = arm_->ToolPose(state.q_meas);
   if (received != ReceiveResult::kOk) {
     Miss(received);
     if (stop && phase_ == Phase::kWaiting) phase_ = Phase::kStopped;
-  } else if (!q_meas.allFinite() || (state.has_ipo && !ToVector(state.q_ipo).allFinite())) {
+  } else if (!AllFinite(state.q_meas) || (state.has_ipo && !AllFinite(state.q_ipo))) {
     faults_.Latch(Fault::kNotFinite);  // hold this tick: a position that is not known can not be left
     StartStopping();
   } else {
@@ -154,7 +134,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
     }
     if (active && phase_ == Phase::kWaiting && MayMove(readings, now)) Begin(state, now);
     if (phase_ == Phase::kHaptic || phase_ == Phase::kAligning) {
-      const double error_m = (X_WT_meas.translation() - X_WT_.translation()).norm();
+      const double error_m = (X_WT_meas.translation() - arm_->X_WT().translation()).norm();
       statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
       if (!(error_m <= params_.max_tracking_error_m)) faults_.Latch(Fault::kTracking);
       if (state.safety_state != 0) faults_.Latch(Fault::kSession);
@@ -169,14 +149,14 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
       Brake();
   }
 
-  command.q = ToArray(q_);
+  command.q = arm_->q();
   command.activation = activation_;
   record.phase = phase_;
   record.faults = faults_.bits();
   record.q_meas = state.q_meas;
   record.q_cmd = command.q;
   record.activation_cmd = command.activation;
-  record.X_WT_cmd = X_WT_;
+  record.X_WT_cmd = arm_->X_WT();
   record.X_WT_meas = X_WT_meas;
   record.v_WT_cmd_m_per_s = Vector3(share_ * V_WT_.v);
   record.spindle_rad_per_s = tool_command().spindle_rad_per_s;
@@ -186,12 +166,11 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
 // The arm moves by itself, or rests: commanded is what it commands itself. An idle one need not say where it
 // is.
 void ServoLoop::Mirror(const ArmState& state) OSTEON_RT {
-  q_step_.setZero();
   V_WT_ = {};
   share_ = 0.0;
+  arm_->Rest();
   if (state.session == SessionState::kIdle) return;
-  q_ = ToVector(state.has_ipo ? state.q_ipo : state.q_meas);
-  X_WT_ = ToolPose(q_);
+  arm_->Put(state.has_ipo ? state.q_ipo : state.q_meas);
   has_pose_ = true;
 }
 
@@ -234,11 +213,9 @@ bool ServoLoop::Permitted(const InterlockReading& interlock, rt::Nanoseconds now
 // The arm has been handed over: to the start, or on from where it is.
 void ServoLoop::Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
   activation_ = state.activation;
-  const bool there =
-      !path_ || recovered_ || (q_ - params_.start->q).cwiseAbs().maxCoeff() <= params_.start->there_rad;
-  if (there) {
+  if (recovered_ || arm_->AtStart()) {
     StartRendering(state, now);
-  } else if (path_->Begin(q_, params_.start->q)) {
+  } else if (arm_->BeginStart()) {
     phase_ = Phase::kAligning;
   } else {
     faults_.Latch(Fault::kJointLimit);  // the arm stands where no command may put it
@@ -249,27 +226,18 @@ void ServoLoop::Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
 // A step of the path. Whatever is wrong stops the path's clock; what can not be commanded is not.
 void ServoLoop::Align(const ArmState& state, bool permitted, bool stop, rt::Nanoseconds now) OSTEON_RT {
   const bool ends = stop || faults_.Any();
-  const JointPathOutput<7> next = path_->Step(params_.period_s, permitted && !ends);
-  const safety::JointGuard::Result guard = joint_guard_.Limit(q_, next.q - q_, params_.period_s);
-  if (guard.jump || guard.violated || guard.share < 1.0) {
-    faults_.Latch(Fault::kJointLimit);
-    phase_ = Phase::kStopped;
-    return;
-  }
-  q_ = next.q;
-  X_WT_ = ToolPose(q_);
-  if (next.done && !ends)
+  const StartStep step = arm_->StepToStart(permitted && !ends);
+  if (step.refused) faults_.Latch(Fault::kJointLimit);
+  if (step.there && !ends)
     StartRendering(state, now);
-  else if (ends && next.rate == 0.0)
+  else if (step.refused || (ends && step.rests))
     phase_ = Phase::kStopped;
 }
 
 void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
   activation_ = state.activation;
   phase_ = Phase::kHaptic;
-  motion_share_ = 1.0;
-  moving_ = 0.0;
-  elbow_arrived_ = false;
+  arm_->StartFollowing();
   coupling_ = {};
   sight_age_s_ = 0.0;
   rate_trip_.Reset();
@@ -280,7 +248,7 @@ void ServoLoop::Render(const CellReadings& readings, const Pose& X_WT_meas,
                        const simulation::ContactModel& model, rt::Nanoseconds now,
                        TickRecord& record) OSTEON_RT {
   const double dt_s = params_.period_s;
-  const Pose X_before = X_WT_;
+  const Pose X_before = arm_->X_WT();
   TakeSpindle(readings);
 
   // the operator
@@ -291,10 +259,10 @@ void ServoLoop::Render(const CellReadings& readings, const Pose& X_WT_meas,
   const double sensor_share = watchdog_.SensorShare(record.sensor_age_s);
 
   // the bone
-  const CouplingOutput coupling = EvaluateCoupling(params_.coupling, model, X_WT_, Scaled(V_WT_, share_), now,
-                                                   spindle_rad_per_s_ > 0.0, coupling_);
+  const CouplingOutput coupling = EvaluateCoupling(params_.coupling, model, X_before, Scaled(V_WT_, share_),
+                                                   now, spindle_rad_per_s_ > 0.0, coupling_);
   record.model_age_s = coupling.age_s;
-  const safety::LimitedWrench limited = LimitWrench(coupling.F_T_W);
+  const safety::LimitedWrench limited = arm_->Limit(wrench_limiter_, coupling.F_T_W);
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
 
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
@@ -312,7 +280,7 @@ void ServoLoop::Render(const CellReadings& readings, const Pose& X_WT_meas,
   const double hand = coupling.fade * sensor_share;
   const Wrench F_T_W{.f = hand * F_hand_T_W.f + limited.F.f, .t = hand * F_hand_T_W.t + limited.F.t};
   Twist V_next_WT;
-  if (!NextTwist(params_.admittance, X_WT_, V_WT_, F_T_W, dt_s, V_next_WT)) {
+  if (!NextTwist(params_.admittance, X_before, V_WT_, F_T_W, dt_s, V_next_WT)) {
     faults_.Latch(Fault::kNotFinite);
     StartStopping();
     Brake();
@@ -332,21 +300,22 @@ void ServoLoop::Render(const CellReadings& readings, const Pose& X_WT_meas,
   const double braked_m_per_s = V_WT_.v.norm() - params_.stop_deceleration_m_per_s2 * dt_s;
   most.max_speed_m_per_s = std::min(most.max_speed_m_per_s, std::max(sight_m_per_s, braked_m_per_s));
   const safety::LimitedTwist slow = safety::LimitTwist(V_next_WT, most);
-  const safety::Workspace::Result inside = workspace_.Limit(X_WT_.translation(), slow.V.v, dt_s);
+  const safety::Workspace::Result inside = workspace_.Limit(X_before.translation(), slow.V.v, dt_s);
   V_WT_ = {.v = inside.v_WT, .w = slow.V.w};
   share_ = coupling.fade;
 
   // the joints
   bool joints_limited = false;
-  if (!Follow(Scaled(V_WT_, share_), joints_limited)) {
+  if (!Follow(joints_limited)) {
     StartStopping();
     BrakeJoints();
   }
+  const Pose& X_WT = arm_->X_WT();
 
   // what came out
-  const double speed_m_per_s = (X_WT_.translation() - X_before.translation()).norm() / dt_s;
+  const double speed_m_per_s = (X_WT.translation() - X_before.translation()).norm() / dt_s;
   if (speed_m_per_s > kSpeedSlack * params_.twist.max_speed_m_per_s) faults_.Latch(Fault::kToolSpeed);
-  if (workspace_.Violated(X_WT_.translation())) faults_.Latch(Fault::kWorkspace);
+  if (workspace_.Violated(X_WT.translation())) faults_.Latch(Fault::kWorkspace);
   if (faults_.Any()) StartStopping();
 
   ServoStatistics& s = statistics_;
@@ -362,15 +331,23 @@ void ServoLoop::Render(const CellReadings& readings, const Pose& X_WT_meas,
   Count(s.sensor_age, sensor_share < 1.0, sensor_acted_);
 }
 
-// What the arm can hold counts where it is told to be: that is where it will be when the wrench arrives.
-safety::LimitedWrench ServoLoop::LimitWrench(const Wrench& F_T_W) const OSTEON_RT {
-  if (!body_) return wrench_limiter_.Limit(F_T_W);
-  const kinematics::Jacobian J_B = arm_.JacobianAt(q_, X_FT_.translation());
-  kinematics::Jacobian J_W;
-  J_W.topRows<3>() = X_WB_.linear() * J_B.topRows<3>();
-  J_W.bottomRows<3>() = X_WB_.linear() * J_B.bottomRows<3>();
-  return wrench_limiter_.Limit(
-      F_T_W, {J_W, body_->Gravity(q_), wanted_load_.torque_limit_Nm, kinematics::GravityHelp::kNotCounted});
+// Moves the arm along the law's twist, and takes from the twist what the arm did not do. False, with the
+// fault latched and nothing moved, where the joints are not known.
+bool ServoLoop::Follow(bool& limited) OSTEON_RT {
+  const Twist V_WT = Scaled(V_WT_, share_);
+  const Followed followed =
+      arm_->Follow({.V_WT = V_WT, .elbow_share = share_, .elbow_moves = phase_ == Phase::kHaptic});
+  if (followed.fault != Fault::kNone) {
+    faults_.Latch(followed.fault);
+    return false;
+  }
+  limited = followed.limited;
+  if (limited) {
+    // the law goes on from what the tool does; as the model's age fades the motion, so its reaction
+    V_WT_.v += share_ * (followed.V_WT.v - V_WT.v);
+    V_WT_.w += share_ * (followed.V_WT.w - V_WT.w);
+  }
+  return true;
 }
 
 void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
@@ -405,6 +382,35 @@ void ServoLoop::StartStopping() OSTEON_RT {
   phase_ = Phase::kStopping;
   V_WT_ = Scaled(V_WT_, share_);
   share_ = 1.0;
+}
+
+void ServoLoop::Brake() OSTEON_RT {
+  if (arm_->braking_joints()) {
+    BrakeJoints();
+    return;
+  }
+  // the whole twist by one factor: the longer of the two halves' braking times counts
+  const double dt_s = params_.period_s;
+  const double time_s = std::max(V_WT_.v.norm() / params_.stop_deceleration_m_per_s2,
+                                 V_WT_.w.norm() / params_.stop_deceleration_rad_per_s2);
+  V_WT_ = Scaled(V_WT_, time_s > dt_s ? 1.0 - dt_s / time_s : 0.0);
+  if (V_WT_.v.norm() < kRest_m_per_s && V_WT_.w.norm() < kRest_rad_per_s) {
+    V_WT_ = {};
+    arm_->Rest();
+    phase_ = Phase::kStopped;
+    return;
+  }
+  bool limited = false;
+  if (!Follow(limited)) BrakeJoints();
+}
+
+void ServoLoop::BrakeJoints() OSTEON_RT {
+  const Vector3 p_before = arm_->X_WT().translation();
+  const bool rests = arm_->BrakeJoints();
+  V_WT_ = {.v = (arm_->X_WT().translation() - p_before) / params_.period_s, .w = Vector3::Zero()};
+  if (!rests) return;
+  V_WT_ = {};
+  phase_ = Phase::kStopped;
 }
 
 void ServoLoop::Count(LimitCount& count, bool acts, bool& acted) OSTEON_RT {

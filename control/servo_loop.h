@@ -2,14 +2,15 @@
 
 #include <atomic>
 #include <cstdint>
-#include <optional>
+#include <memory>
 
+#include "control/arm_follower.h"
 #include "control/ports.h"
 #include "control/rt/marker.h"
 #include "control/servo_params.h"
 #include "control/tick_record.h"
 #include "kinematics/lbr_arm.h"
-#include "kinematics/serial_chain.h"
+#include "kinematics/ortho_parallel_arm.h"
 #include "safety/fault.h"
 #include "simulation/contact_model.h"
 #include "simulation/cutting_engine.h"
@@ -36,8 +37,8 @@ struct ServoStatistics {
   std::uint64_t missed_messages{0};  ///< deadlines that passed without one, once commanding
 };
 
-/// The 1 kHz admittance loop of an LBR in position mode, one arm message a tick. Knows no socket and no
-/// clock.
+/// The admittance loop of an arm in position mode, one arm message a tick: an LBR each millisecond, a KR each
+/// 4 or 12. Knows no socket and no clock.
 ///
 ///     message → pose → ages → coupling → wrench trips and limiter → M a + D v = F_operator + F_coupling
 ///             → tool speed, workspace → differential inverse, null space → joint guard → command
@@ -75,6 +76,9 @@ class ServoLoop {
   /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
   ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, const Pose& X_WB, const Pose& X_FT,
             double arm_angle_rad);
+  /// The same of a six-axis arm: no elbow to lead, and its torques are not known.
+  ServoLoop(const ServoParams& params, const kinematics::OrthoParallelArm& arm, const Pose& X_WB,
+            const Pose& X_FT);
 
   /// One tick. `state` counts where `received` is kOk; otherwise the loop holds.
   /// @param now on the clock of all stamps
@@ -109,9 +113,8 @@ class ServoLoop {
   [[nodiscard]] double max_force_N() const OSTEON_RT { return wrench_limiter_.max_force_N(); }
 
  private:
-  using JointVector = kinematics::JointVector;
+  ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm, const Pose& X_FT);
 
-  [[nodiscard]] Pose ToolPose(const JointVector& q) const OSTEON_RT;
   void Mirror(const ArmState& state) OSTEON_RT;
   void Miss(ReceiveResult received) OSTEON_RT;
   [[nodiscard]] bool MayMove(const CellReadings& readings, rt::Nanoseconds now) const OSTEON_RT;
@@ -124,27 +127,19 @@ class ServoLoop {
   void TakeSpindle(const CellReadings& readings) OSTEON_RT;
   void Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
                  const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT;
-  [[nodiscard]] safety::LimitedWrench LimitWrench(const Wrench& F_T_W) const OSTEON_RT;
   void StartStopping() OSTEON_RT;
   void Brake() OSTEON_RT;
   void BrakeJoints() OSTEON_RT;
-  [[nodiscard]] bool Follow(const Twist& V_WT, bool& limited) OSTEON_RT;
-  [[nodiscard]] JointVector WantedElbow(const Twist& V_WT) OSTEON_RT;
+  [[nodiscard]] bool Follow(bool& limited) OSTEON_RT;
   void Count(LimitCount& count, bool acts, bool& acted) OSTEON_RT;
 
   ServoParams params_;
-  kinematics::LbrArm arm_;
-  Pose X_WB_, X_BW_, X_FT_, X_TF_;
-  double wanted_arm_angle_rad_;
-  std::optional<kinematics::SerialChain<7>> body_;
-  kinematics::WantedLoad<7> wanted_load_;  ///< torque limits: of the drives
+  std::unique_ptr<ArmFollower> arm_;  ///< its pose is the virtual tool's, once it is known
+  Pose X_TF_;
   safety::WrenchLimiter wrench_limiter_;
   safety::WrenchRateTrip rate_trip_;
   safety::SensorForceTrip sensor_trip_;
   safety::Workspace workspace_;
-  kinematics::DifferentialInverse<7> motion_;
-  std::optional<JointPath<7>> path_;  ///< to the start
-  safety::JointGuard joint_guard_;
   safety::Watchdog watchdog_;
 
   Phase phase_{Phase::kWaiting};
@@ -160,21 +155,11 @@ class ServoLoop {
   bool spindle_permitted_{true};   ///< by the PLC
   double spindle_rad_per_s_{0.0};  ///< what it does: measured where there is a drive
 
-  // the virtual tool, and the joints that put the arm there: one and the same pose, once it is known
+  // the virtual tool
   bool has_pose_{false};
-  Pose X_WT_{Pose::Identity()};
   Twist V_WT_;               ///< of the law, before the share below
   double share_{0.0};        ///< of V_WT_ that moves the tool
   double sight_age_s_{0.0};  ///< the models' greatest age of late
-  JointVector q_{JointVector::Zero()};
-  JointVector q_step_{JointVector::Zero()};  ///< of the last tick
-  double motion_share_{1.0};                 ///< of the task, in the last tick
-  double moving_{0.0};                       ///< 0 … 1: how much the tool moved in it
-  double sigma_min_m_{1.0};                  ///< of the last tick
-  JointVector sigma_gradient_m_{JointVector::Zero()};
-  JointVector null_direction_{JointVector::Zero()};
-  bool elbow_arrived_{false};  ///< it has been at the wanted arm angle
-  int joint_stop_ticks_{0};    ///< left of a stop along the joints; 0: none under way
 
   // what acted in the tick before
   bool wrench_acted_{false}, arm_acted_{false}, twist_acted_{false}, workspace_acted_{false},

@@ -37,22 +37,7 @@ void Validate(const ServoParams& params) {
   require("posture_load torque_Nm", params.posture_load.torque_Nm, 0.0, 1000.0);
   require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
   require("period_s", params.period_s, 1e-4, 0.02);
-  if (!params.start) return;
-  require("start there_rad", params.start->there_rad, 1e-6, 0.1);
-  if (!params.arm_body)
-    throw std::invalid_argument(
-        "servo start: found no arm_body, accepted one: its path needs the arm's lengths");
-}
-
-kinematics::DifferentialInverseParams<7> MotionParams(const ServoParams& params) {
-  kinematics::DifferentialInverseParams<7> motion;
-  motion.limits = params.joints.limits;
-  motion.position_margin_rad = params.joints.position_margin_rad;
-  motion.speed_share = params.joints.speed_share;
-  motion.acceleration_share = params.joint_acceleration_share;
-  motion.turning_length_m =
-      std::sqrt(params.admittance.inertia_kg_m2.mean() / params.admittance.mass_kg.mean());
-  return motion;
+  if (params.start) require("start there_rad", params.start->there_rad, 1e-6, 0.1);
 }
 
 }  // namespace osteon::control

@@ -7,7 +7,6 @@
 #include "control/joint_path.h"
 #include "control/virtual_coupling.h"
 #include "kinematics/chain_params.h"
-#include "kinematics/differential_inverse.h"
 #include "kinematics/redundancy.h"
 #include "safety/joint_guard.h"
 #include "safety/limits.h"
@@ -18,7 +17,8 @@ namespace osteon::control {
 
 /// Where rendering begins. An arm that is handed over elsewhere goes there first.
 struct StartParams {
-  kinematics::JointVector q{kinematics::JointVector::Zero()};  ///< [rad]
+  kinematics::JointVectorN<7> q{
+      kinematics::JointVectorN<7>::Zero()};  ///< [rad]; of a six-axis arm the first six
   JointPathParams path;
   double there_rad{2e-3};  ///< every joint this near counts as there; > 0
 };
@@ -55,20 +55,15 @@ struct ServoParams {
   double max_tracking_error_m{0.03};  ///< measured from commanded tool position
   double period_s{0.001};             ///< of the arm's messages
   ForceSensorParams sensor;
-  std::optional<StartParams> start;  ///< absent: where the arm is handed over; needs arm_body
+  std::optional<StartParams> start;  ///< absent: where the arm is handed over; of an LBR needs arm_body
   bool has_spindle{false};           ///< the spindle has a drive: what it says of its speed counts
   bool has_interlock{false};         ///< the cell has a PLC: nothing moves without its permission
-  /// The arm with sensor and tool as its payload: the coupling is scaled to what its torques can hold in the
+  /// The LBR with sensor and tool as its payload: the coupling is scaled to what its torques can hold in the
   /// posture. Absent, or without masses: the cell's limits alone.
   std::optional<kinematics::ChainParams<7>> arm_body;
 };
 
 /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
 void Validate(const ServoParams& params);
-
-/// What the differential inverse is told. A radian weighs as the virtual tool's radius of gyration: what a
-/// vanishing direction takes from the twist is then what a smooth stop would take from a body of that mass
-/// and inertia.
-[[nodiscard]] kinematics::DifferentialInverseParams<7> MotionParams(const ServoParams& params);
 
 }  // namespace osteon::control

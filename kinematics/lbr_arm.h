@@ -49,6 +49,9 @@ struct LbrSolutions {
 /// on the circle it is.
 class LbrArm {
  public:
+  static constexpr int kJoints = 7;
+  using Joints = JointVectorN<7>;
+
   /// @throws std::invalid_argument where a length or a limit is out of range (LbrParams), naming it.
   explicit LbrArm(const LbrParams& params);
 

@@ -51,9 +51,7 @@ Angle Sum(const Angle& a, const Angle& b) { return {a.c * b.c - a.s * b.s, a.s *
 Angle Of(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
 double Value(const Angle& a) { return std::atan2(a.s, a.c); }
 
-}  // namespace
-
-OrthoParallelArm::OrthoParallelArm(const OrthoParallelParams& params) : params_(params) {
+const OrthoParallelParams& Validated(const OrthoParallelParams& params) {
   for (const auto& [name, value] : {std::pair{"a1_m", params.a1_m},
                                     {"a2_m", params.a2_m},
                                     {"b_m", params.b_m},
@@ -73,8 +71,20 @@ OrthoParallelArm::OrthoParallelArm(const OrthoParallelParams& params) : params_(
     if (!(limit.upper_rad > limit.lower_rad && limit.upper_rad <= kTurn))
       Refuse("upper position limit" + of + " [rad]", limit.upper_rad, "above the lower one … 2 pi");
   }
-  fore_m_ = std::hypot(params.a2_m, params.c3_m);
-  fore_rad_ = std::atan2(params.a2_m, params.c3_m);
+  return params;
+}
+
+}  // namespace
+
+OrthoParallelArm::OrthoParallelArm(const OrthoParallelParams& params)
+    : params_(Validated(params)),
+      chain_(ChainFrom(params)),
+      fore_m_(std::hypot(params.a2_m, params.c3_m)),
+      fore_rad_(std::atan2(params.a2_m, params.c3_m)) {}
+
+JacobianN<6> OrthoParallelArm::JacobianAt(const Joints& q, const Vector3& p_F) const OSTEON_RT {
+  const SerialChain<6>::Posture posture = chain_.Place(q);
+  return chain_.JacobianAt(posture, posture.X_BF * p_F);
 }
 
 int OrthoParallelArm::Configuration(const Joints& q) const OSTEON_RT {

@@ -5,6 +5,7 @@
 
 #include "control/rt/marker.h"
 #include "kinematics/ortho_parallel_params.h"
+#include "kinematics/serial_chain.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::kinematics {
@@ -35,16 +36,21 @@ struct OrthoParallelSolutions {
   [[nodiscard]] bool reachable() const noexcept { return out_of_reach_m == 0.0; }
 };
 
-/// Closed-form inverse of a six-axis arm with ortho-parallel basis and spherical wrist. Its forward
-/// kinematics are SerialChain<6>(ChainFrom(params)). Allocation-free.
+/// A six-axis arm with ortho-parallel basis and spherical wrist, its inverse in closed form. Allocation-free.
 class OrthoParallelArm {
  public:
+  static constexpr int kJoints = 6;
   using Joints = JointVectorN<6>;
 
   /// @throws std::invalid_argument where a length, a sign or a limit is out of range, naming it.
   explicit OrthoParallelArm(const OrthoParallelParams& params);
 
   [[nodiscard]] const OrthoParallelParams& params() const noexcept { return params_; }
+
+  /// X_BF at joint positions q [rad].
+  [[nodiscard]] Pose FlangePose(const Joints& q) const OSTEON_RT { return chain_.FlangePose(q); }
+  /// Geometric Jacobian of the flange's point p_F [m, in F]: rows v (3) then w (3), in B.
+  [[nodiscard]] JacobianN<6> JacobianAt(const Joints& q, const Vector3& p_F) const OSTEON_RT;
 
   /// Configuration number 0 … 7: bit 0 where the wrist is behind A1 (overhead, KUKA's S bit 0), bit 1 where
   /// the forearm bends back (theta3 + atan(a2/c3) < 0), bit 2 where theta5 < 0.
@@ -81,6 +87,7 @@ class OrthoParallelArm {
                OrthoParallelSolution& flipped) const OSTEON_RT;
 
   OrthoParallelParams params_;
+  SerialChain<6> chain_;
   double fore_m_, fore_rad_;  // k = hypot(a2, c3), atan(a2/c3)
 };
 

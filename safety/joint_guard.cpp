@@ -9,9 +9,10 @@
 
 namespace osteon::safety {
 
-JointGuard::JointGuard(const JointGuardParams& params) : params_(params) {
+template <int N>
+JointGuard<N>::JointGuard(const JointGuardParams& params) : params_(params) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
-  for (std::size_t i = 0; i < params.limits.size(); ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(N); ++i) {
     const kinematics::JointLimits& limit = params.limits[i];
     if (!std::isfinite(limit.lower_rad) || !std::isfinite(limit.upper_rad) ||
         !(limit.lower_rad < limit.upper_rad) || !positive(limit.velocity_rad_per_s) ||
@@ -33,11 +34,11 @@ JointGuard::JointGuard(const JointGuardParams& params) : params_(params) {
     throw std::invalid_argument("jump_rad: found " + std::to_string(params.jump_rad) + ", accepted > 0");
 }
 
-JointGuard::Result JointGuard::Limit(const kinematics::JointVector& q,
-                                     const kinematics::JointVector& wanted_step_rad,
-                                     double dt_s) const OSTEON_RT {
+template <int N>
+typename JointGuard<N>::Result JointGuard<N>::Limit(const Joints& q, const Joints& wanted_step_rad,
+                                                    double dt_s) const OSTEON_RT {
   Result result;
-  for (int i = 0; i < 7; ++i) {
+  for (int i = 0; i < N; ++i) {
     const kinematics::JointLimits& limit = params_.limits[static_cast<std::size_t>(i)];
     const double step = wanted_step_rad[i];
     if (!std::isfinite(q[i]) || !(std::abs(step) <= params_.jump_rad)) {
@@ -58,5 +59,8 @@ JointGuard::Result JointGuard::Limit(const kinematics::JointVector& q,
   result.step = result.share * wanted_step_rad;
   return result;
 }
+
+template class JointGuard<6>;
+template class JointGuard<7>;
 
 }  // namespace osteon::safety

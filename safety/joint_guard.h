@@ -3,13 +3,13 @@
 #include <array>
 
 #include "control/rt/marker.h"
-#include "kinematics/lbr_arm.h"
+#include "kinematics/chain_params.h"
 
 namespace osteon::safety {
 
 struct JointGuardParams {
-  std::array<kinematics::JointLimits, 7>
-      limits{};  ///< the arm's own; lower < upper, velocity, acceleration > 0
+  /// The arm's own; lower < upper, velocity, acceleration > 0. Of a six-axis arm the first six count.
+  std::array<kinematics::JointLimits, 7> limits{};
   double position_margin_rad{0.0174532925199433};  ///< kept from either position limit (1 deg); >= 0
   double speed_share{0.9};                         ///< of the velocity limit that a command may use, (0, 1]
   double jump_rad{0.1};  ///< a step of one joint beyond this is no motion but another branch; > 0
@@ -20,22 +20,28 @@ struct JointGuardParams {
 ///
 /// Toward a position limit joint i may move at BrakingSpeed(distance, acceleration_i): one cycle's motion v
 /// dt and the braking after it both fit before the limit.
+/// @tparam N number of joints, 6 or 7
+template <int N>
 class JointGuard {
  public:
+  using Joints = kinematics::JointVectorN<N>;
+
   /// @throws std::invalid_argument where a value is out of range, naming the joint.
   explicit JointGuard(const JointGuardParams& params);
 
   struct Result {
-    kinematics::JointVector step{kinematics::JointVector::Zero()};  ///< [rad]
-    double share{1.0};                                              ///< of the wanted step, 0 … 1
+    Joints step{Joints::Zero()};  ///< [rad]
+    double share{1.0};            ///< of the wanted step, 0 … 1
     bool jump{false};      ///< a joint's wanted step was beyond jump_rad, or not finite; step is then zero
     bool violated{false};  ///< q is outside the arm's own position limits
   };
-  [[nodiscard]] Result Limit(const kinematics::JointVector& q, const kinematics::JointVector& wanted_step_rad,
-                             double dt_s) const OSTEON_RT;
+  [[nodiscard]] Result Limit(const Joints& q, const Joints& wanted_step_rad, double dt_s) const OSTEON_RT;
 
  private:
   JointGuardParams params_;
 };
+
+extern template class JointGuard<6>;
+extern template class JointGuard<7>;
 
 }  // namespace osteon::safety

@@ -11,7 +11,8 @@
 namespace osteon::safety {
 namespace {
 
-using kinematics::JointVector;
+using Guard = JointGuard<7>;
+using JointVector = Guard::Joints;
 constexpr double kDt_s = 0.001;
 
 JointGuardParams Params() {
@@ -25,10 +26,10 @@ JointGuardParams Params() {
 }
 
 TEST(JointGuard, ScalesTheWholeStepAndClipsNoSingleJoint) {
-  const JointGuard guard(Params());
+  const Guard guard(Params());
   JointVector wanted;
   wanted << 0.01, -0.005, 0.001, 0.0, 0.0, 0.002, -0.003;  // A1 wants 10 rad/s, 1.35 are allowed
-  const JointGuard::Result result = guard.Limit(JointVector::Zero(), wanted, kDt_s);
+  const Guard::Result result = guard.Limit(JointVector::Zero(), wanted, kDt_s);
   EXPECT_NEAR(result.share, 0.135, 1e-12);
   EXPECT_TRUE(result.step.isApprox(0.135 * wanted, 1e-12));
   EXPECT_FALSE(result.jump);
@@ -36,7 +37,7 @@ TEST(JointGuard, ScalesTheWholeStepAndClipsNoSingleJoint) {
 }
 
 TEST(JointGuard, ApproachToAPositionLimitIsMonotoneAndEndsBeforeIt) {
-  const JointGuard guard(Params());
+  const Guard guard(Params());
   for (const double sign : {1.0, -1.0}) {
     JointVector q = JointVector::Zero(), wanted = JointVector::Zero();
     q[3] = sign * 1.5;
@@ -61,7 +62,7 @@ TEST(JointGuard, EitherSideHasItsOwnLimit) {
   JointGuardParams params = Params();
   params.limits[1].lower_rad = -3.3;
   params.limits[1].upper_rad = 0.8;
-  const JointGuard guard(params);
+  const Guard guard(params);
   for (const double sign : {1.0, -1.0}) {
     JointVector q = JointVector::Zero(), wanted = JointVector::Zero();
     wanted[1] = sign * 1.35 * kDt_s;
@@ -77,10 +78,10 @@ TEST(JointGuard, EitherSideHasItsOwnLimit) {
 }
 
 TEST(JointGuard, AnotherBranchIsNoMotion) {
-  const JointGuard guard(Params());
+  const Guard guard(Params());
   JointVector wanted = JointVector::Zero();
   wanted[6] = 3.0;
-  const JointGuard::Result result = guard.Limit(JointVector::Zero(), wanted, kDt_s);
+  const Guard::Result result = guard.Limit(JointVector::Zero(), wanted, kDt_s);
   EXPECT_TRUE(result.jump);
   EXPECT_TRUE(result.step.isZero(0.0));
   wanted[6] = std::numeric_limits<double>::quiet_NaN();
@@ -90,21 +91,31 @@ TEST(JointGuard, AnotherBranchIsNoMotion) {
 TEST(JointGuard, OutsideTheArmsOwnLimitsIsViolation) {
   JointVector q = JointVector::Zero();
   q[1] = -2.01;
-  EXPECT_TRUE(JointGuard(Params()).Limit(q, JointVector::Zero(), kDt_s).violated);
+  EXPECT_TRUE(Guard(Params()).Limit(q, JointVector::Zero(), kDt_s).violated);
 }
 
 TEST(JointGuard, RefusesLimitsThatAreNotSet) {
-  EXPECT_THROW(JointGuard(JointGuardParams{}), std::invalid_argument) << "no speed, no acceleration";
+  EXPECT_THROW(Guard(JointGuardParams{}), std::invalid_argument) << "no speed, no acceleration";
   JointGuardParams params = Params();
   params.position_margin_rad = 2.5;
-  EXPECT_THROW(JointGuard{params}, std::invalid_argument);
+  EXPECT_THROW(Guard{params}, std::invalid_argument);
+}
+
+TEST(JointGuard, OfASixAxisArmTheSeventhLimitDoesNotCount) {
+  JointGuardParams params = Params();
+  params.limits[6] = {};
+  const JointGuard<6> guard(params);
+  const JointGuard<6>::Joints wanted = JointGuard<6>::Joints::Constant(2.0 * 1.5 * kDt_s);
+  const JointGuard<6>::Result result = guard.Limit(JointGuard<6>::Joints::Zero(), wanted, kDt_s);
+  EXPECT_NEAR(result.share, 0.5 * params.speed_share, 1e-12);
+  EXPECT_THROW(JointGuard<7>{params}, std::invalid_argument);
 }
 
 TEST(JointGuard, DoesNotAllocate) {
-  const JointGuard guard(Params());
+  const Guard guard(Params());
   const JointVector q = JointVector::Constant(0.3), wanted = JointVector::Constant(0.01);
   rt::NoAllocScope scope;
-  const JointGuard::Result result = guard.Limit(q, wanted, kDt_s);
+  const Guard::Result result = guard.Limit(q, wanted, kDt_s);
   const int heap_calls = scope.heap_calls();
   EXPECT_LT(result.share, 1.0);
   EXPECT_EQ(heap_calls, 0);

@@ -1,0 +1,285 @@
+#include "control/arm_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+
+#include "control/twist_parts.h"
+#include "kinematics/differential_inverse.h"
+#include "kinematics/force_capability.h"
+#include "kinematics/redundancy.h"
+#include "kinematics/serial_chain.h"
+#include "safety/joint_guard.h"
+
+namespace osteon::control {
+namespace {
+
+using safety::Fault;
+
+constexpr double kElbowRate_per_s = 40.0;  // toward the wanted arm angle, where it is near
+constexpr double kElbowThere_rad = 1e-6;
+constexpr double kMoving_m_per_s = 0.02,
+                 kMoving_rad_per_s = 0.1;  // of the tool: the elbow has its full speed
+constexpr double kStands = 1e-6;           // of that: rounding
+
+double WrapAngle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+
+// What the differential inverse is told. A radian weighs as the virtual tool's radius of gyration: what a
+// vanishing direction takes from the twist is then what a smooth stop would take from a body of that mass and
+// inertia.
+template <int N>
+kinematics::DifferentialInverseParams<N> MotionParams(const ServoParams& params) {
+  kinematics::DifferentialInverseParams<N> motion;
+  std::copy_n(params.joints.limits.begin(), N, motion.limits.begin());
+  motion.position_margin_rad = params.joints.position_margin_rad;
+  motion.speed_share = params.joints.speed_share;
+  motion.acceleration_share = params.joint_acceleration_share;
+  motion.turning_length_m =
+      std::sqrt(params.admittance.inertia_kg_m2.mean() / params.admittance.mass_kg.mean());
+  return motion;
+}
+
+// What an LBR has beyond its six: an elbow that may be elsewhere while the tool stays, and known torques.
+struct Redundancy {
+  Redundancy(const ServoParams& params, const Pose& X_WB, const Pose& X_FT, double wanted_arm_angle_rad)
+      : arm_angle_rad(wanted_arm_angle_rad) {
+    if (!std::isfinite(arm_angle_rad)) throw std::invalid_argument("arm_angle_rad: accepted a finite angle");
+    if (!params.arm_body || !params.arm_body->has_masses) return;
+    load.load = params.posture_load;
+    load.p_F = X_FT.translation();
+    load.axis_F = X_FT.linear().col(2);
+    kinematics::JointVectorN<7>& torque_limit_Nm = load.torque_limit_Nm;
+    for (int i = 0; i < 7; ++i) {
+      torque_limit_Nm[i] = params.arm_body->joints[static_cast<std::size_t>(i)].limits.torque_Nm;
+      if (!(torque_limit_Nm[i] > 0.0) || !std::isfinite(torque_limit_Nm[i]))
+        throw std::invalid_argument("torque_Nm of joint " + std::to_string(i + 1) + ": found " +
+                                    std::to_string(torque_limit_Nm[i]) +
+                                    ", accepted > 0: what the arm can hold");
+    }
+    body.emplace(*params.arm_body, X_WB.linear().transpose() * kinematics::kGravity_W_m_per_s2);
+  }
+
+  double arm_angle_rad;  // wanted
+  std::optional<kinematics::SerialChain<7>> body;
+  kinematics::WantedLoad<7> load;  // torque limits: of the drives
+  bool arrived{false};             // it has been at the wanted arm angle
+};
+struct NoRedundancy {};
+
+/// @tparam Arm  LbrArm or OrthoParallelArm
+template <class Arm>
+class JointFollower final : public ArmFollower {
+ public:
+  static constexpr int kN = Arm::kJoints;
+  static constexpr bool kRedundant = kN == 7;
+  using Joints = typename Arm::Joints;
+  using Elbow = std::conditional_t<kRedundant, Redundancy, NoRedundancy>;
+
+  JointFollower(const ServoParams& params, const Arm& arm, const kinematics::ChainParams<kN>* path_chain,
+                const Pose& X_WB, const Pose& X_FT, Elbow elbow)
+      : params_(params),
+        arm_(arm),
+        X_WB_(X_WB),
+        X_BW_(X_WB.inverse()),
+        X_FT_(X_FT),
+        X_TF_(X_FT.inverse()),
+        elbow_(std::move(elbow)),
+        motion_(MotionParams<kN>(params)),
+        guard_(params.joints) {
+    if (!params.start) return;
+    if (!path_chain)
+      throw std::invalid_argument(
+          "servo start: found no arm_body, accepted one: its path needs the arm's lengths");
+    path_.emplace(params.start->path, *path_chain, X_FT.translation());
+  }
+
+  [[nodiscard]] Pose ToolPose(const JointArray& q) const OSTEON_RT override { return PoseOf(ToJoints(q)); }
+  [[nodiscard]] JointArray q() const OSTEON_RT override {
+    JointArray q{};
+    std::copy_n(q_.data(), kN, q.begin());
+    return q;
+  }
+
+  void Put(const JointArray& q) OSTEON_RT override {
+    q_ = ToJoints(q);
+    X_WT_ = PoseOf(q_);
+    Rest();
+  }
+  void Rest() OSTEON_RT override { q_step_.setZero(); }
+  void StartFollowing() OSTEON_RT override {
+    motion_share_ = 1.0;
+    moving_ = 0.0;
+    if constexpr (kRedundant) elbow_.arrived = false;
+  }
+
+  [[nodiscard]] Followed Follow(const FollowWish& wish) OSTEON_RT override;
+  [[nodiscard]] bool BrakeJoints() OSTEON_RT override;
+  [[nodiscard]] bool braking_joints() const OSTEON_RT override { return stop_ticks_ > 0; }
+
+  [[nodiscard]] bool AtStart() const OSTEON_RT override {
+    return !path_ || (q_ - Start()).cwiseAbs().maxCoeff() <= params_.start->there_rad;
+  }
+  [[nodiscard]] bool BeginStart() OSTEON_RT override { return path_->Begin(q_, Start()); }
+  [[nodiscard]] StartStep StepToStart(bool permitted) OSTEON_RT override;
+
+  [[nodiscard]] safety::LimitedWrench Limit(const safety::WrenchLimiter& limiter,
+                                            const Wrench& F_T_W) const OSTEON_RT override;
+
+ private:
+  static Joints ToJoints(const JointArray& q) { return Eigen::Map<const Joints>(q.data()); }
+  [[nodiscard]] Pose PoseOf(const Joints& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
+  [[nodiscard]] Joints Start() const OSTEON_RT { return params_.start->q.template head<kN>(); }
+  [[nodiscard]] Joints WantedElbow(const FollowWish& wish) OSTEON_RT;
+
+  ServoParams params_;
+  Arm arm_;
+  Pose X_WB_, X_BW_, X_FT_, X_TF_;
+  [[no_unique_address]] Elbow elbow_;
+  kinematics::DifferentialInverse<kN> motion_;
+  safety::JointGuard<kN> guard_;
+  std::optional<JointPath<kN>> path_;  // to the start
+
+  Joints q_{Joints::Zero()};
+  // of the last tick
+  Joints q_step_{Joints::Zero()};
+  double motion_share_{1.0};  // of the task
+  double moving_{0.0};        // 0 … 1: how much the tool moved
+  double sigma_min_m_{1.0};
+  Joints sigma_gradient_m_{Joints::Zero()}, null_direction_{Joints::Zero()};
+  int stop_ticks_{0};  // left of a stop along the joints; 0: none under way
+};
+
+template <class Arm>
+Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
+  const double dt_s = params_.period_s;
+  Followed followed{.V_WT = wish.V_WT};
+  kinematics::MotionInput<kN> wanted;
+  wanted.J = arm_.JacobianAt(q_, X_FT_.translation());
+  wanted.V_BT = Turned(X_BW_.linear(), wish.V_WT);
+  wanted.q = q_;
+  wanted.qd_before = q_step_ / dt_s;
+  wanted.share_before = motion_share_;
+  wanted.qd_null = WantedElbow(wish);
+  wanted.dt_s = dt_s;
+  const kinematics::MotionOutput<kN> moves = motion_.Step(wanted);
+  if (!moves.finite) {
+    followed.fault = Fault::kInverseKinematics;
+    return followed;
+  }
+  // what was just limited is checked by what knows nothing of it
+  const auto guard = guard_.Limit(q_, dt_s * moves.qd, dt_s);
+  if (guard.jump || guard.violated) {
+    followed.fault = Fault::kJointLimit;
+    return followed;
+  }
+  motion_share_ = moves.share;
+  moving_ = std::min(1.0, moves.V_BT.v.norm() / kMoving_m_per_s + moves.V_BT.w.norm() / kMoving_rad_per_s);
+  if (moving_ < kStands) moving_ = 0.0;
+  sigma_min_m_ = moves.sigma_min_m;
+  sigma_gradient_m_ = moves.sigma_gradient_m;
+  null_direction_ = moves.null_direction;
+  q_step_ = guard.step;
+  q_ += q_step_;
+  X_WT_ = PoseOf(q_);
+  followed.limited = moves.limit != kinematics::MotionLimit::kNone || guard.share < 1.0;
+  if (followed.limited) followed.V_WT = Turned(X_WB_.linear(), Scaled(moves.V_BT, guard.share));
+  return followed;
+}
+
+// Where the joints should go for the elbow's sake, as a velocity whose part in the null space counts.
+template <class Arm>
+typename Arm::Joints JointFollower<Arm>::WantedElbow([[maybe_unused]] const FollowWish& wish) OSTEON_RT {
+  Joints qd = Joints::Zero();
+  if constexpr (kRedundant) {
+    const double dt_s = params_.period_s;
+    // what limits will leave of the twist, by the tick before: an elbow held for a tool that can't move would
+    // move
+    const Twist V_likely_WT = Scaled(wish.V_WT, motion_share_);
+
+    // the arm angle: held, and turned to the wanted one
+    const double arm_angle_rad = arm_.ArmAngle(q_);
+    const double error_rad = WrapAngle(elbow_.arm_angle_rad - arm_angle_rad);
+    elbow_.arrived |= std::abs(error_rad) < kElbowThere_rad;
+    const double most = params_.arm_angle_rate_rad_per_s;
+    const double share = !wish.elbow_moves ? 0.0 : elbow_.arrived ? moving_ : wish.elbow_share;
+    kinematics::LoadPreference<7> load;
+    if (elbow_.body && (share > 0.0 || moving_ > 0.0))
+      load = kinematics::TowardsLoad<7>(params_.posture, *elbow_.body, elbow_.load, q_, null_direction_);
+    // an angle at which the arm does not hold the load is not worth holding
+    const double worth = 1.0 - load.depth * load.depth;
+    const double turn = worth * share * std::clamp(kElbowRate_per_s * error_rad, -most, most);
+    Joints q_there;
+    if (turn == 0.0 && V_likely_WT.v.isZero(0.0) && V_likely_WT.w.isZero(0.0))
+      return qd;  // not by rounding either
+    if (arm_.Inverse(X_BW_ * Move(X_WT_, V_likely_WT, dt_s) * X_TF_, arm_angle_rad + dt_s * turn, q_,
+                     q_there) &&
+        (q_there - q_).cwiseAbs().maxCoeff() < params_.joints.jump_rad)
+      qd = (q_there - q_) / dt_s;
+
+    qd += moving_ * kinematics::AwayFromLimits<7>(params_.posture, params_.joints.limits,
+                                                  params_.joints.position_margin_rad, q_);
+    qd += moving_ * kinematics::AwayFromSingularity<7>(params_.posture, sigma_min_m_, sigma_gradient_m_);
+    qd += moving_ * load.qd;
+  }
+  return qd;
+}
+
+template <class Arm>
+bool JointFollower<Arm>::BrakeJoints() OSTEON_RT {
+  if (stop_ticks_ == 0)
+    stop_ticks_ = std::max(1, static_cast<int>(std::ceil(params_.joint_stop_s / params_.period_s)));
+  --stop_ticks_;
+  q_step_ *= static_cast<double>(stop_ticks_) / (stop_ticks_ + 1);
+  q_step_ = guard_.Limit(q_, q_step_, params_.period_s).step;
+  q_ += q_step_;
+  X_WT_ = PoseOf(q_);
+  return stop_ticks_ == 0;
+}
+
+template <class Arm>
+StartStep JointFollower<Arm>::StepToStart(bool permitted) OSTEON_RT {
+  const JointPathOutput<kN> next = path_->Step(params_.period_s, permitted);
+  const auto guard = guard_.Limit(q_, next.q - q_, params_.period_s);
+  if (guard.jump || guard.violated || guard.share < 1.0) return {.refused = true};
+  q_ = next.q;
+  X_WT_ = PoseOf(q_);
+  return {.there = next.done, .rests = next.rate == 0.0};
+}
+
+template <class Arm>
+safety::LimitedWrench JointFollower<Arm>::Limit(const safety::WrenchLimiter& limiter,
+                                                const Wrench& F_T_W) const OSTEON_RT {
+  if constexpr (kRedundant) {
+    if (elbow_.body) {
+      const kinematics::Jacobian J_B = arm_.JacobianAt(q_, X_FT_.translation());
+      kinematics::Jacobian J_W;
+      J_W.topRows<3>() = X_WB_.linear() * J_B.topRows<3>();
+      J_W.bottomRows<3>() = X_WB_.linear() * J_B.bottomRows<3>();
+      return limiter.Limit(F_T_W, {J_W, elbow_.body->Gravity(q_), elbow_.load.torque_limit_Nm,
+                                   kinematics::GravityHelp::kNotCounted});
+    }
+  }
+  return limiter.Limit(F_T_W);
+}
+
+}  // namespace
+
+std::unique_ptr<ArmFollower> MakeFollower(const ServoParams& params, const kinematics::LbrArm& arm,
+                                          const Pose& X_WB, const Pose& X_FT, double arm_angle_rad) {
+  return std::make_unique<JointFollower<kinematics::LbrArm>>(
+      params, arm, params.arm_body ? &*params.arm_body : nullptr, X_WB, X_FT,
+      Redundancy(params, X_WB, X_FT, arm_angle_rad));
+}
+
+std::unique_ptr<ArmFollower> MakeFollower(const ServoParams& params, const kinematics::OrthoParallelArm& arm,
+                                          const Pose& X_WB, const Pose& X_FT) {
+  const kinematics::ChainParams<6> chain = kinematics::ChainFrom(arm.params());
+  return std::make_unique<JointFollower<kinematics::OrthoParallelArm>>(params, arm, &chain, X_WB, X_FT,
+                                                                       NoRedundancy{});
+}
+
+}  // namespace osteon::control
