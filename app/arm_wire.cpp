@@ -4,12 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "control/rt/clock.h"
-
 namespace osteon::app {
 namespace {
-
-constexpr rt::Nanoseconds kEndWithin = 100 * rt::kMillisecond;
 
 // Only KROSHU's layout has a <Stop>.
 bool CanStop(const config::ArmLinkConfig& link) {
@@ -17,8 +13,7 @@ bool CanStop(const config::ArmLinkConfig& link) {
 }
 
 std::string DiagnosisOf(const io::RsiStatus& status, const io::RsiError& error) {
-  if (status.sessions == 0 && error)
-    return "What came was refused as RSI: " + io::Describe(error) + ".";
+  if (status.sessions == 0 && error) return "What came was refused as RSI: " + io::Describe(error) + ".";
   if (status.sessions == 0)
     return "No session of RSI has begun: is its program past the HALT, sending to this address and port, and "
            "was it started after osteon?";
@@ -92,7 +87,8 @@ void ArmWire::End() {
 }
 
 std::string ArmWire::Diagnosis() const {
-  if (const auto* fri = std::get_if<std::unique_ptr<io::FriLink>>(&link_)) return (*fri)->session().Diagnosis();
+  if (const auto* fri = std::get_if<std::unique_ptr<io::FriLink>>(&link_))
+    return (*fri)->session().Diagnosis();
   const auto& rsi = std::get<std::unique_ptr<io::RsiLink>>(link_);
   return DiagnosisOf(rsi->status(), rsi->last_error());
 }

@@ -9,6 +9,7 @@
 
 #include "config/cell_config.h"
 #include "control/ports.h"
+#include "control/rt/clock.h"
 #include "io/fri/fri_link.h"
 #include "io/rsi/rsi_link.h"
 
@@ -18,6 +19,9 @@ namespace osteon::app {
 
 /// "FRI 1.15", "RSI im_free, axes, 4 ms".
 [[nodiscard]] std::string Describe(const config::ArmLinkConfig& link);
+
+/// So long an arm's program is given to end the session when it is asked to.
+inline constexpr rt::Nanoseconds kEndWithin = 100 * rt::kMillisecond;
 
 /// The client's side in virtual time: bytes handed over in memory.
 class ArmSession {
@@ -49,8 +53,8 @@ class ArmWire {
 
   [[nodiscard]] control::ArmLink& link();
 
-  /// Asks the arm's program to end the session, where the protocol can, and waits until it has, a tenth of a
-  /// second at most: an arm that is left without answers ends by a fault of its own.
+  /// Asks the arm's program to end the session, where the protocol can, and waits until it has, kEndWithin at
+  /// most: an arm that is left without answers ends by a fault of its own.
   void End();
 
   /// What keeps the arm from being commanded; empty where nothing does.

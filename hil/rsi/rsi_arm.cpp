@@ -33,7 +33,7 @@ RsiArm::RsiArm(const RsiArmParams& params, const control::JointArray& q_start, c
     : params_(params),
       X_FT_(X_FT),
       controller_(At(params.controller, q_start)),
-      chain_(kinematics::ChainFrom(params.controller.arm)) {
+      arm_(params.controller.arm) {
   if (params.handed_over_answers < 1)
     throw std::invalid_argument(fmt::format("simulated KR: handed_over_answers: found {}, accepted >= 1",
                                             params.handed_over_answers));
@@ -74,11 +74,9 @@ void RsiArm::SetPower(bool on) {
 
 ArmMotion RsiArm::motion() const {
   const kinematics::JointVectorN<6>& q = controller_.q();
-  const auto posture = chain_.Place(q);
-  const Pose X_BT = posture.X_BF * X_FT_;
-  const Eigen::Matrix<double, 6, 1> V_BT = chain_.JacobianAt(posture, X_BT.translation()) * controller_.qd();
+  const Eigen::Matrix<double, 6, 1> V_BT = arm_.JacobianAt(q, X_FT_.translation()) * controller_.qd();
   ArmMotion motion{
-      .q_meas = {}, .q_cmd = {}, .X_BT = X_BT, .V_BT = {.v = V_BT.head<3>(), .w = V_BT.tail<3>()}};
+      .q_meas = {}, .q_cmd = {}, .X_BT = arm_.FlangePose(q) * X_FT_, .V_BT = {.v = V_BT.head<3>(), .w = V_BT.tail<3>()}};
   for (std::size_t i = 0; i < 6; ++i) {
     motion.q_meas[i] = q[static_cast<int>(i)];
     motion.q_cmd[i] = controller_.state().axes_set_deg[i] * kDegree;

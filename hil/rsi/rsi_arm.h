@@ -51,7 +51,7 @@ class RsiArm final : public ArmController {
   RsiArmParams params_;
   Pose X_FT_;
   RsiController controller_;
-  kinematics::SerialChain<6> chain_;
+  kinematics::OrthoParallelArm arm_;
   RsiCounters before_;  // of the sessions before this one
   RsiStopReport last_stop_;
   bool power_{true};
