@@ -48,7 +48,7 @@ io::RsiSessionParams& Session(config::CellConfig& cell) {
   return std::get<io::RsiSessionParams>(cell.link.session);
 }
 
-// The commanded axes never jump while the arm follows them: 4 ms at a tenth of their speed.
+// The commanded axes never jump while the arm follows them: 4 ms at a radian a second.
 void ExpectNoJump(const io::Recording& recording) {
   const auto active = [](const control::TickRecord& tick) {
     return tick.session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive);
@@ -57,7 +57,7 @@ void ExpectNoJump(const io::Recording& recording) {
     const control::TickRecord &a = recording.ticks[i - 1], &b = recording.ticks[i];
     if (!active(a) || !active(b)) continue;
     for (std::size_t j = 0; j < 7; ++j)
-      ASSERT_LT(std::abs(b.q_cmd[j] - a.q_cmd[j]), 2e-3) << "tick " << b.tick << ", axis " << j + 1;
+      ASSERT_LT(std::abs(b.q_cmd[j] - a.q_cmd[j]), 4e-3) << "tick " << b.tick << ", axis " << j + 1;
   }
 }
 
@@ -163,12 +163,13 @@ TEST(RsiRun, LossesBelowTheTimeoutAreHeldAndCountedExactly) {
 // No answer arrives any more: Delay counts to the Timeout, RSI ends, and its silence stops the loop.
 TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   const auto lost = [](config::CellConfig& cell) {
+    Session(cell).timeout_cycles = cell.simulated.kr->controller.timeout_cycles = 25;
     cell.injections = Loss(hil::Direction::kFromController, 1.0, 1.0, 2.0);
   };
   const Ride run = RunKr(4.0, lost);
   ASSERT_FALSE(run.summary.faults.empty());
   EXPECT_EQ(run.summary.faults.front().name, "arm message stale");
-  EXPECT_EQ(run.cell["arm"]["stop"], "timeout: 100 answers late, RSI ends at 100");
+  EXPECT_EQ(run.cell["arm"]["stop"], "timeout: 25 answers late, RSI ends at 25");
   EXPECT_EQ(run.cell["arm"]["session"], "IDLE");
   EXPECT_EQ(run.recording.ticks.back().phase, control::Phase::kStopped);
   EXPECT_LE(run.summary.peak_force_N, run.summary.force_limit_N);

@@ -61,7 +61,7 @@ TEST_F(RsiKeys, ReachLinkLoopAndSimulatedArm) {
       LoadWith({{"layout: im_free ", "layout: kroshu "},
                 {"absolute: true ", "absolute: false "},
                 {"hold_on: true ", "hold_on: false "},
-                {"cycle_ms: 4 ", "cycle_ms: 12 "},
+                {"cycle_ms: 4                      #", "cycle_ms: 12 #"},
                 {"ipoc_step_count: 4 ", "ipoc_step_count: 1 "},
                 {"timeout_count: 100 ",
                  "timeout_count: 50\n  entry_step_deg: 0.5\n  settle_count: 20\n"
@@ -144,7 +144,8 @@ TEST_F(RsiKeys, WhatTheOtherArmHasIsUnknown) {
 }
 
 TEST_F(RsiKeys, ValuesThatContradictEachOtherAreRefused) {
-  EXPECT_THAT(Refusal({{"cycle_ms: 4 ", "cycle_ms: 8 "}}), HasSubstr("cycle_ms: found 8, accepted 4, 12"));
+  EXPECT_THAT(Refusal({{"cycle_ms: 4                      #", "cycle_ms: 8 #"}}),
+              HasSubstr("cycle_ms: found 8, accepted 4, 12"));
   EXPECT_THAT(Refusal({{"ipoc_step_count: 4", "ipoc_step_count: 3"}}),
               HasSubstr("ipoc_step_count: found 3, accepted 1, or cycle_ms (4)"));
   EXPECT_THAT(Refusal({{"range_deg: [90, 90,", "range_deg: [90, 95,"}}),
@@ -170,10 +171,9 @@ TEST_F(RsiKeys, TheArmStartsInItsUsualPostureWithTheToolAtTheSite) {
   EXPECT_LT((q - usual).cwiseAbs().maxCoeff(), 60.0 * degree);
 }
 
-TEST_F(RsiKeys, TheOtherRobotOfSixAxesNeedsAnotherCell) {
+TEST_F(RsiKeys, AnArmThatIsTooShortIsRefusedAtItsStart) {
   EXPECT_THAT(Refusal({{"../robots/kr_16_2.yaml", "../robots/kr_6_r900_2.yaml"}}),
-              HasSubstr("from the arm's shoulder to the site"))
-      << "its reach is .9 m";
+              HasSubstr("height_mm: the arm can not be there"));
 }
 
 }  // namespace
