@@ -167,8 +167,8 @@ void Search(const config::CellConfig& cell, const CapabilityOptions& options, Ph
             CapabilityResult& result) {
   result.searched = true;
   result.search = SearchOf(options, result.task, result.X_WB.translation());
-  const BaseSearch search(cell.chain, MountOf(cell, options.mount), cell.tool.X_FT, result.task, result.need,
-                          result.search);
+  const BaseSearch search(cell.robot.lbr()->chain, MountOf(cell, options.mount), cell.tool.X_FT, result.task,
+                          result.need, result.search);
   progress.Begin("looking for a base");
   const auto best = search.Best([] { return Interrupted().load(); });
   if (!best || Interrupted()) return;
@@ -240,6 +240,11 @@ int Run(const CapabilityOptions& options) {
   if (std::filesystem::exists(options.out) && !std::filesystem::is_directory(options.out))
     return Fail(fmt::format("--out {}: found a file, accepted a folder", options.out.string()), 2);
   const config::CellConfig cell = config::LoadCell(options.cell);
+  if (!cell.robot.lbr())
+    return Fail(fmt::format("{}: found a {}, accepted an LBR: what torques an arm of six axes has is not "
+                            "published",
+                            options.cell.string(), cell.robot.name),
+                2);
   CapabilityResult result;
   result.cell = options.cell.stem().string();
   result.tool = cell.tool.tool.name;

@@ -15,8 +15,8 @@ int PortsOf(const config::CellConfig& cell) { return 2 + 2 * static_cast<int>(ce
 }  // namespace
 
 void UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint16_t> first_port) {
-  cell.fri.host = kLoopback;
-  if (first_port) cell.fri.port = *first_port;
+  cell.link.host = kLoopback;
+  if (first_port) cell.link.port = *first_port;
   if (cell.devices.plc) {
     cell.devices.plc->address = kLoopback;
     if (first_port)

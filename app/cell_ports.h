@@ -10,9 +10,9 @@
 
 namespace osteon::app {
 
-/// Puts every wire of a cell on this machine, as a simulated cell has them: FRI and PLC on the loopback, CAN
+/// Puts every wire of a cell on this machine, as a simulated cell has them: arm and PLC on the loopback, CAN
 /// through tunnels.
-/// @param first_port  instead of the file's ports, from here on: FRI, PLC, then two for each CAN bus
+/// @param first_port  instead of the file's ports, from here on: arm, PLC, then two for each CAN bus
 void UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint16_t> first_port);
 
 /// UseSimulatedWires for a run that starts its cell itself. @param port  0: any free ones

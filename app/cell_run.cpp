@@ -1,10 +1,12 @@
 #include "app/cell_run.h"
 
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <thread>
 
+#include "app/arm_wire.h"
 #include "app/build_name.h"
 #include "app/chart_files.h"
 #include "app/recorded_config.h"
@@ -16,13 +18,12 @@
 #include "control/rt/clock.h"
 #include "hil/injection/impaired_cell.h"
 #include "io/devices/wired_devices.h"
-#include "io/fri/fri_link.h"
 
 namespace osteon::app {
 namespace {
 
-constexpr int kFrameTicks =
-    2;  // virtual time: ticks from one frame to the next, and from its pose to its model
+// virtual time: from one frame to the next, and from its pose to its model; at least a tick
+constexpr double kFrame_s = 0.002;
 constexpr double kVirtualGiveUp_s = 30.0;  // without COMMANDING_ACTIVE, or without rest after the end
 
 constexpr std::chrono::milliseconds kLook{10};  // how often a run is looked after
@@ -45,18 +46,16 @@ void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSe
 
 // What a run in wall time speaks through.
 struct Wires {
-  std::unique_ptr<io::FriLink> link;
+  std::optional<ArmWire> arm;
   std::unique_ptr<io::WiredDevices> devices;
   std::unique_ptr<CellProcess> cell;  // null: not ours to start
 };
 
 tl::expected<Wires, std::string> OpenWires(const CellSetup& setup) {
   Wires wires;
-  auto link = io::FriLink::Open({.bind_address = setup.config.fri.host,
-                                 .port = setup.config.fri.port,
-                                 .session = setup.config.fri.session});
-  if (!link) return tl::make_unexpected(link.error());
-  wires.link = std::move(*link);
+  auto arm = ArmWire::Open(setup.config.link);
+  if (!arm) return tl::make_unexpected(arm.error());
+  wires.arm = std::move(*arm);
   auto devices = io::WiredDevices::Open(setup.config.devices);
   if (!devices) return tl::make_unexpected(devices.error());
   wires.devices = std::move(*devices);
@@ -117,13 +116,14 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
     std::atomic<bool> done{false}, stop{false};
     std::atomic<double> rendered_s{0.0};
     std::thread servo_thread([&] {
-      servo = RunServo(loop, *wires.link, *wires.devices, models, commands, recorder,
+      servo = RunServo(loop, wires.arm->link(), *wires.devices, models, commands, recorder,
                        {.deadline_s = 5.0 * setup.config.servo.period_s,
                         .seconds = params.seconds,
                         .recoveries = params.recoveries,
                         .standing = &start.standing(),
                         .rendered_s = &rendered_s,
                         .stop = &stop});
+      wires.arm->End();
       if (wires.cell) wires.cell->AskToEnd();  // at once: a client that is gone is no loss on the arm's books
       done.store(true);
     });
@@ -141,7 +141,7 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
   if (cell_died && servo.statistics.active_ticks == 0)
     return tl::make_unexpected(std::string("the simulated cell has ended by itself"));
   result.end = servo.end;
-  PutWhyNot(result, wires.link->session().Diagnosis(), wires.devices->Diagnosis());
+  PutWhyNot(result, wires.arm->Diagnosis(), wires.devices->Diagnosis());
   if (wires.cell) result.cell_report = wires.cell->End();
   result.faults = servo.faults;
   result.statistics = servo.statistics;
@@ -151,6 +151,21 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
   RecordFaults(recorder, rt::MonotonicNow(), servo.faults, known);
   result.after = engine.Snapshot();
   return result;
+}
+
+// As ArmWire::End(): an arm whose program can be asked to ends the session.
+void EndSession(ArmSession& session, hil::ImpairedCell& cell, rt::Nanoseconds period) {
+  if (!session.RequestStop()) return;
+  control::ArmState state;
+  rt::Nanoseconds now = cell.state().stamp;
+  for (const rt::Nanoseconds end = now + kEndWithin; now < end;) {
+    bool accepted = false;
+    cell.Step(now += period, [&](std::span<const std::uint8_t> message, rt::Nanoseconds arrival) {
+      accepted |= session.Accept(message, arrival, state);
+    });
+    if (cell.state().session == control::SessionState::kIdle) return;
+    if (accepted) cell.Receive(session.Answer({}));
+  }
 }
 
 tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engine,
@@ -164,7 +179,7 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
   if (const std::string why = WhyNotToStart(setup, q_first); !why.empty()) return tl::make_unexpected(why);
   auto devices = VirtualDevices::Make(setup.config);
   if (!devices) return tl::make_unexpected(devices.error());
-  io::FriSession session(setup.config.fri.session);
+  ArmSession session(setup.config.link);
   control::ArmState state;
   control::ArmCommand command;
   simulation::ContactModel model;
@@ -173,6 +188,7 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
   bool stopped_by_user = false;
 
   const auto period = static_cast<rt::Nanoseconds>(cell.period_s() * 1e9);
+  const auto frame_ticks = std::max<std::int64_t>(1, std::llround(kFrame_s / cell.period_s()));
   const auto wanted = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
   const auto patience = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
   std::int64_t since_progress = 0;
@@ -183,14 +199,14 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
     cell.cell().SetPower((*devices)->power());
     bool accepted = false;
     cell.Step(now, [&](std::span<const std::uint8_t> message, rt::Nanoseconds arrival) {
-      accepted |= session.Accept(message, arrival, state) == io::FriAccept::kAccepted;
+      accepted |= session.Accept(message, arrival, state);
     });
     if (cell.state().active_once) (*devices)->Begin(now);
     (*devices)->SetLoad(cell.cell().force().F_S);
     const auto received = accepted ? control::ReceiveResult::kOk : control::ReceiveResult::kTimeout;
 
-    // the frame of two ticks ago has arrived
-    if (tick % kFrameTicks == 0 && pending) {
+    // the frame before has arrived
+    if (tick % frame_ticks == 0 && pending) {
       model = pending->model;
       pending->stamp = now;
       recorder.PushFrame(*pending);
@@ -201,7 +217,7 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
     recorder.Push(loop.Tick(state, received, readings, model, now, command));
     recovering = false;
     if (const auto answer = session.Answer(command); accepted && !answer.empty()) cell.Receive(answer);
-    if (tick % kFrameTicks == 0) pending = runner.Run(loop.tool_command());
+    if (tick % frame_ticks == 0) pending = runner.Run(loop.tool_command());
 
     RecordFaults(recorder, now, loop.faults(), known);
     if (loop.CanRecover() && result.recovered < params.recoveries &&
@@ -221,6 +237,7 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
       if (params.progress) params.progress(cell.state().cell_time_s);
     }
   }
+  EndSession(session, cell, period);
   result.faults = loop.faults();
   result.statistics = loop.statistics();
   result.end = result.faults.Any()                       ? control::RunEnd::kFault

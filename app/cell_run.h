@@ -48,9 +48,9 @@ struct CellRunResult {
 /// In wall time servo loop and simulation have threads of their own; arm, force sensor, spindle and PLC are
 /// behind their protocols, real, or simulated in a process of their own. In virtual time the simulated cell
 /// is part of this process and all of it runs in lockstep in the calling thread, the same datagrams and
-/// frames handed over in memory: the simulation takes every second tick's command and its frame is seen two
-/// ticks later, as a 500 Hz simulation's would. The recording's folder is made where it is not there. The
-/// error says what could not be opened or started.
+/// frames handed over in memory: the simulation takes a command every 2 ms and its frame is seen 2 ms later
+/// (at longer periods: a tick), as a 500 Hz simulation's would. The recording's folder is made where it is
+/// not there. The error says what could not be opened or started.
 [[nodiscard]] tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup,
                                                                simulation::CuttingEngine& engine,
                                                                const CellRunParams& params);

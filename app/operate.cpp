@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/arm_wire.h"
 #include "app/cell_ports.h"
 #include "app/cell_run.h"
 #include "app/interrupt.h"
@@ -26,8 +27,7 @@ void PrintRegistration(const config::CellConfig& cell) {
 }
 
 void PrintWires(const config::CellConfig& cell) {
-  fmt::print(stderr, "osteon run: FRI {} on {}:{}\n", io::Name(cell.fri.session.version), cell.fri.host,
-             cell.fri.port);
+  fmt::print(stderr, "osteon run: {} on {}:{}\n", Describe(cell.link), cell.link.host, cell.link.port);
   for (const io::CanBusParams& bus : cell.devices.buses)
     fmt::print(stderr, "osteon run: CAN bus {}: {}\n", bus.name,
                bus.interface.empty() ? fmt::format("tunnel on 127.0.0.1:{}", bus.port) : bus.interface);

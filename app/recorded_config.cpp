@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "kinematics/lbr_arm.h"
+#include "kinematics/ortho_parallel_arm.h"
 
 namespace osteon::app {
 namespace {
@@ -134,7 +135,10 @@ tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigS
 }
 
 control::ServoLoop MakeServoLoop(const config::CellConfig& cell) {
-  return {cell.servo, kinematics::LbrArm(cell.robot), cell.X_WB, cell.tool.X_FT, cell.start.arm_angle_rad};
+  if (const config::SixAxisConfig* arm = cell.robot.six_axis())
+    return {cell.servo, kinematics::OrthoParallelArm(arm->params), cell.X_WB, cell.tool.X_FT};
+  return {cell.servo, kinematics::LbrArm(cell.robot.lbr()->params), cell.X_WB, cell.tool.X_FT,
+          cell.start.arm_angle_rad};
 }
 
 }  // namespace osteon::app

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/arm_wire.h"
 #include "app/cell_ports.h"
 #include "app/interrupt.h"
 #include "app/simulated_setup.h"
@@ -42,8 +43,7 @@ nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
 }
 
 void PrintWires(const config::CellConfig& cell) {
-  fmt::print("osteon cell: the arm sends FRI {} to {}:{}\n", io::Name(cell.fri.session.version),
-             cell.fri.host, cell.fri.port);
+  fmt::print("osteon cell: the arm sends {} to {}:{}\n", Describe(cell.link), cell.link.host, cell.link.port);
   for (const io::CanBusParams& bus : cell.devices.buses)
     fmt::print("osteon cell: CAN bus {} is a tunnel between 127.0.0.1:{} and the devices' {}\n", bus.name,
                bus.port, bus.device_port);
@@ -62,7 +62,7 @@ std::string ToJson(const hil::CellHostState& state) {
       {"schema", "osteon.cell/1"},
       {"arm",
        {{"session", NameOf(arm.session)},
-        {"stop", arm.stop.reason == hil::StopReason::kNone ? "" : hil::Describe(arm.stop)},
+        {"stop", hil::DescribeStop(arm)},
         {"commanding_s", arm.cell_time_s},
         {"script_done", arm.script_done},
         {"overruns", state.arm.overruns},
@@ -75,7 +75,8 @@ std::string ToJson(const hil::CellHostState& state) {
         {"duplicate", c.duplicate},
         {"malformed", c.malformed},
         {"client_gap", c.client_gap},
-        {"client_back", c.client_back}}},
+        {"client_back", c.client_back},
+        {"delay", arm.delay}}},
       {"plc",
        {{"run_permitted", state.plc.run_permitted},
         {"power_on", state.plc.power_on},

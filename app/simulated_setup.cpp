@@ -12,7 +12,7 @@ hil::SimulatedCell MakeSimulatedCell(const config::CellConfig& cell, double seco
 
 hil::CellHostParams HostParams(const config::CellConfig& cell) {
   return {
-      .arm = {.client_address = cell.fri.host, .client_port = cell.fri.port, .injections = cell.injections},
+      .arm = {.client_address = cell.link.host, .client_port = cell.link.port, .injections = cell.injections},
       .wires = cell.devices,
       .devices = cell.simulated_devices,
       .plc = cell.simulated_plc};

@@ -5,9 +5,15 @@
 namespace osteon::app {
 namespace {
 
-// An arm of the LBR's size: what its links fill about their joints, roughly.
-constexpr double kElbow_m = 0.09, kWrist_m = 0.08, kFlange_m = 0.065;
-constexpr int kElbowJoint = 3, kWristJoint = 5;
+// What an arm's links fill about their joints, roughly.
+struct ArmShape {
+  double elbow_m, wrist_m, flange_m;
+  int elbow_joint, wrist_joint;
+};
+constexpr ArmShape kLbr{
+    .elbow_m = 0.09, .wrist_m = 0.08, .flange_m = 0.065, .elbow_joint = 3, .wrist_joint = 5};
+constexpr ArmShape kSixAxis{
+    .elbow_m = 0.15, .wrist_m = 0.11, .flange_m = 0.065, .elbow_joint = 2, .wrist_joint = 4};
 
 }  // namespace
 
@@ -16,14 +22,16 @@ std::string WhyNotToStart(const CellSetup& setup, const kinematics::JointVector&
   const control::StartParams& start = *cell.servo.start;
   if ((q_from - start.q).cwiseAbs().maxCoeff() <= start.there_rad) return {};
 
+  const config::SixAxisConfig* six_axis = cell.robot.six_axis();
+  const ArmShape& shape = six_axis ? kSixAxis : kLbr;
   control::PathSurroundings around;
   around.X_WB = cell.X_WB;
   for (const simulation::ToolBall& ball : cell.tool.tool.balls)
     around.balls.push_back(
         {.name = "the tool", .center_m = cell.tool.X_FT * Vector3(ball.center_m), .radius_m = ball.radius_m});
-  around.balls.push_back({.name = "the flange", .radius_m = kFlange_m});
-  around.balls.push_back({.name = "the wrist", .link = kWristJoint, .radius_m = kWrist_m});
-  around.balls.push_back({.name = "the elbow", .link = kElbowJoint, .radius_m = kElbow_m});
+  around.balls.push_back({.name = "the flange", .radius_m = shape.flange_m});
+  around.balls.push_back({.name = "the wrist", .link = shape.wrist_joint, .radius_m = shape.wrist_m});
+  around.balls.push_back({.name = "the elbow", .link = shape.elbow_joint, .radius_m = shape.elbow_m});
   const safety::WorkspaceParams& workspace = cell.servo.workspace;
   around.planes.push_back({.name = "the workspace's plane",
                            .normal_W = workspace.plane_normal_W,
@@ -31,7 +39,9 @@ std::string WhyNotToStart(const CellSetup& setup, const kinematics::JointVector&
   for (const simulation::Ball& ball : setup.bone.balls)
     around.spheres.push_back({.center_W_m = setup.X_WG * Vector3(ball.center_m), .radius_m = ball.radius_m});
   around.position_margin_rad = cell.servo.joints.position_margin_rad;
-  const auto found = control::CheckPath<7>(cell.chain, q_from, start.q, around);
+  const auto found = six_axis
+                         ? control::CheckPath<6>(six_axis->chain, q_from.head<6>(), start.q.head<6>(), around)
+                         : control::CheckPath<7>(cell.robot.lbr()->chain, q_from, start.q, around);
   return found ? std::string() : "the way to the start: " + found.error();
 }
 

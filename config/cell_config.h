@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "control/servo_loop.h"
 #include "hil/can/simulated_devices.h"
@@ -12,8 +13,10 @@
 #include "hil/simulated_cell.h"
 #include "io/devices/device_params.h"
 #include "io/fri/fri_session.h"
+#include "io/rsi/rsi_session.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/lbr_params.h"
+#include "kinematics/ortho_parallel_params.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/scenes.h"
 #include "simulation/tool.h"
@@ -39,27 +42,57 @@ struct ToolConfig {
 
 /// Where the arm begins: the tool looks into the cup along its axis.
 struct StartConfig {
-  double height_m{0.0};         ///< of the head's centre above the cup's, along the cup's axis
-  double tool_yaw_rad{0.0};     ///< turns the tool about its axis: R_CT = Rx(pi) Rz(yaw)
-  Pose X_WT{Pose::Identity()};  ///< what follows from the two
-  double arm_angle_rad{0.0};
+  double height_m{0.0};           ///< of the head's centre above the cup's, along the cup's axis
+  double tool_yaw_rad{0.0};       ///< turns the tool about its axis: R_CT = Rx(pi) Rz(yaw)
+  Pose X_WT{Pose::Identity()};    ///< what follows from the two
+  double arm_angle_rad{0.0};      ///< of an LBR
   control::JointPathParams path;  ///< of an arm that is handed over elsewhere
-  /// The same as joints [rad]: of the arm's solutions the nearest to zero.
+  /// The same as joints [rad]: of the arm's solutions the nearest to zero, of six axes the nearest to their
+  /// usual posture, 0 -90 90 0 90 0 deg; a seventh joint that there is not is 0.
   kinematics::JointVector q{kinematics::JointVector::Zero()};
 };
 
-/// Where the arm's messages arrive; the simulated arm sends there.
-struct FriConfig {
+/// An arm of seven joints.
+struct LbrConfig {
+  kinematics::LbrParams params;
+  /// The same joint by joint, its last link with what hangs on the flange: force sensor and tool.
+  kinematics::ChainParams<7> chain;
+};
+
+/// An arm of six axes; no masses of one are published.
+struct SixAxisConfig {
+  kinematics::OrthoParallelParams params;
+  kinematics::ChainParams<6> chain;  ///< the same joint by joint
+};
+
+struct RobotConfig {
+  std::string name;
+  std::variant<LbrConfig, SixAxisConfig> arm;
+
+  /// Null where it is the other one.
+  [[nodiscard]] const LbrConfig* lbr() const { return std::get_if<LbrConfig>(&arm); }
+  [[nodiscard]] const SixAxisConfig* six_axis() const { return std::get_if<SixAxisConfig>(&arm); }
+};
+
+/// Where the arm's messages arrive, and what they are; the simulated arm sends there. An LBR speaks FRI, an
+/// arm of six axes RSI.
+struct ArmLinkConfig {
   std::string host;  ///< dotted IPv4
   std::uint16_t port{0};
-  io::FriSessionParams session;
+  std::variant<io::FriSessionParams, io::RsiSessionParams> session;
+
+  /// Null where it is the other one.
+  [[nodiscard]] const io::FriSessionParams* fri() const {
+    return std::get_if<io::FriSessionParams>(&session);
+  }
+  [[nodiscard]] const io::RsiSessionParams* rsi() const {
+    return std::get_if<io::RsiSessionParams>(&session);
+  }
 };
 
 /// A cell, with the files it names already read.
 struct CellConfig {
-  kinematics::LbrParams robot;
-  /// The same arm joint by joint, its last link with what hangs on the flange: force sensor and tool.
-  kinematics::ChainParams<7> chain;
+  RobotConfig robot;
   ToolConfig tool;
   simulation::SceneParams scene;  ///< with those of the cell's materials that it needs
   Pose X_WB{Pose::Identity()};    ///< robot base in world
@@ -67,7 +100,7 @@ struct CellConfig {
   StartConfig start;
   control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
-  FriConfig fri;
+  ArmLinkConfig link;
   io::DeviceParams devices;            ///< force sensor, reamer drive, PLC: where they are
   hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that stand in for the real ones
   hil::SimulatedDeviceParams simulated_devices;  ///< the same devices' other ends

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "kinematics/lbr_arm.h"
+#include "kinematics/serial_chain.h"
 #include "safety/workspace.h"
 
 namespace osteon::config {
@@ -34,14 +34,39 @@ double WorkRadius(const simulation::SceneParams& scene) {
   return scene.site.radius_m + depth_m;
 }
 
+// Where the arm's reach is measured from, and how far its flange gets from there at most.
+struct Reach {
+  Vector3 p_BS{Vector3::Zero()};  // the shoulder, on A1
+  double reach_m{0.0};
+};
+
+Reach ReachOf(const LbrConfig& arm) {
+  const kinematics::LbrParams& p = arm.params;
+  return {.p_BS = {0.0, 0.0, p.base_to_shoulder_m},
+          .reach_m = p.shoulder_to_elbow_m + p.elbow_to_wrist_m + std::abs(p.wrist_to_flange_m)};
+}
+
+Reach ReachOf(const SixAxisConfig& arm) {
+  const kinematics::OrthoParallelParams& p = arm.params;
+  return {.p_BS = {0.0, 0.0, p.c1_m},
+          .reach_m = std::hypot(p.a1_m, p.b_m) + p.c2_m + std::hypot(p.a2_m, p.c3_m) + std::abs(p.c4_m)};
+}
+
+Pose FlangePose(const LbrConfig& arm, const kinematics::JointVector& q) {
+  return kinematics::SerialChain<7>(arm.chain).FlangePose(q);
+}
+
+Pose FlangePose(const SixAxisConfig& arm, const kinematics::JointVector& q) {
+  return kinematics::SerialChain<6>(arm.chain).FlangePose(q.head<6>());
+}
+
 std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
   const Vector3 p_WB = cell.X_WB.translation(), p_WC = cell.X_WG.translation(),
                 p_FT = cell.tool.X_FT.translation();
-  const kinematics::LbrParams& arm = cell.robot;
+  const Reach arm = std::visit([](const auto& a) { return ReachOf(a); }, cell.robot.arm);
   const double from_base_mm = (p_WC - p_WB).norm() / kMillimetre_m;
-  const Vector3 p_WS = cell.X_WB * Vector3(0.0, 0.0, arm.base_to_shoulder_m);
-  const double reach_m =
-      arm.shoulder_to_elbow_m + arm.elbow_to_wrist_m + std::abs(arm.wrist_to_flange_m) + p_FT.norm();
+  const Vector3 p_WS = cell.X_WB * arm.p_BS;
+  const double reach_m = arm.reach_m + p_FT.norm();
   const Matrix3 R_FT = cell.tool.X_FT.linear();
   const double tilt_deg = AngleBetween_deg(cell.X_WB.linear().col(2), Vector3::UnitZ());
   const safety::WorkspaceParams& workspace = cell.servo.workspace;
@@ -111,13 +136,14 @@ std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
 }
 
 std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
-  const kinematics::LbrArm arm(cell.robot);
-  const Pose X_WF = cell.X_WB * arm.FlangePose(cell.start.q), X_WT = X_WF * cell.tool.X_FT;
+  const Pose X_BF =
+      std::visit([&](const auto& arm) { return FlangePose(arm, cell.start.q); }, cell.robot.arm);
+  const Pose X_WF = cell.X_WB * X_BF, X_WT = X_WF * cell.tool.X_FT;
   const safety::WorkspaceParams& workspace = cell.servo.workspace;
   double margin_rad = std::numeric_limits<double>::infinity();
   int nearest = 0;
-  for (int i = 0; i < 7; ++i) {
-    const kinematics::JointLimits& limits = cell.robot.limits[static_cast<std::size_t>(i)];
+  for (int i = 0; i < (cell.robot.lbr() ? 7 : 6); ++i) {
+    const kinematics::JointLimits& limits = cell.servo.joints.limits[static_cast<std::size_t>(i)];
     const double room_rad = std::min(cell.start.q[i] - limits.lower_rad, limits.upper_rad - cell.start.q[i]);
     if (room_rad < margin_rad) nearest = i + 1;
     margin_rad = std::min(margin_rad, room_rad);
@@ -130,7 +156,7 @@ std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
        .unit = "deg",
        .low = cell.servo.joints.position_margin_rad / kDegree,
        .section = "start",
-       .key = "arm_angle_deg",
+       .key = cell.robot.lbr() ? "arm_angle_deg" : "tool_yaw_deg",
        .hint = fmt::format("joint A{}; joint_margin_deg is to be kept", nearest),
        .note = {}},
       {.name = "from the apex at the start to the workspace's bounds",

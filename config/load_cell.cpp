@@ -7,20 +7,25 @@
 #include "config/check_registration.h"
 #include "config/load.h"
 #include "config/load_robot.h"
+#include "config/read_arm_link.h"
 #include "config/read_devices.h"
 #include "config/read_injections.h"
 #include "config/read_operator.h"
 #include "config/read_pose.h"
 #include "config/read_script.h"
+#include "config/read_simulated_arm.h"
+#include "kinematics/lbr_arm.h"
+#include "kinematics/ortho_parallel_arm.h"
 #include "kinematics/payload.h"
 
 namespace osteon::config {
 namespace {
 
-void ReadStart(Reader section, StartConfig& start) {
+// An arm of six axes has no elbow to turn: what is about it is an LBR's.
+void ReadStart(Reader section, bool lbr, StartConfig& start) {
   start.height_m = section.Number("height_mm", 0, 500);
   start.tool_yaw_rad = section.Number("tool_yaw_deg", -360, 360);
-  start.arm_angle_rad = section.Number("arm_angle_deg", -180, 180);
+  if (lbr) start.arm_angle_rad = section.Number("arm_angle_deg", -180, 180);
   start.path.speed_share = section.Number("speed_ratio", 0.01, 1);
   start.path.acceleration_share = section.Number("acceleration_ratio", 0.01, 1);
   start.path.tool_speed_m_per_s =
@@ -28,7 +33,7 @@ void ReadStart(Reader section, StartConfig& start) {
   start.path.pause_s = section.Number("pause_ms", 50, 5000);
 }
 
-void ReadLimits(Reader section, control::ServoParams& servo) {
+void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
   servo.wrench.max_force_N = section.Number("max_force_N", 1, safety::kForceCeiling_N);
   servo.wrench.max_torque_Nm = section.Number("max_torque_Nm", 0.1, 50);
   servo.sensor_force.margin_N = section.Number("sensor_margin_N", 1, 200);
@@ -42,11 +47,13 @@ void ReadLimits(Reader section, control::ServoParams& servo) {
   servo.joints.speed_share = section.Number("joint_speed_ratio", 0.01, 1);
   servo.joints.jump_rad = section.Number("joint_jump_deg", 0.1, 30);
   servo.max_tracking_error_m = section.Number("max_tracking_error_mm", 1, 200);
-  servo.arm_angle_rate_rad_per_s = section.Number("arm_angle_rate_deg_per_s", 0.1, 57);
+  if (lbr) servo.arm_angle_rate_rad_per_s = section.Number("arm_angle_rate_deg_per_s", 0.1, 57);
   servo.model_sight_m = section.Number("model_sight_mm", 0.01, 100);
 }
 
-void ReadPosture(Reader section, control::ServoParams& servo) {
+void ReadPosture(Reader section, bool lbr, control::ServoParams& servo) {
+  servo.joint_acceleration_share = section.Number("joint_acceleration_ratio", 0.1, 100);
+  if (!lbr) return;
   kinematics::PosturePreferenceParams& posture = servo.posture;
   posture.limit_zone_rad = section.Number("limit_zone_deg", 0.1, 120);
   posture.limit_speed_rad_per_s = section.Number("limit_deg_per_s", 0, 100);
@@ -55,7 +62,6 @@ void ReadPosture(Reader section, control::ServoParams& servo) {
   servo.posture_load.lateral_N = section.Number("lateral_force_N", 0, safety::kForceCeiling_N);
   posture.load_zone = section.Number("load_zone_ratio", 1.05, 5);
   posture.load_speed_rad_per_s = section.Number("load_deg_per_s", 0, 100);
-  servo.joint_acceleration_share = section.Number("joint_acceleration_ratio", 0.1, 100);
 }
 
 void ReadWorkspace(Reader section, safety::WorkspaceParams& workspace) {
@@ -109,100 +115,6 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
   cutting.split.pool_blocks = static_cast<std::size_t>(split.Whole("pool_count", 1, 1'000'000));
 }
 
-// Both ends of the link; what is not said is as in their own defaults.
-void ReadFri(Reader section, FriConfig& fri, hil::FriServerParams& arm) {
-  fri.host = section.Text("host");
-  fri.port = static_cast<std::uint16_t>(section.Whole("port", 1024, 65535));
-  arm.send_period_ms = section.Whole("period_ms", 1, 20);
-  if (section.Has("receive_multiplier_count"))
-    arm.receive_multiplier = section.Whole("receive_multiplier_count", 1, 10);
-  if (section.Has("version"))
-    fri.session.version = io::kFriVersions.at(
-        section.Choice("version", {"1.11", "1.12", "1.13", "1.14", "1.15", "1.16", "2.5", "2.7"}));
-  if (section.Has("wrench_torques"))
-    fri.session.torque_order = section.Choice("wrench_torques", {"zyx", "xyz"}) == 0
-                                   ? io::FriTorqueOrder::kZyx
-                                   : io::FriTorqueOrder::kXyz;
-  arm.version = fri.session.version;
-  arm.torques_zyx = fri.session.torque_order == io::FriTorqueOrder::kZyx;
-}
-
-// Of the simulated arm's drives, by what each of them can do.
-struct DriveFriction {
-  double coulomb_share{0.0};  ///< of its torque limit
-  double viscous_share{0.0};  ///< of its torque limit, at its velocity limit
-};
-
-void ReadMount(Reader section, hil::FlexibleMountParams& mount) {
-  mount.stiffness_N_per_m = section.Number("stiffness_N_per_m", 1e4, 1e9);
-  mount.stiffness_Nm_per_rad = section.Number("stiffness_Nm_per_rad", 1e3, 1e8);
-  mount.damping_ratio = section.Number("damping_ratio", 0, 2);
-  mount.mass_kg = section.Number("mass_kg", 1, 5000);
-  mount.inertia_kg_m2 = section.Number("inertia_kg_m2", 0.01, 1000);
-}
-
-void ReadDynamicArm(Reader section, hil::DynamicArmParams& arm, DriveFriction& friction) {
-  arm.mass_error = section.Number("mass_error_ratio", -0.5, 0.5);
-  friction.coulomb_share = section.Number("coulomb_ratio", 0, 0.2);
-  friction.viscous_share = section.Number("viscous_ratio", 0, 0.5);
-  arm.friction_compensation = section.Number("friction_compensation_ratio", 0, 1);
-  arm.stiffness_Nm_per_rad.setConstant(section.Number("joint_stiffness_Nm_per_rad", 0, 1e4));
-  arm.stiffness_N_per_m = section.Number("stiffness_N_per_m", 0, 1e4);
-  arm.stiffness_Nm_per_rad_turn = section.Number("stiffness_Nm_per_rad", 0, 1e3);
-  arm.joint_damping_ratio = section.Number("damping_ratio", 0, 2);
-  arm.cartesian_damping_ratio = arm.joint_damping_ratio;
-  arm.substeps = section.Whole("substep_count", 1, 1000);
-  if (section.Has("mount")) ReadMount(section.Section("mount"), arm.mount.emplace());
-}
-
-void ReadSimulatedArm(Reader section, hil::SimulatedCellParams& cell, DriveFriction& friction) {
-  cell.level = static_cast<hil::ArmLevel>(section.Choice("level", {"kinematic", "servo", "dynamic"}));
-  hil::ServoArmParams& servo = cell.servo;
-  servo.bandwidth_hz = section.Number("bandwidth_hz", 0.5, 200);
-  servo.damping_ratio = section.Number("damping_ratio", 0.1, 5);
-  servo.dead_cycles =
-      static_cast<int>(std::lround(section.Number("dead_time_ms", 0, 30) * 1e3 / cell.fri.send_period_ms));
-  cell.dynamic.bandwidth_hz = servo.bandwidth_hz;
-  cell.dynamic.damping_ratio = servo.damping_ratio;
-  cell.dynamic.dead_cycles = servo.dead_cycles;
-  if (section.Has("start_offset_deg")) {
-    const std::vector<double> offset_rad = section.Numbers("start_offset_deg", 7, -90, 90);
-    std::copy(offset_rad.begin(), offset_rad.end(), cell.q_start.begin());
-  }
-  if (cell.level == hil::ArmLevel::kDynamic || section.Has("dynamic"))
-    ReadDynamicArm(section.Section("dynamic"), cell.dynamic, friction);
-}
-
-void ReadLinkQuality(Reader section, hil::FriServerParams& fri) {
-  hil::QualityPolicyParams& quality = fri.quality;
-  quality.fair_after_answers = section.Whole("fair_answered_count", 1, 1000);
-  quality.good_after_answers = section.Whole("good_answered_count", 1, 1000);
-  quality.excellent_after_answers = section.Whole("excellent_answered_count", 1, 1000);
-  quality.good_max_lost_per_s = section.Whole("good_lost_count", 0, 1000);
-  quality.end_after_lost_in_a_row = section.Whole("end_lost_in_a_row_count", 1, 1000);
-  quality.end_after_lost_per_s = section.Whole("end_lost_count", 1, 1000);
-  quality.good_timeout_s = section.Number("good_timeout_s", 0.1, 600);
-  if (section.Has("ask_again")) fri.request_again_after_loss = section.Bool("ask_again");
-}
-
-// What hil::LinkQuality would refuse, at the line that is to blame.
-void CheckLinkQuality(const Reader& section, const hil::FriServerParams& fri) {
-  const hil::QualityPolicyParams& quality = fri.quality;
-  const auto at_least = [&](const char* key, int value, const char* other_key, int other) {
-    if (value < other)
-      section.Refuse(key, fmt::format("found {}, accepted at least {} ({})", value, other_key, other));
-  };
-  at_least("good_answered_count", quality.good_after_answers, "fair_answered_count",
-           quality.fair_after_answers);
-  at_least("excellent_answered_count", quality.excellent_after_answers, "good_answered_count",
-           quality.good_after_answers);
-  const int due = 1000 / (fri.send_period_ms * fri.receive_multiplier);
-  if (quality.excellent_after_answers > due)
-    section.Refuse("excellent_answered_count",
-                   fmt::format("found {}, accepted at most {}: the answers due in a second at this period_ms",
-                               quality.excellent_after_answers, due));
-}
-
 // Bone beyond the planes of a frame (normal_enlargement) is met as deep as the tool travels until the next
 // one: the step of the coupling's force must stay below the trip on its rate, 1.5 K v_max a tick; K cancels
 // out.
@@ -232,8 +144,22 @@ double HeadRadius(const simulation::Tool& tool) {
   return head ? head->radius_m : tool.balls.front().radius_m;
 }
 
+bool PlaceArm(const LbrConfig& arm, const Pose& X_BF, StartConfig& start) {
+  return kinematics::LbrArm(arm.params)
+      .Inverse(X_BF, start.arm_angle_rad, kinematics::JointVector::Zero(), start.q);
+}
+
+bool PlaceArm(const SixAxisConfig& arm, const Pose& X_BF, StartConfig& start) {
+  constexpr double kQuarter = std::numbers::pi / 2.0;
+  kinematics::JointVectorN<6> q, usual;
+  usual << 0.0, -kQuarter, kQuarter, 0.0, kQuarter, 0.0;
+  if (!kinematics::OrthoParallelArm(arm.params).Inverse(X_BF, usual, q)) return false;
+  start.q << q, 0.0;
+  return true;
+}
+
 // The start must be where the cell may be, and where the arm can be.
-void PlaceArm(const Reader& section, CellConfig& cell) {
+void PlaceAtStart(const Reader& section, CellConfig& cell) {
   StartConfig& start = cell.start;
   const Pose& X_WC = cell.X_WG;  // the site's frame, wherever the bone's own is
   const double head_radius_m = HeadRadius(cell.tool.tool);
@@ -244,49 +170,38 @@ void PlaceArm(const Reader& section, CellConfig& cell) {
 
   if (safety::Workspace(cell.servo.workspace).Distance(start.X_WT.translation()) < 0.0)
     section.Refuse("height_mm", "the tool's apex is outside the workspace");
-  const kinematics::LbrArm arm(cell.robot);
   const Pose X_BF = cell.X_WB.inverse() * start.X_WT * cell.tool.X_FT.inverse();
-  if (!arm.Inverse(X_BF, start.arm_angle_rad, kinematics::JointVector::Zero(), start.q))
+  if (!std::visit([&](const auto& arm) { return PlaceArm(arm, X_BF, start); }, cell.robot.arm))
     section.Refuse("height_mm", "the arm can not be there: out of reach or beyond its joint limits");
 }
 
-// The arm that the cell names: it is driven over FRI, so one of seven joints, and an LBR.
-void ReadArm(const Reader& reader, const std::filesystem::path& file, CellConfig& cell) {
+// The arm that the cell names.
+void ReadRobot(const Reader& reader, const std::filesystem::path& file, RobotConfig& robot) {
   const RobotModel model = LoadRobot(file);
-  const auto* chain = std::get_if<kinematics::ChainParams<7>>(&model.chain);
-  if (!chain)
-    reader.Refuse("robot", fmt::format("found {} with {} joints, accepted an LBR, with 7", model.name,
-                                       model.joint_count()));
+  robot.name = model.name;
   try {
-    cell.robot = kinematics::LbrParamsFrom(*chain);
+    if (const auto* chain = std::get_if<kinematics::ChainParams<7>>(&model.chain)) {
+      robot.arm = LbrConfig{.params = kinematics::LbrParamsFrom(*chain), .chain = *chain};
+    } else {
+      const auto& six = std::get<kinematics::ChainParams<6>>(model.chain);
+      robot.arm = SixAxisConfig{
+          .params = model.ortho_parallel ? *model.ortho_parallel : kinematics::OrthoParallelParamsFrom(six),
+          .chain = six};
+    }
   } catch (const std::invalid_argument& error) {
     reader.Refuse("robot", fmt::format("{}: {}", model.name, error.what()));
   }
-  cell.chain = *chain;
 }
 
-// What hangs on the flange becomes part of the last link.
+// What hangs on the flange becomes part of the last link, where the links have masses.
 void CarryPayload(const kinematics::LinkInertia& sensor_F, CellConfig& cell) {
+  auto* lbr = std::get_if<LbrConfig>(&cell.robot.arm);
+  if (!lbr) return;
   const simulation::Tool& tool = cell.tool.tool;
   const kinematics::LinkInertia tool_T{
       .mass_kg = tool.mass_kg, .p_LLcm_m = tool.center_of_mass_m, .I_LLcm_kg_m2 = tool.inertia_kg_m2};
   const kinematics::LinkInertia tool_F = kinematics::SeenFrom(cell.tool.X_FT, tool_T);
-  cell.chain = kinematics::WithPayload(cell.chain, kinematics::Joined(sensor_F, tool_F));
-}
-
-// The simulated arm is the real one, with friction.
-void GiveMasses(const Reader& section, const DriveFriction& friction, CellConfig& cell) {
-  cell.simulated.chain = cell.chain;
-  for (kinematics::RevoluteJoint& joint : cell.simulated.chain.joints) {
-    const kinematics::JointLimits& limits = joint.limits;
-    joint.friction.coulomb_Nm += friction.coulomb_share * limits.torque_Nm;
-    joint.friction.viscous_Nms_per_rad +=
-        friction.viscous_share * limits.torque_Nm / limits.velocity_rad_per_s;
-    if (cell.simulated.level == hil::ArmLevel::kDynamic && !(cell.chain.has_masses && limits.torque_Nm > 0.0))
-      section.Refuse("level",
-                     "found dynamic, accepted kinematic or servo: the robot's file has no masses or "
-                     "no torques");
-  }
+  lbr->chain = kinematics::WithPayload(lbr->chain, kinematics::Joined(sensor_F, tool_F));
 }
 
 // The materials that a scene needs, in its order, from those of a file.
@@ -321,8 +236,12 @@ ToolConfig ChooseTool(const Reader& reader, const ToolChoice& own, const std::op
 // What one file says serves in several places.
 void Spread(CellConfig& cell) {
   control::ServoParams& servo = cell.servo;
-  servo.joints.limits = cell.robot.limits;
-  servo.arm_body = cell.chain;
+  std::visit(
+      [&](const auto& arm) {
+        std::copy(arm.params.limits.begin(), arm.params.limits.end(), servo.joints.limits.begin());
+      },
+      cell.robot.arm);
+  if (const LbrConfig* lbr = cell.robot.lbr()) servo.arm_body = lbr->chain;
   servo.start = control::StartParams{.q = cell.start.q, .path = cell.start.path};
   servo.posture_load.axial_N = servo.wrench.max_force_N;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
@@ -330,7 +249,6 @@ void Spread(CellConfig& cell) {
   cell.cutting.stiffness_N_per_m = servo.coupling.max_stiffness_N_per_m;
   cell.cutting.max_force_N = servo.wrench.max_force_N;
 
-  cell.simulated.arm = cell.robot;
   cell.simulated.X_WB = cell.X_WB;
   cell.simulated.X_FT = cell.tool.X_FT;
   for (std::size_t i = 0; i < cell.simulated.q_start.size(); ++i)
@@ -363,49 +281,46 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   static_cast<void>(sensor.Text("source"));
   const kinematics::LinkInertia sensor_F = ReadBody(sensor);
   const DeviceSections devices = ReadDevices(reader, sensor, cell);
+  const ArmLinkSections link = ReadArmLink(reader, cell);
+  const bool lbr = cell.link.fri() != nullptr;
   const Reader start = reader.Section("start");
-  ReadStart(start, cell.start);
+  ReadStart(start, lbr, cell.start);
   const Reader limits = reader.Section("limits");
-  ReadLimits(limits, servo);
-  ReadPosture(reader.Section("posture"), servo);
+  ReadLimits(limits, lbr, servo);
+  ReadPosture(reader.Section("posture"), lbr, servo);
   ReadWorkspace(reader.Section("workspace"), servo.workspace);
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadAdmittance(reader.Section("admittance"), servo.admittance);
   ReadCoupling(coupling, servo.coupling);
   ReadCutting(reader.Section("cutting"), cell.cutting);
-  ReadFri(reader.Section("fri"), cell.fri, cell.simulated.fri);
   const Reader hand = reader.Section("operator"), script = reader.Section("script");
   ReadOperator(hand, cell.simulated.hand);
   cell.script = ReadScript(script);
-  DriveFriction friction;
-  const Reader simulated_arm = reader.Section("simulated_arm");
-  ReadSimulatedArm(simulated_arm, cell.simulated, friction);
-  const Reader link_quality = reader.Section("link_quality");
-  ReadLinkQuality(link_quality, cell.simulated.fri);
+  const SimulatedArmSection simulated_arm = ReadSimulatedArm(reader.Section("simulated_arm"), cell);
   cell.injections = ReadInjections(reader);
   reader.Finish();
 
   CheckBody(sensor, sensor_F, "force_sensor");
-  CheckLinkQuality(link_quality, cell.simulated.fri);
+  CheckArmLink(link, cell);
   CheckOrder(coupling, "fresh_ms", "gone_ms", servo.coupling.fresh_s * 1e3, servo.coupling.gone_s * 1e3);
   CheckOrder(watchdog, "the coupling's gone_ms", "model_stop_ms", servo.coupling.gone_s * 1e3,
              servo.watchdog.model_stop_s * 1e3);
   CheckOrder(watchdog, "sensor_full_ms", "sensor_stop_ms", servo.watchdog.sensor_full_s * 1e3,
              servo.watchdog.sensor_stop_s * 1e3);
 
-  servo.period_s = 1e-3 * cell.simulated.fri.send_period_ms;
   CheckSight(limits, cell);
 
-  ReadArm(reader, robot, cell);
+  ReadRobot(reader, robot, cell.robot);
+  CompleteArmLink(reader, cell);
   cell.tool = ChooseTool(reader, own_tool, tool);
   CarryPayload(sensor_F, cell);
   CompleteDevices(devices, cell);
-  GiveMasses(simulated_arm, friction, cell);
+  CompleteSimulatedArm(simulated_arm, cell);
   cell.scene = LoadScene(scene);
   cell.scene.materials = Pick(reader, materials, cell.scene.material_names);
   CheckFrames(cell, reader);
-  PlaceArm(start, cell);
+  PlaceAtStart(start, cell);
   Spread(cell);
   CheckStart(cell, reader);
   CheckScript(script, cell.script, hand, cell.simulated.hand.max_force_N);

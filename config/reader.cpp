@@ -300,6 +300,21 @@ Reader Reader::Section(const std::string& key) {
   return Reader(inner);
 }
 
+Reader Reader::OneSection(std::initializer_list<const char*> keys) {
+  std::string all;
+  const char* found = nullptr;
+  for (const char* key : keys) {
+    all += all.empty() ? key : std::string(", ") + key;
+    if (!Has(key)) continue;
+    if (found) Refuse(key, fmt::format("found beside {}, accepted one of {}", found, all));
+    found = key;
+  }
+  if (found) return Section(found);
+  if (!mapping_->absent)
+    for (const char* key : keys) mapping_->missing.push_back({key, "one of " + all});
+  return Reader(std::make_shared<Mapping>(mapping_->file));
+}
+
 std::vector<Reader> Reader::Sections(const std::string& key, std::size_t min, std::size_t max) {
   const std::string accepted = min == max ? fmt::format("a list of {} mappings", min)
                                           : fmt::format("a list of {} … {} mappings", min, max);

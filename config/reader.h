@@ -68,6 +68,8 @@ class Reader {
 
   /// A mapping inside this one.
   [[nodiscard]] Reader Section(const std::string& key);
+  /// The one of these mappings that there is; refuses a second one.
+  [[nodiscard]] Reader OneSection(std::initializer_list<const char*> keys);
   /// A list of mappings, min to max of them.
   [[nodiscard]] std::vector<Reader> Sections(const std::string& key, std::size_t min, std::size_t max);
 

@@ -9,13 +9,6 @@
 
 namespace osteon::hil {
 
-/// How much of an arm is modelled. Each has what the one before leaves out.
-enum class ArmLevel : std::uint8_t {
-  kKinematic,  ///< is where it was told to be, a cycle later
-  kServo,      ///< lags and has dead time; nothing deflects it (ServoArm)
-  kDynamic,    ///< masses, friction, torque limits, impedance, a mounting that gives (DynamicArm)
-};
-
 struct SimulatedArmParams {
   ArmLevel level{ArmLevel::kServo};
   kinematics::LbrParams lbr{};  ///< kKinematic, kServo

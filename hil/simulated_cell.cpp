@@ -1,6 +1,5 @@
 #include "hil/simulated_cell.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace osteon::hil {
@@ -10,7 +9,10 @@ using kinematics::JointVector;
 
 JointVector ToVector(const control::JointArray& q) { return Eigen::Map<const JointVector>(q.data()); }
 
-Wrench Turned(const Matrix3& R_AB, const Wrench& F_B) { return {.f = R_AB * F_B.f, .t = R_AB * F_B.t}; }
+std::unique_ptr<ArmController> ArmOf(const SimulatedCellParams& params) {
+  if (params.kr) return std::make_unique<RsiArm>(*params.kr, params.q_start, Pose(params.X_FT));
+  return std::make_unique<FriArm>(params.fri, BodyOf(params), Pose(params.X_FT));
+}
 
 // Where the script begins: an arm that is brought there is let alone until then.
 bool AtStart(const HandScript& script, const Pose& X_WT) {
@@ -47,43 +49,22 @@ SimulatedArmParams BodyOf(const SimulatedCellParams& params) {
 }
 
 SimulatedCell::SimulatedCell(const SimulatedCellParams& params, HandScript script)
-    : arm_(params.arm),
-      X_WB_(params.X_WB),
-      X_FT_(params.X_FT),
-      X_TF_(X_FT_.inverse()),
+    : X_WB_(params.X_WB),
+      X_TF_(Pose(params.X_FT).inverse()),
       sensor_(params.sensor),
-      server_(params.fri, params.arm.limits, ToVector(params.q_start)),
-      body_(MakeSimulatedArm(BodyOf(params), server_.period_s())),
-      hand_(params.hand, std::move(script)) {
-  server_.Open();
-}
-
-void SimulatedCell::SetPower(bool on) {
-  if (on == power_) return;
-  power_ = on;
-  if (on)
-    server_.Acknowledge();
-  else
-    server_.EmergencyStop(0);
-}
+      arm_(ArmOf(params)),
+      hand_(params.hand, std::move(script)) {}
 
 std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool client_had_its_time) {
   // the client's answer, and the arm's move with it
-  server_.EndCycle(client_had_its_time);
-  const Matrix3 R_BT = (arm_.FlangePose(body_->q()) * X_FT_).linear();
-  ArmDrive drive;
-  drive.control = server_.control_mode();
-  drive.q_cmd = server_.q_commanded();
-  drive.tau_Nm = server_.tau_commanded();
-  drive.F_T_B = Turned(R_BT, server_.F_commanded());
-  body_->Step(drive, F_hand_T_B_);
-  const bool active = server_.state() == control::SessionState::kCommandingActive;
+  arm_->Move(client_had_its_time, F_hand_T_B_);
+  static_cast<ArmStatus&>(state_) = arm_->status();
+  const bool active = state_.session == control::SessionState::kCommandingActive;
 
   // the tool, as it is
-  const Pose X_BT = arm_.FlangePose(body_->q()) * X_FT_;
-  const Pose X_WT = X_WB_ * body_->X_BBnow() * X_BT;
-  const Eigen::Matrix<double, 6, 1> V_BT = arm_.JacobianAt(body_->q(), X_FT_.translation()) * body_->qd();
-  const Twist V_WT{.v = X_WB_.linear() * V_BT.head<3>(), .w = X_WB_.linear() * V_BT.tail<3>()};
+  const ArmMotion arm = arm_->motion();
+  const Pose X_WT = X_WB_ * arm.X_BBnow * arm.X_BT;
+  const Twist V_WT{.v = X_WB_.linear() * arm.V_BT.v, .w = X_WB_.linear() * arm.V_BT.w};
 
   // the hand
   Wrench F_T_W;
@@ -101,22 +82,15 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
 
   F_hand_T_B_ = Turned(X_WB_.linear().transpose(), F_T_W);
 
-  const auto datagram = server_.BeginCycle({.q = body_->q(),
-                                            .tau_meas = body_->tau_measured_Nm(),
-                                            .tau_ext = body_->tau_external_Nm(),
-                                            .X_BC = X_BT,
-                                            .F_C_C = Turned(X_WT.linear().transpose(), F_T_W)},
-                                           now);
+  const auto datagram = arm_->Message(Turned(X_WT.linear().transpose(), F_T_W), now);
 
   ++state_.cycle;
   state_.stamp = now;
-  state_.session = server_.state();
+  static_cast<ArmStatus&>(state_) = arm_->status();  // with the message that was made
   state_.active_once |= active;
   state_.script_done = state_.active_once && state_.cell_time_s >= hand_.script().duration_s();
-  state_.counters = server_.counters();
-  state_.stop = server_.stop();
-  std::copy_n(body_->q().data(), control::kJoints, state_.q_meas.begin());
-  std::copy_n(server_.q_commanded().data(), control::kJoints, state_.q_cmd.begin());
+  state_.q_meas = arm.q_meas;
+  state_.q_cmd = arm.q_cmd;
   state_.X_WT_meas = X_WT;
   state_.v_WT_meas_m_per_s = V_WT.v;
   state_.w_WT_meas_rad_per_s = V_WT.w;

@@ -2,19 +2,23 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "control/hand_wrench.h"
 #include "control/ports.h"
-#include "hil/fri_server.h"
+#include "hil/arm_controller.h"
+#include "hil/fri_arm.h"
 #include "hil/operator_hand.h"
+#include "hil/rsi/rsi_arm.h"
 #include "hil/simulated_arm.h"
-#include "kinematics/lbr_arm.h"
 
 namespace osteon::hil {
 
 /// What plays the device.
 struct SimulatedCellParams {
+  /// A KR over RSI. Absent: an LBR over FRI, which is what follows, down to `fri`.
+  std::optional<RsiArmParams> kr{};
   kinematics::LbrParams arm{};  ///< no default
   ArmLevel level{ArmLevel::kServo};
   ServoArmParams servo{};
@@ -25,22 +29,19 @@ struct SimulatedCellParams {
   PlainPose X_WB{};                     ///< robot base in world
   PlainPose X_FT{};                     ///< tool in flange
   control::ForceSensorParams sensor{};  ///< between flange and tool
-  control::JointArray q_start{};        ///< [rad]
+  control::JointArray q_start{};        ///< [rad]; of a KR the first six
 };
 
 /// The arm alone.
 [[nodiscard]] SimulatedArmParams BodyOf(const SimulatedCellParams& params);
 
 /// What the cell looks like after a step. Plain data.
-struct CellState {
+struct CellState : ArmStatus {
   std::uint64_t cycle{0};
   rt::Nanoseconds stamp{0};
-  control::SessionState session{control::SessionState::kIdle};
   bool active_once{false};  ///< COMMANDING_ACTIVE was reached
   double cell_time_s{0.0};  ///< since the hand last took hold, in periods: the script's time
   bool script_done{false};
-  FriCounters counters;
-  StopReport stop;
   control::JointArray q_meas{}, q_cmd{};  ///< [rad]
   PlainPose X_WT_meas;
   PlainVector3 v_WT_meas_m_per_s, w_WT_meas_rad_per_s;  ///< velocity of T, in W
@@ -52,7 +53,8 @@ struct CellState {
 /// and bytes out. The same in wall time (SimulatedCellThread) and in virtual time. Two runs with the same
 /// input give the same bytes.
 ///
-/// How much of the arm is modelled is a level (SimulatedArm). Up to the lagging servo it is stiff against the
+/// Arm and controller are an ArmController, whatever they speak. How much of the arm is modelled is a level
+/// (ArmLevel). Up to the lagging servo it is stiff against the
 /// hand, whose wrench reaches the client through the sensor alone. There is no bone here: in admittance the
 /// contact is virtual, and the hand feels it as the arm's motion. A mounting that gives moves the tool, but
 /// the hand does not feel its speed.
@@ -66,7 +68,7 @@ class SimulatedCell {
   SimulatedCell(const SimulatedCellParams& params, HandScript script);
 
   /// One datagram of the client. True where it answers the current message.
-  bool Receive(std::span<const std::uint8_t> datagram) { return server_.Receive(datagram); }
+  bool Receive(std::span<const std::uint8_t> datagram) { return arm_->Receive(datagram); }
 
   /// One period: the client's answer, the arm, the hand, the sensor, the next message.
   /// @param now time of the message and of the sensor's reading; >= 0.
@@ -76,24 +78,21 @@ class SimulatedCell {
   std::span<const std::uint8_t> Step(rt::Nanoseconds now, bool client_had_its_time = true);
 
   [[nodiscard]] const CellState& state() const { return state_; }
-  /// The drives' power, which a PLC switches; on at first. Without it they stop at once (Stop 0); with it
-  /// back the stop is acknowledged and the program asks anew.
-  void SetPower(bool on);
+  /// See ArmController.
+  void SetPower(bool on) { arm_->SetPower(on); }
 
-  /// The arm's side of the session, for what the robot's program and its operator do. Its motion centre is T.
-  [[nodiscard]] FriServer& server() { return server_; }
+  /// The arm's side of an FRI session, for what the robot's program and its operator do.
+  /// @throws std::bad_cast where the arm speaks RSI.
+  [[nodiscard]] FriServer& server() { return dynamic_cast<FriArm&>(*arm_).server(); }
   /// The sensor's load as an ideal sensor would read it.
   [[nodiscard]] control::ForceReading force() const { return {.stamp = state_.stamp, .F_S = state_.F_S}; }
-  [[nodiscard]] double period_s() const { return server_.period_s(); }
+  [[nodiscard]] double period_s() const { return arm_->period_s(); }
   [[nodiscard]] const HandScript& script() const { return hand_.script(); }
 
  private:
-  kinematics::LbrArm arm_;
-  Pose X_WB_, X_FT_, X_TF_;
+  Pose X_WB_, X_TF_;
   control::ForceSensorParams sensor_;
-  bool power_{true};
-  FriServer server_;
-  std::unique_ptr<SimulatedArm> body_;
+  std::unique_ptr<ArmController> arm_;
   Wrench F_hand_T_B_;
   OperatorHand hand_;
   bool holds_{false}, held_once_{false};  // the hand, the tool

@@ -31,7 +31,8 @@ struct CellThreadStatistics {
   CellWireCounters wires;        ///< what was injected
 };
 
-/// The simulated cell in wall time: its own thread, FRI over a UDP socket, an absolute 1 ms schedule.
+/// The simulated cell in wall time: its own thread, FRI or RSI over a UDP socket, an absolute
+/// schedule of the arm's period.
 ///
 /// The arm is the clock: it sends, sleeps until its next period and then reads what the client answered. Only
 /// the client's address is listened to (the socket is connected to it; the system drops the rest).

@@ -9,8 +9,8 @@ struct CellWireCounters {
   WireCounters arm_to_controller, arm_from_controller;
 };
 
-/// The wire between a SimulatedCell and its client: FRI both ways. Both clocks use it. One thread at a time;
-/// no allocation once made.
+/// The wire between a SimulatedCell and its client: FRI or RSI both ways. Both clocks use it. One thread at a
+/// time; no allocation once made.
 class CellWires {
  public:
   /// @throws std::invalid_argument from Validate(params).

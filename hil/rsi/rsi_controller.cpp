@@ -62,6 +62,8 @@ void Require(bool accepted, const std::string& name, double found, std::string_v
 const RsiControllerParams& Checked(const RsiControllerParams& params) {
   Require(params.cycle_ms == 4 || params.cycle_ms == 12, "cycle_ms", params.cycle_ms, "4 or 12");
   Require(params.timeout_cycles >= 1, "timeout_cycles", params.timeout_cycles, ">= 1");
+  Require(params.level != ArmLevel::kDynamic, "level", static_cast<double>(params.level),
+          "0 or 1: no masses of a KR are published");
   Require(params.ipoc_step >= 1, "ipoc_step", params.ipoc_step, ">= 1: 1, or the cycle's milliseconds");
   for (std::size_t i = 0; i < 6; ++i) {
     const auto& limit = params.arm.limits[i];
@@ -92,6 +94,8 @@ std::string Describe(const RsiStopReport& stop) {
                          stop.found > stop.accepted ? "most" : "least", stop.accepted);
     case RsiStopReason::kOutOfReach:
       return "out of reach: no posture for the corrected pose";
+    case RsiStopReason::kPowerOff:
+      return "the drives have no power";
   }
   return "unknown";
 }
@@ -104,6 +108,7 @@ RsiController::RsiController(const RsiControllerParams& params)
              Seven(ToRadians(params.start_deg))),
       start_deg_(params.start_deg),
       q_set_(ToRadians(params.start_deg)),
+      q_(q_set_),
       X_BF_start_(chain_.FlangePose(q_set_)),
       first_ipoc_(params.first_ipoc) {
   state_.ipoc = first_ipoc_ - static_cast<std::uint64_t>(params_.ipoc_step);
@@ -117,7 +122,7 @@ void RsiController::Restart() {
   last_ = state_.correction = {};
   answered_ = false;
   state_.running = true;
-  state_.delay = 0;
+  state_.delay = excused_delay_ = 0;
   state_.stop = {};
   state_.counters = {};
   first_ipoc_ = params_.ipoc_step == 1 ? 1 : state_.ipoc + 10'000u;  // counts from the start, or is a clock
@@ -146,18 +151,22 @@ bool RsiController::Receive(std::span<const std::uint8_t> datagram) {
   return true;
 }
 
-std::span<const std::uint8_t> RsiController::Step() {
-  if (state_.running && state_.counters.sent > 0) Judge();
-  servo_.Step(Seven(q_set_));
+void RsiController::PowerOff() {
+  if (state_.running) End(RsiStopReason::kPowerOff, 0, 0.0, 0.0);
+}
+
+std::span<const std::uint8_t> RsiController::Step(bool client_had_its_time) {
+  if (state_.running && state_.counters.sent > 0) Judge(client_had_its_time);
+  Drive();
   state_.axes_set_deg = ToDegrees(q_set_);
-  state_.axes_measured_deg = ToDegrees(servo_.q());
+  state_.axes_measured_deg = ToDegrees(q_);
   if (!state_.running) return {};
 
   state_.ipoc += static_cast<std::uint64_t>(params_.ipoc_step);
   ++state_.counters.sent;
   answered_ = false;
   text_ = WriteRob({.format = params_.format,
-                    .pose_measured = FrameOf(chain_.FlangePose(servo_.q().head<6>())),
+                    .pose_measured = FrameOf(chain_.FlangePose(q_)),
                     .pose_set = FrameOf(chain_.FlangePose(q_set_)),
                     .axes_measured = state_.axes_measured_deg,
                     .axes_set = state_.axes_set_deg,
@@ -167,17 +176,23 @@ std::span<const std::uint8_t> RsiController::Step() {
 }
 
 // The cycle that ends: what its answer, or the lack of one, does to the correction in force.
-void RsiController::Judge() {
+void RsiController::Judge(bool client_had_its_time) {
   if (answered_) {
     ++state_.counters.answered;
-    if (params_.delay_in_a_row) state_.delay = 0;
+    if (params_.delay_in_a_row) state_.delay = excused_delay_ = 0;
     if (answer_.stop) return End(RsiStopReason::kAskedFor, 0, 1.0, 0.0);
     last_ = answer_.correction;
   } else {
-    ++state_.counters.missed;
     ++state_.delay;
-    if (state_.delay >= static_cast<std::uint32_t>(params_.timeout_cycles))
-      return End(RsiStopReason::kTimeout, 0, state_.delay, params_.timeout_cycles);
+    if (client_had_its_time) {
+      ++state_.counters.missed;
+    } else {
+      ++state_.counters.excused;
+      ++excused_delay_;
+    }
+    const std::uint32_t late = state_.delay - excused_delay_;
+    if (late >= static_cast<std::uint32_t>(params_.timeout_cycles))
+      return End(RsiStopReason::kTimeout, 0, late, params_.timeout_cycles);
   }
   const Six correction = answered_ || params_.hold_on ? last_ : Six{};
   for (std::size_t i = 0; i < 6; ++i)
@@ -211,6 +226,18 @@ void RsiController::Correct() {
                  (at < limit.lower_rad ? limit.lower_rad : limit.upper_rad) / kDegree);
   }
   q_set_ = q;
+}
+
+// The arm follows its set point for a cycle.
+void RsiController::Drive() {
+  if (params_.level == ArmLevel::kKinematic) {
+    qd_ = (q_set_ - q_) / period_s();
+    q_ = q_set_;
+    return;
+  }
+  servo_.Step(Seven(q_set_));
+  q_ = servo_.q().head<6>();
+  qd_ = servo_.qd().head<6>();
 }
 
 void RsiController::End(RsiStopReason reason, int axis, double found, double accepted) {

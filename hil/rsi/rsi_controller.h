@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "hil/arm_model.h"
 #include "hil/rsi/rsi_wire.h"
 #include "hil/servo_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
@@ -29,6 +30,7 @@ struct RsiControllerParams {
   int ipoc_step{4};
   /// Monitor of the correction from the start pose, either way: [deg], of RKorr mm for X Y Z.
   Six range{90.0, 90.0, 90.0, 90.0, 90.0, 90.0};
+  ArmLevel level{ArmLevel::kServo};  ///< kKinematic or kServo: no masses of these arms are published
   ServoArmParams servo{.dead_cycles = 1};
 };
 
@@ -39,6 +41,7 @@ enum class RsiStopReason : std::uint8_t {
   kCorrectionRange,  ///< a correction beyond its monitor's range
   kAxisLimit,        ///< a set point beyond the axis's software limit
   kOutOfReach,       ///< no posture for a corrected pose
+  kPowerOff,         ///< the drives lost their power
 };
 
 /// Why RSI ended. Plain data.
@@ -54,6 +57,7 @@ struct RsiStopReport {
 struct RsiCounters {
   std::uint64_t sent{0}, answered{0};
   std::uint64_t missed{0};      ///< cycles without an answer in time
+  std::uint64_t excused{0};     ///< the same, but the controller itself was late
   std::uint64_t late{0};        ///< answers to a cycle that was over
   std::uint64_t wrong_ipoc{0};  ///< answers to a cycle that never was
   std::uint64_t duplicate{0};
@@ -96,20 +100,29 @@ class RsiController {
   /// One datagram of the PC. True where it answers the message last sent.
   bool Receive(std::span<const std::uint8_t> datagram);
 
-  /// One cycle. @returns the datagram to send, valid until the next call; empty once RSI has ended.
-  std::span<const std::uint8_t> Step();
+  /// One cycle.
+  /// @param client_had_its_time  false where this side was late: a missing answer raises Delay all the same,
+  ///   as the PC reads from it what became of its answers, but brings Timeout no nearer.
+  /// @returns the datagram to send, valid until the next call; empty once RSI has ended.
+  std::span<const std::uint8_t> Step(bool client_had_its_time = true);
+
+  /// The drives lose their power: RSI ends.
+  void PowerOff();
 
   /// RSI starts again where the arm stands: as the program's next RSI_ON.
   void Restart();
 
   [[nodiscard]] const RsiControllerState& state() const { return state_; }
+  [[nodiscard]] const kinematics::JointVectorN<6>& q() const { return q_; }    ///< [rad]
+  [[nodiscard]] const kinematics::JointVectorN<6>& qd() const { return qd_; }  ///< [rad/s]
   [[nodiscard]] double period_s() const { return 1e-3 * params_.cycle_ms; }
   /// Why the last malformed datagram was one.
   [[nodiscard]] const std::string& last_error() const { return last_error_; }
 
  private:
-  void Judge();
+  void Judge(bool client_had_its_time);
   void Correct();
+  void Drive();
   void End(RsiStopReason reason, int axis, double found, double accepted);
 
   RsiControllerParams params_;
@@ -117,12 +130,13 @@ class RsiController {
   kinematics::SerialChain<6> chain_;
   ServoArm servo_;
   Six start_deg_;
-  kinematics::JointVectorN<6> q_set_;
+  kinematics::JointVectorN<6> q_set_, q_, qd_{kinematics::JointVectorN<6>::Zero()};
   Pose X_BF_start_;
   Six last_{};  // correction of the last answer
   SenMessage answer_;
   bool answered_{false};
-  std::uint64_t first_ipoc_;  // of this start
+  std::uint32_t excused_delay_{0};  // of state_.delay
+  std::uint64_t first_ipoc_;        // of this start
   RsiControllerState state_;
   std::string text_, last_error_;
 };

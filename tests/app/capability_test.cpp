@@ -149,8 +149,8 @@ TEST(CapabilityMap, NoPoseWithinTheTaskHoldsLessThanTheGuarantee) {
   const CapabilityNeed need = NeedOf(cell);
   const CapabilityMap::Task own = CapabilityMap(cell, task, need, 2).AtOwnArmAngle();
   ASSERT_EQ(own.unreachable, 0u);
-  const kinematics::LbrArm arm(cell.robot);
-  const ArmForce force(cell.chain, cell.X_WB.linear(), cell.tool.X_FT, need);
+  const kinematics::LbrArm arm(cell.robot.lbr()->params);
+  const ArmForce force(cell.robot.lbr()->chain, cell.X_WB.linear(), cell.tool.X_FT, need);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   double least_axial = HUGE_VAL, least_lateral = HUGE_VAL;
@@ -196,8 +196,8 @@ TEST(CapabilityMap, PanelNodesAreTheWorstOfTheirCone) {
   const CapabilityMap map(cell, task, NeedOf(cell), 2);
   const MapPanel panel = map.Panel(MapPlane::kHorizontal, 5, [] { return false; });
   ASSERT_EQ(panel.axial_N.size(), 36u);
-  const kinematics::LbrArm arm(cell.robot);
-  const ArmForce force(cell.chain, cell.X_WB.linear(), cell.tool.X_FT, NeedOf(cell));
+  const kinematics::LbrArm arm(cell.robot.lbr()->params);
+  const ArmForce force(cell.robot.lbr()->chain, cell.X_WB.linear(), cell.tool.X_FT, NeedOf(cell));
   int there = 0;
   for (std::size_t i = 0; i < panel.axial_N.size(); ++i) {
     if (!std::isfinite(panel.own_axial_N[i])) continue;
@@ -236,7 +236,7 @@ struct Searched {
   BaseSearchParams params = Near(cell);
 
   [[nodiscard]] BaseSearch Search() const {
-    return {cell.chain, cell.X_WB.linear(), cell.tool.X_FT, task, need, params};
+    return {cell.robot.lbr()->chain, cell.X_WB.linear(), cell.tool.X_FT, task, need, params};
   }
 };
 
@@ -289,8 +289,8 @@ TEST(BaseSearch, WhatItSaysHoldsAtTheBaseThatItWrites) {
   // margin, and holds
   config::CellConfig cell = s.cell;
   cell.X_WB = base.X_WB;
-  const kinematics::LbrArm arm(cell.robot);
-  const ArmForce held(cell.chain, base.X_WB.linear(), cell.tool.X_FT, s.need);
+  const kinematics::LbrArm arm(cell.robot.lbr()->params);
+  const ArmForce held(cell.robot.lbr()->chain, base.X_WB.linear(), cell.tool.X_FT, s.need);
   const std::vector<Pose> poses = TaskPoses(s.task, {}, DirectionOf(s.task, base.X_WB.translation()));
   kinematics::JointVector q = kinematics::JointVector::Zero();
   const auto reach = [&](const Pose& X_WT) {
@@ -307,7 +307,8 @@ TEST(BaseSearch, WhatItSaysHoldsAtTheBaseThatItWrites) {
     q = reach(poses.front()).q;
     for (int i = 0; i < 7; ++i)
       EXPECT_LE(std::abs(solution.q[i]),
-                cell.robot.limits[static_cast<std::size_t>(i)].upper_rad - s.params.joint_margin_rad + 0.01);
+                cell.robot.lbr()->params.limits[static_cast<std::size_t>(i)].upper_rad -
+                    s.params.joint_margin_rad + 0.01);
     least = std::min(least, held.At(solution.q).factor);
   }
   EXPECT_NEAR(least, force.factor, 1e-9);

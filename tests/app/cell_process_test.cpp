@@ -67,6 +67,39 @@ TEST(CellProcess, ARunFindsACellThatStandsInAnotherProcess) {
   GTEST_SKIP() << "skipped, this machine is too busy: " << kAttempts << " runs ended by a stall";
 }
 
+// The same of a KR over RSI, at 4 ms.
+TEST(CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
+  constexpr int kAttempts = 3;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const TemporaryFolder folder, cell_folder;
+    Command cell(cell_folder.path(), {"cell", "kr_16_thin_plate", "--port", Port(), "--json", "cell.json"});
+    ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
+    EXPECT_TRUE(Says(cell, "the arm sends RSI im_free, axes, 4 ms to 127.0.0.1:" + Port())) << cell.Out();
+    const CommandResult run =
+        RunCommand(folder.path(), {"run", "kr_16_thin_plate", "--port", Port(), "--seconds", "2", "--record",
+                                   "r.mcap", "--json", "run.json"});
+    const bool saw_active = Says(cell, "COMMANDING_ACTIVE");
+    cell.Send(SIGTERM);
+    EXPECT_EQ(cell.Wait().exit_code, 0);
+    ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 1) << run.exit_code << run.err;
+    EXPECT_NE(run.err.find("osteon run: RSI im_free, axes, 4 ms on 127.0.0.1:" + Port()), std::string::npos)
+        << run.err;
+    const nlohmann::json summary = ReadJson(folder.path() / "run.json");
+    if (run.exit_code == 1) {
+      ASSERT_TRUE(IsStall(summary)) << summary.dump(2);
+      continue;
+    }
+    EXPECT_TRUE(saw_active) << cell.Out();
+    EXPECT_EQ(summary.at("ended"), "completed");
+    EXPECT_EQ(ReadComplete(folder.path() / "r.mcap").ticks.back().q_cmd[6], 0.0);
+    const nlohmann::json report = ReadJson(cell_folder.path() / "cell.json");
+    EXPECT_GT(report.at("arm").at("answered").get<int>(), 500);
+    EXPECT_EQ(report.at("arm").at("malformed").get<int>(), 0);
+    return;
+  }
+  GTEST_SKIP() << "skipped, this machine is too busy: " << kAttempts << " runs ended by a stall";
+}
+
 TEST(CellProcess, ACellThatIsKilledIsAStopOfTheRun) {
   const TemporaryFolder folder, cell_folder;  // each process has its own
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});

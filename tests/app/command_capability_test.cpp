@@ -102,6 +102,7 @@ TEST(Capability, SaysWhatItDoesNotTake) {
   const std::vector<Case> cases{
       {{}, "cell"},
       {{"no_such_cell"}, "no file"},
+      {{"kr_16_thin_plate"}, "found a KR 16-2, accepted an LBR"},
       {{"demo", "--axial-N", "0"}, "--axial-N: found 0, accepted 1"},
       {{"demo", "--x-mm", "300,100"}, "--x-mm: found 300,100, accepted FROM at most TO"},
       {{"demo", "--mount", "wall"}, "found wall, accepted cell, floor, ceiling"},

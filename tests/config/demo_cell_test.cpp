@@ -19,17 +19,18 @@ class DemoCellTest : public ::testing::Test {
 
 TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
   const kinematics::LbrParams sources = kinematics::Iiwa14();
-  EXPECT_DOUBLE_EQ(cell_.robot.base_to_shoulder_m, sources.base_to_shoulder_m);
-  EXPECT_DOUBLE_EQ(cell_.robot.shoulder_to_elbow_m, sources.shoulder_to_elbow_m);
-  EXPECT_DOUBLE_EQ(cell_.robot.elbow_to_wrist_m, sources.elbow_to_wrist_m);
-  EXPECT_DOUBLE_EQ(cell_.robot.wrist_to_flange_m, sources.wrist_to_flange_m);
+  EXPECT_DOUBLE_EQ(cell_.robot.lbr()->params.base_to_shoulder_m, sources.base_to_shoulder_m);
+  EXPECT_DOUBLE_EQ(cell_.robot.lbr()->params.shoulder_to_elbow_m, sources.shoulder_to_elbow_m);
+  EXPECT_DOUBLE_EQ(cell_.robot.lbr()->params.elbow_to_wrist_m, sources.elbow_to_wrist_m);
+  EXPECT_DOUBLE_EQ(cell_.robot.lbr()->params.wrist_to_flange_m, sources.wrist_to_flange_m);
   for (std::size_t i = 0; i < 7; ++i) {
-    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].lower_rad, sources.limits[i].lower_rad);
-    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].upper_rad, sources.limits[i].upper_rad);
-    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].velocity_rad_per_s, sources.limits[i].velocity_rad_per_s);
-    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].acceleration_rad_per_s2,
+    EXPECT_DOUBLE_EQ(cell_.robot.lbr()->params.limits[i].lower_rad, sources.limits[i].lower_rad);
+    EXPECT_DOUBLE_EQ(cell_.robot.lbr()->params.limits[i].upper_rad, sources.limits[i].upper_rad);
+    EXPECT_DOUBLE_EQ(cell_.robot.lbr()->params.limits[i].velocity_rad_per_s,
+                     sources.limits[i].velocity_rad_per_s);
+    EXPECT_DOUBLE_EQ(cell_.robot.lbr()->params.limits[i].acceleration_rad_per_s2,
                      sources.limits[i].acceleration_rad_per_s2);
-    EXPECT_DOUBLE_EQ(cell_.robot.limits[i].torque_Nm, sources.limits[i].torque_Nm);
+    EXPECT_DOUBLE_EQ(cell_.robot.lbr()->params.limits[i].torque_Nm, sources.limits[i].torque_Nm);
   }
   EXPECT_DOUBLE_EQ(cell_.tool.tool.balls.front().radius_m, 0.025);
   EXPECT_NEAR(cell_.tool.spindle_rad_per_s, 26.18, 0.01);
@@ -86,7 +87,7 @@ TEST_F(DemoCellTest, MaterialsAndSceneAreThoseOfTheLibrary) {
 }
 
 TEST_F(DemoCellTest, ServoLoopAndSceneAcceptTheCell) {
-  const kinematics::LbrArm arm(cell_.robot);
+  const kinematics::LbrArm arm(cell_.robot.lbr()->params);
   EXPECT_NO_THROW(
       control::ServoLoop(cell_.servo, arm, cell_.X_WB, cell_.tool.X_FT, cell_.start.arm_angle_rad));
   const hil::HandScript script = hil::MakeScript(cell_.script);
@@ -106,7 +107,7 @@ TEST_F(DemoCellTest, ToolStartsAboveTheCupPointingIntoIt) {
   const Pose X_script = hil::MakeScript(cell_.script).Sample(0.0).X_WT;
   EXPECT_LT((X_script.matrix() - cell_.start.X_WT.matrix()).cwiseAbs().maxCoeff(), 1e-12);
   // forward kinematics of the start's joints, by the whole chain W B F T
-  const kinematics::LbrArm arm(cell_.robot);
+  const kinematics::LbrArm arm(cell_.robot.lbr()->params);
   const Pose X_WT = cell_.X_WB * arm.FlangePose(cell_.start.q) * cell_.tool.X_FT;
   EXPECT_LT((X_WT.matrix() - cell_.start.X_WT.matrix()).cwiseAbs().maxCoeff(), 1e-12);
 }
@@ -116,7 +117,7 @@ TEST_F(DemoCellTest, ToolStartsAboveTheCupPointingIntoIt) {
 // and move the tool in every direction: the smallest singular value of the apex's Jacobian, with rotation
 // weighed at the head's radius of .1 m/rad.
 TEST_F(DemoCellTest, ArmReachesAllThatReamingNeedsFarFromLimitsAndSingularities) {
-  const kinematics::LbrArm arm(cell_.robot);
+  const kinematics::LbrArm arm(cell_.robot.lbr()->params);
   const double head_m = cell_.tool.tool.balls.front().radius_m;
   double least_margin_rad = 10.0, least_singular = 10.0;
   int poses = 0;
@@ -136,7 +137,8 @@ TEST_F(DemoCellTest, ArmReachesAllThatReamingNeedsFarFromLimitsAndSingularities)
               << "another branch of the inverse";
           for (int i = 0; i < 7; ++i)
             least_margin_rad = std::min(
-                least_margin_rad, cell_.robot.limits[static_cast<std::size_t>(i)].upper_rad - std::abs(q[i]));
+                least_margin_rad,
+                cell_.robot.lbr()->params.limits[static_cast<std::size_t>(i)].upper_rad - std::abs(q[i]));
           kinematics::Jacobian J = arm.FlangeJacobian(q);
           const Vector3 p_FT = arm.FlangePose(q).linear() * cell_.tool.X_FT.translation();
           for (int i = 0; i < 7; ++i) J.col(i).head<3>() += Vector3(J.col(i).tail<3>()).cross(p_FT);

@@ -50,18 +50,18 @@ class FriKeys : public testing::Test {
 
 TEST_F(FriKeys, AreTheLibrarysWhereTheCellSaysNothing) {
   const CellConfig cell = LoadWith("");
-  EXPECT_EQ(cell.fri.session.version, io::FriVersion::k1_15);
+  EXPECT_EQ(cell.link.fri()->version, io::FriVersion::k1_15);
   EXPECT_EQ(cell.simulated.fri.version, io::FriVersion::k1_15);
-  EXPECT_EQ(cell.fri.session.torque_order, io::FriTorqueOrder::kZyx);
+  EXPECT_EQ(cell.link.fri()->torque_order, io::FriTorqueOrder::kZyx);
   EXPECT_TRUE(cell.simulated.fri.torques_zyx);
   EXPECT_EQ(cell.simulated.fri.receive_multiplier, 1);
 }
 
 TEST_F(FriKeys, ReachLinkAndSimulatedArm) {
   const CellConfig cell = LoadWith("  version: 2.7\n  wrench_torques: xyz\n  receive_multiplier_count: 2\n");
-  EXPECT_EQ(cell.fri.session.version, io::FriVersion::k2_7);
+  EXPECT_EQ(cell.link.fri()->version, io::FriVersion::k2_7);
   EXPECT_EQ(cell.simulated.fri.version, io::FriVersion::k2_7);
-  EXPECT_EQ(cell.fri.session.torque_order, io::FriTorqueOrder::kXyz);
+  EXPECT_EQ(cell.link.fri()->torque_order, io::FriTorqueOrder::kXyz);
   EXPECT_FALSE(cell.simulated.fri.torques_zyx);
   EXPECT_EQ(cell.simulated.fri.receive_multiplier, 2);
 }
@@ -72,7 +72,7 @@ TEST_F(FriKeys, EveryVersionHasItsName) {
   fs::copy_file(fresh, kept);
   for (const io::FriVersion version : io::kFriVersions) {
     fs::copy_file(kept, fresh, fs::copy_options::overwrite_existing);
-    EXPECT_EQ(LoadWith(std::string("  version: ") + Name(version) + "\n").fri.session.version, version);
+    EXPECT_EQ(LoadWith(std::string("  version: ") + Name(version) + "\n").link.fri()->version, version);
   }
 }
 

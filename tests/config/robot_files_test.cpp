@@ -130,7 +130,7 @@ TEST(RobotFiles, CellCarriesItsToolAndSensor) {
   const fs::path root = fs::path(OSTEON_SOURCE_DIR) / "config";
   const CellConfig cell = LoadCell(root / "cells" / "demo.yaml");
   const kinematics::LinkInertia bare = kinematics::Iiwa14Chain().joints.back().link,
-                                loaded = cell.chain.joints.back().link;
+                                loaded = cell.robot.lbr()->chain.joints.back().link;
   EXPECT_NEAR(loaded.mass_kg, bare.mass_kg + 0.5 + cell.tool.tool.mass_kg, 1e-12);
   // first moments add up: link, sensor 35 + 15 mm ahead of A7, tool where its centre is in the flange's frame
   const Vector3 p_FTcm = cell.tool.X_FT * Vector3(cell.tool.tool.center_of_mass_m);

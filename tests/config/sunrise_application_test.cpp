@@ -44,7 +44,7 @@ class SunriseApplication : public testing::Test {
 };
 
 TEST_F(SunriseApplication, SendsWhereAndAsOftenAsTheCellListens) {
-  EXPECT_EQ(Number("CLIENT_PORT"), cell_.fri.port);
+  EXPECT_EQ(Number("CLIENT_PORT"), cell_.link.port);
   EXPECT_EQ(Number("CLIENT_PORT"), io::FriLinkParams{}.port);
   EXPECT_DOUBLE_EQ(Number("SEND_PERIOD_MS") * 1e-3, cell_.servo.period_s);
   EXPECT_EQ(Number("RECEIVE_MULTIPLIER"), cell_.simulated.fri.receive_multiplier);
@@ -59,7 +59,7 @@ TEST_F(SunriseApplication, AsksForTheCommandModeThatTheSimulatedArmAsksFor) {
 // The load that its tool has to have is what the cell believes to hang on the flange.
 TEST_F(SunriseApplication, ChecksTheLoadThatTheCellHas) {
   const RobotModel bare = LoadRobot(kRoot / "config/robots/lbr_iiwa_14_r820.yaml");
-  const double payload_kg = cell_.chain.joints.back().link.mass_kg -
+  const double payload_kg = cell_.robot.lbr()->chain.joints.back().link.mass_kg -
                             std::get<kinematics::ChainParams<7>>(bare.chain).joints.back().link.mass_kg;
   EXPECT_NEAR(Number("PAYLOAD_KG"), payload_kg, 0.5 * Number("PAYLOAD_TOLERANCE_KG"));
 }

@@ -87,7 +87,7 @@ TEST(DemoCell, TakesABurrADrillAndABroachInPlaceOfItsReamer) {
     EXPECT_EQ(cell.tool.tool.name, LoadTool(choice.file, choice.diameter_m).tool.name);
     EXPECT_EQ(simulation::CuttingHead(cell.tool.tool), cell.tool.tool.balls.data())
         << "the first ball is the head";
-    const kinematics::LbrArm arm(cell.robot);
+    const kinematics::LbrArm arm(cell.robot.lbr()->params);
     const Pose X_WT = cell.X_WB * arm.FlangePose(cell.start.q) * cell.tool.X_FT;
     EXPECT_LT((X_WT.matrix() - cell.start.X_WT.matrix()).cwiseAbs().maxCoeff(), 1e-12);
     simulation::ReferenceEngine engine({}, cell.tool.tool, cell.X_WG, cell.cutting);

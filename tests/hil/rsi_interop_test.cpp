@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/rsi/rsi_controller_thread.h"
+#include "hil/rsi/rsi_controller.h"
+#include "hil/scripts.h"
+#include "hil/simulated_cell_thread.h"
 #include "io/rsi/rsi_link.h"
 #include "tests/kinematics/kr_arms.h"
 
@@ -165,7 +167,12 @@ TEST(RsiInterop, LinkMovesTheArmOverUdp) {
   const BothSides setup = Make(true, false, true, true, 4, 4);
   auto link = io::RsiLink::Open({.port = 0, .session = setup.session});
   ASSERT_TRUE(link) << link.error();
-  RsiControllerThread controller({.server_port = (*link)->port()}, RsiController(setup.controller));
+  SimulatedCellParams params;
+  params.kr = RsiArmParams{.controller = setup.controller};
+  for (std::size_t i = 0; i < 6; ++i) params.q_start[i] = setup.controller.start_deg[i] * kDegree;
+  // the hand's script is far away: nobody touches the tool
+  SimulatedCellThread cell({.client_port = (*link)->port()},
+                           SimulatedCell(params, MakeReamingScript({.X_WC = Pose::Identity()})));
   control::ArmState arm;
   control::ArmCommand command;
   for (int k = 0; k < 20'000 && std::abs(arm.q_meas[0]) < 4.5 * kDegree; ++k) {
@@ -178,16 +185,11 @@ TEST(RsiInterop, LinkMovesTheArmOverUdp) {
   }
   EXPECT_EQ(arm.session, control::SessionState::kCommandingActive);
   EXPECT_GT(arm.q_meas[0], 4.4 * kDegree);
-  controller.Stop();
-  EXPECT_EQ(controller.statistics().controller.counters.malformed, 0u);
-  EXPECT_TRUE(controller.statistics().controller.running);
+  cell.Stop();
+  const CellState& state = cell.statistics().cell;
+  EXPECT_EQ(state.counters.malformed, 0u);
+  EXPECT_EQ(state.session, control::SessionState::kCommandingActive) << DescribeStop(state);
   EXPECT_EQ(arm.rejected, 0u);
-}
-
-TEST(RsiInterop, ThreadRefusesAnAddressThatIsNone) {
-  EXPECT_THROW(RsiControllerThread({.server_address = "localhost"},
-                                   RsiController(Make(false, false, true, true, 4, 4).controller)),
-               std::invalid_argument);
 }
 
 }  // namespace

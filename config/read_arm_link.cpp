@@ -1,0 +1,160 @@
+#include "config/read_arm_link.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <fmt/format.h>
+
+namespace osteon::config {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0, kMillimetre_m = 1e-3;
+
+io::FriSessionParams ReadFri(Reader section, hil::FriServerParams& arm) {
+  io::FriSessionParams session;
+  arm.send_period_ms = section.Whole("period_ms", 1, 20);
+  if (section.Has("receive_multiplier_count"))
+    arm.receive_multiplier = section.Whole("receive_multiplier_count", 1, 10);
+  if (section.Has("version"))
+    session.version = io::kFriVersions.at(
+        section.Choice("version", {"1.11", "1.12", "1.13", "1.14", "1.15", "1.16", "2.5", "2.7"}));
+  if (section.Has("wrench_torques"))
+    session.torque_order = section.Choice("wrench_torques", {"zyx", "xyz"}) == 0 ? io::FriTorqueOrder::kZyx
+                                                                                 : io::FriTorqueOrder::kXyz;
+  arm.version = session.version;
+  arm.torques_zyx = session.torque_order == io::FriTorqueOrder::kZyx;
+  return session;
+}
+
+void ReadLinkQuality(Reader section, hil::FriServerParams& fri) {
+  hil::QualityPolicyParams& quality = fri.quality;
+  quality.fair_after_answers = section.Whole("fair_answered_count", 1, 1000);
+  quality.good_after_answers = section.Whole("good_answered_count", 1, 1000);
+  quality.excellent_after_answers = section.Whole("excellent_answered_count", 1, 1000);
+  quality.good_max_lost_per_s = section.Whole("good_lost_count", 0, 1000);
+  quality.end_after_lost_in_a_row = section.Whole("end_lost_in_a_row_count", 1, 1000);
+  quality.end_after_lost_per_s = section.Whole("end_lost_count", 1, 1000);
+  quality.good_timeout_s = section.Number("good_timeout_s", 0.1, 600);
+  if (section.Has("ask_again")) fri.request_again_after_loss = section.Bool("ask_again");
+}
+
+// What hil::LinkQuality would refuse, at the line that is to blame.
+void CheckLinkQuality(const Reader& section, const hil::FriServerParams& fri) {
+  const hil::QualityPolicyParams& quality = fri.quality;
+  const auto at_least = [&](const char* key, int value, const char* other_key, int other) {
+    if (value < other)
+      section.Refuse(key, fmt::format("found {}, accepted at least {} ({})", value, other_key, other));
+  };
+  at_least("good_answered_count", quality.good_after_answers, "fair_answered_count",
+           quality.fair_after_answers);
+  at_least("excellent_answered_count", quality.excellent_after_answers, "good_answered_count",
+           quality.good_after_answers);
+  const int due = 1000 / (fri.send_period_ms * fri.receive_multiplier);
+  if (quality.excellent_after_answers > due)
+    section.Refuse("excellent_answered_count",
+                   fmt::format("found {}, accepted at most {}: the answers due in a second at this period_ms",
+                               quality.excellent_after_answers, due));
+}
+
+io::RsiSessionParams ReadRsi(Reader section) {
+  io::RsiSessionParams session;
+  session.layout =
+      section.Choice("layout", {"im_free", "kroshu"}) == 0 ? io::RsiLayout::kImFree : io::RsiLayout::kKroshu;
+  session.kind = section.Choice("correction", {"axes", "cartesian"}) == 0 ? io::RsiCorrection::kAxes
+                                                                          : io::RsiCorrection::kCartesian;
+  session.absolute = section.Bool("absolute");
+  session.hold_on = section.Bool("hold_on");
+  session.cycle_ms = section.Choice("cycle_ms", {"4", "12"}) == 0 ? 4 : 12;
+  session.ipoc_step = section.Whole("ipoc_step_count", 1, 12);
+  session.timeout_cycles = section.Whole("timeout_count", 1, 10'000);
+  session.range = ReadCorrectionRange(section, "range", session.kind);
+  if (section.Has("entry_step_deg"))
+    session.entry_step_deg = section.Number("entry_step_deg", 0.01, 10) / kDegree;
+  if (section.Has("settle_count")) session.settle_messages = section.Whole("settle_count", 1, 1000);
+  if (section.Has("late_at_start_count"))
+    session.late_at_start = section.Whole("late_at_start_count", 0, 100);
+  if (section.Has("decimal_count")) session.decimals = section.Whole("decimal_count", 1, 9);
+  return session;
+}
+
+// What the arm's end has to have in common.
+hil::RsiArmParams ArmEndOf(const io::RsiSessionParams& session) {
+  hil::RsiArmParams arm;
+  arm.controller.cycle_ms = session.cycle_ms;
+  arm.controller.format =
+      session.layout == io::RsiLayout::kImFree ? hil::RsiFormat::kImFree : hil::RsiFormat::kKroshu;
+  arm.controller.cartesian = session.kind == io::RsiCorrection::kCartesian;
+  arm.controller.absolute = session.absolute;
+  arm.controller.hold_on = session.hold_on;
+  arm.controller.timeout_cycles = session.timeout_cycles;
+  arm.controller.ipoc_step = session.ipoc_step;
+  arm.handed_over_answers = session.settle_messages;
+  return arm;
+}
+
+}  // namespace
+
+std::array<double, 6> ReadCorrectionRange(Reader& section, const std::string& name, io::RsiCorrection kind) {
+  std::array<double, 6> range{};
+  if (kind == io::RsiCorrection::kAxes) {
+    const std::vector<double> axes_rad = section.Numbers(name + "_deg", 6, 0.01, 360);
+    for (std::size_t i = 0; i < 6; ++i) range[i] = axes_rad[i] / kDegree;
+    return range;
+  }
+  const std::vector<double> way_m = section.Numbers(name + "_mm", 3, 0.01, 5000),
+                            turn_rad = section.Numbers(name + "_deg", 3, 0.01, 180);
+  for (std::size_t i = 0; i < 3; ++i) {
+    range[i] = way_m[i] / kMillimetre_m;
+    range[i + 3] = turn_rad[i] / kDegree;
+  }
+  return range;
+}
+
+ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell) {
+  ArmLinkSections sections{.link = cell_section.OneSection({"fri", "rsi"}), .quality = {}};
+  cell.link.host = sections.link.Text("host");
+  cell.link.port = static_cast<std::uint16_t>(sections.link.Whole("port", 1024, 65535));
+  if (cell_section.Has("rsi")) {
+    const io::RsiSessionParams session = ReadRsi(sections.link);
+    cell.simulated.kr = ArmEndOf(session);
+    cell.servo.period_s = 1e-3 * session.cycle_ms;
+    cell.link.session = session;
+  } else {
+    cell.link.session = ReadFri(sections.link, cell.simulated.fri);
+    cell.servo.period_s = 1e-3 * cell.simulated.fri.send_period_ms;
+    sections.quality = cell_section.Section("link_quality");
+    ReadLinkQuality(*sections.quality, cell.simulated.fri);
+  }
+  return sections;
+}
+
+void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell) {
+  if (sections.quality) return CheckLinkQuality(*sections.quality, cell.simulated.fri);
+  const Reader& link = sections.link;
+  const io::RsiSessionParams& session = *cell.link.rsi();
+  if (session.ipoc_step != 1 && session.ipoc_step != session.cycle_ms)
+    link.Refuse("ipoc_step_count",
+                fmt::format("found {}, accepted 1, or cycle_ms ({})", session.ipoc_step, session.cycle_ms));
+  const hil::Six& monitor = cell.simulated.kr->controller.range;
+  for (std::size_t i = 0; i < 6; ++i)
+    if (session.range[i] > monitor[i])
+      link.Refuse(session.kind == io::RsiCorrection::kCartesian && i < 3 ? "range_mm" : "range_deg",
+                  fmt::format("found {:.10g}, accepted at most {:.10g}: the simulated arm's monitor, which "
+                              "ends RSI",
+                              session.range[i], monitor[i]));
+}
+
+void CompleteArmLink(const Reader& cell_section, CellConfig& cell) {
+  const SixAxisConfig* six_axis = cell.robot.six_axis();
+  const bool rsi = cell.link.rsi() != nullptr;
+  if ((six_axis != nullptr) != rsi)
+    cell_section.Refuse("robot",
+                        fmt::format("found {} with {} joints, accepted {}", cell.robot.name, six_axis ? 6 : 7,
+                                    rsi ? "an arm of six axes, which rsi drives; an LBR needs fri"
+                                        : "an LBR, which fri drives; an arm of six axes needs rsi"));
+  if (!six_axis) return;
+  std::get<io::RsiSessionParams>(cell.link.session).arm = six_axis->params;
+  cell.simulated.kr->controller.arm = six_axis->params;
+}
+
+}  // namespace osteon::config

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "config/cell_config.h"
+#include "config/reader.h"
+
+namespace osteon::config {
+
+/// What the checks need of the file.
+struct ArmLinkSections {
+  Reader link;                    ///< `fri` or `rsi`
+  std::optional<Reader> quality;  ///< `link_quality`, beside fri
+};
+
+/// Section `fri`, with `link_quality`, or `rsi`: both ends of the wire to the arm. A cell has one of the two.
+///
+///     fri: {host, port, period_ms, [version], [wrench_torques], [receive_multiplier_count]}
+///     rsi: {host, port, layout, correction, absolute, hold_on, cycle_ms, ipoc_step_count, timeout_count,
+///           range_deg: [A1 … A6], or of cartesian corrections range_mm: [X, Y, Z] and range_deg: [A, B, C],
+///           [entry_step_deg], [settle_count], [late_at_start_count], [decimal_count]}
+///
+/// What is not said is as in the libraries. Sets link, servo.period_s and the arm's end: simulated.fri, or
+/// simulated.kr.
+[[nodiscard]] ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell);
+
+/// After Finish(), with the simulated arm read: values against each other.
+void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell);
+
+/// With the robot read: an LBR speaks FRI, an arm of six axes RSI, both of whose ends are given its geometry.
+void CompleteArmLink(const Reader& cell_section, CellConfig& cell);
+
+/// Keys NAME_deg (six), or of Cartesian corrections NAME_mm and NAME_deg (three each): bounds on corrections,
+/// either way. @returns them in the wire's units, mm and deg.
+[[nodiscard]] std::array<double, 6> ReadCorrectionRange(Reader& section, const std::string& name,
+                                                        io::RsiCorrection kind);
+
+}  // namespace osteon::config

@@ -1,0 +1,210 @@
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cell_run.h"
+#include "app/cell_setup.h"
+#include "app/recorded_config.h"
+#include "app/replay.h"
+#include "app/summary.h"
+#include "io/recording/recording_reader.h"
+#include "tests/io/temporary_folder.h"
+
+// The shipped cell with a KR over RSI, in virtual time: what it cuts, and what a bad wire does to it.
+
+namespace osteon::app {
+namespace {
+
+struct Ride {
+  RunSummary summary;
+  io::Recording recording;
+  nlohmann::json cell;
+};
+
+template <class Change>
+Ride RunKr(double seconds, Change change, int recoveries = 0) {
+  Ride ride;
+  auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/kr_16_thin_plate.yaml", std::nullopt);
+  EXPECT_TRUE(setup) << setup.error();
+  change(setup->config);
+  auto engine = MakeEngine(*setup, "vulkan", "");
+  EXPECT_TRUE(engine) << engine.error();
+  const io::test::TemporaryFolder folder;
+  const CellRunParams params{.seconds = seconds,
+                             .virtual_time = true,
+                             .recoveries = recoveries,
+                             .recording = folder.path() / "r.mcap"};
+  const auto result = RunCell(*setup, **engine, params);
+  EXPECT_TRUE(result) << result.error();
+  auto recording = io::ReadRecording(params.recording);
+  EXPECT_TRUE(recording) << recording.error();
+  ride.summary = Summarise(*setup, **engine, params, *result, *recording);
+  ride.recording = std::move(*recording);
+  ride.cell = nlohmann::json::parse(ride.summary.cell_report);
+  return ride;
+}
+void AsShipped(config::CellConfig&) {}
+
+io::RsiSessionParams& Session(config::CellConfig& cell) {
+  return std::get<io::RsiSessionParams>(cell.link.session);
+}
+
+// The commanded axes never jump while the arm follows them: 4 ms at a radian a second.
+void ExpectNoJump(const io::Recording& recording) {
+  const auto active = [](const control::TickRecord& tick) {
+    return tick.session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive);
+  };
+  for (std::size_t i = 1; i < recording.ticks.size(); ++i) {
+    const control::TickRecord &a = recording.ticks[i - 1], &b = recording.ticks[i];
+    if (!active(a) || !active(b)) continue;
+    for (std::size_t j = 0; j < 7; ++j)
+      ASSERT_LT(std::abs(b.q_cmd[j] - a.q_cmd[j]), 4e-3) << "tick " << b.tick << ", axis " << j + 1;
+  }
+}
+
+TEST(RsiRun, TheShippedCellDrillsThroughItsPlateWithoutAFault) {
+  const Ride run = RunKr(10.0, AsShipped);
+  EXPECT_EQ(run.summary.ended, "completed");
+  EXPECT_TRUE(run.summary.faults.empty()) << run.summary.faults.front().name;
+  EXPECT_EQ(run.summary.servo_rate_hz, 250.0);
+  // a hole of 4 mm through 2 mm: 25 mm^3, less what the point leaves at the far side
+  EXPECT_GT(run.summary.removed_volume_m3, 15e-9);
+  EXPECT_LT(run.summary.removed_volume_m3, 30e-9);
+  EXPECT_GT(run.summary.peak_force_N, 20.0);
+  EXPECT_LE(run.summary.peak_force_N, run.summary.force_limit_N);
+  EXPECT_EQ(run.cell["arm"]["session"], "COMMANDING_ACTIVE");
+  EXPECT_EQ(run.cell["arm"]["stop"], "") << "the im_free layout can not ask for the end";
+  EXPECT_EQ(run.cell["arm"]["delay"], 0);
+  EXPECT_EQ(run.cell["arm"]["lost"], 0);
+  EXPECT_EQ(run.summary.link.lost + run.summary.link.rejected, 0u);
+  ExpectNoJump(run.recording);
+  for (const control::TickRecord& tick : run.recording.ticks) ASSERT_EQ(tick.q_cmd[6], 0.0);
+}
+
+TEST(RsiRun, IsTheSameTwiceAndReplaysBitForBit) {
+  const Ride a = RunKr(3.0, AsShipped), b = RunKr(3.0, AsShipped);
+  EXPECT_EQ(a.summary.state_hash, b.summary.state_hash);
+  EXPECT_GT(a.summary.removed_volume_m3, 0.0);
+  const auto cell = LoadRecordedCell(a.recording.session.config);
+  ASSERT_TRUE(cell) << cell.error();
+  const ReplayResult replay = Replay(a.recording, *cell);
+  EXPECT_TRUE(replay.identical) << replay.why_not
+                                << (replay.first_difference ? replay.first_difference->field : "");
+  EXPECT_EQ(replay.ticks, a.recording.ticks.size());
+  EXPECT_GT(replay.ticks, 700u);
+}
+
+// Every correction, cycle and layout comes to the same hole.
+TEST(RsiRun, EveryKindOfCorrectionCutsTheSame) {
+  const Ride axes = RunKr(4.0, AsShipped);
+  const auto cartesian = [](config::CellConfig& cell) {
+    Session(cell).kind = io::RsiCorrection::kCartesian;
+    Session(cell).range = cell.simulated.kr->controller.range = {200, 200, 200, 90, 90, 90};
+    cell.simulated.kr->controller.cartesian = true;
+  };
+  const auto relative = [](config::CellConfig& cell) {
+    Session(cell).absolute = cell.simulated.kr->controller.absolute = false;
+  };
+  for (const Ride& other : {RunKr(4.0, cartesian), RunKr(4.0, relative)}) {
+    EXPECT_TRUE(other.summary.faults.empty());
+    EXPECT_NEAR(other.summary.removed_volume_m3 / axes.summary.removed_volume_m3, 1.0, 0.02);
+  }
+}
+
+TEST(RsiRun, TheProgramIsAskedToEndWhereTheLayoutCan) {
+  const Ride run = RunKr(1.0, [](config::CellConfig& cell) {
+    Session(cell).layout = io::RsiLayout::kKroshu;
+    cell.simulated.kr->controller.format = hil::RsiFormat::kKroshu;
+  });
+  EXPECT_EQ(run.summary.ended, "completed");
+  EXPECT_TRUE(run.summary.faults.empty());
+  EXPECT_EQ(run.cell["arm"]["session"], "IDLE");
+  EXPECT_EQ(run.cell["arm"]["stop"], "asked for by <Stop>1</Stop>");
+}
+
+TEST(RsiRun, AnArmThatIsHandedOverElsewhereIsBroughtToTheStart) {
+  const Ride run = RunKr(1.0, [](config::CellConfig& cell) {
+    cell.simulated.q_start[0] += 0.1;
+    cell.simulated.q_start[1] -= 0.05;
+  });
+  EXPECT_EQ(run.summary.ended, "completed");
+  EXPECT_TRUE(run.summary.faults.empty());
+  bool aligning = false;
+  for (const control::TickRecord& tick : run.recording.ticks)
+    aligning |= tick.phase == control::Phase::kAligning;
+  EXPECT_TRUE(aligning);
+  ExpectNoJump(run.recording);
+}
+
+hil::InjectionParams Loss(hil::Direction direction, double loss, double from_s, double to_s, int burst = 1) {
+  return {.injections = {{.direction = direction,
+                          .from_s = from_s,
+                          .to_s = to_s,
+                          .faults = {.loss = loss, .burst = burst}}}};
+}
+
+// Below the Timeout the axes hold the last correction for a cycle, and everything is counted.
+TEST(RsiRun, LossesBelowTheTimeoutAreHeldAndCountedExactly) {
+  const Ride run = RunKr(
+      4.0, [](config::CellConfig& cell) { cell.injections = Loss(hil::Direction::kBoth, 0.03, 0.0, 1e9); });
+  EXPECT_EQ(run.summary.ended, "completed");
+  EXPECT_TRUE(run.summary.faults.empty()) << run.summary.faults.front().name;
+  EXPECT_LE(run.summary.peak_force_N, run.summary.force_limit_N);
+  const unsigned in = run.cell["wires"]["arm_to_controller"]["lost"];
+  const unsigned out = run.cell["wires"]["arm_from_controller"]["lost"];
+  EXPECT_GT(in, 10u);
+  EXPECT_GT(out, 10u);
+  EXPECT_EQ(run.summary.link.lost, in);
+  EXPECT_EQ(run.cell["arm"]["lost"].get<unsigned>(), in + out);
+  EXPECT_EQ(run.cell["arm"]["delay"].get<unsigned>(), in + out);
+  EXPECT_LT(in + out, 100u) << "the Timeout";
+  ExpectNoJump(run.recording);
+}
+
+// No answer arrives any more: Delay counts to the Timeout, RSI ends, and its silence stops the loop.
+TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
+  const auto lost = [](config::CellConfig& cell) {
+    Session(cell).timeout_cycles = cell.simulated.kr->controller.timeout_cycles = 25;
+    cell.injections = Loss(hil::Direction::kFromController, 1.0, 1.0, 2.0);
+  };
+  const Ride run = RunKr(4.0, lost);
+  ASSERT_FALSE(run.summary.faults.empty());
+  EXPECT_EQ(run.summary.faults.front().name, "arm message stale");
+  EXPECT_EQ(run.cell["arm"]["stop"], "timeout: 25 answers late, RSI ends at 25");
+  EXPECT_EQ(run.cell["arm"]["session"], "IDLE");
+  EXPECT_EQ(run.recording.ticks.back().phase, control::Phase::kStopped);
+  EXPECT_LE(run.summary.peak_force_N, run.summary.force_limit_N);
+  ExpectNoJump(run.recording);
+
+  // with a person who starts the program again, and a run that may recover
+  const Ride again = RunKr(
+      6.0,
+      [&](config::CellConfig& cell) {
+        lost(cell);
+        cell.simulated.kr->start_again_after_loss = true;
+      },
+      10);
+  EXPECT_EQ(again.summary.ended, "completed");
+  EXPECT_TRUE(again.summary.faults.empty());
+  EXPECT_EQ(again.summary.recovered, 1);
+  std::uint32_t activations = 0;
+  for (const control::TickRecord& tick : again.recording.ticks)
+    activations = std::max(activations, tick.input.activation);
+  EXPECT_EQ(activations, 2u);
+  ExpectNoJump(again.recording);
+}
+
+// The arm is not heard for longer than arm_miss_count: a stop, whatever RSI makes of it.
+TEST(RsiRun, AnArmThatIsNotHeardIsAStop) {
+  const Ride run = RunKr(4.0, [](config::CellConfig& cell) {
+    cell.injections.injections = {{.direction = hil::Direction::kToController,
+                                   .from_s = 1.0,
+                                   .to_s = 1.2,
+                                   .faults = {.silence = true}}};
+  });
+  ASSERT_FALSE(run.summary.faults.empty());
+  EXPECT_EQ(run.summary.faults.front().name, "arm message stale");
+  EXPECT_EQ(run.recording.ticks.back().phase, control::Phase::kStopped);
+}
+
+}  // namespace
+}  // namespace osteon::app
