@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "app/calibrate_command.h"
 #include "app/capability_command.h"
 #include "app/cell_commands.h"
 #include "app/cell_file.h"
@@ -238,6 +239,7 @@ int Run(int argc, char** argv) {
 
   osteon::app::MeasureCommands measure(app);
   osteon::app::CellCommands cells(app);
+  osteon::app::CalibrateCommand calibrate(app);
   osteon::app::CapabilityCommand capability(app);
   osteon::app::TransparencyCommand transparency(app);
   osteon::app::ExportCommand export_recording(app);
@@ -309,6 +311,7 @@ int Run(int argc, char** argv) {
   }
   if (cells.asked()) return cells.Run(config_root);
   if (transparency.asked()) return transparency.Run(config_root, CommandLine(argc, argv));
+  if (calibrate.asked()) return calibrate.Run(config_root, CommandLine(argc, argv));
   if (capability.asked()) return capability.Run(config_root, CommandLine(argc, argv));
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run();

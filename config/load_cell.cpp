@@ -8,6 +8,7 @@
 #include "config/load.h"
 #include "config/load_robot.h"
 #include "config/read_arm_link.h"
+#include "config/read_calibration.h"
 #include "config/read_devices.h"
 #include "config/read_injections.h"
 #include "config/read_operator.h"
@@ -85,6 +86,35 @@ void ReadAdmittance(Reader section, control::AdmittanceParams& admittance) {
   admittance.damping_Nms_per_rad = section.Triple("damping_Nms_per_rad", 0.01, 100);
   admittance.dead_zone_N = section.Number("dead_zone_N", 0, 50);
   admittance.dead_zone_Nm = section.Number("dead_zone_Nm", 0, 5);
+}
+
+void ReadImpedance(Reader section, CellConfig& cell) {
+  control::ImpedanceParams& impedance = cell.servo.impedance;
+  impedance.damping_Ns_per_m = section.Triple("damping_Ns_per_m", 0, 1000);
+  impedance.damping_Nms_per_rad = section.Triple("damping_Nms_per_rad", 0, 100);
+  impedance.brake_Ns_per_m = section.Number("brake_Ns_per_m", 0, 2000);
+  impedance.brake_Nms_per_rad = section.Number("brake_Nms_per_rad", 0, 100);
+  impedance.twist_filter_s = section.Number("twist_filter_ms", 0, 100);
+  impedance.follow_s = section.Number("follow_ms", 1, 10000);
+  // what the arm's program is set up for: the simulated one as well
+  hil::FriServerParams& arm = cell.simulated.fri;
+  const bool wrench = section.Choice("overlay", {"wrench", "torque"}) == 0;
+  arm.command_mode = wrench ? control::CommandMode::kWrench : control::CommandMode::kTorque;
+  arm.control_mode =
+      wrench ? control::ControlMode::kCartesianImpedance : control::ControlMode::kJointImpedance;
+}
+
+// The one section of a law.
+void ReadLaw(Reader& reader, CellConfig& cell) {
+  const Reader section = reader.OneSection({"admittance", "impedance"});
+  if (!reader.Has("impedance")) {
+    ReadAdmittance(section, cell.servo.admittance);
+    return;
+  }
+  cell.servo.law = control::Law::kImpedance;
+  if (!cell.link.fri())
+    reader.Refuse("impedance", "found beside rsi, accepted with fri: an arm over RSI takes positions alone");
+  ReadImpedance(section, cell);
 }
 
 void ReadCoupling(Reader section, control::CouplingParams& coupling) {
@@ -250,7 +280,6 @@ void Spread(CellConfig& cell) {
   cell.cutting.max_force_N = servo.wrench.max_force_N;
 
   cell.simulated.X_WB = cell.X_WB;
-  cell.simulated.X_FT = cell.tool.X_FT;
   for (std::size_t i = 0; i < cell.simulated.q_start.size(); ++i)
     cell.simulated.q_start[i] += cell.start.q[static_cast<Eigen::Index>(i)];
 
@@ -274,6 +303,8 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   const std::filesystem::path robot = reader.File("robot"), scene = reader.File("scene"),
                               materials = reader.File("materials");
   ToolChoice own_tool{.file = reader.File("tool")};
+  std::optional<std::filesystem::path> calibration;
+  if (reader.Has("calibration")) calibration = reader.File("calibration");
   if (reader.Has("tool_diameter_mm")) own_tool.diameter_m = reader.Number("tool_diameter_mm", 0.1, 200);
   cell.X_WB = ReadPose(reader.Section("base_in_world"));
   cell.X_WG = ReadPose(reader.Section("bone_in_world"));
@@ -291,7 +322,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadWorkspace(reader.Section("workspace"), servo.workspace);
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
-  ReadAdmittance(reader.Section("admittance"), servo.admittance);
+  ReadLaw(reader, cell);
   ReadCoupling(coupling, servo.coupling);
   ReadCutting(reader.Section("cutting"), cell.cutting);
   const Reader hand = reader.Section("operator"), script = reader.Section("script");
@@ -314,8 +345,10 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadRobot(reader, robot, cell.robot);
   CompleteArmLink(reader, cell);
   cell.tool = ChooseTool(reader, own_tool, tool);
+  cell.simulated.X_FT = cell.tool.X_FT;  // as the file says, whatever was measured
   CarryPayload(sensor_F, cell);
   CompleteDevices(devices, cell);
+  if (calibration) LayCalibrationOver(*calibration, cell);
   CompleteSimulatedArm(simulated_arm, cell);
   cell.scene = LoadScene(scene);
   cell.scene.materials = Pick(reader, materials, cell.scene.material_names);

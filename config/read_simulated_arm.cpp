@@ -80,6 +80,8 @@ void CompleteSimulatedArm(const SimulatedArmSection& section, CellConfig& cell) 
     cell.simulated.kr->controller.level = section.level;
     return;
   }
+  if (cell.servo.law == control::Law::kImpedance && !dynamic)
+    section.section.Refuse("level", "found an arm without masses, accepted dynamic: impedance moves them");
   cell.simulated.arm = lbr->params;
   cell.simulated.chain = lbr->chain;
   for (kinematics::RevoluteJoint& joint : cell.simulated.chain.joints) {

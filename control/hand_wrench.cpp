@@ -13,6 +13,8 @@ void Validate(const ForceSensorParams& params) {
                                 ", accepted 0 … 100");
   if (!Vector3(params.tool_center_F_m).allFinite())
     throw std::invalid_argument("force sensor tool_center_F_m: accepted a finite position");
+  if (!Vector3(params.bias_S.f).allFinite() || !Vector3(params.bias_S.t).allFinite())
+    throw std::invalid_argument("force sensor bias_S: accepted finite values");
   if (!Pose(params.X_FS).matrix().allFinite())
     throw std::invalid_argument("force sensor X_FS: accepted a finite pose");
 }
@@ -20,11 +22,11 @@ void Validate(const ForceSensorParams& params) {
 Wrench HandWrench(const ForceSensorParams& params, const Wrench& F_S, const Pose& X_WF,
                   const Vector3& p_WT) OSTEON_RT {
   const Pose X_WS = X_WF * Pose(params.X_FS);
-  const Vector3 f_W = X_WS.linear() * F_S.f;
+  const Vector3 f_W = X_WS.linear() * (F_S.f - Vector3(params.bias_S.f));
   const Vector3 weight_W = params.tool_mass_kg * kinematics::kGravity_W_m_per_s2;
   const Vector3 center_W = X_WF * Vector3(params.tool_center_F_m);
   return {.f = f_W - weight_W,
-          .t = X_WS.linear() * F_S.t + (X_WS.translation() - p_WT).cross(f_W) -
+          .t = X_WS.linear() * (F_S.t - Vector3(params.bias_S.t)) + (X_WS.translation() - p_WT).cross(f_W) -
                (center_W - p_WT).cross(weight_W)};
 }
 

@@ -10,6 +10,7 @@ struct ForceSensorParams {
   PlainPose X_FS{};                ///< its frame as its maker drew it, in the flange's
   double tool_mass_kg{0.0};        ///< of what it carries
   PlainVector3 tool_center_F_m{};  ///< where that mass has its centre
+  PlainWrench bias_S{};            ///< what it reads with nothing on it
 };
 
 /// @throws std::invalid_argument naming the field, the value and what is accepted.
@@ -18,8 +19,8 @@ void Validate(const ForceSensorParams& params);
 /// What the hand exerts on the tool, from what the sensor reads: the tool's weight taken out, and moved to
 /// the tool's origin.
 ///
-///     f = R_WS f_S - m g                    g = kGravity_W
-///     t = R_WS t_S + (p_S - p_T) x R_WS f_S - (p_c - p_T) x m g
+///     f = R_WS f - m g                      g = kGravity_W, (f, t) = F_S - bias
+///     t = R_WS t + (p_S - p_T) x R_WS f - (p_c - p_T) x m g
 ///
 /// What accelerates the tool is still in it.
 ///

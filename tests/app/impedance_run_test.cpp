@@ -1,0 +1,68 @@
+#include <gtest/gtest.h>
+
+#include "app/cell_run.h"
+#include "app/cell_setup.h"
+#include "app/recorded_config.h"
+#include "app/replay.h"
+#include "config/load.h"
+#include "io/recording/recording_reader.h"
+#include "tests/io/temporary_folder.h"
+
+// The shipped cell with the impedance law, in virtual time, over FRI's wrench and torque overlays.
+
+namespace osteon::app {
+namespace {
+
+struct Ride {
+  CellRunResult result;
+  io::Recording recording;
+};
+
+Ride RunImpedance(double seconds, bool torque = false) {
+  auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate_impedance.yaml", std::nullopt);
+  EXPECT_TRUE(setup) << setup.error();
+  if (torque) {
+    setup->config.simulated.fri.command_mode = control::CommandMode::kTorque;
+    setup->config.simulated.fri.control_mode = control::ControlMode::kJointImpedance;
+    setup->config.simulated.dynamic.stiffness_Nm_per_rad.setConstant(100.0);
+  }
+  auto engine = MakeEngine(*setup, "vulkan", "");
+  EXPECT_TRUE(engine) << engine.error();
+  const io::test::TemporaryFolder folder;
+  const CellRunParams params{.seconds = seconds, .virtual_time = true, .recording = folder.path() / "r.mcap"};
+  auto result = RunCell(*setup, **engine, params);
+  EXPECT_TRUE(result) << result.error();
+  auto recording = io::ReadRecording(params.recording);
+  EXPECT_TRUE(recording) << recording.error();
+  return {std::move(*result), std::move(*recording)};
+}
+
+void ExpectWhole(const Ride& ride) {
+  EXPECT_EQ(ride.result.end, control::RunEnd::kSeconds);
+  EXPECT_EQ(ride.result.faults.bits(), 0u);
+  EXPECT_GT(ride.result.after.removed_volume_m3, 2e-9) << "it cuts";
+  double rendered_N = 0.0, sent = 0.0;
+  for (const control::TickRecord& tick : ride.recording.ticks) {
+    rendered_N = std::max(rendered_N, Vector3(tick.F_coupling_T_W.f).norm());
+    sent = std::max(sent, Vector3(tick.F_cmd_T.f).norm() +
+                              Eigen::Map<const Eigen::VectorXd>(tick.tau_cmd.data(), 7).norm());
+    ASSERT_LE(Vector3(tick.F_cmd_T.f).norm(), ride.recording.session.force_limit_N * (1.0 + 1e-12));
+  }
+  EXPECT_GT(rendered_N, 10.0);
+  EXPECT_GT(sent, 5.0) << "as an overlay";
+}
+
+TEST(ImpedanceRun, DrillsOverTheWrenchOverlayWithoutAFaultAndReplaysBitForBit) {
+  const Ride ride = RunImpedance(6.0);
+  ExpectWhole(ride);
+  const auto cell = LoadRecordedCell(ride.recording.session.config);
+  ASSERT_TRUE(cell) << cell.error();
+  const ReplayResult replay = Replay(ride.recording, *cell);
+  EXPECT_TRUE(replay.identical) << replay.why_not;
+  EXPECT_EQ(replay.ticks, ride.recording.ticks.size());
+}
+
+TEST(ImpedanceRun, DrillsOverTheTorqueOverlayAsWell) { ExpectWhole(RunImpedance(6.0, true)); }
+
+}  // namespace
+}  // namespace osteon::app

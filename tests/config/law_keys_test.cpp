@@ -1,0 +1,90 @@
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "config/load.h"
+
+// A cell names one law, and its simulated arm is set up for it.
+
+namespace osteon::config {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+const fs::path kCells = fs::path(OSTEON_SOURCE_DIR) / "config/cells";
+
+std::string TextOf(const std::string& cell) {
+  std::stringstream text;
+  text << std::ifstream(kCells / (cell + ".yaml")).rdbuf();
+  std::string yaml = text.str();
+  for (std::size_t at = 0; (at = yaml.find(": ../", at)) != std::string::npos;)
+    yaml.replace(at, 5, ": " OSTEON_SOURCE_DIR "/config/");
+  return yaml;
+}
+
+CellConfig LoadText(const std::string& yaml) {
+  const fs::path file = fs::temp_directory_path() / ("osteon_law_" + std::to_string(::getpid()) + ".yaml");
+  std::ofstream(file) << yaml;
+  try {
+    CellConfig cell = LoadCell(file);
+    fs::remove(file);
+    return cell;
+  } catch (...) {
+    fs::remove(file);
+    throw;
+  }
+}
+
+std::string Refusal(const std::string& yaml) {
+  try {
+    static_cast<void>(LoadText(yaml));
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string With(std::string yaml, const std::string& before, const std::string& after) {
+  const std::size_t at = yaml.find(before);
+  if (at == std::string::npos) throw std::logic_error("the cell has changed: " + before);
+  return yaml.replace(at, before.size(), after);
+}
+
+TEST(LawKeys, ImpedanceReachesLoopAndSimulatedArm) {
+  const CellConfig cell = LoadCell(kCells / "thin_plate_impedance.yaml");
+  EXPECT_EQ(cell.servo.law, control::Law::kImpedance);
+  EXPECT_EQ(cell.servo.impedance.damping_Ns_per_m, Vector3(40.0, 40.0, 40.0));
+  EXPECT_EQ(cell.servo.impedance.follow_s, 0.005);
+  EXPECT_EQ(cell.simulated.fri.command_mode, control::CommandMode::kWrench);
+  EXPECT_EQ(cell.simulated.fri.control_mode, control::ControlMode::kCartesianImpedance);
+  const CellConfig torque =
+      LoadText(With(TextOf("thin_plate_impedance"), "\n  overlay: wrench", "\n  overlay: torque"));
+  EXPECT_EQ(torque.simulated.fri.command_mode, control::CommandMode::kTorque);
+  EXPECT_EQ(torque.simulated.fri.control_mode, control::ControlMode::kJointImpedance);
+  EXPECT_EQ(LoadCell(kCells / "demo.yaml").servo.law, control::Law::kAdmittance);
+}
+
+TEST(LawKeys, OneLawAndAnArmThatHasIt) {
+  const std::string cell = TextOf("thin_plate_impedance"), admittance = TextOf("thin_plate");
+  const std::size_t from = admittance.find("\nadmittance:"), to = admittance.find("\n#", from);
+  EXPECT_THAT(Refusal(cell + admittance.substr(from, to - from) + "\n"), HasSubstr("admittance"));
+  EXPECT_THAT(Refusal(With(cell, "level: dynamic", "level: servo")),
+              AllOf(HasSubstr("level"), HasSubstr("dynamic")));
+  EXPECT_THAT(Refusal(With(cell, "\n  overlay: wrench", "\n  overlay: position")), HasSubstr("wrench"));
+  // an arm over RSI takes positions alone
+  const std::size_t law = cell.find("\nimpedance:"), law_end = cell.find("\n#", law);
+  std::string kr = TextOf("kr_16_thin_plate");
+  const std::size_t old = kr.find("\nadmittance:"), old_end = kr.find("\n#", old);
+  kr.replace(old, old_end - old, cell.substr(law, law_end - law));
+  EXPECT_THAT(Refusal(kr), AllOf(HasSubstr("impedance"), HasSubstr("rsi")));
+}
+
+}  // namespace
+}  // namespace osteon::config
