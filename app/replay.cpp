@@ -118,6 +118,8 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
                   control::CellReadingsOf(recorded.input), *model, recorded.input.now, command);
     replayed.q_cmd = command.q;  // what the arm is told, whatever the record says
     replayed.activation_cmd = command.activation;
+    replayed.F_cmd_T = command.F;
+    replayed.tau_cmd = command.tau;
     ++result.ticks;
     auto difference = Compare(recorded, replayed);
     if (!difference) continue;

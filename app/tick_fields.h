@@ -76,6 +76,8 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"wrench_scale"}, r.wrench_scale);
   visit(FieldName{"arm_share"}, r.arm_share);
   visit(FieldName{"activation_cmd"}, r.activation_cmd);
+  fields::ForceTorque("F_cmd_T", r.F_cmd_T, visit);
+  fields::Joints("tau_cmd", r.tau_cmd, "Nm", visit);
   visit(FieldName{"model_age", "", "s"}, r.model_age_s);
   visit(FieldName{"sensor_age", "", "s"}, r.sensor_age_s);
   visit(FieldName{"model_frame"}, r.model_frame);

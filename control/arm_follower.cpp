@@ -117,6 +117,22 @@ class JointFollower final : public ArmFollower {
   }
 
   [[nodiscard]] Followed Follow(const FollowWish& wish) OSTEON_RT override;
+  [[nodiscard]] Fault FollowMeasured(const JointArray& q_meas, double share) OSTEON_RT override {
+    const auto guard = guard_.Limit(q_, share * (ToJoints(q_meas) - q_), params_.period_s);
+    if (guard.jump || guard.violated) return Fault::kJointLimit;
+    q_step_ = guard.step;
+    q_ += q_step_;
+    X_WT_ = PoseOf(q_);
+    return Fault::kNone;
+  }
+  [[nodiscard]] JointArray Torques(const JointArray& q, const Wrench& F_T_W) const OSTEON_RT override {
+    Eigen::Matrix<double, 6, 1> F_B;
+    F_B << X_BW_.linear() * F_T_W.f, X_BW_.linear() * F_T_W.t;
+    const Joints tau = arm_.JacobianAt(ToJoints(q), X_FT_.translation()).transpose() * F_B;
+    JointArray result{};
+    std::copy_n(tau.data(), kN, result.begin());
+    return result;
+  }
   [[nodiscard]] bool BrakeJoints() OSTEON_RT override;
   [[nodiscard]] bool braking_joints() const OSTEON_RT override { return stop_ticks_ > 0; }
 

@@ -59,6 +59,13 @@ class ArmFollower {
   /// there is one.
   [[nodiscard]] virtual Followed Follow(const FollowWish& wish) OSTEON_RT = 0;
 
+  /// One tick toward where the arm is, of an arm that gives: by a share of the way, within the joints'
+  /// limits.
+  /// @returns kNone, or kJointLimit with nothing moved
+  [[nodiscard]] virtual safety::Fault FollowMeasured(const JointArray& q_meas, double share) OSTEON_RT = 0;
+  /// Joint torques of a wrench on T at To, in W: J^T F at these joints.
+  [[nodiscard]] virtual JointArray Torques(const JointArray& q, const Wrench& F_T_W) const OSTEON_RT = 0;
+
   /// One tick of a stop in which the joints' own last motion is scaled down, within
   /// ServoParams::joint_stop_s: for where the tool's path has no joints. True at rest.
   [[nodiscard]] virtual bool BrakeJoints() OSTEON_RT = 0;

@@ -63,10 +63,12 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       rate_trip_(params.coupling.max_stiffness_N_per_m, params.twist.max_speed_m_per_s),
       sensor_trip_(params.sensor_force, wrench_limiter_.max_force_N()),
       workspace_(params.workspace),
-      watchdog_(params.watchdog) {}
+      watchdog_(params.watchdog),
+      measured_twist_(params.impedance.twist_filter_s, params.period_s) {}
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
-  return {.X_WT = arm_->X_WT(),
+  const bool gives = params_.law == Law::kImpedance && phase_ == Phase::kHaptic;
+  return {.X_WT = gives ? X_WT_meas_ : arm_->X_WT(),
           .spindle_rad_per_s = phase_ == Phase::kHaptic ? spindle_rad_per_s_ : 0.0,
           .stamp = has_pose_ ? now_ : 0};
 }
@@ -110,6 +112,8 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   }
 
   const Pose X_WT_meas = arm_->ToolPose(state.q_meas);
+  X_WT_meas_ = X_WT_meas;
+  record.q_meas = state.q_meas;
   if (received != ReceiveResult::kOk) {
     Miss(received);
     if (stop && phase_ == Phase::kWaiting) phase_ = Phase::kStopped;
@@ -132,6 +136,11 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
       V_WT_ = {};
       phase_ = Phase::kStopped;
     }
+    if (active && phase_ != Phase::kStopped && !ModeFits(state.command_mode)) {
+      faults_.Latch(Fault::kCommandMode);
+      V_WT_ = {};
+      phase_ = Phase::kStopped;
+    }
     if (active && phase_ == Phase::kWaiting && MayMove(readings, now)) Begin(state, now);
     if (phase_ == Phase::kHaptic || phase_ == Phase::kAligning) {
       const double error_m = (X_WT_meas.translation() - arm_->X_WT().translation()).norm();
@@ -143,19 +152,23 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
     if (phase_ == Phase::kAligning) Align(state, Permitted(readings.interlock, now), stop, now);
 
     if (active && phase_ != Phase::kWaiting && phase_ != Phase::kAligning) ++statistics_.active_ticks;
-    if (phase_ == Phase::kHaptic)
-      Render(readings, X_WT_meas, model, now, record);
+    if (phase_ == Phase::kHaptic && params_.law == Law::kImpedance)
+      RenderImpedance(readings, model, now, record);
+    else if (phase_ == Phase::kHaptic)
+      Render(readings, model, now, record);
     else if (phase_ == Phase::kStopping)
       Brake();
   }
 
   command.q = arm_->q();
   command.activation = activation_;
+  PutWrench(state, command);
   record.phase = phase_;
   record.faults = faults_.bits();
-  record.q_meas = state.q_meas;
   record.q_cmd = command.q;
   record.activation_cmd = command.activation;
+  record.F_cmd_T = command.F;
+  record.tau_cmd = command.tau;
   record.X_WT_cmd = arm_->X_WT();
   record.X_WT_meas = X_WT_meas;
   record.v_WT_cmd_m_per_s = Vector3(share_ * V_WT_.v);
@@ -238,24 +251,30 @@ void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEO
   activation_ = state.activation;
   phase_ = Phase::kHaptic;
   arm_->StartFollowing();
+  measured_twist_.Reset(X_WT_meas_);
   coupling_ = {};
   sight_age_s_ = 0.0;
   rate_trip_.Reset();
   watchdog_.Start(now);
 }
 
-void ServoLoop::Render(const CellReadings& readings, const Pose& X_WT_meas,
-                       const simulation::ContactModel& model, rt::Nanoseconds now,
-                       TickRecord& record) OSTEON_RT {
+// What the hand exerts on T at To, in W; zero where no reading is to be trusted.
+Wrench ServoLoop::TakeSensor(const CellReadings& readings, TickRecord& record) const OSTEON_RT {
+  Wrench F_operator_T_W;
+  if (record.sensor_age_s < safety::kNoAge_s && readings.force.trusted)
+    F_operator_T_W =
+        HandWrench(params_.sensor, readings.force.F_S, X_WT_meas_ * X_TF_, X_WT_meas_.translation());
+  if (safety::IsFinite(F_operator_T_W)) record.F_operator_T_W = F_operator_T_W;
+  return F_operator_T_W;
+}
+
+void ServoLoop::Render(const CellReadings& readings, const simulation::ContactModel& model,
+                       rt::Nanoseconds now, TickRecord& record) OSTEON_RT {
   const double dt_s = params_.period_s;
   const Pose X_before = arm_->X_WT();
   TakeSpindle(readings);
 
-  // the operator
-  Wrench F_operator_T_W;
-  if (record.sensor_age_s < safety::kNoAge_s && readings.force.trusted)
-    F_operator_T_W =
-        HandWrench(params_.sensor, readings.force.F_S, X_WT_meas * X_TF_, X_WT_meas.translation());
+  const Wrench F_operator_T_W = TakeSensor(readings, record);
   const double sensor_share = watchdog_.SensorShare(record.sensor_age_s);
 
   // the bone
@@ -266,7 +285,6 @@ void ServoLoop::Render(const CellReadings& readings, const Pose& X_WT_meas,
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
 
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
-  if (safety::IsFinite(F_operator_T_W)) record.F_operator_T_W = F_operator_T_W;
   if (faults_.Any()) {
     StartStopping();
     Brake();
@@ -380,11 +398,16 @@ void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operat
 void ServoLoop::StartStopping() OSTEON_RT {
   if (phase_ != Phase::kHaptic) return;
   phase_ = Phase::kStopping;
+  stop_ticks_ = 0;
   V_WT_ = Scaled(V_WT_, share_);
   share_ = 1.0;
 }
 
 void ServoLoop::Brake() OSTEON_RT {
+  if (params_.law == Law::kImpedance) {
+    BrakeImpedance();
+    return;
+  }
   if (arm_->braking_joints()) {
     BrakeJoints();
     return;

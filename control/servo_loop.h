@@ -64,6 +64,13 @@ struct ServoStatistics {
 /// - kStopped holds, and follows the arm again where it leaves COMMANDING_ACTIVE. Only a recovery, or a new
 /// loop, renders again.
 ///
+/// **Impedance law** (Law::kImpedance): the arm carries itself and is where the hand has it, so that there is
+/// no commanded pose: coupling, simulation, speed and workspace count where the arm is measured. The wrench
+/// goes out as FRI's overlay (on T, or as J^T F); the joints' command, the equilibrium of the arm's own
+/// spring, goes along. Beyond the tool's speed and at the workspace's bounds it is braked, at half as much
+/// again it stops. In kStopping nothing is rendered, the arm's spring holds it where it is and what still
+/// moves is braked.
+///
 /// Whatever limits the motion pulls the virtual tool back with it: commanded and integrated pose are one at
 /// every tick. The joints follow the tool's twist (DifferentialInverse), so that the end of the reach, a
 /// singular posture and a joint's limit are places where the tool slides or slows down, not faults; the pose
@@ -122,8 +129,15 @@ class ServoLoop {
   void Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
   void Align(const ArmState& state, bool permitted, bool stop, rt::Nanoseconds now) OSTEON_RT;
   void StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
-  void Render(const CellReadings& readings, const Pose& X_WT_meas, const simulation::ContactModel& model,
-              rt::Nanoseconds now, TickRecord& record) OSTEON_RT;
+  [[nodiscard]] Wrench TakeSensor(const CellReadings& readings, TickRecord& record) const OSTEON_RT;
+  void Render(const CellReadings& readings, const simulation::ContactModel& model, rt::Nanoseconds now,
+              TickRecord& record) OSTEON_RT;
+  // servo_impedance.cpp
+  [[nodiscard]] bool ModeFits(CommandMode mode) const OSTEON_RT;
+  void RenderImpedance(const CellReadings& readings, const simulation::ContactModel& model,
+                       rt::Nanoseconds now, TickRecord& record) OSTEON_RT;
+  void BrakeImpedance() OSTEON_RT;
+  void PutWrench(const ArmState& state, ArmCommand& command) const OSTEON_RT;
   void TakeSpindle(const CellReadings& readings) OSTEON_RT;
   void Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
                  const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT;
@@ -160,6 +174,12 @@ class ServoLoop {
   Twist V_WT_;               ///< of the law, before the share below
   double share_{0.0};        ///< of V_WT_ that moves the tool
   double sight_age_s_{0.0};  ///< the models' greatest age of late
+
+  // the impedance law
+  MeasuredTwist measured_twist_;
+  Pose X_WT_meas_{Pose::Identity()};
+  Wrench F_sent_T_W_;  ///< coupling, damping and braking, within the limits
+  int stop_ticks_{0};  ///< left of a stop
 
   // what acted in the tick before
   bool wrench_acted_{false}, arm_acted_{false}, twist_acted_{false}, workspace_acted_{false},

@@ -8,6 +8,7 @@ namespace osteon::control {
 
 void Validate(const ServoParams& params) {
   Validate(params.admittance);
+  Validate(params.impedance);
   Validate(params.coupling);
   Validate(params.sensor);
   const auto require = [](const char* name, double value, double low, double high) {

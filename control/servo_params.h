@@ -4,6 +4,7 @@
 
 #include "control/admittance_law.h"
 #include "control/hand_wrench.h"
+#include "control/impedance_law.h"
 #include "control/joint_path.h"
 #include "control/virtual_coupling.h"
 #include "kinematics/chain_params.h"
@@ -23,10 +24,19 @@ struct StartParams {
   double there_rad{2e-3};  ///< every joint this near counts as there; > 0
 };
 
+/// How the coupling reaches the hand.
+enum class Law : std::uint8_t {
+  kAdmittance,  ///< the arm in position mode: a virtual tool, moved by hand and coupling, is where the arm
+                ///< goes
+  kImpedance,   ///< the arm carries itself (FRI's wrench or torque overlay): the coupling is added to it
+};
+
 /// Everything that the servo loop can be told. Every field has a usable default but the arm's limits
 /// (joints.limits).
 struct ServoParams {
+  Law law{Law::kAdmittance};
   AdmittanceParams admittance;
+  ImpedanceParams impedance;
   CouplingParams coupling;
   safety::WrenchLimitParams wrench;
   safety::SensorForceParams sensor_force;

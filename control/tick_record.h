@@ -68,6 +68,8 @@ struct TickRecord {
   std::uint64_t model_frame{0};
   double spindle_rad_per_s{0.0};
   std::uint32_t activation_cmd{0};  ///< of the arm, that the command is for
+  PlainWrench F_cmd_T;              ///< wrench overlay, on T at To, in T; zero in position mode
+  std::array<double, 7> tau_cmd{};  ///< torque overlay [N·m]
   rt::Nanoseconds wakeup_ns{0};     ///< from the arm's message to the loop's wake-up; 0 in virtual time
   rt::Nanoseconds compute_ns{0};    ///< from wake-up to answer; 0 in virtual time
   TickInput input;

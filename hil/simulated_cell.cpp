@@ -11,16 +11,7 @@ JointVector ToVector(const control::JointArray& q) { return Eigen::Map<const Joi
 
 std::unique_ptr<ArmController> ArmOf(const SimulatedCellParams& params) {
   if (params.kr) return std::make_unique<RsiArm>(*params.kr, params.q_start, Pose(params.X_FT));
-  const SimulatedArmParams body{
-      .level = params.level,
-      .lbr = params.arm,
-      .servo = params.servo,
-      .dynamic = params.dynamic,
-      .chain = params.chain,
-      .gravity_B_m_per_s2 = Pose(params.X_WB).linear().transpose() * kinematics::kGravity_W_m_per_s2,
-      .p_FT_m = Pose(params.X_FT).translation(),
-      .q_start = ToVector(params.q_start)};
-  return std::make_unique<FriArm>(params.fri, body, Pose(params.X_FT));
+  return std::make_unique<FriArm>(params.fri, BodyOf(params), Pose(params.X_FT));
 }
 
 // Where the script begins: an arm that is brought there is let alone until then.
@@ -45,6 +36,17 @@ Wrench SensorLoad(const control::ForceSensorParams& sensor, const Pose& X_WT, co
 }
 
 }  // namespace
+
+SimulatedArmParams BodyOf(const SimulatedCellParams& params) {
+  return {.level = params.level,
+          .lbr = params.arm,
+          .servo = params.servo,
+          .dynamic = params.dynamic,
+          .chain = params.chain,
+          .gravity_B_m_per_s2 = Pose(params.X_WB).linear().transpose() * kinematics::kGravity_W_m_per_s2,
+          .p_FT_m = Pose(params.X_FT).translation(),
+          .q_start = ToVector(params.q_start)};
+}
 
 SimulatedCell::SimulatedCell(const SimulatedCellParams& params, HandScript script)
     : X_WB_(params.X_WB),

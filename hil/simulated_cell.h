@@ -32,6 +32,9 @@ struct SimulatedCellParams {
   control::JointArray q_start{};        ///< [rad]; of a KR the first six
 };
 
+/// The LBR alone. @pre no kr
+[[nodiscard]] SimulatedArmParams BodyOf(const SimulatedCellParams& params);
+
 /// What the cell looks like after a step. Plain data.
 struct CellState : ArmStatus {
   std::uint64_t cycle{0};

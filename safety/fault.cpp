@@ -53,6 +53,9 @@ FaultText Describe(Fault fault) {
     case Fault::kSensorFault:
       return {"force sensor overloaded or faulty", "drops the reading, Stop 1",
               "release the handle, check the sensor, restart the session"};
+    case Fault::kCommandMode:
+      return {"arm's command mode is not the law's", "holds, renders nothing",
+              "start the robot's program for the cell's law, or change the law, and restart the session"};
   }
   return {"unknown fault", "Stop 1", "restart the session"};
 }

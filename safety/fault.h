@@ -25,6 +25,7 @@ enum class Fault : std::uint32_t {
   kInterlock = 1u << 14,         ///< the PLC does not permit motion, or is silent: Stop 1
   kSpindle = 1u << 15,           ///< the spindle's drive has a fault, or is silent: Stop 1
   kSensorFault = 1u << 16,       ///< the force sensor is beyond its range or broken: Stop 1
+  kCommandMode = 1u << 17,       ///< the arm takes another kind of command than the law gives: hold
 };
 
 /// The set of latched faults.

@@ -137,6 +137,8 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.set_wakeup_ns(record.wakeup_ns);
   message.set_compute_ns(record.compute_ns);
   message.set_activation_cmd(record.activation_cmd);
+  io::Put(record.F_cmd_T, message.mutable_f_cmd_t());
+  message.mutable_tau_cmd_nm()->Assign(record.tau_cmd.begin(), record.tau_cmd.end());
   Put(record.input, message.mutable_input());
   message.SerializeToString(&bytes);
 }
@@ -170,6 +172,9 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   r.wakeup_ns = message.wakeup_ns();
   r.compute_ns = message.compute_ns();
   r.activation_cmd = message.activation_cmd();
+  io::Get(message.f_cmd_t(), r.F_cmd_T);
+  if (message.tau_cmd_nm_size() != 0 && !io::Get(message.tau_cmd_nm(), r.tau_cmd))
+    return "not 7 joint torques";
   if (message.has_input())
     if (const std::string wrong = Get(message.input(), r.input); !wrong.empty()) return wrong;
   record = r;

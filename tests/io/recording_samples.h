@@ -47,6 +47,8 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.wakeup_ns = static_cast<rt::Nanoseconds>(i) + 64;
   r.compute_ns = static_cast<rt::Nanoseconds>(i) + 65;
   r.activation_cmd = static_cast<std::uint32_t>(i) + 82;
+  r.F_cmd_T = SomeWrench(base + 90);
+  r.tau_cmd.fill(base + 91);
   control::TickInput& in = r.input;
   const auto number = static_cast<std::uint32_t>(i);
   in.now = r.stamp + 66;

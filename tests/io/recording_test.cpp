@@ -120,6 +120,9 @@ TEST(Recording, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.wakeup_ns, sent.wakeup_ns);
   EXPECT_EQ(r.compute_ns, sent.compute_ns);
   EXPECT_EQ(r.activation_cmd, sent.activation_cmd);
+  EXPECT_EQ(Vector3(r.F_cmd_T.f), Vector3(sent.F_cmd_T.f));
+  EXPECT_EQ(Vector3(r.F_cmd_T.t), Vector3(sent.F_cmd_T.t));
+  EXPECT_EQ(r.tau_cmd, sent.tau_cmd);
 }
 
 TEST(Recording, CarriesEveryInputOfATick) {

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "config/cell_config.h"
+#include "hil/handle_bench.h"
+
+namespace osteon::app {
+
+struct TransparencyOptions {
+  std::filesystem::path cell;
+  std::filesystem::path out{"transparency"};
+  std::filesystem::path json{};  ///< a further copy of transparency.json
+  int points{25};                ///< from kLeastHz to kMostHz, log-spaced
+  int sensor_delay_ticks{1};
+  std::string command_line{};
+};
+
+inline constexpr double kTransparencyLeast_hz = 0.1, kTransparencyMost_hz = 30.0;
+/// Mass and drag are fitted, and the residual is taken, up to here: the band of a hand's own motion.
+inline constexpr double kTransparencyFit_hz = 3.0;
+
+/// One direction of the tool in free motion.
+struct TransparencyAxis {
+  int axis{0};  ///< 0 … 2 along x y z of T, 3 … 5 about them
+  std::vector<hil::HandlePoint> points;
+  hil::HandleFit fit;
+  double asked_mass{0.0}, asked_drag{0.0};  ///< [kg, N s/m], about an axis [kg m^2, N m s/rad]
+  /// rms over the band of |Z - asked| / |asked|: what the hand feels that nobody asked for.
+  double residual{0.0};
+};
+
+struct TransparencyResult {
+  std::string cell;
+  std::vector<TransparencyAxis> axes;     ///< six
+  std::vector<hil::HandlePoint> contact;  ///< along z, against a plane across it
+  double asked_stiffness_N_per_m{0.0};    ///< of the plane
+  double asked_damping_Ns_per_m{0.0};     ///< of the coupling, while it adds less than its share of the force
+  double stiffness_N_per_m{0.0};          ///< as felt at the lowest frequency
+  double preload_N{0.0}, contact_amplitude_N{0.0};
+  /// The headline: the worst residual of the three directions in which the tool is led.
+  [[nodiscard]] double free_residual() const;
+  [[nodiscard]] double apparent_mass_kg() const;  ///< the largest of the three
+  [[nodiscard]] double drag_Ns_per_m() const;     ///< likewise
+  [[nodiscard]] bool fault() const;
+};
+
+/// Shakes the cell's own loop and simulated arm where the cell begins. The hand is a wrench that is known, so
+/// that its own mass and stiffness are not in it.
+[[nodiscard]] TransparencyResult MeasureTransparency(const config::CellConfig& cell,
+                                                     const TransparencyOptions& options);
+
+/// `osteon transparency CELL.yaml`: writes transparency.svg, .png, .csv, .json, .html into a folder and a
+/// table to stdout.
+/// @returns the process's exit code: 0; 1 where the loop stopped or a file can't be written; 2 bad input.
+[[nodiscard]] int RunTransparency(const TransparencyOptions& options);
+
+}  // namespace osteon::app

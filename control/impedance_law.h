@@ -1,0 +1,52 @@
+#pragma once
+
+#include "control/rt/marker.h"
+#include "kinematics/spatial.h"
+
+// The law of an arm that carries itself (impedance control in its own controller): a wrench is added to what
+// it does, and nothing is integrated.
+
+namespace osteon::control {
+
+/// Tuning of the impedance law. Every field has a usable default.
+struct ImpedanceParams {
+  Vector3 damping_Ns_per_m{10.0, 10.0, 10.0};  ///< by axis of T, beside the arm's own; >= 0
+  Vector3 damping_Nms_per_rad{0.5, 0.5, 0.5};
+  /// What the tool does beyond the twist that it may have (speed limit, workspace) is braked by this: the arm
+  /// is held by the hand, so that a command can not scale its motion.
+  double brake_Ns_per_m{250.0}, brake_Nms_per_rad{5.0};
+  double twist_filter_s{0.002};  ///< first order, of the measured velocity; >= 0
+  /// Time constant with which the equilibrium of the arm's own spring goes to where the arm is; > 0. Beside a
+  /// stiffness K of that spring it is felt as damping K follow_s.
+  double follow_s{0.005};
+};
+
+/// @throws std::invalid_argument naming the field, the value found and what is accepted.
+void Validate(const ImpedanceParams& params);
+
+/// Velocity of the tool from its measured poses: their difference over a tick, the turn by its logarithm, and
+/// a first-order filter.
+class MeasuredTwist {
+ public:
+  MeasuredTwist(double filter_s, double dt_s);
+
+  /// The tool rests at a pose.
+  void Reset(const Pose& X_WT) OSTEON_RT;
+  /// @returns the velocity of T at To, in W, half a tick and filter_s old
+  const Twist& Step(const Pose& X_WT) OSTEON_RT;
+
+ private:
+  double dt_s_, share_;
+  Pose X_before_{Pose::Identity()};
+  Twist V_;
+};
+
+/// Damping and braking, beside the coupling:
+///
+///     F = -D V + B (V_allowed - V)
+///
+/// by axis of T; B is isotropic. Takes power wherever |V_allowed| <= |V| along the same line.
+[[nodiscard]] Wrench DampingWrench(const ImpedanceParams& params, const Matrix3& R_WT, const Twist& V_WT,
+                                   const Twist& V_allowed_WT) OSTEON_RT;
+
+}  // namespace osteon::control

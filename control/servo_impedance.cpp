@@ -1,0 +1,94 @@
+// ServoLoop's impedance law: the arm carries itself and is where the hand has it; the loop adds a wrench.
+
+#include <algorithm>
+
+#include "control/servo_loop.h"
+#include "control/twist_parts.h"
+
+namespace osteon::control {
+namespace {
+
+using safety::Fault;
+
+constexpr double kSpeedSlack = 1.5;  // beyond the limit the brake has not held the hand: a fault
+
+}  // namespace
+
+bool ServoLoop::ModeFits(CommandMode mode) const OSTEON_RT {
+  const bool overlay = mode == CommandMode::kWrench || mode == CommandMode::kTorque;
+  return overlay == (params_.law == Law::kImpedance);
+}
+
+void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::ContactModel& model,
+                                rt::Nanoseconds now, TickRecord& record) OSTEON_RT {
+  const double dt_s = params_.period_s;
+  TakeSpindle(readings);
+  V_WT_ = measured_twist_.Step(X_WT_meas_);
+  share_ = 1.0;
+
+  const Wrench F_operator_T_W = TakeSensor(readings, record);
+  const CouplingOutput coupling =
+      EvaluateCoupling(params_.coupling, model, X_WT_meas_, V_WT_, now, spindle_rad_per_s_ > 0.0, coupling_);
+  record.model_age_s = coupling.age_s;
+  if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
+  Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
+
+  // what the tool may do: braked beyond it
+  const safety::LimitedTwist slow = safety::LimitTwist(V_WT_, params_.twist);
+  const safety::Workspace::Result inside = workspace_.Limit(X_WT_meas_.translation(), slow.V.v, dt_s);
+  const double speed_m_per_s = V_WT_.v.norm();
+  if (speed_m_per_s > kSpeedSlack * params_.twist.max_speed_m_per_s) faults_.Latch(Fault::kToolSpeed);
+  if (workspace_.Violated(X_WT_meas_.translation())) faults_.Latch(Fault::kWorkspace);
+
+  // the equilibrium of the arm's own spring goes along
+  const Fault refused = arm_->FollowMeasured(record.q_meas, dt_s / (dt_s + params_.impedance.follow_s));
+  if (refused != Fault::kNone) faults_.Latch(refused);
+  if (faults_.Any()) {
+    StartStopping();
+    Brake();
+    return;
+  }
+
+  const safety::LimitedWrench limited = arm_->Limit(wrench_limiter_, coupling.F_T_W);
+  const Wrench damping =
+      DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {.v = inside.v_WT, .w = slow.V.w});
+  F_sent_T_W_ = wrench_limiter_.Limit({.f = limited.F.f + damping.f, .t = limited.F.t + damping.t}).F;
+  record.F_coupling_T_W = limited.F;
+  record.wrench_scale = limited.share;
+  record.arm_share = limited.arm_share;
+
+  ServoStatistics& s = statistics_;
+  s.peak_coupling_force_N = std::max(s.peak_coupling_force_N, limited.F.f.norm());
+  s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, limited.F.t.norm());
+  s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
+  Count(s.wrench, limited.share < 1.0, wrench_acted_);
+  Count(s.arm, limited.arm_share < 1.0, arm_acted_);
+  Count(s.twist, slow.share < 1.0, twist_acted_);
+  Count(s.workspace, inside.acted, workspace_acted_);
+  Count(s.model_age, coupling.fade < 1.0, model_acted_);
+}
+
+// A Stop 1 of an arm that gives: its own spring holds it where it is now, and what still moves is braked.
+void ServoLoop::BrakeImpedance() OSTEON_RT {
+  if (stop_ticks_ == 0) stop_ticks_ = std::max(1, static_cast<int>(params_.joint_stop_s / params_.period_s));
+  V_WT_ = measured_twist_.Step(X_WT_meas_);
+  F_sent_T_W_ = wrench_limiter_.Limit(DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {})).F;
+  if (--stop_ticks_ > 0) return;
+  V_WT_ = {};
+  F_sent_T_W_ = {};
+  phase_ = Phase::kStopped;
+}
+
+// What goes to the arm beside the joints. Zero wherever nothing is rendered.
+void ServoLoop::PutWrench(const ArmState& state, ArmCommand& command) const OSTEON_RT {
+  const Matrix3 R_TW = X_WT_meas_.linear().transpose();
+  const bool renders = phase_ == Phase::kHaptic || phase_ == Phase::kStopping;
+  const Wrench F_T_W = renders ? F_sent_T_W_ : Wrench{};
+  command.F = {};
+  command.tau = {};
+  if (state.command_mode == CommandMode::kWrench)
+    command.F = Wrench{.f = R_TW * F_T_W.f, .t = R_TW * F_T_W.t};
+  if (state.command_mode == CommandMode::kTorque) command.tau = arm_->Torques(state.q_meas, F_T_W);
+}
+
+}  // namespace osteon::control
