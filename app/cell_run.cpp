@@ -217,7 +217,8 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
     recorder.Push(loop.Tick(state, received, readings, model, now, command));
     recovering = false;
     if (const auto answer = session.Answer(command); accepted && !answer.empty()) cell.Receive(answer);
-    if (tick % frame_ticks == 0) pending = runner.Run(loop.tool_command());
+    // without a pose yet there is nothing to render; a frame of none would drag the proxy through the bone
+    if (tick % frame_ticks == 0 && loop.tool_command().stamp != 0) pending = runner.Run(loop.tool_command());
 
     RecordFaults(recorder, now, loop.faults(), known);
     if (loop.CanRecover() && result.recovered < params.recoveries &&

@@ -286,8 +286,7 @@ int RunTransparency(const TransparencyOptions& options) {
     return Fail(fmt::format("--out {}: found a file, accepted a folder", options.out.string()));
   const config::CellConfig cell = config::LoadCell(options.cell);
   if (!cell.robot.lbr())
-    return Fail(fmt::format("{}: found a {}, accepted a cell with an LBR", options.cell.string(),
-                            cell.robot.name));
+    return Fail(fmt::format("{}: found a {}, accepted an LBR", options.cell.string(), cell.robot.name));
   const TransparencyResult result = MeasureTransparency(cell, options);
   const std::string json = ToJson(result, options).dump(2) + "\n";
   const auto written = WriteChart(

@@ -32,7 +32,7 @@ struct SimulatedCellParams {
   control::JointArray q_start{};        ///< [rad]; of a KR the first six
 };
 
-/// The arm alone.
+/// The LBR alone. @pre no kr
 [[nodiscard]] SimulatedArmParams BodyOf(const SimulatedCellParams& params);
 
 /// What the cell looks like after a step. Plain data.

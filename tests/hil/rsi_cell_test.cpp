@@ -84,7 +84,7 @@ struct Outcome {
   CellState end;
 };
 
-Outcome Run(const SimulatedCellParams& params, int cycles) {
+Outcome Drive(const SimulatedCellParams& params, int cycles) {
   SimulatedCell cell(params, Script(params));
   Client client(SessionParams(params));
   Outcome run;
@@ -99,7 +99,7 @@ Outcome Run(const SimulatedCellParams& params, int cycles) {
 }
 
 TEST(RsiCell, SameInputSameBytes) {
-  const Outcome a = Run(Params(), 500), b = Run(Params(), 500);
+  const Outcome a = Drive(Params(), 500), b = Drive(Params(), 500);
   ASSERT_GT(a.bytes.size(), 500u * 300u);
   EXPECT_EQ(a.bytes, b.bytes);
   EXPECT_EQ(a.end.q_meas, b.end.q_meas);
@@ -107,7 +107,7 @@ TEST(RsiCell, SameInputSameBytes) {
 
 TEST(RsiCell, TheHandHoldsTheToolWhereTheArmReallyIs) {
   const SimulatedCellParams params = Params();
-  const Outcome run = Run(params, 500);
+  const Outcome run = Drive(params, 500);
   EXPECT_EQ(run.end.session, SessionState::kCommandingActive) << DescribeStop(run.end);
   EXPECT_GT(run.end.cell_time_s, 1.9) << "since it was handed over";
   EXPECT_GT(Vector3(run.end.F_hand_T_W.f).norm(), 1.0);
