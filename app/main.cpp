@@ -18,6 +18,7 @@
 #include "app/pack.h"
 #include "app/replay_command.h"
 #include "app/tool_choice.h"
+#include "app/tune_command.h"
 #include "app/usage.h"
 #include "config/reader.h"
 
@@ -238,6 +239,7 @@ int Run(int argc, char** argv) {
   osteon::app::MeasureCommands measure(app);
   osteon::app::CellCommands cells(app);
   osteon::app::CapabilityCommand capability(app);
+  osteon::app::TuneCommand tune(app);
   osteon::app::ExportCommand export_recording(app);
   osteon::app::ReplayCommand replay(app);
 
@@ -307,6 +309,7 @@ int Run(int argc, char** argv) {
   }
   if (cells.asked()) return cells.Run(config_root);
   if (capability.asked()) return capability.Run(config_root, CommandLine(argc, argv));
+  if (tune.asked()) return tune.Run(config_root, CommandLine(argc, argv));
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run();
   if (measure.asked()) return measure.Run(config_root);
