@@ -182,7 +182,7 @@ void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& pro
   LookWithinBar(study, r);
   if (Interrupted() || !r.Stands()) return;
   r.recommended_margin = study.Margin(r.recommended, r.human_hands);
-  r.stiffest_Ns_per_m = study.Drag(r.recommended.mass_kg, {r.stiffest_hands.front()});
+  r.stiffest_Ns_per_m = study.Drag(r.recommended.mass_kg, r.stiffest_hands);
   for (const hil::GridHand& hand : hil::NamedHands())
     if (hand.name == "clamp") r.clamp_Ns_per_m = study.Drag(r.recommended.mass_kg, {hand});
 

@@ -73,8 +73,8 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
                                                      r.within_bar_margin, Shown(r.within_bar))
                                        : std::string("no, and within it nothing stands these hands"))});
   rows.push_back(
-      {fmt::format("A grip of {:g} N/m", t.stiffest_grip_N_per_m),
-       fmt::format("asks for {} at this mass, {:.1f} times the drag; a clamp of 50 kN/m for {}: the "
+      {fmt::format("Grips up to {:g} N/m", t.stiffest_grip_N_per_m),
+       fmt::format("ask for {} at this mass, {:.1f} times the drag; a clamp of 50 kN/m for {}: the "
                    "vibration index's part, not the gains'",
                    Drag(r.stiffest_Ns_per_m), r.stiffest_Ns_per_m / r.recommended.damping_Ns_per_m,
                    Drag(r.clamp_Ns_per_m))});
