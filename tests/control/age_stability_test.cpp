@@ -65,6 +65,14 @@ int Growing(double factor) {
   return growing;
 }
 
+// In closed form, for one stiff direction among soft ones: it alone decides.
+TEST(AgeBound, ReserveIsTheDampingLessAgeTimesStiffnessWhereItIsLeast) {
+  Matrix6 K = 100.0 * Matrix6::Identity();
+  K(2, 2) = 2000.0;
+  EXPECT_NEAR(AgeReserve(25.0 * Matrix6::Identity(), K, 10e-3), 5.0, 1e-9);
+  EXPECT_NEAR(AgeReserve(15.0 * Matrix6::Identity(), K, 10e-3), -5.0, 1e-9);
+}
+
 TEST(AgeBound, NoneOf1000RandomSystemsGrowsWithDampingAboveAgeTimesStiffness) { EXPECT_EQ(Growing(1.02), 0); }
 
 TEST(AgeBound, MostOf1000RandomSystemsGrowWithAFifthOfIt) { EXPECT_GT(Growing(0.2), 900); }
