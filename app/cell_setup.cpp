@@ -18,8 +18,8 @@
 namespace osteon::app {
 namespace {
 
-// A cell's file and what it names, as text for the recording.
-std::string ConfigText(const std::filesystem::path& cell_yaml) {
+// A cell's file and what it names, and gains that are laid over it, as text for the recording.
+std::string ConfigText(const std::filesystem::path& cell_yaml, const std::filesystem::path& gains) {
   std::ostringstream text;
   const std::filesystem::path root = cell_yaml.parent_path().parent_path();
   for (const char* folder : {"cells", "robots", "tools", "scenes", "materials"}) {
@@ -36,6 +36,7 @@ std::string ConfigText(const std::filesystem::path& cell_yaml) {
       text << std::ifstream(file).rdbuf() << '\n';
     }
   }
+  if (!gains.empty()) text << "# gains\n" << std::ifstream(gains).rdbuf() << '\n';
   return text.str();
 }
 
@@ -95,16 +96,17 @@ tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
 
 tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell_yaml,
                                                const std::optional<MeshChoice>& mesh,
-                                               const std::optional<config::ToolChoice>& tool) {
+                                               const std::optional<config::ToolChoice>& tool,
+                                               const std::filesystem::path& gains) {
   CellSetup setup;
   {
     const config::FileScope files;
-    setup.config = config::LoadCell(cell_yaml, tool);
-    auto kept = KeepConfig(files, cell_yaml, tool);
+    setup.config = config::LoadCell(cell_yaml, tool, gains);
+    auto kept = KeepConfig(files, cell_yaml, tool, gains);
     if (!kept) return tl::make_unexpected(kept.error());
     setup.config_source = std::move(*kept);
   }
-  setup.config_text = ConfigText(cell_yaml);
+  setup.config_text = ConfigText(cell_yaml, gains);
   const simulation::SceneParams& scene = setup.config.scene;
   if (mesh && mesh->file.extension() == ".osp") {
     auto bone = LoadPacking(*mesh);

@@ -41,12 +41,12 @@ struct CellSetup {
 /// Loads the cell's YAML and makes its bone; a mesh is placed so that its site (a cup, or the
 /// circle where a drill enters) lies where the scene's would.
 /// @param config_root  the folder with cells/, robots/ …
-/// @param tool  instead of the cell's
+/// @param tool  instead of the cell's  @param gains  a file to lay over the cell's gains; empty: none
 /// @throws config::ConfigError; config::ToolSizeError where `tool` has no such size; other errors (of the
 /// mesh) come back as text.
 [[nodiscard]] tl::expected<CellSetup, std::string> SetUpCell(
     const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh,
-    const std::optional<config::ToolChoice>& tool = {});
+    const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {});
 
 /// @param engine  "vulkan" or "reference";  @param device  part of a Vulkan device's name, or empty
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(

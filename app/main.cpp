@@ -20,6 +20,7 @@
 #include "app/replay_command.h"
 #include "app/tool_choice.h"
 #include "app/transparency_command.h"
+#include "app/tune_command.h"
 #include "app/usage.h"
 #include "config/reader.h"
 
@@ -242,6 +243,7 @@ int Run(int argc, char** argv) {
   osteon::app::CalibrateCommand calibrate(app);
   osteon::app::CapabilityCommand capability(app);
   osteon::app::TransparencyCommand transparency(app);
+  osteon::app::TuneCommand tune(app);
   osteon::app::ExportCommand export_recording(app);
   osteon::app::ReplayCommand replay(app);
 
@@ -313,6 +315,7 @@ int Run(int argc, char** argv) {
   if (transparency.asked()) return transparency.Run(config_root, CommandLine(argc, argv));
   if (calibrate.asked()) return calibrate.Run(config_root, CommandLine(argc, argv));
   if (capability.asked()) return capability.Run(config_root, CommandLine(argc, argv));
+  if (tune.asked()) return tune.Run(config_root, CommandLine(argc, argv));
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run();
   if (measure.asked()) return measure.Run(config_root);

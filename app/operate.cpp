@@ -38,7 +38,7 @@ void PrintWires(const config::CellConfig& cell) {
 }  // namespace
 
 int RunOperate(const OperateOptions& options) {
-  auto setup = SetUpCell(options.cell, {}, options.tool);
+  auto setup = SetUpCell(options.cell, {}, options.tool, options.gains);
   if (!setup) return Fail(setup.error());
   std::optional<CellProcessParams> cell;
   if (options.simulated) {

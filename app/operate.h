@@ -16,6 +16,7 @@ struct OperateOptions {
   int recoveries{0};  ///< so often it begins again after the connection to the arm has ended rendering
   std::filesystem::path record{"run.mcap"};
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
+  std::filesystem::path gains{};             ///< a file to lay over the cell's gains; empty: none
   std::optional<std::uint16_t> port{};       ///< of a simulated cell: the first of its ports
   std::string device{};                      ///< part of a Vulkan device's name
   std::filesystem::path json{};

@@ -89,7 +89,8 @@ std::string WithoutFolder(std::string text, const fs::path& folder) {
 
 tl::expected<io::ConfigSource, std::string> KeepConfig(const config::FileScope& scope,
                                                        const fs::path& cell_yaml,
-                                                       const std::optional<config::ToolChoice>& tool) {
+                                                       const std::optional<config::ToolChoice>& tool,
+                                                       const fs::path& gains) {
   const fs::path folder = CommonFolder(scope.files());
   const auto name_of = [&](const fs::path& path) {
     return fs::absolute(path).lexically_normal().lexically_relative(folder).generic_string();
@@ -107,6 +108,7 @@ tl::expected<io::ConfigSource, std::string> KeepConfig(const config::FileScope& 
     source.tool_file = name_of(tool->file);
     source.tool_diameter_m = tool->diameter_m;
   }
+  if (!gains.empty()) source.gains_file = name_of(gains);
   return source;
 }
 
@@ -115,8 +117,11 @@ tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigS
     return tl::make_unexpected(
         std::string("found no configuration files in the recording, accepted one that has them (it is older "
                     "than replay)"));
-  if (!StaysInside(source.cell_file) || (!source.tool_file.empty() && !StaysInside(source.tool_file)))
-    return tl::make_unexpected(std::string("the cell's or the tool's file has a name that leads elsewhere"));
+  const auto strays = [](const std::string& name) { return !name.empty() && !StaysInside(name); };
+  if (source.cell_file.empty() || strays(source.cell_file) || strays(source.tool_file) ||
+      strays(source.gains_file))
+    return tl::make_unexpected(
+        std::string("the cell's, the tool's or the gains' file has a name that leads elsewhere"));
   const WorkFolder folder;
   if (folder.path().empty())
     return tl::make_unexpected(fs::temp_directory_path().string() + ": cannot make a temporary folder");
@@ -127,8 +132,9 @@ tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigS
   std::optional<config::ToolChoice> tool;
   if (!source.tool_file.empty())
     tool = {.file = folder.path() / source.tool_file, .diameter_m = source.tool_diameter_m};
+  const fs::path gains = source.gains_file.empty() ? fs::path() : folder.path() / source.gains_file;
   try {
-    return config::LoadCell(folder.path() / source.cell_file, tool);
+    return config::LoadCell(folder.path() / source.cell_file, tool, gains);
   } catch (const std::exception& error) {
     return tl::make_unexpected("the recorded configuration: " + WithoutFolder(error.what(), folder.path()));
   }

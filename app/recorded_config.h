@@ -18,7 +18,7 @@ namespace osteon::app {
 /// The error names a file that can not be read any more.
 [[nodiscard]] tl::expected<io::ConfigSource, std::string> KeepConfig(
     const config::FileScope& scope, const std::filesystem::path& cell_yaml,
-    const std::optional<config::ToolChoice>& tool);
+    const std::optional<config::ToolChoice>& tool, const std::filesystem::path& gains);
 
 /// The cell that a recording was made with, from what the recording holds and nothing else. Its files lie in
 /// a temporary folder while this runs. The error says what is missing or wrong: a recording without

@@ -35,8 +35,10 @@ struct ToolChoice {
 /// Shape, site and fineness, and the names of the materials that are needed; the materials stay empty.
 [[nodiscard]] simulation::SceneParams LoadScene(const std::filesystem::path& path);
 /// A cell and the robot, tool, scene and materials that it names.
+/// @param gains  a file with gains to lay over the cell's (LayGainsOver); empty: none
 /// @throws ToolSizeError where `tool` does not come in the size asked for.
 [[nodiscard]] CellConfig LoadCell(const std::filesystem::path& path,
-                                  const std::optional<ToolChoice>& tool = {});
+                                  const std::optional<ToolChoice>& tool = {},
+                                  const std::filesystem::path& gains = {});
 
 }  // namespace osteon::config

@@ -10,6 +10,7 @@
 #include "config/read_arm_link.h"
 #include "config/read_calibration.h"
 #include "config/read_devices.h"
+#include "config/read_gains.h"
 #include "config/read_injections.h"
 #include "config/read_operator.h"
 #include "config/read_pose.h"
@@ -79,15 +80,6 @@ void ReadWatchdog(Reader section, safety::WatchdogParams& watchdog) {
   watchdog.arm_misses = section.Whole("arm_miss_count", 1, 100);
 }
 
-void ReadAdmittance(Reader section, control::AdmittanceParams& admittance) {
-  admittance.mass_kg = section.Triple("mass_kg", 0.1, 50);
-  admittance.inertia_kg_m2 = section.Triple("inertia_kg_m2", 0.001, 5);
-  admittance.damping_Ns_per_m = section.Triple("damping_Ns_per_m", 1, 2000);
-  admittance.damping_Nms_per_rad = section.Triple("damping_Nms_per_rad", 0.01, 100);
-  admittance.dead_zone_N = section.Number("dead_zone_N", 0, 50);
-  admittance.dead_zone_Nm = section.Number("dead_zone_Nm", 0, 5);
-}
-
 void ReadImpedance(Reader section, CellConfig& cell) {
   control::ImpedanceParams& impedance = cell.servo.impedance;
   impedance.damping_Ns_per_m = section.Triple("damping_Ns_per_m", 0, 1000);
@@ -115,15 +107,6 @@ void ReadLaw(Reader& reader, CellConfig& cell) {
   if (!cell.link.fri())
     reader.Refuse("impedance", "found beside rsi, accepted with fri: an arm over RSI takes positions alone");
   ReadImpedance(section, cell);
-}
-
-void ReadCoupling(Reader section, control::CouplingParams& coupling) {
-  coupling.max_stiffness_N_per_m = section.Number("stiffness_N_per_mm", 0.1, 100);
-  coupling.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0, 2000);
-  coupling.damping_share = section.Number("damping_share_ratio", 0, 0.25);
-  coupling.fresh_s = section.Number("fresh_ms", 1, 1000);
-  coupling.gone_s = section.Number("gone_ms", 2, 1000);
-  coupling.ramp_s = section.Number("ramp_ms", 1, 10000);
 }
 
 void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
@@ -296,7 +279,8 @@ void Spread(CellConfig& cell) {
 
 }  // namespace
 
-CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolChoice>& tool) {
+CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolChoice>& tool,
+                    const std::filesystem::path& gains) {
   Reader reader = Reader::Load(path);
   CellConfig cell;
   control::ServoParams& servo = cell.servo;
@@ -331,6 +315,8 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   const SimulatedArmSection simulated_arm = ReadSimulatedArm(reader.Section("simulated_arm"), cell);
   cell.injections = ReadInjections(reader);
   reader.Finish();
+
+  if (!gains.empty()) LayGainsOver(gains, servo.admittance, servo.coupling);
 
   CheckBody(sensor, sensor_F, "force_sensor");
   CheckArmLink(link, cell);

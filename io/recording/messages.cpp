@@ -29,6 +29,7 @@ void Encode(const SessionInfo& session, std::string& bytes) {
   }
   message.set_cell_file(session.config.cell_file);
   message.set_tool_file(session.config.tool_file);
+  message.set_gains_file(session.config.gains_file);
   if (session.config.tool_diameter_m) message.set_tool_diameter_m(*session.config.tool_diameter_m);
   message.set_config_folder(session.config.folder);
   message.set_utc_ns(session.utc);
@@ -51,6 +52,7 @@ std::string Decode(std::span<const char> bytes, SessionInfo& session) {
              .config = {.files = {},
                         .cell_file = message.cell_file(),
                         .tool_file = message.tool_file(),
+                        .gains_file = message.gains_file(),
                         .folder = message.config_folder()},
              .utc = message.utc_ns(),
              .build = message.build(),

@@ -26,6 +26,7 @@ struct ConfigSource {
   std::string cell_file;                    ///< its name among them
   std::string tool_file;                    ///< of a tool instead of the cell's; empty: the cell's
   std::optional<double> tool_diameter_m{};  ///< asked for with it; none: the file's default
+  std::string gains_file{};                 ///< laid over the cell's gains; empty: none
   std::string folder;  ///< where they lay; empty where none names another by its whole path
 };
 

@@ -150,6 +150,7 @@ inline SessionInfo SomeSession() {
                      .cell_file = "cells/demo.yaml",
                      .tool_file = "tools/b.yaml",
                      .tool_diameter_m = 0.05,
+                     .gains_file = "gains.yaml",
                      .folder = "/somewhere"},
           .utc = 4,
           .build = "commit 123",

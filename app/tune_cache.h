@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <tl/expected.hpp>
+
+namespace osteon::app {
+
+/// Numbers that were computed before, in one file, each found by what it was computed from.
+class TuneCache {
+ public:
+  /// A file that can't be read, or is of another version, counts as empty: what it held is computed again.
+  explicit TuneCache(std::filesystem::path file);
+
+  /// @param from  everything that the numbers depend on, as text
+  [[nodiscard]] std::optional<std::vector<double>> Find(const std::string& from);
+  void Put(const std::string& from, const std::vector<double>& values);
+  /// Only what was asked for or put since the beginning stays. The error names the file.
+  [[nodiscard]] tl::expected<void, std::string> Save() const;
+
+  [[nodiscard]] int found() const { return found_; }
+  [[nodiscard]] int computed() const { return computed_; }
+
+ private:
+  static std::string Key(const std::string& from);
+
+  std::filesystem::path file_;
+  nlohmann::json before_, now_;
+  mutable std::mutex mutex_;  ///< guards all that follows the file
+  int found_{0}, computed_{0};
+};
+
+}  // namespace osteon::app

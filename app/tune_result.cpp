@@ -1,0 +1,163 @@
+#include "app/tune_result.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+namespace osteon::app {
+namespace {
+
+std::string Shown(const TuneGains& gains) {
+  return fmt::format("{:.3g} kg, {:.0f} N s/m", gains.mass_kg, gains.damping_Ns_per_m);
+}
+
+std::string Drag(double drag_Ns_per_m) {
+  return std::isfinite(drag_Ns_per_m) ? fmt::format("{:.0f} N s/m", drag_Ns_per_m)
+                                      : std::string("more than 3000 N s/m");
+}
+
+nlohmann::json ToJson(const TuneGains& gains) {
+  return {{"mass_kg", gains.mass_kg}, {"damping_Ns_per_m", gains.damping_Ns_per_m}};
+}
+
+nlohmann::json ToJson(const std::vector<TuneBoundary>& boundaries, const std::vector<hil::GridHand>& hands) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const TuneBoundary& b : boundaries)
+    list.push_back({{"damping", b.damping_Ns_per_m},
+                    {"stiffness_predicted", b.predicted_N_per_m},
+                    {"stiffness_simulated", b.simulated_N_per_m},
+                    {"stiffness_lost_and_late", b.degraded_N_per_m},
+                    {"hand", hands[b.hand].name}});
+  return list;
+}
+
+// JSON has no infinity.
+nlohmann::json Finite(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+}  // namespace
+
+std::vector<SummaryRow> Rows(const TuneResult& r) {
+  const TuneTask& t = r.task;
+  std::vector<SummaryRow> rows{
+      {"Cell", fmt::format("{}: arm of {:g} Hz, {:g} ms dead time, sensor {:g} ms late, period {:g} ms",
+                           r.cell, t.loop.arm.bandwidth_hz, 1e3 * t.loop.arm.dead_cycles * t.loop.period_s,
+                           1e3 * t.loop.sensor_delay * t.loop.period_s, 1e3 * t.loop.period_s)},
+      {"Has to stand",
+       fmt::format(
+           "hands up to {:g} N/m, free and at a wall of {:g} N/mm; planes that move with {:.1f} N/mm, "
+           "{:g} ms old; {:g} % of the commands lost, {:g} ms jitter; gain margin {:g}",
+           t.human_grip_N_per_m, 1e-3 * t.wall_N_per_m, 1e-3 * t.plane_N_per_m, 1e3 * t.worst_age_s,
+           100.0 * t.command_loss, 1e3 * t.command_jitter * t.loop.period_s, t.margin)},
+      {"The cell's own gains",
+       fmt::format("{:.3g} kg, {:.0f} N s/m: {}", t.loop.mass_kg, t.loop.damping_Ns_per_m,
+                   r.own_margin > 0.0 ? fmt::format("gain margin {:.2f}", r.own_margin)
+                                      : std::string("not stable with all of these"))}};
+  if (!r.Stands()) {
+    rows.push_back({"Recommended", "none: no mass of those tried stands it, whatever the drag"});
+    return rows;
+  }
+  rows.push_back(
+      {"Recommended", fmt::format("{}, gain margin {:.2f}", Shown(r.recommended), r.recommended_margin)});
+  rows.push_back({"Run in time", r.check.grew.empty()
+                                     ? fmt::format("{} runs with losses and jitter, none grew", r.check.runs)
+                                     : fmt::format("{} of {} runs grew: {}", r.check.grew.size(),
+                                                   r.check.runs, fmt::join(r.check.grew, "; "))});
+  rows.push_back({"Light (5 kg, 30 N s/m)",
+                  r.WithinBar() ? std::string("yes")
+                                : (r.within_bar_margin > 0.0
+                                       ? fmt::format("no; within it the greatest margin is {:.2f}, with {}",
+                                                     r.within_bar_margin, Shown(r.within_bar))
+                                       : std::string("no, and within it nothing stands these hands"))});
+  rows.push_back(
+      {fmt::format("Grips up to {:g} N/m", t.stiffest_grip_N_per_m),
+       fmt::format("ask for {} at this mass, {:.1f} times the drag; a clamp of 50 kN/m for {}: the "
+                   "vibration index's part, not the gains'",
+                   Drag(r.stiffest_Ns_per_m), r.stiffest_Ns_per_m / r.recommended.damping_Ns_per_m,
+                   Drag(r.clamp_Ns_per_m))});
+  rows.push_back(
+      {"Any age by itself", fmt::format("a_max K of the planes: {:.0f} N s/m", r.age_bound_Ns_per_m)});
+  rows.push_back({"Computed", fmt::format("{} results, {} taken from before", r.computed, r.found)});
+  return rows;
+}
+
+std::string ToJson(const TuneResult& r, const std::string& command_line) {
+  const TuneTask& t = r.task;
+  nlohmann::json json{
+      {"schema", "osteon.tune/1"},
+      {"subcommand", "tune"},
+      {"command_line", command_line},
+      {"cell", r.cell},
+      {"arm",
+       {{"bandwidth_hz", t.loop.arm.bandwidth_hz},
+        {"damping_ratio", t.loop.arm.damping_ratio},
+        {"dead_cycles", t.loop.arm.dead_cycles},
+        {"sensor_delay", t.loop.sensor_delay},
+        {"period_ms", 1e3 * t.loop.period_s}}},
+      {"stands",
+       {{"grip_N_per_m", t.human_grip_N_per_m},
+        {"wall_N_per_m", t.wall_N_per_m},
+        {"plane_N_per_m", t.plane_N_per_m},
+        {"worst_age_ms", 1e3 * t.worst_age_s},
+        {"loss", t.command_loss},
+        {"jitter_ms", 1e3 * t.command_jitter * t.loop.period_s}}},
+      {"margin", t.margin},
+      {"own",
+       {{"mass_kg", t.loop.mass_kg},
+        {"damping_Ns_per_m", t.loop.damping_Ns_per_m},
+        {"margin", r.own_margin}}},
+      {"recommended", nullptr},
+      {"within_bar", nullptr},
+      {"bar",
+       {{"mass_kg", t.most_mass_kg}, {"damping_Ns_per_m", t.most_drag_Ns_per_m}, {"met", r.WithinBar()}}},
+      {"age_bound_Ns_per_m", r.age_bound_Ns_per_m},
+      {"boundary", ToJson(r.human, r.human_hands)},
+      {"boundary_stiffest", ToJson(r.stiffest, r.stiffest_hands)},
+      {"boundary_firm", ToJson(r.firm, {hil::NamedHands()[1]})},
+      {"results", {{"computed", r.computed}, {"from_before", r.found}}}};
+  if (r.within_bar_margin > 0.0) {
+    json["within_bar"] = ToJson(r.within_bar);
+    json["within_bar"]["margin"] = r.within_bar_margin;
+  }
+  for (const TuneTrade& trade : r.trade)
+    json["trade"].push_back({{"mass_kg", trade.mass_kg},
+                             {"damping_human", Finite(trade.human_Ns_per_m)},
+                             {"damping_stiffest", Finite(trade.stiffest_Ns_per_m)}});
+  if (!r.Stands()) return json.dump(2) + "\n";
+  json["recommended"] = ToJson(r.recommended);
+  json["recommended"]["margin"] = r.recommended_margin;
+  json["stiff_grips"] = {{"grip_N_per_m", t.stiffest_grip_N_per_m},
+                         {"damping_Ns_per_m", Finite(r.stiffest_Ns_per_m)},
+                         {"clamp_damping_Ns_per_m", Finite(r.clamp_Ns_per_m)}};
+  json["check"] = {{"runs", r.check.runs}, {"grew", r.check.grew}};
+  return json.dump(2) + "\n";
+}
+
+std::string BoundaryCsv(const TuneResult& r) {
+  std::string csv = "hands,damping_Ns_per_m,predicted_N_per_m,simulated_N_per_m,lost_and_late_N_per_m\n";
+  const auto add = [&](const std::string& name, const std::vector<TuneBoundary>& boundaries) {
+    for (const TuneBoundary& b : boundaries)
+      csv += fmt::format("{},{:.3f},{:.0f},{:.0f},{:.0f}\n", name, b.damping_Ns_per_m, b.predicted_N_per_m,
+                         b.simulated_N_per_m, b.degraded_N_per_m);
+  };
+  add("firm", r.firm);
+  add(fmt::format("up to {:g} N/m", r.task.human_grip_N_per_m), r.human);
+  add(fmt::format("up to {:g} N/m", r.task.stiffest_grip_N_per_m), r.stiffest);
+  return csv;
+}
+
+std::string GainsYaml(const TuneResult& r, const std::string& command_line) {
+  const TuneTask& t = r.task;
+  return fmt::format(
+      "# {}\n# Stands hands up to {:g} N/m with gain margin {:.2f}, contact models up to {:g} ms old.\n"
+      "# For: osteon run CELL.yaml --gains THIS_FILE\nadmittance:\n  mass_kg: [{m:.10g}, {m:.10g}, "
+      "{m:.10g}]\n"
+      "  damping_Ns_per_m: [{b:.10g}, {b:.10g}, {b:.10g}]\ncoupling:\n  stiffness_N_per_mm: {:.10g}\n",
+      command_line, t.human_grip_N_per_m, r.recommended_margin, 1e3 * t.worst_age_s, 1e-3 * t.wall_N_per_m,
+      fmt::arg("m", r.recommended.mass_kg), fmt::arg("b", r.recommended.damping_Ns_per_m));
+}
+
+}  // namespace osteon::app

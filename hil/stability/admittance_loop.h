@@ -1,0 +1,77 @@
+#pragma once
+
+#include "hil/hand_grid.h"
+#include "hil/servo_arm.h"
+#include "hil/stability/linear_loop.h"
+
+// Model B of the design's stability page: a hand that holds an admittance-controlled arm, along one axis.
+//
+//     hand ── k, b, m ── arm: w, z, dead time ◀── x_c ── virtual tool m_v, b_v ◀── wall K
+//      └─────── felt force, df samples late ────────────────▶ f
+
+namespace osteon::hil {
+
+/// What a wall's force is computed from.
+enum class WallOn {
+  kCommanded,  ///< the commanded pose, age_ticks samples old; 0: planes that are evaluated in the tick
+  kMeasured,   ///< the measured pose
+};
+
+struct LoopWall {
+  double stiffness_N_per_m{0.0};  ///< 0: no wall
+  double damping_Ns_per_m{0.0};   ///< on the velocity of the same pose
+  WallOn on{WallOn::kCommanded};
+  int age_ticks{0};
+};
+
+/// Every field has a usable default: the design's rows at 1 ms, for an arm of 15 Hz.
+struct AdmittanceLoopParams {
+  GridHand hand{"firm", 500.0, 20.0, 1.5};
+  double mass_kg{3.0};            ///< m_v
+  double damping_Ns_per_m{20.0};  ///< b_v
+  LoopWall wall;
+  ServoArmParams arm;      ///< bandwidth, damping ratio, and the command's dead time: dc = dead_cycles
+  int sensor_delay{1};     ///< df [ticks]: from what the hand exerts to what the law is told
+  double period_s{0.001};  ///< T
+};
+
+/// @throws std::invalid_argument naming the field, what was found and what is accepted.
+void Validate(const AdmittanceLoopParams& params);
+
+/// The loop around its equilibrium, linear:
+///
+///     arm     x_r'' = w^2 (x_c[k-dc] - x_r) - 2 z w x_r'                    one step of the shipped ServoArm
+///     felt    f = -(k_h x_r + b_h x_r' + m_h x_r''),  told df ticks later
+///     law     v+ = (v + T/m_v (f + F_wall)) / (1 + T b_v/m_v), x_c+ = x_c + T v+      the shipped
+///     StepAdmittance wall    F_wall = -K x - B x', x by WallOn
+///
+/// The law runs along z of a tool that is turned, so that its changes of frame are in the loop too.
+class AdmittanceLoop {
+ public:
+  explicit AdmittanceLoop(const AdmittanceLoopParams& params);
+
+  /// State: x_c now and before, x_r, x_r', v, forces felt before.
+  [[nodiscard]] int size() const { return felt_ + params_.sensor_delay; }
+  [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
+  [[nodiscard]] Eigen::MatrixXd Matrix() const;
+  [[nodiscard]] double SpectralRadius() const { return hil::SpectralRadius(Matrix()); }
+
+ private:
+  AdmittanceLoopParams params_;
+  Eigen::Matrix<double, 2, 3> arm_step_;  // (x_r, x_r')+ of (x_r, x_r', command)
+  int arm_, speed_, felt_;                // where these begin in the state
+};
+
+/// One period of the shipped ServoArm's joint, within its limits: (q, q')+ = S (q, q', q_cmd), its dead time
+/// apart.
+[[nodiscard]] Eigen::Matrix<double, 2, 3> ServoStep(const ServoArmParams& params, double period_s);
+
+/// The greatest wall stiffness before the first crossing [N/m].
+[[nodiscard]] Boundary GreatestWall(AdmittanceLoopParams params,
+                                    const BoundaryScan& scan = {.from = 100.0, .to = 2e6});
+/// The least drag b_v [N s/m] above which the loop is stable up to scan.to: scanned downward from there, as
+/// more drag may hide a window below. 0 where every drag of the scan will do.
+[[nodiscard]] double LeastDrag(AdmittanceLoopParams params,
+                               const BoundaryScan& scan = {.from = 1.0, .to = 2000.0});
+
+}  // namespace osteon::hil

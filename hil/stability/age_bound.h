@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Dense>
+
+namespace osteon::hil {
+
+/// Damping that any age up to max_age_s leaves stable. For M x'' + D x' + K x(t - a(t)) = 0 with M, D, K
+/// symmetric, K >= 0 and 0 <= a(t) <= max_age_s however it changes (delay, hold, jitter, drop-outs):
+///
+///     D - a_max K > 0   is enough, whatever M
+///
+/// The age is that of what K acts through. Where planes are evaluated in the tick it is only the stiffness by
+/// which the planes themselves move.
+/// @returns the least eigenvalue of D - a_max K [N s/m]; > 0: stable.
+[[nodiscard]] double AgeReserve(const Eigen::Matrix<double, 6, 6>& D, const Eigen::Matrix<double, 6, 6>& K,
+                                double max_age_s);
+
+/// The same for one contact at a lever, with damping b along it and b_r about the point it turns about:
+///
+///     k_max = 1 / (a (1/b + L^2/b_r))
+///
+/// @returns the greatest stiffness of the contact [N/m] for which the bound holds. Choose b_r >= b L^2.
+[[nodiscard]] double LeverStiffness(double lever_m, double damping_Ns_per_m, double damping_Nms_per_rad,
+                                    double max_age_s);
+
+}  // namespace osteon::hil

@@ -1,0 +1,97 @@
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "config/load.h"
+#include "tests/app/command.h"
+
+// `osteon tune` as a user runs it, small.
+
+namespace osteon::app {
+namespace {
+
+const std::vector<std::string> kSmall{"tune", "demo", "--out", "t", "--nodes", "3", "--json", "copy.json"};
+
+TEST(Tune, WritesTheKeysOfItsContractAndGainsThatTheCellAccepts) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), kSmall);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::filesystem::path out = folder.path() / "t";
+  for (const char* name : {"tune.svg", "tune.png", "tune_width.svg", "tune_width.png", "tune_trade.svg",
+                           "tune_trade.png", "tune.csv", "tune.html", "gains.yaml"}) {
+    ASSERT_TRUE(std::filesystem::is_regular_file(out / name)) << name;
+    EXPECT_GT(std::filesystem::file_size(out / name), 100u) << name;
+  }
+  const nlohmann::json json = ReadJson(out / "tune.json");
+  EXPECT_EQ(json, ReadJson(folder.path() / "copy.json"));
+  EXPECT_EQ(json.at("schema"), "osteon.tune/1");
+  EXPECT_DOUBLE_EQ(json.at("margin").get<double>(), 1.1);
+  ASSERT_EQ(json.at("boundary").size(), 4u) << "three dampings and the recommended one";
+  int compared = 0;
+  for (const nlohmann::json& point : json.at("boundary")) {
+    const double predicted = point.at("stiffness_predicted"), simulated = point.at("stiffness_simulated");
+    EXPECT_GT(point.at("damping").get<double>(), 0.0);
+    if (predicted == 0.0) {
+      EXPECT_EQ(simulated, 0.0);
+    } else {
+      EXPECT_NEAR(simulated, predicted, 0.02 * predicted);
+      ++compared;
+    }
+  }
+  EXPECT_GE(compared, 2);
+  const nlohmann::json& recommended = json.at("recommended");
+  EXPECT_GE(recommended.at("margin").get<double>(), 1.1);
+  EXPECT_TRUE(json.at("check").at("grew").empty());
+  EXPECT_TRUE(json.at("bar").at("met").is_boolean());
+
+  const config::CellConfig cell = config::LoadCell(
+      std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml", {}, out / "gains.yaml");
+  EXPECT_EQ(cell.servo.admittance.mass_kg.z(), recommended.at("mass_kg").get<double>());
+  EXPECT_EQ(cell.servo.admittance.damping_Ns_per_m.x(), recommended.at("damping_Ns_per_m").get<double>());
+
+  // again: nothing is computed, and nothing comes out otherwise
+  const CommandResult again = RunCommand(folder.path(), kSmall);
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  nlohmann::json same = ReadJson(out / "tune.json"), before = json;
+  EXPECT_EQ(same.at("results").at("computed"), 0);
+  EXPECT_GT(same.at("results").at("from_before"), 10);
+  same.erase("results");
+  before.erase("results");
+  EXPECT_EQ(same, before);
+}
+
+TEST(Tune, SaysThatNothingStandsWhatIsTooMuch) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"tune", "demo", "--out", "t", "--nodes", "3", "--margin", "4", "--jitter-ms",
+                                 "28", "--worst-age-ms", "20"});
+  EXPECT_EQ(run.exit_code, 1) << run.out;
+  EXPECT_NE(run.out.find("none"), std::string::npos) << run.out;
+  EXPECT_TRUE(ReadJson(folder.path() / "t/tune.json").at("recommended").is_null());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "t/gains.yaml"));
+}
+
+TEST(Tune, SaysWhatItDoesNotTake) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "file") << "x";
+  for (const auto& [arguments, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{}, "cell is required"},
+           {{"elbow"}, "elbow: no file"},
+           {{"demo", "--margin", "0.5"}, "--margin: found 0.5, accepted 1"},
+           {{"demo", "--jitter-ms", "0.5"},
+            "--jitter-ms: found 0.5, accepted a multiple of the cell's period"},
+           {{"demo", "--jitter-ms", "30"}, "--jitter-ms: found 30, accepted at most 29"},
+           {{"demo", "--grip", "20000"}, "--grip: found 20000, accepted at most --stiffest-grip (10000)"},
+           {{"demo", "--out", "file"}, "--out file: found a file, accepted a folder"}}) {
+    std::vector<std::string> all{"tune"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const CommandResult run = RunCommand(folder.path(), all);
+    EXPECT_EQ(run.exit_code, 2) << said;
+    EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
+  }
+  EXPECT_NE(RunCommand(folder.path(), {"tune", "--help"}).out.find("Examples:"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace osteon::app
