@@ -81,6 +81,26 @@ void ReadAdmittance(Reader section, control::AdmittanceParams& admittance) {
   admittance.dead_zone_Nm = section.Number("dead_zone_Nm", 0, 5);
 }
 
+void ReadVibration(Reader section, control::VibrationParams& vibration) {
+  vibration.acts = section.Bool("acts");
+  vibration.low_hz = section.Number("low_hz", 2, 20);
+  vibration.high_hz = section.Number("high_hz", 21, 200);
+  vibration.floor_N = section.Number("floor_N", 0.01, 20);
+  vibration.alert_index = section.Number("alert_ratio", 0, 1);
+  vibration.rise_s = section.Number("rise_ms", 1, 1000);
+  vibration.decay_ratio = section.Number("decay_ratio", 1, 1000);
+  vibration.most_damping = section.Number("damping_ratio", 1, 1000);
+  vibration.most_mass = section.Number("mass_ratio", 1, 100);
+  vibration.notch_hz = section.Number("notch_hz", 0, 20);
+}
+
+void ReadSensorBias(Reader section, control::BiasParams& bias) {
+  bias.acts = section.Bool("acts");
+  bias.rest_s = section.Number("rest_ms", 10, 60000);
+  bias.most_N = section.Number("most_N", 0, 100);
+  bias.most_Nm = section.Number("most_Nm", 0, 20);
+}
+
 void ReadCoupling(Reader section, control::CouplingParams& coupling) {
   coupling.max_stiffness_N_per_m = section.Number("stiffness_N_per_mm", 0.1, 100);
   coupling.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0, 2000);
@@ -372,6 +392,8 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadAdmittance(reader.Section("admittance"), servo.admittance);
+  if (reader.Has("vibration")) ReadVibration(reader.Section("vibration"), servo.vibration);
+  if (reader.Has("sensor_bias")) ReadSensorBias(reader.Section("sensor_bias"), servo.sensor_bias);
   ReadCoupling(coupling, servo.coupling);
   ReadCutting(reader.Section("cutting"), cell.cutting);
   ReadFri(reader.Section("fri"), cell.fri, cell.simulated.fri);
