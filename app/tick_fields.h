@@ -75,6 +75,10 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   fields::ForceTorque("F_coupling_T_W", r.F_coupling_T_W, visit);
   visit(FieldName{"wrench_scale"}, r.wrench_scale);
   visit(FieldName{"arm_share"}, r.arm_share);
+  visit(FieldName{"vibration_index"}, r.vibration_index);
+  visit(FieldName{"mass_factor"}, r.mass_factor);
+  visit(FieldName{"damping_factor"}, r.damping_factor);
+  fields::ForceTorque("F_bias_S", r.F_bias_S, visit);
   visit(FieldName{"activation_cmd"}, r.activation_cmd);
   fields::ForceTorque("F_cmd_T", r.F_cmd_T, visit);
   fields::Joints("tau_cmd", r.tau_cmd, "Nm", visit);

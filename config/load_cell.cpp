@@ -96,6 +96,26 @@ void ReadImpedance(Reader section, CellConfig& cell) {
       wrench ? control::ControlMode::kCartesianImpedance : control::ControlMode::kJointImpedance;
 }
 
+void ReadVibration(Reader section, control::VibrationParams& vibration) {
+  vibration.acts = section.Bool("acts");
+  vibration.low_hz = section.Number("low_hz", 2, 20);
+  vibration.high_hz = section.Number("high_hz", 21, 200);
+  vibration.floor_N = section.Number("floor_N", 0.01, 20);
+  vibration.alert_index = section.Number("alert_ratio", 0, 1);
+  vibration.rise_s = section.Number("rise_ms", 1, 1000);
+  vibration.decay_ratio = section.Number("decay_ratio", 1, 1000);
+  vibration.most_damping = section.Number("damping_ratio", 1, 1000);
+  vibration.most_mass = section.Number("mass_ratio", 1, 100);
+  vibration.notch_hz = section.Number("notch_hz", 0, 20);
+}
+
+void ReadSensorBias(Reader section, control::BiasParams& bias) {
+  bias.acts = section.Bool("acts");
+  bias.rest_s = section.Number("rest_ms", 10, 60000);
+  bias.most_N = section.Number("most_N", 0, 100);
+  bias.most_Nm = section.Number("most_Nm", 0, 20);
+}
+
 // The one section of a law.
 void ReadLaw(Reader& reader, CellConfig& cell) {
   const Reader section = reader.OneSection({"admittance", "impedance"});
@@ -307,6 +327,8 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadLaw(reader, cell);
+  if (reader.Has("vibration")) ReadVibration(reader.Section("vibration"), servo.vibration);
+  if (reader.Has("sensor_bias")) ReadSensorBias(reader.Section("sensor_bias"), servo.sensor_bias);
   ReadCoupling(coupling, servo.coupling);
   ReadCutting(reader.Section("cutting"), cell.cutting);
   const Reader hand = reader.Section("operator"), script = reader.Section("script");

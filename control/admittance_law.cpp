@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "control/twist_parts.h"
 #include "safety/limits.h"
 
 namespace osteon::control {
@@ -32,6 +33,19 @@ Wrench PastDeadZone(const AdmittanceParams& params, const Wrench& F_T_W) OSTEON_
     return (1.0 - zone / size) * v;
   };
   return {.f = shorten(F_T_W.f, params.dead_zone_N), .t = shorten(F_T_W.t, params.dead_zone_Nm)};
+}
+
+AdmittanceParams Times(const AdmittanceParams& params, double mass_factor, double damping_factor) OSTEON_RT {
+  AdmittanceParams times = params;
+  times.mass_kg *= mass_factor;
+  times.inertia_kg_m2 *= mass_factor;
+  times.damping_Ns_per_m *= damping_factor;
+  times.damping_Nms_per_rad *= damping_factor;
+  return times;
+}
+
+Twist AfterMassChange(const Twist& V_WT, double ratio) OSTEON_RT {
+  return ratio > 1.0 ? Scaled(V_WT, 1.0 / std::sqrt(ratio)) : V_WT;
 }
 
 bool NextTwist(const AdmittanceParams& params, const Pose& X_WT, const Twist& V_WT, const Wrench& F_T_W,

@@ -24,6 +24,14 @@ void Validate(const AdmittanceParams& params);
 /// The operator's wrench past the dead zone: shortened by it, direction kept, zero inside; continuous.
 [[nodiscard]] Wrench PastDeadZone(const AdmittanceParams& params, const Wrench& F_T_W) OSTEON_RT;
 
+/// The same virtual tool with its inertia and its drag multiplied; both factors > 0.
+[[nodiscard]] AdmittanceParams Times(const AdmittanceParams& params, double mass_factor,
+                                     double damping_factor) OSTEON_RT;
+
+/// How fast the virtual tool is once its inertia is `ratio` times what it was. Kinetic energy never grows by
+/// it: where it gets heavier the energy stays, V / sqrt(ratio), and where it gets lighter the velocity.
+[[nodiscard]] Twist AfterMassChange(const Twist& V_WT, double ratio) OSTEON_RT;
+
 /// Velocity of the virtual tool after one period.
 ///
 ///     M a + D v = F   by axis of T:   v+ = (v + (dt/m) F) / (1 + (dt/m) b)

@@ -19,6 +19,14 @@ void Validate(const ForceSensorParams& params) {
     throw std::invalid_argument("force sensor X_FS: accepted a finite pose");
 }
 
+Wrench ToolWeight(const ForceSensorParams& params, const Pose& X_WF) OSTEON_RT {
+  const Pose X_WS = X_WF * Pose(params.X_FS);
+  const Vector3 weight_W = params.tool_mass_kg * kinematics::kGravity_W_m_per_s2;
+  const Vector3 lever_W = X_WF * Vector3(params.tool_center_F_m) - X_WS.translation();
+  return {.f = X_WS.linear().transpose() * weight_W,
+          .t = X_WS.linear().transpose() * lever_W.cross(weight_W)};
+}
+
 Wrench HandWrench(const ForceSensorParams& params, const Wrench& F_S, const Pose& X_WF,
                   const Vector3& p_WT) OSTEON_RT {
   const Pose X_WS = X_WF * Pose(params.X_FS);

@@ -16,6 +16,9 @@ struct ForceSensorParams {
 /// @throws std::invalid_argument naming the field, the value and what is accepted.
 void Validate(const ForceSensorParams& params);
 
+/// What the sensor carries of the tool's weight, as it reads it: at S's origin, in S.
+[[nodiscard]] Wrench ToolWeight(const ForceSensorParams& params, const Pose& X_WF) OSTEON_RT;
+
 /// What the hand exerts on the tool, from what the sensor reads: the tool's weight taken out, and moved to
 /// the tool's origin.
 ///

@@ -64,6 +64,8 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       sensor_trip_(params.sensor_force, wrench_limiter_.max_force_N()),
       workspace_(params.workspace),
       watchdog_(params.watchdog),
+      bias_(params.sensor_bias, params.sensor, params.period_s),
+      vibration_(params.vibration, params.period_s),
       measured_twist_(params.impedance.twist_filter_s, params.period_s) {}
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
@@ -141,6 +143,9 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
       V_WT_ = {};
       phase_ = Phase::kStopped;
     }
+    if (phase_ == Phase::kWaiting && readings.force.trusted &&
+        record.sensor_age_s <= params_.watchdog.sensor_full_s)
+      bias_.Rest(readings.force.F_S, X_WT_meas_ * X_TF_);
     if (active && phase_ == Phase::kWaiting && MayMove(readings, now)) Begin(state, now);
     if (phase_ == Phase::kHaptic || phase_ == Phase::kAligning) {
       const double error_m = (X_WT_meas.translation() - arm_->X_WT().translation()).norm();
@@ -173,6 +178,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   record.X_WT_meas = X_WT_meas;
   record.v_WT_cmd_m_per_s = Vector3(share_ * V_WT_.v);
   record.spindle_rad_per_s = tool_command().spindle_rad_per_s;
+  record.F_bias_S = bias_.bias();
   return record;
 }
 
@@ -253,6 +259,8 @@ void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEO
   arm_->StartFollowing();
   measured_twist_.Reset(X_WT_meas_);
   coupling_ = {};
+  vibration_.Reset();
+  mass_factor_ = 1.0;
   sight_age_s_ = 0.0;
   rate_trip_.Reset();
   watchdog_.Start(now);
@@ -261,9 +269,12 @@ void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEO
 // What the hand exerts on T at To, in W; zero where no reading is to be trusted.
 Wrench ServoLoop::TakeSensor(const CellReadings& readings, TickRecord& record) const OSTEON_RT {
   Wrench F_operator_T_W;
-  if (record.sensor_age_s < safety::kNoAge_s && readings.force.trusted)
-    F_operator_T_W =
-        HandWrench(params_.sensor, readings.force.F_S, X_WT_meas_ * X_TF_, X_WT_meas_.translation());
+  if (record.sensor_age_s < safety::kNoAge_s && readings.force.trusted) {
+    Wrench F_S = readings.force.F_S;
+    F_S.f -= bias_.bias().f;
+    F_S.t -= bias_.bias().t;
+    F_operator_T_W = HandWrench(params_.sensor, F_S, X_WT_meas_ * X_TF_, X_WT_meas_.translation());
+  }
   if (safety::IsFinite(F_operator_T_W)) record.F_operator_T_W = F_operator_T_W;
   return F_operator_T_W;
 }
@@ -297,8 +308,13 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
                    safety::ScaleWrench(F_operator_T_W, sensor_trip_.level_N(), kMostOperatorTorque_Nm).F);
   const double hand = coupling.fade * sensor_share;
   const Wrench F_T_W{.f = hand * F_hand_T_W.f + limited.F.f, .t = hand * F_hand_T_W.t + limited.F.t};
+  // a virtual tool that vibrates in the hand is heavier, and more damped
+  record.vibration_index = vibration_.Step(F_operator_T_W, spindle_rad_per_s_);
+  V_WT_ = AfterMassChange(V_WT_, vibration_.mass_factor() / mass_factor_);
+  mass_factor_ = vibration_.mass_factor();
+  const AdmittanceParams law = Times(params_.admittance, mass_factor_, vibration_.damping_factor());
   Twist V_next_WT;
-  if (!NextTwist(params_.admittance, X_before, V_WT_, F_T_W, dt_s, V_next_WT)) {
+  if (!NextTwist(law, X_before, V_WT_, F_T_W, dt_s, V_next_WT)) {
     faults_.Latch(Fault::kNotFinite);
     StartStopping();
     Brake();
@@ -307,6 +323,8 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   record.F_coupling_T_W = limited.F;
   record.wrench_scale = limited.share;
   record.arm_share = limited.arm_share;
+  record.mass_factor = mass_factor_;
+  record.damping_factor = vibration_.damping_factor();
 
   // speed: of the cell, and by how far the tool gets before a frame tells what is there; slower no harder
   // than a stop, so that a simulation that stalls while the tool flies is outrun (the model's age then holds

@@ -41,7 +41,8 @@ struct ServoStatistics {
 /// 4 or 12. Knows no socket and no clock.
 ///
 ///     message → pose → ages → coupling → wrench trips and limiter → M a + D v = F_operator + F_coupling
-///             → tool speed, workspace → differential inverse, null space → joint guard → command
+///             (M, D by the vibration index) → tool speed, workspace → differential inverse, null space →
+///             joint guard → command
 ///
 ///   kWaiting ──COMMANDING_ACTIVE──▶ kAligning ──there──▶ kHaptic ──fault, RequestStop()──▶ kStopping
 ///                                                                                             │ at rest
@@ -63,6 +64,9 @@ struct ServoStatistics {
 ///   joints' own last motion is scaled down instead.
 /// - kStopped holds, and follows the arm again where it leaves COMMANDING_ACTIVE. Only a recovery, or a new
 /// loop, renders again.
+///
+/// Before it renders the sensor's bias is taken while the tool rests (BiasEstimator). While it renders, a
+/// hand that makes the arm oscillate meets more drag (VibrationIndex).
 ///
 /// **Impedance law** (Law::kImpedance): the arm carries itself and is where the hand has it, so that there is
 /// no commanded pose: coupling, simulation, speed and workspace count where the arm is measured. The wrench
@@ -161,6 +165,9 @@ class ServoLoop {
   safety::FaultSet faults_;
   ServoStatistics statistics_;
   CouplingState coupling_;
+  BiasEstimator bias_;
+  VibrationIndex vibration_;
+  double mass_factor_{1.0};  ///< of the virtual tool, in the last tick
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};
 

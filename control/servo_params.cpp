@@ -11,6 +11,8 @@ void Validate(const ServoParams& params) {
   Validate(params.impedance);
   Validate(params.coupling);
   Validate(params.sensor);
+  Validate(params.sensor_bias);
+  Validate(params.vibration);
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
       throw std::invalid_argument(std::string("servo ") + name + ": found " + std::to_string(value) +

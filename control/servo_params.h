@@ -3,9 +3,11 @@
 #include <optional>
 
 #include "control/admittance_law.h"
+#include "control/bias_estimator.h"
 #include "control/hand_wrench.h"
 #include "control/impedance_law.h"
 #include "control/joint_path.h"
+#include "control/vibration_index.h"
 #include "control/virtual_coupling.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/redundancy.h"
@@ -36,6 +38,7 @@ enum class Law : std::uint8_t {
 struct ServoParams {
   Law law{Law::kAdmittance};
   AdmittanceParams admittance;
+  VibrationParams vibration;
   ImpedanceParams impedance;
   CouplingParams coupling;
   safety::WrenchLimitParams wrench;
@@ -65,6 +68,7 @@ struct ServoParams {
   double max_tracking_error_m{0.03};  ///< measured from commanded tool position
   double period_s{0.001};             ///< of the arm's messages
   ForceSensorParams sensor;
+  BiasParams sensor_bias;
   std::optional<StartParams> start;  ///< absent: where the arm is handed over; of an LBR needs arm_body
   bool has_spindle{false};           ///< the spindle has a drive: what it says of its speed counts
   bool has_interlock{false};         ///< the cell has a PLC: nothing moves without its permission

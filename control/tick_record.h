@@ -63,6 +63,10 @@ struct TickRecord {
   PlainWrench F_coupling_T_W;      ///< rendered: after every limit, as integrated
   double wrench_scale{1.0};        ///< share of the coupling wrench that the limits let through, 0 … 1
   double arm_share{1.0};           ///< of it that the arm's torques can hold in this posture, 0 … 1
+  double vibration_index{0.0};     ///< 0 … 1
+  double mass_factor{1.0};         ///< by which it multiplied the virtual tool's inertia,
+  double damping_factor{1.0};      ///< and its drag
+  PlainWrench F_bias_S;            ///< taken out of the sensor's readings
   double model_age_s{0.0};         ///< of the contact model's pose
   double sensor_age_s{0.0};
   std::uint64_t model_frame{0};

@@ -10,42 +10,50 @@ namespace {
 using kinematics::JointVector;
 
 constexpr double kDt_s = 1e-3;
+constexpr rt::Nanoseconds kHandOver = 10 * rt::kSecond;  // the waiting before it has stamps, too
 
-// Arm and hand around whatever commands the joints. `command` gets the time, the measured joints and the
-// hand's wrench.
-struct Commanded {
-  JointVector q;
-  bool fault{false};
-};
-std::vector<ArmRideTick> Ride(
-    const ArmRideParams& params, const HandPath& path,
-    const std::function<Commanded(int tick, const JointVector& q_meas, const Wrench& F_T_W)>& command) {
+// Arm and scene around whatever commands the joints. `command` gets the tick (below 0: the arm waits), the
+// measured joints and what is exerted on the tool, and fills in what it has to say of its tick.
+using Commander =
+    std::function<JointVector(int tick, const JointVector& q_meas, const Wrench& F_T_W, ArmRideTick&)>;
+
+std::vector<ArmRideTick> Ride(const ArmRideParams& params, const ArmScene& scene, const Commander& command) {
   const kinematics::LbrArm arm(params.arm);
   ServoArm servo(params.servo, params.arm.limits, kDt_s, params.q_start);
-  HandImpedance hand(params.hand);  // at the tool's origin
   JointVector q_before = params.q_start;
   std::vector<ArmRideTick> ride;
   const int ticks = static_cast<int>(std::lround(params.seconds / kDt_s));
   ride.reserve(static_cast<std::size_t>(ticks));
-  for (int i = 0; i < ticks; ++i) {
+  for (int i = -static_cast<int>(std::lround(params.waiting_s / kDt_s)); i < ticks; ++i) {
     ArmRideTick tick;
-    tick.goal = path(i * kDt_s);
     const Eigen::Matrix<double, 6, 1> V = arm.JacobianAt(servo.q(), params.X_FT.translation()) * servo.qd();
-    const Wrench F =
-        safety::ScaleWrench(hand.Step(kDt_s, arm.FlangePose(servo.q()) * params.X_FT,
-                                      {.v = V.head<3>(), .w = V.tail<3>()}, tick.goal.X_WT, tick.goal.V_WT),
-                            params.hand.max_force_N, params.hand.max_torque_Nm)
-            .F;
-    const Commanded commanded = command(i, servo.q(), F);
-    servo.Step(commanded.q);
-    tick.q = commanded.q;
-    tick.qd = (commanded.q - q_before) / kDt_s;
-    tick.X_WT = arm.FlangePose(commanded.q) * params.X_FT;
+    tick.X_WT_meas = arm.FlangePose(servo.q()) * params.X_FT;
+    const Wrench F = scene.hand(i, tick.X_WT_meas, {.v = V.head<3>(), .w = V.tail<3>()});
+    const JointVector q = command(i, servo.q(), F, tick);
+    servo.Step(q);
+    tick.q = q;
+    tick.qd = (q - q_before) / kDt_s;
+    tick.X_WT = arm.FlangePose(q) * params.X_FT;
     tick.f_hand_N = F.f;
-    tick.fault = commanded.fault;
-    q_before = commanded.q;
-    ride.push_back(tick);
+    q_before = q;
+    if (i >= 0) ride.push_back(tick);
   }
+  return ride;
+}
+
+// A hand that leads the tool along a path, at the tool's origin.
+ArmScene Led(const OperatorHandParams& params, const HandPath& path) {
+  return {.hand = [params, path, hand = HandImpedance(params)](int tick, const Pose& X_WT,
+                                                               const Twist& V_WT) mutable {
+    const HandGoal goal = path(tick * kDt_s);
+    return safety::ScaleWrench(hand.Step(kDt_s, X_WT, V_WT, goal.X_WT, goal.V_WT), params.max_force_N,
+                               params.max_torque_Nm)
+        .F;
+  }};
+}
+
+std::vector<ArmRideTick> WithGoals(std::vector<ArmRideTick> ride, const HandPath& path) {
+  for (std::size_t i = 0; i < ride.size(); ++i) ride[i].goal = path(static_cast<double>(i) * kDt_s);
   return ride;
 }
 
@@ -72,9 +80,47 @@ Pose ScenarioTool() {
   return X_FT;
 }
 
-std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const HandPath& path) {
+kinematics::ChainParams<7> ScenarioBody() {
+  kinematics::ChainParams<7> body = kinematics::ChainFrom(ScenarioArm());
+  constexpr std::array<double, 7> kMass_kg{5.290, 5.689, 3.461, 4.123, 1.564, 2.458, 0.265};
+  const std::array<Vector3, 7> centers_m{
+      Vector3(0, -0.034, 0.280), {0, 0.038, 0.076}, {0, 0.035, 0.351}, {0, -0.029, 0.087},
+      {0, -0.030, 0.284},        {0, 0, 0.005},     {0, 0, 0.105}};
+  for (std::size_t i = 0; i < 7; ++i)
+    body.joints[i].link = {.mass_kg = kMass_kg[i],
+                           .p_LLcm_m = centers_m[i],
+                           .I_LLcm_kg_m2 = 1e-3 * kMass_kg[i] * Matrix3::Identity()};
+  body.has_masses = true;
+  return body;
+}
+
+simulation::ContactModel FreshModel(std::uint64_t frame, rt::Nanoseconds now,
+                                    std::span<const simulation::Contact> contacts) {
+  simulation::ContactModel model;
+  model.frame = frame;
+  model.pose_stamp = now;
+  model.contact_count = static_cast<std::int32_t>(contacts.size());
+  std::ranges::copy(contacts, model.contacts.begin());
+  return model;
+}
+
+Wrench ReadBy(SensorModel& sensor, int tick, const Wrench& F_F) {
+  const SensorModel::Sample read = sensor.Read(kHandOver + tick * rt::kMillisecond, F_F);
+  return {.f = {read.value[0], read.value[1], read.value[2]},
+          .t = {read.value[3], read.value[4], read.value[5]}};
+}
+
+simulation::Contact PlaneAt(const Vector3& p_W, const Vector3& n_W, double stiffness_N_per_m) {
+  simulation::Contact plane;
+  plane.p_W_m = p_W;
+  plane.n_W = n_W;
+  plane.stiffness_N_per_m = stiffness_N_per_m;
+  return plane;
+}
+
+std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const ArmScene& scene) {
   const kinematics::LbrArm arm(params.arm);
-  control::ServoParams servo;
+  control::ServoParams servo = params.loop;
   servo.joints.limits = params.arm.limits;
   servo.workspace.sphere_radius_m = 3.0;
   servo.workspace.plane_offset_m = -3.0;
@@ -82,28 +128,43 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const HandPa
   servo.max_tracking_error_m = 0.1;
   control::ServoLoop loop(servo, arm, Pose::Identity(), params.X_FT, arm.ArmAngle(params.q_start));
   control::ArmCommand command;
-  return Ride(params, path, [&](int i, const JointVector& q_meas, const Wrench& F_T_W) -> Commanded {
-    const rt::Nanoseconds now = rt::kSecond + i * rt::kMillisecond;
-    control::ArmState state;
-    state.stamp = now;
-    state.session = control::SessionState::kCommandingActive;
-    state.period_s = kDt_s;
-    state.has_ipo = true;
-    Eigen::Map<JointVector>(state.q_meas.data()) = q_meas;
-    Eigen::Map<JointVector>(state.q_ipo.data()) = q_meas;
-    simulation::ContactModel nothing_near;
-    nothing_near.frame = static_cast<std::uint64_t>(i + 1);
-    nothing_near.pose_stamp = now;
-    // as a sensor without mounting and tool reads it: at the flange, in its frame
-    const Pose X_WF = arm.FlangePose(q_meas);
-    const Vector3 lever_W = X_WF.linear() * params.X_FT.translation();
-    const Wrench F_S{.f = X_WF.linear().transpose() * F_T_W.f,
-                     .t = X_WF.linear().transpose() * (F_T_W.t + lever_W.cross(F_T_W.f))};
-    const control::CellReadings readings{.force = {.stamp = now, .F_S = F_S}, .spindle = {}, .interlock = {}};
-    const control::TickRecord record =
-        loop.Tick(state, control::ReceiveResult::kOk, readings, nothing_near, now, command);
-    return {.q = Eigen::Map<const JointVector>(command.q.data()), .fault = record.faults != 0};
-  });
+  Pose X_WT_cmd = arm.FlangePose(params.q_start) * params.X_FT;
+  std::uint64_t frame = 0;
+  return Ride(params, scene,
+              [&](int i, const JointVector& q_meas, const Wrench& F_T_W, ArmRideTick& tick) -> JointVector {
+                const rt::Nanoseconds now = kHandOver + i * rt::kMillisecond;
+                control::ArmState state;
+                state.stamp = now;
+                state.session =
+                    i < 0 ? control::SessionState::kCommandingWait : control::SessionState::kCommandingActive;
+                state.period_s = kDt_s;
+                state.has_ipo = true;
+                Eigen::Map<JointVector>(state.q_meas.data()) = q_meas;
+                Eigen::Map<JointVector>(state.q_ipo.data()) = q_meas;
+                const simulation::ContactModel model =
+                    scene.bone ? scene.bone(i, now, X_WT_cmd) : FreshModel(++frame, now);
+                // as a sensor without mounting and tool reads it: at the flange, in its frame
+                const Pose X_WF = arm.FlangePose(q_meas);
+                const Vector3 lever_W = X_WF.linear() * params.X_FT.translation();
+                Wrench F_S{.f = X_WF.linear().transpose() * F_T_W.f,
+                           .t = X_WF.linear().transpose() * (F_T_W.t + lever_W.cross(F_T_W.f))};
+                if (scene.sensor) F_S = scene.sensor(i, X_WF, F_S);
+                const control::CellReadings readings{
+                    .force = {.stamp = now, .F_S = F_S}, .spindle = {}, .interlock = {}};
+                const control::TickRecord record =
+                    loop.Tick(state, control::ReceiveResult::kOk, readings, model, now, command);
+                tick.fault = record.faults != 0;
+                tick.f_coupling_N = Vector3(record.F_coupling_T_W.f);
+                tick.wrench_scale = record.wrench_scale;
+                tick.vibration_index = record.vibration_index;
+                const JointVector q = Eigen::Map<const JointVector>(command.q.data());
+                X_WT_cmd = arm.FlangePose(q) * params.X_FT;
+                return q;
+              });
+}
+
+std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const HandPath& path) {
+  return WithGoals(RideServoLoop(params, Led(params.hand, path)), path);
 }
 
 std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath& path,
@@ -112,17 +173,19 @@ std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath&
   const control::ServoParams same;  // law and speed limits
   JointVector q = params.q_start;
   Twist V;
-  return Ride(params, path, [&](int, const JointVector&, const Wrench& F_T_W) -> Commanded {
+  const auto step = [&](int, const JointVector&, const Wrench& F_T_W, ArmRideTick& tick) -> JointVector {
     // the virtual tool is where the joints are, as in the loop
     Twist V_next;
-    if (!control::NextTwist(same.admittance, arm.FlangePose(q) * params.X_FT, V, F_T_W, kDt_s, V_next))
-      return {.q = q, .fault = true};
+    tick.fault =
+        !control::NextTwist(same.admittance, arm.FlangePose(q) * params.X_FT, V, F_T_W, kDt_s, V_next);
+    if (tick.fault) return q;
     V = safety::LimitTwist(V_next, same.twist).V;
-    const JointVector step = method(arm.JacobianAt(q, params.X_FT.translation()), q, V, kDt_s);
-    if (!step.allFinite()) return {.q = q, .fault = true};
-    q += step;
-    return {.q = q};
-  });
+    const JointVector q_step = method(arm.JacobianAt(q, params.X_FT.translation()), q, V, kDt_s);
+    tick.fault = !q_step.allFinite();
+    if (!tick.fault) q += q_step;
+    return q;
+  };
+  return WithGoals(Ride(params, Led(params.hand, path), step), path);
 }
 
 double JointSpeedShare(const kinematics::LbrParams& arm, const JointVector& qd) {

@@ -10,12 +10,17 @@
 #include "hil/failures/failure.h"
 #include "hil/failures/fast_rotation.h"
 #include "hil/failures/frame_rate.h"
+#include "hil/failures/grip_step.h"
 #include "hil/failures/high_feed.h"
 #include "hil/failures/joint_limit.h"
 #include "hil/failures/leak.h"
 #include "hil/failures/material_step.h"
 #include "hil/failures/own_slot.h"
 #include "hil/failures/packets.h"
+#include "hil/failures/resting_buzz.h"
+#include "hil/failures/saturation.h"
+#include "hil/failures/sensor_errors.h"
+#include "hil/failures/simulation_stall.h"
 #include "hil/failures/singularity.h"
 #include "hil/failures/thin_sheet.h"
 
@@ -28,13 +33,18 @@ std::span<const FailureScenario> FailureScenarios() {
       FailureScenario{.id = 3, .name = "concave cup", .run = RunConcaveCup},
       FailureScenario{.id = 4, .name = "corner", .run = RunCorner},
       FailureScenario{.id = 5, .name = "own slot", .run = RunOwnSlot},
+      FailureScenario{.id = 6, .name = "resting buzz", .run = RunRestingBuzz},
       FailureScenario{.id = 7, .name = "cogging", .run = RunCogging},
       FailureScenario{.id = 8, .name = "leak", .run = RunLeak},
       FailureScenario{.id = 9, .name = "high feed", .run = RunHighFeed},
+      FailureScenario{.id = 10, .name = "simulation stalls", .run = RunSimulationStall},
       FailureScenario{.id = 11, .name = "fast rotation", .run = RunFastRotation},
       FailureScenario{.id = 12, .name = "singularity", .run = RunSingularity},
       FailureScenario{.id = 13, .name = "joint limit", .run = RunJointLimit},
       FailureScenario{.id = 14, .name = "packets", .run = RunPackets},
+      FailureScenario{.id = 15, .name = "sensor", .run = RunSensorErrors},
+      FailureScenario{.id = 16, .name = "grip", .run = RunGripStep},
+      FailureScenario{.id = 17, .name = "saturation", .run = RunSaturation},
       FailureScenario{.id = 18, .name = "material step", .run = RunMaterialStep},
       FailureScenario{.id = 19, .name = "breakthrough", .run = RunBreakthrough},
       FailureScenario{.id = 20, .name = "energy", .run = RunEnergy},

@@ -140,6 +140,10 @@ void Encode(const TickRecord& record, std::string& bytes) {
   io::Put(record.F_cmd_T, message.mutable_f_cmd_t());
   message.mutable_tau_cmd_nm()->Assign(record.tau_cmd.begin(), record.tau_cmd.end());
   Put(record.input, message.mutable_input());
+  message.set_vibration_index(record.vibration_index);
+  message.set_mass_factor(record.mass_factor);
+  message.set_damping_factor(record.damping_factor);
+  io::Put(record.F_bias_S, message.mutable_f_bias_s());
   message.SerializeToString(&bytes);
 }
 
@@ -172,6 +176,10 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   r.wakeup_ns = message.wakeup_ns();
   r.compute_ns = message.compute_ns();
   r.activation_cmd = message.activation_cmd();
+  r.vibration_index = message.vibration_index();
+  if (message.has_mass_factor()) r.mass_factor = message.mass_factor();
+  if (message.has_damping_factor()) r.damping_factor = message.damping_factor();
+  io::Get(message.f_bias_s(), r.F_bias_S);
   io::Get(message.f_cmd_t(), r.F_cmd_T);
   if (message.tau_cmd_nm_size() != 0 && !io::Get(message.tau_cmd_nm(), r.tau_cmd))
     return "not 7 joint torques";

@@ -40,6 +40,10 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.F_coupling_T_W = SomeWrench(base + 50);
   r.wrench_scale = 0.1;
   r.arm_share = 0.7;
+  r.vibration_index = 0.3;
+  r.mass_factor = 1.2;
+  r.damping_factor = 30.0;
+  r.F_bias_S = SomeWrench(base + 90);
   r.model_age_s = base + 60;
   r.sensor_age_s = base + 61;
   r.model_frame = i + 62;

@@ -114,6 +114,11 @@ TEST(Recording, CarriesEveryFieldOfATick) {
   EXPECT_EQ(Vector3(r.F_coupling_T_W.t), Vector3(sent.F_coupling_T_W.t));
   EXPECT_EQ(r.wrench_scale, sent.wrench_scale);
   EXPECT_EQ(r.arm_share, sent.arm_share);
+  EXPECT_EQ(r.vibration_index, sent.vibration_index);
+  EXPECT_EQ(r.mass_factor, sent.mass_factor);
+  EXPECT_EQ(r.damping_factor, sent.damping_factor);
+  EXPECT_EQ(Vector3(r.F_bias_S.f), Vector3(sent.F_bias_S.f));
+  EXPECT_EQ(Vector3(r.F_bias_S.t), Vector3(sent.F_bias_S.t));
   EXPECT_EQ(r.model_age_s, sent.model_age_s);
   EXPECT_EQ(r.sensor_age_s, sent.sensor_age_s);
   EXPECT_EQ(r.model_frame, sent.model_frame);
@@ -260,6 +265,8 @@ TEST(Recording, ATickFromBeforeTheArmsShareAndTheInputsWereRecordedReadsAsNone) 
   EXPECT_EQ(r.input.now, 0) << "no inputs";
   ASSERT_EQ(Decode(now.substr(0, share), r), "");
   EXPECT_EQ(r.arm_share, 1.0);
+  EXPECT_EQ(r.mass_factor, 1.0);
+  EXPECT_EQ(r.damping_factor, 1.0);
   EXPECT_EQ(r.compute_ns, SomeTick(1).compute_ns);
 }
 

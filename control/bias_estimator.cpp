@@ -1,0 +1,72 @@
+#include "control/bias_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "safety/limits.h"
+
+namespace osteon::control {
+namespace {
+
+Wrench Difference(const Wrench& a, const Wrench& b) { return {.f = a.f - b.f, .t = a.t - b.t}; }
+
+}  // namespace
+
+void Validate(const BiasParams& params) {
+  const auto require = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument(std::string("sensor bias ") + name + ": found " + std::to_string(value) +
+                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+  };
+  require("rest_s", params.rest_s, 0.01, 60.0);
+  require("spread_N", params.spread_N, 0.01, 100.0);
+  require("spread_Nm", params.spread_Nm, 0.001, 10.0);
+  require("most_N", params.most_N, 0.0, 100.0);
+  require("most_Nm", params.most_Nm, 0.0, 20.0);
+  require("still_m", params.still_m, 1e-7, 0.01);
+  require("still_rad", params.still_rad, 1e-7, 0.1);
+}
+
+BiasEstimator::BiasEstimator(const BiasParams& params, const ForceSensorParams& sensor, double period_s)
+    : params_(params), sensor_(sensor), period_s_(period_s) {
+  Validate(params);
+  Validate(sensor);
+}
+
+void BiasEstimator::Begin(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
+  resting_ = true;
+  rested_s_ = 0.0;
+  X_WF_ = X_WF;
+  mean_ = Difference(F_S, ToolWeight(sensor_, X_WF));
+}
+
+void BiasEstimator::Rest(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
+  if (!params_.acts) return;
+  if (!safety::IsFinite(F_S) || !X_WF.matrix().allFinite()) {
+    resting_ = false;
+    return;
+  }
+  const bool still = resting_ && (X_WF.translation() - X_WF_.translation()).norm() <= params_.still_m &&
+                     LogRotation(X_WF_.linear().transpose() * X_WF.linear()).norm() <= params_.still_rad;
+  if (!still) {
+    Begin(F_S, X_WF);
+    return;
+  }
+  const Wrench beyond = Difference(Difference(F_S, ToolWeight(sensor_, X_WF)), mean_);
+  // a mean of a few readings says little about what is far from it
+  const double room = rested_s_ < 0.1 * params_.rest_s ? 2.0 : 1.0;
+  if (beyond.f.norm() > room * params_.spread_N || beyond.t.norm() > room * params_.spread_Nm) {
+    Begin(F_S, X_WF);
+    return;
+  }
+  rested_s_ += period_s_;
+  // plain mean at first, then one that forgets
+  const double share = period_s_ / std::min(rested_s_ + period_s_, std::max(params_.rest_s, period_s_));
+  mean_ = {.f = mean_.f + share * beyond.f, .t = mean_.t + share * beyond.t};
+  if (rested_s_ >= params_.rest_s && mean_.f.norm() <= params_.most_N && mean_.t.norm() <= params_.most_Nm)
+    bias_ = mean_;
+}
+
+}  // namespace osteon::control

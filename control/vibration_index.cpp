@@ -1,0 +1,205 @@
+#include "control/vibration_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "kinematics/sin_cos.h"
+#include "safety/limits.h"
+
+namespace osteon::control {
+namespace {
+
+constexpr double kMostOfRate = 0.4;         // a filter's edge, of the rate
+constexpr double kQ2 = 0.7071067811865476;  // Butterworth of order 2
+constexpr double kQDead = 0.5;              // critically damped: a jolt does not ring through it
+constexpr double kTurns = 0.15;  // of a half-wave's peak: on the other side this much is the next one
+constexpr double kPassed = 0.8;  // of a peak: it is over
+constexpr double kDies = 0.5, kGrows = 10.0;          // of the peak before
+constexpr double kAlertFalls = 2.0;                   // times longer than it rises
+constexpr double kSlower = 1.1, kFaster = 1.25;       // than the band's edges still counts
+constexpr double kBelowBand = 0.5, kAboveBand = 1.5;  // harmonics this far outside still come through
+
+const VibrationParams& Validated(const VibrationParams& params) {
+  Validate(params);
+  return params;
+}
+
+HalfWaves Waves(const VibrationParams& params, double period_s) {
+  // half a period is known to a tick at each end
+  return {0.5 / (kFaster * params.high_hz) - period_s, kSlower * 0.5 / params.low_hz + period_s};
+}
+
+double Edge(double hz, double period_s) { return std::min(hz, kMostOfRate / period_s); }
+
+}  // namespace
+
+void Validate(const VibrationParams& params) {
+  const auto require = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument(std::string("vibration ") + name + ": found " + std::to_string(value) +
+                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+  };
+  require("slow_hz", params.slow_hz, 0.05, 20.0);
+  require("low_hz", params.low_hz, params.slow_hz + 0.1, 100.0);
+  require("high_hz", params.high_hz, params.low_hz + 1.0, 400.0);
+  require("lever_m", params.lever_m, 0.01, 1.0);
+  require("floor_N", params.floor_N, 0.001, 50.0);
+  require("slow_memory_s", params.slow_memory_s, 0.005, 5.0);
+  require("share_low", params.share_low, 0.0, 0.98);
+  require("share_high", params.share_high, params.share_low + 0.01, 1.0);
+  require("alert_index", params.alert_index, 0.0, 1.0);
+  require("alert_memory_s", params.alert_memory_s, 0.005, 1.0);
+  require("rise_s", params.rise_s, 0.001, 1.0);
+  require("decay_ratio", params.decay_ratio, 1.0, 1000.0);
+  require("most_damping", params.most_damping, 1.0, 1000.0);
+  require("most_mass", params.most_mass, 1.0, 100.0);
+  require("notch_hz", params.notch_hz, 0.0, 20.0);
+}
+
+double HalfWaves::Step(double x, double dt_s) OSTEON_RT {
+  const double size = std::abs(x);
+  since_peak_s_ += dt_s;
+  since_last_s_ += dt_s;
+  if (x * sign_ < 0.0 && size > kTurns * peak_) {  // noise about zero is no half-wave
+    sign_ = -sign_;
+    last_ = peak_;
+    since_last_s_ = since_peak_s_;
+    peak_ = size;
+    since_peak_s_ = 0.0;
+    judged_ = false;
+  } else if (x * sign_ > 0.0 && size > peak_) {
+    peak_ = size;
+    since_peak_s_ = 0.0;
+    judged_ = false;
+  } else if (since_peak_s_ > longest_s_) {  // it has swung out
+    peak_ = size;
+    since_peak_s_ = 0.0;
+    last_ = 0.0;
+    amplitude_ = 0.0;
+    sign_ = x < 0.0 ? -1.0 : 1.0;
+    judged_ = false;
+  } else if (!judged_ && size < kPassed * peak_) {
+    judged_ = true;
+    const double half_s = since_last_s_ - since_peak_s_;
+    const bool swings =
+        half_s >= shortest_s_ && half_s <= longest_s_ && peak_ >= kDies * last_ && peak_ <= kGrows * last_;
+    amplitude_ = swings ? peak_ : 0.0;
+  }
+  return amplitude_;
+}
+
+VibrationIndex::VibrationIndex(const VibrationParams& params, double period_s)
+    : params_(Validated(params)),
+      period_s_(period_s),
+      rest_{.high = Biquad::HighPass(params.low_hz, kQDead, period_s),
+            .low = Biquad::LowPass(Edge(params.high_hz, period_s), kQ2, period_s),
+            .slow_high = Biquad::HighPass(params.slow_hz, kQ2, period_s),
+            .slow_low = Biquad::LowPass(params.low_hz, kQ2, period_s),
+            .waves = {Waves(params, period_s), Waves(params, period_s), Waves(params, period_s)}},
+      force_(rest_),
+      torque_(rest_) {
+  if (!(period_s > 0.0 && params.low_hz < kMostOfRate / period_s))
+    throw std::invalid_argument("vibration period_s: found " + std::to_string(period_s) +
+                                ", accepted > 0, and short enough for low_hz");
+}
+
+void VibrationIndex::Reset() OSTEON_RT {
+  force_ = rest_;
+  torque_ = rest_;
+  begun_ = false;
+  angle_rad_ = 0.0;
+  from_ = to_ = 0;
+  seen_ = alert_ = 0.0;
+}
+
+// What comes at the harmonics is taken out of the band: each line's amplitudes follow what is left over.
+Vector3 VibrationIndex::WithoutSpindle(Lines& lines, const Vector3& x) const OSTEON_RT {
+  Vector3 rest = x;
+  const auto count = static_cast<std::size_t>(to_ - from_);
+  for (std::size_t i = 0; i < count; ++i) rest -= cos_[i] * lines.c[i] + sin_[i] * lines.s[i];
+  const double gain = 2.0 * std::numbers::pi * params_.notch_hz * period_s_;
+  for (std::size_t i = 0; i < count; ++i) {
+    lines.c[i] += gain * cos_[i] * rest;
+    lines.s[i] += gain * sin_[i] * rest;
+  }
+  return rest;
+}
+
+// The spindle's angle, and which of its harmonics are in the band.
+void VibrationIndex::Turn(double spindle_rad_per_s) OSTEON_RT {
+  const double hz = std::abs(spindle_rad_per_s) / (2.0 * std::numbers::pi);
+  int from = 0, to = 0;
+  // closer together than a notch is wide they would take all of the band
+  if (params_.notch_hz > 0.0 && hz > params_.notch_hz && hz < kAboveBand * params_.high_hz) {
+    from = std::max(1, static_cast<int>(std::ceil(kBelowBand * params_.low_hz / hz)));
+    to = std::max(from, 1 + static_cast<int>(kAboveBand * params_.high_hz / hz));
+    to = std::min(to, from + kHarmonics);
+  }
+  if (from != from_) {
+    force_.lines.Clear();
+    torque_.lines.Clear();
+  }
+  from_ = from;
+  to_ = to;
+  if (from == to) return;
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  angle_rad_ += spindle_rad_per_s * period_s_;
+  angle_rad_ -= kTurn * std::floor(angle_rad_ / kTurn);
+  std::array<double, kHarmonics> angles{};
+  for (int n = from; n < to; ++n) angles[static_cast<std::size_t>(n - from)] = n * angle_rad_;
+  const auto lines = kinematics::SinCos(angles);
+  cos_ = lines.cos;
+  sin_ = lines.sin;
+}
+
+void VibrationIndex::Filter(Channel& channel, const Vector3& x) OSTEON_RT {
+  const Vector3 from_first = x - channel.first;
+  const Vector3 band = WithoutSpindle(channel.lines, channel.low.Step(channel.high.Step(from_first)));
+  const Vector3 slow = channel.slow_low.Step(channel.slow_high.Step(from_first));
+  channel.swings2 = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double amplitude = channel.waves[static_cast<std::size_t>(i)].Step(band[i], period_s_);
+    channel.swings2 += 0.5 * amplitude * amplitude;
+  }
+  channel.band2 += std::min(1.0, period_s_ / params_.alert_memory_s) * (band.squaredNorm() - channel.band2);
+  channel.slow2 += std::min(1.0, period_s_ / params_.slow_memory_s) * (slow.squaredNorm() - channel.slow2);
+}
+
+double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT {
+  if (!safety::IsFinite(F) || !std::isfinite(spindle_rad_per_s)) return index();
+  const Vector3 at_lever_N = F.t / params_.lever_m;
+  if (!begun_) {  // the filters start at rest, and so at the wrench that there is
+    force_.first = F.f;
+    torque_.first = at_lever_N;
+    begun_ = true;
+  }
+  Turn(spindle_rad_per_s);
+  Filter(force_, F.f);
+  Filter(torque_, at_lever_N);
+
+  const double others = force_.slow2 + torque_.slow2 + params_.floor_N * params_.floor_N;
+  const auto wanted = [&](double energy) {
+    const double share = energy / (energy + others);
+    return std::clamp((share - params_.share_low) / (params_.share_high - params_.share_low), 0.0, 1.0);
+  };
+  const auto toward = [this](double& index, double goal, double falls) {
+    const double takes_s = goal > index ? params_.rise_s : falls * params_.rise_s;
+    index += std::min(1.0, period_s_ / takes_s) * (goal - index);
+  };
+  toward(seen_, wanted(force_.swings2 + torque_.swings2), params_.decay_ratio);
+  toward(alert_, params_.alert_index * wanted(force_.band2 + torque_.band2), kAlertFalls);
+  return index();
+}
+
+double VibrationIndex::damping_factor() const OSTEON_RT {
+  return params_.acts ? 1.0 + index() * (params_.most_damping - 1.0) : 1.0;
+}
+
+double VibrationIndex::mass_factor() const OSTEON_RT {
+  return params_.acts ? 1.0 + index() * (params_.most_mass - 1.0) : 1.0;
+}
+
+}  // namespace osteon::control
