@@ -12,6 +12,7 @@
 
 #include "app/summary.h"
 #include "control/rt/clock.h"
+#include "control/rt/realtime_thread.h"
 #include "gpu/devices.h"
 #include "io/can/has_socket_can.h"
 #include "io/fri/fri_link.h"
@@ -54,7 +55,7 @@ void ExamineTimer(std::vector<Check>& checks) {
   bool realtime = false;
   std::thread([&] {
     constexpr int kWakeups = 1000;
-    realtime = rt::RequestRealtimePriority(80);
+    realtime = rt::SetUpRealtimeThread({.priority = 80}).realtime;
     rt::Nanoseconds due = rt::MonotonicNow();
     for (int i = 0; i < kWakeups; ++i) {
       due += rt::kMillisecond;

@@ -211,6 +211,10 @@ int Run(int argc, char** argv) {
           "--port", demo.port,
           "the first of the cell's ports on loopback (FRI, PLC, CAN) instead of its file's; 0: any free ones")
       ->check(osteon::app::PortNumber());
+  demo_app
+      ->add_option("--cpu", demo.cpu,
+                   "servo thread and simulated arm share this CPU, everything else stays off it")
+      ->check(osteon::app::NumberWithin(0, osteon::rt::kMostCpu));
   demo_app->add_option("--json", demo.json, "a further copy of summary.json");
   demo_app->add_option("--save-motion", demo.save_motion,
                        "write the tool's motion there (CSV), to be played again");

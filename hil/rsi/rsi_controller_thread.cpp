@@ -29,8 +29,7 @@ void RsiControllerThread::Stop() {
 
 void RsiControllerThread::Run() {
   RsiThreadStatistics statistics;
-  statistics.realtime =
-      params_.realtime_priority > 0 && rt::RequestRealtimePriority(params_.realtime_priority);
+  statistics.thread = rt::SetUpRealtimeThread(params_.thread);
   const auto period = static_cast<rt::Nanoseconds>(controller_.period_s() * 1e9 + 0.5);
   rt::Nanoseconds due = rt::MonotonicNow() + period;
   while (!stop_.load(std::memory_order_relaxed)) {

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "control/rt/latest_value.h"
+#include "control/rt/realtime_thread.h"
 #include "hil/rsi/rsi_controller.h"
 #include "hil/udp_client.h"
 
@@ -14,7 +15,7 @@ namespace osteon::hil {
 struct RsiThreadParams {
   std::string server_address{"127.0.0.1"};  ///< dotted IPv4 of the PC; the loopback unless it is elsewhere
   std::uint16_t server_port{49152};         ///< where the PC listens
-  int realtime_priority{80};                ///< SCHED_FIFO, 1 … 99; 0: do not ask
+  rt::RealtimeThreadParams thread{.priority = 80};
 };
 
 /// What the thread did. Plain data.
@@ -22,7 +23,7 @@ struct RsiThreadStatistics {
   RsiControllerState controller;
   std::uint64_t overruns{0};     ///< cycles in which this thread itself woke more than half a cycle late
   std::uint64_t undelivered{0};  ///< messages that the system could not hand on, e.g. as nobody listens yet
-  bool realtime{false};          ///< the priority was granted
+  rt::RealtimeGrant thread;      ///< what the system granted it
 };
 
 /// The simulated KR in wall time: its own thread, RSI over a UDP socket, an absolute schedule of 4 or 12 ms.
