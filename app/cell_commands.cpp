@@ -23,6 +23,10 @@ CellCommands::CellCommands(CLI::App& app)
       ->add_option("--port", simulated_.port,
                    "the first of the cell's ports instead of its file's: FRI, PLC, two a CAN bus")
       ->check(PortNumber());
+  cell_
+      ->add_option("--cpu", simulated_.cpu,
+                   "its real-time threads run on this CPU, everything else stays off it: the controller's")
+      ->check(NumberWithin(0, rt::kMostCpu));
   cell_->add_option("--json", simulated_.json, "write there at the end what the cell was");
   cell_->footer(
       "The arm, the force sensor, the reamer drive and the PLC, an operator at the handle and one at the "
@@ -44,10 +48,15 @@ CellCommands::CellCommands(CLI::App& app)
       ->check(CLI::ExistingFile);
   run_->add_option("--port", operate_.port, "as `osteon cell --port`; with --simulated 0 takes any free ones")
       ->check(PortNumber());
+  run_->add_option("--cpu", operate_.cpu,
+                   "the servo thread runs on this CPU, everything else stays off it; with --simulated the "
+                   "cell's real-time threads share it")
+      ->check(NumberWithin(0, rt::kMostCpu));
   run_->add_option("--device", operate_.device, "part of a Vulkan device's name (osteon doctor lists them)");
   run_->add_option("--json", operate_.json, "write the figures there");
   run_->footer(
       "Examples:\n  osteon run my_cell.yaml --record first.mcap\n  osteon run demo --simulated --seconds 10\n"
+      "  osteon run demo --simulated --cpu 1\n"
       "  osteon cell demo &  osteon run demo --seconds 10");
 }
 

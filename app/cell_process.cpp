@@ -40,6 +40,7 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
                                  report};
   if (params.seconds > 0.0) words.insert(words.end(), {"--seconds", fmt::format("{:.17g}", params.seconds)});
   if (params.first_port != 0) words.insert(words.end(), {"--port", std::to_string(params.first_port)});
+  if (params.cpu >= 0) words.insert(words.end(), {"--cpu", std::to_string(params.cpu)});
   if (params.tool) words.insert(words.end(), {"--tool", ToolText(*params.tool)});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());

@@ -20,6 +20,7 @@ struct CellProcessParams {
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
   double seconds{0.0};                       ///< of the operator's script; 0: as the file says
   std::uint16_t first_port{0};               ///< as UseSimulatedWires; 0: the file's
+  int cpu{-1};                               ///< of its real-time threads; -1: any
 };
 
 /// `osteon cell` as a process of its own, from this program's file. It ends with this process, however that

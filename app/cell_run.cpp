@@ -115,14 +115,15 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
     SimulationThread simulation(runner, commands, models, recorder);
     std::atomic<bool> done{false}, stop{false};
     std::atomic<double> rendered_s{0.0};
+    control::RunServoParams servo_params{.deadline_s = 5.0 * setup.config.servo.period_s,
+                                         .seconds = params.seconds,
+                                         .recoveries = params.recoveries,
+                                         .standing = &start.standing(),
+                                         .rendered_s = &rendered_s,
+                                         .stop = &stop};
+    servo_params.thread.cpu = params.cpu;
     std::thread servo_thread([&] {
-      servo = RunServo(loop, wires.arm->link(), *wires.devices, models, commands, recorder,
-                       {.deadline_s = 5.0 * setup.config.servo.period_s,
-                        .seconds = params.seconds,
-                        .recoveries = params.recoveries,
-                        .standing = &start.standing(),
-                        .rendered_s = &rendered_s,
-                        .stop = &stop});
+      servo = RunServo(loop, wires.arm->link(), *wires.devices, models, commands, recorder, servo_params);
       wires.arm->End();
       if (wires.cell) wires.cell->AskToEnd();  // at once: a client that is gone is no loss on the arm's books
       done.store(true);
@@ -145,7 +146,7 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
   if (wires.cell) result.cell_report = wires.cell->End();
   result.faults = servo.faults;
   result.statistics = servo.statistics;
-  result.realtime = servo.realtime;
+  result.servo_thread = servo.thread;
   result.recovered = servo.recovered;
   safety::FaultSet known;
   RecordFaults(recorder, rt::MonotonicNow(), servo.faults, known);

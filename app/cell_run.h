@@ -21,6 +21,7 @@ struct CellRunParams {
   double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
   bool virtual_time{false};
   int recoveries{0};  ///< so often the loop begins again after the connection to the arm has ended rendering
+  int cpu{-1};        ///< wall time: the servo thread is pinned to it; -1: any
   /// Wall time: the simulated cell to start as a process of its own; absent: what is at the wires is used.
   std::optional<CellProcessParams> cell{};
   std::filesystem::path recording;  ///< the MCAP file to write
@@ -34,8 +35,8 @@ struct CellRunResult {
   std::string diagnosis;  ///< where rendering never began: what kept arm or devices from it
   safety::FaultSet faults;
   control::ServoStatistics statistics;
-  int recovered{0};  ///< times that it began again
-  bool realtime{false};
+  int recovered{0};                ///< times that it began again
+  rt::RealtimeGrant servo_thread;  ///< wall time: what the system granted it
   io::RecordingCounts recording;
   simulation::CarvedState after;
   std::vector<simulation::SceneEvent> events;  ///< stamps as in the recording

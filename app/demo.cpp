@@ -66,6 +66,10 @@ int RunDemo(const DemoOptions& options) {
   if (!(options.seconds >= kLeastSeconds && options.seconds <= kMostSeconds))
     return Fail(
         fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kLeastSeconds, kMostSeconds));
+  if (options.cpu >= 0 && options.virtual_time)
+    return Fail(fmt::format("--cpu: found {} with --virtual-time, accepted in wall time", options.cpu));
+  // before there is any other thread
+  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty()) return Fail("--cpu: " + wrong);
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail(wrong);
 
   auto setup = SetUpCell(options.cell, options.mesh, options.tool);
@@ -79,10 +83,12 @@ int RunDemo(const DemoOptions& options) {
   RunProgress progress("osteon demo", options.seconds);
   const CellRunParams params{.seconds = options.seconds,
                              .virtual_time = options.virtual_time,
+                             .cpu = options.cpu,
                              .cell = CellProcessParams{.cell = options.cell,
                                                        .tool = options.tool,
                                                        .seconds = options.seconds,
-                                                       .first_port = *first_port},
+                                                       .first_port = *first_port,
+                                                       .cpu = options.cpu},
                              .recording = options.out / "recording.mcap",
                              .stop = &Interrupted(),
                              .progress = [&](double at_s) { progress.Show(at_s); }};

@@ -21,6 +21,7 @@ struct DemoOptions {
   std::string device{};
   std::string engine{"vulkan"};
   std::optional<std::uint16_t> port{};  ///< instead of the cell's
+  int cpu{-1};                          ///< of servo thread and simulated arm, all others stay off; -1: any
   std::filesystem::path json{};         ///< a further copy of summary.json
   std::filesystem::path save_motion{};  ///< the tool's motion, as a file that can be played again
   std::string command_line{};

@@ -1,21 +1,35 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 namespace osteon::app {
 
-/// One thing that was looked at. verdict: "good", "usable" or "missing".
+// Verdicts of a check.
+inline constexpr const char* kGood = "good";
+inline constexpr const char* kUsable = "usable";
+inline constexpr const char* kMissing = "missing";
+
+/// One thing that was looked at.
 struct Check {
   std::string name, value, verdict, advice;
 };
 
-/// Looks at this machine: Vulkan devices, timer latency, scheduling and memory rights, network, CAN.
-/// @param fri_port  the port that a demo would listen on
-[[nodiscard]] std::vector<Check> Examine(std::uint16_t fri_port);
+struct DoctorOptions {
+  std::uint16_t fri_port{30200};  ///< that a demo would listen on
+  double seconds{10.0};           ///< of timer latency, as often: with SCHED_FIFO and without
+  std::filesystem::path json{};
+};
+
+/// Looks at this machine: Vulkan devices, timer latency, scheduling and memory rights, kernel, network, CAN.
+/// @param progress  called now and then with the time spent, of 2 options.seconds; may be empty
+[[nodiscard]] std::vector<Check> Examine(const DoctorOptions& options,
+                                         const std::function<void(double at_s)>& progress);
 
 /// Prints the checks; writes them to `json` unless empty. @returns 0, or 1 where the demo could not run here.
-[[nodiscard]] int RunDoctor(std::uint16_t fri_port, const std::filesystem::path& json);
+[[nodiscard]] int RunDoctor(const DoctorOptions& options);
 
 }  // namespace osteon::app

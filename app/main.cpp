@@ -214,6 +214,10 @@ int Run(int argc, char** argv) {
           "--port", demo.port,
           "the first of the cell's ports on loopback (FRI, PLC, CAN) instead of its file's; 0: any free ones")
       ->check(osteon::app::PortNumber());
+  demo_app
+      ->add_option("--cpu", demo.cpu,
+                   "servo thread and simulated arm share this CPU, everything else stays off it")
+      ->check(osteon::app::NumberWithin(0, osteon::rt::kMostCpu));
   demo_app->add_option("--json", demo.json, "a further copy of summary.json");
   demo_app->add_option("--save-motion", demo.save_motion,
                        "write the tool's motion there (CSV), to be played again");
@@ -229,14 +233,18 @@ int Run(int argc, char** argv) {
   osteon::app::FailureOptions failures;
   CLI::App* failures_app = AddFailures(app, failures);
 
-  std::uint16_t port = 30200;
-  std::filesystem::path doctor_json;
+  osteon::app::DoctorOptions doctor;
   CLI::App* doctor_app = app.add_subcommand("doctor", "what this machine can do, with a verdict each");
-  doctor_app->add_option("--port", port, "FRI port to try")
+  doctor_app->add_option("--port", doctor.fri_port, "FRI port to try")
       ->check(osteon::app::PortNumber())
       ->capture_default_str();
-  doctor_app->add_option("--json", doctor_json, "write the checks there");
-  doctor_app->footer("Examples:\n  osteon doctor\n  osteon doctor --json doctor.json");
+  doctor_app
+      ->add_option("--seconds", doctor.seconds,
+                   "of timer latency, with SCHED_FIFO and as long without; hours are a measurement")
+      ->check(osteon::app::NumberWithin(0.1, 86400))
+      ->capture_default_str();
+  doctor_app->add_option("--json", doctor.json, "write the checks there");
+  doctor_app->footer("Examples:\n  osteon doctor\n  osteon doctor --seconds 3600 --json doctor.json");
 
   osteon::app::MeasureCommands measure(app);
   osteon::app::CellCommands cells(app);
@@ -319,7 +327,7 @@ int Run(int argc, char** argv) {
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run();
   if (measure.asked()) return measure.Run(config_root);
-  if (*doctor_app) return osteon::app::RunDoctor(port, doctor_json);
+  if (*doctor_app) return osteon::app::RunDoctor(doctor);
   fmt::print("{}", app.help());
   return 0;
 }

@@ -60,6 +60,19 @@ CLI::App* AddBenchKinematics(CLI::App& bench, BenchKinematicsOptions& options) {
   return sub;
 }
 
+CLI::App* AddBenchTick(CLI::App& bench, BenchTickOptions& options) {
+  CLI::App* sub = bench.add_subcommand("tick", "times the servo tick, whole and in its parts");
+  sub->add_option("--ticks", options.ticks, "timed, a millisecond each; the tool presses on eight planes")
+      ->check(NumberWithin(100, 3'600'000))
+      ->capture_default_str();
+  sub->add_option("--json", options.json, "write the figures there");
+  sub->footer(
+      "From the arm's message that waits to the record in the ring; the wake-up is not in it. FRI over the "
+      "loopback,\nthe cell's CAN devices in memory, the cell is cells/demo.yaml.\n\n"
+      "Examples:\n  osteon bench tick\n  osteon bench tick --ticks 60000 --json tick.json");
+  return sub;
+}
+
 CLI::App* AddChartScaling(CLI::App& chart, ScalingOptions& options) {
   CLI::App* sub =
       chart.add_subcommand("scaling", "frame rate against number of spheres: the paper's figure 4");
@@ -113,11 +126,14 @@ MeasureCommands::MeasureCommands(CLI::App& app)
     : bench_(app.add_subcommand("bench", "measures what the parts take")),
       frame_(AddBenchFrame(*bench_, frame_options_)),
       kinematics_(AddBenchKinematics(*bench_, kinematics_options_)),
+      tick_(AddBenchTick(*bench_, tick_options_)),
       chart_(app.add_subcommand("chart", "measures and draws")),
       scaling_(AddChartScaling(*chart_, scaling_options_)),
       accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)) {
   bench_->require_subcommand(1);
-  bench_->footer("Examples:\n  osteon bench frame\n  osteon bench kinematics\n  osteon bench frame --help");
+  bench_->footer(
+      "Examples:\n  osteon bench frame\n  osteon bench kinematics\n  osteon bench tick\n  osteon bench frame "
+      "--help");
   chart_->require_subcommand(1);
   chart_->footer("Examples:\n  osteon chart scaling\n  osteon chart speed-accuracy --quick");
 }
@@ -130,6 +146,10 @@ int MeasureCommands::Run(const std::filesystem::path& config_root) {
   if (kinematics_->parsed()) {
     kinematics_options_.config_root = config_root;
     return RunBenchKinematics(kinematics_options_);
+  }
+  if (tick_->parsed()) {
+    tick_options_.config_root = config_root;
+    return RunBenchTick(tick_options_);
   }
   frame_options_.config_root = config_root;
   return RunBenchFrame(frame_options_);

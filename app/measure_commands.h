@@ -6,12 +6,14 @@
 
 #include "app/bench_frame.h"
 #include "app/bench_kinematics.h"
+#include "app/bench_tick.h"
 #include "app/chart_scaling.h"
 #include "app/chart_speed_accuracy.h"
 
 namespace osteon::app {
 
-/// The subcommands that measure: `bench frame`, `bench kinematics`, `chart scaling`, `chart speed-accuracy`.
+/// The subcommands that measure: `bench frame`, `bench kinematics`, `bench tick`, `chart scaling`,
+/// `chart speed-accuracy`.
 class MeasureCommands {
  public:
   explicit MeasureCommands(CLI::App& app);
@@ -24,9 +26,10 @@ class MeasureCommands {
  private:
   BenchFrameOptions frame_options_;  // before what points into it
   BenchKinematicsOptions kinematics_options_;
+  BenchTickOptions tick_options_;
   ScalingOptions scaling_options_;
   SpeedAccuracyOptions accuracy_options_;
-  CLI::App *bench_, *frame_, *kinematics_, *chart_, *scaling_, *accuracy_;
+  CLI::App *bench_, *frame_, *kinematics_, *tick_, *chart_, *scaling_, *accuracy_;
 };
 
 }  // namespace osteon::app

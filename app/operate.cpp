@@ -38,14 +38,19 @@ void PrintWires(const config::CellConfig& cell) {
 }  // namespace
 
 int RunOperate(const OperateOptions& options) {
+  // before there is any other thread
+  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty()) return Fail("--cpu: " + wrong);
   auto setup = SetUpCell(options.cell, {}, options.tool, options.gains);
   if (!setup) return Fail(setup.error());
   std::optional<CellProcessParams> cell;
   if (options.simulated) {
     const auto first_port = UseSimulated(setup->config, options.port);
     if (!first_port) return Fail(first_port.error());
-    cell = CellProcessParams{
-        .cell = options.cell, .tool = options.tool, .seconds = options.seconds, .first_port = *first_port};
+    cell = CellProcessParams{.cell = options.cell,
+                             .tool = options.tool,
+                             .seconds = options.seconds,
+                             .first_port = *first_port,
+                             .cpu = options.cpu};
   } else if (options.port) {
     UseSimulatedWires(setup->config, options.port);
   }
@@ -58,6 +63,7 @@ int RunOperate(const OperateOptions& options) {
   RunProgress progress("osteon run", options.seconds);
   const CellRunParams params{.seconds = options.seconds,
                              .recoveries = options.recoveries,
+                             .cpu = options.cpu,
                              .cell = cell,
                              .recording = options.record,
                              .stop = &Interrupted(),

@@ -18,7 +18,8 @@ struct OperateOptions {
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
   std::filesystem::path gains{};             ///< a file to lay over the cell's gains; empty: none
   std::optional<std::uint16_t> port{};       ///< of a simulated cell: the first of its ports
-  std::string device{};                      ///< part of a Vulkan device's name
+  int cpu{-1};           ///< the servo thread is pinned to it, all others stay off; -1: any
+  std::string device{};  ///< part of a Vulkan device's name
   std::filesystem::path json{};
 };
 

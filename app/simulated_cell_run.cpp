@@ -62,6 +62,9 @@ std::string ToJson(const hil::CellHostState& state) {
       {"schema", "osteon.cell/1"},
       {"arm",
        {{"session", NameOf(arm.session)},
+        {"realtime_priority", state.arm.thread.realtime},
+        {"cpu", state.arm.thread.cpu >= 0 ? nlohmann::ordered_json(state.arm.thread.cpu)
+                                          : nlohmann::ordered_json(nullptr)},
         {"stop", hil::DescribeStop(arm)},
         {"commanding_s", arm.cell_time_s},
         {"script_done", arm.script_done},
@@ -95,12 +98,18 @@ std::string ToJson(const hil::CellHostState& state) {
 }
 
 int RunSimulatedCell(const SimulatedCellOptions& options) {
+  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty()) {
+    fmt::print(stderr, "osteon cell: --cpu: {}\n", wrong);
+    return 2;
+  }
   InstallInterrupt();
   config::CellConfig cell = config::LoadCell(options.cell, options.tool);
   UseSimulatedWires(cell, options.port);
   hil::CellHostState state;
   try {
-    hil::CellHost host(HostParams(cell), MakeSimulatedCell(cell, options.seconds));
+    hil::CellHostParams params = HostParams(cell);
+    params.arm.thread.cpu = params.device_thread.cpu = options.cpu;
+    hil::CellHost host(params, MakeSimulatedCell(cell, options.seconds));
     PrintWires(cell);
     auto session = control::SessionState::kIdle;
     while (!Interrupted().load()) {

@@ -15,7 +15,8 @@ struct SimulatedCellOptions {
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
   double seconds{0.0};                       ///< of the operator's script; 0: as the file says
   std::optional<std::uint16_t> port{};       ///< the first of its ports, instead of the file's
-  std::filesystem::path json{};              ///< what it was, written at its end
+  int cpu{-1};                   ///< its real-time threads are pinned to it, all others stay off; -1: any
+  std::filesystem::path json{};  ///< what it was, written at its end
 };
 
 /// `osteon cell`: the simulated cell alone, on its real protocols, until Ctrl-C. Says on stdout what is

@@ -123,7 +123,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.ended = EndText(result.end);
   if (!result.diagnosis.empty()) s.ended += ": " + result.diagnosis;
   s.virtual_time = params.virtual_time;
-  s.realtime = result.realtime;
+  s.servo_thread = result.servo_thread;
   s.balls = setup.bone.balls.size();
   s.points = setup.bone.points.size();
   s.ticks = recording.ticks.size();
@@ -199,10 +199,11 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
       {"Engine", s.engine + " on " + s.device},
       {"Scene", fmt::format("{}: {} balls, {} mass points", s.scene, s.balls, s.points)},
       {"Tool", s.tool},
-      {"Servo loop", fmt::format("{} ticks, median {:.1f} Hz{}", s.ticks, s.servo_rate_hz,
-                                 s.virtual_time ? " (virtual time)"
-                                 : s.realtime   ? ", SCHED_FIFO"
-                                                : ", no SCHED_FIFO")},
+      {"Servo loop", fmt::format("{} ticks, median {:.1f} Hz{}{}", s.ticks, s.servo_rate_hz,
+                                 s.virtual_time            ? " (virtual time)"
+                                 : s.servo_thread.realtime ? ", SCHED_FIFO"
+                                                           : ", no SCHED_FIFO",
+                                 s.servo_thread.cpu >= 0 ? fmt::format(", CPU {}", s.servo_thread.cpu) : "")},
       {"Simulation", fmt::format("{} frames, median {:.0f} frames/s", s.frames, s.simulation_rate_hz)}};
   if (s.wakeup.count > 0) {
     rows.push_back({"Tick wake-up, p50 / p99 / max", Text(s.wakeup)});
@@ -324,7 +325,9 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
     out["wakeup_us"] = ToJson(s.wakeup);
     out["compute_us"] = ToJson(s.compute);
     out["frame_us"] = ToJson(s.frame);
-    out["realtime_priority"] = s.realtime;
+    out["realtime_priority"] = s.servo_thread.realtime;
+    out["servo_cpu"] = s.servo_thread.cpu >= 0 ? nlohmann::json(s.servo_thread.cpu) : nlohmann::json(nullptr);
+    out["memory_locked"] = s.servo_thread.memory_locked;
   }
   if (!s.arm_stop.empty()) out["arm_stop"] = s.arm_stop;
   // a path may be any bytes; JSON is UTF-8

@@ -30,7 +30,8 @@ struct EventRow {
 /// The figures of a run: what the terminal, summary.json and the report show.
 struct RunSummary {
   std::string engine, device, scene, tool, recording, ended;
-  bool virtual_time{false}, realtime{false};
+  bool virtual_time{false};
+  rt::RealtimeGrant servo_thread;  ///< wall time: what the system granted it
   std::size_t balls{0}, points{0};
   double seconds{0.0};  ///< in COMMANDING_ACTIVE
   std::uint64_t ticks{0}, frames{0}, dropped{0};

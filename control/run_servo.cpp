@@ -20,7 +20,7 @@ void Validate(const RunServoParams& params) {
   require("deadline_s", params.deadline_s, 1e-4, 1.0);
   require("seconds", params.seconds, 0.0, 1e6);
   require("give_up_s", params.give_up_s, 0.01, 1e6);
-  require("priority", params.priority, 0, 99);
+  rt::Validate(params.thread);
 }
 
 }  // namespace
@@ -31,7 +31,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
                         const RunServoParams& params) {
   Validate(params);
   RunServoResult result;
-  result.realtime = params.priority > 0 && rt::RequestRealtimePriority(params.priority);
+  result.thread = rt::SetUpRealtimeThread(params.thread);
 
   const rt::Nanoseconds deadline = ToNanoseconds(params.deadline_s);
   const rt::Nanoseconds give_up = ToNanoseconds(params.give_up_s);

@@ -5,6 +5,7 @@
 #include "control/histogram.h"
 #include "control/ports.h"
 #include "control/rt/latest_value.h"
+#include "control/rt/realtime_thread.h"
 #include "control/servo_loop.h"
 
 namespace osteon::control {
@@ -19,8 +20,9 @@ struct RunServoParams {
   double deadline_s{0.005};  ///< wait for an arm message; each one missed counts toward arm stale
   double seconds{10.0};      ///< of rendering; then an orderly stop. 0: until stopped
   double give_up_s{30.0};    ///< without beginning to render, and without coming to rest after the end
-  int priority{80};          ///< SCHED_FIFO; 0: do not ask
-  int recoveries{0};         ///< so often the loop begins again by itself: see ServoLoop::RequestRecovery
+  /// Of the calling thread. What a tick takes of the stack is some 20 KiB; the rest is for what it calls.
+  rt::RealtimeThreadParams thread{.priority = 80, .lock_memory = true, .prefault_stack_bytes = 256 * 1024};
+  int recoveries{0};  ///< so often the loop begins again by itself: see ServoLoop::RequestRecovery
   /// Where the arm stands, written with each of its messages while the loop waits. Writer: this thread.
   rt::LatestValue<StandingArm>* standing{nullptr};
   std::atomic<double>* rendered_s{nullptr};  ///< written each tick: how much of `seconds` has been run
@@ -43,7 +45,7 @@ struct RunServoResult {
   std::uint64_t unsent{0};      ///< answers that the system would not send
   int recovered{0};             ///< times that it began again
   std::uint64_t unrecorded{0};  ///< ticks that the recorder had no room for
-  bool realtime{false};         ///< SCHED_FIFO was granted
+  rt::RealtimeGrant thread;     ///< what the system granted
   DurationHistogram wakeup;     ///< from ArmState::stamp, the link's time of receipt, to the loop running
   DurationHistogram compute;    ///< from there to the answer sent
   DurationHistogram period;  ///< between messages answered in COMMANDING_ACTIVE; 1e9 / median: the servo rate

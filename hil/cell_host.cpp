@@ -46,7 +46,7 @@ CellHostState CellHost::State() {
 }
 
 void CellHost::RunDevices() {
-  static_cast<void>(params_.device_priority > 0 && rt::RequestRealtimePriority(params_.device_priority));
+  rt::SetUpRealtimeThread(params_.device_thread);
   std::vector<io::CanBus*> ends;
   for (const auto& bus : buses_) ends.push_back(bus.get());
   const InjectionParams& injections = params_.arm.injections;

@@ -24,7 +24,7 @@ struct CellHostParams {
   SimulatedDeviceParams devices;
   std::optional<PlcServerParams> plc;
   rt::Nanoseconds device_period{rt::kMillisecond / 2};  ///< how often buses and panel are looked after
-  int device_priority{75};                              ///< SCHED_FIFO; 0: do not ask
+  rt::RealtimeThreadParams device_thread{.priority = 75};
 };
 
 /// What the cell was, at its end or now. Plain data.

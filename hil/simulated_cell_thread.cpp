@@ -23,8 +23,7 @@ void SimulatedCellThread::Stop() {
 
 void SimulatedCellThread::Run() {
   CellThreadStatistics statistics;
-  statistics.realtime =
-      params_.realtime_priority > 0 && rt::RequestRealtimePriority(params_.realtime_priority);
+  statistics.thread = rt::SetUpRealtimeThread(params_.thread);
 
   const auto period = static_cast<rt::Nanoseconds>(cell_.period_s() * 1e9 + 0.5);
   const rt::Nanoseconds tolerance = period / 2;

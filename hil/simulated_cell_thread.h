@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "control/rt/latest_value.h"
+#include "control/rt/realtime_thread.h"
 #include "hil/injection/cell_wires.h"
 #include "hil/simulated_cell.h"
 #include "hil/udp_client.h"
@@ -17,8 +18,8 @@ struct CellThreadParams {
   std::string client_address{
       "127.0.0.1"};                  ///< dotted IPv4; the loopback unless the client really is elsewhere
   std::uint16_t client_port{30200};  ///< where the client listens
-  int realtime_priority{80};         ///< SCHED_FIFO, 1 … 99; 0: do not ask
-  InjectionParams injections{};      ///< of the arm's wire; others are not this thread's
+  rt::RealtimeThreadParams thread{.priority = 80};
+  InjectionParams injections{};  ///< of the arm's wire; others are not this thread's
 };
 
 /// What the thread did. Plain data.
@@ -27,7 +28,7 @@ struct CellThreadStatistics {
   std::uint64_t overruns{0};  ///< cycles in which this thread itself woke more than half a period late
   rt::Nanoseconds worst_wakeup_ns{0};
   std::uint64_t undelivered{0};  ///< messages that the system could not hand on, e.g. as nobody listens yet
-  bool realtime{false};          ///< the priority was granted
+  rt::RealtimeGrant thread;      ///< what the system granted it
   CellWireCounters wires;        ///< what was injected
 };
 

@@ -20,8 +20,4 @@ inline constexpr Nanoseconds kSecond = 1'000'000'000;
 /// Sleeps until the given time of CLOCK_MONOTONIC; returns at once where it has passed.
 void SleepUntil(Nanoseconds time) OSTEON_RT;
 
-/// Asks for SCHED_FIFO at the priority for the calling thread; false where the system refuses (no right, no
-/// such class).
-bool RequestRealtimePriority(int priority) OSTEON_RT;
-
 }  // namespace osteon::rt

@@ -4,6 +4,7 @@
 #include <pthread.h>
 
 #include <cstddef>
+#include <new>
 
 // Counts every way into glibc's heap, and every mutex lock. Compiled out under sanitizers, which bring their
 // own.
@@ -80,6 +81,11 @@ NoAllocScope::NoAllocScope() {
   t_armed = true;
 }
 NoAllocScope::~NoAllocScope() { t_armed = false; }
+bool NoAllocScope::Counts() {
+  NoAllocScope scope;
+  ::operator delete(::operator new(8));
+  return scope.heap_calls() > 0;
+}
 int NoAllocScope::heap_calls() const { return t_heap_calls; }
 int NoAllocScope::locks() const { return t_locks; }
 

@@ -11,6 +11,9 @@ class NoAllocScope {
   NoAllocScope(const NoAllocScope&) = delete;
   NoAllocScope& operator=(const NoAllocScope&) = delete;
 
+  /// Whether calls are counted here at all: a sanitizer has a heap of its own.
+  [[nodiscard]] static bool Counts();
+
   [[nodiscard]] int heap_calls() const;
   [[nodiscard]] int locks() const;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -46,6 +47,14 @@ class CanBus {
   /// Hands the frame over at once or not at all. A frame beyond 8 bytes or 11 bits is kFull: it never fits.
   virtual CanResult Send(const CanFrame& frame) OSTEON_RT = 0;
 
+  /// Hands over as many as it can, in their order; what it can't is counted (CanStatus::unsent).
+  /// @returns kOk: all of them; otherwise the gravest of what was wrong.
+  virtual CanResult SendAll(std::span<const CanFrame> frames) OSTEON_RT {
+    CanResult result = CanResult::kOk;
+    for (const CanFrame& frame : frames) result = std::max(result, Send(frame));
+    return result;
+  }
+
   /// The next frame that has arrived; never waits.
   virtual CanResult TryReceive(CanArrival& arrival) OSTEON_RT = 0;
 
@@ -53,10 +62,22 @@ class CanBus {
   /// passed.
   virtual CanResult Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT = 0;
 
-  /// What has arrived, at most as many as there is room for; never waits. The frames are the first of `room`.
+  /// What has arrived, at most as many as there is room for; never waits.
+  /// @param[out] count  so many: the first of `room`
+  /// @returns kEmpty where there was none; kDown where the bus is, whatever came before it was.
+  virtual CanResult ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT {
+    for (count = 0; count < room.size(); ++count) {
+      const CanResult result = TryReceive(room[count]);
+      if (result == CanResult::kDown) return result;
+      if (result != CanResult::kOk) break;
+    }
+    return count > 0 ? CanResult::kOk : CanResult::kEmpty;
+  }
+
+  /// The same, for whom a bus that is down is one that is silent. @returns how many came.
   std::size_t Drain(std::span<CanArrival> room) OSTEON_RT {
     std::size_t count = 0;
-    while (count < room.size() && TryReceive(room[count]) == CanResult::kOk) ++count;
+    static_cast<void>(ReceiveAll(room, count));
     return count;
   }
 

@@ -1,21 +1,22 @@
 #include "io/can/can_pump.h"
 
+#include <span>
+
 namespace osteon::io {
 
 CanResult CanPump::Pump(rt::Nanoseconds now) OSTEON_RT {
-  CanArrival arrival;
-  for (int i = 0; i < kMaxReads; ++i) {
-    const CanResult result = bus_.TryReceive(arrival);
-    if (result == CanResult::kDown) return result;
-    if (result != CanResult::kOk) break;
-    for (std::size_t c = 0; c < count_; ++c) clients_[c]->Accept(arrival);
-  }
-  CanFrame frame;
-  for (std::size_t c = 0; c < count_; ++c) {
-    for (int i = 0; i < kMaxSends && clients_[c]->Next(now, frame); ++i)
-      if (bus_.Send(frame) == CanResult::kDown) return CanResult::kDown;
-  }
-  return CanResult::kOk;
+  std::size_t came = 0;
+  const CanResult received = bus_.ReceiveAll(arrived_, came);
+  for (std::size_t i = 0; i < came; ++i)
+    for (std::size_t c = 0; c < count_; ++c) clients_[c]->Accept(arrived_[i]);
+  if (received == CanResult::kDown) return received;
+
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < count_; ++c)
+    for (std::size_t i = 0; i < kMaxSends && clients_[c]->Next(now, due_[count]); ++i) ++count;
+  if (count == 0) return CanResult::kOk;
+  const CanResult sent = bus_.SendAll(std::span(due_).first(count));
+  return sent == CanResult::kDown ? sent : CanResult::kOk;
 }
 
 }  // namespace osteon::io

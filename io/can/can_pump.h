@@ -24,8 +24,8 @@ class CanClient {
 class CanPump {
  public:
   static constexpr std::size_t kMaxClients = 4;
-  static constexpr int kMaxReads = 128;  ///< of one call: a flood must not hold the tick
-  static constexpr int kMaxSends = 16;   ///< of one client in one call
+  static constexpr std::size_t kMaxReads = 128;  ///< of one call: a flood must not hold the tick
+  static constexpr std::size_t kMaxSends = 16;   ///< of one client in one call
 
   explicit CanPump(CanBus& bus) : bus_(bus) {}
 
@@ -36,14 +36,17 @@ class CanPump {
     return true;
   }
 
-  /// Hands on what has arrived, then sends what is due. kDown where the bus is; a frame that finds no room in
-  /// the queue is counted (CanStatus::unsent) and forgotten: every client repeats what matters.
+  /// Hands on what has arrived, then sends what is due: a call of ReceiveAll, and one of SendAll where
+  /// anything is due. kDown where the bus is; a frame that finds no room in the queue is counted
+  /// (CanStatus::unsent) and forgotten: every client repeats what matters.
   CanResult Pump(rt::Nanoseconds now) OSTEON_RT;
 
  private:
   CanBus& bus_;
   std::array<CanClient*, kMaxClients> clients_{};
   std::size_t count_{0};
+  std::array<CanArrival, kMaxReads> arrived_{};  // scratch of a call
+  std::array<CanFrame, kMaxClients * kMaxSends> due_{};
 };
 
 }  // namespace osteon::io

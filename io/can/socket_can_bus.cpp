@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -18,7 +17,7 @@
 namespace osteon::io {
 namespace {
 
-constexpr int kMaxSkipped = 64;  // error frames and odd frames passed over in one call
+constexpr std::size_t kMaxSkipped = 64;  // error frames and odd frames passed over in one call
 
 // Whether `name` is an interface of type CAN that is up; otherwise what is wrong with it.
 std::string WrongWithInterface(int fd, const std::string& name, int& index) {
@@ -78,70 +77,103 @@ tl::expected<std::unique_ptr<SocketCanBus>, std::string> SocketCanBus::Open(cons
 
 SocketCanBus::~SocketCanBus() { close(socket_); }
 
-CanResult SocketCanBus::Send(const CanFrame& frame) OSTEON_RT {
-  can_frame wire{};
-  CanResult result = CanResult::kFull;
-  if (frame.id <= kCanMaxId && frame.size <= CAN_MAX_DLEN) {
-    wire.can_id = frame.id;
-    wire.can_dlc = frame.size;
-    std::copy_n(frame.data.begin(), frame.size, wire.data);
-    if (status_.bus_off)
-      result = CanResult::kDown;
-    else if (write(socket_, &wire, sizeof wire) == static_cast<ssize_t>(sizeof wire))
-      result = CanResult::kOk;
-    else if (errno != ENOBUFS && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)
-      result = CanResult::kDown;
+CanResult SocketCanBus::Send(const CanFrame& frame) OSTEON_RT { return SendAll({&frame, 1}); }
+
+CanResult SocketCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
+  CanResult result = CanResult::kOk;
+  const auto refuse = [&](std::size_t count, CanResult why) {
+    status_.unsent += count;
+    frames = frames.subspan(count);
+    result = std::max(result, why);
+  };
+  while (!frames.empty()) {
+    std::size_t count = 0;  // up to one that is no frame
+    for (; count < std::min(frames.size(), out_.kMost); ++count) {
+      const CanFrame& frame = frames[count];
+      if (frame.id > kCanMaxId || frame.size > CAN_MAX_DLEN) break;
+      can_frame wire{};
+      wire.can_id = frame.id;
+      wire.can_dlc = frame.size;
+      std::copy_n(frame.data.begin(), frame.size, wire.data);
+      std::memcpy(out_.room(count).data(), &wire, sizeof wire);
+    }
+    if (count == 0) {
+      refuse(1, CanResult::kFull);
+      continue;
+    }
+    if (status_.bus_off) {
+      refuse(count, CanResult::kDown);
+      continue;
+    }
+    const int sent = out_.Send(socket_, count);
+    if (sent > 0) {
+      status_.sent += static_cast<std::uint64_t>(sent);
+      frames = frames.subspan(static_cast<std::size_t>(sent));
+    } else {
+      const bool full = errno == ENOBUFS || errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+      refuse(frames.size(), full ? CanResult::kFull : CanResult::kDown);
+    }
   }
-  ++(result == CanResult::kOk ? status_.sent : status_.unsent);
   return result;
 }
 
 CanResult SocketCanBus::TryReceive(CanArrival& arrival) OSTEON_RT {
-  for (int i = 0; i < kMaxSkipped; ++i) {
-    can_frame wire{};
-    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))>
-        control{};
-    iovec bytes{.iov_base = &wire, .iov_len = sizeof wire};
-    msghdr message{};
-    message.msg_iov = &bytes;
-    message.msg_iovlen = 1;
-    message.msg_control = control.data();
-    message.msg_controllen = control.size();
-    const ssize_t size = recvmsg(socket_, &message, MSG_DONTWAIT);
-    if (size < 0)
-      return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ? CanResult::kEmpty : CanResult::kDown;
+  std::size_t count = 0;
+  return ReceiveAll({&arrival, 1}, count);
+}
 
-    for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
-      if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
-      std::uint32_t dropped = 0;
-      std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
-      gap_ = gap_ || dropped != overflow_;
-      status_.lost += dropped - overflow_;  // modulo 2^32, as the kernel counts
-      overflow_ = dropped;
+CanResult SocketCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT {
+  count = 0;
+  std::size_t left = room.size() + kMaxSkipped;
+  while (count < room.size() && left > 0) {
+    const std::size_t asked = std::min({room.size() - count, left, in_.kMost});
+    const int taken = in_.Receive(socket_, asked);
+    if (taken <= 0) {
+      if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return CanResult::kDown;
+      break;
     }
-    if (size != sizeof wire || wire.can_dlc > CAN_MAX_DLEN) {
-      ++status_.rejected;
-      continue;
-    }
-    if ((wire.can_id & CAN_ERR_FLAG) != 0) {
-      TakeErrorFrame(wire.can_id & CAN_ERR_MASK, wire.data);
-      continue;
-    }
-    if ((wire.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) != 0) {
-      ++status_.rejected;
-      continue;
-    }
-    arrival = {};
-    arrival.frame.id = static_cast<std::uint16_t>(wire.can_id & CAN_SFF_MASK);
-    arrival.frame.size = wire.can_dlc;
-    std::copy_n(wire.data, wire.can_dlc, arrival.frame.data.begin());
-    arrival.stamp = ArrivalTime(message);
-    arrival.after_gap = gap_;
-    gap_ = false;
-    ++status_.received;
-    return CanResult::kOk;
+    const auto came = static_cast<std::size_t>(taken);
+    left -= came;
+    for (std::size_t i = 0; i < came; ++i)
+      if (Take(in_.bytes(i), in_.header(i), room[count])) ++count;
+    if (came < asked) break;  // that was all
   }
-  return CanResult::kEmpty;
+  return count > 0 ? CanResult::kOk : CanResult::kEmpty;
+}
+
+// Whether it is a frame to be delivered; what the kernel or the controller reports is taken either way.
+bool SocketCanBus::Take(std::span<const std::uint8_t> bytes, msghdr& message, CanArrival& arrival) OSTEON_RT {
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
+    std::uint32_t dropped = 0;
+    std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
+    gap_ = gap_ || dropped != overflow_;
+    status_.lost += dropped - overflow_;  // modulo 2^32, as the kernel counts
+    overflow_ = dropped;
+  }
+  can_frame wire{};
+  if (bytes.size() == sizeof wire) std::memcpy(&wire, bytes.data(), sizeof wire);
+  if (bytes.size() != sizeof wire || wire.can_dlc > CAN_MAX_DLEN) {
+    ++status_.rejected;
+    return false;
+  }
+  if ((wire.can_id & CAN_ERR_FLAG) != 0) {
+    TakeErrorFrame(wire.can_id & CAN_ERR_MASK, wire.data);
+    return false;
+  }
+  if ((wire.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) != 0) {
+    ++status_.rejected;
+    return false;
+  }
+  arrival = {};
+  arrival.frame.id = static_cast<std::uint16_t>(wire.can_id & CAN_SFF_MASK);
+  arrival.frame.size = wire.can_dlc;
+  std::copy_n(wire.data, wire.can_dlc, arrival.frame.data.begin());
+  arrival.stamp = ArrivalTime(message);
+  arrival.after_gap = gap_;
+  gap_ = false;
+  ++status_.received;
+  return true;
 }
 
 CanResult SocketCanBus::Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT {

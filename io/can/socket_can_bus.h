@@ -1,13 +1,19 @@
 #pragma once
 
+#include <linux/can.h>
+#include <time.h>
+
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <tl/expected.hpp>
 
 #include "io/can/can_bus.h"
+#include "io/can/message_batch.h"
 
 namespace osteon::io {
 
@@ -24,7 +30,8 @@ struct SocketCanParams {
 /// end in status(); off the bus, Send says kDown until the controller has restarted (`restart-ms`).
 ///
 /// Stamps are the arrival in the kernel. What the socket's queue had no room for is counted as lost, and the
-/// next frame says after_gap.
+/// next frame says after_gap. However many frames wait or are sent at once, it is one system call for each
+/// 32.
 ///
 /// Setting an interface up is the system's business, once, as root:
 ///
@@ -37,18 +44,24 @@ class SocketCanBus final : public CanBus {
   ~SocketCanBus() override;
 
   CanResult Send(const CanFrame& frame) OSTEON_RT override;
+  CanResult SendAll(std::span<const CanFrame> frames) OSTEON_RT override;
   CanResult TryReceive(CanArrival& arrival) OSTEON_RT override;
+  CanResult ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT override;
   CanResult Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT override;
   [[nodiscard]] const CanStatus& status() const OSTEON_RT override { return status_; }
 
  private:
   explicit SocketCanBus(int socket) : socket_(socket) {}
+  [[nodiscard]] bool Take(std::span<const std::uint8_t> bytes, msghdr& message,
+                          CanArrival& arrival) OSTEON_RT;
   void TakeErrorFrame(std::uint32_t error_class, const std::uint8_t* data) OSTEON_RT;
 
   int socket_;
   CanStatus status_;
   std::uint32_t overflow_{0};  // the kernel's count of frames that found no room in our queue
   bool gap_{false};
+  MessageBatch<sizeof(can_frame), 0> out_;
+  MessageBatch<sizeof(can_frame), CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> in_;
 };
 
 }  // namespace osteon::io

@@ -13,7 +13,7 @@
 namespace osteon::io {
 namespace {
 
-constexpr int kMaxSkipped = 64;  // datagrams passed over in one call
+constexpr std::size_t kMaxSkipped = 64;  // datagrams passed over in one call
 
 std::string Place(const std::string& address, std::uint16_t port) {
   return "UDP " + address + ":" + std::to_string(port);
@@ -40,8 +40,8 @@ tl::expected<std::unique_ptr<UdpCanBus>, std::string> UdpCanBus::Open(const UdpC
                           SystemReason(errno));
   bus->port_ = bound->port;
   // what came from anybody between the two
-  for (int i = 0; i < kMaxSkipped; ++i)
-    if (ReadDatagram(fd, bus->in_).read == Datagram::Read::kNone) break;
+  for (std::size_t i = 0; i < kMaxSkipped && bus->in_.Receive(fd, 1) > 0; ++i) {
+  }
   return bus;
 }
 
@@ -60,39 +60,78 @@ tl::expected<UdpCanBus::Pair, std::string> UdpCanBus::OpenPair() {
 
 UdpCanBus::~UdpCanBus() { close(socket_); }
 
-CanResult UdpCanBus::Send(const CanFrame& frame) OSTEON_RT {
-  CanResult result = CanResult::kFull;
-  const std::size_t size = EncodeUdpCan({.frame = frame, .session = session_, .sequence = sequence_}, out_);
-  if (size > 0) {
-    if (send(socket_, out_.data(), size, MSG_DONTWAIT | MSG_NOSIGNAL) == static_cast<ssize_t>(size)) {
-      result = CanResult::kOk;
-      ++sequence_;
-    } else if (errno == EBADF || errno == ENOTSOCK) {
-      result = CanResult::kDown;
+CanResult UdpCanBus::Send(const CanFrame& frame) OSTEON_RT { return SendAll({&frame, 1}); }
+
+CanResult UdpCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
+  CanResult result = CanResult::kOk;
+  while (!frames.empty()) {
+    // up to one that is no frame; one that is not sent has no number
+    std::size_t count = 0;
+    for (; count < std::min(frames.size(), out_.kMost); ++count) {
+      const auto number = sequence_ + static_cast<std::uint32_t>(count);
+      const std::size_t size =
+          EncodeUdpCan({.frame = frames[count], .session = session_, .sequence = number}, out_.room(count));
+      if (size == 0) break;
+      out_.SetSize(count, size);
     }
+    const int sent = count > 0 ? out_.Send(socket_, count) : 0;
+    const auto went = static_cast<std::size_t>(std::max(sent, 0));
+    status_.sent += went;
+    sequence_ += static_cast<std::uint32_t>(went);
+    frames = frames.subspan(went);
+    if (count > 0 && went == count) continue;
+    // the next was refused: with it all, where there is no room or no socket; alone, where it is no frame or
+    // the system reports by it that an earlier one found nobody
+    const bool down = sent < 0 && (errno == EBADF || errno == ENOTSOCK);
+    const bool full = sent < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS);
+    const std::size_t refused = down || full ? frames.size() : 1;
+    status_.unsent += refused;
+    frames = frames.subspan(refused);
+    result = std::max(result, down ? CanResult::kDown : CanResult::kFull);
   }
-  ++(result == CanResult::kOk ? status_.sent : status_.unsent);
   return result;
 }
 
 CanResult UdpCanBus::TryReceive(CanArrival& arrival) OSTEON_RT {
-  for (int i = 0; i < kMaxSkipped; ++i) {
-    const Datagram datagram = ReadDatagram(socket_, in_);
-    if (datagram.read == Datagram::Read::kGone) return CanResult::kDown;
-    if (datagram.read == Datagram::Read::kReported) continue;  // an earlier frame that nobody took
-    if (datagram.read == Datagram::Read::kNone) return CanResult::kEmpty;
-    UdpCanMessage parsed;
-    if (DecodeUdpCan(datagram.bytes, parsed) != UdpCanError::kNone) {
-      ++status_.rejected;
+  std::size_t count = 0;
+  return ReceiveAll({&arrival, 1}, count);
+}
+
+CanResult UdpCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT {
+  count = 0;
+  std::size_t left = room.size() + kMaxSkipped;
+  while (count < room.size() && left > 0) {
+    const std::size_t asked = std::min({room.size() - count, left, in_.kMost});
+    const int taken = in_.Receive(socket_, asked);
+    if (taken <= 0) {
+      if (errno == EBADF || errno == ENOTSOCK) return CanResult::kDown;
+      if (errno == EAGAIN || errno == EWOULDBLOCK) break;
+      --left;  // an earlier frame that nobody took is reported
       continue;
     }
-    if (!InOrder(parsed) || !Wanted(parsed.frame)) continue;
-    arrival = {.frame = parsed.frame, .stamp = datagram.arrival, .after_gap = gap_};
-    gap_ = false;
-    ++status_.received;
-    return CanResult::kOk;
+    const auto came = static_cast<std::size_t>(taken);
+    left -= came;
+    for (std::size_t i = 0; i < came; ++i) {
+      if (!Take(in_.bytes(i), room[count])) continue;
+      room[count++].stamp = ArrivalTime(in_.header(i));
+    }
+    if (came < asked) break;  // that was all
   }
-  return CanResult::kEmpty;
+  return count > 0 ? CanResult::kOk : CanResult::kEmpty;
+}
+
+// Whether it is a frame to be delivered.
+bool UdpCanBus::Take(std::span<const std::uint8_t> datagram, CanArrival& arrival) OSTEON_RT {
+  UdpCanMessage parsed;
+  if (DecodeUdpCan(datagram, parsed) != UdpCanError::kNone) {
+    ++status_.rejected;
+    return false;
+  }
+  if (!InOrder(parsed) || !Wanted(parsed.frame)) return false;
+  arrival = {.frame = parsed.frame, .stamp = 0, .after_gap = gap_};
+  gap_ = false;
+  ++status_.received;
+  return true;
 }
 
 CanResult UdpCanBus::Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT {

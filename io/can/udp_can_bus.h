@@ -1,8 +1,11 @@
 #pragma once
 
-#include <array>
+#include <time.h>
+
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +13,7 @@
 #include <tl/expected.hpp>
 
 #include "io/can/can_bus.h"
+#include "io/can/message_batch.h"
 #include "io/can/udp_can_codec.h"
 
 namespace osteon::io {
@@ -29,6 +33,7 @@ struct UdpCanParams {
 /// What arrives out of order or twice is counted and not delivered; a gap in the sender's count is counted as
 /// lost, and the next frame says after_gap. A new session of the peer (it was started again) begins its count
 /// anew. Nobody listening at the other end is kFull, as an unconnected bus would be: nothing acknowledges.
+/// However many frames wait or are sent at once, it is one system call for each 32.
 class UdpCanBus final : public CanBus {
  public:
   /// The error names address and port, and says what to do.
@@ -41,7 +46,9 @@ class UdpCanBus final : public CanBus {
   ~UdpCanBus() override;
 
   CanResult Send(const CanFrame& frame) OSTEON_RT override;
+  CanResult SendAll(std::span<const CanFrame> frames) OSTEON_RT override;
   CanResult TryReceive(CanArrival& arrival) OSTEON_RT override;
+  CanResult ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT override;
   CanResult Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT override;
   [[nodiscard]] const CanStatus& status() const OSTEON_RT override { return status_; }
 
@@ -49,6 +56,7 @@ class UdpCanBus final : public CanBus {
 
  private:
   UdpCanBus(int socket, std::vector<CanFilter> filters);
+  [[nodiscard]] bool Take(std::span<const std::uint8_t> datagram, CanArrival& arrival) OSTEON_RT;
   [[nodiscard]] bool InOrder(const UdpCanMessage& message) OSTEON_RT;
   [[nodiscard]] bool Wanted(const CanFrame& frame) const OSTEON_RT;
 
@@ -59,8 +67,9 @@ class UdpCanBus final : public CanBus {
   std::uint32_t session_, sequence_{0};          // ours
   std::uint32_t peer_session_{0}, expected_{0};  // the peer's
   bool heard_{false}, gap_{false};
-  std::array<std::uint8_t, kUdpCanMaxDatagram> out_{};
-  std::array<std::uint8_t, kUdpCanMaxDatagram + 1> in_{};  // one more, to see what is too long
+  MessageBatch<kUdpCanMaxDatagram, 0> out_;
+  MessageBatch<kUdpCanMaxDatagram + 1, CMSG_SPACE(sizeof(timespec))>
+      in_;  // one more, to see what is too long
 };
 
 }  // namespace osteon::io

@@ -139,6 +139,18 @@ TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
   EXPECT_FALSE(report.at("arm").at("stop").get<std::string>().empty());
 }
 
+TEST(CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheCpuThatWasNamed) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"run", "thin_plate", "--simulated", "--port", "0", "--cpu", "0", "--seconds",
+                                 "0.5", "--json", "run.json"});
+  ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 1) << run.exit_code << run.err;
+  const nlohmann::json summary = ReadJson(folder.path() / "run.json");
+  EXPECT_TRUE(run.exit_code == 0 || IsStall(summary)) << summary.dump(2);
+  EXPECT_EQ(summary.at("servo_cpu"), 0);
+  EXPECT_EQ(summary.at("cell").at("arm").at("cpu"), 0);
+}
+
 TEST(CellProcess, APortThatIsTakenIsNamed) {
   const TemporaryFolder folder, cell_folder;  // each process has its own
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});

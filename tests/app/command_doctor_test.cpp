@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "app/realtime_checks.h"
 #include "io/fri/fri_link.h"
 #include "tests/app/command.h"
 
@@ -33,12 +34,14 @@ std::string VerdictOf(const nlohmann::json& doctor, const std::string& name) {
 
 TEST(Doctor, GivesAVerdictForEachCheck) {
   const TemporaryFolder folder;
-  const CommandResult run = RunCommand(folder.path(), {"doctor", "--port", "0", "--json", "doctor.json"});
+  const CommandResult run =
+      RunCommand(folder.path(), {"doctor", "--seconds", "0.2", "--port", "0", "--json", "doctor.json"});
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
   const nlohmann::json doctor = ReadJson(folder.path() / "doctor.json");
   const std::set<std::string> names = ExpectChecks(doctor);
   for (const char* name :
-       {"System", "Vulkan device", "Real-time priority", "Locked memory", "FRI port", "SocketCAN"})
+       {"System", "Vulkan device", "Real-time priority", "Timer latency, ordinary thread", "Servo periods",
+        "Locked memory", "Kernel", "Isolated cores", "Frequency governor", "FRI port", "SocketCAN"})
     EXPECT_TRUE(names.contains(name)) << name;
   for (const std::string& name : names) EXPECT_NE(run.out.find(name), std::string::npos) << name;
   EXPECT_EQ(VerdictOf(doctor, "FRI port"), "good");
@@ -46,8 +49,9 @@ TEST(Doctor, GivesAVerdictForEachCheck) {
 
 TEST(Doctor, FailsWithoutAVulkanDriver) {
   const TemporaryFolder folder;
-  const CommandResult run = RunCommand(folder.path(), {"doctor", "--port", "0", "--json", "doctor.json"},
-                                       {"VK_DRIVER_FILES=/nonexistent", "VK_ICD_FILENAMES=/nonexistent"});
+  const CommandResult run =
+      RunCommand(folder.path(), {"doctor", "--seconds", "0.2", "--port", "0", "--json", "doctor.json"},
+                 {"VK_DRIVER_FILES=/nonexistent", "VK_ICD_FILENAMES=/nonexistent"});
   EXPECT_EQ(run.exit_code, 1) << run.err;
   const nlohmann::json doctor = ReadJson(folder.path() / "doctor.json");
   ExpectChecks(doctor);
@@ -60,16 +64,42 @@ TEST(Doctor, FailsWhereThePortIsTaken) {
   ASSERT_TRUE(other) << other.error();
   const TemporaryFolder folder;
   const std::string port = std::to_string((*other)->port());
-  const CommandResult run = RunCommand(folder.path(), {"doctor", "--port", port});
+  const CommandResult run = RunCommand(folder.path(), {"doctor", "--seconds", "0.2", "--port", port});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.out.find("127.0.0.1:" + port), std::string::npos) << run.out;
 }
 
 TEST(Doctor, SaysWhereItsJsonCanNotBeWritten) {
   const TemporaryFolder folder;
-  const CommandResult run = RunCommand(folder.path(), {"doctor", "--port", "0", "--json", "nowhere/d.json"});
+  const CommandResult run =
+      RunCommand(folder.path(), {"doctor", "--seconds", "0.2", "--port", "0", "--json", "nowhere/d.json"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("nowhere/d.json"), std::string::npos) << run.err;
+}
+
+// The verdict's rule at its edges, on figures and not on this machine.
+TEST(Doctor, APeriodIsServedByP999BelowATenthAndMaxBelowHalfOfIt) {
+  const DurationFigures late{
+      .count = 10'000, .p50_s = 5e-6, .p99_s = 40e-6, .p999_s = 99e-6, .max_s = 499e-6};
+  EXPECT_TRUE(Serves(late, 1e-3));
+  DurationFigures tail = late, peak = late;
+  tail.p999_s = 101e-6;
+  EXPECT_FALSE(Serves(tail, 1e-3));
+  EXPECT_TRUE(Serves(tail, 2e-3));
+  peak.max_s = 501e-6;
+  EXPECT_FALSE(Serves(peak, 1e-3));
+  EXPECT_TRUE(Serves(peak, 2e-3));
+  EXPECT_FALSE(Serves({}, 5e-3)) << "nothing measured is nothing promised";
+}
+
+TEST(Doctor, MeasuresAWakeUpAMillisecond) {
+  bool realtime = false;
+  const DurationFigures late = TimerLatency(0.1, realtime);
+  EXPECT_FALSE(realtime) << "not asked for";
+  EXPECT_EQ(late.count, 100u);
+  EXPECT_GE(late.p50_s, 0.0) << "no thread wakes early";
+  EXPECT_LE(late.p50_s, late.p999_s);
+  EXPECT_LE(late.p999_s, late.max_s);
 }
 
 TEST(Help, ShowsExamplesForEverySubcommand) {

@@ -70,6 +70,12 @@ TEST_F(WrongInput, OptionsAndSubcommands) {
   ExpectRefused({"demo", "--port", "70000"}, {"--port", "70000", "0 … 65535"});
   ExpectRefused({"demo", "--port", "-1"}, {"--port", "-1", "0 … 65535"});
   ExpectRefused({"doctor", "--port", "x"}, {"--port", "x", "0 … 65535"});
+  for (const char* command : {"run", "cell"}) {
+    ExpectRefused({command, "demo", "--cpu", "1023"}, {"--cpu", "found 1023", "accepted"});
+    ExpectRefused({command, "demo", "--cpu", "-1"}, {"--cpu", "-1", "0 … 1023"});
+  }
+  ExpectRefused({"demo", "--cpu", "1023"}, {"--cpu", "found 1023", "accepted"});
+  ExpectRefused({"demo", "--cpu", "0", "--virtual-time"}, {"--cpu", "--virtual-time", "wall time"});
   ExpectRefused({"demo", "--engine", "cuda"}, {"--engine", "cuda", "vulkan", "reference"});
   ExpectRefused({"demo", "--engine", "reference"}, {"--engine reference", "--virtual-time"});
 }

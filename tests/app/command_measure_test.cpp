@@ -6,8 +6,8 @@
 
 #include "tests/app/command.h"
 
-// `bench frame`, `bench kinematics`, `chart scaling` and `chart speed-accuracy` as a user runs them, small.
-// No time is judged.
+// `bench frame`, `bench kinematics`, `bench tick`, `chart scaling` and `chart speed-accuracy` as a user runs
+// them, small. No time is judged.
 
 namespace osteon::app {
 namespace {
@@ -134,6 +134,32 @@ TEST(BenchKinematics, SaysWhatItDoesNotTake) {
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_NE(none.err.find("osteon bench kinematics: no_such.yaml: no such file"), std::string::npos)
       << none.err;
+}
+
+TEST(BenchTick, WritesTheKeysOfItsContract) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"bench", "tick", "--ticks", "200", "--json", "t.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "t.json");
+  EXPECT_EQ(json.at("schema"), "osteon.bench.tick/1");
+  EXPECT_EQ(json.at("ticks"), 200);
+  EXPECT_EQ(json.at("contacts"), 8);
+  ExpectTimes(json.at("tick_us"));
+  for (const char* stage : {"receive", "devices", "loop", "send", "record", "kinematics", "coupling",
+                            "limits", "elbow", "inverse", "guard"})
+    ExpectTimes(json.at("stage_us").at(stage));
+  // the loop's own work was there to be timed: a hand that pressed the tool on planes
+  EXPECT_GT(json.at("mean_force_N").get<double>(), 1.0);
+  EXPECT_GE(json.at("contacts_pressing_mean").get<double>(), 1.0);
+  EXPECT_LE(json.at("contacts_pressing_mean").get<double>(), 8.0);
+  // null where a sanitizer has the heap
+  if (!json.at("allocations").is_null()) {
+    EXPECT_EQ(json.at("allocations"), 0);
+  }
+  const CommandResult few = RunCommand(folder.path(), {"bench", "tick", "--ticks", "3"});
+  EXPECT_EQ(few.exit_code, 2);
+  EXPECT_NE(few.err.find("--ticks: found 3, accepted 100"), std::string::npos) << few.err;
 }
 
 TEST(BenchFrame, EndsWithOneWhereThereIsNoDevice) {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "control/rt/realtime_thread.h"
 #include "io/recording/recorder.h"
 #include "tests/io/recording_samples.h"
 
@@ -42,7 +43,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "osteon_record_bench: %s\n", recorder.error().c_str());
     return 1;
   }
-  const bool realtime = rt::RequestRealtimePriority(80);
+  const bool realtime = rt::SetUpRealtimeThread({.priority = 80}).realtime;
   const auto ticks = static_cast<std::uint64_t>(seconds * 1e3);
   std::vector<rt::Nanoseconds> push, inputs, clock;
   for (auto* times : {&push, &inputs, &clock}) times->reserve(ticks);

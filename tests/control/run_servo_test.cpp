@@ -95,7 +95,7 @@ struct Rig {
   FakeRecorder recorder;
 
   RunServoResult Run(FakeArm& arm, RunServoParams params) {
-    params.priority = 0;
+    params.thread = {.priority = 0};
     return RunServo(loop, arm, world, models, commands, recorder, params);
   }
 };
@@ -131,7 +131,7 @@ TEST(RunServo, AStopFlagStopsInOrder) {
   } recorder;
   recorder.flag = &stop;
   const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.models, rig.commands, recorder,
-                                         {.seconds = 0.0, .priority = 0, .stop = &stop});
+                                         {.seconds = 0.0, .thread = {.priority = 0}, .stop = &stop});
   EXPECT_EQ(result.end, RunEnd::kStopFlag);
   EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
   EXPECT_EQ(result.faults.bits(), 0u);

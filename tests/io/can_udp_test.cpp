@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -204,6 +206,24 @@ TEST(UdpCanBus, NobodyListeningIsAFrameUnsentNotAnEnd) {
   EXPECT_EQ(bus->Receive(arrival, rt::MonotonicNow() + rt::kMillisecond), CanResult::kEmpty);
 }
 
+// The system reports a frame that found nobody with the next one, which it then does not take.
+TEST(UdpCanBus, NobodyListeningIsCountedWithinABatchAsOneByOne) {
+  const auto counted = [](bool batch) {
+    auto peer = std::make_unique<Peer>();
+    const auto bus = OpenToward(*peer);
+    peer.reset();
+    const std::array<CanFrame, 4> frames{Frame(1, {}), Frame(2, {}), Frame(3, {}), Frame(4, {})};
+    if (batch) {
+      EXPECT_EQ(bus->SendAll(frames), CanResult::kFull);
+    } else {
+      for (const CanFrame& frame : frames) (void)bus->Send(frame);
+    }
+    return std::pair(bus->status().sent, bus->status().unsent);
+  };
+  EXPECT_EQ(counted(true), counted(false));
+  EXPECT_EQ(counted(true), std::pair(std::uint64_t{2}, std::uint64_t{2}));
+}
+
 TEST(UdpCanBus, ErrorsSayWhatIsWrong) {
   const auto says = [](const UdpCanParams& params, const std::string& text) {
     const auto bus = UdpCanBus::Open(params);
@@ -263,6 +283,84 @@ TEST(CanPump, CarriesBothWaysAndDoesNotAllocate) {
   EXPECT_EQ(arrival.frame, Frame(0x21, {9}));
   std::array<CanArrival, 4> room;
   EXPECT_EQ(a->Drain(room), 1u) << "both clients answered";
+}
+
+// Sends frames numbered from 0, as many a call as there is room for; keeps what it hears.
+class Counter final : public CanClient {
+ public:
+  explicit Counter(std::uint16_t id) : id_(id) {}
+  void Accept(const CanArrival& arrival) OSTEON_RT override {
+    if (heard_ < got_.size()) got_[heard_++] = arrival.frame;
+  }
+  bool Next(rt::Nanoseconds, CanFrame& frame) OSTEON_RT override {
+    frame = {.id = id_, .size = 1, .data = {next_++}};
+    return true;
+  }
+  [[nodiscard]] std::span<const CanFrame> got() const { return std::span(got_).first(heard_); }
+
+ private:
+  std::uint16_t id_;
+  std::uint8_t next_{0};
+  std::array<CanFrame, 256> got_{};
+  std::size_t heard_{0};
+};
+
+TEST(CanPump, ManyFramesOfOneTickArriveAllAndInTheirOrder) {
+  const auto [a, b] = OpenPair();
+  std::vector<Counter> senders{Counter(0x10), Counter(0x20), Counter(0x30), Counter(0x40)};
+  Counter receiver(0x50);
+  CanPump sending(*a), receiving(*b);
+  for (Counter& each : senders) ASSERT_TRUE(sending.Add(each));
+  ASSERT_TRUE(receiving.Add(receiver));
+  constexpr std::size_t kAtOnce = CanPump::kMaxClients * CanPump::kMaxSends;  // 64: more than a batch
+  for (int call = 0; call < 2; ++call) ASSERT_EQ(sending.Pump(call), CanResult::kOk);
+  ASSERT_EQ(receiving.Pump(0), CanResult::kOk);
+  ASSERT_EQ(receiver.got().size(), 2 * kAtOnce) << "kMaxReads at once, of both calls";
+  for (std::size_t i = 0; i < 2 * kAtOnce; ++i) {
+    const std::size_t call = i / kAtOnce, client = i % kAtOnce / CanPump::kMaxSends;
+    const auto number = static_cast<std::uint8_t>(call * CanPump::kMaxSends + i % CanPump::kMaxSends);
+    EXPECT_EQ(receiver.got()[i], Frame(static_cast<std::uint16_t>(0x10 * (client + 1)), {number})) << i;
+  }
+  EXPECT_EQ(a->status().sent, 2 * kAtOnce);
+  EXPECT_EQ(a->status().unsent, 0u);
+  EXPECT_EQ(b->status().received, 2 * kAtOnce);
+  EXPECT_EQ(b->status().lost, 0u);
+}
+
+TEST(UdpCanBus, AFullQueueLosesNoFrameSilently) {
+  const auto [a, b] = OpenPair();
+  // far more than a socket's queue holds, whatever this system's is: some find no room
+  constexpr std::size_t kFrames = 100'000, kAtOnce = 50;
+  std::vector<CanFrame> frames;
+  for (std::size_t i = 0; i < kAtOnce; ++i) frames.push_back(Frame(0x123, {static_cast<std::uint8_t>(i)}));
+  for (std::size_t i = 0; i < kFrames; i += kAtOnce) (void)a->SendAll(frames);
+  EXPECT_EQ(a->status().sent + a->status().unsent, kFrames);
+  std::array<CanArrival, 40> room;
+  std::uint64_t got = 0;
+  for (std::size_t count = 0; b->ReceiveAll(room, count) == CanResult::kOk;) got += count;
+  ASSERT_LT(got, a->status().sent) << "the queue was never full: nothing was shown";
+  // what comes next tells the receiver how many there were
+  ASSERT_EQ(a->Send(Frame(0x123, {255})), CanResult::kOk);
+  CanArrival last;
+  ASSERT_EQ(b->Receive(last, rt::MonotonicNow() + rt::kSecond), CanResult::kOk);
+  EXPECT_TRUE(last.after_gap);
+  EXPECT_EQ(got + 1 + b->status().lost, a->status().sent);
+  EXPECT_EQ(b->status().received, got + 1);
+}
+
+TEST(UdpCanBus, AFrameThatIsNoneDoesNotHoldTheOthersBack) {
+  const auto [a, b] = OpenPair();
+  const std::array<CanFrame, 4> frames{Frame(1, {}), CanFrame{.id = 0x800}, Frame(2, {}),
+                                       CanFrame{.id = 3, .size = 9}};
+  EXPECT_EQ(a->SendAll(frames), CanResult::kFull);
+  EXPECT_EQ(a->status().sent, 2u);
+  EXPECT_EQ(a->status().unsent, 2u);
+  std::array<CanArrival, 4> room;
+  ASSERT_EQ(b->Drain(room), 2u);
+  EXPECT_EQ(room[0].frame.id, 1);
+  EXPECT_EQ(room[1].frame.id, 2);
+  EXPECT_FALSE(room[1].after_gap) << "what was not sent has no number";
+  EXPECT_EQ(b->status().lost, 0u);
 }
 
 TEST(CanPump, HoldsNoMoreThanItsClients) {

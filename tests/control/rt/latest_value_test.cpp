@@ -57,6 +57,38 @@ TEST(LatestValue, WhatIsReadIsWholeNeverOlderAndInTheEndTheLast) {
   EXPECT_EQ(before, kLast) << "what was stored before the reader last looked is seen";
 }
 
+// Small, so that the two ends meet in the hand-over and not in copies.
+TEST(LatestValue, TenMillionExchangesTearNothingAndNoneGoesBack) {
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+  constexpr std::uint64_t kLast = 500'000;  // each access costs ten there
+#else
+  constexpr std::uint64_t kLast = 10'000'000;
+#endif
+  struct Small {
+    std::array<std::uint64_t, 4> words{};
+  };
+  LatestValue<Small> value;
+  std::atomic<bool> done{false};
+  std::thread writer([&] {
+    for (std::uint64_t i = 1; i <= kLast; ++i) value.Store({{i, ~i, 3 * i, i ^ kLast}});
+    done.store(true, std::memory_order_release);
+  });
+  std::uint64_t before = 0, torn = 0, backwards = 0, fresh = 0;
+  for (bool last = false; !last;) {
+    last = done.load(std::memory_order_acquire);
+    const auto [a, b, c, d] = value.Load().words;
+    torn += a != 0 && (b != ~a || c != 3 * a || d != (a ^ kLast));
+    backwards += a < before;
+    fresh += a != before;
+    before = a;
+  }
+  writer.join();
+  EXPECT_EQ(torn, 0u);
+  EXPECT_EQ(backwards, 0u);
+  EXPECT_EQ(before, kLast);
+  EXPECT_GT(fresh, 0u);
+}
+
 TEST(LatestValue, NeitherEndAllocatesOrLocks) {
   LatestValue<Large> value;
   const Large large = Filled(3);

@@ -1,0 +1,179 @@
+#include "app/realtime_checks.h"
+
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "control/rt/clock.h"
+#include "control/rt/realtime_thread.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr std::array<double, 3> kPeriods_s{1e-3, 2e-3, 5e-3};  // of FRI, that a cell may have
+constexpr std::chrono::milliseconds kLook{50};
+
+std::string FirstLine(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  return line;
+}
+
+std::string LimitText(int resource, double unit) {
+  rlimit limit{};
+  getrlimit(static_cast<__rlimit_resource>(resource), &limit);
+  return limit.rlim_cur == RLIM_INFINITY ? "unlimited"
+                                         : fmt::format("{:.0f}", static_cast<double>(limit.rlim_cur) / unit);
+}
+
+Check TimerCheck(const char* name, const DurationFigures& late, bool counts) {
+  const bool good = Serves(late, kPeriods_s.front()), usable = Serves(late, kPeriods_s.back());
+  return {name,
+          fmt::format("{} wake-ups, late by p50 {:.0f}, p99 {:.0f}, p99.9 {:.0f}, max {:.0f} µs", late.count,
+                      late.p50_s * 1e6, late.p99_s * 1e6, late.p999_s * 1e6, late.max_s * 1e6),
+          good                ? kGood
+          : !counts || usable ? kUsable
+                              : kMissing,
+          !counts ? good ? "" : "what a thread without SCHED_FIFO would have: the loop is none"
+          : good  ? "a glance: measure for hours before an arm moves (--seconds)"
+                  : "simulation only; for an arm: PREEMPT_RT kernel, an isolated core, no virtual machine"};
+}
+
+Check PeriodCheck(const DurationFigures& late, bool realtime) {
+  std::string served;
+  bool any = false;
+  for (const double period_s : kPeriods_s) {
+    const bool serves = realtime && Serves(late, period_s);
+    any = any || serves;
+    served +=
+        fmt::format("{}{:.0f} ms: {}", served.empty() ? "" : ", ", period_s * 1e3, serves ? "yes" : "no");
+  }
+  const bool all = realtime && Serves(late, kPeriods_s.front());
+  return {"Servo periods", served,
+          all   ? kGood
+          : any ? kUsable
+                : kMissing,
+          all         ? ""
+          : !realtime ? "none is promised without SCHED_FIFO"
+                      : "by p99.9 below a tenth of the period and max below half of it, with SCHED_FIFO"};
+}
+
+Check PriorityCheck(bool realtime) {
+  return {"Real-time priority",
+          fmt::format("SCHED_FIFO {}, rtprio limit {}", realtime ? "granted" : "refused",
+                      LimitText(RLIMIT_RTPRIO, 1.0)),
+          realtime ? kGood : kUsable,
+          realtime ? "" : "run as root, or give the user rtprio 80 in /etc/security/limits.conf"};
+}
+
+// As the loop's thread asks for it; nothing of it stays.
+Check MemoryCheck() {
+  bool locked = false;
+  std::thread([&] {
+    locked = rt::SetUpRealtimeThread({.priority = 0, .lock_memory = true}).memory_locked;
+  }).join();
+  munlockall();
+  return {"Locked memory",
+          fmt::format("{}, memlock limit {} KiB", locked ? "granted" : "refused",
+                      LimitText(RLIMIT_MEMLOCK, 1024.0)),
+          locked ? kGood : kUsable, locked ? "" : "memlock unlimited in /etc/security/limits.conf"};
+}
+
+Check KernelCheck() {
+  utsname system{};
+  uname(&system);
+  const std::string version = system.version;
+  const bool preempt_rt =
+      FirstLine("/sys/kernel/realtime") == "1" || version.find("PREEMPT_RT") != std::string::npos;
+  return {"Kernel",
+          fmt::format("{} {}", system.release, preempt_rt ? "with PREEMPT_RT" : "without PREEMPT_RT"),
+          preempt_rt ? kGood : kUsable, preempt_rt ? "" : "for an arm: apt install linux-image-rt-amd64"};
+}
+
+Check IsolationCheck() {
+  const std::string isolated = FirstLine("/sys/devices/system/cpu/isolated");
+  return {"Isolated cores", isolated.empty() ? "none" : isolated, isolated.empty() ? kUsable : kGood,
+          isolated.empty() ? "isolcpus=N nohz_full=N on the kernel's command line, then --cpu N"
+                           : "name one of them: --cpu N"};
+}
+
+Check GovernorCheck() {
+  std::set<std::string> governors;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/sys/devices/system/cpu", error))
+    if (const std::string name = FirstLine(entry.path() / "cpufreq/scaling_governor"); !name.empty())
+      governors.insert(name);
+  std::string text;
+  for (const std::string& name : governors) text += (text.empty() ? "" : ", ") + name;
+  const bool good = governors == std::set<std::string>{"performance"};
+  return {"Frequency governor", text.empty() ? "not this system's to choose" : text, good ? kGood : kUsable,
+          good           ? ""
+          : text.empty() ? "a virtual machine, or the firmware chooses: turn its power saving off"
+                         : "cpupower frequency-set -g performance"};
+}
+
+}  // namespace
+
+bool Serves(const DurationFigures& late, double period_s) {
+  return late.count > 0 && late.p999_s < period_s / 10.0 && late.max_s < period_s / 2.0;
+}
+
+DurationFigures TimerLatency(double seconds, bool& realtime,
+                             const std::function<void(double at_s)>& progress) {
+  const auto wakeups = static_cast<std::size_t>(std::max(1.0, std::round(seconds * 1e3)));
+  std::vector<double> late;
+  late.reserve(wakeups);
+  std::atomic<bool> done{false};
+  std::thread sleeper([&] {
+    realtime = rt::SetUpRealtimeThread({.priority = realtime ? 80 : 0}).realtime;
+    rt::Nanoseconds due = rt::MonotonicNow();
+    for (std::size_t i = 0; i < wakeups; ++i) {
+      due += rt::kMillisecond;
+      rt::SleepUntil(due);
+      const rt::Nanoseconds woken = rt::MonotonicNow();
+      late.push_back(rt::ToSeconds(woken - due));
+      due = std::max(due, woken - rt::kMillisecond);  // one stall is one late wake-up, not a burst of them
+    }
+    done.store(true);
+  });
+  const rt::Nanoseconds begun = rt::MonotonicNow();
+  while (!done.load()) {
+    std::this_thread::sleep_for(kLook);
+    if (progress) progress(std::min(seconds, rt::ToSeconds(rt::MonotonicNow() - begun)));
+  }
+  sleeper.join();
+  return Quantiles(std::move(late));
+}
+
+void ExamineRealtime(std::vector<Check>& checks, double seconds,
+                     const std::function<void(double at_s)>& progress) {
+  bool realtime = true, ordinary = false;
+  const DurationFigures fifo = TimerLatency(seconds, realtime, progress);
+  const DurationFigures plain = TimerLatency(seconds, ordinary, [&](double at_s) {
+    if (progress) progress(seconds + at_s);
+  });
+  checks.push_back(PriorityCheck(realtime));
+  if (realtime) checks.push_back(TimerCheck("Timer latency, SCHED_FIFO", fifo, true));
+  checks.push_back(TimerCheck("Timer latency, ordinary thread", plain, !realtime));
+  checks.push_back(PeriodCheck(fifo, realtime));
+  checks.push_back(MemoryCheck());
+  checks.push_back(KernelCheck());
+  checks.push_back(IsolationCheck());
+  checks.push_back(GovernorCheck());
+}
+
+}  // namespace osteon::app
