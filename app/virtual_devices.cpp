@@ -43,7 +43,7 @@ void VirtualDevices::Begin(rt::Nanoseconds now) {
 control::CellReadings VirtualDevices::Exchange(const control::CellCommands& commands,
                                                rt::Nanoseconds now) OSTEON_RT {
   now_ = now;
-  clients_->Command(commands);
+  clients_->Command(commands, now);
   wires_->Pump(now);
   for (io::CanPump& pump : pumps_) pump.Pump(now);
   if (logic_ && now >= plc_due_) StepPlc(commands, now);

@@ -74,6 +74,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
   servo.has_spindle = servo.has_interlock = false;
   servo.start.reset();
   servo.sensor = {};
+  servo.vibration.acts = false;  // it would take the shaking for what it is there to calm
   const kinematics::LbrArm arm(params.arm.lbr);
   control::ServoLoop loop(servo, arm, params.X_WB, params.X_FT, params.arm_angle_rad);
   const auto body = MakeSimulatedArm(params.arm, servo.period_s);

@@ -48,6 +48,9 @@ class AtiSensor final : public WrenchSensor {
   [[nodiscard]] SensorCounters counters() const OSTEON_RT override;
   void RequestBias(bool on) OSTEON_RT override;
   void Restart() OSTEON_RT override;
+  [[nodiscard]] bool silent() const OSTEON_RT override {
+    return phase_ == SensorPhase::kFailed && wrong_ == Wrong::kSilent;
+  }
   [[nodiscard]] std::string failure() const override;
 
   /// Row-major, force rows first; valid once kReady.

@@ -103,6 +103,10 @@ class ReamerDrive final : public CanClient {
   /// Configures the drive anew, e.g. after kDriveRestarted.
   void Restart() OSTEON_RT;
 
+  /// kFailed, as it never answered or never came up: it may be switched on yet.
+  [[nodiscard]] bool silent() const OSTEON_RT {
+    return phase_ == DrivePhase::kFailed && (wrong_ == Wrong::kSilent || wrong_ == Wrong::kNotStarted);
+  }
   /// Why the drive was refused. Empty unless kFailed. Not for the tick.
   [[nodiscard]] std::string failure() const;
 

@@ -53,6 +53,9 @@ class RobotousSensor final : public WrenchSensor {
   [[nodiscard]] SensorCounters counters() const OSTEON_RT override;
   void RequestBias(bool on) OSTEON_RT override { bias_ = on ? Bias::kSet : Bias::kClear; }
   void Restart() OSTEON_RT override;
+  [[nodiscard]] bool silent() const OSTEON_RT override {
+    return phase_ == SensorPhase::kFailed && wrong_ == Wrong::kSilent;
+  }
   [[nodiscard]] std::string failure() const override;
 
  private:

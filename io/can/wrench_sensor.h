@@ -55,6 +55,9 @@ class WrenchSensor : public CanClient {
   /// Sets the sensor up anew, e.g. after its supply was off.
   virtual void Restart() OSTEON_RT = 0;
 
+  /// kFailed, as it never answered: it may be switched on yet.
+  [[nodiscard]] virtual bool silent() const OSTEON_RT = 0;
+
   /// Why it was refused: device, value found, what is accepted. Empty unless kFailed. Not for the tick.
   [[nodiscard]] virtual std::string failure() const = 0;
 };

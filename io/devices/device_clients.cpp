@@ -9,6 +9,7 @@ namespace {
 
 constexpr rt::Nanoseconds kGrantedWithin = 400 * rt::kMillisecond;
 constexpr rt::Nanoseconds kWithdrawnFor = 150 * rt::kMillisecond;  // longer than a heartbeat's 100 ms
+constexpr rt::Nanoseconds kAgainAfter = rt::kSecond;
 constexpr double kStands_rad_per_s = 0.5;  // slower than this a spindle may be switched off
 
 template <class Sensor, class Params>
@@ -56,8 +57,19 @@ void DeviceClients::PutOn(CanPump& pump, std::size_t bus) {
   if (drive_ && bus == params_.drive_bus) pump.Add(*drive_);
 }
 
-void DeviceClients::Command(const control::CellCommands& commands) OSTEON_RT {
+bool DeviceClients::Silence::Lasts(bool silent, rt::Nanoseconds now) OSTEON_RT {
+  if (!silent) since_ = -1;
+  if (silent && since_ < 0) since_ = now;
+  if (!silent || now - since_ < kAgainAfter) return false;
+  since_ = -1;
+  ++times_;
+  return true;
+}
+
+void DeviceClients::Command(const control::CellCommands& commands, rt::Nanoseconds now) OSTEON_RT {
+  if (sensor_silence_.Lasts(sensor_->silent(), now)) sensor_->Restart();
   if (!drive_) return;
+  if (drive_silence_.Lasts(drive_->silent(), now)) drive_->Restart();
   const bool turns = std::abs(drive_->status().speed_rad_per_s) > kStands_rad_per_s;
   DriveCommand command;
   if (commands.quick_stop)
@@ -111,13 +123,17 @@ std::string DeviceClients::Diagnosis(const PlcReading& plc, rt::Nanoseconds now)
   if (sensor_->phase() == SensorPhase::kFailed)
     say("force sensor: " + sensor_->failure());
   else if (sensor_->phase() == SensorPhase::kStarting)
-    say("force sensor: no reading yet");
+    say(sensor_silence_.times() == 0
+            ? "force sensor: no reading yet"
+            : "force sensor: no answer so far; check its supply, the wiring, the bit rate");
   else if ((sensor_->Latest().flags & (kSensorOverload | kSensorFault)) != 0)
     say("force sensor: overloaded or faulty");
   if (drive_ && drive_->phase() == DrivePhase::kFailed)
     say("reamer drive: " + drive_->failure());
   else if (drive_ && drive_->phase() == DrivePhase::kStarting)
-    say("reamer drive: not configured yet");
+    say(drive_silence_.times() == 0
+            ? "reamer drive: not configured yet"
+            : "reamer drive: no answer so far; check its supply, the wiring, the bit rate");
   else if (drive_ && drive_->status().faults != 0)
     say(std::string("reamer drive: fault, ") + Describe(drive_->status().state));
   if (params_.plc)

@@ -23,8 +23,9 @@ class DeviceClients {
   /// Adds those of a bus (in DeviceParams::buses) to the pump of its end.
   void PutOn(CanPump& pump, std::size_t bus);
 
-  /// To the drive: turning as told; ramped down and then off with speed 0.
-  void Command(const control::CellCommands& commands) OSTEON_RT;
+  /// To the drive: turning as told; ramped down and then off with speed 0. A device that never answered is
+  /// begun anew each second: it may be switched on later than the controller.
+  void Command(const control::CellCommands& commands, rt::Nanoseconds now) OSTEON_RT;
 
   /// MOTION_REQUEST for the PLC. A request that is not granted within .4 s is withdrawn for a moment and
   /// made anew: a PLC that was reset meanwhile wants to see it made.
@@ -41,9 +42,21 @@ class DeviceClients {
   DeviceClients(const DeviceParams& params, std::unique_ptr<WrenchSensor> sensor)
       : params_(params), sensor_(std::move(sensor)) {}
 
+  /// One that has been silent for a second is to be begun anew.
+  class Silence {
+   public:
+    [[nodiscard]] bool Lasts(bool silent, rt::Nanoseconds now) OSTEON_RT;
+    [[nodiscard]] int times() const { return times_; }
+
+   private:
+    rt::Nanoseconds since_{-1};
+    int times_{0};
+  };
+
   DeviceParams params_;
   std::unique_ptr<WrenchSensor> sensor_;
   std::optional<ReamerDrive> drive_;
+  Silence sensor_silence_, drive_silence_;
   bool was_wanted_{false};
   rt::Nanoseconds asked_since_{0};
 };

@@ -47,7 +47,7 @@ tl::expected<std::unique_ptr<WiredDevices>, std::string> WiredDevices::Open(cons
 
 control::CellReadings WiredDevices::Exchange(const control::CellCommands& commands,
                                              rt::Nanoseconds now) OSTEON_RT {
-  clients_->Command(commands);
+  clients_->Command(commands, now);
   for (CanPump& pump : pumps_) pump.Pump(now);
   const PlcReading& plc = plc_ ? plc_->Latest() : no_plc_;
   if (plc_) {

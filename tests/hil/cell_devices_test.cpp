@@ -57,7 +57,7 @@ class Cell {
   control::CellReadings Run(int ms) {
     for (int i = 0; i < ms; ++i) {
       now += rt::kMillisecond;
-      clients->Command(commands);
+      clients->Command(commands, now);
       devices_.SetLoad(load_S);
       wires_->Pump(now);
       for (io::CanPump& pump : pumps_) pump.Pump(now);
@@ -186,6 +186,21 @@ TEST(CellDevices, DevicesOfOneBusThatShareIdentifiersAreRefused) {
   wires = Wires(true, true);
   wires.drive->node = 5;
   EXPECT_TRUE(io::DeviceClients::Make(wires)) << "a bus of its own";
+}
+
+TEST(CellDevices, OneThatIsSwitchedOnLateIsFoundAndOneThatWasRefusedIsNotAskedAgain) {
+  // both are silent for the first two seconds, longer than the clients ask
+  const InjectionParams silence{
+      .injections = {{.wire = Wire::kForceSensor, .from_s = -1.0, .to_s = 2.0, .faults = {.silence = true}},
+                     {.wire = Wire::kDrive, .from_s = -1.0, .to_s = 2.0, .faults = {.silence = true}}}};
+  Cell cell(false, false, silence);
+  cell.wires().Begin(cell.now);
+  cell.Run(900);
+  EXPECT_NE(cell.clients->Diagnosis({}, cell.now).find("force sensor"), std::string::npos);
+  const control::CellReadings late = cell.Run(4000);
+  EXPECT_EQ(cell.clients->Diagnosis({}, cell.now), "");
+  EXPECT_TRUE(late.spindle.ready);
+  EXPECT_LT(cell.now - late.force.stamp, 5 * rt::kMillisecond);
 }
 
 TEST(CellDevices, DiagnosisNamesWhoIsSilent) {
