@@ -63,9 +63,9 @@ TEST(Tune, WritesTheKeysOfItsContractAndGainsThatTheCellAccepts) {
 
 TEST(Tune, SaysThatNothingStandsWhatIsTooMuch) {
   const TemporaryFolder folder;
-  const CommandResult run =
-      RunCommand(folder.path(), {"tune", "demo", "--out", "t", "--nodes", "3", "--margin", "4", "--jitter-ms",
-                                 "28", "--worst-age-ms", "20"});
+  const CommandResult run = RunCommand(
+      folder.path(), {"tune", "demo", "--out", "t", "--nodes", "3", "--margin", "4", "--jitter-ms", "28",
+                      "--worst-age-ms", "60", "--grip", "50000", "--stiffest-grip", "50000"});
   EXPECT_EQ(run.exit_code, 1) << run.out;
   EXPECT_NE(run.out.find("none"), std::string::npos) << run.out;
   EXPECT_TRUE(ReadJson(folder.path() / "t/tune.json").at("recommended").is_null());
