@@ -75,7 +75,7 @@ class Devices {
   }
   // What WiredDevices::Exchange does on our side, but for the PLC, whose block another thread reads.
   control::CellReadings Exchange(const control::CellCommands& commands, rt::Nanoseconds now) {
-    clients_->Command(commands);
+    clients_->Command(commands, now);
     for (io::CanPump& pump : pumps_) pump.Pump(now);
     return clients_->Readings(no_plc_, now);
   }
@@ -129,12 +129,12 @@ class TickBench {
   TickBench(const config::CellConfig& cell, double seconds, const std::filesystem::path& recording)
       : cell_(cell),
         loop_(MakeServoLoop(cell)),
-        parts_(cell.servo, cell.robot, cell.X_WB, cell.tool.X_FT),
+        parts_(cell.servo, cell.robot.lbr()->params, cell.X_WB, cell.tool.X_FT),
         arm_(MakeSimulatedCell(cell, seconds)) {
     auto clients = io::DeviceClients::Make(cell.devices);
     if (!clients) throw std::runtime_error(clients.error());
     devices_.emplace(cell, std::move(*clients));
-    auto link = io::FriLink::Open({.bind_address = kLoopback, .port = 0, .session = cell.fri.session});
+    auto link = io::FriLink::Open({.bind_address = kLoopback, .port = 0, .session = *cell.link.fri()});
     if (!link) throw std::runtime_error(link.error());
     link_ = std::move(*link);
     wire_ = std::make_unique<hil::UdpClient>("simulated arm", "client", kLoopback, link_->port());

@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <string_view>
 
+#include "control/arm_follower.h"
 #include "control/rt/clock.h"
 #include "control/servo_params.h"
 #include "control/virtual_coupling.h"
+#include "kinematics/differential_inverse.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/redundancy.h"
 #include "kinematics/serial_chain.h"
@@ -50,7 +52,7 @@ class TickParts {
   kinematics::WantedLoad<7> wanted_load_;
   safety::WrenchLimiter limiter_;
   kinematics::DifferentialInverse<7> motion_;
-  safety::JointGuard guard_;
+  safety::JointGuard<7> guard_;
   control::CouplingState coupling_;
   kinematics::JointVector qd_before_{kinematics::JointVector::Zero()};
   kinematics::JointVector null_direction_{kinematics::JointVector::Zero()};

@@ -9,7 +9,6 @@
 #include <type_traits>
 
 #include "control/twist_parts.h"
-#include "kinematics/differential_inverse.h"
 #include "kinematics/force_capability.h"
 #include "kinematics/redundancy.h"
 #include "kinematics/serial_chain.h"
@@ -27,21 +26,6 @@ constexpr double kMoving_m_per_s = 0.02,
 constexpr double kStands = 1e-6;           // of that: rounding
 
 double WrapAngle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
-
-// What the differential inverse is told. A radian weighs as the virtual tool's radius of gyration: what a
-// vanishing direction takes from the twist is then what a smooth stop would take from a body of that mass and
-// inertia.
-template <int N>
-kinematics::DifferentialInverseParams<N> MotionParams(const ServoParams& params) {
-  kinematics::DifferentialInverseParams<N> motion;
-  std::copy_n(params.joints.limits.begin(), N, motion.limits.begin());
-  motion.position_margin_rad = params.joints.position_margin_rad;
-  motion.speed_share = params.joints.speed_share;
-  motion.acceleration_share = params.joint_acceleration_share;
-  motion.turning_length_m =
-      std::sqrt(params.admittance.inertia_kg_m2.mean() / params.admittance.mass_kg.mean());
-  return motion;
-}
 
 // What an LBR has beyond its six: an elbow that may be elsewhere while the tool stays, and known torques.
 struct Redundancy {
@@ -283,6 +267,21 @@ safety::LimitedWrench JointFollower<Arm>::Limit(const safety::WrenchLimiter& lim
 }
 
 }  // namespace
+
+template <int N>
+kinematics::DifferentialInverseParams<N> MotionParams(const ServoParams& params) {
+  kinematics::DifferentialInverseParams<N> motion;
+  std::copy_n(params.joints.limits.begin(), N, motion.limits.begin());
+  motion.position_margin_rad = params.joints.position_margin_rad;
+  motion.speed_share = params.joints.speed_share;
+  motion.acceleration_share = params.joint_acceleration_share;
+  motion.turning_length_m =
+      std::sqrt(params.admittance.inertia_kg_m2.mean() / params.admittance.mass_kg.mean());
+  return motion;
+}
+
+template kinematics::DifferentialInverseParams<6> MotionParams<6>(const ServoParams&);
+template kinematics::DifferentialInverseParams<7> MotionParams<7>(const ServoParams&);
 
 std::unique_ptr<ArmFollower> MakeFollower(const ServoParams& params, const kinematics::LbrArm& arm,
                                           const Pose& X_WB, const Pose& X_FT, double arm_angle_rad) {

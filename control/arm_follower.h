@@ -5,6 +5,7 @@
 #include "control/ports.h"
 #include "control/rt/marker.h"
 #include "control/servo_params.h"
+#include "kinematics/differential_inverse.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
 #include "kinematics/spatial.h"
@@ -86,6 +87,12 @@ class ArmFollower {
  protected:
   Pose X_WT_{Pose::Identity()};
 };
+
+/// What the differential inverse is told. A radian weighs as the virtual tool's radius of gyration: what a
+/// vanishing direction takes from the twist is then what a smooth stop would take from a body of that mass
+/// and inertia. @tparam N number of joints, 6 or 7
+template <int N>
+[[nodiscard]] kinematics::DifferentialInverseParams<N> MotionParams(const ServoParams& params);
 
 /// @param X_WB robot base in world  @param X_FT tool on the flange  @param arm_angle_rad wanted in the run
 /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
