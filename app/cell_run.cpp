@@ -247,11 +247,12 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
                : result.statistics.active_ticks < wanted ? control::RunEnd::kNeverActive
                                                          : control::RunEnd::kSeconds;
   PutWhyNot(result, session.Diagnosis(), (*devices)->Diagnosis());
-  result.cell_report = ToJson(hil::CellHostState{.arm = {.cell = cell.state(), .thread = {}, .wires = cell.counters()},
-                                                 .devices = (*devices)->counters(),
-                                                 .plc = (*devices)->plc(),
-                                                 .plc_counters = {},
-                                                 .tool_speed_rad_per_s = (*devices)->tool_speed_rad_per_s()});
+  result.cell_report =
+      ToJson(hil::CellHostState{.arm = {.cell = cell.state(), .thread = {}, .wires = cell.counters()},
+                                .devices = (*devices)->counters(),
+                                .plc = (*devices)->plc(),
+                                .plc_counters = {},
+                                .tool_speed_rad_per_s = (*devices)->tool_speed_rad_per_s()});
   result.after = engine.Snapshot();
   return result;
 }

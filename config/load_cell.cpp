@@ -327,6 +327,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadLaw(reader, cell);
+  servo.vibration.acts = false;  // where a cell asks for it: a hand's own tremor raises the drag as well
   if (reader.Has("vibration")) ReadVibration(reader.Section("vibration"), servo.vibration);
   if (reader.Has("sensor_bias")) ReadSensorBias(reader.Section("sensor_bias"), servo.sensor_bias);
   ReadCoupling(coupling, servo.coupling);

@@ -1,11 +1,11 @@
 #include "control/rt/realtime_thread.h"
 
-#include <alloca.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
+#include <cstdlib>  // alloca
 
 #include <cstdio>
 #include <stdexcept>

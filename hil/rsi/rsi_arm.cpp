@@ -30,10 +30,7 @@ RsiCounters Sum(const RsiCounters& a, const RsiCounters& b) {
 }  // namespace
 
 RsiArm::RsiArm(const RsiArmParams& params, const control::JointArray& q_start, const Pose& X_FT)
-    : params_(params),
-      X_FT_(X_FT),
-      controller_(At(params.controller, q_start)),
-      arm_(params.controller.arm) {
+    : params_(params), X_FT_(X_FT), controller_(At(params.controller, q_start)), arm_(params.controller.arm) {
   if (params.handed_over_answers < 1)
     throw std::invalid_argument(fmt::format("simulated KR: handed_over_answers: found {}, accepted >= 1",
                                             params.handed_over_answers));
@@ -75,8 +72,10 @@ void RsiArm::SetPower(bool on) {
 ArmMotion RsiArm::motion() const {
   const kinematics::JointVectorN<6>& q = controller_.q();
   const Eigen::Matrix<double, 6, 1> V_BT = arm_.JacobianAt(q, X_FT_.translation()) * controller_.qd();
-  ArmMotion motion{
-      .q_meas = {}, .q_cmd = {}, .X_BT = arm_.FlangePose(q) * X_FT_, .V_BT = {.v = V_BT.head<3>(), .w = V_BT.tail<3>()}};
+  ArmMotion motion{.q_meas = {},
+                   .q_cmd = {},
+                   .X_BT = arm_.FlangePose(q) * X_FT_,
+                   .V_BT = {.v = V_BT.head<3>(), .w = V_BT.tail<3>()}};
   for (std::size_t i = 0; i < 6; ++i) {
     motion.q_meas[i] = q[static_cast<int>(i)];
     motion.q_cmd[i] = controller_.state().axes_set_deg[i] * kDegree;
