@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include "app/capability_result.h"
+#include "app/chart_files.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/report/page.h"
-#include "app/report/svg_raster.h"
 #include "app/report/svg_text.h"
 #include "app/summary.h"
 #include "config/load.h"
@@ -217,11 +217,7 @@ tl::expected<void, std::string> Write(const CapabilityResult& result, const Capa
   for (const auto& [name, svg] :
        {std::pair{"capability", &map}, {"capability_own_angle", &own_map}, {"base", &bases}}) {
     if (svg->empty()) continue;
-    const std::filesystem::path file = options.out / name;
-    if (const auto written = WriteText(file.string() + ".svg", *svg); !written) return written;
-    const auto picture = Rasterise(*svg);
-    if (!picture) return tl::unexpected(file.string() + ".png: " + picture.error());
-    if (const auto written = WritePng(*picture, file.string() + ".png"); !written) return written;
+    if (const auto written = WriteDrawing(*svg, options.out / name); !written) return written;
   }
   const std::string json = ToJson(result, options.command_line);
   if (const auto written = WriteText(options.out / "capability.csv", MapCsv(result)); !written)
@@ -237,8 +233,7 @@ tl::expected<void, std::string> Write(const CapabilityResult& result, const Capa
 }
 
 int Run(const CapabilityOptions& options) {
-  if (std::filesystem::exists(options.out) && !std::filesystem::is_directory(options.out))
-    return Fail(fmt::format("--out {}: found a file, accepted a folder", options.out.string()), 2);
+  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail(wrong, 2);
   const config::CellConfig cell = config::LoadCell(options.cell);
   if (!cell.robot.lbr())
     return Fail(fmt::format("{}: found a {}, accepted an LBR: what torques an arm of six axes has is not "

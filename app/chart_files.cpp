@@ -47,6 +47,19 @@ std::string MachineName() {
                      system.machine);
 }
 
+std::string WhyNoFolder(const char* option, const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::exists(folder, error) || std::filesystem::is_directory(folder, error)) return {};
+  return fmt::format("{} {}: found a file, accepted a folder", option, folder.string());
+}
+
+tl::expected<void, std::string> WriteDrawing(const std::string& svg, const std::filesystem::path& file) {
+  if (const auto written = WriteText(file.string() + ".svg", svg); !written) return written;
+  const auto picture = Rasterise(svg);
+  if (!picture) return tl::unexpected(file.string() + ".png: " + picture.error());
+  return WritePng(*picture, file.string() + ".png");
+}
+
 tl::expected<void, std::string> WriteChart(const ChartFiles& chart, const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);

@@ -11,6 +11,13 @@ namespace osteon::app {
 /// What a chart is named after: processor, cores, system.
 [[nodiscard]] std::string MachineName();
 
+/// "OPTION FOLDER: found a file, accepted a folder"; empty where the name is free, or a folder's.
+[[nodiscard]] std::string WhyNoFolder(const char* option, const std::filesystem::path& folder);
+
+/// FILE.svg and FILE.png. @returns an error that names the file.
+[[nodiscard]] tl::expected<void, std::string> WriteDrawing(const std::string& svg,
+                                                           const std::filesystem::path& file);
+
 /// A chart in its five forms, beside each other in one folder.
 struct ChartFiles {
   std::string name;   ///< of the files, without an extension

@@ -144,8 +144,7 @@ std::vector<std::vector<std::string>> TableOf(const ScalingResult& result) {
 }
 
 int Run(const ScalingOptions& options) {
-  if (std::filesystem::exists(options.out) && !std::filesystem::is_directory(options.out))
-    return Fail(fmt::format("--out {}: found a file, accepted a folder", options.out.string()), 2);
+  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail(wrong, 2);
   InstallInterrupt();
   const auto result = Scaling(options).Measure();
   if (!result) return Fail(result.error(), 1);

@@ -199,8 +199,7 @@ std::string Csv(const SpeedAccuracyResult& result) {
 }
 
 int Run(const SpeedAccuracyOptions& options) {
-  if (std::filesystem::exists(options.out) && !std::filesystem::is_directory(options.out))
-    return Fail(fmt::format("--out {}: found a file, accepted a folder", options.out.string()), 2);
+  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail(wrong, 2);
   InstallInterrupt();
   const auto result = Measurement(options).Measure();
   if (!result) return Fail(result.error(), 1);

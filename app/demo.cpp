@@ -7,6 +7,7 @@
 
 #include "app/cell_ports.h"
 #include "app/cell_run.h"
+#include "app/chart_files.h"
 #include "app/interrupt.h"
 #include "app/recorded_motion.h"
 #include "app/run_progress.h"
@@ -27,9 +28,7 @@ int Fail(const std::string& message, int code = kBadInput) {
 std::string WrongPlace(const DemoOptions& options) {
   std::error_code error;
   if (options.out.empty()) return "--out: found no name, accepted a folder";
-  const auto out = std::filesystem::status(options.out, error);
-  if (std::filesystem::exists(out) && !std::filesystem::is_directory(out))
-    return fmt::format("--out {}: found a file, accepted a folder", options.out.string());
+  if (std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return wrong;
   for (const auto& [name, file] :
        {std::pair("--json", options.json), std::pair("--save-motion", options.save_motion)}) {
     const std::filesystem::path parent = file.parent_path();

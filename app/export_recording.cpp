@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/chart_files.h"
 #include "app/export_tables.h"
 #include "app/summary.h"
 #include "io/recording/recovery.h"
@@ -64,9 +65,8 @@ nlohmann::ordered_json ToJson(const io::Recovery& recovery) {
 
 // What can be said of the paths before anything is done. An empty string, or what is wrong.
 std::string WrongPlace(const ExportOptions& options, const std::filesystem::path& folder) {
+  if (std::string wrong = WhyNoFolder("--out", folder); !wrong.empty()) return wrong;
   std::error_code error;
-  if (std::filesystem::exists(folder, error) && !std::filesystem::is_directory(folder, error))
-    return fmt::format("--out {}: found a file, accepted a folder", folder.string());
   if (const auto parent = options.json.parent_path();
       !parent.empty() && !std::filesystem::is_directory(parent, error))
     return fmt::format("--json {}: no folder {}", options.json.string(), parent.string());

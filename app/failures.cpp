@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "app/chart_files.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/report/failure_page.h"
@@ -125,10 +126,8 @@ tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const 
 }
 
 std::string WrongPlace(const FailureOptions& options) {
+  if (std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return wrong;
   std::error_code error;
-  if (!options.out.empty() && std::filesystem::exists(options.out, error) &&
-      !std::filesystem::is_directory(options.out, error))
-    return fmt::format("--out {}: found a file, accepted a folder", options.out.string());
   const auto parent = options.json.parent_path();
   if (!parent.empty() && !std::filesystem::is_directory(parent, error))
     return fmt::format("--json {}: no folder {}", options.json.string(), parent.string());

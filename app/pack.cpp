@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/chart_files.h"
 #include "app/interrupt.h"
 #include "app/pack_result.h"
 #include "app/phase_progress.h"
@@ -52,9 +53,7 @@ std::string WrongPlace(const PackOptions& options) {
     if (std::filesystem::equivalent(output, options.source.input, error))
       return fmt::format("-o {}: found the input, accepted another file", output.string());
   }
-  if (!options.report.empty() && std::filesystem::exists(options.report, error) &&
-      !std::filesystem::is_directory(options.report, error))
-    return fmt::format("--report {}: found a file, accepted a folder", options.report.string());
+  if (std::string wrong = WhyNoFolder("--report", options.report); !wrong.empty()) return wrong;
   if (no_folder(options.json))
     return fmt::format("--json {}: no folder {}", options.json.string(), options.json.parent_path().string());
   return "";

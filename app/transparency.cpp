@@ -282,8 +282,7 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
 }
 
 int RunTransparency(const TransparencyOptions& options) {
-  if (std::filesystem::exists(options.out) && !std::filesystem::is_directory(options.out))
-    return Fail(fmt::format("--out {}: found a file, accepted a folder", options.out.string()));
+  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail(wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
   if (!cell.robot.lbr())
     return Fail(fmt::format("{}: found a {}, accepted an LBR", options.cell.string(), cell.robot.name));

@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
+#include "app/chart_files.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/report/page.h"
-#include "app/report/svg_raster.h"
 #include "app/report/svg_text.h"
 #include "app/summary.h"
 #include "app/tune_cache.h"
@@ -239,11 +239,7 @@ tl::expected<void, std::string> Write(const TuneResult& r, const TuneOptions& op
                     trade = TradeSvg(r);
   for (const auto& [name, svg] : {std::pair{"tune", &map}, {"tune_width", &width}, {"tune_trade", &trade}}) {
     if (svg->empty()) continue;
-    const std::filesystem::path file = options.out / name;
-    if (const auto written = WriteText(file.string() + ".svg", *svg); !written) return written;
-    const auto picture = Rasterise(*svg);
-    if (!picture) return tl::unexpected(file.string() + ".png: " + picture.error());
-    if (const auto written = WritePng(*picture, file.string() + ".png"); !written) return written;
+    if (const auto written = WriteDrawing(*svg, options.out / name); !written) return written;
   }
   const std::string json = ToJson(r, options.command_line);
   if (const auto written = WriteText(options.out / "tune.csv", BoundaryCsv(r)); !written) return written;
@@ -290,8 +286,7 @@ tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const
 }
 
 int Run(const TuneOptions& options) {
-  if (std::filesystem::exists(options.out) && !std::filesystem::is_directory(options.out))
-    return Fail(fmt::format("--out {}: found a file, accepted a folder", options.out.string()), 2);
+  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail(wrong, 2);
   const config::CellConfig cell = config::LoadCell(options.cell);
   const auto task = TaskOf(cell, options);
   if (!task) return Fail(task.error(), 2);

@@ -230,8 +230,7 @@ typename Arm::Joints JointFollower<Arm>::WantedElbow([[maybe_unused]] const Foll
 
 template <class Arm>
 bool JointFollower<Arm>::BrakeJoints() OSTEON_RT {
-  if (stop_ticks_ == 0)
-    stop_ticks_ = std::max(1, static_cast<int>(std::ceil(params_.joint_stop_s / params_.period_s)));
+  if (stop_ticks_ == 0) stop_ticks_ = JointStopTicks(params_);
   --stop_ticks_;
   q_step_ *= static_cast<double>(stop_ticks_) / (stop_ticks_ + 1);
   q_step_ = guard_.Limit(q_, q_step_, params_.period_s).step;

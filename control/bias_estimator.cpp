@@ -12,6 +12,12 @@ namespace {
 
 Wrench Difference(const Wrench& a, const Wrench& b) { return {.f = a.f - b.f, .t = a.t - b.t}; }
 
+// What of a reading is neither the tool's weight nor the bias that is known: HandWrench takes both out
+// itself.
+Wrench Unknown(const ForceSensorParams& sensor, const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
+  return Difference(Difference(F_S, ToolWeight(sensor, X_WF)), sensor.bias_S);
+}
+
 }  // namespace
 
 void Validate(const BiasParams& params) {
@@ -39,7 +45,7 @@ void BiasEstimator::Begin(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
   resting_ = true;
   rested_s_ = 0.0;
   X_WF_ = X_WF;
-  mean_ = Difference(F_S, ToolWeight(sensor_, X_WF));
+  mean_ = Unknown(sensor_, F_S, X_WF);
 }
 
 void BiasEstimator::Rest(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
@@ -54,7 +60,7 @@ void BiasEstimator::Rest(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
     Begin(F_S, X_WF);
     return;
   }
-  const Wrench beyond = Difference(Difference(F_S, ToolWeight(sensor_, X_WF)), mean_);
+  const Wrench beyond = Difference(Unknown(sensor_, F_S, X_WF), mean_);
   // a mean of a few readings says little about what is far from it
   const double room = rested_s_ < 0.1 * params_.rest_s ? 2.0 : 1.0;
   if (beyond.f.norm() > room * params_.spread_N || beyond.t.norm() > room * params_.spread_Nm) {

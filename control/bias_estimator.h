@@ -23,7 +23,7 @@ void Validate(const BiasParams& params);
 
 /// What a force sensor reads beyond its load, estimated while the tool hangs at rest and nobody holds it.
 ///
-///     bias = mean over the rest of (F_S - weight of the tool at this posture)
+///     bias = mean over the rest of (F_S - weight of the tool at this posture - ForceSensorParams::bias_S)
 ///
 /// The loop asks for it while it waits for the arm (Phase::kWaiting) and keeps it while it renders. **Nobody
 /// may hold the handle then**: a steady push below most_N looks like a bias, and would be taken out for good.

@@ -1,7 +1,5 @@
 // ServoLoop's impedance law: the arm carries itself and is where the hand has it; the loop adds a wrench.
 
-#include <algorithm>
-
 #include "control/servo_loop.h"
 #include "control/twist_parts.h"
 
@@ -57,20 +55,12 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
   record.wrench_scale = limited.share;
   record.arm_share = limited.arm_share;
 
-  ServoStatistics& s = statistics_;
-  s.peak_coupling_force_N = std::max(s.peak_coupling_force_N, limited.F.f.norm());
-  s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, limited.F.t.norm());
-  s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
-  Count(s.wrench, limited.share < 1.0, wrench_acted_);
-  Count(s.arm, limited.arm_share < 1.0, arm_acted_);
-  Count(s.twist, slow.share < 1.0, twist_acted_);
-  Count(s.workspace, inside.acted, workspace_acted_);
-  Count(s.model_age, coupling.fade < 1.0, model_acted_);
+  CountRendered(limited, speed_m_per_s, slow.share < 1.0, inside.acted, coupling.fade);
 }
 
 // A Stop 1 of an arm that gives: its own spring holds it where it is now, and what still moves is braked.
 void ServoLoop::BrakeImpedance() OSTEON_RT {
-  if (stop_ticks_ == 0) stop_ticks_ = std::max(1, static_cast<int>(params_.joint_stop_s / params_.period_s));
+  if (stop_ticks_ == 0) stop_ticks_ = JointStopTicks(params_);
   V_WT_ = measured_twist_.Step(X_WT_meas_);
   F_sent_T_W_ = wrench_limiter_.Limit(DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {})).F;
   if (--stop_ticks_ > 0) return;
@@ -79,16 +69,16 @@ void ServoLoop::BrakeImpedance() OSTEON_RT {
   phase_ = Phase::kStopped;
 }
 
-// What goes to the arm beside the joints. Zero wherever nothing is rendered.
+// What goes to the arm beside the joints. Zero wherever this tick has rendered nothing, also where the arm
+// has not said where it is.
 void ServoLoop::PutWrench(const ArmState& state, ArmCommand& command) const OSTEON_RT {
-  const Matrix3 R_TW = X_WT_meas_.linear().transpose();
-  const bool renders = phase_ == Phase::kHaptic || phase_ == Phase::kStopping;
-  const Wrench F_T_W = renders ? F_sent_T_W_ : Wrench{};
   command.F = {};
   command.tau = {};
+  if (F_sent_T_W_.f.isZero(0.0) && F_sent_T_W_.t.isZero(0.0)) return;
+  const Matrix3 R_TW = X_WT_meas_.linear().transpose();
   if (state.command_mode == CommandMode::kWrench)
-    command.F = Wrench{.f = R_TW * F_T_W.f, .t = R_TW * F_T_W.t};
-  if (state.command_mode == CommandMode::kTorque) command.tau = arm_->Torques(state.q_meas, F_T_W);
+    command.F = Wrench{.f = R_TW * F_sent_T_W_.f, .t = R_TW * F_sent_T_W_.t};
+  if (state.command_mode == CommandMode::kTorque) command.tau = arm_->Torques(state.q_meas, F_sent_T_W_);
 }
 
 }  // namespace osteon::control

@@ -113,8 +113,8 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
     phase_ = Phase::kWaiting;
   }
 
-  const Pose X_WT_meas = arm_->ToolPose(state.q_meas);
-  X_WT_meas_ = X_WT_meas;
+  X_WT_meas_ = arm_->ToolPose(state.q_meas);
+  F_sent_T_W_ = {};  // a wrench counts for the tick that it was made in
   record.q_meas = state.q_meas;
   if (received != ReceiveResult::kOk) {
     Miss(received);
@@ -148,7 +148,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
       bias_.Rest(readings.force.F_S, X_WT_meas_ * X_TF_);
     if (active && phase_ == Phase::kWaiting && MayMove(readings, now)) Begin(state, now);
     if (phase_ == Phase::kHaptic || phase_ == Phase::kAligning) {
-      const double error_m = (X_WT_meas.translation() - arm_->X_WT().translation()).norm();
+      const double error_m = (X_WT_meas_.translation() - arm_->X_WT().translation()).norm();
       statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
       if (!(error_m <= params_.max_tracking_error_m)) faults_.Latch(Fault::kTracking);
       if (state.safety_state != 0) faults_.Latch(Fault::kSession);
@@ -175,7 +175,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   record.F_cmd_T = command.F;
   record.tau_cmd = command.tau;
   record.X_WT_cmd = arm_->X_WT();
-  record.X_WT_meas = X_WT_meas;
+  record.X_WT_meas = X_WT_meas_;
   record.v_WT_cmd_m_per_s = Vector3(share_ * V_WT_.v);
   record.spindle_rad_per_s = tool_command().spindle_rad_per_s;
   record.F_bias_S = bias_.bias();
@@ -354,17 +354,9 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   if (workspace_.Violated(X_WT.translation())) faults_.Latch(Fault::kWorkspace);
   if (faults_.Any()) StartStopping();
 
-  ServoStatistics& s = statistics_;
-  s.peak_coupling_force_N = std::max(s.peak_coupling_force_N, limited.F.f.norm());
-  s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, limited.F.t.norm());
-  s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
-  Count(s.wrench, limited.share < 1.0, wrench_acted_);
-  Count(s.arm, limited.arm_share < 1.0, arm_acted_);
-  Count(s.twist, slow.share < 1.0, twist_acted_);
-  Count(s.workspace, inside.acted, workspace_acted_);
-  Count(s.joints, joints_limited, joints_acted_);
-  Count(s.model_age, coupling.fade < 1.0, model_acted_);
-  Count(s.sensor_age, sensor_share < 1.0, sensor_acted_);
+  CountRendered(limited, speed_m_per_s, slow.share < 1.0, inside.acted, coupling.fade);
+  Count(statistics_.joints, joints_limited, joints_acted_);
+  Count(statistics_.sensor_age, sensor_share < 1.0, sensor_acted_);
 }
 
 // Moves the arm along the law's twist, and takes from the twist what the arm did not do. False, with the
@@ -452,6 +444,20 @@ void ServoLoop::BrakeJoints() OSTEON_RT {
   if (!rests) return;
   V_WT_ = {};
   phase_ = Phase::kStopped;
+}
+
+// Of what either law has rendered.
+void ServoLoop::CountRendered(const safety::LimitedWrench& limited, double speed_m_per_s, bool twist_limited,
+                              bool workspace_limited, double fade) OSTEON_RT {
+  ServoStatistics& s = statistics_;
+  s.peak_coupling_force_N = std::max(s.peak_coupling_force_N, limited.F.f.norm());
+  s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, limited.F.t.norm());
+  s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
+  Count(s.wrench, limited.share < 1.0, wrench_acted_);
+  Count(s.arm, limited.arm_share < 1.0, arm_acted_);
+  Count(s.twist, twist_limited, twist_acted_);
+  Count(s.workspace, workspace_limited, workspace_acted_);
+  Count(s.model_age, fade < 1.0, model_acted_);
 }
 
 void ServoLoop::Count(LimitCount& count, bool acts, bool& acted) OSTEON_RT {

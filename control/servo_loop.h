@@ -149,6 +149,8 @@ class ServoLoop {
   void Brake() OSTEON_RT;
   void BrakeJoints() OSTEON_RT;
   [[nodiscard]] bool Follow(bool& limited) OSTEON_RT;
+  void CountRendered(const safety::LimitedWrench& limited, double speed_m_per_s, bool twist_limited,
+                     bool workspace_limited, double fade) OSTEON_RT;
   void Count(LimitCount& count, bool acts, bool& acted) OSTEON_RT;
 
   ServoParams params_;
@@ -185,7 +187,7 @@ class ServoLoop {
   // the impedance law
   MeasuredTwist measured_twist_;
   Pose X_WT_meas_{Pose::Identity()};
-  Wrench F_sent_T_W_;  ///< coupling, damping and braking, within the limits
+  Wrench F_sent_T_W_;  ///< of this tick: coupling, damping and braking, within the limits
   int stop_ticks_{0};  ///< left of a stop
 
   // what acted in the tick before

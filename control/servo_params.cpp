@@ -1,5 +1,6 @@
 #include "control/servo_params.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -41,6 +42,10 @@ void Validate(const ServoParams& params) {
   require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
   require("period_s", params.period_s, 1e-4, 0.02);
   if (params.start) require("start there_rad", params.start->there_rad, 1e-6, 0.1);
+}
+
+int JointStopTicks(const ServoParams& params) OSTEON_RT {
+  return std::max(1, static_cast<int>(std::ceil(params.joint_stop_s / params.period_s)));
 }
 
 }  // namespace osteon::control

@@ -80,4 +80,7 @@ struct ServoParams {
 /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
 void Validate(const ServoParams& params);
 
+/// joint_stop_s in ticks, at least one.
+[[nodiscard]] int JointStopTicks(const ServoParams& params) OSTEON_RT;
+
 }  // namespace osteon::control

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "control/servo_loop.h"
+#include "hil/sensor_load.h"
 #include "kinematics/lbr_arm.h"
 
 namespace osteon::hil {
@@ -48,15 +49,6 @@ SineFit FitSine(const std::vector<double>& values, double w, double dt_s, std::s
   for (std::size_t i = first; i < values.size(); ++i) sum += std::pow(values[i] - row(i).dot(x), 2);
   fit.residual_rms = std::sqrt(sum / static_cast<double>(values.size() - first));
   return fit;
-}
-
-// As a sensor without mounting and tool carries it: at the flange, in its frame.
-control::ForceReading OnTheSensor(const Pose& X_WT, const Pose& X_WF, const Wrench& F_T_W,
-                                  rt::Nanoseconds stamp) {
-  const Matrix3 R_FW = X_WF.linear().transpose();
-  const Vector3 lever_W = X_WT.translation() - X_WF.translation();
-  const Wrench F_F{.f = R_FW * F_T_W.f, .t = R_FW * (F_T_W.t + lever_W.cross(F_T_W.f))};
-  return {.stamp = stamp, .F_S = F_F};
 }
 
 }  // namespace
@@ -130,7 +122,8 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
     state.q_ipo = state.q_meas;
     model.frame = i + 1;
     model.pose_stamp = now;
-    const control::CellReadings readings{.force = OnTheSensor(X_WT, X_WT * X_TF, loads.back(), now)};
+    const control::CellReadings readings{
+        .force = {.stamp = now, .F_S = SensorLoad({}, X_WT, X_WT * X_TF, loads.back())}};
     const control::TickRecord record =
         loop.Tick(state, control::ReceiveResult::kOk, readings, model, now, command);
     point.fault |= record.faults != 0;

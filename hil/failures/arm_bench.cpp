@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/sensor_load.h"
+
 namespace osteon::hil {
 namespace {
 
@@ -145,9 +147,7 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const ArmSce
                     scene.bone ? scene.bone(i, now, X_WT_cmd) : FreshModel(++frame, now);
                 // as a sensor without mounting and tool reads it: at the flange, in its frame
                 const Pose X_WF = arm.FlangePose(q_meas);
-                const Vector3 lever_W = X_WF.linear() * params.X_FT.translation();
-                Wrench F_S{.f = X_WF.linear().transpose() * F_T_W.f,
-                           .t = X_WF.linear().transpose() * (F_T_W.t + lever_W.cross(F_T_W.f))};
+                Wrench F_S = SensorLoad({}, X_WF * params.X_FT, X_WF, F_T_W);
                 if (scene.sensor) F_S = scene.sensor(i, X_WF, F_S);
                 const control::CellReadings readings{
                     .force = {.stamp = now, .F_S = F_S}, .spindle = {}, .interlock = {}};

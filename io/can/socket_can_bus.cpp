@@ -123,22 +123,13 @@ CanResult SocketCanBus::TryReceive(CanArrival& arrival) OSTEON_RT {
 }
 
 CanResult SocketCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT {
-  count = 0;
-  std::size_t left = room.size() + kMaxSkipped;
-  while (count < room.size() && left > 0) {
-    const std::size_t asked = std::min({room.size() - count, left, in_.kMost});
-    const int taken = in_.Receive(socket_, asked);
-    if (taken <= 0) {
-      if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return CanResult::kDown;
-      break;
-    }
-    const auto came = static_cast<std::size_t>(taken);
-    left -= came;
-    for (std::size_t i = 0; i < came; ++i)
-      if (Take(in_.bytes(i), in_.header(i), room[count])) ++count;
-    if (came < asked) break;  // that was all
-  }
-  return count > 0 ? CanResult::kOk : CanResult::kEmpty;
+  const auto judge = [] {
+    return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ? Taken::kNothing : Taken::kDown;
+  };
+  const auto take = [this](std::size_t i, CanArrival& arrival) {
+    return Take(in_.bytes(i), in_.header(i), arrival);
+  };
+  return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, judge, take);
 }
 
 // Whether it is a frame to be delivered; what the kernel or the controller reports is taken either way.

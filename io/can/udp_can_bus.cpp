@@ -98,26 +98,16 @@ CanResult UdpCanBus::TryReceive(CanArrival& arrival) OSTEON_RT {
 }
 
 CanResult UdpCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT {
-  count = 0;
-  std::size_t left = room.size() + kMaxSkipped;
-  while (count < room.size() && left > 0) {
-    const std::size_t asked = std::min({room.size() - count, left, in_.kMost});
-    const int taken = in_.Receive(socket_, asked);
-    if (taken <= 0) {
-      if (errno == EBADF || errno == ENOTSOCK) return CanResult::kDown;
-      if (errno == EAGAIN || errno == EWOULDBLOCK) break;
-      --left;  // an earlier frame that nobody took is reported
-      continue;
-    }
-    const auto came = static_cast<std::size_t>(taken);
-    left -= came;
-    for (std::size_t i = 0; i < came; ++i) {
-      if (!Take(in_.bytes(i), room[count])) continue;
-      room[count++].stamp = ArrivalTime(in_.header(i));
-    }
-    if (came < asked) break;  // that was all
-  }
-  return count > 0 ? CanResult::kOk : CanResult::kEmpty;
+  const auto judge = [] {
+    if (errno == EBADF || errno == ENOTSOCK) return Taken::kDown;
+    return errno == EAGAIN || errno == EWOULDBLOCK ? Taken::kNothing : Taken::kReport;
+  };
+  const auto take = [this](std::size_t i, CanArrival& arrival) {
+    if (!Take(in_.bytes(i), arrival)) return false;
+    arrival.stamp = ArrivalTime(in_.header(i));
+    return true;
+  };
+  return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, judge, take);
 }
 
 // Whether it is a frame to be delivered.

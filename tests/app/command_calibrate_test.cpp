@@ -12,7 +12,7 @@
 #include "kinematics/lbr_arm.h"
 #include "kinematics/serial_chain.h"
 #include "tests/app/command.h"
-#include "tests/io/temporary_folder.h"
+#include "tests/config/cell_text.h"
 
 // `osteon calibrate` as a user runs it, on recordings whose truth is known.
 
@@ -132,10 +132,7 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellTakesThem) {
   EXPECT_LT(json.at("residual").at("tcp_mm").get<double>(), 1e-3);
 
   // named in the cell's file, it is what the loop takes
-  std::string yaml = io::test::ReadAll(kCell);
-  for (std::size_t at = 0; (at = yaml.find(": ../", at)) != std::string::npos;)
-    yaml.replace(at, 5, ": " OSTEON_SOURCE_DIR "/config/");
-  std::ofstream(folder_.path() / "cell.yaml") << "calibration: found.yaml\n" << yaml;
+  std::ofstream(folder_.path() / "cell.yaml") << "calibration: found.yaml\n" << config::CellText("demo");
   const config::CellConfig measured = config::LoadCell(folder_.path() / "cell.yaml");
   EXPECT_NEAR(measured.servo.sensor.tool_mass_kg, truth_.mass_kg, 0.003);
   EXPECT_LT((measured.tool.X_FT.translation() - truth_.p_FT_m).norm(), 1e-5);
@@ -151,10 +148,7 @@ TEST_F(CalibrateTest, SaysWhatIsMissing) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.err.find("found 1 poses"), std::string::npos) << run.err;
   std::ofstream(folder_.path() / "other.yaml") << "payload:\n  mass_kg: 40\n";
-  std::string yaml = io::test::ReadAll(kCell);
-  for (std::size_t at = 0; (at = yaml.find(": ../", at)) != std::string::npos;)
-    yaml.replace(at, 5, ": " OSTEON_SOURCE_DIR "/config/");
-  std::ofstream(folder_.path() / "cell.yaml") << "calibration: other.yaml\n" << yaml;
+  std::ofstream(folder_.path() / "cell.yaml") << "calibration: other.yaml\n" << config::CellText("demo");
   try {
     static_cast<void>(config::LoadCell(folder_.path() / "cell.yaml"));
     FAIL() << "40 kg are not this tool";

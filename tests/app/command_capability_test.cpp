@@ -5,6 +5,7 @@
 
 #include "config/load.h"
 #include "tests/app/command.h"
+#include "tests/config/cell_text.h"
 
 // `osteon capability` as a user runs it, small.
 
@@ -44,7 +45,7 @@ TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
   EXPECT_NE(run.out.find("Verdict"), std::string::npos);
 
   // put into the cell's file, it loads, and the arm begins there
-  std::string cell = ReadText(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
+  std::string cell = config::CellText("demo");
   const std::string yaml = ReadText(folder.path() / "cap" / "base.yaml");
   const auto replace = [&](const std::string& key, const std::string& in) {
     const std::string value = in.substr(in.find(key), in.find('\n', in.find(key)) - in.find(key));
@@ -53,8 +54,6 @@ TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
   replace("position_mm:", yaml);
   replace("rpy_deg:", yaml);
   replace("arm_angle_deg:", yaml);
-  for (std::size_t at = 0; (at = cell.find(": ../", at)) != std::string::npos;)
-    cell.replace(at, 5, ": " OSTEON_SOURCE_DIR "/config/");
   std::ofstream(folder.path() / "moved.yaml") << cell;
   const config::CellConfig moved = config::LoadCell(folder.path() / "moved.yaml");
   EXPECT_NEAR(1e3 * moved.X_WB.translation().x(), base.at("position_mm")[0].get<double>(), 1e-6);

@@ -1,40 +1,23 @@
 #include <gtest/gtest.h>
 
-#include "app/cell_run.h"
-#include "app/cell_setup.h"
 #include "app/recorded_config.h"
 #include "app/replay.h"
-#include "config/load.h"
-#include "io/recording/recording_reader.h"
-#include "tests/io/temporary_folder.h"
+#include "tests/app/virtual_ride.h"
 
 // The shipped cell with the impedance law, in virtual time, over FRI's wrench and torque overlays.
 
 namespace osteon::app {
 namespace {
 
-struct Ride {
-  CellRunResult result;
-  io::Recording recording;
-};
+using Ride = VirtualRide;
 
 Ride RunImpedance(double seconds, bool torque = false) {
-  auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate_impedance.yaml", std::nullopt);
-  EXPECT_TRUE(setup) << setup.error();
-  if (torque) {
-    setup->config.simulated.fri.command_mode = control::CommandMode::kTorque;
-    setup->config.simulated.fri.control_mode = control::ControlMode::kJointImpedance;
-    setup->config.simulated.dynamic.stiffness_Nm_per_rad.setConstant(100.0);
-  }
-  auto engine = MakeEngine(*setup, "vulkan", "");
-  EXPECT_TRUE(engine) << engine.error();
-  const io::test::TemporaryFolder folder;
-  const CellRunParams params{.seconds = seconds, .virtual_time = true, .recording = folder.path() / "r.mcap"};
-  auto result = RunCell(*setup, **engine, params);
-  EXPECT_TRUE(result) << result.error();
-  auto recording = io::ReadRecording(params.recording);
-  EXPECT_TRUE(recording) << recording.error();
-  return {std::move(*result), std::move(*recording)};
+  return RideVirtually("thin_plate_impedance", seconds, [&](config::CellConfig& cell) {
+    if (!torque) return;
+    cell.simulated.fri.command_mode = control::CommandMode::kTorque;
+    cell.simulated.fri.control_mode = control::ControlMode::kJointImpedance;
+    cell.simulated.dynamic.stiffness_Nm_per_rad.setConstant(100.0);
+  });
 }
 
 void ExpectWhole(const Ride& ride) {

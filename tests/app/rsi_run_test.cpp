@@ -1,46 +1,19 @@
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
-#include "app/cell_run.h"
-#include "app/cell_setup.h"
 #include "app/recorded_config.h"
 #include "app/replay.h"
-#include "app/summary.h"
-#include "io/recording/recording_reader.h"
-#include "tests/io/temporary_folder.h"
+#include "tests/app/virtual_ride.h"
 
 // The shipped cell with a KR over RSI, in virtual time: what it cuts, and what a bad wire does to it.
 
 namespace osteon::app {
 namespace {
 
-struct Ride {
-  RunSummary summary;
-  io::Recording recording;
-  nlohmann::json cell;
-};
+using Ride = VirtualRide;
 
 template <class Change>
-Ride RunKr(double seconds, Change change, int recoveries = 0) {
-  Ride ride;
-  auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/kr_16_thin_plate.yaml", std::nullopt);
-  EXPECT_TRUE(setup) << setup.error();
-  change(setup->config);
-  auto engine = MakeEngine(*setup, "vulkan", "");
-  EXPECT_TRUE(engine) << engine.error();
-  const io::test::TemporaryFolder folder;
-  const CellRunParams params{.seconds = seconds,
-                             .virtual_time = true,
-                             .recoveries = recoveries,
-                             .recording = folder.path() / "r.mcap"};
-  const auto result = RunCell(*setup, **engine, params);
-  EXPECT_TRUE(result) << result.error();
-  auto recording = io::ReadRecording(params.recording);
-  EXPECT_TRUE(recording) << recording.error();
-  ride.summary = Summarise(*setup, **engine, params, *result, *recording);
-  ride.recording = std::move(*recording);
-  ride.cell = nlohmann::json::parse(ride.summary.cell_report);
-  return ride;
+Ride RunKr(double seconds, const Change& change, int recoveries = 0) {
+  return RideVirtually("kr_16_thin_plate", seconds, change, recoveries);
 }
 void AsShipped(config::CellConfig&) {}
 
@@ -48,18 +21,7 @@ io::RsiSessionParams& Session(config::CellConfig& cell) {
   return std::get<io::RsiSessionParams>(cell.link.session);
 }
 
-// The commanded axes never jump while the arm follows them: 4 ms at a radian a second.
-void ExpectNoJump(const io::Recording& recording) {
-  const auto active = [](const control::TickRecord& tick) {
-    return tick.session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive);
-  };
-  for (std::size_t i = 1; i < recording.ticks.size(); ++i) {
-    const control::TickRecord &a = recording.ticks[i - 1], &b = recording.ticks[i];
-    if (!active(a) || !active(b)) continue;
-    for (std::size_t j = 0; j < 7; ++j)
-      ASSERT_LT(std::abs(b.q_cmd[j] - a.q_cmd[j]), 4e-3) << "tick " << b.tick << ", axis " << j + 1;
-  }
-}
+constexpr double kMostStep_rad = 4e-3;  // 4 ms at a radian a second
 
 TEST(RsiRun, TheShippedCellDrillsThroughItsPlateWithoutAFault) {
   const Ride run = RunKr(10.0, AsShipped);
@@ -76,7 +38,7 @@ TEST(RsiRun, TheShippedCellDrillsThroughItsPlateWithoutAFault) {
   EXPECT_EQ(run.cell["arm"]["delay"], 0);
   EXPECT_EQ(run.cell["arm"]["lost"], 0);
   EXPECT_EQ(run.summary.link.lost + run.summary.link.rejected, 0u);
-  ExpectNoJump(run.recording);
+  ExpectNoJump(run.recording, kMostStep_rad);
   for (const control::TickRecord& tick : run.recording.ticks) ASSERT_EQ(tick.q_cmd[6], 0.0);
 }
 
@@ -132,7 +94,7 @@ TEST(RsiRun, AnArmThatIsHandedOverElsewhereIsBroughtToTheStart) {
   for (const control::TickRecord& tick : run.recording.ticks)
     aligning |= tick.phase == control::Phase::kAligning;
   EXPECT_TRUE(aligning);
-  ExpectNoJump(run.recording);
+  ExpectNoJump(run.recording, kMostStep_rad);
 }
 
 hil::InjectionParams Loss(hil::Direction direction, double loss, double from_s, double to_s, int burst = 1) {
@@ -157,7 +119,7 @@ TEST(RsiRun, LossesBelowTheTimeoutAreHeldAndCountedExactly) {
   EXPECT_EQ(run.cell["arm"]["lost"].get<unsigned>(), in + out);
   EXPECT_EQ(run.cell["arm"]["delay"].get<unsigned>(), in + out);
   EXPECT_LT(in + out, 100u) << "the Timeout";
-  ExpectNoJump(run.recording);
+  ExpectNoJump(run.recording, kMostStep_rad);
 }
 
 // No answer arrives any more: Delay counts to the Timeout, RSI ends, and its silence stops the loop.
@@ -173,7 +135,7 @@ TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   EXPECT_EQ(run.cell["arm"]["session"], "IDLE");
   EXPECT_EQ(run.recording.ticks.back().phase, control::Phase::kStopped);
   EXPECT_LE(run.summary.peak_force_N, run.summary.force_limit_N);
-  ExpectNoJump(run.recording);
+  ExpectNoJump(run.recording, kMostStep_rad);
 
   // with a person who starts the program again, and a run that may recover
   const Ride again = RunKr(
@@ -190,7 +152,7 @@ TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   for (const control::TickRecord& tick : again.recording.ticks)
     activations = std::max(activations, tick.input.activation);
   EXPECT_EQ(activations, 2u);
-  ExpectNoJump(again.recording);
+  ExpectNoJump(again.recording, kMostStep_rad);
 }
 
 // The arm is not heard for longer than arm_miss_count: a stop, whatever RSI makes of it.

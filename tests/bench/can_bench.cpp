@@ -13,6 +13,7 @@
 #include "control/rt/realtime_thread.h"
 #include "io/can/can_pump.h"
 #include "io/can/udp_can_bus.h"
+#include "tests/bench/quantile_row.h"
 
 namespace {
 
@@ -50,14 +51,6 @@ class Client final : public io::CanClient {
   std::uint64_t seen_{0};
 };
 
-void Print(const char* what, std::vector<rt::Nanoseconds>& ns) {
-  std::sort(ns.begin(), ns.end());
-  const auto at = [&](double share) {
-    return static_cast<long>(ns[static_cast<std::size_t>(share * static_cast<double>(ns.size() - 1))]);
-  };
-  std::printf("%s,%ld,%ld,%ld\n", what, at(0.5), at(0.99), at(1.0));
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -93,8 +86,8 @@ int main(int argc, char** argv) {
     (void)devices.Drain(room);
   }
   std::printf("what,ns_p50,ns_p99,ns_max\n");
-  Print("a call a frame", single_ns);
-  Print("a call for all", batched_ns);
+  PrintQuantiles("a call a frame", single_ns);
+  PrintQuantiles("a call for all", batched_ns);
   std::printf("# %d frames come and %d go a tick, %s\n", kArrive, kLeave,
               realtime ? "SCHED_FIFO" : "no SCHED_FIFO");
   return 0;

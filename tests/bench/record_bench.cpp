@@ -14,21 +14,10 @@
 
 #include "control/rt/realtime_thread.h"
 #include "io/recording/recorder.h"
+#include "tests/bench/quantile_row.h"
 #include "tests/io/recording_samples.h"
 
-namespace {
-
 using namespace osteon;
-
-void Print(const char* what, std::vector<rt::Nanoseconds>& ns) {
-  std::sort(ns.begin(), ns.end());
-  const auto at = [&](double share) {
-    return static_cast<long>(ns[static_cast<std::size_t>(share * static_cast<double>(ns.size() - 1))]);
-  };
-  std::printf("%s,%ld,%ld,%ld\n", what, at(0.5), at(0.99), at(1.0));
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   const double seconds = argc > 1 ? std::atof(argv[1]) : 10.0;
@@ -73,9 +62,9 @@ int main(int argc, char** argv) {
     return 1;
   }
   std::printf("what,ns_p50,ns_p99,ns_max\n");
-  Print("push", push);
-  Print("inputs", inputs);
-  Print("clock", clock);
+  PrintQuantiles("push", push);
+  PrintQuantiles("inputs", inputs);
+  PrintQuantiles("clock", clock);
   std::printf("# %llu ticks, %llu dropped, %s, %.0f kB/s with a frame of 4 contacts a tick\n",
               static_cast<unsigned long long>(counts->ticks),
               static_cast<unsigned long long>(counts->dropped_ticks),

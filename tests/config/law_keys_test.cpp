@@ -2,12 +2,12 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "config/load.h"
+#include "tests/config/cell_text.h"
 
 // A cell names one law, and its simulated arm is set up for it.
 
@@ -19,15 +19,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 const fs::path kCells = fs::path(OSTEON_SOURCE_DIR) / "config/cells";
-
-std::string TextOf(const std::string& cell) {
-  std::stringstream text;
-  text << std::ifstream(kCells / (cell + ".yaml")).rdbuf();
-  std::string yaml = text.str();
-  for (std::size_t at = 0; (at = yaml.find(": ../", at)) != std::string::npos;)
-    yaml.replace(at, 5, ": " OSTEON_SOURCE_DIR "/config/");
-  return yaml;
-}
 
 CellConfig LoadText(const std::string& yaml) {
   const fs::path file = fs::temp_directory_path() / ("osteon_law_" + std::to_string(::getpid()) + ".yaml");
@@ -65,14 +56,14 @@ TEST(LawKeys, ImpedanceReachesLoopAndSimulatedArm) {
   EXPECT_EQ(cell.simulated.fri.command_mode, control::CommandMode::kWrench);
   EXPECT_EQ(cell.simulated.fri.control_mode, control::ControlMode::kCartesianImpedance);
   const CellConfig torque =
-      LoadText(With(TextOf("thin_plate_impedance"), "\n  overlay: wrench", "\n  overlay: torque"));
+      LoadText(With(CellText("thin_plate_impedance"), "\n  overlay: wrench", "\n  overlay: torque"));
   EXPECT_EQ(torque.simulated.fri.command_mode, control::CommandMode::kTorque);
   EXPECT_EQ(torque.simulated.fri.control_mode, control::ControlMode::kJointImpedance);
   EXPECT_EQ(LoadCell(kCells / "demo.yaml").servo.law, control::Law::kAdmittance);
 }
 
 TEST(LawKeys, OneLawAndAnArmThatHasIt) {
-  const std::string cell = TextOf("thin_plate_impedance"), admittance = TextOf("thin_plate");
+  const std::string cell = CellText("thin_plate_impedance"), admittance = CellText("thin_plate");
   const std::size_t from = admittance.find("\nadmittance:"), to = admittance.find("\n#", from);
   EXPECT_THAT(Refusal(cell + admittance.substr(from, to - from) + "\n"), HasSubstr("admittance"));
   EXPECT_THAT(Refusal(With(cell, "level: dynamic", "level: servo")),
@@ -80,7 +71,7 @@ TEST(LawKeys, OneLawAndAnArmThatHasIt) {
   EXPECT_THAT(Refusal(With(cell, "\n  overlay: wrench", "\n  overlay: position")), HasSubstr("wrench"));
   // an arm over RSI takes positions alone
   const std::size_t law = cell.find("\nimpedance:"), law_end = cell.find("\n#", law);
-  std::string kr = TextOf("kr_16_thin_plate");
+  std::string kr = CellText("kr_16_thin_plate");
   const std::size_t old = kr.find("\nadmittance:"), old_end = kr.find("\n#", old);
   kr.replace(old, old_end - old, cell.substr(law, law_end - law));
   EXPECT_THAT(Refusal(kr), AllOf(HasSubstr("impedance"), HasSubstr("rsi")));

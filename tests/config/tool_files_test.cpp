@@ -6,6 +6,7 @@
 #include "config/load.h"
 #include "gpu/shaders/layout.h"
 #include "simulation/reference_engine.h"
+#include "tests/config/cell_text.h"
 
 namespace osteon::config {
 namespace {
@@ -97,13 +98,10 @@ TEST(DemoCell, TakesABurrADrillAndABroachInPlaceOfItsReamer) {
 }
 
 TEST(DemoCell, NeedsNoDiameter) {
-  std::ifstream in(kDemo);
-  std::string text((std::istreambuf_iterator<char>(in)), {});
+  std::string text = CellText("demo");
   const std::size_t at = text.find("tool_diameter_mm");
   ASSERT_NE(at, std::string::npos);
   text.erase(at, text.find('\n', at) + 1 - at);
-  for (std::size_t found = 0; (found = text.find(": ../", found)) != std::string::npos;)
-    text.replace(found, 5, ": " + std::string(OSTEON_SOURCE_DIR) + "/config/");
   const std::string file = testing::TempDir() + "osteon_cell_without_diameter.yaml";
   std::ofstream(file) << text;
   EXPECT_EQ(LoadCell(file).tool.tool.name, "hemispherical reamer 50 mm");

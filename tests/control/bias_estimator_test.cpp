@@ -57,6 +57,24 @@ TEST(BiasEstimator, TheToolsWeightIsWhatTheHandsWrenchTakesOut) {
   EXPECT_LT(F.t.norm(), 1e-14);
 }
 
+// A bias that was calibrated is taken out by HandWrench; the estimate is what has come since.
+TEST(BiasEstimator, ACalibratedBiasIsNotTakenTwice) {
+  ForceSensorParams calibrated = kSensor;
+  calibrated.bias_S = kBias;
+  const Wrench since{.f = {0.0, 0.5, 0.0}, .t = {0.0, 0.0, 0.1}};
+  BiasEstimator estimator({}, calibrated, kDt_s);
+  Hang(estimator, 1.0, Sum(kBias, since));
+  EXPECT_LT((estimator.bias().f - since.f).norm(), 1e-9);
+  EXPECT_LT((estimator.bias().t - since.t).norm(), 1e-9);
+  const Pose X_WF = Flange(0.3);
+  const Wrench F_S = Sum(Sum(kBias, since), ToolWeight(kSensor, X_WF));
+  const Wrench hand =
+      HandWrench(calibrated, {.f = F_S.f - estimator.bias().f, .t = F_S.t - estimator.bias().t}, X_WF,
+                 X_WF * Vector3(0.0, 0.0, 0.3));
+  EXPECT_LT(hand.f.norm(), 1e-9) << "nobody is there";
+  EXPECT_LT(hand.t.norm(), 1e-9);
+}
+
 TEST(BiasEstimator, ABiasAtRestIsTakenToWithinTheMeanOfTheNoise) {
   BiasEstimator estimator({}, kSensor, kDt_s);
   Hang(estimator, 1.0, kBias, 0.1);

@@ -229,6 +229,29 @@ TEST(ImpedanceLoop, ADeadSimulationFadesAndStops) {
   EXPECT_EQ(Vector3(bench.command.F.f).norm(), 0.0);
 }
 
+TEST(ImpedanceLoop, APositionThatIsNoneIsAnsweredWithNoWrenchAndAStop) {
+  for (const CommandMode mode : {CommandMode::kWrench, CommandMode::kTorque}) {
+    ImpedanceBench bench(Params(), mode);
+    bench.push_W_N = 20.0 * bench.feed_W;
+    bench.Run(1000);
+    const auto sent = [&] {
+      return Vector3(bench.command.F.f).norm() +
+             Eigen::Map<const JointVector>(bench.command.tau.data()).norm();
+    };
+    ASSERT_GT(sent(), 5.0);
+    bench.state.q_meas[2] = std::nan("");
+    bench.now += rt::kMillisecond;
+    bench.state.stamp = bench.now;
+    bench.readings.force.stamp = bench.now;
+    bench.loop.Tick(bench.state, control::ReceiveResult::kOk, bench.readings, bench.model, bench.now,
+                    bench.command);
+    EXPECT_EQ(sent(), 0.0) << "neither what is no number nor the wrench of the tick before";
+    EXPECT_TRUE(bench.loop.faults().Has(Fault::kNotFinite));
+    bench.Run(1000);
+    EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
+  }
+}
+
 TEST(ImpedanceLoop, DoesNotAllocate) {
   ImpedanceBench bench(Params(), CommandMode::kTorque);
   bench.push_W_N = 20.0 * bench.feed_W;

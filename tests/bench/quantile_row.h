@@ -1,0 +1,20 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "control/rt/clock.h"
+
+namespace osteon {
+
+/// Prints "what,p50,p99,max" [ns]; sorts.
+inline void PrintQuantiles(const char* what, std::vector<rt::Nanoseconds>& ns) {
+  std::sort(ns.begin(), ns.end());
+  const auto at = [&](double share) {
+    return static_cast<long>(ns[static_cast<std::size_t>(share * static_cast<double>(ns.size() - 1))]);
+  };
+  std::printf("%s,%ld,%ld,%ld\n", what, at(0.5), at(0.99), at(1.0));
+}
+
+}  // namespace osteon
