@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/bare_exchange.h"
 #include "app/chart_files.h"
 #include "app/interrupt.h"
 #include "app/recorded_config.h"
@@ -48,6 +49,7 @@ constexpr int kFrameTicks = 2;         // a 500 Hz simulation's
 constexpr double kPlaneTilt_rad = .6;  // of the eight planes' normals from the feed
 constexpr double kEarly_m = 0.01;      // the planes lie so far above where the tool would meet the cup
 constexpr double kPresses_N = 1.0;     // a tick counts from here on
+constexpr std::size_t kBareEvery = 8;  // ticks: then a period goes to the kernel alone
 constexpr double kScriptShare = 4.0;   // the script is so much longer than what is timed of it
 constexpr std::array<const char*, 5> kStages{"receive", "devices", "loop", "send", "record"};
 
@@ -118,7 +120,8 @@ struct Times {
   std::vector<double> tick;
   std::array<std::vector<double>, kStages.size()> stages;
   std::array<std::vector<double>, TickParts::kCount> parts;
-  int allocations{0};  // heap calls and locks of the ticks
+  std::vector<double> bare;  // kernel alone
+  int allocations{0};        // heap calls and locks of the ticks
   double force_N{0.0}, pressing{0.0};
   bool realtime{false};
 };
@@ -157,6 +160,7 @@ class TickBench {
     times.tick.reserve(ticks);
     for (auto& each : times.stages) each.reserve(ticks);
     for (auto& each : times.parts) each.reserve(ticks);
+    times.bare.reserve(ticks / kBareEvery + 1);
     const auto period = static_cast<rt::Nanoseconds>(arm_.period_s() * 1e9 + 0.5);
     rt::Nanoseconds due = 0;
     for (std::int64_t tick = 1; times.tick.size() < ticks && !Interrupted(); ++tick) {
@@ -164,6 +168,11 @@ class TickBench {
       if (!times.tick.empty()) {  // from here on at the pace, and with the caches, of a run
         due = std::max(due + period, rt::MonotonicNow());
         rt::SleepUntil(due);
+        if (times.tick.size() / kBareEvery > times.bare.size()) {  // as cold as a tick is
+          times.bare.push_back(bare_.Time(message_bytes_, answer_bytes_));
+          due += period;
+          rt::SleepUntil(due);
+        }
       }
       RunTick(tick, tick * period, times);
     }
@@ -208,7 +217,11 @@ class TickBench {
     const int calls = scope.heap_calls() + scope.locks();
 
     if (received != ReceiveResult::kOk || !answered) throw std::runtime_error("a message was not answered");
-    wire_->ReceiveAll(answer_, [this](std::span<const std::uint8_t> answer) { arm_.Receive(answer); });
+    message_bytes_ = message.size();
+    wire_->ReceiveAll(answer_, [this](std::span<const std::uint8_t> answer) {
+      answer_bytes_ = answer.size();
+      arm_.Receive(answer);
+    });
     const double force_N = Vector3(record.F_coupling_T_W.f).norm();
     const bool counts = record.phase == control::Phase::kHaptic && force_N > kPresses_N && recorded;
     if (!counts) return;
@@ -247,6 +260,8 @@ class TickBench {
   control::ArmState state_;
   control::ArmCommand command_;
   std::array<std::uint8_t, 2048> answer_{};
+  BareExchange bare_;
+  std::size_t message_bytes_{0}, answer_bytes_{0};
   Vector3 p_WBall_;
   double radius_m_{0.0};
 };
@@ -329,6 +344,8 @@ int Run(const BenchTickOptions& options) {
     fmt::print("{}", Row(fmt::format("  {}", kStages[i]), figures));
     stages[kStages[i]] = Json(figures);
   }
+  const simulation::TimeFigures bare = simulation::FiguresOf(times.bare);
+  fmt::print("{}", Row("kernel alone", bare));
   fmt::print("of the loop, on the same inputs\n");
   for (std::size_t i = 0; i < TickParts::kCount; ++i) {
     const auto figures = simulation::FiguresOf(times.parts[i]);
@@ -348,6 +365,7 @@ int Run(const BenchTickOptions& options) {
       {"mean_force_N", times.force_N},
       {"tick_us", Json(tick)},
       {"stage_us", stages},
+      {"kernel_alone_us", Json(bare)},
       {"allocations", counted ? nlohmann::ordered_json(times.allocations) : nlohmann::ordered_json(nullptr)},
       {"realtime_priority", times.realtime},
       {"machine", machine}};

@@ -75,10 +75,12 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
   wanted.qd_before = qd_before_;
   wanted.qd_null = load.qd;
   wanted.dt_s = dt_s;
+  wanted.U_before = directions_;
   const kinematics::MotionOutput<7> moves = motion_.Step(wanted);
   us[4] = MicrosecondsSince(begun);
   qd_before_ = moves.qd;
   null_direction_ = moves.null_direction;
+  directions_ = moves.U;
 
   begun = rt::MonotonicNow();
   sink_ = guard_.Limit(input.q, dt_s * moves.qd, dt_s).share;

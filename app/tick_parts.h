@@ -56,6 +56,7 @@ class TickParts {
   control::CouplingState coupling_;
   kinematics::JointVector qd_before_{kinematics::JointVector::Zero()};
   kinematics::JointVector null_direction_{kinematics::JointVector::Zero()};
+  Eigen::Matrix<double, 6, 6> directions_{Eigen::Matrix<double, 6, 6>::Identity()};
   int active_contacts_{0};
   volatile double sink_{0.0};  // where results go, so that none is left out
 };

@@ -150,6 +150,7 @@ class JointFollower final : public ArmFollower {
   double moving_{0.0};        // 0 … 1: how much the tool moved
   double sigma_min_m_{1.0};
   Joints sigma_gradient_m_{Joints::Zero()}, null_direction_{Joints::Zero()};
+  Eigen::Matrix<double, 6, 6> directions_{Eigen::Matrix<double, 6, 6>::Identity()};  // of the Jacobian
   int stop_ticks_{0};  // left of a stop along the joints; 0: none under way
 };
 
@@ -165,6 +166,7 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   wanted.share_before = motion_share_;
   wanted.qd_null = WantedElbow(wish);
   wanted.dt_s = dt_s;
+  wanted.U_before = directions_;
   const kinematics::MotionOutput<kN> moves = motion_.Step(wanted);
   if (!moves.finite) {
     followed.fault = Fault::kInverseKinematics;
@@ -177,6 +179,7 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
     return followed;
   }
   motion_share_ = moves.share;
+  directions_ = moves.U;
   moving_ = std::min(1.0, moves.V_BT.v.norm() / kMoving_m_per_s + moves.V_BT.w.norm() / kMoving_rad_per_s);
   if (moving_ < kStands) moving_ = 0.0;
   sigma_min_m_ = moves.sigma_min_m;

@@ -7,9 +7,8 @@
 #include <stdexcept>
 #include <string>
 
-#include <Eigen/SVD>
-
 #include "kinematics/braking_speed.h"
+#include "kinematics/jacobi_svd.h"
 
 namespace osteon::kinematics {
 namespace {
@@ -135,10 +134,11 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
     twist.template tail<3>() *= length_m;
     return twist;
   };
-  const Eigen::JacobiSVD<JacobianN<N>> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vector6 sigma = svd.singularValues();
-  Eigen::Matrix<double, N, N> directions = svd.matrixV();
-  const Vector6 u_min = scaled(svd.matrixU().col(5));
+  const JacobianDirections<N> svd = DirectionsOf<N>(J, in.U_before);
+  const Vector6& sigma = svd.sigma;
+  Eigen::Matrix<double, N, N> directions = svd.V;
+  out.U = svd.U;
+  const Vector6 u_min = scaled(svd.U.col(5));
   if constexpr (N > 6) {
     // singular to the last bit: of the two directions without motion, the one that bends the most is v
     if (sigma[5] < kUnresolved * sigma[0]) {
@@ -159,7 +159,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   JointVectorN<N> qd_free = in.qd_before;
   for (int k = 0; k < 6; ++k) {
     if (sigma[k] < params_.singular_zone_m) continue;
-    const double a = svd.matrixU().col(k).dot(scaled(V));
+    const double a = svd.U.col(k).dot(scaled(V));
     qd_free += (a / sigma[k] - directions.col(k).dot(in.qd_before)) * directions.col(k);
   }
   V -= 0.5 * in.dt_s * Curvature<N>(in.J, qd_free);
@@ -170,7 +170,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   const double length = V_scaled.norm();
   double lost_squared = 0.0;
   for (int k = 0; k < 6; ++k) {
-    const Vector6 u = svd.matrixU().col(k);
+    const Vector6 u = svd.U.col(k);
     const JointVectorN<N> v = directions.col(k);
     const double a = u.dot(V_scaled);
     if (sigma[k] >= params_.singular_zone_m) {

@@ -67,6 +67,8 @@ struct MotionInput {
   /// the null space is used, so a gradient will do. Without effect for 6 joints.
   JointVectorN<N> qd_null{JointVectorN<N>::Zero()};
   double dt_s{0.001};  ///< > 0
+  /// MotionOutput::U of the tick before, or any orthogonal matrix: the nearer, the faster.
+  Eigen::Matrix<double, 6, 6> U_before{Eigen::Matrix<double, 6, 6>::Identity()};
 };
 
 template <int N>
@@ -83,6 +85,7 @@ struct MotionOutput {
   MotionLimit limit{MotionLimit::kNone};
   int joint{-1};      ///< the joint that set the limit, 0 … N-1; -1: none
   bool finite{true};  ///< false: the input was not, qd is zero
+  Eigen::Matrix<double, 6, 6> U{Eigen::Matrix<double, 6, 6>::Identity()};  ///< J's left directions
 };
 
 /// Differential inverse kinematics for arms of 6 or 7 joints, with limits. No state: the caller carries the

@@ -10,7 +10,9 @@ constexpr int kLargestSet = 4;        // three planes fix a point, a fourth its 
 constexpr double kTolerance = 1e-12;  // of a plane's offset [m] and of a multiplier [m]
 constexpr double kFeasible = 1e-9;    // a solved point may lie this far outside [m]
 constexpr double kLeastVolume =
-    1e-9;  // of a Gram determinant of unit normals: below, the planes are parallel
+    1e-9;                             // of a Gram determinant of unit normals: below, the planes are parallel
+constexpr double kFlatShare = 1e-12;  // of a normal: that much of another plane is none
+constexpr int kMostRounds = 24;       // three planes of eight are found in two to six
 constexpr double kSlackWeight = 1e-6;  // square of the slack's compliance against the point's
 
 using Planes = std::array<HalfSpace, kMaxHalfSpaces>;
@@ -24,16 +26,18 @@ struct Set {
   int size{0};
 };
 
-// Multipliers of the nearest point on all planes of the set: Gram matrix times multipliers = offsets, by
-// elimination in place (the matrix is positive definite: no pivoting). False where the planes are parallel.
-bool SolveSet(const Planes& planes, const Set& set, double slack, SetVector& multiplier) {
+// Multipliers of the nearest point on all planes of the set: Gram matrix times multipliers = offsets (or, of
+// a direction, its parts along the normals), by elimination in place (the matrix is positive definite: no
+// pivoting). False where the planes are parallel.
+bool SolveSet(const Planes& planes, const Set& set, double slack, SetVector& multiplier,
+              const Vector3* direction = nullptr) {
   SetMatrix gram(set.size, set.size);
   multiplier.resize(set.size);
   for (int i = 0; i < set.size; ++i) {
     const HalfSpace& a = planes[set.plane[static_cast<std::size_t>(i)]];
     for (int j = 0; j < set.size; ++j)
       gram(i, j) = a.n.dot(planes[set.plane[static_cast<std::size_t>(j)]].n) + slack;
-    multiplier[i] = a.offset;
+    multiplier[i] = direction ? a.n.dot(*direction) : a.offset;
   }
   const double least = slack > 0.0 ? kLeastVolume * slack : kLeastVolume;
   double volume = 1.0;
@@ -60,34 +64,97 @@ double WorstViolation(const Planes& planes, int count, const Vector3& x) {
   return worst;
 }
 
+// The dual active-set method: from the free minimum, x = 0, a violated plane at a time is brought in, and one
+// that would pull is let go. Each round ends at the nearest point of a set of planes, further out than the
+// round before, so that no set comes twice. On success `active` are the planes that the nearest point lies
+// on. False where no point keeps all planes, or rounding makes it look so.
+// Source: Goldfarb and Idnani, A Numerically Stable Dual Method for Solving Strictly Convex Quadratic
+// Programs, Math. Programming 27, 1983.
+bool FindActive(const Planes& planes, int count, Set& active) {
+  Vector3 x = Vector3::Zero();
+  std::array<double, kLargestSet> pull{};  // multipliers of the active planes
+  for (int round = 0; round < kMostRounds; ++round) {
+    std::size_t worst = 0;
+    double outside = kTolerance;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const double violation = planes[i].offset - planes[i].n.dot(x);
+      if (violation <= outside) continue;
+      outside = violation;
+      worst = i;
+    }
+    if (outside <= kTolerance) return true;
+    const HalfSpace& in = planes[worst];
+    double pull_in = 0.0;
+    for (;;) {
+      // the active planes' share of the new normal, and what is left of it
+      SetVector share;
+      if (!SolveSet(planes, active, 0.0, share, &in.n)) return false;
+      Vector3 z = in.n;
+      for (int i = 0; i < active.size; ++i)
+        z -= share[i] * planes[active.plane[static_cast<std::size_t>(i)]].n;
+      double step = std::numeric_limits<double>::infinity();
+      int leaves = -1;
+      for (int i = 0; i < active.size; ++i) {
+        if (!(share[i] > kFlatShare) || pull[static_cast<std::size_t>(i)] >= step * share[i]) continue;
+        step = pull[static_cast<std::size_t>(i)] / share[i];
+        leaves = i;
+      }
+      const double room = active.size < 3 ? z.dot(in.n) : 0.0;
+      const bool moves = room > kLeastVolume;
+      if (moves && (in.offset - in.n.dot(x)) / room <= step) {
+        step = (in.offset - in.n.dot(x)) / room;
+        leaves = -1;
+      } else if (leaves < 0) {
+        return false;  // nothing to let go, nowhere to go
+      }
+      if (moves) x += step * z;
+      for (int i = 0; i < active.size; ++i) pull[static_cast<std::size_t>(i)] -= step * share[i];
+      pull_in += step;
+      if (leaves < 0) break;
+      --active.size;
+      for (int i = leaves; i < active.size; ++i) {
+        active.plane[static_cast<std::size_t>(i)] = active.plane[static_cast<std::size_t>(i) + 1];
+        pull[static_cast<std::size_t>(i)] = pull[static_cast<std::size_t>(i) + 1];
+      }
+    }
+    active.plane[static_cast<std::size_t>(active.size)] = worst;
+    pull[static_cast<std::size_t>(active.size)] = pull_in;
+    ++active.size;
+  }
+  return false;
+}
+
+// The nearest point of a set of planes as the answer, where it is one: no plane pulls and none is violated.
+bool Accept(const Planes& planes, int count, const Set& set, double slack, double& best_cost,
+            HalfSpaceProjection& best) {
+  SetVector multiplier;
+  if (!SolveSet(planes, set, slack, multiplier)) return false;
+  if (!(multiplier.minCoeff() >= -kTolerance)) return false;  // a plane would pull
+  Vector3 x = Vector3::Zero();
+  for (int i = 0; i < set.size; ++i) x += multiplier[i] * planes[set.plane[static_cast<std::size_t>(i)]].n;
+  const double sum = multiplier.sum(), violation = WorstViolation(planes, count, x);
+  const double cost = x.squaredNorm() + slack * sum * sum;
+  if (violation > slack * sum + kFeasible || !(cost < best_cost)) return false;
+  best_cost = cost;
+  best.point = x;
+  best.violation = violation <= kFeasible ? 0.0 : violation;
+  best.multiplier.fill(0.0);
+  for (int i = 0; i < set.size; ++i)
+    best.multiplier[set.plane[static_cast<std::size_t>(i)]] = std::max(0.0, multiplier[i]);
+  return true;
+}
+
 // Solves   min |x|^2 + s^2 / slack   subject to   n_i·x + s >= offset_i   over every set of at most
 // largest_set planes; with slack = 0 there is no s. False where no set gives a point.
 bool Solve(const Planes& planes, int count, double slack, int largest_set, HalfSpaceProjection& best) {
   double best_cost = std::numeric_limits<double>::infinity();
-  const auto consider = [&](const Set& set) {
-    SetVector multiplier;
-    if (!SolveSet(planes, set, slack, multiplier)) return;
-    if (!(multiplier.minCoeff() >= -kTolerance)) return;  // a plane would pull
-    Vector3 x = Vector3::Zero();
-    for (int i = 0; i < set.size; ++i) x += multiplier[i] * planes[set.plane[static_cast<std::size_t>(i)]].n;
-    const double sum = multiplier.sum(), violation = WorstViolation(planes, count, x);
-    const double cost = x.squaredNorm() + slack * sum * sum;
-    if (violation > slack * sum + kFeasible || !(cost < best_cost)) return;
-    best_cost = cost;
-    best.point = x;
-    best.violation = violation <= kFeasible ? 0.0 : violation;
-    best.multiplier.fill(0.0);
-    for (int i = 0; i < set.size; ++i)
-      best.multiplier[set.plane[static_cast<std::size_t>(i)]] = std::max(0.0, multiplier[i]);
-  };
-
   // by size, then in index order: next_set counts up like an odometer whose digits only grow to the right
   for (int size = 1; size <= std::min(largest_set, count); ++size) {
     Set set;
     set.size = size;
     for (int i = 0; i < size; ++i) set.plane[static_cast<std::size_t>(i)] = static_cast<std::size_t>(i);
     while (true) {
-      consider(set);
+      Accept(planes, count, set, slack, best_cost, best);
       int digit = size - 1;
       while (digit >= 0 &&
              set.plane[static_cast<std::size_t>(digit)] == static_cast<std::size_t>(count - size + digit))
@@ -107,6 +174,10 @@ HalfSpaceProjection ClosestInHalfSpaces(const Planes& planes, int count) noexcep
   HalfSpaceProjection best;
   const double violation = WorstViolation(planes, count, Vector3::Zero());
   if (violation <= kTolerance) return best;
+  Set active;
+  double cost = std::numeric_limits<double>::infinity();
+  if (FindActive(planes, count, active) && Accept(planes, count, active, 0.0, cost, best)) return best;
+  // planes so nearly parallel that rounding decides, or no point at all: every set
   if (Solve(planes, count, 0.0, 3, best)) return best;
   // empty (or so nearly parallel that only a point far away would do): share one slack among the planes
   if (Solve(planes, count, kSlackWeight, kLargestSet, best)) return best;

@@ -26,10 +26,11 @@ struct HalfSpaceProjection {
 ///
 ///     min |x|^2   subject to   n_i·x >= offset_i
 ///
-/// Exact and bounded: every set of one, two or three planes is tried (92 for eight planes), and the nearest
-/// point that keeps all planes wins; sets are tried in index order, so equal inputs give equal outputs. Where
-/// the intersection is empty (opposite walls closer than the tool) the planes give way together by the least
-/// common amount,
+/// Exact and bounded: a dual active-set method finds the planes that the point lies on, from which it is
+/// solved anew. Where rounding hides them (planes almost parallel), every set of one, two or three planes is
+/// tried (92 for eight planes), and the nearest point that keeps all planes wins. Equal inputs give equal
+/// outputs. Where the intersection is empty (opposite walls closer than the tool) the planes give way
+/// together by the least common amount,
 ///
 ///     min |x|^2 + 1e6 s^2   subject to   n_i·x + s >= offset_i
 ///

@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "io/can/receive_batches.h"
 #include "io/net/udp_socket.h"
 
 namespace osteon::io {

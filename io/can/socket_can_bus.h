@@ -13,7 +13,7 @@
 #include <tl/expected.hpp>
 
 #include "io/can/can_bus.h"
-#include "io/can/message_batch.h"
+#include "io/net/message_batch.h"
 
 namespace osteon::io {
 

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <random>
 
+#include "io/can/receive_batches.h"
 #include "io/net/udp_socket.h"
 
 namespace osteon::io {

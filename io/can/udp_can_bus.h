@@ -13,8 +13,8 @@
 #include <tl/expected.hpp>
 
 #include "io/can/can_bus.h"
-#include "io/can/message_batch.h"
 #include "io/can/udp_can_codec.h"
+#include "io/net/message_batch.h"
 
 namespace osteon::io {
 

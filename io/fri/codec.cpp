@@ -61,9 +61,11 @@ CodecError Open(FriFamily family, std::span<const std::uint8_t> datagram,
   return CodecError::kMalformed;
 }
 
+// @param[out] wire  to be value-initialised: no field of the protocol has another default
 CodecError Parse(std::span<const std::uint8_t> body, osteon_fri_FRIMonitoringMessage& wire) OSTEON_RT {
   pb_istream_t stream = pb_istream_from_buffer(body.data(), body.size());
-  if (!pb_decode(&stream, osteon_fri_FRIMonitoringMessage_fields, &wire)) return CodecError::kMalformed;
+  if (!pb_decode_ex(&stream, osteon_fri_FRIMonitoringMessage_fields, &wire, PB_DECODE_NOINIT))
+    return CodecError::kMalformed;
   return wire.header.messageIdentifier == kFriMonitoringId ? CodecError::kNone : CodecError::kWrongId;
 }
 

@@ -25,7 +25,7 @@ tl::expected<std::unique_ptr<FriLink>, std::string> FriLink::Open(const FriLinkP
 }
 
 control::ReceiveResult FriLink::Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT {
-  return peer_.Receive(Judge{session_, state}, buffer_, deadline);
+  return peer_.Receive(Judge{session_, state}, deadline);
 }
 
 bool FriLink::Send(const control::ArmCommand& command) OSTEON_RT {

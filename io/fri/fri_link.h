@@ -48,9 +48,8 @@ class FriLink final : public control::ArmLink {
  private:
   FriLink(const BoundUdp& bound, const FriLinkParams& params) : peer_(bound), session_(params.session) {}
 
-  UdpPeer peer_;
+  UdpPeer<kFriMaxDatagram + 1> peer_;  // one more, to see what is too long
   FriSession session_;
-  std::array<std::uint8_t, kFriMaxDatagram + 1> buffer_{};  // one more, to see what is too long
 };
 
 }  // namespace osteon::io

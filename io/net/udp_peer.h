@@ -1,16 +1,16 @@
 #pragma once
 
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
-#include <string>
-
-#include <tl/expected.hpp>
 
 #include "control/ports.h"
+#include "io/net/message_batch.h"
 #include "io/net/udp_socket.h"
 
 namespace osteon::io {
@@ -20,6 +20,8 @@ namespace osteon::io {
 /// for a second (one that was restarted may come back from another port). Of several messages that wait, the
 /// newest counts. One thread at a time; no allocation once opened, no system calls but the socket's and the
 /// clock's.
+/// @tparam kMostBytes  of a datagram; a longer one is cut
+template <std::size_t kMostBytes>
 class UdpPeer {
  public:
   static constexpr rt::Nanoseconds kSilence = rt::kSecond;
@@ -28,11 +30,8 @@ class UdpPeer {
   ~UdpPeer() {
     if (bound_.socket >= 0) close(bound_.socket);
   }
-  UdpPeer(UdpPeer&& other) noexcept
-      : bound_(other.bound_), peer_(other.peer_), has_peer_(other.has_peer_), heard_(other.heard_) {
-    other.bound_.socket = -1;
-  }
-  UdpPeer& operator=(UdpPeer&&) = delete;
+  UdpPeer(const UdpPeer&) = delete;
+  UdpPeer& operator=(const UdpPeer&) = delete;
 
   [[nodiscard]] std::uint16_t port() const { return bound_.port; }
   [[nodiscard]] bool has_peer() const OSTEON_RT { return has_peer_; }
@@ -45,23 +44,27 @@ class UdpPeer {
   ///     void StartOver()   what comes next is of another peer than what came before
   ///     void Superseded()  a valid message was overtaken by a newer one that waited, too
   template <class Protocol>
-  control::ReceiveResult Receive(Protocol&& protocol, std::span<std::uint8_t> room,
-                                 rt::Nanoseconds deadline) OSTEON_RT {
-    constexpr int kMostAtOnce = 64;  // a flood must not hold the tick
+  control::ReceiveResult Receive(Protocol&& protocol, rt::Nanoseconds deadline) OSTEON_RT {
+    constexpr std::size_t kMostAtOnce = 64;  // a flood must not hold the tick
     for (;;) {
-      const Wait wait = WaitReadable(bound_.socket, deadline);
-      if (wait == Wait::kGone) return control::ReceiveResult::kClosed;
       bool received = false;
-      for (int i = 0; wait == Wait::kReady && i < kMostAtOnce; ++i) {
-        const Datagram datagram = ReadDatagram(bound_.socket, room);
-        if (datagram.read == Datagram::Read::kGone) return control::ReceiveResult::kClosed;
-        if (datagram.read == Datagram::Read::kNone) break;
-        if (datagram.read == Datagram::Read::kReported || !Take(protocol, datagram)) continue;
-        if (received) protocol.Superseded();
-        received = true;
+      for (std::size_t left = kMostAtOnce; left > 0;) {
+        const std::size_t asked = std::min(left, Batch::kMost);
+        const int taken = in_.Receive(bound_.socket, asked);
+        if (taken < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
+        if (taken < 0 && (errno == EBADF || errno == ENOTSOCK)) return control::ReceiveResult::kClosed;
+        const std::size_t came = static_cast<std::size_t>(std::max(taken, 0));
+        for (std::size_t i = 0; i < came; ++i) {
+          if (!Take(protocol, i)) continue;
+          if (received) protocol.Superseded();
+          received = true;
+        }
+        if (taken > 0 && came < asked) break;    // that was all
+        left -= std::max<std::size_t>(came, 1);  // none: the system reports that one of ours found nobody
       }
       if (received) return control::ReceiveResult::kOk;
       if (rt::MonotonicNow() >= deadline) return control::ReceiveResult::kTimeout;
+      if (WaitReadable(bound_.socket, deadline) == Wait::kGone) return control::ReceiveResult::kClosed;
     }
   }
 
@@ -75,22 +78,27 @@ class UdpPeer {
 
  private:
   template <class Protocol>
-  bool Take(Protocol& protocol, const Datagram& datagram) OSTEON_RT {
-    const bool known = has_peer_ && datagram.sender.sin_addr.s_addr == peer_.sin_addr.s_addr &&
-                       datagram.sender.sin_port == peer_.sin_port;
-    if (has_peer_ && !known && datagram.arrival - heard_ < kSilence) {
+  bool Take(Protocol& protocol, std::size_t i) OSTEON_RT {
+    const sockaddr_in& sender = in_.sender(i);
+    const rt::Nanoseconds arrival = ArrivalTime(in_.header(i));
+    const bool known =
+        has_peer_ && sender.sin_addr.s_addr == peer_.sin_addr.s_addr && sender.sin_port == peer_.sin_port;
+    if (has_peer_ && !known && arrival - heard_ < kSilence) {
       protocol.Reject();
       return false;
     }
     if (!known) protocol.StartOver();  // what a stranger said before is nobody's beginning
-    if (!protocol.Accept(datagram.bytes, datagram.arrival)) return false;
-    peer_ = datagram.sender;
+    if (!protocol.Accept(in_.bytes(i), arrival)) return false;
+    peer_ = sender;
     has_peer_ = true;
-    heard_ = datagram.arrival;
+    heard_ = arrival;
     return true;
   }
 
+  using Batch = MessageBatch<kMostBytes, CMSG_SPACE(sizeof(timespec)), Sender::kKept>;
+
   BoundUdp bound_;
+  Batch in_;
   sockaddr_in peer_{};
   bool has_peer_{false};
   rt::Nanoseconds heard_{0};  // when the peer last sent a valid message

@@ -32,7 +32,7 @@ tl::expected<std::unique_ptr<RsiLink>, std::string> RsiLink::Open(const RsiLinkP
 }
 
 control::ReceiveResult RsiLink::Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT {
-  return peer_.Receive(Judge{session_, state}, buffer_, deadline);
+  return peer_.Receive(Judge{session_, state}, deadline);
 }
 
 bool RsiLink::Send(const control::ArmCommand& command) OSTEON_RT {

@@ -47,9 +47,8 @@ class RsiLink final : public control::ArmLink {
  private:
   RsiLink(const BoundUdp& bound, const RsiLinkParams& params) : peer_(bound), session_(params.session) {}
 
-  UdpPeer peer_;
+  UdpPeer<kRsiMaxDatagram + 1> peer_;  // one more, to see what is too long
   RsiSession session_;
-  std::array<std::uint8_t, kRsiMaxDatagram + 1> buffer_{};  // one more, to see what is too long
 };
 
 }  // namespace osteon::io

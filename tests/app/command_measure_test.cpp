@@ -149,6 +149,8 @@ TEST(BenchTick, WritesTheKeysOfItsContract) {
   for (const char* stage : {"receive", "devices", "loop", "send", "record", "kinematics", "coupling",
                             "limits", "elbow", "inverse", "guard"})
     ExpectTimes(json.at("stage_us").at(stage));
+  ExpectTimes(json.at("kernel_alone_us"));
+  EXPECT_GT(json.at("kernel_alone_us").at("p50").get<double>(), 0.0);
   // the loop's own work was there to be timed: a hand that pressed the tool on planes
   EXPECT_GT(json.at("mean_force_N").get<double>(), 1.0);
   EXPECT_GE(json.at("contacts_pressing_mean").get<double>(), 1.0);

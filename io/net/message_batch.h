@@ -1,22 +1,24 @@
 #pragma once
 
+#include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "control/rt/marker.h"
-#include "io/can/can_bus.h"
 
 namespace osteon::io {
 
-/// Room for several datagrams, or raw CAN frames, that cross a socket in one system call: a tick costs a
-/// bus one call each way and not one a frame. Made once; no allocation after that.
+/// Whether a batch keeps who sent each message.
+enum class Sender : std::uint8_t { kDropped, kKept };
+
+/// Room for several datagrams, or raw CAN frames, that cross a socket in one system call: a tick costs one
+/// call each way and not one a message. Made once; no allocation after that.
 /// @tparam kBytes  of one message at most  @tparam kControl  of what the system says about it (cmsg), or 0
-template <std::size_t kBytes, std::size_t kControl>
+template <std::size_t kBytes, std::size_t kControl, Sender kSender = Sender::kDropped>
 class MessageBatch {
  public:
   static constexpr std::size_t kMost = 32;
@@ -26,6 +28,7 @@ class MessageBatch {
       parts_[i] = {.iov_base = bytes_[i].data(), .iov_len = kBytes};
       messages_[i].msg_hdr.msg_iov = &parts_[i];
       messages_[i].msg_hdr.msg_iovlen = 1;
+      if constexpr (kSender == Sender::kKept) messages_[i].msg_hdr.msg_name = &senders_[i];
     }
   }
   MessageBatch(const MessageBatch&) = delete;
@@ -35,18 +38,29 @@ class MessageBatch {
   /// errno says why none, EAGAIN that none waits.
   int Receive(int socket, std::size_t most) OSTEON_RT {
     if (most > kMost) most = kMost;
-    if constexpr (kControl > 0)
-      for (std::size_t i = 0; i < most; ++i) {
-        messages_[i].msg_hdr.msg_control = control_[i].bytes.data();
-        messages_[i].msg_hdr.msg_controllen = kControl;
+    // the system wrote over what it had touched: the first ones, as many as came
+    for (; used_ > 0; --used_) {
+      msghdr& header = messages_[used_ - 1].msg_hdr;
+      if constexpr (kControl > 0) {
+        header.msg_control = control_[used_ - 1].bytes.data();
+        header.msg_controllen = kControl;
       }
-    return recvmmsg(socket, messages_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
+      if constexpr (kSender == Sender::kKept) header.msg_namelen = sizeof(sockaddr_in);
+    }
+    const int came = recvmmsg(socket, messages_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
+    used_ = came < 0 ? 1 : static_cast<std::size_t>(came) + 1;  // it may have begun one that it did not take
+    if (used_ > kMost) used_ = kMost;
+    return came;
   }
   /// Of message i as it came; cut where the room ended.
   [[nodiscard]] std::span<const std::uint8_t> bytes(std::size_t i) const OSTEON_RT {
     return {bytes_[i].data(), messages_[i].msg_len};
   }
   [[nodiscard]] msghdr& header(std::size_t i) OSTEON_RT { return messages_[i].msg_hdr; }
+  /// Of an IPv4 socket's message i.
+  [[nodiscard]] const sockaddr_in& sender(std::size_t i) const OSTEON_RT requires(kSender == Sender::kKept) {
+    return senders_[i];
+  }
 
   /// Room of message i that is to be sent, and how much of it.
   [[nodiscard]] std::array<std::uint8_t, kBytes>& room(std::size_t i) OSTEON_RT { return bytes_[i]; }
@@ -64,43 +78,10 @@ class MessageBatch {
   };
   std::array<std::array<std::uint8_t, kBytes>, kMost> bytes_{};
   std::array<Control, kControl == 0 ? 0 : kMost> control_{};
+  std::array<sockaddr_in, kSender == Sender::kKept ? kMost : 0> senders_{};
   std::array<iovec, kMost> parts_{};
   std::array<mmsghdr, kMost> messages_{};
+  std::size_t used_{kMost};  // headers to be set up again before the next call
 };
-
-/// What a call that took nothing means.
-enum class Taken : std::uint8_t {
-  kNothing,  ///< none waits
-  kDown,     ///< the bus is down
-  kReport,   ///< of an earlier frame: another may wait
-};
-
-/// CanBus::ReceiveAll over a batch: as few calls as there is room, in the order of arrival.
-/// @param most_skipped  messages that are no frames to be delivered, and are passed over in one call
-/// @param judge  () → Taken, by errno  @param take  (message, CanArrival&) → whether it is one to be
-/// delivered
-template <class Batch, class Judge, class Take>
-CanResult ReceiveBatches(Batch& batch, int socket, std::size_t most_skipped, std::span<CanArrival> room,
-                         std::size_t& count, const Judge& judge, const Take& take) OSTEON_RT {
-  count = 0;
-  std::size_t left = room.size() + most_skipped;
-  while (count < room.size() && left > 0) {
-    const std::size_t asked = std::min({room.size() - count, left, batch.kMost});
-    const int taken = batch.Receive(socket, asked);
-    if (taken <= 0) {
-      const Taken why = judge();
-      if (why == Taken::kDown) return CanResult::kDown;
-      if (why == Taken::kNothing) break;
-      --left;
-      continue;
-    }
-    const auto came = static_cast<std::size_t>(taken);
-    left -= came;
-    for (std::size_t i = 0; i < came; ++i)
-      if (take(i, room[count])) ++count;
-    if (came < asked) break;  // that was all
-  }
-  return count > 0 ? CanResult::kOk : CanResult::kEmpty;
-}
 
 }  // namespace osteon::io

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "control/rt/marker.h"
+#include "io/can/can_bus.h"
+
+namespace osteon::io {
+
+/// What a call that took nothing means.
+enum class Taken : std::uint8_t {
+  kNothing,  ///< none waits
+  kDown,     ///< the bus is down
+  kReport,   ///< of an earlier frame: another may wait
+};
+
+/// CanBus::ReceiveAll over a batch: as few calls as there is room, in the order of arrival.
+/// @param most_skipped  messages that are no frames to be delivered, and are passed over in one call
+/// @param judge  () → Taken, by errno  @param take  (message, CanArrival&) → whether it is one to be
+/// delivered
+template <class Batch, class Judge, class Take>
+CanResult ReceiveBatches(Batch& batch, int socket, std::size_t most_skipped, std::span<CanArrival> room,
+                         std::size_t& count, const Judge& judge, const Take& take) OSTEON_RT {
+  count = 0;
+  std::size_t left = room.size() + most_skipped;
+  while (count < room.size() && left > 0) {
+    const std::size_t asked = std::min({room.size() - count, left, batch.kMost});
+    const int taken = batch.Receive(socket, asked);
+    if (taken <= 0) {
+      const Taken why = judge();
+      if (why == Taken::kDown) return CanResult::kDown;
+      if (why == Taken::kNothing) break;
+      --left;
+      continue;
+    }
+    const auto came = static_cast<std::size_t>(taken);
+    left -= came;
+    for (std::size_t i = 0; i < came; ++i)
+      if (take(i, room[count])) ++count;
+    if (came < asked) break;  // that was all
+  }
+  return count > 0 ? CanResult::kOk : CanResult::kEmpty;
+}
+
+}  // namespace osteon::io

@@ -1,0 +1,102 @@
+#include "kinematics/jacobi_svd.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+namespace osteon::kinematics {
+namespace {
+
+constexpr int kMostSweeps = 30;         // cold five or six, warm one or two
+constexpr double kOrthogonal = 4e-15;   // cosine between two rows, from which on they count as orthogonal
+constexpr double kNoDirection = 1e-14;  // of the largest singular value
+constexpr double kStillOrthogonal = 0x1p-40;  // what rounding may have done to `near` over many ticks
+
+// The columns of V from `from` on, so that all are an orthonormal basis: the unit vector of which the least
+// is in the others so far, and what is left of it, twice for rounding's sake.
+template <int N>
+void Complete(Eigen::Matrix<double, N, N>& V, int from) {
+  for (int k = from; k < N; ++k) {
+    int least = 0;
+    double least_in = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < N; ++i) {
+      const double in = V.row(i).head(k).squaredNorm();
+      if (in >= least_in) continue;
+      least_in = in;
+      least = i;
+    }
+    Eigen::Matrix<double, N, 1> v = Eigen::Matrix<double, N, 1>::Unit(least);
+    for (int twice = 0; twice < 2; ++twice)
+      for (int j = 0; j < k; ++j) v -= V.col(j).dot(v) * V.col(j);
+    V.col(k) = v.normalized();
+  }
+}
+
+// Gram and Schmidt: `near` to the last bit.
+void MakeOrthonormal(Eigen::Matrix<double, 6, 6>& U) {
+  for (int k = 0; k < 6; ++k) {
+    for (int j = 0; j < k; ++j) U.col(k) -= U.col(j).dot(U.col(k)) * U.col(j);
+    U.col(k).normalize();
+  }
+}
+
+}  // namespace
+
+template <int N>
+JacobianDirections<N> DirectionsOf(const Eigen::Matrix<double, 6, N>& J,
+                                   const Eigen::Matrix<double, 6, 6>& near) OSTEON_RT {
+  JacobianDirections<N> out;
+  Eigen::Matrix<double, 6, 6> U = near;
+  if ((U.transpose() * U - Eigen::Matrix<double, 6, 6>::Identity()).cwiseAbs().maxCoeff() > kStillOrthogonal)
+    MakeOrthonormal(U);
+  Eigen::Matrix<double, N, 6> W = J.transpose() * U;  // columns sigma v
+  Eigen::Matrix<double, 6, 1> squares;
+
+  bool turned = true;
+  while (turned && out.sweeps < kMostSweeps) {
+    turned = false;
+    ++out.sweeps;
+    for (int k = 0; k < 6; ++k) squares[k] = W.col(k).squaredNorm();
+    for (int p = 0; p < 5; ++p)
+      for (int q = p + 1; q < 6; ++q) {
+        const double dot = W.col(p).dot(W.col(q));
+        if (!(std::abs(dot) > kOrthogonal * std::sqrt(squares[p] * squares[q]))) continue;
+        turned = true;
+        const double zeta = 0.5 * (squares[q] - squares[p]) / dot;
+        const double tangent = std::copysign(1.0 / (std::abs(zeta) + std::sqrt(1.0 + zeta * zeta)), zeta);
+        const double c = 1.0 / std::sqrt(1.0 + tangent * tangent), s = c * tangent;
+        const Eigen::Matrix<double, N, 1> w = W.col(p);
+        W.col(p) = c * w - s * W.col(q);
+        W.col(q) = s * w + c * W.col(q);
+        const Eigen::Matrix<double, 6, 1> u = U.col(p);
+        U.col(p) = c * u - s * U.col(q);
+        U.col(q) = s * u + c * U.col(q);
+        squares[p] = W.col(p).squaredNorm();
+        squares[q] = W.col(q).squaredNorm();
+      }
+  }
+
+  // descending, equal ones in their order
+  std::array<int, 6> order{0, 1, 2, 3, 4, 5};
+  for (std::size_t i = 1; i < 6; ++i)
+    for (std::size_t k = i; k > 0 && squares[order[k]] > squares[order[k - 1]]; --k)
+      std::swap(order[k], order[k - 1]);
+  int known = 0;
+  for (int k = 0; k < 6; ++k) {
+    const int from = order[static_cast<std::size_t>(k)];
+    out.U.col(k) = U.col(from);
+    out.sigma[k] = std::sqrt(squares[from]);
+    if (!(out.sigma[k] > kNoDirection * out.sigma[0])) continue;
+    out.V.col(k) = W.col(from) / out.sigma[k];
+    known = k + 1;
+  }
+  Complete<N>(out.V, known);
+  return out;
+}
+
+template JacobianDirections<6> DirectionsOf<6>(const Eigen::Matrix<double, 6, 6>&,
+                                               const Eigen::Matrix<double, 6, 6>&) OSTEON_RT;
+template JacobianDirections<7> DirectionsOf<7>(const Eigen::Matrix<double, 6, 7>&,
+                                               const Eigen::Matrix<double, 6, 6>&) OSTEON_RT;
+
+}  // namespace osteon::kinematics
