@@ -101,9 +101,9 @@ class StartWatch {
   std::string why_not_;
 };
 
-tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
-                                                 FrameRunner& runner, Wires& wires, io::Recorder& recorder,
-                                                 const CellRunParams& params) {
+tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
+                                                  FrameRunner& runner, Wires& wires, io::Recorder& recorder,
+                                                  const CellRunParams& params) {
   CellRunResult result;
   control::ServoLoop loop = MakeServoLoop(setup.config);
   rt::LatestValue<simulation::ContactModel> models;
@@ -138,9 +138,9 @@ tl::expected<CellRunResult, std::string> RunWall(const CellSetup& setup, simulat
     servo_thread.join();
     simulation.Stop();
   }
-  if (!start.why_not().empty()) return tl::make_unexpected(start.why_not());
+  if (!start.why_not().empty()) return tl::make_unexpected(CellRunError{.what = start.why_not()});
   if (cell_died && servo.statistics.active_ticks == 0)
-    return tl::make_unexpected(std::string("the simulated cell has ended by itself"));
+    return tl::make_unexpected(CellRunError{.what = "the simulated cell has ended by itself", .begun = true});
   result.end = servo.end;
   PutWhyNot(result, wires.arm->Diagnosis(), wires.devices->Diagnosis());
   if (wires.cell) result.cell_report = wires.cell->End();
@@ -169,17 +169,18 @@ void EndSession(ArmSession& session, hil::ImpairedCell& cell, rt::Nanoseconds pe
   }
 }
 
-tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simulation::CuttingEngine& engine,
-                                                    FrameRunner& runner, io::Recorder& recorder,
-                                                    const CellRunParams& params) {
+tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
+                                                     simulation::CuttingEngine& engine, FrameRunner& runner,
+                                                     io::Recorder& recorder, const CellRunParams& params) {
   CellRunResult result;
   control::ServoLoop loop = MakeServoLoop(setup.config);
   hil::ImpairedCell cell(MakeSimulatedCell(setup.config, params.seconds), setup.config.injections);
   const kinematics::JointVector q_first =
       Eigen::Map<const kinematics::JointVector>(setup.config.simulated.q_start.data());
-  if (const std::string why = WhyNotToStart(setup, q_first); !why.empty()) return tl::make_unexpected(why);
+  if (const std::string why = WhyNotToStart(setup, q_first); !why.empty())
+    return tl::make_unexpected(CellRunError{.what = why});
   auto devices = VirtualDevices::Make(setup.config);
-  if (!devices) return tl::make_unexpected(devices.error());
+  if (!devices) return tl::make_unexpected(CellRunError{.what = devices.error()});
   ArmSession session(setup.config.link);
   control::ArmState state;
   control::ArmCommand command;
@@ -259,8 +260,8 @@ tl::expected<CellRunResult, std::string> RunVirtual(const CellSetup& setup, simu
 
 }  // namespace
 
-tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulation::CuttingEngine& engine,
-                                                 const CellRunParams& params) {
+tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simulation::CuttingEngine& engine,
+                                                  const CellRunParams& params) {
   const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
   simulation::SceneWatch watch(*setup.solid, setup.bone, setup.config.tool.tool, setup.config.scene.events);
   FrameRunner runner(engine, depth, watch, setup.X_WG);
@@ -268,13 +269,15 @@ tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulat
   Wires wires;
   if (!params.virtual_time) {
     auto opened = OpenWires(setup);
-    if (!opened) return tl::make_unexpected(opened.error());
+    if (!opened) return tl::make_unexpected(CellRunError{.what = opened.error()});
     wires = std::move(*opened);
   }
   if (const auto folder = params.recording.parent_path(); !folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
-    if (error) return tl::make_unexpected(folder.string() + ": cannot make the folder: " + error.message());
+    if (error)
+      return tl::make_unexpected(
+          CellRunError{.what = folder.string() + ": cannot make the folder: " + error.message()});
   }
   auto recorder = io::Recorder::Open({.path = params.recording, .writer_thread = !params.virtual_time},
                                      {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
@@ -289,19 +292,19 @@ tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup, simulat
                                       .utc = params.virtual_time ? 0 : UtcNow(),
                                       .build = BuildName(),
                                       .machine = MachineName()});
-  if (!recorder) return tl::make_unexpected(recorder.error());
+  if (!recorder) return tl::make_unexpected(CellRunError{.what = recorder.error()});
 
   if (params.cell && !params.virtual_time) {
     auto cell = CellProcess::Start(*params.cell);
-    if (!cell) return tl::make_unexpected(cell.error());
+    if (!cell) return tl::make_unexpected(CellRunError{.what = cell.error()});
     wires.cell = std::move(*cell);
   }
   auto run = params.virtual_time ? RunVirtual(setup, engine, runner, **recorder, params)
                                  : RunWall(setup, engine, runner, wires, **recorder, params);
-  if (!run) return tl::make_unexpected(run.error());
+  if (!run) return run;
   CellRunResult& result = *run;
   const auto counts = (*recorder)->Close();
-  if (!counts) return tl::make_unexpected(counts.error());
+  if (!counts) return tl::make_unexpected(CellRunError{.what = counts.error(), .begun = true});
   result.recording = *counts;
   result.events = runner.events();
   result.least_wall_m = watch.least_wall_m();

@@ -44,6 +44,12 @@ struct CellRunResult {
   std::string cell_report;  ///< what the simulated cell says of itself, osteon.cell/1; empty: not ours
 };
 
+/// Why there is no result.
+struct CellRunError {
+  std::string what;
+  bool begun{false};  ///< it failed while it ran, e.g. on a full disk; else it was refused before
+};
+
 /// Operates a cell: servo loop and cutting engine, and what is on the cell's wires.
 ///
 /// In wall time servo loop and simulation have threads of their own; arm, force sensor, spindle and PLC are
@@ -51,9 +57,9 @@ struct CellRunResult {
 /// is part of this process and all of it runs in lockstep in the calling thread, the same datagrams and
 /// frames handed over in memory: the simulation takes a command every 2 ms and its frame is seen 2 ms later
 /// (at longer periods: a tick), as a 500 Hz simulation's would. The recording's folder is made where it is
-/// not there. The error says what could not be opened or started.
-[[nodiscard]] tl::expected<CellRunResult, std::string> RunCell(const CellSetup& setup,
-                                                               simulation::CuttingEngine& engine,
-                                                               const CellRunParams& params);
+/// not there. The error says what could not be opened, started or written to its end.
+[[nodiscard]] tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup,
+                                                                simulation::CuttingEngine& engine,
+                                                                const CellRunParams& params);
 
 }  // namespace osteon::app

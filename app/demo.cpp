@@ -93,7 +93,7 @@ int RunDemo(const DemoOptions& options) {
                              .progress = [&](double at_s) { progress.Show(at_s); }};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
-  if (!result) return Fail(result.error());
+  if (!result) return Fail(result.error().what, result.error().begun ? kFailed : kBadInput);
 
   // everything that is shown comes from the recording
   const auto recording = io::ReadRecording(params.recording);

@@ -70,7 +70,7 @@ int RunOperate(const OperateOptions& options) {
                              .progress = [&](double at_s) { progress.Show(at_s); }};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
-  if (!result) return Fail(result.error());
+  if (!result) return Fail(result.error().what, result.error().begun ? kFailed : kBadInput);
 
   const auto recording = io::ReadRecording(params.recording);
   if (!recording) return Fail(recording.error(), kFailed);

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 
 #include "app/cell_run.h"
 #include "app/summary.h"
@@ -130,6 +132,24 @@ TEST(VirtualDemo, AgreesWithTheReferenceEngine) {
   EXPECT_NEAR(of[0].at("cup_depth_mm").get<double>(), of[1].at("cup_depth_mm").get<double>(), 0.05);
   // as the arm and hand are the same, so are the forces, to what single precision makes of a contact
   EXPECT_NEAR(of[0].at("peak_force_N").get<double>(), of[1].at("peak_force_N").get<double>(), 5.0);
+}
+
+// A limit on a file's size, which the program inherits, stands in for a full disk. What was asked for failed;
+// there was nothing wrong with how it was asked.
+TEST(VirtualDemo, OnAFullDiskHasFailed) {
+  const TemporaryFolder folder;
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit little = before;
+  little.rlim_cur = 200'000;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &little), 0);
+  const CommandResult run = RunCommand(folder.path(), {"demo", "--virtual-time", "--seconds", "2"});
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_NE(run.err.find("recording.mcap: cannot write the recording: File too large"), std::string::npos)
+      << run.err;
 }
 
 }  // namespace
