@@ -11,6 +11,7 @@
 #include "app/interrupt.h"
 #include "app/recorded_motion.h"
 #include "app/run_progress.h"
+#include "app/stop_records.h"
 #include "app/summary.h"
 
 namespace osteon::app {
@@ -120,6 +121,11 @@ int RunDemo(const DemoOptions& options) {
   const auto figures = WriteReport(report, page);
   if (!figures) return Fail(figures.error(), kFailed);
   summary.section = *figures;
+
+  const auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s, options.out,
+                                params.recording.stem().string());
+  if (!stops) return Fail(stops.error(), kFailed);
+  summary.stops = *stops;
 
   const std::string json = ToJson(summary, "osteon.demo/1");
   for (const std::filesystem::path& file : {options.out / "summary.json", options.json}) {

@@ -83,16 +83,21 @@ std::string Quoted(const std::string& text) {
   return quoted + '"';
 }
 
-void WriteHeads(Table& ticks, Table& frames, Table& events) {
-  const auto column = [](Table& table) {
-    return [&table](const FieldName& name, auto) { table.Cell(name.Text()); };
-  };
+auto NameOf(Table& table) {
+  return [&table](const FieldName& name, auto) { table.Cell(name.Text()); };
+}
+
+void WriteTickHead(Table& ticks) {
   ticks.Cell("time_s");
-  VisitOutputs(TickRecord{}, column(ticks));
-  VisitInputs(TickRecord{}, column(ticks));
+  VisitOutputs(TickRecord{}, NameOf(ticks));
+  VisitInputs(TickRecord{}, NameOf(ticks));
   ticks.EndRow();
+}
+
+void WriteHeads(Table& ticks, Table& frames, Table& events) {
+  WriteTickHead(ticks);
   frames.Cell("time_s");
-  VisitFrame(FrameRecord{}, column(frames));
+  VisitFrame(FrameRecord{}, NameOf(frames));
   for (int i = 1; i <= simulation::kMaxContacts; ++i)
     VisitContact(simulation::Contact{}, [&](const FieldName& name, auto) {
       frames.Cell(fmt::format("contact_{}_{}", i, name.Text()));
@@ -167,6 +172,15 @@ tl::expected<ExportedTables, std::string> ExportTables(const std::filesystem::pa
   exported.complete = stream->complete();
   exported.tail_bytes = stream->file().file_bytes() - stream->file().read_bytes();
   return exported;
+}
+
+tl::expected<void, std::string> ExportTicks(std::span<const TickRecord> ticks, rt::Nanoseconds start,
+                                            const std::filesystem::path& path) {
+  Table table(path);
+  WriteTickHead(table);
+  for (const TickRecord& tick : ticks) WriteTick(table, tick, start);
+  if (std::string wrong = table.Close(); !wrong.empty()) return tl::make_unexpected(std::move(wrong));
+  return {};
 }
 
 }  // namespace osteon::app

@@ -3,10 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <tl/expected.hpp>
+
+#include "control/tick_record.h"
 
 namespace osteon::app {
 
@@ -25,5 +28,11 @@ struct ExportedTables {
 [[nodiscard]] tl::expected<ExportedTables, std::string> ExportTables(
     const std::filesystem::path& recording, const std::filesystem::path& folder, const std::string& stem,
     const std::function<void(double share)>& progress = {});
+
+/// Some ticks of a recording as the same table. @param start  stamp that `time_s` counts from
+/// The error names the path.
+[[nodiscard]] tl::expected<void, std::string> ExportTicks(std::span<const control::TickRecord> ticks,
+                                                          rt::Nanoseconds start,
+                                                          const std::filesystem::path& path);
 
 }  // namespace osteon::app

@@ -15,6 +15,7 @@
 #include "app/doctor.h"
 #include "app/export_command.h"
 #include "app/failures.h"
+#include "app/faults_command.h"
 #include "app/measure_commands.h"
 #include "app/pack.h"
 #include "app/replay_command.h"
@@ -246,6 +247,12 @@ int Run(int argc, char** argv) {
   doctor_app->add_option("--json", doctor.json, "write the checks there");
   doctor_app->footer("Examples:\n  osteon doctor\n  osteon doctor --seconds 3600 --json doctor.json");
 
+  osteon::app::FaultsOptions faults;
+  CLI::App* faults_app = app.add_subcommand("faults", "what can stop the cell, and how to go on");
+  faults_app->add_option("--markdown", faults.markdown, "write them there, as docs/faults.md");
+  faults_app->add_option("--json", faults.json, "write them there");
+  faults_app->footer("Examples:\n  osteon faults\n  osteon faults --json faults.json");
+
   osteon::app::MeasureCommands measure(app);
   osteon::app::CellCommands cells(app);
   osteon::app::CalibrateCommand calibrate(app);
@@ -327,6 +334,7 @@ int Run(int argc, char** argv) {
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run();
   if (measure.asked()) return measure.Run(config_root);
+  if (*faults_app) return osteon::app::RunFaults(faults);
   if (*doctor_app) return osteon::app::RunDoctor(doctor);
   fmt::print("{}", app.help());
   return 0;

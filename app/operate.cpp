@@ -7,6 +7,7 @@
 #include "app/cell_run.h"
 #include "app/interrupt.h"
 #include "app/run_progress.h"
+#include "app/stop_records.h"
 #include "app/summary.h"
 #include "config/check_registration.h"
 
@@ -74,7 +75,11 @@ int RunOperate(const OperateOptions& options) {
 
   const auto recording = io::ReadRecording(params.recording);
   if (!recording) return Fail(recording.error(), kFailed);
-  const RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
+  RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
+  const auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s,
+                                options.record.parent_path(), options.record.stem().string());
+  if (!stops) return Fail(stops.error(), kFailed);
+  summary.stops = *stops;
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, ToJson(summary, "osteon.run/1")); !written)
       return Fail(written.error(), kFailed);

@@ -245,6 +245,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   std::string faults;
   for (const FaultRow& fault : s.faults) faults += (faults.empty() ? "" : "; ") + fault.name;
   rows.push_back({"Faults", faults.empty() ? "none" : faults});
+  for (const std::filesystem::path& page : s.stops) rows.push_back({"What led to the stop", page.string()});
   rows.push_back({"Recording", s.recording});
   return rows;
 }
@@ -320,6 +321,9 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                      {"assumptions", s.assumptions},
                      {"recording", s.recording}};
   out["events"] = events;
+  nlohmann::json stops = nlohmann::json::array();
+  for (const std::filesystem::path& page : s.stops) stops.push_back(page.string());
+  out["stops"] = stops;
   out["least_wall_mm"] = s.least_wall_m ? nlohmann::json(*s.least_wall_m * 1e3) : nlohmann::json(nullptr);
   if (s.wakeup.count > 0) {
     out["wakeup_us"] = ToJson(s.wakeup);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,13 +53,14 @@ struct RunSummary {
   DurationFigures wakeup, compute, frame;
   std::string state_hash;  ///< of the carved state, hexadecimal
   std::vector<FaultRow> faults;
-  std::vector<EventRow> events;          ///< of the scene, in their order
-  std::optional<double> least_wall_m;    ///< thinnest wall beside the cut; nothing where none is watched
-  std::vector<std::string> assumptions;  ///< figures of the materials without a source
-  int recovered{0};                      ///< times that rendering began again
-  std::string cell_report;               ///< what the simulated cell says of itself, osteon.cell/1
-  control::TickInput link;               ///< of the last tick: what became of messages and answers
-  std::string arm_stop;                  ///< why the simulated arm ended the session; empty where it did not
+  std::vector<EventRow> events;              ///< of the scene, in their order
+  std::optional<double> least_wall_m;        ///< thinnest wall beside the cut; nothing where none is watched
+  std::vector<std::string> assumptions;      ///< figures of the materials without a source
+  std::vector<std::filesystem::path> stops;  ///< a page each, of what led to it
+  int recovered{0};                          ///< times that rendering began again
+  std::string cell_report;                   ///< what the simulated cell says of itself, osteon.cell/1
+  control::TickInput link;                   ///< of the last tick: what became of messages and answers
+  std::string arm_stop;  ///< why the simulated arm ended the session; empty where it did not
 };
 
 /// Everything that is read from the recording and the carved state; `section` is filled by the report.

@@ -45,8 +45,12 @@ class FaultSet {
   std::uint32_t bits_{0};
 };
 
+/// Faults are bits 0 … kFaultCount - 1.
+inline constexpr int kFaultCount = 18;
+
 struct FaultText {
   const char* name;      ///< as in the summary, e.g. "contact model stale"
+  const char* cause;     ///< what was seen
   const char* reaction;  ///< what the cell does
   const char* clearing;  ///< how an operator clears it
 };

@@ -8,15 +8,20 @@
 namespace osteon::safety {
 namespace {
 
-TEST(FaultText, EveryFaultSaysItsNameReactionAndClearing) {
+TEST(FaultText, EveryFaultSaysItsNameCauseReactionAndClearing) {
   std::set<std::string> names;
-  for (int bit = 0; bit <= 13; ++bit) {
+  for (int bit = 0; bit < kFaultCount; ++bit) {
     const FaultText text = Describe(static_cast<Fault>(1u << bit));
     EXPECT_TRUE(names.insert(text.name).second) << text.name << " twice";
     EXPECT_NE(std::string(text.name), "unknown fault") << "bit " << bit;
+    EXPECT_GT(std::string(text.cause).size(), 5u);
     EXPECT_GT(std::string(text.reaction).size(), 5u);
     EXPECT_GT(std::string(text.clearing).size(), 5u);
   }
+}
+
+TEST(FaultText, BeyondTheLastThereIsNone) {
+  EXPECT_EQ(std::string(Describe(static_cast<Fault>(1u << kFaultCount)).name), "unknown fault");
 }
 
 TEST(FaultSet, StaysLatchedUntilCleared) {

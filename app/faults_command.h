@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace osteon::app {
+
+/// `osteon faults`: what can stop the cell, and how to go on.
+struct FaultsOptions {
+  std::filesystem::path markdown{};  ///< the documentation's page; empty: not written
+  std::filesystem::path json{};
+};
+
+/// The catalogue as the page docs/faults.md.
+[[nodiscard]] std::string FaultsPage();
+
+/// @returns the process's exit code.
+[[nodiscard]] int RunFaults(const FaultsOptions& options);
+
+}  // namespace osteon::app

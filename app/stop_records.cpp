@@ -1,0 +1,119 @@
+#include "app/stop_records.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "app/export_tables.h"
+#include "app/report/page.h"
+#include "app/report/run_charts.h"
+#include "app/report/svg_text.h"
+
+namespace osteon::app {
+namespace {
+
+using control::Phase;
+using control::TickRecord;
+
+constexpr rt::Nanoseconds kBefore = 5 * rt::kSecond, kAfter = rt::kSecond / 2;
+
+bool Moves(Phase phase) { return phase == Phase::kAligning || phase == Phase::kHaptic; }
+bool Ends(Phase phase) { return phase == Phase::kStopping || phase == Phase::kStopped; }
+
+std::string FaultTable(const StopRecord& stop) {
+  std::string rows;
+  for (int bit = 0; bit < safety::kFaultCount; ++bit) {
+    const auto fault = static_cast<safety::Fault>(1u << bit);
+    if (!stop.faults.Has(fault)) continue;
+    const safety::FaultText text = safety::Describe(fault);
+    rows += "<tr>";
+    for (const char* cell : {text.name, text.cause, text.reaction, text.clearing})
+      rows += "<td>" + Escape(cell) + "</td>";
+    rows += "</tr>\n";
+  }
+  if (rows.empty()) return "<p>No fault: it was asked to stop.</p>\n";
+  return "<table>\n<tr><th>fault</th><th>what was seen</th><th>what the cell does</th><th>how to go "
+         "on</th></tr>\n" +
+         rows + "</table>\n";
+}
+
+std::string PageOf(const io::Recording& recording, const StopRecord& stop, std::size_t number,
+                   double speed_limit_m_per_s, const std::string& table) {
+  const std::span<const TickRecord> all(recording.ticks);
+  const std::span<const TickRecord> ticks = all.subspan(stop.begin, stop.end - stop.begin);
+  const double at_s = rt::ToSeconds(all[stop.stop].stamp - all.front().stamp);
+  const std::string title = fmt::format("Stop {}: {}", number, stop.Why());
+  std::string page = PageBegin(title);
+  page += fmt::format(
+      "<h1>{}</h1>\n<p>{:.3f} s into the recording, tick {}. Below, {:.1f} s before it and {:.1f} s "
+      "after; every tick is in {}.</p>\n",
+      Escape(title), at_s, all[stop.stop].tick, rt::ToSeconds(all[stop.stop].stamp - ticks.front().stamp),
+      rt::ToSeconds(ticks.back().stamp - all[stop.stop].stamp), Escape(table));
+  page += FaultTable(stop);
+  page += Figure(ForceChart(ticks, recording.session.force_limit_N), "Forces on the tool.");
+  page += Figure(MotionChart(ticks, speed_limit_m_per_s), "Tool speed, and the contact model's age.");
+  return page + kPageEnd;
+}
+
+}  // namespace
+
+std::string StopRecord::Why() const {
+  std::string why;
+  for (int bit = 0; bit < safety::kFaultCount; ++bit) {
+    const auto fault = static_cast<safety::Fault>(1u << bit);
+    if (faults.Has(fault)) why += (why.empty() ? "" : "; ") + std::string(safety::Describe(fault).name);
+  }
+  if (why.empty()) return asked ? "asked for" : "the arm ended the session";
+  return why;
+}
+
+std::vector<StopRecord> FindStops(std::span<const TickRecord> ticks) {
+  std::vector<StopRecord> stops;
+  for (std::size_t i = 1; i < ticks.size(); ++i) {
+    if (!Ends(ticks[i].phase) || !Moves(ticks[i - 1].phase)) continue;
+    StopRecord stop{.begin = i, .stop = i, .end = i, .faults = {}, .asked = ticks[i].input.stop};
+    while (stop.begin > 0 && ticks[i].stamp - ticks[stop.begin - 1].stamp <= kBefore) --stop.begin;
+    std::size_t rest = i;
+    while (rest < ticks.size() && ticks[rest].phase == Phase::kStopping) ++rest;
+    const rt::Nanoseconds until = ticks[std::min(rest, ticks.size() - 1)].stamp + kAfter;
+    while (stop.end < ticks.size() && Ends(ticks[stop.end].phase) && ticks[stop.end].stamp <= until) {
+      for (int bit = 0; bit < safety::kFaultCount; ++bit)
+        if ((ticks[stop.end].faults & (1u << bit)) != 0)
+          stop.faults.Latch(static_cast<safety::Fault>(1u << bit));
+      ++stop.end;
+    }
+    stops.push_back(stop);
+  }
+  return stops;
+}
+
+tl::expected<std::vector<std::filesystem::path>, std::string> WriteStops(const io::Recording& recording,
+                                                                         double speed_limit_m_per_s,
+                                                                         const std::filesystem::path& folder,
+                                                                         const std::string& stem) {
+  const auto page_of = [&](std::size_t n) { return folder / fmt::format("{}_stop_{}.html", stem, n); };
+  const auto table_of = [&](std::size_t n) { return folder / fmt::format("{}_stop_{}_ticks.csv", stem, n); };
+  const std::vector<StopRecord> stops = FindStops(recording.ticks);
+  std::error_code ignored;
+  for (std::size_t n = stops.size() + 1; std::filesystem::remove(page_of(n), ignored); ++n)
+    std::filesystem::remove(table_of(n), ignored);
+
+  std::vector<std::filesystem::path> pages;
+  for (std::size_t n = 1; n <= stops.size(); ++n) {
+    const StopRecord& stop = stops[n - 1];
+    const std::span<const TickRecord> ticks(recording.ticks);
+    if (auto written = ExportTicks(ticks.subspan(stop.begin, stop.end - stop.begin), recording.session.stamp,
+                                   table_of(n));
+        !written)
+      return tl::make_unexpected(written.error());
+    if (auto written = WritePage(
+            PageOf(recording, stop, n, speed_limit_m_per_s, table_of(n).filename().string()), page_of(n));
+        !written)
+      return tl::make_unexpected(written.error());
+    pages.push_back(page_of(n));
+  }
+  return pages;
+}
+
+}  // namespace osteon::app

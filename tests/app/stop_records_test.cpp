@@ -1,0 +1,120 @@
+#include "app/stop_records.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "app/faults_command.h"
+#include "tests/app/command.h"
+
+namespace osteon::app {
+namespace {
+
+using control::Phase;
+using control::TickRecord;
+using safety::Fault;
+
+constexpr std::uint32_t Bit(Fault fault) { return static_cast<std::uint32_t>(fault); }
+
+// Ticks of a millisecond, appended.
+void Add(std::vector<TickRecord>& ticks, int count, Phase phase, std::uint32_t faults = 0,
+         bool asked = false) {
+  for (int i = 0; i < count; ++i) {
+    TickRecord tick;
+    tick.tick = ticks.size();
+    tick.stamp = static_cast<rt::Nanoseconds>(ticks.size() + 1) * rt::kMillisecond;
+    tick.phase = phase;
+    tick.faults = faults;
+    tick.input.stop = asked;
+    ticks.push_back(tick);
+  }
+}
+
+// A fault after eight seconds, a recovery, a short ride, and the run's end.
+std::vector<TickRecord> TwoStops() {
+  std::vector<TickRecord> ticks;
+  Add(ticks, 500, Phase::kWaiting);
+  Add(ticks, 8000, Phase::kHaptic);
+  Add(ticks, 100, Phase::kStopping, Bit(Fault::kInterlock));
+  Add(ticks, 100, Phase::kStopped, Bit(Fault::kInterlock) | Bit(Fault::kSession));
+  Add(ticks, 900, Phase::kStopped, Bit(Fault::kInterlock) | Bit(Fault::kSession));
+  Add(ticks, 300, Phase::kWaiting);
+  Add(ticks, 1000, Phase::kHaptic);
+  Add(ticks, 50, Phase::kStopping, 0, true);
+  Add(ticks, 10, Phase::kStopped, 0, true);
+  return ticks;
+}
+
+TEST(StopRecords, HoldFiveSecondsBeforeAndHalfASecondAtRest) {
+  const std::vector<TickRecord> ticks = TwoStops();
+  const std::vector<StopRecord> stops = FindStops(ticks);
+  ASSERT_EQ(stops.size(), 2u);
+  EXPECT_EQ(stops[0].stop, 8500u);
+  EXPECT_EQ(stops[0].begin, 3500u);
+  EXPECT_EQ(stops[0].end, 8600u + 501u) << "at rest from tick 8600 on";
+  EXPECT_EQ(stops[0].Why(), "arm left COMMANDING_ACTIVE; motion not permitted");
+  EXPECT_FALSE(stops[0].asked);
+  EXPECT_EQ(stops[1].stop, 10900u);
+  EXPECT_EQ(stops[1].begin, 5900u) << "what came before, the last stop included";
+  EXPECT_EQ(stops[1].end, ticks.size());
+  EXPECT_EQ(stops[1].Why(), "asked for");
+}
+
+TEST(StopRecords, ARunThatNeverMovedHasNone) {
+  std::vector<TickRecord> ticks;
+  EXPECT_TRUE(FindStops(ticks).empty());
+  Add(ticks, 100, Phase::kWaiting);
+  Add(ticks, 100, Phase::kStopped, Bit(Fault::kPeriod));
+  EXPECT_TRUE(FindStops(ticks).empty());
+}
+
+TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
+  const TemporaryFolder folder;
+  io::Recording recording;
+  recording.ticks = TwoStops();
+  recording.session.force_limit_N = 150.0;
+  const auto pages = WriteStops(recording, 0.25, folder.path(), "ride");
+  ASSERT_TRUE(pages) << pages.error();
+  ASSERT_EQ(pages->size(), 2u);
+  const std::string page = io::test::ReadAll(pages->front());
+  for (const char* part :
+       {"Stop 1: arm left COMMANDING_ACTIVE; motion not permitted", "8.500 s into the recording",
+        "the PLC withdrew its permission", "limit 150 N", "</html>"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  const std::string table = io::test::ReadAll(folder.path() / "ride_stop_1_ticks.csv");
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 9101 - 3500);
+
+  recording.ticks.resize(9000);
+  ASSERT_TRUE(WriteStops(recording, 0.25, folder.path(), "ride"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_1.html"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "ride_stop_2.html"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "ride_stop_2_ticks.csv"));
+}
+
+TEST(StopRecords, AFolderThatIsNotThereIsNamed) {
+  io::Recording recording;
+  recording.ticks = TwoStops();
+  const auto pages = WriteStops(recording, 0.25, "/nowhere", "ride");
+  ASSERT_FALSE(pages);
+  EXPECT_NE(pages.error().find("/nowhere/ride_stop_1_ticks.csv"), std::string::npos) << pages.error();
+}
+
+// The documentation's table is the code's.
+TEST(FaultCatalogue, IsTheDocumentationsPage) {
+  EXPECT_EQ(io::test::ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / "docs/faults.md"), FaultsPage())
+      << "osteon faults --markdown docs/faults.md";
+}
+
+TEST(FaultCatalogue, IsPrintedAndWritten) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), {"faults", "--json", "f.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("contact model stale\n  seen:  no frame"), std::string::npos) << run.out;
+  const nlohmann::json json = ReadJson(folder.path() / "f.json");
+  EXPECT_EQ(json.at("schema"), "osteon.faults/1");
+  EXPECT_EQ(json.at("faults").size(), static_cast<std::size_t>(safety::kFaultCount));
+  EXPECT_EQ(RunCommand(folder.path(), {"faults", "--json", "/nowhere/f.json"}).exit_code, 1);
+}
+
+}  // namespace
+}  // namespace osteon::app
