@@ -90,6 +90,18 @@ std::string CutText(const RunSummary& s) {
                                                         100.0 * (1.0 - s.least_arm_share), s.arm_cut_ticks));
 }
 
+// What the stabilisers did.
+std::string StabiliserText(const RunSummary& s) {
+  const auto times = [](std::uint64_t ticks, const std::string& how) {
+    return ticks == 0 ? std::string("no") : fmt::format("{} ticks{}", ticks, how);
+  };
+  return fmt::format(
+      "age governor: {}; passivity: {}; tank: {}, {:.2f} J at least",
+      times(s.age_governor_ticks,
+            fmt::format(", damping × {:.1f} at most, coupling × {:.2f}", s.most_age_damping, s.least_age_share)),
+      times(s.passivity_ticks, ""), times(s.tank_ticks, ""), s.least_tank_J);
+}
+
 std::string Text(const DurationFigures& d) {
   return fmt::format("{:.0f} / {:.0f} / {:.0f} µs", d.p50_s * 1e6, d.p99_s * 1e6, d.max_s * 1e6);
 }
@@ -133,6 +145,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.peak_torque_Nm = result.statistics.peak_coupling_torque_Nm;
   s.peak_sensor_force_N = result.statistics.peak_sensor_force_N;
   s.peak_tool_speed_m_per_s = result.statistics.peak_tool_speed_m_per_s;
+  s.least_tank_J = std::isfinite(result.statistics.least_tank_J) ? result.statistics.least_tank_J : 0.0;
   s.force_limit_N = setup.config.servo.wrench.max_force_N;
 
   // rates and latencies, from the ticks answered in COMMANDING_ACTIVE
@@ -142,6 +155,11 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
     if (tick.session_state != static_cast<std::uint8_t>(control::SessionState::kCommandingActive)) continue;
     if (tick.wrench_scale < 1.0) ++s.cut_ticks;
     if (tick.arm_share < 1.0) ++s.arm_cut_ticks;
+    if (tick.age_damping_factor > 1.0 || tick.age_wrench_share < 1.0) ++s.age_governor_ticks;
+    if (tick.passivity_damping_Ns_per_m > 0.0) ++s.passivity_ticks;
+    if (tick.tank_share < 1.0) ++s.tank_ticks;
+    s.most_age_damping = std::max(s.most_age_damping, tick.age_damping_factor);
+    s.least_age_share = std::min(s.least_age_share, tick.age_wrench_share);
     s.least_wrench_share = std::min(s.least_wrench_share, tick.wrench_scale);
     s.least_arm_share = std::min(s.least_arm_share, tick.arm_share);
     stamps.push_back(tick.stamp);
@@ -213,6 +231,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   rows.push_back(
       {"Peak rendered force", fmt::format("{:.1f} N of {:.0f} N allowed", s.peak_force_N, s.force_limit_N)});
   rows.push_back({"Force cut off by limits", CutText(s)});
+  rows.push_back({"Stabilisers acted", StabiliserText(s)});
   rows.push_back({"Peak sensor force", fmt::format("{:.1f} N", s.peak_sensor_force_N)});
   rows.push_back({"Peak tool speed", fmt::format("{:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3)});
   // without the solid (a loaded packing) what was swept is not known
@@ -303,6 +322,12 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                      {"wrench_share_min", s.least_wrench_share},
                      {"arm_cut_ticks", s.arm_cut_ticks},
                      {"arm_share_min", s.least_arm_share},
+                     {"age_governor_ticks", s.age_governor_ticks},
+                     {"age_damping_max", s.most_age_damping},
+                     {"age_wrench_share_min", s.least_age_share},
+                     {"passivity_ticks", s.passivity_ticks},
+                     {"tank_ticks", s.tank_ticks},
+                     {"tank_min_J", s.least_tank_J},
                      {"peak_tool_speed_mm_per_s", s.peak_tool_speed_m_per_s * 1e3},
                      {"removed_volume_mm3", s.removed_volume_m3 * 1e9},
                      {"removed_mass_g", s.removed_mass_kg * 1e3},

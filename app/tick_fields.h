@@ -78,6 +78,12 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"vibration_index"}, r.vibration_index);
   visit(FieldName{"mass_factor"}, r.mass_factor);
   visit(FieldName{"damping_factor"}, r.damping_factor);
+  visit(FieldName{"age_damping_factor"}, r.age_damping_factor);
+  visit(FieldName{"age_wrench_share"}, r.age_wrench_share);
+  visit(FieldName{"passivity_energy", "", "J"}, r.passivity_energy_J);
+  visit(FieldName{"passivity_damping", "", "Ns_per_m"}, r.passivity_damping_Ns_per_m);
+  visit(FieldName{"tank", "", "J"}, r.tank_J);
+  visit(FieldName{"tank_share"}, r.tank_share);
   fields::ForceTorque("F_bias_S", r.F_bias_S, visit);
   visit(FieldName{"activation_cmd"}, r.activation_cmd);
   fields::ForceTorque("F_cmd_T", r.F_cmd_T, visit);

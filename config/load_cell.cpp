@@ -11,6 +11,7 @@
 #include "config/read_calibration.h"
 #include "config/read_devices.h"
 #include "config/read_gains.h"
+#include "config/read_stabilisers.h"
 #include "config/read_injections.h"
 #include "config/read_operator.h"
 #include "config/read_pose.h"
@@ -329,6 +330,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadLaw(reader, cell);
   servo.vibration.acts = false;  // where a cell asks for it: a hand's own tremor raises the drag as well
   if (reader.Has("vibration")) ReadVibration(reader.Section("vibration"), servo.vibration);
+  ReadStabilisers(reader, servo.law, servo.stabilisers);
   if (reader.Has("sensor_bias")) ReadSensorBias(reader.Section("sensor_bias"), servo.sensor_bias);
   ReadCoupling(coupling, servo.coupling);
   ReadCutting(reader.Section("cutting"), cell.cutting);
@@ -355,6 +357,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   CompleteArmLink(reader, cell);
   cell.tool = ChooseTool(reader, own_tool, tool);
   cell.simulated.X_FT = cell.tool.X_FT;  // as the file says, whatever was measured
+  servo.stabilisers.age_governor.tool_radius_m = HeadRadius(cell.tool.tool);
   CarryPayload(sensor_F, cell);
   CompleteDevices(devices, cell);
   if (calibration) LayCalibrationOver(*calibration, cell);

@@ -41,6 +41,7 @@ constexpr Unit kUnits[] = {
     {"g_per_cm3", 1e3},
     {"N", 1.0},
     {"Nm", 1.0},
+    {"J", 1.0},
     {"N_per_s", 1.0},
     {"Nm_per_s", 1.0},
     {"J_per_m3", 1.0},

@@ -21,6 +21,13 @@ void Validate(const ImpedanceParams& params) {
   require("follow_s", params.follow_s, 1e-3, 10.0);
 }
 
+ImpedanceParams Times(const ImpedanceParams& params, double damping_factor) OSTEON_RT {
+  ImpedanceParams times = params;
+  times.damping_Ns_per_m *= damping_factor;
+  times.damping_Nms_per_rad *= damping_factor;
+  return times;
+}
+
 MeasuredTwist::MeasuredTwist(double filter_s, double dt_s) : dt_s_(dt_s), share_(dt_s / (dt_s + filter_s)) {}
 
 void MeasuredTwist::Reset(const Pose& X_WT) OSTEON_RT {

@@ -24,6 +24,9 @@ struct ImpedanceParams {
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const ImpedanceParams& params);
 
+/// The same law with its damping multiplied; its brake stays.
+[[nodiscard]] ImpedanceParams Times(const ImpedanceParams& params, double damping_factor) OSTEON_RT;
+
 /// Velocity of the tool from its measured poses: their difference over a tick, the turn by its logarithm, and
 /// a first-order filter.
 class MeasuredTwist {

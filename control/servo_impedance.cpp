@@ -47,15 +47,22 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
     return;
   }
 
-  const safety::LimitedWrench limited = arm_->Limit(wrench_limiter_, coupling.F_T_W);
+  const safety::LimitedWrench limited =
+      arm_->Limit(wrench_limiter_, stabilisers_.Shape(coupling, X_WT_meas_, V_WT_));
+  const Wrench F_coupling_T_W =
+      stabilisers_.Calm(coupling, X_WT_meas_, V_WT_, limited, wrench_limiter_);
   const Wrench damping =
-      DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {.v = inside.v_WT, .w = slow.V.w});
-  F_sent_T_W_ = wrench_limiter_.Limit({.f = limited.F.f + damping.f, .t = limited.F.t + damping.t}).F;
-  record.F_coupling_T_W = limited.F;
+      DampingWrench(Times(params_.impedance, stabilisers_.damping_factor()), X_WT_meas_.linear(), V_WT_,
+                    {.v = inside.v_WT, .w = slow.V.w});
+  F_sent_T_W_ =
+      wrench_limiter_.Limit({.f = F_coupling_T_W.f + damping.f, .t = F_coupling_T_W.t + damping.t}).F;
+  record.F_coupling_T_W = F_coupling_T_W;
+  stabilisers_.Put(record);
   record.wrench_scale = limited.share;
   record.arm_share = limited.arm_share;
 
   CountRendered(limited, speed_m_per_s, slow.share < 1.0, inside.acted, coupling.fade);
+  CountStabilisers();
 }
 
 // A Stop 1 of an arm that gives: its own spring holds it where it is now, and what still moves is braked.

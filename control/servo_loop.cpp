@@ -66,6 +66,7 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       watchdog_(params.watchdog),
       bias_(params.sensor_bias, params.sensor, params.period_s),
       vibration_(params.vibration, params.period_s),
+      stabilisers_(params.stabilisers, LawOf(params), params.period_s),
       measured_twist_(params.impedance.twist_filter_s, params.period_s) {}
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
@@ -260,6 +261,7 @@ void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEO
   measured_twist_.Reset(X_WT_meas_);
   coupling_ = {};
   vibration_.Reset();
+  stabilisers_.Reset();
   mass_factor_ = 1.0;
   sight_age_s_ = 0.0;
   rate_trip_.Reset();
@@ -289,10 +291,12 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   const double sensor_share = watchdog_.SensorShare(record.sensor_age_s);
 
   // the bone
-  const CouplingOutput coupling = EvaluateCoupling(params_.coupling, model, X_before, Scaled(V_WT_, share_),
-                                                   now, spindle_rad_per_s_ > 0.0, coupling_);
+  const Twist V_before_WT = Scaled(V_WT_, share_);
+  const CouplingOutput coupling = EvaluateCoupling(params_.coupling, model, X_before, V_before_WT, now,
+                                                   spindle_rad_per_s_ > 0.0, coupling_);
   record.model_age_s = coupling.age_s;
-  const safety::LimitedWrench limited = arm_->Limit(wrench_limiter_, coupling.F_T_W);
+  const safety::LimitedWrench limited =
+      arm_->Limit(wrench_limiter_, stabilisers_.Shape(coupling, X_before, V_before_WT));
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
 
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
@@ -307,12 +311,14 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
       PastDeadZone(params_.admittance,
                    safety::ScaleWrench(F_operator_T_W, sensor_trip_.level_N(), kMostOperatorTorque_Nm).F);
   const double hand = coupling.fade * sensor_share;
-  const Wrench F_T_W{.f = hand * F_hand_T_W.f + limited.F.f, .t = hand * F_hand_T_W.t + limited.F.t};
+  const Wrench F_coupling_T_W = stabilisers_.Calm(coupling, X_before, V_before_WT, limited, wrench_limiter_);
+  const Wrench F_T_W{.f = hand * F_hand_T_W.f + F_coupling_T_W.f, .t = hand * F_hand_T_W.t + F_coupling_T_W.t};
   // a virtual tool that vibrates in the hand is heavier, and more damped
   record.vibration_index = vibration_.Step(F_operator_T_W, spindle_rad_per_s_);
   V_WT_ = AfterMassChange(V_WT_, vibration_.mass_factor() / mass_factor_);
   mass_factor_ = vibration_.mass_factor();
-  const AdmittanceParams law = Times(params_.admittance, mass_factor_, vibration_.damping_factor());
+  const AdmittanceParams law = Times(
+      params_.admittance, mass_factor_, std::max(vibration_.damping_factor(), stabilisers_.damping_factor()));
   Twist V_next_WT;
   if (!NextTwist(law, X_before, V_WT_, F_T_W, dt_s, V_next_WT)) {
     faults_.Latch(Fault::kNotFinite);
@@ -320,7 +326,8 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
     Brake();
     return;
   }
-  record.F_coupling_T_W = limited.F;
+  record.F_coupling_T_W = F_coupling_T_W;
+  stabilisers_.Put(record);
   record.wrench_scale = limited.share;
   record.arm_share = limited.arm_share;
   record.mass_factor = mass_factor_;
@@ -355,6 +362,7 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   if (faults_.Any()) StartStopping();
 
   CountRendered(limited, speed_m_per_s, slow.share < 1.0, inside.acted, coupling.fade);
+  CountStabilisers();
   Count(statistics_.joints, joints_limited, joints_acted_);
   Count(statistics_.sensor_age, sensor_share < 1.0, sensor_acted_);
 }
@@ -458,6 +466,14 @@ void ServoLoop::CountRendered(const safety::LimitedWrench& limited, double speed
   Count(s.twist, twist_limited, twist_acted_);
   Count(s.workspace, workspace_limited, workspace_acted_);
   Count(s.model_age, fade < 1.0, model_acted_);
+}
+
+void ServoLoop::CountStabilisers() OSTEON_RT {
+  ServoStatistics& s = statistics_;
+  Count(s.age_governor, stabilisers_.governor().acted(), governor_acted_);
+  Count(s.passivity, stabilisers_.passivity().acted(), passivity_acted_);
+  Count(s.tank, stabilisers_.tank().acted(), tank_acted_);
+  s.least_tank_J = std::min(s.least_tank_J, stabilisers_.tank().energy_J());
 }
 
 void ServoLoop::Count(LimitCount& count, bool acts, bool& acted) OSTEON_RT {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "control/arm_follower.h"
@@ -33,6 +34,8 @@ struct ServoStatistics {
   LimitCount wrench;  ///< by any limit, the arm's included
   LimitCount arm;     ///< the arm's torques could not hold the coupling
   LimitCount twist, workspace, joints, model_age, sensor_age;
+  LimitCount age_governor, passivity, tank;  ///< stabilisers that acted
+  double least_tank_J{std::numeric_limits<double>::infinity()};
   std::uint64_t active_ticks{0};     ///< messages answered in COMMANDING_ACTIVE, once the loop has begun
   std::uint64_t missed_messages{0};  ///< deadlines that passed without one, once commanding
 };
@@ -151,6 +154,7 @@ class ServoLoop {
   [[nodiscard]] bool Follow(bool& limited) OSTEON_RT;
   void CountRendered(const safety::LimitedWrench& limited, double speed_m_per_s, bool twist_limited,
                      bool workspace_limited, double fade) OSTEON_RT;
+  void CountStabilisers() OSTEON_RT;
   void Count(LimitCount& count, bool acts, bool& acted) OSTEON_RT;
 
   ServoParams params_;
@@ -169,6 +173,7 @@ class ServoLoop {
   CouplingState coupling_;
   BiasEstimator bias_;
   VibrationIndex vibration_;
+  Stabilisers stabilisers_;
   double mass_factor_{1.0};  ///< of the virtual tool, in the last tick
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};
@@ -192,7 +197,8 @@ class ServoLoop {
 
   // what acted in the tick before
   bool wrench_acted_{false}, arm_acted_{false}, twist_acted_{false}, workspace_acted_{false},
-      joints_acted_{false}, model_acted_{false}, sensor_acted_{false};
+      joints_acted_{false}, model_acted_{false}, sensor_acted_{false}, governor_acted_{false},
+      passivity_acted_{false}, tank_acted_{false};
 
   std::atomic<bool> stop_requested_{false}, recovery_requested_{false}, may_begin_{true};
   static_assert(std::atomic<bool>::is_always_lock_free);

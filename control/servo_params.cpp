@@ -14,6 +14,7 @@ void Validate(const ServoParams& params) {
   Validate(params.sensor);
   Validate(params.sensor_bias);
   Validate(params.vibration);
+  Validate(params.stabilisers);
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
       throw std::invalid_argument(std::string("servo ") + name + ": found " + std::to_string(value) +
@@ -42,6 +43,31 @@ void Validate(const ServoParams& params) {
   require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
   require("period_s", params.period_s, 1e-4, 0.02);
   if (params.start) require("start there_rad", params.start->there_rad, 1e-6, 0.1);
+}
+
+StabilisedLaw LawOf(const ServoParams& params) {
+  const AdmittanceParams& a = params.admittance;
+  if (params.law == Law::kAdmittance) {
+    // within a tick the damping may take all of the motion, on the lightest axis, and no more
+    const double lever_m = params.stabilisers.passivity.lever_m;
+    const double least_kg = std::min(a.mass_kg.minCoeff(), a.inertia_kg_m2.minCoeff() / (lever_m * lever_m));
+    return {.damping = {.Ns_per_m = a.damping_Ns_per_m, .Nms_per_rad = a.damping_Nms_per_rad},
+            .most_damping_Ns_per_m = least_kg / params.period_s};
+  }
+  const ImpedanceParams& i = params.impedance;
+  const AgeGovernorParams& governor = params.stabilisers.age_governor;
+  const auto require = [&](const char* name, const Vector3& law, double arm) {
+    if (governor.acts && !(law.minCoeff() + arm > 0.0))
+      throw std::invalid_argument(std::string("impedance ") + name +
+                                  " with the arm's that the age governor counts on: found 0, accepted > 0");
+  };
+  require("damping_Ns_per_m", i.damping_Ns_per_m, governor.arm_damping_Ns_per_m);
+  require("damping_Nms_per_rad", i.damping_Nms_per_rad, governor.arm_damping_Nms_per_rad);
+  // the wrench counts a period after the pose, and lasts one
+  return {.damping = {.Ns_per_m = i.damping_Ns_per_m, .Nms_per_rad = i.damping_Nms_per_rad},
+          .pose_age_s = 1.5 * params.period_s + i.twist_filter_s,
+          .work = PortWork::kHeld,
+          .most_damping_Ns_per_m = std::max(1.0, i.brake_Ns_per_m)};
 }
 
 int JointStopTicks(const ServoParams& params) OSTEON_RT {

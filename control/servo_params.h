@@ -7,6 +7,7 @@
 #include "control/hand_wrench.h"
 #include "control/impedance_law.h"
 #include "control/joint_path.h"
+#include "control/stabilisers.h"
 #include "control/vibration_index.h"
 #include "control/virtual_coupling.h"
 #include "kinematics/chain_params.h"
@@ -39,6 +40,7 @@ struct ServoParams {
   Law law{Law::kAdmittance};
   AdmittanceParams admittance;
   VibrationParams vibration;
+  StabiliserParams stabilisers;
   ImpedanceParams impedance;
   CouplingParams coupling;
   safety::WrenchLimitParams wrench;
@@ -79,6 +81,10 @@ struct ServoParams {
 
 /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
 void Validate(const ServoParams& params);
+
+/// What the stabilisers have to know of the law.
+/// @throws std::invalid_argument where the age governor is to act on a law without damping.
+[[nodiscard]] StabilisedLaw LawOf(const ServoParams& params);
 
 /// joint_stop_s in ticks, at least one.
 [[nodiscard]] int JointStopTicks(const ServoParams& params) OSTEON_RT;

@@ -14,4 +14,17 @@ namespace osteon::control {
   return {.v = share * V.v, .w = share * V.w};
 }
 
+/// The way from one pose to another that is less than a degree away: dp, and the turn as a vector in W, by the
+/// rotation's skew part (a turn of a degree is 5e-5 of it too short).
+[[nodiscard]] inline Twist SmallStep(const Pose& X_from, const Pose& X_to) OSTEON_RT {
+  const Matrix3 R = X_to.linear() * X_from.linear().transpose();
+  return {.v = X_to.translation() - X_from.translation(),
+          .w = 0.5 * Vector3(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1))};
+}
+
+/// f·v + t·w: power on a twist, work on a small step.
+[[nodiscard]] inline double Power(const Wrench& F, const Twist& V) OSTEON_RT {
+  return F.f.dot(V.v) + F.t.dot(V.w);
+}
+
 }  // namespace osteon::control

@@ -108,6 +108,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
 
   // where the planes are now: the frame's, receded
   const bool new_frame = model.frame != state.frame || model.pose_stamp != state.pose_stamp;
+  out.new_frame = new_frame;
   const double cut_since_pose_s =
       new_frame ? std::min(state.cut_s - CutUpTo(state, model.pose_stamp), params.fresh_s) : 0.0;
   state.frame = model.frame;
@@ -141,7 +142,14 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
     const Vector3 f = out.normal_force_N[i] * planes[i].n;
     spring.f += f;
     spring.t += arm_W[i].cross(f);
+    if (proxy.multiplier[i] > 0.0 && out.active_planes < CouplingOutput::kMostActive)
+      out.active[static_cast<std::size_t>(out.active_planes++)] = {
+          .n_W = planes[i].n,
+          .arm_W = arm_W[i],
+          .stiffness_N_per_m = k,
+          .force_N = state.fade * out.normal_force_N[i]};
   }
+  out.potential_J = 0.5 * state.fade * spring.f.dot(proxy.point);
 
   // damping along the resultant, within a share of the spring; then the age
   const double spring_N = spring.f.norm();
@@ -152,6 +160,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
     scale = state.fade * (1.0 + (damping > -1.0 ? std::min(damping, params.damping_share) : -1.0));
   }
   out.F_T_W = {.f = scale * spring.f, .t = scale * spring.t};
+  out.F_contact_T_W = out.F_T_W;
   for (int j = 0; j < kMaxContacts; ++j) {
     const auto i = static_cast<std::size_t>(j);
     out.normal_force_N[i] *= scale;

@@ -50,15 +50,32 @@ enum class ModelStatus : std::uint8_t {
   kDeviceLost,
 };
 
+/// A plane that the proxy lies on: n_W·delta = -g.
+struct ActivePlane {
+  Vector3 n_W{Vector3::UnitZ()};    ///< unit, from bone to tool
+  Vector3 arm_W{Vector3::Zero()};   ///< from To to the contact point [m]
+  double stiffness_N_per_m{0.0};    ///< K_j, as rendered in full
+  double force_N{0.0};              ///< of the faded spring along n, without damping; > 0
+};
+
 /// One tick's result.
 struct CouplingOutput {
-  Wrench F_T_W;  ///< on the tool, at To, in W; faded, not yet limited
+  static constexpr int kMostActive = 4;
+
+  Wrench F_T_W;          ///< on the tool, at To, in W; faded, not yet limited
+  Wrench F_contact_T_W;  ///< of that what the planes exert: without the spindle's torque
   std::array<double, simulation::kMaxContacts> normal_force_N{};  ///< of each contact along its n, >= 0
   int active_count{0};                                            ///< contacts that press
   double age_s{0.0};                                              ///< of the model's pose
   double fade{0.0};                                               ///< share rendered, 0 … 1
   Vector3 displacement_W{Vector3::Zero()};                        ///< delta: from the tool to its proxy [m]
   ModelStatus status{ModelStatus::kNone};
+  std::array<ActivePlane, kMostActive> active{};  ///< the first active_planes count
+  int active_planes{0};
+  /// U = fade f_s·delta / 2: what the spring has stored. With equal stiffnesses and planes that rest its
+  /// derivative along the tool's twist is minus the spring wrench, levers and turns included.
+  double potential_J{0.0};
+  bool new_frame{false};  ///< the planes are those of another frame than in the tick before
 };
 
 /// Virtual coupling of the tool with the planes of the newest contact model, evaluated in every tick.

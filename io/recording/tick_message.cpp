@@ -143,6 +143,12 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.set_vibration_index(record.vibration_index);
   message.set_mass_factor(record.mass_factor);
   message.set_damping_factor(record.damping_factor);
+  message.set_age_damping_factor(record.age_damping_factor);
+  message.set_age_wrench_share(record.age_wrench_share);
+  message.set_passivity_energy_j(record.passivity_energy_J);
+  message.set_passivity_damping_ns_per_m(record.passivity_damping_Ns_per_m);
+  message.set_tank_j(record.tank_J);
+  message.set_tank_share(record.tank_share);
   io::Put(record.F_bias_S, message.mutable_f_bias_s());
   message.SerializeToString(&bytes);
 }
@@ -179,6 +185,12 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   r.vibration_index = message.vibration_index();
   if (message.has_mass_factor()) r.mass_factor = message.mass_factor();
   if (message.has_damping_factor()) r.damping_factor = message.damping_factor();
+  if (message.has_age_damping_factor()) r.age_damping_factor = message.age_damping_factor();
+  if (message.has_age_wrench_share()) r.age_wrench_share = message.age_wrench_share();
+  r.passivity_energy_J = message.passivity_energy_j();
+  r.passivity_damping_Ns_per_m = message.passivity_damping_ns_per_m();
+  r.tank_J = message.tank_j();
+  if (message.has_tank_share()) r.tank_share = message.tank_share();
   io::Get(message.f_bias_s(), r.F_bias_S);
   io::Get(message.f_cmd_t(), r.F_cmd_T);
   if (message.tau_cmd_nm_size() != 0 && !io::Get(message.tau_cmd_nm(), r.tau_cmd))

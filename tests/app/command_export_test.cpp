@@ -98,7 +98,7 @@ TEST_F(ExportCommandTest, TablesHoldEveryValueToItsBits) {
 TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
   Export({Original().string(), "--out", "."});
   const std::vector<std::string> units{"_s", "_ns", "_m",  "_rad",     "_N",         "_Nm",     "_kg",
-                                       "_J", "_m2", "_m3", "_m_per_s", "_rad_per_s", "_N_per_m"};
+                                       "_J", "_m2", "_m3", "_m_per_s", "_rad_per_s", "_N_per_m", "_Ns_per_m"};
   const std::vector<std::string> bare{"tick",
                                       "phase",
                                       "session_state",
@@ -108,6 +108,9 @@ TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
                                       "vibration_index",
                                       "mass_factor",
                                       "damping_factor",
+                                      "age_damping_factor",
+                                      "age_wrench_share",
+                                      "tank_share",
                                       "model_frame",
                                       "arm_sequence",
                                       "arm_lost",

@@ -204,6 +204,25 @@ TEST(SummaryRows, SayWhatTheLimitsKeptFromTheHand) {
   EXPECT_EQ(json.at("arm_share_min"), 0.9);
 }
 
+TEST(SummaryRows, SayWhatTheStabilisersDid) {
+  RunSummary summary;
+  summary.least_tank_J = 0.75;
+  EXPECT_EQ(RowOf(summary, "Stabilisers acted"), "age governor: no; passivity: no; tank: no, 0.75 J at least");
+  summary.age_governor_ticks = 40;
+  summary.most_age_damping = 3.25;
+  summary.least_age_share = 0.9;
+  summary.passivity_ticks = 2;
+  summary.tank_ticks = 3;
+  EXPECT_EQ(RowOf(summary, "Stabilisers acted"),
+            "age governor: 40 ticks, damping × 3.2 at most, coupling × 0.90; passivity: 2 ticks; tank: 3 ticks, "
+            "0.75 J at least");
+  const nlohmann::json json = nlohmann::json::parse(ToJson(summary, "osteon.demo/1"));
+  EXPECT_EQ(json.at("age_governor_ticks"), 40);
+  EXPECT_EQ(json.at("passivity_ticks"), 2);
+  EXPECT_EQ(json.at("tank_ticks"), 3);
+  EXPECT_EQ(json.at("tank_min_J"), 0.75);
+}
+
 TEST(SummaryRows, ShowVolumesBesideEachOther) {
   EXPECT_EQ(RowOf(Sample(), "Bone removed"), "2500 mm³, 3.50 g; swept 2000 mm³ (+25.0 %)");
   EXPECT_EQ(RowOf(Sample(), "Peak rendered force"), "123.4 N of 200 N allowed");

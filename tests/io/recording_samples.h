@@ -43,6 +43,12 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.vibration_index = 0.3;
   r.mass_factor = 1.2;
   r.damping_factor = 30.0;
+  r.age_damping_factor = 3.0;
+  r.age_wrench_share = 0.7;
+  r.passivity_energy_J = 0.125;
+  r.passivity_damping_Ns_per_m = 250.0;
+  r.tank_J = 0.875;
+  r.tank_share = 0.625;
   r.F_bias_S = SomeWrench(base + 90);
   r.model_age_s = base + 60;
   r.sensor_age_s = base + 61;

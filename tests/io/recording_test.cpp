@@ -117,6 +117,12 @@ TEST(Recording, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.vibration_index, sent.vibration_index);
   EXPECT_EQ(r.mass_factor, sent.mass_factor);
   EXPECT_EQ(r.damping_factor, sent.damping_factor);
+  EXPECT_EQ(r.age_damping_factor, sent.age_damping_factor);
+  EXPECT_EQ(r.age_wrench_share, sent.age_wrench_share);
+  EXPECT_EQ(r.passivity_energy_J, sent.passivity_energy_J);
+  EXPECT_EQ(r.passivity_damping_Ns_per_m, sent.passivity_damping_Ns_per_m);
+  EXPECT_EQ(r.tank_J, sent.tank_J);
+  EXPECT_EQ(r.tank_share, sent.tank_share);
   EXPECT_EQ(Vector3(r.F_bias_S.f), Vector3(sent.F_bias_S.f));
   EXPECT_EQ(Vector3(r.F_bias_S.t), Vector3(sent.F_bias_S.t));
   EXPECT_EQ(r.model_age_s, sent.model_age_s);
@@ -267,6 +273,9 @@ TEST(Recording, ATickFromBeforeTheArmsShareAndTheInputsWereRecordedReadsAsNone) 
   EXPECT_EQ(r.arm_share, 1.0);
   EXPECT_EQ(r.mass_factor, 1.0);
   EXPECT_EQ(r.damping_factor, 1.0);
+  EXPECT_EQ(r.age_damping_factor, 1.0);
+  EXPECT_EQ(r.age_wrench_share, 1.0);
+  EXPECT_EQ(r.tank_share, 1.0);
   EXPECT_EQ(r.compute_ns, SomeTick(1).compute_ns);
 }
 

@@ -1,0 +1,68 @@
+#include "control/passivity.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "control/twist_parts.h"
+
+namespace osteon::control {
+
+void Validate(const PassivityParams& params) {
+  const auto require = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument(std::string("passivity ") + name + ": found " + std::to_string(value) +
+                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+  };
+  require("allowance_J", params.allowance_J, 0.0, 10.0);
+  require("least_speed_m_per_s", params.least_speed_m_per_s, 1e-5, 1.0);
+  require("most_damping_Ns_per_m", params.most_damping_Ns_per_m, 0.0, 1e5);
+  require("lever_m", params.lever_m, 1e-3, 1.0);
+}
+
+PassivityController::PassivityController(const PassivityParams& params, PortWork work, double period_s,
+                                         double most_Ns_per_m)
+    : params_(params),
+      work_(work),
+      period_s_(period_s),
+      most_Ns_per_m_(std::min(params.most_damping_Ns_per_m, most_Ns_per_m)) {
+  Validate(params);
+}
+
+void PassivityController::Reset() OSTEON_RT {
+  begun_ = false;
+  energy_J_ = 0.0;
+  damping_Ns_per_m_ = 0.0;
+}
+
+Wrench PassivityController::Step(const PortTick& port) OSTEON_RT {
+  // what was done since the tick before
+  if (begun_) {
+    const Twist dx = SmallStep(X_before_, port.X_WT);
+    const double held_J = Power(F_before_, dx);
+    energy_J_ += work_ == PortWork::kHeld ? held_J : 0.5 * (held_J + Power(port.F_T_W, dx));
+    energy_J_ += Power(F_damping_before_, dx);
+  }
+  begun_ = true;
+  X_before_ = port.X_WT;
+  F_before_ = port.F_T_W;
+  F_damping_before_ = {};
+  damping_Ns_per_m_ = 0.0;
+  if (!port.contact) {
+    energy_J_ = 0.0;
+    return {};
+  }
+  energy_J_ = std::max(energy_J_, -(port.potential_J + params_.allowance_J));
+
+  // and what takes it back
+  const double lever2 = params_.lever_m * params_.lever_m;
+  const double speed2 = port.V_WT.v.squaredNorm() + lever2 * port.V_WT.w.squaredNorm();
+  if (!params_.acts || !(energy_J_ > 0.0) ||
+      speed2 < params_.least_speed_m_per_s * params_.least_speed_m_per_s)
+    return {};
+  damping_Ns_per_m_ = std::min(energy_J_ / (period_s_ * speed2), most_Ns_per_m_);
+  F_damping_before_ = {.f = -damping_Ns_per_m_ * port.V_WT.v, .t = -damping_Ns_per_m_ * lever2 * port.V_WT.w};
+  return F_damping_before_;
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,54 @@
+#include "control/stabilisers.h"
+
+namespace osteon::control {
+
+void Validate(const StabiliserParams& params) {
+  Validate(params.age_governor);
+  Validate(params.passivity);
+  Validate(params.energy_tank);
+}
+
+Stabilisers::Stabilisers(const StabiliserParams& params, const StabilisedLaw& law, double period_s)
+    : law_(law),
+      governor_(params.age_governor, period_s),
+      tank_(params.energy_tank, period_s),
+      passivity_(params.passivity, law.work, period_s, law.most_damping_Ns_per_m) {}
+
+void Stabilisers::Reset() OSTEON_RT {
+  governor_.Reset();
+  tank_.Reset();
+  passivity_.Reset();
+}
+
+Wrench Stabilisers::Shape(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT) OSTEON_RT {
+  governor_.Step(coupling, X_WT.linear(), law_.damping,
+                 {.pose_s = law_.pose_age_s, .planes_s = coupling.age_s + law_.pose_age_s});
+  const double share = governor_.wrench_share() * tank_.Step(coupling, X_WT, V_WT, governor_.wrench_share());
+  return {.f = share * coupling.F_T_W.f, .t = share * coupling.F_T_W.t};
+}
+
+Wrench Stabilisers::Calm(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT,
+                         const safety::LimitedWrench& limited,
+                         const safety::WrenchLimiter& limiter) OSTEON_RT {
+  const double share = governor_.wrench_share() * tank_.share();
+  const double rendered = share * limited.share;
+  const Wrench damping = passivity_.Step(
+      {.F_T_W = {.f = rendered * coupling.F_contact_T_W.f, .t = rendered * coupling.F_contact_T_W.t},
+       .potential_J = share * coupling.potential_J,
+       .contact = coupling.active_count > 0,
+       .X_WT = X_WT,
+       .V_WT = V_WT});
+  if (!passivity_.acted()) return limited.F;
+  return limiter.Limit({.f = limited.F.f + damping.f, .t = limited.F.t + damping.t}).F;
+}
+
+void Stabilisers::Put(TickRecord& record) const OSTEON_RT {
+  record.age_damping_factor = governor_.damping_factor();
+  record.age_wrench_share = governor_.wrench_share();
+  record.passivity_energy_J = passivity_.energy_J();
+  record.passivity_damping_Ns_per_m = passivity_.damping_Ns_per_m();
+  record.tank_J = tank_.energy_J();
+  record.tank_share = tank_.share();
+}
+
+}  // namespace osteon::control

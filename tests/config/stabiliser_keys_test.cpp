@@ -1,0 +1,106 @@
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "config/load.h"
+#include "tests/config/cell_text.h"
+
+// The sections of the stabilisers: each may be left out, and says with its line what it does not accept.
+
+namespace osteon::config {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+CellConfig LoadText(const std::string& yaml) {
+  const fs::path file = fs::temp_directory_path() / ("osteon_stabilisers_" + std::to_string(::getpid()) + ".yaml");
+  std::ofstream(file) << yaml;
+  try {
+    CellConfig cell = LoadCell(file);
+    fs::remove(file);
+    return cell;
+  } catch (...) {
+    fs::remove(file);
+    throw;
+  }
+}
+
+std::string Refusal(const std::string& yaml) {
+  try {
+    static_cast<void>(LoadText(yaml));
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string With(std::string yaml, const std::string& before, const std::string& after) {
+  const std::size_t at = yaml.find(before);
+  if (at == std::string::npos) throw std::logic_error("the cell has changed: " + before);
+  return yaml.replace(at, before.size(), after);
+}
+
+std::string Without(std::string yaml, const std::string& section) {
+  const std::size_t from = yaml.find("\n" + section + ":"), to = yaml.find("\n\n", from);
+  std::size_t end = yaml.find('\n', from + 1);
+  while (yaml[end + 1] == ' ') end = yaml.find('\n', end + 1);
+  if (from == std::string::npos || to == std::string::npos) throw std::logic_error("no section " + section);
+  return yaml.erase(from, end - from);
+}
+
+TEST(StabiliserKeys, ReachTheLoop) {
+  std::string text = CellText("thin_plate_impedance");
+  text = With(text, "\nage_governor:", "\nage_governor:\n  arm_damping_Ns_per_m: 30\n  arm_damping_Nms_per_rad: 0.5");
+  text = With(text, "\n  damping_ratio: 20", "\n  damping_ratio: 7");
+  text = With(text, "\n  allowance_J: 0.02", "\n  allowance_J: 0.03");
+  text = With(text, "\n  cap_J: 1 ", "\n  cap_J: 2 ");
+  const control::StabiliserParams s = LoadText(text).servo.stabilisers;
+  EXPECT_TRUE(s.age_governor.acts && s.passivity.acts && s.energy_tank.acts);
+  EXPECT_EQ(s.age_governor.most_damping, 7.0);
+  EXPECT_EQ(s.age_governor.release_s, 0.2);
+  EXPECT_EQ(s.age_governor.arm_damping_Ns_per_m, 30.0);
+  EXPECT_EQ(s.age_governor.arm_damping_Nms_per_rad, 0.5);
+  EXPECT_EQ(s.passivity.allowance_J, 0.03);
+  EXPECT_EQ(s.passivity.least_speed_m_per_s, 0.005);
+  EXPECT_EQ(s.passivity.most_damping_Ns_per_m, 1000.0);
+  EXPECT_EQ(s.energy_tank.cap_J, 2.0);
+  EXPECT_EQ(s.energy_tank.ramp_s, 0.1);
+}
+
+TEST(StabiliserKeys, ASectionThatIsLeftOutIsAsTheShippedOnesAre) {
+  const std::string all = CellText("demo");
+  std::string none = all;
+  for (const char* section : {"age_governor", "passivity", "energy_tank"}) none = Without(none, section);
+  const control::StabiliserParams shipped = LoadText(all).servo.stabilisers, absent = LoadText(none).servo.stabilisers;
+  EXPECT_EQ(absent.age_governor.acts, shipped.age_governor.acts);
+  EXPECT_EQ(absent.age_governor.most_damping, shipped.age_governor.most_damping);
+  EXPECT_EQ(absent.age_governor.release_s, shipped.age_governor.release_s);
+  EXPECT_EQ(absent.passivity.acts, shipped.passivity.acts);
+  EXPECT_EQ(absent.passivity.allowance_J, shipped.passivity.allowance_J);
+  EXPECT_EQ(absent.passivity.least_speed_m_per_s, shipped.passivity.least_speed_m_per_s);
+  EXPECT_EQ(absent.passivity.most_damping_Ns_per_m, shipped.passivity.most_damping_Ns_per_m);
+  EXPECT_EQ(absent.energy_tank.acts, shipped.energy_tank.acts);
+  EXPECT_EQ(absent.energy_tank.cap_J, shipped.energy_tank.cap_J);
+  EXPECT_EQ(absent.energy_tank.ramp_s, shipped.energy_tank.ramp_s);
+  EXPECT_EQ(shipped.age_governor.tool_radius_m, 0.025) << "the reamer's";
+}
+
+TEST(StabiliserKeys, RefuseWhatIsOutOfRangeOrOfAnotherLaw) {
+  const std::string cell = CellText("demo");
+  EXPECT_THAT(Refusal(With(cell, "\n  cap_J: 1 ", "\n  cap_J: -1 ")),
+              AllOf(HasSubstr("cap_J"), HasSubstr("found -1"), HasSubstr("accepted 0")));
+  EXPECT_THAT(Refusal(With(cell, "\n  allowance_J: 0.02", "\n  allowance_J: much")), HasSubstr("allowance_J"));
+  EXPECT_THAT(Refusal(With(cell, "\n  damping_ratio: 20 ", "\n  damping_ratio: 0 ")),
+              AllOf(HasSubstr("damping_ratio"), HasSubstr("accepted 1")));
+  EXPECT_THAT(Refusal(With(cell, "\nage_governor:", "\nage_governor:\n  arm_damping_Ns_per_m: 30")),
+              HasSubstr("arm_damping_Ns_per_m"));
+}
+
+}  // namespace
+}  // namespace osteon::config
