@@ -43,8 +43,10 @@ CellCommands::CellCommands(CLI::App& app)
       ->check(NumberWithin(0, 1000));
   run_->add_option("--record", operate_.record, "the recording, readable by `osteon export` and Foxglove")
       ->capture_default_str();
-  run_->add_option("--gains", operate_.gains,
-                   "YAML file laid over the cell's admittance and coupling, as `osteon tune` writes it")
+  run_->add_option(
+          "--gains", operate_.gains,
+          "YAML file laid over the cell's admittance and coupling, as `osteon tune` writes it; saved again "
+          "while it runs, the gains go there within a second")
       ->check(CLI::ExistingFile);
   run_->add_option("--port", operate_.port, "as `osteon cell --port`; with --simulated 0 takes any free ones")
       ->check(PortNumber());

@@ -9,6 +9,7 @@
 #include "app/arm_wire.h"
 #include "app/build_name.h"
 #include "app/chart_files.h"
+#include "app/gains_watch.h"
 #include "app/recorded_config.h"
 #include "app/simulated_cell_run.h"
 #include "app/simulated_setup.h"
@@ -111,6 +112,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, simula
   control::RunServoResult servo;
   bool cell_died = false;
   StartWatch start(setup, loop);
+  GainsWatch gains(params.gains, setup.config, loop, params.notice);
   {
     SimulationThread simulation(runner, commands, models, recorder);
     std::atomic<bool> done{false}, stop{false};
@@ -131,6 +133,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, simula
     while (!done.load()) {
       std::this_thread::sleep_for(kLook);
       cell_died |= !done.load() && wires.cell && wires.cell->Ended();
+      gains.Look(rt::ToSeconds(rt::MonotonicNow()));
       if (rendered_s.load() == 0.0) start.Look();  // a recovery goes on from where the arm is
       if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
       if (params.progress) params.progress(rendered_s.load());
@@ -182,6 +185,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
   auto devices = VirtualDevices::Make(setup.config);
   if (!devices) return tl::make_unexpected(CellRunError{.what = devices.error()});
   ArmSession session(setup.config.link);
+  GainsWatch gains(params.gains, setup.config, loop, params.notice);
   control::ArmState state;
   control::ArmCommand command;
   simulation::ContactModel model;
@@ -215,6 +219,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
       runner.RecordEvents(recorder, now);
       pending.reset();
     }
+    gains.Look(rt::ToSeconds(now));
     const control::CellReadings readings = (*devices)->Exchange(loop.cell_commands(), now);
     recorder.Push(loop.Tick(state, received, readings, model, now, command));
     recovering = false;

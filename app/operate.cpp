@@ -62,13 +62,16 @@ int RunOperate(const OperateOptions& options) {
 
   InstallInterrupt();
   RunProgress progress("osteon run", options.seconds);
-  const CellRunParams params{.seconds = options.seconds,
-                             .recoveries = options.recoveries,
-                             .cpu = options.cpu,
-                             .cell = cell,
-                             .recording = options.record,
-                             .stop = &Interrupted(),
-                             .progress = [&](double at_s) { progress.Show(at_s); }};
+  const CellRunParams params{
+      .seconds = options.seconds,
+      .recoveries = options.recoveries,
+      .cpu = options.cpu,
+      .cell = cell,
+      .recording = options.record,
+      .stop = &Interrupted(),
+      .gains = options.gains,
+      .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },
+      .progress = [&](double at_s) { progress.Show(at_s); }};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
   if (!result) return Fail(result.error().what, result.error().begun ? kFailed : kBadInput);

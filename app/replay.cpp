@@ -113,6 +113,7 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
     // once more
     if (recorded.input.stop) loop.RequestStop();
     if (recorded.input.recover) loop.RequestRecovery();
+    if (recorded.input.has_gains) loop.RequestGains(recorded.input.gains);
     TickRecord replayed =
         loop.Tick(control::ArmStateOf(recorded), static_cast<control::ReceiveResult>(recorded.input.received),
                   control::CellReadingsOf(recorded.input), *model, recorded.input.now, command);

@@ -141,6 +141,10 @@ void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"interlock_reason"}, static_cast<unsigned>(in.interlock_reason));
   visit(FieldName{"model_status"}, static_cast<unsigned>(in.model_status));
   visit(FieldName{"model_pose_stamp", "", "ns"}, in.model_pose_stamp);
+  visit(FieldName{"gains_taken"}, static_cast<unsigned>(in.has_gains));
+  control::VisitGains(in.gains, [&](const char* name, const char* axis, const char* unit, double value) {
+    visit(FieldName{name, axis, unit}, value);
+  });
 }
 
 /// A frame without its contacts.

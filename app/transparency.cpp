@@ -50,6 +50,8 @@ hil::HandleBenchParams BenchOf(const config::CellConfig& cell, const Transparenc
   bench.X_WB = cell.X_WB;
   bench.X_FT = cell.tool.X_FT;
   bench.arm_angle_rad = cell.start.arm_angle_rad;
+  bench.sensor_feels_inertia = cell.simulated.sensor_feels_inertia;
+  bench.servo.admittance.locked = {};  // what an axis feels like that may move
   bench.sensor_delay_ticks = options.sensor_delay_ticks;
   return bench;
 }

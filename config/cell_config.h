@@ -99,6 +99,7 @@ struct CellConfig {
   Pose X_WG{Pose::Identity()};    ///< bone in world: the frame C of its site
   StartConfig start;
   control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
+  control::Gains own_gains;           ///< of the cell's file, before another one was laid over it
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   ArmLinkConfig link;
   io::DeviceParams devices;            ///< force sensor, reamer drive, PLC: where they are

@@ -82,6 +82,10 @@ void ReadWatchdog(Reader section, safety::WatchdogParams& watchdog) {
 }
 
 void ReadImpedance(Reader section, CellConfig& cell) {
+  if (section.Has("locked"))
+    section.Refuse("locked",
+                   "found with the impedance law, accepted in admittance: an arm that carries itself "
+                   "is where the hand has it, and a wrench alone does not lock an axis");
   control::ImpedanceParams& impedance = cell.servo.impedance;
   impedance.damping_Ns_per_m = section.Triple("damping_Ns_per_m", 0, 1000);
   impedance.damping_Nms_per_rad = section.Triple("damping_Nms_per_rad", 0, 100);
@@ -341,7 +345,8 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   cell.injections = ReadInjections(reader);
   reader.Finish();
 
-  if (!gains.empty()) LayGainsOver(gains, servo.admittance, servo.coupling);
+  cell.own_gains = control::GainsOf(servo.admittance, servo.coupling);
+  if (!gains.empty()) LayGainsOver(gains, servo.law, servo.admittance, servo.coupling);
 
   CheckBody(sensor, sensor_F, "force_sensor");
   CheckArmLink(link, cell);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "config/read_pose.h"
+#include "config/read_tool_inertia.h"
 
 namespace osteon::config {
 namespace {
@@ -57,6 +58,7 @@ hil::SensorModelParams ReadSensorModel(Reader section) {
 
 void ReadSensor(Reader section, CellConfig& cell) {
   cell.servo.sensor.X_FS = ReadPose(section);
+  ReadToolInertia(section, cell.servo.sensor);
   const bool robotous = section.Choice("type", {"robotous", "ati"}) == 0;
   const hil::SensorModelParams model = ReadSensorModel(section.Section("simulated"));
   if (robotous) {
@@ -114,6 +116,8 @@ void CompleteDevices(const DeviceSections& sections, CellConfig& cell) {
   control::ForceSensorParams& sensor = cell.servo.sensor;
   sensor.tool_mass_kg = tool.mass_kg;
   sensor.tool_center_F_m = Vector3(cell.tool.X_FT * Vector3(tool.center_of_mass_m));
+  sensor.tool_inertia_F =
+      Matrix3(cell.tool.X_FT.linear() * Matrix3(tool.inertia_kg_m2) * cell.tool.X_FT.linear().transpose());
   cell.simulated.sensor = sensor;
 
   if (cell.devices.drive) {

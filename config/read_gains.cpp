@@ -1,5 +1,9 @@
 #include "config/read_gains.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
 namespace osteon::config {
 namespace {
 
@@ -21,6 +25,11 @@ void ReadAdmittance(Reader section, Keys keys, control::AdmittanceParams& admitt
   triple("damping_Nms_per_rad", 0.01, 100, admittance.damping_Nms_per_rad);
   number("dead_zone_N", 0, 50, admittance.dead_zone_N);
   number("dead_zone_Nm", 0, 5, admittance.dead_zone_Nm);
+  if (keys != Keys::kAll) return;
+  if (section.Has("centre_m")) admittance.centre_T_m = section.Triple("centre_m", -2, 2);
+  if (section.Has("locked"))
+    for (const std::size_t axis : section.Words("locked", {"x", "y", "z", "rx", "ry", "rz"}))
+      admittance.locked[axis] = true;
 }
 
 void ReadForces(Reader& section, Keys keys, control::CouplingParams& coupling) {
@@ -45,19 +54,41 @@ void ReadCoupling(Reader section, control::CouplingParams& coupling) {
   coupling.ramp_s = section.Number("ramp_ms", 1, 10000);
 }
 
-void LayGainsOver(const std::filesystem::path& file, control::AdmittanceParams& admittance,
+void LayGainsOver(const std::filesystem::path& file, control::Law law, control::AdmittanceParams& admittance,
                   control::CouplingParams& coupling) {
   Reader reader = Reader::Load(file);
-  control::AdmittanceParams law = admittance;
+  if (law == control::Law::kImpedance && reader.Has("admittance"))
+    reader.Refuse(
+        "admittance",
+        "found for a cell with the impedance law, which has no virtual tool; accepted coupling alone");
+  control::AdmittanceParams virtual_tool = admittance;
   control::CouplingParams forces = coupling;
-  if (reader.Has("admittance")) ReadAdmittance(reader.Section("admittance"), Keys::kAny, law);
+  if (reader.Has("admittance")) ReadAdmittance(reader.Section("admittance"), Keys::kAny, virtual_tool);
   if (reader.Has("coupling")) {
     Reader section = reader.Section("coupling");
     ReadForces(section, Keys::kAny, forces);
   }
   reader.Finish();
-  admittance = law;
+  admittance = virtual_tool;
   coupling = forces;
+}
+
+control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law law, const control::Gains& own,
+                              double most_stiffness_N_per_m) {
+  control::AdmittanceParams admittance;
+  control::CouplingParams coupling;
+  control::Lay(own, admittance, coupling);
+  LayGainsOver(file, law, admittance, coupling);
+  Reader reader = Reader::Load(file);
+  if (reader.Has("coupling") && reader.Section("coupling").Has("stiffness_N_per_mm") &&
+      coupling.max_stiffness_N_per_m > most_stiffness_N_per_m)
+    reader.Section("coupling")
+        .Refuse("stiffness_N_per_mm",
+                fmt::format("found {:.10g}, accepted at most {:.10g} while it runs: what it was started with",
+                            1e-3 * coupling.max_stiffness_N_per_m, 1e-3 * most_stiffness_N_per_m));
+  // a file that does not say it leaves the cell's own, as far as it can be had
+  coupling.max_stiffness_N_per_m = std::min(coupling.max_stiffness_N_per_m, most_stiffness_N_per_m);
+  return control::GainsOf(admittance, coupling);
 }
 
 }  // namespace osteon::config

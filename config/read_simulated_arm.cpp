@@ -59,6 +59,14 @@ SimulatedArmSection ReadSimulatedArm(Reader section, CellConfig& cell) {
     ReadRsiArm(section, cell.link.rsi()->kind, *arm.kr);
     return kept;
   }
+  if (section.Has("sensor_feels_inertia")) {
+    arm.sensor_feels_inertia = section.Bool("sensor_feels_inertia");
+    if (arm.sensor_feels_inertia && kept.level == hil::ArmLevel::kKinematic)
+      section.Refuse(
+          "sensor_feels_inertia",
+          "found true with the level kinematic, accepted with servo or dynamic: an arm that jumps to "
+          "its commands has no acceleration");
+  }
   arm.level = kept.level;
   arm.servo = servo;
   arm.dynamic.bandwidth_hz = servo.bandwidth_hz;

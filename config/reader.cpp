@@ -278,6 +278,26 @@ std::size_t Reader::Choice(const std::string& key, std::initializer_list<const c
   mapping_->FailValue(key, entry->value, words);
 }
 
+std::vector<std::size_t> Reader::Words(const std::string& key, std::initializer_list<const char*> accepted) {
+  std::string words = "a list of any of ";
+  for (const char* word : accepted) words += word == *accepted.begin() ? word : std::string(", ") + word;
+  std::vector<std::size_t> places;
+  const Mapping::Entry* entry = mapping_->Find(key, words);
+  if (!entry) return places;
+  if (!entry->value.IsSequence()) mapping_->FailValue(key, entry->value, words);
+  for (const YAML::Node& each : entry->value) {
+    const auto found = std::find_if(accepted.begin(), accepted.end(), [&](const char* word) {
+      return each.IsScalar() && each.Scalar() == word;
+    });
+    if (found == accepted.end()) mapping_->FailValue(key, each, words);
+    const auto place = static_cast<std::size_t>(found - accepted.begin());
+    if (std::find(places.begin(), places.end(), place) != places.end())
+      mapping_->FailValue(key, each, words + ", none twice");
+    places.push_back(place);
+  }
+  return places;
+}
+
 std::filesystem::path Reader::File(const std::string& key) {
   const Mapping::Entry* entry = mapping_->Find(key, "a file's path");
   if (!entry) return {};

@@ -63,6 +63,9 @@ class Reader {
   [[nodiscard]] std::string Text(const std::string& key);
   /// One of the accepted words. @returns its place among them.
   [[nodiscard]] std::size_t Choice(const std::string& key, std::initializer_list<const char*> accepted);
+  /// A list of some of the accepted words, none twice. @returns their places among them, as listed.
+  [[nodiscard]] std::vector<std::size_t> Words(const std::string& key,
+                                               std::initializer_list<const char*> accepted);
   /// An existing file, relative to this file's folder.
   [[nodiscard]] std::filesystem::path File(const std::string& key);
 

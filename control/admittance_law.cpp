@@ -8,6 +8,22 @@
 #include "safety/limits.h"
 
 namespace osteon::control {
+namespace {
+
+constexpr double kMostCentre_m = 10.0;
+
+// A^T diag(linear, angular) A, A = [1 -c×; 0 1].
+Matrix6 AtOrigin(const Vector3& linear, const Vector3& angular, const Vector3& c) {
+  Matrix3 c_cross;
+  c_cross << 0.0, -c.z(), c.y(), c.z(), 0.0, -c.x(), -c.y(), c.x(), 0.0;
+  Matrix6 A = Matrix6::Identity();
+  A.topRightCorner<3, 3>() = -c_cross;
+  Eigen::Matrix<double, 6, 1> at_centre;
+  at_centre << linear, angular;
+  return A.transpose() * at_centre.asDiagonal() * A;
+}
+
+}  // namespace
 
 void Validate(const AdmittanceParams& params) {
   const auto require = [](const char* name, double value, bool ok, const char* accepted) {
@@ -24,6 +40,9 @@ void Validate(const AdmittanceParams& params) {
   each("damping_Nms_per_rad", params.damping_Nms_per_rad);
   require("dead_zone_N", params.dead_zone_N, params.dead_zone_N >= 0.0, ">= 0");
   require("dead_zone_Nm", params.dead_zone_Nm, params.dead_zone_Nm >= 0.0, ">= 0");
+  for (int i = 0; i < 3; ++i)
+    require("centre_T_m", params.centre_T_m[i], std::abs(params.centre_T_m[i]) <= kMostCentre_m,
+            "-10 … 10 on every axis");
 }
 
 Wrench PastDeadZone(const AdmittanceParams& params, const Wrench& F_T_W) OSTEON_RT {
@@ -48,19 +67,53 @@ Twist AfterMassChange(const Twist& V_WT, double ratio) OSTEON_RT {
   return ratio > 1.0 ? Scaled(V_WT, 1.0 / std::sqrt(ratio)) : V_WT;
 }
 
-bool NextTwist(const AdmittanceParams& params, const Pose& X_WT, const Twist& V_WT, const Wrench& F_T_W,
-               double dt_s, Twist& V_next_WT) OSTEON_RT {
-  const Matrix3 R_WT = X_WT.linear();
-  const auto step = [&](const Vector3& v_W, const Vector3& f_W, const Vector3& m,
-                        const Vector3& b) -> Vector3 {
-    const Vector3 v_T = R_WT.transpose() * v_W;
-    const Vector3 f_T = R_WT.transpose() * f_W;
-    Vector3 v_next_T;
-    for (int i = 0; i < 3; ++i) v_next_T[i] = (v_T[i] + dt_s / m[i] * f_T[i]) / (1.0 + dt_s * b[i] / m[i]);
-    return R_WT * v_next_T;
+Twist AfterMassChange(const AdmittanceParams& before, const AdmittanceParams& after, const Matrix3& R_WT,
+                      const Twist& V_WT) OSTEON_RT {
+  const auto slower = [](const Vector3& v, const Vector3& m_before, const Vector3& m_after) -> Vector3 {
+    return v.cwiseProduct(m_before.cwiseQuotient(m_after).cwiseMin(1.0).cwiseSqrt());
   };
-  const Twist next{.v = step(V_WT.v, F_T_W.f, params.mass_kg, params.damping_Ns_per_m),
-                   .w = step(V_WT.w, F_T_W.t, params.inertia_kg_m2, params.damping_Nms_per_rad)};
+  const Vector3 w_T = R_WT.transpose() * V_WT.w;
+  const Vector3 v_C = R_WT.transpose() * V_WT.v + w_T.cross(before.centre_T_m);
+  const Vector3 w_after_T = slower(w_T, before.inertia_kg_m2, after.inertia_kg_m2);
+  const Vector3 v_after_C = slower(v_C, before.mass_kg, after.mass_kg);
+  return {.v = R_WT * (v_after_C - w_after_T.cross(after.centre_T_m)), .w = R_WT * w_after_T};
+}
+
+Matrix6 MassMatrix(const AdmittanceParams& params) {
+  return AtOrigin(params.mass_kg, params.inertia_kg_m2, params.centre_T_m);
+}
+
+Matrix6 DampingMatrix(const AdmittanceParams& params) {
+  return AtOrigin(params.damping_Ns_per_m, params.damping_Nms_per_rad, params.centre_T_m);
+}
+
+bool NextTwist(const AdmittanceParams& params, const Pose& X_WT, const Twist& V_WT, const Wrench& F_T_W,
+               double dt_s, Twist& V_next_WT, const Twist& V_held_C) OSTEON_RT {
+  const Matrix3 R_WT = X_WT.linear();
+  const Vector3& c = params.centre_T_m;
+  const bool at_origin = c.isZero(0.0);
+  Twist V_T{.v = R_WT.transpose() * V_WT.v, .w = R_WT.transpose() * V_WT.w};
+  Wrench F_T{.f = R_WT.transpose() * F_T_W.f, .t = R_WT.transpose() * F_T_W.t};
+  if (!at_origin) {
+    V_T.v += V_T.w.cross(ExpRotation(-dt_s * V_T.w) * c);
+    F_T.t -= c.cross(F_T.f);
+  }
+
+  const auto step = [&](const Vector3& v, const Vector3& f, const Vector3& m, const Vector3& b,
+                        const Vector3& held, std::size_t first) -> Vector3 {
+    Vector3 v_next;
+    for (int i = 0; i < 3; ++i)
+      v_next[i] = params.locked[first + static_cast<std::size_t>(i)]
+                      ? held[i]
+                      : (v[i] + dt_s / m[i] * f[i]) / (1.0 + dt_s * b[i] / m[i]);
+    return v_next;
+  };
+  Vector3 v_next_T = step(V_T.v, F_T.f, params.mass_kg, params.damping_Ns_per_m, V_held_C.v, 0);
+  const Vector3 w_next_T =
+      step(V_T.w, F_T.t, params.inertia_kg_m2, params.damping_Nms_per_rad, V_held_C.w, 3);
+  if (!at_origin) v_next_T -= w_next_T.cross(c);
+
+  const Twist next{.v = R_WT * v_next_T, .w = R_WT * w_next_T};
   if (!safety::IsFinite(next)) return false;
   V_next_WT = next;
   return true;

@@ -15,6 +15,14 @@ void Validate(const ForceSensorParams& params) {
     throw std::invalid_argument("force sensor tool_center_F_m: accepted a finite position");
   if (!Vector3(params.bias_S.f).allFinite() || !Vector3(params.bias_S.t).allFinite())
     throw std::invalid_argument("force sensor bias_S: accepted finite values");
+  if (!Matrix3(params.tool_inertia_F).allFinite())
+    throw std::invalid_argument("force sensor tool_inertia_F: accepted finite values");
+  if (!(params.inertia_share >= 0.0 && params.inertia_share <= 1.0))
+    throw std::invalid_argument("force sensor inertia_share: found " + std::to_string(params.inertia_share) +
+                                ", accepted 0 … 1");
+  if (!(params.acceleration_hz >= 1.0 && params.acceleration_hz <= 200.0))
+    throw std::invalid_argument("force sensor acceleration_hz: found " +
+                                std::to_string(params.acceleration_hz) + ", accepted 1 … 200");
   if (!Pose(params.X_FS).matrix().allFinite())
     throw std::invalid_argument("force sensor X_FS: accepted a finite pose");
 }

@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "control/twist_parts.h"
+
 namespace osteon::control {
 
 void Validate(const ImpedanceParams& params) {
@@ -36,10 +38,9 @@ void MeasuredTwist::Reset(const Pose& X_WT) OSTEON_RT {
 }
 
 const Twist& MeasuredTwist::Step(const Pose& X_WT) OSTEON_RT {
-  const Vector3 v = (X_WT.translation() - X_before_.translation()) / dt_s_;
-  const Vector3 w = LogRotation(X_WT.linear() * X_before_.linear().transpose()) / dt_s_;
-  V_.v += share_ * (v - V_.v);
-  V_.w += share_ * (w - V_.w);
+  const Twist V = TwistBetween(X_before_, X_WT, dt_s_);
+  V_.v += share_ * (V.v - V_.v);
+  V_.w += share_ * (V.w - V_.w);
   X_before_ = X_WT;
   return V_;
 }

@@ -28,6 +28,7 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
   const CouplingOutput coupling =
       EvaluateCoupling(params_.coupling, model, X_WT_meas_, V_WT_, now, spindle_rad_per_s_ > 0.0, coupling_);
   record.model_age_s = coupling.age_s;
+  pressed_ = !coupling.displacement_W.isZero(0.0);
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
 

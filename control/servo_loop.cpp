@@ -19,7 +19,8 @@ constexpr double kSpeedSlack =
 constexpr double kSightMemory_s =
     0.1;  // many frames, or the speed limit would follow each one's age up and down
 constexpr double kSamePeriod_s = 1e-6;
-constexpr double kTurns = 0.05;  // of the wanted speed: below, a spindle counts as still
+constexpr std::uint32_t kMostPeriods = 10;  // between two messages, that a velocity is taken over
+constexpr double kTurns = 0.05;             // of the wanted speed: below, a spindle counts as still
 
 constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
 
@@ -67,6 +68,9 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       bias_(params.sensor_bias, params.sensor, params.period_s),
       vibration_(params.vibration, params.period_s),
       stabilisers_(params.stabilisers, LawOf(params), params.period_s),
+      axis_lock_(params.admittance, params.period_s),
+      most_stiffness_N_per_m_(params.coupling.max_stiffness_N_per_m),
+      gain_ramp_(GainsOf(params.admittance, params.coupling), params.period_s),
       measured_twist_(params.impedance.twist_filter_s, params.period_s) {}
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
@@ -108,6 +112,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   const bool recover = recovery_requested_.exchange(false, std::memory_order_relaxed);
   record.input = InputOf(state, received, readings, model, now, stop);
   record.input.recover = recover;
+  StepGains(record.input);
   if (recover && !stop && CanRecover()) {
     faults_.Clear();
     recovered_ = true;
@@ -259,7 +264,11 @@ void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEO
   phase_ = Phase::kHaptic;
   arm_->StartFollowing();
   measured_twist_.Reset(X_WT_meas_);
+  flange_motion_ = {.X = X_WT_meas_ * X_TF_, .V = {}, .A = {}};
+  flange_sequence_ = state.sequence - 1;  // this tick renders as well
   coupling_ = {};
+  pressed_ = false;
+  axis_lock_.Reset(arm_->X_WT());
   vibration_.Reset();
   stabilisers_.Reset();
   mass_factor_ = 1.0;
@@ -269,13 +278,26 @@ void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEO
 }
 
 // What the hand exerts on T at To, in W; zero where no reading is to be trusted.
-Wrench ServoLoop::TakeSensor(const CellReadings& readings, TickRecord& record) const OSTEON_RT {
+Wrench ServoLoop::TakeSensor(const CellReadings& readings, TickRecord& record) OSTEON_RT {
   Wrench F_operator_T_W;
+  const double inertia_share = params_.sensor.inertia_share;
+  if (inertia_share > 0.0) {
+    // a message that was lost makes the next step longer, not the tool faster
+    const std::uint32_t periods = std::clamp(record.input.sequence - flange_sequence_, 1u, kMostPeriods);
+    flange_sequence_ = record.input.sequence;
+    StepMotion(X_WT_meas_ * X_TF_, params_.sensor.acceleration_hz, periods * params_.period_s,
+               flange_motion_);
+  }
   if (record.sensor_age_s < safety::kNoAge_s && readings.force.trusted) {
     Wrench F_S = readings.force.F_S;
     F_S.f -= bias_.bias().f;
     F_S.t -= bias_.bias().t;
     F_operator_T_W = HandWrench(params_.sensor, F_S, X_WT_meas_ * X_TF_, X_WT_meas_.translation());
+    if (inertia_share > 0.0) {
+      const Wrench inertia = InertiaWrench(params_.sensor, flange_motion_, X_WT_meas_.translation());
+      F_operator_T_W.f += inertia_share * inertia.f;
+      F_operator_T_W.t += inertia_share * inertia.t;
+    }
   }
   if (safety::IsFinite(F_operator_T_W)) record.F_operator_T_W = F_operator_T_W;
   return F_operator_T_W;
@@ -295,6 +317,7 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   const CouplingOutput coupling = EvaluateCoupling(params_.coupling, model, X_before, V_before_WT, now,
                                                    spindle_rad_per_s_ > 0.0, coupling_);
   record.model_age_s = coupling.age_s;
+  pressed_ = !coupling.displacement_W.isZero(0.0);
   const safety::LimitedWrench limited =
       arm_->Limit(wrench_limiter_, stabilisers_.Shape(coupling, X_before, V_before_WT));
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
@@ -320,7 +343,7 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   const AdmittanceParams law = Times(
       params_.admittance, mass_factor_, std::max(vibration_.damping_factor(), stabilisers_.damping_factor()));
   Twist V_next_WT;
-  if (!NextTwist(law, X_before, V_WT_, F_T_W, dt_s, V_next_WT)) {
+  if (!NextTwist(law, X_before, V_WT_, F_T_W, dt_s, V_next_WT, axis_lock_.Correction(X_before))) {
     faults_.Latch(Fault::kNotFinite);
     StartStopping();
     Brake();
@@ -345,6 +368,14 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   const safety::LimitedTwist slow = safety::LimitTwist(V_next_WT, most);
   const safety::Workspace::Result inside = workspace_.Limit(X_before.translation(), slow.V.v, dt_s);
   V_WT_ = {.v = inside.v_WT, .w = slow.V.w};
+  if (inside.acted && axis_lock_.any()) {  // it does not slide along: that could leave its line
+    // the share of v that has no more than the bound's part of it: 1 - |removed|^2 / (v . removed)
+    const Vector3 removed = slow.V.v - inside.v_WT;
+    const double along = slow.V.v.dot(removed);
+    const double share = along > 0.0 ? std::max(0.0, 1.0 - removed.squaredNorm() / along) : 0.0;
+    V_WT_ = Scaled(slow.V, share);
+    V_WT_.v = workspace_.Limit(X_before.translation(), V_WT_.v, dt_s).v_WT;
+  }
   share_ = coupling.fade;
 
   // the joints

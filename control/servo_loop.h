@@ -6,10 +6,14 @@
 #include <memory>
 
 #include "control/arm_follower.h"
+#include "control/axis_lock.h"
+#include "control/gain_ramp.h"
 #include "control/ports.h"
+#include "control/rt/latest_value.h"
 #include "control/rt/marker.h"
 #include "control/servo_params.h"
 #include "control/tick_record.h"
+#include "control/tool_inertia.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
 #include "safety/fault.h"
@@ -114,6 +118,12 @@ class ServoLoop {
   /// Whether it would have an effect now.
   [[nodiscard]] bool CanRecover() const OSTEON_RT;
 
+  /// Other gains from the next tick on, reached within GainRamp::kRampSeconds and without making energy. A
+  /// later request before a tick has taken it replaces it. From any one thread, not the tick's.
+  /// @throws std::invalid_argument naming the field, the value and what is accepted: the coupling's stiffness
+  /// at most what the loop was made with, which its trips and the simulation count on.
+  void RequestGains(const Gains& gains);
+
   /// What the simulation should follow: the commanded tool pose of the last tick. Its stamp is 0 until the
   /// arm has said where it is: there is no pose yet.
   [[nodiscard]] simulation::ToolCommand tool_command() const OSTEON_RT;
@@ -136,9 +146,10 @@ class ServoLoop {
   void Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
   void Align(const ArmState& state, bool permitted, bool stop, rt::Nanoseconds now) OSTEON_RT;
   void StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
-  [[nodiscard]] Wrench TakeSensor(const CellReadings& readings, TickRecord& record) const OSTEON_RT;
+  [[nodiscard]] Wrench TakeSensor(const CellReadings& readings, TickRecord& record) OSTEON_RT;
   void Render(const CellReadings& readings, const simulation::ContactModel& model, rt::Nanoseconds now,
               TickRecord& record) OSTEON_RT;
+  void StepGains(TickInput& input) OSTEON_RT;  // servo_gains.cpp
   // servo_impedance.cpp
   [[nodiscard]] bool ModeFits(CommandMode mode) const OSTEON_RT;
   void RenderImpedance(const CellReadings& readings, const simulation::ContactModel& model,
@@ -172,9 +183,23 @@ class ServoLoop {
   ServoStatistics statistics_;
   CouplingState coupling_;
   BiasEstimator bias_;
+  MeasuredMotion flange_motion_;      ///< where the tool's inertia counts
+  std::uint32_t flange_sequence_{0};  ///< of the arm's message that it is of
   VibrationIndex vibration_;
   Stabilisers stabilisers_;
   double mass_factor_{1.0};  ///< of the virtual tool, in the last tick
+  AxisLock axis_lock_;
+
+  struct GainsRequest {
+    std::uint64_t number{0};  ///< counts them; 0: none
+    Gains gains;
+  };
+  rt::LatestValue<GainsRequest> gains_asked_;
+  std::uint64_t gains_number_{0};  ///< the asking thread's
+  std::uint64_t gains_taken_{0};   ///< of the last one taken
+  double most_stiffness_N_per_m_{0.0};
+  GainRamp gain_ramp_;
+  bool pressed_{false};  ///< a plane was penetrated in the last tick
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "control/gains.h"
 #include "control/rt/clock.h"
 #include "kinematics/spatial.h"
 
@@ -46,6 +47,8 @@ struct TickInput {
   bool permitted{false}, enabled{false}, spindle_permitted{false};
   std::uint8_t interlock_reason{0};
   rt::Nanoseconds model_pose_stamp{0};
+  bool has_gains{false};  ///< other gains were asked for since the tick before, and taken:
+  Gains gains{};
 };
 
 /// One tick of the servo loop as it is recorded. Plain data.

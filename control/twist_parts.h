@@ -27,4 +27,11 @@ namespace osteon::control {
   return F.f.dot(V.v) + F.t.dot(V.w);
 }
 
+/// The velocity that leads from one pose to another within a time: p by its difference, the turn by its
+/// logarithm.
+[[nodiscard]] inline Twist TwistBetween(const Pose& X_before, const Pose& X, double dt_s) OSTEON_RT {
+  return {.v = (X.translation() - X_before.translation()) / dt_s,
+          .w = LogRotation(X.linear() * X_before.linear().transpose()) / dt_s};
+}
+
 }  // namespace osteon::control

@@ -65,7 +65,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
   control::ServoParams servo = params.servo;
   servo.has_spindle = servo.has_interlock = false;
   servo.start.reset();
-  servo.sensor = {};
+  if (!params.sensor_feels_inertia) servo.sensor = {};
   servo.vibration.acts = false;  // it would take the shaking for what it is there to calm
   const kinematics::LbrArm arm(params.arm.lbr);
   control::ServoLoop loop(servo, arm, params.X_WB, params.X_FT, params.arm_angle_rad);
@@ -98,7 +98,16 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
   state.period_s = dt_s;
   state.has_ipo = true;
   control::ArmCommand command;
-  std::vector<Wrench> loads(static_cast<std::size_t>(params.sensor_delay_ticks) + 1);  // newest first
+  struct Load {
+    Wrench F_T_W;
+    Twist V_WT, A_WT;  // of the tool, whose inertia is felt
+  };
+  std::vector<Load> loads(static_cast<std::size_t>(params.sensor_delay_ticks) + 1);  // newest first
+  const auto tool_twist = [&]() -> Twist {
+    const Eigen::Matrix<double, 6, 1> V_B = arm.JacobianAt(body->q(), params.X_FT.translation()) * body->qd();
+    return {.v = params.X_WB.linear() * V_B.head<3>(), .w = params.X_WB.linear() * V_B.tail<3>()};
+  };
+  Twist V_WT_before;
   std::vector<double> motion;
   motion.reserve(count);
   HandlePoint point;
@@ -113,7 +122,13 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
     Wrench F_T_W;
     (turns ? F_T_W.t : F_T_W.f) = value * u_W;
     std::rotate(loads.begin(), loads.end() - 1, loads.end());
-    loads.front() = F_T_W;
+    const Twist V_WT = tool_twist(), V_before = i == 0 ? V_WT : V_WT_before;
+    V_WT_before = V_WT;
+    loads.front() = {F_T_W, V_WT, {.v = (V_WT.v - V_before.v) / dt_s, .w = (V_WT.w - V_before.w) / dt_s}};
+    const Pose X_WF = X_WT * X_TF;
+    const Load& felt = loads.back();
+    Wrench F_S = SensorLoad(servo.sensor, X_WT, X_WF, felt.F_T_W);
+    if (params.sensor_feels_inertia) F_S = LessInertia(servo.sensor, F_S, X_WT, X_WF, felt.V_WT, felt.A_WT);
 
     const rt::Nanoseconds now = rt::kSecond + static_cast<rt::Nanoseconds>(i) * period_ns;
     state.stamp = now;
@@ -122,8 +137,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
     state.q_ipo = state.q_meas;
     model.frame = i + 1;
     model.pose_stamp = now;
-    const control::CellReadings readings{
-        .force = {.stamp = now, .F_S = SensorLoad({}, X_WT, X_WT * X_TF, loads.back())}};
+    const control::CellReadings readings{.force = {.stamp = now, .F_S = F_S}};
     const control::TickRecord record =
         loop.Tick(state, control::ReceiveResult::kOk, readings, model, now, command);
     point.fault |= record.faults != 0;
@@ -141,10 +155,11 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
 }
 
 std::complex<double> AskedImpedance(const control::AdmittanceParams& law, int axis, double frequency_hz) {
-  const bool turns = axis >= 3;
-  const double mass = (turns ? law.inertia_kg_m2 : law.mass_kg)[axis % 3];
-  const double drag = (turns ? law.damping_Nms_per_rad : law.damping_Ns_per_m)[axis % 3];
-  return {drag, kTau * frequency_hz * mass};
+  const std::complex<double> jw(0.0, kTau * frequency_hz);
+  const Eigen::Matrix<std::complex<double>, 6, 6> Z =
+      jw * control::MassMatrix(law).cast<std::complex<double>>() +
+      control::DampingMatrix(law).cast<std::complex<double>>();
+  return 1.0 / Z.inverse()(axis, axis);
 }
 
 std::vector<HandlePoint> SweepFree(const HandleBenchParams& params, const HandleSweep& sweep,

@@ -21,6 +21,8 @@ struct HandleBenchParams {
   Pose X_FT{Pose::Identity()};
   double arm_angle_rad{0.0};
   int sensor_delay_ticks{1};  ///< from the load to the loop's reading; 0 … 100
+  /// The sensor carries the tool of servo.sensor, its inertia as well; otherwise the hand's wrench alone.
+  bool sensor_feels_inertia{false};
 };
 
 /// One of the tool's six directions: 0 … 2 along x y z of T, 3 … 5 about them.
@@ -53,8 +55,8 @@ struct HandlePoint {
 /// Shakes the handle and measures: least squares of bias, drift, sine and cosine over whole periods, of the
 /// arm's own motion (not the commanded). Deterministic.
 ///
-/// The hand is a pure wrench here, so that what is measured is the cell alone; the sensor carries nothing
-/// else. @throws std::invalid_argument where a parameter is out of range.
+/// The hand is a pure wrench here, so that what is measured is the cell alone. @throws std::invalid_argument
+/// where a parameter is out of range.
 [[nodiscard]] HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
                                 const std::optional<HandleWall>& wall = {});
 
@@ -71,7 +73,8 @@ struct HandleSweep {
 [[nodiscard]] std::vector<HandlePoint> SweepFree(const HandleBenchParams& params, const HandleSweep& sweep,
                                                  const std::function<void(double)>& progress = {});
 
-/// What the law asks for along an axis of T: m i w + b, without the dead zone.
+/// What the law asks for along an axis of T, pushed at To alone: m i w + b where the virtual tool's centre is
+/// there; else 1 / (the axis' element of (i w M + D)^-1), as the tool turns as well. Without the dead zone.
 [[nodiscard]] std::complex<double> AskedImpedance(const control::AdmittanceParams& law, int axis,
                                                   double frequency_hz);
 

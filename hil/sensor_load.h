@@ -11,4 +11,10 @@ namespace osteon::hil {
 [[nodiscard]] Wrench SensorLoad(const control::ForceSensorParams& sensor, const Pose& X_WT, const Pose& X_WF,
                                 const Wrench& F_hand_T_W);
 
+/// That load less what the tool beyond the sensor takes for itself where it is accelerated: Newton's and
+/// Euler's equations at its centre of mass.
+/// @param F_S  SensorLoad  @param V_WT, A_WT  velocity of T and its rate of change, at To, in W
+[[nodiscard]] Wrench LessInertia(const control::ForceSensorParams& sensor, const Wrench& F_S,
+                                 const Pose& X_WT, const Pose& X_WF, const Twist& V_WT, const Twist& A_WT);
+
 }  // namespace osteon::hil

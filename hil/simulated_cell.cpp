@@ -42,6 +42,7 @@ SimulatedCell::SimulatedCell(const SimulatedCellParams& params, HandScript scrip
     : X_WB_(params.X_WB),
       X_TF_(Pose(params.X_FT).inverse()),
       sensor_(params.sensor),
+      feels_inertia_(params.sensor_feels_inertia),
       arm_(ArmOf(params)),
       hand_(params.hand, std::move(script)) {}
 
@@ -86,6 +87,14 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   state_.w_WT_meas_rad_per_s = V_WT.w;
   state_.F_hand_T_W = F_T_W;
   state_.F_S = SensorLoad(sensor_, X_WT, X_WT * X_TF_, F_T_W);
+  if (feels_inertia_) {
+    // over the period that has passed; none is known of the first
+    const Twist& V_before = has_twist_ ? V_WT_before_ : V_WT;
+    const Twist A_WT{.v = (V_WT.v - V_before.v) / period_s(), .w = (V_WT.w - V_before.w) / period_s()};
+    state_.F_S = LessInertia(sensor_, state_.F_S, X_WT, X_WT * X_TF_, V_WT, A_WT);
+    V_WT_before_ = V_WT;
+    has_twist_ = true;
+  }
   return datagram;
 }
 

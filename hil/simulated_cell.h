@@ -29,7 +29,9 @@ struct SimulatedCellParams {
   PlainPose X_WB{};                     ///< robot base in world
   PlainPose X_FT{};                     ///< tool in flange
   control::ForceSensorParams sensor{};  ///< between flange and tool
-  control::JointArray q_start{};        ///< [rad]; of a KR the first six
+  /// Of an LBR that lags or has masses: the sensor carries the tool's inertia as well, as a real one does.
+  bool sensor_feels_inertia{false};
+  control::JointArray q_start{};  ///< [rad]; of a KR the first six
 };
 
 /// The LBR alone. @pre no kr
@@ -46,7 +48,8 @@ struct CellState : ArmStatus {
   PlainPose X_WT_meas;
   PlainVector3 v_WT_meas_m_per_s, w_WT_meas_rad_per_s;  ///< velocity of T, in W
   PlainWrench F_hand_T_W;  ///< what the hand exerts on the tool, at T's origin, in W
-  PlainWrench F_S;         ///< what the force sensor carries: that and the tool's weight, at S's origin, in S
+  PlainWrench F_S;  ///< what the force sensor carries: that and the tool's weight (and inertia, where it is
+                    ///< felt), at S's origin, in S
 };
 
 /// Arm and operator of the cell, and the load on its force sensor, in lockstep: one Step() a period, bytes in
@@ -92,6 +95,8 @@ class SimulatedCell {
  private:
   Pose X_WB_, X_TF_;
   control::ForceSensorParams sensor_;
+  bool feels_inertia_, has_twist_{false};
+  Twist V_WT_before_;
   std::unique_ptr<ArmController> arm_;
   Wrench F_hand_T_B_;
   OperatorHand hand_;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "control/admittance_law.h"
+#include "control/tool_inertia.h"
 
 namespace osteon::hil {
 namespace {
@@ -39,6 +40,9 @@ void Validate(const AdmittanceLoopParams& params) {
   require("wall damping_Ns_per_m", params.wall.damping_Ns_per_m, params.wall.damping_Ns_per_m >= 0.0, ">= 0");
   require("wall age_ticks", params.wall.age_ticks,
           params.wall.age_ticks >= 0 && params.wall.age_ticks <= kMostDelay, "0 … 1000");
+  require("tool_mass_kg", params.tool_mass_kg, params.tool_mass_kg >= 0.0, ">= 0");
+  require("inertia_share", params.inertia_share, params.inertia_share >= 0.0, ">= 0");
+  require("acceleration_hz", params.acceleration_hz, params.acceleration_hz >= 1.0, ">= 1");
   require("sensor_delay", params.sensor_delay, params.sensor_delay >= 0 && params.sensor_delay <= kMostDelay,
           "0 … 1000");
 }
@@ -74,6 +78,7 @@ AdmittanceLoop::AdmittanceLoop(const AdmittanceLoopParams& params) : params_(par
   arm_ = 1 + std::max(params.arm.dead_cycles, oldest);
   speed_ = arm_ + 2;
   felt_ = speed_ + 1;
+  motion_ = felt_ + params.sensor_delay;
 }
 
 Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
@@ -83,8 +88,19 @@ Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
   // what the sensor carries of the hand now, and what the law is told
   const double w = 2.0 * std::numbers::pi * params_.arm.bandwidth_hz;
   const double a = w * w * (target - x) - 2.0 * params_.arm.damping_ratio * w * v;
-  const double felt_N = -(hand.stiffness_N_per_m * x + hand.damping_Ns_per_m * v + hand.mass_kg * a);
-  const double told_N = params_.sensor_delay == 0 ? felt_N : s[felt_ + params_.sensor_delay - 1];
+  const double felt_N =
+      -(hand.stiffness_N_per_m * x + hand.damping_Ns_per_m * v + (hand.mass_kg + params_.tool_mass_kg) * a);
+  double told_N = params_.sensor_delay == 0 ? felt_N : s[felt_ + params_.sensor_delay - 1];
+  control::MeasuredMotion motion;
+  if (params_.inertia_share > 0.0) {
+    motion.X.translation().x() = s[motion_];
+    motion.V.v.x() = s[motion_ + 1];
+    motion.A.v.x() = s[motion_ + 2];
+    Pose X_now = Pose::Identity();
+    X_now.translation().x() = x;
+    control::StepMotion(X_now, params_.acceleration_hz, params_.period_s, motion);
+    told_N += params_.inertia_share * params_.tool_mass_kg * motion.A.v.x();
+  }
 
   const LoopWall& wall = params_.wall;
   const int age = wall.age_ticks;
@@ -112,6 +128,8 @@ Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
   next.segment<2>(arm_) = arm_step_ * Eigen::Vector3d(x, v, target);
   next[speed_] = axis_W.dot(tool.V_WT.v);
   for (int i = 0; i < params_.sensor_delay; ++i) next[felt_ + i] = i == 0 ? felt_N : s[felt_ + i - 1];
+  if (params_.inertia_share > 0.0)
+    next.segment<3>(motion_) << motion.X.translation().x(), motion.V.v.x(), motion.A.v.x();
   return next;
 }
 

@@ -30,9 +30,12 @@ struct AdmittanceLoopParams {
   double mass_kg{3.0};            ///< m_v
   double damping_Ns_per_m{20.0};  ///< b_v
   LoopWall wall;
-  ServoArmParams arm;      ///< bandwidth, damping ratio, and the command's dead time: dc = dead_cycles
-  int sensor_delay{1};     ///< df [ticks]: from what the hand exerts to what the law is told
-  double period_s{0.001};  ///< T
+  ServoArmParams arm;            ///< bandwidth, damping ratio, and the command's dead time: dc = dead_cycles
+  int sensor_delay{1};           ///< df [ticks]: from what the hand exerts to what the law is told
+  double tool_mass_kg{0.0};      ///< m_t: what the sensor carries, and its inertia feels like more hand
+  double inertia_share{0.0};     ///< of that inertia, what the loop makes up for (control/tool_inertia.h)
+  double acceleration_hz{15.0};  ///< corner of that one's filters
+  double period_s{0.001};        ///< T
 };
 
 /// @throws std::invalid_argument naming the field, what was found and what is accepted.
@@ -41,7 +44,9 @@ void Validate(const AdmittanceLoopParams& params);
 /// The loop around its equilibrium, linear:
 ///
 ///     arm     x_r'' = w^2 (x_c[k-dc] - x_r) - 2 z w x_r'                    one step of the shipped ServoArm
-///     felt    f = -(k_h x_r + b_h x_r' + m_h x_r''),  told df ticks later
+///     felt    f = -(k_h x_r + b_h x_r' + (m_h + m_t) x_r''),  told df ticks later, and share m_t x_r'' by
+///     the
+///             shipped StepMotion added
 ///     law     v+ = (v + T/m_v (f + F_wall)) / (1 + T b_v/m_v), x_c+ = x_c + T v+      the shipped
 ///     StepAdmittance wall    F_wall = -K x - B x', x by WallOn
 ///
@@ -50,8 +55,9 @@ class AdmittanceLoop {
  public:
   explicit AdmittanceLoop(const AdmittanceLoopParams& params);
 
-  /// State: x_c now and before, x_r, x_r', v, forces felt before.
-  [[nodiscard]] int size() const { return felt_ + params_.sensor_delay; }
+  /// State: x_c now and before, x_r, x_r', v, forces felt before; x_r before and its filtered velocity and
+  /// acceleration where the tool's inertia is made up for.
+  [[nodiscard]] int size() const { return motion_ + (params_.inertia_share > 0.0 ? 3 : 0); }
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
   [[nodiscard]] Eigen::MatrixXd Matrix() const;
   [[nodiscard]] double SpectralRadius() const { return hil::SpectralRadius(Matrix()); }
@@ -59,7 +65,7 @@ class AdmittanceLoop {
  private:
   AdmittanceLoopParams params_;
   Eigen::Matrix<double, 2, 3> arm_step_;  // (x_r, x_r')+ of (x_r, x_r', command)
-  int arm_, speed_, felt_;                // where these begin in the state
+  int arm_, speed_, felt_, motion_;       // where these begin in the state
 };
 
 /// One period of the shipped ServoArm's joint, within its limits: (q, q')+ = S (q, q', q_cmd), its dead time

@@ -1,3 +1,5 @@
+#include <stdexcept>
+
 #include "io/recording/message_parts.h"
 #include "io/recording/messages.h"
 
@@ -6,6 +8,37 @@ namespace osteon::io {
 using control::TickRecord;
 
 namespace {
+
+void Put(const control::Gains& from, osteon::Gains* to) {
+  io::Put(from.mass_kg, to->mutable_mass_kg());
+  io::Put(from.inertia_kg_m2, to->mutable_inertia_kg_m2());
+  io::Put(from.damping_Ns_per_m, to->mutable_damping_ns_per_m());
+  io::Put(from.damping_Nms_per_rad, to->mutable_damping_nms_per_rad());
+  to->set_dead_zone_n(from.dead_zone_N);
+  to->set_dead_zone_nm(from.dead_zone_Nm);
+  to->set_max_stiffness_n_per_m(from.max_stiffness_N_per_m);
+  to->set_coupling_damping_ns_per_m(from.coupling_damping_Ns_per_m);
+  to->set_damping_share(from.damping_share);
+}
+
+// An empty string, or what is wrong: a replay hands them to a loop, which takes no others.
+std::string Get(const osteon::Gains& from, control::Gains& to) {
+  io::Get(from.mass_kg(), to.mass_kg);
+  io::Get(from.inertia_kg_m2(), to.inertia_kg_m2);
+  io::Get(from.damping_ns_per_m(), to.damping_Ns_per_m);
+  io::Get(from.damping_nms_per_rad(), to.damping_Nms_per_rad);
+  to.dead_zone_N = from.dead_zone_n();
+  to.dead_zone_Nm = from.dead_zone_nm();
+  to.max_stiffness_N_per_m = from.max_stiffness_n_per_m();
+  to.coupling_damping_Ns_per_m = from.coupling_damping_ns_per_m();
+  to.damping_share = from.damping_share();
+  try {
+    control::Validate(to);
+  } catch (const std::invalid_argument& error) {
+    return std::string("gains: ") + error.what();
+  }
+  return {};
+}
 
 void Put(const control::TickInput& from, osteon::TickInput* to) {
   to->set_now_ns(from.now);
@@ -48,6 +81,7 @@ void Put(const control::TickInput& from, osteon::TickInput* to) {
   to->set_enabled(from.enabled);
   to->set_spindle_permitted(from.spindle_permitted);
   to->set_interlock_reason(from.interlock_reason);
+  if (from.has_gains) Put(from.gains, to->mutable_gains());
 }
 
 // An empty string, or what is wrong.
@@ -109,7 +143,8 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   to.enabled = from.enabled();
   to.spindle_permitted = from.spindle_permitted();
   to.interlock_reason = static_cast<std::uint8_t>(from.interlock_reason());
-  return {};
+  to.has_gains = from.has_gains();
+  return to.has_gains ? Get(from.gains(), to.gains) : std::string();
 }
 
 }  // namespace

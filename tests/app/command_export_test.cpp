@@ -97,8 +97,9 @@ TEST_F(ExportCommandTest, TablesHoldEveryValueToItsBits) {
 // A bare number has no unit; everything else says its own.
 TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
   Export({Original().string(), "--out", "."});
-  const std::vector<std::string> units{"_s", "_ns", "_m",  "_rad",     "_N",         "_Nm",     "_kg",
-                                       "_J", "_m2", "_m3", "_m_per_s", "_rad_per_s", "_N_per_m", "_Ns_per_m"};
+  const std::vector<std::string> units{"_s",       "_ns",        "_m",       "_rad",      "_N",
+                                       "_Nm",      "_kg",        "_J",       "_m2",       "_m3",
+                                       "_m_per_s", "_rad_per_s", "_N_per_m", "_Ns_per_m", "_Nms_per_rad"};
   const std::vector<std::string> bare{"tick",
                                       "phase",
                                       "session_state",
@@ -111,6 +112,8 @@ TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
                                       "age_damping_factor",
                                       "age_wrench_share",
                                       "tank_share",
+                                      "gains_taken",
+                                      "coupling_damping_share",
                                       "model_frame",
                                       "arm_sequence",
                                       "arm_lost",

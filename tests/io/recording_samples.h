@@ -104,6 +104,17 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   in.spindle_permitted = i % 3 == 2;
   in.interlock_reason = static_cast<std::uint8_t>(i % 7);
   in.model_pose_stamp = r.stamp + 76;
+  in.has_gains = i % 2 == 1;
+  if (in.has_gains)
+    in.gains = {.mass_kg = Vector(base + 1),
+                .inertia_kg_m2 = Vector(base + 2),
+                .damping_Ns_per_m = Vector(base + 3),
+                .damping_Nms_per_rad = Vector(base + 4),
+                .dead_zone_N = base + 5,
+                .dead_zone_Nm = base + 6,
+                .max_stiffness_N_per_m = base + 7,
+                .coupling_damping_Ns_per_m = base + 8,
+                .damping_share = 0.2};
   return r;
 }
 

@@ -184,6 +184,13 @@ TEST(Recording, CarriesEveryInputOfATick) {
     EXPECT_EQ(r.enabled, sent.enabled);
     EXPECT_EQ(r.spindle_permitted, sent.spindle_permitted);
     EXPECT_EQ(r.interlock_reason, sent.interlock_reason);
+    EXPECT_EQ(r.has_gains, sent.has_gains);
+    std::vector<double> gains;
+    control::VisitGains(sent.gains, [&](auto, auto, auto, double value) { gains.push_back(value); });
+    std::size_t gain = 0;
+    control::VisitGains(r.gains, [&](const char* name, auto, auto, double value) {
+      EXPECT_EQ(value, gains[gain++]) << name;
+    });
     EXPECT_EQ(r.model_pose_stamp, sent.model_pose_stamp);
   }
 }

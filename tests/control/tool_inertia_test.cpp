@@ -1,0 +1,133 @@
+#include "control/tool_inertia.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "control/rt/no_alloc_scope.h"
+#include "servo_bench.h"
+
+// What a force sensor feels of the tool's own mass, and what is taken out of that.
+
+namespace osteon::control {
+namespace {
+
+constexpr double kDt_s = 0.001;
+
+// A tool of four point masses: Newton's law for each, and nothing else, is the oracle.
+struct Point {
+  double kg;
+  Vector3 p_F_m;
+};
+const std::array<Point, 4> kPoints{{{0.4, {0.02, 0.0, 0.08}},
+                                    {0.3, {-0.03, 0.02, 0.15}},
+                                    {0.2, {0.01, -0.04, 0.20}},
+                                    {0.5, {0.0, 0.01, 0.05}}}};
+
+ForceSensorParams Sensor() {
+  ForceSensorParams sensor;
+  Vector3 sum = Vector3::Zero();
+  for (const Point& point : kPoints) {
+    sensor.tool_mass_kg += point.kg;
+    sum += point.kg * point.p_F_m;
+  }
+  const Vector3 center = sum / sensor.tool_mass_kg;
+  Matrix3 I = Matrix3::Zero();
+  for (const Point& point : kPoints) {
+    const Vector3 r = point.p_F_m - center;
+    I += point.kg * (r.squaredNorm() * Matrix3::Identity() - r * r.transpose());
+  }
+  sensor.tool_center_F_m = center;
+  sensor.tool_inertia_F = I;
+  return sensor;
+}
+
+TEST(ToolInertia, IsNewtonsLawForEveryPointOfTheTool) {
+  MeasuredMotion motion;
+  motion.X.linear() = ExpRotation({0.4, -0.7, 0.2});
+  motion.X.translation() = Vector3(0.5, 0.1, 0.4);
+  motion.V = {.v = {0.2, -0.1, 0.3}, .w = {1.0, -2.0, 0.5}};
+  motion.A = {.v = {3.0, 1.0, -2.0}, .w = {8.0, 4.0, -6.0}};
+  const Vector3 p_WT = motion.X * Vector3(0.0, 0.01, 0.25);
+  Wrench wanted;
+  for (const Point& point : kPoints) {
+    const Vector3 p_W = motion.X * point.p_F_m, r = p_W - motion.X.translation();
+    const Vector3 a = motion.A.v + motion.A.w.cross(r) + motion.V.w.cross(motion.V.w.cross(r));
+    wanted.f += point.kg * a;
+    wanted.t += (p_W - p_WT).cross(point.kg * a);
+  }
+  const Wrench found = InertiaWrench(Sensor(), motion, p_WT);
+  EXPECT_LT((found.f - wanted.f).norm(), 1e-13 * wanted.f.norm());
+  EXPECT_LT((found.t - wanted.t).norm(), 1e-13 * wanted.t.norm());
+}
+
+// Of a swing of known acceleration; slow beside the filters' corner, and late by their lag.
+TEST(ToolInertia, TheMotionIsThatOfThePosesLateByItsFilters) {
+  const double hz = 1.0, w = 2.0 * std::numbers::pi * hz, filter_hz = 40.0;
+  const auto pose = [&](double t) {
+    Pose X = Pose::Identity();
+    X.translation() = Vector3(0.02 * std::sin(w * t), 0.0, 0.0);
+    X.linear() = ExpRotation({0.0, 0.1 * std::sin(w * t), 0.0});
+    return X;
+  };
+  MeasuredMotion motion{.X = pose(0.0), .V = {.v = {0.02 * w, 0.0, 0.0}, .w = {0.0, 0.1 * w, 0.0}}, .A = {}};
+  const double lag_s = 2.0 / (2.0 * std::numbers::pi * filter_hz) + kDt_s;
+  for (int i = 1; i < 1500; ++i) {
+    const double t = i * kDt_s;
+    StepMotion(pose(t), filter_hz, kDt_s, motion);
+    if (t < 0.1) continue;
+    const double a = -w * w * std::sin(w * (t - lag_s));
+    ASSERT_NEAR(motion.A.v.x(), 0.02 * a, 0.02 * w * w * 0.01) << t;
+    ASSERT_NEAR(motion.A.w.y(), 0.1 * a, 0.1 * w * w * 0.01) << t;
+  }
+}
+
+TEST(ToolInertia, RefusesSharesBeyondTheWhole) {
+  ForceSensorParams sensor;
+  sensor.inertia_share = 1.01;
+  EXPECT_THROW(Validate(sensor), std::invalid_argument);
+  sensor.inertia_share = -0.1;
+  EXPECT_THROW(Validate(sensor), std::invalid_argument);
+  sensor.inertia_share = 0.5;
+  sensor.acceleration_hz = 0.5;
+  EXPECT_THROW(Validate(sensor), std::invalid_argument);
+}
+
+// A message that is lost, and the jump of the pose that follows, is no acceleration.
+TEST(ToolInertia, ALostMessageIsNoJolt) {
+  ServoParams params = ServoBench::Params();
+  params.sensor = Sensor();
+  params.sensor.inertia_share = 0.8;
+  params.sensor_bias.acts = false;
+  double peak_N = 0.0, peak_without_N = 0.0;
+  for (const bool loses : {false, true}) {
+    ServoBench bench(params, 0.2);
+    bench.Activate();
+    bench.push_N = 10.0;
+    double& peak = loses ? peak_N : peak_without_N;
+    for (int i = 0; i < 600; ++i) {
+      if (loses && i > 300 && i % 20 == 0) {
+        ++bench.arm.sequence;  // one that never came: the arm holds meanwhile
+        bench.now += ServoBench::kTick;
+      }
+      const TickRecord record = bench.Tick();
+      if (i > 300) peak = std::max(peak, Vector3(record.F_operator_T_W.f).norm());
+    }
+  }
+  EXPECT_LT(std::abs(peak_N - peak_without_N), 0.5) << "of 1.4 kg";
+}
+
+TEST(ToolInertia, DoesNotAllocate) {
+  const ForceSensorParams sensor = Sensor();
+  MeasuredMotion motion;
+  rt::NoAllocScope scope;
+  StepMotion(Pose::Identity(), 15.0, kDt_s, motion);
+  const Wrench F = InertiaWrench(sensor, motion, Vector3::Zero());
+  EXPECT_EQ(scope.heap_calls(), 0);
+  EXPECT_EQ(F.f, Vector3::Zero());
+}
+
+}  // namespace
+}  // namespace osteon::control
