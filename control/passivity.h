@@ -22,17 +22,19 @@ void Validate(const PassivityParams& params);
 /// When the force of a tick does its work.
 enum class PortWork {
   /// It is the mean of both ends that counts. For a tool that the loop integrates itself (semi-implicit): a
-  /// spring then gives back over any closed way what it took, to the last bit; F_k dx would call K dx^2 / 2 of
+  /// spring then gives back over any closed way what it took, to the last bit; F_k dx would call K dx^2 / 2
+  /// of
   /// every tick generated, in and out, at a wall that is stable.
   kTrapezoid,
-  /// It is held until the next. For a real arm (impedance law), for which that is so: K dx^2 / 2 a tick really
+  /// It is held until the next. For a real arm (impedance law), for which that is so: K dx^2 / 2 a tick
+  /// really
   /// is made there.
   kHeld,
 };
 
 /// What the coupling exchanges with the tool.
 struct PortTick {
-  Wrench F_T_W{};          ///< by the planes, as rendered: faded, limited; zero without contact
+  Wrench F_T_W{};           ///< by the planes, as rendered: faded, limited; zero without contact
   double potential_J{0.0};  ///< of it what the planes give back if the tool leaves
   bool contact{false};
   Pose X_WT{Pose::Identity()};  ///< where the force acts
@@ -50,8 +52,8 @@ struct PortTick {
 /// made now (cutting dissipates for minutes): E remembers only what the planes hold, U, and the allowance.
 /// Where contact ends, it begins at 0 again.
 ///
-/// The damping is bounded: `most_Ns_per_m` of the constructor, so that it can not turn the motion round within
-/// a tick (m/T of a virtual tool), and the params'. The sum is for the caller to limit.
+/// The damping is bounded: `most_Ns_per_m` of the constructor, so that it can not turn the motion round
+/// within a tick (m/T of a virtual tool), and the params'. The sum is for the caller to limit.
 ///
 /// What it can not do: it sees energy only after it has come out, so a first impact is unchanged; nothing at
 /// the arm or the hand reaches it; and force that pushes without making energy (planes that are wrong, but

@@ -97,7 +97,7 @@ TEST_F(ExportCommandTest, TablesHoldEveryValueToItsBits) {
 // A bare number has no unit; everything else says its own.
 TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
   Export({Original().string(), "--out", "."});
-  const std::vector<std::string> units{"_s", "_ns", "_m",  "_rad",     "_N",         "_Nm",     "_kg",
+  const std::vector<std::string> units{"_s", "_ns", "_m",  "_rad",     "_N",         "_Nm",      "_kg",
                                        "_J", "_m2", "_m3", "_m_per_s", "_rad_per_s", "_N_per_m", "_Ns_per_m"};
   const std::vector<std::string> bare{"tick",
                                       "phase",
