@@ -50,7 +50,7 @@ struct PortTick {
 /// E > 0 is more than what was ever put in: the virtual side has made energy. The damping takes it back, in a
 /// tick where speed and bounds allow it, else in some. What was dissipated long ago must not hide what is
 /// made now (cutting dissipates for minutes): E remembers only what the planes hold, U, and the allowance.
-/// Where contact ends, it begins at 0 again.
+/// Where contact ends, it begins again, with 2 mJ for the touch itself.
 ///
 /// The damping is bounded: `most_Ns_per_m` of the constructor, so that it can not turn the motion round
 /// within a tick (m/T of a virtual tool), and the params'. The sum is for the caller to limit.
@@ -79,7 +79,7 @@ class PassivityController {
   PassivityParams params_;
   PortWork work_;
   double period_s_, most_Ns_per_m_;
-  bool begun_{false};
+  bool begun_{false}, touched_{false};
   Pose X_before_{Pose::Identity()};
   Wrench F_before_, F_damping_before_;
   double energy_J_{0.0}, damping_Ns_per_m_{0.0};
