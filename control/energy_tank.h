@@ -50,12 +50,13 @@ class EnergyTank {
   void Reset() OSTEON_RT;
 
   [[nodiscard]] double energy_J() const OSTEON_RT { return tank_J_; }
+  [[nodiscard]] double paid_J() const OSTEON_RT { return paid_J_; }  ///< in the last tick
   [[nodiscard]] double share() const OSTEON_RT { return share_; }
   [[nodiscard]] bool acted() const OSTEON_RT { return share_ < 1.0; }
 
  private:
   EnergyTankParams params_;
-  double period_s_, tank_J_, share_{1.0};
+  double period_s_, tank_J_, share_{1.0}, paid_J_{0.0};
   // the tick before
   bool begun_{false};
   Pose X_before_{Pose::Identity()};

@@ -62,6 +62,7 @@ Wrench PassivityController::Step(const PortTick& port) OSTEON_RT {
     energy_J_ = 0.0;
     return {};
   }
+  energy_J_ -= port.paid_J;
   energy_J_ = std::max(energy_J_, -(port.potential_J + params_.allowance_J));
 
   // and what takes it back

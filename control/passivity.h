@@ -36,6 +36,7 @@ enum class PortWork {
 struct PortTick {
   Wrench F_T_W{};           ///< by the planes, as rendered: faded, limited; zero without contact
   double potential_J{0.0};  ///< of it what the planes give back if the tool leaves
+  double paid_J{0.0};       ///< into the planes in this tick by an energy tank: may come out
   bool contact{false};
   Pose X_WT{Pose::Identity()};  ///< where the force acts
   Twist V_WT{};                 ///< there; what the damping is told
@@ -44,6 +45,7 @@ struct PortTick {
 /// Passivity observer and controller on the coupling's port, over six axes:
 ///
 ///     E += F·dx                 energy that the planes have given to the tool; dx of this tick
+///     E -= what an energy tank has paid into the planes
 ///     E  = max(E, -(U + allowance))
 ///     E > 0:  alpha = E / (T |V|_L^2),  F -= alpha (v, L^2 w),  |V|_L^2 = v^2 + L^2 w^2
 ///

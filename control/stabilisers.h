@@ -15,6 +15,13 @@ struct StabiliserParams {
   EnergyTankParams energy_tank;
 };
 
+/// None of them acts: for what fails without.
+[[nodiscard]] inline StabiliserParams NoStabilisers() {
+  StabiliserParams none;
+  none.age_governor.acts = none.passivity.acts = none.energy_tank.acts = false;
+  return none;
+}
+
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const StabiliserParams& params);
 

@@ -84,6 +84,21 @@ TEST(Passivity, TakesBackWhatWasMadeInOneTickWhereBoundsAllow) {
   EXPECT_NEAR(controller.energy_J(), 0.5 * 10.1 * 0.1e-3, 1e-12) << "and what was made since";
 }
 
+// A tank that pays for planes which come back: what it has paid is no energy made, what comes beyond is.
+TEST(Passivity, EnergyThatATankHasPaidForMayComeOut) {
+  for (const double paid_J : {0.0, 2e-3}) {
+    PassivityController controller({.allowance_J = 0.0}, PortWork::kTrapezoid, kT, 1e6);
+    static_cast<void>(controller.Step(At(0.0, 0.1, 10.0, 0.0)));
+    PortTick port = At(0.0, 0.1, 10.0, 2e-3);
+    port.paid_J = paid_J;
+    static_cast<void>(controller.Step(port));
+    static_cast<void>(controller.Step(At(0.1e-3, 0.1, 10.0, 1e-3)));  // 1 mJ comes out
+    EXPECT_EQ(controller.acted(), paid_J == 0.0);
+    static_cast<void>(controller.Step(At(0.35e-3, 0.1, 10.0, 0.0)));  // 3.5 mJ
+    EXPECT_TRUE(controller.acted());
+  }
+}
+
 TEST(Passivity, DoesNotActNearRestAndKeepsTheEnergyForLater) {
   PassivityController controller({.allowance_J = 0.0, .least_speed_m_per_s = 0.005}, PortWork::kTrapezoid, kT,
                                  1e6);
