@@ -95,11 +95,10 @@ std::string StabiliserText(const RunSummary& s) {
   const auto times = [](std::uint64_t ticks, const std::string& how) {
     return ticks == 0 ? std::string("no") : fmt::format("{} ticks{}", ticks, how);
   };
-  return fmt::format(
-      "age governor: {}; passivity: {}; tank: {}, {:.2f} J at least",
-      times(s.age_governor_ticks,
-            fmt::format(", damping × {:.1f} at most, coupling × {:.2f}", s.most_age_damping, s.least_age_share)),
-      times(s.passivity_ticks, ""), times(s.tank_ticks, ""), s.least_tank_J);
+  return fmt::format("age governor: {}; passivity: {}; tank: {}, {:.2f} J at least",
+                     times(s.age_governor_ticks, fmt::format(", damping × {:.1f} at most, coupling × {:.2f}",
+                                                             s.most_age_damping, s.least_age_share)),
+                     times(s.passivity_ticks, ""), times(s.tank_ticks, ""), s.least_tank_J);
 }
 
 std::string Text(const DurationFigures& d) {

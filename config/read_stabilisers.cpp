@@ -7,7 +7,8 @@ void ReadAgeGovernor(Reader section, control::Law law, control::AgeGovernorParam
   governor.acts = section.Bool("acts");
   governor.most_damping = section.Number("damping_ratio", 1, 1000);
   governor.release_s = section.Number("release_ms", 1, 10000);
-  if (law != control::Law::kImpedance) return;  // an arm in position mode has none that the tool could count on
+  if (law != control::Law::kImpedance)
+    return;  // an arm in position mode has none that the tool could count on
   if (section.Has("arm_damping_Ns_per_m"))
     governor.arm_damping_Ns_per_m = section.Number("arm_damping_Ns_per_m", 0, 1000);
   if (section.Has("arm_damping_Nms_per_rad"))

@@ -27,7 +27,8 @@ struct Rows {
 };
 
 // The direction that a force along u at arm_W works on, over the root of the damping.
-Vector6 Seen(const Vector3& u_W, const Vector3& arm_W, const Matrix3& R_WT, const AxisDamping& root) OSTEON_RT {
+Vector6 Seen(const Vector3& u_W, const Vector3& arm_W, const Matrix3& R_WT,
+             const AxisDamping& root) OSTEON_RT {
   Vector6 a;
   a << (R_WT.transpose() * u_W).cwiseQuotient(root.Ns_per_m),
       (R_WT.transpose() * arm_W.cross(u_W)).cwiseQuotient(root.Nms_per_rad);
@@ -138,19 +139,20 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
                        const StiffnessAges& ages) OSTEON_RT {
   if (!params_.acts) return;
   const auto with_arm = [&](double factor) {
-    return AxisDamping{.Ns_per_m = factor * law.Ns_per_m + Vector3::Constant(params_.arm_damping_Ns_per_m),
-                       .Nms_per_rad =
-                           factor * law.Nms_per_rad + Vector3::Constant(params_.arm_damping_Nms_per_rad)};
+    return AxisDamping{
+        .Ns_per_m = factor * law.Ns_per_m + Vector3::Constant(params_.arm_damping_Ns_per_m),
+        .Nms_per_rad = factor * law.Nms_per_rad + Vector3::Constant(params_.arm_damping_Nms_per_rad)};
   };
   double factor = 1.0, share = 1.0;
   const AxisDamping D = with_arm(1.0);
   const double ratio = AgeRatio(coupling, R_WT, D, ages, params_.tool_radius_m);
   if (ratio > 1.0) {
-    // the law's part of the damping has to do for the arm's as well, on the axis where it is the least of both
+    // the law's part of the damping has to do for the arm's as well, on the axis where it is the least of
+    // both
     double most_sum_over_law = 1.0;
     for (int i = 0; i < 3; ++i)
-      most_sum_over_law = std::max({most_sum_over_law, D.Ns_per_m[i] / law.Ns_per_m[i],
-                                    D.Nms_per_rad[i] / law.Nms_per_rad[i]});
+      most_sum_over_law = std::max(
+          {most_sum_over_law, D.Ns_per_m[i] / law.Ns_per_m[i], D.Nms_per_rad[i] / law.Nms_per_rad[i]});
     factor = std::min(1.0 + (ratio - 1.0) * most_sum_over_law, params_.most_damping);
     if (factor == params_.most_damping) {
       const double left = AgeRatio(coupling, R_WT, with_arm(factor), ages, params_.tool_radius_m);

@@ -11,7 +11,7 @@ struct AgeGovernorParams {
   bool acts{true};  ///< false: neither damping nor coupling is touched, and the figures stay 1
   /// Times the law's damping, at most; >= 1. What this does not cover is taken from the coupling.
   double most_damping{20.0};
-  double release_s{0.2};  ///< time constant with which it lets go; it acts at once
+  double release_s{0.2};        ///< time constant with which it lets go; it acts at once
   double tool_radius_m{0.025};  ///< R: the tool's, where it touches
   /// Impedance law: the arm's own damping that is counted on, in every direction; 0: none.
   double arm_damping_Ns_per_m{0.0}, arm_damping_Nms_per_rad{0.0};
@@ -44,7 +44,7 @@ struct StiffnessAges {
 /// K_2: along a curved surface the normal of a tool of radius R turns by dx/R, and the force with it; planes
 /// of a frame do not. It counts at the tool's centre (r + R n) and only across the normals: where planes
 /// stand, they say themselves how the surface goes on. f/R counts as k at most. That the surface gives way
-/// under force (advance) is left out: K (K advance/f) a is 70 N/m for 1 mm/s at 120 N, 20 N/mm and 20 ms,
+/// under force (advance) is left out: K (K advance/f) a, in the demo's frames at most 300 N/m at their 3 ms,
 /// against 4 800 N/m of turning.
 ///
 /// Source: AgeReserve of hil/stability and control.md of the design. At most four directions are involved;
@@ -55,17 +55,17 @@ struct StiffnessAges {
 [[nodiscard]] double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisDamping& D,
                               const StiffnessAges& ages, double radius_m) OSTEON_RT;
 
-/// Keeps D > a K, which no age below a can make unstable, whatever the inertia: raises the law's damping while
-/// what acts is old, and where that does not do takes the rest from the coupling.
+/// Keeps D > a K, which no age below a can make unstable, whatever the inertia: raises the law's damping
+/// while what acts is old, and where that does not do takes the rest from the coupling.
 ///
 ///     ratio r = AgeRatio:   damping × min(r, most_damping),   coupling × min(1, most_damping / r)
 ///
-/// With the admittance law planes are evaluated in the tick at a pose that has no age, so the stiffness of the
-/// planes themselves asks for nothing (20 N/mm at 20 ms would ask for 400 N s/m). With the impedance law it
-/// counts from the measured pose.
+/// With the admittance law planes are evaluated in the tick at a pose that has no age, so the stiffness of
+/// the planes themselves asks for nothing (20 N/mm at 20 ms would ask for 400 N s/m). With the impedance law
+/// it counts from the measured pose.
 ///
-/// What it can not do: it knows nothing of a hand, of the arm's lag, or of planes that are wrong. Where it takes
-/// from the coupling the force has a ceiling, and who pushes harder sinks in.
+/// What it can not do: it knows nothing of a hand, of the arm's lag, or of planes that are wrong. Where it
+/// takes from the coupling the force has a ceiling, and who pushes harder sinks in.
 class AgeGovernor {
  public:
   /// @throws std::invalid_argument as Validate.

@@ -82,6 +82,7 @@ EnergyTank::EnergyTank(const EnergyTankParams& params, double period_s)
 void EnergyTank::Reset() OSTEON_RT {
   tank_J_ = params_.cap_J;
   share_ = 1.0;
+  paid_J_ = 0.0;
   begun_ = false;
   active_planes_ = 0;
   potential_J_ = fade_ = gain_ = 0.0;
@@ -90,6 +91,7 @@ void EnergyTank::Reset() OSTEON_RT {
 double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT,
                         double gain) OSTEON_RT {
   if (!params_.acts) return 1.0;
+  const double before_J = tank_J_;
 
   // what the planes of the tick before hold here, and what they would have done at the end of the step
   const Twist dx = begun_ ? SmallStep(X_before_, X_WT) : Twist{};
@@ -116,6 +118,8 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
     share_ = wanted_J > 0.0 ? std::clamp(there_J / wanted_J, 0.0, share) : share;
     tank_J_ = 0.0;
   }
+
+  paid_J_ = std::max(0.0, before_J - tank_J_);
 
   // the coupling's damping
   if (coupling.active_planes > 0) {

@@ -7,6 +7,13 @@
 #include "control/twist_parts.h"
 
 namespace osteon::control {
+namespace {
+
+// Off by this a touch is no energy made: the force of a tick before it is 0, K v^2 T^2 / 2 at 60 N/mm and .25
+// m/s.
+constexpr double kTouch_J = 2e-3;
+
+}  // namespace
 
 void Validate(const PassivityParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
@@ -31,12 +38,15 @@ PassivityController::PassivityController(const PassivityParams& params, PortWork
 
 void PassivityController::Reset() OSTEON_RT {
   begun_ = false;
+  touched_ = false;
   energy_J_ = 0.0;
   damping_Ns_per_m_ = 0.0;
 }
 
 Wrench PassivityController::Step(const PortTick& port) OSTEON_RT {
   // what was done since the tick before
+  if (port.contact && !touched_) energy_J_ = -std::min(kTouch_J, params_.allowance_J);
+  touched_ = port.contact;
   if (begun_) {
     const Twist dx = SmallStep(X_before_, port.X_WT);
     const double held_J = Power(F_before_, dx);
@@ -52,6 +62,7 @@ Wrench PassivityController::Step(const PortTick& port) OSTEON_RT {
     energy_J_ = 0.0;
     return {};
   }
+  energy_J_ -= port.paid_J;
   energy_J_ = std::max(energy_J_, -(port.potential_J + params_.allowance_J));
 
   // and what takes it back

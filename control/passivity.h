@@ -22,18 +22,21 @@ void Validate(const PassivityParams& params);
 /// When the force of a tick does its work.
 enum class PortWork {
   /// It is the mean of both ends that counts. For a tool that the loop integrates itself (semi-implicit): a
-  /// spring then gives back over any closed way what it took, to the last bit; F_k dx would call K dx^2 / 2 of
+  /// spring then gives back over any closed way what it took, to the last bit; F_k dx would call K dx^2 / 2
+  /// of
   /// every tick generated, in and out, at a wall that is stable.
   kTrapezoid,
-  /// It is held until the next. For a real arm (impedance law), for which that is so: K dx^2 / 2 a tick really
+  /// It is held until the next. For a real arm (impedance law), for which that is so: K dx^2 / 2 a tick
+  /// really
   /// is made there.
   kHeld,
 };
 
 /// What the coupling exchanges with the tool.
 struct PortTick {
-  Wrench F_T_W{};          ///< by the planes, as rendered: faded, limited; zero without contact
+  Wrench F_T_W{};           ///< by the planes, as rendered: faded, limited; zero without contact
   double potential_J{0.0};  ///< of it what the planes give back if the tool leaves
+  double paid_J{0.0};       ///< into the planes in this tick by an energy tank: may come out
   bool contact{false};
   Pose X_WT{Pose::Identity()};  ///< where the force acts
   Twist V_WT{};                 ///< there; what the damping is told
@@ -42,16 +45,17 @@ struct PortTick {
 /// Passivity observer and controller on the coupling's port, over six axes:
 ///
 ///     E += F·dx                 energy that the planes have given to the tool; dx of this tick
+///     E -= what an energy tank has paid into the planes
 ///     E  = max(E, -(U + allowance))
 ///     E > 0:  alpha = E / (T |V|_L^2),  F -= alpha (v, L^2 w),  |V|_L^2 = v^2 + L^2 w^2
 ///
 /// E > 0 is more than what was ever put in: the virtual side has made energy. The damping takes it back, in a
 /// tick where speed and bounds allow it, else in some. What was dissipated long ago must not hide what is
 /// made now (cutting dissipates for minutes): E remembers only what the planes hold, U, and the allowance.
-/// Where contact ends, it begins at 0 again.
+/// Where contact ends, it begins again, with 2 mJ for the touch itself.
 ///
-/// The damping is bounded: `most_Ns_per_m` of the constructor, so that it can not turn the motion round within
-/// a tick (m/T of a virtual tool), and the params'. The sum is for the caller to limit.
+/// The damping is bounded: `most_Ns_per_m` of the constructor, so that it can not turn the motion round
+/// within a tick (m/T of a virtual tool), and the params'. The sum is for the caller to limit.
 ///
 /// What it can not do: it sees energy only after it has come out, so a first impact is unchanged; nothing at
 /// the arm or the hand reaches it; and force that pushes without making energy (planes that are wrong, but
@@ -77,7 +81,7 @@ class PassivityController {
   PassivityParams params_;
   PortWork work_;
   double period_s_, most_Ns_per_m_;
-  bool begun_{false};
+  bool begun_{false}, touched_{false};
   Pose X_before_{Pose::Identity()};
   Wrench F_before_, F_damping_before_;
   double energy_J_{0.0}, damping_Ns_per_m_{0.0};

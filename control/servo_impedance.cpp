@@ -50,11 +50,9 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
 
   const safety::LimitedWrench limited =
       arm_->Limit(wrench_limiter_, stabilisers_.Shape(coupling, X_WT_meas_, V_WT_));
-  const Wrench F_coupling_T_W =
-      stabilisers_.Calm(coupling, X_WT_meas_, V_WT_, limited, wrench_limiter_);
-  const Wrench damping =
-      DampingWrench(Times(params_.impedance, stabilisers_.damping_factor()), X_WT_meas_.linear(), V_WT_,
-                    {.v = inside.v_WT, .w = slow.V.w});
+  const Wrench F_coupling_T_W = stabilisers_.Calm(coupling, X_WT_meas_, V_WT_, limited, wrench_limiter_);
+  const Wrench damping = DampingWrench(Times(params_.impedance, stabilisers_.damping_factor()),
+                                       X_WT_meas_.linear(), V_WT_, {.v = inside.v_WT, .w = slow.V.w});
   F_sent_T_W_ =
       wrench_limiter_.Limit({.f = F_coupling_T_W.f + damping.f, .t = F_coupling_T_W.t + damping.t}).F;
   record.F_coupling_T_W = F_coupling_T_W;

@@ -335,13 +335,14 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
                    safety::ScaleWrench(F_operator_T_W, sensor_trip_.level_N(), kMostOperatorTorque_Nm).F);
   const double hand = coupling.fade * sensor_share;
   const Wrench F_coupling_T_W = stabilisers_.Calm(coupling, X_before, V_before_WT, limited, wrench_limiter_);
-  const Wrench F_T_W{.f = hand * F_hand_T_W.f + F_coupling_T_W.f, .t = hand * F_hand_T_W.t + F_coupling_T_W.t};
+  const Wrench F_T_W{.f = hand * F_hand_T_W.f + F_coupling_T_W.f,
+                     .t = hand * F_hand_T_W.t + F_coupling_T_W.t};
   // a virtual tool that vibrates in the hand is heavier, and more damped
   record.vibration_index = vibration_.Step(F_operator_T_W, spindle_rad_per_s_);
   V_WT_ = AfterMassChange(V_WT_, vibration_.mass_factor() / mass_factor_);
   mass_factor_ = vibration_.mass_factor();
-  const AdmittanceParams law = Times(
-      params_.admittance, mass_factor_, std::max(vibration_.damping_factor(), stabilisers_.damping_factor()));
+  const AdmittanceParams law = Times(params_.admittance, mass_factor_,
+                                     std::max(vibration_.damping_factor(), stabilisers_.damping_factor()));
   Twist V_next_WT;
   if (!NextTwist(law, X_before, V_WT_, F_T_W, dt_s, V_next_WT, axis_lock_.Correction(X_before))) {
     faults_.Latch(Fault::kNotFinite);

@@ -73,7 +73,8 @@ struct ServoStatistics {
 /// loop, renders again.
 ///
 /// Before it renders the sensor's bias is taken while the tool rests (BiasEstimator). While it renders, a
-/// hand that makes the arm oscillate meets more drag (VibrationIndex).
+/// hand that makes the arm oscillate meets more drag (VibrationIndex), and the coupling stays stable where
+/// its planes are old, change, or make energy (Stabilisers).
 ///
 /// **Impedance law** (Law::kImpedance): the arm carries itself and is where the hand has it, so that there is
 /// no commanded pose: coupling, simulation, speed and workspace count where the arm is measured. The wrench

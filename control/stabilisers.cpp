@@ -35,6 +35,7 @@ Wrench Stabilisers::Calm(const CouplingOutput& coupling, const Pose& X_WT, const
   const Wrench damping = passivity_.Step(
       {.F_T_W = {.f = rendered * coupling.F_contact_T_W.f, .t = rendered * coupling.F_contact_T_W.t},
        .potential_J = share * coupling.potential_J,
+       .paid_J = tank_.paid_J(),
        .contact = coupling.active_count > 0,
        .X_WT = X_WT,
        .V_WT = V_WT});

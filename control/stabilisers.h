@@ -15,13 +15,20 @@ struct StabiliserParams {
   EnergyTankParams energy_tank;
 };
 
+/// None of them acts: for what fails without.
+[[nodiscard]] inline StabiliserParams NoStabilisers() {
+  StabiliserParams none;
+  none.age_governor.acts = none.passivity.acts = none.energy_tank.acts = false;
+  return none;
+}
+
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const StabiliserParams& params);
 
 /// Of the law that they stand beside.
 struct StabilisedLaw {
-  AxisDamping damping;            ///< >= 0
-  double pose_age_s{0.0};         ///< of the pose that the planes are evaluated at
+  AxisDamping damping;     ///< >= 0
+  double pose_age_s{0.0};  ///< of the pose that the planes are evaluated at
   PortWork work{PortWork::kTrapezoid};
   double most_damping_Ns_per_m{1e3};  ///< that a tick of it bears; > 0
 };
@@ -31,8 +38,8 @@ struct StabilisedLaw {
 ///     coupling → age governor: share, damping → energy tank: share → limits → passivity: damping → law
 ///
 /// The governor comes first, as it is a gain of the coupling; the tank pays for every gain's return. Both act
-/// before energy is out. The passivity controller sees what is rendered after all that, limits included, and is the
-/// last resort: where the others have done their part it has nothing to do.
+/// before energy is out. The passivity controller sees what is rendered after all that, limits included, and
+/// is the last resort: where the others have done their part it has nothing to do.
 class Stabilisers {
  public:
   /// @throws std::invalid_argument as Validate.
@@ -46,7 +53,8 @@ class Stabilisers {
   [[nodiscard]] Wrench Shape(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT) OSTEON_RT;
 
   /// After them, with the same coupling, pose and velocity. @param limited  of what Shape returned
-  /// @returns what is to be rendered: limited.F, and where there is energy to take back its damping, within the
+  /// @returns what is to be rendered: limited.F, and where there is energy to take back its damping, within
+  /// the
   ///   limiter's force and torque
   [[nodiscard]] Wrench Calm(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT,
                             const safety::LimitedWrench& limited,

@@ -75,8 +75,8 @@ struct TickRecord {
   double passivity_damping_Ns_per_m{0.0};  ///< that takes it back; 0: did not act
   double tank_J{0.0};                      ///< while rendering
   double tank_share{1.0};                  ///< of the coupling that the tank could pay for
-  PlainWrench F_bias_S;            ///< taken out of the sensor's readings
-  double model_age_s{0.0};         ///< of the contact model's pose
+  PlainWrench F_bias_S;                    ///< taken out of the sensor's readings
+  double model_age_s{0.0};                 ///< of the contact model's pose
   double sensor_age_s{0.0};
   std::uint64_t model_frame{0};
   double spindle_rad_per_s{0.0};

@@ -14,8 +14,8 @@ namespace osteon::control {
   return {.v = share * V.v, .w = share * V.w};
 }
 
-/// The way from one pose to another that is less than a degree away: dp, and the turn as a vector in W, by the
-/// rotation's skew part (a turn of a degree is 5e-5 of it too short).
+/// The way from one pose to another that is less than a degree away: dp, and the turn as a vector in W, by
+/// the rotation's skew part (a turn of a degree is 5e-5 of it too short).
 [[nodiscard]] inline Twist SmallStep(const Pose& X_from, const Pose& X_to) OSTEON_RT {
   const Matrix3 R = X_to.linear() * X_from.linear().transpose();
   return {.v = X_to.translation() - X_from.translation(),

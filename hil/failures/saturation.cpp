@@ -73,6 +73,8 @@ Saturated Press(double tool_m, double side_rad) {
                                  PlaneAt(X_start.translation(), n, kWall_N_per_m);
                              return FreshModel(static_cast<std::uint64_t>(tick + 1), now, {&plane, 1});
                            }};
+  // the limiter alone: a force that comes back makes energy, which the passivity controller would damp
+  params.loop.stabilisers.passivity.acts = false;
   params.loop.coupling.damping_Ns_per_m = 0.0;  // what was to be is then known from the pose alone
   const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
 

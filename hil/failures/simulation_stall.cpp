@@ -47,6 +47,7 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
   const double leaves_s = kStalls_s + std::max(moves_s, stall_s) + 0.6;
   params.seconds = leaves_s + 0.6;
   params.loop.coupling.damping_Ns_per_m = 0.0;
+  if (held) params.loop.stabilisers = control::NoStabilisers();
   const Pose X_start = kinematics::LbrArm(params.arm).FlangePose(params.q_start) * params.X_FT;
   const Vector3 down = X_start.linear().col(2), along = X_start.linear().col(0);
   const Vector3 center = X_start.translation() - kBowl_m * down;

@@ -207,15 +207,17 @@ TEST(SummaryRows, SayWhatTheLimitsKeptFromTheHand) {
 TEST(SummaryRows, SayWhatTheStabilisersDid) {
   RunSummary summary;
   summary.least_tank_J = 0.75;
-  EXPECT_EQ(RowOf(summary, "Stabilisers acted"), "age governor: no; passivity: no; tank: no, 0.75 J at least");
+  EXPECT_EQ(RowOf(summary, "Stabilisers acted"),
+            "age governor: no; passivity: no; tank: no, 0.75 J at least");
   summary.age_governor_ticks = 40;
   summary.most_age_damping = 3.25;
   summary.least_age_share = 0.9;
   summary.passivity_ticks = 2;
   summary.tank_ticks = 3;
-  EXPECT_EQ(RowOf(summary, "Stabilisers acted"),
-            "age governor: 40 ticks, damping × 3.2 at most, coupling × 0.90; passivity: 2 ticks; tank: 3 ticks, "
-            "0.75 J at least");
+  EXPECT_EQ(
+      RowOf(summary, "Stabilisers acted"),
+      "age governor: 40 ticks, damping × 3.2 at most, coupling × 0.90; passivity: 2 ticks; tank: 3 ticks, "
+      "0.75 J at least");
   const nlohmann::json json = nlohmann::json::parse(ToJson(summary, "osteon.demo/1"));
   EXPECT_EQ(json.at("age_governor_ticks"), 40);
   EXPECT_EQ(json.at("passivity_ticks"), 2);

@@ -19,7 +19,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 CellConfig LoadText(const std::string& yaml) {
-  const fs::path file = fs::temp_directory_path() / ("osteon_stabilisers_" + std::to_string(::getpid()) + ".yaml");
+  const fs::path file =
+      fs::temp_directory_path() / ("osteon_stabilisers_" + std::to_string(::getpid()) + ".yaml");
   std::ofstream(file) << yaml;
   try {
     CellConfig cell = LoadCell(file);
@@ -56,7 +57,8 @@ std::string Without(std::string yaml, const std::string& section) {
 
 TEST(StabiliserKeys, ReachTheLoop) {
   std::string text = CellText("thin_plate_impedance");
-  text = With(text, "\nage_governor:", "\nage_governor:\n  arm_damping_Ns_per_m: 30\n  arm_damping_Nms_per_rad: 0.5");
+  text = With(
+      text, "\nage_governor:", "\nage_governor:\n  arm_damping_Ns_per_m: 30\n  arm_damping_Nms_per_rad: 0.5");
   text = With(text, "\n  damping_ratio: 20", "\n  damping_ratio: 7");
   text = With(text, "\n  allowance_J: 0.02", "\n  allowance_J: 0.03");
   text = With(text, "\n  cap_J: 1 ", "\n  cap_J: 2 ");
@@ -77,7 +79,8 @@ TEST(StabiliserKeys, ASectionThatIsLeftOutIsAsTheShippedOnesAre) {
   const std::string all = CellText("demo");
   std::string none = all;
   for (const char* section : {"age_governor", "passivity", "energy_tank"}) none = Without(none, section);
-  const control::StabiliserParams shipped = LoadText(all).servo.stabilisers, absent = LoadText(none).servo.stabilisers;
+  const control::StabiliserParams shipped = LoadText(all).servo.stabilisers,
+                                  absent = LoadText(none).servo.stabilisers;
   EXPECT_EQ(absent.age_governor.acts, shipped.age_governor.acts);
   EXPECT_EQ(absent.age_governor.most_damping, shipped.age_governor.most_damping);
   EXPECT_EQ(absent.age_governor.release_s, shipped.age_governor.release_s);
@@ -95,7 +98,8 @@ TEST(StabiliserKeys, RefuseWhatIsOutOfRangeOrOfAnotherLaw) {
   const std::string cell = CellText("demo");
   EXPECT_THAT(Refusal(With(cell, "\n  cap_J: 1 ", "\n  cap_J: -1 ")),
               AllOf(HasSubstr("cap_J"), HasSubstr("found -1"), HasSubstr("accepted 0")));
-  EXPECT_THAT(Refusal(With(cell, "\n  allowance_J: 0.02", "\n  allowance_J: much")), HasSubstr("allowance_J"));
+  EXPECT_THAT(Refusal(With(cell, "\n  allowance_J: 0.02", "\n  allowance_J: much")),
+              HasSubstr("allowance_J"));
   EXPECT_THAT(Refusal(With(cell, "\n  damping_ratio: 20 ", "\n  damping_ratio: 0 ")),
               AllOf(HasSubstr("damping_ratio"), HasSubstr("accepted 1")));
   EXPECT_THAT(Refusal(With(cell, "\nage_governor:", "\nage_governor:\n  arm_damping_Ns_per_m: 30")),

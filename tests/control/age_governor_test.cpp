@@ -100,7 +100,8 @@ TEST(AgeGovernor, DampingLessAgeTimesStiffnessIsPositiveWhateverTheContact) {
     governor.Step(coupling, R_WT, D, ages);
 
     const Matrix6 K = governor.wrench_share() * AgedStiffness(coupling, ages, params.tool_radius_m);
-    const double most = GeneralisedEigenvalues(1.02 * K, DampingInWorld(D, R_WT, governor.damping_factor()))[5];
+    const double most =
+        GeneralisedEigenvalues(1.02 * K, DampingInWorld(D, R_WT, governor.damping_factor()))[5];
     ASSERT_LE(most, 1.0 + 1e-6) << "contact " << i;  // conditioning of N^T N costs the oracle its digits
     if (governor.wrench_share() < 1.0)
       ++by_share;
@@ -124,7 +125,8 @@ TEST(AgeGovernor, LeverArmAllowsTheDesignsStiffness) {
     CouplingOutput coupling;
     coupling.fade = 1.0;
     coupling.active_planes = 1;
-    coupling.active[0] = {.n_W = Vector3::UnitX(), .arm_W = lever_m * Vector3::UnitZ(), .stiffness_N_per_m = most};
+    coupling.active[0] = {
+        .n_W = Vector3::UnitX(), .arm_W = lever_m * Vector3::UnitZ(), .stiffness_N_per_m = most};
     const double ratio = AgeRatio(coupling, Matrix3::Identity(), D, {.pose_s = 5e-3}, 0.025);
     EXPECT_NEAR(ratio, 1.02, 1.02e-3) << lever_m;
   }
@@ -136,7 +138,8 @@ TEST(AgeGovernor, PlanesOfATickAskForNothingButTheirTurning) {
   coupling.fade = 1.0;
   coupling.active_planes = 3;
   for (std::size_t i = 0; i < 3; ++i)
-    coupling.active[i] = {.n_W = Vector3::Unit(static_cast<int>(i)), .stiffness_N_per_m = 20e3, .force_N = 100.0};
+    coupling.active[i] = {
+        .n_W = Vector3::Unit(static_cast<int>(i)), .stiffness_N_per_m = 20e3, .force_N = 100.0};
   EXPECT_EQ(AgeRatio(coupling, Matrix3::Identity(), D, {.planes_s = 0.02}, 0.025), 0.0)
       << "three normals cover every direction";
   coupling.active_planes = 1;
@@ -175,7 +178,8 @@ TEST(AgeGovernor, CountsTheArmsDampingWhereItIsToldTo) {
   coupling.active_planes = 1;
   coupling.active[0] = {.stiffness_N_per_m = 20e3, .force_N = 0.0};
   const StiffnessAges ages{.pose_s = 3.5e-3, .planes_s = 3.5e-3};
-  AgeGovernor alone({}, kT), helped({.arm_damping_Ns_per_m = 80.0}, kT), short_of_it({.arm_damping_Ns_per_m = 50.0}, kT);
+  AgeGovernor alone({}, kT), helped({.arm_damping_Ns_per_m = 80.0}, kT),
+      short_of_it({.arm_damping_Ns_per_m = 50.0}, kT);
   alone.Step(coupling, Matrix3::Identity(), law, ages);
   helped.Step(coupling, Matrix3::Identity(), law, ages);
   short_of_it.Step(coupling, Matrix3::Identity(), law, ages);
@@ -235,7 +239,8 @@ TEST(AgeGovernor, ABallInABowlOfOldPlanesComesToRestWithItAndClimbsTheWallWithou
   struct Case {
     double age_s, hold_s;
   };
-  for (const auto& [age_s, hold_s] : {Case{0.010, 0.010}, Case{0.020, 0.001}, Case{0.020, 0.020}, Case{0.020, 0.040}}) {
+  for (const auto& [age_s, hold_s] :
+       {Case{0.010, 0.010}, Case{0.020, 0.001}, Case{0.020, 0.020}, Case{0.020, 0.040}}) {
     const double without = SwingInABowl(false, age_s, hold_s), with = SwingInABowl(true, age_s, hold_s);
     RecordProperty("age_ms_" + std::to_string(static_cast<int>(1e3 * age_s)) + "_held_" +
                        std::to_string(static_cast<int>(1e3 * hold_s)),

@@ -102,7 +102,8 @@ TEST(EnergyTank, OnceEmptyTheSamePumpingMakesNothing) {
   EXPECT_LT(most_J, 1.05);
 }
 
-// Whatever planes come: 200 random walls a second, at random heights and stiffnesses, under a hand that swings.
+// Whatever planes come: 200 random walls a second, at random heights and stiffnesses, under a hand that
+// swings.
 TEST(EnergyTank, NeverGivesOutMoreThanWentInAndTheCap) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 bits(seed);
@@ -135,7 +136,7 @@ TEST(EnergyTank, AHandOverItCanPayForIsRenderedAtOnceAndTheForceGoesOnWhereItCan
   const auto hand_over = [&](double cap_J) {
     Bench bench({.cap_J = cap_J});
     bench.Frame(kSoft);
-    bench.Tick(0.0);  // touches
+    bench.Tick(0.0);                            // touches
     bench.tool.X_WT.translation().z() = -5e-3;  // 10 N, by whoever put it there
     bench.Tick(10.0);
     bench.tool.V_WT = {};
@@ -171,12 +172,13 @@ TEST(EnergyTank, ReturnsWithoutAStep) {
   static_cast<void>(trip.Check(bench.f_W, 1.0));
   for (int i = 0; i < 300; ++i) {
     bench.Tick(bench.f_W.z());
-    ASSERT_FALSE(trip.Check(bench.f_W, kT)) << i << ": " << bench.f_W.z() << " N, share " << bench.tank.share();
+    ASSERT_FALSE(trip.Check(bench.f_W, kT))
+        << i << ": " << bench.f_W.z() << " N, share " << bench.tank.share();
   }
 }
 
-// A wall that is pressed with 60 N while its frames differ by 20 um, as a real engine's do: a tank of 1 J does
-// not show, one of a tenth of a millijoule softens a wall that is stable.
+// A wall that is pressed with 60 N while its frames differ by 20 um, as a real engine's do: a tank of 1 J
+// does not show, one of a tenth of a millijoule softens a wall that is stable.
 TEST(EnergyTank, TooSmallATankSpoilsAStableWall) {
   const auto depth_error = [](double cap_J, double* least_share) {
     Bench bench({.cap_J = cap_J});
@@ -204,13 +206,15 @@ TEST(EnergyTank, TooSmallATankSpoilsAStableWall) {
   RecordProperty("off_um_at_.1_mJ", std::to_string(1e6 * small_m));
 }
 
-// Closed ways in all six axes over planes that rest: U is a potential, so nothing is paid, and the tank stays as it was but
-// for what is let go of at a plane's edge.
+// Closed ways in all six axes over planes that rest: U is a potential, so nothing is paid, and the tank stays
+// as it was but for what is let go of at a plane's edge.
 TEST(EnergyTank, PlanesThatRestCostNothing) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 bits(seed);
     std::normal_distribution<double> normal;
-    const auto direction = [&] { return Vector3::NullaryExpr([&] { return normal(bits); }).normalized().eval(); };
+    const auto direction = [&] {
+      return Vector3::NullaryExpr([&] { return normal(bits); }).normalized().eval();
+    };
     CouplingParams params;
     params.damping_Ns_per_m = 0.0;
     CouplingState state;
@@ -238,7 +242,8 @@ TEST(EnergyTank, PlanesThatRestCostNothing) {
       model.pose_stamp = now;
       const CouplingOutput coupling = EvaluateCoupling(params, model, X_WT, {}, now, false, state);
       ASSERT_EQ(tank.Step(coupling, X_WT, {}, 1.0), 1.0);
-      if (i == 0) begun_J = tank.energy_J();  // planes that are there all at once, with the tool in them, cost
+      if (i == 0)
+        begun_J = tank.energy_J();  // planes that are there all at once, with the tool in them, cost
       least_J = std::min(least_J, tank.energy_J());
     }
     EXPECT_GT(least_J, begun_J - 2e-3) << "seed " << seed << ": of some 70 mJ that go in and out";

@@ -22,10 +22,12 @@ PortTick At(double z_m, double v_m_per_s, double force_N, double potential_J) {
   return port;
 }
 
-// The shipped law swings on a spring at a lever, all six axes moving; of a spring nothing is made, however long.
+// The shipped law swings on a spring at a lever, all six axes moving; of a spring nothing is made, however
+// long.
 TEST(Passivity, OfASpringTheTrapezoidFindsNothingMadeAndHeldForcesFindWhatTheyMake) {
   PassivityParams params{.acts = false, .allowance_J = 0.0};
-  PassivityController trapezoid(params, PortWork::kTrapezoid, kT, 1e6), held(params, PortWork::kHeld, kT, 1e6);
+  PassivityController trapezoid(params, PortWork::kTrapezoid, kT, 1e6),
+      held(params, PortWork::kHeld, kT, 1e6);
   AdmittanceParams law;
   law.damping_Ns_per_m.setConstant(1e-9);
   law.damping_Nms_per_rad.setConstant(1e-9);
@@ -37,7 +39,8 @@ TEST(Passivity, OfASpringTheTrapezoidFindsNothingMadeAndHeldForcesFindWhatTheyMa
     const Vector3 turn = LogRotation(tool.X_WT.linear());
     const Wrench F{.f = -kK * (d + Vector3(0, 0, 3e-3)), .t = -20.0 * turn + Vector3(0.02, 0, 0)};
     // potential so large that nothing is forgotten
-    const PortTick port{.F_T_W = F, .potential_J = 1e3, .contact = true, .X_WT = tool.X_WT, .V_WT = tool.V_WT};
+    const PortTick port{
+        .F_T_W = F, .potential_J = 1e3, .contact = true, .X_WT = tool.X_WT, .V_WT = tool.V_WT};
     static_cast<void>(trapezoid.Step(port));
     static_cast<void>(held.Step(port));
     stored_J = std::max(stored_J, 0.5 * kK * (d + Vector3(0, 0, 3e-3)).squaredNorm());
@@ -81,8 +84,24 @@ TEST(Passivity, TakesBackWhatWasMadeInOneTickWhereBoundsAllow) {
   EXPECT_NEAR(controller.energy_J(), 0.5 * 10.1 * 0.1e-3, 1e-12) << "and what was made since";
 }
 
+// A tank that pays for planes which come back: what it has paid is no energy made, what comes beyond is.
+TEST(Passivity, EnergyThatATankHasPaidForMayComeOut) {
+  for (const double paid_J : {0.0, 2e-3}) {
+    PassivityController controller({.allowance_J = 0.0}, PortWork::kTrapezoid, kT, 1e6);
+    static_cast<void>(controller.Step(At(0.0, 0.1, 10.0, 0.0)));
+    PortTick port = At(0.0, 0.1, 10.0, 2e-3);
+    port.paid_J = paid_J;
+    static_cast<void>(controller.Step(port));
+    static_cast<void>(controller.Step(At(0.1e-3, 0.1, 10.0, 1e-3)));  // 1 mJ comes out
+    EXPECT_EQ(controller.acted(), paid_J == 0.0);
+    static_cast<void>(controller.Step(At(0.35e-3, 0.1, 10.0, 0.0)));  // 3.5 mJ
+    EXPECT_TRUE(controller.acted());
+  }
+}
+
 TEST(Passivity, DoesNotActNearRestAndKeepsTheEnergyForLater) {
-  PassivityController controller({.allowance_J = 0.0, .least_speed_m_per_s = 0.005}, PortWork::kTrapezoid, kT, 1e6);
+  PassivityController controller({.allowance_J = 0.0, .least_speed_m_per_s = 0.005}, PortWork::kTrapezoid, kT,
+                                 1e6);
   static_cast<void>(controller.Step(At(0.0, 0.004, 100.0, 0.0)));
   EXPECT_TRUE(controller.Step(At(4e-6, 0.004, 100.0, 0.0)).f.isZero(0.0));
   EXPECT_NEAR(controller.energy_J(), 4e-4, 1e-12);
@@ -122,7 +141,8 @@ TEST(Passivity, DoesNotAllocate) {
 
 TEST(Passivity, RefusesParametersOutOfRange) {
   EXPECT_THROW(PassivityController({.allowance_J = -1.0}, PortWork::kHeld, kT, 1.0), std::invalid_argument);
-  EXPECT_THROW(PassivityController({.least_speed_m_per_s = 0.0}, PortWork::kHeld, kT, 1.0), std::invalid_argument);
+  EXPECT_THROW(PassivityController({.least_speed_m_per_s = 0.0}, PortWork::kHeld, kT, 1.0),
+               std::invalid_argument);
 }
 
 }  // namespace

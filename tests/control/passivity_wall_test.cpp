@@ -1,5 +1,5 @@
-// The design's wall: a force that is 5 ms old, softer than what would be stable and stiffer, on the shipped steps of law, arm
-// and stabilisers.
+// The design's wall: a force that is 5 ms old, softer than what would be stable and stiffer, on the shipped
+// steps of law, arm and stabilisers.
 
 #include <cmath>
 #include <deque>
@@ -32,7 +32,8 @@ struct Ripple {
   int acted{0};        ///< ticks
 };
 
-// Pressed on with 40 N from 2 mm above, for 4 s. The planes are as the pose 5 ms ago had them: a force of then.
+// Pressed on with 40 N from 2 mm above, for 4 s. The planes are as the pose 5 ms ago had them: a force of
+// then.
 Ripple Press(const AdmittanceLoopParams& p, bool acts) {
   constexpr double kPress_N = 40.0;
   const double T = p.period_s, w = 2.0 * std::numbers::pi * p.arm.bandwidth_hz;
