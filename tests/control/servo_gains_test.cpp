@@ -99,6 +99,7 @@ TEST(ServoGains, ACoastingToolThatGetsHeavierSlowsDown) {
   params.admittance.damping_Ns_per_m.setConstant(1e-3);
   ServoBench bench(params, 0.5);
   bench.Activate();
+  bench.Run(200);  // the coupling has faded in
   bench.push_N = -6.0;
   bench.Run(50);
   bench.push_N = 0.0;
