@@ -80,6 +80,12 @@ TEST_F(WrongInput, OptionsAndSubcommands) {
   ExpectRefused({"demo", "--engine", "reference"}, {"--engine reference", "--virtual-time"});
 }
 
+TEST_F(WrongInput, GainsOfAVirtualToolForACellThatHasNone) {
+  const auto gains = Write("gains.yaml", "admittance:\n  mass_kg: [2, 2, 2]\n");
+  ExpectRefused({"run", "thin_plate_impedance", "--gains", gains.string()},
+                {gains.string() + ":1: admittance", "impedance law", "accepted coupling alone"});
+}
+
 TEST_F(WrongInput, Cup) {
   const auto mesh = Write(
       "box.obj", simulation::ObjText(simulation::MakeBox(Vector3::Constant(-0.03), Vector3::Constant(0.03))));

@@ -93,6 +93,28 @@ TEST(ServoGains, TheSameTwiceAndAgainFromWhatWasRecorded) {
   }
 }
 
+// A tool that coasts gets heavier: what it has of energy does not grow by it.
+TEST(ServoGains, ACoastingToolThatGetsHeavierSlowsDown) {
+  ServoParams params = ServoBench::Params();
+  params.admittance.damping_Ns_per_m.setConstant(1e-3);
+  ServoBench bench(params, 0.5);
+  bench.Activate();
+  bench.Run(200);  // the coupling has faded in
+  bench.push_N = -6.0;
+  bench.Run(50);
+  bench.push_N = 0.0;
+  const double before_m_per_s = Vector3(bench.Run(10).v_WT_cmd_m_per_s).norm();
+  Gains heavier = GainsOf(params.admittance, params.coupling);
+  heavier.mass_kg = Vector3(12.0, 12.0, 12.0);
+  bench.loop.RequestGains(heavier);
+  const TickRecord after = bench.Run(1100);
+  EXPECT_EQ(after.faults, 0u);
+  EXPECT_GT(before_m_per_s, 0.05);
+  const double left = Vector3(after.v_WT_cmd_m_per_s).norm() / before_m_per_s;
+  EXPECT_LE(left, 0.5 * 1.001) << "four times the mass: no more than the energy it had";
+  EXPECT_GT(left, 0.4) << "what the arm's turning posture takes on the way";
+}
+
 TEST(ServoGains, RefusesWhatTheLoopWasNotMadeFor) {
   ServoBench bench;
   const Gains own = GainsOf(ServoBench::Params().admittance, ServoBench::Params().coupling);

@@ -82,7 +82,7 @@ TEST(HandleBenchInertia, TheToolIsFeltLessItsShareAtLowFrequency) {
     EXPECT_NEAR(Felt(Bench(share)).mass, own_kg + (1.0 - share) * 1.2, 0.03) << share;
 }
 
-TEST(HandleBenchInertia, AlsoOfAnArmWithMassesAndTurning) {
+TEST(HandleBenchInertia, AlsoWhereItTurns) {
   HandleBenchParams params = Bench(0.8);
   Matrix3 I = Matrix3::Zero();
   I.diagonal() << 0.02, 0.02, 0.005;
