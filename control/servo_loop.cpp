@@ -310,6 +310,7 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   const Wrench F_T_W{.f = hand * F_hand_T_W.f + limited.F.f, .t = hand * F_hand_T_W.t + limited.F.t};
   // a virtual tool that vibrates in the hand is heavier, and more damped
   record.vibration_index = vibration_.Step(F_operator_T_W, spindle_rad_per_s_);
+  record.vibration_reference_N = vibration_.reference_N();
   V_WT_ = AfterMassChange(V_WT_, vibration_.mass_factor() / mass_factor_);
   mass_factor_ = vibration_.mass_factor();
   const AdmittanceParams law = Times(params_.admittance, mass_factor_, vibration_.damping_factor());
