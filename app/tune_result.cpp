@@ -98,7 +98,7 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
                     !t.vibration.acts
                         ? std::string("it does not act in this cell")
                         : fmt::format("{} of {} stiffer hands are calm 1 s after the grip closed; the worst, "
-                                      "{} ({}), keeps {:.2f} N of 5 to 40 Hz; the drag that is kept is up to "
+                                      "{} ({}), keeps {:.2f} N of 5 to 40 Hz; their drag is on average up to "
                                       "{:.0f} times the recommended; hands up to {:g} N/m raise the index to "
                                       "{:.2g}",
                                       calm, r.carried.size(), worst->hand.name, worst->contact,
@@ -191,7 +191,7 @@ std::string CarriedTable(const TuneResult& r) {
   std::string table =
       "<table>\n<tr><th>hand</th><th>worst contact</th><th>force from .5 s on [N]</th><th>from 1 s on "
       "[N]</th>"
-      "<th>drag, most</th><th>drag, kept</th></tr>\n";
+      "<th>drag, most</th><th>drag, mean</th></tr>\n";
   for (const TuneCarried& c : r.carried)
     table += fmt::format(
         "<tr><th>{}</th><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.0f} ×</td><td>{:.1f} ×</td></tr>\n",

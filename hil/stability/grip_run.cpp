@@ -35,9 +35,9 @@ GripRun RunGrip(const AdmittanceRunParams& params) {
     run.most_index = std::max(run.most_index, tick.index);
     if (i >= in_ticks(0.5)) run.late_index = std::max(run.late_index, tick.index);
     run.most_damping = std::max(run.most_damping, tick.damping_factor);
-    if (i + in_ticks(1.0) >= ticks) sum += tick.damping_factor;
+    if (i >= in_ticks(1.0)) sum += tick.damping_factor;
   }
-  run.mean_damping = sum / static_cast<double>(in_ticks(1.0));
+  run.mean_damping = sum / static_cast<double>(ticks - in_ticks(1.0));
   const std::size_t window = in_ticks(kWindow_s), every = std::max<std::size_t>(1, in_ticks(kEvery_s));
   for (std::size_t i = 0; i + window <= hand_N.size(); i += every) {
     const double effective_N = EffectiveInBand(hand_N, i, window, kLow_hz, kHigh_hz, T);

@@ -12,7 +12,7 @@ struct GripRun {
   double late_N{0.0};      ///< and in the last second
   double most_index{0.0};  ///< of the vibration index
   double late_index{0.0};  ///< the same from .5 s on
-  double most_damping{1.0}, mean_damping{1.0};  ///< times the law's: the greatest, and the last second's mean
+  double most_damping{1.0}, mean_damping{1.0};  ///< times the law's: the greatest, and the mean from 1 s on
   bool valid{true};                             ///< false: the law refused what it was given
 };
 

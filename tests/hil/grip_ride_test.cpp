@@ -34,7 +34,8 @@ TEST(GripRide, AStiffGripIsCalmedWithinHalfASecond) {
   }
 }
 
-// The calm loop, close to where it oscillates, gives a tremor back enlarged: hence twice.
+// The calm loop, close to where it oscillates, gives a tremor back enlarged: twice in a hand, more in a
+// clamp.
 TEST(GripRide, AStiffGripIsCalmedInATremor) {
   for (const double tremor_N : {0.5, 1.0, 2.0})
     for (const GridHand& hand :
@@ -42,7 +43,8 @@ TEST(GripRide, AStiffGripIsCalmedInATremor) {
       const GripRide ride =
           RideGrip({.after = hand, .clamp = hand.name == "clamp", .seconds = 6.0, .tremor_N = tremor_N});
       EXPECT_FALSE(ride.fault);
-      EXPECT_LT(ride.calm_N, 2.0 * ride.tremor_N + 0.5) << hand.name << ", " << tremor_N << " N";
+      EXPECT_LT(ride.calm_N, (hand.name == "clamp" ? 3.5 : 2.0) * ride.tremor_N + 0.5)
+          << hand.name << ", " << tremor_N << " N";
       EXPECT_LT(ride.references_N.back(), 1.8 * tremor_N) << hand.name << ", " << tremor_N << " N";
     }
 }
