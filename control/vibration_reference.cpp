@@ -83,8 +83,11 @@ void VibrationReference::Step(double swings2, double suspicion, double index, do
     return;
   }
   since_s_ += dt_s;
-  if (!watchful_ && since_s_ < kBeat_s) reference2_ = std::max(reference2_, std::min(swings2, most2_));
-  if (suspicion > 0.0) released_ = false;
+  if (since_s_ >= kBeat_s) {
+    if (suspicion > 0.0) released_ = false;
+  } else if (!watchful_) {
+    reference2_ = std::max(reference2_, std::min(swings2, most2_));
+  }
   // what swings comes and goes at the threshold
   const bool suspected = suspicion > (watchful_ ? kSure : 0.0);
   suspected_s_ += suspected ? dt_s : -dt_s / kTrust_s * suspected_s_;

@@ -53,7 +53,7 @@ class VibrationReference {
   [[nodiscard]] double allowed2() const OSTEON_RT { return params_.margin * params_.margin * reference2_; }
   /// Much drag is asked for.
   [[nodiscard]] bool testing() const OSTEON_RT { return testing_; }
-  /// The last test has found the hand's own, and nothing has been suspected since.
+  /// The last test has found the hand's own, and since its beats are known nothing has been suspected.
   [[nodiscard]] bool released() const OSTEON_RT { return released_; }
 
  private:
