@@ -203,6 +203,8 @@ void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& pro
 
   progress.Begin("the recommended gains, run in time");
   r.check = CheckInTime(r.task, r.recommended, r.human_hands);
+  r.carried = CarryStiffHands(r.task, r.recommended);
+  r.human_index = IndexWith(r.task, r.recommended, r.human_hands);
 }
 
 std::string Page(const TuneResult& r, const TuneOptions& options, const std::string& map,
@@ -230,6 +232,12 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const std::str
              "The least drag that stands all of it, by virtual mass: a tool that is too light follows the "
              "hand's own mass, a heavier one is slower than the arm's lag. What is below both lines counts "
              "as light.");
+  if (r.Stands())
+    html +=
+        "<h2>Stiffer hands, with the vibration index</h2>\n<p>The grip closes on a tool that moves with 40 "
+        "mm/s. Force of the hand between 5 and 40 Hz, effective over .2 s, the greatest; drag as a "
+        "multiple of the recommended, the greatest and the mean from 1 s on, to 10 s.</p>\n" +
+        CarriedTable(r);
   if (r.Stands()) html += "<pre>" + Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
   return html + "<h2>How to repeat it</h2>\n<pre>" + Escape(options.command_line) + "</pre>\n" + kPageEnd;
 }

@@ -1,10 +1,14 @@
 #include "app/tune_result.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
+
+#include "app/report/svg_text.h"
 
 namespace osteon::app {
 namespace {
@@ -39,6 +43,13 @@ nlohmann::json Finite(double value) {
 }
 
 }  // namespace
+
+const TuneCarried* TuneResult::WorstCarried() const {
+  if (carried.empty()) return nullptr;
+  return &*std::ranges::max_element(carried, {}, [](const TuneCarried& c) {
+    return c.run.valid ? c.run.one_s_N : std::numeric_limits<double>::infinity();
+  });
+}
 
 std::vector<SummaryRow> Rows(const TuneResult& r) {
   const TuneTask& t = r.task;
@@ -78,6 +89,21 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
                    "vibration index's part, not the gains'",
                    Drag(r.stiffest_Ns_per_m), r.stiffest_Ns_per_m / r.recommended.damping_Ns_per_m,
                    Drag(r.clamp_Ns_per_m))});
+  if (const TuneCarried* worst = r.WorstCarried()) {
+    const auto calm = std::ranges::count_if(r.carried, &TuneCarried::Calm);
+    const double most = std::ranges::max(r.carried, {}, [](const TuneCarried& c) {
+                          return c.run.mean_damping;
+                        }).run.mean_damping;
+    rows.push_back({"With the vibration index",
+                    !t.vibration.acts
+                        ? std::string("it does not act in this cell")
+                        : fmt::format("{} of {} stiffer hands are calm 1 s after the grip closed; the worst, "
+                                      "{} ({}), keeps {:.2f} N of 5 to 40 Hz; their drag is on average up to "
+                                      "{:.0f} times the recommended; hands up to {:g} N/m raise the index to "
+                                      "{:.2g}",
+                                      calm, r.carried.size(), worst->hand.name, worst->contact,
+                                      worst->run.one_s_N, most, t.human_grip_N_per_m, r.human_index)});
+  }
   rows.push_back(
       {"Any age by itself", fmt::format("a_max K of the planes: {:.0f} N s/m", r.age_bound_Ns_per_m)});
   rows.push_back({"Computed", fmt::format("{} results, {} taken from before", r.computed, r.found)});
@@ -132,6 +158,18 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
   json["stiff_grips"] = {{"grip_N_per_m", t.stiffest_grip_N_per_m},
                          {"damping_Ns_per_m", Finite(r.stiffest_Ns_per_m)},
                          {"clamp_damping_Ns_per_m", Finite(r.clamp_Ns_per_m)}};
+  json["stiff_hands"] = {{"index_acts", t.vibration.acts},
+                         {"index_of_grips", r.human_index},
+                         {"hands", nlohmann::json::array()}};
+  for (const TuneCarried& c : r.carried)
+    json["stiff_hands"]["hands"].push_back({{"hand", c.hand.name},
+                                            {"stiffness_N_per_m", c.hand.stiffness_N_per_m},
+                                            {"contact", c.contact},
+                                            {"calm", c.Calm()},
+                                            {"force_from_half_s_N", Finite(c.run.half_s_N)},
+                                            {"force_from_1_s_N", Finite(c.run.one_s_N)},
+                                            {"damping_most_ratio", c.run.most_damping},
+                                            {"damping_mean_ratio", c.run.mean_damping}});
   json["check"] = {{"runs", r.check.runs}, {"grew", r.check.grew}};
   return json.dump(2) + "\n";
 }
@@ -147,6 +185,19 @@ std::string BoundaryCsv(const TuneResult& r) {
   add(fmt::format("up to {:g} N/m", r.task.human_grip_N_per_m), r.human);
   add(fmt::format("up to {:g} N/m", r.task.stiffest_grip_N_per_m), r.stiffest);
   return csv;
+}
+
+std::string CarriedTable(const TuneResult& r) {
+  std::string table =
+      "<table>\n<tr><th>hand</th><th>worst contact</th><th>force from .5 s on [N]</th><th>from 1 s on "
+      "[N]</th>"
+      "<th>drag, most</th><th>drag, mean</th></tr>\n";
+  for (const TuneCarried& c : r.carried)
+    table += fmt::format(
+        "<tr><th>{}</th><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.0f} ×</td><td>{:.1f} ×</td></tr>\n",
+        Escape(c.hand.name), c.contact, c.run.half_s_N, c.run.one_s_N, c.run.most_damping,
+        c.run.mean_damping);
+  return table + "</table>\n";
 }
 
 std::string GainsYaml(const TuneResult& r, const std::string& command_line) {

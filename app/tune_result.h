@@ -40,9 +40,13 @@ struct TuneResult {
   std::vector<TuneBoundary> human, stiffest, firm;  ///< at the recommended mass
   std::vector<TuneMap> maps;
   TuneCheck check;
+  std::vector<TuneCarried> carried;  ///< hands that are the vibration index's business
+  double human_index{0.0};           ///< the greatest that a hand within the grip raises
   int found{0}, computed{0};
 
   [[nodiscard]] bool Stands() const { return recommended.mass_kg > 0.0; }
+  /// The worst of the hands that the index carries; null where there are none.
+  [[nodiscard]] const TuneCarried* WorstCarried() const;
   [[nodiscard]] bool WithinBar() const {
     return Stands() && recommended.mass_kg <= task.most_mass_kg &&
            recommended.damping_Ns_per_m <= task.most_drag_Ns_per_m;
@@ -54,6 +58,8 @@ struct TuneResult {
 [[nodiscard]] std::string ToJson(const TuneResult& result, const std::string& command_line);
 /// The boundaries, one damping a line.
 [[nodiscard]] std::string BoundaryCsv(const TuneResult& result);
+/// The hands that the index carries, as rows of an HTML table.
+[[nodiscard]] std::string CarriedTable(const TuneResult& result);
 /// What `osteon run --gains` takes.
 [[nodiscard]] std::string GainsYaml(const TuneResult& result, const std::string& command_line);
 

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kMostDrag_Ns_per_m = 3000.0;
 constexpr double kLeastWall_N_per_m = 100.0;
+constexpr double kGripSpeed_m_per_s = 0.04, kNoise_N = 0.1, kCarried_s = 10.0;
 
 enum class Contact { kFree, kWall, kPlanes };
 constexpr std::array<Contact, 3> kContacts{Contact::kFree, Contact::kWall, Contact::kPlanes};
@@ -40,6 +41,18 @@ hil::AdmittanceLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, c
 }
 
 // Every command as late as the latest. Losses are left to the runs in time: a matrix knows no chance.
+// The loop in time, with all that is lost and late, noise, and the cell's vibration index.
+hil::AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains, const hil::GridHand& hand,
+                                   Contact contact) {
+  hil::AdmittanceRunParams run{.loop = LoopOf(task, gains, hand, 1.0),
+                               .command_loss = task.command_loss,
+                               .command_jitter = task.command_jitter,
+                               .noise_N = kNoise_N,
+                               .vibration = task.vibration};
+  run.loop.wall = WallOf(task, contact, 1.0);
+  return run;
+}
+
 int LatestDeadCycles(const TuneTask& task) { return task.loop.arm.dead_cycles + task.command_jitter; }
 
 }  // namespace
@@ -54,6 +67,7 @@ TuneTask TuneTaskOf(const config::CellConfig& cell) {
   const simulation::ToolBall* head = simulation::CuttingHead(cell.tool.tool);
   const double radius_m = head ? head->radius_m : cell.tool.tool.balls.front().radius_m;
   task.plane_N_per_m = cell.servo.wrench.max_force_N / radius_m;
+  task.vibration = cell.servo.vibration;
   return task;
 }
 
@@ -155,6 +169,35 @@ TuneCheck CheckInTime(const TuneTask& task, const TuneGains& gains, const std::v
         check.grew.push_back(fmt::format("{}, {}", hand.name, kContactNames[c]));
     }
   return check;
+}
+
+std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& gains) {
+  std::vector<TuneCarried> list;
+  for (const hil::GridHand& hand : hil::HandGrid()) {
+    if (hand.stiffness_N_per_m <= task.human_grip_N_per_m) continue;
+    TuneCarried worst{.hand = hand, .contact = {}, .run = {}};
+    for (std::size_t c = 0; c < kContacts.size(); ++c) {
+      hil::AdmittanceRunParams run = WithIndex(task, gains, hand, kContacts[c]);
+      run.kick_m_per_s = kGripSpeed_m_per_s;
+      run.seconds = kCarried_s;
+      const hil::GripRun found = hil::RunGrip(run);
+      if (!worst.contact.empty() && worst.run.valid && found.valid && found.one_s_N <= worst.run.one_s_N)
+        continue;
+      worst.contact = kContactNames[c];
+      worst.run = found;
+      if (!found.valid) break;
+    }
+    list.push_back(worst);
+  }
+  return list;
+}
+
+double IndexWith(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands) {
+  double most = 0.0;
+  for (const hil::GridHand& hand : hands)
+    for (const Contact contact : kContacts)
+      most = std::max(most, hil::RunGrip(WithIndex(task, gains, hand, contact)).most_index);
+  return most;
 }
 
 }  // namespace osteon::app

@@ -6,6 +6,7 @@
 
 #include "config/cell_config.h"
 #include "hil/stability/admittance_run.h"
+#include "hil/stability/grip_run.h"
 
 // What `osteon tune` asks of the loop: which hands, which contacts, how late everything is; and the answers.
 
@@ -26,6 +27,7 @@ struct TuneTask {
   double human_grip_N_per_m{3e3};                      ///< for these the tool has to stay light ...
   double stiffest_grip_N_per_m{10e3};                  ///< ... and these have to be stable at all
   double most_mass_kg{5.0}, most_drag_Ns_per_m{30.0};  ///< what counts as light
+  control::VibrationParams vibration{};                ///< the cell's
 };
 
 [[nodiscard]] TuneTask TuneTaskOf(const config::CellConfig& cell);
@@ -79,5 +81,23 @@ struct TuneCheck {
 };
 [[nodiscard]] TuneCheck CheckInTime(const TuneTask& task, const TuneGains& gains,
                                     const std::vector<hil::GridHand>& hands);
+
+/// One hand that the gains leave to the vibration index: the worst of the contacts.
+struct TuneCarried {
+  hil::GridHand hand;
+  std::string contact;
+  hil::GripRun run;
+  [[nodiscard]] bool Calm() const { return run.valid && run.one_s_N < kCalm_N; }
+  static constexpr double kCalm_N = 0.5;  ///< of the force between 5 and 40 Hz, from 1 s on
+};
+/// The shipped parts with the cell's vibration index, for every hand of the grid beyond human_grip_N_per_m,
+/// fixture and clamp included: the grip closes on a tool that moves with 40 mm/s, the sensor's noise is .1 N,
+/// commands get lost and come late. 10 s each.
+[[nodiscard]] std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& gains);
+
+/// The greatest index that any of these hands raises by itself (kick of .1 mm/s, the same noise): 0 where the
+/// gains alone carry them.
+[[nodiscard]] double IndexWith(const TuneTask& task, const TuneGains& gains,
+                               const std::vector<hil::GridHand>& hands);
 
 }  // namespace osteon::app

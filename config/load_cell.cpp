@@ -112,6 +112,8 @@ void ReadVibration(Reader section, control::VibrationParams& vibration) {
   vibration.most_damping = section.Number("damping_ratio", 1, 1000);
   vibration.most_mass = section.Number("mass_ratio", 1, 100);
   vibration.notch_hz = section.Number("notch_hz", 0, 20);
+  // not in cells that recordings keep from before it was tested whose vibration it is
+  if (section.Has("tremor_N")) vibration.reference.tremor_N = section.Number("tremor_N", 0, 50);
 }
 
 void ReadSensorBias(Reader section, control::BiasParams& bias) {
@@ -332,7 +334,6 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadLaw(reader, cell);
-  servo.vibration.acts = false;  // where a cell asks for it: a hand's own tremor raises the drag as well
   if (reader.Has("vibration")) ReadVibration(reader.Section("vibration"), servo.vibration);
   ReadStabilisers(reader, servo.law, servo.stabilisers);
   if (reader.Has("sensor_bias")) ReadSensorBias(reader.Section("sensor_bias"), servo.sensor_bias);

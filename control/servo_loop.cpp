@@ -339,6 +339,7 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
                      .t = hand * F_hand_T_W.t + F_coupling_T_W.t};
   // a virtual tool that vibrates in the hand is heavier, and more damped
   record.vibration_index = vibration_.Step(F_operator_T_W, spindle_rad_per_s_);
+  record.vibration_reference_N = vibration_.reference_N();
   V_WT_ = AfterMassChange(V_WT_, vibration_.mass_factor() / mass_factor_);
   mass_factor_ = vibration_.mass_factor();
   const AdmittanceParams law = Times(params_.admittance, mass_factor_,

@@ -67,6 +67,8 @@ struct TickRecord {
   double wrench_scale{1.0};        ///< share of the coupling wrench that the limits let through, 0 … 1
   double arm_share{1.0};           ///< of it that the arm's torques can hold in this posture, 0 … 1
   double vibration_index{0.0};     ///< 0 … 1
+  /// Effective value up to which vibration counts as the hand's own.
+  double vibration_reference_N{0.0};
   double mass_factor{1.0};         ///< by which it multiplied the virtual tool's inertia,
   double damping_factor{1.0};      ///< and its drag
   double age_damping_factor{1.0};  ///< by which the age governor multiplied the law's damping,

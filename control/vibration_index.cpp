@@ -57,6 +57,8 @@ void Validate(const VibrationParams& params) {
   require("most_damping", params.most_damping, 1.0, 1000.0);
   require("most_mass", params.most_mass, 1.0, 100.0);
   require("notch_hz", params.notch_hz, 0.0, 20.0);
+  require("release_s", params.release_s, 0.001, 5.0);
+  Validate(params.reference);
 }
 
 double HalfWaves::Step(double x, double dt_s) OSTEON_RT {
@@ -100,7 +102,8 @@ VibrationIndex::VibrationIndex(const VibrationParams& params, double period_s)
             .slow_low = Biquad::LowPass(params.low_hz, kQ2, period_s),
             .waves = {Waves(params, period_s), Waves(params, period_s), Waves(params, period_s)}},
       force_(rest_),
-      torque_(rest_) {
+      torque_(rest_),
+      reference_(params.reference) {
   if (!(period_s > 0.0 && params.low_hz < kMostOfRate / period_s))
     throw std::invalid_argument("vibration period_s: found " + std::to_string(period_s) +
                                 ", accepted > 0, and short enough for low_hz");
@@ -113,6 +116,7 @@ void VibrationIndex::Reset() OSTEON_RT {
   angle_rad_ = 0.0;
   from_ = to_ = 0;
   seen_ = alert_ = 0.0;
+  reference_.Reset();
 }
 
 // What comes at the harmonics is taken out of the band: each line's amplitudes follow what is left over.
@@ -180,17 +184,24 @@ double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT
   Filter(force_, F.f);
   Filter(torque_, at_lever_N);
 
-  const double others = force_.slow2 + torque_.slow2 + params_.floor_N * params_.floor_N;
+  const double floor2 = params_.floor_N * params_.floor_N;
+  const double others = force_.slow2 + torque_.slow2 + floor2;
   const auto wanted = [&](double energy) {
-    const double share = energy / (energy + others);
+    const double beyond = std::max(0.0, energy - reference_.allowed2());
+    const double share = beyond / (beyond + others);
     return std::clamp((share - params_.share_low) / (params_.share_high - params_.share_low), 0.0, 1.0);
   };
-  const auto toward = [this](double& index, double goal, double falls) {
-    const double takes_s = goal > index ? params_.rise_s : falls * params_.rise_s;
+  const auto toward = [this](double& index, double goal, double falls_s) {
+    const double takes_s = goal > index ? params_.rise_s : falls_s;
     index += std::min(1.0, period_s_ / takes_s) * (goal - index);
   };
-  toward(seen_, wanted(force_.swings2 + torque_.swings2), params_.decay_ratio);
-  toward(alert_, params_.alert_index * wanted(force_.band2 + torque_.band2), kAlertFalls);
+  const double swings2 = force_.swings2 + torque_.swings2, band2 = force_.band2 + torque_.band2;
+  const double goal = wanted(swings2), alert = wanted(band2);
+  const double least2 = params_.share_low / (1.0 - params_.share_low) * floor2;  // less is never seen
+  reference_.Step(swings2, goal, seen_, least2, period_s_);
+  toward(seen_, reference_.testing() ? 1.0 : goal,
+         reference_.released() ? params_.release_s : params_.decay_ratio * params_.rise_s);
+  toward(alert_, params_.alert_index * alert, kAlertFalls * params_.rise_s);
   return index();
 }
 

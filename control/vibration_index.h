@@ -5,6 +5,7 @@
 
 #include "control/biquad.h"
 #include "control/rt/marker.h"
+#include "control/vibration_reference.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::control {
@@ -27,6 +28,9 @@ struct VibrationParams {
   double most_damping{100.0};   ///< times the law's damping, at index 1; >= 1
   double most_mass{1.2};        ///< times the law's mass and inertia, at index 1; >= 1
   double notch_hz{1.5};         ///< width of each notch; 0: none
+  double release_s{
+      0.1};  ///< time constant of the index downward where no test has found the loop to oscillate
+  ReferenceParams reference{};  ///< of what is the hand's own
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
@@ -58,11 +62,15 @@ class HalfWaves {
 ///
 ///     x_b, x_s  the hand's wrench (f, t / lever) between low and high, and between slow and low
 ///     E_b = sum over the six axes of a^2 / 2,  a the amplitude of what swings in x_b (HalfWaves)
-///     E_s = mean of |x_s|^2 over the last slow_memory_s,   E_a = mean of |x_b|^2 over the last
-///     alert_memory_s share(E) = E / (E + E_s + floor^2),   w(E) = (share(E) - share_low) / (share_high -
-///     share_low), within 0 … 1 S' = (w(E_b) - S) / rise_s upward, / (decay_ratio rise_s) downward A' =
-///     (alert_index w(E_a) - A) / rise_s upward, / (2 rise_s) downward index I = max(S, A):   damping × (1 +
-///     I (most_damping - 1)),  mass × (1 + I (most_mass - 1))
+///     E_s = mean of |x_s|^2 over the last slow_memory_s,   E_a = mean of |x_b|^2 over alert_memory_s
+///     E+ = max(0, E - (margin R)^2),  R the reference: what is the hand's own (VibrationReference)
+///     share(E) = E+ / (E+ + E_s + floor^2)
+///     w(E) = (share(E) - share_low) / (share_high - share_low), within 0 … 1
+///     S' = (w(E_b) - S) / rise_s upward, / (decay_ratio rise_s) downward; while R is being found: to 1;
+///     where
+///          the hand's own was found: / release_s downward
+///     A' = (alert_index w(E_a) - A) / rise_s upward, / (2 rise_s) downward
+///     index I = max(S, A):   damping × (1 + I (most_damping - 1)),  mass × (1 + I (most_mass - 1))
 ///
 /// Every push that begins, and every touch, has much energy in the band for some 20 ms: the drag that it
 /// would raise stayed for a second. Hence two half-waves, which cost a period of delay, in which a stiff
@@ -72,8 +80,7 @@ class HalfWaves {
 /// With a turning spindle the cut's own forces come at multiples of its speed: the first kHarmonics of those
 /// in the band are taken out by notches (an adaptive canceller, which follows the speed; Widrow and others,
 /// Proc. IEEE 63, 1975). They learn within 1 / (pi notch_hz): a cut that begins with much ripple may be seen
-/// that long. What oscillates within half a notch's width of such a multiple is not seen. Nor is tremor told
-/// apart from vibration: from about floor_N on it raises the drag.
+/// that long. What oscillates within half a notch's width of such a multiple is not seen.
 ///
 /// The index only limits an oscillation; it takes one to rise, and where the law itself is unstable it
 /// settles where the oscillation neither grows nor dies, at about floor_N. Source: control.md of the design;
@@ -98,6 +105,8 @@ class VibrationIndex {
   /// Factors on the law's damping and on its mass and inertia; 1 where it does not act.
   [[nodiscard]] double damping_factor() const OSTEON_RT;
   [[nodiscard]] double mass_factor() const OSTEON_RT;
+  /// Effective value up to which, times the margin, vibration is the hand's own.
+  [[nodiscard]] double reference_N() const OSTEON_RT { return reference_.reference_N(); }
 
  private:
   struct Lines {  // the cut's forces at each harmonic: c cos + s sin
@@ -126,6 +135,7 @@ class VibrationIndex {
   double angle_rad_{0.0};  ///< of the spindle
   int from_{0}, to_{0};    ///< harmonics in the band: from_ … to_ - 1; none where equal
   std::array<double, kHarmonics> cos_{}, sin_{};
+  VibrationReference reference_;
   double seen_{0.0};   ///< index for what swings
   double alert_{0.0};  ///< and for what may begin to
 };

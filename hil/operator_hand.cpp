@@ -4,16 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <random>
 #include <stdexcept>
 #include <utility>
 
 namespace osteon::hil {
 namespace {
-
-// Physiological tremor lies at 8 to 12 Hz.
-constexpr std::array<double, 3> kTremorHz{8.3, 9.7, 11.1};
 
 Vector3 Limited(const Vector3& v, double max_size) {
   const double size = v.norm();
@@ -29,7 +24,10 @@ Vector3 AxiallyLimited(const Vector3& f, const Vector3& axis, double most_N) {
 }  // namespace
 
 OperatorHand::OperatorHand(const OperatorHandParams& params, HandScript script)
-    : params_(params), script_(std::move(script)), impedance_(params) {
+    : params_(params),
+      script_(std::move(script)),
+      impedance_(params),
+      tremor_(params.tremor_N, params.tremor_seed) {
   const auto check = [](const char* name, double found, bool zero_too) {
     if (std::isfinite(found) && (found > 0.0 || (zero_too && found == 0.0))) return;
     throw std::invalid_argument(
@@ -46,11 +44,6 @@ OperatorHand::OperatorHand(const OperatorHandParams& params, HandScript script)
   check("max_torque_Nm", params.max_torque_Nm, false);
   check("tremor_N", params.tremor_N, true);
   CheckIncidents(params.incidents);
-
-  // raw bits rather than a distribution: the same phases with every standard library
-  std::mt19937_64 bits(params.tremor_seed);
-  for (auto& axis : tremor_phase_rad_)
-    for (double& phase : axis) phase = 2.0 * std::numbers::pi * static_cast<double>(bits() >> 11) * 0x1p-53;
 }
 
 Wrench HandImpedance::Carry(double period_s, const Twist& V, double grip) noexcept {
@@ -112,7 +105,7 @@ OperatorHand::Handle OperatorHand::HandleAt(double time_s, double period_s, doub
                 .V = {.v = V_WT.v + V_WT.w.cross(p_T_head_W), .w = V_WT.w},
                 .V_target = {.v = target.V_WT.v + target.V_WT.w.cross(p_T_head_target_W), .w = target.V_WT.w},
                 .F_mass = {},
-                .tremor_N = Tremor(time_s)};
+                .tremor_N = tremor_.At(time_s)};
   handle.X.translation() += p_T_head_W;
   handle.X_target.translation() += p_T_head_target_W;
   handle.F_mass = impedance_.Carry(period_s, handle.V, grip);
@@ -152,17 +145,6 @@ void OperatorHand::Change(const IncidentMoment& moment, double force_limit_N, co
 bool OperatorHand::IsClamp(std::size_t holding) const noexcept {
   return holding != IncidentMoment::kNone &&
          std::holds_alternative<RigidClamp>(params_.incidents.list[holding]);
-}
-
-Vector3 OperatorHand::Tremor(double time_s) const noexcept {
-  Vector3 f = Vector3::Zero();
-  if (params_.tremor_N == 0.0) return f;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::size_t i = 0; i < kTremorHz.size(); ++i)
-      f[static_cast<Eigen::Index>(axis)] +=
-          params_.tremor_N / 3.0 *
-          std::sin(2.0 * std::numbers::pi * kTremorHz[i] * time_s + tremor_phase_rad_[axis][i]);
-  return f;
 }
 
 }  // namespace osteon::hil

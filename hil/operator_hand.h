@@ -1,11 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "hil/hand_script.h"
 #include "hil/hand_spring.h"
 #include "hil/operator_incidents.h"
+#include "hil/tremor.h"
 #include "kinematics/spatial.h"
 
 namespace osteon::hil {
@@ -121,15 +121,14 @@ class OperatorHand {
   // Another spring holds the tool from now on.
   void Change(const IncidentMoment& moment, double force_limit_N, const Handle& handle) noexcept;
   [[nodiscard]] bool IsClamp(std::size_t holding) const noexcept;
-  [[nodiscard]] Vector3 Tremor(double time_s) const noexcept;
 
   OperatorHandParams params_;
   HandScript script_;
-  HandImpedance impedance_;                                // at the head's centre
-  std::array<std::array<double, 3>, 3> tremor_phase_rad_;  // axis, line of the spectrum
-  std::size_t holding_{IncidentMoment::kNone};             // whose spring holds the tool
-  Wrench kept_;                                            // offset to that spring
-  Pose X_W_clamped_{Pose::Identity()};                     // where the head was when it was clamped
+  HandImpedance impedance_;  // at the head's centre
+  Tremor tremor_;
+  std::size_t holding_{IncidentMoment::kNone};  // whose spring holds the tool
+  Wrench kept_;                                 // offset to that spring
+  Pose X_W_clamped_{Pose::Identity()};          // where the head was when it was clamped
 };
 
 }  // namespace osteon::hil

@@ -157,6 +157,8 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const ArmSce
                 tick.f_coupling_N = Vector3(record.F_coupling_T_W.f);
                 tick.wrench_scale = record.wrench_scale;
                 tick.vibration_index = record.vibration_index;
+                tick.vibration_reference_N = record.vibration_reference_N;
+                tick.damping_factor = record.damping_factor;
                 const JointVector q = Eigen::Map<const JointVector>(command.q.data());
                 X_WT_cmd = arm.FlangePose(q) * params.X_FT;
                 return q;

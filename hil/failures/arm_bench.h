@@ -62,6 +62,8 @@ struct ArmRideTick {
   Vector3 f_coupling_N{Vector3::Zero()};  ///< of the servo loop: rendered
   double wrench_scale{1.0};               ///< of it that the limits let through
   double vibration_index{0.0};            ///< of the servo loop
+  double vibration_reference_N{0.0};      ///< of it,
+  double damping_factor{1.0};             ///< and what it makes of the law
 };
 
 /// The iiwa 14 R820 (design: lengths of lbr_description, limits of KUKA's data sheet, accelerations as Drake

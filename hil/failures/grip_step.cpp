@@ -1,109 +1,37 @@
 #include "hil/failures/grip_step.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "hil/failures/arm_bench.h"
-#include "hil/failures/force_band.h"
+#include "hil/failures/grip_ride.h"
 #include "hil/hand_grid.h"
 
 namespace osteon::hil {
 namespace {
 
-constexpr double kDt_s = 1e-3, kStep_s = 1.3, kCalm_s = 0.5, kWindow_s = 0.2, kEvery_s = 0.02;
-constexpr double kLow_hz = 5.0, kHigh_hz = 40.0, kNoise_N = 0.1, kNoise_Nm = 0.005;
-constexpr double kSwing_m = 0.03, kSwing_hz = 0.5;
+constexpr double kStep_s = 1.3;
 
-struct Gripped {
-  double calm_N{0.0};  // largest effective value of a window, from kCalm_s after the step on
-  double most_N{0.0};  // and at any time
-  double index{0.0};   // largest
-  double end_index{0.0};
-  bool fault{false};
-  std::vector<double> window_N;  // by time
-};
-
-Gripped Grip(const GridHand& after, bool clamp, bool ours, double seconds) {
-  ArmRideParams params;
-  params.arm = ScenarioArm();
-  params.X_FT = ScenarioTool();
-  params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
-  params.seconds = kStep_s + seconds;
-  if (!ours) {
-    control::AdmittanceParams& law = params.loop.admittance;
-    const Vector3 ratio_m = Vector3::Constant(2.0).cwiseQuotient(law.mass_kg);
-    const Vector3 ratio_b = Vector3::Constant(10.0).cwiseQuotient(law.damping_Ns_per_m);
-    law.mass_kg = Vector3::Constant(2.0);
-    law.damping_Ns_per_m = Vector3::Constant(10.0);
-    law.inertia_kg_m2 = law.inertia_kg_m2.cwiseProduct(ratio_m);
-    law.damping_Nms_per_rad = law.damping_Nms_per_rad.cwiseProduct(ratio_b);
-    params.loop.vibration.acts = false;
-  }
-  const Pose X_start = kinematics::LbrArm(params.arm).FlangePose(params.q_start) * params.X_FT;
-  const Vector3 along = (X_start.linear() * Vector3(0.6, 0.0, 0.8)).normalized();
-
-  const OperatorHandParams loose = OperatorWith({"loose", 300.0, 13.0, 1.1}), tight = OperatorWith(after);
-  HandImpedance loose_mass(loose), tight_mass(tight);
-  bool stepped = false;
-  Pose X_held = X_start;
-  Wrench kept;
-  SensorModel sensor({.noise_N = kNoise_N, .noise_Nm = kNoise_Nm, .seed = 16});
-  std::vector<Vector3> exerted;
-  const ArmScene scene{
-      .hand =
-          [&](int tick, const Pose& X_WT, const Twist& V_WT) {
-            const double t = tick * kDt_s, turn = 2.0 * std::numbers::pi * kSwing_hz;
-            Pose X_goal = X_start;
-            X_goal.translation() += 0.5 * kSwing_m * (1.0 - std::cos(turn * t)) * along;
-            const Twist V_goal{.v = 0.5 * kSwing_m * turn * std::sin(turn * t) * along, .w = Vector3::Zero()};
-            Wrench F;
-            if (t < kStep_s) {
-              F = loose_mass.Step(kDt_s, X_WT, V_WT, X_goal, V_goal);
-            } else {
-              if (!stepped) {  // what it exerted stays; a clamp has no muscles
-                stepped = true;
-                X_held = X_WT;
-                const Wrench before = loose.spring().Pull(X_WT, V_WT, X_goal, V_goal);
-                const Wrench now = tight.spring().Pull(X_WT, V_WT, X_held, {});
-                if (!clamp) kept = {.f = before.f - now.f, .t = before.t - now.t};
-              }
-              F = tight_mass.Step(kDt_s, X_WT, V_WT, X_held, {});
-              F = {.f = F.f + kept.f, .t = F.t + kept.t};
-            }
-            exerted.push_back(F.f);
-            return F;
-          },
-      .sensor = [&](int tick, const Pose&, const Wrench& F) { return ReadBy(sensor, tick, F); }};
-  const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
-
-  Gripped result;
-  for (const ArmRideTick& tick : ride) {
-    result.fault |= tick.fault;
-    result.index = std::max(result.index, tick.vibration_index);
-  }
-  result.end_index = ride.back().vibration_index;
-  const auto window = static_cast<std::size_t>(kWindow_s / kDt_s),
-             every = static_cast<std::size_t>(kEvery_s / kDt_s);
-  for (std::size_t i = 0; i + window <= exerted.size(); i += every) {
-    const double effective_N = EffectiveInBand(exerted, i, window, kLow_hz, kHigh_hz, kDt_s);
-    result.window_N.push_back(effective_N);
-    result.most_N = std::max(result.most_N, effective_N);
-    if (static_cast<double>(i) * kDt_s >= kStep_s + kCalm_s - 1e-9)
-      result.calm_N = std::max(result.calm_N, effective_N);
-  }
-  return result;
+control::ServoParams Baseline() {
+  control::ServoParams loop;
+  control::AdmittanceParams& law = loop.admittance;
+  const Vector3 ratio_m = Vector3::Constant(2.0).cwiseQuotient(law.mass_kg);
+  const Vector3 ratio_b = Vector3::Constant(10.0).cwiseQuotient(law.damping_Ns_per_m);
+  law.mass_kg = Vector3::Constant(2.0);
+  law.damping_Ns_per_m = Vector3::Constant(10.0);
+  law.inertia_kg_m2 = law.inertia_kg_m2.cwiseProduct(ratio_m);
+  law.damping_Nms_per_rad = law.damping_Nms_per_rad.cwiseProduct(ratio_b);
+  loop.vibration.acts = false;
+  return loop;
 }
 
-FailureSeries Drawn(const char* name, const Gripped& gripped, bool ours) {
+FailureSeries Drawn(const char* name, const GripRide& gripped, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i < gripped.window_N.size(); ++i) {
-    series.x.push_back(kEvery_s * static_cast<double>(i) + 0.5 * kWindow_s - kStep_s);
+    series.x.push_back(GripRide::kEvery_s * static_cast<double>(i) + 0.5 * GripRide::kWindow_s - kStep_s);
     series.y.push_back(std::max(1e-3, gripped.window_N[i]));
   }
   return series;
@@ -136,8 +64,11 @@ FailureResult RunGripStep(const FailureSetting& setting) {
   double most_N = 0.0, index = 0.0, end_index = 0.0;
   std::string worst;
   for (std::size_t i = 0; i < cases.size() && complete; ++i) {
-    const Gripped ours = Grip(cases[i].hand, cases[i].clamp, true, seconds);
-    const Gripped fixed = Grip(cases[i].hand, cases[i].clamp, false, seconds);
+    GripRideParams ride{
+        .after = cases[i].hand, .clamp = cases[i].clamp, .step_s = kStep_s, .seconds = seconds};
+    const GripRide ours = RideGrip(ride);
+    ride.loop = Baseline();
+    const GripRide fixed = RideGrip(ride);
     // a cell that has stopped is calm, and no operator's tool any more
     const double fixed_N = fixed.fault ? fixed.most_N : fixed.calm_N;
     baselines_fail &= fixed_N > result.bound;
@@ -146,7 +77,7 @@ FailureResult RunGripStep(const FailureSetting& setting) {
     result.ours = std::max(result.ours, ours.calm_N);
     most_N = std::max(most_N, ours.most_N);
     index = std::max(index, ours.index);
-    end_index = std::max(end_index, ours.end_index);
+    end_index = std::max(end_index, ours.indices.back());
     faulted |= ours.fault;
     if (i + 1 == cases.size())
       result.plot = {.x_label = "time since the clamp of 50 kN/m closed [s]",

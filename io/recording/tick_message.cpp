@@ -176,6 +176,7 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.mutable_tau_cmd_nm()->Assign(record.tau_cmd.begin(), record.tau_cmd.end());
   Put(record.input, message.mutable_input());
   message.set_vibration_index(record.vibration_index);
+  message.set_vibration_reference_n(record.vibration_reference_N);
   message.set_mass_factor(record.mass_factor);
   message.set_damping_factor(record.damping_factor);
   message.set_age_damping_factor(record.age_damping_factor);
@@ -218,6 +219,7 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   r.compute_ns = message.compute_ns();
   r.activation_cmd = message.activation_cmd();
   r.vibration_index = message.vibration_index();
+  r.vibration_reference_N = message.vibration_reference_n();
   if (message.has_mass_factor()) r.mass_factor = message.mass_factor();
   if (message.has_damping_factor()) r.damping_factor = message.damping_factor();
   if (message.has_age_damping_factor()) r.age_damping_factor = message.age_damping_factor();

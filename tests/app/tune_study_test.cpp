@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -82,6 +83,22 @@ TEST(TuneStudy, RunsInTimeSeeWhatIsNotStable) {
   EXPECT_EQ(good.runs, 3 * hands.size());
   EXPECT_TRUE(good.grew.empty()) << good.grew.front();
   EXPECT_FALSE(CheckInTime(task, {2.4, 8.0}, hands).grew.empty());
+}
+
+TEST(TuneStudy, TheVibrationIndexCarriesTheHandsThatTheGainsDoNot) {
+  const TuneTask task = DemoTask();
+  const TuneGains gains{1.7, 30.0};
+  ASSERT_TRUE(task.vibration.acts);
+  EXPECT_EQ(IndexWith(task, gains, HandsUpTo(3e3)), 0.0) << "up to the grip they need no index";
+  const std::vector<TuneCarried> hands = CarryStiffHands(task, gains);
+  EXPECT_EQ(hands.size(), 20u) << "9 of 6 kN/m, 9 of 10 kN/m, fixture and clamp";
+  for (const TuneCarried& c : hands) {
+    EXPECT_TRUE(c.Calm()) << c.hand.name << ", " << c.contact << ": " << c.run.one_s_N << " N";
+    EXPECT_LT(c.run.half_s_N, 0.6) << c.hand.name;
+  }
+  TuneTask unaided = task;
+  unaided.vibration.acts = false;
+  EXPECT_TRUE(std::ranges::any_of(CarryStiffHands(unaided, gains), [](const auto& c) { return !c.Calm(); }));
 }
 
 }  // namespace

@@ -128,10 +128,10 @@ TEST(VibrationIndex, TheSpindlesHarmonicsAreNotVibration) {
   const double turning = 2.0 * std::numbers::pi * hz;
   // the notches learn within .2 s, and what was seen until then is forgotten in 1.2 s
   EXPECT_LT(After(6.0, cut, turning), 0.02);
-  EXPECT_GT(After(6.0, cut, 0.0), 0.5) << "without the spindle's speed they are";
+  EXPECT_GT(Largest(6.0, cut, 0.0), 0.5) << "without the spindle's speed they are";
   // 10.4 Hz is halfway between the second harmonic and the third
   const auto both = [&](double t) { return cut(t) + (t < 6.0 ? 0.0 : 3.0 * Sine(10.4, t)); };
-  EXPECT_GT(After(6.5, both, turning), 0.5);
+  EXPECT_GT(After(6.3, both, turning), 0.5);
 }
 
 TEST(VibrationIndex, DecaysSixtyTimesSlowerThanItRises) {
@@ -140,8 +140,9 @@ TEST(VibrationIndex, DecaysSixtyTimesSlowerThanItRises) {
   const auto step = [&index](double f) {
     return index.Step({.f = f * Vector3::UnitX(), .t = Vector3::Zero()}, 0.0);
   };
-  for (int i = 0; i < 500; ++i) step(5.0 * Sine(12.0, i * kDt_s));
-  ASSERT_GT(index.index(), 0.95);
+  // it dies as soon as the tool is damped: the loop's own
+  for (int i = 0; i < 1500; ++i) step(index.index() < 0.6 && i < 500 ? 5.0 * Sine(12.0, i * kDt_s) : 0.0);
+  ASSERT_GT(index.index(), 0.5);
   EXPECT_NEAR(index.damping_factor(), 1.0 + index.index() * (params.most_damping - 1.0), 1e-12);
   EXPECT_NEAR(index.mass_factor(), 1.0 + index.index() * (params.most_mass - 1.0), 1e-12);
   for (int i = 0; i < 1000; ++i) step(0.0);  // the energies are gone
@@ -156,7 +157,7 @@ TEST(VibrationIndex, DecaysSixtyTimesSlowerThanItRises) {
 
 TEST(VibrationIndex, SwitchedOffItIsSeenAndDoesNothing) {
   VibrationIndex index({.acts = false}, kDt_s);
-  for (int i = 0; i < 500; ++i)
+  for (int i = 0; i < 350; ++i)
     index.Step({.f = 5.0 * Sine(12.0, i * kDt_s) * Vector3::UnitX(), .t = Vector3::Zero()}, 0.0);
   EXPECT_GT(index.index(), 0.9);
   EXPECT_EQ(index.damping_factor(), 1.0);
@@ -166,7 +167,7 @@ TEST(VibrationIndex, SwitchedOffItIsSeenAndDoesNothing) {
 TEST(VibrationIndex, WorksAtASlowArmsPeriod) {
   for (const double period_s : {0.004, 0.012}) {
     VibrationIndex index({}, period_s);
-    for (int i = 0; i * period_s < 0.5; ++i)
+    for (int i = 0; i * period_s < 0.4; ++i)
       index.Step({.f = 5.0 * Sine(8.0, i * period_s) * Vector3::UnitX(), .t = Vector3::Zero()}, 0.0);
     EXPECT_GT(index.index(), 0.9) << period_s;
   }

@@ -41,6 +41,7 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.wrench_scale = 0.1;
   r.arm_share = 0.7;
   r.vibration_index = 0.3;
+  r.vibration_reference_N = 0.45;
   r.mass_factor = 1.2;
   r.damping_factor = 30.0;
   r.age_damping_factor = 3.0;

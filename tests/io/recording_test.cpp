@@ -115,6 +115,7 @@ TEST(Recording, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.wrench_scale, sent.wrench_scale);
   EXPECT_EQ(r.arm_share, sent.arm_share);
   EXPECT_EQ(r.vibration_index, sent.vibration_index);
+  EXPECT_EQ(r.vibration_reference_N, sent.vibration_reference_N);
   EXPECT_EQ(r.mass_factor, sent.mass_factor);
   EXPECT_EQ(r.damping_factor, sent.damping_factor);
   EXPECT_EQ(r.age_damping_factor, sent.age_damping_factor);

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <random>
+
+#include "kinematics/spatial.h"
+
+namespace osteon::hil {
+
+/// A hand's physiological tremor as a force: along each axis three lines between 8 and 12 Hz, of phases of
+/// their own, so that it beats.
+class Tremor {
+ public:
+  /// @param peak_N  along each axis; 0: none
+  Tremor(double peak_N, std::uint64_t seed) : peak_N_(peak_N) {
+    // raw bits rather than a distribution: the same phases with every standard library
+    std::mt19937_64 bits(seed);
+    for (auto& axis : phase_rad_)
+      for (double& phase : axis) phase = 2.0 * std::numbers::pi * static_cast<double>(bits() >> 11) * 0x1p-53;
+  }
+
+  [[nodiscard]] Vector3 At(double time_s) const noexcept {
+    Vector3 f = Vector3::Zero();
+    if (peak_N_ == 0.0) return f;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t i = 0; i < kHz.size(); ++i)
+        f[static_cast<Eigen::Index>(axis)] +=
+            peak_N_ / 3.0 * std::sin(2.0 * std::numbers::pi * kHz[i] * time_s + phase_rad_[axis][i]);
+    return f;
+  }
+
+ private:
+  static constexpr std::array<double, 3> kHz{8.3, 9.7, 11.1};
+  double peak_N_;
+  std::array<std::array<double, 3>, 3> phase_rad_{};  // axis, line of the spectrum
+};
+
+}  // namespace osteon::hil
