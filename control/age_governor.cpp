@@ -64,7 +64,9 @@ void Validate(const AgeGovernorParams& params) {
 double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisDamping& D,
                 const StiffnessAges& ages, double radius_m) OSTEON_RT {
   if (coupling.active_planes == 0) return 0.0;
-  const AxisDamping root{.Ns_per_m = D.Ns_per_m.cwiseSqrt(), .Nms_per_rad = D.Nms_per_rad.cwiseSqrt()};
+  const AxisDamping root{.Ns_per_m = D.Ns_per_m.cwiseSqrt(),
+                         .Nms_per_rad = D.Nms_per_rad.cwiseSqrt(),
+                         .centre_T_m = D.centre_T_m};
 
   // the normals made orthogonal one by one, each with its lever: A (N^T N)^-1 A^T = sum e e^T
   std::array<Vector3, 3> normal;

@@ -20,10 +20,11 @@ struct AgeGovernorParams {
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const AgeGovernorParams& params);
 
-/// A damping by axis of T; > 0.
+/// A damping by axis of T, at a point C of it; > 0.
 struct AxisDamping {
   Vector3 Ns_per_m{Vector3::Ones()};
   Vector3 Nms_per_rad{Vector3::Ones()};
+  Vector3 centre_T_m{Vector3::Zero()};  ///< C, from T's origin
 };
 
 /// How old what acts is.

@@ -72,6 +72,8 @@ class PassivityController {
 
   /// As it was constructed.
   void Reset() OSTEON_RT;
+  /// Another bound than the constructor's; > 0.
+  void SetMost(double most_Ns_per_m) OSTEON_RT { most_Ns_per_m_ = most_Ns_per_m; }
 
   [[nodiscard]] double energy_J() const OSTEON_RT { return energy_J_; }                  ///< E
   [[nodiscard]] double damping_Ns_per_m() const OSTEON_RT { return damping_Ns_per_m_; }  ///< alpha

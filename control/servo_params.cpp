@@ -45,15 +45,22 @@ void Validate(const ServoParams& params) {
   if (params.start) require("start there_rad", params.start->there_rad, 1e-6, 0.1);
 }
 
+StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT {
+  // within a tick the damping may take all of the motion, on the lightest axis, and no more: with its centre
+  // at a lever, that turns along
+  const double lever_m = params.stabilisers.passivity.lever_m;
+  const double least_kg =
+      std::min(law.mass_kg.minCoeff(), law.inertia_kg_m2.minCoeff() / (lever_m * lever_m));
+  const double centre2 = law.centre_T_m.squaredNorm();
+  const double with_lever_kg = 1.0 / (1.0 / least_kg + centre2 / law.inertia_kg_m2.minCoeff());
+  return {.damping = {.Ns_per_m = law.damping_Ns_per_m,
+                      .Nms_per_rad = law.damping_Nms_per_rad,
+                      .centre_T_m = law.centre_T_m},
+          .most_damping_Ns_per_m = with_lever_kg / params.period_s};
+}
+
 StabilisedLaw LawOf(const ServoParams& params) {
-  const AdmittanceParams& a = params.admittance;
-  if (params.law == Law::kAdmittance) {
-    // within a tick the damping may take all of the motion, on the lightest axis, and no more
-    const double lever_m = params.stabilisers.passivity.lever_m;
-    const double least_kg = std::min(a.mass_kg.minCoeff(), a.inertia_kg_m2.minCoeff() / (lever_m * lever_m));
-    return {.damping = {.Ns_per_m = a.damping_Ns_per_m, .Nms_per_rad = a.damping_Nms_per_rad},
-            .most_damping_Ns_per_m = least_kg / params.period_s};
-  }
+  if (params.law == Law::kAdmittance) return LawOf(params.admittance, params);
   const ImpedanceParams& i = params.impedance;
   const AgeGovernorParams& governor = params.stabilisers.age_governor;
   const auto require = [&](const char* name, const Vector3& law, double arm) {

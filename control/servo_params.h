@@ -85,6 +85,8 @@ void Validate(const ServoParams& params);
 /// What the stabilisers have to know of the law.
 /// @throws std::invalid_argument where the age governor is to act on a law without damping.
 [[nodiscard]] StabilisedLaw LawOf(const ServoParams& params);
+/// The same of an admittance law, whose gains may change in a tick.
+[[nodiscard]] StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT;
 
 /// joint_stop_s in ticks, at least one.
 [[nodiscard]] int JointStopTicks(const ServoParams& params) OSTEON_RT;

@@ -20,6 +20,11 @@ void Stabilisers::Reset() OSTEON_RT {
   passivity_.Reset();
 }
 
+void Stabilisers::Follow(const StabilisedLaw& law) OSTEON_RT {
+  law_.damping = law.damping;
+  passivity_.SetMost(law.most_damping_Ns_per_m);
+}
+
 Wrench Stabilisers::Shape(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT) OSTEON_RT {
   governor_.Step(coupling, X_WT.linear(), law_.damping,
                  {.pose_s = law_.pose_age_s, .planes_s = coupling.age_s + law_.pose_age_s});

@@ -48,6 +48,9 @@ class Stabilisers {
   /// A tool takes up rendering.
   void Reset() OSTEON_RT;
 
+  /// The law has other gains from this tick on: of `law` the damping, and what of it a tick bears.
+  void Follow(const StabilisedLaw& law) OSTEON_RT;
+
   /// Before the limits. @param X_WT, V_WT  that the coupling was evaluated at
   /// @returns the coupling's wrench with both shares; it itself where they are 1.
   [[nodiscard]] Wrench Shape(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT) OSTEON_RT;

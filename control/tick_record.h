@@ -69,11 +69,11 @@ struct TickRecord {
   double vibration_index{0.0};     ///< 0 … 1
   /// Effective value up to which vibration counts as the hand's own.
   double vibration_reference_N{0.0};
-  double mass_factor{1.0};         ///< by which it multiplied the virtual tool's inertia,
-  double damping_factor{1.0};      ///< and its drag
-  double age_damping_factor{1.0};  ///< by which the age governor multiplied the law's damping,
-  double age_wrench_share{1.0};    ///< and the coupling
-  double passivity_energy_J{0.0};  ///< that the planes have given to the tool: E > 0 was made
+  double mass_factor{1.0};                 ///< by which it multiplied the virtual tool's inertia,
+  double damping_factor{1.0};              ///< and its drag
+  double age_damping_factor{1.0};          ///< by which the age governor multiplied the law's damping,
+  double age_wrench_share{1.0};            ///< and the coupling
+  double passivity_energy_J{0.0};          ///< that the planes have given to the tool: E > 0 was made
   double passivity_damping_Ns_per_m{0.0};  ///< that takes it back; 0: did not act
   double tank_J{0.0};                      ///< while rendering
   double tank_share{1.0};                  ///< of the coupling that the tank could pay for

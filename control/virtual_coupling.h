@@ -99,9 +99,11 @@ struct CouplingOutput {
 /// Axial torque of the cut: a spindle that turns about +z of T feels -spindle_torque z, in proportion to this
 /// tick's force over the frame's; zero with the spindle still or no contact.
 ///
-/// No friction is rendered: under a turning reamer it acts along the spindle's speed and is the axial torque;
-/// a regularised friction for a still spindle has the gain mu F / v_0, beyond what a sampled loop can keep
-/// passive at 200 N.
+/// Friction comes with the frames: with a still spindle their planes are tilted, within the cone of mu, by
+/// what the proxy was held back (simulation/contact_law.h), so that the force resists the slip. No more is
+/// added here: under a turning reamer friction acts along the spindle's speed and is the axial torque, and a
+/// regularised friction in the tick has the gain mu F / v_0, beyond what a sampled loop can keep passive at
+/// 200 N.
 ///
 /// @param X_WT  tool pose; its rotation orthonormal  @param V_WT  velocity of T at To, in W
 /// @param now   on the clock of model.pose_stamp; not decreasing

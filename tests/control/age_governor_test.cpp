@@ -6,7 +6,9 @@
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+
 #include <Eigen/Dense>
+#include "control/stabilisers.h"
 
 #include "control/admittance_law.h"
 #include "control/rt/no_alloc_scope.h"
@@ -43,7 +45,8 @@ class RandomContact {
   }
   AxisDamping Damping() {
     return {.Ns_per_m = Vector3::NullaryExpr([&] { return Spread(2.0, 100.0); }),
-            .Nms_per_rad = Vector3::NullaryExpr([&] { return Spread(0.05, 3.0); })};
+            .Nms_per_rad = Vector3::NullaryExpr([&] { return Spread(0.05, 3.0); }),
+            .centre_T_m = (Uniform(0.0, 1.0) < 0.5 ? 0.0 : Uniform(0.0, 0.2)) * Direction()};
   }
 
  private:
@@ -74,12 +77,16 @@ Matrix6 AgedStiffness(const CouplingOutput& c, const StiffnessAges& ages, double
   return K;
 }
 
-// D in W, of a law whose axes are the tool's.
+// D in W at To, of a law whose axes are the tool's at its centre.
 Matrix6 DampingInWorld(const AxisDamping& D, const Matrix3& R_WT, double factor) {
-  Matrix6 in_W = Matrix6::Zero();
-  in_W.topLeftCorner<3, 3>() = R_WT * (factor * D.Ns_per_m).asDiagonal() * R_WT.transpose();
-  in_W.bottomRightCorner<3, 3>() = R_WT * (factor * D.Nms_per_rad).asDiagonal() * R_WT.transpose();
-  return in_W;
+  const Vector3& c = D.centre_T_m;
+  Matrix6 at_centre = Matrix6::Identity(), turn = Matrix6::Zero();
+  at_centre.topRightCorner<3, 3>() << 0, c.z(), -c.y(), -c.z(), 0, c.x(), c.y(), -c.x(), 0;
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = R_WT;
+  Eigen::Matrix<double, 6, 1> axes;
+  axes << factor * D.Ns_per_m, factor * D.Nms_per_rad;
+  const Matrix6 in_T = at_centre.transpose() * axes.asDiagonal() * at_centre;
+  return turn * in_T * turn.transpose();
 }
 
 Eigen::Matrix<double, 6, 1> GeneralisedEigenvalues(const Matrix6& K, const Matrix6& D) {
@@ -266,6 +273,28 @@ TEST(AgeGovernor, RefusesParametersOutOfRange) {
   EXPECT_THROW(AgeGovernor({.most_damping = 0.5}, kT), std::invalid_argument);
   EXPECT_THROW(AgeGovernor({.tool_radius_m = 0.0}, kT), std::invalid_argument);
   EXPECT_THROW(AgeGovernor({.release_s = std::nan("")}, kT), std::invalid_argument);
+}
+
+// Gains that change while the loop renders change what the governor has to work with.
+TEST(AgeGovernor, FollowsTheLawsOwnDamping) {
+  const auto with = [](double Ns_per_m) {
+    return StabilisedLaw{
+        .damping = {.Ns_per_m = Vector3::Constant(Ns_per_m), .Nms_per_rad = Vector3::Constant(1e3)},
+        .pose_age_s = 2e-3};
+  };
+  CouplingOutput coupling;
+  coupling.fade = 1.0;
+  coupling.active_planes = 1;
+  coupling.active[0] = {.n_W = Vector3::UnitX(), .stiffness_N_per_m = 15e3};
+  const auto factor = [&](Stabilisers& stabilisers) {
+    (void)stabilisers.Shape(coupling, Pose::Identity(), {});
+    return stabilisers.damping_factor();
+  };
+  Stabilisers stabilisers({}, with(20.0), kT);
+  const double at_20 = factor(stabilisers);
+  EXPECT_NEAR(at_20, 1.02 * 15e3 * 2e-3 / 20.0, 0.01) << "one direction: the bound is the eigenvalue";
+  stabilisers.Follow(with(10.0));
+  EXPECT_NEAR(factor(stabilisers), 2.0 * at_20, 0.02);
 }
 
 }  // namespace
