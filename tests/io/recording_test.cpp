@@ -269,13 +269,13 @@ TEST(Recording, KeepsNegativeZeroAndNaN) {
 
 // Fields are written in their order: 20, its tag in two bytes and the double, before 21, the inputs.
 TEST(Recording, ATickFromBeforeTheArmsShareAndTheInputsWereRecordedReadsAsNone) {
-  const std::string now = Encoded(SomeTick(1));
+  const std::string now = Encoded(SomeTick(2));
   const std::size_t share = now.rfind("\xA1\x01");
   ASSERT_NE(share, std::string::npos);
   ASSERT_EQ(now.substr(share + 10, 2), "\xAA\x01");
   control::TickRecord r;
   ASSERT_EQ(Decode(now.substr(0, share + 10), r), "");
-  EXPECT_EQ(r.arm_share, SomeTick(1).arm_share);
+  EXPECT_EQ(r.arm_share, SomeTick(2).arm_share);
   EXPECT_EQ(r.input.now, 0) << "no inputs";
   ASSERT_EQ(Decode(now.substr(0, share), r), "");
   EXPECT_EQ(r.arm_share, 1.0);
@@ -284,7 +284,7 @@ TEST(Recording, ATickFromBeforeTheArmsShareAndTheInputsWereRecordedReadsAsNone) 
   EXPECT_EQ(r.age_damping_factor, 1.0);
   EXPECT_EQ(r.age_wrench_share, 1.0);
   EXPECT_EQ(r.tank_share, 1.0);
-  EXPECT_EQ(r.compute_ns, SomeTick(1).compute_ns);
+  EXPECT_EQ(r.compute_ns, SomeTick(2).compute_ns);
 }
 
 TEST(Recording, TwoEqualRunsGiveEqualBytes) {
