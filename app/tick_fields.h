@@ -76,7 +76,7 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"wrench_scale"}, r.wrench_scale);
   visit(FieldName{"arm_share"}, r.arm_share);
   visit(FieldName{"vibration_index"}, r.vibration_index);
-  visit(FieldName{"vibration_reference_N"}, r.vibration_reference_N);
+  visit(FieldName{"vibration_reference", "", "N"}, r.vibration_reference_N);
   visit(FieldName{"mass_factor"}, r.mass_factor);
   visit(FieldName{"damping_factor"}, r.damping_factor);
   visit(FieldName{"age_damping_factor"}, r.age_damping_factor);

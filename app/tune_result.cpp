@@ -94,15 +94,15 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
     const double most = std::ranges::max(r.carried, {}, [](const TuneCarried& c) {
                           return c.run.mean_damping;
                         }).run.mean_damping;
-    rows.push_back({"With the vibration index",
-                    !t.vibration.acts
-                        ? std::string("it does not act in this cell")
-                        : fmt::format("{} of {} stiffer hands are calm 1 s after the grip closed; the worst, "
-                                      "{} ({}), keeps {:.2f} N of 5 to 40 Hz; their drag is on average up to "
-                                      "{:.0f} times the recommended; hands up to {:g} N/m raise the index to "
-                                      "{:.2g}",
-                                      calm, r.carried.size(), worst->hand.name, worst->contact,
-                                      worst->run.one_s_N, most, t.human_grip_N_per_m, r.human_index)});
+    rows.push_back(
+        {"With the vibration index",
+         fmt::format("{} of {} stiffer hands are calm 1 s after the grip closed; the worst, "
+                     "{} ({}), keeps {:.2f} N of 5 to 40 Hz; their drag is on average up to "
+                     "{:.0f} times the recommended; hands up to {:g} N/m raise the index to "
+                     "{:.2g}{}",
+                     calm, r.carried.size(), worst->hand.name, worst->contact, worst->run.one_s_N, most,
+                     t.human_grip_N_per_m, r.human_index,
+                     t.index_acts ? "" : "; in this cell it does not act (vibration: acts: false)")});
   }
   rows.push_back(
       {"Any age by itself", fmt::format("a_max K of the planes: {:.0f} N s/m", r.age_bound_Ns_per_m)});
@@ -158,9 +158,8 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
   json["stiff_grips"] = {{"grip_N_per_m", t.stiffest_grip_N_per_m},
                          {"damping_Ns_per_m", Finite(r.stiffest_Ns_per_m)},
                          {"clamp_damping_Ns_per_m", Finite(r.clamp_Ns_per_m)}};
-  json["stiff_hands"] = {{"index_acts", t.vibration.acts},
-                         {"index_of_grips", r.human_index},
-                         {"hands", nlohmann::json::array()}};
+  json["stiff_hands"] = {
+      {"index_acts", t.index_acts}, {"index_of_grips", r.human_index}, {"hands", nlohmann::json::array()}};
   for (const TuneCarried& c : r.carried)
     json["stiff_hands"]["hands"].push_back({{"hand", c.hand.name},
                                             {"stiffness_N_per_m", c.hand.stiffness_N_per_m},

@@ -68,6 +68,8 @@ TuneTask TuneTaskOf(const config::CellConfig& cell) {
   const double radius_m = head ? head->radius_m : cell.tool.tool.balls.front().radius_m;
   task.plane_N_per_m = cell.servo.wrench.max_force_N / radius_m;
   task.vibration = cell.servo.vibration;
+  task.index_acts = task.vibration.acts;
+  task.vibration.acts = true;
   return task;
 }
 

@@ -27,7 +27,8 @@ struct TuneTask {
   double human_grip_N_per_m{3e3};                      ///< for these the tool has to stay light ...
   double stiffest_grip_N_per_m{10e3};                  ///< ... and these have to be stable at all
   double most_mass_kg{5.0}, most_drag_Ns_per_m{30.0};  ///< what counts as light
-  control::VibrationParams vibration{};                ///< the cell's
+  control::VibrationParams vibration{};                ///< the cell's, and acting
+  bool index_acts{true};                               ///< in the cell, too
 };
 
 [[nodiscard]] TuneTask TuneTaskOf(const config::CellConfig& cell);

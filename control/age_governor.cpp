@@ -26,12 +26,13 @@ struct Rows {
   }
 };
 
-// The direction that a force along u at arm_W works on, over the root of the damping.
+// The direction that a force along u at arm_W works on, at the damping's centre and over its root.
 Vector6 Seen(const Vector3& u_W, const Vector3& arm_W, const Matrix3& R_WT,
              const AxisDamping& root) OSTEON_RT {
   Vector6 a;
-  a << (R_WT.transpose() * u_W).cwiseQuotient(root.Ns_per_m),
-      (R_WT.transpose() * arm_W.cross(u_W)).cwiseQuotient(root.Nms_per_rad);
+  const Vector3 u_T = R_WT.transpose() * u_W;
+  const Vector3 arm_T = R_WT.transpose() * arm_W - root.centre_T_m;
+  a << u_T.cwiseQuotient(root.Ns_per_m), arm_T.cross(u_T).cwiseQuotient(root.Nms_per_rad);
   return a;
 }
 
@@ -143,7 +144,8 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
   const auto with_arm = [&](double factor) {
     return AxisDamping{
         .Ns_per_m = factor * law.Ns_per_m + Vector3::Constant(params_.arm_damping_Ns_per_m),
-        .Nms_per_rad = factor * law.Nms_per_rad + Vector3::Constant(params_.arm_damping_Nms_per_rad)};
+        .Nms_per_rad = factor * law.Nms_per_rad + Vector3::Constant(params_.arm_damping_Nms_per_rad),
+        .centre_T_m = law.centre_T_m};
   };
   double factor = 1.0, share = 1.0;
   const AxisDamping D = with_arm(1.0);

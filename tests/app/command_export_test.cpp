@@ -107,7 +107,6 @@ TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
                                       "wrench_scale",
                                       "arm_share",
                                       "vibration_index",
-                                      "vibration_reference_N",
                                       "mass_factor",
                                       "damping_factor",
                                       "age_damping_factor",

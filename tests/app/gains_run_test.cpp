@@ -56,7 +56,7 @@ GainsRide Ride() {
                              .notice = [&](const std::string& text) { ride.notices.push_back(text); },
                              .progress = edit};
   auto result = RunCell(*setup, **engine, params);
-  EXPECT_TRUE(result) << result.error();
+  EXPECT_TRUE(result) << result.error().what;
   ride.result = std::move(*result);
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();

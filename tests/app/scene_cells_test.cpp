@@ -29,7 +29,7 @@ std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& eng
   auto result = RunCell(setup, **engine,
                         {.seconds = seconds, .virtual_time = true, .recording = folder.path() / "r.mcap"});
   if (!result) {
-    ADD_FAILURE() << result.error();
+    ADD_FAILURE() << result.error().what;
     return std::nullopt;
   }
   EXPECT_EQ(result->end, control::RunEnd::kSeconds);

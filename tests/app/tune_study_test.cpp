@@ -89,6 +89,7 @@ TEST(TuneStudy, TheVibrationIndexCarriesTheHandsThatTheGainsDoNot) {
   const TuneTask task = DemoTask();
   const TuneGains gains{1.7, 30.0};
   ASSERT_TRUE(task.vibration.acts);
+  EXPECT_FALSE(task.index_acts) << "the cell records it only";
   EXPECT_EQ(IndexWith(task, gains, HandsUpTo(3e3)), 0.0) << "up to the grip they need no index";
   const std::vector<TuneCarried> hands = CarryStiffHands(task, gains);
   EXPECT_EQ(hands.size(), 20u) << "9 of 6 kN/m, 9 of 10 kN/m, fixture and clamp";

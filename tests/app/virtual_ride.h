@@ -37,7 +37,7 @@ VirtualRide RideVirtually(const std::string& name, double seconds, const Change&
                              .recoveries = recoveries,
                              .recording = folder.path() / "r.mcap"};
   auto result = RunCell(*setup, **engine, params);
-  EXPECT_TRUE(result) << result.error();
+  EXPECT_TRUE(result) << result.error().what;
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
   VirtualRide ride;

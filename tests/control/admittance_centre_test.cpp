@@ -260,7 +260,9 @@ TEST(AdmittanceCentre, AChangeOfMassNeverAddsEnergyAndKeepsTheVelocityOfWhatGets
     EXPECT_LE(Energy(after, R, next), Energy(before, R, V) * (1.0 + 1e-12));
     const Vector3 w_T = R.transpose() * V.w, w_next_T = R.transpose() * next.w;
     for (int i = 0; i < 3; ++i)
-      if (after.inertia_kg_m2[i] < before.inertia_kg_m2[i]) EXPECT_NEAR(w_next_T[i], w_T[i], 1e-14);
+      if (after.inertia_kg_m2[i] < before.inertia_kg_m2[i]) {
+        EXPECT_NEAR(w_next_T[i], w_T[i], 1e-14);
+      }
   }
 }
 

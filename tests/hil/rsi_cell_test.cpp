@@ -151,7 +151,8 @@ TEST(RsiCell, WithoutPowerRsiEndsAndBeginsAnewWithIt) {
   rt::Nanoseconds now = kCycle;
   const auto cycles = [&](int count) {
     for (int k = 0; k < count; ++k) {
-      client.Accept(cell.Step(now += kCycle), now);
+      now += kCycle;
+      client.Accept(cell.Step(now), now);
       if (client.accepted) cell.Receive(client.Answer());
     }
   };
@@ -189,7 +190,8 @@ TEST(RsiCell, APcThatComesLateIsWaitedFor) {
             cell.state().session == SessionState::kIdle ? "timeout: 20 answers late, RSI ends at 20" : "");
   Client client(SessionParams(params));
   for (int k = 0; k < 600; ++k) {
-    client.Accept(cell.Step(now += kCycle), now);
+    now += kCycle;
+    client.Accept(cell.Step(now), now);
     if (client.accepted) cell.Receive(client.Answer());
   }
   EXPECT_EQ(client.arm.session, SessionState::kCommandingActive);
@@ -204,14 +206,16 @@ TEST(RsiCell, AfterALossItBeginsAgainOnlyWhereThatIsAskedFor) {
     Client client(SessionParams(params));
     rt::Nanoseconds now = 0;
     for (int k = 0; k < 100; ++k) {
-      client.Accept(cell.Step(now += kCycle), now);
+      now += kCycle;
+      client.Accept(cell.Step(now), now);
       cell.Receive(client.Answer());
     }
     for (int k = 0; k < 200; ++k) cell.Step(now += kCycle);  // the PC is away for .8 s
     EXPECT_EQ(cell.state().rsi_stop.reason, RsiStopReason::kTimeout);
     EXPECT_EQ(cell.state().delay, 20u);
     for (int k = 0; k < 200; ++k) {
-      client.Accept(cell.Step(now += kCycle), now);
+      now += kCycle;
+      client.Accept(cell.Step(now), now);
       if (client.accepted) cell.Receive(client.Answer());
     }
     EXPECT_EQ(cell.state().session, again ? SessionState::kCommandingActive : SessionState::kIdle);
@@ -227,7 +231,8 @@ TEST(RsiCell, ItsOwnLatenessEndsNothing) {
   Client client(SessionParams(params));
   rt::Nanoseconds now = 0;
   for (int k = 0; k < 50; ++k) {
-    client.Accept(cell.Step(now += kCycle), now);
+    now += kCycle;
+    client.Accept(cell.Step(now), now);
     cell.Receive(client.Answer());
   }
   for (int k = 0; k < 30; ++k) ASSERT_FALSE(cell.Step(now += kCycle, false).empty());
