@@ -20,7 +20,7 @@ TEST(TuneStudy, TakesTheLoopFromTheCell) {
   EXPECT_DOUBLE_EQ(task.loop.arm.bandwidth_hz, 15.0);
   EXPECT_EQ(task.loop.arm.dead_cycles, 3);
   EXPECT_DOUBLE_EQ(task.loop.period_s, 1e-3);
-  EXPECT_DOUBLE_EQ(task.loop.mass_kg, 3.0);
+  EXPECT_DOUBLE_EQ(task.loop.mass_kg, 1.7);
   EXPECT_DOUBLE_EQ(task.wall_N_per_m, 20e3);
   EXPECT_NEAR(task.plane_N_per_m, 200.0 / 0.025, 1e-6) << "200 N on a head of 25 mm";
 }
