@@ -1,7 +1,4 @@
-#include <unistd.h>
-
 #include <filesystem>
-#include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,35 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
-
-CellConfig LoadText(const std::string& yaml) {
-  const fs::path file =
-      fs::temp_directory_path() / ("osteon_stabilisers_" + std::to_string(::getpid()) + ".yaml");
-  std::ofstream(file) << yaml;
-  try {
-    CellConfig cell = LoadCell(file);
-    fs::remove(file);
-    return cell;
-  } catch (...) {
-    fs::remove(file);
-    throw;
-  }
-}
-
-std::string Refusal(const std::string& yaml) {
-  try {
-    static_cast<void>(LoadText(yaml));
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-std::string With(std::string yaml, const std::string& before, const std::string& after) {
-  const std::size_t at = yaml.find(before);
-  if (at == std::string::npos) throw std::logic_error("the cell has changed: " + before);
-  return yaml.replace(at, before.size(), after);
-}
 
 std::string Without(std::string yaml, const std::string& section) {
   const std::size_t from = yaml.find("\n" + section + ":"), to = yaml.find("\n\n", from);
