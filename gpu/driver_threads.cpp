@@ -5,15 +5,19 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
 
 namespace osteon::gpu {
 namespace {
 
 constexpr const char* kTasks = "/proc/self/task";
+constexpr int kMostLooks = 15;
+constexpr std::chrono::milliseconds kLook{2};
 constexpr const char* kRasterizer = "llvmpipe-";  // name of a rasterizer's thread, less its number
 
 // Of this process, sorted; none where the system does not say.
@@ -40,20 +44,33 @@ std::string NameOf(int id) {
 
 DriverThreads::DriverThreads() : before_(Threads()) {}
 
-int DriverThreads::Spread() const {
+DriverThreads::Begun DriverThreads::Look() const {
   // a thread that was given no name has its creator's
   const std::string own = NameOf(static_cast<int>(gettid()));
-  std::vector<int> begun, workers;
+  std::vector<int> ids;
   const std::vector<int> now = Threads();
-  std::set_difference(now.begin(), now.end(), before_.begin(), before_.end(), std::back_inserter(begun));
-  std::size_t rasterizers = 0;
-  for (const int id : begun) {
+  std::set_difference(now.begin(), now.end(), before_.begin(), before_.end(), std::back_inserter(ids));
+  Begun begun;
+  for (const int id : ids) {
     const std::string name = NameOf(id);
-    if (name.starts_with(kRasterizer)) ++rasterizers;
-    if (name == own && workers.size() < rasterizers) workers.push_back(id);
+    if (name.starts_with(kRasterizer)) ++begun.rasterizers;
+    if (name != own) continue;
+    ++begun.unnamed;
+    if (begun.workers.size() < begun.rasterizers) begun.workers.push_back(id);
   }
+  return begun;
+}
+
+int DriverThreads::Spread() const {
+  // a rasterizer names itself, once it runs: on a busy machine some time after the device is open
+  Begun begun = Look();
+  for (int look = 0; look < kMostLooks && begun.unnamed != begun.rasterizers; ++look) {
+    std::this_thread::sleep_for(kLook);
+    begun = Look();
+  }
+  const std::vector<int>& workers = begun.workers;
   cpu_set_t allowed;
-  if (workers.size() != rasterizers || sched_getaffinity(0, sizeof allowed, &allowed) != 0 ||
+  if (workers.size() != begun.rasterizers || sched_getaffinity(0, sizeof allowed, &allowed) != 0 ||
       static_cast<std::size_t>(CPU_COUNT(&allowed)) < workers.size())
     return 0;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace osteon::gpu {
@@ -16,10 +17,17 @@ class DriverThreads {
   /// Before the device opens.
   DriverThreads();
 
-  /// Once it is open. @returns how many threads were given a core.
+  /// Once it is open; waits 30 ms at most for its threads' names. @returns how many threads
+  /// were given a core.
   int Spread() const;
 
  private:
+  struct Begun {
+    std::size_t rasterizers{0}, unnamed{0};
+    std::vector<int> workers;  ///< unnamed ones after as many rasterizers, as many as these at most
+  };
+  [[nodiscard]] Begun Look() const;
+
   std::vector<int> before_;  ///< thread ids, sorted
 };
 
