@@ -9,6 +9,7 @@
 #include "app/arm_wire.h"
 #include "app/build_name.h"
 #include "app/chart_files.h"
+#include "app/each_fault.h"
 #include "app/gains_watch.h"
 #include "app/recorded_config.h"
 #include "app/simulated_cell_run.h"
@@ -36,13 +37,11 @@ rt::Nanoseconds UtcNow() {
 
 void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSet faults,
                   safety::FaultSet& known) {
-  for (std::uint32_t bit = 1; bit != 0; bit <<= 1) {
-    const auto fault = static_cast<safety::Fault>(bit);
-    if (!faults.Has(fault) || known.Has(fault)) continue;
+  ForEachFault(faults, [&](safety::Fault fault, const safety::FaultText& text) {
+    if (known.Has(fault)) return;
     known.Latch(fault);
-    const safety::FaultText text = safety::Describe(fault);
     recorder.PushEvent(stamp, std::string("fault: ") + text.name + "; " + text.reaction);
-  }
+  });
 }
 
 // What a run in wall time speaks through.

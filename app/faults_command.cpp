@@ -1,28 +1,26 @@
 #include "app/faults_command.h"
 
+#include <bit>
+#include <cstdint>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/each_fault.h"
 #include "app/summary.h"
-#include "safety/fault.h"
 
 namespace osteon::app {
 namespace {
 
 constexpr int kFailed = 1;
 
-template <class Each>
-void ForEachFault(Each&& each) {
-  for (int bit = 0; bit < safety::kFaultCount; ++bit)
-    each(bit, safety::Describe(static_cast<safety::Fault>(1u << bit)));
-}
+int BitOf(safety::Fault fault) { return std::countr_zero(static_cast<std::uint32_t>(fault)); }
 
 std::string Json() {
   nlohmann::ordered_json faults = nlohmann::json::array();
-  ForEachFault([&](int bit, const safety::FaultText& text) {
-    faults.push_back({{"bit", bit},
+  ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
+    faults.push_back({{"bit", BitOf(fault)},
                       {"name", text.name},
                       {"cause", text.cause},
                       {"reaction", text.reaction},
@@ -40,15 +38,15 @@ std::string FaultsPage() {
       "stays until the\nsession is begun anew. The recording has the bits by tick (`faults`), `summary.json` "
       "the names, and each stop leaves\nits own page (docs/recording.md).\n\n"
       "| bit | fault | what was seen | what the cell does | how to go on |\n|---|---|---|---|---|\n";
-  ForEachFault([&](int bit, const safety::FaultText& text) {
-    page +=
-        fmt::format("| {} | {} | {} | {} | {} |\n", bit, text.name, text.cause, text.reaction, text.clearing);
+  ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
+    page += fmt::format("| {} | {} | {} | {} | {} |\n", BitOf(fault), text.name, text.cause, text.reaction,
+                        text.clearing);
   });
   return page;
 }
 
 int RunFaults(const FaultsOptions& options) {
-  ForEachFault([](int, const safety::FaultText& text) {
+  ForEachFault([](safety::Fault, const safety::FaultText& text) {
     fmt::print("{}\n  seen:  {}\n  does:  {}\n  go on: {}\n", text.name, text.cause, text.reaction,
                text.clearing);
   });

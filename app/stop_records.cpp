@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/each_fault.h"
 #include "app/export_tables.h"
 #include "app/report/page.h"
 #include "app/report/run_charts.h"
@@ -23,15 +24,12 @@ bool Ends(Phase phase) { return phase == Phase::kStopping || phase == Phase::kSt
 
 std::string FaultTable(const StopRecord& stop) {
   std::string rows;
-  for (int bit = 0; bit < safety::kFaultCount; ++bit) {
-    const auto fault = static_cast<safety::Fault>(1u << bit);
-    if (!stop.faults.Has(fault)) continue;
-    const safety::FaultText text = safety::Describe(fault);
+  ForEachFault(stop.faults, [&](safety::Fault, const safety::FaultText& text) {
     rows += "<tr>";
     for (const char* cell : {text.name, text.cause, text.reaction, text.clearing})
       rows += "<td>" + Escape(cell) + "</td>";
     rows += "</tr>\n";
-  }
+  });
   if (rows.empty()) return "<p>No fault: it was asked to stop.</p>\n";
   return "<table>\n<tr><th>fault</th><th>what was seen</th><th>what the cell does</th><th>how to go "
          "on</th></tr>\n" +
@@ -60,10 +58,9 @@ std::string PageOf(const io::Recording& recording, const StopRecord& stop, std::
 
 std::string StopRecord::Why() const {
   std::string why;
-  for (int bit = 0; bit < safety::kFaultCount; ++bit) {
-    const auto fault = static_cast<safety::Fault>(1u << bit);
-    if (faults.Has(fault)) why += (why.empty() ? "" : "; ") + std::string(safety::Describe(fault).name);
-  }
+  ForEachFault(faults, [&](safety::Fault, const safety::FaultText& text) {
+    why += (why.empty() ? "" : "; ") + std::string(text.name);
+  });
   if (why.empty()) return asked ? "asked for" : "the arm ended the session";
   return why;
 }
@@ -77,12 +74,14 @@ std::vector<StopRecord> FindStops(std::span<const TickRecord> ticks) {
     std::size_t rest = i;
     while (rest < ticks.size() && ticks[rest].phase == Phase::kStopping) ++rest;
     const rt::Nanoseconds until = ticks[std::min(rest, ticks.size() - 1)].stamp + kAfter;
+    std::uint32_t bits = 0;
     while (stop.end < ticks.size() && Ends(ticks[stop.end].phase) && ticks[stop.end].stamp <= until) {
-      for (int bit = 0; bit < safety::kFaultCount; ++bit)
-        if ((ticks[stop.end].faults & (1u << bit)) != 0)
-          stop.faults.Latch(static_cast<safety::Fault>(1u << bit));
+      bits |= ticks[stop.end].faults;
       ++stop.end;
     }
+    ForEachFault([&](safety::Fault fault, const safety::FaultText&) {
+      if ((bits & static_cast<std::uint32_t>(fault)) != 0) stop.faults.Latch(fault);
+    });
     stops.push_back(stop);
   }
   return stops;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/each_fault.h"
 #include "app/interrupt.h"
 #include "simulation/metrics/cut_metrics.h"
 #include "simulation/tools/swept_tool.h"
@@ -51,17 +52,15 @@ double RateOf(const std::vector<rt::Nanoseconds>& stamps) {
 // When each fault first showed, from the ticks.
 std::vector<FaultRow> FaultRows(safety::FaultSet faults, const io::Recording& recording) {
   std::vector<FaultRow> rows;
-  for (std::uint32_t bit = 1; bit != 0; bit <<= 1) {
-    const auto fault = static_cast<safety::Fault>(bit);
-    if (!faults.Has(fault)) continue;
-    const auto first = std::find_if(recording.ticks.begin(), recording.ticks.end(),
-                                    [&](const control::TickRecord& t) { return (t.faults & bit) != 0; });
+  ForEachFault(faults, [&](safety::Fault fault, const safety::FaultText& text) {
+    const auto first = std::find_if(
+        recording.ticks.begin(), recording.ticks.end(),
+        [&](const control::TickRecord& t) { return (t.faults & static_cast<std::uint32_t>(fault)) != 0; });
     const double time_s = first == recording.ticks.end()
                               ? std::nan("")
                               : rt::ToSeconds(first->stamp - recording.ticks.front().stamp);
-    const safety::FaultText text = safety::Describe(fault);
     rows.push_back({.name = text.name, .time_s = time_s, .reaction = text.reaction});
-  }
+  });
   return rows;
 }
 

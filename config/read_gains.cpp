@@ -55,7 +55,7 @@ void ReadCoupling(Reader section, control::CouplingParams& coupling) {
 }
 
 void LayGainsOver(const std::filesystem::path& file, control::Law law, control::AdmittanceParams& admittance,
-                  control::CouplingParams& coupling) {
+                  control::CouplingParams& coupling, double most_stiffness_N_per_m) {
   Reader reader = Reader::Load(file);
   if (law == control::Law::kImpedance && reader.Has("admittance"))
     reader.Refuse(
@@ -67,6 +67,11 @@ void LayGainsOver(const std::filesystem::path& file, control::Law law, control::
   if (reader.Has("coupling")) {
     Reader section = reader.Section("coupling");
     ReadForces(section, Keys::kAny, forces);
+    if (section.Has("stiffness_N_per_mm") && forces.max_stiffness_N_per_m > most_stiffness_N_per_m)
+      section.Refuse(
+          "stiffness_N_per_mm",
+          fmt::format("found {:.10g}, accepted at most {:.10g} while it runs: what it was started with",
+                      1e-3 * forces.max_stiffness_N_per_m, 1e-3 * most_stiffness_N_per_m));
   }
   reader.Finish();
   admittance = virtual_tool;
@@ -78,14 +83,7 @@ control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law la
   control::AdmittanceParams admittance;
   control::CouplingParams coupling;
   control::Lay(own, admittance, coupling);
-  LayGainsOver(file, law, admittance, coupling);
-  Reader reader = Reader::Load(file);
-  if (reader.Has("coupling") && reader.Section("coupling").Has("stiffness_N_per_mm") &&
-      coupling.max_stiffness_N_per_m > most_stiffness_N_per_m)
-    reader.Section("coupling")
-        .Refuse("stiffness_N_per_mm",
-                fmt::format("found {:.10g}, accepted at most {:.10g} while it runs: what it was started with",
-                            1e-3 * coupling.max_stiffness_N_per_m, 1e-3 * most_stiffness_N_per_m));
+  LayGainsOver(file, law, admittance, coupling, most_stiffness_N_per_m);
   // a file that does not say it leaves the cell's own, as far as it can be had
   coupling.max_stiffness_N_per_m = std::min(coupling.max_stiffness_N_per_m, most_stiffness_N_per_m);
   return control::GainsOf(admittance, coupling);

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include <limits>
+
 #include "config/reader.h"
 #include "control/admittance_law.h"
 #include "control/gains.h"
@@ -21,9 +23,11 @@ void ReadCoupling(Reader section, control::CouplingParams& coupling);
 /// own keys but those that are no gains (admittance: centre_m, locked; coupling: fresh_ms, gone_ms, ramp_ms),
 /// in the same ranges. What it does not say stays.
 /// @param law  of the cell: `admittance` is accepted where it has that law
+/// @param most_stiffness_N_per_m  that the file may ask for
 /// @throws ConfigError naming file, line, what was found and what is accepted.
 void LayGainsOver(const std::filesystem::path& file, control::Law law, control::AdmittanceParams& admittance,
-                  control::CouplingParams& coupling);
+                  control::CouplingParams& coupling,
+                  double most_stiffness_N_per_m = std::numeric_limits<double>::infinity());
 
 /// The gains of a cell with a file laid over them, read anew: what the loop may change to while it runs.
 /// @param own  of the cell's own file  @param most_stiffness_N_per_m  that the simulation was started with

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cmath>
-#include <limits>
-
 #include "control/rt/marker.h"
 #include "kinematics/spatial.h"
 

@@ -1,0 +1,57 @@
+// How ServoLoop comes to rest.
+
+#include <algorithm>
+
+#include "control/servo_loop.h"
+#include "control/twist_parts.h"
+
+namespace osteon::control {
+namespace {
+
+constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
+
+}  // namespace
+
+// From here on V_WT_ is the velocity of the commanded tool itself.
+void ServoLoop::StartStopping() OSTEON_RT {
+  if (phase_ != Phase::kHaptic) return;
+  phase_ = Phase::kStopping;
+  stop_ticks_ = 0;
+  V_WT_ = Scaled(V_WT_, share_);
+  share_ = 1.0;
+}
+
+void ServoLoop::Brake() OSTEON_RT {
+  if (params_.law == Law::kImpedance) {
+    BrakeImpedance();
+    return;
+  }
+  if (arm_->braking_joints()) {
+    BrakeJoints();
+    return;
+  }
+  // the whole twist by one factor: the longer of the two halves' braking times counts
+  const double dt_s = params_.period_s;
+  const double time_s = std::max(V_WT_.v.norm() / params_.stop_deceleration_m_per_s2,
+                                 V_WT_.w.norm() / params_.stop_deceleration_rad_per_s2);
+  V_WT_ = Scaled(V_WT_, time_s > dt_s ? 1.0 - dt_s / time_s : 0.0);
+  if (V_WT_.v.norm() < kRest_m_per_s && V_WT_.w.norm() < kRest_rad_per_s) {
+    V_WT_ = {};
+    arm_->Rest();
+    phase_ = Phase::kStopped;
+    return;
+  }
+  bool limited = false;
+  if (!Follow(limited)) BrakeJoints();
+}
+
+void ServoLoop::BrakeJoints() OSTEON_RT {
+  const Vector3 p_before = arm_->X_WT().translation();
+  const bool rests = arm_->BrakeJoints();
+  V_WT_ = {.v = (arm_->X_WT().translation() - p_before) / params_.period_s, .w = Vector3::Zero()};
+  if (!rests) return;
+  V_WT_ = {};
+  phase_ = Phase::kStopped;
+}
+
+}  // namespace osteon::control
