@@ -85,6 +85,7 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"passivity_damping", "", "Ns_per_m"}, r.passivity_damping_Ns_per_m);
   visit(FieldName{"tank", "", "J"}, r.tank_J);
   visit(FieldName{"tank_share"}, r.tank_share);
+  visit(FieldName{"limits"}, r.limits);
   fields::ForceTorque("F_bias_S", r.F_bias_S, visit);
   visit(FieldName{"activation_cmd"}, r.activation_cmd);
   fields::ForceTorque("F_cmd_T", r.F_cmd_T, visit);

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "kinematics/lbr_arm.h"
+#include "kinematics/ortho_parallel_arm.h"
 #include "kinematics/serial_chain.h"
 #include "safety/workspace.h"
 
@@ -58,6 +60,14 @@ Pose FlangePose(const LbrConfig& arm, const kinematics::JointVector& q) {
 
 Pose FlangePose(const SixAxisConfig& arm, const kinematics::JointVector& q) {
   return kinematics::SerialChain<6>(arm.chain).FlangePose(q.head<6>());
+}
+
+Vector3 ElbowPosition(const LbrConfig& arm, const kinematics::JointVector& q) {
+  return kinematics::LbrArm(arm.params).ElbowPosition(q);
+}
+
+Vector3 ElbowPosition(const SixAxisConfig& arm, const kinematics::JointVector& q) {
+  return kinematics::OrthoParallelArm(arm.params).ElbowPosition(q.head<6>());
 }
 
 std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
@@ -150,7 +160,7 @@ std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
   }
   const double flange_m = workspace.plane_normal_W.dot(X_WF.translation()) - workspace.plane_offset_m;
 
-  return {
+  std::vector<RegistrationRow> rows{
       {.name = "from the joints at the start to their nearest limit",
        .value = margin_rad / kDegree,
        .unit = "deg",
@@ -184,6 +194,23 @@ std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
        .hint = "the arm would be beneath it",
        .note = {}},
   };
+  const safety::Workspace bounds(workspace);
+  const auto zone_row = [&](safety::ZonePoint point, const char* name, const Vector3& p_W) {
+    if (!bounds.Has(point)) return;
+    rows.push_back({.name = fmt::format("from the {} at the start to its zones' bounds", name),
+                    .value = bounds.Distance(p_W, point) / kMillimetre_m,
+                    .unit = "mm",
+                    .low = 0.0,
+                    .section = "start",
+                    .key = "height_mm",
+                    .hint = "zones that keep it in or out",
+                    .note = {}});
+  };
+  zone_row(safety::ZonePoint::kFlange, "flange", X_WF.translation());
+  zone_row(safety::ZonePoint::kElbow, "elbow",
+           cell.X_WB *
+               std::visit([&](const auto& arm) { return ElbowPosition(arm, cell.start.q); }, cell.robot.arm));
+  return rows;
 }
 
 void Refuse(const std::vector<RegistrationRow>& rows, const Reader& reader) {

@@ -12,6 +12,7 @@
 #include "config/read_devices.h"
 #include "config/read_gains.h"
 #include "config/read_injections.h"
+#include "config/read_limits.h"
 #include "config/read_operator.h"
 #include "config/read_pose.h"
 #include "config/read_script.h"
@@ -34,24 +35,6 @@ void ReadStart(Reader section, bool lbr, StartConfig& start) {
   start.path.tool_speed_m_per_s =
       section.Number("tool_speed_mm_per_s", 1, 1e3 * control::kReducedSpeed_m_per_s);
   start.path.pause_s = section.Number("pause_ms", 50, 5000);
-}
-
-void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
-  servo.wrench.max_force_N = section.Number("max_force_N", 1, safety::kForceCeiling_N);
-  servo.wrench.max_torque_Nm = section.Number("max_torque_Nm", 0.1, 50);
-  servo.sensor_force.margin_N = section.Number("sensor_margin_N", 1, 200);
-  servo.sensor_force.ticks = section.Whole("sensor_trip_count", 1, 100);
-  servo.twist.max_speed_m_per_s = section.Number("max_tool_speed_mm_per_s", 1, 1000);
-  servo.twist.max_turn_rad_per_s = section.Number("max_tool_turn_deg_per_s", 1, 360);
-  servo.stop_deceleration_m_per_s2 = section.Number("stop_deceleration_mm_per_s2", 100, 20000);
-  servo.stop_deceleration_rad_per_s2 = section.Number("stop_deceleration_rad_per_s2", 0.5, 100);
-  servo.joint_stop_s = section.Number("joint_stop_ms", 10, 1000);
-  servo.joints.position_margin_rad = section.Number("joint_margin_deg", 0, 30);
-  servo.joints.speed_share = section.Number("joint_speed_ratio", 0.01, 1);
-  servo.joints.jump_rad = section.Number("joint_jump_deg", 0.1, 30);
-  servo.max_tracking_error_m = section.Number("max_tracking_error_mm", 1, 200);
-  if (lbr) servo.arm_angle_rate_rad_per_s = section.Number("arm_angle_rate_deg_per_s", 0.1, 57);
-  servo.model_sight_m = section.Number("model_sight_mm", 0.01, 100);
 }
 
 void ReadPosture(Reader section, bool lbr, control::ServoParams& servo) {
@@ -331,6 +314,8 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadLimits(limits, lbr, servo);
   ReadPosture(reader.Section("posture"), lbr, servo);
   ReadWorkspace(reader.Section("workspace"), servo.workspace);
+  ReadZones(reader, servo.workspace);
+  ReadDepthLimit(reader, servo.depth);
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadLaw(reader, cell);
@@ -359,6 +344,12 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
              servo.watchdog.sensor_stop_s * 1e3);
 
   CheckSight(limits, cell);
+  if (servo.depth.acts && servo.depth.stiffness_N_per_m > servo.coupling.max_stiffness_N_per_m)
+    reader.Section("depth_limit")
+        .Refuse("stiffness_N_per_mm", fmt::format("found {:.10g}, accepted at most the coupling's {:.10g}: "
+                                                  "what the loop is known to be stable with",
+                                                  1e-3 * servo.depth.stiffness_N_per_m,
+                                                  1e-3 * servo.coupling.max_stiffness_N_per_m));
 
   ReadRobot(reader, robot, cell.robot);
   CompleteArmLink(reader, cell);

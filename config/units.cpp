@@ -42,6 +42,7 @@ constexpr Unit kUnits[] = {
     {"N", 1.0},
     {"Nm", 1.0},
     {"J", 1.0},
+    {"W", 1.0},
     {"N_per_s", 1.0},
     {"Nm_per_s", 1.0},
     {"J_per_m3", 1.0},

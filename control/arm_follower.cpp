@@ -1,9 +1,11 @@
 #include "control/arm_follower.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -13,6 +15,7 @@
 #include "kinematics/redundancy.h"
 #include "kinematics/serial_chain.h"
 #include "safety/joint_guard.h"
+#include "safety/workspace.h"
 
 namespace osteon::control {
 namespace {
@@ -24,6 +27,8 @@ constexpr double kElbowThere_rad = 1e-6;
 constexpr double kMoving_m_per_s = 0.02,
                  kMoving_rad_per_s = 0.1;  // of the tool: the elbow has its full speed
 constexpr double kStands = 1e-6;           // of that: rounding
+constexpr int kZoneTries = 4;              // shares of a step; the first leaves only its curvature
+constexpr double kZoneSlack = 0.999;       // so that the next one holds
 
 double WrapAngle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
@@ -73,7 +78,8 @@ class JointFollower final : public ArmFollower {
         X_TF_(X_FT.inverse()),
         elbow_(std::move(elbow)),
         motion_(MotionParams<kN>(params)),
-        guard_(params.joints) {
+        guard_(params.joints),
+        workspace_(params.workspace) {
     if (!params.start) return;
     if (!path_chain)
       throw std::invalid_argument(
@@ -120,6 +126,15 @@ class JointFollower final : public ArmFollower {
   [[nodiscard]] bool BrakeJoints() OSTEON_RT override;
   [[nodiscard]] bool braking_joints() const OSTEON_RT override { return stop_ticks_ > 0; }
 
+  [[nodiscard]] double ZoneShare(const JointArray& q, const JointArray& q_next) const OSTEON_RT override {
+    return ZoneShare(ToJoints(q), ToJoints(q_next) - ToJoints(q), kCarried);
+  }
+  [[nodiscard]] bool OutsideZones(const JointArray& q) const OSTEON_RT override {
+    return std::any_of(kCarried.begin(), kCarried.end(), [&](ZonePoint point) {
+      return workspace_.Has(point) && workspace_.Violated(PointOf(point, ToJoints(q)), point);
+    });
+  }
+
   [[nodiscard]] bool AtStart() const OSTEON_RT override {
     return !path_ || (q_ - Start()).cwiseAbs().maxCoeff() <= params_.start->there_rad;
   }
@@ -130,10 +145,18 @@ class JointFollower final : public ArmFollower {
                                             const Wrench& F_T_W) const OSTEON_RT override;
 
  private:
+  using ZonePoint = safety::ZonePoint;
+  static constexpr std::array<ZonePoint, 2> kCarried{ZonePoint::kFlange, ZonePoint::kElbow};  // by the joints
+  static constexpr std::array<ZonePoint, 3> kAll{ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow};
+
   static Joints ToJoints(const JointArray& q) { return Eigen::Map<const Joints>(q.data()); }
   [[nodiscard]] Pose PoseOf(const Joints& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
   [[nodiscard]] Joints Start() const OSTEON_RT { return params_.start->q.template head<kN>(); }
   [[nodiscard]] Joints WantedElbow(const FollowWish& wish) OSTEON_RT;
+  [[nodiscard]] Vector3 PointOf(ZonePoint point, const Joints& q) const OSTEON_RT;
+  [[nodiscard]] double ElbowShare(const Joints& step, double max_speed_m_per_s) const OSTEON_RT;
+  [[nodiscard]] double ZoneShare(const Joints& q, const Joints& step,
+                                 std::span<const ZonePoint> points) const OSTEON_RT;
 
   ServoParams params_;
   Arm arm_;
@@ -141,6 +164,7 @@ class JointFollower final : public ArmFollower {
   [[no_unique_address]] Elbow elbow_;
   kinematics::DifferentialInverse<kN> motion_;
   safety::JointGuard<kN> guard_;
+  safety::Workspace workspace_;
   std::optional<JointPath<kN>> path_;  // to the start
 
   Joints q_{Joints::Zero()};
@@ -185,12 +209,51 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   sigma_min_m_ = moves.sigma_min_m;
   sigma_gradient_m_ = moves.sigma_gradient_m;
   null_direction_ = moves.null_direction;
-  q_step_ = guard.step;
+  const double elbow_share = ElbowShare(guard.step, wish.max_elbow_speed_m_per_s);
+  const double zone_share = ZoneShare(q_, elbow_share * guard.step, kCarried);
+  const double share = elbow_share * zone_share;
+  q_step_ = share * guard.step;
   q_ += q_step_;
   X_WT_ = PoseOf(q_);
   followed.limited = moves.limit != kinematics::MotionLimit::kNone || guard.share < 1.0;
-  if (followed.limited) followed.V_WT = Turned(X_WB_.linear(), Scaled(moves.V_BT, guard.share));
+  followed.zone_acted = zone_share < 1.0;
+  followed.elbow_acted = elbow_share < 1.0;
+  if (followed.limited || share < 1.0)
+    followed.V_WT = Turned(X_WB_.linear(), Scaled(moves.V_BT, guard.share * share));
   return followed;
+}
+
+template <class Arm>
+Vector3 JointFollower<Arm>::PointOf(ZonePoint point, const Joints& q) const OSTEON_RT {
+  if (point == ZonePoint::kElbow) return X_WB_ * arm_.ElbowPosition(q);
+  const Pose X_BF = arm_.FlangePose(q);
+  return point == ZonePoint::kFlange ? Vector3(X_WB_ * X_BF.translation())
+                                     : Vector3(X_WB_ * (X_BF * X_FT_.translation()));
+}
+
+template <class Arm>
+double JointFollower<Arm>::ElbowShare(const Joints& step, double max_speed_m_per_s) const OSTEON_RT {
+  if (!std::isfinite(max_speed_m_per_s)) return 1.0;
+  const double way_m = (arm_.ElbowPosition(q_ + step) - arm_.ElbowPosition(q_)).norm();
+  const double most_m = max_speed_m_per_s * params_.period_s;
+  return way_m > most_m ? most_m / way_m : 1.0;
+}
+
+// Of a step of the joints: each share is tried, as the points' ways are curved. No step at all may always be.
+template <class Arm>
+double JointFollower<Arm>::ZoneShare(const Joints& q, const Joints& step,
+                                     std::span<const ZonePoint> points) const OSTEON_RT {
+  double share = 1.0;
+  for (int tries = 0; tries < kZoneTries; ++tries) {
+    double more = 1.0;
+    for (const ZonePoint point : points)
+      if (workspace_.Has(point))
+        more = std::min(more, workspace_.Share(point, PointOf(point, q), PointOf(point, q + share * step),
+                                               params_.period_s));
+    if (more >= 1.0) return share;
+    share *= kZoneSlack * more;
+  }
+  return 0.0;
 }
 
 // Where the joints should go for the elbow's sake, as a velocity whose part in the null space counts.
@@ -237,6 +300,7 @@ bool JointFollower<Arm>::BrakeJoints() OSTEON_RT {
   --stop_ticks_;
   q_step_ *= static_cast<double>(stop_ticks_) / (stop_ticks_ + 1);
   q_step_ = guard_.Limit(q_, q_step_, params_.period_s).step;
+  q_step_ *= ZoneShare(q_, q_step_, kAll);  // the ramp takes its time: a bound may be nearer
   q_ += q_step_;
   X_WT_ = PoseOf(q_);
   return stop_ticks_ == 0;
@@ -246,7 +310,10 @@ template <class Arm>
 StartStep JointFollower<Arm>::StepToStart(bool permitted) OSTEON_RT {
   const JointPathOutput<kN> next = path_->Step(params_.period_s, permitted);
   const auto guard = guard_.Limit(q_, next.q - q_, params_.period_s);
-  if (guard.jump || guard.violated || guard.share < 1.0) return {.refused = true};
+  if (guard.jump || guard.violated || guard.share < 1.0) return {.refused = Fault::kJointLimit};
+  for (const ZonePoint point : kAll)
+    if (workspace_.LeavesZone(point, PointOf(point, q_), PointOf(point, next.q)))
+      return {.refused = Fault::kWorkspace};
   q_ = next.q;
   X_WT_ = PoseOf(q_);
   return {.there = next.done, .rests = next.rate == 0.0};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 
 #include "control/ports.h"
@@ -19,19 +20,23 @@ struct FollowWish {
   Twist V_WT;  ///< of the tool at To, in W
   /// How fast the elbow may go to where it should be, before it has been there: 0 … 1. 0 holds it.
   double elbow_share{0.0};
+  double max_elbow_speed_m_per_s{std::numeric_limits<double>::infinity()};
   bool elbow_moves{false};  ///< false: the elbow is held on its circle whatever the tool does
 };
 
 /// How it does.
 struct Followed {
-  Twist V_WT;                                 ///< what is left of the wish: of the commanded tool
-  bool limited{false};                        ///< by joints, reach or a singular posture: less than wished
+  Twist V_WT;               ///< what is left of the wish: of the commanded tool
+  bool limited{false};      ///< by joints, reach or a singular posture: less than wished
+  bool elbow_acted{false};  ///< the elbow's speed was at its limit: less than wished
+  bool zone_acted{false};   ///< flange or elbow came near a bound of theirs: less than wished
   safety::Fault fault{safety::Fault::kNone};  ///< nothing has moved: kInverseKinematics, kJointLimit
 };
 
 /// A tick of the way to the start.
 struct StartStep {
-  bool refused{false};  ///< the path asks for what may not be commanded; nothing has moved
+  /// The path asks for what may not be commanded, kJointLimit or kWorkspace; nothing has moved.
+  safety::Fault refused{safety::Fault::kNone};
   bool there{false};
   bool rests{false};  ///< paused, at rest
 };
@@ -72,6 +77,11 @@ class ArmFollower {
   [[nodiscard]] virtual bool BrakeJoints() OSTEON_RT = 0;
   /// Such a stop is under way.
   [[nodiscard]] virtual bool braking_joints() const OSTEON_RT = 0;
+
+  /// Share of the way between two ticks' joints at which flange and elbow heed their bounds, 0 … 1, and
+  /// whether one of the two is outside: of an arm that gives.
+  [[nodiscard]] virtual double ZoneShare(const JointArray& q, const JointArray& q_next) const OSTEON_RT = 0;
+  [[nodiscard]] virtual bool OutsideZones(const JointArray& q) const OSTEON_RT = 0;
 
   /// ServoParams::start is where the arm is, or there is none.
   [[nodiscard]] virtual bool AtStart() const OSTEON_RT = 0;

@@ -1,5 +1,7 @@
 // ServoLoop's impedance law: the arm carries itself and is where the hand has it; the loop adds a wrench.
 
+#include <algorithm>
+
 #include "control/servo_loop.h"
 #include "control/twist_parts.h"
 
@@ -33,11 +35,18 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
 
   // what the tool may do: braked beyond it
-  const safety::LimitedTwist slow = safety::LimitTwist(V_WT_, params_.twist);
+  safety::TwistLimitParams most = params_.twist;
+  most.max_speed_m_per_s = ToolSpeedLimit_m_per_s(params_, reduced_);
+  safety::LimitedTwist slow = safety::LimitTwist(V_WT_, most);
+  const double zone_share = arm_->ZoneShare(q_meas_before_, record.q_meas);
+  q_meas_before_ = record.q_meas;
+  slow.V = Scaled(slow.V, zone_share);
+  acting_.Add(safety::Limit::kZones, zone_share < 1.0);
   const safety::Workspace::Result inside = workspace_.Limit(X_WT_meas_.translation(), slow.V.v, dt_s);
   const double speed_m_per_s = V_WT_.v.norm();
   if (speed_m_per_s > kSpeedSlack * params_.twist.max_speed_m_per_s) faults_.Latch(Fault::kToolSpeed);
-  if (workspace_.Violated(X_WT_meas_.translation())) faults_.Latch(Fault::kWorkspace);
+  if (workspace_.Violated(X_WT_meas_.translation()) || arm_->OutsideZones(record.q_meas))
+    faults_.Latch(Fault::kWorkspace);
 
   // the equilibrium of the arm's own spring goes along
   const Fault refused = arm_->FollowMeasured(record.q_meas, dt_s / (dt_s + params_.impedance.follow_s));
@@ -50,18 +59,21 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
 
   const safety::LimitedWrench limited =
       arm_->Limit(wrench_limiter_, stabilisers_.Shape(coupling, X_WT_meas_, V_WT_));
-  const Wrench F_coupling_T_W = stabilisers_.Calm(coupling, X_WT_meas_, V_WT_, limited, wrench_limiter_);
+  const safety::LimitedWrench rendered =
+      Bounded(stabilisers_.Calm(coupling, X_WT_meas_, V_WT_, limited, wrench_limiter_),
+              depth_limit_.Step(X_WT_meas_.translation(), V_WT_.v), V_WT_, coupling.fade);
+  const Wrench& F_coupling_T_W = rendered.F;
   const Wrench damping = DampingWrench(Times(params_.impedance, stabilisers_.damping_factor()),
                                        X_WT_meas_.linear(), V_WT_, {.v = inside.v_WT, .w = slow.V.w});
   F_sent_T_W_ =
       wrench_limiter_.Limit({.f = F_coupling_T_W.f + damping.f, .t = F_coupling_T_W.t + damping.t}).F;
   record.F_coupling_T_W = F_coupling_T_W;
   stabilisers_.Put(record);
-  record.wrench_scale = limited.share;
-  record.arm_share = limited.arm_share;
+  record.wrench_scale = std::min(limited.share, rendered.share);
+  record.arm_share = std::min(limited.arm_share, rendered.arm_share);
 
-  CountRendered(limited, speed_m_per_s, slow.share < 1.0, inside.acted, coupling.fade);
-  CountStabilisers();
+  CountRendered({.F = rendered.F, .share = record.wrench_scale, .arm_share = record.arm_share}, speed_m_per_s,
+                slow.share < 1.0, inside.acted, coupling.fade, 1.0);
 }
 
 // A Stop 1 of an arm that gives: its own spring holds it where it is now, and what still moves is braked.

@@ -20,6 +20,7 @@ constexpr double kSightMemory_s =
     0.1;  // many frames, or the speed limit would follow each one's age up and down
 constexpr double kSamePeriod_s = 1e-6;
 constexpr std::uint32_t kMostPeriods = 10;  // between two messages, that a velocity is taken over
+constexpr std::uint8_t kT1 = 0;             // ArmState::operation_mode
 constexpr double kTurns = 0.05;             // of the wanted speed: below, a spindle counts as still
 
 bool AllFinite(const JointArray& q) {
@@ -44,6 +45,13 @@ const ServoParams& Validated(const ServoParams& params, const Pose& X_WB, const 
   return params;
 }
 
+// The reamer's last step bounds the apex like a zone of the cell's.
+safety::WorkspaceParams WithDepthLimit(const ServoParams& params) {
+  safety::WorkspaceParams workspace = params.workspace;
+  if (params.depth.acts) workspace.zones.push_back(ZoneOf(params.depth));
+  return workspace;
+}
+
 }  // namespace
 
 ServoLoop::ServoLoop(const ServoParams& params, const kinematics::LbrArm& arm, const Pose& X_WB,
@@ -61,7 +69,9 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       wrench_limiter_(params.wrench),
       rate_trip_(params.coupling.max_stiffness_N_per_m, params.twist.max_speed_m_per_s),
       sensor_trip_(params.sensor_force, wrench_limiter_.max_force_N()),
-      workspace_(params.workspace),
+      workspace_(WithDepthLimit(params)),
+      depth_limit_(params.depth),
+      spindle_trip_(params.spindle_limits),
       watchdog_(params.watchdog),
       bias_(params.sensor_bias, params.sensor, params.period_s),
       vibration_(params.vibration, params.period_s),
@@ -69,7 +79,9 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       axis_lock_(params.admittance, params.period_s),
       most_stiffness_N_per_m_(params.coupling.max_stiffness_N_per_m),
       gain_ramp_(GainsOf(params.admittance, params.coupling), params.period_s),
-      measured_twist_(params.impedance.twist_filter_s, params.period_s) {}
+      measured_twist_(params.impedance.twist_filter_s, params.period_s) {
+  wrench_limiter_.Cap(ForceLimit_N(params));
+}
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
   const bool gives = params_.law == Law::kImpedance && phase_ == Phase::kHaptic;
@@ -87,17 +99,20 @@ bool ServoLoop::CanRecover() const OSTEON_RT {
 
 CellCommands ServoLoop::cell_commands() const OSTEON_RT {
   const bool ends = phase_ == Phase::kStopping || phase_ == Phase::kStopped;
-  return {
-      .motion_requested = !ends && !stop_asked_,
-      .spindle_rad_per_s = phase_ == Phase::kHaptic && spindle_permitted_ ? params_.spindle_rad_per_s : 0.0,
-      .quick_stop = ends && faults_.Any(),
-      .clear_faults = phase_ == Phase::kWaiting && recovered_};
+  return {.motion_requested = !ends && !stop_asked_,
+          .spindle_rad_per_s = phase_ == Phase::kHaptic && spindle_permitted_ && !depth_limit_.stops_spindle()
+                                   ? params_.spindle_rad_per_s
+                                   : 0.0,
+          .quick_stop = ends && faults_.Any(),
+          .clear_faults = phase_ == Phase::kWaiting && recovered_};
 }
 
 TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const CellReadings& readings,
                            const simulation::ContactModel& model, rt::Nanoseconds now,
                            ArmCommand& command) OSTEON_RT {
   now_ = now;
+  acting_ = {};
+  reduced_ = state.operation_mode == kT1;
   TickRecord record;
   record.tick = tick_++;
   record.stamp = received == ReceiveResult::kOk ? state.stamp : now;
@@ -169,6 +184,8 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
       Brake();
   }
 
+  statistics_.limits.Count(acting_);
+  record.limits = acting_.bits();
   command.q = arm_->q();
   command.activation = activation_;
   PutWrench(state, command);
@@ -250,10 +267,10 @@ void ServoLoop::Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
 void ServoLoop::Align(const ArmState& state, bool permitted, bool stop, rt::Nanoseconds now) OSTEON_RT {
   const bool ends = stop || faults_.Any();
   const StartStep step = arm_->StepToStart(permitted && !ends);
-  if (step.refused) faults_.Latch(Fault::kJointLimit);
+  if (step.refused != Fault::kNone) faults_.Latch(step.refused);
   if (step.there && !ends)
     StartRendering(state, now);
-  else if (step.refused || (ends && step.rests))
+  else if (step.refused != Fault::kNone || (ends && step.rests))
     phase_ = Phase::kStopped;
 }
 
@@ -262,6 +279,7 @@ void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEO
   phase_ = Phase::kHaptic;
   arm_->StartFollowing();
   measured_twist_.Reset(X_WT_meas_);
+  q_meas_before_ = state.q_meas;
   flange_motion_ = {.X = X_WT_meas_ * X_TF_, .V = {}, .A = {}};
   flange_sequence_ = state.sequence - 1;  // this tick renders as well
   coupling_ = {};
@@ -272,6 +290,8 @@ void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEO
   mass_factor_ = 1.0;
   sight_age_s_ = 0.0;
   rate_trip_.Reset();
+  depth_limit_.Reset();
+  spindle_trip_.Reset();
   watchdog_.Start(now);
 }
 
@@ -332,7 +352,10 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
       PastDeadZone(params_.admittance,
                    safety::ScaleWrench(F_operator_T_W, sensor_trip_.level_N(), kMostOperatorTorque_Nm).F);
   const double hand = coupling.fade * sensor_share;
-  const Wrench F_coupling_T_W = stabilisers_.Calm(coupling, X_before, V_before_WT, limited, wrench_limiter_);
+  const safety::LimitedWrench rendered =
+      Bounded(stabilisers_.Calm(coupling, X_before, V_before_WT, limited, wrench_limiter_),
+              depth_limit_.Step(X_before.translation(), V_before_WT.v), V_before_WT, coupling.fade);
+  const Wrench& F_coupling_T_W = rendered.F;
   const Wrench F_T_W{.f = hand * F_hand_T_W.f + F_coupling_T_W.f,
                      .t = hand * F_hand_T_W.t + F_coupling_T_W.t};
   // a virtual tool that vibrates in the hand is heavier, and more damped
@@ -351,8 +374,8 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   }
   record.F_coupling_T_W = F_coupling_T_W;
   stabilisers_.Put(record);
-  record.wrench_scale = limited.share;
-  record.arm_share = limited.arm_share;
+  record.wrench_scale = std::min(limited.share, rendered.share);
+  record.arm_share = std::min(limited.arm_share, rendered.arm_share);
   record.mass_factor = mass_factor_;
   record.damping_factor = vibration_.damping_factor();
 
@@ -360,6 +383,7 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   // than a stop, so that a simulation that stalls while the tool flies is outrun (the model's age then holds
   // the tool)
   safety::TwistLimitParams most = params_.twist;
+  most.max_speed_m_per_s = ToolSpeedLimit_m_per_s(params_, reduced_);
   sight_age_s_ = std::max(std::min(coupling.age_s, params_.coupling.gone_s),
                           (1.0 - dt_s / kSightMemory_s) * sight_age_s_);
   const double sight_m_per_s = params_.model_sight_m / std::max(sight_age_s_, dt_s);
@@ -392,10 +416,9 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   if (workspace_.Violated(X_WT.translation())) faults_.Latch(Fault::kWorkspace);
   if (faults_.Any()) StartStopping();
 
-  CountRendered(limited, speed_m_per_s, slow.share < 1.0, inside.acted, coupling.fade);
-  CountStabilisers();
-  Count(statistics_.joints, joints_limited, joints_acted_);
-  Count(statistics_.sensor_age, sensor_share < 1.0, sensor_acted_);
+  CountRendered({.F = rendered.F, .share = record.wrench_scale, .arm_share = record.arm_share}, speed_m_per_s,
+                slow.share < 1.0, inside.acted, coupling.fade, sensor_share);
+  acting_.Add(safety::Limit::kJoints, joints_limited);
 }
 
 // Moves the arm along the law's twist, and takes from the twist what the arm did not do. False, with the
@@ -403,13 +426,18 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
 bool ServoLoop::Follow(bool& limited) OSTEON_RT {
   const Twist V_WT = Scaled(V_WT_, share_);
   const Followed followed =
-      arm_->Follow({.V_WT = V_WT, .elbow_share = share_, .elbow_moves = phase_ == Phase::kHaptic});
+      arm_->Follow({.V_WT = V_WT,
+                    .elbow_share = share_,
+                    .max_elbow_speed_m_per_s = ElbowSpeedLimit_m_per_s(params_, reduced_),
+                    .elbow_moves = phase_ == Phase::kHaptic});
   if (followed.fault != Fault::kNone) {
     faults_.Latch(followed.fault);
     return false;
   }
   limited = followed.limited;
-  if (limited) {
+  acting_.Add(safety::Limit::kZones, followed.zone_acted);
+  acting_.Add(safety::Limit::kElbowSpeed, followed.elbow_acted);
+  if (limited || followed.zone_acted || followed.elbow_acted) {
     // the law goes on from what the tool does; as the model's age fades the motion, so its reaction
     V_WT_.v += share_ * (followed.V_WT.v - V_WT.v);
     V_WT_.w += share_ * (followed.V_WT.w - V_WT.w);
@@ -423,6 +451,8 @@ void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operat
   if (params_.has_spindle) {
     ages.spindle_s = AgeOf(readings.spindle.stamp, now);
     if (!readings.spindle.ready || readings.spindle.fault) faults_.Latch(Fault::kSpindle);
+    if (spindle_trip_.Check(readings.spindle.torque_Nm, readings.spindle.speed_rad_per_s, params_.period_s))
+      faults_.Latch(Fault::kSpindleLimit);
   }
   if (params_.has_interlock) {
     ages.interlock_s = AgeOf(readings.interlock.stamp, now);
@@ -443,32 +473,47 @@ void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operat
   }
 }
 
+// What is rendered of the coupling and of the depth limit's resistance: together within what the cell and the
+// arm may give, and within the power that the hand may be given.
+safety::LimitedWrench ServoLoop::Bounded(const Wrench& F_coupling_T_W, const Vector3& f_depth_W,
+                                         const Twist& V_WT, double fade) OSTEON_RT {
+  safety::LimitedWrench bounded{.F = F_coupling_T_W};
+  if (depth_limit_.acts()) {
+    statistics_.least_depth_left_m = std::min(statistics_.least_depth_left_m, depth_limit_.distance_m());
+    acting_.Add(safety::Limit::kDepth, depth_limit_.resists());
+    if (!f_depth_W.isZero(0.0))
+      bounded =
+          arm_->Limit(wrench_limiter_, {.f = F_coupling_T_W.f + fade * f_depth_W, .t = F_coupling_T_W.t});
+  }
+  const double power_share = safety::PowerShare(bounded.F, V_WT, params_.energy.max_power_W);
+  if (power_share < 1.0) {
+    acting_.Add(safety::Limit::kPower);
+    bounded.F = {.f = power_share * bounded.F.f, .t = power_share * bounded.F.t};
+    bounded.share *= power_share;
+  }
+  return bounded;
+}
+
 // Of what either law has rendered.
 void ServoLoop::CountRendered(const safety::LimitedWrench& limited, double speed_m_per_s, bool twist_limited,
-                              bool workspace_limited, double fade) OSTEON_RT {
+                              bool workspace_limited, double fade, double sensor_share) OSTEON_RT {
   ServoStatistics& s = statistics_;
   s.peak_coupling_force_N = std::max(s.peak_coupling_force_N, limited.F.f.norm());
   s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, limited.F.t.norm());
   s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
-  Count(s.wrench, limited.share < 1.0, wrench_acted_);
-  Count(s.arm, limited.arm_share < 1.0, arm_acted_);
-  Count(s.twist, twist_limited, twist_acted_);
-  Count(s.workspace, workspace_limited, workspace_acted_);
-  Count(s.model_age, fade < 1.0, model_acted_);
-}
-
-void ServoLoop::CountStabilisers() OSTEON_RT {
-  ServoStatistics& s = statistics_;
-  Count(s.age_governor, stabilisers_.governor().acted(), governor_acted_);
-  Count(s.passivity, stabilisers_.passivity().acted(), passivity_acted_);
-  Count(s.tank, stabilisers_.tank().acted(), tank_acted_);
   s.least_tank_J = std::min(s.least_tank_J, stabilisers_.tank().energy_J());
-}
-
-void ServoLoop::Count(LimitCount& count, bool acts, bool& acted) OSTEON_RT {
-  if (acts) ++count.ticks;
-  if (acts && !acted) ++count.events;
-  acted = acts;
+  using safety::Limit;
+  acting_.Add(Limit::kWrench, limited.share < 1.0);
+  acting_.Add(Limit::kArmTorque, limited.arm_share < 1.0);
+  acting_.Add(Limit::kStoredEnergy,
+              limited.share < 1.0 && wrench_limiter_.max_force_N() < params_.wrench.max_force_N);
+  acting_.Add(Limit::kToolSpeed, twist_limited);
+  acting_.Add(Limit::kWorkspace, workspace_limited);
+  acting_.Add(Limit::kModelAge, fade < 1.0);
+  acting_.Add(Limit::kSensorAge, sensor_share < 1.0);
+  acting_.Add(Limit::kAgeGovernor, stabilisers_.governor().acted());
+  acting_.Add(Limit::kPassivity, stabilisers_.passivity().acted());
+  acting_.Add(Limit::kTank, stabilisers_.tank().acted());
 }
 
 }  // namespace osteon::control

@@ -16,17 +16,12 @@
 #include "control/tool_inertia.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
+#include "safety/acting_limits.h"
 #include "safety/fault.h"
 #include "simulation/contact_model.h"
 #include "simulation/cutting_engine.h"
 
 namespace osteon::control {
-
-/// How often and how long something was held back.
-struct LimitCount {
-  std::uint64_t events{0};  ///< times that it began
-  std::uint64_t ticks{0};   ///< ticks that it lasted, in all
-};
 
 /// Peaks and counts since the start.
 struct ServoStatistics {
@@ -35,10 +30,8 @@ struct ServoStatistics {
   double peak_sensor_force_N{0.0};      ///< what the sensor said
   double peak_tool_speed_m_per_s{0.0};  ///< commanded
   double peak_tracking_error_m{0.0};
-  LimitCount wrench;  ///< by any limit, the arm's included
-  LimitCount arm;     ///< the arm's torques could not hold the coupling
-  LimitCount twist, workspace, joints, model_age, sensor_age;
-  LimitCount age_governor, passivity, tank;  ///< stabilisers that acted
+  safety::LimitCounts limits;                                          ///< while rendering
+  double least_depth_left_m{std::numeric_limits<double>::infinity()};  ///< to the reamer's depth limit
   double least_tank_J{std::numeric_limits<double>::infinity()};
   std::uint64_t active_ticks{0};     ///< messages answered in COMMANDING_ACTIVE, once the loop has begun
   std::uint64_t missed_messages{0};  ///< deadlines that passed without one, once commanding
@@ -164,10 +157,10 @@ class ServoLoop {
   void Brake() OSTEON_RT;
   void BrakeJoints() OSTEON_RT;
   [[nodiscard]] bool Follow(bool& limited) OSTEON_RT;
+  [[nodiscard]] safety::LimitedWrench Bounded(const Wrench& F_coupling_T_W, const Vector3& f_depth_W,
+                                              const Twist& V_WT, double fade) OSTEON_RT;
   void CountRendered(const safety::LimitedWrench& limited, double speed_m_per_s, bool twist_limited,
-                     bool workspace_limited, double fade) OSTEON_RT;
-  void CountStabilisers() OSTEON_RT;
-  void Count(LimitCount& count, bool acts, bool& acted) OSTEON_RT;
+                     bool workspace_limited, double fade, double sensor_share) OSTEON_RT;
 
   ServoParams params_;
   std::unique_ptr<ArmFollower> arm_;  ///< its pose is the virtual tool's, once it is known
@@ -176,6 +169,8 @@ class ServoLoop {
   safety::WrenchRateTrip rate_trip_;
   safety::SensorForceTrip sensor_trip_;
   safety::Workspace workspace_;
+  safety::DepthLimit depth_limit_;
+  safety::SpindleTrip spindle_trip_;
   safety::Watchdog watchdog_;
 
   Phase phase_{Phase::kWaiting};
@@ -217,14 +212,13 @@ class ServoLoop {
 
   // the impedance law
   MeasuredTwist measured_twist_;
+  JointArray q_meas_before_{};  ///< of the tick before
   Pose X_WT_meas_{Pose::Identity()};
   Wrench F_sent_T_W_;  ///< of this tick: coupling, damping and braking, within the limits
   int stop_ticks_{0};  ///< left of a stop
 
-  // what acted in the tick before
-  bool wrench_acted_{false}, arm_acted_{false}, twist_acted_{false}, workspace_acted_{false},
-      joints_acted_{false}, model_acted_{false}, sensor_acted_{false}, governor_acted_{false},
-      passivity_acted_{false}, tank_acted_{false};
+  bool reduced_{false};      ///< the arm is in T1, or does not say
+  safety::LimitSet acting_;  ///< in this tick
 
   std::atomic<bool> stop_requested_{false}, recovery_requested_{false}, may_begin_{true};
   static_assert(std::atomic<bool>::is_always_lock_free);

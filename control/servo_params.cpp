@@ -15,6 +15,8 @@ void Validate(const ServoParams& params) {
   Validate(params.sensor_bias);
   Validate(params.vibration);
   Validate(params.stabilisers);
+  if (params.depth.acts) Validate(params.depth);
+  Validate(params.energy);
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
       throw std::invalid_argument(std::string("servo ") + name + ": found " + std::to_string(value) +
@@ -22,6 +24,9 @@ void Validate(const ServoParams& params) {
   };
   require("max_speed_m_per_s", params.twist.max_speed_m_per_s, 1e-3, 2.0);
   require("max_turn_rad_per_s", params.twist.max_turn_rad_per_s, 1e-3, 10.0);
+  if (!(params.max_elbow_speed_m_per_s > 0.0))
+    throw std::invalid_argument("servo max_elbow_speed_m_per_s: found " +
+                                std::to_string(params.max_elbow_speed_m_per_s) + ", accepted > 0");
   require("spindle_rad_per_s", params.spindle_rad_per_s, 0.0, 50000.0);
   require("stop_deceleration_m_per_s2", params.stop_deceleration_m_per_s2, 0.01, 50.0);
   require("stop_deceleration_rad_per_s2", params.stop_deceleration_rad_per_s2, 0.01, 200.0);
@@ -75,6 +80,22 @@ StabilisedLaw LawOf(const ServoParams& params) {
           .pose_age_s = 1.5 * params.period_s + i.twist_filter_s,
           .work = PortWork::kHeld,
           .most_damping_Ns_per_m = std::max(1.0, i.brake_Ns_per_m)};
+}
+
+double ToolSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT {
+  const double kinetic = safety::SpeedOfEnergy(params.energy.max_kinetic_J, params.energy.moving_mass_kg);
+  const double most = std::min(params.twist.max_speed_m_per_s, kinetic);
+  return reduced ? std::min(most, kReducedSpeed_m_per_s) : most;
+}
+
+double ElbowSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT {
+  return reduced ? std::min(params.max_elbow_speed_m_per_s, kReducedSpeed_m_per_s)
+                 : params.max_elbow_speed_m_per_s;
+}
+
+double ForceLimit_N(const ServoParams& params) OSTEON_RT {
+  return std::min({params.wrench.max_force_N, safety::kForceCeiling_N,
+                   safety::ForceOfEnergy(params.energy.max_stored_J, params.coupling.max_stiffness_N_per_m)});
 }
 
 int JointStopTicks(const ServoParams& params) OSTEON_RT {

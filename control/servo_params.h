@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "control/admittance_law.h"
@@ -12,8 +13,11 @@
 #include "control/virtual_coupling.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/redundancy.h"
+#include "safety/depth_limit.h"
+#include "safety/energy_limits.h"
 #include "safety/joint_guard.h"
 #include "safety/limits.h"
+#include "safety/spindle_trip.h"
 #include "safety/watchdog.h"
 #include "safety/workspace.h"
 
@@ -49,6 +53,10 @@ struct ServoParams {
   safety::WorkspaceParams workspace;  ///< deceleration: should not exceed the stop's
   safety::JointGuardParams joints;    ///< limits: the arm's own, no default
   safety::WatchdogParams watchdog;
+  safety::DepthLimitParams depth;
+  safety::EnergyLimitParams energy;
+  safety::SpindleLimitParams spindle_limits;
+  double max_elbow_speed_m_per_s{std::numeric_limits<double>::infinity()};  ///< of an LBR; > 0
   double spindle_rad_per_s{26.18};           ///< while rendering; 250 rpm; 0 for a still spindle
   double stop_deceleration_m_per_s2{3.0};    ///< of the tool in a Stop 1
   double stop_deceleration_rad_per_s2{8.0};  ///< the same, turning
@@ -87,6 +95,14 @@ void Validate(const ServoParams& params);
 [[nodiscard]] StabilisedLaw LawOf(const ServoParams& params);
 /// The same of an admittance law, whose gains may change in a tick.
 [[nodiscard]] StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT;
+
+/// The tightest bound of the tool's speed: the cell's, by its kinetic energy, and kReducedSpeed_m_per_s.
+/// @param reduced the arm is in T1, or does not say how it is operated
+[[nodiscard]] double ToolSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT;
+/// The same of the elbow.
+[[nodiscard]] double ElbowSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT;
+/// The coupling's force at its stiffness: the cell's, or by the energy that its spring stores.
+[[nodiscard]] double ForceLimit_N(const ServoParams& params) OSTEON_RT;
 
 /// joint_stop_s in ticks, at least one.
 [[nodiscard]] int JointStopTicks(const ServoParams& params) OSTEON_RT;

@@ -35,6 +35,8 @@ void ServoLoop::Brake() OSTEON_RT {
   const double time_s = std::max(V_WT_.v.norm() / params_.stop_deceleration_m_per_s2,
                                  V_WT_.w.norm() / params_.stop_deceleration_rad_per_s2);
   V_WT_ = Scaled(V_WT_, time_s > dt_s ? 1.0 - dt_s / time_s : 0.0);
+  // a turn that takes longer to stop does not carry the apex over its bound
+  V_WT_.v = workspace_.Limit(arm_->X_WT().translation(), V_WT_.v, dt_s).v_WT;
   if (V_WT_.v.norm() < kRest_m_per_s && V_WT_.w.norm() < kRest_rad_per_s) {
     V_WT_ = {};
     arm_->Rest();

@@ -77,6 +77,7 @@ struct TickRecord {
   double passivity_damping_Ns_per_m{0.0};  ///< that takes it back; 0: did not act
   double tank_J{0.0};                      ///< while rendering
   double tank_share{1.0};                  ///< of the coupling that the tank could pay for
+  std::uint32_t limits{0};                 ///< safety::LimitSet: what acted in this tick
   PlainWrench F_bias_S;                    ///< taken out of the sensor's readings
   double model_age_s{0.0};                 ///< of the contact model's pose
   double sensor_age_s{0.0};

@@ -70,6 +70,9 @@ class LbrArm {
     return (q[1] < 0.0 ? 1 : 0) + (q[3] < 0.0 ? 2 : 0) + (q[5] < 0.0 ? 4 : 0);
   }
 
+  /// Centre of the elbow in B [m]: where the axis of A4 crosses the arm.
+  [[nodiscard]] Vector3 ElbowPosition(const JointVector& q) const OSTEON_RT { return chain_.Place(q).p_BL[3]; }
+
   /// Arm angle [rad], -pi … pi: where the elbow is on its circle, as the right-handed angle about the line
   /// from shoulder to wrist, counted from the circle's highest point. So it is 0 where q3 = 0 and the elbow
   /// is up, pi where it hangs. Where the line is vertical it is counted from +x of B. It is read from the

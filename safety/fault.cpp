@@ -75,6 +75,10 @@ FaultText Describe(Fault fault) {
               "the arm takes positions where the law gives wrenches, or the other way round",
               "holds, renders nothing",
               "start the robot's program for the cell's law, or change the law, and restart the session"};
+    case Fault::kSpindleLimit:
+      return {"spindle beyond its limit",
+              "its torque or its speed was beyond the cell's limit for longer than the trip's time",
+              "stops the spindle, Stop 1", "free the tool, see why it jammed, restart the session"};
   }
   return {"unknown fault", "not known", "Stop 1", "restart the session"};
 }

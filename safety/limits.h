@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "control/rt/marker.h"
@@ -52,12 +53,15 @@ class WrenchLimiter {
   /// @param arm  of the point that F acts on, in F's frame
   [[nodiscard]] LimitedWrench Limit(const Wrench& F,
                                     const kinematics::ForceCapability<7>& arm) const OSTEON_RT;
-  /// The limit in force: the smaller of the parameter and kForceCeiling_N.
+  /// From now on no more force than that, where it is less than the parameter: another bound's.
+  void Cap(double force_N) OSTEON_RT { params_.max_force_N = std::min(most_force_N_, force_N); }
+  /// The limit in force: the smallest of the parameter, kForceCeiling_N and the cap.
   [[nodiscard]] double max_force_N() const OSTEON_RT { return params_.max_force_N; }
   [[nodiscard]] double max_torque_Nm() const OSTEON_RT { return params_.max_torque_Nm; }
 
  private:
-  WrenchLimitParams params_;
+  WrenchLimitParams params_;  // what is in force
+  double most_force_N_;       // without a cap
 };
 
 /// Trips where the coupling force grows or turns faster than any legitimate contact: above 1.5 K v_max.

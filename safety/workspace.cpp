@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
 #include "safety/limits.h"
 
 namespace osteon::safety {
+namespace {
+
+constexpr int kHalvings = 20;  // of a share that lets a stop end inside
+
+}  // namespace
 
 Workspace::Workspace(const WorkspaceParams& params) : params_(params) {
   const auto require = [](bool ok, const std::string& text) {
@@ -23,54 +29,99 @@ Workspace::Workspace(const WorkspaceParams& params) : params_(params) {
           "deceleration_m_per_s2: found " + std::to_string(params.deceleration_m_per_s2) + ", accepted > 0");
   require(std::isfinite(params.tolerance_m) && params.tolerance_m >= 0.0,
           "tolerance_m: found " + std::to_string(params.tolerance_m) + ", accepted >= 0");
+  require(params.zones.size() <= kMostZones, "zones: found " + std::to_string(params.zones.size()) +
+                                                 ", accepted at most " + std::to_string(kMostZones));
+
+  std::vector<ZoneParams>& apex = bounds_[static_cast<std::size_t>(ZonePoint::kApex)];
+  apex.push_back(
+      {.shape = ZoneShape::kSphere, .p_W_m = params.sphere_center_W_m, .radius_m = params.sphere_radius_m});
+  apex.push_back({.shape = ZoneShape::kHalfSpace,
+                  .p_W_m = params.plane_offset_m * params.plane_normal_W,
+                  .R_W = RotationAlong(params.plane_normal_W)});
+  for (const ZoneParams& zone : params.zones) {
+    Validate(zone);
+    bounds_[static_cast<std::size_t>(zone.point)].push_back(zone);
+  }
 }
 
-double Workspace::SphereDistance(const Vector3& p) const OSTEON_RT {
-  return params_.sphere_radius_m - (p - params_.sphere_center_W_m).norm();
+double Workspace::Distance(const Vector3& p_WP, ZonePoint point) const OSTEON_RT {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const ZoneParams& zone : Bounds(point))
+    least_m = std::min(least_m, ZoneBounds(zone, p_WP).distance_m());
+  return least_m;
 }
 
-double Workspace::PlaneDistance(const Vector3& p) const OSTEON_RT {
-  return params_.plane_normal_W.dot(p) - params_.plane_offset_m;
-}
-
-double Workspace::Distance(const Vector3& p_WT) const OSTEON_RT {
-  return std::min(SphereDistance(p_WT), PlaneDistance(p_WT));
-}
-
-bool Workspace::Violated(const Vector3& p_WT) const OSTEON_RT {
-  return !(Distance(p_WT) >= -params_.tolerance_m);
+bool Workspace::Violated(const Vector3& p_WP, ZonePoint point) const OSTEON_RT {
+  return !IsFinite(p_WP) || !(Distance(p_WP, point) >= -params_.tolerance_m);
 }
 
 Workspace::Result Workspace::Limit(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT {
   if (!IsFinite(p_WT) || !IsFinite(v_WT)) return {.v_WT = Vector3::Zero(), .acted = true};
   Result result{.v_WT = v_WT};
-
-  // the component toward a bound, with the unit vector that points at it
-  const auto reduce = [&](const Vector3& toward, double distance) {
-    const double excess =
-        toward.dot(result.v_WT) - BrakingSpeed(distance, params_.deceleration_m_per_s2, dt_s);
-    if (excess <= 0.0) return;
-    result.v_WT -= excess * toward;
-    result.acted = true;
-  };
-  const Vector3 radial = p_WT - params_.sphere_center_W_m;
-  if (radial.norm() > 1e-9) reduce(radial.normalized(), SphereDistance(p_WT));
-  reduce(-params_.plane_normal_W, PlaneDistance(p_WT));
-
-  // what is left over: the other bound's correction, and the sphere's curvature along the step
-  const Vector3 p_next = p_WT + dt_s * result.v_WT;
-  const auto share_of = [&](double distance, double distance_next) {
-    const double approach = (distance - distance_next) / dt_s;
-    const double allowed = BrakingSpeed(distance, params_.deceleration_m_per_s2, dt_s);
-    return approach > allowed ? allowed / approach : 1.0;
-  };
-  const double share = std::min(share_of(SphereDistance(p_WT), SphereDistance(p_next)),
-                                share_of(PlaneDistance(p_WT), PlaneDistance(p_next)));
-  if (share < 1.0) {
-    result.v_WT *= share;
-    result.acted = true;
+  for (const ZoneParams& zone : Bounds(ZonePoint::kApex)) {
+    const ZoneBounds bounds(zone, p_WT);
+    for (const ZoneBound& bound : bounds.all()) {
+      const double excess = bound.toward_W.dot(result.v_WT) -
+                            BrakingSpeed(bound.distance_m, params_.deceleration_m_per_s2, dt_s);
+      if (excess <= 0.0) continue;
+      result.v_WT -= excess * bound.toward_W;
+      result.acted = true;
+    }
   }
+  // what is left over: other bounds' corrections, curvature, and a stop that goes straight on
+  if (StopsInside(p_WT, result.v_WT, dt_s)) return result;
+  double stops = 0.0, fails = 1.0;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double share = 0.5 * (stops + fails);
+    (StopsInside(p_WT, share * result.v_WT, dt_s) ? stops : fails) = share;
+  }
+  result.v_WT *= stops;
+  result.acted = true;
   return result;
+}
+
+// Of a set that is kept out, the half-space on this side of its nearest place counts.
+bool Workspace::StopsInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT {
+  const Vector3 way = (dt_s + 0.5 * v_WT.norm() / params_.deceleration_m_per_s2) * v_WT;
+  return std::all_of(Bounds(ZonePoint::kApex).begin(), Bounds(ZonePoint::kApex).end(),
+                     [&](const ZoneParams& zone) {
+                       const ZoneBounds bounds(zone, p_WT);
+                       const double distance_m = bounds.distance_m();
+                       const double left_m = zone.side == ZoneSide::kKeepIn
+                                                 ? ZoneBounds(zone, p_WT + way).distance_m()
+                                                 : distance_m - bounds.all().front().toward_W.dot(way);
+                       return left_m >= std::min(0.0, distance_m);  // one that is outside may come back
+                     });
+}
+
+// The distance to the bound of a set that is kept in is concave along the way: a share of the way comes no
+// nearer than the same share of the difference. That of a set that is kept out is convex: no nearer than the
+// same share of what its slope says.
+double Workspace::Share(ZonePoint point, const Vector3& p_WP, const Vector3& p_next_WP,
+                        double dt_s) const OSTEON_RT {
+  if (!IsFinite(p_WP) || !IsFinite(p_next_WP)) return 0.0;
+  double share = 1.0;
+  for (const ZoneParams& zone : Bounds(point)) {
+    const ZoneBounds bounds(zone, p_WP);
+    const double distance_m = bounds.distance_m();
+    const double nearer_m = zone.side == ZoneSide::kKeepIn
+                                ? distance_m - ZoneBounds(zone, p_next_WP).distance_m()
+                                : bounds.all().front().toward_W.dot(p_next_WP - p_WP);
+    const double allowed_m = dt_s * BrakingSpeed(distance_m, params_.deceleration_m_per_s2, dt_s);
+    if (nearer_m > allowed_m) share = std::min(share, allowed_m / nearer_m);
+  }
+  return share;
+}
+
+bool Workspace::LeavesZone(ZonePoint point, const Vector3& p_WP, const Vector3& p_next_WP) const OSTEON_RT {
+  const std::size_t own = point == ZonePoint::kApex ? kOwn : 0;
+  const std::vector<ZoneParams>& bounds = Bounds(point);
+  for (std::size_t i = own; i < bounds.size(); ++i) {
+    const double next_m = ZoneBounds(bounds[i], p_next_WP).distance_m();
+    if (!(next_m >= -params_.tolerance_m) && !(next_m >= ZoneBounds(bounds[i], p_WP).distance_m()))
+      return true;
+  }
+  return false;
 }
 
 }  // namespace osteon::safety

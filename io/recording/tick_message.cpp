@@ -184,6 +184,7 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.set_passivity_energy_j(record.passivity_energy_J);
   message.set_passivity_damping_ns_per_m(record.passivity_damping_Ns_per_m);
   message.set_tank_j(record.tank_J);
+  message.set_limits(record.limits);
   message.set_tank_share(record.tank_share);
   io::Put(record.F_bias_S, message.mutable_f_bias_s());
   message.SerializeToString(&bytes);
@@ -227,6 +228,7 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   r.passivity_energy_J = message.passivity_energy_j();
   r.passivity_damping_Ns_per_m = message.passivity_damping_ns_per_m();
   r.tank_J = message.tank_j();
+  r.limits = message.limits();
   if (message.has_tank_share()) r.tank_share = message.tank_share();
   io::Get(message.f_bias_s(), r.F_bias_S);
   io::Get(message.f_cmd_t(), r.F_cmd_T);

@@ -112,6 +112,7 @@ TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
                                       "age_damping_factor",
                                       "age_wrench_share",
                                       "tank_share",
+                                      "limits",
                                       "gains_taken",
                                       "coupling_damping_share",
                                       "model_frame",

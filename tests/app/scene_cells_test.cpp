@@ -38,8 +38,8 @@ std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& eng
             static_cast<std::uint64_t>(seconds / setup.config.servo.period_s));
   EXPECT_LE(result->statistics.peak_coupling_force_N, setup.config.servo.wrench.max_force_N);
   // the last resorts are never needed
-  EXPECT_EQ(result->statistics.passivity.events, 0u);
-  EXPECT_EQ(result->statistics.tank.events, 0u);
+  EXPECT_EQ(result->statistics.limits.Of(safety::Limit::kPassivity).events, 0u);
+  EXPECT_EQ(result->statistics.limits.Of(safety::Limit::kTank).events, 0u);
   EXPECT_GT(result->statistics.least_tank_J, 0.0);
   return std::move(*result);
 }

@@ -127,7 +127,7 @@ TEST(AxisLock, AtTheWorkspacesBoundItStopsOnItsLine) {
         R.transpose() * (Pose(record.X_WT_cmd).translation() - ServoBench::StartPose().translation());
     most_m = std::max(most_m, std::hypot(off_T.x(), off_T.y()));
   }
-  EXPECT_GT(bench.loop.statistics().workspace.ticks, 0u);
+  EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kWorkspace).ticks, 0u);
   EXPECT_LT(most_m, 10e-6);
 }
 

@@ -64,7 +64,7 @@ struct Pressed {
   double off_direction{0.0};
   int cut_ticks{0}, ticks{0};
   TickRecord last;
-  LimitCount arm;
+  safety::LimitCount arm;
 };
 
 // A hand that presses the tool against the plane.
@@ -88,7 +88,7 @@ Pressed Press(const ServoParams& params, const kinematics::ChainParams<7>& body)
     }
     EXPECT_LE(pressed.last.wrench_scale, pressed.last.arm_share);
   }
-  pressed.arm = bench.loop.statistics().arm;
+  pressed.arm = bench.loop.statistics().limits.Of(safety::Limit::kArmTorque);
   return pressed;
 }
 

@@ -136,7 +136,7 @@ TEST(ServoLimit, AHandStrongerThanTheLimitMeetsTheLimitWithItsDirection) {
     }
   }
   EXPECT_GT(limited, 10);
-  EXPECT_GT(bench.loop.statistics().wrench.events, 0u);
+  EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kWrench).events, 0u);
 }
 
 TEST(ServoLimit, MessagesOfRandomBitsNeverMoveTheArmTooFast) {

@@ -101,8 +101,9 @@ TEST(ServoLoop, CommandedPoseIntegratedPoseAndJointsAreOne) {
     ASSERT_LT((of_joints.matrix() - Pose(record.X_WT_cmd).matrix()).norm(), 1e-9) << "tick " << i;
     ASSERT_EQ(record.faults, 0u) << "tick " << i;
   }
-  EXPECT_GT(bench.loop.statistics().workspace.ticks, 0u) << "it was pushed to its bound";
-  EXPECT_GT(bench.loop.statistics().twist.ticks, 0u);
+  EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kWorkspace).ticks, 0u)
+      << "it was pushed to its bound";
+  EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kToolSpeed).ticks, 0u);
 }
 
 TEST(ServoLoop, PushedTowardsAJointLimitItSlowsDownAndStaysInside) {
@@ -125,7 +126,7 @@ TEST(ServoLoop, PushedTowardsAJointLimitItSlowsDownAndStaysInside) {
     ASSERT_LE(before, start_a4 + 0.15 - params.joints.position_margin_rad + 1e-9);
   }
   EXPECT_GT(before, start_a4 + 0.15 - params.joints.position_margin_rad - 2e-3) << "and gets there";
-  EXPECT_GT(bench.loop.statistics().joints.ticks, 0u);
+  EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kJoints).ticks, 0u);
 
   // the virtual tool's velocity went with it: nothing has wound up behind the limit
   EXPECT_LT(Vector3(bench.Tick().v_WT_cmd_m_per_s).norm(), 0.01);

@@ -143,7 +143,7 @@ TEST(ServoSixAxis, AJointLimitSlowsTheToolAndIsNoFault) {
   EXPECT_EQ(record.phase, Phase::kHaptic);
   EXPECT_FALSE(bench.loop.faults().Any()) << bench.loop.faults().bits();
   EXPECT_LE(record.q_cmd[0], params.joints.limits[0].upper_rad);
-  EXPECT_GT(bench.loop.statistics().joints.ticks, 100u);
+  EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kJoints).ticks, 100u);
 }
 
 TEST(ServoSixAxis, StopsToRestAndDoesNotAllocate) {

@@ -40,10 +40,10 @@ TEST(ServoStabilisers, PlanesOfTenMillisecondsRaiseTheDampingAndAreCounted) {
   EXPECT_GT(most, 1.4);
   EXPECT_LT(most, 2.5);
   const ServoStatistics& s = bench.loop.statistics();
-  EXPECT_EQ(s.age_governor.ticks, ticks);
-  EXPECT_GE(s.age_governor.events, 1u);
-  EXPECT_EQ(s.passivity.events, 0u);
-  EXPECT_EQ(s.tank.events, 0u);
+  EXPECT_EQ(s.limits.Of(safety::Limit::kAgeGovernor).ticks, ticks);
+  EXPECT_GE(s.limits.Of(safety::Limit::kAgeGovernor).events, 1u);
+  EXPECT_EQ(s.limits.Of(safety::Limit::kPassivity).events, 0u);
+  EXPECT_EQ(s.limits.Of(safety::Limit::kTank).events, 0u);
   EXPECT_EQ(s.least_tank_J, least_J);
   EXPECT_GT(least_J, 0.9);
 }
@@ -61,7 +61,7 @@ TEST(ServoStabilisers, WhatDoesNotActChangesNoBit) {
     ASSERT_EQ(Vector3(a.F_coupling_T_W.f), Vector3(b.F_coupling_T_W.f)) << i;
   }
   EXPECT_GT(with.loop.statistics().peak_coupling_force_N, 50.0);
-  EXPECT_EQ(with.loop.statistics().age_governor.ticks, 0u);
+  EXPECT_EQ(with.loop.statistics().limits.Of(safety::Limit::kAgeGovernor).ticks, 0u);
 }
 
 TEST(ServoStabilisers, TheImpedanceLawsGovernorNeedsADamping) {

@@ -170,7 +170,7 @@ TEST(ImpedanceLoop, BeyondTheToolsSpeedItIsBrakedAndAtHalfAsMuchAgainItStops) {
   EXPECT_FALSE(bench.loop.faults().Any());
   // 8 N = 10 v + 250 (v - .05) + what the arm itself takes: at most .08 m/s without that, where it would stop
   EXPECT_LT(bench.loop.statistics().peak_tool_speed_m_per_s, 0.075);
-  EXPECT_GT(bench.loop.statistics().twist.ticks, 100u);
+  EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kToolSpeed).ticks, 100u);
 
   bench.push_W_N = -120.0 * bench.feed_W;
   bench.Run(400);

@@ -50,6 +50,7 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.passivity_damping_Ns_per_m = 250.0;
   r.tank_J = 0.875;
   r.tank_share = 0.625;
+  r.limits = 0x4201;
   r.F_bias_S = SomeWrench(base + 90);
   r.model_age_s = base + 60;
   r.sensor_age_s = base + 61;

@@ -124,6 +124,7 @@ TEST(Recording, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.passivity_damping_Ns_per_m, sent.passivity_damping_Ns_per_m);
   EXPECT_EQ(r.tank_J, sent.tank_J);
   EXPECT_EQ(r.tank_share, sent.tank_share);
+  EXPECT_EQ(r.limits, sent.limits);
   EXPECT_EQ(Vector3(r.F_bias_S.f), Vector3(sent.F_bias_S.f));
   EXPECT_EQ(Vector3(r.F_bias_S.t), Vector3(sent.F_bias_S.t));
   EXPECT_EQ(r.model_age_s, sent.model_age_s);

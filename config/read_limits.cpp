@@ -1,0 +1,98 @@
+#include "config/read_limits.h"
+
+namespace osteon::config {
+namespace {
+
+constexpr double kRoom_mm = 5000;
+
+// The shape's own keys, in W: a half-space's face or another shape's centre, and its measures.
+void ReadShape(Reader& section, safety::ZoneParams& zone) {
+  using safety::ZoneShape;
+  zone.shape =
+      static_cast<ZoneShape>(section.Choice("shape", {"half_space", "sphere", "box", "cylinder", "capsule"}));
+  zone.p_W_m = section.Triple("at_mm", -kRoom_mm, kRoom_mm);
+  switch (zone.shape) {
+    case ZoneShape::kHalfSpace:
+      zone.R_W = safety::RotationAlong(section.Direction("inward_axis"));
+      return;
+    case ZoneShape::kSphere:
+      zone.radius_m = section.Number("radius_mm", 1, kRoom_mm);
+      return;
+    case ZoneShape::kBox: {
+      zone.half_edge_m = 0.5 * section.Triple("edges_mm", 1, 2 * kRoom_mm);
+      if (section.Has("turn_deg")) {
+        const Vector3 turn = section.Triple("turn_deg", -180, 180);
+        zone.R_W =
+            (Eigen::AngleAxisd(turn.z(), Vector3::UnitZ()) * Eigen::AngleAxisd(turn.y(), Vector3::UnitY()) *
+             Eigen::AngleAxisd(turn.x(), Vector3::UnitX()))
+                .toRotationMatrix();
+      }
+      return;
+    }
+    case ZoneShape::kCylinder:
+    case ZoneShape::kCapsule:
+      zone.R_W = safety::RotationAlong(section.Direction("along_axis"));
+      zone.radius_m = section.Number("radius_mm", 1, kRoom_mm);
+      zone.half_length_m = 0.5 * section.Number("length_mm", 1, 2 * kRoom_mm);
+      return;
+  }
+}
+
+}  // namespace
+
+void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
+  servo.wrench.max_force_N = section.Number("max_force_N", 1, safety::kForceCeiling_N);
+  servo.wrench.max_torque_Nm = section.Number("max_torque_Nm", 0.1, 50);
+  servo.sensor_force.margin_N = section.Number("sensor_margin_N", 1, 200);
+  servo.sensor_force.ticks = section.Whole("sensor_trip_count", 1, 100);
+  servo.twist.max_speed_m_per_s = section.Number("max_tool_speed_mm_per_s", 1, 1000);
+  servo.twist.max_turn_rad_per_s = section.Number("max_tool_turn_deg_per_s", 1, 360);
+  servo.stop_deceleration_m_per_s2 = section.Number("stop_deceleration_mm_per_s2", 100, 20000);
+  servo.stop_deceleration_rad_per_s2 = section.Number("stop_deceleration_rad_per_s2", 0.5, 100);
+  servo.joint_stop_s = section.Number("joint_stop_ms", 10, 1000);
+  servo.joints.position_margin_rad = section.Number("joint_margin_deg", 0, 30);
+  servo.joints.speed_share = section.Number("joint_speed_ratio", 0.01, 1);
+  servo.joints.jump_rad = section.Number("joint_jump_deg", 0.1, 30);
+  servo.max_tracking_error_m = section.Number("max_tracking_error_mm", 1, 200);
+  if (lbr) servo.arm_angle_rate_rad_per_s = section.Number("arm_angle_rate_deg_per_s", 0.1, 57);
+  servo.model_sight_m = section.Number("model_sight_mm", 0.01, 100);
+  // each of these is a bound of its own: where two bound the same, the tighter one holds
+  if (section.Has("max_elbow_speed_mm_per_s"))
+    servo.max_elbow_speed_m_per_s = section.Number("max_elbow_speed_mm_per_s", 1, 2000);
+  if (section.Has("max_stored_J")) servo.energy.max_stored_J = section.Number("max_stored_J", 0.01, 1000);
+  if (section.Has("max_power_W")) servo.energy.max_power_W = section.Number("max_power_W", 0.1, 1000);
+  if (section.Has("max_kinetic_J")) {
+    servo.energy.max_kinetic_J = section.Number("max_kinetic_J", 0.001, 100);
+    servo.energy.moving_mass_kg = section.Number("moving_mass_kg", 0.1, 500);
+  }
+  if (section.Has("max_spindle_torque_Nm")) {
+    servo.spindle_limits.max_torque_Nm = section.Number("max_spindle_torque_Nm", 0.001, 100);
+    servo.spindle_limits.max_speed_rad_per_s = section.Number("max_spindle_speed_rpm", 1, 500000);
+    servo.spindle_limits.trip_s = section.Number("spindle_trip_ms", 0, 10000);
+  }
+}
+
+void ReadZones(Reader& cell, safety::WorkspaceParams& workspace) {
+  if (!cell.Has("zones")) return;
+  for (Reader& section : cell.Sections("zones", 1, safety::Workspace::kMostZones - 1)) {
+    safety::ZoneParams& zone = workspace.zones.emplace_back();
+    zone.point = static_cast<safety::ZonePoint>(section.Choice("point", {"apex", "flange", "elbow"}));
+    zone.side = static_cast<safety::ZoneSide>(section.Choice("keep", {"in", "out"}));
+    ReadShape(section, zone);
+  }
+}
+
+void ReadDepthLimit(Reader& cell, safety::DepthLimitParams& depth) {
+  if (!cell.Has("depth_limit")) return;
+  Reader section = cell.Section("depth_limit");
+  depth.acts = section.Bool("acts");
+  ReadShape(section, depth.bound);
+  depth.soft_m = section.Number("soft_mm", 0.1, 100);
+  depth.spindle_stop_m = section.Number("spindle_stop_mm", 0, 100);
+  if (depth.spindle_stop_m > depth.soft_m)
+    section.Refuse("spindle_stop_mm", "accepted at most soft_mm: the spindle stops within the resistance");
+  depth.stiffness_N_per_m = section.Number("stiffness_N_per_mm", 0.1, 100);
+  depth.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0, 10000);
+}
+
+}  // namespace osteon::config

@@ -1,0 +1,143 @@
+#include "safety/zone.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "safety/limits.h"
+
+namespace osteon::safety {
+namespace {
+
+constexpr double kTiny_m = 1e-12;  // nearer to a centre than this every direction is as good
+
+// Unit vector of v, or that one where v has none.
+Vector3 DirectionOr(const Vector3& v, const Vector3& otherwise) OSTEON_RT {
+  const double length = v.norm();
+  return length > kTiny_m ? Vector3(v / length) : otherwise;
+}
+
+// The nearest point of a capsule's axis, or of a sphere's centre.
+Vector3 NearestOfAxis(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT {
+  if (zone.shape == ZoneShape::kSphere) return Vector3::Zero();
+  return {0.0, 0.0, std::clamp(p_Z.z(), -zone.half_length_m, zone.half_length_m)};
+}
+
+struct Outside {
+  Vector3 toward_Z;
+  double distance_m;
+};
+
+// Of a point seen from a set that has these gaps to its faces (positive: outside of that face) along these
+// directions: the way to the set's nearest place, and, from inside, the way back from the nearest face.
+template <std::size_t N>
+Outside FromGaps(const std::array<double, N>& gap_m, const std::array<Vector3, N>& out_Z) OSTEON_RT {
+  Vector3 beyond = Vector3::Zero();
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < N; ++i) {
+    beyond += std::max(0.0, gap_m[i]) * out_Z[i];
+    if (gap_m[i] > gap_m[nearest]) nearest = i;
+  }
+  const double distance_m = beyond.norm();
+  if (distance_m > kTiny_m) return {.toward_Z = -beyond / distance_m, .distance_m = distance_m};
+  return {.toward_Z = -out_Z[nearest], .distance_m = gap_m[nearest]};
+}
+
+}  // namespace
+
+void Validate(const ZoneParams& zone) {
+  const auto require = [](bool ok, const std::string& text) {
+    if (!ok) throw std::invalid_argument("zone: " + text);
+  };
+  const auto length = [&](const char* name, double value) {
+    require(std::isfinite(value) && value > 0.0,
+            std::string(name) + ": found " + std::to_string(value) + ", accepted > 0");
+  };
+  require(IsFinite(zone.p_W_m), "p_W_m: accepted finite numbers");
+  const bool rotation =
+      (zone.R_W * zone.R_W.transpose() - Matrix3::Identity()).norm() < 1e-6 && zone.R_W.determinant() > 0.0;
+  require(rotation, "R_W: accepted a rotation");
+  if (zone.shape == ZoneShape::kHalfSpace) return;
+  if (zone.shape == ZoneShape::kBox) {
+    for (int i = 0; i < 3; ++i) length("half_edge_m", zone.half_edge_m[i]);
+    return;
+  }
+  length("radius_m", zone.radius_m);
+  if (zone.shape != ZoneShape::kSphere) length("half_length_m", zone.half_length_m);
+}
+
+Matrix3 RotationAlong(const Vector3& axis_W) {
+  return Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), axis_W).toRotationMatrix();
+}
+
+ZoneBounds::ZoneBounds(const ZoneParams& zone, const Vector3& p_WP) OSTEON_RT {
+  const Vector3 p_Z = zone.R_W.transpose() * (p_WP - zone.p_W_m);
+  if (zone.side == ZoneSide::kKeepIn)
+    KeepIn(zone, p_Z);
+  else
+    KeepOut(zone, p_Z);
+  for (std::size_t i = 0; i < count_; ++i) bounds_[i].toward_W = zone.R_W * bounds_[i].toward_W;
+}
+
+void ZoneBounds::KeepIn(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT {
+  switch (zone.shape) {
+    case ZoneShape::kHalfSpace:
+      return Add(-Vector3::UnitZ(), p_Z.z());
+    case ZoneShape::kBox:
+      for (int i = 0; i < 3; ++i) {
+        Add(Vector3::Unit(i), zone.half_edge_m[i] - p_Z[i]);
+        Add(-Vector3::Unit(i), zone.half_edge_m[i] + p_Z[i]);
+      }
+      return;
+    case ZoneShape::kCylinder: {
+      const Vector3 across(p_Z.x(), p_Z.y(), 0.0);
+      Add(DirectionOr(across, Vector3::UnitX()), zone.radius_m - across.norm());
+      Add(Vector3::UnitZ(), zone.half_length_m - p_Z.z());
+      return Add(-Vector3::UnitZ(), zone.half_length_m + p_Z.z());
+    }
+    case ZoneShape::kSphere:
+    case ZoneShape::kCapsule: {
+      const Vector3 out = p_Z - NearestOfAxis(zone, p_Z);
+      return Add(DirectionOr(out, Vector3::UnitX()), zone.radius_m - out.norm());
+    }
+  }
+}
+
+void ZoneBounds::KeepOut(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT {
+  switch (zone.shape) {
+    case ZoneShape::kHalfSpace:
+      return Add(Vector3::UnitZ(), -p_Z.z());
+    case ZoneShape::kBox: {
+      std::array<double, 3> gap_m;
+      std::array<Vector3, 3> out_Z;
+      for (int i = 0; i < 3; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        gap_m[at] = std::abs(p_Z[i]) - zone.half_edge_m[i];
+        out_Z[at] = std::copysign(1.0, p_Z[i]) * Vector3::Unit(i);
+      }
+      const Outside outside = FromGaps(gap_m, out_Z);
+      return Add(outside.toward_Z, outside.distance_m);
+    }
+    case ZoneShape::kCylinder: {
+      const Vector3 across(p_Z.x(), p_Z.y(), 0.0);
+      const Outside outside = FromGaps<2>(
+          {across.norm() - zone.radius_m, std::abs(p_Z.z()) - zone.half_length_m},
+          {DirectionOr(across, Vector3::UnitX()), Vector3(std::copysign(1.0, p_Z.z()) * Vector3::UnitZ())});
+      return Add(outside.toward_Z, outside.distance_m);
+    }
+    case ZoneShape::kSphere:
+    case ZoneShape::kCapsule: {
+      const Vector3 out = p_Z - NearestOfAxis(zone, p_Z);
+      return Add(-DirectionOr(out, Vector3::UnitX()), out.norm() - zone.radius_m);
+    }
+  }
+}
+
+double ZoneBounds::distance_m() const OSTEON_RT {
+  double least_m = bounds_[0].distance_m;
+  for (std::size_t i = 1; i < count_; ++i) least_m = std::min(least_m, bounds_[i].distance_m);
+  return least_m;
+}
+
+}  // namespace osteon::safety

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "control/rt/marker.h"
+#include "kinematics/spatial.h"
+
+// Convex sets of the room, and points of the arm that are kept in or out of them.
+
+namespace osteon::safety {
+
+enum class ZoneShape : std::uint8_t { kHalfSpace, kSphere, kBox, kCylinder, kCapsule };
+enum class ZoneSide : std::uint8_t { kKeepIn, kKeepOut };
+/// What is kept: the tool's apex, the centre of the flange, the centre of the elbow (of a six-axis arm the
+/// axis of A3).
+enum class ZonePoint : std::uint8_t { kApex, kFlange, kElbow };
+
+/// A convex set and who has to heed it. Fields that the shape does not name do not count.
+struct ZoneParams {
+  ZoneShape shape{ZoneShape::kHalfSpace};
+  ZoneSide side{ZoneSide::kKeepIn};
+  ZonePoint point{ZonePoint::kApex};
+  /// Half-space: a point of its face; the others: their centre.
+  Vector3 p_W_m{Vector3::Zero()};
+  /// Box: the directions of its edges, by column. Cylinder and capsule: their axis is column 2; half-space:
+  /// column 2 points into it.
+  Matrix3 R_W{Matrix3::Identity()};
+  Vector3 half_edge_m{Vector3::Ones()};  ///< box; each > 0
+  double radius_m{1.0};                  ///< sphere, cylinder, capsule; > 0
+  double half_length_m{1.0};  ///< cylinder: between its ends; capsule: between its balls' centres; > 0
+};
+
+/// @throws std::invalid_argument naming the field, the value and what is accepted.
+void Validate(const ZoneParams& zone);
+
+/// ZoneParams::R_W whose column 2 is a unit vector; how it turns about that does not count.
+[[nodiscard]] Matrix3 RotationAlong(const Vector3& axis_W);
+
+/// One face that a point may come to: how far it is, and where.
+struct ZoneBound {
+  Vector3 toward_W{Vector3::Zero()};  ///< unit, from where the point may be to where it may not
+  double distance_m{0.0};             ///< along it; negative where the point is past it
+};
+
+/// The faces of a zone that a point at p_WP has before it: each of a box's six or a cylinder's three that it
+/// is kept in, the nearest place of any set that it is kept out of. A zone is kept where no distance is
+/// negative.
+class ZoneBounds {
+ public:
+  static constexpr std::size_t kMost = 6;
+
+  /// @pre p_WP finite
+  ZoneBounds(const ZoneParams& zone, const Vector3& p_WP) OSTEON_RT;
+
+  [[nodiscard]] std::span<const ZoneBound> all() const OSTEON_RT { return {bounds_.data(), count_}; }
+  /// To the nearest of them [m]; its decrease along any way is at most the way's length.
+  [[nodiscard]] double distance_m() const OSTEON_RT;
+
+ private:
+  void Add(const Vector3& toward_W, double distance_m) OSTEON_RT {
+    bounds_[count_++] = {.toward_W = toward_W, .distance_m = distance_m};
+  }
+  void KeepIn(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT;
+  void KeepOut(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT;
+
+  std::array<ZoneBound, kMost> bounds_{};
+  std::size_t count_{0};
+};
+
+}  // namespace osteon::safety
