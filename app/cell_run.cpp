@@ -11,6 +11,7 @@
 #include "app/chart_files.h"
 #include "app/each_fault.h"
 #include "app/gains_watch.h"
+#include "app/limit_rows.h"
 #include "app/recorded_config.h"
 #include "app/simulated_cell_run.h"
 #include "app/simulated_setup.h"
@@ -290,7 +291,8 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
                                       .device = engine.device(),
                                       .scene = setup.bone.name,
                                       .tool = setup.config.tool.tool.name,
-                                      .force_limit_N = setup.config.servo.wrench.max_force_N,
+                                      .force_limit_N = control::ForceLimit_N(setup.config.servo),
+                                      .limits = LimitLines(setup.config.servo),
                                       .config_text = setup.config_text,
                                       .config = setup.config_source,
                                       .utc = params.virtual_time ? 0 : UtcNow(),

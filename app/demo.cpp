@@ -92,6 +92,7 @@ int RunDemo(const DemoOptions& options) {
                              .recording = options.out / "recording.mcap",
                              .stop = &Interrupted(),
                              .progress = [&](double at_s) { progress.Show(at_s); }};
+  PrintLimits(setup->config.servo);
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
   if (!result) return Fail(result.error().what, result.error().begun ? kFailed : kBadInput);

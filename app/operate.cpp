@@ -59,6 +59,7 @@ int RunOperate(const OperateOptions& options) {
   if (!engine) return Fail(engine.error());
   PrintRegistration(setup->config);
   PrintWires(setup->config);
+  PrintLimits(setup->config.servo);
 
   InstallInterrupt();
   RunProgress progress("osteon run", options.seconds);

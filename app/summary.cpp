@@ -89,6 +89,15 @@ std::string CutText(const RunSummary& s) {
                                                         100.0 * (1.0 - s.least_arm_share), s.arm_cut_ticks));
 }
 
+// Which limits acted, when, for how long.
+std::string ActedText(const RunSummary& s) {
+  std::string text;
+  for (const ActedLimit& limit : s.acted_limits)
+    text += fmt::format("{}{} from {:.2f} s ({} ticks, {:.3f} s at most)", text.empty() ? "" : "; ",
+                        limit.name, limit.first_s, limit.ticks, limit.longest_s);
+  return text.empty() ? "none" : text;
+}
+
 // What the stabilisers did.
 std::string StabiliserText(const RunSummary& s) {
   const auto times = [](std::uint64_t ticks, const std::string& how) {
@@ -144,7 +153,10 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.peak_sensor_force_N = result.statistics.peak_sensor_force_N;
   s.peak_tool_speed_m_per_s = result.statistics.peak_tool_speed_m_per_s;
   s.least_tank_J = std::isfinite(result.statistics.least_tank_J) ? result.statistics.least_tank_J : 0.0;
-  s.force_limit_N = setup.config.servo.wrench.max_force_N;
+  s.force_limit_N = control::ForceLimit_N(setup.config.servo);
+  s.limits = EffectiveLimits(setup.config.servo);
+  s.acted_limits = ActedLimits(recording.ticks, setup.config.servo.period_s);
+  s.least_depth_left_m = result.statistics.least_depth_left_m;
 
   // rates and latencies, from the ticks answered in COMMANDING_ACTIVE
   std::vector<rt::Nanoseconds> stamps;
@@ -230,6 +242,9 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
       {"Peak rendered force", fmt::format("{:.1f} N of {:.0f} N allowed", s.peak_force_N, s.force_limit_N)});
   rows.push_back({"Force cut off by limits", CutText(s)});
   rows.push_back({"Stabilisers acted", StabiliserText(s)});
+  rows.push_back({"Limits that acted", ActedText(s)});
+  if (std::isfinite(s.least_depth_left_m))
+    rows.push_back({"Left to the depth limit", fmt::format("{:.2f} mm", s.least_depth_left_m * 1e3)});
   rows.push_back({"Peak sensor force", fmt::format("{:.1f} N", s.peak_sensor_force_N)});
   rows.push_back({"Peak tool speed", fmt::format("{:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3)});
   // without the solid (a loaded packing) what was swept is not known
@@ -285,64 +300,68 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
     events.push_back(
         {{"time_s", event.time_s}, {"name", event.name}, {"value", event.value}, {"unit", event.unit}});
   const CavityError& section = s.section.cavity_section;
-  nlohmann::json out{{"schema", schema},
-                     {"version", OSTEON_VERSION},
-                     {"engine", s.engine},
-                     {"device", s.device},
-                     {"scene", s.scene},
-                     {"tool", s.tool},
-                     {"virtual_time", s.virtual_time},
-                     {"ended", s.ended},
-                     {"recovered", s.recovered},
-                     {"link",
-                      {{"lost", s.link.lost},
-                       {"duplicate", s.link.duplicate},
-                       {"late", s.link.late},
-                       {"reordered", s.link.reordered},
-                       {"rejected", s.link.rejected},
-                       {"answers_lost", s.link.answers_lost},
-                       {"answers_foreign", s.link.answers_foreign}}},
-                     {"cell", s.cell_report.empty() ? nlohmann::json(nullptr)
-                                                    : nlohmann::json::parse(s.cell_report, nullptr, false)},
-                     {"seconds", s.seconds},
-                     {"spheres", s.balls},
-                     {"mass_points", s.points},
-                     {"ticks", s.ticks},
-                     {"frames", s.frames},
-                     {"dropped_records", s.dropped},
-                     {"servo_rate_hz", s.servo_rate_hz},
-                     {"simulation_rate_hz", s.simulation_rate_hz},
-                     {"peak_force_N", s.peak_force_N},
-                     {"peak_torque_Nm", s.peak_torque_Nm},
-                     {"peak_sensor_force_N", s.peak_sensor_force_N},
-                     {"force_limit_N", s.force_limit_N},
-                     {"wrench_cut_ticks", s.cut_ticks},
-                     {"wrench_share_min", s.least_wrench_share},
-                     {"arm_cut_ticks", s.arm_cut_ticks},
-                     {"arm_share_min", s.least_arm_share},
-                     {"age_governor_ticks", s.age_governor_ticks},
-                     {"age_damping_max", s.most_age_damping},
-                     {"age_wrench_share_min", s.least_age_share},
-                     {"passivity_ticks", s.passivity_ticks},
-                     {"tank_ticks", s.tank_ticks},
-                     {"tank_min_J", s.least_tank_J},
-                     {"peak_tool_speed_mm_per_s", s.peak_tool_speed_m_per_s * 1e3},
-                     {"removed_volume_mm3", s.removed_volume_m3 * 1e9},
-                     {"removed_mass_g", s.removed_mass_kg * 1e3},
-                     {"swept_volume_mm3", s.swept_volume_m3 * 1e9},
-                     {"cutting_work_J", s.cutting_work_J},
-                     {"cup_depth_mm", s.cup_depth_m * 1e3},
-                     {"reamed_depth_mm", s.reamed_depth_m * 1e3},
-                     {"cavity_depth_mm", s.cavity_depth_m <= -1.0 ? nlohmann::json(nullptr)
-                                                                  : nlohmann::json(s.cavity_depth_m * 1e3)},
-                     {"cavity_error_mean_mm", section.samples > 0 ? nlohmann::json(section.mean_abs_m * 1e3)
-                                                                  : nlohmann::json(nullptr)},
-                     {"cavity_error_p95_mm",
-                      section.samples > 0 ? nlohmann::json(section.p95_m * 1e3) : nlohmann::json(nullptr)},
-                     {"state_hash", s.state_hash},
-                     {"faults", faults},
-                     {"assumptions", s.assumptions},
-                     {"recording", s.recording}};
+  nlohmann::json out{
+      {"schema", schema},
+      {"version", OSTEON_VERSION},
+      {"engine", s.engine},
+      {"device", s.device},
+      {"scene", s.scene},
+      {"tool", s.tool},
+      {"virtual_time", s.virtual_time},
+      {"ended", s.ended},
+      {"recovered", s.recovered},
+      {"link",
+       {{"lost", s.link.lost},
+        {"duplicate", s.link.duplicate},
+        {"late", s.link.late},
+        {"reordered", s.link.reordered},
+        {"rejected", s.link.rejected},
+        {"answers_lost", s.link.answers_lost},
+        {"answers_foreign", s.link.answers_foreign}}},
+      {"cell", s.cell_report.empty() ? nlohmann::json(nullptr)
+                                     : nlohmann::json::parse(s.cell_report, nullptr, false)},
+      {"seconds", s.seconds},
+      {"spheres", s.balls},
+      {"mass_points", s.points},
+      {"ticks", s.ticks},
+      {"frames", s.frames},
+      {"dropped_records", s.dropped},
+      {"servo_rate_hz", s.servo_rate_hz},
+      {"simulation_rate_hz", s.simulation_rate_hz},
+      {"peak_force_N", s.peak_force_N},
+      {"peak_torque_Nm", s.peak_torque_Nm},
+      {"peak_sensor_force_N", s.peak_sensor_force_N},
+      {"force_limit_N", s.force_limit_N},
+      {"wrench_cut_ticks", s.cut_ticks},
+      {"wrench_share_min", s.least_wrench_share},
+      {"arm_cut_ticks", s.arm_cut_ticks},
+      {"arm_share_min", s.least_arm_share},
+      {"age_governor_ticks", s.age_governor_ticks},
+      {"age_damping_max", s.most_age_damping},
+      {"age_wrench_share_min", s.least_age_share},
+      {"passivity_ticks", s.passivity_ticks},
+      {"tank_ticks", s.tank_ticks},
+      {"tank_min_J", s.least_tank_J},
+      {"limits", ToJson(s.limits, s.acted_limits)},
+      {"depth_left_min_mm", std::isfinite(s.least_depth_left_m) ? nlohmann::json(s.least_depth_left_m * 1e3)
+                                                                : nlohmann::json(nullptr)},
+      {"peak_tool_speed_mm_per_s", s.peak_tool_speed_m_per_s * 1e3},
+      {"removed_volume_mm3", s.removed_volume_m3 * 1e9},
+      {"removed_mass_g", s.removed_mass_kg * 1e3},
+      {"swept_volume_mm3", s.swept_volume_m3 * 1e9},
+      {"cutting_work_J", s.cutting_work_J},
+      {"cup_depth_mm", s.cup_depth_m * 1e3},
+      {"reamed_depth_mm", s.reamed_depth_m * 1e3},
+      {"cavity_depth_mm",
+       s.cavity_depth_m <= -1.0 ? nlohmann::json(nullptr) : nlohmann::json(s.cavity_depth_m * 1e3)},
+      {"cavity_error_mean_mm",
+       section.samples > 0 ? nlohmann::json(section.mean_abs_m * 1e3) : nlohmann::json(nullptr)},
+      {"cavity_error_p95_mm",
+       section.samples > 0 ? nlohmann::json(section.p95_m * 1e3) : nlohmann::json(nullptr)},
+      {"state_hash", s.state_hash},
+      {"faults", faults},
+      {"assumptions", s.assumptions},
+      {"recording", s.recording}};
   out["events"] = events;
   nlohmann::json stops = nlohmann::json::array();
   for (const std::filesystem::path& page : s.stops) stops.push_back(page.string());

@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "app/cell_run.h"
+#include "app/limit_rows.h"
 #include "app/report/report.h"
 #include "io/recording/recording_reader.h"
 
@@ -54,7 +55,10 @@ struct RunSummary {
   double cavity_depth_m{0.0};  ///< floor of the carved balls below the first floor; < 0: carved through
   ReportFigures section;
   DurationFigures wakeup, compute, frame;
-  std::string state_hash;  ///< of the carved state, hexadecimal
+  std::string state_hash;                ///< of the carved state, hexadecimal
+  std::vector<EffectiveLimit> limits;    ///< in force
+  std::vector<ActedLimit> acted_limits;  ///< those that did, when and for how long
+  double least_depth_left_m{0.0};        ///< to the reamer's depth limit; infinite where there is none
   std::vector<FaultRow> faults;
   std::vector<EventRow> events;              ///< of the scene, in their order
   std::optional<double> least_wall_m;        ///< thinnest wall beside the cut; nothing where none is watched

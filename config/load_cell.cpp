@@ -269,6 +269,13 @@ void Spread(CellConfig& cell) {
   servo.posture_load.axial_N = servo.wrench.max_force_N;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
+  // so far they are ratios: a cell takes other tools as well
+  if (const double rated_Nm = cell.tool.drive.rated_torque_Nm * cell.tool.drive.gear_ratio; rated_Nm > 0.0) {
+    servo.spindle_limits.max_torque_Nm *= rated_Nm;
+    servo.spindle_limits.max_speed_rad_per_s *= cell.tool.spindle_rad_per_s;
+  } else {
+    servo.spindle_limits = {};
+  }
   cell.cutting.stiffness_N_per_m = servo.coupling.max_stiffness_N_per_m;
   cell.cutting.max_force_N = servo.wrench.max_force_N;
 
@@ -332,6 +339,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   cell.injections = ReadInjections(reader);
   reader.Finish();
 
+  CheckDepthLimit(reader, servo.depth, servo.coupling.max_stiffness_N_per_m);
   cell.own_gains = control::GainsOf(servo.admittance, servo.coupling);
   if (!gains.empty()) LayGainsOver(gains, servo.law, servo.admittance, servo.coupling);
 
@@ -344,12 +352,6 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
              servo.watchdog.sensor_stop_s * 1e3);
 
   CheckSight(limits, cell);
-  if (servo.depth.acts && servo.depth.stiffness_N_per_m > servo.coupling.max_stiffness_N_per_m)
-    reader.Section("depth_limit")
-        .Refuse("stiffness_N_per_mm", fmt::format("found {:.10g}, accepted at most the coupling's {:.10g}: "
-                                                  "what the loop is known to be stable with",
-                                                  1e-3 * servo.depth.stiffness_N_per_m,
-                                                  1e-3 * servo.coupling.max_stiffness_N_per_m));
 
   ReadRobot(reader, robot, cell.robot);
   CompleteArmLink(reader, cell);

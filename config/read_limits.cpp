@@ -1,5 +1,7 @@
 #include "config/read_limits.h"
 
+#include <fmt/format.h>
+
 namespace osteon::config {
 namespace {
 
@@ -65,9 +67,9 @@ void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
     servo.energy.max_kinetic_J = section.Number("max_kinetic_J", 0.001, 100);
     servo.energy.moving_mass_kg = section.Number("moving_mass_kg", 0.1, 500);
   }
-  if (section.Has("max_spindle_torque_Nm")) {
-    servo.spindle_limits.max_torque_Nm = section.Number("max_spindle_torque_Nm", 0.001, 100);
-    servo.spindle_limits.max_speed_rad_per_s = section.Number("max_spindle_speed_rpm", 1, 500000);
+  if (section.Has("spindle_torque_ratio")) {  // of the tool's; load_cell makes torques and speeds of them
+    servo.spindle_limits.max_torque_Nm = section.Number("spindle_torque_ratio", 0.1, 100);
+    servo.spindle_limits.max_speed_rad_per_s = section.Number("spindle_speed_ratio", 1.01, 10);
     servo.spindle_limits.trip_s = section.Number("spindle_trip_ms", 0, 10000);
   }
 }
@@ -89,10 +91,22 @@ void ReadDepthLimit(Reader& cell, safety::DepthLimitParams& depth) {
   ReadShape(section, depth.bound);
   depth.soft_m = section.Number("soft_mm", 0.1, 100);
   depth.spindle_stop_m = section.Number("spindle_stop_mm", 0, 100);
-  if (depth.spindle_stop_m > depth.soft_m)
-    section.Refuse("spindle_stop_mm", "accepted at most soft_mm: the spindle stops within the resistance");
   depth.stiffness_N_per_m = section.Number("stiffness_N_per_mm", 0.1, 100);
   depth.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0, 10000);
+}
+
+void CheckDepthLimit(Reader cell, const safety::DepthLimitParams& depth, double coupling_N_per_m) {
+  if (!depth.acts) return;
+  const Reader section = cell.Section("depth_limit");
+  if (depth.spindle_stop_m > depth.soft_m)
+    section.Refuse("spindle_stop_mm", fmt::format("found {:.10g}, accepted at most soft_mm ({:.10g}): the "
+                                                  "spindle stops within the resistance",
+                                                  1e3 * depth.spindle_stop_m, 1e3 * depth.soft_m));
+  if (depth.stiffness_N_per_m > coupling_N_per_m)
+    section.Refuse("stiffness_N_per_mm",
+                   fmt::format("found {:.10g}, accepted at most the coupling's {:.10g}: what the loop is "
+                               "known to be stable with",
+                               1e-3 * depth.stiffness_N_per_m, 1e-3 * coupling_N_per_m));
 }
 
 }  // namespace osteon::config

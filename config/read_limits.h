@@ -14,5 +14,8 @@ void ReadZones(Reader& cell, safety::WorkspaceParams& workspace);
 
 /// The cell's section `depth_limit`, which need not be there.
 void ReadDepthLimit(Reader& cell, safety::DepthLimitParams& depth);
+/// One value of it against another, once all are known to be there. @param coupling_N_per_m the coupling's
+/// own stiffness; gains that lower it lower the depth limit's along with it
+void CheckDepthLimit(Reader cell, const safety::DepthLimitParams& depth, double coupling_N_per_m);
 
 }  // namespace osteon::config

@@ -61,7 +61,8 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
       arm_->Limit(wrench_limiter_, stabilisers_.Shape(coupling, X_WT_meas_, V_WT_));
   const safety::LimitedWrench rendered =
       Bounded(stabilisers_.Calm(coupling, X_WT_meas_, V_WT_, limited, wrench_limiter_),
-              depth_limit_.Step(X_WT_meas_.translation(), V_WT_.v), V_WT_, coupling.fade);
+              depth_limit_.Step(X_WT_meas_.translation(), V_WT_.v, params_.coupling.max_stiffness_N_per_m),
+              V_WT_, coupling.fade);
   const Wrench& F_coupling_T_W = rendered.F;
   const Wrench damping = DampingWrench(Times(params_.impedance, stabilisers_.damping_factor()),
                                        X_WT_meas_.linear(), V_WT_, {.v = inside.v_WT, .w = slow.V.w});

@@ -352,9 +352,10 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
       PastDeadZone(params_.admittance,
                    safety::ScaleWrench(F_operator_T_W, sensor_trip_.level_N(), kMostOperatorTorque_Nm).F);
   const double hand = coupling.fade * sensor_share;
-  const safety::LimitedWrench rendered =
-      Bounded(stabilisers_.Calm(coupling, X_before, V_before_WT, limited, wrench_limiter_),
-              depth_limit_.Step(X_before.translation(), V_before_WT.v), V_before_WT, coupling.fade);
+  const safety::LimitedWrench rendered = Bounded(
+      stabilisers_.Calm(coupling, X_before, V_before_WT, limited, wrench_limiter_),
+      depth_limit_.Step(X_before.translation(), V_before_WT.v, params_.coupling.max_stiffness_N_per_m),
+      V_before_WT, coupling.fade);
   const Wrench& F_coupling_T_W = rendered.F;
   const Wrench F_T_W{.f = hand * F_hand_T_W.f + F_coupling_T_W.f,
                      .t = hand * F_hand_T_W.t + F_coupling_T_W.t};

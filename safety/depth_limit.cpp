@@ -36,7 +36,7 @@ DepthLimit::DepthLimit(const DepthLimitParams& params) : params_(Validated(param
   params_.bound = ZoneOf(params);
 }
 
-Vector3 DepthLimit::Step(const Vector3& p_WT, const Vector3& v_WT) OSTEON_RT {
+Vector3 DepthLimit::Step(const Vector3& p_WT, const Vector3& v_WT, double stiffness_N_per_m) OSTEON_RT {
   if (!params_.acts) return Vector3::Zero();
   const ZoneBounds bounds(params_.bound, p_WT);
   distance_m_ = bounds.distance_m();
@@ -46,7 +46,8 @@ Vector3 DepthLimit::Step(const Vector3& p_WT, const Vector3& v_WT) OSTEON_RT {
 
   Vector3 f_W = Vector3::Zero();
   for (const ZoneBound& bound : bounds.all()) {
-    const double spring_N = params_.stiffness_N_per_m * (params_.soft_m - bound.distance_m);
+    const double spring_N =
+        std::min(params_.stiffness_N_per_m, stiffness_N_per_m) * (params_.soft_m - bound.distance_m);
     if (!(spring_N > 0.0)) continue;
     const double damper_N = params_.damping_Ns_per_m * std::max(0.0, bound.toward_W.dot(v_WT));
     f_W -= (spring_N + std::min(damper_N, kMostDampingShare * spring_N)) * bound.toward_W;

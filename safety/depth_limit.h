@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "control/rt/marker.h"
 #include "kinematics/spatial.h"
 #include "safety/zone.h"
@@ -33,7 +35,9 @@ class DepthLimit {
   explicit DepthLimit(const DepthLimitParams& params);
 
   /// One tick. @returns the force on the tool at its apex, in W [N]; zero where it does not act.
-  Vector3 Step(const Vector3& p_WT, const Vector3& v_WT) OSTEON_RT;
+  /// @param stiffness_N_per_m  at most this one: the coupling's, where it has been made softer
+  Vector3 Step(const Vector3& p_WT, const Vector3& v_WT,
+               double stiffness_N_per_m = std::numeric_limits<double>::infinity()) OSTEON_RT;
   /// As at the start.
   void Reset() OSTEON_RT;
 

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "hil/failures/scenario_bench.h"
+#include "safety/depth_limit.h"
+#include "safety/workspace.h"
 #include "simulation/scene_events.h"
 #include "simulation/solids/box_solid.h"
 
@@ -17,6 +18,8 @@ namespace {
 
 constexpr double kPush_N = 100.0, kMass_kg = 2.0, kDamping_Ns_per_m = 200.0, kDt_s = 1e-3;
 constexpr double kRadius_m = 1.6e-3, kHalfWidth_m = 4e-3, kMargin_m = 1e-3;
+// The depth limit that ours has on.
+constexpr double kSoft_m = 3e-3, kSpindleStop_m = 0.5e-3, kLimit_N_per_m = 20e3, kStop_m_per_s2 = 3.0;
 constexpr int kAfter = 100;  // frames that are watched after the breakthrough
 
 struct Course {
@@ -31,27 +34,37 @@ Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, co
   const simulation::Tool tool = MakeBallTool(kRadius_m);
   simulation::SceneWatch watch(solid, wall, tool, {.least_wall_m = 1e-6});
   Course course;
-  double z = 0.05e-3, v = 0.0, broken_at_m = 0.0, limit_m = -std::numeric_limits<double>::infinity();
+  const safety::DepthLimitParams floor{
+      .acts = held,
+      .bound = {.shape = safety::ZoneShape::kHalfSpace,
+                // pushed, the tool is ahead of its proxy by the coupling's give: the wall is cut through to
+                // the end
+                .p_W_m = {0.0, 0.0, -thickness_m - kPush_N / params.stiffness_N_per_m - kMargin_m}},
+      .soft_m = kSoft_m,
+      .spindle_stop_m = kSpindleStop_m,
+      .stiffness_N_per_m = kLimit_N_per_m};
+  safety::DepthLimit depth_limit(floor);
+  safety::WorkspaceParams room{.deceleration_m_per_s2 = kStop_m_per_s2};
+  if (held) room.zones.push_back(safety::ZoneOf(floor));
+  const safety::Workspace workspace(room);
+  double z = 0.05e-3, v = 0.0, broken_at_m = 0.0;
   constexpr int kMost = 20'000;
   for (int frame = 0; frame < kMost; ++frame) {
-    const auto model = engine.Step(FrameAt(Downwards({0, 0, z}), kScenarioSpindle_rad_per_s, kDt_s));
+    const double spindle = depth_limit.stops_spindle() ? 0.0 : kScenarioSpindle_rad_per_s;
+    const auto model = engine.Step(FrameAt(Downwards({0, 0, z}), spindle, kDt_s));
     const double proxy_m = Pose(model.X_WP).translation().z();
     course.lead_m = std::max(course.lead_m, z - proxy_m);
     if (!course.through && proxy_m < -thickness_m) {
       course.through = frame;
       broken_at_m = z;
     }
-    if (!watch.Step(model.X_WP, model.removed_volume_m3, 0).empty() && !course.flagged) {
+    if (!watch.Step(model.X_WP, model.removed_volume_m3, 0).empty() && !course.flagged)
       course.flagged = frame;
-      limit_m = proxy_m - kMargin_m;
-    }
-    double force_N = model.F_T_W.f.z;
-    if (course.flagged) {
-      if (held)
-        force_N = std::max(force_N, std::min(params.stiffness_N_per_m * (limit_m - z), params.max_force_N));
-      else
-        force_N = 0.0;
-    }
+    double force_N = model.F_T_W.f.z + depth_limit.Step({0, 0, z}, {0, 0, v}).z();
+    if (held)
+      force_N = std::min(force_N, params.max_force_N);
+    else if (course.flagged)
+      force_N = 0.0;
     if (course.through) {
       course.overshoot_m = std::max(course.overshoot_m, broken_at_m - z);
       course.hand.x.push_back(1e3 * kDt_s * (frame - *course.through));
@@ -59,6 +72,7 @@ Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, co
       if (frame - *course.through >= kAfter) break;
     }
     v += kDt_s * (force_N - kPush_N - kDamping_Ns_per_m * v) / kMass_kg;
+    v = workspace.Limit({0, 0, z}, {0, 0, v}, kDt_s).v_WT.z();
     z += kDt_s * v;
   }
   return course;

@@ -20,7 +20,8 @@ using kinematics::JointVector;
 
 constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kPush_N = 200.0, kCeiling_N = 200.0;
 constexpr double kPress_s = 0.5, kDrawBack_s = 0.7, kEnd_s = 1.6;
-constexpr double kWhole = 0.99;  // of the force: it is back
+constexpr double kDeepest_m = 12e-3, kSoft_m = 7e-3;  // of the depth limit, from the wall's face
+constexpr double kWhole = 0.99;                       // of the force: it is back
 constexpr double kMostRecovery_s = 0.05;
 constexpr double kCounts_N = 1.0;      // a force whose direction counts
 constexpr double kSlack = 1.0 + 1e-9;  // of a torque limit: rounding
@@ -37,7 +38,8 @@ struct Saturated {
 
 double Angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-Saturated Press(double tool_m, double side_rad) {
+// @param depth_limited  the depth limit's resistance adds to the wall's, from half the way in
+Saturated Press(double tool_m, double side_rad, bool depth_limited) {
   ArmRideParams params;
   params.arm = ScenarioArm();
   params.X_FT.translation() = Vector3(0.0, 0.0, tool_m);
@@ -52,6 +54,15 @@ Saturated Press(double tool_m, double side_rad) {
   // out of the plane, across the tool
   const Vector3 n = X_start.linear() * Vector3(std::cos(side_rad), std::sin(side_rad), 0.0);
 
+  if (depth_limited)
+    params.loop.depth = {.acts = true,
+                         .bound = {.shape = safety::ZoneShape::kHalfSpace,
+                                   .p_W_m = X_start.translation() - kDeepest_m * n,
+                                   .R_W = safety::RotationAlong(n)},
+                         .soft_m = kSoft_m,
+                         .spindle_stop_m = 0.0,
+                         .stiffness_N_per_m = kWall_N_per_m,
+                         .damping_Ns_per_m = 0.0};
   const double pressed_m = kPush_N / params.hand.stiffness_N_per_m + kPush_N / kWall_N_per_m;
   const HandPath path = [&](double t) {
     const auto led = [](double share) { return Quintic(std::clamp(share, 0.0, 1.0)).s; };
@@ -85,8 +96,9 @@ Saturated Press(double tool_m, double side_rad) {
     const ArmRideTick& tick = ride[i];
     result.fault |= tick.fault;
     // what was to be: the planes' force at the pose that was commanded before
-    const double wanted_N =
-        kWall_N_per_m * std::max(0.0, -n.dot(ride[i - 1].X_WT.translation() - X_start.translation()));
+    const double depth_m = -n.dot(ride[i - 1].X_WT.translation() - X_start.translation());
+    double wanted_N = kWall_N_per_m * std::max(0.0, depth_m);
+    if (depth_limited) wanted_N += kWall_N_per_m * std::max(0.0, depth_m - (kDeepest_m - kSoft_m));
     const Vector3 f_wanted = wanted_N * n, f = tick.f_coupling_N;
     const JointVector g = body.Gravity(ride[i - 1].q);
     const kinematics::Jacobian J = arm.JacobianAt(ride[i - 1].q, params.X_FT.translation());
@@ -143,7 +155,7 @@ FailureResult RunSaturation(const FailureSetting& setting) {
   bool complete = true, well = true;
   for (const double tool_m : tools_m) {
     for (int side = 0; side < sides && complete; ++side) {
-      const Saturated s = Press(tool_m, 2.0 * std::numbers::pi * (side + 0.3) / sides);
+      const Saturated s = Press(tool_m, 2.0 * std::numbers::pi * (side + 0.3) / sides, side % 2 == 1);
       saturated += s.saturates ? 1 : 0;
       well &= s.recovers && !s.fault;
       result.ours = std::max(result.ours, 180.0 / std::numbers::pi * s.angle_rad);
@@ -169,7 +181,8 @@ FailureResult RunSaturation(const FailureSetting& setting) {
   result.ours_passes = complete && well && saturated > 0 && result.ours <= result.bound &&
                        torque_share <= kSlack && most_N <= kCeiling_N && recovery_s <= kMostRecovery_s;
   result.note = fmt::format(
-      "{} of {} pushes are more than the arm holds, {:.0f} N are rendered at most, {:.0f} % of what was to "
+      "every second push meets the depth limit as well; {} of {} are more than the arm holds, {:.0f} N are "
+      "rendered at most, {:.0f} % of what was to "
       "be at least; "
       "joints carry {:.2f} % of their limit at most (gravity counted against them), and the whole force is "
       "back {:.0f} ms "

@@ -21,6 +21,7 @@ void Encode(const SessionInfo& session, std::string& bytes) {
   message.set_scene(session.scene);
   message.set_tool(session.tool);
   message.set_force_limit_n(session.force_limit_N);
+  for (const std::string& limit : session.limits) message.add_limits(limit);
   message.set_config_text(session.config_text);
   for (const ConfigFile& file : session.config.files) {
     osteon::ConfigFile* added = message.add_config_files();
@@ -48,6 +49,7 @@ std::string Decode(std::span<const char> bytes, SessionInfo& session) {
              .scene = message.scene(),
              .tool = message.tool(),
              .force_limit_N = message.force_limit_n(),
+             .limits = {message.limits().begin(), message.limits().end()},
              .config_text = message.config_text(),
              .config = {.files = {},
                         .cell_file = message.cell_file(),

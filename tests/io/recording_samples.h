@@ -167,6 +167,7 @@ inline SessionInfo SomeSession() {
           .scene = "cup",
           .tool = "reamer_50",
           .force_limit_N = 200.0,
+          .limits = {"force 200 N (cell)", "tool speed 250 mm/s (cell)"},
           .config_text = "force_limit_N: 200\n",
           .config = {.files = {{.name = "cells/demo.yaml", .content = "tool: ../tools/a.yaml\n"},
                                {.name = "tools/a.png", .content = std::string("\x89PNG\0\xff", 6)}},

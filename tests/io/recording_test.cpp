@@ -65,6 +65,8 @@ TEST(Recording, ComesBackBitForBit) {
   EXPECT_EQ(recording->session.scene, "cup");
   EXPECT_EQ(recording->session.tool, "reamer_50");
   EXPECT_EQ(recording->session.force_limit_N, 200.0);
+  EXPECT_EQ(recording->session.limits.size(), 2u);
+  EXPECT_EQ(recording->session.limits.back(), "tool speed 250 mm/s (cell)");
   EXPECT_EQ(recording->session.config_text, "force_limit_N: 200\n");
   const ConfigSource &config = recording->session.config, sent = SomeSession().config;
   ASSERT_EQ(config.files.size(), 2u);

@@ -1,0 +1,155 @@
+#include "app/limit_rows.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "safety/acting_limits.h"
+
+namespace osteon::app {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0, kRpm = 2.0 * std::numbers::pi / 60.0;
+
+struct Bound {
+  double value;
+  std::string whose;
+};
+
+// The tightest of some bounds of one quantity; the others that there are go into the text.
+EffectiveLimit Tightest(std::string name, std::string unit, const std::vector<Bound>& bounds) {
+  std::size_t least = 0;
+  for (std::size_t i = 1; i < bounds.size(); ++i)
+    if (bounds[i].value < bounds[least].value) least = i;
+  std::string others;
+  for (std::size_t i = 0; i < bounds.size(); ++i)
+    if (i != least && std::isfinite(bounds[i].value))
+      others += fmt::format("; {}: {:.4g}", bounds[i].whose, bounds[i].value);
+  return {.name = std::move(name),
+          .value = bounds[least].value,
+          .unit = std::move(unit),
+          .from = bounds[least].whose + others};
+}
+
+std::string Text(const EffectiveLimit& limit) {
+  return fmt::format("{} {:.4g} {} ({})", limit.name, limit.value, limit.unit, limit.from);
+}
+
+}  // namespace
+
+std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& p, bool reduced) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  const double reduced_mm_per_s = reduced ? 1e3 * control::kReducedSpeed_m_per_s : infinite;
+  const double K = p.coupling.max_stiffness_N_per_m;
+  const safety::WrenchRateTrip rate(K, p.twist.max_speed_m_per_s);
+  const double force_N = control::ForceLimit_N(p);
+  std::vector<EffectiveLimit> limits{
+      Tightest("force", "N",
+               {{p.wrench.max_force_N, "cell"},
+                {safety::kForceCeiling_N, "ceiling"},
+                {safety::ForceOfEnergy(p.energy.max_stored_J, K), "stored energy"}}),
+      Tightest("torque", "N·m", {{p.wrench.max_torque_Nm, "cell"}}),
+      Tightest("force that the hand may push", "N", {{force_N + p.sensor_force.margin_N, "force + margin"}}),
+      Tightest("rate of the force", "N/s", {{rate.max_rate_N_per_s(), "1.5 K v_max"}}),
+      Tightest(
+          "tool speed", "mm/s",
+          {{1e3 * p.twist.max_speed_m_per_s, "cell"},
+           {1e3 * safety::SpeedOfEnergy(p.energy.max_kinetic_J, p.energy.moving_mass_kg), "kinetic energy"},
+           {reduced_mm_per_s, "T1"}}),
+      Tightest("tool turn", "deg/s", {{p.twist.max_turn_rad_per_s / kDegree, "cell"}}),
+      Tightest("elbow speed", "mm/s", {{1e3 * p.max_elbow_speed_m_per_s, "cell"}, {reduced_mm_per_s, "T1"}}),
+      Tightest("stored energy", "J", {{p.energy.max_stored_J, "cell"}}),
+      Tightest("power into the hand", "W", {{p.energy.max_power_W, "cell"}}),
+      Tightest("kinetic energy", "J", {{p.energy.max_kinetic_J, "cell"}}),
+      Tightest("joint step", "deg", {{p.joints.jump_rad / kDegree, "cell"}}),
+      Tightest("tracking error", "mm", {{1e3 * p.max_tracking_error_m, "cell"}}),
+      Tightest("age of the contact model", "ms", {{1e3 * p.watchdog.model_stop_s, "cell"}}),
+      Tightest("age of the force sensor", "ms", {{1e3 * p.watchdog.sensor_stop_s, "cell"}}),
+      Tightest("spindle torque", "N·m", {{p.spindle_limits.max_torque_Nm, "cell"}}),
+      Tightest("spindle speed", "rpm", {{p.spindle_limits.max_speed_rad_per_s / kRpm, "cell"}}),
+  };
+  for (int i = 0; i < 7; ++i) {
+    const kinematics::JointLimits& joint = p.joints.limits[static_cast<std::size_t>(i)];
+    if (!(joint.upper_rad > joint.lower_rad)) continue;  // of a six-axis arm there is no seventh
+    limits.push_back(Tightest(fmt::format("A{} speed", i + 1), "deg/s",
+                              {{p.joints.speed_share * joint.velocity_rad_per_s / kDegree, "arm × cell"}}));
+    limits.push_back({.name = fmt::format("A{} position", i + 1),
+                      .value = (joint.upper_rad - p.joints.position_margin_rad) / kDegree,
+                      .unit = "deg",
+                      .from = fmt::format("arm - margin; down to {:.4g}",
+                                          (joint.lower_rad + p.joints.position_margin_rad) / kDegree)});
+  }
+  if (p.depth.acts)
+    limits.push_back(
+        Tightest("depth: resistance begins before the bound", "mm", {{1e3 * p.depth.soft_m, "cell"}}));
+  return limits;
+}
+
+std::vector<ActedLimit> ActedLimits(const std::vector<control::TickRecord>& ticks, double period_s) {
+  safety::LimitCounts counts;
+  std::array<double, safety::kLimitCount> first_s{};
+  for (const control::TickRecord& tick : ticks) {
+    const safety::LimitSet acting(tick.limits);
+    for (std::size_t i = 0; i < safety::kLimitCount; ++i) {
+      const auto limit = static_cast<safety::Limit>(i);
+      if (acting.Has(limit) && counts.Of(limit).ticks == 0)
+        first_s[i] = rt::ToSeconds(tick.stamp - ticks.front().stamp);
+    }
+    counts.Count(acting);
+  }
+  std::vector<ActedLimit> acted;
+  for (std::size_t i = 0; i < safety::kLimitCount; ++i) {
+    const safety::LimitCount& count = counts.Of(static_cast<safety::Limit>(i));
+    if (count.ticks == 0) continue;
+    acted.push_back({.name = std::string(safety::kLimitNames[i]),
+                     .ticks = count.ticks,
+                     .events = count.events,
+                     .first_s = first_s[i],
+                     .longest_s = period_s * static_cast<double>(count.longest)});
+  }
+  return acted;
+}
+
+nlohmann::json ToJson(const std::vector<EffectiveLimit>& effective, const std::vector<ActedLimit>& acted) {
+  nlohmann::json in_force = nlohmann::json::array(), did = nlohmann::json::array();
+  for (const EffectiveLimit& limit : effective)
+    in_force.push_back(
+        {{"name", limit.name},
+         {"value", std::isfinite(limit.value) ? nlohmann::json(limit.value) : nlohmann::json(nullptr)},
+         {"unit", limit.unit},
+         {"from", limit.from}});
+  for (const ActedLimit& limit : acted)
+    did.push_back({{"name", limit.name},
+                   {"ticks", limit.ticks},
+                   {"events", limit.events},
+                   {"first_s", limit.first_s},
+                   {"longest_s", limit.longest_s}});
+  return {{"effective", in_force}, {"acted", did}};
+}
+
+std::vector<std::string> LimitLines(const control::ServoParams& params) {
+  std::vector<std::string> lines;
+  for (const EffectiveLimit& limit : EffectiveLimits(params))
+    if (std::isfinite(limit.value)) lines.push_back(Text(limit));
+  return lines;
+}
+
+void PrintLimits(const control::ServoParams& params) {
+  constexpr std::size_t kWidth = 110;
+  std::string line = "Limits in force:";
+  for (const std::string& limit : LimitLines(params)) {
+    if (line.size() + limit.size() > kWidth) {
+      fmt::print(stderr, "{}\n", line);
+      line = " ";
+    }
+    line += " " + limit + ";";
+  }
+  line.back() = '.';
+  fmt::print(stderr, "{}\n", line);
+}
+
+}  // namespace osteon::app
