@@ -225,6 +225,44 @@ TEST(SummaryRows, SayWhatTheStabilisersDid) {
   EXPECT_EQ(json.at("tank_min_J"), 0.75);
 }
 
+TEST(SummaryRows, SayWhichLimitsActedWhenAndForHowLong) {
+  std::vector<control::TickRecord> ticks(100);
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    ticks[i].stamp = rt::kSecond + static_cast<rt::Nanoseconds>(i) * rt::kMillisecond;
+    safety::LimitSet acting;
+    acting.Add(safety::Limit::kPower, (i >= 20 && i < 30) || (i >= 50 && i < 54));
+    acting.Add(safety::Limit::kDepth, i == 99);
+    ticks[i].limits = acting.bits();
+  }
+  RunSummary summary;
+  EXPECT_EQ(RowOf(summary, "Limits that acted"), "none");
+  summary.acted_limits = ActedLimits(ticks, 1e-3);
+  EXPECT_EQ(RowOf(summary, "Limits that acted"),
+            "power from 0.02 s (14 ticks, 0.010 s at most); depth from 0.10 s (1 ticks, 0.001 s at most)");
+  const nlohmann::json acted =
+      nlohmann::json::parse(ToJson(summary, "osteon.demo/1")).at("limits").at("acted");
+  EXPECT_EQ(acted.at(0).at("events"), 2);
+  EXPECT_EQ(acted.at(1).at("name"), "depth");
+}
+
+TEST(EffectiveLimits, AreTheTightestAndNameTheOthers) {
+  control::ServoParams params;
+  params.twist.max_speed_m_per_s = 0.3;
+  params.energy.max_kinetic_J = 0.3;
+  params.energy.moving_mass_kg = 15.0;
+  const auto of = [&](const std::string& name, bool reduced) {
+    for (const EffectiveLimit& limit : EffectiveLimits(params, reduced))
+      if (limit.name == name) return limit;
+    return EffectiveLimit{};
+  };
+  EXPECT_NEAR(of("tool speed", false).value, 200.0, 1e-9) << "15 kg with .3 J";
+  EXPECT_EQ(of("tool speed", false).from, "kinetic energy; cell: 300");
+  params.energy.max_kinetic_J = 10.0;
+  EXPECT_EQ(of("tool speed", true).from, "T1; cell: 300; kinetic energy: 1155");
+  EXPECT_TRUE(std::isinf(of("power into the hand", false).value));
+  EXPECT_EQ(of("force", false).value, std::min(params.wrench.max_force_N, 200.0));
+}
+
 TEST(SummaryRows, ShowVolumesBesideEachOther) {
   EXPECT_EQ(RowOf(Sample(), "Bone removed"), "2500 mm³, 3.50 g; swept 2000 mm³ (+25.0 %)");
   EXPECT_EQ(RowOf(Sample(), "Peak rendered force"), "123.4 N of 200 N allowed");
