@@ -117,6 +117,9 @@ void ProtoReader::AppendDoubles(double* to, std::size_t room, std::size_t& count
     const double value = Double();
     if (count == room) return Fail();
     to[count++] = value;
+    // the others, which nearly always come right behind, each with this tag in one byte
+    for (; count < room && left() > sizeof value && *at_ == tag_; at_ += 1 + sizeof value)
+      std::memcpy(to + count++, at_ + 1, sizeof value);
     return;
   }
   const auto packed = Bytes();
