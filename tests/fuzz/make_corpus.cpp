@@ -168,6 +168,9 @@ void WriteCan(const std::filesystem::path& root) {
     Frame(ati, 1, {0xFF, 0x38, 0, 10, 0xFF, 0xEC});
   }
   corpus.Write("ati", ati);
+  Bytes counts(ati.begin(), ati.begin() + 1 + 6 * 3 * 10);  // its matrix, then counts that are none
+  Frame(counts, 5, {0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0});
+  corpus.Write("ati_counts", counts);
 
   Bytes drive{2};
   for (int i = 0; i < 40; ++i) drive.push_back(14 | kLater);  // all that it is asked, as it should be
