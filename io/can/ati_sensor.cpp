@@ -233,7 +233,8 @@ std::string AtiSensor::failure() const {
   const std::string place =
       fmt::format("ATI NETCANOEM sensor (base 0x{:02X}, ids 0x{:03X} … 0x{:03X}): ", params_.base,
                   Id(params_.base, 0), Id(params_.base, 0xF));
-  const int step = static_cast<int>(found_);
+  // what was found may be a count, which is no int
+  const int step = wrong_ == Wrong::kSilent || wrong_ == Wrong::kMatrix ? static_cast<int>(found_) : 0;
   switch (wrong_) {
     case Wrong::kNothing:
       break;

@@ -9,7 +9,7 @@
 #include "io/fri/messages.h"
 #include "io/fri/version.h"
 
-// FRI datagrams to plain structs and back, by nanopb in fixed memory: what a client reads and writes. The
+// FRI datagrams to plain structs and back, in the caller's memory: what a client reads and writes. The
 // simulated arm (hil) has a codec of its own, over libprotobuf, so that the two check each other. What comes
 // in is hostile until DecodeMonitoring has said kNone.
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 
 #include "control/ports.h"
 #include "kinematics/spatial.h"
@@ -35,8 +37,9 @@ class FriName {
  public:
   static constexpr std::size_t kMaxLength = 63;
   constexpr FriName() = default;
-  /// Longer ones are cut: Fits() tells.
-  explicit constexpr FriName(std::string_view name) noexcept : length_(std::min(name.size(), kMaxLength)) {
+  /// Longer ones are cut, and any at their first NUL: Fits() tells.
+  explicit constexpr FriName(std::string_view name) noexcept
+      : length_(std::min({name.size(), name.find('\0'), kMaxLength})) {
     for (std::size_t i = 0; i < length_; ++i) text_[i] = name[i];
   }
   [[nodiscard]] static constexpr bool Fits(std::string_view name) noexcept {
@@ -69,25 +72,38 @@ struct FriIo {
   std::optional<double> analog{};
 };
 
-/// Up to N of something, in fixed memory.
+/// Up to N of something, in fixed memory. Only what was added costs anything: the rest is neither set nor
+/// copied.
 template <class T, std::size_t N>
 class FriList {
+  static_assert(std::is_trivially_copyable_v<T>);
+
  public:
+  FriList() noexcept {}
+  FriList(const FriList& other) noexcept { *this = other; }
+  FriList& operator=(const FriList& other) noexcept {
+    if (this == &other) return *this;
+    Clear();
+    for (const T& item : other) Add(item);
+    return *this;
+  }
   /// False where it is full.
   bool Add(const T& item) noexcept {
     if (size_ == N) return false;
-    items_[size_++] = item;
+    std::construct_at(items_ + size_++, item);
     return true;
   }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
   [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return items_[i]; }
-  [[nodiscard]] const T* begin() const noexcept { return items_.data(); }
-  [[nodiscard]] const T* end() const noexcept { return items_.data() + size_; }
+  [[nodiscard]] const T* begin() const noexcept { return items_; }
+  [[nodiscard]] const T* end() const noexcept { return items_ + size_; }
   void Clear() noexcept { size_ = 0; }
 
  private:
-  std::array<T, N> items_{};
+  union {  // so that T's constructor does not run
+    T items_[N];
+  };
   std::size_t size_{0};
 };
 using FriTransformations = FriList<FriTransformation, kFriMaxTransformations>;

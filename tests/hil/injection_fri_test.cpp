@@ -1,5 +1,5 @@
 // What is injected into FRI's datagrams is what both sides count: the simulated arm (libprotobuf) and the
-// product's client (nanopb), in lockstep.
+// product's client, in lockstep.
 
 #include <string>
 

@@ -1,5 +1,4 @@
-// The simulated arm (libprotobuf) against the product's client (nanopb): two schemas, two implementations,
-// one protocol.
+// The simulated arm (libprotobuf) against the product's client (by hand): two implementations, one protocol.
 
 #include <gtest/gtest.h>
 

@@ -157,6 +157,9 @@ TEST(AtiSensor, RefusalsSayWhy) {
     EXPECT_EQ(sensor.phase(), SensorPhase::kFailed);
     return sensor.failure();
   };
+  EXPECT_NE(failure("207#FFFFFFFF00000000", "208#0203").find("counts a unit are 4294967295 and 0"),
+            std::string::npos)
+      << "found by fuzzing: such a count is no int";
   EXPECT_NE(failure("207#000000000000000A", "208#0203").find("counts a unit are 0 and 10"),
             std::string::npos);
   EXPECT_NE(failure("207#000000640000000A", "208#0003").find("unit codes are 0 (force) and 3"),

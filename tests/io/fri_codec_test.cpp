@@ -140,7 +140,7 @@ TEST(FriFrame, LengthAndChecksumMustFit) {
       << "no message inside";
 }
 
-// nanopb against libprotobuf.
+// Against libprotobuf.
 
 TEST(FriMonitoring, DecodesWhatLibprotobufEncodes) {
   fri::FRIMonitoringMessage sent = Monitoring(300, fri::COMMANDING_ACTIVE);

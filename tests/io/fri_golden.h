@@ -5,8 +5,8 @@
 #include <vector>
 
 // FRI datagrams as hexadecimal text, written down once by an encoder of a few lines over the table of field
-// numbers (varints, little-endian doubles, zlib's CRC-32) that shares nothing with nanopb, libprotobuf or the
-// code under test. Sizes and prefixes agree with those observed on arms. Values: see the tests that name
+// numbers (varints, little-endian doubles, zlib's CRC-32) that shares nothing with libprotobuf or the code
+// under test. Sizes and prefixes agree with those observed on arms. Values: see the tests that name
 // them.
 
 namespace osteon::io::test::golden {

@@ -15,7 +15,7 @@
 #include "control/ports.h"
 #include "io/fri/version.h"
 
-// The arm's side as libprotobuf writes and reads it from the same .proto: independent of nanopb.
+// The arm's side as libprotobuf writes and reads it from fri.proto: independent of the code under test.
 
 namespace osteon::io::test {
 

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "control/rt/marker.h"
+
+// A protobuf message's bytes, field by field, in place: no allocation, and no step that does not move on, so
+// that a message costs no more than its length. Which fields there are is the caller's affair:
+//
+//     ProtoReader in(bytes);
+//     while (in.Next()) switch (in.number()) {
+//         case 1: sec = in.Uint32(); break;
+//         default: in.Skip();
+//       }
+//     if (!in.ok()) …
+//
+// The first thing that is wrong ends the reading, and values read from then on are 0. Wrong is: bytes that
+// end within a field; a varint of more than 64 bits or ten bytes; a tag or length of more than 32 bits or
+// five bytes; field number 0; a group (only long-dead schemas have them); another wire type than the field's.
+
+namespace osteon::io {
+
+class ProtoReader {
+ public:
+  explicit ProtoReader(std::span<const std::uint8_t> bytes) OSTEON_RT : at_(bytes.data()),
+                                                                        end_(bytes.data() + bytes.size()) {}
+
+  /// To the next field, whose value one of the functions below must then take. False at the end, or where
+  /// something is wrong.
+  [[nodiscard]] bool Next() OSTEON_RT;
+  [[nodiscard]] std::uint32_t number() const OSTEON_RT { return tag_ >> 3; }
+  [[nodiscard]] bool ok() const OSTEON_RT { return ok_; }
+  void Fail() OSTEON_RT {
+    ok_ = false;
+    at_ = end_;
+  }
+
+  /// Whatever it is.
+  void Skip() OSTEON_RT;
+
+  [[nodiscard]] std::uint64_t Uint64() OSTEON_RT { return Expect(kVarint) ? Varint() : 0; }
+  /// Wrong beyond 32 bits.
+  [[nodiscard]] std::uint32_t Uint32() OSTEON_RT;
+  /// The low 32 bits, as libprotobuf reads it: some write a negative one in five bytes, most in ten.
+  [[nodiscard]] std::int32_t Int32() OSTEON_RT { return static_cast<std::int32_t>(Uint64()); }
+  /// As a number, whatever the enum: a negative one is large, not wrong. Wrong beyond 32 bits.
+  [[nodiscard]] std::uint32_t Enum() OSTEON_RT { return Expect(kVarint) ? EnumValue() : 0; }
+  [[nodiscard]] double Double() OSTEON_RT { return Expect(kFixed64) ? Fixed64() : 0.0; }
+  /// A string, bytes or message, where it lies.
+  [[nodiscard]] std::span<const std::uint8_t> Bytes() OSTEON_RT;
+  /// Wrong where it is longer.
+  [[nodiscard]] std::string_view Text(std::size_t max_size) OSTEON_RT;
+
+  // One or more elements of a repeated field, packed or not, behind the `count` that are there. Wrong where
+  // they are more than the array holds.
+
+  template <std::size_t N>
+  void Append(std::array<double, N>& to, std::size_t& count) OSTEON_RT {
+    AppendDoubles(to.data(), N, count);
+  }
+  /// Enums.
+  template <std::size_t N>
+  void Append(std::array<std::uint32_t, N>& to, std::size_t& count) OSTEON_RT {
+    AppendEnums(to.data(), N, count);
+  }
+
+ private:
+  enum WireType : std::uint8_t { kVarint = 0, kFixed64 = 1, kBytes = 2, kFixed32 = 5 };  // 3 and 4: groups
+
+  [[nodiscard]] WireType type() const OSTEON_RT { return static_cast<WireType>(tag_ & 7u); }
+  bool Expect(WireType type) OSTEON_RT;
+  std::uint64_t Varint() OSTEON_RT;
+  std::uint32_t TagOrLength() OSTEON_RT;
+  std::uint32_t EnumValue() OSTEON_RT;
+  double Fixed64() OSTEON_RT;
+  void AppendDoubles(double* to, std::size_t room, std::size_t& count) OSTEON_RT;
+  void AppendEnums(std::uint32_t* to, std::size_t room, std::size_t& count) OSTEON_RT;
+  [[nodiscard]] std::size_t left() const OSTEON_RT { return static_cast<std::size_t>(end_ - at_); }
+
+  const std::uint8_t *at_, *end_;
+  std::uint32_t tag_{0};
+  bool ok_{true};
+};
+
+}  // namespace osteon::io

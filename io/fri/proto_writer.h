@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "control/rt/marker.h"
+
+// Writes a protobuf message into the caller's memory, field by field in the order of the calls. A message
+// inside it lies between Begin and End, whose length goes where Begin left a byte for it:
+//
+//     ProtoWriter out(buffer);
+//     const std::size_t header = out.Begin(1);
+//     out.Varint(2, sequence);
+//     out.End(header);
+//     if (!out.ok()) …
+//
+// Where the memory does not suffice, nothing is written any more and ok() is false.
+
+namespace osteon::io {
+
+class ProtoWriter {
+ public:
+  explicit ProtoWriter(std::span<std::uint8_t> buffer) OSTEON_RT : buffer_(buffer) {}
+
+  /// Any unsigned integer or enum.
+  void Varint(std::uint32_t number, std::uint64_t value) OSTEON_RT;
+  void Double(std::uint32_t number, double value) OSTEON_RT;
+  void Text(std::uint32_t number, std::string_view text) OSTEON_RT;
+  /// A repeated field: each value with a tag of its own.
+  void Unpacked(std::uint32_t number, std::span<const double> values) OSTEON_RT;
+  /// A repeated field behind one tag; nothing at all where there are no values.
+  void Packed(std::uint32_t number, std::span<const double> values) OSTEON_RT;
+
+  /// @returns what End needs.
+  [[nodiscard]] std::size_t Begin(std::uint32_t number) OSTEON_RT;
+  void End(std::size_t begin) OSTEON_RT;
+
+  [[nodiscard]] bool ok() const OSTEON_RT { return ok_; }
+  /// Bytes written.
+  [[nodiscard]] std::size_t size() const OSTEON_RT { return size_; }
+
+ private:
+  /// The next bytes, null where there are none.
+  std::uint8_t* Take(std::size_t bytes) OSTEON_RT;
+  void PutVarint(std::uint64_t value) OSTEON_RT;
+  void PutBytes(const void* bytes, std::size_t size) OSTEON_RT;
+
+  std::span<std::uint8_t> buffer_;
+  std::size_t size_{0};
+  bool ok_{true};
+};
+
+}  // namespace osteon::io

@@ -1,0 +1,80 @@
+#include "io/fri/wire_check.h"
+
+namespace osteon::io {
+namespace {
+
+constexpr double kRotationTolerance = 1e-3;  // of an orthonormal matrix's products, of a quaternion's length
+
+bool IsRotation(const Matrix3& R) OSTEON_RT {
+  return (R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < kRotationTolerance &&
+         R.determinant() > 0.0;
+}
+
+// False where the elements are no rotation.
+bool FromMatrix(const double* element, PlainPose& X) OSTEON_RT {
+  const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> M(element);
+  if (!IsRotation(M.leftCols<3>())) return false;
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(X.R.data()) = M.leftCols<3>();
+  X.p = Vector3(M.col(3) / kMmPerM);
+  return true;
+}
+
+bool FromQuaternion(const double* element, PlainPose& X) OSTEON_RT {
+  Eigen::Quaterniond q(element[3], element[4], element[5], element[6]);
+  if (std::abs(q.norm() - 1.0) > kRotationTolerance) return false;
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(X.R.data()) = q.normalized().toRotationMatrix();
+  X.p = Vector3(Vector3(element[0], element[1], element[2]) / kMmPerM);
+  return true;
+}
+
+}  // namespace
+
+std::optional<FriTime> TimeOf(const std::optional<WireTime>& wire) OSTEON_RT {
+  if (!wire) return std::nullopt;
+  return FriTime{*wire->sec, *wire->nanosec};
+}
+
+void WireCheck::Finite(double value) OSTEON_RT {
+  if (!std::isfinite(value)) Fail(CodecError::kNotFinite);
+}
+
+void WireCheck::Pose(const std::optional<WireTransformation>& wire,
+                     const std::optional<WireRedundancy>& redundancy,
+                     std::optional<FriPose>& value) OSTEON_RT {
+  if (!wire) return;
+  FriPose& pose = value.emplace();
+  if (wire->element.count != kQuaternionSize) return Fail(CodecError::kWrongCount);
+  std::copy_n(wire->element.value.begin(), kQuaternionSize, pose.element.begin());
+  if (!AllFinite(pose.element)) return Fail(CodecError::kNotFinite);
+  PlainPose X;
+  if (!FromQuaternion(pose.element.data(), X)) Fail(CodecError::kOutOfRange);
+  pose.name = FriName(*wire->name);
+  pose.time = TimeOf(wire->time);
+  if (!redundancy) return;
+  Finite(*redundancy->value);
+  pose.redundancy = FriRedundancy{*redundancy->strategy, *redundancy->value};
+}
+
+void WireCheck::Transformation(FriFamily family, const WireTransformation& wire,
+                               FriTransformations& list) OSTEON_RT {
+  FriTransformation transformation{.name = FriName(*wire.name), .time = TimeOf(wire.time)};
+  const std::size_t count = wire.element.count;
+  if (count != 0) {
+    const bool matrix = family == FriFamily::k1;
+    if (count != (matrix ? kMatrixSize : kQuaternionSize)) return Fail(CodecError::kWrongCount);
+    const double* element = wire.element.value.data();
+    if (!AllFinite({element, count})) return Fail(CodecError::kNotFinite);
+    if (!(matrix ? FromMatrix : FromQuaternion)(element, transformation.X)) Fail(CodecError::kOutOfRange);
+  }
+  list.Add(transformation);
+}
+
+void WireCheck::Io(const WireIo& wire, FriIos& list) OSTEON_RT {
+  FriIo io{.name = FriName(*wire.name), .digital = wire.digital, .analog = wire.analog};
+  Enum(wire.type, FriIoType::kAnalog, io.type);
+  Enum(wire.direction, FriIoDirection::kOutput, io.direction);
+  if (io.analog) Finite(*io.analog);
+  list.Add(io);
+}
+
+}  // namespace osteon::io

@@ -1,0 +1,107 @@
+#include "io/fri/wire_command.h"
+
+#include "io/fri/codec.h"
+#include "io/fri/wire_units.h"
+
+namespace osteon::io {
+namespace {
+
+// All but PutTime: false where a value is not finite.
+
+bool PutJoints(std::uint32_t number, const control::JointArray& joints, ProtoWriter& out) OSTEON_RT {
+  const std::size_t part = out.Begin(number);
+  out.Unpacked(1, joints);
+  out.End(part);
+  return AllFinite(joints);
+}
+
+bool PutVector(std::uint32_t number, const std::array<double, 6>& vector, ProtoWriter& out) OSTEON_RT {
+  const std::size_t part = out.Begin(number);
+  out.Packed(1, vector);
+  out.End(part);
+  return AllFinite(vector);
+}
+
+void PutTime(std::uint32_t number, const std::optional<FriTime>& time, ProtoWriter& out) OSTEON_RT {
+  if (!time) return;
+  const std::size_t part = out.Begin(number);
+  out.Varint(1, time->sec);
+  out.Varint(2, time->nanosec);
+  out.End(part);
+}
+
+bool PutElements(std::uint32_t number, const FriName& name, std::span<const double> elements,
+                 const std::optional<FriTime>& time, ProtoWriter& out) OSTEON_RT {
+  const std::size_t part = out.Begin(number);
+  out.Text(1, name.view());
+  out.Packed(2, elements);
+  PutTime(3, time, out);
+  out.End(part);
+  return AllFinite(elements);
+}
+
+// A 3x4 matrix in 1.x, a quaternion in 2.x.
+bool PutTransformation(std::uint32_t number, FriFamily family, const FriTransformation& value,
+                       ProtoWriter& out) OSTEON_RT {
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R(value.X.R.data());
+  const Vector3 p_mm = kMmPerM * Vector3(value.X.p);
+  if (family == FriFamily::k1) {
+    std::array<double, kMatrixSize> element;
+    Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(element.data()) << R, p_mm;
+    return PutElements(number, value.name, element, value.time, out);
+  }
+  const Eigen::Quaterniond q{Matrix3(R)};
+  const std::array<double, kQuaternionSize> element{p_mm.x(), p_mm.y(), p_mm.z(), q.w(), q.x(), q.y(), q.z()};
+  return PutElements(number, value.name, element, value.time, out);
+}
+
+bool PutIo(std::uint32_t number, const FriIo& value, ProtoWriter& out) OSTEON_RT {
+  const std::size_t part = out.Begin(number);
+  out.Text(1, value.name.view());
+  out.Varint(2, static_cast<std::uint64_t>(value.type));
+  out.Varint(3, static_cast<std::uint64_t>(value.direction));
+  if (value.digital) out.Varint(4, *value.digital);
+  if (value.analog) out.Double(5, *value.analog);
+  out.End(part);
+  return std::isfinite(value.analog.value_or(0.0));
+}
+
+bool PutRedundancy(std::uint32_t number, const FriRedundancy& value, ProtoWriter& out) OSTEON_RT {
+  const std::size_t part = out.Begin(number);
+  out.Varint(1, value.strategy);
+  out.Double(2, value.value);
+  out.End(part);
+  return std::isfinite(value.value);
+}
+
+}  // namespace
+
+bool WriteCommand(FriFamily family, const CommandMessage& message, ProtoWriter& out) OSTEON_RT {
+  const std::size_t header = out.Begin(1);
+  out.Varint(1, kFriCommandId);
+  out.Varint(2, message.sequence);
+  out.Varint(3, message.reflected_sequence);
+  out.End(header);
+
+  const FriOutputs& outputs = message.outputs;
+  const bool pose = message.X && family != FriFamily::k1;
+  if (!message.q && !message.wire_wrench && !message.tau && !pose && outputs.transformations.empty() &&
+      outputs.writes.empty())
+    return true;
+  bool finite = true;
+  const std::size_t data = out.Begin(2);
+  if (message.q) finite &= PutJoints(1, *message.q, out);
+  if (message.wire_wrench) finite &= PutVector(2, *message.wire_wrench, out);
+  if (message.tau) finite &= PutJoints(3, *message.tau, out);
+  for (const FriTransformation& transformation : outputs.transformations)
+    finite &= PutTransformation(4, family, transformation, out);
+  for (const FriIo& write : outputs.writes) finite &= PutIo(5, write, out);
+  if (pose) {
+    finite &= PutElements(6, message.X->name, message.X->element, message.X->time, out);
+    if (message.X->redundancy) finite &= PutRedundancy(7, *message.X->redundancy, out);
+  }
+  out.End(data);
+  return finite;
+}
+
+}  // namespace osteon::io

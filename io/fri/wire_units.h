@@ -1,0 +1,21 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "control/rt/marker.h"
+
+// What both directions of the wire know of its numbers. Private to the codec.
+
+namespace osteon::io {
+
+inline constexpr double kMmPerM = 1e3;                               ///< poses are in mm on the wire
+inline constexpr std::size_t kMatrixSize = 12, kQuaternionSize = 7;  ///< elements of a pose: 1.x, 2.x
+
+inline bool AllFinite(std::span<const double> values) OSTEON_RT {
+  return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
+}
+
+}  // namespace osteon::io

@@ -1,0 +1,232 @@
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "io/can/udp_can_codec.h"
+#include "tests/io/fri_oracle.h"
+#include "tests/io/rsi_oracle.h"
+
+// osteon_fuzz_corpus FOLDER: writes the seeds of tests/fuzz/corpus, from the samples that io's tests use.
+
+namespace osteon {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+constexpr std::array kFamilies{io::FriFamily::k1, io::FriFamily::k2_5, io::FriFamily::k2_7};
+
+void Append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), more.end()); }
+
+class Corpus {
+ public:
+  Corpus(const std::filesystem::path& root, const std::string& target) : folder_(root / target) {
+    std::filesystem::create_directories(folder_);
+  }
+  void Write(const std::string& name, const Bytes& bytes) const {
+    std::ofstream out(folder_ / name, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+// What a step of fri_session and rsi is made of.
+Bytes Step(unsigned op, const Bytes& datagram) {
+  Bytes step{static_cast<std::uint8_t>(op), static_cast<std::uint8_t>(datagram.size()),
+             static_cast<std::uint8_t>(datagram.size() >> 8)};
+  Append(step, datagram);
+  return step;
+}
+
+// ---- FRI
+
+fri::FRIMonitoringMessage Full(std::uint32_t sequence, fri::SessionState state, io::FriFamily family) {
+  fri::FRIMonitoringMessage m = io::test::Monitoring(sequence, state, family);
+  m.mutable_header()->set_reflectedsequencecounter(sequence - 1);
+  auto* io = m.mutable_monitordata()->add_readiorequest();
+  io->set_name("Drill.On");
+  io->set_type(fri::BOOLEAN);
+  io->set_direction(fri::OUTPUT);
+  io->set_digitalvalue(1);
+  auto* frame = m.add_requestedtransformations();
+  if (family == io::FriFamily::k1) {
+    frame->set_name("cup");
+    for (const double x : {1., 0., 0., 1., 0., 1., 0., 2., 0., 0., 1., 3.}) frame->add_element(x);
+  } else {
+    io::test::PutPose(frame);
+  }
+  frame->mutable_timestamp()->set_sec(5);
+  frame->mutable_timestamp()->set_nanosec(6);
+  return m;
+}
+
+void WriteFri(const std::filesystem::path& root) {
+  const Corpus decode(root, "fri_decode"), session(root, "fri_session");
+  const std::array versions{std::uint8_t{4}, std::uint8_t{6}, std::uint8_t{7}};  // 1.15, 2.5, 2.7
+  for (std::size_t f = 0; f < kFamilies.size(); ++f) {
+    const std::string name = std::to_string(f);
+    Bytes one{static_cast<std::uint8_t>(f == 2 ? 2 | 4 : f)};
+    Append(one, io::test::Bytes(Full(8, fri::COMMANDING_ACTIVE, kFamilies[f])));
+    decode.Write("commanding_" + name, one);
+    one.resize(1);
+    Append(one, io::test::Bytes(io::test::Monitoring(8, fri::MONITORING_READY, kFamilies[f])));
+    decode.Write("monitoring_" + name, one);
+
+    // a session to its end, with a loop that follows the interpolator, is late, breaks and comes back
+    Bytes all{versions[f]};
+    const struct {
+      fri::SessionState state;
+      unsigned op;
+    } steps[]{{fri::IDLE, 0},
+              {fri::MONITORING_WAIT, 0},
+              {fri::MONITORING_READY, 1u << 4},
+              {fri::COMMANDING_WAIT, 0},
+              {fri::COMMANDING_ACTIVE, 1u << 3},
+              {fri::COMMANDING_ACTIVE, 0},
+              {fri::COMMANDING_ACTIVE, 1u << 3 | 1u << 0},
+              {fri::COMMANDING_ACTIVE, 1u << 1},
+              {fri::COMMANDING_ACTIVE, 1u << 2},
+              {fri::MONITORING_READY, 1u << 6},
+              {fri::COMMANDING_ACTIVE, 1u << 0},
+              {fri::IDLE, 0}};
+    std::uint32_t sequence = 0;
+    for (const auto& step : steps) {
+      auto message = Full(++sequence, step.state, kFamilies[f]);
+      message.mutable_ipodata()->set_clientcommandmode(f == 1 ? fri::WRENCH : fri::TORQUE);
+      Append(all, Step(step.op, io::test::Bytes(message)));
+    }
+    session.Write("session_" + name, all);
+  }
+}
+
+// ---- RSI
+
+void WriteRsi(const std::filesystem::path& root) {
+  const Corpus corpus(root, "rsi");
+  for (const unsigned setup : {0u, 8u, 9u, 10u, 12u}) {  // all but the first may move after one message
+    Bytes all{static_cast<std::uint8_t>(setup)};
+    const unsigned count = setup == 0 ? 12 : 6;
+    for (unsigned i = 0; i < count; ++i) {
+      std::string text = io::test::kShortRobot;
+      text.replace(text.find("0000012345"), 10, std::to_string(4'000'000'000u + 4 * i));
+      Append(all, Step(i + 2 == count ? 4u : i + 1 == count ? 2u : i % 2, io::test::Bytes(text)));
+    }
+    corpus.Write("session_" + std::to_string(setup), all);
+  }
+  Bytes full{0};
+  Append(full, Step(1, io::test::Bytes(io::test::kFullRobot)));
+  Append(
+      full,
+      Step(0, io::test::Bytes("<?xml version='1.0'?><!-- c --><Rob Type='KUKA'> <IPOC> 7 </IPOC></Rob>\n")));
+  corpus.Write("elements", full);
+}
+
+// ---- CAN
+
+// A step of can: which of the device's ids, and the frame's bytes.
+void Frame(Bytes& to, unsigned op, const Bytes& data) {
+  to.push_back(static_cast<std::uint8_t>(op));
+  to.push_back(static_cast<std::uint8_t>(data.size()));
+  Append(to, data);
+}
+
+Bytes Eight(Bytes bytes) {
+  bytes.resize(8);
+  return bytes;
+}
+
+void WriteCan(const std::filesystem::path& root) {
+  const Corpus corpus(root, "can");
+  constexpr unsigned kLater = 1u << 5;
+
+  Bytes robotous{0};
+  for (int i = 0; i < 3; ++i) Frame(robotous, 2 | kLater, {});  // lets the time pass
+  for (const Bytes& answer : {Bytes{0x08, 1}, Bytes{0x09, 0}, Bytes{0x0F, 1}, Bytes{0x10, 8}}) {
+    Frame(robotous, 0, Eight(answer));
+    Frame(robotous, 1, Eight({}));
+  }
+  for (int i = 0; i < 12; ++i) {
+    Frame(robotous, 0, {0x0B, 0, 100, 0xFF, 0x9C, 0x7F, 0xFF, 0x80});
+    Frame(robotous, 1, {0, 7, 0xD0, 0xF8, 0x30, static_cast<std::uint8_t>(i == 11 ? 1 : 0), 0, 0});
+  }
+  corpus.Write("robotous", robotous);
+
+  Bytes ati{1};
+  for (int row = 0; row < 6; ++row)
+    for (int part = 0; part < 3; ++part) {
+      Bytes two(8);  // 1.0 on the diagonal
+      if (row / 2 == part) two[row % 2 ? 4 : 0] = 0x3F, two[row % 2 ? 5 : 1] = 0x80;
+      Frame(ati, static_cast<unsigned>(2 + part), two);
+    }
+  Frame(ati, 5, {0, 0, 0, 100, 0, 0, 0, 10});  // counts
+  Frame(ati, 6, {2, 3});                       // units
+  for (int i = 0; i < 6; ++i) {
+    Frame(ati, 0, {0, 0, 0, 100, 1, 0x2C, 0x7F, 0xFE});
+    Frame(ati, 1, {0xFF, 0x38, 0, 10, 0xFF, 0xEC});
+  }
+  corpus.Write("ati", ati);
+  Bytes counts(ati.begin(), ati.begin() + 1 + 6 * 3 * 10);  // its matrix, then counts that are none
+  Frame(counts, 5, {0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0});
+  corpus.Write("ati_counts", counts);
+
+  Bytes drive{2};
+  for (int i = 0; i < 40; ++i) drive.push_back(14 | kLater);  // all that it is asked, as it should be
+  Frame(drive, 1, {5});                                       // operational
+  for (const std::uint8_t state : Bytes{0x40, 0x21, 0x23, 0x27, 0x27, 0x27, 0x08}) {
+    Frame(drive, 2, {state, 0x02, 3, 0x10, 0, 0, 0});
+    Frame(drive, 3, {0x20, 0, 0, 0, 0x19, 0});
+    Frame(drive, 1, {5});
+  }
+  Frame(drive, 4, Eight({0x10, 0x23, 1}));  // an emergency
+  corpus.Write("drive", drive);
+
+  std::array<std::uint8_t, io::kUdpCanMaxDatagram> datagram{};
+  const std::size_t size = io::EncodeUdpCan(
+      {.frame = {.id = 0x64, .size = 3, .data = {1, 2, 3}}, .session = 1, .sequence = 2}, datagram);
+  Bytes tunnel{3};
+  tunnel.insert(tunnel.end(), datagram.begin(), datagram.begin() + static_cast<std::ptrdiff_t>(size));
+  corpus.Write("tunnel", tunnel);
+}
+
+// ---- PLC
+
+void WritePlc(const std::filesystem::path& root) {
+  const Corpus corpus(root, "plc");
+  const auto blocks = [](std::initializer_list<std::array<std::uint16_t, 14>> list) {
+    Bytes all;
+    for (const auto& block : list) {
+      all.push_back(10);  // ms since the one before
+      for (const std::uint16_t value : block) {
+        all.push_back(static_cast<std::uint8_t>(value));
+        all.push_back(static_cast<std::uint8_t>(value >> 8));
+      }
+      all.push_back(5);  // ms until it is judged
+    }
+    return all;
+  };
+  corpus.Write("running", blocks({{3, 0, 0, 0, 1, 0, 0, 3, 0, 1, 1, 1, 1, 7},
+                                  {3, 0, 0, 0, 1, 0, 0, 3, 0, 1, 0, 1, 1, 8}}));
+  corpus.Write("stopped", blocks({{1, 0, 0, 1, 0, 0, 0, 3, 1, 2, 0, 0, 0, 7},
+                                  {1, 0, 0, 1, 1, 0, 0, 3, 0, 0, 0, 0, 0, 7}}));
+  corpus.Write("bad", blocks({{4, 0, 0, 0, 1, 0, 0, 3, 0, 1, 1, 1, 1, 7},
+                              {3, 0, 0, 0, 1, 0, 0, 4, 9, 9, 9, 9, 9, 9}}));
+}
+
+}  // namespace
+}  // namespace osteon
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr,
+                 "osteon_fuzz_corpus: one argument, the folder to write to, e.g. tests/fuzz/corpus\n");
+    return 2;
+  }
+  osteon::WriteFri(argv[1]);
+  osteon::WriteRsi(argv[1]);
+  osteon::WriteCan(argv[1]);
+  osteon::WritePlc(argv[1]);
+  return 0;
+}

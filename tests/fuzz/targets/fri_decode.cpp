@@ -1,0 +1,54 @@
+#include "tests/fuzz/targets/fri_claims.h"
+
+// One FRI datagram: byte 0 the family (two bits) and whether 2.7's frame goes around the rest (bit 2).
+
+namespace osteon::fuzz {
+namespace {
+
+constexpr std::array kFamilies{io::FriFamily::k1, io::FriFamily::k2_5, io::FriFamily::k2_7,
+                               io::FriFamily::k2_7};
+constexpr std::uint32_t kMark = 0xdecafbad;
+
+// What the arm sent, sent back: it fits the wire again, or there is no room for it.
+void Return(io::FriFamily family, const io::MonitoringMessage& m) {
+  io::CommandMessage answer{.sequence = m.sequence, .reflected_sequence = m.reflected_sequence};
+  answer.q = m.q_ipo;
+  answer.wire_wrench = m.wire_force;
+  answer.tau = m.tau_ext;
+  answer.X = m.X_ipo;
+  answer.outputs.writes = m.ios;
+  std::array<std::uint8_t, io::kFriMaxDatagram> buffer;
+  std::size_t size = 0;
+  const io::CodecError error = io::EncodeCommand(family, answer, buffer, size);
+  Claim(error == io::CodecError::kNone || error == io::CodecError::kNoSpace, "what was read can be written");
+  Claim(size <= buffer.size(), "an answer fits its buffer");
+}
+
+}  // namespace
+}  // namespace osteon::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace osteon;
+  fuzz::Input in(data, size);
+  const unsigned first = in.Byte();
+  const io::FriFamily family = fuzz::kFamilies[first & 3u];
+  const auto rest = in.Rest();
+  // in memory of its own size, so that a sanitizer sees a byte too far
+  const std::vector<std::uint8_t> datagram =
+      (first & 4u) != 0 ? fuzz::Framed(rest) : std::vector<std::uint8_t>(rest.begin(), rest.end());
+
+  io::MonitoringMessage m;
+  m.sequence = fuzz::kMark;
+  const io::CodecError error = io::DecodeMonitoring(family, datagram, m);
+  const auto told = io::TellFamily(datagram);
+  fuzz::Claim(std::string_view(io::Describe(error)) != "unknown error", "an error has a text");
+  if (error != io::CodecError::kNone) {
+    fuzz::Claim(m.sequence == fuzz::kMark && !m.q_meas && m.ios.empty(), "an error leaves the message alone");
+    return 0;
+  }
+  fuzz::Claim(datagram.size() <= io::kFriMaxDatagram, "a datagram has at most 1500 bytes");
+  fuzz::Claim(told.value_or(family) == family, "a message is of the family that took it, or of none");
+  fuzz::ClaimAccepted(family, m);
+  fuzz::Return(family, m);
+  return 0;
+}

@@ -1,0 +1,148 @@
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// Each libFuzzer target over its corpus, and over changes of it with a fixed seed: what an ordinary build,
+// without clang, can see of them. OSTEON_FUZZ_RUNS sets the number of changed inputs of each.
+
+// One function a target, renamed by this folder's CMakeLists.txt.
+extern "C" {
+int OsteonFuzz_fri_decode(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_fri_session(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_rsi(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_can(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_plc(const std::uint8_t* data, std::size_t size);
+}
+
+namespace osteon::fuzz {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+constexpr unsigned kSeed = 20240915;
+
+struct Target {
+  const char* name;
+  int (*run)(const std::uint8_t*, std::size_t);
+};
+void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
+
+std::vector<Bytes> Corpus(const std::string& target) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(OSTEON_SOURCE_DIR "/tests/fuzz/corpus/") + target))
+    files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  std::vector<Bytes> corpus;
+  for (const auto& file : files) {
+    std::ifstream in(file, std::ios::binary);
+    corpus.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  }
+  return corpus;
+}
+
+// As libFuzzer changes inputs, but for what it learns from them.
+class Mutator {
+ public:
+  std::size_t Below(std::size_t n) { return random_() % n; }
+
+  Bytes Change(const std::vector<Bytes>& corpus) {
+    Bytes bytes = corpus[Below(corpus.size())];
+    for (std::size_t changes = 1 + Below(4); changes > 0 && !bytes.empty(); --changes) {
+      const auto here = bytes.begin() + static_cast<std::ptrdiff_t>(Below(bytes.size()));
+      const auto behind = here + static_cast<std::ptrdiff_t>(Below(std::min<std::size_t>(
+                                     33, static_cast<std::size_t>(bytes.end() - here) + 1)));
+      switch (Below(8)) {
+        case 0:
+          *here = static_cast<std::uint8_t>(Below(256));
+          break;
+        case 1:
+          *here ^= static_cast<std::uint8_t>(1u << Below(8));
+          break;
+        case 2: {
+          constexpr std::uint8_t kNotable[]{0, 1, 0x7f, 0x80, 0xff, '0', '"', '<'};
+          *here = kNotable[Below(std::size(kNotable))];
+          break;
+        }
+        case 3:
+          bytes.insert(here, static_cast<std::uint8_t>(Below(256)));
+          break;
+        case 4:
+          bytes.erase(here, behind);
+          break;
+        case 5: {
+          const Bytes piece(here, behind);
+          bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(Below(bytes.size() + 1)), piece.begin(),
+                       piece.end());
+          break;
+        }
+        case 6: {  // the rest of another one
+          const Bytes& other = corpus[Below(corpus.size())];
+          bytes.erase(here, bytes.end());
+          const std::size_t from = Below(other.size() + 1);
+          bytes.insert(bytes.end(), other.begin() + static_cast<std::ptrdiff_t>(from), other.end());
+          break;
+        }
+        default:
+          if (Below(4) == 0) bytes.erase(here, bytes.end());
+      }
+    }
+    return bytes;
+  }
+
+ private:
+  std::mt19937 random_{kSeed};
+};
+
+class FuzzTarget : public testing::TestWithParam<Target> {
+ protected:
+  // False where a claim did not hold; the input in hexadecimal.
+  static bool Holds(const Bytes& bytes) {
+    const Bytes exact(bytes);  // so that a sanitizer sees a byte too far
+    try {
+      GetParam().run(exact.data(), exact.size());
+      return true;
+    } catch (const std::exception& claim) {
+      std::string hex;
+      for (const std::uint8_t byte : bytes)
+        hex += "0123456789abcdef"[byte >> 4], hex += "0123456789abcdef"[byte & 15];
+      ADD_FAILURE() << "not so: " << claim.what() << "\n" << hex;
+      return false;
+    }
+  }
+};
+
+TEST_P(FuzzTarget, HoldsItsClaimsOverTheCorpus) {
+  const auto corpus = Corpus(GetParam().name);
+  ASSERT_GE(corpus.size(), 2u);
+  for (const Bytes& bytes : corpus) Holds(bytes);
+  Holds({});
+}
+
+TEST_P(FuzzTarget, HoldsItsClaimsOverChangesOfTheCorpus) {
+  SCOPED_TRACE(kSeed);
+  const char* wanted = std::getenv("OSTEON_FUZZ_RUNS");
+  const int runs = wanted == nullptr ? 5'000 : std::max(1, std::atoi(wanted));
+  const auto corpus = Corpus(GetParam().name);
+  ASSERT_FALSE(corpus.empty());
+  Mutator mutator;
+  for (int i = 0; i < runs; ++i) ASSERT_TRUE(Holds(mutator.Change(corpus))) << i;
+}
+
+INSTANTIATE_TEST_SUITE_P(Wire, FuzzTarget,
+                         testing::Values(Target{"fri_decode", OsteonFuzz_fri_decode},
+                                         Target{"fri_session", OsteonFuzz_fri_session},
+                                         Target{"rsi", OsteonFuzz_rsi}, Target{"can", OsteonFuzz_can},
+                                         Target{"plc", OsteonFuzz_plc}),
+                         [](const auto& target) { return std::string(target.param.name); });
+
+}  // namespace
+}  // namespace osteon::fuzz

@@ -1,0 +1,174 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <fri.pb.h>
+#include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/dynamic_message.h>
+
+// libprotobuf's reading of a monitoring message's bytes, with nothing of what lay on the wire lost: fri.proto
+// with 64 bits in the place of its enums and 32 bits, and bytes in that of its strings. A second schema,
+// where each number and string may come more than once, shows the values that a later one replaced.
+
+namespace osteon::io::test {
+
+/// One message, as libprotobuf holds it. Absent where `message` is null: then nothing is in it.
+class WirePart {
+ public:
+  explicit WirePart(const google::protobuf::Message* message) : message_(message) {}
+
+  [[nodiscard]] bool there() const { return message_ != nullptr; }
+  [[nodiscard]] bool Has(const char* name) const {
+    return there() && refl().HasField(*message_, Field(name));
+  }
+  [[nodiscard]] WirePart Part(const char* name) const {
+    return WirePart(Has(name) ? &refl().GetMessage(*message_, Field(name)) : nullptr);
+  }
+  [[nodiscard]] std::vector<WirePart> Parts(const char* name) const {
+    std::vector<WirePart> parts;
+    for (int i = 0; i < Count(name); ++i)
+      parts.emplace_back(&refl().GetRepeatedMessage(*message_, Field(name), i));
+    return parts;
+  }
+  [[nodiscard]] std::uint64_t Int(const char* name) const { return refl().GetUInt64(*message_, Field(name)); }
+  [[nodiscard]] std::int32_t Int32(const char* name) const { return refl().GetInt32(*message_, Field(name)); }
+  [[nodiscard]] double Real(const char* name) const { return refl().GetDouble(*message_, Field(name)); }
+  [[nodiscard]] std::string Text(const char* name) const { return refl().GetString(*message_, Field(name)); }
+  [[nodiscard]] std::vector<std::uint64_t> Ints(const char* name) const {
+    std::vector<std::uint64_t> values;
+    for (int i = 0; i < Count(name); ++i)
+      values.push_back(refl().GetRepeatedUInt64(*message_, Field(name), i));
+    return values;
+  }
+  [[nodiscard]] std::vector<double> Reals(const char* name) const {
+    std::vector<double> values;
+    for (int i = 0; i < Count(name); ++i)
+      values.push_back(refl().GetRepeatedDouble(*message_, Field(name), i));
+    return values;
+  }
+
+ private:
+  [[nodiscard]] const google::protobuf::Reflection& refl() const { return *message_->GetReflection(); }
+  [[nodiscard]] const google::protobuf::FieldDescriptor* Field(const char* name) const {
+    return message_->GetDescriptor()->FindFieldByName(name);
+  }
+  [[nodiscard]] int Count(const char* name) const {
+    return there() ? refl().FieldSize(*message_, Field(name)) : 0;
+  }
+
+  const google::protobuf::Message* message_;
+};
+
+class WideOracle {
+ public:
+  WideOracle() : last_(Build(pool_, factory_, false)), all_(Build(all_pool_, all_factory_, true)) {}
+
+  /// Null where libprotobuf refuses the bytes, or where they break a rule that it does not have:
+  ///
+  ///   - a known field of another wire type, a group: libprotobuf takes both for unknown fields
+  ///   - an integer or enum beyond 32 bits: it cuts them off
+  ///   - more repeated elements than the wire's fixed sizes, a name of more than 63 bytes: it knows neither
+  ///
+  /// A tag of more than 32 bits and a varint of more than 64, which it cuts off too, can't be seen here.
+  [[nodiscard]] std::unique_ptr<google::protobuf::Message> Parse(std::span<const std::uint8_t> bytes) const {
+    auto last = Parsed(*last_, bytes), all = Parsed(*all_, bytes);
+    if (last == nullptr || !last->IsInitialized() || !Keeps(*last)) return nullptr;
+    return all != nullptr && Keeps(*all, true) ? std::move(last) : nullptr;
+  }
+
+ private:
+  using Message = google::protobuf::Message;
+  using FieldProto = google::protobuf::FieldDescriptorProto;
+  using FieldDescriptor = google::protobuf::FieldDescriptor;
+
+  static const Message* Build(google::protobuf::DescriptorPool& pool,
+                              google::protobuf::DynamicMessageFactory& factory, bool all) {
+    google::protobuf::FileDescriptorProto file;
+    fri::FRIMonitoringMessage::descriptor()->file()->CopyTo(&file);
+    for (auto& message : *file.mutable_message_type())
+      for (FieldProto& field : *message.mutable_field()) Widen(field, all);
+    pool.BuildFile(file);
+    return factory.GetPrototype(pool.FindMessageTypeByName("osteon.fri.FRIMonitoringMessage"));
+  }
+
+  static void Widen(FieldProto& field, bool all) {
+    if (field.type() == FieldProto::TYPE_ENUM || field.type() == FieldProto::TYPE_UINT32) {
+      field.set_type(FieldProto::TYPE_UINT64);
+      field.clear_type_name();
+    }
+    if (field.type() == FieldProto::TYPE_STRING) field.set_type(FieldProto::TYPE_BYTES);
+    if (all && field.type() != FieldProto::TYPE_MESSAGE) field.set_label(FieldProto::LABEL_REPEATED);
+  }
+
+  static std::unique_ptr<Message> Parsed(const Message& prototype, std::span<const std::uint8_t> bytes) {
+    std::unique_ptr<Message> message(prototype.New());
+    const bool whole = message->ParsePartialFromArray(bytes.data(), static_cast<int>(bytes.size()));
+    return whole ? std::move(message) : nullptr;
+  }
+
+  // The wire's fixed sizes, by message and field.
+  static int Room(const FieldDescriptor& field) {
+    const std::string name = field.full_name();
+    if (name == "osteon.fri.JointValues.value" || name == "osteon.fri.RobotInfo.driveState") return 7;
+    if (name == "osteon.fri.CartesianVector.element") return 6;
+    if (name == "osteon.fri.Transformation.element") return 12;
+    if (name == "osteon.fri.MessageMonitorData.readIORequest") return 10;
+    if (name == "osteon.fri.FRIMonitoringMessage.requestedTransformations") return 5;
+    return 0;
+  }
+
+  static bool InRange(const FieldDescriptor& field, std::uint64_t value) {
+    if (value <= 0xffffffffu) return true;
+    const auto type = fri::FRIMonitoringMessage::descriptor()
+                          ->file()
+                          ->FindMessageTypeByName(field.containing_type()->name())
+                          ->FindFieldByNumber(field.number())
+                          ->type();
+    if (type == FieldDescriptor::TYPE_ENUM) return value >= 0xffffffff80000000u;  // negative
+    return type == FieldDescriptor::TYPE_UINT64;
+  }
+
+  // @param all  of the schema where each value is kept; else of the other, where unknown fields tell
+  static bool Keeps(const Message& message, bool all = false) {
+    const auto& refl = *message.GetReflection();
+    const auto& unknown = refl.GetUnknownFields(message);
+    for (int i = 0; i < unknown.field_count() && !all; ++i) {
+      if (unknown.field(i).type() == google::protobuf::UnknownField::TYPE_GROUP) return false;
+      if (message.GetDescriptor()->FindFieldByNumber(unknown.field(i).number()) != nullptr) return false;
+    }
+    std::vector<const FieldDescriptor*> fields;
+    refl.ListFields(message, &fields);
+    for (const FieldDescriptor* field : fields) {
+      const int count = field->is_repeated() ? refl.FieldSize(message, field) : 1;
+      if (!all && field->is_repeated() && count > Room(*field)) return false;
+      for (int i = 0; i < count; ++i)
+        if (!Keeps(message, *field, i, all)) return false;
+    }
+    return true;
+  }
+
+  static bool Keeps(const Message& message, const FieldDescriptor& field, int i, bool all) {
+    const auto& refl = *message.GetReflection();
+    const bool repeated = field.is_repeated();
+    if (field.type() == FieldDescriptor::TYPE_MESSAGE)
+      return Keeps(repeated ? refl.GetRepeatedMessage(message, &field, i) : refl.GetMessage(message, &field),
+                   all);
+    if (!all) return true;
+    if (field.type() == FieldDescriptor::TYPE_UINT64)
+      return InRange(field, refl.GetRepeatedUInt64(message, &field, i));
+    if (field.type() == FieldDescriptor::TYPE_BYTES)
+      return refl.GetRepeatedString(message, &field, i).size() <= 63;
+    return true;
+  }
+
+  google::protobuf::DescriptorPool pool_, all_pool_;
+  google::protobuf::DynamicMessageFactory factory_, all_factory_;
+  const Message *last_, *all_;
+};
+
+}  // namespace osteon::io::test
