@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/config_checksum.h"
 #include "app/each_fault.h"
 #include "app/interrupt.h"
 #include "simulation/metrics/cut_metrics.h"
@@ -206,6 +207,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   if (cell.is_object() && cell.contains("arm")) s.arm_stop = cell["arm"].value("stop", "");
   if (!recording.ticks.empty()) s.link = recording.ticks.back().input;
   s.recovered = result.recovered;
+  s.config_checksum = ConfigChecksum(setup.config_source);
   return s;
 }
 
@@ -294,6 +296,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                      {"virtual_time", s.virtual_time},
                      {"ended", s.ended},
                      {"recovered", s.recovered},
+                     {"config_checksum", s.config_checksum},
                      {"link",
                       {{"lost", s.link.lost},
                        {"duplicate", s.link.duplicate},
