@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -127,12 +128,23 @@ class GuardMonitor {
  private:
   using Joints = kinematics::JointVectorN<7>;
 
-  void TakeHandForce(const GuardArmMessage& message) OSTEON_RT;
-  bool IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
-  [[nodiscard]] GuardReason Judge(const GuardCommand& command) OSTEON_RT;
+  [[nodiscard]] static Joints ToJoints(const GuardJoints& q) OSTEON_RT {
+    return Eigen::Map<const Joints>(q.data());
+  }
+  // 1 … 7: the first that is not finite; 0: all are.
+  [[nodiscard]] static int FirstNotFinite(const Joints& q) OSTEON_RT {
+    for (int i = 0; i < 7; ++i)
+      if (!std::isfinite(q[i])) return i + 1;
+    return 0;
+  }
+  // guard_rules.cpp
   [[nodiscard]] GuardReason JudgeJoints(const Joints& q, double time_s) const OSTEON_RT;
   [[nodiscard]] GuardReason JudgeTool(const Joints& q, double time_s) OSTEON_RT;
   [[nodiscard]] GuardReason JudgeOverlay(const GuardCommand& command) const OSTEON_RT;
+
+  void TakeHandForce(const GuardArmMessage& message) OSTEON_RT;
+  bool IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
+  [[nodiscard]] GuardReason Judge(const GuardCommand& command) OSTEON_RT;
   [[nodiscard]] Pose ToolPose(const Joints& q) const OSTEON_RT {
     return params_.X_WB * arm_.FlangePose(q) * params_.X_FT;
   }

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "control/rt/marker.h"
+
 namespace osteon::safety {
 
 /// What the guard has found.
@@ -38,6 +40,13 @@ struct GuardReason {
   double found{0.0};
   double least{0.0}, most{0.0};  ///< what would have been accepted, where there is such a range
 };
+
+/// The finding where `found` is not 0 … `most`, NaN included; kNone otherwise.
+[[nodiscard]] inline GuardReason AtMost(GuardFinding finding, double found, double most,
+                                        int joint = 0) OSTEON_RT {
+  if (found <= most) return {};
+  return {.finding = finding, .joint = joint, .found = found, .most = most};
+}
 
 /// One line, e.g. "joint A4's speed: found 5.41 rad/s, accepted 0 … 1.31 rad/s". For screens and logs:
 /// allocates.
