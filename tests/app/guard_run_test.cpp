@@ -95,9 +95,9 @@ TEST(GuardRun, NothingOfTheWayToTheStartIsWithheld) {
 }
 
 TEST(ConfigChecksum, IsOfNamesAndBytesWhereverTheFilesLieAndWithoutGains) {
-  io::ConfigSource source{
-      .files = {{.name = "cells/a.yaml", .content = "x: 1\n"}, {.name = "robots/b.yaml", .content = "y"}},
-      .cell_file = "cells/a.yaml"};
+  io::ConfigSource source;
+  source.files = {{.name = "cells/a.yaml", .content = "x: 1\n"}, {.name = "robots/b.yaml", .content = "y"}};
+  source.cell_file = "cells/a.yaml";
   const std::string sum = ConfigChecksum(source);
   EXPECT_EQ(sum.size(), 16u);
   io::ConfigSource elsewhere = source;

@@ -32,7 +32,8 @@ TEST(GuardKeys, ListenOnTheLoopbackUnlessTold) {
 
 TEST(GuardKeys, AreRefusedByLineValueAndWhatIsAccepted) {
   EXPECT_THAT(Refusal(Guarded("  host: 127.0.0.1\n")), HasSubstr("port"));
-  EXPECT_THAT(Refusal(Guarded("  port: 80\n")), HasSubstr("port: found 80, accepted 1024 … 65535"));
+  EXPECT_THAT(Refusal(Guarded("  port: 80\n")),
+              HasSubstr("port: found 80, accepted a whole number 1024 … 65535"));
   EXPECT_THAT(Refusal(Guarded("  port: 30200\n")),
               HasSubstr("port: found 30200, accepted another one than fri's"));
   EXPECT_THAT(Refusal(Guarded("  port: 30209\n  margin_ratio: 2\n")),

@@ -69,7 +69,9 @@ TEST_F(PlcCell, AGuardThatTakesTheRequestBackStopsMotionUntilItIsReset) {
   const auto written = guard_->Latest().counters.writes;
   ASSERT_TRUE(Until([&] { return guard_->Latest().counters.writes > written + 2; }));
   EXPECT_EQ(Verdict(), PlcVerdict::kNotPermitted) << "latched";
-  controller_->RequestMotion(false);
+  controller_->RequestMotion(false);  // and anew
+  const auto withdrawn = controller_->Latest().counters.writes;
+  ASSERT_TRUE(Until([&] { return controller_->Latest().counters.writes > withdrawn + 2; }));
   EXPECT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
 }
 
