@@ -55,6 +55,7 @@ struct GuardArmMessage {
   GuardJoints q_meas{};                  ///< [rad]
   std::optional<GuardJoints> q_ipo{};    ///< [rad] the arm's interpolator; in kWaiting and kActive
   std::optional<GuardJoints> tau_ext{};  ///< [N·m] external, the arm's estimate
+  bool compliant{false};                 ///< it carries itself (WRENCH, TORQUE): positions set its springs
 };
 
 /// What counts of an answer of the controller. From outside: any value.
@@ -95,6 +96,9 @@ struct GuardCounters {
 ///     inside |f|, |t|              <= max_force, max_torque, of a wrench |tau_i|               <= |Jv_i|
 ///     max_force + |Jw_i| max_torque, of torques: no wrench within the limits asks for more reflected the
 ///     newest message of the arm, not older than answer_age, not answered yet
+///
+/// Of a compliant arm a command that goes toward the measured joints only takes force out of its springs: no
+/// bound on the tool's speed, only on the joints'.
 ///
 /// A command that repeats the last one is judged by force, tracking and freshness alone: an arm that stands
 /// outside may stay there. Beside commands: the hand's force by the arm's torques, and the controller's
@@ -145,6 +149,8 @@ class GuardMonitor {
   void TakeHandForce(const GuardArmMessage& message) OSTEON_RT;
   bool IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
   [[nodiscard]] GuardReason Judge(const GuardCommand& command) OSTEON_RT;
+  // Each joint goes from the last command toward where it was measured, and no further.
+  [[nodiscard]] bool Relaxes(const Joints& q) const OSTEON_RT;
   [[nodiscard]] Pose ToolPose(const Joints& q) const OSTEON_RT {
     return params_.X_WB * arm_.FlangePose(q) * params_.X_FT;
   }

@@ -56,6 +56,7 @@ GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
       return reason;
 
   // how fast
+  if (arm_message_.compliant && Relaxes(q)) return {};
   const Pose X_before = ToolPose(q_before_);
   const double most_m_per_s =
       way_in ? std::min(params_.max_way_in_m_per_s, params_.max_speed_m_per_s) : params_.max_speed_m_per_s;
@@ -65,6 +66,13 @@ GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
     return reason;
   const double turn_rad = Eigen::AngleAxisd(X_before.linear().transpose() * X_WT.linear()).angle();
   return AtMost(GuardFinding::kToolTurn, turn_rad / time_s, more * params_.max_turn_rad_per_s);
+}
+
+bool GuardMonitor::Relaxes(const Joints& q) const OSTEON_RT {
+  const Joints way = ToJoints(arm_message_.q_meas) - q_before_, step = q - q_before_;
+  for (int i = 0; i < 7; ++i)
+    if (step[i] * way[i] < 0.0 || !(std::abs(step[i]) <= kRounding * std::abs(way[i]))) return false;
+  return true;
 }
 
 GuardReason GuardMonitor::JudgeOverlay(const GuardCommand& command) const OSTEON_RT {

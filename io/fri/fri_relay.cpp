@@ -91,7 +91,9 @@ bool FriRelay::TakeMessage(std::span<const std::uint8_t> datagram, rt::Nanosecon
                                      .session = SessionOf(message_.session),
                                      .q_meas = message_.q_meas.value_or(safety::GuardJoints{}),
                                      .q_ipo = message_.q_ipo,
-                                     .tau_ext = message_.tau_ext};
+                                     .tau_ext = message_.tau_ext,
+                                     .compliant = message_.command_mode == control::CommandMode::kWrench ||
+                                                  message_.command_mode == control::CommandMode::kTorque};
   if (monitor_.Arm(seen, arrival) != safety::GuardDecision::kPass) return true;
   if (send(controller_, datagram.data(), datagram.size(), MSG_DONTWAIT | MSG_NOSIGNAL) !=
       static_cast<ssize_t>(datagram.size())) {

@@ -46,7 +46,8 @@ void ExpectAllPasses(const std::string& name, const VirtualRide& ride, double ma
     safety::GuardArmMessage message{.sequence = in.sequence,
                                     .session = SessionOf(tick.session_state),
                                     .q_meas = tick.q_meas,
-                                    .tau_ext = in.tau_ext};
+                                    .tau_ext = in.tau_ext,
+                                    .compliant = cell.servo.law == control::Law::kImpedance};
     if (in.has_ipo) message.q_ipo = in.q_ipo;
     ASSERT_EQ(monitor.Arm(message, in.now), safety::GuardDecision::kPass);
     ASSERT_EQ(monitor.Command(AnswerOf(tick), in.now), safety::GuardDecision::kPass)
@@ -86,9 +87,8 @@ TEST(GuardRun, NothingOfTheTorqueOverlayIsWithheld) {
 // From outside of the workspace, and along the joints.
 TEST(GuardRun, NothingOfTheWayToTheStartIsWithheld) {
   const VirtualRide ride = RideVirtually("thin_plate", 2.0, [](config::CellConfig& cell) {
-    cell.simulated.q_start[0] += 0.5;
-    cell.simulated.q_start[3] -= 0.2;
-    cell.simulated.q_start[6] += 0.5;
+    cell.simulated.q_start[0] += 0.3;
+    cell.simulated.q_start[1] -= 0.15;
   });
   EXPECT_TRUE(ride.summary.faults.empty());
   ExpectAllPasses("thin_plate", ride, 0.25);

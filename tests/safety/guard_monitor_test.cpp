@@ -138,6 +138,25 @@ TEST(GuardMonitor, LetsAnArmThatStandsOutsideComeInButNotOutAgain) {
   EXPECT_EQ(Found(bench), GuardFinding::kWorkspace);
 }
 
+// What carries itself sags when it is handed over; its springs are then set to where it is, as fast as joints
+// may.
+TEST(GuardMonitor, LetsACompliantArmRelaxAndNothingElse) {
+  const auto judge = [](bool compliant, double measured_rad, double step_rad) {
+    GuardBench bench;
+    EXPECT_TRUE(bench.WalkToActive());
+    bench.arm.compliant = compliant;
+    bench.arm.q_meas[0] += measured_rad;
+    bench.Message(GuardSession::kActive);
+    (void)bench.Answer(Moved(0, step_rad));
+    return Found(bench);
+  };
+  EXPECT_EQ(judge(true, 0.01, 1.4e-3), GuardFinding::kNone) << "1 m/s of the apex";
+  EXPECT_EQ(judge(false, 0.01, 1.4e-3), GuardFinding::kToolSpeed) << "in position control it would jump";
+  EXPECT_EQ(judge(true, -0.01, 1.4e-3), GuardFinding::kToolSpeed) << "away from where it is";
+  EXPECT_EQ(judge(true, 1e-3, 1.4e-3), GuardFinding::kToolSpeed) << "beyond where it is";
+  EXPECT_EQ(judge(true, 0.01, 2e-3), GuardFinding::kJointSpeed);
+}
+
 TEST(GuardMonitor, FindsAnArmThatDoesNotFollow) {
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
