@@ -127,6 +127,7 @@ safety::GuardParams GuardParamsOf(const config::CellConfig& cell) {
   const control::ServoParams& servo = cell.servo;
   const config::GuardConfig& guard = *cell.guard;
   const int multiplier = cell.simulated.fri.receive_multiplier;
+  const control::StartParams& start = *servo.start;
   safety::GuardParams params{
       .arm = cell.robot.lbr()->chain,
       .X_WB = cell.X_WB,
@@ -136,7 +137,7 @@ safety::GuardParams GuardParamsOf(const config::CellConfig& cell) {
       .joint_speed_share = servo.joints.speed_share,
       .max_speed_m_per_s = servo.twist.max_speed_m_per_s,
       .max_turn_rad_per_s = servo.twist.max_turn_rad_per_s,
-      .max_way_in_m_per_s = servo.start->path.tool_speed_m_per_s,
+      .max_way_in_m_per_s = start.path.tool_speed_m_per_s,
       .max_tracking_error_m = servo.max_tracking_error_m,
       .mirror_rad = cell.link.fri()->entry_step_rad,
       .workspace = servo.workspace,
@@ -147,10 +148,12 @@ safety::GuardParams GuardParamsOf(const config::CellConfig& cell) {
       .margin = guard.margin,
       .answer_age_s = servo.watchdog.arm_misses * servo.period_s,
       .silence_s = std::max(guard.silence_s, kLeastSilenceAnswers * multiplier * servo.period_s)};
+  Eigen::Map<kinematics::JointVector>(params.q_start.emplace().data()) = start.q;
+  params.there_rad = start.there_rad;
   // the way to the start is bounded by joint, not by the tool's turn
   double turn_rad_per_s = 0.0;
   for (const kinematics::RevoluteJoint& joint : params.arm.joints)
-    turn_rad_per_s += servo.start->path.speed_share * joint.limits.velocity_rad_per_s;
+    turn_rad_per_s += start.path.speed_share * joint.limits.velocity_rad_per_s;
   params.max_turn_rad_per_s = std::max(params.max_turn_rad_per_s, turn_rad_per_s);
   return params;
 }

@@ -30,6 +30,7 @@ GuardMonitor::GuardMonitor(const GuardParams& params) : params_(params), arm_(pa
   positive("period_s", params.period_s);
   positive("max_speed_m_per_s", params.max_speed_m_per_s);
   positive("max_turn_rad_per_s", params.max_turn_rad_per_s);
+  positive("there_rad", params.there_rad);
   positive("max_way_in_m_per_s", params.max_way_in_m_per_s);
   positive("max_tracking_error_m", params.max_tracking_error_m);
   positive("mirror_rad", params.mirror_rad);
@@ -73,6 +74,7 @@ GuardDecision GuardMonitor::Arm(const GuardArmMessage& message, rt::Nanoseconds 
     q_before_ = ToJoints(*message.q_ipo);
     before_message_ = message.sequence - 1;
     been_inside_ = false;
+    on_way_in_ = !AtStart(q_before_);
     rests_ = true;
   }
   arm_message_ = message;

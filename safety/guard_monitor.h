@@ -15,15 +15,19 @@ namespace osteon::safety {
 
 /// What the guard holds a controller to. Every field has a usable default but the arm and where it stands.
 struct GuardParams {
-  kinematics::ChainParams<7> arm{};   ///< geometry, and the joints' limits
-  Pose X_WB{Pose::Identity()};        ///< its base in world
-  Pose X_FT{Pose::Identity()};        ///< tool in the flange's frame
-  double period_s{0.001};             ///< of the arm's messages; > 0
-  int receive_multiplier{1};          ///< the controller answers every so many of them; >= 1
-  double joint_speed_share{0.9};      ///< of the joints' velocity limits, (0, 1]
-  double max_speed_m_per_s{0.25};     ///< of the apex; > 0
-  double max_turn_rad_per_s{1.5};     ///< of the tool; > 0
-  double max_way_in_m_per_s{0.25};    ///< of the apex until it is in the workspace for the first time; > 0
+  kinematics::ChainParams<7> arm{};  ///< geometry, and the joints' limits
+  Pose X_WB{Pose::Identity()};       ///< its base in world
+  Pose X_FT{Pose::Identity()};       ///< tool in the flange's frame
+  double period_s{0.001};            ///< of the arm's messages; > 0
+  int receive_multiplier{1};         ///< the controller answers every so many of them; >= 1
+  double joint_speed_share{0.9};     ///< of the joints' velocity limits, (0, 1]
+  double max_speed_m_per_s{0.25};    ///< of the apex; > 0
+  double max_turn_rad_per_s{1.5};    ///< of the tool; > 0
+  /// Where the controller takes the arm first: until it has been there, every joint within there_rad, since
+  /// it was handed over, max_way_in counts where it is the faster one. Absent: there is no such way.
+  std::optional<std::array<double, 7>> q_start{};
+  double there_rad{2e-3};             ///< > 0
+  double max_way_in_m_per_s{0.25};    ///< of the apex; > 0
   double max_tracking_error_m{0.03};  ///< between commanded and measured apex; > 0
   double mirror_rad{0.02};            ///< from the interpolator's position, while the arm waits; > 0
   WorkspaceParams workspace{};        ///< its sphere and its plane
@@ -149,6 +153,7 @@ class GuardMonitor {
   void TakeHandForce(const GuardArmMessage& message) OSTEON_RT;
   bool IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
   [[nodiscard]] GuardReason Judge(const GuardCommand& command) OSTEON_RT;
+  [[nodiscard]] bool AtStart(const Joints& q) const OSTEON_RT;
   // Each joint goes from the last command toward where it was measured, and no further.
   [[nodiscard]] bool Relaxes(const Joints& q) const OSTEON_RT;
   [[nodiscard]] Pose ToolPose(const Joints& q) const OSTEON_RT {
@@ -176,6 +181,7 @@ class GuardMonitor {
 
   Joints q_before_{Joints::Zero()};  // what the arm was told last
   std::uint32_t before_message_{0};  // in answer to which message
+  bool on_way_in_{false};            // to the start
   bool been_inside_{false};          // the workspace's sphere, since the arm was handed over
 };
 

@@ -44,7 +44,6 @@ GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
   const WorkspaceParams& w = params_.workspace;
   const double out_m = (p_WT - w.sphere_center_W_m).norm(),
                above_m = w.plane_normal_W.dot(p_WT) - w.plane_offset_m;
-  const bool way_in = !been_inside_;
   been_inside_ |= out_m <= w.sphere_radius_m;
   if (q == q_before_) return {};
   if (!(above_m >= -params_.workspace_margin_m))
@@ -58,14 +57,19 @@ GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
   // how fast
   if (arm_message_.compliant && Relaxes(q)) return {};
   const Pose X_before = ToolPose(q_before_);
-  const double most_m_per_s =
-      way_in ? std::min(params_.max_way_in_m_per_s, params_.max_speed_m_per_s) : params_.max_speed_m_per_s;
+  on_way_in_ &= !AtStart(q_before_);
+  const double most_m_per_s = on_way_in_ ? std::max(params_.max_way_in_m_per_s, params_.max_speed_m_per_s)
+                                         : params_.max_speed_m_per_s;
   if (const GuardReason reason = AtMost(GuardFinding::kToolSpeed,
                                         (p_WT - X_before.translation()).norm() / time_s, more * most_m_per_s);
       reason.finding != GuardFinding::kNone)
     return reason;
   const double turn_rad = Eigen::AngleAxisd(X_before.linear().transpose() * X_WT.linear()).angle();
   return AtMost(GuardFinding::kToolTurn, turn_rad / time_s, more * params_.max_turn_rad_per_s);
+}
+
+bool GuardMonitor::AtStart(const Joints& q) const OSTEON_RT {
+  return !params_.q_start || (q - ToJoints(*params_.q_start)).cwiseAbs().maxCoeff() <= params_.there_rad;
 }
 
 bool GuardMonitor::Relaxes(const Joints& q) const OSTEON_RT {

@@ -157,6 +157,28 @@ TEST(GuardMonitor, LetsACompliantArmRelaxAndNothingElse) {
   EXPECT_EQ(judge(true, 0.01, 2e-3), GuardFinding::kJointSpeed);
 }
 
+TEST(GuardMonitor, TheWayToTheStartHasItsOwnSpeedUntilTheStartWasReached) {
+  GuardParams params = GuardBench::Params();
+  params.max_speed_m_per_s = 0.1;
+  params.q_start = GuardBench::StartJoints();
+  (*params.q_start)[0] += 0.05;
+  GuardBench bench(params);
+  ASSERT_TRUE(bench.WalkToActive());
+  const auto go = [&](double step_rad, int steps) {
+    for (int i = 1; i <= steps; ++i) {
+      bench.Message(GuardSession::kActive);
+      GuardJoints q = bench.arm.q_meas;
+      q[0] += step_rad;
+      if (bench.Answer(q) != GuardDecision::kPass) return i;
+    }
+    return 0;
+  };
+  EXPECT_EQ(go(2.5e-4, 190), 0) << "some .18 m/s, to the start: " << Describe(bench.monitor.reason());
+  EXPECT_EQ(go(1e-4, 100), 0);
+  EXPECT_EQ(go(-2.5e-4, 1), 1);
+  EXPECT_EQ(Found(bench), GuardFinding::kToolSpeed);
+}
+
 TEST(GuardMonitor, FindsAnArmThatDoesNotFollow) {
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
