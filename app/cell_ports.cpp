@@ -10,13 +10,19 @@ namespace {
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr std::uint16_t kFirstTunnel = 29536;  // of a bus whose file names a real interface
 
-int PortsOf(const config::CellConfig& cell) { return 2 + 2 * static_cast<int>(cell.devices.buses.size()); }
+// Arm, PLC, two a bus, and the guard's behind them.
+int GuardPlace(const config::CellConfig& cell) { return 2 + 2 * static_cast<int>(cell.devices.buses.size()); }
+int PortsOf(const config::CellConfig& cell) { return GuardPlace(cell) + (cell.guard ? 1 : 0); }
 
 }  // namespace
 
 void UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint16_t> first_port) {
   cell.link.host = kLoopback;
   if (first_port) cell.link.port = *first_port;
+  if (cell.guard) {
+    cell.guard->host = kLoopback;
+    if (first_port) cell.guard->port = static_cast<std::uint16_t>(*first_port + GuardPlace(cell));
+  }
   if (cell.devices.plc) {
     cell.devices.plc->address = kLoopback;
     if (first_port)

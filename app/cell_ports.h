@@ -12,7 +12,8 @@ namespace osteon::app {
 
 /// Puts every wire of a cell on this machine, as a simulated cell has them: arm and PLC on the loopback, CAN
 /// through tunnels.
-/// @param first_port  instead of the file's ports, from here on: arm, PLC, then two for each CAN bus
+/// @param first_port  instead of the file's ports, from here on: arm, PLC, two for each CAN bus, then
+/// the guard's where the cell has one
 void UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint16_t> first_port);
 
 /// UseSimulatedWires for a run that starts its cell itself. @param port  0: any free ones

@@ -16,6 +16,7 @@
 #include "app/export_command.h"
 #include "app/failures.h"
 #include "app/faults_command.h"
+#include "app/guard_command.h"
 #include "app/measure_commands.h"
 #include "app/pack.h"
 #include "app/replay_command.h"
@@ -255,6 +256,7 @@ int Run(int argc, char** argv) {
 
   osteon::app::MeasureCommands measure(app);
   osteon::app::CellCommands cells(app);
+  osteon::app::GuardCommand guard(app);
   osteon::app::CalibrateCommand calibrate(app);
   osteon::app::CapabilityCommand capability(app);
   osteon::app::TransparencyCommand transparency(app);
@@ -327,6 +329,7 @@ int Run(int argc, char** argv) {
     return osteon::app::RunFailures(failures);
   }
   if (cells.asked()) return cells.Run(config_root);
+  if (guard.asked()) return guard.Run(config_root);
   if (transparency.asked()) return transparency.Run(config_root, CommandLine(argc, argv));
   if (calibrate.asked()) return calibrate.Run(config_root, CommandLine(argc, argv));
   if (capability.asked()) return capability.Run(config_root, CommandLine(argc, argv));

@@ -29,6 +29,9 @@ void PrintRegistration(const config::CellConfig& cell) {
 
 void PrintWires(const config::CellConfig& cell) {
   fmt::print(stderr, "osteon run: {} on {}:{}\n", Describe(cell.link), cell.link.host, cell.link.port);
+  if (cell.guard)
+    fmt::print(stderr, "osteon run: the arm is reached through the guard, which listens on {}:{}\n",
+               cell.guard->host, cell.guard->port);
   for (const io::CanBusParams& bus : cell.devices.buses)
     fmt::print(stderr, "osteon run: CAN bus {}: {}\n", bus.name,
                bus.interface.empty() ? fmt::format("tunnel on 127.0.0.1:{}", bus.port) : bus.interface);

@@ -43,7 +43,9 @@ nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
 }
 
 void PrintWires(const config::CellConfig& cell) {
-  fmt::print("osteon cell: the arm sends {} to {}:{}\n", Describe(cell.link), cell.link.host, cell.link.port);
+  fmt::print("osteon cell: the arm sends {} to {}:{}{}\n", Describe(cell.link),
+             cell.guard ? cell.guard->host : cell.link.host, cell.guard ? cell.guard->port : cell.link.port,
+             cell.guard ? ", the guard's" : "");
   for (const io::CanBusParams& bus : cell.devices.buses)
     fmt::print("osteon cell: CAN bus {} is a tunnel between 127.0.0.1:{} and the devices' {}\n", bus.name,
                bus.port, bus.device_port);

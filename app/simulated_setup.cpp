@@ -11,11 +11,13 @@ hil::SimulatedCell MakeSimulatedCell(const config::CellConfig& cell, double seco
 }
 
 hil::CellHostParams HostParams(const config::CellConfig& cell) {
-  return {
-      .arm = {.client_address = cell.link.host, .client_port = cell.link.port, .injections = cell.injections},
-      .wires = cell.devices,
-      .devices = cell.simulated_devices,
-      .plc = cell.simulated_plc};
+  // an arm sends to the guard where there is one
+  const std::string& host = cell.guard ? cell.guard->host : cell.link.host;
+  const std::uint16_t port = cell.guard ? cell.guard->port : cell.link.port;
+  return {.arm = {.client_address = host, .client_port = port, .injections = cell.injections},
+          .wires = cell.devices,
+          .devices = cell.simulated_devices,
+          .plc = cell.simulated_plc};
 }
 
 }  // namespace osteon::app

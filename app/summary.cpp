@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/config_checksum.h"
 #include "app/each_fault.h"
 #include "app/interrupt.h"
 #include "simulation/metrics/cut_metrics.h"
@@ -218,6 +219,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   if (cell.is_object() && cell.contains("arm")) s.arm_stop = cell["arm"].value("stop", "");
   if (!recording.ticks.empty()) s.link = recording.ticks.back().input;
   s.recovered = result.recovered;
+  s.config_checksum = ConfigChecksum(setup.config_source);
   return s;
 }
 
@@ -303,6 +305,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
   nlohmann::json out{
       {"schema", schema},
       {"version", OSTEON_VERSION},
+      {"config_checksum", s.config_checksum},
       {"engine", s.engine},
       {"device", s.device},
       {"scene", s.scene},

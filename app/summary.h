@@ -64,6 +64,7 @@ struct RunSummary {
   std::optional<double> least_wall_m;        ///< thinnest wall beside the cut; nothing where none is watched
   std::vector<std::string> assumptions;      ///< figures of the materials without a source
   std::vector<std::filesystem::path> stops;  ///< a page each, of what led to it
+  std::string config_checksum;               ///< of the files that the cell was loaded from
   int recovered{0};                          ///< times that rendering began again
   std::string cell_report;                   ///< what the simulated cell says of itself, osteon.cell/1
   control::TickInput link;                   ///< of the last tick: what became of messages and answers

@@ -61,6 +61,7 @@ void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseco
   plc_inputs_.reset = panel.reset;
   plc_inputs_.brake_test_due = panel.brake_test_due;
   plc_inputs_.controller_heartbeat = static_cast<std::uint16_t>(now / kHeartbeat);
+  plc_inputs_.guard_heartbeat = plc_inputs_.controller_heartbeat;  // a guard is a process of wall time alone
   plc_inputs_.motion_request = clients_->MotionRequest(commands, plc_, now);
   const hil::PlcLogicOutputs& outputs = logic_->Step(now, plc_inputs_);
 

@@ -90,6 +90,15 @@ struct ArmLinkConfig {
   }
 };
 
+/// The independent supervisor between arm and controller: the arm sends to it, it sends on to the link's
+/// place.
+struct GuardConfig {
+  std::string host;  ///< dotted IPv4, of this machine, where the arm's messages arrive
+  std::uint16_t port{0};
+  double margin{0.25};     ///< beyond the controller's own limits, as a share of them
+  double silence_s{0.05};  ///< of the controller
+};
+
 /// A cell, with the files it names already read.
 struct CellConfig {
   RobotConfig robot;
@@ -102,6 +111,7 @@ struct CellConfig {
   control::Gains own_gains;           ///< of the cell's file, before another one was laid over it
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   ArmLinkConfig link;
+  std::optional<GuardConfig> guard;    ///< absent: the arm sends to the link's place itself
   io::DeviceParams devices;            ///< force sensor, reamer drive, PLC: where they are
   hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that stand in for the real ones
   hil::SimulatedDeviceParams simulated_devices;  ///< the same devices' other ends

@@ -11,6 +11,7 @@
 #include "config/read_calibration.h"
 #include "config/read_devices.h"
 #include "config/read_gains.h"
+#include "config/read_guard.h"
 #include "config/read_injections.h"
 #include "config/read_limits.h"
 #include "config/read_operator.h"
@@ -314,6 +315,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   const kinematics::LinkInertia sensor_F = ReadBody(sensor);
   const DeviceSections devices = ReadDevices(reader, sensor, cell);
   const ArmLinkSections link = ReadArmLink(reader, cell);
+  if (reader.Has("guard")) cell.guard = ReadGuard(reader, cell.link);
   const bool lbr = cell.link.fri() != nullptr;
   const Reader start = reader.Section("start");
   ReadStart(start, lbr, cell.start);

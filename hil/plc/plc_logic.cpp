@@ -13,10 +13,11 @@ constexpr std::uint16_t Bit(PlcBlock block) { return static_cast<std::uint16_t>(
 }  // namespace
 
 std::string DescribeBlocks(std::uint16_t blocks) {
-  constexpr std::array<std::pair<PlcBlock, const char*>, 9> kNames{{
+  constexpr std::array<std::pair<PlcBlock, const char*>, 10> kNames{{
       {PlcBlock::kEmergencyStop, "emergency stop"},
       {PlcBlock::kControllerLost, "controller's heartbeat lost"},
       {PlcBlock::kGuardLost, "guard's heartbeat lost"},
+      {PlcBlock::kGuardWithdrew, "guard withdrew the request"},
       {PlcBlock::kNoController, "no controller yet"},
       {PlcBlock::kNoGuard, "no guard yet"},
       {PlcBlock::kNoMode, "no mode"},
@@ -61,6 +62,7 @@ const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs&
     latching |= Bit(PlcBlock::kControllerLost);
   if (params_.guard && guard_.Watch(now_, inputs.guard_heartbeat, params_.heartbeat_timeout))
     latching |= Bit(PlcBlock::kGuardLost);
+  if (params_.guard && guard_.lives && !inputs.guard_permits) latching |= Bit(PlcBlock::kGuardWithdrew);
   latched_ |= latching;
   const bool guarded = !params_.guard || guard_.lives;
 

@@ -28,6 +28,7 @@ struct PlcLogicInputs {
   bool brake_test_due{false};
   std::uint16_t controller_heartbeat{0}, guard_heartbeat{0};  ///< as written last
   bool motion_request{false};
+  bool guard_permits{true};  ///< the guard lets the request stand; counts while its heartbeat lives
 };
 
 /// Why motion is not permitted: bits.
@@ -38,10 +39,11 @@ enum class PlcBlock : std::uint16_t {
   kGuardLost = 1u << 2,       ///< latched: the same of the guard
   kNoController = 1u << 3,    ///< no heartbeat yet
   kNoGuard = 1u << 4,
-  kNoMode = 1u << 5,        ///< the selector is at none
-  kNotEnabled = 1u << 6,    ///< the enabling switch is not in the middle, or came there from squeezed
-  kNotRequested = 1u << 7,  ///< the controller has not asked (anew) for motion
-  kNotReset = 1u << 8,      ///< since the PLC started
+  kNoMode = 1u << 5,         ///< the selector is at none
+  kNotEnabled = 1u << 6,     ///< the enabling switch is not in the middle, or came there from squeezed
+  kNotRequested = 1u << 7,   ///< the controller has not asked (anew) for motion
+  kNotReset = 1u << 8,       ///< since the PLC started
+  kGuardWithdrew = 1u << 9,  ///< latched: the guard took the request back
 };
 
 /// What the PLC decides.
@@ -63,8 +65,8 @@ struct PlcLogicOutputs {
 ///     POWER_ON       = RUN_PERMITTED, and power_cut_delay on after it is lost, whatever anybody does
 ///     SPINDLE        = RUN_PERMITTED and foot pedal
 ///
-/// - An emergency stop and a lost heartbeat latch until the reset button is pressed with the cause gone. So
-/// does the
+/// - An emergency stop, a lost heartbeat and a request that the guard took back latch until the reset button
+/// is pressed with the cause gone. So does the
 ///   start.
 /// - A latched stop and a turn of the mode selector also take the request back: motion begins again only
 /// where the

@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::size_t kMaxClients = 4;
 constexpr std::uint16_t kFirst = 970, kLast = 983;  // what can be read
-constexpr std::uint16_t kControllerHeartbeat = 990, kMotionRequest = 991, kGuardHeartbeat = 992;
+constexpr std::uint16_t kControllerHeartbeat = 990, kMotionRequest = 991, kGuardHeartbeat = 992,
+                        kGuardPermits = 993;
 
 }  // namespace
 
@@ -74,13 +75,12 @@ PlcServer::PlcServer(const PlcServerParams& params) : params_(params), logic_(pa
         return std::uint16_t{0};
     }
   };
-  registers_.writable = [](std::uint16_t at) {
-    return at == kControllerHeartbeat || at == kMotionRequest || at == kGuardHeartbeat;
-  };
+  registers_.writable = [](std::uint16_t at) { return at >= kControllerHeartbeat && at <= kGuardPermits; };
   registers_.write = [this](std::uint16_t at, std::uint16_t value) {
     (at == kControllerHeartbeat ? controller_heartbeat_
      : at == kMotionRequest     ? motion_request_
-                                : guard_heartbeat_) = value;
+     : at == kGuardHeartbeat    ? guard_heartbeat_
+                                : guard_permits_) = value;
   };
   thread_ = std::thread([this] { Run(); });
 }
@@ -122,7 +122,8 @@ void PlcServer::StepProgram() {
                                               .brake_test_due = panel_.brake_test_due,
                                               .controller_heartbeat = controller_heartbeat_,
                                               .guard_heartbeat = guard_heartbeat_,
-                                              .motion_request = motion_request_ == 1});
+                                              .motion_request = motion_request_ == 1,
+                                              .guard_permits = guard_permits_ == 1});
 }
 
 void PlcServer::Run() {

@@ -82,8 +82,9 @@ class PlcServer {
   std::uint16_t port_{0};
   PlcLogic logic_;
   std::vector<Client> clients_;
-  std::uint16_t controller_heartbeat_{0}, motion_request_{0}, guard_heartbeat_{0};  // as written
-  PlcPanel shown_;  // the panel of the program's last step
+  std::uint16_t controller_heartbeat_{0}, motion_request_{0}, guard_heartbeat_{0},
+      guard_permits_{0};  // as written
+  PlcPanel shown_;        // the panel of the program's last step
   ModbusRegisters registers_;
   mutable std::mutex mutex_;  // panel_, outputs_, counters_
   PlcPanel panel_;

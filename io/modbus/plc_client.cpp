@@ -169,7 +169,8 @@ bool PlcClient::WriteHeartbeat(Connection& connection) {
   const std::array<std::uint16_t, 2> values{
       static_cast<std::uint16_t>(heartbeat_ + 1u),
       static_cast<std::uint16_t>(motion_.load(std::memory_order_relaxed) ? 1 : 0)};
-  const int count = params_.role == PlcRole::kController ? 2 : 1;
+  // MOTION_REQUEST and GUARD_PERMITS follow their heartbeats
+  const int count = static_cast<int>(values.size());
   const int address = params_.role == PlcRole::kController ? kPlcControllerHeartbeat : kPlcGuardHeartbeat;
   if (modbus_write_registers(connection.context, address, count, values.data()) != count) {
     NoteFailure(errno);

@@ -14,7 +14,7 @@ namespace osteon::io {
 /// Which registers a client writes.
 enum class PlcRole : std::uint8_t {
   kController,  ///< CONTROLLER_HEARTBEAT and MOTION_REQUEST
-  kGuard,       ///< GUARD_HEARTBEAT
+  kGuard,       ///< GUARD_HEARTBEAT and GUARD_PERMITS
 };
 
 struct PlcClientParams {
@@ -54,7 +54,7 @@ class PlcClient {
   /// From the loop, each tick: it lives. Any thread.
   void Beat() OSTEON_RT { beats_.fetch_add(1, std::memory_order_relaxed); }
 
-  /// MOTION_REQUEST, written with the next heartbeat. Any thread; no effect for a guard.
+  /// MOTION_REQUEST, of a guard GUARD_PERMITS: written with the next heartbeat. Any thread.
   void RequestMotion(bool wanted) OSTEON_RT { motion_.store(wanted, std::memory_order_relaxed); }
 
   /// Ends the thread. Safe to call twice.

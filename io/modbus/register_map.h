@@ -25,8 +25,9 @@
 //     990 CONTROLLER_HEARTBEAT  written by the controller, another number each <= 100 ms
 //     991 MOTION_REQUEST        written by the controller: 1 wants to move
 //     992 GUARD_HEARTBEAT       written by the guard, another number each <= 100 ms
+//     993 GUARD_PERMITS         written by the guard: 1 the motion request may stand, 0 it is withdrawn
 //
-// 970 … 983 are read as one block; 971, 972, 975 and 976 are nobody's. 990 … 992 are write-only for us.
+// 970 … 983 are read as one block; 971, 972, 975 and 976 are nobody's. 990 … 993 are write-only for us.
 
 namespace osteon::io {
 
@@ -35,6 +36,7 @@ inline constexpr int kPlcReadCount = 14;
 inline constexpr int kPlcControllerHeartbeat = 990;
 inline constexpr int kPlcMotionRequest = 991;
 inline constexpr int kPlcGuardHeartbeat = 992;
+inline constexpr int kPlcGuardPermits = 993;
 inline constexpr std::uint16_t kPlcVersion = 3;
 inline constexpr std::uint16_t kPlcDefaultPort = 1502;  ///< of the simulated cell; a real PLC listens on 502
 

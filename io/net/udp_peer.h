@@ -34,6 +34,8 @@ class UdpPeer {
   UdpPeer& operator=(const UdpPeer&) = delete;
 
   [[nodiscard]] std::uint16_t port() const { return bound_.port; }
+  /// For who waits on several sockets at once: to be polled, no more.
+  [[nodiscard]] int socket() const OSTEON_RT { return bound_.socket; }
   [[nodiscard]] bool has_peer() const OSTEON_RT { return has_peer_; }
 
   /// Waits for valid messages until `deadline` on CLOCK_MONOTONIC; takes what has arrived even where it has

@@ -27,6 +27,7 @@ class PlcCell : public ::testing::Test {
     };
     controller_ = client(io::PlcRole::kController);
     guard_ = client(io::PlcRole::kGuard);
+    guard_->RequestMotion(true);
   }
   // Loops turn until it holds; false after a long time.
   bool Until(const std::function<bool()>& holds) {
@@ -56,6 +57,23 @@ class PlcCell : public ::testing::Test {
   std::unique_ptr<io::PlcClient> controller_, guard_;
   bool controller_lives_{true}, guard_lives_{true};
 };
+
+TEST_F(PlcCell, AGuardThatTakesTheRequestBackStopsMotionUntilItIsReset) {
+  Open(params_);
+  ASSERT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
+  guard_->RequestMotion(false);
+  EXPECT_TRUE(Until([&] { return Verdict() == PlcVerdict::kNotPermitted; })) << "though both beat";
+  const auto withdrew = static_cast<std::uint16_t>(PlcBlock::kGuardWithdrew);
+  EXPECT_NE(server_->outputs().blocks & withdrew, 0);
+  guard_->RequestMotion(true);
+  const auto written = guard_->Latest().counters.writes;
+  ASSERT_TRUE(Until([&] { return guard_->Latest().counters.writes > written + 2; }));
+  EXPECT_EQ(Verdict(), PlcVerdict::kNotPermitted) << "latched";
+  controller_->RequestMotion(false);  // and anew
+  const auto withdrawn = controller_->Latest().counters.writes;
+  ASSERT_TRUE(Until([&] { return controller_->Latest().counters.writes > withdrawn + 2; }));
+  EXPECT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
+}
 
 TEST_F(PlcCell, ComesUpAndEveryRegisterArrives) {
   Open(params_);

@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdint>
 #include <optional>
@@ -69,6 +70,16 @@ class LoopbackSocket {
     if (size < 0 && errno != ECONNRESET) return std::nullopt;
     bytes.resize(size < 0 ? 0 : static_cast<std::size_t>(size));
     return bytes;
+  }
+
+  /// Takes what comes next, without waiting. @returns the port that it came from; 0: nothing was there
+  [[nodiscard]] std::uint16_t ReceiveFrom() const {
+    std::array<std::uint8_t, 3000> bytes;
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    const ssize_t taken = recvfrom(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT,
+                                   reinterpret_cast<sockaddr*>(&from), &size);
+    return taken < 0 ? std::uint16_t{0} : ntohs(from.sin_port);
   }
 
  private:

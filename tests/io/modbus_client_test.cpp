@@ -76,7 +76,7 @@ class LibmodbusServer {
  public:
   LibmodbusServer()
       : context_(modbus_new_tcp("127.0.0.1", 0)),
-        mapping_(modbus_mapping_new_start_address(0, 0, 0, 0, 970, 23, 0, 0)) {
+        mapping_(modbus_mapping_new_start_address(0, 0, 0, 0, 970, 24, 0, 0)) {
     Set(977, 3);
     Set(974, 1);
   }
@@ -96,13 +96,14 @@ class LibmodbusServer {
     if (modbus_reply(context_, request.data(), size, mapping_) < 0) return false;
     heartbeats = mapping_->tab_registers[20] * 65536u + mapping_->tab_registers[22];
     motion = mapping_->tab_registers[21];
+    guard_permits = mapping_->tab_registers[23];
     return true;
   }
   // Before the first Serve only.
   void Set(int address, std::uint16_t value) { mapping_->tab_registers[address - 970] = value; }
 
   std::atomic<std::uint32_t> heartbeats{0};  // controller's in the upper half, guard's in the lower
-  std::atomic<int> motion{0};
+  std::atomic<int> motion{0}, guard_permits{0};
 
  private:
   modbus_t* context_;
@@ -155,7 +156,7 @@ TEST(PlcClient, ReadsAndBeatsAgainstLibmodbus) {
   EXPECT_EQ(client.Latest().link, PlcLink::kConnecting) << "nothing is connected any more";
 }
 
-TEST(PlcClient, AGuardWritesItsOwnRegisterAlone) {
+TEST(PlcClient, AGuardWritesItsOwnRegistersAlone) {
   LibmodbusServer plc;
   const Listener listener([&](int socket) { return plc.Serve(socket); });
   PlcClientParams params = Quick(listener.port());
@@ -165,6 +166,11 @@ TEST(PlcClient, AGuardWritesItsOwnRegisterAlone) {
   client.Beat();
   ASSERT_TRUE(Until(client, [&](const PlcReading&) { return plc.heartbeats == 1; }));
   EXPECT_EQ(plc.motion, 0);
+  EXPECT_EQ(plc.guard_permits, 1);
+  client.RequestMotion(false);
+  client.Beat();
+  ASSERT_TRUE(Until(client, [&](const PlcReading&) { return plc.heartbeats == 2; }));
+  EXPECT_EQ(plc.guard_permits, 0) << "withdrawn";
 }
 
 TEST(PlcClient, LostConnectionsAreSaidAndMadeAgain) {

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "config/cell_config.h"
+#include "config/load.h"
+#include "control/rt/realtime_thread.h"
+#include "io/fri/fri_relay.h"
+#include "io/modbus/plc_reading.h"
+#include "safety/guard_monitor.h"
+
+namespace osteon::app {
+
+struct GuardOptions {
+  std::filesystem::path cell;                ///< its YAML
+  std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
+  std::optional<std::uint16_t> port{};       ///< of a simulated cell: the first of its ports
+  int cpu{-1};                               ///< the relay is pinned to it; -1: any
+  std::filesystem::path json{};
+};
+
+/// What the guard holds a cell's controller to, by the cell's file.
+/// @pre the cell has an LBR and a guard: the loader has seen to it
+[[nodiscard]] safety::GuardParams GuardParamsOf(const config::CellConfig& cell);
+
+/// What a guard leaves.
+struct GuardReport {
+  std::string cell, config_checksum, version;
+  std::string arm_side, controller_side;  ///< "127.0.0.1:30209"
+  io::FriRelayCounters relayed;
+  safety::GuardCounters judged;
+  safety::GuardReason reason;  ///< kNone: nothing was latched
+  control::DurationHistogram message_delay, answer_delay;
+  rt::RealtimeGrant thread;
+  std::optional<io::PlcReading> plc;  ///< absent: the cell has none
+};
+
+/// One JSON object, schema osteon.guard/1.
+[[nodiscard]] std::string ToJson(const GuardReport& report);
+
+/// `osteon guard`: stands between arm and controller until Ctrl-C.
+/// @returns the process's exit code: 0 nothing was withheld; 1 something was, and the motion request was
+/// withdrawn; 2 something was wrong with the input.
+[[nodiscard]] int RunGuard(const GuardOptions& options);
+
+}  // namespace osteon::app

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "control/histogram.h"
+#include "io/fri/codec.h"
+#include "io/fri/command_reader.h"
+#include "io/net/udp_peer.h"
+#include "safety/guard_monitor.h"
+
+namespace osteon::io {
+
+struct FriRelayParams {
+  std::string arm_address{"127.0.0.1"};  ///< IPv4 address of the network card that the arm is on
+  std::uint16_t arm_port{30209};         ///< where the arm sends to; 0: any free one
+  std::string controller_address{"127.0.0.1"};
+  std::uint16_t controller_port{30200};  ///< where the controller waits for the arm
+  FriVersion version{FriVersion::k1_15};
+};
+
+struct FriRelayCounters {
+  std::uint64_t to_controller{0}, to_arm{0};  ///< messages relayed
+  std::uint64_t rejected{0};     ///< to the arm's port: of strangers, or no message of this version
+  std::uint64_t undelivered{0};  ///< the system did not take it, or nobody listens
+};
+
+/// An FRI session's datagrams from arm to controller and back, bit for bit, as far as a GuardMonitor lets
+/// them pass: FRI speaks to one peer only, so whoever supervises it has to stand in the line.
+///
+///     arm ──▶ arm_port ──▶ (a port of ours) ──▶ controller_port
+///     arm ◀── arm_port ◀── monitor ◀── the same ◀── controller_port
+///
+/// The arm is the first sender of a valid message, as for FriLink; of the other side only datagrams from the
+/// controller's address and port are read. Answers that wait are looked at before messages that wait, or a
+/// guard that was late would turn answers in time into late ones. One thread at a time; no allocation once
+/// opened.
+class FriRelay {
+ public:
+  /// `monitor` outlives the relay. The error names address and port, and says what to do.
+  [[nodiscard]] static tl::expected<std::unique_ptr<FriRelay>, std::string> Open(
+      const FriRelayParams& params, safety::GuardMonitor& monitor);
+  ~FriRelay();
+  FriRelay(const FriRelay&) = delete;
+  FriRelay& operator=(const FriRelay&) = delete;
+
+  /// Relays what has come, and what comes until `deadline` on CLOCK_MONOTONIC; looks at the controller's
+  /// silence each time. False where a socket is gone.
+  bool Serve(rt::Nanoseconds deadline) OSTEON_RT;
+
+  [[nodiscard]] std::uint16_t port() const { return arm_.port(); }
+  [[nodiscard]] const FriRelayCounters& counters() const { return counters_; }
+  /// From a datagram's arrival in this machine's kernel to the system having taken it on its way.
+  [[nodiscard]] const control::DurationHistogram& message_delay() const { return message_delay_; }
+  [[nodiscard]] const control::DurationHistogram& answer_delay() const { return answer_delay_; }
+
+ private:
+  FriRelay(const BoundUdp& arm, int controller, FriFamily family, safety::GuardMonitor& monitor)
+      : arm_(arm), controller_(controller), family_(family), monitor_(monitor) {}
+
+  bool TakeMessage(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT;
+  bool TakeAnswers() OSTEON_RT;
+  void TakeAnswer(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT;
+
+  struct Judge;  // what UdpPeer asks of a protocol
+
+  UdpPeer<kFriMaxDatagram + 1> arm_;  // one more, to see what is too long
+  int controller_;                    // connected: nobody else is heard
+  FriFamily family_;
+  safety::GuardMonitor& monitor_;
+  MonitoringMessage message_;
+  std::array<std::uint8_t, kFriMaxDatagram + 1> room_{};
+  FriRelayCounters counters_;
+  control::DurationHistogram message_delay_, answer_delay_;
+};
+
+}  // namespace osteon::io

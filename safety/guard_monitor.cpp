@@ -1,0 +1,215 @@
+#include "safety/guard_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::safety {
+namespace {
+
+constexpr std::uint32_t kMostPeriods = 10;  // between two commands, that a speed is taken over
+constexpr std::int32_t kSessionStep = 64;   // a counter further away belongs to another session
+constexpr double kRest_rad_per_s = 1e-3;    // slower than this the arm stands
+constexpr double kRest_N = 1e-3;            // less than this is added: nothing
+constexpr double kDamping = 1e-4;  // of the hand's force near singular postures, where it is underestimated
+
+std::int32_t Ahead(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b); }
+
+bool Commanded(GuardSession session) { return session >= GuardSession::kWaiting; }
+
+}  // namespace
+
+GuardMonitor::GuardMonitor(const GuardParams& params) : params_(params), arm_(params.arm) {
+  const auto require = [](bool accepted, const char* name, double found, const char* range) {
+    if (!accepted || !std::isfinite(found))
+      throw std::invalid_argument(std::string("guard: ") + name + ": found " + std::to_string(found) +
+                                  ", accepted " + range);
+  };
+  const auto positive = [&](const char* name, double value) { require(value > 0.0, name, value, "> 0"); };
+  positive("period_s", params.period_s);
+  positive("max_speed_m_per_s", params.max_speed_m_per_s);
+  positive("max_turn_rad_per_s", params.max_turn_rad_per_s);
+  positive("there_rad", params.there_rad);
+  positive("max_way_in_m_per_s", params.max_way_in_m_per_s);
+  positive("max_tracking_error_m", params.max_tracking_error_m);
+  positive("mirror_rad", params.mirror_rad);
+  positive("max_force_N", params.max_force_N);
+  positive("max_torque_Nm", params.max_torque_Nm);
+  positive("max_hand_force_N", params.max_hand_force_N);
+  positive("answer_age_s", params.answer_age_s);
+  positive("silence_s", params.silence_s);
+  require(params.joint_speed_share > 0.0 && params.joint_speed_share <= 1.0, "joint_speed_share",
+          params.joint_speed_share, "0 … 1");
+  require(params.margin >= 0.0 && params.margin <= 1.0, "margin", params.margin, "0 … 1");
+  require(params.workspace_margin_m >= 0.0, "workspace_margin_m", params.workspace_margin_m, ">= 0");
+  require(params.receive_multiplier >= 1, "receive_multiplier", params.receive_multiplier, ">= 1");
+  require(params.hand_force_count >= 1, "hand_force_count", params.hand_force_count, ">= 1");
+  for (const kinematics::RevoluteJoint& joint : params.arm.joints)
+    positive("a joint's velocity limit", joint.limits.velocity_rad_per_s);
+  static_cast<void>(Workspace(params.workspace));  // throws where its numbers are none
+}
+
+void GuardMonitor::Latch(const GuardReason& reason) OSTEON_RT {
+  if (!latched()) reason_ = reason;
+}
+
+void GuardMonitor::StartOver() OSTEON_RT {
+  has_arm_ = answered_ = commanding_ = unanswered_ = false;
+  unanswered_since_.reset();
+  hand_force_messages_ = 0;
+}
+
+GuardDecision GuardMonitor::Arm(const GuardArmMessage& message, rt::Nanoseconds arrival) OSTEON_RT {
+  const std::int32_t step = Ahead(message.sequence, arm_message_.sequence);
+  const bool restarted = step <= -kSessionStep && !Commanded(message.session);
+  if (has_arm_ && step <= 0 && !restarted) {
+    ++counters_.arm_dropped;
+    return GuardDecision::kDrop;
+  }
+  const bool was_active = has_arm_ && arm_message_.session == GuardSession::kActive;
+  const bool begins = message.session == GuardSession::kActive && (!was_active || step >= kSessionStep);
+  if (restarted) answered_ = false;
+  if (begins && message.q_ipo) {
+    q_before_ = ToJoints(*message.q_ipo);
+    before_message_ = message.sequence - 1;
+    been_inside_ = false;
+    on_way_in_ = !AtStart(q_before_);
+    rests_ = true;
+  }
+  arm_message_ = message;
+  arm_arrival_ = arrival;
+  has_arm_ = true;
+  unanswered_ |= message.session != GuardSession::kIdle;
+  TakeHandForce(message);
+  return GuardDecision::kPass;
+}
+
+// The force that would put these torques on the joints, by damped least squares: J^T F = tau.
+void GuardMonitor::TakeHandForce(const GuardArmMessage& message) OSTEON_RT {
+  if (message.session != GuardSession::kActive || !message.tau_ext) {
+    hand_force_messages_ = 0;
+    return;
+  }
+  const kinematics::JacobianN<7> J = arm_.Jacobian(arm_.Place(ToJoints(message.q_meas)));
+  Eigen::Matrix<double, 6, 6> A = J * J.transpose();
+  A.diagonal().array() += kDamping;
+  const Eigen::Matrix<double, 6, 1> F = A.ldlt().solve(J * ToJoints(*message.tau_ext));
+  const GuardReason reason = AtMost(GuardFinding::kHandForce, F.head<3>().stableNorm(),
+                                    (1.0 + params_.margin) * params_.max_hand_force_N);
+  hand_force_messages_ = reason.finding == GuardFinding::kNone
+                             ? 0
+                             : std::min(hand_force_messages_ + 1, params_.hand_force_count);
+  if (hand_force_messages_ == params_.hand_force_count) Latch(reason);
+}
+
+GuardDecision GuardMonitor::Unreadable(GuardFinding why) OSTEON_RT {
+  Latch({.finding = why});
+  ++counters_.withheld;
+  return GuardDecision::kWithhold;
+}
+
+// Counts what is not; what the arm can not have asked for is latched.
+bool GuardMonitor::IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT {
+  if (!has_arm_ || arm_message_.session == GuardSession::kIdle) {
+    ++counters_.late;
+    return false;
+  }
+  const std::int32_t ago = Ahead(arm_message_.sequence, command.reflected);
+  if (ago < 0) {
+    Latch({.finding = GuardFinding::kNeverSent,
+           .found = static_cast<double>(command.reflected),
+           .most = static_cast<double>(arm_message_.sequence)});
+    return false;
+  }
+  if (answered_ && command.reflected == answered_message_) {
+    ++counters_.duplicate;
+    return false;
+  }
+  if (ago >= params_.receive_multiplier || rt::ToSeconds(now - arm_arrival_) > params_.answer_age_s ||
+      (answered_ && Ahead(command.reflected, answered_message_) < 0)) {
+    ++counters_.late;
+    return false;
+  }
+  if (answered_ && commanding_ && Ahead(command.sequence, command_sequence_) <= 0) {
+    Latch({.finding = GuardFinding::kSequence,
+           .found = static_cast<double>(command.sequence),
+           .least = static_cast<double>(command_sequence_)});
+    return false;
+  }
+  return true;
+}
+
+GuardDecision GuardMonitor::Command(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT {
+  if (!latched()) {
+    const bool fresh = IsFresh(command, now);
+    if (!fresh && !latched()) return GuardDecision::kDrop;
+    if (fresh) {
+      const GuardReason reason = Judge(command);
+      if (reason.finding != GuardFinding::kNone) Latch(reason);
+    }
+  }
+  if (latched()) {
+    ++counters_.withheld;
+    return GuardDecision::kWithhold;
+  }
+  answered_ = true;
+  answered_message_ = command.reflected;
+  command_sequence_ = command.sequence;
+  commanding_ = Commanded(arm_message_.session);
+  unanswered_ = false;
+  unanswered_since_.reset();
+  left_alone_ = false;
+  ++counters_.passed;
+  return GuardDecision::kPass;
+}
+
+GuardReason GuardMonitor::Judge(const GuardCommand& command) OSTEON_RT {
+  if (const GuardReason reason = JudgeOverlay(command); reason.finding != GuardFinding::kNone) return reason;
+  if (command.q) {
+    const Joints q = ToJoints(*command.q);
+    if (const int joint = FirstNotFinite(q); joint > 0)
+      return {.finding = GuardFinding::kNotFinite, .joint = joint, .found = q[joint - 1]};
+  }
+  if (!Commanded(arm_message_.session)) return {};
+  if (command.cartesian) return {.finding = GuardFinding::kCartesian};
+  if (!command.q) return {.finding = GuardFinding::kNoPosition};
+  const Joints q = ToJoints(*command.q);
+  if (arm_message_.session == GuardSession::kWaiting) {
+    const Joints q_ipo = ToJoints(arm_message_.q_ipo.value_or(arm_message_.q_meas));
+    for (int i = 0; i < 7; ++i)
+      if (const GuardReason reason =
+              AtMost(GuardFinding::kNotMirrored, std::abs(q[i] - q_ipo[i]), params_.mirror_rad, i + 1);
+          reason.finding != GuardFinding::kNone)
+        return reason;
+    rests_ = true;
+    return {};
+  }
+
+  const std::uint32_t periods = std::clamp(command.reflected - before_message_, 1u, kMostPeriods);
+  const double time_s = periods * params_.period_s;
+  if (const GuardReason reason = JudgeJoints(q, time_s); reason.finding != GuardFinding::kNone) return reason;
+  if (const GuardReason reason = JudgeTool(q, time_s); reason.finding != GuardFinding::kNone) return reason;
+  const auto adds = [](const auto& values) {
+    return values &&
+           std::any_of(values->begin(), values->end(), [](double x) { return std::abs(x) > kRest_N; });
+  };
+  rests_ = (q - q_before_).cwiseAbs().maxCoeff() <= kRest_rad_per_s * time_s && !adds(command.wrench) &&
+           !adds(command.tau);
+  q_before_ = q;
+  before_message_ = command.reflected;
+  return {};
+}
+
+void GuardMonitor::Look(rt::Nanoseconds now) OSTEON_RT {
+  // from when it was looked at, not from when it arrived: what the guard kept waiting, nobody could answer
+  if (unanswered_ && !unanswered_since_) unanswered_since_ = now;
+  if (!commanding_ || !unanswered_since_) return;
+  const double silent_s = rt::ToSeconds(now - *unanswered_since_);
+  if (!(silent_s > params_.silence_s)) return;
+  commanding_ = false;
+  left_alone_ = true;
+  if (!rests_) Latch({.finding = GuardFinding::kSilence, .found = silent_s, .most = params_.silence_s});
+}
+
+}  // namespace osteon::safety

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "control/rt/marker.h"
+
+namespace osteon::safety {
+
+/// What the guard has found.
+enum class GuardFinding : std::uint8_t {
+  kNone = 0,
+  kUnreadable,     ///< a datagram of the controller is no command of the cell's FRI version
+  kChecksum,       ///< the same: its CRC-32 is not that of its message
+  kNeverSent,      ///< answers a message that the arm has not sent
+  kSequence,       ///< its counter stands still or goes back
+  kNoPosition,     ///< an arm that is commanded gets no joint position
+  kCartesian,      ///< a Cartesian pose is commanded
+  kNotFinite,      ///< a joint position, force or torque
+  kNotMirrored,    ///< away from the interpolator's position while the arm waits
+  kJointPosition,  ///< beyond a joint's limits
+  kJointSpeed,
+  kToolSpeed,
+  kToolTurn,
+  kTracking,   ///< commanded apex far from the measured one
+  kWorkspace,  ///< apex beyond the sphere
+  kPlane,      ///< apex beyond the plane
+  kForce,      ///< of the wrench that the controller adds
+  kTorque,
+  kJointTorque,  ///< more than any wrench within the limits asks for
+  kHandForce,    ///< by the arm's own estimate
+  kSilence,      ///< of the controller, while the arm moved
+};
+inline constexpr int kGuardFindings = 21;
+
+/// A finding, with the figures in SI.
+struct GuardReason {
+  GuardFinding finding{GuardFinding::kNone};
+  int joint{0};  ///< 1 … 7 where it is about one
+  double found{0.0};
+  double least{0.0}, most{0.0};  ///< what would have been accepted, where there is such a range
+};
+
+/// The finding where `found` is not 0 … `most`, NaN included; kNone otherwise.
+[[nodiscard]] inline GuardReason AtMost(GuardFinding finding, double found, double most,
+                                        int joint = 0) OSTEON_RT {
+  if (found <= most) return {};
+  return {.finding = finding, .joint = joint, .found = found, .most = most};
+}
+
+/// One line, e.g. "joint A4's speed: found 5.41 rad/s, accepted 0 … 1.31 rad/s". For screens and logs:
+/// allocates.
+[[nodiscard]] std::string Describe(const GuardReason& reason);
+
+}  // namespace osteon::safety

@@ -1,0 +1,114 @@
+// What GuardMonitor holds a command to, by itself: joints, tool, and what is added to the motion.
+
+#include <algorithm>
+#include <cmath>
+
+#include "safety/guard_monitor.h"
+
+namespace osteon::safety {
+namespace {
+
+constexpr double kRounding = 1.0 + 1e-9;  // of differences between positions
+
+}  // namespace
+
+GuardReason GuardMonitor::JudgeJoints(const Joints& q, double time_s) const OSTEON_RT {
+  const double share = std::min(1.0, params_.joint_speed_share * (1.0 + params_.margin)) * kRounding;
+  for (int i = 0; i < 7; ++i) {
+    if (q[i] == q_before_[i]) continue;
+    const kinematics::JointLimits& limit = params_.arm.joints[static_cast<std::size_t>(i)].limits;
+    if (!(q[i] >= limit.lower_rad && q[i] <= limit.upper_rad))
+      return {.finding = GuardFinding::kJointPosition,
+              .joint = i + 1,
+              .found = q[i],
+              .least = limit.lower_rad,
+              .most = limit.upper_rad};
+    if (const GuardReason reason = AtMost(GuardFinding::kJointSpeed, std::abs(q[i] - q_before_[i]) / time_s,
+                                          share * limit.velocity_rad_per_s, i + 1);
+        reason.finding != GuardFinding::kNone)
+      return reason;
+  }
+  return {};
+}
+
+GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
+  const Pose X_WT = ToolPose(q);
+  const Vector3 p_WT = X_WT.translation(), p_measured = ToolPose(ToJoints(arm_message_.q_meas)).translation();
+  const double more = (1.0 + params_.margin) * kRounding;
+  if (const GuardReason reason =
+          AtMost(GuardFinding::kTracking, (p_WT - p_measured).norm(), more * params_.max_tracking_error_m);
+      reason.finding != GuardFinding::kNone)
+    return reason;
+
+  // where it is: the sphere counts once the way from elsewhere has led into it
+  const WorkspaceParams& w = params_.workspace;
+  const double out_m = (p_WT - w.sphere_center_W_m).norm(),
+               above_m = w.plane_normal_W.dot(p_WT) - w.plane_offset_m;
+  been_inside_ |= out_m <= w.sphere_radius_m;
+  if (q == q_before_) return {};
+  if (!(above_m >= -params_.workspace_margin_m))
+    return {.finding = GuardFinding::kPlane, .found = above_m, .least = -params_.workspace_margin_m};
+  if (been_inside_)
+    if (const GuardReason reason =
+            AtMost(GuardFinding::kWorkspace, out_m, w.sphere_radius_m + params_.workspace_margin_m);
+        reason.finding != GuardFinding::kNone)
+      return reason;
+
+  // how fast
+  if (arm_message_.compliant && Relaxes(q)) return {};
+  const Pose X_before = ToolPose(q_before_);
+  on_way_in_ &= !AtStart(q_before_);
+  const double most_m_per_s = on_way_in_ ? std::max(params_.max_way_in_m_per_s, params_.max_speed_m_per_s)
+                                         : params_.max_speed_m_per_s;
+  if (const GuardReason reason = AtMost(GuardFinding::kToolSpeed,
+                                        (p_WT - X_before.translation()).norm() / time_s, more * most_m_per_s);
+      reason.finding != GuardFinding::kNone)
+    return reason;
+  const double turn_rad = Eigen::AngleAxisd(X_before.linear().transpose() * X_WT.linear()).angle();
+  return AtMost(GuardFinding::kToolTurn, turn_rad / time_s, more * params_.max_turn_rad_per_s);
+}
+
+bool GuardMonitor::AtStart(const Joints& q) const OSTEON_RT {
+  return !params_.q_start || (q - ToJoints(*params_.q_start)).cwiseAbs().maxCoeff() <= params_.there_rad;
+}
+
+bool GuardMonitor::Relaxes(const Joints& q) const OSTEON_RT {
+  const Joints way = ToJoints(arm_message_.q_meas) - q_before_, step = q - q_before_;
+  for (int i = 0; i < 7; ++i)
+    if (step[i] * way[i] < 0.0 || !(std::abs(step[i]) <= kRounding * std::abs(way[i]))) return false;
+  return true;
+}
+
+GuardReason GuardMonitor::JudgeOverlay(const GuardCommand& command) const OSTEON_RT {
+  if (command.wrench) {
+    const Vector3 f = Eigen::Map<const Vector3>(command.wrench->data()),
+                  t = Eigen::Map<const Vector3>(command.wrench->data() + 3);
+    for (const double value : *command.wrench)
+      if (!std::isfinite(value)) return {.finding = GuardFinding::kNotFinite, .found = value};
+    if (const GuardReason reason =
+            AtMost(GuardFinding::kForce, f.stableNorm(), kRounding * params_.max_force_N);
+        reason.finding != GuardFinding::kNone)
+      return reason;
+    if (const GuardReason reason =
+            AtMost(GuardFinding::kTorque, t.stableNorm(), kRounding * params_.max_torque_Nm);
+        reason.finding != GuardFinding::kNone)
+      return reason;
+  }
+  if (!command.tau) return {};
+  const Joints tau = ToJoints(*command.tau);
+  if (const int joint = FirstNotFinite(tau); joint > 0)
+    return {.finding = GuardFinding::kNotFinite, .joint = joint, .found = tau[joint - 1]};
+  const auto posture = arm_.Place(ToJoints(arm_message_.q_meas));
+  const kinematics::JacobianN<7> J = arm_.JacobianAt(posture, posture.X_BF * params_.X_FT.translation());
+  for (int i = 0; i < 7; ++i) {
+    const double most_Nm =
+        J.col(i).head<3>().norm() * params_.max_force_N + J.col(i).tail<3>().norm() * params_.max_torque_Nm;
+    if (const GuardReason reason =
+            AtMost(GuardFinding::kJointTorque, std::abs(tau[i]), kRounding * most_Nm, i + 1);
+        reason.finding != GuardFinding::kNone)
+      return reason;
+  }
+  return {};
+}
+
+}  // namespace osteon::safety

@@ -1,0 +1,147 @@
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/app/command.h"
+#include "tests/config/cell_text.h"
+
+// `osteon cell`, `guard` and `run` as three processes, and what is left where one of them dies.
+
+namespace osteon::app {
+namespace {
+
+// A first port that another test of this machine hardly has.
+std::string Port() { return std::to_string(49152 + getpid() % 1500 * 10); }
+
+bool Says(const Command& command, const std::string& words) {
+  return command.Out().find(words) != std::string::npos;
+}
+
+// A cell with a guard, and each of its processes in a folder of its own.
+class GuardProcess : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::ofstream(file()) << config::With(config::CellText("thin_plate"), "  guard: false", "  guard: true ")
+                          << "\nguard:\n  port: 30209\n  silence_ms: 200\n";
+  }
+  [[nodiscard]] std::string file() const { return (folder_.path() / "guarded.yaml").string(); }
+
+  void StartCellAndGuard() {
+    cell_.emplace(cell_folder_.path(),
+                  std::vector<std::string>{"cell", file(), "--port", Port(), "--json", "cell.json"});
+    ASSERT_TRUE(cell_->WaitUntil([&] { return Says(*cell_, "Ctrl-C ends it"); })) << cell_->Err();
+    guard_.emplace(guard_folder_.path(),
+                   std::vector<std::string>{"guard", file(), "--port", Port(), "--json", "guard.json"});
+    ASSERT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
+  }
+  [[nodiscard]] std::vector<std::string> Run() const {
+    return {"run", file(), "--port", Port(), "--record", "r.mcap", "--json", "run.json"};
+  }
+  [[nodiscard]] nlohmann::json GuardReport() const { return ReadJson(guard_folder_.path() / "guard.json"); }
+  [[nodiscard]] nlohmann::json EndCell() {
+    cell_->Send(SIGTERM);
+    EXPECT_EQ(cell_->Wait().exit_code, 0);
+    return ReadJson(cell_folder_.path() / "cell.json");
+  }
+  // The arm has left COMMANDING_ACTIVE.
+  [[nodiscard]] bool ArmLeft() {
+    return cell_->WaitUntil([&] {
+      const std::string out = cell_->Out();
+      const std::size_t active = out.find("COMMANDING_ACTIVE");
+      return active != std::string::npos && out.find("MONITORING", active) != std::string::npos;
+    });
+  }
+
+  const TemporaryFolder folder_, cell_folder_, guard_folder_, run_folder_;
+  std::optional<Command> cell_, guard_;
+};
+
+TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
+  constexpr int kAttempts = 3;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    StartCellAndGuard();
+    std::vector<std::string> words = Run();
+    words.insert(words.end(), {"--seconds", "2"});
+    const CommandResult run = RunCommand(run_folder_.path(), words);
+    guard_->Send(SIGTERM);
+    const CommandResult guard = guard_->Wait();
+    const nlohmann::json cell = EndCell();
+    const nlohmann::json report = GuardReport(), summary = ReadJson(run_folder_.path() / "run.json");
+    EXPECT_EQ(report.at("schema"), "osteon.guard/1");
+    EXPECT_EQ(report.at("config_checksum"), summary.at("config_checksum")) << "both read the same files";
+    if (run.exit_code != 0) continue;  // a machine that is busy stalls the run, with or without a guard
+    EXPECT_EQ(guard.exit_code, 0) << guard.err << report.dump(2);
+    EXPECT_EQ(report.at("withheld"), 0);
+    EXPECT_EQ(report.at("reason"), nullptr);
+    EXPECT_GT(report.at("relayed").at("to_arm").get<int>(), 2000);
+    EXPECT_GE(report.at("relayed").at("to_arm").get<int>(), cell.at("arm").at("answered").get<int>());
+    for (const char* way : {"to_controller", "to_arm"}) {
+      const nlohmann::json& delay = report.at("added_latency_us").at(way);
+      EXPECT_GT(delay.at("p50"), 0.0);
+      EXPECT_LE(delay.at("p50"), delay.at("p99"));
+      EXPECT_LE(delay.at("p99"), delay.at("max"));
+    }
+    EXPECT_TRUE(report.at("plc").at("connected").get<bool>());
+    return;
+  }
+  GTEST_SKIP() << "skipped, this machine is too busy: " << kAttempts << " runs ended by a stall";
+}
+
+TEST_F(GuardProcess, AGuardThatIsKilledStopsArmAndRun) {
+  StartCellAndGuard();
+  Command run(run_folder_.path(), Run());
+  ASSERT_TRUE(cell_->WaitUntil([&] { return Says(*cell_, "COMMANDING_ACTIVE"); }))
+      << run.Err() << guard_->Err();
+  usleep(300'000);
+  guard_->Send(SIGKILL);
+  EXPECT_EQ(run.Wait().exit_code, 1) << run.Err();
+  EXPECT_TRUE(ArmLeft()) << cell_->Out();
+  EXPECT_FALSE(ReadJson(run_folder_.path() / "run.json").at("faults").empty());
+  usleep(600'000);  // the PLC gives a heartbeat .25 s
+  const nlohmann::json report = EndCell();
+  EXPECT_FALSE(report.at("plc").at("run_permitted").get<bool>());
+  EXPECT_NE(report.at("plc").at("blocks").get<std::string>().find("guard's heartbeat lost"),
+            std::string::npos)
+      << report.dump(2);
+}
+
+TEST_F(GuardProcess, AControllerThatIsKilledIsWithdrawnAtThePlc) {
+  StartCellAndGuard();
+  Command run(run_folder_.path(), Run());
+  ASSERT_TRUE(cell_->WaitUntil([&] { return Says(*cell_, "COMMANDING_ACTIVE"); }))
+      << run.Err() << guard_->Err();
+  usleep(1'000'000);  // the hand has taken the tool along
+  run.Send(SIGKILL);
+  run.Wait();
+  EXPECT_TRUE(ArmLeft()) << cell_->Out();
+  EXPECT_TRUE(guard_->WaitUntil([&] {
+    return Says(*guard_, "left an arm at rest") ||
+           guard_->Err().find("silence of the controller") != std::string::npos;
+  })) << guard_->Out();
+  usleep(200'000);
+  const nlohmann::json cell = EndCell();
+  EXPECT_NE(cell.at("plc").at("blocks").get<std::string>().find("guard withdrew the request"),
+            std::string::npos)
+      << cell.dump(2);
+  guard_->Send(SIGTERM);
+  const CommandResult guard = guard_->Wait();
+  const nlohmann::json report = GuardReport();
+  EXPECT_EQ(guard.exit_code, report.at("latched").get<bool>() ? 1 : 0);
+}
+
+TEST_F(GuardProcess, WrongInputIsNamedAndExitsWithTwo) {
+  const CommandResult without = RunCommand(folder_.path(), {"guard", "thin_plate"});
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_NE(without.err.find("guard: found no such section, accepted guard: {port: N}"), std::string::npos)
+      << without.err;
+  EXPECT_EQ(RunCommand(folder_.path(), {"guard", "no_such_cell"}).exit_code, 2);
+  const CommandResult help = RunCommand(folder_.path(), {"guard", "--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_NE(help.out.find("Examples:"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace osteon::app

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "kinematics/lbr_arm.h"
+#include "safety/guard_monitor.h"
+#include "tests/kinematics/iiwa14.h"
+
+namespace osteon::safety {
+
+/// A monitor with an arm that follows at once, in virtual time: a message a millisecond, then the answer to
+/// it.
+class GuardBench {
+ public:
+  static GuardParams Params() {
+    GuardParams params{.arm = kinematics::ChainFrom(kinematics::Iiwa14())};
+    params.X_FT.translation() = Vector3(0.0, 0.0, 0.2);
+    params.workspace.sphere_center_W_m = Start().translation();
+    params.workspace.sphere_radius_m = 0.15;
+    params.workspace.plane_offset_m = Start().translation().z() - 0.1;
+    return params;
+  }
+  static GuardJoints StartJoints() { return {0.1, 0.6, -0.2, -1.3, 0.3, 0.9, -0.4}; }
+  /// Of the tool, by the other kinematics of the house.
+  static Pose ToolPose(const GuardJoints& q) {
+    static const kinematics::LbrArm arm(kinematics::Iiwa14());
+    Pose X_FT = Pose::Identity();
+    X_FT.translation() = Vector3(0.0, 0.0, 0.2);
+    return arm.FlangePose(Eigen::Map<const kinematics::JointVector>(q.data())) * X_FT;
+  }
+  static Pose Start() { return ToolPose(StartJoints()); }
+
+  explicit GuardBench(const GuardParams& params = Params()) : monitor(params) {}
+
+  /// A message of the arm.
+  GuardDecision Message(GuardSession session) {
+    now += rt::kMillisecond;
+    arm.session = session;
+    ++arm.sequence;
+    if (session >= GuardSession::kWaiting) arm.q_ipo = StartJoints();
+    return monitor.Arm(arm, now);
+  }
+  /// The answer to it, .3 ms later.
+  GuardDecision Answer(GuardCommand command) {
+    command.sequence = ++sequence;
+    command.reflected = arm.sequence;
+    const GuardDecision decision = monitor.Command(command, now + 300'000);
+    if (decision == GuardDecision::kPass && arm.session == GuardSession::kActive) arm.q_meas = *command.q;
+    return decision;
+  }
+  GuardDecision Answer(const GuardJoints& q) { return Answer(GuardCommand{.q = q}); }
+  /// Until the arm follows; all of it has to pass.
+  bool WalkToActive() {
+    bool passes = true;
+    for (int i = 0; i < 10; ++i) {
+      passes &= Message(i < 5 ? GuardSession::kMonitoring : GuardSession::kWaiting) == GuardDecision::kPass;
+      passes &= Answer(StartJoints()) == GuardDecision::kPass;
+    }
+    return passes;
+  }
+
+  GuardMonitor monitor;
+  GuardArmMessage arm{.sequence = 4'000'000'000u, .q_meas = StartJoints()};  // wraps in a long run
+  std::uint32_t sequence{0};
+  rt::Nanoseconds now{rt::kSecond};
+};
+
+}  // namespace osteon::safety
