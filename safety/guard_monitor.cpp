@@ -74,6 +74,7 @@ GuardDecision GuardMonitor::Arm(const GuardArmMessage& message, rt::Nanoseconds 
     q_before_ = ToJoints(*message.q_ipo);
     before_message_ = message.sequence - 1;
     been_inside_ = false;
+    been_in_zone_.fill(false);
     on_way_in_ = !AtStart(q_before_);
     rests_ = true;
   }

@@ -55,6 +55,9 @@ std::string Describe(const GuardReason& r) {
     case GuardFinding::kPlane:
       return fmt::format("apex above the workspace's plane: found {:.6g} mm, accepted at least {:.6g} mm",
                          1e3 * r.found, 1e3 * r.least);
+    case GuardFinding::kZone:
+      return fmt::format("inside of zone {}: found {:.6g} mm, accepted at least {:.6g} mm", r.joint,
+                         1e3 * r.found, 1e3 * r.least);
     case GuardFinding::kForce:
       return Figures("force added", r, 1.0, "N");
     case GuardFinding::kTorque:

@@ -25,13 +25,14 @@ enum class GuardFinding : std::uint8_t {
   kTracking,   ///< commanded apex far from the measured one
   kWorkspace,  ///< apex beyond the sphere
   kPlane,      ///< apex beyond the plane
+  kZone,       ///< apex, flange or elbow outside one of the zones; `joint`: which zone, from 1
   kForce,      ///< of the wrench that the controller adds
   kTorque,
   kJointTorque,  ///< more than any wrench within the limits asks for
   kHandForce,    ///< by the arm's own estimate
   kSilence,      ///< of the controller, while the arm moved
 };
-inline constexpr int kGuardFindings = 21;
+inline constexpr int kGuardFindings = 22;
 
 /// A finding, with the figures in SI.
 struct GuardReason {

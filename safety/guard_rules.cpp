@@ -45,7 +45,9 @@ GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
   const double out_m = (p_WT - w.sphere_center_W_m).norm(),
                above_m = w.plane_normal_W.dot(p_WT) - w.plane_offset_m;
   been_inside_ |= out_m <= w.sphere_radius_m;
+  const GuardReason zone = JudgeZones(q);
   if (q == q_before_) return {};
+  if (zone.finding != GuardFinding::kNone) return zone;
   if (!(above_m >= -params_.workspace_margin_m))
     return {.finding = GuardFinding::kPlane, .found = above_m, .least = -params_.workspace_margin_m};
   if (been_inside_)
@@ -66,6 +68,28 @@ GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
     return reason;
   const double turn_rad = Eigen::AngleAxisd(X_before.linear().transpose() * X_WT.linear()).angle();
   return AtMost(GuardFinding::kToolTurn, turn_rad / time_s, more * params_.max_turn_rad_per_s);
+}
+
+GuardReason GuardMonitor::JudgeZones(const Joints& q) OSTEON_RT {
+  if (params_.workspace.zones.empty()) return {};
+  constexpr std::size_t kElbow = 3;  // A4's axis
+  const auto posture = arm_.Place(q);
+  GuardReason reason;
+  for (std::size_t i = 0; i < params_.workspace.zones.size(); ++i) {
+    const ZoneParams& zone = params_.workspace.zones[i];
+    const Vector3 p_W = params_.X_WB * (zone.point == ZonePoint::kElbow ? posture.p_BL[kElbow]
+                                        : zone.point == ZonePoint::kFlange
+                                            ? Vector3(posture.X_BF.translation())
+                                            : Vector3(posture.X_BF * params_.X_FT.translation()));
+    const double inside_m = ZoneBounds(zone, p_W).distance_m();
+    been_in_zone_[i] |= inside_m >= 0.0;
+    if (been_in_zone_[i] && !(inside_m >= -params_.workspace_margin_m))
+      reason = {.finding = GuardFinding::kZone,
+                .joint = static_cast<int>(i) + 1,
+                .found = inside_m,
+                .least = -params_.workspace_margin_m};
+  }
+  return reason;
 }
 
 bool GuardMonitor::AtStart(const Joints& q) const OSTEON_RT {

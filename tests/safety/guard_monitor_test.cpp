@@ -118,6 +118,30 @@ TEST(GuardMonitor, EndsACreepAtTheWorkspaceAndAtThePlane) {
   }
 }
 
+TEST(GuardMonitor, EndsACreepAtTheZonesOfFlangeAndElbow) {
+  const kinematics::LbrArm arm(kinematics::Iiwa14());
+  for (const ZonePoint point : {ZonePoint::kFlange, ZonePoint::kElbow}) {
+    const auto place = [&](const GuardJoints& joints) {
+      const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(joints.data());
+      return point == ZonePoint::kElbow ? arm.ElbowPosition(q) : Vector3(arm.FlangePose(q).translation());
+    };
+    const Vector3 start = place(GuardBench::StartJoints());
+    GuardParams params = GuardBench::Params();
+    params.workspace.zones = {
+        {.shape = ZoneShape::kSphere, .point = point, .p_W_m = start, .radius_m = 0.02}};
+    GuardBench bench(params);
+    ASSERT_TRUE(bench.WalkToActive());
+    GuardJoints q = GuardBench::StartJoints();
+    for (int passed = 0; passed < 10'000; ++passed) {
+      bench.Message(GuardSession::kActive);
+      q[0] += 1e-4;
+      if (bench.Answer(q) != GuardDecision::kPass) break;
+    }
+    EXPECT_EQ(Found(bench), GuardFinding::kZone);
+    EXPECT_NEAR((place(q) - start).norm(), 0.02 + params.workspace_margin_m, 1e-4) << "the first step beyond";
+  }
+}
+
 TEST(GuardMonitor, LetsAnArmThatStandsOutsideComeInButNotOutAgain) {
   GuardParams params = GuardBench::Params();
   params.workspace.sphere_center_W_m.y() += 0.25;  // .1 m beyond the sphere
