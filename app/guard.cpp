@@ -35,7 +35,7 @@ void Say(const std::string& text) {
   std::fflush(stdout);
 }
 
-nlohmann::ordered_json DelayJson(const control::DurationHistogram& delay) {
+nlohmann::ordered_json DelayJson(const rt::DurationHistogram& delay) {
   const auto us = [](rt::Nanoseconds time) { return 1e-3 * static_cast<double>(time); };
   return {{"count", delay.count()},
           {"p50", us(delay.Quantile(0.5))},
@@ -43,7 +43,7 @@ nlohmann::ordered_json DelayJson(const control::DurationHistogram& delay) {
           {"max", us(delay.max())}};
 }
 
-std::string DelayText(const control::DurationHistogram& delay) {
+std::string DelayText(const rt::DurationHistogram& delay) {
   return fmt::format("{:.0f} / {:.0f} / {:.0f} µs", 1e-3 * static_cast<double>(delay.Quantile(0.5)),
                      1e-3 * static_cast<double>(delay.Quantile(0.99)),
                      1e-3 * static_cast<double>(delay.max()));

@@ -33,7 +33,7 @@ struct GuardReport {
   io::FriRelayCounters relayed;
   safety::GuardCounters judged;
   safety::GuardReason reason;  ///< kNone: nothing was latched
-  control::DurationHistogram message_delay, answer_delay;
+  rt::DurationHistogram message_delay, answer_delay;
   rt::RealtimeGrant thread;
   std::optional<io::PlcReading> plc;  ///< absent: the cell has none
 };

@@ -143,13 +143,13 @@ void PrintLimits(const control::ServoParams& params) {
   std::string line = "Limits in force:";
   for (const std::string& limit : LimitLines(params)) {
     if (line.size() + limit.size() > kWidth) {
-      fmt::print(stderr, "{}\n", line);
+      fmt::print("{}\n", line);
       line = " ";
     }
     line += " " + limit + ";";
   }
   line.back() = '.';
-  fmt::print(stderr, "{}\n", line);
+  fmt::print("{}\n", line);
 }
 
 }  // namespace osteon::app

@@ -63,11 +63,11 @@ Pose FlangePose(const SixAxisConfig& arm, const kinematics::JointVector& q) {
 }
 
 Vector3 ElbowPosition(const LbrConfig& arm, const kinematics::JointVector& q) {
-  return kinematics::LbrArm(arm.params).ElbowPosition(q);
+  return kinematics::LbrArm(arm.params).Points(q).p_BElbow;
 }
 
 Vector3 ElbowPosition(const SixAxisConfig& arm, const kinematics::JointVector& q) {
-  return kinematics::OrthoParallelArm(arm.params).ElbowPosition(q.head<6>());
+  return kinematics::OrthoParallelArm(arm.params).Points(q.head<6>()).p_BElbow;
 }
 
 std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -127,11 +128,13 @@ class JointFollower final : public ArmFollower {
   [[nodiscard]] bool braking_joints() const OSTEON_RT override { return stop_ticks_ > 0; }
 
   [[nodiscard]] double ZoneShare(const JointArray& q, const JointArray& q_next) const OSTEON_RT override {
-    return ZoneShare(ToJoints(q), ToJoints(q_next) - ToJoints(q), kCarried);
+    const Joints from = ToJoints(q);
+    return ZoneShare(from, ToJoints(q_next) - from, PointsOf(from), PointsOf(ToJoints(q_next)), kCarried);
   }
   [[nodiscard]] bool OutsideZones(const JointArray& q) const OSTEON_RT override {
+    const Points points = PointsOf(ToJoints(q));
     return std::any_of(kCarried.begin(), kCarried.end(), [&](ZonePoint point) {
-      return workspace_.Has(point) && workspace_.Violated(PointOf(point, ToJoints(q)), point);
+      return workspace_.Has(point) && workspace_.Violated(At(points, point), point);
     });
   }
 
@@ -153,10 +156,21 @@ class JointFollower final : public ArmFollower {
   [[nodiscard]] Pose PoseOf(const Joints& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
   [[nodiscard]] Joints Start() const OSTEON_RT { return params_.start->q.template head<kN>(); }
   [[nodiscard]] Joints WantedElbow(const FollowWish& wish) OSTEON_RT;
-  [[nodiscard]] Vector3 PointOf(ZonePoint point, const Joints& q) const OSTEON_RT;
-  [[nodiscard]] double ElbowShare(const Joints& step, double max_speed_m_per_s) const OSTEON_RT;
-  [[nodiscard]] double ZoneShare(const Joints& q, const Joints& step,
+
+  // Where the points with bounds of their own are in W, by ZonePoint.
+  using Points = std::array<Vector3, 3>;
+  static const Vector3& At(const Points& points, ZonePoint point) OSTEON_RT {
+    return points[static_cast<std::size_t>(point)];
+  }
+  [[nodiscard]] Points PointsOf(const Joints& q) const OSTEON_RT;
+  [[nodiscard]] double ElbowShare(const Points& from, const Points& to, double most_m_per_s) const OSTEON_RT;
+  [[nodiscard]] double ZoneShare(const Joints& q, const Joints& step, const Points& from, const Points& to,
                                  std::span<const ZonePoint> points) const OSTEON_RT;
+  // Whether any tick has to know the points.
+  [[nodiscard]] bool HasPoints(double max_elbow_speed_m_per_s) const OSTEON_RT {
+    return std::isfinite(max_elbow_speed_m_per_s) || workspace_.Has(ZonePoint::kFlange) ||
+           workspace_.Has(ZonePoint::kElbow);
+  }
 
   ServoParams params_;
   Arm arm_;
@@ -171,7 +185,9 @@ class JointFollower final : public ArmFollower {
   // of the last tick
   Joints q_step_{Joints::Zero()};
   double motion_share_{1.0};  // of the task
-  double moving_{0.0};        // 0 … 1: how much the tool moved
+  Points points_{};           // of these joints
+  Joints points_q_{Joints::Constant(std::numeric_limits<double>::quiet_NaN())};
+  double moving_{0.0};  // 0 … 1: how much the tool moved
   double sigma_min_m_{1.0};
   Joints sigma_gradient_m_{Joints::Zero()}, null_direction_{Joints::Zero()};
   Eigen::Matrix<double, 6, 6> directions_{Eigen::Matrix<double, 6, 6>::Identity()};  // of the Jacobian
@@ -209,8 +225,21 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   sigma_min_m_ = moves.sigma_min_m;
   sigma_gradient_m_ = moves.sigma_gradient_m;
   null_direction_ = moves.null_direction;
-  const double elbow_share = ElbowShare(guard.step, wish.max_elbow_speed_m_per_s);
-  const double zone_share = ZoneShare(q_, elbow_share * guard.step, kCarried);
+  double elbow_share = 1.0, zone_share = 1.0;
+  if (HasPoints(wish.max_elbow_speed_m_per_s)) {
+    if (q_ != points_q_) {
+      points_ = PointsOf(q_);
+      points_q_ = q_;
+    }
+    Points to = PointsOf(q_ + guard.step);
+    elbow_share = ElbowShare(points_, to, wish.max_elbow_speed_m_per_s);
+    if (elbow_share < 1.0) to = PointsOf(q_ + elbow_share * guard.step);
+    zone_share = ZoneShare(q_, elbow_share * guard.step, points_, to, kCarried);
+    if (elbow_share == 1.0 && zone_share == 1.0) {  // what the next tick begins from
+      points_ = to;
+      points_q_ = q_ + guard.step;
+    }
+  }
   const double share = elbow_share * zone_share;
   q_step_ = share * guard.step;
   q_ += q_step_;
@@ -224,34 +253,33 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
 }
 
 template <class Arm>
-Vector3 JointFollower<Arm>::PointOf(ZonePoint point, const Joints& q) const OSTEON_RT {
-  if (point == ZonePoint::kElbow) return X_WB_ * arm_.ElbowPosition(q);
-  const Pose X_BF = arm_.FlangePose(q);
-  return point == ZonePoint::kFlange ? Vector3(X_WB_ * X_BF.translation())
-                                     : Vector3(X_WB_ * (X_BF * X_FT_.translation()));
+typename JointFollower<Arm>::Points JointFollower<Arm>::PointsOf(const Joints& q) const OSTEON_RT {
+  const auto arm = arm_.Points(q);
+  return {X_WB_ * (arm.X_BF * X_FT_.translation()), X_WB_ * arm.X_BF.translation(), X_WB_ * arm.p_BElbow};
 }
 
 template <class Arm>
-double JointFollower<Arm>::ElbowShare(const Joints& step, double max_speed_m_per_s) const OSTEON_RT {
-  if (!std::isfinite(max_speed_m_per_s)) return 1.0;
-  const double way_m = (arm_.ElbowPosition(q_ + step) - arm_.ElbowPosition(q_)).norm();
-  const double most_m = max_speed_m_per_s * params_.period_s;
+double JointFollower<Arm>::ElbowShare(const Points& from, const Points& to,
+                                      double most_m_per_s) const OSTEON_RT {
+  const double way_m = (At(to, ZonePoint::kElbow) - At(from, ZonePoint::kElbow)).norm();
+  const double most_m = most_m_per_s * params_.period_s;
   return way_m > most_m ? most_m / way_m : 1.0;
 }
 
 // Of a step of the joints: each share is tried, as the points' ways are curved. No step at all may always be.
 template <class Arm>
-double JointFollower<Arm>::ZoneShare(const Joints& q, const Joints& step,
-                                     std::span<const ZonePoint> points) const OSTEON_RT {
+double JointFollower<Arm>::ZoneShare(const Joints& q, const Joints& step, const Points& from,
+                                     const Points& to, std::span<const ZonePoint> points) const OSTEON_RT {
   double share = 1.0;
+  Points reached = to;
   for (int tries = 0; tries < kZoneTries; ++tries) {
     double more = 1.0;
     for (const ZonePoint point : points)
       if (workspace_.Has(point))
-        more = std::min(more, workspace_.Share(point, PointOf(point, q), PointOf(point, q + share * step),
-                                               params_.period_s));
+        more = std::min(more, workspace_.Share(point, At(from, point), At(reached, point), params_.period_s));
     if (more >= 1.0) return share;
     share *= kZoneSlack * more;
+    reached = PointsOf(q + share * step);
   }
   return 0.0;
 }
@@ -300,7 +328,8 @@ bool JointFollower<Arm>::BrakeJoints() OSTEON_RT {
   --stop_ticks_;
   q_step_ *= static_cast<double>(stop_ticks_) / (stop_ticks_ + 1);
   q_step_ = guard_.Limit(q_, q_step_, params_.period_s).step;
-  q_step_ *= ZoneShare(q_, q_step_, kAll);  // the ramp takes its time: a bound may be nearer
+  // the ramp takes its time: a bound may be nearer
+  q_step_ *= ZoneShare(q_, q_step_, PointsOf(q_), PointsOf(q_ + q_step_), kAll);
   q_ += q_step_;
   X_WT_ = PoseOf(q_);
   return stop_ticks_ == 0;
@@ -311,9 +340,9 @@ StartStep JointFollower<Arm>::StepToStart(bool permitted) OSTEON_RT {
   const JointPathOutput<kN> next = path_->Step(params_.period_s, permitted);
   const auto guard = guard_.Limit(q_, next.q - q_, params_.period_s);
   if (guard.jump || guard.violated || guard.share < 1.0) return {.refused = Fault::kJointLimit};
+  const Points from = PointsOf(q_), to = PointsOf(next.q);
   for (const ZonePoint point : kAll)
-    if (workspace_.LeavesZone(point, PointOf(point, q_), PointOf(point, next.q)))
-      return {.refused = Fault::kWorkspace};
+    if (workspace_.LeavesZone(point, At(from, point), At(to, point))) return {.refused = Fault::kWorkspace};
   q_ = next.q;
   X_WT_ = PoseOf(q_);
   return {.there = next.done, .rests = next.rate == 0.0};

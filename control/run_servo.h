@@ -2,8 +2,8 @@
 
 #include <atomic>
 
-#include "control/histogram.h"
 #include "control/ports.h"
+#include "control/rt/duration_histogram.h"
 #include "control/rt/latest_value.h"
 #include "control/rt/realtime_thread.h"
 #include "control/servo_loop.h"
@@ -42,13 +42,14 @@ struct RunServoResult {
   safety::FaultSet faults;
   ServoStatistics statistics;
   std::uint64_t ticks{0};
-  std::uint64_t unsent{0};      ///< answers that the system would not send
-  int recovered{0};             ///< times that it began again
-  std::uint64_t unrecorded{0};  ///< ticks that the recorder had no room for
-  rt::RealtimeGrant thread;     ///< what the system granted
-  DurationHistogram wakeup;     ///< from ArmState::stamp, the link's time of receipt, to the loop running
-  DurationHistogram compute;    ///< from there to the answer sent
-  DurationHistogram period;  ///< between messages answered in COMMANDING_ACTIVE; 1e9 / median: the servo rate
+  std::uint64_t unsent{0};        ///< answers that the system would not send
+  int recovered{0};               ///< times that it began again
+  std::uint64_t unrecorded{0};    ///< ticks that the recorder had no room for
+  rt::RealtimeGrant thread;       ///< what the system granted
+  rt::DurationHistogram wakeup;   ///< from ArmState::stamp, the link's time of receipt, to the loop running
+  rt::DurationHistogram compute;  ///< from there to the answer sent
+  rt::DurationHistogram
+      period;  ///< between messages answered in COMMANDING_ACTIVE; 1e9 / median: the servo rate
 };
 
 /// Runs the loop in wall time in the calling thread, paced by the arm's messages, until the end condition;

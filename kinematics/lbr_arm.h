@@ -70,8 +70,15 @@ class LbrArm {
     return (q[1] < 0.0 ? 1 : 0) + (q[3] < 0.0 ? 2 : 0) + (q[5] < 0.0 ? 4 : 0);
   }
 
-  /// Centre of the elbow in B [m]: where the axis of A4 crosses the arm.
-  [[nodiscard]] Vector3 ElbowPosition(const JointVector& q) const OSTEON_RT { return chain_.Place(q).p_BL[3]; }
+  /// Flange, and the elbow's centre in B [m]: where the axis of A4 crosses the arm.
+  struct ArmPoints {
+    Pose X_BF;
+    Vector3 p_BElbow;
+  };
+  [[nodiscard]] ArmPoints Points(const JointVector& q) const OSTEON_RT {
+    const SerialChain<7>::Posture posture = chain_.Place(q);
+    return {.X_BF = posture.X_BF, .p_BElbow = posture.p_BL[3]};
+  }
 
   /// Arm angle [rad], -pi … pi: where the elbow is on its circle, as the right-handed angle about the line
   /// from shoulder to wrist, counted from the circle's highest point. So it is 0 where q3 = 0 and the elbow

@@ -52,8 +52,15 @@ class OrthoParallelArm {
   /// Geometric Jacobian of the flange's point p_F [m, in F]: rows v (3) then w (3), in B.
   [[nodiscard]] JacobianN<6> JacobianAt(const Joints& q, const Vector3& p_F) const OSTEON_RT;
 
-  /// Its elbow in B [m]: where the axis of A3 crosses the arm's plane.
-  [[nodiscard]] Vector3 ElbowPosition(const Joints& q) const OSTEON_RT { return chain_.Place(q).p_BL[2]; }
+  /// Flange, and the elbow in B [m]: where the axis of A3 crosses the arm's plane.
+  struct ArmPoints {
+    Pose X_BF;
+    Vector3 p_BElbow;
+  };
+  [[nodiscard]] ArmPoints Points(const Joints& q) const OSTEON_RT {
+    const SerialChain<6>::Posture posture = chain_.Place(q);
+    return {.X_BF = posture.X_BF, .p_BElbow = posture.p_BL[2]};
+  }
 
   /// Configuration number 0 … 7: bit 0 where the wrist is behind A1 (overhead, KUKA's S bit 0), bit 1 where
   /// the forearm bends back (theta3 + atan(a2/c3) < 0), bit 2 where theta5 < 0.

@@ -30,7 +30,8 @@ FaultText Describe(Fault fault) {
               "the commanded tool was faster than its limit although it had been scaled", "Stop 1",
               "check limits and inverse kinematics, restart the session"};
     case Fault::kWorkspace:
-      return {"tool outside workspace", "the tool's apex was commanded outside the workspace", "Stop 1",
+      return {"tool outside workspace",
+              "the tool's apex, the flange or the elbow was outside its workspace or zone", "Stop 1",
               "guide the tool back inside, restart the session"};
     case Fault::kJointLimit:
       return {"joint limit", "a joint's position, speed or step would have been beyond its limit",

@@ -6,7 +6,7 @@
 
 #include <tl/expected.hpp>
 
-#include "control/histogram.h"
+#include "control/rt/duration_histogram.h"
 #include "io/fri/codec.h"
 #include "io/fri/command_reader.h"
 #include "io/net/udp_peer.h"
@@ -54,8 +54,8 @@ class FriRelay {
   [[nodiscard]] std::uint16_t port() const { return arm_.port(); }
   [[nodiscard]] const FriRelayCounters& counters() const { return counters_; }
   /// From a datagram's arrival in this machine's kernel to the system having taken it on its way.
-  [[nodiscard]] const control::DurationHistogram& message_delay() const { return message_delay_; }
-  [[nodiscard]] const control::DurationHistogram& answer_delay() const { return answer_delay_; }
+  [[nodiscard]] const rt::DurationHistogram& message_delay() const { return message_delay_; }
+  [[nodiscard]] const rt::DurationHistogram& answer_delay() const { return answer_delay_; }
 
  private:
   FriRelay(const BoundUdp& arm, int controller, FriFamily family, safety::GuardMonitor& monitor)
@@ -74,7 +74,7 @@ class FriRelay {
   MonitoringMessage message_;
   std::array<std::uint8_t, kFriMaxDatagram + 1> room_{};
   FriRelayCounters counters_;
-  control::DurationHistogram message_delay_, answer_delay_;
+  rt::DurationHistogram message_delay_, answer_delay_;
 };
 
 }  // namespace osteon::io

@@ -38,7 +38,7 @@ struct SessionInfo {
   std::string scene, tool;
   double force_limit_N{0.0};
   std::vector<std::string> limits{};  ///< in force at the start, a line each
-  std::string config_text;  ///< the configuration as it was read
+  std::string config_text;            ///< the configuration as it was read
   ConfigSource config{};
   rt::Nanoseconds utc{0};  ///< at `stamp`, since 1970; 0 in virtual time
   std::string build{};     ///< commit, compiler, C library

@@ -21,7 +21,7 @@ using safety::ZoneShape;
 using safety::ZoneSide;
 
 Vector3 Elbow(const JointArray& q) {
-  return ServoBench::Arm().ElbowPosition(Eigen::Map<const kinematics::JointVector>(q.data()));
+  return ServoBench::Arm().Points(Eigen::Map<const kinematics::JointVector>(q.data())).p_BElbow;
 }
 Vector3 Flange(const JointArray& q) {
   return ServoBench::Arm().FlangePose(Eigen::Map<const kinematics::JointVector>(q.data())).translation();

@@ -123,7 +123,7 @@ TEST(GuardMonitor, EndsACreepAtTheZonesOfFlangeAndElbow) {
   for (const ZonePoint point : {ZonePoint::kFlange, ZonePoint::kElbow}) {
     const auto place = [&](const GuardJoints& joints) {
       const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(joints.data());
-      return point == ZonePoint::kElbow ? arm.ElbowPosition(q) : Vector3(arm.FlangePose(q).translation());
+      return point == ZonePoint::kElbow ? arm.Points(q).p_BElbow : Vector3(arm.FlangePose(q).translation());
     };
     const Vector3 start = place(GuardBench::StartJoints());
     GuardParams params = GuardBench::Params();

@@ -8,7 +8,7 @@
 #include "control/rt/clock.h"
 #include "control/rt/marker.h"
 
-namespace osteon::control {
+namespace osteon::rt {
 
 /// Histogram of durations with log-spaced bins: 128 to an octave, so that a value read back is within 0.4 %
 /// of one that was added. 1 ns to 17 s, fixed size, no allocation. One thread at a time.
@@ -19,21 +19,21 @@ class DurationHistogram {
   static constexpr int kBins = kOctaves * kPerOctave;
 
   /// Negative values count as 0, beyond the range as its end; max() keeps the true value.
-  void Add(rt::Nanoseconds value) OSTEON_RT {
-    value = std::max<rt::Nanoseconds>(value, 0);
+  void Add(Nanoseconds value) OSTEON_RT {
+    value = std::max<Nanoseconds>(value, 0);
     ++bins_[static_cast<std::size_t>(BinOf(value))];
     ++count_;
     max_ = std::max(max_, value);
   }
 
   [[nodiscard]] std::uint64_t count() const OSTEON_RT { return count_; }
-  [[nodiscard]] rt::Nanoseconds max() const OSTEON_RT { return max_; }
+  [[nodiscard]] Nanoseconds max() const OSTEON_RT { return max_; }
   [[nodiscard]] const std::array<std::uint64_t, kBins>& bins() const OSTEON_RT { return bins_; }
 
   /// The value below which the given share of all values lies: the middle of its bin, never above max(). 0
   /// where empty.
   /// @param share  0 … 1, e.g. 0.999
-  [[nodiscard]] rt::Nanoseconds Quantile(double share) const OSTEON_RT {
+  [[nodiscard]] Nanoseconds Quantile(double share) const OSTEON_RT {
     const double rank = share * static_cast<double>(count_);
     std::uint64_t below = 0;
     for (int i = 0; i < kBins; ++i) {
@@ -45,13 +45,13 @@ class DurationHistogram {
   }
 
   /// Smallest value of a bin [ns]; of kBins: the end of the range.
-  [[nodiscard]] static constexpr rt::Nanoseconds LowerEdge(int bin) OSTEON_RT {
+  [[nodiscard]] static constexpr Nanoseconds LowerEdge(int bin) OSTEON_RT {
     if (bin < kPerOctave) return bin;  // the first octaves are narrower than their bins: one value a bin
     const int octave = bin / kPerOctave, part = bin % kPerOctave;
-    return static_cast<rt::Nanoseconds>(kPerOctave + part) << (octave - 1);
+    return static_cast<Nanoseconds>(kPerOctave + part) << (octave - 1);
   }
 
-  [[nodiscard]] static constexpr int BinOf(rt::Nanoseconds value) OSTEON_RT {
+  [[nodiscard]] static constexpr int BinOf(Nanoseconds value) OSTEON_RT {
     if (value < kPerOctave) return static_cast<int>(value);
     const int shift =
         static_cast<int>(std::bit_width(static_cast<std::uint64_t>(value))) - 8;  // 8 bits: kPerOctave
@@ -62,7 +62,7 @@ class DurationHistogram {
  private:
   std::array<std::uint64_t, kBins> bins_{};
   std::uint64_t count_{0};
-  rt::Nanoseconds max_{0};
+  Nanoseconds max_{0};
 };
 
-}  // namespace osteon::control
+}  // namespace osteon::rt

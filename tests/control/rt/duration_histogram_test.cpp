@@ -1,4 +1,4 @@
-#include "control/histogram.h"
+#include "control/rt/duration_histogram.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +8,14 @@
 
 #include <gtest/gtest.h>
 
-namespace osteon::control {
+namespace osteon::rt {
 namespace {
 
 TEST(DurationHistogram, EveryValueLiesInItsBin) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> exponent(0.0, 10.0);
   for (int i = 0; i < 100'000; ++i) {
-    const auto value = static_cast<rt::Nanoseconds>(std::pow(10.0, exponent(random)));
+    const auto value = static_cast<Nanoseconds>(std::pow(10.0, exponent(random)));
     const int bin = DurationHistogram::BinOf(value);
     ASSERT_LE(DurationHistogram::LowerEdge(bin), value);
     ASSERT_GT(DurationHistogram::LowerEdge(bin + 1), value);
@@ -27,9 +27,9 @@ TEST(DurationHistogram, QuantilesAreWithinHalfAPercentOfTheSortedValues) {
   std::mt19937_64 random(5);
   std::lognormal_distribution<double> lognormal(std::log(50e3), 1.0);
   DurationHistogram histogram;
-  std::vector<rt::Nanoseconds> values;
+  std::vector<Nanoseconds> values;
   for (int i = 0; i < 50'000; ++i) {
-    values.push_back(static_cast<rt::Nanoseconds>(lognormal(random)));
+    values.push_back(static_cast<Nanoseconds>(lognormal(random)));
     histogram.Add(values.back());
   }
   std::sort(values.begin(), values.end());
@@ -45,11 +45,11 @@ TEST(DurationHistogram, TheEndsAreKept) {
   DurationHistogram histogram;
   EXPECT_EQ(histogram.Quantile(0.5), 0) << "empty";
   histogram.Add(-5);
-  histogram.Add(std::numeric_limits<rt::Nanoseconds>::max());
+  histogram.Add(std::numeric_limits<Nanoseconds>::max());
   EXPECT_EQ(histogram.bins().front(), 1u);
   EXPECT_EQ(histogram.bins().back(), 1u);
-  EXPECT_EQ(histogram.max(), std::numeric_limits<rt::Nanoseconds>::max());
+  EXPECT_EQ(histogram.max(), std::numeric_limits<Nanoseconds>::max());
 }
 
 }  // namespace
-}  // namespace osteon::control
+}  // namespace osteon::rt
