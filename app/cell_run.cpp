@@ -305,6 +305,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
     if (!cell) return tl::make_unexpected(CellRunError{.what = cell.error()});
     wires.cell = std::move(*cell);
   }
+  if (params.begins) params.begins();
   auto run = params.virtual_time ? RunVirtual(setup, engine, runner, **recorder, params)
                                  : RunWall(setup, engine, runner, wires, **recorder, params);
   if (!run) return run;

@@ -26,7 +26,8 @@ struct CellRunParams {
   std::optional<CellProcessParams> cell{};
   std::filesystem::path recording;  ///< the MCAP file to write
   const std::atomic<bool>* stop{nullptr};
-  std::filesystem::path gains{};  ///< a file of gains that is read again whenever it is saved; empty: none
+  std::filesystem::path gains{};   ///< a file of gains that is read again whenever it is saved; empty: none
+  std::function<void()> begins{};  ///< called once all is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< told in a line what has happened meanwhile
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
 };

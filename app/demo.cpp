@@ -91,8 +91,8 @@ int RunDemo(const DemoOptions& options) {
                                                        .cpu = options.cpu},
                              .recording = options.out / "recording.mcap",
                              .stop = &Interrupted(),
+                             .begins = [&] { PrintLimits(setup->config.servo); },
                              .progress = [&](double at_s) { progress.Show(at_s); }};
-  PrintLimits(setup->config.servo);
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
   if (!result) return Fail(result.error().what, result.error().begun ? kFailed : kBadInput);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 
@@ -150,6 +151,7 @@ void PrintLimits(const control::ServoParams& params) {
   }
   line.back() = '.';
   fmt::print("{}\n", line);
+  std::fflush(stdout);
 }
 
 }  // namespace osteon::app

@@ -62,7 +62,6 @@ int RunOperate(const OperateOptions& options) {
   if (!engine) return Fail(engine.error());
   PrintRegistration(setup->config);
   PrintWires(setup->config);
-  PrintLimits(setup->config.servo);
 
   InstallInterrupt();
   RunProgress progress("osteon run", options.seconds);
@@ -74,6 +73,7 @@ int RunOperate(const OperateOptions& options) {
       .recording = options.record,
       .stop = &Interrupted(),
       .gains = options.gains,
+      .begins = [&] { PrintLimits(setup->config.servo); },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s); }};
   auto result = RunCell(*setup, **engine, params);
