@@ -145,9 +145,9 @@ void PrintLimits(const control::ServoParams& params) {
   for (const std::string& limit : LimitLines(params)) {
     if (line.size() + limit.size() > kWidth) {
       fmt::print("{}\n", line);
-      line = " ";
+      line.assign(1, ' ');
     }
-    line += " " + limit + ";";
+    line += fmt::format(" {};", limit);
   }
   line.back() = '.';
   fmt::print("{}\n", line);
