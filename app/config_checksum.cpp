@@ -1,7 +1,6 @@
 #include "app/config_checksum.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <filesystem>
 #include <string_view>
 #include <utility>
@@ -9,12 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "app/fnv1a.h"
+
 namespace osteon::app {
-namespace {
-
-constexpr std::uint64_t kBasis = 0xcbf29ce484222325u, kPrime = 0x100000001b3u;
-
-}  // namespace
 
 std::string ConfigChecksum(const io::ConfigSource& source) {
   std::vector<std::pair<std::string, std::string_view>> files;
@@ -22,15 +18,12 @@ std::string ConfigChecksum(const io::ConfigSource& source) {
     if (file.name != source.gains_file)
       files.emplace_back(std::filesystem::path(file.name).filename().string(), file.content);
   std::sort(files.begin(), files.end());
-  std::uint64_t hash = kBasis;
-  const auto add = [&hash](std::string_view bytes) {
-    for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * kPrime;
-  };
+  Fnv1a hash;
   for (const auto& [name, content] : files) {
-    add(fmt::format("{}\n{}\n", name, content.size()));
-    add(content);
+    hash.Add(fmt::format("{}\n{}\n", name, content.size()));
+    hash.Add(content);
   }
-  return fmt::format("{:016x}", hash);
+  return fmt::format("{:016x}", hash.hash());
 }
 
 }  // namespace osteon::app

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "app/fnv1a.h"
 #include "app/summary.h"
 
 namespace osteon::app {
@@ -25,11 +26,10 @@ TuneCache::TuneCache(std::filesystem::path file)
   if (read["values"].is_object()) before_ = read["values"];
 }
 
-// FNV-1a, 64 bits.
 std::string TuneCache::Key(const std::string& from) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : from) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return fmt::format("{:016x}", hash);
+  Fnv1a hash;
+  hash.Add(from);
+  return fmt::format("{:016x}", hash.hash());
 }
 
 std::optional<std::vector<double>> TuneCache::Find(const std::string& from) {

@@ -136,6 +136,25 @@ TEST(ServoZones, AStopAlongTheJointsEndsInsideThem) {
   }
 }
 
+// Nor past the depth limit, whose bound is no zone of the cell's.
+TEST(ServoZones, AStopAlongTheJointsEndsBeforeTheDepthLimit) {
+  ServoParams params = Beside(ZonePoint::kApex);
+  params.depth = {.acts = true, .bound = params.workspace.zones.front()};
+  params.workspace.zones.clear();
+  params.joint_stop_s = 0.5;
+  const safety::Workspace bound(WorkspaceOf(params));
+  const auto arm = MakeFollower(params, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
+                                ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));
+  arm->Put(StartArray());
+  arm->StartFollowing();
+  for (int tick = 0; tick < 60; ++tick) {
+    const Vector3 v = bound.Limit(arm->X_WT().translation(), {0.0, 0.2, 0.0}, params.period_s).v_WT;
+    ASSERT_EQ(arm->Follow({.V_WT = {.v = v, .w = Vector3::Zero()}}).fault, Fault::kNone);
+  }
+  for (int tick = 0; tick < 600 && !arm->BrakeJoints(); ++tick)
+    ASSERT_LE(Past(ZonePoint::kApex, arm->q()), 1e-8) << tick;
+}
+
 TEST(ServoZones, ADepthLimitResistsThenStopsTheSpindleThenHolds) {
   ServoParams params = ServoBench::Params();
   params.spindle_rad_per_s = 20.0;

@@ -26,24 +26,6 @@ bool Finite(const std::optional<control::JointArray>& joints) {
   return !joints || std::all_of(joints->begin(), joints->end(), [](double x) { return std::isfinite(x); });
 }
 
-// A message with everything that a version has, so that mutations reach every part of the parser.
-fri::FRIMonitoringMessage Full(std::uint32_t sequence, fri::SessionState state, FriFamily family) {
-  fri::FRIMonitoringMessage m = test::Monitoring(sequence, state, family);
-  auto* io = m.mutable_monitordata()->add_readiorequest();
-  io->set_name("Drill.On");
-  io->set_type(fri::BOOLEAN);
-  io->set_direction(fri::OUTPUT);
-  io->set_digitalvalue(1);
-  auto* frame = m.add_requestedtransformations();
-  if (family == FriFamily::k1) {
-    frame->set_name("cup");
-    for (const double element : {1., 0., 0., 1., 0., 1., 0., 2., 0., 0., 1., 3.}) frame->add_element(element);
-  } else {
-    test::PutPose(frame);
-  }
-  return m;
-}
-
 class Mutator {
  public:
   // libprotobuf, the oracle, reports names that are no UTF-8 to stderr.
@@ -93,7 +75,7 @@ class Mutator {
 
 TEST(FriFuzz, AMessageCutAtAnyLengthIsRefusedOrWhole) {
   for (const FriFamily family : kFamilies) {
-    const auto whole = test::Datagram(family, Full(7, fri::COMMANDING_ACTIVE, family));
+    const auto whole = test::Datagram(family, test::FullMonitoring(7, fri::COMMANDING_ACTIVE, family));
     for (std::size_t size = 0; size <= whole.size(); ++size) {
       const std::vector<std::uint8_t> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
       MonitoringMessage m;
@@ -120,9 +102,10 @@ TEST(FriFuzz, WhatIsAcceptedIsFiniteAndInRange) {
   for (int i = 0; i < runs; ++i) {
     const FriFamily family = kFamilies[mutator.Below(3)];
     const auto state = static_cast<fri::SessionState>(mutator.Below(5));
-    const auto bytes = i % 4 == 3
-                           ? mutator.Noise()
-                           : mutator.Change(family, Full(static_cast<std::uint32_t>(i), state, family));
+    const auto bytes =
+        i % 4 == 3
+            ? mutator.Noise()
+            : mutator.Change(family, test::FullMonitoring(static_cast<std::uint32_t>(i), state, family));
     MonitoringMessage m;
     rt::NoAllocScope scope;
     const CodecError error = DecodeMonitoring(family, bytes, m);
@@ -167,7 +150,7 @@ TEST(FriFuzz, TheSessionNeverAnswersWithWhatIsNotFinite) {
     const FriFamily family = kFamilies[which];
     FriSession& session = sessions[which];
     const auto kind = static_cast<fri::SessionState>(mutator.Below(5));
-    fri::FRIMonitoringMessage message = Full(static_cast<std::uint32_t>(i), kind, family);
+    fri::FRIMonitoringMessage message = test::FullMonitoring(static_cast<std::uint32_t>(i), kind, family);
     message.mutable_ipodata()->set_clientcommandmode(
         static_cast<fri::ClientCommandMode>(mutator.Below(family == FriFamily::k1 ? 4 : 5)));
     session.Accept(mutator.Change(family, message), i, state);

@@ -44,22 +44,11 @@ Bytes Step(unsigned op, const Bytes& datagram) {
 // ---- FRI
 
 fri::FRIMonitoringMessage Full(std::uint32_t sequence, fri::SessionState state, io::FriFamily family) {
-  fri::FRIMonitoringMessage m = io::test::Monitoring(sequence, state, family);
+  fri::FRIMonitoringMessage m = io::test::FullMonitoring(sequence, state, family);
   m.mutable_header()->set_reflectedsequencecounter(sequence - 1);
-  auto* io = m.mutable_monitordata()->add_readiorequest();
-  io->set_name("Drill.On");
-  io->set_type(fri::BOOLEAN);
-  io->set_direction(fri::OUTPUT);
-  io->set_digitalvalue(1);
-  auto* frame = m.add_requestedtransformations();
-  if (family == io::FriFamily::k1) {
-    frame->set_name("cup");
-    for (const double x : {1., 0., 0., 1., 0., 1., 0., 2., 0., 0., 1., 3.}) frame->add_element(x);
-  } else {
-    io::test::PutPose(frame);
-  }
-  frame->mutable_timestamp()->set_sec(5);
-  frame->mutable_timestamp()->set_nanosec(6);
+  auto* stamp = m.mutable_requestedtransformations(0)->mutable_timestamp();
+  stamp->set_sec(5);
+  stamp->set_nanosec(6);
   return m;
 }
 

@@ -131,4 +131,23 @@ inline control::JointArray Values(const fri::JointValues& joints) {
   return q;
 }
 
+/// With an input or output and a transformation as well, so that mutations reach every part of the parser.
+inline fri::FRIMonitoringMessage FullMonitoring(std::uint32_t sequence, fri::SessionState state,
+                                                FriFamily family) {
+  fri::FRIMonitoringMessage m = Monitoring(sequence, state, family);
+  auto* io = m.mutable_monitordata()->add_readiorequest();
+  io->set_name("Drill.On");
+  io->set_type(fri::BOOLEAN);
+  io->set_direction(fri::OUTPUT);
+  io->set_digitalvalue(1);
+  auto* frame = m.add_requestedtransformations();
+  if (family == FriFamily::k1) {
+    frame->set_name("cup");
+    for (const double element : {1., 0., 0., 1., 0., 1., 0., 2., 0., 0., 1., 3.}) frame->add_element(element);
+  } else {
+    PutPose(frame);
+  }
+  return m;
+}
+
 }  // namespace osteon::io::test
