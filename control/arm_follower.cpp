@@ -80,7 +80,7 @@ class JointFollower final : public ArmFollower {
         elbow_(std::move(elbow)),
         motion_(MotionParams<kN>(params)),
         guard_(params.joints),
-        workspace_(params.workspace) {
+        workspace_(WorkspaceOf(params)) {
     if (!params.start) return;
     if (!path_chain)
       throw std::invalid_argument(
@@ -127,15 +127,14 @@ class JointFollower final : public ArmFollower {
   [[nodiscard]] bool BrakeJoints() OSTEON_RT override;
   [[nodiscard]] bool braking_joints() const OSTEON_RT override { return stop_ticks_ > 0; }
 
-  [[nodiscard]] double ZoneShare(const JointArray& q, const JointArray& q_next) const OSTEON_RT override {
-    const Joints from = ToJoints(q);
-    return ZoneShare(from, ToJoints(q_next) - from, PointsOf(from), PointsOf(ToJoints(q_next)), kCarried);
-  }
-  [[nodiscard]] bool OutsideZones(const JointArray& q) const OSTEON_RT override {
-    const Points points = PointsOf(ToJoints(q));
-    return std::any_of(kCarried.begin(), kCarried.end(), [&](ZonePoint point) {
-      return workspace_.Has(point) && workspace_.Violated(At(points, point), point);
-    });
+  [[nodiscard]] ZoneLook LookAtZones(const JointArray& q, const JointArray& q_next) const OSTEON_RT override {
+    if (!HasZones()) return {};
+    const Joints from = ToJoints(q), to = ToJoints(q_next);
+    const Points points = PointsOf(to);
+    return {.share = ZoneShare(from, to - from, PointsOf(from), points, kCarried),
+            .outside = std::any_of(kCarried.begin(), kCarried.end(), [&](ZonePoint point) {
+              return workspace_.Has(point) && workspace_.Violated(At(points, point), point);
+            })};
   }
 
   [[nodiscard]] bool AtStart() const OSTEON_RT override {
@@ -166,10 +165,8 @@ class JointFollower final : public ArmFollower {
   [[nodiscard]] double ElbowShare(const Points& from, const Points& to, double most_m_per_s) const OSTEON_RT;
   [[nodiscard]] double ZoneShare(const Joints& q, const Joints& step, const Points& from, const Points& to,
                                  std::span<const ZonePoint> points) const OSTEON_RT;
-  // Whether any tick has to know the points.
-  [[nodiscard]] bool HasPoints(double max_elbow_speed_m_per_s) const OSTEON_RT {
-    return std::isfinite(max_elbow_speed_m_per_s) || workspace_.Has(ZonePoint::kFlange) ||
-           workspace_.Has(ZonePoint::kElbow);
+  [[nodiscard]] bool HasZones() const OSTEON_RT {
+    return workspace_.Has(ZonePoint::kFlange) || workspace_.Has(ZonePoint::kElbow);
   }
 
   ServoParams params_;
@@ -226,7 +223,7 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   sigma_gradient_m_ = moves.sigma_gradient_m;
   null_direction_ = moves.null_direction;
   double elbow_share = 1.0, zone_share = 1.0;
-  if (HasPoints(wish.max_elbow_speed_m_per_s)) {
+  if (HasZones() || std::isfinite(wish.max_elbow_speed_m_per_s)) {
     if (q_ != points_q_) {
       points_ = PointsOf(q_);
       points_q_ = q_;
@@ -380,6 +377,12 @@ kinematics::DifferentialInverseParams<N> MotionParams(const ServoParams& params)
 
 template kinematics::DifferentialInverseParams<6> MotionParams<6>(const ServoParams&);
 template kinematics::DifferentialInverseParams<7> MotionParams<7>(const ServoParams&);
+
+safety::WorkspaceParams WorkspaceOf(const ServoParams& params) {
+  safety::WorkspaceParams workspace = params.workspace;
+  if (params.depth.acts) workspace.zones.push_back(ZoneOf(params.depth));
+  return workspace;
+}
 
 std::unique_ptr<ArmFollower> MakeFollower(const ServoParams& params, const kinematics::LbrArm& arm,
                                           const Pose& X_WB, const Pose& X_FT, double arm_angle_rad) {

@@ -33,6 +33,12 @@ struct Followed {
   safety::Fault fault{safety::Fault::kNone};  ///< nothing has moved: kInverseKinematics, kJointLimit
 };
 
+/// How flange and elbow keep to their zones on a way of the joints.
+struct ZoneLook {
+  double share{1.0};    ///< of the way at which they heed their bounds, 0 … 1
+  bool outside{false};  ///< one of the two is outside at its end
+};
+
 /// A tick of the way to the start.
 struct StartStep {
   /// The path asks for what may not be commanded, kJointLimit or kWorkspace; nothing has moved.
@@ -78,10 +84,9 @@ class ArmFollower {
   /// Such a stop is under way.
   [[nodiscard]] virtual bool braking_joints() const OSTEON_RT = 0;
 
-  /// Share of the way between two ticks' joints at which flange and elbow heed their bounds, 0 … 1, and
-  /// whether one of the two is outside: of an arm that gives.
-  [[nodiscard]] virtual double ZoneShare(const JointArray& q, const JointArray& q_next) const OSTEON_RT = 0;
-  [[nodiscard]] virtual bool OutsideZones(const JointArray& q) const OSTEON_RT = 0;
+  /// Flange and elbow of an arm that gives, on its way between two ticks.
+  [[nodiscard]] virtual ZoneLook LookAtZones(const JointArray& q,
+                                             const JointArray& q_next) const OSTEON_RT = 0;
 
   /// ServoParams::start is where the arm is, or there is none.
   [[nodiscard]] virtual bool AtStart() const OSTEON_RT = 0;
@@ -97,6 +102,9 @@ class ArmFollower {
  protected:
   Pose X_WT_{Pose::Identity()};
 };
+
+/// The cell's workspace; where the reamer's depth limit acts, with its bound as a zone of the apex.
+[[nodiscard]] safety::WorkspaceParams WorkspaceOf(const ServoParams& params);
 
 /// What the differential inverse is told. A radian weighs as the virtual tool's radius of gyration: what a
 /// vanishing direction takes from the twist is then what a smooth stop would take from a body of that mass

@@ -48,8 +48,8 @@ struct RunServoResult {
   rt::RealtimeGrant thread;       ///< what the system granted
   rt::DurationHistogram wakeup;   ///< from ArmState::stamp, the link's time of receipt, to the loop running
   rt::DurationHistogram compute;  ///< from there to the answer sent
-  rt::DurationHistogram
-      period;  ///< between messages answered in COMMANDING_ACTIVE; 1e9 / median: the servo rate
+  /// Between messages answered in COMMANDING_ACTIVE; 1e9 / median: the servo rate.
+  rt::DurationHistogram period;
 };
 
 /// Runs the loop in wall time in the calling thread, paced by the arm's messages, until the end condition;

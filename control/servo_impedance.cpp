@@ -38,15 +38,14 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
   safety::TwistLimitParams most = params_.twist;
   most.max_speed_m_per_s = ToolSpeedLimit_m_per_s(params_, reduced_);
   safety::LimitedTwist slow = safety::LimitTwist(V_WT_, most);
-  const double zone_share = arm_->ZoneShare(q_meas_before_, record.q_meas);
+  const ZoneLook zones = arm_->LookAtZones(q_meas_before_, record.q_meas);
   q_meas_before_ = record.q_meas;
-  slow.V = Scaled(slow.V, zone_share);
-  acting_.Add(safety::Limit::kZones, zone_share < 1.0);
+  slow.V = Scaled(slow.V, zones.share);
+  acting_.Add(safety::Limit::kZones, zones.share < 1.0);
   const safety::Workspace::Result inside = workspace_.Limit(X_WT_meas_.translation(), slow.V.v, dt_s);
   const double speed_m_per_s = V_WT_.v.norm();
   if (speed_m_per_s > kSpeedSlack * params_.twist.max_speed_m_per_s) faults_.Latch(Fault::kToolSpeed);
-  if (workspace_.Violated(X_WT_meas_.translation()) || arm_->OutsideZones(record.q_meas))
-    faults_.Latch(Fault::kWorkspace);
+  if (workspace_.Violated(X_WT_meas_.translation()) || zones.outside) faults_.Latch(Fault::kWorkspace);
 
   // the equilibrium of the arm's own spring goes along
   const Fault refused = arm_->FollowMeasured(record.q_meas, dt_s / (dt_s + params_.impedance.follow_s));

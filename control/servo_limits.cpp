@@ -1,0 +1,52 @@
+// What ServoLoop renders within its limits, and which of them acted.
+
+#include <algorithm>
+
+#include "control/servo_loop.h"
+
+namespace osteon::control {
+
+// What is rendered of the coupling and of the depth limit's resistance: together within what the cell and the
+// arm may give, and within the power that the hand may be given.
+safety::LimitedWrench ServoLoop::Bounded(const Wrench& F_coupling_T_W, const Vector3& f_depth_W,
+                                         const Twist& V_WT, double fade) OSTEON_RT {
+  safety::LimitedWrench bounded{.F = F_coupling_T_W};
+  if (depth_limit_.acts()) {
+    statistics_.least_depth_left_m = std::min(statistics_.least_depth_left_m, depth_limit_.distance_m());
+    acting_.Add(safety::Limit::kDepth, depth_limit_.resists());
+    if (!f_depth_W.isZero(0.0))
+      bounded =
+          arm_->Limit(wrench_limiter_, {.f = F_coupling_T_W.f + fade * f_depth_W, .t = F_coupling_T_W.t});
+  }
+  const double power_share = safety::PowerShare(bounded.F, V_WT, params_.energy.max_power_W);
+  if (power_share < 1.0) {
+    acting_.Add(safety::Limit::kPower);
+    bounded.F = {.f = power_share * bounded.F.f, .t = power_share * bounded.F.t};
+    bounded.share *= power_share;
+  }
+  return bounded;
+}
+
+// Of what either law has rendered.
+void ServoLoop::CountRendered(const safety::LimitedWrench& limited, double speed_m_per_s, bool twist_limited,
+                              bool workspace_limited, double fade, double sensor_share) OSTEON_RT {
+  ServoStatistics& s = statistics_;
+  s.peak_coupling_force_N = std::max(s.peak_coupling_force_N, limited.F.f.norm());
+  s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, limited.F.t.norm());
+  s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
+  s.least_tank_J = std::min(s.least_tank_J, stabilisers_.tank().energy_J());
+  using safety::Limit;
+  acting_.Add(Limit::kWrench, limited.share < 1.0);
+  acting_.Add(Limit::kArmTorque, limited.arm_share < 1.0);
+  acting_.Add(Limit::kStoredEnergy,
+              limited.share < 1.0 && wrench_limiter_.max_force_N() < params_.wrench.max_force_N);
+  acting_.Add(Limit::kToolSpeed, twist_limited);
+  acting_.Add(Limit::kWorkspace, workspace_limited);
+  acting_.Add(Limit::kModelAge, fade < 1.0);
+  acting_.Add(Limit::kSensorAge, sensor_share < 1.0);
+  acting_.Add(Limit::kAgeGovernor, stabilisers_.governor().acted());
+  acting_.Add(Limit::kPassivity, stabilisers_.passivity().acted());
+  acting_.Add(Limit::kTank, stabilisers_.tank().acted());
+}
+
+}  // namespace osteon::control
