@@ -27,6 +27,7 @@
 #include "app/tick_parts.h"
 #include "config/load.h"
 #include "config/reader.h"
+#include "control/loop_repeat.h"
 #include "control/rt/latest_value.h"
 #include "control/rt/no_alloc_scope.h"
 #include "control/rt/realtime_thread.h"
@@ -132,6 +133,8 @@ class TickBench {
   TickBench(const config::CellConfig& cell, double seconds, const std::filesystem::path& recording)
       : cell_(cell),
         loop_(MakeServoLoop(cell)),
+        second_(MakeServoLoop(cell)),
+        repeat_(second_),
         parts_(cell.servo, cell.robot.lbr()->params, cell.X_WB, cell.tool.X_FT),
         arm_(MakeSimulatedCell(cell, seconds)) {
     auto clients = io::DeviceClients::Make(cell.devices);
@@ -188,7 +191,6 @@ class TickBench {
   // In virtual time: the loop's ages do not depend on how busy this machine is.
   void RunTick(std::int64_t tick, rt::Nanoseconds now, Times& times) {
     const auto message = arm_.Step(now);
-    if (!wire_->Send(message)) throw std::runtime_error("the loopback took no message");
     devices_->Simulate(arm_.state().F_S, now);
     const simulation::ToolCommand before = loop_.tool_command();
     if (tick % kFrameTicks == 0 && before.stamp > 0) {
@@ -200,6 +202,12 @@ class TickBench {
     }
     const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(command_.q.data());
 
+    // as RunServo does before a message is due
+    if (repeat_.due() && !repeat_.Repeat()) loop_.ReportDifference();
+    loop_.Prefetch();
+    link_->Rehearse(command_);
+    if (!wire_->Send(message)) throw std::runtime_error("the loopback took no message");
+
     std::array<rt::Nanoseconds, kStages.size() + 1> at{};
     const rt::NoAllocScope scope;
     at[0] = rt::MonotonicNow();
@@ -207,7 +215,8 @@ class TickBench {
     at[1] = rt::MonotonicNow();
     const control::CellReadings readings = devices_->Exchange(loop_.cell_commands(), now);
     at[2] = rt::MonotonicNow();
-    const control::TickRecord record = loop_.Tick(state_, received, readings, models_.Load(), now, command_);
+    const simulation::ContactModel& model = models_.Load();
+    const control::TickRecord record = loop_.Tick(state_, received, readings, model, now, command_);
     at[3] = rt::MonotonicNow();
     const bool answered = link_->Send(command_);
     at[4] = rt::MonotonicNow();
@@ -215,6 +224,7 @@ class TickBench {
     const bool recorded = recorder_->Push(record);
     at[5] = rt::MonotonicNow();
     const int calls = scope.heap_calls() + scope.locks();
+    repeat_.Saw(record, model);
 
     if (received != ReceiveResult::kOk || !answered) throw std::runtime_error("a message was not answered");
     message_bytes_ = message.size();
@@ -248,7 +258,8 @@ class TickBench {
   }
 
   config::CellConfig cell_;
-  control::ServoLoop loop_;
+  control::ServoLoop loop_, second_;
+  control::LoopRepeat repeat_;
   TickParts parts_;
   hil::SimulatedCell arm_;
   std::optional<Devices> devices_;

@@ -106,7 +106,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, simula
                                                   FrameRunner& runner, Wires& wires, io::Recorder& recorder,
                                                   const CellRunParams& params) {
   CellRunResult result;
-  control::ServoLoop loop = MakeServoLoop(setup.config);
+  control::ServoLoop loop = MakeServoLoop(setup.config), second = MakeServoLoop(setup.config);
   rt::LatestValue<simulation::ContactModel> models;
   rt::LatestValue<simulation::ToolCommand> commands;
   control::RunServoResult servo;
@@ -121,6 +121,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, simula
                                          .seconds = params.seconds,
                                          .recoveries = params.recoveries,
                                          .standing = &start.standing(),
+                                         .second = &second,
                                          .rendered_s = &rendered_s,
                                          .stop = &stop};
     servo_params.thread.cpu = params.cpu;

@@ -9,7 +9,7 @@
 
 #include "app/recorded_config.h"
 #include "app/tick_fields.h"
-#include "control/tick_input.h"
+#include "control/loop_repeat.h"
 
 namespace osteon::app {
 namespace {
@@ -111,12 +111,7 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
     if (!result.why_not.empty()) break;
 
     // once more
-    if (recorded.input.stop) loop.RequestStop();
-    if (recorded.input.recover) loop.RequestRecovery();
-    if (recorded.input.has_gains) loop.RequestGains(recorded.input.gains);
-    TickRecord replayed =
-        loop.Tick(control::ArmStateOf(recorded), static_cast<control::ReceiveResult>(recorded.input.received),
-                  control::CellReadingsOf(recorded.input), *model, recorded.input.now, command);
+    TickRecord replayed = control::TickAgain(loop, recorded, *model, command);
     replayed.q_cmd = command.q;  // what the arm is told, whatever the record says
     replayed.activation_cmd = command.activation;
     replayed.F_cmd_T = command.F;

@@ -128,6 +128,8 @@ void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   fields::Joints("tau_ext", in.tau_ext, "Nm", visit);
   visit(FieldName{"stop"}, static_cast<unsigned>(in.stop));
   visit(FieldName{"recover"}, static_cast<unsigned>(in.recover));
+  visit(FieldName{"held"}, static_cast<unsigned>(in.held));
+  visit(FieldName{"repeat_differed"}, static_cast<unsigned>(in.repeat_differed));
   visit(FieldName{"sensor_stamp", "", "ns"}, in.sensor_stamp);
   fields::ForceTorque("F_sensor_S", in.F_sensor_S, visit);
   visit(FieldName{"sensor_trusted"}, static_cast<unsigned>(in.sensor_trusted));

@@ -11,6 +11,7 @@
 #include <string>
 #include <type_traits>
 
+#include "control/rt/prefetch.h"
 #include "control/twist_parts.h"
 #include "kinematics/force_capability.h"
 #include "kinematics/redundancy.h"
@@ -136,6 +137,8 @@ class JointFollower final : public ArmFollower {
               return workspace_.Has(point) && workspace_.Violated(At(points, point), point);
             })};
   }
+
+  void Prefetch() const OSTEON_RT override { rt::Prefetch(*this); }
 
   [[nodiscard]] bool AtStart() const OSTEON_RT override {
     return !path_ || (q_ - Start()).cwiseAbs().maxCoeff() <= params_.start->there_rad;

@@ -88,6 +88,9 @@ class ArmFollower {
   [[nodiscard]] virtual ZoneLook LookAtZones(const JointArray& q,
                                              const JointArray& q_next) const OSTEON_RT = 0;
 
+  /// See ServoLoop::Prefetch.
+  virtual void Prefetch() const OSTEON_RT = 0;
+
   /// ServoParams::start is where the arm is, or there is none.
   [[nodiscard]] virtual bool AtStart() const OSTEON_RT = 0;
   /// False where the arm stands where no command may put it.

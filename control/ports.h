@@ -98,6 +98,15 @@ class ArmLink {
   virtual ReceiveResult Receive(ArmState& state, rt::Nanoseconds deadline) OSTEON_RT = 0;
   /// Answers the message last received. False where the system could not send.
   virtual bool Send(const ArmCommand& command) OSTEON_RT = 0;
+
+  /// Sleeps until `time`, or until a message is there: true.
+  virtual bool Await(rt::Nanoseconds time) OSTEON_RT {
+    rt::SleepUntil(time);
+    return false;
+  }
+  /// Takes the message last received, and an answer to it, once more through the protocol and the system, on
+  /// sockets of its own, so that the next one finds that way near. Nothing goes to the arm.
+  virtual void Rehearse(const ArmCommand& /*command*/) OSTEON_RT {}
 };
 
 /// One reading of the force sensor.

@@ -1,11 +1,17 @@
 #include "control/run_servo.h"
 
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "control/loop_repeat.h"
+
 namespace osteon::control {
 namespace {
+
+// Before the message that is due: when the tick before is repeated, and from when on it would be in the way.
+constexpr rt::Nanoseconds kRepeatsBefore = 200'000, kTooLateBefore = 60'000;
 
 rt::Nanoseconds ToNanoseconds(double seconds) {
   return static_cast<rt::Nanoseconds>(std::llround(seconds * 1e9));
@@ -48,15 +54,32 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
 
   ArmState state;
   ArmCommand command;
+  std::optional<LoopRepeat> repeat;
+  if (params.second != nullptr) repeat.emplace(*params.second);
+  const auto repeat_tick = [&] {
+    if (repeat && repeat->due() && !repeat->Repeat()) loop.ReportDifference();
+  };
+  rt::Nanoseconds due = 0;  // the next message; 0: not known
   for (;;) {
+    // the tick before once more
+    if (repeat && due > 0 && !link.Await(due - kRepeatsBefore) && rt::MonotonicNow() < due - kTooLateBefore) {
+      repeat_tick();
+      loop.Prefetch();
+      link.Rehearse(command);
+    }
+
     // one tick: receive, compute, answer
     const ReceiveResult received = link.Receive(state, rt::MonotonicNow() + deadline);
     const rt::Nanoseconds woken = rt::MonotonicNow();
     const CellReadings readings = devices.Exchange(loop.cell_commands(), woken);
-    TickRecord record = loop.Tick(state, received, readings, models.Load(), woken, command);
+    const simulation::ContactModel& model = models.Load();
+    TickRecord record = loop.Tick(state, received, readings, model, woken, command);
     if (received == ReceiveResult::kOk && !link.Send(command)) ++result.unsent;
     const rt::Nanoseconds answered = rt::MonotonicNow();
     commands.Store(loop.tool_command());
+    repeat_tick();  // where it had no time before the message
+    if (repeat) repeat->Saw(record, model);
+    due = received == ReceiveResult::kOk ? state.stamp + ToNanoseconds(state.period_s) : 0;
 
     if (params.standing && received == ReceiveResult::kOk && loop.phase() == Phase::kWaiting &&
         state.session != SessionState::kIdle)

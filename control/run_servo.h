@@ -25,6 +25,8 @@ struct RunServoParams {
   int recoveries{0};  ///< so often the loop begins again by itself: see ServoLoop::RequestRecovery
   /// Where the arm stands, written with each of its messages while the loop waits. Writer: this thread.
   rt::LatestValue<StandingArm>* standing{nullptr};
+  /// Computes each tick again, see LoopRepeat; made as the first loop was, and had no tick. None: once only.
+  ServoLoop* second{nullptr};
   std::atomic<double>* rendered_s{nullptr};  ///< written each tick: how much of `seconds` has been run
   const std::atomic<bool>* stop{nullptr};    ///< orderly stop where it becomes true, e.g. by a signal handler
 };

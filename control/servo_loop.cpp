@@ -4,7 +4,9 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
+#include "control/rt/prefetch.h"
 #include "control/tick_input.h"
 #include "control/twist_parts.h"
 
@@ -118,11 +120,18 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   const bool recover = recovery_requested_.exchange(false, std::memory_order_relaxed);
   record.input = InputOf(state, received, readings, model, now, stop);
   record.input.recover = recover;
+  held_ = !may_begin_.load(std::memory_order_relaxed);
+  record.input.held = held_;
+  record.input.repeat_differed = std::exchange(differed_, false);
   StepGains(record.input);
   if (recover && !stop && CanRecover()) {
     faults_.Clear();
     recovered_ = true;
     phase_ = Phase::kWaiting;
+  }
+  if (record.input.repeat_differed) {
+    faults_.Latch(Fault::kRepeatDiffers);
+    StartStopping();
   }
 
   X_WT_meas_ = arm_->ToolPose(state.q_meas);
@@ -196,6 +205,11 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   return record;
 }
 
+void ServoLoop::Prefetch() const OSTEON_RT {
+  rt::Prefetch(*this);
+  arm_->Prefetch();
+}
+
 // The arm moves by itself, or rests: commanded is what it commands itself. An idle one need not say where it
 // is.
 void ServoLoop::Mirror(const ArmState& state) OSTEON_RT {
@@ -229,7 +243,7 @@ void ServoLoop::TakeSpindle(const CellReadings& readings) OSTEON_RT {
 }
 
 bool ServoLoop::MayMove(const CellReadings& readings, rt::Nanoseconds now) const OSTEON_RT {
-  if (!may_begin_.load(std::memory_order_relaxed)) return false;
+  if (held_) return false;
   const safety::WatchdogParams& most = params_.watchdog;
   if (!readings.force.trusted || !(AgeOf(readings.force.stamp, now) <= most.sensor_stop_s)) return false;
   if (params_.has_spindle && (!readings.spindle.ready || readings.spindle.fault ||

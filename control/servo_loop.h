@@ -112,6 +112,13 @@ class ServoLoop {
   /// Whether it would have an effect now.
   [[nodiscard]] bool CanRecover() const OSTEON_RT;
 
+  /// A tick that was computed again came out otherwise (LoopRepeat): the next one latches
+  /// Fault::kRepeatDiffers. From the tick's thread.
+  void ReportDifference() OSTEON_RT { differed_ = true; }
+
+  /// Asks for what the next tick reads of this loop to be near the processor by then. From the tick's thread.
+  void Prefetch() const OSTEON_RT;
+
   /// Other gains from the next tick on, reached within GainRamp::kRampSeconds and without making energy. A
   /// later request before a tick has taken it replaces it. From any one thread, not the tick's.
   /// @throws std::invalid_argument naming the field, the value and what is accepted: the coupling's stiffness
@@ -200,6 +207,8 @@ class ServoLoop {
   rt::Nanoseconds now_{0};
 
   bool recovered_{false};          ///< at least once: no way to the start any more
+  bool differed_{false};           ///< ReportDifference since the last tick
+  bool held_{false};               ///< in this tick: an arm that waits is not to begin
   bool stop_asked_{false};         ///< as the last tick saw it
   bool spindle_permitted_{true};   ///< by the PLC
   double spindle_rad_per_s_{0.0};  ///< what it does: measured where there is a drive

@@ -46,7 +46,7 @@ TickInput InputOf(const ArmState& state, ReceiveResult received, const CellReadi
           .model_pose_stamp = model.pose_stamp};
 }
 
-ArmState ArmStateOf(const TickRecord& tick) {
+ArmState ArmStateOf(const TickRecord& tick) OSTEON_RT {
   const TickInput& in = tick.input;
   return {.stamp = in.arm_stamp,
           .sequence = in.sequence,
@@ -74,7 +74,7 @@ ArmState ArmStateOf(const TickRecord& tick) {
           .answers_foreign = in.answers_foreign};
 }
 
-CellReadings CellReadingsOf(const TickInput& input) {
+CellReadings CellReadingsOf(const TickInput& input) OSTEON_RT {
   return {.force = {.stamp = input.sensor_stamp, .F_S = input.F_sensor_S, .trusted = input.sensor_trusted},
           .spindle = {.stamp = input.spindle_stamp,
                       .speed_rad_per_s = input.spindle_meas_rad_per_s,

@@ -16,9 +16,9 @@ namespace osteon::control {
                                 bool stop) OSTEON_RT;
 
 /// The arm's message as the tick had it.
-[[nodiscard]] ArmState ArmStateOf(const TickRecord& tick);
+[[nodiscard]] ArmState ArmStateOf(const TickRecord& tick) OSTEON_RT;
 
 /// What the devices said, as the tick had it.
-[[nodiscard]] CellReadings CellReadingsOf(const TickInput& input);
+[[nodiscard]] CellReadings CellReadingsOf(const TickInput& input) OSTEON_RT;
 
 }  // namespace osteon::control

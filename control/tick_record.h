@@ -32,6 +32,8 @@ struct TickInput {
   std::uint8_t received{0};         ///< ReceiveResult
   bool stop{false};                 ///< an orderly stop had been asked for
   bool recover{false};              ///< a recovery was asked for since the tick before
+  bool held{false};                 ///< an arm that waits was not to begin
+  bool repeat_differed{false};      ///< the tick before came out otherwise when it was computed again
   std::uint8_t model_status{0};     ///< simulation::EngineStatus
   double period_s{0.0};             ///< of ArmState
   std::array<double, 7> q_ipo{};    ///< [rad]

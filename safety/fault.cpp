@@ -80,6 +80,11 @@ FaultText Describe(Fault fault) {
       return {"spindle beyond its limit",
               "its torque or its speed was beyond the cell's limit for longer than the trip's time",
               "stops the spindle, Stop 1", "free the tool, see why it jammed, restart the session"};
+    case Fault::kRepeatDiffers:
+      return {"computation not repeatable",
+              "a tick that was computed a second time, on the same inputs, did not come out the same",
+              "Stop 1",
+              "test the computer's memory and cooling, `osteon replay` the recording, restart the session"};
   }
   return {"unknown fault", "not known", "Stop 1", "restart the session"};
 }

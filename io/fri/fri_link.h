@@ -9,6 +9,7 @@
 
 #include "control/ports.h"
 #include "io/fri/fri_session.h"
+#include "io/net/link_rehearsal.h"
 #include "io/net/udp_peer.h"
 
 namespace osteon::io {
@@ -17,6 +18,19 @@ struct FriLinkParams {
   std::string bind_address{"127.0.0.1"};  ///< IPv4 address of the network card that the arm is on
   std::uint16_t port{30200};  ///< 30200 … 30209 on KUKA's side, one an arm; 0 lets the system choose
   FriSessionParams session{};
+};
+
+/// What UdpPeer asks of a protocol.
+struct FriJudge {
+  FriSession& session;
+  control::ArmState& state;
+
+  bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
+    return session.Accept(datagram, arrival, state) == FriAccept::kAccepted;
+  }
+  void Reject() OSTEON_RT { session.CountRejected(state); }
+  void StartOver() OSTEON_RT { session.StartOver(); }
+  void Superseded() OSTEON_RT { session.CountLate(state); }
 };
 
 /// FRI over UDP. The arm speaks first; answers go to where its message came from. The first sender of a valid
@@ -38,6 +52,9 @@ class FriLink final : public control::ArmLink {
   /// True as well where the session state owes no answer.
   bool Send(const control::ArmCommand& command) OSTEON_RT override;
 
+  bool Await(rt::Nanoseconds time) OSTEON_RT override { return peer_.Await(time); }
+  void Rehearse(const control::ArmCommand& command) OSTEON_RT override;
+
   /// The bound port.
   [[nodiscard]] std::uint16_t port() const { return peer_.port(); }
 
@@ -46,10 +63,16 @@ class FriLink final : public control::ArmLink {
   [[nodiscard]] const FriSession& session() const { return session_; }
 
  private:
-  FriLink(const BoundUdp& bound, const FriLinkParams& params) : peer_(bound), session_(params.session) {}
+  static constexpr std::size_t kRoom = kFriMaxDatagram + 1;  // one more, to see what is too long
 
-  UdpPeer<kFriMaxDatagram + 1> peer_;  // one more, to see what is too long
+  FriLink(const BoundUdp& bound, const FriLinkParams& params)
+      : peer_(bound),
+        session_(params.session),
+        rehearsal_(LinkRehearsal<FriSession, FriJudge, kRoom>::Make("rehearsal", session_)) {}
+
+  UdpPeer<kRoom> peer_;
   FriSession session_;
+  std::unique_ptr<LinkRehearsal<FriSession, FriJudge, kRoom>> rehearsal_;
 };
 
 }  // namespace osteon::io

@@ -70,6 +70,14 @@ class UdpPeer {
     }
   }
 
+  /// What came last; until the next Receive.
+  [[nodiscard]] std::span<const std::uint8_t> newest() const OSTEON_RT { return newest_; }
+
+  /// Sleeps until `time` on CLOCK_MONOTONIC, or until something is there: true.
+  [[nodiscard]] bool Await(rt::Nanoseconds time) OSTEON_RT {
+    return WaitReadable(bound_.socket, time) != Wait::kNothing;
+  }
+
   /// To the peer. False where there is none, or the system did not take it whole.
   bool Send(std::span<const std::uint8_t> answer) OSTEON_RT {
     if (!has_peer_) return false;
@@ -91,6 +99,7 @@ class UdpPeer {
     }
     if (!known) protocol.StartOver();  // what a stranger said before is nobody's beginning
     if (!protocol.Accept(in_.bytes(i), arrival)) return false;
+    newest_ = in_.bytes(i);
     peer_ = sender;
     has_peer_ = true;
     heard_ = arrival;
@@ -103,6 +112,7 @@ class UdpPeer {
   Batch in_;
   sockaddr_in peer_{};
   bool has_peer_{false};
+  std::span<const std::uint8_t> newest_;
   rt::Nanoseconds heard_{0};  // when the peer last sent a valid message
 };
 

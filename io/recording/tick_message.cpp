@@ -53,6 +53,8 @@ void Put(const control::TickInput& from, osteon::TickInput* to) {
   to->set_safety_state(from.safety_state);
   to->set_stop(from.stop);
   to->set_recover(from.recover);
+  to->set_held(from.held);
+  to->set_repeat_differed(from.repeat_differed);
   to->set_model_status(from.model_status);
   to->set_period_s(from.period_s);
   if (from.has_ipo) to->mutable_q_ipo_rad()->Assign(from.q_ipo.begin(), from.q_ipo.end());
@@ -115,6 +117,8 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   to.has_ipo = from.q_ipo_rad_size() > 0;
   to.stop = from.stop();
   to.recover = from.recover();
+  to.held = from.held();
+  to.repeat_differed = from.repeat_differed();
   to.model_status = static_cast<std::uint8_t>(from.model_status());
   to.period_s = from.period_s();
   if (to.has_ipo && !io::Get(from.q_ipo_rad(), to.q_ipo)) return "not 7 joint values";

@@ -3,23 +3,6 @@
 #include <stdexcept>
 
 namespace osteon::io {
-namespace {
-
-// What UdpPeer asks of a protocol.
-struct Judge {
-  RsiSession& session;
-  control::ArmState& state;
-
-  bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
-    return session.Accept(datagram, arrival, state) == RsiAccept::kAccepted;
-  }
-  void Reject() OSTEON_RT { session.CountRejected(state); }
-  void StartOver() OSTEON_RT { session.StartOver(); }
-  void Superseded() OSTEON_RT { session.CountSuperseded(state); }
-};
-
-}  // namespace
-
 tl::expected<std::unique_ptr<RsiLink>, std::string> RsiLink::Open(const RsiLinkParams& params) {
   try {
     (void)RsiSession(params.session);
@@ -32,13 +15,17 @@ tl::expected<std::unique_ptr<RsiLink>, std::string> RsiLink::Open(const RsiLinkP
 }
 
 control::ReceiveResult RsiLink::Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT {
-  return peer_.Receive(Judge{session_, state}, deadline);
+  return peer_.Receive(RsiJudge{session_, state}, deadline);
 }
 
 bool RsiLink::Send(const control::ArmCommand& command) OSTEON_RT {
   if (!peer_.has_peer()) return false;
   const std::span<const std::uint8_t> answer = session_.Answer(command);
   return answer.empty() || peer_.Send(answer);
+}
+
+void RsiLink::Rehearse(const control::ArmCommand& command) OSTEON_RT {
+  if (rehearsal_) rehearsal_->Go(peer_.newest(), command);
 }
 
 }  // namespace osteon::io

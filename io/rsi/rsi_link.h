@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "control/ports.h"
+#include "io/net/link_rehearsal.h"
 #include "io/net/udp_peer.h"
 #include "io/rsi/rsi_session.h"
 
@@ -17,6 +18,19 @@ struct RsiLinkParams {
   std::string bind_address{"127.0.0.1"};  ///< IPv4 address of the network card that the controller is on
   std::uint16_t port{49152};              ///< as in the controller's Ethernet configuration; 0: any free one
   RsiSessionParams session{};
+};
+
+/// What UdpPeer asks of a protocol.
+struct RsiJudge {
+  RsiSession& session;
+  control::ArmState& state;
+
+  bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
+    return session.Accept(datagram, arrival, state) == RsiAccept::kAccepted;
+  }
+  void Reject() OSTEON_RT { session.CountRejected(state); }
+  void StartOver() OSTEON_RT { session.StartOver(); }
+  void Superseded() OSTEON_RT { session.CountSuperseded(state); }
 };
 
 /// RSI over UDP: this side is the server, the controller speaks first, and answers go to where its message
@@ -36,6 +50,9 @@ class RsiLink final : public control::ArmLink {
   /// True as well where nothing is owed.
   bool Send(const control::ArmCommand& command) OSTEON_RT override;
 
+  bool Await(rt::Nanoseconds time) OSTEON_RT override { return peer_.Await(time); }
+  void Rehearse(const control::ArmCommand& command) OSTEON_RT override;
+
   /// See RsiSession::RequestStop.
   void RequestStop() OSTEON_RT { session_.RequestStop(); }
 
@@ -45,10 +62,16 @@ class RsiLink final : public control::ArmLink {
   [[nodiscard]] std::uint16_t port() const { return peer_.port(); }
 
  private:
-  RsiLink(const BoundUdp& bound, const RsiLinkParams& params) : peer_(bound), session_(params.session) {}
+  static constexpr std::size_t kRoom = kRsiMaxDatagram + 1;  // one more, to see what is too long
 
-  UdpPeer<kRsiMaxDatagram + 1> peer_;  // one more, to see what is too long
+  RsiLink(const BoundUdp& bound, const RsiLinkParams& params)
+      : peer_(bound),
+        session_(params.session),
+        rehearsal_(LinkRehearsal<RsiSession, RsiJudge, kRoom>::Make("rehearsal", session_)) {}
+
+  UdpPeer<kRoom> peer_;
   RsiSession session_;
+  std::unique_ptr<LinkRehearsal<RsiSession, RsiJudge, kRoom>> rehearsal_;
 };
 
 }  // namespace osteon::io

@@ -1,0 +1,48 @@
+#include "control/loop_repeat.h"
+
+#include <cstring>
+
+#include "control/tick_input.h"
+
+namespace osteon::control {
+namespace {
+
+// Of doubles without a gap between them. As bits: a NaN is the same as itself.
+template <class T>
+bool Same(const T& a, const T& b) OSTEON_RT {
+  static_assert(sizeof(T) % sizeof(double) == 0);
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+}  // namespace
+
+TickRecord TickAgain(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
+                     ArmCommand& command) OSTEON_RT {
+  const TickInput& in = recorded.input;
+  loop.AllowBegin(!in.held);
+  if (in.stop) loop.RequestStop();
+  if (in.recover) loop.RequestRecovery();
+  if (in.has_gains) loop.RequestGains(in.gains);
+  if (in.repeat_differed) loop.ReportDifference();
+  return loop.Tick(ArmStateOf(recorded), static_cast<ReceiveResult>(in.received), CellReadingsOf(in), model,
+                   in.now, command);
+}
+
+void LoopRepeat::Saw(const TickRecord& record, const simulation::ContactModel& model) OSTEON_RT {
+  first_ = record;
+  model_ = model;
+  due_ = true;
+}
+
+bool LoopRepeat::Repeat() OSTEON_RT {
+  due_ = false;
+  const TickRecord again = TickAgain(second_, first_, model_, command_);
+  return again.phase == first_.phase && again.faults == first_.faults && again.limits == first_.limits &&
+         again.activation_cmd == first_.activation_cmd && Same(command_.q, first_.q_cmd) &&
+         Same(command_.F, first_.F_cmd_T) && Same(command_.tau, first_.tau_cmd) &&
+         Same(again.X_WT_cmd, first_.X_WT_cmd) && Same(again.F_coupling_T_W, first_.F_coupling_T_W) &&
+         Same(again.v_WT_cmd_m_per_s, first_.v_WT_cmd_m_per_s) &&
+         again.spindle_rad_per_s == first_.spindle_rad_per_s;
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+
+#include "control/rt/marker.h"
+
+namespace osteon::rt {
+
+/// Asks the processor for an object's cache lines, without waiting for them and without reading: nothing
+/// changes, whoever writes there meanwhile. What it points to is not asked for.
+template <class T>
+void Prefetch(const T& object) OSTEON_RT {
+  constexpr std::size_t kCacheLine = 64;
+  const char* const bytes = reinterpret_cast<const char*>(&object);
+  for (std::size_t at = 0; at < sizeof object; at += kCacheLine) __builtin_prefetch(bytes + at);
+}
+
+}  // namespace osteon::rt

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "control/ports.h"
+#include "io/net/udp_peer.h"
+
+namespace osteon::io {
+
+/// A message's way through the system, the protocol and back, on two sockets of the loopback and in a session
+/// of their own: whoever goes it shortly before the next message finds code and tables near. The session is
+/// in step with the link's as long as it is given every message that the link has accepted; what it says
+/// counts for nothing.
+/// @tparam Session  of a protocol, as FriSession  @tparam Judge  what UdpPeer asks of it, of session and
+/// state
+template <class Session, class Judge, std::size_t kMostBytes>
+class LinkRehearsal {
+ public:
+  /// Null where the system gives no such sockets: then nothing is rehearsed.
+  [[nodiscard]] static std::unique_ptr<LinkRehearsal> Make(const char* who, const Session& session) {
+    const auto near = BindUdp(who, kLoopback, 0);
+    if (!near) return nullptr;
+    const auto far = BindUdp(who, kLoopback, 0);
+    if (!far) {
+      close(near->socket);
+      return nullptr;
+    }
+    auto made = std::unique_ptr<LinkRehearsal>(new LinkRehearsal(*near, *far, session));
+    // to each other alone: the system drops what anybody else sends there
+    return Join(near->socket, far->port) && Join(far->socket, near->port) ? std::move(made) : nullptr;
+  }
+  ~LinkRehearsal() { close(far_.socket); }
+  LinkRehearsal(const LinkRehearsal&) = delete;
+  LinkRehearsal& operator=(const LinkRehearsal&) = delete;
+
+  /// `message`: what the link accepted last; empty: nothing.
+  void Go(std::span<const std::uint8_t> message, const control::ArmCommand& command) OSTEON_RT {
+    if (message.empty()) return;
+    (void)send(far_.socket, message.data(), message.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (near_.Receive(Judge{session_, state_}, 0) != control::ReceiveResult::kOk) return;
+    const std::span<const std::uint8_t> answer = session_.Answer(command);
+    if (answer.empty() || !near_.Send(answer)) return;
+    (void)ReadDatagram(far_.socket, room_);
+  }
+
+ private:
+  static constexpr const char* kLoopback = "127.0.0.1";
+
+  static bool Join(int socket, std::uint16_t port) {
+    const auto there = Ipv4("rehearsal", kLoopback, port);
+    return there && connect(socket, reinterpret_cast<const sockaddr*>(&*there), sizeof *there) == 0;
+  }
+
+  LinkRehearsal(const BoundUdp& near, const BoundUdp& far, const Session& session)
+      : near_(near), far_(far), session_(session) {}
+
+  UdpPeer<kMostBytes> near_;
+  BoundUdp far_;
+  Session session_;
+  control::ArmState state_;
+  std::array<std::uint8_t, kMostBytes> room_{};
+};
+
+}  // namespace osteon::io
