@@ -20,6 +20,7 @@
 #include "app/measure_commands.h"
 #include "app/pack.h"
 #include "app/replay_command.h"
+#include "app/states_command.h"
 #include "app/tool_choice.h"
 #include "app/transparency_command.h"
 #include "app/tune_command.h"
@@ -254,6 +255,13 @@ int Run(int argc, char** argv) {
   faults_app->add_option("--json", faults.json, "write them there");
   faults_app->footer("Examples:\n  osteon faults\n  osteon faults --json faults.json");
 
+  osteon::app::StatesOptions states;
+  CLI::App* states_app =
+      app.add_subcommand("states", "what the cell does, and what leads from one state to another");
+  states_app->add_option("--markdown", states.markdown, "write them there, as docs/states.md");
+  states_app->add_option("--json", states.json, "write them there");
+  states_app->footer("Examples:\n  osteon states\n  osteon states --json states.json");
+
   osteon::app::MeasureCommands measure(app);
   osteon::app::CellCommands cells(app);
   osteon::app::GuardCommand guard(app);
@@ -337,6 +345,7 @@ int Run(int argc, char** argv) {
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run();
   if (measure.asked()) return measure.Run(config_root);
+  if (*states_app) return osteon::app::RunStates(states);
   if (*faults_app) return osteon::app::RunFaults(faults);
   if (*doctor_app) return osteon::app::RunDoctor(doctor);
   fmt::print("{}", app.help());

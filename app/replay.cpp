@@ -113,6 +113,11 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
     // once more
     if (recorded.input.stop) loop.RequestStop();
     if (recorded.input.recover) loop.RequestRecovery();
+    if (recorded.input.pause) loop.RequestPause();
+    if (recorded.input.resume) loop.RequestResume();
+    const bool has_state = recorded.cell_state != control::kNoCellState;
+    if (has_state)
+      loop.AllowBegin(safety::MotionPermits(recorded.permits).Has(safety::MotionPermit::kWayLookedAt));
     if (recorded.input.has_gains) loop.RequestGains(recorded.input.gains);
     TickRecord replayed =
         loop.Tick(control::ArmStateOf(recorded), static_cast<control::ReceiveResult>(recorded.input.received),
@@ -121,6 +126,10 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
     replayed.activation_cmd = command.activation;
     replayed.F_cmd_T = command.F;
     replayed.tau_cmd = command.tau;
+    if (!has_state) {  // not recorded yet then
+      replayed.cell_state = recorded.cell_state;
+      replayed.permits = recorded.permits;
+    }
     ++result.ticks;
     auto difference = Compare(recorded, replayed);
     if (!difference) continue;
