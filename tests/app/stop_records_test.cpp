@@ -6,6 +6,7 @@
 
 #include "app/faults_command.h"
 #include "app/states_command.h"
+#include "safety/cell_state.h"
 #include "tests/app/command.h"
 
 namespace osteon::app {
@@ -114,12 +115,12 @@ TEST(StateMachine, IsTheDocumentationsPage) {
 TEST(StateMachine, IsPrintedAndWritten) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"states", "--json", "s.json"});
-  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_EQ(run.exit_code, 0) << run.out;
   const auto json = nlohmann::json::parse(io::test::ReadAll(folder.path() / "s.json"));
   EXPECT_EQ(json["schema"], "osteon.states/1");
   EXPECT_EQ(json["states"].size(), static_cast<std::size_t>(safety::kCellStates));
   EXPECT_EQ(json["transitions"].size(), static_cast<std::size_t>(safety::kCellStates * safety::kCellEvents));
-  EXPECT_NE(run.output.find("pause asked    -> stop 2: brakes"), std::string::npos) << run.output;
+  EXPECT_NE(run.out.find("pause asked    -> stop 2: brakes"), std::string::npos) << run.out;
 }
 
 TEST(FaultCatalogue, IsPrintedAndWritten) {
