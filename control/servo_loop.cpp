@@ -110,10 +110,14 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   } else if (!AllFinite(state.q_meas) || (state.has_ipo && !AllFinite(state.q_ipo))) {
     faults_.Latch(Fault::kNotFinite);  // hold this tick: a position that is not known can not be left
     permits_ = {};
-    Take(CellEvent::kFault);
+    // as good as no message: what can not be braked for long is held for good
+    Take(watchdog_.MissArm() ? CellEvent::kArmLost : CellEvent::kFault);
   } else {
     watchdog_.MeetArm();
-    const bool active = state.session == SessionState::kCommandingActive;
+    // an arm that left and came back unseen is no more the one that was commanded
+    const bool moved = safety::IsMotion(state_) || safety::Brakes(state_);
+    const bool same = !moved || !commanded_ || state.activation == activation_;
+    const bool active = state.session == SessionState::kCommandingActive && same;
     // what the arm decides
     if (!active) {
       Mirror(state);

@@ -50,7 +50,7 @@ Phase ServoLoop::phase() const OSTEON_RT {
 }
 
 bool ServoLoop::CanRecover() const OSTEON_RT {
-  return safety::Next(state_, CellEvent::kRecover).state == CellState::kRecovery &&
+  return !stop_asked_ && safety::Next(state_, CellEvent::kRecover).state == CellState::kRecovery &&
          safety::AllowsRecovery(faults_);
 }
 
@@ -94,7 +94,7 @@ CellAction ServoLoop::Take(CellEvent event) OSTEON_RT {
 
 // What was asked for from outside, as far as it does not end a motion: that comes in its place in the tick.
 void ServoLoop::TakeRequests(const TickInput& input) OSTEON_RT {
-  if (input.recover && !input.stop && CanRecover()) Take(CellEvent::kRecover);
+  if (input.recover && CanRecover()) Take(CellEvent::kRecover);
   if (input.resume && !input.stop) Take(CellEvent::kResume);
   pause_asked_ = (pause_asked_ || input.pause) && (safety::Waits(state_) || safety::IsMotion(state_));
   if (!pause_asked_ || !safety::Waits(state_)) return;
@@ -136,6 +136,7 @@ safety::MotionPermits ServoLoop::Look(const ArmState& state, const CellReadings&
   permits.Put(MotionPermit::kRunPermitted, Permitted(readings.interlock, now));
   permits.Put(MotionPermit::kSensorFresh,
               readings.force.trusted && safety::StampAge(now, readings.force.stamp) <= most.sensor_stop_s &&
+                  Vector3(readings.force.F_S.f).stableNorm() <= sensor_trip_.level_N() &&
                   safety::IsFinite(readings.force.F_S));
   permits.Put(MotionPermit::kSpindleReady,
               !params_.has_spindle || (readings.spindle.ready && !readings.spindle.fault &&
