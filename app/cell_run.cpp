@@ -63,9 +63,30 @@ tl::expected<Wires, std::string> OpenWires(const CellSetup& setup) {
   return wires;
 }
 
-void PutWhyNot(CellRunResult& result, const std::string& arm, const std::string& devices) {
+// What was missing when the loop last looked, as long as it did not move.
+std::string MissingPermits(safety::MotionPermits permits) {
+  if (!permits.Has(safety::MotionPermit::kArmFresh)) return "";  // no message: the arm's diagnosis says why
+  std::string missing;
+  for (int bit = 0; bit < safety::kMotionPermits; ++bit) {
+    const auto permit = static_cast<safety::MotionPermit>(1u << bit);
+    if (!permits.Has(permit)) missing += std::string(missing.empty() ? "" : ", ") + safety::Missing(permit);
+  }
+  return missing.empty() ? "" : "motion lacked " + missing;
+}
+
+void PutWhyNot(CellRunResult& result, const std::string& arm, const std::string& devices,
+               safety::MotionPermits permits) {
   if (result.end != control::RunEnd::kNeverActive) return;
-  result.diagnosis = arm + (arm.empty() || devices.empty() ? "" : "; ") + devices;
+  for (const std::string& why : {arm, devices, MissingPermits(permits)})
+    if (!why.empty()) result.diagnosis += (result.diagnosis.empty() ? "" : "; ") + why;
+}
+
+void TakePauses(const CellRunParams& params, control::ServoLoop& loop) {
+  if (!params.pauses) return;
+  const bool pause = params.pauses->pause.exchange(false), resume = params.pauses->resume.exchange(false);
+  if (resume) loop.RequestResume();
+  if (pause) loop.RequestPause();
+  if (params.notice && (pause || resume)) params.notice(pause ? "a pause was asked for" : "asked to go on");
 }
 
 // Looks along the way to the start while the arm waits, and again where somebody has moved the arm since.
@@ -135,6 +156,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, simula
       std::this_thread::sleep_for(kLook);
       cell_died |= !done.load() && wires.cell && wires.cell->Ended();
       gains.Look(rt::ToSeconds(rt::MonotonicNow()));
+      TakePauses(params, loop);
       if (rendered_s.load() == 0.0) start.Look();  // a recovery goes on from where the arm is
       if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
       if (params.progress) params.progress(rendered_s.load());
@@ -146,7 +168,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, simula
   if (cell_died && servo.statistics.active_ticks == 0)
     return tl::make_unexpected(CellRunError{.what = "the simulated cell has ended by itself", .begun = true});
   result.end = servo.end;
-  PutWhyNot(result, wires.arm->Diagnosis(), wires.devices->Diagnosis());
+  PutWhyNot(result, wires.arm->Diagnosis(), wires.devices->Diagnosis(), loop.permits());
   if (wires.cell) result.cell_report = wires.cell->End();
   result.faults = servo.faults;
   result.statistics = servo.statistics;
@@ -221,6 +243,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
       pending.reset();
     }
     gains.Look(rt::ToSeconds(now));
+    TakePauses(params, loop);
     const control::CellReadings readings = (*devices)->Exchange(loop.cell_commands(), now);
     recorder.Push(loop.Tick(state, received, readings, model, now, command));
     recovering = false;
@@ -239,7 +262,8 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
     }
     stopped_by_user = params.stop && params.stop->load();
     const std::uint64_t active = loop.statistics().active_ticks;
-    since_progress = active > 0 && active < wanted && !stopped_by_user ? 0 : since_progress + 1;
+    const bool paused = loop.state() == safety::CellState::kPaused;
+    since_progress = (active > 0 || paused) && active < wanted && !stopped_by_user ? 0 : since_progress + 1;
     if (active >= wanted || stopped_by_user) loop.RequestStop();
     if (tick % 100 == 0) {
       recorder.Drain();
@@ -253,7 +277,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
                : stopped_by_user                         ? control::RunEnd::kStopFlag
                : result.statistics.active_ticks < wanted ? control::RunEnd::kNeverActive
                                                          : control::RunEnd::kSeconds;
-  PutWhyNot(result, session.Diagnosis(), (*devices)->Diagnosis());
+  PutWhyNot(result, session.Diagnosis(), (*devices)->Diagnosis(), loop.permits());
   result.cell_report =
       ToJson(hil::CellHostState{.arm = {.cell = cell.state(), .thread = {}, .wires = cell.counters()},
                                 .devices = (*devices)->counters(),

@@ -11,6 +11,7 @@
 
 #include "app/cell_process.h"
 #include "app/cell_setup.h"
+#include "app/interrupt.h"
 #include "control/run_servo.h"
 #include "io/recording/recorder.h"
 #include "simulation/scene_events.h"
@@ -26,6 +27,7 @@ struct CellRunParams {
   std::optional<CellProcessParams> cell{};
   std::filesystem::path recording;  ///< the MCAP file to write
   const std::atomic<bool>* stop{nullptr};
+  PauseSignals* pauses{nullptr};   ///< an operator's pause and its end; null: nobody asks
   std::filesystem::path gains{};   ///< a file of gains that is read again whenever it is saved; empty: none
   std::function<void()> begins{};  ///< called once all is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< told in a line what has happened meanwhile

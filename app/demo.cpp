@@ -80,6 +80,7 @@ int RunDemo(const DemoOptions& options) {
   if (!engine) return Fail(engine.error());
 
   InstallInterrupt();
+  InstallPause();
   RunProgress progress("osteon demo", options.seconds);
   const CellRunParams params{.seconds = options.seconds,
                              .virtual_time = options.virtual_time,
@@ -91,6 +92,7 @@ int RunDemo(const DemoOptions& options) {
                                                        .cpu = options.cpu},
                              .recording = options.out / "recording.mcap",
                              .stop = &Interrupted(),
+                             .pauses = &AskedPauses(),
                              .begins = [&] { PrintLimits(setup->config.servo); },
                              .progress = [&](double at_s) { progress.Show(at_s); }};
   auto result = RunCell(*setup, **engine, params);

@@ -24,6 +24,8 @@ std::string Json() {
                       {"name", text.name},
                       {"cause", text.cause},
                       {"reaction", text.reaction},
+                      {"stop", static_cast<int>(safety::StopOf(fault))},
+                      {"recovery", safety::AllowsRecovery(fault)},
                       {"clearing", text.clearing}});
   });
   return nlohmann::ordered_json{{"schema", "osteon.faults/1"}, {"faults", faults}}.dump(2) + "\n";
@@ -36,11 +38,14 @@ std::string FaultsPage() {
       "# What can stop the cell\n\n"
       "Written by `osteon faults --markdown docs/faults.md` from `safety/fault.cpp`. A fault is latched: it "
       "stays until the\nsession is begun anew. The recording has the bits by tick (`faults`), `summary.json` "
-      "the names, and each stop leaves\nits own page (docs/recording.md).\n\n"
-      "| bit | fault | what was seen | what the cell does | how to go on |\n|---|---|---|---|---|\n";
+      "the names, and each stop leaves\nits own page (docs/recording.md). What stop 0 and 1 are: "
+      "[states.md](states.md). Recovery: `--recover` may clear it within\nthe session.\n\n"
+      "| bit | fault | what was seen | stop | what the cell does | recovery | how to go on |\n"
+      "|---|---|---|---|---|---|---|\n";
   ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
-    page += fmt::format("| {} | {} | {} | {} | {} |\n", BitOf(fault), text.name, text.cause, text.reaction,
-                        text.clearing);
+    page += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", BitOf(fault), text.name, text.cause,
+                        static_cast<int>(safety::StopOf(fault)), text.reaction,
+                        safety::AllowsRecovery(fault) ? "yes" : "", text.clearing);
   });
   return page;
 }

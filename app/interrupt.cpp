@@ -13,7 +13,20 @@ extern "C" void OnSignal(int signal_number) {
   std::signal(signal_number, SIG_DFL);
 }
 
+PauseSignals g_pauses;
+
+extern "C" void OnPauseSignal(int signal_number) {
+  (signal_number == SIGUSR1 ? g_pauses.pause : g_pauses.resume).store(true);
+}
+
 }  // namespace
+
+PauseSignals& AskedPauses() { return g_pauses; }
+
+void InstallPause() {
+  std::signal(SIGUSR1, OnPauseSignal);
+  std::signal(SIGUSR2, OnPauseSignal);
+}
 
 std::atomic<bool>& Interrupted() { return g_interrupted; }
 

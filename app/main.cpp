@@ -15,11 +15,13 @@
 #include "app/doctor.h"
 #include "app/export_command.h"
 #include "app/failures.h"
+#include "app/fault_table.h"
 #include "app/faults_command.h"
 #include "app/guard_command.h"
 #include "app/measure_commands.h"
 #include "app/pack.h"
 #include "app/replay_command.h"
+#include "app/states_command.h"
 #include "app/tool_choice.h"
 #include "app/transparency_command.h"
 #include "app/tune_command.h"
@@ -142,12 +144,17 @@ std::string ReadPack(const PackTexts& texts, const CLI::App& sub, osteon::app::P
   return "";
 }
 
-CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures) {
+CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures, bool& faults) {
   CLI::App* sub =
       app.add_subcommand("failures", "runs the scenarios in which cutting methods fail, and ours must not");
-  sub->add_option("scenarios", failures.ids, "their numbers; without any, all of them")
-      ->check(osteon::app::NumberWithin(1, 99));
-  sub->add_option("--out", failures.out, "folder for failures.html and a picture of each scenario");
+  auto* ids = sub->add_option("scenarios", failures.ids, "their numbers; without any, all of them")
+                  ->check(osteon::app::NumberWithin(1, 99));
+  auto* out =
+      sub->add_option("--out", failures.out, "folder for failures.html and a picture of each scenario");
+  sub->add_flag("--faults", faults,
+                "instead: every fault of the cell in every state of it, in virtual time (docs/states.md)")
+      ->excludes(ids)
+      ->excludes(out);
   sub->add_option("--json", failures.json, "write the figures there");
   sub->add_option("--device", failures.device, "part of a Vulkan device's name (osteon doctor lists them)");
   sub->add_option("--engine", failures.engine, "what must keep the bounds: vulkan, or reference (slow)")
@@ -157,11 +164,13 @@ CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures) {
   std::string list = "Scenarios:\n";
   for (const osteon::hil::FailureScenario& scenario : osteon::hil::FailureScenarios())
     list += fmt::format("  {:>2}  {}\n", scenario.id, scenario.name);
-  sub->footer(list +
-              "\nExit code 1: a baseline did not fail, or ours did not keep its bound.\n\nExamples:\n"
-              "  osteon failures\n  osteon failures 1 9 --out failures\n  osteon failures --quick --json "
-              "failures.json\n"
-              "  osteon failures 21 --device llvmpipe");
+  sub->footer(
+      list +
+      "\nExit code 1: a baseline did not fail, ours did not keep its bound, or a fault did not come to what "
+      "is stated.\n\nExamples:\n"
+      "  osteon failures\n  osteon failures 1 9 --out failures\n  osteon failures --quick --json "
+      "failures.json\n"
+      "  osteon failures 21 --device llvmpipe\n  osteon failures --faults --json faults.json");
   return sub;
 }
 
@@ -233,7 +242,8 @@ int Run(int argc, char** argv) {
   CLI::App* pack_app = AddPack(app, pack, pack_texts);
 
   osteon::app::FailureOptions failures;
-  CLI::App* failures_app = AddFailures(app, failures);
+  bool fault_table = false;
+  CLI::App* failures_app = AddFailures(app, failures, fault_table);
 
   osteon::app::DoctorOptions doctor;
   CLI::App* doctor_app = app.add_subcommand("doctor", "what this machine can do, with a verdict each");
@@ -253,6 +263,13 @@ int Run(int argc, char** argv) {
   faults_app->add_option("--markdown", faults.markdown, "write them there, as docs/faults.md");
   faults_app->add_option("--json", faults.json, "write them there");
   faults_app->footer("Examples:\n  osteon faults\n  osteon faults --json faults.json");
+
+  osteon::app::StatesOptions states;
+  CLI::App* states_app =
+      app.add_subcommand("states", "what the cell does, and what leads from one state to another");
+  states_app->add_option("--markdown", states.markdown, "write them there, as docs/states.md");
+  states_app->add_option("--json", states.json, "write them there");
+  states_app->footer("Examples:\n  osteon states\n  osteon states --json states.json");
 
   osteon::app::MeasureCommands measure(app);
   osteon::app::CellCommands cells(app);
@@ -324,6 +341,7 @@ int Run(int argc, char** argv) {
     }
     return osteon::app::RunPack(pack);
   }
+  if (*failures_app && fault_table) return osteon::app::RunFaultTable({.json = failures.json});
   if (*failures_app) {
     failures.command_line = CommandLine(argc, argv);
     return osteon::app::RunFailures(failures);
@@ -337,6 +355,7 @@ int Run(int argc, char** argv) {
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run();
   if (measure.asked()) return measure.Run(config_root);
+  if (*states_app) return osteon::app::RunStates(states);
   if (*faults_app) return osteon::app::RunFaults(faults);
   if (*doctor_app) return osteon::app::RunDoctor(doctor);
   fmt::print("{}", app.help());

@@ -64,6 +64,7 @@ int RunOperate(const OperateOptions& options) {
   PrintWires(setup->config);
 
   InstallInterrupt();
+  InstallPause();
   RunProgress progress("osteon run", options.seconds);
   const CellRunParams params{
       .seconds = options.seconds,
@@ -72,6 +73,7 @@ int RunOperate(const OperateOptions& options) {
       .cell = cell,
       .recording = options.record,
       .stop = &Interrupted(),
+      .pauses = &AskedPauses(),
       .gains = options.gains,
       .begins = [&] { PrintLimits(setup->config.servo); },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },

@@ -116,6 +116,10 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
     replayed.activation_cmd = command.activation;
     replayed.F_cmd_T = command.F;
     replayed.tau_cmd = command.tau;
+    if (recorded.cell_state == control::kNoCellState) {  // not recorded yet then
+      replayed.cell_state = recorded.cell_state;
+      replayed.permits = recorded.permits;
+    }
     ++result.ticks;
     auto difference = Compare(recorded, replayed);
     if (!difference) continue;

@@ -64,6 +64,8 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"tick"}, r.tick);
   visit(FieldName{"stamp", "", "ns"}, r.stamp);
   visit(FieldName{"phase"}, static_cast<unsigned>(r.phase));
+  visit(FieldName{"cell_state"}, static_cast<unsigned>(r.cell_state));
+  visit(FieldName{"permits"}, r.permits);
   visit(FieldName{"session_state"}, static_cast<unsigned>(r.session_state));
   visit(FieldName{"faults"}, r.faults);
   fields::Joints("q_meas", r.q_meas, "rad", visit);
@@ -128,7 +130,8 @@ void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   fields::Joints("tau_ext", in.tau_ext, "Nm", visit);
   visit(FieldName{"stop"}, static_cast<unsigned>(in.stop));
   visit(FieldName{"recover"}, static_cast<unsigned>(in.recover));
-  visit(FieldName{"held"}, static_cast<unsigned>(in.held));
+  visit(FieldName{"pause"}, static_cast<unsigned>(in.pause));
+  visit(FieldName{"resume"}, static_cast<unsigned>(in.resume));
   visit(FieldName{"repeat_differed"}, static_cast<unsigned>(in.repeat_differed));
   visit(FieldName{"sensor_stamp", "", "ns"}, in.sensor_stamp);
   fields::ForceTorque("F_sensor_S", in.F_sensor_S, visit);

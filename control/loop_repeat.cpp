@@ -19,9 +19,12 @@ bool Same(const T& a, const T& b) OSTEON_RT {
 TickRecord TickAgain(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
                      ArmCommand& command) OSTEON_RT {
   const TickInput& in = recorded.input;
-  loop.AllowBegin(!in.held);
+  if (recorded.cell_state != kNoCellState)  // recorded before there was one: it could begin at any time
+    loop.AllowBegin(safety::MotionPermits(recorded.permits).Has(safety::MotionPermit::kWayLookedAt));
   if (in.stop) loop.RequestStop();
   if (in.recover) loop.RequestRecovery();
+  if (in.pause) loop.RequestPause();
+  if (in.resume) loop.RequestResume();
   if (in.has_gains) loop.RequestGains(in.gains);
   if (in.repeat_differed) loop.ReportDifference();
   return loop.Tick(ArmStateOf(recorded), static_cast<ReceiveResult>(in.received), CellReadingsOf(in), model,
@@ -37,10 +40,11 @@ void LoopRepeat::Saw(const TickRecord& record, const simulation::ContactModel& m
 bool LoopRepeat::Repeat() OSTEON_RT {
   due_ = false;
   const TickRecord again = TickAgain(second_, first_, model_, command_);
-  return again.phase == first_.phase && again.faults == first_.faults && again.limits == first_.limits &&
-         again.activation_cmd == first_.activation_cmd && Same(command_.q, first_.q_cmd) &&
-         Same(command_.F, first_.F_cmd_T) && Same(command_.tau, first_.tau_cmd) &&
-         Same(again.X_WT_cmd, first_.X_WT_cmd) && Same(again.F_coupling_T_W, first_.F_coupling_T_W) &&
+  return again.cell_state == first_.cell_state && again.faults == first_.faults &&
+         again.limits == first_.limits && again.activation_cmd == first_.activation_cmd &&
+         Same(command_.q, first_.q_cmd) && Same(command_.F, first_.F_cmd_T) &&
+         Same(command_.tau, first_.tau_cmd) && Same(again.X_WT_cmd, first_.X_WT_cmd) &&
+         Same(again.F_coupling_T_W, first_.F_coupling_T_W) &&
          Same(again.v_WT_cmd_m_per_s, first_.v_WT_cmd_m_per_s) &&
          again.spindle_rad_per_s == first_.spindle_rad_per_s;
 }

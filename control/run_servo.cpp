@@ -116,7 +116,8 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
       continue;
     }
     if (loop.faults().Any()) end(RunEnd::kFault);
-    if (!ending && loop.phase() == Phase::kAligning) give_up_at = woken + give_up;  // it comes closer
+    if (!ending && (loop.phase() == Phase::kAligning || loop.state() == safety::CellState::kPaused))
+      give_up_at = woken + give_up;  // it comes closer, or somebody means it
     if (params.seconds > 0.0 && active_since >= 0 && woken - active_since >= ToNanoseconds(params.seconds))
       end(RunEnd::kSeconds);
     if (loop.phase() == Phase::kHaptic) waits_again = false;

@@ -30,7 +30,7 @@ void ServoLoop::StepGains(TickInput& input) OSTEON_RT {
   Lay(gain_ramp_.now(), params_.admittance, params_.coupling);
   wrench_limiter_.Cap(ForceLimit_N(params_));
   if (params_.law == Law::kAdmittance) stabilisers_.Follow(LawOf(params_.admittance, params_));
-  if (phase_ == Phase::kHaptic && params_.law == Law::kAdmittance)
+  if (safety::Renders(state_) && params_.law == Law::kAdmittance)
     V_WT_ = AfterMassChange(before, params_.admittance, arm_->X_WT().linear(), V_WT_);
 }
 

@@ -51,7 +51,7 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
   const Fault refused = arm_->FollowMeasured(record.q_meas, dt_s / (dt_s + params_.impedance.follow_s));
   if (refused != Fault::kNone) faults_.Latch(refused);
   if (faults_.Any()) {
-    StartStopping();
+    Take(safety::CellEvent::kFault);
     Brake();
     return;
   }
@@ -82,9 +82,8 @@ void ServoLoop::BrakeImpedance() OSTEON_RT {
   V_WT_ = measured_twist_.Step(X_WT_meas_);
   F_sent_T_W_ = wrench_limiter_.Limit(DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {})).F;
   if (--stop_ticks_ > 0) return;
-  V_WT_ = {};
   F_sent_T_W_ = {};
-  phase_ = Phase::kStopped;
+  TakeRest();
 }
 
 // What goes to the arm beside the joints. Zero wherever this tick has rendered nothing, also where the arm

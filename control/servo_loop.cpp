@@ -13,7 +13,7 @@
 namespace osteon::control {
 namespace {
 
-using safety::Fault;
+using safety::CellEvent, safety::CellState, safety::Fault;
 
 constexpr double kMostOperatorTorque_Nm = 100.0;  // beyond it a reading counts as this much
 constexpr double kSpeedSlack =
@@ -27,10 +27,6 @@ constexpr double kTurns = 0.05;             // of the wanted speed: below, a spi
 
 bool AllFinite(const JointArray& q) {
   return std::all_of(q.begin(), q.end(), [](double value) { return std::isfinite(value); });
-}
-
-double AgeOf(rt::Nanoseconds stamp, rt::Nanoseconds now) {
-  return stamp == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, stamp);
 }
 
 void RequirePose(const Pose& X, const char* name) {
@@ -79,27 +75,10 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
 }
 
 simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
-  const bool gives = params_.law == Law::kImpedance && phase_ == Phase::kHaptic;
+  const bool renders = safety::Renders(state_), gives = params_.law == Law::kImpedance && renders;
   return {.X_WT = gives ? X_WT_meas_ : arm_->X_WT(),
-          .spindle_rad_per_s = phase_ == Phase::kHaptic ? spindle_rad_per_s_ : 0.0,
+          .spindle_rad_per_s = renders ? spindle_rad_per_s_ : 0.0,
           .stamp = has_pose_ ? now_ : 0};
-}
-
-bool ServoLoop::CanRecover() const OSTEON_RT {
-  safety::FaultSet others = faults_;
-  others.Unlatch(Fault::kSession);
-  others.Unlatch(Fault::kArmStale);
-  return phase_ == Phase::kStopped && faults_.Any() && !others.Any();
-}
-
-CellCommands ServoLoop::cell_commands() const OSTEON_RT {
-  const bool ends = phase_ == Phase::kStopping || phase_ == Phase::kStopped;
-  return {.motion_requested = !ends && !stop_asked_,
-          .spindle_rad_per_s = phase_ == Phase::kHaptic && spindle_permitted_ && !depth_limit_.stops_spindle()
-                                   ? params_.spindle_rad_per_s
-                                   : 0.0,
-          .quick_stop = ends && faults_.Any(),
-          .clear_faults = phase_ == Phase::kWaiting && recovered_};
 }
 
 TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const CellReadings& readings,
@@ -114,24 +93,19 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   record.session_state = static_cast<std::uint8_t>(state.session);
   record.model_frame = model.frame;
   record.model_age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
-  record.sensor_age_s = AgeOf(readings.force.stamp, now);
+  record.sensor_age_s = safety::StampAge(now, readings.force.stamp);
   const bool stop = stop_requested_.load(std::memory_order_relaxed);
   stop_asked_ = stop;
-  const bool recover = recovery_requested_.exchange(false, std::memory_order_relaxed);
   record.input = InputOf(state, received, readings, model, now, stop);
-  record.input.recover = recover;
-  held_ = !may_begin_.load(std::memory_order_relaxed);
-  record.input.held = held_;
-  record.input.repeat_differed = std::exchange(differed_, false);
+  record.input.recover = recovery_requested_.exchange(false, std::memory_order_relaxed);
+  record.input.pause = pause_requested_.exchange(false, std::memory_order_relaxed);
+  record.input.resume = resume_requested_.exchange(false, std::memory_order_relaxed);
   StepGains(record.input);
-  if (recover && !stop && CanRecover()) {
-    faults_.Clear();
-    recovered_ = true;
-    phase_ = Phase::kWaiting;
-  }
+  TakeRequests(record.input);
+  record.input.repeat_differed = std::exchange(differed_, false);
   if (record.input.repeat_differed) {
     faults_.Latch(Fault::kRepeatDiffers);
-    StartStopping();
+    Take(CellEvent::kFault);
   }
 
   X_WT_meas_ = arm_->ToolPose(state.q_meas);
@@ -139,51 +113,66 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   record.q_meas = state.q_meas;
   if (received != ReceiveResult::kOk) {
     Miss(received);
-    if (stop && phase_ == Phase::kWaiting) phase_ = Phase::kStopped;
+    if (stop && Rests()) Take(CellEvent::kStopAsked);
   } else if (!AllFinite(state.q_meas) || (state.has_ipo && !AllFinite(state.q_ipo))) {
     faults_.Latch(Fault::kNotFinite);  // hold this tick: a position that is not known can not be left
-    StartStopping();
+    permits_ = {};
+    // as good as no message: what can not be braked for long is held for good
+    Take(watchdog_.MissArm() ? CellEvent::kArmLost : CellEvent::kFault);
   } else {
     watchdog_.MeetArm();
-    const bool active = state.session == SessionState::kCommandingActive;
-    // phases that the arm decides
-    if (!active || phase_ == Phase::kWaiting) {
+    // an arm that left and came back unseen is no more the one that was commanded
+    const bool moved = safety::IsMotion(state_) || safety::Brakes(state_);
+    const bool same = !moved || !commanded_ || state.activation == activation_;
+    const bool active = state.session == SessionState::kCommandingActive && same;
+    // what the arm decides
+    if (!active) {
       Mirror(state);
-      if (phase_ == Phase::kHaptic) faults_.Latch(Fault::kSession);
-      const bool again = !stop && (phase_ == Phase::kWaiting || phase_ == Phase::kAligning);
-      phase_ = again ? Phase::kWaiting : Phase::kStopped;
+      if (safety::Renders(state_) || state_ == CellState::kStop2) faults_.Latch(Fault::kSession);
+      Take(CellEvent::kArmLeft);
+    } else if (safety::Waits(state_) && phase() != Phase::kStopped) {
+      Wait(state);
     }
-    if (active && phase_ != Phase::kStopped &&
+    if (stop && Rests()) Take(CellEvent::kStopAsked);
+    if (active && phase() != Phase::kStopped &&
         !(std::abs(state.period_s - params_.period_s) < kSamePeriod_s)) {
       faults_.Latch(Fault::kPeriod);  // each tick steps by the loop's period: another one is another speed
-      V_WT_ = {};
-      phase_ = Phase::kStopped;
+      Take(CellEvent::kArmLost);
     }
-    if (active && phase_ != Phase::kStopped && !ModeFits(state.command_mode)) {
+    if (active && phase() != Phase::kStopped && !ModeFits(state.command_mode)) {
       faults_.Latch(Fault::kCommandMode);
-      V_WT_ = {};
-      phase_ = Phase::kStopped;
+      Take(CellEvent::kArmLost);
     }
-    if (phase_ == Phase::kWaiting && readings.force.trusted &&
-        record.sensor_age_s <= params_.watchdog.sensor_full_s)
+    const bool waits = safety::Waits(state_) && phase() != Phase::kStopped;
+    if (waits && readings.force.trusted && record.sensor_age_s <= params_.watchdog.sensor_full_s)
       bias_.Rest(readings.force.F_S, X_WT_meas_ * X_TF_);
-    if (active && phase_ == Phase::kWaiting && MayMove(readings, now)) Begin(state, now);
-    if (phase_ == Phase::kHaptic || phase_ == Phase::kAligning) {
+    if (waits || state_ == CellState::kPaused || state_ == CellState::kAligning)
+      permits_ = Look(state, readings, model, now);
+    if (waits) Begin(state, now);
+    if (safety::IsMotion(state_) || state_ == CellState::kStop2 ||
+        (state_ == CellState::kPaused && Commanded(state))) {
       const double error_m = (X_WT_meas_.translation() - arm_->X_WT().translation()).norm();
       statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
       if (!(error_m <= params_.max_tracking_error_m)) faults_.Latch(Fault::kTracking);
-      if (state.safety_state != 0) faults_.Latch(Fault::kSession);
-      if (stop) StartStopping();
+      if (state.safety_state != 0 && state_ != CellState::kPaused) faults_.Latch(Fault::kSession);
+      if (faults_.Any() && !safety::Renders(state_)) Take(CellEvent::kFault);  // who renders looks further
+      if (stop) Take(CellEvent::kStopAsked);
+      if (pause_asked_) Take(CellEvent::kPauseAsked);
+      pause_asked_ = false;
     }
-    if (phase_ == Phase::kAligning) Align(state, Permitted(readings.interlock, now), stop, now);
+    if (on_path_) Align(state, Permitted(readings.interlock, now), now);
 
-    if (active && phase_ != Phase::kWaiting && phase_ != Phase::kAligning) ++statistics_.active_ticks;
-    if (phase_ == Phase::kHaptic && params_.law == Law::kImpedance)
+    const bool waited = phase() == Phase::kWaiting || phase() == Phase::kAligning;
+    if (active && !waited) ++statistics_.active_ticks;
+    if (safety::Renders(state_) && params_.law == Law::kImpedance)
       RenderImpedance(readings, model, now, record);
-    else if (phase_ == Phase::kHaptic)
+    else if (safety::Renders(state_))
       Render(readings, model, now, record);
-    else if (phase_ == Phase::kStopping)
+    else if (state_ == CellState::kStop2)
+      BrakeForPause(readings, model, now, record);
+    else if (state_ == CellState::kStop1 && !on_path_)
       Brake();
+    LookAtRest(state);
   }
 
   statistics_.limits.Count(acting_);
@@ -191,7 +180,9 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   command.q = arm_->q();
   command.activation = activation_;
   PutWrench(state, command);
-  record.phase = phase_;
+  record.phase = phase();
+  record.cell_state = static_cast<std::uint8_t>(state_);
+  record.permits = permits_.bits();
   record.faults = faults_.bits();
   record.q_cmd = command.q;
   record.activation_cmd = command.activation;
@@ -216,6 +207,7 @@ void ServoLoop::Mirror(const ArmState& state) OSTEON_RT {
   V_WT_ = {};
   share_ = 0.0;
   arm_->Rest();
+  commanded_ = on_path_ = false;
   if (state.session == SessionState::kIdle) return;
   arm_->Put(state.has_ipo ? state.q_ipo : state.q_meas);
   has_pose_ = true;
@@ -223,15 +215,13 @@ void ServoLoop::Mirror(const ArmState& state) OSTEON_RT {
 
 // No message, so nothing can be answered: the arm holds the last command, and so does the virtual tool.
 void ServoLoop::Miss(ReceiveResult received) OSTEON_RT {
-  if (phase_ == Phase::kWaiting && received == ReceiveResult::kTimeout)
-    return;  // the arm may still be booting
+  permits_ = {};
+  if (safety::Waits(state_) && received == ReceiveResult::kTimeout) return;  // the arm may still be booting
   ++statistics_.missed_messages;
   if (!watchdog_.MissArm() && received == ReceiveResult::kTimeout) return;
-  if (phase_ == Phase::kStopped) return;
+  if (phase() == Phase::kStopped) return;
   faults_.Latch(Fault::kArmStale);
-  V_WT_ = {};
-  share_ = 0.0;
-  phase_ = Phase::kStopped;
+  Take(CellEvent::kArmLost);
 }
 
 void ServoLoop::TakeSpindle(const CellReadings& readings) OSTEON_RT {
@@ -240,66 +230,7 @@ void ServoLoop::TakeSpindle(const CellReadings& readings) OSTEON_RT {
   const double speed = params_.has_spindle ? readings.spindle.speed_rad_per_s : wanted;
   // a positive turn is what the tool's edges are ground for
   spindle_rad_per_s_ = std::isfinite(speed) && speed > kTurns * params_.spindle_rad_per_s ? speed : 0.0;
-}
-
-bool ServoLoop::MayMove(const CellReadings& readings, rt::Nanoseconds now) const OSTEON_RT {
-  if (held_) return false;
-  const safety::WatchdogParams& most = params_.watchdog;
-  if (!readings.force.trusted || !(AgeOf(readings.force.stamp, now) <= most.sensor_stop_s)) return false;
-  if (params_.has_spindle && (!readings.spindle.ready || readings.spindle.fault ||
-                              !(AgeOf(readings.spindle.stamp, now) <= most.spindle_stop_s)))
-    return false;
-  return Permitted(readings.interlock, now);
-}
-
-bool ServoLoop::Permitted(const InterlockReading& interlock, rt::Nanoseconds now) const OSTEON_RT {
-  return !params_.has_interlock ||
-         (interlock.permitted && AgeOf(interlock.stamp, now) <= params_.watchdog.interlock_stop_s);
-}
-
-// The arm has been handed over: to the start, or on from where it is.
-void ServoLoop::Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
-  activation_ = state.activation;
-  if (recovered_ || arm_->AtStart()) {
-    StartRendering(state, now);
-  } else if (arm_->BeginStart()) {
-    phase_ = Phase::kAligning;
-  } else {
-    faults_.Latch(Fault::kJointLimit);  // the arm stands where no command may put it
-    phase_ = Phase::kStopped;
-  }
-}
-
-// A step of the path. Whatever is wrong stops the path's clock; what can not be commanded is not.
-void ServoLoop::Align(const ArmState& state, bool permitted, bool stop, rt::Nanoseconds now) OSTEON_RT {
-  const bool ends = stop || faults_.Any();
-  const StartStep step = arm_->StepToStart(permitted && !ends);
-  if (step.refused != Fault::kNone) faults_.Latch(step.refused);
-  if (step.there && !ends)
-    StartRendering(state, now);
-  else if (step.refused != Fault::kNone || (ends && step.rests))
-    phase_ = Phase::kStopped;
-}
-
-void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
-  activation_ = state.activation;
-  phase_ = Phase::kHaptic;
-  arm_->StartFollowing();
-  measured_twist_.Reset(X_WT_meas_);
-  q_meas_before_ = state.q_meas;
-  flange_motion_ = {.X = X_WT_meas_ * X_TF_, .V = {}, .A = {}};
-  flange_sequence_ = state.sequence - 1;  // this tick renders as well
-  coupling_ = {};
-  pressed_ = false;
-  axis_lock_.Reset(arm_->X_WT());
-  vibration_.Reset();
-  stabilisers_.Reset();
-  mass_factor_ = 1.0;
-  sight_age_s_ = 0.0;
-  rate_trip_.Reset();
-  depth_limit_.Reset();
-  spindle_trip_.Reset();
-  watchdog_.Start(now);
+  Take(spindle_rad_per_s_ > 0.0 ? CellEvent::kSpindleTurns : CellEvent::kSpindleStill);
 }
 
 // What the hand exerts on T at To, in W; zero where no reading is to be trusted.
@@ -349,7 +280,7 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
 
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
   if (faults_.Any()) {
-    StartStopping();
+    Take(CellEvent::kFault);
     Brake();
     return;
   }
@@ -376,7 +307,7 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   Twist V_next_WT;
   if (!NextTwist(law, X_before, V_WT_, F_T_W, dt_s, V_next_WT, axis_lock_.Correction(X_before))) {
     faults_.Latch(Fault::kNotFinite);
-    StartStopping();
+    Take(CellEvent::kFault);
     Brake();
     return;
   }
@@ -413,7 +344,7 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   // the joints
   bool joints_limited = false;
   if (!Follow(joints_limited)) {
-    StartStopping();
+    Take(CellEvent::kFault);
     BrakeJoints();
   }
   const Pose& X_WT = arm_->X_WT();
@@ -422,7 +353,7 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   const double speed_m_per_s = (X_WT.translation() - X_before.translation()).norm() / dt_s;
   if (speed_m_per_s > kSpeedSlack * params_.twist.max_speed_m_per_s) faults_.Latch(Fault::kToolSpeed);
   if (workspace_.Violated(X_WT.translation())) faults_.Latch(Fault::kWorkspace);
-  if (faults_.Any()) StartStopping();
+  if (faults_.Any()) Take(CellEvent::kFault);
 
   CountRendered({.F = rendered.F, .share = record.wrench_scale, .arm_share = record.arm_share}, speed_m_per_s,
                 slow.share < 1.0, inside.acted, coupling.fade, sensor_share);
@@ -437,7 +368,7 @@ bool ServoLoop::Follow(bool& limited) OSTEON_RT {
       arm_->Follow({.V_WT = V_WT,
                     .elbow_share = share_,
                     .max_elbow_speed_m_per_s = ElbowSpeedLimit_m_per_s(params_, reduced_),
-                    .elbow_moves = phase_ == Phase::kHaptic});
+                    .elbow_moves = safety::Renders(state_)});
   if (followed.fault != Fault::kNone) {
     faults_.Latch(followed.fault);
     return false;
@@ -455,30 +386,38 @@ bool ServoLoop::Follow(bool& limited) OSTEON_RT {
 
 void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
                           const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT {
-  safety::Ages ages{.model_s = coupling.age_s, .sensor_s = sensor_age_s};
+  SuperviseDevices(coupling.age_s, sensor_age_s, readings, now);
+  if (coupling.status == ModelStatus::kDeviceLost) faults_.Latch(Fault::kDevice);
+  if (coupling.status == ModelStatus::kNotCredible) faults_.Latch(Fault::kNotFinite);
+  if (rate_trip_.Check(coupling.F_T_W.f, params_.period_s)) faults_.Latch(Fault::kWrenchRate);
+  SuperviseHand(F_operator_T_W);
+}
+
+void ServoLoop::SuperviseDevices(double model_age_s, double sensor_age_s, const CellReadings& readings,
+                                 rt::Nanoseconds now) OSTEON_RT {
+  safety::Ages ages{.model_s = model_age_s, .sensor_s = sensor_age_s};
   if (params_.has_spindle) {
-    ages.spindle_s = AgeOf(readings.spindle.stamp, now);
+    ages.spindle_s = safety::StampAge(now, readings.spindle.stamp);
     if (!readings.spindle.ready || readings.spindle.fault) faults_.Latch(Fault::kSpindle);
     if (spindle_trip_.Check(readings.spindle.torque_Nm, readings.spindle.speed_rad_per_s, params_.period_s))
       faults_.Latch(Fault::kSpindleLimit);
   }
   if (params_.has_interlock) {
-    ages.interlock_s = AgeOf(readings.interlock.stamp, now);
+    ages.interlock_s = safety::StampAge(now, readings.interlock.stamp);
     if (!readings.interlock.permitted) faults_.Latch(Fault::kInterlock);
   }
   faults_.Latch(watchdog_.Check(now, ages));
   if (!readings.force.trusted) faults_.Latch(Fault::kSensorFault);
-  if (coupling.status == ModelStatus::kDeviceLost) faults_.Latch(Fault::kDevice);
-  if (coupling.status == ModelStatus::kNotCredible) faults_.Latch(Fault::kNotFinite);
-  if (rate_trip_.Check(coupling.F_T_W.f, params_.period_s)) faults_.Latch(Fault::kWrenchRate);
+}
 
+void ServoLoop::SuperviseHand(const Wrench& F_operator_T_W) OSTEON_RT {
   if (!safety::IsFinite(F_operator_T_W)) {
     faults_.Latch(Fault::kNotFinite);
-  } else {
-    const double force_N = F_operator_T_W.f.stableNorm();
-    statistics_.peak_sensor_force_N = std::max(statistics_.peak_sensor_force_N, force_N);
-    if (sensor_trip_.Check(force_N)) faults_.Latch(Fault::kSensorForce);
+    return;
   }
+  const double force_N = F_operator_T_W.f.stableNorm();
+  statistics_.peak_sensor_force_N = std::max(statistics_.peak_sensor_force_N, force_N);
+  if (sensor_trip_.Check(force_N)) faults_.Latch(Fault::kSensorForce);
 }
 
 }  // namespace osteon::control

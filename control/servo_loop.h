@@ -17,7 +17,9 @@
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
 #include "safety/acting_limits.h"
+#include "safety/cell_state.h"
 #include "safety/fault.h"
+#include "safety/motion_permit.h"
 #include "simulation/contact_model.h"
 #include "simulation/cutting_engine.h"
 
@@ -44,26 +46,29 @@ struct ServoStatistics {
 ///             (M, D by the vibration index) → tool speed, workspace → differential inverse, null space →
 ///             joint guard → command
 ///
-///   kWaiting ──COMMANDING_ACTIVE──▶ kAligning ──there──▶ kHaptic ──fault, RequestStop()──▶ kStopping
-///                                                                                             │ at rest
-///                                                                                             ▼ kStopped
+/// **State.** safety::CellState is the authority, led by one table (safety/cell_state.h, docs/states.md); the
+/// recorded Phase follows from it. A tick forms its events from what it sees, the worst first (Take).
 ///
-/// - kWaiting follows the arm's own position. It goes on only where the force sensor lives, the spindle's
-/// drive is ready and the PLC permits motion, as far as the cell has them. The virtual tool starts from the
-/// commanded joints: no jump.
-/// - kAligning goes to ServoParams::start along a joint path, where the arm was handed over elsewhere. It
+/// - off, checking, ready, recovery follow the arm's own position. Nothing moves before every condition of
+/// safety::MotionPermits holds in one tick. The virtual tool starts from the commanded joints, at rest, the
+/// coupling faded out: no jump. An arm that stayed in the same COMMANDING_ACTIVE through a pause or a loss of
+/// messages is not followed but held where it was last told to be: its own interpolator stands where
+/// commanding began.
+/// - aligning goes to ServoParams::start along a joint path, where the arm was handed over elsewhere. It
 /// goes on while motion is permitted and pauses on its path where it is not; an arm that leaves
-/// COMMANDING_ACTIVE meanwhile is waited for anew.
-/// - kHaptic renders. The age of the contact model slows the motion down: with s the coupling's fade, the
-/// operator's force
+/// COMMANDING_ACTIVE meanwhile is waited for anew. Once rendering was begun there is no way to the start any
+/// more.
+/// - haptic and cutting render, the spindle still or turning. The age of the contact model slows the motion
+/// down: with s the coupling's fade, the operator's force
 ///   counts s F, the coupling s F_c (in EvaluateCoupling), the tool moves by s v dt. At s = 0 the tool is
 ///   held, whoever pushes, and no energy can be made of a force that is not known.
-/// - kStopping is a Stop 1: the tool's twist is scaled down to rest along its own direction, |v|^2 / 2a;
-/// nothing is rendered
+/// - stop 1 and stop 2 brake what is commanded, whichever state commanded it: the tool's twist is scaled down
+/// to rest along its own direction, |v|^2 / 2a; nothing is rendered
 ///   and the spindle is still. Where the tool's path has no joints (kInverseKinematics, kJointLimit) the
-///   joints' own last motion is scaled down instead.
-/// - kStopped holds, and follows the arm again where it leaves COMMANDING_ACTIVE. Only a recovery, or a new
-/// loop, renders again.
+///   joints' own last motion is scaled down instead, and on the way to the start the path's clock.
+/// - stop 0: the arm takes no commands. It is over once the arm is measured to stand.
+/// - paused and fault hold, and follow the arm where it leaves COMMANDING_ACTIVE. Only RequestResume(), a
+/// recovery, or a new loop goes on.
 ///
 /// Before it renders the sensor's bias is taken while the tool rests (BiasEstimator). While it renders, a
 /// hand that makes the arm oscillate meets more drag (VibrationIndex), and the coupling stays stable where
@@ -109,6 +114,12 @@ class ServoLoop {
   /// nothing else: waits for the arm, and then renders from where it stands. Without effect otherwise. From
   /// any thread.
   void RequestRecovery() OSTEON_RT { recovery_requested_.store(true, std::memory_order_relaxed); }
+  /// An operator's pause: brakes to rest (stop 2) and holds, until RequestResume(). From any thread, and from
+  /// a signal handler.
+  void RequestPause() OSTEON_RT { pause_requested_.store(true, std::memory_order_relaxed); }
+  /// Ends a pause: from where the tool stands, once every condition of motion holds. Without effect where the
+  /// cell is not paused. From any thread, and from a signal handler.
+  void RequestResume() OSTEON_RT { resume_requested_.store(true, std::memory_order_relaxed); }
   /// Whether it would have an effect now.
   [[nodiscard]] bool CanRecover() const OSTEON_RT;
 
@@ -132,7 +143,11 @@ class ServoLoop {
   /// What the cell's devices should do now.
   [[nodiscard]] CellCommands cell_commands() const OSTEON_RT;
 
-  [[nodiscard]] Phase phase() const OSTEON_RT { return phase_; }
+  [[nodiscard]] safety::CellState state() const OSTEON_RT { return state_; }
+  /// The conditions of motion that held when they were last looked at: while nothing moves.
+  [[nodiscard]] safety::MotionPermits permits() const OSTEON_RT { return permits_; }
+  /// What the recording calls the state.
+  [[nodiscard]] Phase phase() const OSTEON_RT;
   [[nodiscard]] safety::FaultSet faults() const OSTEON_RT { return faults_; }
   [[nodiscard]] const ServoStatistics& statistics() const OSTEON_RT { return statistics_; }
   [[nodiscard]] double max_force_N() const OSTEON_RT { return wrench_limiter_.max_force_N(); }
@@ -142,10 +157,23 @@ class ServoLoop {
 
   void Mirror(const ArmState& state) OSTEON_RT;
   void Miss(ReceiveResult received) OSTEON_RT;
-  [[nodiscard]] bool MayMove(const CellReadings& readings, rt::Nanoseconds now) const OSTEON_RT;
+  // servo_state.cpp
+  safety::CellAction Take(safety::CellEvent event) OSTEON_RT;
+  void TakeRequests(const TickInput& input) OSTEON_RT;
+  void TakeRest() OSTEON_RT;
+  /// Nothing is moved or braked, and no fault is latched: the arm is waited for, or the cell is paused.
+  [[nodiscard]] bool Rests() const OSTEON_RT {
+    return safety::Waits(state_) || state_ == safety::CellState::kPaused;
+  }
+  void LookAtRest(const ArmState& state) OSTEON_RT;
+  [[nodiscard]] bool Commanded(const ArmState& state) const OSTEON_RT;
+  [[nodiscard]] safety::MotionPermits Look(const ArmState& state, const CellReadings& readings,
+                                           const simulation::ContactModel& model,
+                                           rt::Nanoseconds now) const OSTEON_RT;
   [[nodiscard]] bool Permitted(const InterlockReading& interlock, rt::Nanoseconds now) const OSTEON_RT;
+  void Wait(const ArmState& state) OSTEON_RT;
+  void Align(const ArmState& state, bool permitted, rt::Nanoseconds now) OSTEON_RT;
   void Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
-  void Align(const ArmState& state, bool permitted, bool stop, rt::Nanoseconds now) OSTEON_RT;
   void StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
   [[nodiscard]] Wrench TakeSensor(const CellReadings& readings, TickRecord& record) OSTEON_RT;
   void Render(const CellReadings& readings, const simulation::ContactModel& model, rt::Nanoseconds now,
@@ -160,7 +188,11 @@ class ServoLoop {
   void TakeSpindle(const CellReadings& readings) OSTEON_RT;
   void Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
                  const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT;
-  void StartStopping() OSTEON_RT;
+  void SuperviseDevices(double model_age_s, double sensor_age_s, const CellReadings& readings,
+                        rt::Nanoseconds now) OSTEON_RT;
+  void SuperviseHand(const Wrench& F_operator_T_W) OSTEON_RT;
+  void BrakeForPause(const CellReadings& readings, const simulation::ContactModel& model, rt::Nanoseconds now,
+                     TickRecord& record) OSTEON_RT;
   void Brake() OSTEON_RT;
   void BrakeJoints() OSTEON_RT;
   [[nodiscard]] bool Follow(bool& limited) OSTEON_RT;
@@ -180,8 +212,14 @@ class ServoLoop {
   safety::SpindleTrip spindle_trip_;
   safety::Watchdog watchdog_;
 
-  Phase phase_{Phase::kWaiting};
-  std::uint32_t activation_{0};  ///< of the arm, that rendering began with
+  safety::CellState state_{safety::CellState::kOff};
+  safety::MotionPermits permits_;
+  std::uint32_t activation_{0};  ///< of the arm, that motion began with
+  bool commanded_{false};        ///< motion began, and no message has said since that the arm left
+  bool on_path_{false};          ///< what is commanded is the way to the start
+  bool rendered_{false};         ///< at least once: no way to the start any more
+  JointArray q_seen_{};          ///< [rad] measured in the last message
+  int standing_ticks_{0};        ///< messages in a row in which the arm stood
   safety::FaultSet faults_;
   ServoStatistics statistics_;
   CouplingState coupling_;
@@ -206,10 +244,9 @@ class ServoLoop {
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};
 
-  bool recovered_{false};          ///< at least once: no way to the start any more
   bool differed_{false};           ///< ReportDifference since the last tick
-  bool held_{false};               ///< in this tick: an arm that waits is not to begin
   bool stop_asked_{false};         ///< as the last tick saw it
+  bool pause_asked_{false};        ///< and not begun yet: no message came since
   bool spindle_permitted_{true};   ///< by the PLC
   double spindle_rad_per_s_{0.0};  ///< what it does: measured where there is a drive
 
@@ -229,7 +266,8 @@ class ServoLoop {
   bool reduced_{false};      ///< the arm is in T1, or does not say
   safety::LimitSet acting_;  ///< in this tick
 
-  std::atomic<bool> stop_requested_{false}, recovery_requested_{false}, may_begin_{true};
+  std::atomic<bool> stop_requested_{false}, recovery_requested_{false}, may_begin_{true},
+      pause_requested_{false}, resume_requested_{false};
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 

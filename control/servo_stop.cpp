@@ -12,15 +12,6 @@ constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
 
 }  // namespace
 
-// From here on V_WT_ is the velocity of the commanded tool itself.
-void ServoLoop::StartStopping() OSTEON_RT {
-  if (phase_ != Phase::kHaptic) return;
-  phase_ = Phase::kStopping;
-  stop_ticks_ = 0;
-  V_WT_ = Scaled(V_WT_, share_);
-  share_ = 1.0;
-}
-
 void ServoLoop::Brake() OSTEON_RT {
   if (params_.law == Law::kImpedance) {
     BrakeImpedance();
@@ -38,9 +29,7 @@ void ServoLoop::Brake() OSTEON_RT {
   // a turn that takes longer to stop does not carry the apex over its bound
   V_WT_.v = workspace_.Limit(arm_->X_WT().translation(), V_WT_.v, dt_s).v_WT;
   if (V_WT_.v.norm() < kRest_m_per_s && V_WT_.w.norm() < kRest_rad_per_s) {
-    V_WT_ = {};
-    arm_->Rest();
-    phase_ = Phase::kStopped;
+    TakeRest();
     return;
   }
   bool limited = false;
@@ -52,8 +41,18 @@ void ServoLoop::BrakeJoints() OSTEON_RT {
   const bool rests = arm_->BrakeJoints();
   V_WT_ = {.v = (arm_->X_WT().translation() - p_before) / params_.period_s, .w = Vector3::Zero()};
   if (!rests) return;
-  V_WT_ = {};
-  phase_ = Phase::kStopped;
+  TakeRest();
+}
+
+// A stop 2: as long as the tool is not at rest, whatever ends rendering makes a stop 1 of it.
+void ServoLoop::BrakeForPause(const CellReadings& readings, const simulation::ContactModel& model,
+                              rt::Nanoseconds now, TickRecord& record) OSTEON_RT {
+  const Wrench F_operator_T_W = TakeSensor(readings, record);
+  SuperviseDevices(record.model_age_s, record.sensor_age_s, readings, now);
+  SuperviseHand(F_operator_T_W);
+  if (model.status == simulation::EngineStatus::kDeviceLost) faults_.Latch(safety::Fault::kDevice);
+  if (faults_.Any()) Take(safety::CellEvent::kFault);
+  if (!on_path_) Brake();
 }
 
 }  // namespace osteon::control

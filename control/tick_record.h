@@ -9,9 +9,9 @@
 
 namespace osteon::control {
 
-/// What the loop is doing.
+/// What the loop is doing, in short: safety::CellState says it in full.
 enum class Phase : std::uint8_t {
-  kWaiting,   ///< the arm is not yet in COMMANDING_ACTIVE
+  kWaiting,   ///< the arm is not yet handed over, or the cell is paused
   kHaptic,    ///< rendering
   kStopping,  ///< ordered stop under way
   kStopped,   ///< at rest, holding
@@ -29,17 +29,17 @@ struct TickInput {
   std::uint32_t answers_lost{0}, answers_foreign{0};
   std::uint8_t quality{0}, safety_state{0}, operation_mode{0}, control_mode{0}, command_mode{0};
   bool drives_active{false}, holding{false}, has_ipo{false};
-  std::uint8_t received{0};         ///< ReceiveResult
-  bool stop{false};                 ///< an orderly stop had been asked for
-  bool recover{false};              ///< a recovery was asked for since the tick before
-  bool held{false};                 ///< an arm that waits was not to begin
-  bool repeat_differed{false};      ///< the tick before came out otherwise when it was computed again
-  std::uint8_t model_status{0};     ///< simulation::EngineStatus
-  double period_s{0.0};             ///< of ArmState
-  std::array<double, 7> q_ipo{};    ///< [rad]
-  std::array<double, 7> tau_ext{};  ///< [N·m]
-  rt::Nanoseconds sensor_stamp{0};  ///< of the force reading
-  PlainWrench F_sensor_S;           ///< the reading as it came; F_operator_T_W is what was taken of it
+  std::uint8_t received{0};          ///< ReceiveResult
+  bool stop{false};                  ///< an orderly stop had been asked for
+  bool recover{false};               ///< a recovery was asked for since the tick before
+  bool pause{false}, resume{false};  ///< the same of a pause and of its end
+  bool repeat_differed{false};       ///< the tick before came out otherwise when it was computed again
+  std::uint8_t model_status{0};      ///< simulation::EngineStatus
+  double period_s{0.0};              ///< of ArmState
+  std::array<double, 7> q_ipo{};     ///< [rad]
+  std::array<double, 7> tau_ext{};   ///< [N·m]
+  rt::Nanoseconds sensor_stamp{0};   ///< of the force reading
+  PlainWrench F_sensor_S;            ///< the reading as it came; F_operator_T_W is what was taken of it
   bool sensor_trusted{true};
   // Of SpindleReading and InterlockReading.
   rt::Nanoseconds spindle_stamp{0};
@@ -52,6 +52,9 @@ struct TickInput {
   bool has_gains{false};  ///< other gains were asked for since the tick before, and taken:
   Gains gains{};
 };
+
+/// TickRecord::cell_state of a tick that was recorded before there was one.
+inline constexpr std::uint8_t kNoCellState = 255;
 
 /// One tick of the servo loop as it is recorded. Plain data.
 struct TickRecord {
@@ -80,6 +83,8 @@ struct TickRecord {
   double tank_J{0.0};                      ///< while rendering
   double tank_share{1.0};                  ///< of the coupling that the tank could pay for
   std::uint32_t limits{0};                 ///< safety::LimitSet: what acted in this tick
+  std::uint8_t cell_state{kNoCellState};   ///< safety::CellState
+  std::uint32_t permits{0};                ///< safety::MotionPermits, as last looked at: while nothing moves
   PlainWrench F_bias_S;                    ///< taken out of the sensor's readings
   double model_age_s{0.0};                 ///< of the contact model's pose
   double sensor_age_s{0.0};

@@ -60,4 +60,36 @@ struct FaultText {
 /// Text for one fault; for screens and reports, not for the tick.
 [[nodiscard]] FaultText Describe(Fault fault);
 
+/// Stop categories, after IEC 60204-1 as far as a controller without power of its own can: 0 the arm is not
+/// under control, nothing that is commanded counts; 1 what is commanded brakes to rest, the request for
+/// motion is withdrawn; 2 the same under power (a pause, no fault).
+enum class StopCategory : std::uint8_t { kStop0 = 0, kStop1 = 1, kStop2 = 2 };
+
+/// How a fault ends motion. One of category 0 that is seen while the arm still takes commands is braked as
+/// well.
+[[nodiscard]] constexpr StopCategory StopOf(Fault fault) noexcept {
+  switch (fault) {
+    case Fault::kArmStale:
+    case Fault::kSession:
+    case Fault::kPeriod:
+    case Fault::kCommandMode:
+      return StopCategory::kStop0;
+    default:
+      return StopCategory::kStop1;
+  }
+}
+
+/// A recovery may clear it within the session: what the connection to the arm brought about, and nothing
+/// else.
+[[nodiscard]] constexpr bool AllowsRecovery(Fault fault) noexcept {
+  return fault == Fault::kSession || fault == Fault::kArmStale;
+}
+/// The same of a set: there is a fault, and each allows it.
+[[nodiscard]] constexpr bool AllowsRecovery(FaultSet faults) noexcept {
+  for (int bit = 0; bit < kFaultCount; ++bit)
+    if (const auto fault = static_cast<Fault>(1u << bit); faults.Has(fault) && !AllowsRecovery(fault))
+      return false;
+  return faults.Any();
+}
+
 }  // namespace osteon::safety

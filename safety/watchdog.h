@@ -13,6 +13,9 @@ inline constexpr double kNoAge_s = 1e6;
 /// kNoAge_s.
 [[nodiscard]] double AgeSeconds(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT;
 
+/// The same of a stamp of which 0 says that there is none.
+[[nodiscard]] double StampAge(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT;
+
 /// 1 up to full_s, then linearly down to 0 at gone_s.
 [[nodiscard]] double AgeShare(double age_s, double full_s, double gone_s) OSTEON_RT;
 

@@ -2,6 +2,7 @@
 
 #include "io/recording/message_parts.h"
 #include "io/recording/messages.h"
+#include "safety/cell_state.h"
 
 namespace osteon::io {
 
@@ -53,8 +54,9 @@ void Put(const control::TickInput& from, osteon::TickInput* to) {
   to->set_safety_state(from.safety_state);
   to->set_stop(from.stop);
   to->set_recover(from.recover);
-  to->set_held(from.held);
   to->set_repeat_differed(from.repeat_differed);
+  to->set_pause(from.pause);
+  to->set_resume(from.resume);
   to->set_model_status(from.model_status);
   to->set_period_s(from.period_s);
   if (from.has_ipo) to->mutable_q_ipo_rad()->Assign(from.q_ipo.begin(), from.q_ipo.end());
@@ -117,8 +119,9 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   to.has_ipo = from.q_ipo_rad_size() > 0;
   to.stop = from.stop();
   to.recover = from.recover();
-  to.held = from.held();
   to.repeat_differed = from.repeat_differed();
+  to.pause = from.pause();
+  to.resume = from.resume();
   to.model_status = static_cast<std::uint8_t>(from.model_status());
   to.period_s = from.period_s();
   if (to.has_ipo && !io::Get(from.q_ipo_rad(), to.q_ipo)) return "not 7 joint values";
@@ -189,6 +192,8 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.set_passivity_damping_ns_per_m(record.passivity_damping_Ns_per_m);
   message.set_tank_j(record.tank_J);
   message.set_limits(record.limits);
+  if (record.cell_state != control::kNoCellState) message.set_cell_state(record.cell_state);
+  message.set_permits(record.permits);
   message.set_tank_share(record.tank_share);
   io::Put(record.F_bias_S, message.mutable_f_bias_s());
   message.SerializeToString(&bytes);
@@ -233,6 +238,13 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   r.passivity_damping_Ns_per_m = message.passivity_damping_ns_per_m();
   r.tank_J = message.tank_j();
   r.limits = message.limits();
+  if (message.has_cell_state()) {
+    if (message.cell_state() >= safety::kCellStates)
+      return "cell_state " + std::to_string(message.cell_state()) + ", accepted 0 … " +
+             std::to_string(safety::kCellStates - 1);
+    r.cell_state = static_cast<std::uint8_t>(message.cell_state());
+  }
+  r.permits = message.permits();
   if (message.has_tank_share()) r.tank_share = message.tank_share();
   io::Get(message.f_bias_s(), r.F_bias_S);
   io::Get(message.f_cmd_t(), r.F_cmd_T);

@@ -102,6 +102,10 @@ TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
                                        "_m_per_s", "_rad_per_s", "_N_per_m", "_Ns_per_m", "_Nms_per_rad"};
   const std::vector<std::string> bare{"tick",
                                       "phase",
+                                      "cell_state",
+                                      "permits",
+                                      "pause",
+                                      "resume",
                                       "session_state",
                                       "faults",
                                       "wrench_scale",

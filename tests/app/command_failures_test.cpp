@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "app/failures.h"
+#include "app/fault_table.h"
 #include "tests/app/command.h"
 
 // `osteon failures` as a user runs it. What the scenarios find is held by tests/hil/failures_test.cpp.
@@ -90,6 +91,37 @@ TEST(FailuresJson, OneBoundThatIsNotKeptIsAFailure) {
   EXPECT_FALSE(json["passed"].get<bool>());
   EXPECT_EQ(json["size"], "quick");
   EXPECT_EQ(json["scenarios"][1]["error"], "no memory");
+}
+
+TEST(FailuresCommand, RunsEveryFaultInEveryState) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), {"failures", "--faults", "--json", "f.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "f.json");
+  EXPECT_EQ(json.at("schema"), "osteon.failures/1");
+  EXPECT_TRUE(json.at("passed").get<bool>());
+  EXPECT_TRUE(json.at("scenarios").empty());
+  EXPECT_GE(json.at("faults").size(), 40u * 12u);
+  EXPECT_NE(run.out.find(" as stated, "), std::string::npos) << run.out;
+  EXPECT_EQ(RunCommand(folder.path(), {"failures", "--faults", "9"}).exit_code, 2);
+}
+
+// What is not as stated is seen in table, list and JSON.
+TEST(FaultTable, ShowsWhatIsNotAsStated) {
+  hil::FaultVerdict good, bad;
+  good.fault = bad.fault = "drive's fault";
+  good.state = safety::CellState::kHaptic;
+  bad.state = safety::CellState::kCutting;
+  bad.expected.reaction = hil::Reaction::kStops;
+  bad.wrong = "it moved on";
+  const std::vector<hil::FaultVerdict> verdicts{good, bad};
+  const std::string text = FaultTableText(verdicts);
+  EXPECT_NE(text.find("   1!"), std::string::npos) << text;
+  EXPECT_NE(text.find("! drive's fault, cutting: expected it stops: it moved on"), std::string::npos) << text;
+  EXPECT_NE(text.find("1 of 2 as stated, 1 faults"), std::string::npos) << text;
+  const nlohmann::json json = nlohmann::json::parse(FaultTableJson(verdicts));
+  EXPECT_FALSE(json.at("passed").get<bool>());
+  EXPECT_EQ(json.at("faults")[1].at("wrong"), "it moved on");
 }
 
 }  // namespace

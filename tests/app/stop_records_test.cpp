@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "app/faults_command.h"
+#include "app/states_command.h"
+#include "safety/cell_state.h"
 #include "tests/app/command.h"
 
 namespace osteon::app {
@@ -103,6 +105,22 @@ TEST(StopRecords, AFolderThatIsNotThereIsNamed) {
 TEST(FaultCatalogue, IsTheDocumentationsPage) {
   EXPECT_EQ(io::test::ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / "docs/faults.md"), FaultsPage())
       << "osteon faults --markdown docs/faults.md";
+}
+
+TEST(StateMachine, IsTheDocumentationsPage) {
+  EXPECT_EQ(io::test::ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / "docs/states.md"), StatesPage())
+      << "osteon states --markdown docs/states.md";
+}
+
+TEST(StateMachine, IsPrintedAndWritten) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), {"states", "--json", "s.json"});
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  const auto json = nlohmann::json::parse(io::test::ReadAll(folder.path() / "s.json"));
+  EXPECT_EQ(json["schema"], "osteon.states/1");
+  EXPECT_EQ(json["states"].size(), static_cast<std::size_t>(safety::kCellStates));
+  EXPECT_EQ(json["transitions"].size(), static_cast<std::size_t>(safety::kCellStates * safety::kCellEvents));
+  EXPECT_NE(run.out.find("pause asked    -> stop 2: brakes"), std::string::npos) << run.out;
 }
 
 TEST(FaultCatalogue, IsPrintedAndWritten) {

@@ -60,7 +60,8 @@ class FakeWorld : public CellDevices {
   explicit FakeWorld(rt::LatestValue<simulation::ContactModel>& models) : models_(models) {}
   CellReadings Exchange(const CellCommands&, rt::Nanoseconds) OSTEON_RT override {
     const rt::Nanoseconds now = rt::MonotonicNow();
-    if (simulates) {
+    if (frames_left > 0) {
+      --frames_left;
       ++model_.frame;
       model_.pose_stamp = now;
       models_.Store(model_);
@@ -68,7 +69,7 @@ class FakeWorld : public CellDevices {
     const Wrench F_T_W{.f = {0.0, 0.5, 0.0}, .t = Vector3::Zero()};
     return {.force = {.stamp = now, .F_S = ServoBench::OnTheSensor(F_T_W, ServoBench::StartPose())}};
   }
-  bool simulates{true};
+  int frames_left{1'000'000};
 
  private:
   rt::LatestValue<simulation::ContactModel>& models_;
@@ -139,11 +140,22 @@ TEST(RunServo, AStopFlagStopsInOrder) {
 
 TEST(RunServo, AFaultEndsItByName) {
   Rig rig;
-  rig.world.simulates = false;
+  rig.world.frames_left = 100;
   FakeArm arm;
   const RunServoResult result = rig.Run(arm, {.seconds = 5.0});
   EXPECT_EQ(result.end, RunEnd::kFault);
   EXPECT_TRUE(result.faults.Has(safety::Fault::kModelStale));
+}
+
+TEST(RunServo, WithoutASimulationItNeverBeginsAndKnowsWhy) {
+  Rig rig;
+  rig.world.frames_left = 0;
+  FakeArm arm;
+  const RunServoResult result = rig.Run(arm, {.seconds = 5.0, .give_up_s = 0.2});
+  EXPECT_EQ(result.end, RunEnd::kNeverActive);
+  EXPECT_EQ(result.faults.bits(), 0u);
+  EXPECT_EQ(rig.loop.permits().bits(),
+            safety::MotionPermits::kAll & ~static_cast<std::uint32_t>(safety::MotionPermit::kModelFresh));
 }
 
 TEST(RunServo, AnArmThatNeverComesOrGoesAwayEndsIt) {

@@ -53,7 +53,7 @@ class ServoBench {
     if (received == ReceiveResult::kOk) {
       arm.stamp = now;
       ++arm.sequence;
-      if (answered_) arm.q_meas = command.q;
+      if (answered_ && arm_moves) arm.q_meas = command.q;
       answered_ = true;
       if (arm.session != SessionState::kCommandingActive) arm.q_ipo = arm.q_meas;
     }
@@ -107,6 +107,7 @@ class ServoBench {
   Vector3 side_W_N{Vector3::Zero()};
   bool sensor_lives{true}, simulation_lives{true};
   double reach_m{10.0};          ///< of the simulation's planes beyond the tool
+  bool arm_moves{true};          ///< where it is told to; else it stays
   bool one_frame_behind{false};  ///< a frame arrives when the next one begins
   Vector3 feed_W, plane_W;
 

@@ -51,6 +51,8 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.tank_J = 0.875;
   r.tank_share = 0.625;
   r.limits = 0x4201;
+  r.cell_state = static_cast<std::uint8_t>(i % 12);
+  r.permits = 0x155;
   r.F_bias_S = SomeWrench(base + 90);
   r.model_age_s = base + 60;
   r.sensor_age_s = base + 61;
@@ -86,6 +88,8 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   in.has_ipo = i % 2 == 1;
   in.stop = i % 3 == 1;
   in.recover = i % 4 == 1;
+  in.pause = i % 4 == 2;
+  in.resume = i % 4 == 3;
   in.model_status = static_cast<std::uint8_t>((i + 2) % 4);
   in.period_s = base + 73;
   for (std::size_t j = 0; j < 7; ++j) {

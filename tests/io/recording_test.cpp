@@ -127,6 +127,8 @@ TEST(Recording, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.tank_J, sent.tank_J);
   EXPECT_EQ(r.tank_share, sent.tank_share);
   EXPECT_EQ(r.limits, sent.limits);
+  EXPECT_EQ(r.cell_state, sent.cell_state);
+  EXPECT_EQ(r.permits, sent.permits);
   EXPECT_EQ(Vector3(r.F_bias_S.f), Vector3(sent.F_bias_S.f));
   EXPECT_EQ(Vector3(r.F_bias_S.t), Vector3(sent.F_bias_S.t));
   EXPECT_EQ(r.model_age_s, sent.model_age_s);
@@ -170,6 +172,8 @@ TEST(Recording, CarriesEveryInputOfATick) {
     EXPECT_EQ(r.has_ipo, sent.has_ipo);
     EXPECT_EQ(r.stop, sent.stop);
     EXPECT_EQ(r.recover, sent.recover);
+    EXPECT_EQ(r.pause, sent.pause);
+    EXPECT_EQ(r.resume, sent.resume);
     EXPECT_EQ(r.model_status, sent.model_status);
     EXPECT_EQ(r.period_s, sent.period_s);
     EXPECT_EQ(r.q_ipo, sent.q_ipo);

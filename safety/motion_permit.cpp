@@ -1,0 +1,29 @@
+#include "safety/motion_permit.h"
+
+namespace osteon::safety {
+
+const char* Missing(MotionPermit permit) {
+  switch (permit) {
+    case MotionPermit::kArmFresh:
+      return "a message of the arm";
+    case MotionPermit::kHandedOver:
+      return "the arm in COMMANDING_ACTIVE without a safety stop";
+    case MotionPermit::kRunPermitted:
+      return "the PLC's RUN_PERMITTED";
+    case MotionPermit::kSensorFresh:
+      return "a fresh reading of the force sensor";
+    case MotionPermit::kModelFresh:
+      return "a fresh contact model of the simulation";
+    case MotionPermit::kPosePlausible:
+      return "the arm where it would be commanded";
+    case MotionPermit::kNoResidualWrench:
+      return "a tool that does not stand deeper in bone than the force limit";
+    case MotionPermit::kSpindleReady:
+      return "the spindle's drive";
+    case MotionPermit::kWayLookedAt:
+      return "the look along the way to the start";
+  }
+  return "an unknown condition";
+}
+
+}  // namespace osteon::safety

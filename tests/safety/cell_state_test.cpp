@@ -1,0 +1,179 @@
+#include "safety/cell_state.h"
+
+#include <array>
+#include <map>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "safety/fault.h"
+#include "safety/motion_permit.h"
+
+namespace osteon::safety {
+namespace {
+
+constexpr CellState StateOf(int i) { return static_cast<CellState>(i); }
+constexpr CellEvent EventOf(int i) { return static_cast<CellEvent>(i); }
+
+// The table once more, by hand, as a person reads it: a row a state, a column an event, `.` stays and goes
+// on. The next state's letter, and what is done: f follows the arm, h holds, b brakes, p begins the path, r
+// begins to render, c clears the faults, - goes on.
+//   O off  C checking  R ready  A aligning  H haptic  X cutting  P paused  0 1 2 stops  F fault  Y recovery
+struct Row {
+  CellState state;
+  std::array<const char*, kCellEvents> cells;
+};
+// clang-format off
+//                     lost  fault left  stop  pause restF rest  idle  seen  notOK OK    away  there turns still recov resum
+const std::array<Row, kCellStates> kExpected{{
+    {CellState::kOff,      {"Fh", "Fh", ".",  ".",  "Ph", ".",  ".",  ".",  "Cf", ".",  ".",  ".",  ".",  ".",  ".",  ".",  "."}},
+    {CellState::kChecking, {"Fh", "Fh", ".",  "Oh", "Ph", ".",  ".",  "Of", ".",  ".",  "R-", ".",  ".",  ".",  ".",  ".",  "."}},
+    {CellState::kReady,    {"Fh", "Fh", ".",  "Oh", "Ph", ".",  ".",  "Of", ".",  "C-", ".",  "Ap", "Hr", ".",  ".",  ".",  "."}},
+    {CellState::kAligning, {"0h", "1b", "Cf", "1b", "2b", ".",  ".",  ".",  ".",  ".",  ".",  ".",  "Hr", ".",  ".",  ".",  "."}},
+    {CellState::kHaptic,   {"0h", "1b", "0f", "1b", "2b", ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  "X-", ".",  ".",  "."}},
+    {CellState::kCutting,  {"0h", "1b", "0f", "1b", "2b", ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  "H-", ".",  "."}},
+    {CellState::kPaused,   {"Fh", "Fh", ".",  "Oh", ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  "C-"}},
+    {CellState::kStop0,    {".",  ".",  ".",  ".",  ".",  "Fh", "Oh", ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  "Yc", "."}},
+    {CellState::kStop1,    {"0h", ".",  "0f", ".",  ".",  "Fh", "Oh", ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  "."}},
+    {CellState::kStop2,    {"0h", "1b", "0f", "1b", ".",  "Fh", "Ph", ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  "."}},
+    {CellState::kFault,    {".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  ".",  "Yc", "."}},
+    {CellState::kRecovery, {"Fh", "Fh", ".",  "Oh", "Ph", ".",  ".",  ".",  ".",  ".",  ".",  "Ap", "Hr", ".",  ".",  ".",  "."}},
+}};
+// clang-format on
+
+CellTransition Read(CellState from, const std::string& cell) {
+  static const std::map<char, CellState> states{
+      {'O', CellState::kOff},      {'C', CellState::kChecking}, {'R', CellState::kReady},
+      {'A', CellState::kAligning}, {'H', CellState::kHaptic},   {'X', CellState::kCutting},
+      {'P', CellState::kPaused},   {'0', CellState::kStop0},    {'1', CellState::kStop1},
+      {'2', CellState::kStop2},    {'F', CellState::kFault},    {'Y', CellState::kRecovery}};
+  static const std::map<char, CellAction> actions{
+      {'-', CellAction::kGoOn},       {'f', CellAction::kFollowArm}, {'h', CellAction::kHold},
+      {'b', CellAction::kBrake},      {'p', CellAction::kBeginPath}, {'r', CellAction::kBeginRendering},
+      {'c', CellAction::kClearFaults}};
+  if (cell == ".") return {from, CellAction::kGoOn};
+  return {states.at(cell[0]), actions.at(cell[1])};
+}
+
+TEST(CellState, EveryCellOfTheTableIsWhatWasMeant) {
+  for (int s = 0; s < kCellStates; ++s) {
+    const Row& row = kExpected[static_cast<std::size_t>(s)];
+    ASSERT_EQ(row.state, StateOf(s));
+    for (int e = 0; e < kCellEvents; ++e) {
+      const CellTransition expected = Read(row.state, row.cells[static_cast<std::size_t>(e)]);
+      EXPECT_EQ(Next(StateOf(s), EventOf(e)), expected)
+          << Describe(StateOf(s)).name << " × " << Describe(EventOf(e)).name << ": found "
+          << Describe(Next(StateOf(s), EventOf(e)).state).name;
+    }
+  }
+}
+
+// States that are reached from a state by these events, in any order and number.
+template <class Counts>
+std::set<CellState> Reached(CellState from, Counts&& counts) {
+  std::set<CellState> reached{from};
+  for (bool more = true; more;) {
+    more = false;
+    for (const CellState state : std::set<CellState>(reached))
+      for (int e = 0; e < kCellEvents; ++e)
+        if (counts(EventOf(e))) more |= reached.insert(Next(state, EventOf(e)).state).second;
+  }
+  return reached;
+}
+
+bool Permits(CellEvent event) { return event == CellEvent::kBeginAway || event == CellEvent::kBeginThere; }
+
+TEST(CellState, NoSequenceOfEventsWithoutEveryPermissionMovesAnArmThatRests) {
+  for (int s = 0; s < kCellStates; ++s) {
+    if (IsMotion(StateOf(s))) continue;
+    for (const CellState reached : Reached(StateOf(s), [](CellEvent event) { return !Permits(event); }))
+      EXPECT_FALSE(IsMotion(reached)) << "from " << Describe(StateOf(s)).name;
+  }
+}
+
+TEST(CellState, AFaultEndsInRestWhateverElseIsSeenOrAskedFor) {
+  // every second event a fault, as the loop forms it in every tick that latched one
+  for (int s = 0; s < kCellStates; ++s)
+    for (int before = 0; before < kCellEvents; ++before) {
+      const CellState at = Next(StateOf(s), EventOf(before)).state;
+      for (const CellEvent fault : {CellEvent::kFault, CellEvent::kArmLost}) {
+        const CellState after = Next(at, fault).state;
+        EXPECT_FALSE(IsMotion(after)) << Describe(at).name;
+        EXPECT_NE(after, CellState::kStop2) << "a pause that a fault meets is none";
+        if (IsStop(after)) {
+          EXPECT_EQ(Next(after, CellEvent::kRestFault).state, CellState::kFault);
+        } else {
+          EXPECT_EQ(after, CellState::kFault) << Describe(at).name;
+        }
+      }
+    }
+}
+
+TEST(CellState, OutOfAFaultOnlyARecoveryLeads) {
+  const auto reached =
+      Reached(CellState::kFault, [](CellEvent event) { return event != CellEvent::kRecover; });
+  EXPECT_EQ(reached, std::set<CellState>{CellState::kFault});
+  EXPECT_FALSE(IsMotion(Next(CellState::kFault, CellEvent::kRecover).state));
+}
+
+TEST(CellState, APauseIsLeftByNothingButAResumeAStopOrAFault) {
+  const auto reached = Reached(CellState::kPaused, [](CellEvent event) {
+    return event != CellEvent::kResume && event != CellEvent::kStopAsked && event != CellEvent::kFault &&
+           event != CellEvent::kArmLost;
+  });
+  EXPECT_EQ(reached, std::set<CellState>{CellState::kPaused});
+}
+
+TEST(CellState, EveryStateIsReachedFromOffAndNoneIsWithoutAWayOut) {
+  const auto every = [](CellEvent) { return true; };
+  EXPECT_EQ(Reached(CellState::kOff, every).size(), static_cast<std::size_t>(kCellStates));
+  for (int s = 0; s < kCellStates; ++s) {
+    EXPECT_TRUE(Reached(StateOf(s), every).contains(CellState::kHaptic)) << Describe(StateOf(s)).name;
+    EXPECT_STRNE(Describe(StateOf(s)).leave, "") << Describe(StateOf(s)).name;
+  }
+}
+
+TEST(CellState, EachHasANameOfItsOwn) {
+  std::set<std::string> states, events, actions;
+  for (int s = 0; s < kCellStates; ++s) states.insert(Describe(StateOf(s)).name);
+  for (int e = 0; e < kCellEvents; ++e) events.insert(Describe(EventOf(e)).name);
+  EXPECT_EQ(states.size(), static_cast<std::size_t>(kCellStates));
+  EXPECT_EQ(events.size(), static_cast<std::size_t>(kCellEvents));
+  std::set<std::string> missing;
+  for (int i = 0; i < kMotionPermits; ++i) missing.insert(Missing(static_cast<MotionPermit>(1u << i)));
+  EXPECT_EQ(missing.size(), static_cast<std::size_t>(kMotionPermits));
+  EXPECT_FALSE(missing.contains("an unknown condition"));
+}
+
+TEST(MotionPermits, OneThatIsMissingIsNone) {
+  for (int i = 0; i < kMotionPermits; ++i) {
+    const auto permit = static_cast<MotionPermit>(1u << i);
+    MotionPermits permits(MotionPermits::kAll);
+    EXPECT_TRUE(permits.All() && permits.InOrder());
+    permits.Put(permit, false);
+    EXPECT_FALSE(permits.All());
+    EXPECT_EQ(permits.InOrder(), permit == MotionPermit::kHandedOver);
+    permits.Put(permit, true);
+    EXPECT_TRUE(permits.All());
+  }
+  EXPECT_EQ(MotionPermits(~0u).bits(), MotionPermits::kAll) << "bits that are not there";
+}
+
+TEST(Fault, ARecoveryIsAllowedWhereEachFaultAllowsOne) {
+  FaultSet faults;
+  EXPECT_FALSE(AllowsRecovery(faults)) << "nothing to recover from";
+  faults.Latch(Fault::kSession);
+  EXPECT_TRUE(AllowsRecovery(faults));
+  faults.Latch(Fault::kArmStale);
+  EXPECT_TRUE(AllowsRecovery(faults));
+  for (int bit = 0; bit < kFaultCount; ++bit) {
+    const auto fault = static_cast<Fault>(1u << bit);
+    FaultSet more = faults;
+    more.Latch(fault);
+    EXPECT_EQ(AllowsRecovery(more), fault == Fault::kSession || fault == Fault::kArmStale);
+  }
+}
+
+}  // namespace
+}  // namespace osteon::safety
