@@ -156,13 +156,24 @@ class JointFollower final : public ArmFollower {
 
   static Joints ToJoints(const JointArray& q) { return Eigen::Map<const Joints>(q.data()); }
   [[nodiscard]] Pose PoseOf(const Joints& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
+  // Of the apex, at q_: several ask for it in a tick.
+  [[nodiscard]] const kinematics::JacobianN<kN>& Jacobian() const OSTEON_RT {
+    if (jacobian_q_ != q_) {
+      jacobian_ = arm_.JacobianAt(q_, X_FT_.translation());
+      jacobian_q_ = q_;
+    }
+    return jacobian_;
+  }
   [[nodiscard]] Joints Start() const OSTEON_RT { return params_.start->q.template head<kN>(); }
   [[nodiscard]] Joints WantedElbow(const FollowWish& wish) OSTEON_RT;
 
-  // Where the points with bounds of their own are in W, by ZonePoint.
-  using Points = std::array<Vector3, 3>;
+  // Where the points with bounds of their own are in W, by ZonePoint, and the flange that they are of.
+  struct Points {
+    std::array<Vector3, 3> p_W{};
+    Pose X_BF{Pose::Identity()};
+  };
   static const Vector3& At(const Points& points, ZonePoint point) OSTEON_RT {
-    return points[static_cast<std::size_t>(point)];
+    return points.p_W[static_cast<std::size_t>(point)];
   }
   [[nodiscard]] Points PointsOf(const Joints& q) const OSTEON_RT;
   [[nodiscard]] double ElbowShare(const Points& from, const Points& to, double most_m_per_s) const OSTEON_RT;
@@ -182,11 +193,14 @@ class JointFollower final : public ArmFollower {
   std::optional<JointPath<kN>> path_;  // to the start
 
   Joints q_{Joints::Zero()};
+  static inline const Joints kNowhere = Joints::Constant(std::numeric_limits<double>::quiet_NaN());
   // of the last tick
   Joints q_step_{Joints::Zero()};
   double motion_share_{1.0};  // of the task
   Points points_{};           // of these joints
-  Joints points_q_{Joints::Constant(std::numeric_limits<double>::quiet_NaN())};
+  Joints points_q_{kNowhere};
+  mutable kinematics::JacobianN<kN> jacobian_{kinematics::JacobianN<kN>::Zero()};
+  mutable Joints jacobian_q_{kNowhere};
   double moving_{0.0};  // 0 … 1: how much the tool moved
   double sigma_min_m_{1.0};
   Joints sigma_gradient_m_{Joints::Zero()}, null_direction_{Joints::Zero()};
@@ -199,7 +213,7 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   const double dt_s = params_.period_s;
   Followed followed{.V_WT = wish.V_WT};
   kinematics::MotionInput<kN> wanted;
-  wanted.J = arm_.JacobianAt(q_, X_FT_.translation());
+  wanted.J = Jacobian();
   wanted.V_BT = Turned(X_BW_.linear(), wish.V_WT);
   wanted.q = q_;
   wanted.qd_before = q_step_ / dt_s;
@@ -243,7 +257,7 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   const double share = elbow_share * zone_share;
   q_step_ = share * guard.step;
   q_ += q_step_;
-  X_WT_ = PoseOf(q_);
+  X_WT_ = points_q_ == q_ ? Pose(X_WB_ * points_.X_BF * X_FT_) : PoseOf(q_);
   followed.limited = moves.limit != kinematics::MotionLimit::kNone || guard.share < 1.0;
   followed.zone_acted = zone_share < 1.0;
   followed.elbow_acted = elbow_share < 1.0;
@@ -255,7 +269,9 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
 template <class Arm>
 typename JointFollower<Arm>::Points JointFollower<Arm>::PointsOf(const Joints& q) const OSTEON_RT {
   const auto arm = arm_.Points(q);
-  return {X_WB_ * (arm.X_BF * X_FT_.translation()), X_WB_ * arm.X_BF.translation(), X_WB_ * arm.p_BElbow};
+  return {
+      .p_W = {X_WB_ * (arm.X_BF * X_FT_.translation()), X_WB_ * arm.X_BF.translation(), X_WB_ * arm.p_BElbow},
+      .X_BF = arm.X_BF};
 }
 
 template <class Arm>
@@ -353,7 +369,7 @@ safety::LimitedWrench JointFollower<Arm>::Limit(const safety::WrenchLimiter& lim
                                                 const Wrench& F_T_W) const OSTEON_RT {
   if constexpr (kRedundant) {
     if (elbow_.body) {
-      const kinematics::Jacobian J_B = arm_.JacobianAt(q_, X_FT_.translation());
+      const kinematics::Jacobian& J_B = Jacobian();
       kinematics::Jacobian J_W;
       J_W.topRows<3>() = X_WB_.linear() * J_B.topRows<3>();
       J_W.bottomRows<3>() = X_WB_.linear() * J_B.bottomRows<3>();

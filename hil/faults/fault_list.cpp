@@ -107,9 +107,8 @@ FaultCase Left(const char* name, SessionState session) {
           .stop1 = ends,
           .stop2 = stops};
 }
-// A message that is not to be believed.
-FaultCase NotFinite(const char* name, const char* injected, RigInjection inject) {
-  const safety::FaultSet faults = Of({Fault::kNotFinite});
+// Seen in the tick, whatever the state: nothing is to go on.
+FaultCase AtOnce(const char* name, const char* injected, safety::FaultSet faults, RigInjection inject) {
   return {.name = name,
           .injected = injected,
           .inject = std::move(inject),
@@ -119,6 +118,10 @@ FaultCase NotFinite(const char* name, const char* injected, RigInjection inject)
           .paused = Faults(faults),
           .stop1 = Stops(faults, kAtOnce),
           .stop2 = Stops(faults, kAtOnce)};
+}
+// A message that is not to be believed.
+FaultCase NotFinite(const char* name, const char* injected, RigInjection inject) {
+  return AtOnce(name, injected, Of({Fault::kNotFinite}), std::move(inject));
 }
 // The arm can not be commanded.
 FaultCase Lost(const char* name, const char* injected, safety::FaultSet faults, int ticks, Expected waiting,
@@ -388,6 +391,10 @@ void AddLoop(std::vector<FaultCase>& cases) {
   };
   jump("clock jumps forward", "10 s, for all but the frame under way", 10 * rt::kSecond);
   jump("clock jumps back", "10 s, for all but the frame under way", -rt::kSecond / 2);
+  cases.push_back(AtOnce("a tick's second computation differs", "in the tick before",
+                         Of({Fault::kRepeatDiffers}), [](RigInputs&, int since, FaultRig& rig) {
+                           if (since == 0) rig.loop().ReportDifference();
+                         }));
   cases.push_back(
       Ridden("a tick is late", "by 30 ms, every 100 ms", 300, [](RigInputs& in, int since, FaultRig& rig) {
         if (since % 100 != 0) return;

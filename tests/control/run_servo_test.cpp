@@ -90,6 +90,8 @@ class FakeRecorder : public TickRecorder {
 struct Rig {
   ServoLoop loop{ServoBench::Params(), ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
                  ServoBench::Arm().ArmAngle(ServoBench::StartJoints())};
+  ServoLoop second{ServoBench::Params(), ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
+                   ServoBench::Arm().ArmAngle(ServoBench::StartJoints())};
   rt::LatestValue<simulation::ContactModel> models;
   rt::LatestValue<simulation::ToolCommand> commands;
   FakeWorld world{models};
@@ -117,6 +119,38 @@ TEST(RunServo, RunsItsSecondsThenStopsInOrderAndAnswersEveryMessage) {
   // left
   EXPECT_NEAR(1e9 / static_cast<double>(result.period.Quantile(0.5)), 1000.0, 5.0);
   EXPECT_EQ(rig.commands.Load().stamp, rig.loop.tool_command().stamp);
+}
+
+// Rehearsals, counted.
+class RehearsedArm : public FakeArm {
+ public:
+  void Rehearse(const ArmCommand&) OSTEON_RT override { ++rehearsed; }
+  int rehearsed{0};
+};
+
+TEST(RunServo, RepeatsEachTickAndRehearsesBeforeTheNext) {
+  Rig rig;
+  RehearsedArm arm;
+  const RunServoResult result = rig.Run(arm, {.seconds = 0.3, .second = &rig.second});
+  EXPECT_EQ(result.end, RunEnd::kSeconds);
+  EXPECT_EQ(result.faults.bits(), 0u);
+  EXPECT_EQ(arm.sent, arm.received);
+  EXPECT_GT(arm.rehearsed, 0) << "where the machine woke it in time";
+  EXPECT_EQ(rig.second.phase(), rig.loop.phase()) << "in step to the last tick";
+  EXPECT_EQ(rig.second.statistics().active_ticks, rig.loop.statistics().active_ticks);
+}
+
+TEST(RunServo, ATickThatComesOutOtherwiseTheSecondTimeEndsTheRun) {
+  Rig rig;
+  ServoParams other = ServoBench::Params();
+  other.admittance.mass_kg.y() *= 1.0 + 1e-15;  // the hand pushes along y
+  ServoLoop differs(other, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
+                    ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));
+  FakeArm arm;
+  const RunServoResult result = rig.Run(arm, {.seconds = 5.0, .second = &differs});
+  EXPECT_EQ(result.end, RunEnd::kFault);
+  EXPECT_TRUE(result.faults.Has(safety::Fault::kRepeatDiffers));
+  EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
 }
 
 TEST(RunServo, AStopFlagStopsInOrder) {

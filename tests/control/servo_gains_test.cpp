@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/tick_input.h"
+#include "control/loop_repeat.h"
 #include "servo_bench.h"
 
 // Gains that change while the loop renders.
@@ -81,9 +81,7 @@ TEST(ServoGains, TheSameTwiceAndAgainFromWhatWasRecorded) {
   ArmCommand command;
   for (std::size_t i = 0; i < once.ticks.size(); ++i) {
     const TickRecord& a = once.ticks[i];
-    if (a.input.has_gains) loop.RequestGains(a.input.gains);
-    const TickRecord again = loop.Tick(ArmStateOf(a), static_cast<ReceiveResult>(a.input.received),
-                                       CellReadingsOf(a.input), once.models[i], a.input.now, command);
+    const TickRecord again = TickAgain(loop, a, once.models[i], command);
     for (std::size_t j = 0; j < 7; ++j) {
       ASSERT_EQ(std::bit_cast<std::uint64_t>(a.q_cmd[j]),
                 std::bit_cast<std::uint64_t>(twice.ticks[i].q_cmd[j]));

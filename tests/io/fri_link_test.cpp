@@ -166,6 +166,43 @@ TEST(FriLink, SaysThatTheArmSpeaksAnotherVersion) {
       << link->session().Diagnosis();
 }
 
+// Whether it rehearses or not, the arm gets the same answers and nothing else.
+TEST(FriLink, ARehearsalChangesNothingAndTellsTheArmNothing) {
+  const auto link = OpenAnywhere(), plain = OpenAnywhere();
+  const Peer arm(link->port()), plain_arm(plain->port());
+  ArmState state, plain_state;
+  link->Rehearse(ArmCommand{});  // before anything came
+  for (std::uint32_t i = 1; i <= 50; ++i) {
+    const auto session = i < 5 ? fri::COMMANDING_WAIT : fri::COMMANDING_ACTIVE;
+    arm.Send(i, session);
+    plain_arm.Send(i, session);
+    ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
+    ASSERT_EQ(plain->Receive(plain_state, Soon()), ReceiveResult::kOk);
+    EXPECT_EQ(state.sequence, plain_state.sequence);
+    EXPECT_EQ(state.duplicate + state.rejected + state.lost, 0u);
+    const ArmCommand command{.q = Joints(0.001 * i), .activation = state.activation};
+    ASSERT_TRUE(link->Send(command));
+    ASSERT_TRUE(plain->Send(command));
+    EXPECT_EQ(arm.Answer(), plain_arm.Answer()) << i;
+    const rt::NoAllocScope scope;
+    link->Rehearse(command);
+    EXPECT_EQ(scope.heap_calls() + scope.locks(), 0);
+  }
+  EXPECT_EQ(arm.Answer(), std::vector<std::uint8_t>{}) << "nothing more";
+}
+
+TEST(FriLink, AwaitsAMessageNoLongerThanTold) {
+  const auto link = OpenAnywhere();
+  const rt::Nanoseconds until = rt::MonotonicNow() + 2 * rt::kMillisecond;
+  EXPECT_FALSE(link->Await(until));
+  EXPECT_GE(rt::MonotonicNow(), until);
+  const Peer arm(link->port());
+  arm.Send(1, fri::COMMANDING_ACTIVE);
+  EXPECT_TRUE(link->Await(Soon()));
+  ArmState state;
+  EXPECT_EQ(link->Receive(state, 0), ReceiveResult::kOk) << "and it is still there";
+}
+
 TEST(FriLink, DoesNotAllocate) {
   const auto link = OpenAnywhere();
   const Peer arm(link->port());
