@@ -20,7 +20,6 @@ constexpr double kSpeedSlack =
     1.1;  // a pull-back through the joints may leave the straight line by second order
 constexpr double kSightMemory_s =
     0.1;  // many frames, or the speed limit would follow each one's age up and down
-constexpr double kSamePeriod_s = 1e-6;
 constexpr std::uint32_t kMostPeriods = 10;  // between two messages, that a velocity is taken over
 constexpr std::uint8_t kT1 = 0;             // ArmState::operation_mode
 constexpr double kTurns = 0.05;             // of the wanted speed: below, a spindle counts as still
@@ -94,9 +93,8 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   record.model_frame = model.frame;
   record.model_age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
   record.sensor_age_s = safety::StampAge(now, readings.force.stamp);
-  const bool stop = stop_requested_.load(std::memory_order_relaxed);
-  stop_asked_ = stop;
-  record.input = InputOf(state, received, readings, model, now, stop);
+  stop_asked_ = stop_requested_.load(std::memory_order_relaxed);
+  record.input = InputOf(state, received, readings, model, now, stop_asked_);
   record.input.recover = recovery_requested_.exchange(false, std::memory_order_relaxed);
   record.input.pause = pause_requested_.exchange(false, std::memory_order_relaxed);
   record.input.resume = resume_requested_.exchange(false, std::memory_order_relaxed);
@@ -113,7 +111,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   record.q_meas = state.q_meas;
   if (received != ReceiveResult::kOk) {
     Miss(received);
-    if (stop && Rests()) Take(CellEvent::kStopAsked);
+    if (stop_asked_ && Rests()) Take(CellEvent::kStopAsked);
   } else if (!AllFinite(state.q_meas) || (state.has_ipo && !AllFinite(state.q_ipo))) {
     faults_.Latch(Fault::kNotFinite);  // hold this tick: a position that is not known can not be left
     permits_ = {};
@@ -121,58 +119,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
     Take(watchdog_.MissArm() ? CellEvent::kArmLost : CellEvent::kFault);
   } else {
     watchdog_.MeetArm();
-    // an arm that left and came back unseen is no more the one that was commanded
-    const bool moved = safety::IsMotion(state_) || safety::Brakes(state_);
-    const bool same = !moved || !commanded_ || state.activation == activation_;
-    const bool active = state.session == SessionState::kCommandingActive && same;
-    // what the arm decides
-    if (!active) {
-      Mirror(state);
-      if (safety::Renders(state_) || state_ == CellState::kStop2) faults_.Latch(Fault::kSession);
-      Take(CellEvent::kArmLeft);
-    } else if (safety::Waits(state_) && phase() != Phase::kStopped) {
-      Wait(state);
-    }
-    if (stop && Rests()) Take(CellEvent::kStopAsked);
-    if (active && phase() != Phase::kStopped &&
-        !(std::abs(state.period_s - params_.period_s) < kSamePeriod_s)) {
-      faults_.Latch(Fault::kPeriod);  // each tick steps by the loop's period: another one is another speed
-      Take(CellEvent::kArmLost);
-    }
-    if (active && phase() != Phase::kStopped && !ModeFits(state.command_mode)) {
-      faults_.Latch(Fault::kCommandMode);
-      Take(CellEvent::kArmLost);
-    }
-    const bool waits = safety::Waits(state_) && phase() != Phase::kStopped;
-    if (waits && readings.force.trusted && record.sensor_age_s <= params_.watchdog.sensor_full_s)
-      bias_.Rest(readings.force.F_S, X_WT_meas_ * X_TF_);
-    if (waits || state_ == CellState::kPaused || state_ == CellState::kAligning)
-      permits_ = Look(state, readings, model, now);
-    if (waits) Begin(state, now);
-    if (safety::IsMotion(state_) || state_ == CellState::kStop2 ||
-        (state_ == CellState::kPaused && Commanded(state))) {
-      const double error_m = (X_WT_meas_.translation() - arm_->X_WT().translation()).norm();
-      statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
-      if (!(error_m <= params_.max_tracking_error_m)) faults_.Latch(Fault::kTracking);
-      if (state.safety_state != 0 && state_ != CellState::kPaused) faults_.Latch(Fault::kSession);
-      if (faults_.Any() && !safety::Renders(state_)) Take(CellEvent::kFault);  // who renders looks further
-      if (stop) Take(CellEvent::kStopAsked);
-      if (pause_asked_) Take(CellEvent::kPauseAsked);
-      pause_asked_ = false;
-    }
-    if (on_path_) Align(state, Permitted(readings.interlock, now), now);
-
-    const bool waited = phase() == Phase::kWaiting || phase() == Phase::kAligning;
-    if (active && !waited) ++statistics_.active_ticks;
-    if (safety::Renders(state_) && params_.law == Law::kImpedance)
-      RenderImpedance(readings, model, now, record);
-    else if (safety::Renders(state_))
-      Render(readings, model, now, record);
-    else if (state_ == CellState::kStop2)
-      BrakeForPause(readings, model, now, record);
-    else if (state_ == CellState::kStop1 && !on_path_)
-      Brake();
-    LookAtRest(state);
+    Answer(state, readings, model, now, record);
   }
 
   statistics_.limits.Count(acting_);
@@ -199,6 +146,47 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
 void ServoLoop::Prefetch() const OSTEON_RT {
   rt::Prefetch(*this);
   arm_->Prefetch();
+}
+
+// A tick whose message came and can be believed: what it says of the arm, what is asked for, what is done.
+void ServoLoop::Answer(const ArmState& state, const CellReadings& readings,
+                       const simulation::ContactModel& model, rt::Nanoseconds now,
+                       TickRecord& record) OSTEON_RT {
+  const bool active = TakeSession(state);
+
+  // may it begin?
+  const bool waits = safety::Waits(state_) && phase() != Phase::kStopped;
+  if (waits && readings.force.trusted && record.sensor_age_s <= params_.watchdog.sensor_full_s)
+    bias_.Rest(readings.force.F_S, X_WT_meas_ * X_TF_);
+  if (waits || state_ == CellState::kPaused || state_ == CellState::kAligning)
+    permits_ = Look(state, readings, model, now);
+  if (waits) Begin(state, now);
+
+  // must it end?
+  if (safety::IsMotion(state_) || state_ == CellState::kStop2 ||
+      (state_ == CellState::kPaused && Commanded(state))) {
+    const double error_m = (X_WT_meas_.translation() - arm_->X_WT().translation()).norm();
+    statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
+    if (!(error_m <= params_.max_tracking_error_m)) faults_.Latch(Fault::kTracking);
+    if (state.safety_state != 0 && state_ != CellState::kPaused) faults_.Latch(Fault::kSession);
+    if (faults_.Any() && !safety::Renders(state_)) Take(CellEvent::kFault);  // who renders looks further
+    if (stop_asked_) Take(CellEvent::kStopAsked);
+    if (pause_asked_) Take(CellEvent::kPauseAsked);
+    pause_asked_ = false;
+  }
+  if (on_path_) Align(state, Permitted(readings.interlock, now), now);
+
+  const bool waited = phase() == Phase::kWaiting || phase() == Phase::kAligning;
+  if (active && !waited) ++statistics_.active_ticks;
+  if (safety::Renders(state_) && params_.law == Law::kImpedance)
+    RenderImpedance(readings, model, now, record);
+  else if (safety::Renders(state_))
+    Render(readings, model, now, record);
+  else if (state_ == CellState::kStop2)
+    BrakeForPause(readings, model, now, record);
+  else if (state_ == CellState::kStop1 && !on_path_)
+    Brake();
+  LookAtRest(state);
 }
 
 // The arm moves by itself, or rests: commanded is what it commands itself. An idle one need not say where it

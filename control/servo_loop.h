@@ -155,6 +155,8 @@ class ServoLoop {
  private:
   ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm, const Pose& X_FT);
 
+  void Answer(const ArmState& state, const CellReadings& readings, const simulation::ContactModel& model,
+              rt::Nanoseconds now, TickRecord& record) OSTEON_RT;
   void Mirror(const ArmState& state) OSTEON_RT;
   void Miss(ReceiveResult received) OSTEON_RT;
   // servo_state.cpp
@@ -166,6 +168,7 @@ class ServoLoop {
     return safety::Waits(state_) || state_ == safety::CellState::kPaused;
   }
   void LookAtRest(const ArmState& state) OSTEON_RT;
+  [[nodiscard]] bool TakeSession(const ArmState& state) OSTEON_RT;
   [[nodiscard]] bool Commanded(const ArmState& state) const OSTEON_RT;
   [[nodiscard]] safety::MotionPermits Look(const ArmState& state, const CellReadings& readings,
                                            const simulation::ContactModel& model,

@@ -16,6 +16,7 @@ constexpr double kPlausible_rad = 0.1;
 // Slower is standing: an encoder's step in a tick, not a coasting arm.
 constexpr double kStands_rad_per_s = 0.02;
 constexpr int kStandingTicks = 10;
+constexpr double kSamePeriod_s = 1e-6;
 
 double FarthestJoint(const JointArray& a, const JointArray& b) OSTEON_RT {
   double most = 0.0;
@@ -158,6 +159,32 @@ safety::MotionPermits ServoLoop::Look(const ArmState& state, const CellReadings&
   permits.Put(MotionPermit::kPosePlausible, error_m <= params_.max_tracking_error_m &&
                                                 FarthestJoint(arm_->q(), state.q_meas) <= kPlausible_rad);
   return permits;
+}
+
+// What the arm's message decides. True where the arm takes commands.
+bool ServoLoop::TakeSession(const ArmState& state) OSTEON_RT {
+  // an arm that left and came back unseen is no more the one that was commanded
+  const bool moved = safety::IsMotion(state_) || safety::Brakes(state_);
+  const bool same = !moved || !commanded_ || state.activation == activation_;
+  const bool active = state.session == SessionState::kCommandingActive && same;
+  if (!active) {
+    Mirror(state);
+    if (safety::Renders(state_) || state_ == CellState::kStop2) faults_.Latch(Fault::kSession);
+    Take(CellEvent::kArmLeft);
+  } else if (safety::Waits(state_) && phase() != Phase::kStopped) {
+    Wait(state);
+  }
+  if (stop_asked_ && Rests()) Take(CellEvent::kStopAsked);
+  if (active && phase() != Phase::kStopped &&
+      !(std::abs(state.period_s - params_.period_s) < kSamePeriod_s)) {
+    faults_.Latch(Fault::kPeriod);  // each tick steps by the loop's period: another one is another speed
+    Take(CellEvent::kArmLost);
+  }
+  if (active && phase() != Phase::kStopped && !ModeFits(state.command_mode)) {
+    faults_.Latch(Fault::kCommandMode);
+    Take(CellEvent::kArmLost);
+  }
+  return active;
 }
 
 // The arm moves by itself and is followed, or it was not left since it was last commanded and is held.

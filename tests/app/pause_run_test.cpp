@@ -1,0 +1,71 @@
+// An operator's pause of a whole cell in virtual time: as recorded, and as it is replayed.
+
+#include <gtest/gtest.h>
+
+#include "app/replay.h"
+#include "safety/cell_state.h"
+#include "tests/app/virtual_ride.h"
+
+namespace osteon::app {
+namespace {
+
+using safety::CellState;
+
+TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
+  auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
+  ASSERT_TRUE(setup) << setup.error();
+  auto engine = MakeEngine(*setup, "vulkan", "");
+  ASSERT_TRUE(engine) << engine.error();
+  const io::test::TemporaryFolder folder;
+  PauseSignals pauses;
+  double paused_at_s = -1.0;
+  bool asked_to_go_on = false;
+  const CellRunParams params{.seconds = 4.0,
+                             .virtual_time = true,
+                             .recording = folder.path() / "r.mcap",
+                             .pauses = &pauses,
+                             .progress = [&](double at_s) {
+                               if (at_s >= 3.0 && paused_at_s < 0.0) {
+                                 pauses.pause = true;
+                                 paused_at_s = at_s;
+                               }
+                               if (paused_at_s > 0.0 && at_s > paused_at_s + 1.0 && !asked_to_go_on)
+                                 asked_to_go_on = pauses.resume = true;
+                             }};
+  const auto result = RunCell(*setup, **engine, params);
+  ASSERT_TRUE(result) << result.error().what;
+  ASSERT_TRUE(asked_to_go_on);
+  EXPECT_EQ(result->end, control::RunEnd::kSeconds);
+  EXPECT_FALSE(result->faults.Any());
+
+  const auto recording = io::ReadRecording(params.recording);
+  ASSERT_TRUE(recording) << recording.error();
+  const auto is = [](const control::TickRecord& tick, CellState state) {
+    return tick.cell_state == static_cast<std::uint8_t>(state);
+  };
+  std::size_t paused = 0, stop_2 = 0, after = 0;
+  const control::TickRecord* before = nullptr;
+  for (const control::TickRecord& tick : recording->ticks) {
+    if (is(tick, CellState::kPaused)) {
+      ++paused;
+      if (before && is(*before, CellState::kPaused)) {
+        ASSERT_EQ(tick.q_cmd, before->q_cmd) << "held, tick " << tick.tick;
+      }
+      EXPECT_EQ(tick.spindle_rad_per_s, 0.0);
+    }
+    stop_2 += is(tick, CellState::kStop2) ? 1u : 0u;
+    after += paused > 0 && safety::Renders(static_cast<CellState>(tick.cell_state)) ? 1u : 0u;
+    before = &tick;
+  }
+  EXPECT_NEAR(static_cast<double>(paused), 1000.0, 200.0) << "ticks of 1 ms between the two askings";
+  EXPECT_GT(stop_2, 0u);
+  EXPECT_GT(after, 1000u) << "it went on";
+  ExpectNoJump(*recording, 2e-3);
+
+  const ReplayResult replayed = Replay(*recording, setup->config);
+  EXPECT_TRUE(replayed.identical) << replayed.why_not
+                                  << (replayed.first_difference ? replayed.first_difference->field : "");
+}
+
+}  // namespace
+}  // namespace osteon::app
