@@ -17,12 +17,13 @@ void HoldsAtLevel(hil::ArmLevel level) {
   }
 }
 
+constexpr int kShards = 8;
 class LoopProperty : public testing::TestWithParam<int> {};
 
 TEST_P(LoopProperty, NothingMakesItExceedALimitOnTheFirstLevel) {
-  CheckShard(GetParam(), 16, 100'000, [] { HoldsAtLevel(hil::ArmLevel::kKinematic); });
+  CheckShard(GetParam(), kShards, 100'000, [] { HoldsAtLevel(hil::ArmLevel::kKinematic); });
 }
-INSTANTIATE_TEST_SUITE_P(Shard, LoopProperty, testing::Range(0, 16));
+INSTANTIATE_TEST_SUITE_P(Shard, LoopProperty, testing::Range(0, kShards));
 
 TEST(LoopPropertyLevels, NothingMakesItExceedALimitOnAnArmThatLags) {
   CheckShard(100, 1, 1'000, [] { HoldsAtLevel(hil::ArmLevel::kServo); });
@@ -45,7 +46,7 @@ TEST(LoopPropertyCases, RenderAndComeToTheirLimits) {
     fast += cell.oracle().most_speed_share() > 0.5;
   });
   EXPECT_GT(rendered, 4 * cases) << "ticks of it render";
-  EXPECT_GT(fast, cases / 50) << "of it reach the tool's speed";
+  EXPECT_GT(fast, cases / 20) << "of it reach the tool's speed";
 }
 
 }  // namespace
