@@ -45,6 +45,7 @@ constexpr unsigned kSeed = 20240915;
 struct Target {
   const char* name;
   int (*run)(const std::uint8_t*, std::size_t);
+  int runs{5'000};
 };
 void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
 
@@ -151,7 +152,7 @@ TEST_P(FuzzTarget, HoldsItsClaimsOverTheCorpus) {
 TEST_P(FuzzTarget, HoldsItsClaimsOverChangesOfTheCorpus) {
   SCOPED_TRACE(kSeed);
   const char* wanted = std::getenv("OSTEON_FUZZ_RUNS");
-  const int runs = wanted == nullptr ? 5'000 : std::max(1, std::atoi(wanted));
+  const int runs = wanted == nullptr ? GetParam().runs : std::max(1, std::atoi(wanted));
   const auto corpus = Corpus(GetParam().name);
   ASSERT_FALSE(corpus.empty());
   Mutator mutator;
@@ -168,9 +169,9 @@ INSTANTIATE_TEST_SUITE_P(Wire, FuzzTarget,
                          NameOf);
 INSTANTIATE_TEST_SUITE_P(Config, FuzzTarget,
                          testing::Values(Target{"yaml", OsteonFuzz_yaml},
-                                         Target{"config_file", OsteonFuzz_config_file},
-                                         Target{"tool_file", OsteonFuzz_tool_file},
-                                         Target{"cell", OsteonFuzz_cell},
+                                         Target{"config_file", OsteonFuzz_config_file, 500},
+                                         Target{"tool_file", OsteonFuzz_tool_file, 500},
+                                         Target{"cell", OsteonFuzz_cell, 500},
                                          Target{"density_image", OsteonFuzz_density_image}),
                          NameOf);
 INSTANTIATE_TEST_SUITE_P(Files, FuzzTarget,
