@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "config/check_loop.h"
 #include "config/check_registration.h"
 #include "config/load.h"
 #include "config/load_robot.h"
@@ -369,6 +370,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   CheckFrames(cell, reader);
   PlaceAtStart(start, cell);
   Spread(cell);
+  CheckLoop(reader, servo);
   CheckStart(cell, reader);
   CheckScript(script, cell.script, hand, cell.simulated.hand.max_force_N);
   return cell;

@@ -128,7 +128,7 @@ void ReadMeshTissue(Reader section, simulation::MeshSceneTissue& tissue, Names& 
     read.tissue = ReadShellTissue(region, names);
   }
   for (Reader& lining : section.Sections("lining", 0, 1)) {
-    auto& read = tissue.lining.emplace();
+    auto& read = tissue.lining.emplace(simulation::MeshSceneTissue::Lining{});
     read.lining_radii = lining.Number("reach_ratio", 1, 2);
     read.layers = ReadLayers(lining, names);
     read.core = names.Read(lining, "core");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <sstream>
+#include <unordered_map>
 
 #include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
@@ -108,13 +109,14 @@ struct Reader::Mapping {
   Mapping(std::filesystem::path file_in, const YAML::Node& node, int line_in, const std::string& key)
       : file(std::move(file_in)), line(line_in) {
     if (!node.IsMap()) Fail(line, fmt::format("{}found {}, accepted a mapping", key, Shown(node)));
+    std::unordered_map<std::string, int> lines;  // of the keys: a hostile file has a hundred thousand
     for (const auto& pair : node) {
       if (!pair.first.IsScalar()) Fail(LineOf(pair.first), "a key must be a word");
       const Entry entry{pair.first.Scalar(), pair.first, pair.second};
-      for (const Entry& earlier : entries)
-        if (earlier.key == entry.key)
-          Fail(LineOf(entry.key_node),
-               fmt::format("key \"{}\" again, first in line {}", entry.key, LineOf(earlier.key_node)));
+      const auto [earlier, is_new] = lines.try_emplace(entry.key, LineOf(entry.key_node));
+      if (!is_new)
+        Fail(LineOf(entry.key_node),
+             fmt::format("key \"{}\" again, first in line {}", entry.key, earlier->second));
       entries.push_back(entry);
     }
   }

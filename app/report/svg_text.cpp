@@ -5,33 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "io/recording/utf8.h"
+
 namespace osteon::app {
 namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
-
-/// Length of the UTF-8 sequence that starts `text`, 0 where it is none (RFC 3629: no overlong form, no
-/// surrogate).
-std::size_t SequenceLength(std::string_view text) {
-  const auto byte = [&text](std::size_t i) {
-    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
-  };
-  const auto tail = [&byte](std::size_t i) { return (byte(i) & 0xC0u) == 0x80u; };
-  const unsigned first = byte(0);
-  if (first < 0x80u) return 1;
-  if (first >= 0xC2u && first <= 0xDFu && tail(1)) return 2;
-  if (first >= 0xE0u && first <= 0xEFu && tail(1) && tail(2)) {
-    const bool overlong = first == 0xE0u && byte(1) < 0xA0u;
-    const bool surrogate = first == 0xEDu && byte(1) >= 0xA0u;
-    return overlong || surrogate ? 0 : 3;
-  }
-  if (first >= 0xF0u && first <= 0xF4u && tail(1) && tail(2) && tail(3)) {
-    const bool overlong = first == 0xF0u && byte(1) < 0x90u;
-    const bool beyond = first == 0xF4u && byte(1) >= 0x90u;
-    return overlong || beyond ? 0 : 4;
-  }
-  return 0;
-}
 
 /// Width of one character in em.
 double CharacterWidth(unsigned char c) {
@@ -50,7 +29,7 @@ std::string Escape(std::string_view text) {
   std::string out;
   out.reserve(text.size() + text.size() / 8);
   while (!text.empty()) {
-    const std::size_t length = SequenceLength(text);
+    const std::size_t length = io::Utf8Length(text);
     const auto c = static_cast<unsigned char>(text.front());
     if (length == 0 || (c < 0x20u && c != '\n' && c != '\t') || c == 0x7Fu) {
       out += kReplacement;

@@ -47,18 +47,23 @@ std::optional<MeshError> ReadText(std::string_view content, const std::string& n
     std::string begin;
     for (const std::string_view word : expected.words)
       begin += (begin.empty() ? "" : " ") + std::string(word);
-    const std::string accepted =
-        fmt::format("'{}'{}{}", begin, expected.numbers > 0 ? " and 3 finite numbers" : "",
-                    step == 0 ? ", or 'endsolid'" : "");
+    const std::string accepted = fmt::format("'{}'{}{}", begin,
+                                             expected.numbers == 0 ? ""
+                                             : step == 0           ? " and 3 numbers"
+                                                                   : " and 3 finite numbers",
+                                             step == 0 ? ", or 'endsolid'" : "");
     if (words.size() != expected.words.size() + expected.numbers) return refuse(accepted);
     for (std::size_t i = 0; i < expected.words.size(); ++i)
       if (!IsWord(words[i], expected.words[i])) return refuse(accepted);
-    // a normal is not used: exporters write nan for needles
-    for (std::size_t i = expected.words.size(); i < words.size() && step != 0; ++i)
-      if (!IsCoordinate(words[i]))
-        return DamageAtLine(
-            name, lines.line(), fmt::format("found coordinate {}, accepted a finite number", Shown(words[i])),
-            ParseWord<double>(words[i]) ? MeshErrorKind::kNotFinite : MeshErrorKind::kUnreadable);
+    for (std::size_t i = expected.words.size(); i < words.size(); ++i) {
+      const bool is_number = ParseWord<double>(words[i]).has_value();
+      // a normal is not used: exporters write nan for needles. What is no number at all assimp stops at
+      if (step == 0 && !is_number) return refuse(accepted);
+      if (step != 0 && !IsCoordinate(words[i]))
+        return DamageAtLine(name, lines.line(),
+                            fmt::format("found coordinate {}, accepted a finite number", Shown(words[i])),
+                            is_number ? MeshErrorKind::kNotFinite : MeshErrorKind::kUnreadable);
+    }
     step = (step + 1) % kFacet.size();
   }
   if (in_solid)

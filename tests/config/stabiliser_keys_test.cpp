@@ -43,6 +43,16 @@ TEST(StabiliserKeys, ReachTheLoop) {
   EXPECT_EQ(s.energy_tank.ramp_s, 0.1);
 }
 
+// Found by the fuzz target cell: each value was in its range, and the loop threw when it was made.
+TEST(StabiliserKeys, AnAgeGovernorWithoutAnyDampingIsRefusedWithTheFile) {
+  const std::string text = With(CellText("thin_plate_impedance"), "damping_Ns_per_m: [40, 40, 40]",
+                                "damping_Ns_per_m: [40, 40, 0]");
+  EXPECT_THAT(Refusal(text),
+              AllOf(HasSubstr(".yaml:"), HasSubstr("impedance: impedance damping_Ns_per_m with the arm's"),
+                    HasSubstr("found 0, accepted > 0")));
+  EXPECT_EQ(Refusal(With(text, "\nage_governor:", "\nage_governor:\n  arm_damping_Ns_per_m: 30")), "");
+}
+
 TEST(StabiliserKeys, ASectionThatIsLeftOutIsAsTheShippedOnesAre) {
   const std::string all = CellText("demo");
   std::string none = all;

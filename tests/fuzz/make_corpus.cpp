@@ -1,11 +1,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <string>
-#include <vector>
 
 #include "io/can/udp_can_codec.h"
+#include "tests/fuzz/corpus_folder.h"
 #include "tests/io/fri_oracle.h"
 #include "tests/io/rsi_oracle.h"
 
@@ -14,24 +13,7 @@
 namespace osteon {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
 constexpr std::array kFamilies{io::FriFamily::k1, io::FriFamily::k2_5, io::FriFamily::k2_7};
-
-void Append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), more.end()); }
-
-class Corpus {
- public:
-  Corpus(const std::filesystem::path& root, const std::string& target) : folder_(root / target) {
-    std::filesystem::create_directories(folder_);
-  }
-  void Write(const std::string& name, const Bytes& bytes) const {
-    std::ofstream out(folder_ / name, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  }
-
- private:
-  std::filesystem::path folder_;
-};
 
 // What a step of fri_session and rsi is made of.
 Bytes Step(unsigned op, const Bytes& datagram) {
@@ -217,5 +199,6 @@ int main(int argc, char** argv) {
   osteon::WriteRsi(argv[1]);
   osteon::WriteCan(argv[1]);
   osteon::WritePlc(argv[1]);
+  osteon::WriteFiles(argv[1]);
   return 0;
 }

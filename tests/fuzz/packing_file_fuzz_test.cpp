@@ -72,21 +72,6 @@ class PackingFuzz : public testing::Test {
     return bytes;
   }
 
-  /// Seals what can be sealed; a table that leads outside stays as it is.
-  static void SealIfPossible(std::string& bytes) {
-    if (bytes.size() < kTableAt) return;
-    const std::size_t sections = Get<std::uint32_t>(bytes, kSectionsAt);
-    if (sections > 16 || kTableAt + 32 * sections > bytes.size()) return;
-    Put(bytes, kFileBytesAt, std::uint64_t{bytes.size()});
-    for (std::size_t i = 0; i < sections; ++i) {
-      const auto offset = Get<std::uint64_t>(bytes, EntryAt(i, "offset")),
-                 size = Get<std::uint64_t>(bytes, EntryAt(i, "bytes"));
-      if (offset <= bytes.size() && size <= bytes.size() - offset)
-        Put(bytes, EntryAt(i, "crc"), SlowCrc(bytes.substr(offset, size)));
-    }
-    SealHeader(bytes);
-  }
-
   TemporaryFolder folder_;
   std::string whole_;
   std::mt19937 random_{kSeed};

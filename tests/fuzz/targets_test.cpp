@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,18 @@ int OsteonFuzz_fri_session(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_rsi(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_can(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_plc(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_yaml(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_config_file(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_tool_file(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_cell(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_density_image(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_mesh(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_motion(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_packing(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_packing_text(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_carved(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_recording(const std::uint8_t* data, std::size_t size);
+int OsteonFuzz_recording_message(const std::uint8_t* data, std::size_t size);
 }
 
 namespace osteon::fuzz {
@@ -32,14 +45,23 @@ constexpr unsigned kSeed = 20240915;
 struct Target {
   const char* name;
   int (*run)(const std::uint8_t*, std::size_t);
+  int runs{5'000};
 };
 void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
 
+// The files of the folders that seeds.txt names.
 std::vector<Bytes> Corpus(const std::string& target) {
+  const std::filesystem::path root(OSTEON_SOURCE_DIR);
   std::vector<std::filesystem::path> files;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::string(OSTEON_SOURCE_DIR "/tests/fuzz/corpus/") + target))
-    files.push_back(entry.path());
+  std::ifstream seeds(root / "tests/fuzz/seeds.txt");
+  for (std::string line; std::getline(seeds, line);) {
+    std::istringstream words(line);
+    std::string word;
+    if (!(words >> word) || word != target) continue;
+    while (words >> word)
+      for (const auto& entry : std::filesystem::directory_iterator(root / word))
+        files.push_back(entry.path());
+  }
   std::sort(files.begin(), files.end());
   std::vector<Bytes> corpus;
   for (const auto& file : files) {
@@ -68,7 +90,7 @@ class Mutator {
           *here ^= static_cast<std::uint8_t>(1u << Below(8));
           break;
         case 2: {
-          constexpr std::uint8_t kNotable[]{0, 1, 0x7f, 0x80, 0xff, '0', '"', '<'};
+          constexpr std::uint8_t kNotable[]{0, 1, 0x7f, 0x80, 0xff, '0', '9', '-', '"', '<', ':', '\n'};
           *here = kNotable[Below(std::size(kNotable))];
           break;
         }
@@ -130,19 +152,36 @@ TEST_P(FuzzTarget, HoldsItsClaimsOverTheCorpus) {
 TEST_P(FuzzTarget, HoldsItsClaimsOverChangesOfTheCorpus) {
   SCOPED_TRACE(kSeed);
   const char* wanted = std::getenv("OSTEON_FUZZ_RUNS");
-  const int runs = wanted == nullptr ? 5'000 : std::max(1, std::atoi(wanted));
+  const int runs = wanted == nullptr ? GetParam().runs : std::max(1, std::atoi(wanted));
   const auto corpus = Corpus(GetParam().name);
   ASSERT_FALSE(corpus.empty());
   Mutator mutator;
   for (int i = 0; i < runs; ++i) ASSERT_TRUE(Holds(mutator.Change(corpus))) << i;
 }
 
+std::string NameOf(const testing::TestParamInfo<Target>& target) { return target.param.name; }
+
 INSTANTIATE_TEST_SUITE_P(Wire, FuzzTarget,
                          testing::Values(Target{"fri_decode", OsteonFuzz_fri_decode},
                                          Target{"fri_session", OsteonFuzz_fri_session},
                                          Target{"rsi", OsteonFuzz_rsi}, Target{"can", OsteonFuzz_can},
                                          Target{"plc", OsteonFuzz_plc}),
-                         [](const auto& target) { return std::string(target.param.name); });
+                         NameOf);
+INSTANTIATE_TEST_SUITE_P(Config, FuzzTarget,
+                         testing::Values(Target{"yaml", OsteonFuzz_yaml},
+                                         Target{"config_file", OsteonFuzz_config_file, 500},
+                                         Target{"tool_file", OsteonFuzz_tool_file, 500},
+                                         Target{"cell", OsteonFuzz_cell, 500},
+                                         Target{"density_image", OsteonFuzz_density_image}),
+                         NameOf);
+INSTANTIATE_TEST_SUITE_P(Files, FuzzTarget,
+                         testing::Values(Target{"mesh", OsteonFuzz_mesh}, Target{"motion", OsteonFuzz_motion},
+                                         Target{"packing", OsteonFuzz_packing},
+                                         Target{"packing_text", OsteonFuzz_packing_text},
+                                         Target{"carved", OsteonFuzz_carved},
+                                         Target{"recording", OsteonFuzz_recording},
+                                         Target{"recording_message", OsteonFuzz_recording_message}),
+                         NameOf);
 
 }  // namespace
 }  // namespace osteon::fuzz

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "simulation/reference_engine.h"
+#include "tests/simulation/carved_samples.h"
 #include "tests/simulation/packing_samples.h"
 
 namespace osteon::simulation {
@@ -20,39 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kHeader = 392;
 
-Bone TestBone() {
-  Bone bone;
-  bone.name = "test";
-  for (int i = 0; i < 5; ++i) {
-    bone.balls.push_back({.center_m = Vector3(3e-3 * i, 0, 0), .radius_m = 2e-3});
-    bone.points.push_back({.p_m = Vector3(3e-3 * i, 0, 0), .volume_m3 = 30e-9});
-  }
-  bone.materials = {{.name = "test",
-                     .density_kg_per_m3 = 500.0,
-                     .specific_cutting_energy_J_per_m3 = 1e6,
-                     .cutting_force_ratio = 0.8}};
-  return bone;
-}
-
-CuttingParams Params() {
-  CuttingParams params;
-  params.law = RemovalLaw::kImmediate;
-  params.split = {.on = true, .blocks_per_frame = 1};
-  return params;
-}
-
-Tool Ball4() {
-  Tool tool;
-  tool.name = "ball";
-  tool.balls = {{.center_m = Vector3(0, 0, 0), .radius_m = 4e-3}};
-  return tool;
-}
-
-FrameInput Frame(double z_m) {
-  Pose X = Pose::Identity();
-  X.translation() = Vector3(4e-3, 0, z_m);
-  return {.X_WT = X, .spindle_rad_per_s = 30.0};
-}
+using test::CarvedBone, test::CarvedFrame, test::CarvedParams, test::CarvedTool;
 
 class CarvedFile : public testing::Test {
  protected:
@@ -61,7 +30,7 @@ class CarvedFile : public testing::Test {
                                            testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::create_directories(folder_);
     path_ = folder_ / "state.osc";
-    for (int i = 0; i < 6; ++i) engine_.Step(Frame(6e-3 - 0.2e-3 * i));
+    for (int i = 0; i < 6; ++i) engine_.Step(CarvedFrame(6e-3 - 0.2e-3 * i));
     state_ = engine_.Snapshot();
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -90,8 +59,8 @@ class CarvedFile : public testing::Test {
     return read ? "" : read.error().Text();
   }
 
-  Bone bone_{TestBone()};
-  ReferenceEngine engine_{bone_, Ball4(), Pose::Identity(), Params()};
+  Bone bone_{CarvedBone()};
+  ReferenceEngine engine_{bone_, CarvedTool(), Pose::Identity(), CarvedParams()};
   CarvedState state_;
   fs::path folder_, path_;
 };
@@ -107,11 +76,12 @@ TEST_F(CarvedFile, ARunResumesFromItToTheLastBit) {
   EXPECT_EQ(read->removed_mass_kg, state_.removed_mass_kg);
   EXPECT_EQ(std::memcmp(&read->X_GP, &state_.X_GP, sizeof(state_.X_GP)), 0);
   EXPECT_EQ(read->contact.pair_count, state_.contact.pair_count);
-  ReferenceEngine other(TestBone(), Ball4(), Pose::Identity(), Params());
+  ReferenceEngine other(CarvedBone(), CarvedTool(), Pose::Identity(), CarvedParams());
   other.Restore(*read);
   engine_.Restore(state_);
   for (int i = 6; i < 20; ++i) {
-    const ContactModel a = engine_.Step(Frame(6e-3 - 0.2e-3 * i)), b = other.Step(Frame(6e-3 - 0.2e-3 * i));
+    const ContactModel a = engine_.Step(CarvedFrame(6e-3 - 0.2e-3 * i)),
+                       b = other.Step(CarvedFrame(6e-3 - 0.2e-3 * i));
     ASSERT_EQ(std::memcmp(&a.X_WP, &b.X_WP, sizeof(a.X_WP)), 0) << i;
     ASSERT_EQ(a.removed_mass_kg, b.removed_mass_kg);
   }
@@ -169,12 +139,12 @@ TEST_F(CarvedFile, ErrorsNameTheByteWhatIsThereAndWhatIsAccepted) {
 
 TEST_F(CarvedFile, OfAnotherBoneIsRefused) {
   ASSERT_TRUE(WriteCarvedState(path_, state_, bone_));
-  Bone other = TestBone();
+  Bone other = CarvedBone();
   other.balls[3].radius_m += 1e-9;
   const auto read = ReadCarvedState(path_, other);
   ASSERT_FALSE(read);
   EXPECT_NE(read.error().Text().find("bone's fingerprint"), std::string::npos) << read.error().Text();
-  other = TestBone();
+  other = CarvedBone();
   other.points.pop_back();
   EXPECT_FALSE(ReadCarvedState(path_, other));
   EXPECT_FALSE(WriteCarvedState(path_, state_, other));

@@ -115,6 +115,8 @@ std::vector<Malformed> AllMalformed() {
        "found 'vertex nan"},
       {"a coordinate of inf in text", ".stl", Replaced(stl, "vertex 20.000000", "vertex inf"),
        Kind::kNotFinite, "found coordinate 'inf'"},
+      {"a normal that is no number", ".stl", Replaced(stl, "normal 0 0 0", "normal 0 0 x"), Kind::kUnreadable,
+       ".stl:2: found 'facet normal 0 0 x', accepted 'facet normal' and 3 numbers"},
       {"a solid without facets", ".stl", "solid nothing\nendsolid nothing\n", Kind::kEmpty, ""},
       // STL as bytes
       {"bytes cut off in the header", ".stl", binary_stl.substr(0, 50), Kind::kUnreadable,

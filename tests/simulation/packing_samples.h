@@ -103,6 +103,22 @@ inline void Seal(std::string& bytes) {
   SealHeader(bytes);
 }
 
+/// Seals what can be sealed of damaged bytes, as somebody would who wants them believed; a table that leads
+/// outside stays as it is.
+inline void SealIfPossible(std::string& bytes) {
+  if (bytes.size() < kTableAt) return;
+  const std::size_t sections = Get<std::uint32_t>(bytes, kSectionsAt);
+  if (sections > 16 || kTableAt + 32 * sections > bytes.size()) return;
+  Put(bytes, kFileBytesAt, std::uint64_t{bytes.size()});
+  for (std::size_t i = 0; i < sections; ++i) {
+    const auto offset = Get<std::uint64_t>(bytes, EntryAt(i, "offset")),
+               size = Get<std::uint64_t>(bytes, EntryAt(i, "bytes"));
+    if (offset <= bytes.size() && size <= bytes.size() - offset)
+      Put(bytes, EntryAt(i, "crc"), SlowCrc(bytes.substr(offset, size)));
+  }
+  SealHeader(bytes);
+}
+
 struct SampleSection {
   std::uint32_t kind;
   std::uint64_t count;

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "config/reader.h"
+#include "control/servo_params.h"
+
+namespace osteon::config {
+
+/// Refuses here, where the file is known, what the loop would refuse when it is made (control::Validate,
+/// control::LawOf): values that are in their ranges, but not beside each other.
+/// @throws ConfigError at the law's section, naming the parameter, the value and what is accepted.
+void CheckLoop(const Reader& cell, const control::ServoParams& servo);
+
+}  // namespace osteon::config

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdlib>
+#include <optional>
+
+#include "config/file_scope.h"
+#include "config/reader.h"
+#include "tests/fuzz/targets/file_claims.h"
+
+// What the targets that read YAML share.
+
+namespace osteon::fuzz {
+
+/// An error names its file, and a line that is in it where it names one.
+/// @param name  of the file that is the fuzzer's; others are the repository's own
+inline void ClaimNamesPlace(const config::ConfigError& error, const std::string& name,
+                            std::string_view text) {
+  const std::string_view what = error.what();
+  Claim(what.starts_with(error.file() + ":"), "an error names the file");
+  if (error.line() == 0) return Claim(what.starts_with(error.file() + ": "), "and no line where it has none");
+  Claim(what.starts_with(error.file() + ":" + std::to_string(error.line()) + ": "), "and the line");
+  if (error.file() == name) ClaimNamesLine(what, name, text);
+}
+
+/// What `load` gives, or nothing where it refuses.
+template <typename Load>
+auto Loaded(const Load& load, const std::string& name, std::string_view text)
+    -> std::optional<decltype(load())> {
+  try {
+    return load();
+  } catch (const config::ConfigError& error) {
+    ClaimNamesPlace(error, name, text);
+    return std::nullopt;
+  }
+}
+
+/// The repository's config/ with one more file, cells/fuzz.yaml. Files are found in there and nowhere else.
+class FuzzConfig {
+ public:
+  FuzzConfig() {
+    std::filesystem::create_directories(root() / "cells");
+    for (const char* folder : {"robots", "tools", "scenes", "materials", "images"})
+      std::filesystem::create_directory_symlink(Shipped() / folder, root() / folder);
+  }
+  /// OSTEON_ROOT says where the repository is, if it is not where this was built.
+  [[nodiscard]] static std::filesystem::path Shipped() {
+    const char* moved = std::getenv("OSTEON_ROOT");
+    return std::filesystem::path(moved ? moved : OSTEON_SOURCE_DIR) / "config";
+  }
+
+  void Write(std::string_view text) const { io::test::WriteAll(path(), std::string(text)); }
+  [[nodiscard]] std::filesystem::path path() const { return root() / "cells" / "fuzz.yaml"; }
+  [[nodiscard]] std::filesystem::path Beside(const std::string& name) const { return root() / name; }
+  [[nodiscard]] config::FileScope::Params scope() const { return {.root = root()}; }
+
+ private:
+  [[nodiscard]] std::filesystem::path root() const { return folder_.path() / "config"; }
+  io::test::TemporaryFolder folder_{FastFolder()};
+};
+
+}  // namespace osteon::fuzz

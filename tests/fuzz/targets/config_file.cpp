@@ -1,0 +1,67 @@
+#include "config/load.h"
+#include "config/load_robot.h"
+#include "config/read_calibration.h"
+#include "config/read_gains.h"
+#include "tests/fuzz/targets/config_claims.h"
+
+// A file of every kind that a cell names but a tool (tool_file.cpp): robot, scene, materials, gains,
+// calibration. The text is read as each of them; of the three whole files it can only be one.
+
+namespace osteon::fuzz {
+namespace {
+
+void ClaimScene(const simulation::SceneParams& scene) {
+  simulation::CheckShape(scene.shape);
+  Claim(!scene.material_names.empty() && scene.material_names.size() <= simulation::kMaxMaterials,
+        "a scene has 1 … 8 materials");
+}
+
+template <int kCount>
+void ClaimLimits(const kinematics::ChainParams<kCount>& chain) {
+  for (const auto& joint : chain.joints)
+    Claim(joint.limits.lower_rad < joint.limits.upper_rad && joint.limits.velocity_rad_per_s > 0.0,
+          "a joint has a range and a speed");
+}
+
+// Whatever was laid over gains, the laws take them.
+void Gains(const FuzzConfig& files, std::string_view text, const config::CellConfig& cell) {
+  for (const control::Law law : {control::Law::kAdmittance, control::Law::kImpedance}) {
+    control::AdmittanceParams admittance = cell.servo.admittance;
+    control::CouplingParams coupling = cell.servo.coupling;
+    if (Loaded([&] { return config::LayGainsOver(files.path(), law, admittance, coupling), true; },
+               files.path().string(), text))
+      control::Validate(control::GainsOf(admittance, coupling));
+  }
+}
+
+void Calibration(const FuzzConfig& files, std::string_view text, config::CellConfig cell) {
+  if (!Loaded([&] { return config::LayCalibrationOver(files.path(), cell), true; }, files.path().string(),
+              text))
+    return;
+  control::Validate(cell.servo);
+  Claim(cell.tool.X_FT.matrix().allFinite(), "the tool has a place");
+}
+
+}  // namespace
+}  // namespace osteon::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace osteon;
+  static const fuzz::FuzzConfig files;
+  static const config::CellConfig cell =
+      config::LoadCell(fuzz::FuzzConfig::Shipped() / "cells" / "demo.yaml");
+  const std::string text = fuzz::Text({data, size}), name = files.path().string();
+  files.Write(text);
+  const config::FileScope scope(files.scope());
+
+  const auto robot = fuzz::Loaded([&] { return config::LoadRobot(files.path()); }, name, text);
+  if (robot) std::visit([](const auto& chain) { fuzz::ClaimLimits(chain); }, robot->chain);
+  const auto scene = fuzz::Loaded([&] { return config::LoadScene(files.path()); }, name, text);
+  if (scene) fuzz::ClaimScene(*scene);
+  const auto materials = fuzz::Loaded([&] { return config::LoadMaterials(files.path()); }, name, text);
+  if (materials) simulation::CheckMaterials(*materials);
+  fuzz::Claim(robot.has_value() + scene.has_value() + materials.has_value() <= 1, "a file is of one kind");
+  fuzz::Gains(files, text, cell);
+  fuzz::Calibration(files, text, cell);
+  return 0;
+}

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <charconv>
+#include <string>
+#include <string_view>
+
+#include "tests/fuzz/targets/fuzz_input.h"
+#include "tests/io/temporary_folder.h"
+
+// What the targets that read files share: a file whose bytes are the fuzzer's, and what an error must name.
+
+namespace osteon::fuzz {
+
+/// Where files lie in memory, if the system has such a place: no disk waits for thousands of inputs.
+inline std::filesystem::path FastFolder() {
+  const std::filesystem::path memory = "/dev/shm";
+  return ::access(memory.c_str(), W_OK) == 0 ? memory : std::filesystem::temp_directory_path();
+}
+
+/// One file in a folder of its own, written anew for each input.
+class FuzzFile {
+ public:
+  explicit FuzzFile(const std::string& name) : path_(folder_.path() / name) {}
+
+  void Write(std::string_view bytes) const { io::test::WriteAll(path_, std::string(bytes)); }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::filesystem::path Beside(const std::string& name) const { return folder_.path() / name; }
+
+ private:
+  io::test::TemporaryFolder folder_{FastFolder()};
+  std::filesystem::path path_;
+};
+
+inline std::string Text(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
+
+/// The number that stands in `text` behind `before`; -1 where there is none.
+inline long long NumberBehind(std::string_view text, std::string_view before) {
+  const std::size_t at = text.find(before);
+  if (at == std::string_view::npos) return -1;
+  long long number = -1;
+  std::from_chars(text.data() + at + before.size(), text.data() + text.size(), number);
+  return number;
+}
+
+/// "FILE: byte N: …" with a byte that is in the file, or just behind it.
+inline void ClaimNamesByte(std::string_view error, const std::filesystem::path& path, std::size_t size) {
+  Claim(error.starts_with(path.string() + ": "), "an error names the file");
+  const long long byte = NumberBehind(error, path.string() + ": byte ");
+  Claim(byte >= 0 && static_cast<unsigned long long>(byte) <= size, "an error names a byte of the file");
+}
+
+/// "FILE:N: …" with a line that is in the text, or just behind it.
+inline void ClaimNamesLine(std::string_view error, const std::string& name, std::string_view text) {
+  const auto lines = static_cast<long long>(std::count(text.begin(), text.end(), '\n')) + 1;
+  const long long line = NumberBehind(error, name + ":");
+  Claim(error.starts_with(name + ":") && line >= 1 && line <= lines + 1, "an error names a line of the file");
+}
+
+}  // namespace osteon::fuzz

@@ -1,0 +1,45 @@
+#include "simulation/packing/packing_text.h"
+#include "tests/fuzz/targets/file_claims.h"
+
+// The two texts of a packing file: byte 0 which (bit 0: materials, else provenance), then the text. There is
+// one way to write a value, so that what is accepted is what the writer writes.
+
+namespace osteon::fuzz {
+namespace {
+
+void ClaimError(const simulation::TextError& error, std::string_view text) {
+  Claim(error.byte <= text.size(), "an error names a byte of the text");
+  Claim(!error.found.empty() && !error.accepted.empty(), "an error has a text");
+}
+
+void Materials(std::string_view text) {
+  const auto materials = simulation::MaterialsFromText(text);
+  if (!materials) return ClaimError(materials.error(), text);
+  simulation::CheckMaterials(*materials);
+  const auto again = simulation::MaterialsToText(*materials);
+  Claim(again.has_value(), "materials that were read can be written");
+  const auto back = simulation::MaterialsFromText(*again);
+  Claim(back.has_value(), "and read again");
+  Claim(simulation::MaterialsToText(*back).value() == *again, "and are then the same");
+}
+
+void Provenance(std::string_view text) {
+  const auto read = simulation::ProvenanceFromText(text);
+  if (!read) return ClaimError(read.error(), text);
+  const auto again = simulation::ProvenanceToText(*read);
+  Claim(again.has_value(), "a provenance that was read can be written");
+  const auto back = simulation::ProvenanceFromText(*again);
+  Claim(back && back->name == read->name && back->provenance == read->provenance, "and is then the same");
+}
+
+}  // namespace
+}  // namespace osteon::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace osteon;
+  fuzz::Input in(data, size);
+  const bool materials = (in.Byte() & 1u) != 0;
+  const std::string text = fuzz::Text(in.Rest());
+  materials ? fuzz::Materials(text) : fuzz::Provenance(text);
+  return 0;
+}

@@ -1,0 +1,44 @@
+#include "io/recording/messages.h"
+#include "tests/fuzz/targets/file_claims.h"
+
+// One message of a recording: byte 0 which, then its bytes.
+
+namespace osteon::fuzz {
+namespace {
+
+template <typename Record>
+void Message(const std::string& bytes) {
+  Record record;
+  const std::string wrong = io::Decode(bytes, record);
+  if (!wrong.empty()) return;
+  std::string first, second;
+  io::Encode(record, first);
+  Record again;
+  Claim(io::Decode(first, again).empty(), "what was read can be written, and read");
+  io::Encode(again, second);
+  Claim(first == second, "and is then the same");
+}
+
+}  // namespace
+}  // namespace osteon::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace osteon;
+  fuzz::Input in(data, size);
+  const unsigned kind = in.Byte() & 3u;
+  const std::string bytes = fuzz::Text(in.Rest());
+  switch (kind) {
+    case 0:
+      fuzz::Message<io::SessionInfo>(bytes);
+      break;
+    case 1:
+      fuzz::Message<control::TickRecord>(bytes);
+      break;
+    case 2:
+      fuzz::Message<simulation::FrameRecord>(bytes);
+      break;
+    default:
+      fuzz::Message<io::RecordedEvent>(bytes);
+  }
+  return 0;
+}

@@ -1,0 +1,32 @@
+#include <cmath>
+
+#include "config/load.h"
+#include "tests/fuzz/targets/config_claims.h"
+
+// A tool's file. Balls are fitted to what it describes, which takes longer than all that is read.
+
+namespace osteon::fuzz {
+namespace {
+
+void ClaimTool(const config::ToolConfig& tool) {
+  Claim(!tool.tool.balls.empty(), "a tool has balls");
+  for (const simulation::ToolBall& ball : tool.tool.balls)
+    Claim(Vector3(ball.center_m).allFinite() && ball.radius_m > 0.0 && ball.radius_m < 1.0,
+          "a ball has a place and a size");
+  Claim(tool.tool.mass_kg > 0.0 && Vector3(tool.tool.center_of_mass_m).allFinite(), "a tool has a mass");
+  Claim(tool.spindle_rad_per_s > 0.0 && tool.X_FT.matrix().allFinite(), "and a speed and a place");
+}
+
+}  // namespace
+}  // namespace osteon::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace osteon;
+  static const fuzz::FuzzConfig files;
+  const std::string text = fuzz::Text({data, size}), name = files.path().string();
+  files.Write(text);
+  const config::FileScope scope(files.scope());
+  const auto tool = fuzz::Loaded([&] { return config::LoadTool(files.path()); }, name, text);
+  if (tool) fuzz::ClaimTool(*tool);
+  return 0;
+}

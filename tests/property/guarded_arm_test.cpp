@@ -1,0 +1,258 @@
+// Whatever a controller sends, the simulated arm at any of its levels refuses what an arm refuses, and behind
+// the guard it stays within the cell's limits as well.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "config/load_robot.h"
+#include "hil/fri_server.h"
+#include "hil/simulated_arm.h"
+#include "kinematics/payload.h"
+#include "tests/hil/test_client.h"
+#include "tests/property/loop_oracle.h"
+#include "tests/property/property_check.h"
+#include "tests/property/wild_values.h"
+#include "tests/safety/guard_bench.h"
+
+namespace osteon::property {
+namespace {
+
+using control::JointArray;
+using control::SessionState;
+using kinematics::JointVector;
+using safety::GuardBench;
+using safety::GuardDecision;
+using safety::GuardSession;
+
+constexpr double kTool_m = 0.2;
+constexpr double kStepMargin = 1.1;  // of the arm's own, FriServerParams::step_margin
+constexpr double kRounding = 1.0 + 1e-6;
+constexpr double kLag_m = 1e-3;  // how far a lagging arm cuts the corners of its commands
+
+// From kPushes on the controller drifts, below it something goes wrong.
+constexpr int kPushes = 10, kKinds = 13;
+
+hil::FriServerParams Session() {
+  return {.quality = {.fair_after_answers = 1, .good_after_answers = 2, .excellent_after_answers = 3},
+          .request_after_good_cycles = 1,
+          .activate_after_mirrored_answers = 1};
+}
+
+safety::GuardParams Guard() {
+  safety::GuardParams params = GuardBench::Params();
+  params.workspace.sphere_radius_m = 0.006;
+  params.workspace.plane_offset_m = GuardBench::Start().translation().z() - 0.004;
+  return params;
+}
+
+std::unique_ptr<hil::SimulatedArm> Body(hil::ArmLevel level) {
+  static const auto chain = kinematics::WithPayload(
+      std::get<kinematics::ChainParams<7>>(
+          config::LoadRobot(OSTEON_SOURCE_DIR "/config/robots/lbr_iiwa_14_r820.yaml").chain),
+      {.mass_kg = 2.0, .p_LLcm_m = {0.0, 0.0, 0.08}, .I_LLcm_kg_m2 = 0.004 * Matrix3::Identity()});
+  hil::SimulatedArmParams params{.level = level, .lbr = kinematics::Iiwa14()};
+  if (level == hil::ArmLevel::kDynamic) params.chain = chain;
+  params.p_FT_m = Vector3(0.0, 0.0, kTool_m);
+  params.q_start = Eigen::Map<const JointVector>(GuardBench::StartJoints().data());
+  return hil::MakeSimulatedArm(params, 1e-3);
+}
+
+// A controller that does anything, the guard if there is one, the arm's session, and the arm.
+class Line {
+ public:
+  Line(hil::ArmLevel level, bool guarded)
+      : level_(level),
+        guarded_(guarded),
+        server_(Session(), kinematics::Iiwa14().limits,
+                Eigen::Map<const JointVector>(GuardBench::StartJoints().data())),
+        body_(Body(level)),
+        monitor_(Guard()) {
+    server_.Open();
+    for (int i = 0; i < 12 && server_.state() != SessionState::kCommandingActive; ++i) Cycle(Op{});
+  }
+
+  [[nodiscard]] bool active() const { return server_.state() == SessionState::kCommandingActive; }
+  [[nodiscard]] double most_way_m() const { return most_way_m_; }
+
+  /// One period. @returns what the arm did that it must not, empty where nothing
+  [[nodiscard]] std::string Tick(const Op& op) {
+    Cycle(op);
+    return Judge();
+  }
+
+ private:
+  void Cycle(const Op& op) {
+    now_ += rt::kMillisecond;
+    const auto message = server_.BeginCycle({.q = body_->q()}, now_);
+    ShowTheGuard();
+    Answer(op, static_cast<std::uint32_t>(hil::UintAt(message, {1, 2})));
+    server_.EndCycle();
+    hil::ArmDrive drive;
+    drive.q_cmd = server_.q_commanded();
+    body_->Step(drive, {});
+  }
+
+  void ShowTheGuard() {
+    const SessionState state = server_.state();
+    safety::GuardArmMessage seen{.sequence = ++arm_sequence_};
+    seen.session = state == SessionState::kCommandingActive ? GuardSession::kActive
+                   : state == SessionState::kCommandingWait ? GuardSession::kWaiting
+                   : state == SessionState::kIdle           ? GuardSession::kIdle
+                                                            : GuardSession::kMonitoring;
+    std::copy_n(body_->q().data(), 7, seen.q_meas.begin());
+    if (seen.session >= GuardSession::kWaiting) seen.q_ipo = GuardBench::StartJoints();
+    static_cast<void>(monitor_.Arm(seen, now_));
+    monitor_.Look(now_);
+  }
+
+  void Answer(const Op& op, std::uint32_t message) {
+    if (op.what >= kPushes)  // it drifts, up to twice what a joint may, until it drifts otherwise
+      drift_[static_cast<std::size_t>(op.which)] = 1e-3 * std::clamp(op.value, -5.0, 5.0);
+    if (op.what == 1) return;  // silence
+    if (active())
+      for (std::size_t i = 0; i < 7; ++i) q_[i] += drift_[i];
+    safety::GuardCommand command{.sequence = ++sequence_, .reflected = arm_sequence_, .q = q_};
+    std::vector<double> joints, wrench, tau;
+    const auto which = static_cast<std::size_t>(op.which);
+    switch (op.what) {
+      case 2:
+        (*command.q)[which] = op.value;
+        break;
+      case 3:
+        (*command.q)[which] += op.value;
+        break;
+      case 4:
+        command.wrench.emplace()[which % 6] = 10.0 * op.value;
+        wrench.assign(command.wrench->begin(), command.wrench->end());
+        break;
+      case 5:
+        command.tau.emplace()[which] = op.value;
+        tau.assign(command.tau->begin(), command.tau->end());
+        break;
+      case 6:
+        command.q.reset();
+        break;
+      case 7:
+        command.reflected -= static_cast<std::uint32_t>(op.which);
+        message -= static_cast<std::uint32_t>(op.which);
+        break;
+      case 8:
+        command.sequence = --sequence_;
+        break;
+      default:
+        break;
+    }
+    if (command.q) joints.assign(command.q->begin(), command.q->end());
+    std::vector<std::uint8_t> datagram = hil::OverlayCommand(command.sequence, message, joints, wrench, tau);
+    if (op.what == 9) {  // damaged on its way, where no guard reads it
+      if (guarded_) return;
+      datagram[which * datagram.size() / 7] ^= static_cast<std::uint8_t>(1u << which);
+    }
+    if (guarded_ && monitor_.Command(command, now_ + 300'000) != GuardDecision::kPass) return;
+    static_cast<void>(server_.Receive(datagram));
+  }
+
+  [[nodiscard]] std::string Judge() {
+    JointArray told{}, q{};
+    std::copy_n(server_.q_commanded().data(), 7, told.begin());
+    std::copy_n(body_->q().data(), 7, q.begin());
+    // what is lost makes the next step longer
+    ++periods_;
+    const double time_s = 1e-3 * periods_;
+    for (std::size_t i = 0; i < 7; ++i) {
+      const kinematics::JointLimits& limit = kinematics::Iiwa14().limits[i];
+      if (!(told[i] >= limit.lower_rad && told[i] <= limit.upper_rad))
+        return fmt::format("joint {} is told {} rad", i + 1, told[i]);
+      if (!(std::abs(told[i] - told_[i]) <= kStepMargin * kRounding * limit.velocity_rad_per_s * time_s))
+        return fmt::format("joint {} is told to step by {} rad", i + 1, told[i] - told_[i]);
+      if (!(q[i] >= limit.lower_rad - 1e-3 && q[i] <= limit.upper_rad + 1e-3))
+        return fmt::format("joint {} is at {} rad", i + 1, q[i]);
+    }
+    const ArmPoints before = PointsOfIiwa(told_, kTool_m), after = PointsOfIiwa(told, kTool_m);
+    const double way_m = (after.p_tool_m - before.p_tool_m).norm();
+    most_way_m_ = std::max(most_way_m_, way_m / periods_);
+    std::string wrong = guarded_ ? JudgeCell(after, PointsOfIiwa(q, kTool_m), way_m, time_s) : "";
+    if (told != told_) periods_ = 0;
+    told_ = told;
+    return wrong;
+  }
+
+  [[nodiscard]] std::string JudgeCell(const ArmPoints& told, const ArmPoints& is, double way_m,
+                                      double time_s) const {
+    const safety::GuardParams limits = Guard();
+    if (!(way_m <= kRounding * (1.0 + limits.margin) * limits.max_speed_m_per_s * time_s + 1e-12))
+      return fmt::format("the tool is told to step by {} m in {} s", way_m, time_s);
+    const auto out_m = [&](const Vector3& p) {
+      return std::max((p - limits.workspace.sphere_center_W_m).norm() - limits.workspace.sphere_radius_m,
+                      limits.workspace.plane_offset_m - p.z());
+    };
+    if (!(out_m(told.p_tool_m) <= limits.workspace_margin_m + 1e-9))
+      return fmt::format("the tool is told to be {} m outside", out_m(told.p_tool_m));
+    const double lag_m = level_ == hil::ArmLevel::kKinematic ? 1e-9 : kLag_m;
+    if (!(out_m(is.p_tool_m) <= limits.workspace_margin_m + lag_m))
+      return fmt::format("the tool is {} m outside", out_m(is.p_tool_m));
+    return {};
+  }
+
+  hil::ArmLevel level_;
+  bool guarded_;
+  hil::FriServer server_;
+  std::unique_ptr<hil::SimulatedArm> body_;
+  safety::GuardMonitor monitor_;
+
+  rt::Nanoseconds now_{rt::kSecond};
+  std::uint32_t arm_sequence_{0}, sequence_{0};
+  JointArray q_{GuardBench::StartJoints()}, drift_{};
+  JointArray told_{GuardBench::StartJoints()};
+  int periods_{0};  // since what the arm is told last changed
+  double most_way_m_{0.0};
+};
+
+void Holds(hil::ArmLevel level, bool guarded) {
+  const std::vector<Op> ops = *WildOps(kPushes, kKinds).as("ops");
+  Line line(level, guarded);
+  RC_ASSERT(line.active());
+  for (std::size_t tick = 0; tick < ops.size(); ++tick) {
+    const std::string wrong = line.Tick(ops[tick]);
+    if (!wrong.empty()) RC_FAIL("tick " + std::to_string(tick) + ": " + wrong);
+  }
+}
+
+constexpr int kShards = 8;
+class ArmProperty : public testing::TestWithParam<int> {};
+
+TEST_P(ArmProperty, BehindTheGuardNothingPutsItBeyondALimitOnTheFirstLevel) {
+  CheckShard(GetParam(), kShards, 100'000, [] { Holds(hil::ArmLevel::kKinematic, true); });
+}
+INSTANTIATE_TEST_SUITE_P(Shard, ArmProperty, testing::Range(0, kShards));
+
+TEST(ArmPropertyLevels, BehindTheGuardNothingPutsItBeyondALimitWhereItLags) {
+  CheckShard(100, 1, 1'000, [] { Holds(hil::ArmLevel::kServo, true); });
+}
+
+TEST(ArmPropertyLevels, BehindTheGuardNothingPutsItBeyondALimitWhereItHasMasses) {
+  CheckShard(101, 1, 1'000, [] { Holds(hil::ArmLevel::kDynamic, true); });
+}
+
+TEST(ArmPropertyLevels, AloneItRefusesWhatAnArmRefuses) {
+  for (const auto level : {hil::ArmLevel::kKinematic, hil::ArmLevel::kServo, hil::ArmLevel::kDynamic})
+    CheckShard(102 + static_cast<int>(level), 1, 1'000, [level] { Holds(level, false); });
+}
+
+TEST(ArmPropertyCases, Move) {
+  int fast = 0, cases = 0;
+  CheckShard(110, 1, 1'000, [&] {
+    const std::vector<Op> ops = *WildOps(kPushes, kKinds);
+    Line line(hil::ArmLevel::kKinematic, true);
+    for (const Op& op : ops) static_cast<void>(line.Tick(op));
+    ++cases;
+    fast += line.most_way_m() > 0.1e-3;  // .1 m/s, of the .25 that it may
+  });
+  EXPECT_GT(fast, cases / 20);
+}
+
+}  // namespace
+}  // namespace osteon::property

@@ -1,0 +1,146 @@
+#include "tests/property/loop_oracle.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace osteon::property {
+namespace {
+
+using control::JointArray;
+using control::Phase;
+
+constexpr double kReduced_m_per_s = 0.25;  // in T1, ISO 10218-1
+// A straight step of the tool and the joints' step for it differ by their second order: .25 mm and 1.5 mrad
+// at a reach of 1.2 m make 1 %, more where the arm is nearly stretched. Beyond a tenth the loop stops.
+constexpr double kCurved = 1.1;
+constexpr double kRounding = 1.0 + 1e-9;
+// What is seen after a tick is faulted from 1 um on: before it a tick's second order, 2.5 um of .25 mm.
+constexpr double kOnTheBound_m = 1e-4;
+
+bool AllFinite(const JointArray& q) {
+  return std::all_of(q.begin(), q.end(), [](double x) { return std::isfinite(x); });
+}
+
+}  // namespace
+
+ArmPoints PointsOfIiwa(const JointArray& q, double tool_m) {
+  constexpr std::array<double, 7> kD{0.36, 0.0, 0.42, 0.0, 0.4, 0.0, 0.126};
+  constexpr std::array<int, 7> kAlpha{-1, 1, 1, -1, -1, 1, 0};  // quarter turns
+  Matrix3 R = Matrix3::Identity();
+  Vector3 p = Vector3::Zero();
+  ArmPoints points;
+  for (std::size_t i = 0; i < 7; ++i) {
+    const double c = std::cos(q[i]), s = std::sin(q[i]);
+    Matrix3 turn, twist;
+    turn << c, -s, 0, s, c, 0, 0, 0, 1;
+    const double a = kAlpha[i];
+    twist << 1, 0, 0, 0, a == 0 ? 1 : 0, -a, 0, a, a == 0 ? 1 : 0;
+    p += kD[i] * R.col(2);
+    R = R * turn * twist;
+    if (i == 2) points.p_elbow_m = p;
+  }
+  points.p_flange_m = p;
+  points.p_tool_m = p + tool_m * R.col(2);
+  points.R_flange = R;
+  return points;
+}
+
+void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState& state,
+                        control::ReceiveResult received, bool asked_to_recover) {
+  phase_before_ = loop.phase();
+  faults_before_ = loop.faults().bits();
+  recovers_ = asked_to_recover && loop.CanRecover();
+  reduced_ = state.operation_mode == 0;
+  from_ = before_;
+  const bool read = received == control::ReceiveResult::kOk && AllFinite(state.q_meas) &&
+                    (!state.has_ipo || AllFinite(state.q_ipo));
+  const bool led = state.session != control::SessionState::kCommandingActive ||
+                   phase_before_ == Phase::kWaiting || recovers_;
+  // an arm that moves by itself is where it says it is; an idle one says nothing
+  if (read && led && state.session != control::SessionState::kIdle)
+    from_ = state.has_ipo ? state.q_ipo : state.q_meas;
+}
+
+std::string LoopOracle::After(const control::ServoLoop& loop, const control::TickRecord& record,
+                              const control::ArmCommand& command) {
+  rendered_ += record.phase == Phase::kHaptic;
+  if (!AllFinite(command.q)) return "a command that is not finite";
+  if (faults_before_ != 0 && !recovers_ && (record.faults & faults_before_) != faults_before_)
+    return "a fault that was latched is gone";
+  if (record.faults != 0 && record.phase == Phase::kHaptic) return "renders with a fault";
+  if (phase_before_ == Phase::kStopped && !recovers_ && record.phase != Phase::kStopped)
+    return "goes on after a stop";
+  if (std::string wrong = Wrenches(record, command); !wrong.empty()) return wrong;
+  const double spindle = loop.cell_commands().spindle_rad_per_s;
+  if (!(spindle >= 0.0 && spindle <= allowed_.spindle_rad_per_s)) return "a spindle beyond its speed";
+  if (spindle != 0.0 && record.phase != Phase::kHaptic)
+    return "a spindle that turns while nothing is rendered";
+  std::string wrong = Motion(command.q, record.phase);
+  before_ = command.q;
+  return wrong;
+}
+
+std::string LoopOracle::Wrenches(const control::TickRecord& record,
+                                 const control::ArmCommand& command) const {
+  const Vector3 f(record.F_coupling_T_W.f), t(record.F_coupling_T_W.t);
+  if (!(f.norm() <= allowed_.force_N * kRounding && t.norm() <= allowed_.torque_Nm * kRounding))
+    return fmt::format("renders {} N, {} Nm", f.norm(), t.norm());
+  const Vector3 overlay(command.F.f), overlay_t(command.F.t);
+  if (!(overlay.norm() <= allowed_.force_N * kRounding && overlay_t.norm() <= allowed_.torque_Nm * kRounding))
+    return fmt::format("overlays {} N, {} Nm", overlay.norm(), overlay_t.norm());
+  // a wrench within the limits at the end of the longest lever, 1.15 m from the shoulder's axis
+  const double most_Nm = 1.15 * allowed_.force_N + allowed_.torque_Nm;
+  for (const double tau : command.tau)
+    if (!(std::abs(tau) <= most_Nm)) return fmt::format("overlays {} Nm on a joint", tau);
+  if (allowed_.law == control::Law::kAdmittance && (!overlay.isZero(0.0) || command.tau != JointArray{}))
+    return "overlays a wrench in position mode";
+  return {};
+}
+
+std::string LoopOracle::Motion(const JointArray& to, Phase phase) {
+  if (!from_) return {};
+  const JointArray& from = *from_;
+  const double dt_s = allowed_.period_s;
+  for (std::size_t i = 0; i < 7; ++i) {
+    const kinematics::JointLimits& limit = allowed_.joints[i];
+    const double most_rad = limit.velocity_rad_per_s * allowed_.joint_speed_share * dt_s;
+    // the command is a sum of steps: its last digit is that of the joint's angle
+    const double digit_rad = 1e-15 * std::max(1.0, std::abs(from[i]));
+    if (!(std::abs(to[i] - from[i]) <= most_rad * kRounding + digit_rad))
+      return fmt::format("joint {} steps by {} rad, at most {}", i + 1, to[i] - from[i], most_rad);
+    const double lower = limit.lower_rad + allowed_.joint_margin_rad,
+                 upper = limit.upper_rad - allowed_.joint_margin_rad;
+    if (from[i] >= lower && from[i] <= upper && !(to[i] >= lower - 1e-9 && to[i] <= upper + 1e-9))
+      return fmt::format("joint {} leaves its range: {} rad", i + 1, to[i]);
+  }
+  if (allowed_.law != control::Law::kAdmittance || phase == Phase::kAligning) return {};
+
+  const ArmPoints a = PointsOfIiwa(from, allowed_.tool_m), b = PointsOfIiwa(to, allowed_.tool_m);
+  const double way_m = (b.p_tool_m - a.p_tool_m).norm();
+  const double most_m =
+      (reduced_ ? std::min(allowed_.speed_m_per_s, kReduced_m_per_s) : allowed_.speed_m_per_s) * dt_s;
+  // what is on its way when T1 is chosen brakes; the joints' accelerations bound how fast
+  const bool slows = reduced_ && allowed_.speed_m_per_s > kReduced_m_per_s;
+  if (!(way_m <= (slows ? allowed_.speed_m_per_s * dt_s : most_m) * kCurved + 1e-12))
+    return fmt::format("the tool steps by {} m, at most {}", way_m, most_m);
+  most_speed_ = std::max(most_speed_, way_m / most_m);
+  const double turn_rad = Eigen::AngleAxisd(a.R_flange.transpose() * b.R_flange).angle();
+  if (!(turn_rad <= allowed_.turn_rad_per_s * dt_s * kCurved + 1e-7))  // an angle of a matrix: 1e-8
+    return fmt::format("the tool turns by {} rad, at most {}", turn_rad, allowed_.turn_rad_per_s * dt_s);
+  const double elbow_m = (b.p_elbow_m - a.p_elbow_m).norm();
+  if (allowed_.elbow_speed_m_per_s > 0.0 && !(elbow_m <= allowed_.elbow_speed_m_per_s * dt_s * kCurved))
+    return fmt::format("the elbow steps by {} m, at most {}", elbow_m, allowed_.elbow_speed_m_per_s * dt_s);
+
+  const auto inside_m = [this](const ArmPoints& points) {
+    return std::min({allowed_.radius_m - (points.p_tool_m - allowed_.sphere_m).norm(),
+                     points.p_tool_m.z() - allowed_.floor_m,
+                     points.p_flange_m.z() - allowed_.flange_floor_m});
+  };
+  if (inside_m(a) >= 0.0 && !(inside_m(b) >= -kOnTheBound_m))
+    return fmt::format("leaves the workspace by {} m", -inside_m(b));
+  return {};
+}
+
+}  // namespace osteon::property

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "control/servo_loop.h"
+#include "kinematics/lbr_params.h"
+
+// What a servo loop may command, known apart from it: an arm's forward kinematics from its published
+// Denavit-Hartenberg table, and each limit as a number and an inequality.
+
+namespace osteon::property {
+
+/// Where three points of an iiwa 14 are, in its base B.
+struct ArmPoints {
+  Vector3 p_elbow_m, p_flange_m, p_tool_m;
+  Matrix3 R_flange;
+};
+/// Standard Denavit-Hartenberg: d = .36 0 .42 0 .4 0 .126 m, a = 0, alpha = -90 90 90 -90 -90 90 0 deg.
+/// @param tool_m  of the tool's apex, along the flange's z
+[[nodiscard]] ArmPoints PointsOfIiwa(const control::JointArray& q, double tool_m);
+
+/// What a case allows. The base stands in the world's origin.
+struct Allowed {
+  control::Law law{control::Law::kAdmittance};
+  double period_s{0.001};
+  std::array<kinematics::JointLimits, 7> joints{};
+  double joint_speed_share{0.9};
+  double joint_margin_rad{0.0174532925199433};
+  double speed_m_per_s{0.25}, turn_rad_per_s{1.5};
+  double elbow_speed_m_per_s{0.0};  ///< 0: no bound
+  Vector3 sphere_m{Vector3::Zero()};
+  double radius_m{1.0}, floor_m{-1.0};  ///< of the apex
+  double flange_floor_m{-10.0};         ///< of the flange's centre
+  double force_N{200.0}, torque_Nm{20.0};
+  double spindle_rad_per_s{0.0};
+  double tool_m{0.2};
+};
+
+/// Sees each tick of a loop from outside.
+class LoopOracle {
+ public:
+  explicit LoopOracle(const Allowed& allowed) : allowed_(allowed) {}
+
+  /// Before the tick, what it will be given.
+  void Before(const control::ServoLoop& loop, const control::ArmState& state, control::ReceiveResult received,
+              bool asked_to_recover);
+  /// After it. @returns what it did that it must not, empty where nothing
+  [[nodiscard]] std::string After(const control::ServoLoop& loop, const control::TickRecord& record,
+                                  const control::ArmCommand& command);
+
+  [[nodiscard]] std::uint64_t rendered_ticks() const { return rendered_; }
+  /// How near to its limits anything came, 1 at a limit: what was really tested.
+  [[nodiscard]] double most_speed_share() const { return most_speed_; }
+
+ private:
+  [[nodiscard]] std::string Motion(const control::JointArray& to, control::Phase phase);
+  [[nodiscard]] std::string Wrenches(const control::TickRecord& record,
+                                     const control::ArmCommand& command) const;
+
+  Allowed allowed_;
+  control::JointArray before_{};
+  std::optional<control::JointArray> from_;  ///< where the coming command starts from; none: anywhere
+  control::Phase phase_before_{control::Phase::kWaiting};
+  std::uint32_t faults_before_{0};
+  bool recovers_{false};
+  bool reduced_{false};
+  std::uint64_t rendered_{0};
+  double most_speed_{0.0};
+};
+
+}  // namespace osteon::property

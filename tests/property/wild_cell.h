@@ -1,0 +1,73 @@
+#pragma once
+
+#include <memory>
+#include <ostream>
+
+#include "hil/simulated_arm.h"
+#include "tests/property/loop_oracle.h"
+#include "tests/property/wild_values.h"
+
+// A servo loop with everything that it is told in the hands of a generator: arm, sensor, simulation, spindle,
+// PLC, clock, operator and who changes gains.
+
+namespace osteon::property {
+
+/// Which cell, each a choice of a few; 0 is the plainest.
+struct Choice {
+  int law{0};        ///< 0, 1 admittance; 2 impedance by wrench, 3 by torques
+  int start{0};      ///< of five postures
+  int workspace{0};  ///< wide, or with the tool 1 or 4 mm from a bound
+  int limits{0};     ///< of speed, force and elbow
+  int devices{0};    ///< bit 0: a spindle with a drive, bit 1: a PLC
+};
+void showValue(const Choice& choice, std::ostream& out);
+[[nodiscard]] rc::Gen<Choice> AnyChoice();
+
+class WildCell {
+ public:
+  /// Of Op::what: from kPushes on the hand's, below it whatever goes wrong; what has no meaning is nothing.
+  static constexpr int kPushes = 44, kKinds = 48;
+
+  WildCell(const Choice& choice, hil::ArmLevel level);
+
+  /// One tick with something done to it. @returns what the loop did that it must not, empty where nothing
+  [[nodiscard]] std::string Tick(const Op& op);
+
+  [[nodiscard]] const LoopOracle& oracle() const { return oracle_; }
+
+ private:
+  void Nominal();
+  void Disturb(const Op& op);
+  void DisturbArm(const Op& op);
+  void DisturbModel(const Op& op);
+  void DisturbDevices(const Op& op);
+  void MoveArm();
+  [[nodiscard]] std::string WhereTheArmIs() const;
+
+  Allowed allowed_;
+  control::ServoLoop loop_;
+  LoopOracle oracle_;
+  std::unique_ptr<hil::SimulatedArm> arm_;
+  hil::ArmDrive drive_;
+
+  // what the loop is told in this tick
+  control::ArmState state_;
+  control::ReceiveResult received_{control::ReceiveResult::kOk};
+  control::CellReadings readings_;
+  simulation::ContactModel model_;
+  rt::Nanoseconds now_{rt::kSecond};
+  bool recover_{false};
+
+  control::ArmCommand command_;
+  // what lasts
+  Wrench push_S_;
+  Vector3 plane_W_m_, feed_W_;
+  simulation::Contact contact_;
+  rt::Nanoseconds clock_{rt::kSecond};  ///< the true time
+  control::SessionState session_{control::SessionState::kCommandingActive};
+  bool sensor_lives_{true}, simulation_lives_{true}, plc_permits_{true};
+  bool arm_lied_{false};  ///< about where it is: its own checks are then what keeps it (guarded_arm_test.cpp)
+  int ticks_{0};
+};
+
+}  // namespace osteon::property

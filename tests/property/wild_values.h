@@ -1,0 +1,52 @@
+#pragma once
+
+#include <rapidcheck.h>
+
+#include <cmath>
+#include <limits>
+#include <ostream>
+#include <vector>
+
+// What is done to a cell in a tick, generated: something, to one of several, by a wild value.
+
+namespace osteon::property {
+
+inline constexpr int kMostTicks = 50;
+
+struct Op {
+  int what{0};   ///< 0 is nothing: what cases shrink toward
+  int which{0};  ///< 0 … 6, of seven joints, say
+  double value{0.0};
+};
+inline void showValue(const Op& op, std::ostream& out) {
+  out << "{" << op.what << ", " << op.which << ", " << op.value << "}";
+}
+
+/// Of any size from a tenth of a micro up to a hundred, of either sign; and what no number should be. Shrinks
+/// toward 0.
+inline rc::Gen<double> WildValue() {
+  constexpr int kSteps = 900;  // a hundred a decade
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  const auto of_step = [](int step) {
+    const double size = std::pow(10.0, (step / 2) / 100.0 - 7.0);
+    return step == 0 ? 0.0 : step % 2 == 0 ? size : -size;
+  };
+  return rc::gen::weightedOneOf<double>(
+      {{9, rc::gen::map(rc::gen::resize(100, rc::gen::inRange(0, 2 * kSteps + 1)), of_step)},
+       {1, rc::gen::element(std::numeric_limits<double>::quiet_NaN(), kInf, -kInf, 1e308, -1e308,
+                            std::numeric_limits<double>::denorm_min(), 6.283185307179586, -0.0)}});
+}
+
+/// A tick each. Most are calm or pushed, so that what is wild meets a cell in motion.
+/// @param pushes, kinds  of Op::what, those from `pushes` on push
+inline rc::Gen<std::vector<Op>> WildOps(int pushes, int kinds) {
+  const auto among = [](int from, int to) { return rc::gen::resize(100, rc::gen::inRange(from, to)); };
+  return rc::gen::container<std::vector<Op>>(
+      kMostTicks,
+      rc::gen::build<Op>(rc::gen::set(&Op::what, rc::gen::weightedOneOf<int>({{75, rc::gen::just(0)},
+                                                                              {20, among(pushes, kinds)},
+                                                                              {5, among(0, pushes)}})),
+                         rc::gen::set(&Op::which, among(0, 7)), rc::gen::set(&Op::value, WildValue())));
+}
+
+}  // namespace osteon::property
