@@ -43,7 +43,7 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   const auto is = [](const control::TickRecord& tick, CellState state) {
     return tick.cell_state == static_cast<std::uint8_t>(state);
   };
-  std::size_t paused = 0, stop_2 = 0, after = 0;
+  std::size_t paused = 0, after = 0;
   const control::TickRecord* before = nullptr;
   for (const control::TickRecord& tick : recording->ticks) {
     if (is(tick, CellState::kPaused)) {
@@ -53,13 +53,11 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
       }
       EXPECT_EQ(tick.spindle_rad_per_s, 0.0);
     }
-    stop_2 += is(tick, CellState::kStop2) ? 1u : 0u;
     after += paused > 0 && safety::Renders(static_cast<CellState>(tick.cell_state)) ? 1u : 0u;
     before = &tick;
   }
   EXPECT_NEAR(static_cast<double>(paused), 1000.0, 200.0) << "ticks of 1 ms between the two askings";
-  EXPECT_GT(stop_2, 0u);
-  EXPECT_GT(after, 1000u) << "it went on";
+  EXPECT_GT(after, 500u) << "it went on";
   ExpectNoJump(*recording, 2e-3);
 
   const ReplayResult replayed = Replay(*recording, setup->config);
