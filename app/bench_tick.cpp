@@ -204,8 +204,8 @@ class TickBench {
 
     // as RunServo does before a message is due
     if (repeat_.due() && !repeat_.Repeat()) loop_.ReportDifference();
-    loop_.Prefetch();
     link_->Rehearse(command_);
+    loop_.Prefetch();
     if (!wire_->Send(message)) throw std::runtime_error("the loopback took no message");
 
     std::array<rt::Nanoseconds, kStages.size() + 1> at{};

@@ -64,8 +64,8 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     // the tick before once more
     if (repeat && due > 0 && !link.Await(due - kRepeatsBefore) && rt::MonotonicNow() < due - kTooLateBefore) {
       repeat_tick();
-      loop.Prefetch();
       link.Rehearse(command);
+      loop.Prefetch();
     }
 
     // one tick: receive, compute, answer

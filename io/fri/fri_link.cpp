@@ -1,5 +1,7 @@
 #include "io/fri/fri_link.h"
 
+#include "control/rt/prefetch.h"
+
 namespace osteon::io {
 tl::expected<std::unique_ptr<FriLink>, std::string> FriLink::Open(const FriLinkParams& params) {
   const auto bound = BindUdp("FRI", params.bind_address, params.port);
@@ -19,6 +21,7 @@ bool FriLink::Send(const control::ArmCommand& command) OSTEON_RT {
 
 void FriLink::Rehearse(const control::ArmCommand& command) OSTEON_RT {
   if (rehearsal_) rehearsal_->Go(peer_.newest(), command);
+  rt::Prefetch(session_);
 }
 
 }  // namespace osteon::io

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "control/rt/prefetch.h"
+
 namespace osteon::io {
 tl::expected<std::unique_ptr<RsiLink>, std::string> RsiLink::Open(const RsiLinkParams& params) {
   try {
@@ -26,6 +28,7 @@ bool RsiLink::Send(const control::ArmCommand& command) OSTEON_RT {
 
 void RsiLink::Rehearse(const control::ArmCommand& command) OSTEON_RT {
   if (rehearsal_) rehearsal_->Go(peer_.newest(), command);
+  rt::Prefetch(session_);
 }
 
 }  // namespace osteon::io
