@@ -68,7 +68,8 @@ CLI::App* AddBenchTick(CLI::App& bench, BenchTickOptions& options) {
   sub->add_option("--json", options.json, "write the figures there");
   sub->footer(
       "From the arm's message that waits to the record in the ring; the wake-up is not in it. FRI over the "
-      "loopback,\nthe cell's CAN devices in memory, the cell is cells/demo.yaml. As in a run, the tick before is "
+      "loopback,\nthe cell's CAN devices in memory, the cell is cells/demo.yaml. As in a run, the tick "
+      "before is "
       "computed again\nshortly before the message.\n\n"
       "Examples:\n  osteon bench tick\n  osteon bench tick --ticks 60000 --json tick.json");
   return sub;

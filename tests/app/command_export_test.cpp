@@ -142,6 +142,7 @@ TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
                                       "has_ipo",
                                       "stop",
                                       "recover",
+                                      "repeat_differed",
                                       "sensor_trusted",
                                       "spindle_ready",
                                       "spindle_fault",

@@ -65,7 +65,7 @@ TEST_F(WrongInput, OptionsAndSubcommands) {
   ExpectRefused({"demo", "--secnods", "3"}, {"--secnods", "--seconds", "--help"});
   ExpectRefused({"dmeo"}, {"dmeo", "did you mean demo?"});
   ExpectRefused({"frobnicate"},
-                {"frobnicate", "accepted: demo, pack, failures, doctor, faults, bench, chart"});
+                {"frobnicate", "accepted: demo, pack, failures, doctor, faults, states, bench, chart"});
   ExpectRefused({"demo", "extra"}, {"extra"});
   ExpectRefused({"--nonsense"}, {"--nonsense"});
   ExpectRefused({"demo", "--port", "70000"}, {"--port", "70000", "0 … 65535"});

@@ -136,8 +136,8 @@ TEST(RunServo, RepeatsEachTickAndRehearsesBeforeTheNext) {
   EXPECT_EQ(result.faults.bits(), 0u);
   EXPECT_EQ(arm.sent, arm.received);
   EXPECT_GT(arm.rehearsed, 0) << "where the machine woke it in time";
-  EXPECT_EQ(rig.second.phase(), rig.loop.phase()) << "in step to the last tick";
-  EXPECT_EQ(rig.second.statistics().active_ticks, rig.loop.statistics().active_ticks);
+  EXPECT_EQ(rig.second.statistics().active_ticks + 1, rig.loop.statistics().active_ticks)
+      << "in step; after the last tick there is no next message to repeat it before";
 }
 
 TEST(RunServo, ATickThatComesOutOtherwiseTheSecondTimeEndsTheRun) {

@@ -56,8 +56,13 @@ void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState&
   from_ = before_;
   const bool read = received == control::ReceiveResult::kOk && AllFinite(state.q_meas) &&
                     (!state.has_ipo || AllFinite(state.q_ipo));
-  const bool led = state.session != control::SessionState::kCommandingActive ||
-                   phase_before_ == Phase::kWaiting || recovers_;
+  // an arm that never left the COMMANDING_ACTIVE that it was commanded in is held where it was last told to
+  // be
+  const bool active = state.session == control::SessionState::kCommandingActive;
+  const bool other = state.activation != activation_ && (phase_before_ != Phase::kStopped || recovers_);
+  const bool left = read && commanded_ && (!active || other);
+  if (left) commanded_ = false;
+  const bool led = !active || left || ((phase_before_ == Phase::kWaiting || recovers_) && !commanded_);
   // an arm that moves by itself is where it says it is; an idle one says nothing
   if (read && led && state.session != control::SessionState::kIdle)
     from_ = state.has_ipo ? state.q_ipo : state.q_meas;
@@ -66,6 +71,10 @@ void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState&
 std::string LoopOracle::After(const control::ServoLoop& loop, const control::TickRecord& record,
                               const control::ArmCommand& command) {
   rendered_ += record.phase == Phase::kHaptic;
+  if (record.phase == Phase::kHaptic || record.phase == Phase::kAligning) {
+    commanded_ = true;
+    activation_ = command.activation;
+  }
   if (!AllFinite(command.q)) return "a command that is not finite";
   if (faults_before_ != 0 && !recovers_ && (record.faults & faults_before_) != faults_before_)
     return "a fault that was latched is gone";
@@ -78,6 +87,9 @@ std::string LoopOracle::After(const control::ServoLoop& loop, const control::Tic
   if (spindle != 0.0 && record.phase != Phase::kHaptic)
     return "a spindle that turns while nothing is rendered";
   std::string wrong = Motion(command.q, record.phase);
+  if (!wrong.empty())
+    wrong += fmt::format(" (phase {} → {}, state {}, faults {:#x})", static_cast<int>(phase_before_),
+                         static_cast<int>(record.phase), record.cell_state, record.faults);
   before_ = command.q;
   return wrong;
 }

@@ -64,6 +64,8 @@ class LoopOracle {
   control::Phase phase_before_{control::Phase::kWaiting};
   std::uint32_t faults_before_{0};
   bool recovers_{false};
+  bool commanded_{false};        ///< motion began, and the arm has not left since
+  std::uint32_t activation_{0};  ///< that it was in then
   bool reduced_{false};
   std::uint64_t rendered_{0};
   double most_speed_{0.0};
