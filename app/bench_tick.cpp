@@ -203,9 +203,7 @@ class TickBench {
     const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(command_.q.data());
 
     // as RunServo does before a message is due
-    if (repeat_.due() && !repeat_.Repeat()) loop_.ReportDifference();
-    link_->Rehearse(command_);
-    loop_.Prefetch();
+    control::RehearseTick(loop_, repeat_, *link_, command_);
     if (!wire_->Send(message)) throw std::runtime_error("the loopback took no message");
 
     std::array<rt::Nanoseconds, kStages.size() + 1> at{};

@@ -49,4 +49,14 @@ bool LoopRepeat::Repeat() OSTEON_RT {
          again.spindle_rad_per_s == first_.spindle_rad_per_s;
 }
 
+void RepeatIfDue(ServoLoop& first, LoopRepeat& repeat) OSTEON_RT {
+  if (repeat.due() && !repeat.Repeat()) first.ReportDifference();
+}
+
+void RehearseTick(ServoLoop& first, LoopRepeat& repeat, ArmLink& link, const ArmCommand& command) OSTEON_RT {
+  RepeatIfDue(first, repeat);
+  link.Rehearse(command);
+  first.Prefetch();
+}
+
 }  // namespace osteon::control

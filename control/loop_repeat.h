@@ -42,4 +42,11 @@ class LoopRepeat {
   bool due_{false};
 };
 
+/// Repeats the tick that is due, if one is, and tells the first loop of a difference.
+void RepeatIfDue(ServoLoop& first, LoopRepeat& repeat) OSTEON_RT;
+
+/// What is done shortly before a message: the tick before once more, then the message's way, so that the next
+/// tick finds all of it near.
+void RehearseTick(ServoLoop& first, LoopRepeat& repeat, ArmLink& link, const ArmCommand& command) OSTEON_RT;
+
 }  // namespace osteon::control

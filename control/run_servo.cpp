@@ -56,17 +56,11 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
   ArmCommand command;
   std::optional<LoopRepeat> repeat;
   if (params.second != nullptr) repeat.emplace(*params.second);
-  const auto repeat_tick = [&] {
-    if (repeat && repeat->due() && !repeat->Repeat()) loop.ReportDifference();
-  };
   rt::Nanoseconds due = 0;  // the next message; 0: not known
   for (;;) {
     // the tick before once more
-    if (repeat && due > 0 && !link.Await(due - kRepeatsBefore) && rt::MonotonicNow() < due - kTooLateBefore) {
-      repeat_tick();
-      link.Rehearse(command);
-      loop.Prefetch();
-    }
+    if (repeat && due > 0 && !link.Await(due - kRepeatsBefore) && rt::MonotonicNow() < due - kTooLateBefore)
+      RehearseTick(loop, *repeat, link, command);
 
     // one tick: receive, compute, answer
     const ReceiveResult received = link.Receive(state, rt::MonotonicNow() + deadline);
@@ -77,8 +71,10 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     if (received == ReceiveResult::kOk && !link.Send(command)) ++result.unsent;
     const rt::Nanoseconds answered = rt::MonotonicNow();
     commands.Store(loop.tool_command());
-    repeat_tick();  // where it had no time before the message
-    if (repeat) repeat->Saw(record, model);
+    if (repeat) {
+      RepeatIfDue(loop, *repeat);  // where it had no time before the message
+      repeat->Saw(record, model);
+    }
     due = received == ReceiveResult::kOk ? state.stamp + ToNanoseconds(state.period_s) : 0;
 
     if (params.standing && received == ReceiveResult::kOk && loop.phase() == Phase::kWaiting &&

@@ -10,7 +10,7 @@ tl::expected<std::unique_ptr<FriLink>, std::string> FriLink::Open(const FriLinkP
 }
 
 control::ReceiveResult FriLink::Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT {
-  return peer_.Receive(FriJudge{session_, state}, deadline);
+  return peer_.Receive(SessionJudge{session_, state}, deadline);
 }
 
 bool FriLink::Send(const control::ArmCommand& command) OSTEON_RT {

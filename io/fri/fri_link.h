@@ -20,19 +20,6 @@ struct FriLinkParams {
   FriSessionParams session{};
 };
 
-/// What UdpPeer asks of a protocol.
-struct FriJudge {
-  FriSession& session;
-  control::ArmState& state;
-
-  bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
-    return session.Accept(datagram, arrival, state) == FriAccept::kAccepted;
-  }
-  void Reject() OSTEON_RT { session.CountRejected(state); }
-  void StartOver() OSTEON_RT { session.StartOver(); }
-  void Superseded() OSTEON_RT { session.CountLate(state); }
-};
-
 /// FRI over UDP. The arm speaks first; answers go to where its message came from. The first sender of a valid
 /// message is the peer: others are counted as rejected, until the peer has been silent for a second (an arm
 /// that was restarted may come back from another port). Of several messages that wait, the newest counts and
@@ -68,11 +55,11 @@ class FriLink final : public control::ArmLink {
   FriLink(const BoundUdp& bound, const FriLinkParams& params)
       : peer_(bound),
         session_(params.session),
-        rehearsal_(LinkRehearsal<FriSession, FriJudge, kRoom>::Make("rehearsal", session_)) {}
+        rehearsal_(LinkRehearsal<FriSession, kRoom>::Make("rehearsal", session_)) {}
 
   UdpPeer<kRoom> peer_;
   FriSession session_;
-  std::unique_ptr<LinkRehearsal<FriSession, FriJudge, kRoom>> rehearsal_;
+  std::unique_ptr<LinkRehearsal<FriSession, kRoom>> rehearsal_;
 };
 
 }  // namespace osteon::io

@@ -18,9 +18,8 @@ namespace osteon::io {
 /// of their own: whoever goes it shortly before the next message finds code and tables near. The session is
 /// in step with the link's as long as it is given every message that the link has accepted; what it says
 /// counts for nothing.
-/// @tparam Session  of a protocol, as FriSession  @tparam Judge  what UdpPeer asks of it, of session and
-/// state
-template <class Session, class Judge, std::size_t kMostBytes>
+/// @tparam Session  of a protocol: see SessionJudge
+template <class Session, std::size_t kMostBytes>
 class LinkRehearsal {
  public:
   /// Null where the system gives no such sockets: then nothing is rehearsed.
@@ -44,7 +43,7 @@ class LinkRehearsal {
   void Go(std::span<const std::uint8_t> message, const control::ArmCommand& command) OSTEON_RT {
     if (message.empty()) return;
     (void)send(far_.socket, message.data(), message.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (near_.Receive(Judge{session_, state_}, 0) != control::ReceiveResult::kOk) return;
+    if (near_.Receive(SessionJudge{session_, state_}, 0) != control::ReceiveResult::kOk) return;
     const std::span<const std::uint8_t> answer = session_.Answer(command);
     if (answer.empty() || !near_.Send(answer)) return;
     (void)ReadDatagram(far_.socket, room_);

@@ -15,6 +15,23 @@
 
 namespace osteon::io {
 
+/// What UdpPeer asks of a protocol whose sessions judge the arm's messages: FriSession, RsiSession.
+template <class Session>
+struct SessionJudge {
+  Session& session;
+  control::ArmState& state;
+
+  bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
+    const auto taken = session.Accept(datagram, arrival, state);
+    return taken == decltype(taken)::kAccepted;
+  }
+  void Reject() OSTEON_RT { session.CountRejected(state); }
+  void StartOver() OSTEON_RT { session.StartOver(); }
+  void Superseded() OSTEON_RT { session.CountLate(state); }
+};
+template <class Session>
+SessionJudge(Session&, control::ArmState&) -> SessionJudge<Session>;
+
 /// The PC's end of a protocol in which the other side speaks first: answers go to where its message came
 /// from. The first sender of a valid message is the peer: others are rejected, until the peer has been silent
 /// for a second (one that was restarted may come back from another port). Of several messages that wait, the

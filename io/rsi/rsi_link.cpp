@@ -17,7 +17,7 @@ tl::expected<std::unique_ptr<RsiLink>, std::string> RsiLink::Open(const RsiLinkP
 }
 
 control::ReceiveResult RsiLink::Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT {
-  return peer_.Receive(RsiJudge{session_, state}, deadline);
+  return peer_.Receive(SessionJudge{session_, state}, deadline);
 }
 
 bool RsiLink::Send(const control::ArmCommand& command) OSTEON_RT {

@@ -20,19 +20,6 @@ struct RsiLinkParams {
   RsiSessionParams session{};
 };
 
-/// What UdpPeer asks of a protocol.
-struct RsiJudge {
-  RsiSession& session;
-  control::ArmState& state;
-
-  bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
-    return session.Accept(datagram, arrival, state) == RsiAccept::kAccepted;
-  }
-  void Reject() OSTEON_RT { session.CountRejected(state); }
-  void StartOver() OSTEON_RT { session.StartOver(); }
-  void Superseded() OSTEON_RT { session.CountSuperseded(state); }
-};
-
 /// RSI over UDP: this side is the server, the controller speaks first, and answers go to where its message
 /// came from. The first sender of a valid message is the peer: others are counted as rejected, until the peer
 /// has been silent for a second. Of several messages that wait, the newest counts and the others are late.
@@ -67,11 +54,11 @@ class RsiLink final : public control::ArmLink {
   RsiLink(const BoundUdp& bound, const RsiLinkParams& params)
       : peer_(bound),
         session_(params.session),
-        rehearsal_(LinkRehearsal<RsiSession, RsiJudge, kRoom>::Make("rehearsal", session_)) {}
+        rehearsal_(LinkRehearsal<RsiSession, kRoom>::Make("rehearsal", session_)) {}
 
   UdpPeer<kRoom> peer_;
   RsiSession session_;
-  std::unique_ptr<LinkRehearsal<RsiSession, RsiJudge, kRoom>> rehearsal_;
+  std::unique_ptr<LinkRehearsal<RsiSession, kRoom>> rehearsal_;
 };
 
 }  // namespace osteon::io

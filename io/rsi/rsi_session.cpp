@@ -248,7 +248,7 @@ std::span<const std::uint8_t> RsiSession::Answer(const control::ArmCommand& comm
   return {buffer_.data(), size};
 }
 
-void RsiSession::CountSuperseded(control::ArmState& state) OSTEON_RT {
+void RsiSession::CountLate(control::ArmState& state) OSTEON_RT {
   ++counters_.late;
   PutCounters(state);
 }

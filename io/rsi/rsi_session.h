@@ -104,7 +104,7 @@ class RsiSession {
   void RequestStop() OSTEON_RT { stop_ = true; }
 
   /// The message accepted before the last was never looked at: a newer one was already waiting behind it.
-  void CountSuperseded(control::ArmState& state) OSTEON_RT;
+  void CountLate(control::ArmState& state) OSTEON_RT;
   /// A datagram was refused before it came here, e.g. for its sender.
   void CountRejected(control::ArmState& state) OSTEON_RT;
 
