@@ -96,13 +96,14 @@ std::vector<SummaryRow> Rows(const TuneResult& r) {
                         }).run.mean_damping;
     rows.push_back(
         {"With the vibration index",
-         fmt::format("{} of {} stiffer hands are calm 1 s after the grip closed; the worst, "
-                     "{} ({}), keeps {:.2f} N of 5 to 40 Hz; their drag is on average up to "
-                     "{:.0f} times the recommended; hands up to {:g} N/m raise the index to "
-                     "{:.2g}{}",
-                     calm, r.carried.size(), worst->hand.name, worst->contact, worst->run.one_s_N, most,
-                     t.human_grip_N_per_m, r.human_index,
-                     t.index_acts ? "" : "; in this cell it does not act (vibration: acts: false)")});
+         fmt::format(
+             "{} of {} stiffer hands are calm 1 s after the grip closed (below {:g} N of 5 to 40 Hz); the "
+             "worst, {} ({}), keeps {:.2f} N; their drag is on average up to "
+             "{:.0f} times the recommended; hands up to {:g} N/m raise the index to "
+             "{:.2g}{}",
+             calm, r.carried.size(), worst->calm_N, worst->hand.name, worst->contact, worst->run.one_s_N,
+             most, t.human_grip_N_per_m, r.human_index,
+             t.index_acts ? "" : "; in this cell it does not act (vibration: acts: false)")});
   }
   rows.push_back(
       {"Any age by itself", fmt::format("a_max K of the planes: {:.0f} N s/m", r.age_bound_Ns_per_m)});
@@ -165,6 +166,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
                                             {"stiffness_N_per_m", c.hand.stiffness_N_per_m},
                                             {"contact", c.contact},
                                             {"calm", c.Calm()},
+                                            {"calm_below_N", c.calm_N},
                                             {"force_from_half_s_N", Finite(c.run.half_s_N)},
                                             {"force_from_1_s_N", Finite(c.run.one_s_N)},
                                             {"damping_most_ratio", c.run.most_damping},

@@ -15,6 +15,7 @@ namespace {
 constexpr double kMostDrag_Ns_per_m = 3000.0;
 constexpr double kLeastWall_N_per_m = 100.0;
 constexpr double kGripSpeed_m_per_s = 0.04, kNoise_N = 0.1, kCarried_s = 10.0;
+constexpr double kCalm_N = 0.5, kEnlarged = 2.2;  // at least; of the tremor that the index lets pass
 
 enum class Contact { kFree, kWall, kPlanes };
 constexpr std::array<Contact, 3> kContacts{Contact::kFree, Contact::kWall, Contact::kPlanes};
@@ -174,10 +175,11 @@ TuneCheck CheckInTime(const TuneTask& task, const TuneGains& gains, const std::v
 }
 
 std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& gains) {
+  const double calm_N = std::max(kCalm_N, kEnlarged * task.vibration.reference.tremor_N);
   std::vector<TuneCarried> list;
   for (const hil::GridHand& hand : hil::HandGrid()) {
     if (hand.stiffness_N_per_m <= task.human_grip_N_per_m) continue;
-    TuneCarried worst{.hand = hand, .contact = {}, .run = {}};
+    TuneCarried worst{.hand = hand, .contact = {}, .run = {}, .calm_N = calm_N};
     for (std::size_t c = 0; c < kContacts.size(); ++c) {
       hil::AdmittanceRunParams run = WithIndex(task, gains, hand, kContacts[c]);
       run.kick_m_per_s = kGripSpeed_m_per_s;

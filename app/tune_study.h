@@ -88,12 +88,14 @@ struct TuneCarried {
   hil::GridHand hand;
   std::string contact;
   hil::GripRun run;
-  [[nodiscard]] bool Calm() const { return run.valid && run.one_s_N < kCalm_N; }
-  static constexpr double kCalm_N = 0.5;  ///< of the force between 5 and 40 Hz, from 1 s on
+  double calm_N{0.5};  ///< of the force between 5 and 40 Hz, from 1 s on: less is calm
+  [[nodiscard]] bool Calm() const { return run.valid && run.one_s_N < calm_N; }
 };
 /// The shipped parts with the cell's vibration index, for every hand of the grid beyond human_grip_N_per_m,
 /// fixture and clamp included: the grip closes on a tool that moves with 40 mm/s, the sensor's noise is .1 N,
-/// commands get lost and come late. 10 s each.
+/// commands get lost and come late. 10 s each. What a hand may tremble with, the index lets a loop do as well
+/// (VibrationReference), and a loop close to oscillating makes up to twice of it: calm is below 2.2 tremor_N,
+/// .5 N at least.
 [[nodiscard]] std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& gains);
 
 /// The greatest index that any of these hands raises by itself (kick of .1 mm/s, the same noise): 0 where the

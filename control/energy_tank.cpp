@@ -98,7 +98,7 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
   const Wrench spring = SpringOf(coupling);
   const double work_J = Power(spring, dx);
   Held old = After(active_, active_planes_, potential_J_, fade_, dx);
-  if (!coupling.new_frame && coupling.fade > 0.0) {  // planes that are touched now were there before
+  if (!coupling.new_planes && coupling.fade > 0.0) {  // planes that are touched now were there before
     const double faded = std::min(1.0, fade_ / coupling.fade);
     old.potential_J = std::max(old.potential_J, faded * coupling.potential_J);
     old.work_J = faded * work_J;

@@ -28,10 +28,10 @@ void Validate(const EnergyTankParams& params);
 /// so that over any time the coupling gives out no more than what was put in and the cap. To either U belongs
 /// F·dx / 2 of the step that led here: the integrator's own share of a force that jumps. U_0 comes from the
 /// planes that pressed: exact for those, up to 1e-3 J at .25 m/s where a plane is touched within the very
-/// tick that a frame comes in. Within a frame a force that rises is the motion's own and costs nothing; bone
-/// that recedes fills. The coupling's fade and the governor's share are gains; a fall fills, their return
-/// costs. From s < 1 it comes back as the tank fills, by 1/ramp_s at most, and at once where contact ends,
-/// which costs nothing.
+/// tick that a frame comes in or a plane is on its way back. Otherwise a force that rises within a frame is
+/// the motion's own and costs nothing; bone that recedes fills. The coupling's fade and the governor's share
+/// are gains; a fall fills, their return costs. From s < 1 it comes back as the tank fills, by 1/ramp_s at
+/// most, and at once where contact ends, which costs nothing.
 ///
 /// It acts before any energy is out, but knows only of changes at a known time: what comes of a force that is
 /// old, held or limited is the passivity controller's. Too small a tank can not pay for what frames

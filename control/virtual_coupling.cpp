@@ -21,6 +21,7 @@ constexpr double kMostPosition_m = 10.0;
 constexpr double kMostStiffness_N_per_m = 1e7;
 constexpr double kMostAdvance_m_per_s = 1.0;
 constexpr double kMostTorque_Nm = 100.0;
+constexpr double kRounding_m = 1e-9;      // of a proxy on its plane
 constexpr double kLongestTick_s = 0.005;  // a longer gap between ticks was a stop of the loop, not cutting
 
 bool Within(double value, double low, double high) { return value >= low && value <= high; }  // false for NaN
@@ -70,6 +71,19 @@ double AdvanceTime(CouplingState& state, rt::Nanoseconds now) {
   return dt_s;
 }
 
+bool AnyHeldBack(const CouplingState& state) {
+  return std::any_of(state.held_back_m.begin(), state.held_back_m.end(), [](double h) { return h > 0.0; });
+}
+
+// Lets the planes that are held back go their way of one tick.
+void ComeBack(CouplingState& state, double dt_s, std::array<HalfSpace, kMaxHalfSpaces>& planes) {
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const double way_m = std::min(state.held_back_m[i], state.return_m_per_s * dt_s);
+    state.held_back_m[i] -= way_m;
+    planes[i].offset += way_m;
+  }
+}
+
 }  // namespace
 
 void Validate(const CouplingParams& params) {
@@ -84,6 +98,7 @@ void Validate(const CouplingParams& params) {
   require("fresh_s", params.fresh_s, 1e-3, 10.0);
   require("gone_s", params.gone_s, params.fresh_s + 1e-3, 20.0);
   require("ramp_s", params.ramp_s, 1e-3, 10.0);
+  require("return_s", params.return_s, 1e-3, 0.1);
 }
 
 CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel& model, const Pose& X_WT,
@@ -103,16 +118,20 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
   if (out.status != ModelStatus::kOk || !safety::IsFinite(Vector3(X_WT.translation())) ||
       !X_WT.linear().allFinite()) {
     state.pressed.fill(false);
+    state.has_proxy = false;
     return out;
   }
 
   // where the planes are now: the frame's, receded
   const bool new_frame = model.frame != state.frame || model.pose_stamp != state.pose_stamp;
-  out.new_frame = new_frame;
   const double cut_since_pose_s =
       new_frame ? std::min(state.cut_s - CutUpTo(state, model.pose_stamp), params.fresh_s) : 0.0;
   state.frame = model.frame;
   state.pose_stamp = model.pose_stamp;
+  if (new_frame) {
+    if (!AnyHeldBack(state)) state.return_m_per_s = 0.0;
+    state.held_back_m.fill(0.0);
+  }
   std::array<HalfSpace, kMaxHalfSpaces> planes;
   std::array<Vector3, kMaxContacts> arm_W;  // from To to the contact point
   for (int j = 0; j < model.contact_count; ++j) {
@@ -124,16 +143,32 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
 
     double& recession_m = state.recession_m[i];
     if (new_frame) recession_m = 0.0;
+    gap_m += state.held_back_m[i];
     const double since_s = new_frame ? cut_since_pose_s : (state.pressed[i] && fresh ? dt_s : 0.0);
     const double penetration_m = std::max(0.0, -(gap_m + recession_m));
     if (spindle_on) recession_m += std::min(c.advance_m_per_s * since_s, penetration_m);
     gap_m += recession_m;
+    if (new_frame && state.has_proxy) {
+      const double before_m = n_W.dot(state.X_WP * Vector3(c.p_TP_m) - Vector3(c.p_W_m)) + recession_m;
+      const double beyond_m = -before_m - state.violation_m;
+      if (beyond_m > kRounding_m) {
+        state.held_back_m[i] = beyond_m;
+        state.return_m_per_s = std::max(state.return_m_per_s, beyond_m / params.return_s);
+        gap_m += beyond_m;
+      }
+    }
     planes[i] = {.n = n_W, .offset = -gap_m};
   }
+  out.new_planes = new_frame || AnyHeldBack(state);
+  ComeBack(state, dt_s, planes);
 
   // spring: the constrained proxy
   const HalfSpaceProjection proxy = ClosestInHalfSpaces(planes, model.contact_count);
   out.displacement_W = proxy.point;
+  state.has_proxy = true;
+  state.X_WP = X_WT;
+  state.X_WP.translation() += proxy.point;
+  state.violation_m = proxy.violation;
   Wrench spring;
   for (int j = 0; j < model.contact_count; ++j) {
     const auto i = static_cast<std::size_t>(j);

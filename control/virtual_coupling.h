@@ -18,6 +18,7 @@ struct CouplingParams {
   double fresh_s{0.020};               ///< a model up to this age counts in full, and its planes recede
   double gone_s{0.060};                ///< at this age nothing is left
   double ramp_s{0.100};                ///< fastest return from nothing to full
+  double return_s{0.008};  ///< a frame's plane beyond the proxy comes back in this; one period: at once
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
@@ -36,6 +37,11 @@ struct CouplingState {
   std::uint64_t frame{0};    ///< of the planes below
   rt::Nanoseconds pose_stamp{-1};
   std::array<double, simulation::kMaxContacts> recession_m{};  ///< of each plane since pose_stamp
+  std::array<double, simulation::kMaxContacts> held_back_m{};  ///< of each plane, left on its way back
+  double return_m_per_s{0.0};                                  ///< of the planes that are held back
+  bool has_proxy{false};                                       ///< the last tick was evaluated
+  Pose X_WP{Pose::Identity()};                                 ///< proxy of the last tick
+  double violation_m{0.0};                                     ///< of its planes, between walls too close
   std::array<bool, simulation::kMaxContacts> pressed{};        ///< in the last tick, with the spindle on
   double cut_s{0.0};                                           ///< time with any plane pressed, spindle on
   std::array<CutSample, kHistory> history{};                   ///< the last ticks' cut_s, a ring
@@ -75,12 +81,12 @@ struct CouplingOutput {
   /// U = fade f_s·delta / 2: what the spring has stored. With equal stiffnesses and planes that rest its
   /// derivative along the tool's twist is minus the spring wrench, levers and turns included.
   double potential_J{0.0};
-  bool new_frame{false};  ///< the planes are those of another frame than in the tick before
+  bool new_planes{false};  ///< another frame's than in the tick before, or on their way back
 };
 
 /// Virtual coupling of the tool with the planes of the newest contact model, evaluated in every tick.
 ///
-///     g_j   = n_j·(X_WT p_TP_j - p_W_j) + r_j                  gap, r_j the plane's recession
+///     g_j   = n_j·(X_WT p_TP_j - p_W_j) + r_j + h_j            gap, r_j the plane's recession
 ///     delta = min |delta|, n_j·delta >= -g_j  =  sum l_j n_j   the constrained proxy is at p_WT + delta
 ///     f     = c sum K_j l_j n_j,   t = c sum (X_WT p_TP_j - p_WTo) × K_j l_j n_j
 ///     c     = fade (1 + clamp(b nu / |f_s|, -1, damping_share)),  nu = -(f_s·v + t_s·w) / |f_s|
@@ -93,6 +99,16 @@ struct CouplingOutput {
 /// model is younger than fresh_s, never by more than the penetration that is left. A new frame's planes are
 /// as old as its pose; the time spent cutting since that pose (of any contact: the frames' contacts have no
 /// common names) gives them the recession they would have had, so that the hand-over has no step.
+///
+/// Return. A new frame may find bone where the last planes had none: a cut stalled that was thought to go on,
+/// a ledge came into view. h_j holds such a plane back to where the last tick's proxy X_WP just touches it,
+///
+///     h_j = max(0, -(n_j·(X_WP p_TP_j - p_W_j) + r_j)),
+///
+/// less what walls too close for the tool had to give way by (HalfSpaceProjection::violation),
+/// so that no frame moves the proxy, and falls to 0 within return_s at an even speed: the force rises by
+/// K h_j, but over ticks. Bone that gives way is followed at once, as a force that falls is no shock and no
+/// energy. A frame that is wrong by more than 1.5 v_max return_s still trips safety::WrenchRateTrip.
 ///
 /// Age. fade is 1 up to fresh_s and falls linearly to 0 at gone_s, at once; it rises no faster than 1/ramp_s.
 ///

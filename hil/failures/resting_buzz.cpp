@@ -36,7 +36,10 @@ Buzz Rest(double push_N, double stiffness_N_per_m, bool force_alone, double seco
   params.servo = {.bandwidth_hz = 1000.0, .dead_cycles = 0};  // no lag that would hide it
   params.seconds = kStart_s + seconds;
   params.loop.coupling.max_stiffness_N_per_m = stiffness_N_per_m;
-  if (force_alone) params.loop.stabilisers = control::NoStabilisers();
+  if (force_alone) {
+    params.loop.stabilisers = control::NoStabilisers();
+    params.loop.coupling.return_s = kDt_s;  // planes where the frame has them, at once
+  }
   const Pose X_start = kinematics::LbrArm(params.arm).FlangePose(params.q_start) * params.X_FT;
   const Vector3 down = X_start.linear().col(2);
 

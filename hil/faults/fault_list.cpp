@@ -309,11 +309,11 @@ void AddModel(std::vector<FaultCase>& cases) {
                         [](RigInputs& in, int, FaultRig&) { in.model.pose_stamp += 3600 * rt::kSecond; }));
   {
     FaultCase made{.name = "bone jumps into the tool",
-                   .injected = "the plane, by 1 mm",
+                   .injected = "the plane, by 5 mm",
                    .inject =
                        [](RigInputs& in, int, FaultRig& rig) {
                          in.model.contacts[0].p_W_m =
-                             Vector3(Vector3(in.model.contacts[0].p_W_m) - 1e-3 * rig.feed_W());
+                             Vector3(Vector3(in.model.contacts[0].p_W_m) - 5e-3 * rig.feed_W());
                        },
                    .lasts = 300,
                    .waiting = kGoesOn,

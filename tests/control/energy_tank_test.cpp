@@ -127,7 +127,7 @@ TEST(EnergyTank, NeverGivesOutMoreThanWentInAndTheCap) {
       without.tool.V_WT.v *= 0.995;
     }
     EXPECT_LE(most_J, 0.3 * 1.05) << "seed " << seed;
-    EXPECT_GT(without.made_J, 1.0) << "seed " << seed << ": the walls do pump";
+    EXPECT_GT(without.made_J, 0.3 * 1.5) << "seed " << seed << ": the walls do pump";
   }
 }
 

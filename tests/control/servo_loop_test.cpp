@@ -332,7 +332,7 @@ TEST(ServoLoop, EachFaultStopsInOrder) {
               for (; b.push_N < 260.0; b.push_N += 5.0) b.Tick();  // as fast as a hand can
             }),
             bits(Fault::kSensorForce));
-  EXPECT_EQ(fault_after([](ServoBench& b) { b.plane_W -= 1e-3 * b.feed_W; }), bits(Fault::kWrenchRate));
+  EXPECT_EQ(fault_after([](ServoBench& b) { b.plane_W -= 4e-3 * b.feed_W; }), bits(Fault::kWrenchRate));
   EXPECT_EQ(fault_after([](ServoBench& b) { b.push_N = std::numeric_limits<double>::quiet_NaN(); }),
             bits(Fault::kNotFinite));
   EXPECT_EQ(fault_after([](ServoBench& b) { b.arm.safety_state = 2; }), bits(Fault::kSession));

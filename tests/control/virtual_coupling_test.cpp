@@ -51,7 +51,7 @@ struct Bench {
   CouplingOutput Tick(ContactModel model, const Pose& X_WT, const Twist& V_WT = {}, bool spindle_on = false,
                       double age_s = 0.0) {
     now += kMillisecond;
-    model.pose_stamp = now - static_cast<rt::Nanoseconds>(age_s * 1e9);
+    model.pose_stamp = now - std::llround(age_s * 1e9);
     return EvaluateCoupling(params, model, X_WT, V_WT, now, spindle_on, state);
   }
 };
@@ -98,10 +98,10 @@ TEST(VirtualCoupling, ACornerGivesTheVectorSumOfBothFaces) {
 }
 
 TEST(VirtualCoupling, DampingTakesPowerStaysWithinItsShareAndNeverPulls) {
-  Bench bench;
   std::mt19937_64 random(6);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 20'000; ++i) {
+    Bench bench;
     ContactModel model = Plane(Vector3(normal(random), normal(random), normal(random)).normalized());
     model.contacts[0].p_TP_m = Vector3(0.02 * Vector3(normal(random), normal(random), normal(random)));
     Pose X_WT = At(0.002 * Vector3(normal(random), normal(random), normal(random)));
@@ -240,6 +240,68 @@ TEST(VirtualCoupling, FramesHandOverWithoutAStep) {
   }
   EXPECT_NEAR(low_N, kK * depth_m, 1e-6);
   EXPECT_NEAR(high_N, kK * depth_m, 1e-6) << "without the recession in between: 0.14 N of saw-tooth";
+}
+
+// The bone that was thought to give way stalls: the new frame's plane stands .35 mm before the last one's.
+TEST(VirtualCoupling, APlaneThatANewFrameFindsBeforeTheProxyComesBackWithinItsTimeAndNotAtOnce) {
+  Bench bench;
+  ContactModel model = Plane({0.0, 0.0, 1.0});
+  const Pose X_WT = At({0.0, 0.0, -1e-3});
+  EXPECT_NEAR(bench.Tick(model, X_WT).F_T_W.f.z(), 20.0, 1e-9);
+  const double jump_m = 0.35e-3;
+  const int ticks = 8;  // return_s
+  for (int i = 1; i <= 3 * ticks; ++i) {
+    if (i % 4 == 1) {  // a frame every 4 ms, all of the same bone
+      model.frame += 1;
+      model.contacts[0].p_W_m = Vector3(0.0, 0.0, jump_m);
+    }
+    const CouplingOutput out = bench.Tick(model, X_WT, {}, false, 1e-3 * ((i + 3) % 4));
+    const double back = std::min(1.0, static_cast<double>(i) / ticks);
+    EXPECT_NEAR(out.F_T_W.f.z(), 20.0 + kK * jump_m * back, 1e-6) << "tick " << i << ": 7 N at once without";
+    EXPECT_EQ(out.new_planes, i % 4 == 1 || i <= ticks) << "the tank pays for it";
+  }
+}
+
+TEST(VirtualCoupling, AFramesSurpriseIsWhatTheLastTicksToolWouldHaveFeltNotThisTicksMotion) {
+  Bench bench;
+  ContactModel free_air = Plane({0.0, 0.0, 1.0});
+  free_air.contact_count = 0;
+  Pose before = At({0.0, 0.0, 0.0}), after = At({0.0, 0.0, -0.2e-3});
+  // a turn in the same tick that takes the touching point, on a lever of .1 m, another .1 mm into the bone
+  after.linear() = Eigen::AngleAxisd(1e-3, Vector3::UnitY()).toRotationMatrix();
+  bench.Tick(free_air, before);
+  ContactModel model = Plane({0.0, 0.0, 1.0});
+  model.frame = free_air.frame + 1;
+  model.contacts[0].p_TP_m = Vector3(0.1, 0.0, 0.0);
+  EXPECT_NEAR(bench.Tick(model, after).F_T_W.f.z(), kK * 0.3e-3, 1e-6);
+}
+
+TEST(VirtualCoupling, BoneThatANewFrameFindsGoneIsGoneAtOnce) {
+  Bench bench;
+  ContactModel model = Plane({0.0, 0.0, 1.0});
+  const Pose X_WT = At({0.0, 0.0, -1e-3});
+  bench.Tick(model, X_WT);
+  model.frame += 1;
+  model.contacts[0].p_W_m = Vector3(0.0, 0.0, -0.4e-3);
+  EXPECT_NEAR(bench.Tick(model, X_WT).F_T_W.f.z(), 12.0, 1e-9);
+}
+
+// Walls closer than the tool: no proxy keeps both, and each frame says so anew.
+TEST(VirtualCoupling, BetweenWallsTooCloseForItNoFrameMovesTheTool) {
+  Bench bench;
+  ContactModel model = Plane({1.0, 0.0, 0.0});
+  model.contact_count = 2;
+  model.contacts[1] = model.contacts[0];
+  model.contacts[0].p_W_m = Vector3(1e-3, 0.0, 0.0);
+  model.contacts[1].p_W_m = Vector3(-1e-3, 0.0, 0.0);
+  model.contacts[1].n_W = Vector3(-1.0, 0.0, 0.0);
+  const Pose X_WT = At({0.2e-3, 0.0, 0.0});
+  const double first_N = bench.Tick(model, X_WT).F_T_W.f.x();
+  EXPECT_LT(first_N, -1.0) << "toward the middle";
+  for (int i = 0; i < 20; ++i) {
+    if (i % 4 == 0) model.frame += 1;
+    EXPECT_NEAR(bench.Tick(model, X_WT, {}, false, 1e-3 * (i % 4)).F_T_W.f.x(), first_N, 1e-6);
+  }
 }
 
 TEST(VirtualCoupling, TheCutTurnsTheHandAgainstTheSpindleInProportionToTheForce) {
