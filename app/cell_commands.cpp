@@ -28,6 +28,9 @@ CellCommands::CellCommands(CLI::App& app)
                    "its real-time threads run on this CPU, everything else stays off it: the controller's")
       ->check(NumberWithin(0, rt::kMostCpu));
   cell_->add_option("--json", simulated_.json, "write there at the end what the cell was");
+  cell_->add_option(
+      "--trace", simulated_.trace,
+      "CSV file of each cycle of the arm while it runs: where the tool is, how fast, the hand's force");
   cell_->footer(
       "The arm, the force sensor, the reamer drive and the PLC, an operator at the handle and one at the "
       "buttons.\nAnother controller than Osteon's may be at the other end.\n\n"

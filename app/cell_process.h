@@ -1,16 +1,16 @@
 #pragma once
 
-#include <sys/types.h>
-
-#include <atomic>
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <tl/expected.hpp>
 
+#include "app/child_process.h"
 #include "config/load.h"
 
 namespace osteon::app {
@@ -36,21 +36,21 @@ class CellProcess {
   CellProcess& operator=(const CellProcess&) = delete;
 
   /// It has ended by itself: then it has said why on stderr.
-  [[nodiscard]] bool Ended();
+  [[nodiscard]] bool Ended() { return process_->Ended(); }
 
   /// Tells it to end, at once. Any thread.
-  void AskToEnd() const;
+  void AskToEnd() const { process_->Send(SIGTERM); }
 
   /// Waits for its end, and kills it where it takes longer than 5 s. @returns what it says about itself, as
   /// `osteon cell --json` writes it; empty where it could not.
   [[nodiscard]] std::string End();
 
  private:
-  CellProcess(pid_t pid, std::filesystem::path report) : pid_(pid), report_(std::move(report)) {}
+  CellProcess(std::unique_ptr<ChildProcess> process, std::filesystem::path report)
+      : process_(std::move(process)), report_(std::move(report)) {}
 
-  pid_t pid_;
+  std::unique_ptr<ChildProcess> process_;
   std::filesystem::path report_;
-  std::atomic<bool> ended_{false};
 };
 
 }  // namespace osteon::app
