@@ -37,7 +37,9 @@ CellCommands::CellCommands(CLI::App& app)
       "Examples:\n  osteon cell demo\n  osteon cell config/cells/molar.yaml --json cell.json");
 
   common(*run_);
-  run_->add_flag("--simulated", operate_.simulated, "start the simulated cell as well, in its own process");
+  run_->add_flag(
+      "--simulated", operate_.simulated,
+      "start the simulated cell as well, and its guard where it has one, in processes of their own");
   run_->add_option("--seconds", operate_.seconds, "of rendering; without it until Ctrl-C")
       ->check(NumberWithin(kLeastSeconds, kMostSeconds));
   run_->add_option(

@@ -31,25 +31,42 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
   if (file < 0) return tl::make_unexpected(report + ": cannot make a file: " + std::strerror(errno));
   close(file);
 
-  std::vector<std::string> words{"cell", std::filesystem::absolute(params.cell).string(), "--json", report};
+  std::unique_ptr<CellProcess> cell(new CellProcess(report));
+  std::vector<std::string> both{std::filesystem::absolute(params.cell).string()};
+  if (params.first_port != 0) both.insert(both.end(), {"--port", std::to_string(params.first_port)});
+  if (params.tool) both.insert(both.end(), {"--tool", ToolText(*params.tool)});
+  const auto start = [&both](std::vector<std::string> words) {
+    words.insert(words.end(), both.begin(), both.end());
+    return ChildProcess::Start({.words = std::move(words)});
+  };
+
+  std::vector<std::string> words{"cell", "--json", report};
   if (params.seconds > 0.0) words.insert(words.end(), {"--seconds", fmt::format("{:.17g}", params.seconds)});
-  if (params.first_port != 0) words.insert(words.end(), {"--port", std::to_string(params.first_port)});
   if (params.cpu >= 0) words.insert(words.end(), {"--cpu", std::to_string(params.cpu)});
-  if (params.tool) words.insert(words.end(), {"--tool", ToolText(*params.tool)});
-  auto process = ChildProcess::Start({.words = std::move(words)});
+  auto process = start(std::move(words));
   if (!process) return tl::make_unexpected(process.error());
-  return std::unique_ptr<CellProcess>(new CellProcess(std::move(*process), report));
+  cell->process_ = std::move(*process);
+  if (params.guard) {
+    auto guard = start({"guard"});
+    if (!guard) return tl::make_unexpected(guard.error());
+    cell->guard_ = std::move(*guard);
+  }
+  return cell;
 }
 
 CellProcess::~CellProcess() {
-  AskToEnd();
+  if (process_) AskToEnd();
   static_cast<void>(End());
   std::error_code error;
   std::filesystem::remove(report_, error);
 }
 
 std::string CellProcess::End() {
-  process_->End(kPatience);
+  if (process_) process_->End(kPatience);
+  if (guard_) {
+    guard_->Send(SIGTERM);
+    guard_->End(kPatience);
+  }
   std::ostringstream text;
   text << std::ifstream(report_).rdbuf();
   return text.str();

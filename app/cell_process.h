@@ -21,10 +21,11 @@ struct CellProcessParams {
   double seconds{0.0};                       ///< of the operator's script; 0: as the file says
   std::uint16_t first_port{0};               ///< as UseSimulatedWires; 0: the file's
   int cpu{-1};                               ///< of its real-time threads; -1: any
+  bool guard{false};                         ///< the cell has one: it is started as well
 };
 
-/// `osteon cell` as a process of its own, from this program's file. It ends with this process, however that
-/// ends.
+/// `osteon cell` as a process of its own, from this program's file, and `osteon guard` as another where the
+/// cell has one. They end with this process, however that ends.
 class CellProcess {
  public:
   /// The error says why it could not be started.
@@ -41,15 +42,14 @@ class CellProcess {
   /// Tells it to end, at once. Any thread.
   void AskToEnd() const { process_->Send(SIGTERM); }
 
-  /// Waits for its end, and kills it where it takes longer than 5 s. @returns what it says about itself, as
-  /// `osteon cell --json` writes it; empty where it could not.
+  /// Waits for its end, and kills it where it takes longer than 5 s; then ends the guard. @returns what it
+  /// says about itself, as `osteon cell --json` writes it; empty where it could not.
   [[nodiscard]] std::string End();
 
  private:
-  CellProcess(std::unique_ptr<ChildProcess> process, std::filesystem::path report)
-      : process_(std::move(process)), report_(std::move(report)) {}
+  explicit CellProcess(std::filesystem::path report) : report_(std::move(report)) {}
 
-  std::unique_ptr<ChildProcess> process_;
+  std::unique_ptr<ChildProcess> process_, guard_;
   std::filesystem::path report_;
 };
 

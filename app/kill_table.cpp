@@ -110,6 +110,7 @@ std::string KillTableJson(std::span<const KillRun> runs) {
           {"peak_hand_N", r.hand_N},
           {"peak_force_N", r.coupling_N},
           {"plc_permits", r.permitted ? nlohmann::ordered_json(*r.permitted) : nlohmann::ordered_json()},
+          {"plc_blocks", r.blocks},
           {"spindle_rad_per_s", r.spindle_rad_per_s},
           {"run_exit", r.run_exit ? nlohmann::ordered_json(*r.run_exit) : nlohmann::ordered_json()},
           {"faults", r.faults},

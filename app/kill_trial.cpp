@@ -6,6 +6,7 @@
 #include <iterator>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -45,6 +46,8 @@ nlohmann::json ReadJson(const std::filesystem::path& file) {
 }
 
 double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
+
+const char* ThreadOf(KillVictim victim) { return victim == KillVictim::kLoop ? "servo" : NameOf(victim); }
 
 // The three processes, each in a folder of its own.
 class Trial {
@@ -86,8 +89,9 @@ class Trial {
         cell_->Send(SIGKILL);
         break;
       case KillVictim::kLoop:
-      case KillVictim::kSimulation: {
-        auto halted = HaltedThread::Halt(run_->pid(), victim == KillVictim::kLoop ? "servo" : "simulation");
+      case KillVictim::kSimulation:
+      case KillVictim::kRecorder: {
+        auto halted = HaltedThread::Halt(run_->pid(), ThreadOf(victim));
         if (!halted) return halted.error();
         halted_ = std::move(*halted);
         break;
@@ -119,15 +123,14 @@ class Trial {
     return result;
   }
 
-  /// What a process complained of last, for who looks for the cause.
+  /// Why one has ended by itself, in its own last line; empty where none has.
   [[nodiscard]] std::string Complaint() const {
-    for (const char* name : {"cell", "guard", "run"}) {
+    for (const auto& [name, process] :
+         {std::pair{"cell", cell_.get()}, {"guard", guard_.get()}, {"run", run_.get()}}) {
+      if (!process || !process->Ended()) continue;
       std::string err = ReadAll(Folder(name) / "stderr");
       while (err.ends_with('\n')) err.pop_back();
-      const std::string line = err.substr(err.rfind('\n') + 1);
-      if (line.find("osteon: ") != std::string::npos || line.find(": found") != std::string::npos ||
-          line.find("cannot") != std::string::npos)
-        return line;
+      return err.substr(err.rfind('\n') + 1);
     }
     return "";
   }
@@ -175,17 +178,18 @@ class Trial {
     return cycle.speed_m_per_s > kRest_m_per_s || cycle.turn_rad_per_s > kRest_rad_per_s;
   }
 
-  // How long it has rested since the kill.
+  // How long it has rested since the kill; an arm that is commanded still does not rest.
   rt::Nanoseconds RestsFor() {
     trace_.Look();
     const auto& cycles = trace_.cycles();
+    if (cycles.empty() || cycles.back().session == control::SessionState::kCommandingActive) return 0;
     rt::Nanoseconds since = killed_;
     for (auto cycle = cycles.rbegin(); cycle != cycles.rend() && cycle->stamp > killed_; ++cycle)
       if (Moves(*cycle)) {
         since = cycle->stamp;
         break;
       }
-    return cycles.empty() ? 0 : cycles.back().stamp - since;
+    return cycles.back().stamp - since;
   }
 
   void TakeArm(KillResult& result) {
@@ -232,6 +236,7 @@ class Trial {
       result.guard = guard.at("reason");
     if (const nlohmann::json cell = ReadJson(Folder("cell") / "cell.json"); cell.is_object()) {
       result.permitted = cell.at("plc").at("run_permitted").get<bool>();
+      result.blocks = cell.at("plc").at("blocks");
       result.spindle_rad_per_s = cell.at("spindle").at("speed_rad_per_s");
     }
   }
@@ -253,6 +258,8 @@ class Trial {
     }
     if (r.victim == KillVictim::kSimulation)
       add(std::ranges::count(r.faults, "contact model stale") == 0, "not for the contact model's age");
+    if (r.victim == KillVictim::kRecorder)
+      add(std::ranges::count(r.faults, "recorder stalled") == 0, "not for the recorder");
     return wrong;
   }
 
@@ -274,6 +281,8 @@ const char* NameOf(KillVictim victim) {
       return "loop";
     case KillVictim::kSimulation:
       return "simulation";
+    case KillVictim::kRecorder:
+      return "recorder";
     case KillVictim::kGuard:
       return "guard";
     case KillVictim::kCell:
@@ -290,6 +299,8 @@ const char* Describe(KillVictim victim) {
       return "the servo thread of osteon run halted";
     case KillVictim::kSimulation:
       return "the simulation's thread of osteon run halted";
+    case KillVictim::kRecorder:
+      return "the recorder's thread of osteon run halted";
     case KillVictim::kGuard:
       return "SIGKILL to osteon guard";
     case KillVictim::kCell:
@@ -301,8 +312,8 @@ const char* Describe(KillVictim victim) {
 void WriteKillCell(const std::filesystem::path& source, double push_N, double limit_N,
                    const std::filesystem::path& folder) {
   const std::filesystem::path shipped = source.parent_path() / "../scenes/thin_plate.yaml";
-  // 4 mm of cortical bone: at 150 N the drill takes some three seconds through it
-  config::WriteDerived(shipped, {{"shape.height_mm", "4"}}, folder / "plate.yaml");
+  // 5 mm of cortical bone: at 150 N the drill takes some four seconds through it
+  config::WriteDerived(shipped, {{"shape.height_mm", "5"}}, folder / "plate.yaml");
   const auto number = [](double value) { return fmt::format("{}", value); };
   config::WriteDerived(source,
                        {{"scene", (folder / "plate.yaml").string()},

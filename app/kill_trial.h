@@ -15,10 +15,11 @@ enum class KillVictim {
   kController,  ///< `osteon run`, by SIGKILL
   kLoop,        ///< its servo thread is halted, the rest of it goes on
   kSimulation,  ///< its simulation's thread is halted, the rest of it goes on
+  kRecorder,    ///< its recorder's thread is halted, the rest of it goes on
   kGuard,       ///< `osteon guard`, by SIGKILL
   kCell,        ///< `osteon cell`, by SIGKILL: arm, sensor, drive and PLC vanish from their wires at once
 };
-inline constexpr int kKillVictims = 5;
+inline constexpr int kKillVictims = 6;
 /// @returns e.g. "controller"
 [[nodiscard]] const char* NameOf(KillVictim victim);
 /// @returns what is done to it, e.g. "SIGKILL to osteon run"
@@ -44,6 +45,7 @@ struct KillResult {
   double hand_N{0.0};                 ///< the most that the hand exerted, before and after
   double coupling_N{0.0};             ///< the most that the controller rendered, as far as its recording got
   std::optional<bool> permitted{};    ///< by the PLC, in the end; none: it died
+  std::string blocks{};               ///< why it does not permit
   double spindle_rad_per_s{0.0};      ///< in the end, as the drive says
   std::optional<int> run_exit{};      ///< none: it was killed
   std::vector<std::string> faults{};  ///< that the controller named

@@ -165,7 +165,7 @@ CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures, Fail
           ->excludes(out);
   auto* kill = sub->add_flag("--kill", tables.kill,
                              "instead: real processes die in full contact at 150 N: controller, loop, "
-                             "simulation, guard, cell (docs/guard.md)")
+                             "simulation, recorder, guard, cell (docs/guard.md)")
                    ->excludes(ids)
                    ->excludes(out)
                    ->excludes(faults);

@@ -2,7 +2,8 @@
 
 #include "tests/app/command.h"
 
-// `osteon failures --kill`: controller, loop, simulation, guard and cell die in full contact, each once.
+// `osteon failures --kill`: controller, loop, simulation, recorder, guard and cell die in full contact, each
+// once.
 // `--times 20` is the measurement.
 
 namespace osteon::app {
@@ -15,7 +16,7 @@ TEST(Kill, LeavesTheArmAtRestWhoeverDies) {
   const nlohmann::json report = ReadJson(folder.path() / "kill.json");
   EXPECT_EQ(report.at("schema"), "osteon.failures/1");
   EXPECT_TRUE(report.at("scenarios").empty());
-  ASSERT_EQ(report.at("kills").size(), 5u) << run.out << run.err;
+  ASSERT_EQ(report.at("kills").size(), 6u) << run.out << run.err;
   bool skipped = false;
   for (const nlohmann::json& kill : report.at("kills")) {
     SCOPED_TRACE(kill.dump(2));
@@ -45,6 +46,9 @@ TEST(Kill, LeavesTheArmAtRestWhoeverDies) {
     }
     if (victim == "simulation") {
       EXPECT_EQ(kill.at("faults")[0], "contact model stale");
+    }
+    if (victim == "recorder") {
+      EXPECT_EQ(kill.at("faults")[0], "recorder stalled");
     }
     EXPECT_TRUE(kill.at("passed").get<bool>());
   }
