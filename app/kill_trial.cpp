@@ -105,6 +105,8 @@ class Trial {
   KillResult Watch(KillVictim victim) {
     const bool arm_lives = victim != KillVictim::kCell;
     if (arm_lives) static_cast<void>(Until(kRest, [&] { return RestsFor() > kRestFor; }));
+    cell_->Send(SIGTERM);  // first: what a thread does that goes on is none of it
+    cell_->End(kEnd);
     halted_.reset();  // that the process can end
     KillResult result{.victim = victim};
     if (victim == KillVictim::kController)
@@ -113,8 +115,6 @@ class Trial {
       result.run_exit = run_->End(kEnd);
     guard_->Send(SIGTERM);
     guard_->End(kEnd);
-    cell_->Send(SIGTERM);
-    cell_->End(kEnd);
 
     TakeArm(result);
     TakeRecording(result, !arm_lives);
@@ -251,6 +251,12 @@ class Trial {
     add(r.coupling_N > params_.limit_N, fmt::format("{:.1f} N were rendered", r.coupling_N));
     add(r.victim != KillVictim::kCell && !r.permitted, "the cell left no report");
     add(r.permitted.value_or(false), "the PLC permits motion still");
+    const auto misses = [&r](const char* whose) {
+      return r.blocks.find(std::string(whose) + "'s heartbeat lost") == std::string::npos;
+    };
+    if (r.victim == KillVictim::kController || r.victim == KillVictim::kLoop)
+      add(misses("controller"), "the PLC did not miss the controller's heartbeat");
+    if (r.victim == KillVictim::kGuard) add(misses("guard"), "the PLC did not miss the guard's heartbeat");
     add(std::abs(r.spindle_rad_per_s) > kStands_rad_per_s, "the spindle turns still");
     if (r.victim != KillVictim::kController) {
       add(r.run_exit != 1, fmt::format("the controller ended with {}", r.run_exit.value_or(-1)));
