@@ -28,13 +28,18 @@ CellCommands::CellCommands(CLI::App& app)
                    "its real-time threads run on this CPU, everything else stays off it: the controller's")
       ->check(NumberWithin(0, rt::kMostCpu));
   cell_->add_option("--json", simulated_.json, "write there at the end what the cell was");
+  cell_->add_option(
+      "--trace", simulated_.trace,
+      "CSV file of each cycle of the arm while it runs: where the tool is, how fast, the hand's force");
   cell_->footer(
       "The arm, the force sensor, the reamer drive and the PLC, an operator at the handle and one at the "
       "buttons.\nAnother controller than Osteon's may be at the other end.\n\n"
       "Examples:\n  osteon cell demo\n  osteon cell config/cells/molar.yaml --json cell.json");
 
   common(*run_);
-  run_->add_flag("--simulated", operate_.simulated, "start the simulated cell as well, in its own process");
+  run_->add_flag(
+      "--simulated", operate_.simulated,
+      "start the simulated cell as well, and its guard where it has one, in processes of their own");
   run_->add_option("--seconds", operate_.seconds, "of rendering; without it until Ctrl-C")
       ->check(NumberWithin(kLeastSeconds, kMostSeconds));
   run_->add_option(

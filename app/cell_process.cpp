@@ -1,9 +1,5 @@
 #include "app/cell_process.h"
 
-#include <fcntl.h>
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -12,7 +8,7 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
-#include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -21,7 +17,6 @@ namespace osteon::app {
 namespace {
 
 constexpr std::chrono::seconds kPatience{5};
-constexpr std::chrono::milliseconds kLook{5};
 
 std::string ToolText(const config::ToolChoice& tool) {
   const std::string file = std::filesystem::absolute(tool.file).string();
@@ -36,54 +31,41 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
   if (file < 0) return tl::make_unexpected(report + ": cannot make a file: " + std::strerror(errno));
   close(file);
 
-  std::vector<std::string> words{"osteon", "cell", std::filesystem::absolute(params.cell).string(), "--json",
-                                 report};
-  if (params.seconds > 0.0) words.insert(words.end(), {"--seconds", fmt::format("{:.17g}", params.seconds)});
-  if (params.first_port != 0) words.insert(words.end(), {"--port", std::to_string(params.first_port)});
-  if (params.cpu >= 0) words.insert(words.end(), {"--cpu", std::to_string(params.cpu)});
-  if (params.tool) words.insert(words.end(), {"--tool", ToolText(*params.tool)});
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
+  std::unique_ptr<CellProcess> cell(new CellProcess(report));
+  std::vector<std::string> both{std::filesystem::absolute(params.cell).string()};
+  if (params.first_port != 0) both.insert(both.end(), {"--port", std::to_string(params.first_port)});
+  if (params.tool) both.insert(both.end(), {"--tool", ToolText(*params.tool)});
+  const auto start = [&both](std::vector<std::string> words) {
+    words.insert(words.end(), both.begin(), both.end());
+    return ChildProcess::Start({.words = std::move(words)});
+  };
 
-  const pid_t parent = getpid();
-  const pid_t pid = fork();
-  if (pid < 0) return tl::make_unexpected(std::string("cannot start a process: ") + std::strerror(errno));
-  if (pid == 0) {
-    // only what may be called between fork and exec
-    prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent) _exit(1);
-    setpgid(0, 0);  // Ctrl-C is for the controller, which then ends the cell
-    const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    if (nothing >= 0) dup2(nothing, STDOUT_FILENO);
-    execv("/proc/self/exe", arguments.data());
-    _exit(127);
+  std::vector<std::string> words{"cell", "--json", report};
+  if (params.seconds > 0.0) words.insert(words.end(), {"--seconds", fmt::format("{:.17g}", params.seconds)});
+  if (params.cpu >= 0) words.insert(words.end(), {"--cpu", std::to_string(params.cpu)});
+  auto process = start(std::move(words));
+  if (!process) return tl::make_unexpected(process.error());
+  cell->process_ = std::move(*process);
+  if (params.guard) {
+    auto guard = start({"guard"});
+    if (!guard) return tl::make_unexpected(guard.error());
+    cell->guard_ = std::move(*guard);
   }
-  return std::unique_ptr<CellProcess>(new CellProcess(pid, report));
+  return cell;
 }
 
 CellProcess::~CellProcess() {
-  AskToEnd();
+  if (process_) AskToEnd();
   static_cast<void>(End());
   std::error_code error;
   std::filesystem::remove(report_, error);
 }
 
-bool CellProcess::Ended() {
-  if (!ended_) ended_ = waitpid(pid_, nullptr, WNOHANG) == pid_;
-  return ended_;
-}
-
-void CellProcess::AskToEnd() const {
-  if (!ended_) kill(pid_, SIGTERM);
-}
-
 std::string CellProcess::End() {
-  const auto until = std::chrono::steady_clock::now() + kPatience;
-  while (!Ended() && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(kLook);
-  if (!ended_) {
-    kill(pid_, SIGKILL);
-    ended_ = waitpid(pid_, nullptr, 0) == pid_;
+  if (process_) process_->End(kPatience);
+  if (guard_) {
+    guard_->Send(SIGTERM);
+    guard_->End(kPatience);
   }
   std::ostringstream text;
   text << std::ifstream(report_).rdbuf();

@@ -1,16 +1,16 @@
 #pragma once
 
-#include <sys/types.h>
-
-#include <atomic>
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <tl/expected.hpp>
 
+#include "app/child_process.h"
 #include "config/load.h"
 
 namespace osteon::app {
@@ -21,10 +21,11 @@ struct CellProcessParams {
   double seconds{0.0};                       ///< of the operator's script; 0: as the file says
   std::uint16_t first_port{0};               ///< as UseSimulatedWires; 0: the file's
   int cpu{-1};                               ///< of its real-time threads; -1: any
+  bool guard{false};                         ///< the cell has one: it is started as well
 };
 
-/// `osteon cell` as a process of its own, from this program's file. It ends with this process, however that
-/// ends.
+/// `osteon cell` as a process of its own, from this program's file, and `osteon guard` as another where the
+/// cell has one. They end with this process, however that ends.
 class CellProcess {
  public:
   /// The error says why it could not be started.
@@ -36,21 +37,20 @@ class CellProcess {
   CellProcess& operator=(const CellProcess&) = delete;
 
   /// It has ended by itself: then it has said why on stderr.
-  [[nodiscard]] bool Ended();
+  [[nodiscard]] bool Ended() { return process_->Ended(); }
 
   /// Tells it to end, at once. Any thread.
-  void AskToEnd() const;
+  void AskToEnd() const { process_->Send(SIGTERM); }
 
-  /// Waits for its end, and kills it where it takes longer than 5 s. @returns what it says about itself, as
-  /// `osteon cell --json` writes it; empty where it could not.
+  /// Waits for its end, and kills it where it takes longer than 5 s; then ends the guard. @returns what it
+  /// says about itself, as `osteon cell --json` writes it; empty where it could not.
   [[nodiscard]] std::string End();
 
  private:
-  CellProcess(pid_t pid, std::filesystem::path report) : pid_(pid), report_(std::move(report)) {}
+  explicit CellProcess(std::filesystem::path report) : report_(std::move(report)) {}
 
-  pid_t pid_;
+  std::unique_ptr<ChildProcess> process_, guard_;
   std::filesystem::path report_;
-  std::atomic<bool> ended_{false};
 };
 
 }  // namespace osteon::app

@@ -147,6 +147,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, simula
                                          .stop = &stop};
     servo_params.thread.cpu = params.cpu;
     std::thread servo_thread([&] {
+      rt::NameThread("servo");
       servo = RunServo(loop, wires.arm->link(), *wires.devices, models, commands, recorder, servo_params);
       wires.arm->End();
       if (wires.cell) wires.cell->AskToEnd();  // at once: a client that is gone is no loss on the arm's books

@@ -18,6 +18,7 @@
 #include "app/fault_table.h"
 #include "app/faults_command.h"
 #include "app/guard_command.h"
+#include "app/kill_table.h"
 #include "app/measure_commands.h"
 #include "app/pack.h"
 #include "app/replay_command.h"
@@ -144,17 +145,34 @@ std::string ReadPack(const PackTexts& texts, const CLI::App& sub, osteon::app::P
   return "";
 }
 
-CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures, bool& faults) {
+// What `failures` runs instead of its scenarios.
+struct FailureTables {
+  bool faults{false}, kill{false};
+  int times{20};
+};
+
+CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures, FailureTables& tables) {
   CLI::App* sub =
       app.add_subcommand("failures", "runs the scenarios in which cutting methods fail, and ours must not");
   auto* ids = sub->add_option("scenarios", failures.ids, "their numbers; without any, all of them")
                   ->check(osteon::app::NumberWithin(1, 99));
   auto* out =
       sub->add_option("--out", failures.out, "folder for failures.html and a picture of each scenario");
-  sub->add_flag("--faults", faults,
-                "instead: every fault of the cell in every state of it, in virtual time (docs/states.md)")
-      ->excludes(ids)
-      ->excludes(out);
+  auto* faults =
+      sub->add_flag("--faults", tables.faults,
+                    "instead: every fault of the cell in every state of it, in virtual time (docs/states.md)")
+          ->excludes(ids)
+          ->excludes(out);
+  auto* kill = sub->add_flag("--kill", tables.kill,
+                             "instead: real processes die in full contact at 150 N: controller, loop, "
+                             "simulation, recorder, guard, cell (docs/guard.md)")
+                   ->excludes(ids)
+                   ->excludes(out)
+                   ->excludes(faults);
+  sub->add_option("--times", tables.times, "so often each, with --kill")
+      ->check(osteon::app::NumberWithin(1, 1000))
+      ->needs(kill)
+      ->capture_default_str();
   sub->add_option("--json", failures.json, "write the figures there");
   sub->add_option("--device", failures.device, "part of a Vulkan device's name (osteon doctor lists them)");
   sub->add_option("--engine", failures.engine, "what must keep the bounds: vulkan, or reference (slow)")
@@ -167,10 +185,11 @@ CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures, bool
   sub->footer(
       list +
       "\nExit code 1: a baseline did not fail, ours did not keep its bound, or a fault did not come to what "
-      "is stated.\n\nExamples:\n"
+      "is stated,\nor the arm did not rest within its limits after a kill.\n\nExamples:\n"
       "  osteon failures\n  osteon failures 1 9 --out failures\n  osteon failures --quick --json "
       "failures.json\n"
-      "  osteon failures 21 --device llvmpipe\n  osteon failures --faults --json faults.json");
+      "  osteon failures 21 --device llvmpipe\n  osteon failures --faults --json faults.json\n"
+      "  osteon failures --kill --times 1");
   return sub;
 }
 
@@ -242,8 +261,8 @@ int Run(int argc, char** argv) {
   CLI::App* pack_app = AddPack(app, pack, pack_texts);
 
   osteon::app::FailureOptions failures;
-  bool fault_table = false;
-  CLI::App* failures_app = AddFailures(app, failures, fault_table);
+  FailureTables tables;
+  CLI::App* failures_app = AddFailures(app, failures, tables);
 
   osteon::app::DoctorOptions doctor;
   CLI::App* doctor_app = app.add_subcommand("doctor", "what this machine can do, with a verdict each");
@@ -341,7 +360,12 @@ int Run(int argc, char** argv) {
     }
     return osteon::app::RunPack(pack);
   }
-  if (*failures_app && fault_table) return osteon::app::RunFaultTable({.json = failures.json});
+  if (*failures_app && tables.faults) return osteon::app::RunFaultTable({.json = failures.json});
+  if (*failures_app && tables.kill)
+    return osteon::app::RunKillTable({.config_root = config_root,
+                                      .times = tables.times,
+                                      .json = failures.json,
+                                      .device = failures.device});
   if (*failures_app) {
     failures.command_line = CommandLine(argc, argv);
     return osteon::app::RunFailures(failures);

@@ -54,7 +54,8 @@ int RunOperate(const OperateOptions& options) {
                              .tool = options.tool,
                              .seconds = options.seconds,
                              .first_port = *first_port,
-                             .cpu = options.cpu};
+                             .cpu = options.cpu,
+                             .guard = setup->config.guard.has_value()};
   } else if (options.port) {
     UseSimulatedWires(setup->config, options.port);
   }

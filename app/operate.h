@@ -11,7 +11,7 @@ namespace osteon::app {
 
 struct OperateOptions {
   std::filesystem::path cell;  ///< its YAML
-  bool simulated{false};       ///< start the simulated cell as well
+  bool simulated{false};       ///< start the simulated cell as well, and its guard
   double seconds{0.0};         ///< of rendering; 0: until Ctrl-C
   int recoveries{0};  ///< so often it begins again after the connection to the arm has ended rendering
   std::filesystem::path record{"run.mcap"};

@@ -10,6 +10,7 @@
 
 #include "app/arm_wire.h"
 #include "app/cell_ports.h"
+#include "app/cell_trace.h"
 #include "app/interrupt.h"
 #include "app/simulated_setup.h"
 #include "app/summary.h"
@@ -108,15 +109,26 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
   config::CellConfig cell = config::LoadCell(options.cell, options.tool);
   UseSimulatedWires(cell, options.port);
   hil::CellHostState state;
+  std::unique_ptr<CellTraceWriter> trace;
+  if (!options.trace.empty()) {
+    auto opened = CellTraceWriter::Open(options.trace);
+    if (!opened) {
+      fmt::print(stderr, "osteon cell: --trace {}\n", opened.error());
+      return 2;
+    }
+    trace = std::move(*opened);
+  }
   try {
     hil::CellHostParams params = HostParams(cell);
     params.arm.thread.cpu = params.device_thread.cpu = options.cpu;
+    if (trace) params.arm.cycles = &trace->cycles();
     hil::CellHost host(params, MakeSimulatedCell(cell, options.seconds));
     PrintWires(cell);
     auto session = control::SessionState::kIdle;
     while (!Interrupted().load()) {
       std::this_thread::sleep_for(kLook);
       state = host.State();
+      if (trace) trace->Write();
       if (state.arm.cell.session == session) continue;
       session = state.arm.cell.session;
       fmt::print("osteon cell: {}\n", NameOf(session));
@@ -127,6 +139,11 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
     fmt::print(stderr, "osteon cell: {}\n", error.what());
     return 2;
   }
+  if (trace)
+    if (const auto closed = trace->Close(); !closed) {
+      fmt::print(stderr, "osteon cell: --trace {}\n", closed.error());
+      return 1;
+    }
   if (options.json.empty()) return 0;
   if (const auto written = WriteText(options.json, ToJson(state)); !written) {
     fmt::print(stderr, "osteon cell: {}\n", written.error());

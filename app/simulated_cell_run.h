@@ -15,8 +15,9 @@ struct SimulatedCellOptions {
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
   double seconds{0.0};                       ///< of the operator's script; 0: as the file says
   std::optional<std::uint16_t> port{};       ///< the first of its ports, instead of the file's
-  int cpu{-1};                   ///< its real-time threads are pinned to it, all others stay off; -1: any
-  std::filesystem::path json{};  ///< what it was, written at its end
+  int cpu{-1};                    ///< its real-time threads are pinned to it, all others stay off; -1: any
+  std::filesystem::path json{};   ///< what it was, written at its end
+  std::filesystem::path trace{};  ///< a CSV file of each of its cycles, while it runs; empty: none
 };
 
 /// `osteon cell`: the simulated cell alone, on its real protocols, until Ctrl-C. Says on stdout what is

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "control/rt/realtime_thread.h"
+
 namespace osteon::app {
 
 FrameRunner::FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth,
@@ -54,6 +56,7 @@ void SimulationThread::Stop() {
 }
 
 void SimulationThread::Loop() {
+  rt::NameThread("simulation");
   rt::Nanoseconds done = 0;
   while (!stop_.load(std::memory_order_relaxed)) {
     const simulation::ToolCommand command = commands_.Load();

@@ -27,6 +27,7 @@ TickRecord TickAgain(ServoLoop& loop, const TickRecord& recorded, const simulati
   if (in.resume) loop.RequestResume();
   if (in.has_gains) loop.RequestGains(in.gains);
   if (in.repeat_differed) loop.ReportDifference();
+  if (in.recorder_stalled) loop.ReportRecorder();
   return loop.Tick(ArmStateOf(recorded), static_cast<ReceiveResult>(in.received), CellReadingsOf(in), model,
                    in.now, command);
 }

@@ -163,6 +163,8 @@ class TickRecorder {
   virtual ~TickRecorder() = default;
   /// False where the recorder is behind; the tick goes on.
   virtual bool Push(const TickRecord& record) OSTEON_RT = 0;
+  /// So many ticks wait in it that some will soon be lost. From the tick's thread.
+  [[nodiscard]] virtual bool Stalled() const OSTEON_RT { return false; }
 };
 
 }  // namespace osteon::control

@@ -96,7 +96,9 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
       if (params.rendered_s && active_since >= 0)
         params.rendered_s->store(rt::ToSeconds(state.stamp - active_since), std::memory_order_relaxed);
     }
-    if (!recorder.Push(record)) ++result.unrecorded;
+    const bool recorded = recorder.Push(record);
+    if (!recorded) ++result.unrecorded;
+    if (!recorded || recorder.Stalled()) loop.ReportRecorder();
 
     // when to end; a loop that stopped by itself has a fault
     if (received == ReceiveResult::kClosed) {

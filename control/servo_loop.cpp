@@ -105,6 +105,11 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
     faults_.Latch(Fault::kRepeatDiffers);
     Take(CellEvent::kFault);
   }
+  record.input.recorder_stalled = std::exchange(recorder_stalled_, false);
+  if (record.input.recorder_stalled) {
+    faults_.Latch(Fault::kRecorder);
+    Take(CellEvent::kFault);
+  }
 
   X_WT_meas_ = arm_->ToolPose(state.q_meas);
   F_sent_T_W_ = {};  // a wrench counts for the tick that it was made in

@@ -127,6 +127,10 @@ class ServoLoop {
   /// Fault::kRepeatDiffers. From the tick's thread.
   void ReportDifference() OSTEON_RT { differed_ = true; }
 
+  /// The recorder stands still or refuses ticks: the next tick latches Fault::kRecorder. From the tick's
+  /// thread.
+  void ReportRecorder() OSTEON_RT { recorder_stalled_ = true; }
+
   /// Asks for what the next tick reads of this loop to be near the processor by then. From the tick's thread.
   void Prefetch() const OSTEON_RT;
 
@@ -248,6 +252,7 @@ class ServoLoop {
   rt::Nanoseconds now_{0};
 
   bool differed_{false};           ///< ReportDifference since the last tick
+  bool recorder_stalled_{false};   ///< ReportRecorder since the last tick
   bool stop_asked_{false};         ///< as the last tick saw it
   bool pause_asked_{false};        ///< and not begun yet: no message came since
   bool spindle_permitted_{true};   ///< by the PLC

@@ -34,6 +34,7 @@ struct TickInput {
   bool recover{false};               ///< a recovery was asked for since the tick before
   bool pause{false}, resume{false};  ///< the same of a pause and of its end
   bool repeat_differed{false};       ///< the tick before came out otherwise when it was computed again
+  bool recorder_stalled{false};      ///< the recorder stood still, or refused the tick before
   std::uint8_t model_status{0};      ///< simulation::EngineStatus
   double period_s{0.0};              ///< of ArmState
   std::array<double, 7> q_ipo{};     ///< [rad]

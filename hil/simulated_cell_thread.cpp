@@ -61,6 +61,7 @@ void SimulatedCellThread::Run() {
     statistics.cell = cell_.state();
     statistics.wires = wires_.counters();
     published_.Store(statistics);
+    if (params_.cycles) params_.cycles->Push(statistics.cell);
   }
 }
 

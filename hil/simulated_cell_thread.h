@@ -8,6 +8,7 @@
 
 #include "control/rt/latest_value.h"
 #include "control/rt/realtime_thread.h"
+#include "control/rt/spsc_ring.h"
 #include "hil/injection/cell_wires.h"
 #include "hil/simulated_cell.h"
 #include "hil/udp_client.h"
@@ -19,7 +20,8 @@ struct CellThreadParams {
       "127.0.0.1"};                  ///< dotted IPv4; the loopback unless the client really is elsewhere
   std::uint16_t client_port{30200};  ///< where the client listens
   rt::RealtimeThreadParams thread{.priority = 80};
-  InjectionParams injections{};  ///< of the arm's wire; others are not this thread's
+  InjectionParams injections{};              ///< of the arm's wire; others are not this thread's
+  rt::SpscRing<CellState>* cycles{nullptr};  ///< each cycle is put there; none: nowhere
 };
 
 /// What the thread did. Plain data.

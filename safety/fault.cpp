@@ -85,6 +85,10 @@ FaultText Describe(Fault fault) {
               "a tick that was computed a second time, on the same inputs, did not come out the same",
               "Stop 1",
               "test the computer's memory and cooling, `osteon replay` the recording, restart the session"};
+    case Fault::kRecorder:
+      return {"recorder stalled",
+              "2048 ticks waited for the recorder (2 s at 1 kHz), or it had no room for one", "Stop 1",
+              "check the disk's load and health, restart the session"};
   }
   return {"unknown fault", "not known", "Stop 1", "restart the session"};
 }

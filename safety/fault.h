@@ -28,6 +28,7 @@ enum class Fault : std::uint32_t {
   kCommandMode = 1u << 17,       ///< the arm takes another kind of command than the law gives: hold
   kSpindleLimit = 1u << 18,      ///< the spindle's torque or speed is beyond its limit: Stop 1
   kRepeatDiffers = 1u << 19,     ///< a tick that was computed twice did not come out the same: Stop 1
+  kRecorder = 1u << 20,          ///< the recorder stands still, or has no room: Stop 1
 };
 
 /// The set of latched faults.
@@ -48,7 +49,7 @@ class FaultSet {
 };
 
 /// Faults are bits 0 … kFaultCount - 1.
-inline constexpr int kFaultCount = 20;
+inline constexpr int kFaultCount = 21;
 
 struct FaultText {
   const char* name;      ///< as in the summary, e.g. "contact model stale"

@@ -94,6 +94,8 @@ void Validate(const RealtimeThreadParams& params) {
   Require("prefault_stack_bytes", static_cast<long>(params.prefault_stack_bytes), 0, kMostPrefault);
 }
 
+void NameThread(const char* name) noexcept { pthread_setname_np(pthread_self(), name); }
+
 RealtimeGrant SetUpRealtimeThread(const RealtimeThreadParams& params) noexcept {
   RealtimeGrant grant;
   if (Pin(params.cpu)) grant.cpu = params.cpu;

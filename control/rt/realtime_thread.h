@@ -32,6 +32,9 @@ struct RealtimeGrant {
 /// Sets the calling thread up, before its first tick: system calls.
 RealtimeGrant SetUpRealtimeThread(const RealtimeThreadParams& params) noexcept;
 
+/// Names the calling thread, for whoever looks at the process from outside. @param name  15 bytes at most
+void NameThread(const char* name) noexcept;
+
 /// Keeps the calling thread, and every thread that it makes from now on, off a CPU that a real-time thread
 /// will be pinned to. Where it is the only one, all share it. To be called before any other thread is made.
 /// @param cpu  -1: nothing to do

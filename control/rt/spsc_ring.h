@@ -45,6 +45,14 @@ class SpscRing {
     return true;
   }
 
+  /// Values that wait to be read; writer thread. As many at most as it holds, and those that were read
+  /// meanwhile.
+  [[nodiscard]] std::size_t waiting() const OSTEON_RT {
+    const std::size_t head = head_.load(std::memory_order_relaxed);
+    const std::size_t tail = tail_.load(std::memory_order_relaxed);
+    return head >= tail ? head - tail : head + slots_.size() - tail;
+  }
+
   /// Values refused so far; any thread.
   [[nodiscard]] std::size_t dropped() const OSTEON_RT { return dropped_.load(std::memory_order_relaxed); }
 

@@ -22,6 +22,7 @@ constexpr double kHuge = 1e308;
 
 // Ticks to detection.
 constexpr int kAtOnce = 1;
+constexpr int kNextTick = 2;            // what is seen once a tick is over
 constexpr int kSilentDevice = 102;      // 100 ms
 constexpr int kSilentSimulation = 254;  // 250 ms after the newest pose
 constexpr int kPushed = 5;              // SensorForceParams::ticks
@@ -108,16 +109,17 @@ FaultCase Left(const char* name, SessionState session) {
           .stop2 = stops};
 }
 // Seen in the tick, whatever the state: nothing is to go on.
-FaultCase AtOnce(const char* name, const char* injected, safety::FaultSet faults, RigInjection inject) {
+FaultCase AtOnce(const char* name, const char* injected, safety::FaultSet faults, RigInjection inject,
+                 int ticks = kAtOnce) {
   return {.name = name,
           .injected = injected,
           .inject = std::move(inject),
-          .waiting = Faults(faults),
-          .aligning = Stops(faults, kAtOnce),
-          .rendering = Stops(faults, kAtOnce),
-          .paused = Faults(faults),
-          .stop1 = Stops(faults, kAtOnce),
-          .stop2 = Stops(faults, kAtOnce)};
+          .waiting = Faults(faults, ticks),
+          .aligning = Stops(faults, ticks),
+          .rendering = Stops(faults, ticks),
+          .paused = Faults(faults, ticks),
+          .stop1 = Stops(faults, ticks),
+          .stop2 = Stops(faults, ticks)};
 }
 // A message that is not to be believed.
 FaultCase NotFinite(const char* name, const char* injected, RigInjection inject) {
@@ -413,8 +415,11 @@ void AddLoop(std::vector<FaultCase>& cases) {
                            }
                            throw std::logic_error("the loop took gains that are none");
                          }));
-  cases.push_back(Ridden("recorder full", "no tick is taken any more, for a while", 100,
-                         [](RigInputs&, int since, FaultRig& rig) { rig.recorder().full = since < 99; }));
+  FaultCase recorder = AtOnce(
+      "recorder stands still", "2048 ticks wait for it", Of({Fault::kRecorder}),
+      [](RigInputs&, int since, FaultRig& rig) { rig.recorder().stalled = since < 99; }, kNextTick);
+  recorder.lasts = 100;
+  cases.push_back(std::move(recorder));
 }
 
 std::vector<FaultCase> MakeCases() {

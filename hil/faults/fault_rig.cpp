@@ -118,6 +118,7 @@ const control::TickRecord& FaultRig::Tick(const RigInjection& inject, int since)
   if (inject) inject(in, since, *this);
   last_ = loop_.Tick(in.arm, in.received, in.readings, in.model, in.now, command_);
   recorder_.Push(last_);
+  if (recorder_.Stalled()) loop_.ReportRecorder();
   ++ticks_;
   // an arm that has not got an answer holds the last one; one that is not handed over where it is
   if (in.received == ReceiveResult::kOk) {

@@ -27,18 +27,18 @@ class FaultRig;
 /// @param since  ticks since the injection began, from 0
 using RigInjection = std::function<void(RigInputs& inputs, int since, FaultRig& rig)>;
 
-/// Takes every tick, up to a number of them.
+/// Takes every tick.
 class RigRecorder final : public control::TickRecorder {
  public:
   bool Push(const control::TickRecord& record) OSTEON_RT override {
     ++pushed;
-    if (full) return false;
     records.push_back(record);
     return true;
   }
+  [[nodiscard]] bool Stalled() const OSTEON_RT override { return stalled; }
   std::vector<control::TickRecord> records;
   std::uint64_t pushed{0};
-  bool full{false};
+  bool stalled{false};
 };
 
 class FaultRig {

@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "control/rt/realtime_thread.h"
+
 namespace osteon::io {
 namespace {
 
@@ -41,7 +43,10 @@ tl::expected<std::unique_ptr<Recorder>, std::string> Recorder::Open(const Record
 }
 
 Recorder::Recorder(const RecorderParams& params, McapWriter writer)
-    : ticks_(params.tick_capacity), frames_(params.frame_capacity), writer_(std::move(writer)) {}
+    : stalled_ticks_(params.stalled_ticks),
+      ticks_(params.tick_capacity),
+      frames_(params.frame_capacity),
+      writer_(std::move(writer)) {}
 
 Recorder::~Recorder() { (void)Close(); }
 
@@ -61,6 +66,7 @@ bool Recorder::WaitForStop(std::chrono::milliseconds time) {
 
 // A chunk ends by the log times of what comes in; where nothing comes in any more, by this clock.
 void Recorder::RunWriter() {
+  rt::NameThread("recorder");
   auto chunk_ended = std::chrono::steady_clock::now();
   while (!WaitForStop(kDrainPeriod)) {
     const auto now = std::chrono::steady_clock::now();

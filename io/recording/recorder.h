@@ -25,7 +25,10 @@ struct RecorderParams {
   std::filesystem::path path;
   std::size_t tick_capacity{8192};   ///< ticks that wait for the disk: 8 s at 1 kHz
   std::size_t frame_capacity{8192};  ///< frames that wait for the disk
-  bool writer_thread{true};          ///< false: the owner calls Drain (virtual time)
+  /// So many that wait mean that the writer stands still: early enough for a stop that is recorded to its
+  /// end.
+  std::size_t stalled_ticks{2048};
+  bool writer_thread{true};  ///< false: the owner calls Drain (virtual time)
 };
 
 /// What a closed recording holds, and what it could not take.
@@ -64,6 +67,8 @@ class Recorder final : public control::TickRecorder {
 
   /// Servo thread only. False, and counted, where the disk is behind.
   bool Push(const control::TickRecord& record) OSTEON_RT override;
+  /// Servo thread only: RecorderParams::stalled_ticks wait, 2 s at 1 kHz.
+  [[nodiscard]] bool Stalled() const OSTEON_RT override { return ticks_.waiting() >= stalled_ticks_; }
   /// Simulation thread only. False, and counted, where the disk is behind.
   bool PushFrame(const simulation::FrameRecord& record) OSTEON_RT;
   /// Any thread but those of the tick: allocates and locks.
@@ -89,6 +94,7 @@ class Recorder final : public control::TickRecorder {
   [[nodiscard]] bool WaitForStop(std::chrono::milliseconds time);
   void Write(bool end_chunk);
 
+  std::size_t stalled_ticks_;
   rt::SpscRing<control::TickRecord> ticks_;
   rt::SpscRing<simulation::FrameRecord> frames_;
   std::mutex events_mutex_;

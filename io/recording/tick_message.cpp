@@ -55,6 +55,7 @@ void Put(const control::TickInput& from, osteon::TickInput* to) {
   to->set_stop(from.stop);
   to->set_recover(from.recover);
   to->set_repeat_differed(from.repeat_differed);
+  to->set_recorder_stalled(from.recorder_stalled);
   to->set_pause(from.pause);
   to->set_resume(from.resume);
   to->set_model_status(from.model_status);
@@ -120,6 +121,7 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   to.stop = from.stop();
   to.recover = from.recover();
   to.repeat_differed = from.repeat_differed();
+  to.recorder_stalled = from.recorder_stalled();
   to.pause = from.pause();
   to.resume = from.resume();
   to.model_status = static_cast<std::uint8_t>(from.model_status());

@@ -143,6 +143,7 @@ TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
                                       "stop",
                                       "recover",
                                       "repeat_differed",
+                                      "recorder_stalled",
                                       "sensor_trusted",
                                       "spindle_ready",
                                       "spindle_fault",

@@ -90,6 +90,26 @@ TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
   GTEST_SKIP() << "skipped, this machine is too busy: " << kAttempts << " runs ended by a stall";
 }
 
+// A run that starts its simulated cell starts the cell's guard as well, and ends it.
+TEST_F(GuardProcess, ARunOfASimulatedCellBringsItsGuard) {
+  constexpr int kAttempts = 3;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const CommandResult run =
+        RunCommand(run_folder_.path(), {"run", file(), "--simulated", "--port", Port(), "--seconds", "2",
+                                        "--record", "r.mcap", "--json", "run.json"});
+    ASSERT_NE(run.err.find("the arm is reached through the guard"), std::string::npos) << run.err;
+    if (run.exit_code != 0) continue;
+    const nlohmann::json summary = ReadJson(run_folder_.path() / "run.json");
+    EXPECT_EQ(summary.at("ended"), "completed");
+    EXPECT_TRUE(summary.at("faults").empty());
+    // the same port again: nobody has it any more
+    guard_.emplace(guard_folder_.path(), std::vector<std::string>{"guard", file(), "--port", Port()});
+    EXPECT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
+    return;
+  }
+  GTEST_SKIP() << "skipped, this machine is too busy: " << kAttempts << " runs ended by a stall";
+}
+
 TEST_F(GuardProcess, AGuardThatIsKilledStopsArmAndRun) {
   StartCellAndGuard();
   Command run(run_folder_.path(), Run());

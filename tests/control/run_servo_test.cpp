@@ -153,6 +153,44 @@ TEST(RunServo, ATickThatComesOutOtherwiseTheSecondTimeEndsTheRun) {
   EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
 }
 
+// A recorder that stands still stops the cell in the tick after it was seen, and the tick's second
+// computation has the same inputs.
+TEST(RunServo, ARecorderThatStandsStillEndsTheRun) {
+  constexpr std::size_t kSeen = 300;
+  struct Stalls : FakeRecorder {
+    [[nodiscard]] bool Stalled() const OSTEON_RT override { return records.size() >= kSeen; }
+  };
+  Rig rig;
+  Stalls recorder;
+  FakeArm arm;
+  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.models, rig.commands, recorder,
+                                         {.seconds = 5.0, .give_up_s = 5.0, .second = &rig.second});
+  EXPECT_EQ(result.end, RunEnd::kFault);
+  EXPECT_EQ(result.faults.bits(), static_cast<std::uint32_t>(safety::Fault::kRecorder));
+  EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
+  ASSERT_GT(recorder.records.size(), kSeen);
+  EXPECT_EQ(recorder.records[kSeen - 1].faults, 0u);
+  EXPECT_TRUE(recorder.records[kSeen].input.recorder_stalled);
+  EXPECT_EQ(recorder.records[kSeen].faults, static_cast<std::uint32_t>(safety::Fault::kRecorder));
+}
+
+// What it has no room for stops it as well.
+TEST(RunServo, ATickThatIsRefusedEndsTheRun) {
+  struct Full : FakeRecorder {
+    bool Push(const TickRecord& record) OSTEON_RT override {
+      return records.size() < 300 && FakeRecorder::Push(record);
+    }
+  };
+  Rig rig;
+  Full recorder;
+  FakeArm arm;
+  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.models, rig.commands, recorder,
+                                         {.seconds = 5.0, .give_up_s = 5.0});
+  EXPECT_EQ(result.end, RunEnd::kFault);
+  EXPECT_TRUE(result.faults.Has(safety::Fault::kRecorder));
+  EXPECT_GT(result.unrecorded, 0u);
+}
+
 TEST(RunServo, AStopFlagStopsInOrder) {
   Rig rig;
   FakeArm arm;

@@ -76,7 +76,7 @@ TEST(FaultMatrixItself, FailsWhereAnExpectationDoesNotHold) {
   changed = fault;
   changed.inject = [](RigInputs&, int, FaultRig&) {};
   fails(changed, "nothing was injected");
-  changed = CaseNamed("recorder full");
+  changed = CaseNamed("a tick is late");
   changed.inject = [](RigInputs&, int since, FaultRig& rig) {
     if (since == 3) rig.recorder().pushed += 1;
   };

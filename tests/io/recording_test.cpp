@@ -173,6 +173,7 @@ TEST(Recording, CarriesEveryInputOfATick) {
     EXPECT_EQ(r.stop, sent.stop);
     EXPECT_EQ(r.recover, sent.recover);
     EXPECT_EQ(r.pause, sent.pause);
+    EXPECT_EQ(r.recorder_stalled, sent.recorder_stalled);
     EXPECT_EQ(r.resume, sent.resume);
     EXPECT_EQ(r.model_status, sent.model_status);
     EXPECT_EQ(r.period_s, sent.period_s);
@@ -382,6 +383,27 @@ TEST(Recording, CountsWhatTheDiskWasTooSlowFor) {
   EXPECT_EQ(counts->dropped_ticks, 6u);
   EXPECT_EQ(counts->dropped_frames, 3u);
   EXPECT_EQ((*recorder)->Close()->dropped_ticks, 6u) << "closing again gives the same answer";
+}
+
+// The loop hears of a writer that stands still while there is room for a stop that is recorded to its end.
+TEST(Recording, IsStalledWhileTooManyTicksWaitForItsWriter) {
+  const TemporaryFolder folder;
+  const RecorderParams params{.path = folder.path() / "stalled.mcap", .writer_thread = false};
+  auto recorder = Recorder::Open(params, SomeSession());
+  ASSERT_TRUE(recorder) << recorder.error();
+  std::uint64_t tick = 0;
+  // so often that the ring has gone round
+  for (int time = 0; time < 6; ++time) {
+    for (std::size_t i = 0; i < params.stalled_ticks; ++i) {
+      ASSERT_FALSE((*recorder)->Stalled()) << i;
+      ASSERT_TRUE((*recorder)->Push(SomeTick(++tick)));
+    }
+    EXPECT_TRUE((*recorder)->Stalled());
+    (*recorder)->Drain();
+    EXPECT_FALSE((*recorder)->Stalled());
+  }
+  EXPECT_GE(params.tick_capacity, 4 * params.stalled_ticks) << "6 s for the stop";
+  EXPECT_EQ((*recorder)->Close()->dropped_ticks, 0u);
 }
 
 TEST(Recording, PushDoesNotAllocate) {

@@ -1,0 +1,76 @@
+#include "app/cell_trace.h"
+
+#include <charconv>
+#include <iterator>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace osteon::app {
+namespace {
+
+constexpr const char* kHeader =
+    "stamp_ns,session,apex_x_m,apex_y_m,apex_z_m,speed_m_per_s,turn_rad_per_s,hand_N";
+
+// Takes a column off the row. False where there is no number.
+template <class Number>
+bool Take(std::string_view& row, Number& number) {
+  const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), number);
+  if (error != std::errc()) return false;
+  row.remove_prefix(static_cast<std::size_t>(end - row.data()));
+  if (!row.empty()) row.remove_prefix(1);  // the comma
+  return true;
+}
+
+}  // namespace
+
+tl::expected<std::unique_ptr<CellTraceWriter>, std::string> CellTraceWriter::Open(
+    const std::filesystem::path& file) {
+  std::unique_ptr<CellTraceWriter> writer(new CellTraceWriter(file));
+  writer->stream_ << kHeader << std::endl;
+  if (!writer->stream_) return tl::make_unexpected(file.string() + ": cannot write it");
+  return writer;
+}
+
+void CellTraceWriter::Write() {
+  hil::CellState state;
+  while (cycles_.Pop(state)) {
+    const Vector3 p_WT_m = Pose(state.X_WT_meas).translation();
+    stream_ << fmt::format("{},{},{:.7f},{:.7f},{:.7f},{:.6f},{:.6f},{:.3f}\n", state.stamp,
+                           static_cast<int>(state.session), p_WT_m.x(), p_WT_m.y(), p_WT_m.z(),
+                           Vector3(state.v_WT_meas_m_per_s).norm(), Vector3(state.w_WT_meas_rad_per_s).norm(),
+                           Wrench(state.F_hand_T_W).f.norm());
+  }
+  stream_.flush();
+}
+
+tl::expected<void, std::string> CellTraceWriter::Close() {
+  Write();
+  stream_.close();
+  if (!stream_) return tl::make_unexpected(file_.string() + ": not written to its end");
+  if (cycles_.dropped() > 0)
+    return tl::make_unexpected(fmt::format("{}: {} cycles are missing", file_.string(), cycles_.dropped()));
+  return {};
+}
+
+void CellTraceReader::Look() {
+  std::ifstream stream(file_);
+  stream.seekg(at_);
+  const std::string text(std::istreambuf_iterator<char>(stream), {});
+  std::string_view rest = text;
+  for (std::size_t end; (end = rest.find('\n')) != std::string_view::npos; rest.remove_prefix(end + 1)) {
+    std::string_view row = rest.substr(0, end);
+    CellCycle cycle;
+    int session = 0;
+    if (!Take(row, cycle.stamp) || !Take(row, session)) continue;  // the header
+    cycle.session = static_cast<control::SessionState>(session);
+    bool whole = true;
+    for (double* value : {&cycle.p_WT_m.x(), &cycle.p_WT_m.y(), &cycle.p_WT_m.z(), &cycle.speed_m_per_s,
+                          &cycle.turn_rad_per_s, &cycle.hand_N})
+      whole = whole && Take(row, *value);
+    if (whole) cycles_.push_back(cycle);
+  }
+  at_ += static_cast<std::streamoff>(text.size() - rest.size());
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "control/rt/spsc_ring.h"
+#include "hil/simulated_cell.h"
+
+namespace osteon::app {
+
+/// What really happened in a cycle of the simulated arm: a row of `osteon cell --trace`.
+struct CellCycle {
+  rt::Nanoseconds stamp{0};  ///< the system's monotonic clock, the same for every process of a machine
+  control::SessionState session{control::SessionState::kIdle};
+  Vector3 p_WT_m{Vector3::Zero()};  ///< the tool's apex
+  double speed_m_per_s{0.0}, turn_rad_per_s{0.0};
+  double hand_N{0.0};  ///< what the hand exerts
+};
+
+/// Writes each cycle of a simulated arm into a CSV file, while it runs.
+class CellTraceWriter {
+ public:
+  /// The error names the file.
+  [[nodiscard]] static tl::expected<std::unique_ptr<CellTraceWriter>, std::string> Open(
+      const std::filesystem::path& file);
+
+  /// For the arm's thread to fill.
+  [[nodiscard]] rt::SpscRing<hil::CellState>& cycles() { return cycles_; }
+  /// What has come since. Now and then: the ring holds two seconds.
+  void Write();
+  /// Writes the rest. The error names the file, and what is missing.
+  [[nodiscard]] tl::expected<void, std::string> Close();
+
+ private:
+  explicit CellTraceWriter(const std::filesystem::path& file) : file_(file), stream_(file) {}
+
+  std::filesystem::path file_;
+  std::ofstream stream_;
+  rt::SpscRing<hil::CellState> cycles_{2048};
+};
+
+/// Reads such a file while it grows.
+class CellTraceReader {
+ public:
+  explicit CellTraceReader(std::filesystem::path file) : file_(std::move(file)) {}
+
+  /// Takes what has come since, and no half row. The file may not be there yet.
+  void Look();
+  [[nodiscard]] const std::vector<CellCycle>& cycles() const { return cycles_; }
+
+ private:
+  std::filesystem::path file_;
+  std::streamoff at_{0};
+  std::vector<CellCycle> cycles_;
+};
+
+}  // namespace osteon::app

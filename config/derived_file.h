@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace osteon::config {
+
+/// What a file says otherwise than the one that it is made from.
+struct YamlEdit {
+  std::string key;    ///< "limits.max_force_N": of a section; made where it is not there
+  std::string value;  ///< as YAML: "150", "{port: 30209}"
+};
+
+/// Writes a configuration file that is another one but for some values. Files that it names relative to
+/// itself are named by whole paths. Comments are lost.
+/// @throws YAML::Exception or std::runtime_error naming the file that could not be read or written.
+void WriteDerived(const std::filesystem::path& source, const std::vector<YamlEdit>& edits,
+                  const std::filesystem::path& target);
+
+}  // namespace osteon::config

@@ -1,0 +1,93 @@
+#include "app/kill_table.h"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cell_trace.h"
+#include "tests/io/temporary_folder.h"
+
+// What `osteon failures --kill` makes of its trials; that processes really die is in kill_test.cpp.
+
+namespace osteon::app {
+namespace {
+
+KillRun Rested(KillVictim victim, double rest_ms, double hand_N) {
+  KillRun run;
+  run.result.victim = victim;
+  run.result.at_rest = true;
+  run.result.rest_ms = rest_ms;
+  run.result.hand_N = hand_N;
+  return run;
+}
+
+TEST(KillTable, ShowsTheWorstOfEachVictim) {
+  const std::vector<KillRun> runs{Rested(KillVictim::kGuard, 80.0, 150.0),
+                                  Rested(KillVictim::kGuard, 120.0, 140.0),
+                                  Rested(KillVictim::kController, 70.0, 149.0)};
+  const std::string text = KillTableText(runs);
+  const std::string guard = text.substr(text.find("\nguard"));
+  EXPECT_NE(guard.find("   2        2 "), std::string::npos) << text;
+  EXPECT_NE(guard.find(" 120 "), std::string::npos) << text;
+  EXPECT_NE(guard.find(" 150.0 "), std::string::npos) << text;
+  EXPECT_NE(text.find("3 of 3 as they have to be"), std::string::npos) << text;
+  EXPECT_EQ(text.find("simulation"), std::string::npos) << "was not killed";
+  EXPECT_TRUE(nlohmann::json::parse(KillTableJson(runs)).at("passed").get<bool>());
+}
+
+TEST(KillTable, ShowsWhatIsWrongAndWhatWasNotToBeHad) {
+  std::vector<KillRun> runs{Rested(KillVictim::kGuard, 80.0, 150.0),
+                            Rested(KillVictim::kController, 70.0, 149.0)};
+  runs[0].result.at_rest = false;
+  runs[0].result.wrong = "no rest";
+  runs[1].error = "no full contact in 3 attempts";
+  const std::string text = KillTableText(runs);
+  EXPECT_NE(text.find("! guard: no rest"), std::string::npos) << text;
+  EXPECT_NE(text.find("! controller: no trial: no full contact"), std::string::npos) << text;
+  EXPECT_NE(text.find("0 of 2 as they have to be"), std::string::npos) << text;
+  const nlohmann::json json = nlohmann::json::parse(KillTableJson(runs));
+  EXPECT_FALSE(json.at("passed").get<bool>());
+  EXPECT_FALSE(json.at("kills")[0].at("at_rest").get<bool>());
+  EXPECT_EQ(json.at("kills")[1].at("error"), "no full contact in 3 attempts");
+}
+
+// What one process writes another reads while it grows: every cycle once, none by halves.
+TEST(CellTrace, IsReadWhileItIsWritten) {
+  const io::test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "trace.csv";
+  CellTraceReader reader(file);
+  reader.Look();
+  EXPECT_TRUE(reader.cycles().empty()) << "there is no file yet";
+  auto writer = CellTraceWriter::Open(file);
+  ASSERT_TRUE(writer) << writer.error();
+  hil::CellState state;
+  state.session = control::SessionState::kCommandingActive;
+  state.X_WT_meas.p = Vector3(0.1, -0.2, 0.3);
+  state.v_WT_meas_m_per_s = Vector3(0.003, 0.004, 0.0);
+  state.F_hand_T_W.f = Vector3(0.0, 90.0, 120.0);
+  for (int i = 1; i <= 3; ++i) {
+    state.stamp = i * rt::kMillisecond;
+    ASSERT_TRUE((*writer)->cycles().Push(state));
+    (*writer)->Write();
+    reader.Look();
+    ASSERT_EQ(reader.cycles().size(), static_cast<std::size_t>(i));
+  }
+  ASSERT_TRUE((*writer)->Close());
+  std::ofstream(file, std::ios::app) << "4000000,4,0.1,-0.2";
+  reader.Look();
+  ASSERT_EQ(reader.cycles().size(), 3u) << "half a row is none";
+  std::ofstream(file, std::ios::app) << ",0.3,0.005,0,150\n";
+  reader.Look();
+  ASSERT_EQ(reader.cycles().size(), 4u);
+  for (const CellCycle& cycle : reader.cycles()) {
+    EXPECT_EQ(cycle.session, control::SessionState::kCommandingActive);
+    EXPECT_NEAR((cycle.p_WT_m - Vector3(0.1, -0.2, 0.3)).norm(), 0.0, 1e-7) << "written to 0.1 µm";
+    EXPECT_NEAR(cycle.speed_m_per_s, 0.005, 1e-6);
+    EXPECT_NEAR(cycle.hand_N, 150.0, 1e-3);
+  }
+  EXPECT_EQ(reader.cycles().back().stamp, 4 * rt::kMillisecond);
+}
+
+}  // namespace
+}  // namespace osteon::app
