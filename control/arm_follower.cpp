@@ -29,6 +29,7 @@ constexpr double kElbowThere_rad = 1e-6;
 constexpr double kMoving_m_per_s = 0.02,
                  kMoving_rad_per_s = 0.1;  // of the tool: the elbow has its full speed
 constexpr double kStands = 1e-6;           // of that: rounding
+constexpr int kBrakingHalvings = 10;       // of what is left of a motion beside the braking before a bound
 constexpr int kZoneTries = 4;              // shares of a step; the first leaves only its curvature
 constexpr double kZoneSlack = 0.999;       // so that the next one holds
 
@@ -165,6 +166,8 @@ class JointFollower final : public ArmFollower {
     return jacobian_;
   }
   [[nodiscard]] Joints Start() const OSTEON_RT { return params_.start->q.template head<kN>(); }
+  void BrakeBeforeBounds(const kinematics::MotionInput<kN>& wanted,
+                         kinematics::MotionOutput<kN>& moves) const OSTEON_RT;
   [[nodiscard]] Joints WantedElbow(const FollowWish& wish) OSTEON_RT;
 
   // Where the points with bounds of their own are in W, by ZonePoint, and the flange that they are of.
@@ -221,11 +224,12 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   wanted.qd_null = WantedElbow(wish);
   wanted.dt_s = dt_s;
   wanted.U_before = directions_;
-  const kinematics::MotionOutput<kN> moves = motion_.Step(wanted);
+  kinematics::MotionOutput<kN> moves = motion_.Step(wanted);
   if (!moves.finite) {
     followed.fault = Fault::kInverseKinematics;
     return followed;
   }
+  if (moves.limit != kinematics::MotionLimit::kNone) BrakeBeforeBounds(wanted, moves);
   // what was just limited is checked by what knows nothing of it
   const auto guard = guard_.Limit(q_, dt_s * moves.qd, dt_s);
   if (guard.jump || guard.violated) {
@@ -264,6 +268,40 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   if (followed.limited || share < 1.0)
     followed.V_WT = Turned(X_WB_.linear(), Scaled(moves.V_BT, guard.share * share));
   return followed;
+}
+
+// The wish brakes before the apex's bounds, but of a change that the joints' accelerations cut they cut the
+// braking as well, whatever else it was for: a hand that pushes hard along a bound would take the arm over
+// it. So the braking comes first: to the motion before, braked as the bounds ask for, as much of the other is
+// added as they allow. Both keep to the accelerations, as long as the braking by itself does.
+template <class Arm>
+void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wanted,
+                                           kinematics::MotionOutput<kN>& moves) const OSTEON_RT {
+  const auto allows = [&](const Vector3& v_BT) {
+    return workspace_.Allows(X_WT_.translation(), X_WB_.linear() * v_BT, params_.period_s);
+  };
+  if (allows(moves.V_BT.v)) return;
+  const Eigen::Matrix<double, 6, 1> V_before = wanted.J * wanted.qd_before;
+  const Vector3 v_before_WT = X_WB_.linear() * V_before.template head<3>();
+  kinematics::MotionInput<kN> braking = wanted;
+  braking.V_BT.v = X_BW_.linear() * workspace_.Limit(X_WT_.translation(), v_before_WT, params_.period_s).v_WT;
+  braking.V_BT.w = V_before.template tail<3>();
+  braking.qd_null = wanted.qd_before;
+  braking.at_once = true;
+  kinematics::MotionOutput<kN> brakes = motion_.Step(braking);
+  // 0 … 1: how much of the way from one motion that is allowed to one that is not
+  const auto add = [&](const kinematics::MotionOutput<kN>& allowed, kinematics::MotionOutput<kN>& more) {
+    double share = 0.0, most = 1.0;
+    for (int i = 0; i < kBrakingHalvings; ++i) {
+      const double next = 0.5 * (share + most);
+      (allows(allowed.V_BT.v + next * (more.V_BT.v - allowed.V_BT.v)) ? share : most) = next;
+    }
+    more.qd = allowed.qd + share * (more.qd - allowed.qd);
+    more.V_BT = {.v = allowed.V_BT.v + share * (more.V_BT.v - allowed.V_BT.v),
+                 .w = allowed.V_BT.w + share * (more.V_BT.w - allowed.V_BT.w)};
+  };
+  if (!allows(brakes.V_BT.v)) add({}, brakes);  // near a singular posture: slower, along the joints' own line
+  add(brakes, moves);
 }
 
 template <class Arm>

@@ -171,7 +171,8 @@ bool ServoLoop::TakeSession(const ArmState& state) OSTEON_RT {
     Mirror(state);
     if (safety::Renders(state_) || state_ == CellState::kStop2) faults_.Latch(Fault::kSession);
     Take(CellEvent::kArmLeft);
-  } else if (safety::Waits(state_) && (phase() != Phase::kStopped || !has_pose_)) {
+  } else if (state_ == CellState::kPaused ||
+             (safety::Waits(state_) && (phase() != Phase::kStopped || !has_pose_))) {
     Wait(state);  // one that was to stop before it knew where the arm is holds it there
   }
   if (stop_asked_ && Rests()) Take(CellEvent::kStopAsked);

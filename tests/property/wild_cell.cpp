@@ -77,6 +77,10 @@ Allowed AllowedOf(const Choice& choice) {
       allowed.radius_m = 0.05;
       allowed.flange_floor_m = start.p_flange_m.z() - 0.001;
       break;
+    case 4:
+    case 5:
+      allowed.zone = ZoneOf(choice.zone, start);
+      break;
     default:
       break;
   }
@@ -95,6 +99,7 @@ control::ServoParams ParamsOf(const Choice& choice, const Allowed& allowed) {
   if (choice.workspace == 3)
     params.workspace.zones.push_back(
         {.point = safety::ZonePoint::kFlange, .p_W_m = Vector3(0.0, 0.0, allowed.flange_floor_m)});
+  if (allowed.zone) params.workspace.zones.push_back(*allowed.zone);
   if (allowed.elbow_speed_m_per_s > 0.0) params.max_elbow_speed_m_per_s = allowed.elbow_speed_m_per_s;
   params.spindle_rad_per_s = allowed.spindle_rad_per_s;
   params.has_spindle = (choice.devices & 1) != 0;
@@ -124,14 +129,15 @@ std::unique_ptr<hil::SimulatedArm> ArmOf(const Choice& choice, hil::ArmLevel lev
 void showValue(const Choice& s, std::ostream& out) {
   out << fmt::format("law {} start {} workspace {} limits {} devices {}", s.law, s.start, s.workspace,
                      s.limits, s.devices);
+  if (s.workspace >= 4) showValue(s.zone, out << " zone ");
 }
 
 rc::Gen<Choice> AnyChoice() {
   const auto one_of = [](int count) { return rc::gen::resize(100, rc::gen::inRange(0, count)); };
   return rc::gen::build<Choice>(
       rc::gen::set(&Choice::law, one_of(4)), rc::gen::set(&Choice::start, one_of(5)),
-      rc::gen::set(&Choice::workspace, one_of(4)), rc::gen::set(&Choice::limits, one_of(4)),
-      rc::gen::set(&Choice::devices, one_of(4)));
+      rc::gen::set(&Choice::workspace, one_of(6)), rc::gen::set(&Choice::limits, one_of(4)),
+      rc::gen::set(&Choice::devices, one_of(4)), rc::gen::set(&Choice::zone, AnyZone(0, 3)));
 }
 
 WildCell::WildCell(const Choice& choice, hil::ArmLevel level)
@@ -163,13 +169,13 @@ void WildCell::Nominal() {
   clock_ += rt::kMillisecond;
   now_ = clock_;
   received_ = control::ReceiveResult::kOk;
-  recover_ = false;
+  asked_ = {};
   state_.stamp = now_;
   ++state_.sequence;
   state_.session = session_;
   state_.period_s = allowed_.period_s;
   state_.safety_state = 0;
-  state_.operation_mode = 2;
+  state_.operation_mode = operation_mode_;
   state_.quality = 3;
   state_.drives_active = true;
   std::copy_n(arm_->q().data(), 7, state_.q_meas.begin());
@@ -319,8 +325,19 @@ void WildCell::DisturbDevices(const Op& op) {
     case 16:
       if (op.which == 0) loop_.RequestStop();
       break;
+    case 7:  // and stays there
+      operation_mode_ = state_.operation_mode = static_cast<std::uint8_t>(op.which % 3);
+      break;
+    case 8:
+      asked_.pause = true;
+      loop_.RequestPause();
+      break;
+    case 9:
+      asked_.resume = true;
+      loop_.RequestResume();
+      break;
     case 17:
-      recover_ = true;
+      asked_.recover = true;
       loop_.RequestRecovery();
       break;
     case 18:  // a clock that jumps, either way, and stays there
@@ -379,7 +396,7 @@ std::string WildCell::WhereTheArmIs() const {
 std::string WildCell::Tick(const Op& op) {
   Nominal();
   Disturb(op);
-  oracle_.Before(loop_, state_, received_, recover_);
+  oracle_.Before(loop_, state_, received_, asked_);
   const control::TickRecord record = loop_.Tick(state_, received_, readings_, model_, now_, command_);
   ++ticks_;
   if (std::string wrong = oracle_.After(loop_, record, command_); !wrong.empty()) return wrong;
