@@ -17,6 +17,7 @@
 #include "kinematics/redundancy.h"
 #include "kinematics/serial_chain.h"
 #include "safety/joint_guard.h"
+#include "safety/joint_torque_limit.h"
 #include "safety/workspace.h"
 
 namespace osteon::control {
@@ -47,18 +48,16 @@ struct Redundancy {
     kinematics::JointVectorN<7>& torque_limit_Nm = load.torque_limit_Nm;
     for (int i = 0; i < 7; ++i) {
       torque_limit_Nm[i] = params.arm_body->joints[static_cast<std::size_t>(i)].limits.torque_Nm;
-      if (!(torque_limit_Nm[i] > 0.0) || !std::isfinite(torque_limit_Nm[i]))
-        throw std::invalid_argument("torque_Nm of joint " + std::to_string(i + 1) + ": found " +
-                                    std::to_string(torque_limit_Nm[i]) +
-                                    ", accepted > 0: what the arm can hold");
     }
+    torques.emplace(torque_limit_Nm);
     body.emplace(*params.arm_body, X_WB.linear().transpose() * kinematics::kGravity_W_m_per_s2);
   }
 
   double arm_angle_rad;  // wanted
   std::optional<kinematics::SerialChain<7>> body;
-  kinematics::WantedLoad<7> load;  // torque limits: of the drives
-  bool arrived{false};             // it has been at the wanted arm angle
+  std::optional<safety::JointTorqueLimit<7>> torques;  // where there is a body
+  kinematics::WantedLoad<7> load;                      // torque limits: of the drives
+  bool arrived{false};                                 // it has been at the wanted arm angle
 };
 struct NoRedundancy {};
 
@@ -121,10 +120,17 @@ class JointFollower final : public ArmFollower {
   [[nodiscard]] JointArray Torques(const JointArray& q, const Wrench& F_T_W) const OSTEON_RT override {
     Eigen::Matrix<double, 6, 1> F_B;
     F_B << X_BW_.linear() * F_T_W.f, X_BW_.linear() * F_T_W.t;
-    const Joints tau = arm_.JacobianAt(ToJoints(q), X_FT_.translation()).transpose() * F_B;
+    Joints tau = arm_.JacobianAt(ToJoints(q), X_FT_.translation()).transpose() * F_B;
+    if constexpr (kRedundant)
+      if (elbow_.torques) tau *= elbow_.torques->Share(elbow_.body->Gravity(ToJoints(q)), tau);
     JointArray result{};
     std::copy_n(tau.data(), kN, result.begin());
     return result;
+  }
+  [[nodiscard]] bool TakeTorques([[maybe_unused]] const JointArray& tau_external_Nm) OSTEON_RT override {
+    if constexpr (kRedundant)
+      return elbow_.torques && elbow_.torques->Check(Gravity(), ToJoints(tau_external_Nm));
+    return false;
   }
   [[nodiscard]] bool BrakeJoints() OSTEON_RT override;
   [[nodiscard]] bool braking_joints() const OSTEON_RT override { return stop_ticks_ > 0; }
@@ -165,6 +171,16 @@ class JointFollower final : public ArmFollower {
     }
     return jacobian_;
   }
+  // What holds the arm at q_, the same. @pre its masses are known
+  [[nodiscard]] const Joints& Gravity() const OSTEON_RT {
+    if constexpr (kRedundant) {
+      if (gravity_q_ != q_) {
+        gravity_Nm_ = elbow_.body->Gravity(q_);
+        gravity_q_ = q_;
+      }
+    }
+    return gravity_Nm_;
+  }
   [[nodiscard]] Joints Start() const OSTEON_RT { return params_.start->q.template head<kN>(); }
   void BrakeBeforeBounds(const kinematics::MotionInput<kN>& wanted,
                          kinematics::MotionOutput<kN>& moves) const OSTEON_RT;
@@ -204,6 +220,7 @@ class JointFollower final : public ArmFollower {
   Joints points_q_{kNowhere};
   mutable kinematics::JacobianN<kN> jacobian_{kinematics::JacobianN<kN>::Zero()};
   mutable Joints jacobian_q_{kNowhere};
+  mutable Joints gravity_Nm_{Joints::Zero()}, gravity_q_{kNowhere};
   double moving_{0.0};  // 0 … 1: how much the tool moved
   double sigma_min_m_{1.0};
   Joints sigma_gradient_m_{Joints::Zero()}, null_direction_{Joints::Zero()};
@@ -411,8 +428,8 @@ safety::LimitedWrench JointFollower<Arm>::Limit(const safety::WrenchLimiter& lim
       kinematics::Jacobian J_W;
       J_W.topRows<3>() = X_WB_.linear() * J_B.topRows<3>();
       J_W.bottomRows<3>() = X_WB_.linear() * J_B.bottomRows<3>();
-      return limiter.Limit(F_T_W, {J_W, elbow_.body->Gravity(q_), elbow_.load.torque_limit_Nm,
-                                   kinematics::GravityHelp::kNotCounted});
+      return limiter.Limit(
+          F_T_W, {J_W, Gravity(), elbow_.load.torque_limit_Nm, kinematics::GravityHelp::kNotCounted});
     }
   }
   return limiter.Limit(F_T_W);

@@ -153,7 +153,7 @@ safety::MotionPermits ServoLoop::Look(const ArmState& state, const CellReadings&
               coupling.status == ModelStatus::kOk && coupling.age_s <= most.model_stop_s);
   const bool renders_here = rendered_ || arm_->AtStart();  // on the way to the start nothing is rendered
   permits.Put(MotionPermit::kNoResidualWrench,
-              !renders_here || coupling.F_T_W.f.norm() <= wrench_limiter_.max_force_N());
+              !overloaded_ && (!renders_here || coupling.F_T_W.f.norm() <= wrench_limiter_.max_force_N()));
 
   const double error_m = (X_WT_meas_.translation() - arm_->X_WT().translation()).norm();
   permits.Put(MotionPermit::kPosePlausible, error_m <= params_.max_tracking_error_m &&

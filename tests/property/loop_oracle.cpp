@@ -23,6 +23,7 @@ constexpr double kOnTheBound_m = 1e-8;
 // From .5 m/s to half of it, at the 34 rad/s^2 that a joint's speed may change by, at .3 m from its axis and
 // more.
 constexpr int kSlowingTicks = 20;
+constexpr double kAlmost_Nm = 1e-4;  // of a slope by differences
 
 bool AllFinite(const JointArray& q) {
   return std::all_of(q.begin(), q.end(), [](double x) { return std::isfinite(x); });
@@ -73,6 +74,9 @@ void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState&
   // an arm that moves by itself is where it says it is; an idle one says nothing
   if (read && led && state.session != control::SessionState::kIdle)
     from_ = state.has_ipo ? state.q_ipo : state.q_meas;
+  q_meas_ = state.q_meas;
+  overloaded_ = allowed_.body && read &&
+                torques_.Beyond_Nm(*allowed_.body, from_.value_or(before_), state.tau_ext) > kAlmost_Nm;
 }
 
 // One that is asked for while the loop waits or moves holds from the next message on, until it is to go on.
@@ -95,6 +99,8 @@ std::string LoopOracle::Stands(const control::ServoLoop& loop, const control::Ti
   if (paused_ && commanded_ && phase_before_ == Phase::kWaiting && record.phase == Phase::kWaiting &&
       from_ == before_ && command.q != before_)
     return "moves in a pause";
+  if (overloaded_ && (record.phase == Phase::kHaptic || record.phase == Phase::kAligning))
+    return "goes on where a joint bears more than it holds";
   // what is seen before anything is rendered; what came out of it is seen after
   constexpr auto kAfter = static_cast<std::uint32_t>(safety::Fault::kToolSpeed) |
                           static_cast<std::uint32_t>(safety::Fault::kWorkspace) |
@@ -145,6 +151,14 @@ std::string LoopOracle::Wrenches(const control::TickRecord& record,
   const double most_Nm = 1.15 * allowed_.force_N + allowed_.torque_Nm;
   for (const double tau : command.tau)
     if (!(std::abs(tau) <= most_Nm)) return fmt::format("overlays {} Nm on a joint", tau);
+  if (allowed_.body && command.tau != JointArray{}) {
+    const JointArray gravity_Nm = GravityByEnergy(*allowed_.body, q_meas_);
+    for (std::size_t i = 0; i < 7; ++i)
+      if (!(std::abs(command.tau[i]) + std::abs(gravity_Nm[i]) <=
+            allowed_.body->joints[i].limits.torque_Nm + kAlmost_Nm))
+        return fmt::format("overlays {} Nm on joint {} beside {} of gravity", command.tau[i], i + 1,
+                           gravity_Nm[i]);
+  }
   if (allowed_.law == control::Law::kAdmittance && (!overlay.isZero(0.0) || command.tau != JointArray{}))
     return "overlays a wrench in position mode";
   return {};

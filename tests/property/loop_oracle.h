@@ -6,6 +6,7 @@
 #include "control/servo_loop.h"
 #include "kinematics/lbr_params.h"
 #include "safety/zone.h"
+#include "tests/property/torque_oracle.h"
 
 // What a servo loop may command, known apart from it: an arm's forward kinematics from its published
 // Denavit-Hartenberg table, and each limit as a number and an inequality.
@@ -35,6 +36,7 @@ struct Allowed {
   double flange_floor_m{-10.0};              ///< of the flange's centre
   std::optional<safety::ZoneParams> zone{};  ///< one more bound, of apex, flange or elbow
   double force_N{200.0}, torque_Nm{20.0};
+  const kinematics::ChainParams<7>* body{nullptr};  ///< with its masses; none: its torques are not known
   double spindle_rad_per_s{0.0};
   double tool_m{0.2};
 };
@@ -76,6 +78,9 @@ class LoopOracle {
   bool recovers_{false};
   bool commanded_{false};        ///< motion began, and the arm has not left since
   std::uint32_t activation_{0};  ///< that it was in then
+  TorqueOracle torques_;
+  bool overloaded_{false};        ///< a joint is about to bear more than it holds
+  control::JointArray q_meas_{};  ///< [rad] in this tick
   bool reduced_{false};
   int reduced_ticks_{0};      ///< in a row, read in T1
   double way_before_m_{0.0};  ///< of the tool, in the tick before

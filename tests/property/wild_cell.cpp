@@ -61,6 +61,7 @@ Allowed AllowedOf(const Choice& choice) {
   allowed.elbow_speed_m_per_s = limits.elbow_m_per_s;
   allowed.spindle_rad_per_s = (choice.devices & 1) != 0 ? kSpindle_rad_per_s : 0.0;
   allowed.tool_m = kTool_m;
+  if (choice.law >= 1) allowed.body = &Body();
   allowed.sphere_m = start.p_tool_m;
   allowed.radius_m = 0.2;
   allowed.floor_m = start.p_tool_m.z() - 0.2;
@@ -92,6 +93,7 @@ control::ServoParams ParamsOf(const Choice& choice, const Allowed& allowed) {
   params.law = allowed.law;
   params.joints.limits = allowed.joints;
   params.twist.max_speed_m_per_s = allowed.speed_m_per_s;
+  if (allowed.speed_m_per_s > 0.25) params.model_sight_m = 2e-3;  // or the frames' age would hold it to .25
   params.wrench = {.max_force_N = allowed.force_N, .max_torque_Nm = allowed.torque_Nm};
   params.workspace.sphere_center_W_m = allowed.sphere_m;
   params.workspace.sphere_radius_m = allowed.radius_m;
@@ -104,7 +106,7 @@ control::ServoParams ParamsOf(const Choice& choice, const Allowed& allowed) {
   params.spindle_rad_per_s = allowed.spindle_rad_per_s;
   params.has_spindle = (choice.devices & 1) != 0;
   params.has_interlock = (choice.devices & 2) != 0;
-  if (choice.law == 1 || choice.law >= 2) params.arm_body = Body();
+  if (allowed.body) params.arm_body = *allowed.body;
   if (choice.law >= 2) params.coupling.max_stiffness_N_per_m = 10e3;
   params.coupling.ramp_s = 0.002;  // of .1: a case is over in .05
   return params;
@@ -127,8 +129,8 @@ std::unique_ptr<hil::SimulatedArm> ArmOf(const Choice& choice, hil::ArmLevel lev
 }  // namespace
 
 void showValue(const Choice& s, std::ostream& out) {
-  out << fmt::format("law {} start {} workspace {} limits {} devices {}", s.law, s.start, s.workspace,
-                     s.limits, s.devices);
+  out << fmt::format("law {} start {} workspace {} limits {} devices {} mode {}", s.law, s.start, s.workspace,
+                     s.limits, s.devices, s.mode);
   if (s.workspace >= 4) showValue(s.zone, out << " zone ");
 }
 
@@ -137,7 +139,8 @@ rc::Gen<Choice> AnyChoice() {
   return rc::gen::build<Choice>(
       rc::gen::set(&Choice::law, one_of(4)), rc::gen::set(&Choice::start, one_of(5)),
       rc::gen::set(&Choice::workspace, one_of(6)), rc::gen::set(&Choice::limits, one_of(4)),
-      rc::gen::set(&Choice::devices, one_of(4)), rc::gen::set(&Choice::zone, AnyZone(0, 3)));
+      rc::gen::set(&Choice::devices, one_of(4)), rc::gen::set(&Choice::mode, one_of(2)),
+      rc::gen::set(&Choice::zone, AnyZone(0, 3)));
 }
 
 WildCell::WildCell(const Choice& choice, hil::ArmLevel level)
@@ -156,6 +159,7 @@ WildCell::WildCell(const Choice& choice, hil::ArmLevel level)
                    : choice.law == 3 ? control::ControlMode::kJointImpedance
                                      : control::ControlMode::kPosition;
   state_.control_mode = drive_.control;
+  if (choice.mode == 1) operation_mode_ = 0;
   drive_.q_cmd = arm_->q();
   const ArmPoints start = PointsOfIiwa(StartOf(choice), kTool_m);
   feed_W_ = start.R_flange.col(2);
@@ -178,6 +182,7 @@ void WildCell::Nominal() {
   state_.operation_mode = operation_mode_;
   state_.quality = 3;
   state_.drives_active = true;
+  state_.tau_ext = {};
   std::copy_n(arm_->q().data(), 7, state_.q_meas.begin());
   if (session_ != SessionState::kCommandingActive) state_.q_ipo = state_.q_meas;
   if (sensor_lives_) readings_.force = {.stamp = now_, .F_S = push_S_};
@@ -324,6 +329,9 @@ void WildCell::DisturbDevices(const Op& op) {
     }
     case 16:
       if (op.which == 0) loop_.RequestStop();
+      break;
+    case 6:  // one tick's is a jump of the estimate
+      state_.tau_ext[static_cast<std::size_t>(op.which)] = 10.0 * op.value;
       break;
     case 7:  // and stays there
       operation_mode_ = state_.operation_mode = static_cast<std::uint8_t>(op.which % 3);

@@ -20,6 +20,7 @@ struct Choice {
   int workspace{0};  ///< wide, or with the tool 1 or 4 mm from a bound; 4, 5: near `zone`'s
   int limits{0};     ///< of speed, force and elbow
   int devices{0};    ///< bit 0: a spindle with a drive, bit 1: a PLC
+  int mode{0};       ///< 0 automatic at first, 1 T1
   ZoneChoice zone{};
 };
 void showValue(const Choice& choice, std::ostream& out);
