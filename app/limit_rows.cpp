@@ -83,6 +83,10 @@ std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& p, bool 
                       .unit = "deg",
                       .from = fmt::format("arm - margin; down to {:.4g}",
                                           (joint.lower_rad + p.joints.position_margin_rad) / kDegree)});
+    if (p.arm_body && p.arm_body->has_masses)
+      limits.push_back(Tightest(fmt::format("A{} torque", i + 1), "N·m",
+                                {{p.arm_body->joints[static_cast<std::size_t>(i)].limits.torque_Nm,
+                                  "arm; gravity's is in it, a message ahead"}}));
   }
   if (p.depth.acts)
     limits.push_back(

@@ -17,6 +17,7 @@
 #include "kinematics/redundancy.h"
 #include "kinematics/serial_chain.h"
 #include "safety/joint_guard.h"
+#include "safety/joint_torque_limit.h"
 #include "safety/workspace.h"
 
 namespace osteon::control {
@@ -29,6 +30,7 @@ constexpr double kElbowThere_rad = 1e-6;
 constexpr double kMoving_m_per_s = 0.02,
                  kMoving_rad_per_s = 0.1;  // of the tool: the elbow has its full speed
 constexpr double kStands = 1e-6;           // of that: rounding
+constexpr int kBrakingHalvings = 10;       // of what is left of a motion beside the braking before a bound
 constexpr int kZoneTries = 4;              // shares of a step; the first leaves only its curvature
 constexpr double kZoneSlack = 0.999;       // so that the next one holds
 
@@ -46,18 +48,16 @@ struct Redundancy {
     kinematics::JointVectorN<7>& torque_limit_Nm = load.torque_limit_Nm;
     for (int i = 0; i < 7; ++i) {
       torque_limit_Nm[i] = params.arm_body->joints[static_cast<std::size_t>(i)].limits.torque_Nm;
-      if (!(torque_limit_Nm[i] > 0.0) || !std::isfinite(torque_limit_Nm[i]))
-        throw std::invalid_argument("torque_Nm of joint " + std::to_string(i + 1) + ": found " +
-                                    std::to_string(torque_limit_Nm[i]) +
-                                    ", accepted > 0: what the arm can hold");
     }
+    torques.emplace(torque_limit_Nm);
     body.emplace(*params.arm_body, X_WB.linear().transpose() * kinematics::kGravity_W_m_per_s2);
   }
 
   double arm_angle_rad;  // wanted
   std::optional<kinematics::SerialChain<7>> body;
-  kinematics::WantedLoad<7> load;  // torque limits: of the drives
-  bool arrived{false};             // it has been at the wanted arm angle
+  std::optional<safety::JointTorqueLimit<7>> torques;  // where there is a body
+  kinematics::WantedLoad<7> load;                      // torque limits: of the drives
+  bool arrived{false};                                 // it has been at the wanted arm angle
 };
 struct NoRedundancy {};
 
@@ -120,10 +120,17 @@ class JointFollower final : public ArmFollower {
   [[nodiscard]] JointArray Torques(const JointArray& q, const Wrench& F_T_W) const OSTEON_RT override {
     Eigen::Matrix<double, 6, 1> F_B;
     F_B << X_BW_.linear() * F_T_W.f, X_BW_.linear() * F_T_W.t;
-    const Joints tau = arm_.JacobianAt(ToJoints(q), X_FT_.translation()).transpose() * F_B;
+    Joints tau = arm_.JacobianAt(ToJoints(q), X_FT_.translation()).transpose() * F_B;
+    if constexpr (kRedundant)
+      if (elbow_.torques) tau *= elbow_.torques->Share(elbow_.body->Gravity(ToJoints(q)), tau);
     JointArray result{};
     std::copy_n(tau.data(), kN, result.begin());
     return result;
+  }
+  [[nodiscard]] bool TakeTorques([[maybe_unused]] const JointArray& tau_external_Nm) OSTEON_RT override {
+    if constexpr (kRedundant)
+      return elbow_.torques && elbow_.torques->Check(Gravity(), ToJoints(tau_external_Nm));
+    return false;
   }
   [[nodiscard]] bool BrakeJoints() OSTEON_RT override;
   [[nodiscard]] bool braking_joints() const OSTEON_RT override { return stop_ticks_ > 0; }
@@ -164,7 +171,19 @@ class JointFollower final : public ArmFollower {
     }
     return jacobian_;
   }
+  // What holds the arm at q_, the same. @pre its masses are known
+  [[nodiscard]] const Joints& Gravity() const OSTEON_RT {
+    if constexpr (kRedundant) {
+      if (gravity_q_ != q_) {
+        gravity_Nm_ = elbow_.body->Gravity(q_);
+        gravity_q_ = q_;
+      }
+    }
+    return gravity_Nm_;
+  }
   [[nodiscard]] Joints Start() const OSTEON_RT { return params_.start->q.template head<kN>(); }
+  void BrakeBeforeBounds(const kinematics::MotionInput<kN>& wanted,
+                         kinematics::MotionOutput<kN>& moves) const OSTEON_RT;
   [[nodiscard]] Joints WantedElbow(const FollowWish& wish) OSTEON_RT;
 
   // Where the points with bounds of their own are in W, by ZonePoint, and the flange that they are of.
@@ -201,6 +220,7 @@ class JointFollower final : public ArmFollower {
   Joints points_q_{kNowhere};
   mutable kinematics::JacobianN<kN> jacobian_{kinematics::JacobianN<kN>::Zero()};
   mutable Joints jacobian_q_{kNowhere};
+  mutable Joints gravity_Nm_{Joints::Zero()}, gravity_q_{kNowhere};
   double moving_{0.0};  // 0 … 1: how much the tool moved
   double sigma_min_m_{1.0};
   Joints sigma_gradient_m_{Joints::Zero()}, null_direction_{Joints::Zero()};
@@ -221,11 +241,12 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   wanted.qd_null = WantedElbow(wish);
   wanted.dt_s = dt_s;
   wanted.U_before = directions_;
-  const kinematics::MotionOutput<kN> moves = motion_.Step(wanted);
+  kinematics::MotionOutput<kN> moves = motion_.Step(wanted);
   if (!moves.finite) {
     followed.fault = Fault::kInverseKinematics;
     return followed;
   }
+  if (moves.limit != kinematics::MotionLimit::kNone) BrakeBeforeBounds(wanted, moves);
   // what was just limited is checked by what knows nothing of it
   const auto guard = guard_.Limit(q_, dt_s * moves.qd, dt_s);
   if (guard.jump || guard.violated) {
@@ -264,6 +285,40 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   if (followed.limited || share < 1.0)
     followed.V_WT = Turned(X_WB_.linear(), Scaled(moves.V_BT, guard.share * share));
   return followed;
+}
+
+// The wish brakes before the apex's bounds, but of a change that the joints' accelerations cut they cut the
+// braking as well, whatever else it was for: a hand that pushes hard along a bound would take the arm over
+// it. So the braking comes first: to the motion before, braked as the bounds ask for, as much of the other is
+// added as they allow. Both keep to the accelerations, as long as the braking by itself does.
+template <class Arm>
+void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wanted,
+                                           kinematics::MotionOutput<kN>& moves) const OSTEON_RT {
+  const auto allows = [&](const Vector3& v_BT) {
+    return workspace_.Allows(X_WT_.translation(), X_WB_.linear() * v_BT, params_.period_s);
+  };
+  if (allows(moves.V_BT.v)) return;
+  const Eigen::Matrix<double, 6, 1> V_before = wanted.J * wanted.qd_before;
+  const Vector3 v_before_WT = X_WB_.linear() * V_before.template head<3>();
+  kinematics::MotionInput<kN> braking = wanted;
+  braking.V_BT.v = X_BW_.linear() * workspace_.Limit(X_WT_.translation(), v_before_WT, params_.period_s).v_WT;
+  braking.V_BT.w = V_before.template tail<3>();
+  braking.qd_null = wanted.qd_before;
+  braking.at_once = true;
+  kinematics::MotionOutput<kN> brakes = motion_.Step(braking);
+  // 0 … 1: how much of the way from one motion that is allowed to one that is not
+  const auto add = [&](const kinematics::MotionOutput<kN>& allowed, kinematics::MotionOutput<kN>& more) {
+    double share = 0.0, most = 1.0;
+    for (int i = 0; i < kBrakingHalvings; ++i) {
+      const double next = 0.5 * (share + most);
+      (allows(allowed.V_BT.v + next * (more.V_BT.v - allowed.V_BT.v)) ? share : most) = next;
+    }
+    more.qd = allowed.qd + share * (more.qd - allowed.qd);
+    more.V_BT = {.v = allowed.V_BT.v + share * (more.V_BT.v - allowed.V_BT.v),
+                 .w = allowed.V_BT.w + share * (more.V_BT.w - allowed.V_BT.w)};
+  };
+  if (!allows(brakes.V_BT.v)) add({}, brakes);  // near a singular posture: slower, along the joints' own line
+  add(brakes, moves);
 }
 
 template <class Arm>
@@ -373,8 +428,8 @@ safety::LimitedWrench JointFollower<Arm>::Limit(const safety::WrenchLimiter& lim
       kinematics::Jacobian J_W;
       J_W.topRows<3>() = X_WB_.linear() * J_B.topRows<3>();
       J_W.bottomRows<3>() = X_WB_.linear() * J_B.bottomRows<3>();
-      return limiter.Limit(F_T_W, {J_W, elbow_.body->Gravity(q_), elbow_.load.torque_limit_Nm,
-                                   kinematics::GravityHelp::kNotCounted});
+      return limiter.Limit(
+          F_T_W, {J_W, Gravity(), elbow_.load.torque_limit_Nm, kinematics::GravityHelp::kNotCounted});
     }
   }
   return limiter.Limit(F_T_W);

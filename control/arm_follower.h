@@ -75,8 +75,13 @@ class ArmFollower {
   /// limits.
   /// @returns kNone, or kJointLimit with nothing moved
   [[nodiscard]] virtual safety::Fault FollowMeasured(const JointArray& q_meas, double share) OSTEON_RT = 0;
-  /// Joint torques of a wrench on T at To, in W: J^T F at these joints.
+  /// Joint torques of a wrench on T at To, in W: J^T F at these joints, and of it what they hold.
   [[nodiscard]] virtual JointArray Torques(const JointArray& q, const Wrench& F_T_W) const OSTEON_RT = 0;
+
+  /// Whether what acts on the joints from outside, by the arm's estimate [N·m], will be beyond what they hold
+  /// within a message (safety::JointTorqueLimit). Once a message; false where the arm's torques are not
+  /// known.
+  [[nodiscard]] virtual bool TakeTorques(const JointArray& tau_external_Nm) OSTEON_RT = 0;
 
   /// One tick of a stop in which the joints' own last motion is scaled down, within
   /// ServoParams::joint_stop_s: for where the tool's path has no joints. True at rest.

@@ -65,8 +65,10 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
   const Wrench& F_coupling_T_W = rendered.F;
   const Wrench damping = DampingWrench(Times(params_.impedance, stabilisers_.damping_factor()),
                                        X_WT_meas_.linear(), V_WT_, {.v = inside.v_WT, .w = slow.V.w});
-  F_sent_T_W_ =
-      wrench_limiter_.Limit({.f = F_coupling_T_W.f + damping.f, .t = F_coupling_T_W.t + damping.t}).F;
+  const safety::LimitedWrench sent =
+      arm_->Limit(wrench_limiter_, {.f = F_coupling_T_W.f + damping.f, .t = F_coupling_T_W.t + damping.t});
+  F_sent_T_W_ = sent.F;
+  acting_.Add(safety::Limit::kArmTorque, sent.arm_share < 1.0);
   record.F_coupling_T_W = F_coupling_T_W;
   stabilisers_.Put(record);
   record.wrench_scale = std::min(limited.share, rendered.share);
@@ -80,7 +82,8 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
 void ServoLoop::BrakeImpedance() OSTEON_RT {
   if (stop_ticks_ == 0) stop_ticks_ = JointStopTicks(params_);
   V_WT_ = measured_twist_.Step(X_WT_meas_);
-  F_sent_T_W_ = wrench_limiter_.Limit(DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {})).F;
+  F_sent_T_W_ =
+      arm_->Limit(wrench_limiter_, DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {})).F;
   if (--stop_ticks_ > 0) return;
   F_sent_T_W_ = {};
   TakeRest();

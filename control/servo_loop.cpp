@@ -158,6 +158,7 @@ void ServoLoop::Answer(const ArmState& state, const CellReadings& readings,
                        const simulation::ContactModel& model, rt::Nanoseconds now,
                        TickRecord& record) OSTEON_RT {
   const bool active = TakeSession(state);
+  overloaded_ = arm_->TakeTorques(state.tau_ext);
 
   // may it begin?
   const bool waits = safety::Waits(state_) && phase() != Phase::kStopped;
@@ -174,6 +175,7 @@ void ServoLoop::Answer(const ArmState& state, const CellReadings& readings,
     statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
     if (!(error_m <= params_.max_tracking_error_m)) faults_.Latch(Fault::kTracking);
     if (state.safety_state != 0 && state_ != CellState::kPaused) faults_.Latch(Fault::kSession);
+    if (overloaded_ && state_ != CellState::kPaused) faults_.Latch(Fault::kJointLimit);
     if (faults_.Any() && !safety::Renders(state_)) Take(CellEvent::kFault);  // who renders looks further
     if (stop_asked_) Take(CellEvent::kStopAsked);
     if (pause_asked_) Take(CellEvent::kPauseAsked);

@@ -271,6 +271,7 @@ class ServoLoop {
   Wrench F_sent_T_W_;  ///< of this tick: coupling, damping and braking, within the limits
   int stop_ticks_{0};  ///< left of a stop
 
+  bool overloaded_{false};   ///< the arm's joints are about to bear more than they hold
   bool reduced_{false};      ///< the arm is in T1, or does not say
   safety::LimitSet acting_;  ///< in this tick
 

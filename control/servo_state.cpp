@@ -153,7 +153,7 @@ safety::MotionPermits ServoLoop::Look(const ArmState& state, const CellReadings&
               coupling.status == ModelStatus::kOk && coupling.age_s <= most.model_stop_s);
   const bool renders_here = rendered_ || arm_->AtStart();  // on the way to the start nothing is rendered
   permits.Put(MotionPermit::kNoResidualWrench,
-              !renders_here || coupling.F_T_W.f.norm() <= wrench_limiter_.max_force_N());
+              !overloaded_ && (!renders_here || coupling.F_T_W.f.norm() <= wrench_limiter_.max_force_N()));
 
   const double error_m = (X_WT_meas_.translation() - arm_->X_WT().translation()).norm();
   permits.Put(MotionPermit::kPosePlausible, error_m <= params_.max_tracking_error_m &&
@@ -171,7 +171,8 @@ bool ServoLoop::TakeSession(const ArmState& state) OSTEON_RT {
     Mirror(state);
     if (safety::Renders(state_) || state_ == CellState::kStop2) faults_.Latch(Fault::kSession);
     Take(CellEvent::kArmLeft);
-  } else if (safety::Waits(state_) && (phase() != Phase::kStopped || !has_pose_)) {
+  } else if (state_ == CellState::kPaused ||
+             (safety::Waits(state_) && (phase() != Phase::kStopped || !has_pose_))) {
     Wait(state);  // one that was to stop before it knew where the arm is holds it there
   }
   if (stop_asked_ && Rests()) Take(CellEvent::kStopAsked);

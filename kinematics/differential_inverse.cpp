@@ -193,7 +193,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   out.null_direction = n;
   const Box box = BoxAt(in.q, in.dt_s);
   ScaleIntoBox(box, task, n, WantedNullSpeed(n, in), out);
-  LimitChange(box, in.qd_before, in.dt_s, out);
+  if (!in.at_once) LimitChange(box, in.qd_before, in.dt_s, out);
 
   const double lost_share = length > 0.0 ? std::min(1.0, out.lost_m_per_s / length) : 0.0;
   const double worst = std::max({lost_share, 1.0 - out.share, 1.0 - out.change_share});

@@ -66,7 +66,8 @@ struct MotionInput {
   /// Joint velocity that the null space should follow [rad/s], as far as its parameters allow: its part in
   /// the null space is used, so a gradient will do. Without effect for 6 joints.
   JointVectorN<N> qd_null{JointVectorN<N>::Zero()};
-  double dt_s{0.001};  ///< > 0
+  double dt_s{0.001};   ///< > 0
+  bool at_once{false};  ///< the change is to be whole, whatever accelerations it takes
   /// MotionOutput::U of the tick before, or any orthogonal matrix: the nearer, the faster.
   Eigen::Matrix<double, 6, 6> U_before{Eigen::Matrix<double, 6, 6>::Identity()};
 };

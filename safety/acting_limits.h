@@ -11,7 +11,7 @@ namespace osteon::safety {
 /// What may take something from the motion or from the wrench in a tick. The numbers are recorded.
 enum class Limit : std::uint8_t {
   kWrench = 0,        ///< the coupling's force or torque, by any bound of it
-  kArmTorque = 1,     ///< of that: what the arm's joints hold
+  kArmTorque = 1,     ///< of that, or of what is sent: what the arm's joints hold
   kStoredEnergy = 2,  ///< of that: what the coupling's spring may store
   kPower = 3,         ///< of that: what it may give to the hand
   kToolSpeed = 4,     ///< tool's speed or turn, by any bound of it

@@ -34,9 +34,11 @@ FaultText Describe(Fault fault) {
               "the tool's apex, the flange or the elbow was outside its workspace or zone", "Stop 1",
               "guide the tool back inside, restart the session"};
     case Fault::kJointLimit:
-      return {"joint limit", "a joint's position, speed or step would have been beyond its limit",
-              "Stop 1 along the joints' last motion",
-              "guide the joint away from its limit, restart the session"};
+      return {
+          "joint limit",
+          "a joint's position, speed or step would have been beyond its limit, or its torque a message later",
+          "Stop 1 along the joints' last motion",
+          "guide the joint away from its limit, take off what loads it, restart the session"};
     case Fault::kInverseKinematics:
       return {"no joint solution", "no joints were found for the tool's way",
               "Stop 1 along the joints' last motion",

@@ -15,7 +15,7 @@ enum class Fault : std::uint32_t {
   kSensorForce = 1u << 4,        ///< hand pushes beyond limit + margin: Stop 1
   kToolSpeed = 1u << 5,          ///< commanded tool speed beyond its limit despite scaling: Stop 1
   kWorkspace = 1u << 6,          ///< tool left its workspace: Stop 1
-  kJointLimit = 1u << 7,         ///< joint position, speed or step at its limit: Stop 1
+  kJointLimit = 1u << 7,         ///< joint position, speed, step or torque at its limit: Stop 1
   kInverseKinematics = 1u << 8,  ///< no joint solution for the commanded pose: hold; Stop 1
   kSession = 1u << 9,            ///< the arm left COMMANDING_ACTIVE: hold
   kDevice = 1u << 10,            ///< the simulation's device is lost: Stop 1

@@ -75,6 +75,8 @@ GuardDecision GuardMonitor::Arm(const GuardArmMessage& message, rt::Nanoseconds 
     before_message_ = message.sequence - 1;
     been_inside_ = false;
     been_in_zone_.fill(false);
+    // what it is inside of where it is handed over counts
+    static_cast<void>(JudgePlace(q_before_, ToolPose(q_before_).translation()));
     on_way_in_ = !AtStart(q_before_);
     rests_ = true;
   }

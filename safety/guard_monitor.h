@@ -96,7 +96,8 @@ struct GuardCounters {
 ///     |q_i - before_i|      <= min(1, share (1 + margin)) v_i n period
 ///     |p_T - before|        <= v_max (1 + margin) n period, of the apex; the tool's turn likewise
 ///     |p_T - measured|      <= max_tracking_error (1 + margin)
-///     apex, flange, elbow   in their zones + workspace_margin, each once it has been inside
+///     apex, flange, elbow   in their zones + workspace_margin, each once it has been inside, where the arm
+///     was handed over or since
 ///     p_T                   in sphere and plane + workspace_margin; the sphere counts once it has been
 ///     inside |f|, |t|              <= max_force, max_torque, of a wrench |tau_i|               <= |Jv_i|
 ///     max_force + |Jw_i| max_torque, of torques: no wrench within the limits asks for more reflected the
@@ -149,6 +150,7 @@ class GuardMonitor {
   // guard_rules.cpp
   [[nodiscard]] GuardReason JudgeJoints(const Joints& q, double time_s) const OSTEON_RT;
   [[nodiscard]] GuardReason JudgeTool(const Joints& q, double time_s) OSTEON_RT;
+  [[nodiscard]] GuardReason JudgePlace(const Joints& q, const Vector3& p_WT) OSTEON_RT;
   [[nodiscard]] GuardReason JudgeZones(const Joints& q) OSTEON_RT;
   [[nodiscard]] GuardReason JudgeOverlay(const GuardCommand& command) const OSTEON_RT;
 

@@ -40,21 +40,9 @@ GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
       reason.finding != GuardFinding::kNone)
     return reason;
 
-  // where it is: the sphere counts once the way from elsewhere has led into it
-  const WorkspaceParams& w = params_.workspace;
-  const double out_m = (p_WT - w.sphere_center_W_m).norm(),
-               above_m = w.plane_normal_W.dot(p_WT) - w.plane_offset_m;
-  been_inside_ |= out_m <= w.sphere_radius_m;
-  const GuardReason zone = JudgeZones(q);
+  const GuardReason place = JudgePlace(q, p_WT);
   if (q == q_before_) return {};
-  if (zone.finding != GuardFinding::kNone) return zone;
-  if (!(above_m >= -params_.workspace_margin_m))
-    return {.finding = GuardFinding::kPlane, .found = above_m, .least = -params_.workspace_margin_m};
-  if (been_inside_)
-    if (const GuardReason reason =
-            AtMost(GuardFinding::kWorkspace, out_m, w.sphere_radius_m + params_.workspace_margin_m);
-        reason.finding != GuardFinding::kNone)
-      return reason;
+  if (place.finding != GuardFinding::kNone) return place;
 
   // how fast
   if (arm_message_.compliant && Relaxes(q)) return {};
@@ -68,6 +56,19 @@ GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
     return reason;
   const double turn_rad = Eigen::AngleAxisd(X_before.linear().transpose() * X_WT.linear()).angle();
   return AtMost(GuardFinding::kToolTurn, turn_rad / time_s, more * params_.max_turn_rad_per_s);
+}
+
+// Where it is. Sphere and zones count once the way from elsewhere has led into them.
+GuardReason GuardMonitor::JudgePlace(const Joints& q, const Vector3& p_WT) OSTEON_RT {
+  const WorkspaceParams& w = params_.workspace;
+  const double out_m = (p_WT - w.sphere_center_W_m).norm(),
+               above_m = w.plane_normal_W.dot(p_WT) - w.plane_offset_m;
+  been_inside_ |= out_m <= w.sphere_radius_m;
+  if (const GuardReason reason = JudgeZones(q); reason.finding != GuardFinding::kNone) return reason;
+  if (!(above_m >= -params_.workspace_margin_m))
+    return {.finding = GuardFinding::kPlane, .found = above_m, .least = -params_.workspace_margin_m};
+  if (!been_inside_) return {};
+  return AtMost(GuardFinding::kWorkspace, out_m, w.sphere_radius_m + params_.workspace_margin_m);
 }
 
 GuardReason GuardMonitor::JudgeZones(const Joints& q) OSTEON_RT {

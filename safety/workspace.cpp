@@ -12,6 +12,8 @@ namespace osteon::safety {
 namespace {
 
 constexpr int kHalvings = 20;  // of a share that lets a stop end inside
+// Of what a velocity that Limit has left comes to by way of the joints.
+constexpr double kRounding_m_per_s = 1e-8, kRounding_m = 1e-10;
 
 }  // namespace
 
@@ -80,18 +82,31 @@ Workspace::Result Workspace::Limit(const Vector3& p_WT, const Vector3& v_WT, dou
   return result;
 }
 
+bool Workspace::Allows(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT {
+  if (!IsFinite(p_WT) || !IsFinite(v_WT)) return false;
+  for (const ZoneParams& zone : Bounds(ZonePoint::kApex)) {
+    const ZoneBounds bounds(zone, p_WT);
+    for (const ZoneBound& bound : bounds.all())
+      if (bound.toward_W.dot(v_WT) >
+          BrakingSpeed(bound.distance_m, params_.deceleration_m_per_s2, dt_s) + kRounding_m_per_s)
+        return false;
+  }
+  return StopsInside(p_WT, v_WT, dt_s, kRounding_m);
+}
+
 // Of a set that is kept out, the half-space on this side of its nearest place counts.
-bool Workspace::StopsInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT {
+bool Workspace::StopsInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s,
+                            double slack_m) const OSTEON_RT {
   const Vector3 way = (dt_s + 0.5 * v_WT.norm() / params_.deceleration_m_per_s2) * v_WT;
-  return std::all_of(Bounds(ZonePoint::kApex).begin(), Bounds(ZonePoint::kApex).end(),
-                     [&](const ZoneParams& zone) {
-                       const ZoneBounds bounds(zone, p_WT);
-                       const double distance_m = bounds.distance_m();
-                       const double left_m = zone.side == ZoneSide::kKeepIn
-                                                 ? ZoneBounds(zone, p_WT + way).distance_m()
-                                                 : distance_m - bounds.all().front().toward_W.dot(way);
-                       return left_m >= std::min(0.0, distance_m);  // one that is outside may come back
-                     });
+  return std::all_of(
+      Bounds(ZonePoint::kApex).begin(), Bounds(ZonePoint::kApex).end(), [&](const ZoneParams& zone) {
+        const ZoneBounds bounds(zone, p_WT);
+        const double distance_m = bounds.distance_m();
+        const double left_m = zone.side == ZoneSide::kKeepIn
+                                  ? ZoneBounds(zone, p_WT + way).distance_m()
+                                  : distance_m - bounds.all().front().toward_W.dot(way);
+        return left_m >= std::min(0.0, distance_m) - slack_m;  // one that is outside may come back
+      });
 }
 
 // The distance to the bound of a set that is kept in is concave along the way: a share of the way comes no

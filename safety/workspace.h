@@ -65,8 +65,13 @@ class Workspace {
   [[nodiscard]] bool LeavesZone(ZonePoint point, const Vector3& p_WP,
                                 const Vector3& p_next_WP) const OSTEON_RT;
 
-  /// Whether a stop of the apex from that velocity ends inside, after one more tick of it.
-  [[nodiscard]] bool StopsInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT;
+  /// Whether Limit would leave that velocity of the apex alone, but for rounding.
+  [[nodiscard]] bool Allows(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT;
+
+  /// Whether a stop of the apex from that velocity ends inside, or so far beyond a bound, after one more tick
+  /// of it.
+  [[nodiscard]] bool StopsInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s,
+                                 double slack_m = 0.0) const OSTEON_RT;
 
  private:
   static constexpr std::size_t kOwn = 2;  // bounds of the apex that are no zones: sphere and plane

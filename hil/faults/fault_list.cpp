@@ -262,6 +262,19 @@ void AddArm(std::vector<FaultCase>& cases) {
                        [](RigInputs& in, int, FaultRig&) { in.arm.period_s = kNaN; }));
   cases.push_back(Ridden("link's quality poor", "it ends the session itself where it gets worse", 200,
                          [](RigInputs& in, int, FaultRig&) { in.arm.quality = 0; }));
+  {
+    const Expected stops = Stops(Of({Fault::kJointLimit}), kAtOnce);
+    cases.push_back({.name = "external torque beyond a joint's",
+                     .injected = "60 N m on A6, which holds 40",
+                     .inject = [](RigInputs& in, int, FaultRig&) { in.arm.tau_ext[5] = 60.0; },
+                     .lasts = kLong,
+                     .waiting = kWaits,
+                     .aligning = stops,
+                     .rendering = stops,
+                     .paused = kWaits,
+                     .stop1 = kBrakesOn,
+                     .stop2 = stops});
+  }
   cases.push_back(Ridden("external torques NaN", "all of them; nothing is made of them", 200,
                          [](RigInputs& in, int, FaultRig&) { in.arm.tau_ext.fill(kNaN); }));
 }

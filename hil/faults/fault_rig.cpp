@@ -44,10 +44,10 @@ control::ServoParams FaultRig::Params(Way way) {
   params.has_spindle = params.has_interlock = true;
   params.spindle_rad_per_s = 26.0;
   params.spindle_limits = {.max_torque_Nm = 5.0, .max_speed_rad_per_s = 60.0, .trip_s = 0.05};
+  params.arm_body = ScenarioBody();
   if (way == Way::kToStart) {
     JointVector goal = StartJoints();
     goal[0] += 0.3;
-    params.arm_body = ScenarioBody();
     params.start = control::StartParams{.q = goal, .path = {}};
   }
   return params;

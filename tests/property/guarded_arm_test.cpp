@@ -15,6 +15,7 @@
 #include "tests/property/loop_oracle.h"
 #include "tests/property/property_check.h"
 #include "tests/property/wild_values.h"
+#include "tests/property/wild_zone.h"
 #include "tests/safety/guard_bench.h"
 
 namespace osteon::property {
@@ -41,10 +42,19 @@ hil::FriServerParams Session() {
           .activate_after_mirrored_answers = 1};
 }
 
-safety::GuardParams Guard() {
+// With up to three zones: about each of the guarded points, inside or outside of its bound at first.
+using ZoneChoices = std::vector<ZoneChoice>;
+rc::Gen<ZoneChoices> AnyZones() {
+  return rc::gen::resize(3, rc::gen::container<ZoneChoices>(AnyZone(-1, 1)));
+}
+
+safety::GuardParams Guard(const ZoneChoices& zones) {
   safety::GuardParams params = GuardBench::Params();
+  params.workspace_margin_m = 0.3e-3;  // a case is .05 s: it is to get there
   params.workspace.sphere_radius_m = 0.006;
   params.workspace.plane_offset_m = GuardBench::Start().translation().z() - 0.004;
+  const ArmPoints start = PointsOfIiwa(GuardBench::StartJoints(), kTool_m);
+  for (const ZoneChoice& zone : zones) params.workspace.zones.push_back(ZoneOf(zone, start));
   return params;
 }
 
@@ -63,19 +73,26 @@ std::unique_ptr<hil::SimulatedArm> Body(hil::ArmLevel level) {
 // A controller that does anything, the guard if there is one, the arm's session, and the arm.
 class Line {
  public:
-  Line(hil::ArmLevel level, bool guarded)
+  Line(hil::ArmLevel level, bool guarded, const ZoneChoices& zones)
       : level_(level),
         guarded_(guarded),
+        limits_(Guard(zones)),
         server_(Session(), kinematics::Iiwa14().limits,
                 Eigen::Map<const JointVector>(GuardBench::StartJoints().data())),
         body_(Body(level)),
-        monitor_(Guard()) {
+        monitor_(limits_) {
+    been_in_.resize(zones.size());
+    NoteZones(PointsOfIiwa(GuardBench::StartJoints(), kTool_m), PointsOfIiwa(told_, kTool_m));
     server_.Open();
     for (int i = 0; i < 12 && server_.state() != SessionState::kCommandingActive; ++i) Cycle(Op{});
   }
 
   [[nodiscard]] bool active() const { return server_.state() == SessionState::kCommandingActive; }
   [[nodiscard]] double most_way_m() const { return most_way_m_; }
+  /// 0 … : the zone that the guard stopped it at; -1: none.
+  [[nodiscard]] int stopped_at_zone() const {
+    return monitor_.reason().finding == safety::GuardFinding::kZone ? monitor_.reason().joint - 1 : -1;
+  }
 
   /// One period. @returns what the arm did that it must not, empty where nothing
   [[nodiscard]] std::string Tick(const Op& op) {
@@ -174,7 +191,9 @@ class Line {
     const ArmPoints before = PointsOfIiwa(told_, kTool_m), after = PointsOfIiwa(told, kTool_m);
     const double way_m = (after.p_tool_m - before.p_tool_m).norm();
     most_way_m_ = std::max(most_way_m_, way_m / periods_);
-    std::string wrong = guarded_ ? JudgeCell(after, PointsOfIiwa(q, kTool_m), way_m, time_s) : "";
+    const ArmPoints is = PointsOfIiwa(q, kTool_m);
+    std::string wrong = guarded_ ? JudgeCell(after, is, way_m, time_s) : "";
+    NoteZones(after, is);
     if (told != told_) periods_ = 0;
     told_ = told;
     return wrong;
@@ -182,7 +201,7 @@ class Line {
 
   [[nodiscard]] std::string JudgeCell(const ArmPoints& told, const ArmPoints& is, double way_m,
                                       double time_s) const {
-    const safety::GuardParams limits = Guard();
+    const safety::GuardParams& limits = limits_;
     if (!(way_m <= kRounding * (1.0 + limits.margin) * limits.max_speed_m_per_s * time_s + 1e-12))
       return fmt::format("the tool is told to step by {} m in {} s", way_m, time_s);
     const auto out_m = [&](const Vector3& p) {
@@ -194,11 +213,30 @@ class Line {
     const double lag_m = level_ == hil::ArmLevel::kKinematic ? 1e-9 : kLag_m;
     if (!(out_m(is.p_tool_m) <= limits.workspace_margin_m + lag_m))
       return fmt::format("the tool is {} m outside", out_m(is.p_tool_m));
+    for (std::size_t i = 0; i < been_in_.size(); ++i) {
+      const safety::ZoneParams& zone = limits.workspace.zones[i];
+      const double told_m = PastBound_m(zone, PointOf(told, zone.point)),
+                   is_m = PastBound_m(zone, PointOf(is, zone.point));
+      if (been_in_[i].told && !(told_m <= limits.workspace_margin_m + 1e-9))
+        return fmt::format("the arm is told to be {} m past zone {}", told_m, i + 1);
+      if (been_in_[i].is && !(is_m <= limits.workspace_margin_m + lag_m))
+        return fmt::format("the arm is {} m past zone {}", is_m, i + 1);
+    }
     return {};
+  }
+
+  // A zone counts once what is told, and then the arm, has been within its bound.
+  void NoteZones(const ArmPoints& told, const ArmPoints& is) {
+    for (std::size_t i = 0; i < been_in_.size(); ++i) {
+      const safety::ZoneParams& zone = limits_.workspace.zones[i];
+      been_in_[i].told |= PastBound_m(zone, PointOf(told, zone.point)) <= 0.0;
+      been_in_[i].is |= been_in_[i].told && PastBound_m(zone, PointOf(is, zone.point)) <= 0.0;
+    }
   }
 
   hil::ArmLevel level_;
   bool guarded_;
+  safety::GuardParams limits_;
   hil::FriServer server_;
   std::unique_ptr<hil::SimulatedArm> body_;
   safety::GuardMonitor monitor_;
@@ -209,11 +247,16 @@ class Line {
   JointArray told_{GuardBench::StartJoints()};
   int periods_{0};  // since what the arm is told last changed
   double most_way_m_{0.0};
+  struct BeenIn {
+    bool told{false}, is{false};
+  };
+  std::vector<BeenIn> been_in_;  // of each zone
 };
 
 void Holds(hil::ArmLevel level, bool guarded) {
+  const ZoneChoices zones = *AnyZones().as("zones");
   const std::vector<Op> ops = *WildOps(kPushes, kKinds).as("ops");
-  Line line(level, guarded);
+  Line line(level, guarded, zones);
   RC_ASSERT(line.active());
   for (std::size_t tick = 0; tick < ops.size(); ++tick) {
     const std::string wrong = line.Tick(ops[tick]);
@@ -242,16 +285,21 @@ TEST(ArmPropertyLevels, AloneItRefusesWhatAnArmRefuses) {
     CheckShard(102 + static_cast<int>(level), 1, 1'000, [level] { Holds(level, false); });
 }
 
-TEST(ArmPropertyCases, Move) {
+TEST(ArmPropertyCases, MoveAndComeToTheirZones) {
   int fast = 0, cases = 0;
-  CheckShard(110, 1, 1'000, [&] {
+  std::array<int, 5> stopped_at{};  // by shape
+  CheckShard(110, 1, 4'000, [&] {
+    const ZoneChoices zones = *AnyZones();
     const std::vector<Op> ops = *WildOps(kPushes, kKinds);
-    Line line(hil::ArmLevel::kKinematic, true);
+    Line line(hil::ArmLevel::kKinematic, true, zones);
     for (const Op& op : ops) static_cast<void>(line.Tick(op));
     ++cases;
     fast += line.most_way_m() > 0.1e-3;  // .1 m/s, of the .25 that it may
+    if (const int zone = line.stopped_at_zone(); zone >= 0)
+      ++stopped_at[static_cast<std::size_t>(zones[static_cast<std::size_t>(zone)].shape)];
   });
   EXPECT_GT(fast, cases / 20);
+  for (const int stopped : stopped_at) EXPECT_GT(stopped, 2) << stopped << "of this shape of zone";
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "tests/property/wild_zone.h"
+
 namespace osteon::property {
 namespace {
 
@@ -16,8 +18,12 @@ constexpr double kReduced_m_per_s = 0.25;  // in T1, ISO 10218-1
 // at a reach of 1.2 m make 1 %, more where the arm is nearly stretched. Beyond a tenth the loop stops.
 constexpr double kCurved = 1.1;
 constexpr double kRounding = 1.0 + 1e-9;
-// What is seen after a tick is faulted from 1 um on: before it a tick's second order, 2.5 um of .25 mm.
-constexpr double kOnTheBound_m = 1e-4;
+// A tick's way is known to its second order; its third, at a rad/s of every joint, is some nanometres.
+constexpr double kOnTheBound_m = 1e-8;
+// From .5 m/s to half of it, at the 34 rad/s^2 that a joint's speed may change by, at .3 m from its axis and
+// more.
+constexpr int kSlowingTicks = 20;
+constexpr double kAlmost_Nm = 1e-4;  // of a slope by differences
 
 bool AllFinite(const JointArray& q) {
   return std::all_of(q.begin(), q.end(), [](double x) { return std::isfinite(x); });
@@ -48,10 +54,10 @@ ArmPoints PointsOfIiwa(const JointArray& q, double tool_m) {
 }
 
 void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState& state,
-                        control::ReceiveResult received, bool asked_to_recover) {
+                        control::ReceiveResult received, const Asked& asked) {
   phase_before_ = loop.phase();
   faults_before_ = loop.faults().bits();
-  recovers_ = asked_to_recover && loop.CanRecover();
+  recovers_ = asked.recover && loop.CanRecover();
   reduced_ = state.operation_mode == 0;
   from_ = before_;
   const bool read = received == control::ReceiveResult::kOk && AllFinite(state.q_meas) &&
@@ -63,9 +69,47 @@ void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState&
   const bool left = read && commanded_ && (!active || other);
   if (left) commanded_ = false;
   const bool led = !active || left || ((phase_before_ == Phase::kWaiting || recovers_) && !commanded_);
+  reduced_ticks_ = read && reduced_ ? reduced_ticks_ + 1 : read ? 0 : reduced_ticks_;
+  NotePause(loop, read, asked);
   // an arm that moves by itself is where it says it is; an idle one says nothing
   if (read && led && state.session != control::SessionState::kIdle)
     from_ = state.has_ipo ? state.q_ipo : state.q_meas;
+  q_meas_ = state.q_meas;
+  overloaded_ = allowed_.body && read &&
+                torques_.Beyond_Nm(*allowed_.body, from_.value_or(before_), state.tau_ext) > kAlmost_Nm;
+}
+
+// One that is asked for while the loop waits or moves holds from the next message on, until it is to go on.
+void LoopOracle::NotePause(const control::ServoLoop& loop, bool read, const Asked& asked) {
+  if (asked.resume || recovers_) paused_ = false;
+  const safety::CellState state = loop.state();
+  pause_asked_ |=
+      asked.pause && (safety::IsMotion(state) || safety::Waits(state)) && state != safety::CellState::kOff;
+  if (!pause_asked_ || !read) return;
+  paused_ = true;
+  pause_asked_ = false;
+}
+
+// What must not be where the loop was told to stand, or has just seen that it must.
+std::string LoopOracle::Stands(const control::ServoLoop& loop, const control::TickRecord& record,
+                               const control::ArmCommand& command) const {
+  if (paused_ && (record.phase == Phase::kHaptic || record.phase == Phase::kAligning))
+    return "goes on in a pause";
+  if (paused_ && loop.cell_commands().spindle_rad_per_s != 0.0) return "a spindle that turns in a pause";
+  if (paused_ && commanded_ && phase_before_ == Phase::kWaiting && record.phase == Phase::kWaiting &&
+      from_ == before_ && command.q != before_)
+    return "moves in a pause";
+  if (overloaded_ && (record.phase == Phase::kHaptic || record.phase == Phase::kAligning))
+    return "goes on where a joint bears more than it holds";
+  // what is seen before anything is rendered; what came out of it is seen after
+  constexpr auto kAfter = static_cast<std::uint32_t>(safety::Fault::kToolSpeed) |
+                          static_cast<std::uint32_t>(safety::Fault::kWorkspace) |
+                          static_cast<std::uint32_t>(safety::Fault::kJointLimit) |
+                          static_cast<std::uint32_t>(safety::Fault::kInverseKinematics);
+  const bool still =
+      Vector3(record.F_coupling_T_W.f).isZero(0.0) && Vector3(record.F_coupling_T_W.t).isZero(0.0);
+  if ((record.faults & ~kAfter) != 0 && !still) return "renders in the tick that sees a fault";
+  return {};
 }
 
 std::string LoopOracle::After(const control::ServoLoop& loop, const control::TickRecord& record,
@@ -81,6 +125,7 @@ std::string LoopOracle::After(const control::ServoLoop& loop, const control::Tic
   if (record.faults != 0 && record.phase == Phase::kHaptic) return "renders with a fault";
   if (phase_before_ == Phase::kStopped && !recovers_ && record.phase != Phase::kStopped)
     return "goes on after a stop";
+  if (std::string wrong = Stands(loop, record, command); !wrong.empty()) return wrong;
   if (std::string wrong = Wrenches(record, command); !wrong.empty()) return wrong;
   const double spindle = loop.cell_commands().spindle_rad_per_s;
   if (!(spindle >= 0.0 && spindle <= allowed_.spindle_rad_per_s)) return "a spindle beyond its speed";
@@ -106,6 +151,14 @@ std::string LoopOracle::Wrenches(const control::TickRecord& record,
   const double most_Nm = 1.15 * allowed_.force_N + allowed_.torque_Nm;
   for (const double tau : command.tau)
     if (!(std::abs(tau) <= most_Nm)) return fmt::format("overlays {} Nm on a joint", tau);
+  if (allowed_.body && command.tau != JointArray{}) {
+    const JointArray gravity_Nm = GravityByEnergy(*allowed_.body, q_meas_);
+    for (std::size_t i = 0; i < 7; ++i)
+      if (!(std::abs(command.tau[i]) + std::abs(gravity_Nm[i]) <=
+            allowed_.body->joints[i].limits.torque_Nm + kAlmost_Nm))
+        return fmt::format("overlays {} Nm on joint {} beside {} of gravity", command.tau[i], i + 1,
+                           gravity_Nm[i]);
+  }
   if (allowed_.law == control::Law::kAdmittance && (!overlay.isZero(0.0) || command.tau != JointArray{}))
     return "overlays a wrench in position mode";
   return {};
@@ -133,10 +186,11 @@ std::string LoopOracle::Motion(const JointArray& to, Phase phase) {
   const double way_m = (b.p_tool_m - a.p_tool_m).norm();
   const double most_m =
       (reduced_ ? std::min(allowed_.speed_m_per_s, kReduced_m_per_s) : allowed_.speed_m_per_s) * dt_s;
-  // what is on its way when T1 is chosen brakes; the joints' accelerations bound how fast
-  const bool slows = reduced_ && allowed_.speed_m_per_s > kReduced_m_per_s;
-  if (!(way_m <= (slows ? allowed_.speed_m_per_s * dt_s : most_m) * kCurved + 1e-12))
+  // what is on its way when T1 is chosen brakes, as fast as the joints' accelerations let it
+  const double on_its_way_m = reduced_ticks_ <= kSlowingTicks ? way_before_m_ : 0.0;
+  if (!(way_m <= std::max(most_m * kCurved, reduced_ ? on_its_way_m * kRounding : 0.0) + 1e-12))
     return fmt::format("the tool steps by {} m, at most {}", way_m, most_m);
+  way_before_m_ = way_m;
   most_speed_ = std::max(most_speed_, way_m / most_m);
   const double turn_rad = Eigen::AngleAxisd(a.R_flange.transpose() * b.R_flange).angle();
   if (!(turn_rad <= allowed_.turn_rad_per_s * dt_s * kCurved + 1e-7))  // an angle of a matrix: 1e-8
@@ -152,6 +206,12 @@ std::string LoopOracle::Motion(const JointArray& to, Phase phase) {
   };
   if (inside_m(a) >= 0.0 && !(inside_m(b) >= -kOnTheBound_m))
     return fmt::format("leaves the workspace by {} m", -inside_m(b));
+  if (!allowed_.zone) return {};
+  const auto past_m = [this](const ArmPoints& points) {
+    return PastBound_m(*allowed_.zone, PointOf(points, allowed_.zone->point));
+  };
+  if (past_m(a) <= 0.0 && !(past_m(b) <= kOnTheBound_m))
+    return fmt::format("goes past a zone's bound by {} m", past_m(b));
   return {};
 }
 

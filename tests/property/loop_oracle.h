@@ -5,6 +5,8 @@
 
 #include "control/servo_loop.h"
 #include "kinematics/lbr_params.h"
+#include "safety/zone.h"
+#include "tests/property/torque_oracle.h"
 
 // What a servo loop may command, known apart from it: an arm's forward kinematics from its published
 // Denavit-Hartenberg table, and each limit as a number and an inequality.
@@ -30,11 +32,18 @@ struct Allowed {
   double speed_m_per_s{0.25}, turn_rad_per_s{1.5};
   double elbow_speed_m_per_s{0.0};  ///< 0: no bound
   Vector3 sphere_m{Vector3::Zero()};
-  double radius_m{1.0}, floor_m{-1.0};  ///< of the apex
-  double flange_floor_m{-10.0};         ///< of the flange's centre
+  double radius_m{1.0}, floor_m{-1.0};       ///< of the apex
+  double flange_floor_m{-10.0};              ///< of the flange's centre
+  std::optional<safety::ZoneParams> zone{};  ///< one more bound, of apex, flange or elbow
   double force_N{200.0}, torque_Nm{20.0};
+  const kinematics::ChainParams<7>* body{nullptr};  ///< with its masses; none: its torques are not known
   double spindle_rad_per_s{0.0};
   double tool_m{0.2};
+};
+
+/// What was asked of a loop since the tick before.
+struct Asked {
+  bool recover{false}, pause{false}, resume{false};
 };
 
 /// Sees each tick of a loop from outside.
@@ -44,7 +53,7 @@ class LoopOracle {
 
   /// Before the tick, what it will be given.
   void Before(const control::ServoLoop& loop, const control::ArmState& state, control::ReceiveResult received,
-              bool asked_to_recover);
+              const Asked& asked);
   /// After it. @returns what it did that it must not, empty where nothing
   [[nodiscard]] std::string After(const control::ServoLoop& loop, const control::TickRecord& record,
                                   const control::ArmCommand& command);
@@ -54,6 +63,9 @@ class LoopOracle {
   [[nodiscard]] double most_speed_share() const { return most_speed_; }
 
  private:
+  void NotePause(const control::ServoLoop& loop, bool read, const Asked& asked);
+  [[nodiscard]] std::string Stands(const control::ServoLoop& loop, const control::TickRecord& record,
+                                   const control::ArmCommand& command) const;
   [[nodiscard]] std::string Motion(const control::JointArray& to, control::Phase phase);
   [[nodiscard]] std::string Wrenches(const control::TickRecord& record,
                                      const control::ArmCommand& command) const;
@@ -66,7 +78,14 @@ class LoopOracle {
   bool recovers_{false};
   bool commanded_{false};        ///< motion began, and the arm has not left since
   std::uint32_t activation_{0};  ///< that it was in then
+  TorqueOracle torques_;
+  bool overloaded_{false};        ///< a joint is about to bear more than it holds
+  control::JointArray q_meas_{};  ///< [rad] in this tick
   bool reduced_{false};
+  int reduced_ticks_{0};      ///< in a row, read in T1
+  double way_before_m_{0.0};  ///< of the tool, in the tick before
+  bool pause_asked_{false};   ///< while it moved or waited, and no message has come since
+  bool paused_{false};        ///< it was asked for, and to go on was not
   std::uint64_t rendered_{0};
   double most_speed_{0.0};
 };

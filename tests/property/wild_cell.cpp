@@ -61,6 +61,7 @@ Allowed AllowedOf(const Choice& choice) {
   allowed.elbow_speed_m_per_s = limits.elbow_m_per_s;
   allowed.spindle_rad_per_s = (choice.devices & 1) != 0 ? kSpindle_rad_per_s : 0.0;
   allowed.tool_m = kTool_m;
+  if (choice.law >= 1) allowed.body = &Body();
   allowed.sphere_m = start.p_tool_m;
   allowed.radius_m = 0.2;
   allowed.floor_m = start.p_tool_m.z() - 0.2;
@@ -77,6 +78,10 @@ Allowed AllowedOf(const Choice& choice) {
       allowed.radius_m = 0.05;
       allowed.flange_floor_m = start.p_flange_m.z() - 0.001;
       break;
+    case 4:
+    case 5:
+      allowed.zone = ZoneOf(choice.zone, start);
+      break;
     default:
       break;
   }
@@ -88,6 +93,7 @@ control::ServoParams ParamsOf(const Choice& choice, const Allowed& allowed) {
   params.law = allowed.law;
   params.joints.limits = allowed.joints;
   params.twist.max_speed_m_per_s = allowed.speed_m_per_s;
+  if (allowed.speed_m_per_s > 0.25) params.model_sight_m = 2e-3;  // or the frames' age would hold it to .25
   params.wrench = {.max_force_N = allowed.force_N, .max_torque_Nm = allowed.torque_Nm};
   params.workspace.sphere_center_W_m = allowed.sphere_m;
   params.workspace.sphere_radius_m = allowed.radius_m;
@@ -95,11 +101,12 @@ control::ServoParams ParamsOf(const Choice& choice, const Allowed& allowed) {
   if (choice.workspace == 3)
     params.workspace.zones.push_back(
         {.point = safety::ZonePoint::kFlange, .p_W_m = Vector3(0.0, 0.0, allowed.flange_floor_m)});
+  if (allowed.zone) params.workspace.zones.push_back(*allowed.zone);
   if (allowed.elbow_speed_m_per_s > 0.0) params.max_elbow_speed_m_per_s = allowed.elbow_speed_m_per_s;
   params.spindle_rad_per_s = allowed.spindle_rad_per_s;
   params.has_spindle = (choice.devices & 1) != 0;
   params.has_interlock = (choice.devices & 2) != 0;
-  if (choice.law == 1 || choice.law >= 2) params.arm_body = Body();
+  if (allowed.body) params.arm_body = *allowed.body;
   if (choice.law >= 2) params.coupling.max_stiffness_N_per_m = 10e3;
   params.coupling.ramp_s = 0.002;  // of .1: a case is over in .05
   return params;
@@ -122,16 +129,18 @@ std::unique_ptr<hil::SimulatedArm> ArmOf(const Choice& choice, hil::ArmLevel lev
 }  // namespace
 
 void showValue(const Choice& s, std::ostream& out) {
-  out << fmt::format("law {} start {} workspace {} limits {} devices {}", s.law, s.start, s.workspace,
-                     s.limits, s.devices);
+  out << fmt::format("law {} start {} workspace {} limits {} devices {} mode {}", s.law, s.start, s.workspace,
+                     s.limits, s.devices, s.mode);
+  if (s.workspace >= 4) showValue(s.zone, out << " zone ");
 }
 
 rc::Gen<Choice> AnyChoice() {
   const auto one_of = [](int count) { return rc::gen::resize(100, rc::gen::inRange(0, count)); };
   return rc::gen::build<Choice>(
       rc::gen::set(&Choice::law, one_of(4)), rc::gen::set(&Choice::start, one_of(5)),
-      rc::gen::set(&Choice::workspace, one_of(4)), rc::gen::set(&Choice::limits, one_of(4)),
-      rc::gen::set(&Choice::devices, one_of(4)));
+      rc::gen::set(&Choice::workspace, one_of(6)), rc::gen::set(&Choice::limits, one_of(4)),
+      rc::gen::set(&Choice::devices, one_of(4)), rc::gen::set(&Choice::mode, one_of(2)),
+      rc::gen::set(&Choice::zone, AnyZone(0, 3)));
 }
 
 WildCell::WildCell(const Choice& choice, hil::ArmLevel level)
@@ -150,6 +159,7 @@ WildCell::WildCell(const Choice& choice, hil::ArmLevel level)
                    : choice.law == 3 ? control::ControlMode::kJointImpedance
                                      : control::ControlMode::kPosition;
   state_.control_mode = drive_.control;
+  if (choice.mode == 1) operation_mode_ = 0;
   drive_.q_cmd = arm_->q();
   const ArmPoints start = PointsOfIiwa(StartOf(choice), kTool_m);
   feed_W_ = start.R_flange.col(2);
@@ -163,15 +173,16 @@ void WildCell::Nominal() {
   clock_ += rt::kMillisecond;
   now_ = clock_;
   received_ = control::ReceiveResult::kOk;
-  recover_ = false;
+  asked_ = {};
   state_.stamp = now_;
   ++state_.sequence;
   state_.session = session_;
   state_.period_s = allowed_.period_s;
   state_.safety_state = 0;
-  state_.operation_mode = 2;
+  state_.operation_mode = operation_mode_;
   state_.quality = 3;
   state_.drives_active = true;
+  state_.tau_ext = {};
   std::copy_n(arm_->q().data(), 7, state_.q_meas.begin());
   if (session_ != SessionState::kCommandingActive) state_.q_ipo = state_.q_meas;
   if (sensor_lives_) readings_.force = {.stamp = now_, .F_S = push_S_};
@@ -319,8 +330,22 @@ void WildCell::DisturbDevices(const Op& op) {
     case 16:
       if (op.which == 0) loop_.RequestStop();
       break;
+    case 6:  // one tick's is a jump of the estimate
+      state_.tau_ext[static_cast<std::size_t>(op.which)] = 10.0 * op.value;
+      break;
+    case 7:  // and stays there
+      operation_mode_ = state_.operation_mode = static_cast<std::uint8_t>(op.which % 3);
+      break;
+    case 8:
+      asked_.pause = true;
+      loop_.RequestPause();
+      break;
+    case 9:
+      asked_.resume = true;
+      loop_.RequestResume();
+      break;
     case 17:
-      recover_ = true;
+      asked_.recover = true;
       loop_.RequestRecovery();
       break;
     case 18:  // a clock that jumps, either way, and stays there
@@ -379,7 +404,7 @@ std::string WildCell::WhereTheArmIs() const {
 std::string WildCell::Tick(const Op& op) {
   Nominal();
   Disturb(op);
-  oracle_.Before(loop_, state_, received_, recover_);
+  oracle_.Before(loop_, state_, received_, asked_);
   const control::TickRecord record = loop_.Tick(state_, received_, readings_, model_, now_, command_);
   ++ticks_;
   if (std::string wrong = oracle_.After(loop_, record, command_); !wrong.empty()) return wrong;

@@ -6,6 +6,7 @@
 #include "hil/simulated_arm.h"
 #include "tests/property/loop_oracle.h"
 #include "tests/property/wild_values.h"
+#include "tests/property/wild_zone.h"
 
 // A servo loop with everything that it is told in the hands of a generator: arm, sensor, simulation, spindle,
 // PLC, clock, operator and who changes gains.
@@ -16,9 +17,11 @@ namespace osteon::property {
 struct Choice {
   int law{0};        ///< 0, 1 admittance; 2 impedance by wrench, 3 by torques
   int start{0};      ///< of five postures
-  int workspace{0};  ///< wide, or with the tool 1 or 4 mm from a bound
+  int workspace{0};  ///< wide, or with the tool 1 or 4 mm from a bound; 4, 5: near `zone`'s
   int limits{0};     ///< of speed, force and elbow
   int devices{0};    ///< bit 0: a spindle with a drive, bit 1: a PLC
+  int mode{0};       ///< 0 automatic at first, 1 T1
+  ZoneChoice zone{};
 };
 void showValue(const Choice& choice, std::ostream& out);
 [[nodiscard]] rc::Gen<Choice> AnyChoice();
@@ -56,7 +59,7 @@ class WildCell {
   control::CellReadings readings_;
   simulation::ContactModel model_;
   rt::Nanoseconds now_{rt::kSecond};
-  bool recover_{false};
+  Asked asked_;
 
   control::ArmCommand command_;
   // what lasts
@@ -65,6 +68,7 @@ class WildCell {
   simulation::Contact contact_;
   rt::Nanoseconds clock_{rt::kSecond};  ///< the true time
   control::SessionState session_{control::SessionState::kCommandingActive};
+  std::uint8_t operation_mode_{2};
   bool sensor_lives_{true}, simulation_lives_{true}, plc_permits_{true};
   bool arm_lied_{false};  ///< about where it is: its own checks are then what keeps it (guarded_arm_test.cpp)
   int ticks_{0};

@@ -142,6 +142,24 @@ TEST(GuardMonitor, EndsACreepAtTheZonesOfFlangeAndElbow) {
   }
 }
 
+// Where it is handed over counts, though the first command is past the bound already, within the margin.
+TEST(GuardMonitor, EndsACreepOutOfAZoneThatTheArmWasHandedOverIn) {
+  GuardParams params = GuardBench::Params();
+  params.workspace.zones = {
+      {.shape = ZoneShape::kSphere, .p_W_m = GuardBench::Start().translation(), .radius_m = 1e-5}};
+  GuardBench bench(params);
+  ASSERT_TRUE(bench.WalkToActive());
+  GuardJoints q = GuardBench::StartJoints();
+  int passed = 0;
+  for (; passed < 1000; ++passed) {
+    bench.Message(GuardSession::kActive);
+    q[0] += 1e-4;
+    if (bench.Answer(q) != GuardDecision::kPass) break;
+  }
+  EXPECT_EQ(Found(bench), GuardFinding::kZone);
+  EXPECT_GT(passed, 10);
+}
+
 TEST(GuardMonitor, LetsAnArmThatStandsOutsideComeInButNotOutAgain) {
   GuardParams params = GuardBench::Params();
   params.workspace.sphere_center_W_m.y() += 0.25;  // .1 m beyond the sphere

@@ -1,0 +1,50 @@
+#include "safety/joint_torque_limit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::safety {
+namespace {
+
+// Rounding in quotient and product may each add half an ulp; this takes the result below the limit.
+constexpr double kRoundDown = 1.0 - 1e-15;
+
+}  // namespace
+
+template <int N>
+JointTorqueLimit<N>::JointTorqueLimit(const Joints& most_Nm) : most_Nm_(most_Nm) {
+  for (int i = 0; i < N; ++i)
+    if (!(most_Nm[i] > 0.0) || !std::isfinite(most_Nm[i]))
+      throw std::invalid_argument("torque_Nm of joint " + std::to_string(i + 1) + ": found " +
+                                  std::to_string(most_Nm[i]) + ", accepted > 0: what the arm can hold");
+}
+
+template <int N>
+double JointTorqueLimit<N>::Share(const Joints& gravity_Nm, const Joints& tau_Nm) const OSTEON_RT {
+  double share = 1.0;
+  for (int i = 0; i < N; ++i) {
+    const double room_Nm = std::max(0.0, most_Nm_[i] - std::abs(gravity_Nm[i])),
+                 size_Nm = std::abs(tau_Nm[i]);
+    if (!std::isfinite(size_Nm)) return 0.0;
+    if (size_Nm > room_Nm) share = std::min(share, room_Nm / size_Nm * kRoundDown);
+  }
+  return share;
+}
+
+template <int N>
+bool JointTorqueLimit<N>::Check(const Joints& gravity_Nm, const Joints& tau_external_Nm) OSTEON_RT {
+  if (!tau_external_Nm.allFinite()) {
+    has_before_ = false;
+    return false;
+  }
+  const Joints change_Nm = has_before_ ? Joints(tau_external_Nm - before_Nm_) : Joints(Joints::Zero());
+  before_Nm_ = tau_external_Nm;
+  has_before_ = true;
+  return Share(gravity_Nm, tau_external_Nm.cwiseAbs() + change_Nm.cwiseAbs()) < 1.0;
+}
+
+template class JointTorqueLimit<7>;
+
+}  // namespace osteon::safety

@@ -1,0 +1,65 @@
+#include "safety/joint_torque_limit.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace osteon::safety {
+namespace {
+
+using Joints = kinematics::JointVectorN<7>;
+
+Joints Most() {
+  Joints most;
+  most << 320, 320, 176, 176, 110, 40, 40;
+  return most;
+}
+// 90 N·m of the second joint's are gravity's, of either sign.
+Joints Gravity(double sign) { return sign * 90.0 * Joints::Unit(1); }
+
+TEST(JointTorqueLimit, LetsThroughWhatEveryJointHoldsBesideGravityAndScalesTheRestAsAWhole) {
+  const JointTorqueLimit<7> limit(Most());
+  for (const double sign : {-1.0, 1.0}) {
+    Joints tau = Joints::Constant(10.0);
+    tau[1] = 230.0;  // 320 - 90, to the last bit
+    EXPECT_EQ(limit.Share(Gravity(sign), tau), 1.0);
+    tau[1] = -460.0;
+    const double share = limit.Share(Gravity(sign), tau);
+    EXPECT_NEAR(share, 0.5, 1e-12);
+    EXPECT_LE(std::abs(share * tau[1]) + 90.0, 320.0);
+    tau[6] = 400.0;  // the seventh holds a tenth
+    EXPECT_NEAR(limit.Share(Gravity(sign), tau), 0.1, 1e-12);
+  }
+  EXPECT_EQ(limit.Share(Gravity(4.0), Joints::Ones()), 0.0)
+      << "an arm that can not hold itself holds no more";
+  EXPECT_EQ(limit.Share(Gravity(1.0), Joints::Constant(std::numeric_limits<double>::quiet_NaN())), 0.0);
+}
+
+TEST(JointTorqueLimit, TripsAMessageBeforeATorqueThatGoesOnAsItCameIsBeyond) {
+  JointTorqueLimit<7> limit(Most());
+  int message = 0;
+  for (; message < 100; ++message)  // of the sixth: 40
+    if (limit.Check(Joints::Zero(), -3.0 * message * Joints::Unit(5))) break;
+  EXPECT_EQ(message, 13) << "39 is held, 42 would not be";
+}
+
+TEST(JointTorqueLimit, HoldsAConstantTorqueUpToTheLimit) {
+  JointTorqueLimit<7> limit(Most());
+  for (int message = 0; message < 3; ++message)
+    EXPECT_FALSE(limit.Check(Gravity(1.0), 230.0 * Joints::Unit(1)));
+  EXPECT_TRUE(limit.Check(Gravity(1.0), 230.1 * Joints::Unit(1)));
+}
+
+TEST(JointTorqueLimit, AnEstimateThatIsNotFiniteSaysNothingAndIsForgotten) {
+  JointTorqueLimit<7> limit(Most());
+  EXPECT_FALSE(limit.Check(Joints::Zero(), Joints::Zero()));
+  EXPECT_FALSE(limit.Check(Joints::Zero(), Joints::Constant(std::numeric_limits<double>::infinity())));
+  EXPECT_FALSE(limit.Check(Joints::Zero(), 39.0 * Joints::Unit(5))) << "no jump from what was forgotten";
+}
+
+TEST(JointTorqueLimit, RefusesAnArmWhoseTorquesAreNotKnown) {
+  EXPECT_THROW(JointTorqueLimit<7>(Joints::Zero()), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace osteon::safety
