@@ -43,20 +43,22 @@ Vector6 Curvature(const JacobianN<N>& J, const JointVectorN<N>& y) {
   return result;
 }
 
-// u·(dJ/dq_j) v for each joint j: dJ_i/dq_j = [w_min x v_max; w_j x w_i where j < i].
+// u·(dJ/dq_j) v for each joint j: dJ_i/dq_j = [w_min x v_max; w_j x w_i where j < i]. With W_j the sum of
+// w_i v_i over the joints before j, and V, X those of v_i v_i and w_i v_i from j on and after j:
+//
+//     u_v·(W_j x v_j + w_j x V_j) + u_w·(w_j x X_j)
 template <int N>
 JointVectorN<N> SingularValueGradient(const JacobianN<N>& J, const Vector6& u, const JointVectorN<N>& v) {
   const Vector3 u_v = u.head<3>(), u_w = u.tail<3>();
+  Vector3 W_before = Vector3::Zero(), V_from = J.template topRows<3>() * v,
+          W_after = J.template bottomRows<3>() * v;
   JointVectorN<N> gradient;
   for (int j = 0; j < N; ++j) {
     const Vector3 v_j = J.template block<3, 1>(0, j), w_j = J.template block<3, 1>(3, j);
-    Vector3 linear = Vector3::Zero(), angular = Vector3::Zero();
-    for (int i = 0; i < N; ++i) {
-      const Vector3 v_i = J.template block<3, 1>(0, i), w_i = J.template block<3, 1>(3, i);
-      linear += v[i] * (i < j ? w_i.cross(v_j) : w_j.cross(v_i));
-      if (i > j) angular += v[i] * w_j.cross(w_i);
-    }
-    gradient[j] = u_v.dot(linear) + u_w.dot(angular);
+    W_after -= v[j] * w_j;
+    gradient[j] = u_v.dot(W_before.cross(v_j) + w_j.cross(V_from)) + u_w.dot(w_j.cross(W_after));
+    W_before += v[j] * w_j;
+    V_from -= v[j] * v_j;
   }
   return gradient;
 }

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kMostSweeps = 30;         // cold five or six, warm one or two
 constexpr double kOrthogonal = 4e-15;   // cosine between two rows, from which on they count as orthogonal
+constexpr double kSmallTurn = 1e-4;     // tangent: t^4 is below a double's last bit
 constexpr double kNoDirection = 1e-14;  // of the largest singular value
 constexpr double kStillOrthogonal = 0x1p-40;  // what rounding may have done to `near` over many ticks
 
@@ -32,6 +33,22 @@ void Complete(Eigen::Matrix<double, N, N>& V, int from) {
       for (int j = 0; j < k; ++j) v -= V.col(j).dot(v) * V.col(j);
     V.col(k) = v.normalized();
   }
+}
+
+// Turn that makes two columns orthogonal: a their dot product, b the difference of their squares.
+struct Turn {
+  double c, s, tangent;
+};
+Turn TurnOf(double a, double b) {
+  const double small = a / b;          // of a small turn, t = a / b (1 - (a / b)^2 + …)
+  if (std::abs(small) < kSmallTurn) {  // a warm start's turns are: no roots
+    const double t = small - small * small * small, c = 1.0 - 0.5 * t * t;
+    return {.c = c, .s = c * t, .tangent = t};
+  }
+  const double zeta = 0.5 * b / a;
+  const double t = std::copysign(1.0 / (std::abs(zeta) + std::sqrt(1.0 + zeta * zeta)), zeta);
+  const double c = 1.0 / std::sqrt(1.0 + t * t);
+  return {.c = c, .s = c * t, .tangent = t};
 }
 
 // Gram and Schmidt: `near` to the last bit.
@@ -62,19 +79,22 @@ JacobianDirections<N> DirectionsOf(const Eigen::Matrix<double, 6, N>& J,
     for (int p = 0; p < 5; ++p)
       for (int q = p + 1; q < 6; ++q) {
         const double dot = W.col(p).dot(W.col(q));
-        if (!(std::abs(dot) > kOrthogonal * std::sqrt(squares[p] * squares[q]))) continue;
+        if (!(dot * dot > kOrthogonal * kOrthogonal * squares[p] * squares[q])) continue;
         turned = true;
-        const double zeta = 0.5 * (squares[q] - squares[p]) / dot;
-        const double tangent = std::copysign(1.0 / (std::abs(zeta) + std::sqrt(1.0 + zeta * zeta)), zeta);
-        const double c = 1.0 / std::sqrt(1.0 + tangent * tangent), s = c * tangent;
+        const auto [c, s, tangent] = TurnOf(dot, squares[q] - squares[p]);
         const Eigen::Matrix<double, N, 1> w = W.col(p);
         W.col(p) = c * w - s * W.col(q);
         W.col(q) = s * w + c * W.col(q);
         const Eigen::Matrix<double, 6, 1> u = U.col(p);
         U.col(p) = c * u - s * U.col(q);
         U.col(q) = s * u + c * U.col(q);
-        squares[p] = W.col(p).squaredNorm();
-        squares[q] = W.col(q).squaredNorm();
+        if (std::abs(tangent) < kSmallTurn) {
+          squares[p] -= tangent * dot;
+          squares[q] += tangent * dot;
+        } else {
+          squares[p] = W.col(p).squaredNorm();
+          squares[q] = W.col(q).squaredNorm();
+        }
       }
   }
 
