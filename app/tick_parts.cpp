@@ -52,9 +52,10 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
   kinematics::Jacobian J_W;
   J_W.topRows<3>() = X_WB_.linear() * J_B.topRows<3>();
   J_W.bottomRows<3>() = X_WB_.linear() * J_B.bottomRows<3>();
+  const kinematics::JointVector gravity_Nm = body_.Gravity(input.q);
   sink_ = limiter_
-              .Limit(coupling.F_T_W, {J_W, body_.Gravity(input.q), wanted_load_.torque_limit_Nm,
-                                      kinematics::GravityHelp::kNotCounted})
+              .Limit(coupling.F_T_W,
+                     {J_W, gravity_Nm, wanted_load_.torque_limit_Nm, kinematics::GravityHelp::kNotCounted})
               .share;
   us[2] = MicrosecondsSince(begun);
 
@@ -62,8 +63,10 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
   begun = rt::MonotonicNow();
   kinematics::JointVector q_there = input.q;
   const double arm_angle_rad = arm_.ArmAngle(input.q);
+  const double held =
+      kinematics::HeldLoad<7>(wanted_load_, J_B, gravity_Nm, X_BW_.linear() * X_WT.linear().col(2)).value;
   const kinematics::LoadPreference<7> load =
-      kinematics::TowardsLoad<7>(servo_.posture, body_, wanted_load_, input.q, null_direction_);
+      kinematics::TowardsLoad<7>(servo_.posture, body_, wanted_load_, input.q, null_direction_, held);
   sink_ = arm_.Inverse(X_BW_ * X_WT * X_FT_.inverse(), arm_angle_rad, input.q, q_there) ? q_there[0] : 0.0;
   us[3] = MicrosecondsSince(begun);
 

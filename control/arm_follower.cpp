@@ -372,8 +372,13 @@ typename Arm::Joints JointFollower<Arm>::WantedElbow([[maybe_unused]] const Foll
     const double most = params_.arm_angle_rate_rad_per_s;
     const double share = !wish.elbow_moves ? 0.0 : elbow_.arrived ? moving_ : wish.elbow_share;
     kinematics::LoadPreference<7> load;
-    if (elbow_.body && (share > 0.0 || moving_ > 0.0))
-      load = kinematics::TowardsLoad<7>(params_.posture, *elbow_.body, elbow_.load, q_, null_direction_);
+    if (elbow_.body && (share > 0.0 || moving_ > 0.0)) {
+      const double held =
+          kinematics::HeldLoad<7>(elbow_.load, Jacobian(), Gravity(), X_BW_.linear() * X_WT_.linear().col(2))
+              .value;
+      load =
+          kinematics::TowardsLoad<7>(params_.posture, *elbow_.body, elbow_.load, q_, null_direction_, held);
+    }
     // an angle at which the arm does not hold the load is not worth holding
     const double worth = 1.0 - load.depth * load.depth;
     const double turn = worth * share * std::clamp(kElbowRate_per_s * error_rad, -most, most);

@@ -44,8 +44,15 @@ template <int N>
 [[nodiscard]] JointVectorN<N> AwayFromSingularity(const PosturePreferenceParams& params, double sigma_min_m,
                                                   const JointVectorN<N>& sigma_gradient_m) OSTEON_RT;
 
-/// Largest multiple of the load that the arm holds at q, whichever way gravity helps.
-/// @pre chain.params().has_masses
+/// Largest multiple of the load that the arm holds, whichever way gravity helps.
+/// @param J           geometric, of the point wanted.p_F
+/// @param gravity_Nm  what holds the arm up
+/// @param axis        wanted.axis_F, unit, in J's frame
+template <int N>
+[[nodiscard]] CapabilityLimit HeldLoad(const WantedLoad<N>& wanted, const JacobianN<N>& J,
+                                       const JointVectorN<N>& gravity_Nm, const Vector3& axis) OSTEON_RT;
+
+/// The same at q, all of it from the chain. @pre chain.params().has_masses
 template <int N>
 [[nodiscard]] CapabilityLimit HeldLoad(const SerialChain<N>& chain, const WantedLoad<N>& wanted,
                                        const JointVectorN<N>& q) OSTEON_RT;
@@ -63,10 +70,12 @@ struct LoadPreference {
 /// k is the least over the joints of smooth functions, with edges where the joint that limits changes; k' is
 /// the difference over ±.02 rad, the slope of k averaged over that much, so that the way up ends on an edge
 /// instead of going to and fro across it.
+/// @param held  HeldLoad at q: in a tick, what it is made of is known already
 /// @pre chain.params().has_masses
 template <int N>
 [[nodiscard]] LoadPreference<N> TowardsLoad(const PosturePreferenceParams& params,
                                             const SerialChain<N>& chain, const WantedLoad<N>& wanted,
-                                            const JointVectorN<N>& q, const JointVectorN<N>& n) OSTEON_RT;
+                                            const JointVectorN<N>& q, const JointVectorN<N>& n,
+                                            double held) OSTEON_RT;
 
 }  // namespace osteon::kinematics

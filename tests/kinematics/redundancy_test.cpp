@@ -91,6 +91,12 @@ struct Pressing {
   WantedLoad<7> wanted;
 };
 
+JointVectorN<7> TowardsLoad(const PosturePreferenceParams& params, const Pressing& pressing,
+                            const JointVectorN<7>& q, const JointVectorN<7>& n) {
+  const double held = HeldLoad<7>(*pressing.chain, pressing.wanted, q).value;
+  return TowardsLoad<7>(params, *pressing.chain, pressing.wanted, q, n, held).qd;
+}
+
 // The flange stands still while the elbow follows the preference: the posture ends where it holds the zone's
 // multiple of the load, or where no neighbour on its circle holds more.
 TEST(Redundancy, TheElbowGoesUpToWhereTheArmHoldsMost) {
@@ -119,7 +125,7 @@ TEST(Redundancy, TheElbowGoesUpToWhereTheArmHoldsMost) {
       const Pose X_now = lbr.FlangePose(in.q);
       in.V_BT = {.v = 10.0 * (X_BF.translation() - X_now.translation()),
                  .w = 10.0 * (X_now.linear() * LogRotation(X_now.linear().transpose() * X_BF.linear()))};
-      in.qd_null = TowardsLoad<7>(preference, *pressing.chain, pressing.wanted, in.q, out.null_direction).qd;
+      in.qd_null = TowardsLoad(preference, pressing, in.q, out.null_direction);
       out = motion.Step(in);
       in.q += in.dt_s * out.qd;
       in.qd_before = out.qd;
@@ -154,7 +160,7 @@ TEST(Redundancy, WhatHoldsEnoughOrNeedsNothingHasNoPreference) {
   q << 0.1, 0.5, 0.05, -1.4, 0.1, 0.9, 0.2;
   n << 0.5, -0.1, -0.6, 0.0, 0.4, 0.1, -0.45;
   n.normalize();
-  const auto led = [&] { return TowardsLoad<7>(params, *pressing.chain, pressing.wanted, q, n).qd.norm(); };
+  const auto led = [&] { return TowardsLoad(params, pressing, q, n).norm(); };
   const double k = HeldLoad<7>(*pressing.chain, pressing.wanted, q).value;
   const ToolLoad asked = pressing.wanted.load;
   const auto times = [&](double share) {
@@ -177,7 +183,7 @@ TEST(Redundancy, TheLoadsPreferenceDoesNotAllocate) {
   const PosturePreferenceParams params;
   JointVectorN<7> q = JointVectorN<7>::Constant(0.4), n = JointVectorN<7>::Constant(0.3);
   const rt::NoAllocScope scope;
-  EXPECT_TRUE((TowardsLoad<7>(params, *pressing.chain, pressing.wanted, q, n).qd.allFinite()));
+  EXPECT_TRUE(TowardsLoad(params, pressing, q, n).allFinite());
   EXPECT_EQ(scope.heap_calls(), 0);
   EXPECT_EQ(scope.locks(), 0);
 }
