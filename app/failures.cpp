@@ -116,13 +116,16 @@ tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const 
   for (const FailureRun& run : runs)
     entries.push_back(
         {.result = run.result, .passed = run.passed(), .error = run.error, .seconds = run.seconds});
-  return WriteFailurePage(entries,
-                          {.engine = options.engine,
-                           .device = device,
-                           .command_line = options.command_line,
-                           .version = OSTEON_VERSION,
-                           .quick = options.quick},
-                          options.out);
+  const FailurePageHead head{.engine = options.engine,
+                             .device = device,
+                             .command_line = options.command_line,
+                             .version = OSTEON_VERSION,
+                             .quick = options.quick};
+  if (auto written = WriteFailurePage(entries, head, options.out); !written) return written;
+  if (options.markdown.empty()) return {};
+  const auto from = std::filesystem::absolute(options.markdown).parent_path();
+  const auto pictures = std::filesystem::absolute(options.out).lexically_proximate(from);
+  return WriteText(options.markdown, FailureMarkdown(entries, head, pictures.generic_string()));
 }
 
 std::string WrongPlace(const FailureOptions& options) {
@@ -131,6 +134,9 @@ std::string WrongPlace(const FailureOptions& options) {
   const auto parent = options.json.parent_path();
   if (!parent.empty() && !std::filesystem::is_directory(parent, error))
     return fmt::format("--json {}: no folder {}", options.json.string(), parent.string());
+  const auto page_in = options.markdown.parent_path();
+  if (!page_in.empty() && !std::filesystem::is_directory(page_in, error))
+    return fmt::format("--markdown {}: no folder {}", options.markdown.string(), page_in.string());
   return "";
 }
 

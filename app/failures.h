@@ -9,13 +9,14 @@
 namespace osteon::app {
 
 struct FailureOptions {
-  std::vector<int> ids{};        ///< empty: every scenario
-  std::filesystem::path out{};   ///< folder for a picture each and failures.html; empty: none
-  std::filesystem::path json{};  ///< empty: none
-  std::string device{};          ///< part of a Vulkan device's name; empty: the best there is
-  std::string engine{"vulkan"};  ///< "ours": vulkan or reference
-  bool quick{false};             ///< the tests' size: seconds instead of minutes
-  std::string command_line{};    ///< that repeats the run
+  std::vector<int> ids{};            ///< empty: every scenario
+  std::filesystem::path out{};       ///< folder for a picture each and failures.html; empty: none
+  std::filesystem::path markdown{};  ///< a page that shows the pictures of `out`; empty: none
+  std::filesystem::path json{};      ///< empty: none
+  std::string device{};              ///< part of a Vulkan device's name; empty: the best there is
+  std::string engine{"vulkan"};      ///< "ours": vulkan or reference
+  bool quick{false};                 ///< the tests' size: seconds instead of minutes
+  std::string command_line{};        ///< that repeats the run
 };
 
 /// One scenario that was run.

@@ -173,6 +173,8 @@ CLI::App* AddFailures(CLI::App& app, osteon::app::FailureOptions& failures, Fail
       ->check(osteon::app::NumberWithin(1, 1000))
       ->needs(kill)
       ->capture_default_str();
+  sub->add_option("--markdown", failures.markdown, "a page with the pictures of --out, as docs/failures.md")
+      ->needs(out);
   sub->add_option("--json", failures.json, "write the figures there");
   sub->add_option("--device", failures.device, "part of a Vulkan device's name (osteon doctor lists them)");
   sub->add_option("--engine", failures.engine, "what must keep the bounds: vulkan, or reference (slow)")

@@ -22,16 +22,20 @@ std::string FileName(const FailureResult& result) {
   return name;
 }
 
-std::string Value(double value, const std::string& unit) {
-  return unit == "1" ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, Escape(unit));
+std::string PlainValue(double value, const std::string& unit, int digits = 4) {
+  return fmt::format("{:.{}g}{}", value, digits, unit == "1" ? "" : " " + unit);
+}
+std::string Value(double value, const std::string& unit) { return Escape(PlainValue(value, unit)); }
+
+const char* Verdict(const FailurePageEntry& entry) {
+  return entry.passed                   ? "passes"
+         : !entry.error.empty()         ? "no result"
+         : !entry.result.baseline_fails ? "baseline does not fail"
+                                        : "fails";
 }
 
 std::string Row(const FailurePageEntry& entry) {
   const FailureResult& r = entry.result;
-  const char* verdict = entry.passed           ? "passes"
-                        : !entry.error.empty() ? "no result"
-                        : !r.baseline_fails    ? "baseline does not fail"
-                                               : "fails";
   const std::string figures =
       entry.error.empty()
           ? fmt::format(
@@ -41,7 +45,7 @@ std::string Row(const FailurePageEntry& entry) {
           : fmt::format("<td colspan=\"5\">{}</td>", Escape(entry.error));
   return fmt::format(
       "<tr><td class=\"n\">{}</td><td>{}</td>{}<td><span class=\"verdict {}\">{}</span></td></tr>\n", r.id,
-      Escape(r.name), figures, entry.passed ? "good" : "bad", verdict);
+      Escape(r.name), figures, entry.passed ? "good" : "bad", Verdict(entry));
 }
 
 }  // namespace
@@ -96,6 +100,38 @@ tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntr
   html += fmt::format("<footer>Osteon {}: <code>{}</code></footer>\n", Escape(head.version),
                       Escape(head.command_line));
   return WritePage(html + kPageEnd, folder / "failures.html");
+}
+
+std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const FailurePageHead& head,
+                            const std::string& pictures) {
+  const auto passed = std::ranges::count_if(entries, &FailurePageEntry::passed);
+  std::string page = fmt::format(
+      "# Where methods fail\n\n*In which scenes does haptic cutting go wrong, what does that look like, and "
+      "what "
+      "does ours do there?*\n\n"
+      "Each scenario has a baseline, a method or a gain that is in use elsewhere, which must be *seen* to "
+      "fail, and a "
+      "bound that ours must keep. Orange and brown are the baseline's lines, blue and green ours.\n\n"
+      "Written by `{}`: {} on {}{}. {} of {} kept, with their baselines seen to fail.\n\n"
+      "| | scenario | metric | bound | baseline | ours | |\n|---|---|---|---|---|---|---|\n",
+      head.command_line, head.engine, head.device, head.quick ? ", small scenes" : "", passed,
+      entries.size());
+  for (const FailurePageEntry& entry : entries) {
+    const FailureResult& r = entry.result;
+    page += entry.error.empty()
+                ? fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", r.id, r.name, r.metric,
+                              PlainValue(r.bound, r.unit, 2), PlainValue(r.baseline, r.unit, 2),
+                              PlainValue(r.ours, r.unit, 2), Verdict(entry))
+                : fmt::format("| {} | {} | | | | | {}: {} |\n", r.id, r.name, Verdict(entry), entry.error);
+  }
+  for (const FailurePageEntry& entry : entries) {
+    const FailureResult& r = entry.result;
+    if (!entry.error.empty()) continue;
+    page += fmt::format("\n## {} {}\n\nBaseline: {}. {}{}\n\n![{}: {}, baseline and ours]({}/{})\n", r.id,
+                        r.name, r.baseline_name, r.note, r.note.empty() || r.note.ends_with('.') ? "" : ".",
+                        r.name, r.metric, pictures, FileName(r));
+  }
+  return page;
 }
 
 }  // namespace osteon::app

@@ -32,4 +32,8 @@ struct FailurePageHead {
                                                                const FailurePageHead& head,
                                                                const std::filesystem::path& folder);
 
+/// The same as a Markdown page, whose pictures lie in a folder that it names from its own.
+[[nodiscard]] std::string FailureMarkdown(std::span<const FailurePageEntry> entries,
+                                          const FailurePageHead& head, const std::string& pictures);
+
 }  // namespace osteon::app

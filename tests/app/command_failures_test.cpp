@@ -21,8 +21,9 @@ std::string ReadAll(const std::filesystem::path& path) {
 
 TEST(FailuresCommand, WritesTableJsonPageAndPictures) {
   const TemporaryFolder folder;
-  const CommandResult run = RunCommand(folder.path(), {"failures", "22", "19", "--quick", "--engine",
-                                                       "reference", "--out", "report", "--json", "f.json"});
+  const CommandResult run =
+      RunCommand(folder.path(), {"failures", "22", "19", "--quick", "--engine", "reference", "--out",
+                                 "report", "--json", "f.json", "--markdown", "page.md"});
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
   EXPECT_NE(run.out.find("breakthrough"), std::string::npos);
   EXPECT_NE(run.out.find("2 of 2 kept"), std::string::npos) << run.out;
@@ -50,6 +51,12 @@ TEST(FailuresCommand, WritesTableJsonPageAndPictures) {
     EXPECT_TRUE(svg.starts_with("<svg xmlns=")) << picture;
     EXPECT_NE(svg.find("ours"), std::string::npos) << picture;
   }
+
+  const std::string markdown = ReadAll(folder.path() / "page.md");
+  EXPECT_NE(markdown.find("2 of 2 kept"), std::string::npos) << markdown;
+  EXPECT_NE(markdown.find("| 22 | frame rate |"), std::string::npos) << markdown;
+  EXPECT_NE(markdown.find("## 19 breakthrough"), std::string::npos) << markdown;
+  EXPECT_NE(markdown.find("](report/19_breakthrough.svg)"), std::string::npos) << markdown;
 }
 
 TEST(FailuresCommand, SaysWhatItDoesNotTake) {
@@ -66,6 +73,8 @@ TEST(FailuresCommand, SaysWhatItDoesNotTake) {
   refused({"1", "--engine", "abacus"}, "found abacus, accepted vulkan, reference");
   refused({"1", "--device", "no such device"}, "no such device");
   refused({"1", "--json", "nowhere/f.json"}, "no folder nowhere");
+  refused({"1", "--out", "report", "--markdown", "nowhere/page.md"}, "no folder nowhere");
+  refused({"1", "--markdown", "page.md"}, "--out");
   std::ofstream(folder.path() / "taken") << "a file";
   refused({"1", "--out", "taken"}, "found a file, accepted a folder");
 }

@@ -1,0 +1,135 @@
+#include "tests/app/docs_commands.h"
+
+#include <map>
+#include <sstream>
+
+#include "tests/io/temporary_folder.h"
+#include "tests/simulation/mesh_shapes.h"
+
+namespace osteon::app {
+namespace {
+
+using io::test::ReadAll, io::test::WriteAll;
+
+std::vector<std::string> Words(const std::string& text) {
+  std::istringstream words(text);
+  std::vector<std::string> all;
+  for (std::string word; words >> word;) all.push_back(word);
+  return all;
+}
+
+DocRun As(const std::string& arguments, std::vector<std::string> leaves = {}) {
+  return {.arguments = Words(arguments), .leaves = std::move(leaves), .elsewhere = ""};
+}
+DocRun By(const std::string& test) { return {.arguments = {}, .leaves = {}, .elsewhere = test}; }
+
+// What a run cut short leaves: most of a whole recording.
+void Tear(const std::filesystem::path& folder) {
+  const std::string whole = ReadAll(folder / "demo_out/recording.mcap");
+  WriteAll(folder / "torn.mcap", whole.substr(0, whole.size() / 2));
+}
+
+DocRun Torn() {
+  DocRun run = As("export torn.mcap --recover", {"torn_recovered.mcap"});
+  run.before = Tear;
+  return run;
+}
+
+const std::map<std::string, DocRun>& Runs() {
+  static const std::map<std::string, DocRun> runs{
+      {"osteon demo", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
+
+      {"osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50",
+       As("bench frame --spheres 20000 --tool-spheres 20 --compare brute --frames 20")},
+      {"osteon bench kinematics", As("bench kinematics --calls 100")},
+      {"osteon bench kinematics --robot config/robots/kr_6_r900_2.yaml --json kr.json",
+       As("bench kinematics --robot config/robots/kr_6_r900_2.yaml --json kr.json --calls 100", {"kr.json"})},
+      {"osteon capability config/cells/demo.yaml",
+       As("capability config/cells/demo.yaml --nodes 11 --no-search", {"capability/capability.html"})},
+      {"osteon chart scaling --out scaling", By("ChartScaling.WritesItsFilesAndPoints")},
+      {"osteon chart speed-accuracy --out speed_accuracy", By("ChartSpeedAccuracy.WritesItsFilesAndPoints")},
+      {"osteon failures --out failures", As("failures 2 --quick --out failures", {"failures/failures.html"})},
+      {"osteon transparency demo", As("transparency demo --points 3", {"transparency/transparency.html"})},
+      {"osteon tune config/cells/demo.yaml",
+       As("tune config/cells/demo.yaml --nodes 4", {"tune/tune.html", "tune/gains.yaml"})},
+      {"osteon run demo --simulated --seconds 10 --gains tune/gains.yaml",
+       By("GainsRun.SavedAgainTheyAreReadCheckedAndRampedAndTheRunReplaysBitForBit")},
+
+      {"osteon doctor", As("doctor --seconds 0.2")},
+      {"osteon cell demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
+      {"osteon run demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
+      {"osteon cell my_cell.yaml", By("GuardProcess.ARunThroughTheGuardEndsAsOneWithout")},
+      {"osteon guard my_cell.yaml", By("GuardProcess.ARunThroughTheGuardEndsAsOneWithout")},
+      {"osteon guard my_cell.yaml --json guard.json", By("GuardProcess.ARunThroughTheGuardEndsAsOneWithout")},
+      {"osteon run my_cell.yaml --seconds 10", By("GuardProcess.ARunThroughTheGuardEndsAsOneWithout")},
+      {"osteon run my_cell.yaml --simulated --seconds 5",
+       By("GuardProcess.ARunOfASimulatedCellBringsItsGuard")},
+      {"osteon run my_cell.yaml --record today.mcap",
+       By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
+      {"osteon calibrate my_cell.yaml --payload weigh.mcap --pivot tip.mcap --out my_calibration.yaml",
+       By("CalibrateTest.FindsPayloadBiasAndApexAndTheCellTakesThem")},
+
+      {"osteon export demo_out/recording.mcap",
+       As("export demo_out/recording.mcap", {"demo_out/recording_ticks.csv"})},
+      {"osteon export torn.mcap --recover", Torn()},
+      {"osteon replay demo_out/recording.mcap", As("replay demo_out/recording.mcap")},
+      {"osteon export today.mcap", By("ExportCommandTest.TablesHoldEveryValueToItsBits")},
+      {"osteon replay today.mcap", By("ReplayCommandTest.IsIdenticalBitForBit")},
+
+      {"osteon pack hip.obj -o hip.osp --report hip_report",
+       As("pack hip.obj -o hip.osp --report hip_report", {"hip.osp", "hip_report/report.html"})},
+      {"osteon pack hip.obj -o hip.osp --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21 --count 25000",
+       As("pack hip.obj -o hip.osp --cup 0,0,30,0,0,1,24 --count 2500", {"hip.osp"})},
+      {"osteon pack tooth.obj -o tooth.osp --scene molar --count 36000",
+       As("pack tooth.obj -o tooth.osp --scene molar --count 3600", {"tooth.osp"})},
+      {"osteon pack acetabulum -o acetabulum.osp",
+       As("pack acetabulum -o acetabulum.osp", {"acetabulum.osp"})},
+      {"osteon pack ball:20 -o ball.ply --mode disjoint --count 5000",
+       As("pack ball:20 -o ball.ply --mode disjoint --count 500", {"ball.ply"})},
+      {"osteon pack hip.osp -o hip.ply -o hip.csv",
+       As("pack hip.osp -o hip.ply -o hip.csv", {"hip.ply", "hip.csv"})},
+      {"osteon demo --mesh hip.osp", As("demo --mesh hip.osp --virtual-time --seconds 0.3")},
+
+      {"osteon demo --cell molar --tool round_burr:1.6 --virtual-time",
+       By("Docs.DifferencesFitTheTreeAndThoseOfConfigRun")},
+      {"osteon demo --cell sawbone_block --virtual-time",
+       By("Docs.DifferencesFitTheTreeAndThoseOfConfigRun")},
+      {"osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21",
+       By("MeshDemo.ReamsTheHipBone")},
+  };
+  return runs;
+}
+
+}  // namespace
+
+std::optional<DocRun> HowToRun(const std::string& command) {
+  const auto at = Runs().find(command);
+  return at == Runs().end() ? std::nullopt : std::optional(at->second);
+}
+
+std::vector<std::string> CommandsKept() {
+  std::vector<std::string> all;
+  for (const auto& [command, run] : Runs()) all.push_back(command);
+  return all;
+}
+
+void PutInputs(const std::filesystem::path& root, const std::filesystem::path& folder) {
+  std::filesystem::copy(root / "config", folder / "config", std::filesystem::copy_options::recursive);
+  const auto box = [](double half_m) {
+    return simulation::ObjText(simulation::MakeBox(Vector3::Constant(-half_m), Vector3::Constant(half_m)));
+  };
+  WriteAll(folder / "hip.obj", box(0.03));
+  WriteAll(folder / "tooth.obj", box(0.008));
+}
+
+bool IsTest(const std::filesystem::path& root, const std::string& suite_and_name) {
+  const std::size_t dot = suite_and_name.find('.');
+  const std::string declared =
+      "(" + suite_and_name.substr(0, dot) + ", " + suite_and_name.substr(dot + 1) + ")";
+  for (const auto& file : std::filesystem::recursive_directory_iterator(root / "tests"))
+    if (file.path().extension() == ".cpp" && ReadAll(file.path()).find(declared) != std::string::npos)
+      return true;
+  return false;
+}
+
+}  // namespace osteon::app
