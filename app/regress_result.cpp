@@ -99,8 +99,8 @@ RegressPageEntry PageEntry(const RegressSummary& summary, const RegressResult& r
          .tolerance = d.tolerance,
          .golden = d.golden,
          .now = d.now});
-    if (entry.rows.size() <= kCharts) AddPanels(r, d, entry.panels);
   }
+  for (const QuantityDifference& d : Telling(r.difference, kCharts)) AddPanels(r, d, entry.panels);
   return entry;
 }
 

@@ -172,7 +172,7 @@ std::span<const TraceQuantity> TraceQuantities() {
   static const std::vector<TraceQuantity> quantities = [] {
     std::vector<TraceQuantity> all;
     VisitQuantities({}, {}, [&](const char* name, const char* part, QuantityKind kind, double) {
-      all.push_back({.name = FieldName{name, part, UnitOf(kind)}.Text(), .kind = kind});
+      all.push_back({.name = FieldName{name, part, UnitOf(kind)}.Text(), .family = name, .kind = kind});
     });
     return all;
   }();

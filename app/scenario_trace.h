@@ -46,7 +46,8 @@ enum class QuantityKind : std::uint8_t {
 
 /// What is sampled. Values of it are in its unit, everywhere in a trace.
 struct TraceQuantity {
-  std::string name;  ///< with the unit at its end, as in tables: tool_z_mm
+  std::string name;    ///< with the unit at its end, as in tables: tool_z_mm
+  std::string family;  ///< what its axes or joints have in common: tool
   QuantityKind kind{QuantityKind::kPosition};
 };
 /// In the order of a sample's values.

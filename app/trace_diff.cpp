@@ -143,6 +143,21 @@ TraceDifference Compare(const ScenarioTrace& golden, const ScenarioTrace& now,
   return difference;
 }
 
+std::vector<QuantityDifference> Telling(const TraceDifference& difference, std::size_t most) {
+  const auto quantities = TraceQuantities();
+  const bool any_beyond = difference.Beyond() > 0;
+  std::vector<QuantityDifference> telling;
+  for (const QuantityDifference& d : difference.quantities) {
+    const TraceQuantity& q = quantities[d.quantity];
+    const bool known = std::ranges::any_of(telling, [&](const QuantityDifference& other) {
+      const TraceQuantity& o = quantities[other.quantity];
+      return o.family == q.family && o.kind == q.kind;
+    });
+    if (!known && d.beyond() == any_beyond && telling.size() < most) telling.push_back(d);
+  }
+  return telling;
+}
+
 std::vector<std::string> Explain(const TraceDifference& difference, const ScenarioTrace& now) {
   std::vector<std::string> lines;
   if (difference.identical) return lines;
@@ -163,21 +178,17 @@ std::vector<std::string> Explain(const TraceDifference& difference, const Scenar
       else
         text += fmt::format(" +{}", part.tick - tick);
     }
+    const bool loop = !input && tick > difference.first_tick;
     lines.push_back(fmt::format("the first bit differs at {}: {}{}{}", At(tick, now), first,
-                                input ? ""
-                                : tick == difference.first_tick
-                                    ? ""
-                                    : " (of equal inputs: the loop itself does otherwise)",
+                                loop ? " (of equal inputs: the loop itself does otherwise)" : "",
                                 later.empty() ? "" : "; ticks later: " + later));
   }
   for (std::size_t i = 0; i < difference.others.size() && i < kShownEvents; ++i)
     lines.push_back(difference.others[i]);
-  const std::size_t beyond = difference.Beyond();
-  const std::size_t shown =
-      std::min(difference.quantities.size(), beyond > 0 ? std::min(beyond, kShownQuantities) : 1);
-  for (std::size_t i = 0; i < shown; ++i) lines.push_back(Describe(difference.quantities[i], now));
-  if (beyond > shown)
-    lines.push_back(fmt::format("and {} quantities more beyond their tolerances", beyond - shown));
+  const std::vector<QuantityDifference> telling = Telling(difference, kShownQuantities);
+  for (const QuantityDifference& d : telling) lines.push_back(Describe(d, now));
+  if (const std::size_t beyond = difference.Beyond(); beyond > telling.size())
+    lines.push_back(fmt::format("and {} quantities more beyond their tolerances", beyond - telling.size()));
   return lines;
 }
 

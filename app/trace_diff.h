@@ -50,6 +50,10 @@ struct TraceDifference {
 [[nodiscard]] TraceDifference Compare(const ScenarioTrace& golden, const ScenarioTrace& now,
                                       const config::TraceTolerances& tolerances);
 
+/// The first quantity of each family, at most so many: what differs in one axis mostly does in the others.
+/// Only those beyond their tolerance, where any is.
+[[nodiscard]] std::vector<QuantityDifference> Telling(const TraceDifference& difference, std::size_t most);
+
 /// What to say of it, a few lines: where it began, what left its tolerance first and by how much, events.
 /// Empty where the two are identical.
 [[nodiscard]] std::vector<std::string> Explain(const TraceDifference& difference, const ScenarioTrace& now);
