@@ -10,6 +10,8 @@
 
 namespace osteon::app {
 
+std::string CommitName() { return kCommit; }
+
 std::string BuildName() {
   std::array<char, 64> library{};
   confstr(_CS_GNU_LIBC_VERSION, library.data(), library.size());

@@ -222,6 +222,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
   const auto wanted = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
   const auto patience = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
   std::int64_t since_progress = 0;
+  std::uint64_t active_before = 0;
   bool recovering = false;
   for (std::int64_t tick = 1;
        (recovering || loop.phase() != control::Phase::kStopped) && since_progress < patience; ++tick) {
@@ -246,7 +247,9 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
     gains.Look(rt::ToSeconds(now));
     TakePauses(params, loop);
     const control::CellReadings readings = (*devices)->Exchange(loop.cell_commands(), now);
-    recorder.Push(loop.Tick(state, received, readings, model, now, command));
+    const control::TickRecord record = loop.Tick(state, received, readings, model, now, command);
+    recorder.Push(record);
+    if (params.ticked) params.ticked(record, model);
     recovering = false;
     if (const auto answer = session.Answer(command); accepted && !answer.empty()) cell.Receive(answer);
     // without a pose yet there is nothing to render; a frame of none would drag the proxy through the bone
@@ -263,8 +266,9 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
     }
     stopped_by_user = params.stop && params.stop->load();
     const std::uint64_t active = loop.statistics().active_ticks;
-    const bool paused = loop.state() == safety::CellState::kPaused;
-    since_progress = (active > 0 || paused) && active < wanted && !stopped_by_user ? 0 : since_progress + 1;
+    const bool progress = active > active_before || loop.state() == safety::CellState::kPaused;
+    active_before = active;
+    since_progress = progress && active < wanted && !stopped_by_user ? 0 : since_progress + 1;
     if (active >= wanted || stopped_by_user) loop.RequestStop();
     if (tick % 100 == 0) {
       recorder.Drain();

@@ -32,6 +32,8 @@ struct CellRunParams {
   std::function<void()> begins{};  ///< called once all is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< told in a line what has happened meanwhile
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
+  /// Virtual time: told each tick with the contact model that it saw.
+  std::function<void(const control::TickRecord&, const simulation::ContactModel&)> ticked{};
 };
 
 /// What a run leaves besides its recording.

@@ -21,6 +21,7 @@
 #include "app/kill_table.h"
 #include "app/measure_commands.h"
 #include "app/pack.h"
+#include "app/regress_command.h"
 #include "app/replay_command.h"
 #include "app/states_command.h"
 #include "app/tool_choice.h"
@@ -301,6 +302,7 @@ int Run(int argc, char** argv) {
   osteon::app::TuneCommand tune(app);
   osteon::app::ExportCommand export_recording(app);
   osteon::app::ReplayCommand replay(app);
+  osteon::app::RegressCommand regress(app);
 
   try {
     app.parse(argc, argv);
@@ -380,6 +382,7 @@ int Run(int argc, char** argv) {
   if (tune.asked()) return tune.Run(config_root, CommandLine(argc, argv));
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run();
+  if (regress.asked()) return regress.Run(config_root, CommandLine(argc, argv));
   if (measure.asked()) return measure.Run(config_root);
   if (*states_app) return osteon::app::RunStates(states);
   if (*faults_app) return osteon::app::RunFaults(faults);

@@ -20,22 +20,6 @@ namespace {
 
 constexpr double kSweepCell_m = 0.4e-3, kSweepCellsARadius = 25.0;  // of the grid that counts the sweep
 
-const char* EndText(control::RunEnd end) {
-  switch (end) {
-    case control::RunEnd::kSeconds:
-      return "completed";
-    case control::RunEnd::kStopFlag:
-      return "interrupted";
-    case control::RunEnd::kFault:
-      return "fault";
-    case control::RunEnd::kNeverActive:
-      return "arm never ready";
-    case control::RunEnd::kLinkClosed:
-      return "link closed";
-  }
-  return "";
-}
-
 double Median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -115,6 +99,22 @@ std::string Text(const DurationFigures& d) {
 }
 
 }  // namespace
+
+const char* EndText(control::RunEnd end) {
+  switch (end) {
+    case control::RunEnd::kSeconds:
+      return "completed";
+    case control::RunEnd::kStopFlag:
+      return "interrupted";
+    case control::RunEnd::kFault:
+      return "fault";
+    case control::RunEnd::kNeverActive:
+      return "arm never ready";
+    case control::RunEnd::kLinkClosed:
+      return "link closed";
+  }
+  return "";
+}
 
 DurationFigures Quantiles(std::vector<double> seconds) {
   if (seconds.empty()) return {};

@@ -29,6 +29,9 @@ struct EventRow {
   std::string unit;
 };
 
+/// How a run ended, in a word or three.
+[[nodiscard]] const char* EndText(control::RunEnd end);
+
 /// The figures of a run: what the terminal, summary.json and the report show.
 struct RunSummary {
   std::string engine, device, scene, tool, recording, ended;

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <unordered_map>
 
@@ -13,6 +14,7 @@
 
 #include "config/file_scope.h"
 #include "config/nearest_key.h"
+#include "config/overlay.h"
 #include "config/units.h"
 
 namespace osteon::config {
@@ -92,13 +94,16 @@ ConfigError::ConfigError(const std::string& file, int line, const std::string& w
 struct Reader::Mapping {
   struct Entry {
     std::string key;
-    YAML::Node key_node, value;
+    int line{0};  // of the key
+    YAML::Node value;
+    std::filesystem::path file;  // that says it: an overlay's is another one
   };
   struct Missing {
     std::string key, accepted;
   };
 
   std::filesystem::path file;
+  std::optional<std::string> place;  // within what an overlay lies over; nothing: none does
   bool absent{false};
   int line{0};
   std::vector<Entry> entries;
@@ -106,19 +111,28 @@ struct Reader::Mapping {
   std::vector<Missing> missing;
   std::vector<std::shared_ptr<Mapping>> inner;
 
-  Mapping(std::filesystem::path file_in, const YAML::Node& node, int line_in, const std::string& key)
-      : file(std::move(file_in)), line(line_in) {
+  Mapping(std::filesystem::path file_in, const YAML::Node& node, int line_in, const std::string& key,
+          std::optional<std::string> place_in = {})
+      : file(std::move(file_in)), place(std::move(place_in)), line(line_in) {
     if (!node.IsMap()) Fail(line, fmt::format("{}found {}, accepted a mapping", key, Shown(node)));
     std::unordered_map<std::string, int> lines;  // of the keys: a hostile file has a hundred thousand
     for (const auto& pair : node) {
       if (!pair.first.IsScalar()) Fail(LineOf(pair.first), "a key must be a word");
-      const Entry entry{pair.first.Scalar(), pair.first, pair.second};
-      const auto [earlier, is_new] = lines.try_emplace(entry.key, LineOf(entry.key_node));
+      const Entry entry{pair.first.Scalar(), LineOf(pair.first), pair.second, file};
+      const auto [earlier, is_new] = lines.try_emplace(entry.key, entry.line);
       if (!is_new)
-        Fail(LineOf(entry.key_node),
-             fmt::format("key \"{}\" again, first in line {}", entry.key, earlier->second));
+        Fail(entry.line, fmt::format("key \"{}\" again, first in line {}", entry.key, earlier->second));
       entries.push_back(entry);
     }
+    if (!place) return;
+    Overlay::Over(*place, [&](const OverlaidValue& over) {
+      const Entry entry{over.key, over.line, over.value, over.file};
+      const auto same = std::ranges::find(entries, over.key, &Entry::key);
+      if (same == entries.end())
+        entries.push_back(entry);
+      else if (!over.only_where_missing)
+        *same = entry;
+    });
   }
   explicit Mapping(std::filesystem::path file_in) : file(std::move(file_in)), absent(true) {}
 
@@ -128,15 +142,20 @@ struct Reader::Mapping {
 
   [[noreturn]] void FailValue(const std::string& key, const YAML::Node& node,
                               const std::string& accepted) const {
-    Fail(LineOfValue(key, node), fmt::format("{}: found {}, accepted {}", key, Shown(node), accepted));
+    throw ConfigError(FileOf(key).string(), LineOfValue(key, node),
+                      fmt::format("{}: found {}, accepted {}", key, Shown(node), accepted));
+  }
+
+  [[nodiscard]] const std::filesystem::path& FileOf(const std::string& key) const {
+    const auto entry = std::ranges::find(entries, key, &Entry::key);
+    return entry == entries.end() ? file : entry->file;
   }
 
   // YAML marks a value that is not there at what comes next: then the key's line.
   [[nodiscard]] int LineOfValue(const std::string& key, const YAML::Node& node) const {
     if (!node.IsNull()) return LineOf(node);
-    const auto entry =
-        std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.key == key; });
-    return entry == entries.end() ? line : LineOf(entry->key_node);
+    const auto entry = std::ranges::find(entries, key, &Entry::key);
+    return entry == entries.end() ? line : entry->line;
   }
 
   // The value of a key, or null (and the gap is noted).
@@ -163,8 +182,9 @@ struct Reader::Mapping {
       for (const Missing& gap : missing) candidates.push_back(gap.key);
       std::string nearest = NearestKey(entry.key, candidates);
       if (nearest.empty()) nearest = NearestKey(entry.key, known);
-      Fail(LineOf(entry.key_node), fmt::format("unknown key \"{}\"{}", entry.key.substr(0, 60),
-                                               nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+      throw ConfigError(entry.file.string(), entry.line,
+                        fmt::format("unknown key \"{}\"{}", entry.key.substr(0, 60),
+                                    nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
     }
     if (!missing.empty())
       Fail(line,
@@ -205,7 +225,7 @@ Reader Reader::Parse(const std::string& text, const std::filesystem::path& name)
     throw ConfigError(name.string(), error.mark.is_null() ? 0 : error.mark.line + 1,
                       "not YAML: " + error.msg);
   }
-  return Reader(std::make_shared<Mapping>(name, document, LineOf(document), ""));
+  return Reader(std::make_shared<Mapping>(name, document, LineOf(document), "", Overlay::PlaceOf(name)));
 }
 
 bool Reader::Has(const std::string& key) {
@@ -305,18 +325,21 @@ std::filesystem::path Reader::File(const std::string& key) {
   if (!entry) return {};
   if (!entry->value.IsScalar() || entry->value.Scalar().empty())
     mapping_->FailValue(key, entry->value, "a file's path");
-  const std::filesystem::path path = FileScope::Find(mapping_->file.parent_path(), entry->value.Scalar());
+  const std::filesystem::path path = FileScope::Find(entry->file.parent_path(), entry->value.Scalar());
   if (path.empty()) mapping_->FailValue(key, entry->value, "a file beside it (this one is not among them)");
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     mapping_->FailValue(key, entry->value, fmt::format("an existing file (there is no {})", path.string()));
+  if (mapping_->place) Overlay::Name(path, *mapping_->place + key + ".");
   return path;
 }
 
 Reader Reader::Section(const std::string& key) {
   const Mapping::Entry* entry = mapping_->Find(key, "a mapping");
-  auto inner = entry ? std::make_shared<Mapping>(mapping_->file, entry->value,
-                                                 mapping_->LineOfValue(key, entry->value), key + ": ")
+  std::optional<std::string> place;
+  if (mapping_->place) place = *mapping_->place + key + ".";
+  auto inner = entry ? std::make_shared<Mapping>(entry->file, entry->value,
+                                                 mapping_->LineOfValue(key, entry->value), key + ": ", place)
                      : std::make_shared<Mapping>(mapping_->file);
   mapping_->inner.push_back(inner);
   return Reader(inner);
@@ -351,7 +374,7 @@ std::vector<Reader> Reader::Sections(const std::string& key, std::size_t min, st
   if (!list.IsSequence() || list.size() < min || list.size() > max) mapping_->FailValue(key, list, accepted);
   for (const YAML::Node& node : list) {
     mapping_->inner.push_back(
-        std::make_shared<Mapping>(mapping_->file, node, mapping_->LineOfValue(key, node), key + ": "));
+        std::make_shared<Mapping>(entry->file, node, mapping_->LineOfValue(key, node), key + ": "));
     sections.push_back(Reader(mapping_->inner.back()));
   }
   return sections;
@@ -360,10 +383,10 @@ std::vector<Reader> Reader::Sections(const std::string& key, std::size_t min, st
 void Reader::Finish() const { mapping_->Finish(); }
 
 void Reader::Refuse(const std::string& key, const std::string& what) const {
-  int line = mapping_->line;
-  for (const Mapping::Entry& entry : mapping_->entries)
-    if (entry.key == key) line = LineOf(entry.key_node);
-  mapping_->Fail(line, fmt::format("{}: {}", key, what));
+  const auto entry = std::ranges::find(mapping_->entries, key, &Mapping::Entry::key);
+  throw ConfigError(mapping_->FileOf(key).string(),
+                    entry == mapping_->entries.end() ? mapping_->line : entry->line,
+                    fmt::format("{}: {}", key, what));
 }
 
 }  // namespace osteon::config

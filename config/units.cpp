@@ -13,10 +13,11 @@ struct Unit {
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 constexpr Unit kUnits[] = {
-    // length, angle, time
+    // length, volume, angle, time
     {"m", 1.0},
     {"mm", 1e-3},
     {"um", 1e-6},
+    {"mm3", 1e-9},
     {"rad", 1.0},
     {"deg", kDegree},
     {"s", 1.0},

@@ -1,0 +1,267 @@
+#include "app/scenario_trace.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+#include "app/each_fault.h"
+#include "app/tick_fields.h"
+#include "control/ports.h"
+#include "safety/cell_state.h"
+
+namespace osteon::app {
+namespace {
+
+// FNV-1a by words of 64 bits.
+constexpr std::uint64_t kBegin = 0xcbf29ce484222325u, kPrime = 0x100000001b3u;
+
+template <class T>
+void Add(std::uint64_t& hash, T value) {
+  std::uint64_t bits = 0;
+  if constexpr (std::is_floating_point_v<T>)
+    bits = std::bit_cast<std::uint64_t>(value);
+  else
+    bits = static_cast<std::uint64_t>(value);
+  hash = (hash ^ bits) * kPrime;
+}
+
+// Every bit of it in every bit (the end of MurmurHash3).
+std::uint64_t Mixed(std::uint64_t h) {
+  h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdu;
+  h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53u;
+  return h ^ (h >> 33);
+}
+
+struct PartOfField {
+  const char* begins;
+  TracePart part;
+};
+// By the beginning of a field's name, the first that fits. What fits none is a mistake of the program.
+constexpr PartOfField kOutputs[] = {
+    {"tick", TracePart::kArm},
+    {"stamp", TracePart::kArm},
+    {"session_state", TracePart::kArm},
+    {"q_meas", TracePart::kArm},
+    {"X_WT_meas", TracePart::kArm},
+    {"phase", TracePart::kState},
+    {"cell_state", TracePart::kState},
+    {"permits", TracePart::kState},
+    {"faults", TracePart::kState},
+    {"limits", TracePart::kState},
+    {"q_cmd", TracePart::kCommand},
+    {"X_WT_cmd", TracePart::kCommand},
+    {"v_WT_cmd", TracePart::kCommand},
+    {"activation_cmd", TracePart::kCommand},
+    {"F_cmd_T", TracePart::kCommand},
+    {"tau_cmd", TracePart::kCommand},
+    {"spindle", TracePart::kCommand},
+    {"F_operator_T_W", TracePart::kHand},
+    {"F_bias_S", TracePart::kHand},
+    {"vibration", TracePart::kHand},
+    {"mass_factor", TracePart::kHand},
+    {"damping_factor", TracePart::kHand},
+    {"sensor_age", TracePart::kHand},
+    {"F_coupling_T_W", TracePart::kCoupling},
+    {"wrench_scale", TracePart::kCoupling},
+    {"arm_share", TracePart::kCoupling},
+    {"age_", TracePart::kCoupling},
+    {"passivity", TracePart::kCoupling},
+    {"tank", TracePart::kCoupling},
+    {"model_", TracePart::kCoupling},
+};
+constexpr PartOfField kInputs[] = {
+    {"model_", TracePart::kBone},        {"sensor_", TracePart::kDevices},
+    {"F_sensor_S", TracePart::kDevices}, {"spindle_", TracePart::kDevices},
+    {"interlock_", TracePart::kDevices}, {"permitted", TracePart::kDevices},
+    {"enabled", TracePart::kDevices},    {"", TracePart::kArm},
+};
+
+TracePart PartOf(const char* name, std::span<const PartOfField> table) {
+  for (const PartOfField& row : table)
+    if (std::strncmp(name, row.begins, std::strlen(row.begins)) == 0) return row.part;
+  throw std::logic_error(std::string("a tick's field in no part of a trace: ") + name);
+}
+
+// Of each field of a tick, in the order in which they are visited.
+const std::vector<TracePart>& FieldParts() {
+  static const std::vector<TracePart> parts = [] {
+    std::vector<TracePart> all;
+    VisitOutputs(control::TickRecord{},
+                 [&](const FieldName& field, auto) { all.push_back(PartOf(field.name, kOutputs)); });
+    VisitInputs(control::TickRecord{},
+                [&](const FieldName& field, auto) { all.push_back(PartOf(field.name, kInputs)); });
+    return all;
+  }();
+  return parts;
+}
+
+std::uint64_t DigestOf(const simulation::ContactModel& model) {
+  std::uint64_t hash = kBegin;
+  const auto add = [&](const FieldName&, auto value) { Add(hash, value); };
+  VisitFrame(simulation::FrameRecord{.model = model}, add);
+  for (int i = 0; i < model.contact_count; ++i)
+    VisitContact(model.contacts[static_cast<std::size_t>(i)], add);
+  return hash;
+}
+
+constexpr double kMillimetres = 1e3, kCubicMillimetres = 1e9;
+
+// take(name, kind, value in the quantity's unit) of each quantity.
+template <class Take>
+void VisitQuantities(const control::TickRecord& r, const simulation::ContactModel& model, Take&& take) {
+  using enum QuantityKind;
+  const auto joints = [&](const char* name, const std::array<double, 7>& values, QuantityKind kind) {
+    for (std::size_t i = 0; i < values.size(); ++i) take(name, fields::kJoint[i], kind, values[i]);
+  };
+  const auto vector = [&](const char* name, const PlainVector3& v, QuantityKind kind, double scale = 1.0) {
+    take(name, "x", kind, scale * v.x);
+    take(name, "y", kind, scale * v.y);
+    take(name, "z", kind, scale * v.z);
+  };
+  joints("q_cmd", r.q_cmd, kAngle);
+  vector("tool", r.X_WT_cmd.p, kPosition, kMillimetres);
+  vector("tool_measured", r.X_WT_meas.p, kPosition, kMillimetres);
+  const std::array<double, 9>& R = r.X_WT_meas.R;
+  vector("tool_axis", PlainVector3(Vector3(R[2], R[5], R[8])), kShare);
+  vector("hand", r.F_operator_T_W.f, kForce);
+  vector("hand", r.F_operator_T_W.t, kTorque);
+  vector("coupling", r.F_coupling_T_W.f, kForce);
+  vector("coupling", r.F_coupling_T_W.t, kTorque);
+  vector("overlay", r.F_cmd_T.f, kForce);
+  vector("overlay", r.F_cmd_T.t, kTorque);
+  joints("tau_cmd", r.tau_cmd, kTorque);
+  take("tank", "", kEnergy, r.tank_J);
+  take("wrench_scale", "", kShare, r.wrench_scale);
+  take("spindle", "", kSpeed, r.input.spindle_meas_rad_per_s);
+  take("spindle_load", "", kTorque, model.spindle_torque_Nm);
+  take("removed", "", kVolume, kCubicMillimetres * model.removed_volume_m3);
+  take("cutting_work", "", kEnergy, model.cutting_work_J);
+}
+
+}  // namespace
+
+const char* NameOf(TracePart part) {
+  static constexpr std::array<const char*, kTraceParts> kNames{
+      "the arm's message", "the devices' readings", "the contact model", "the hand's wrench",
+      "the coupling",      "the cell's state",      "the command"};
+  return kNames.at(static_cast<std::size_t>(part));
+}
+
+const char* UnitOf(QuantityKind kind) {
+  static constexpr std::array kUnits{"mm", "rad", "N", "Nm", "rad_per_s", "mm3", "J", ""};
+  return kUnits.at(static_cast<std::size_t>(kind));
+}
+
+int DecimalsOf(QuantityKind kind) {
+  static constexpr std::array kDecimals{5, 7, 4, 5, 4, 3, 6, 6};
+  return kDecimals.at(static_cast<std::size_t>(kind));
+}
+
+double ToleranceOf(QuantityKind kind, const config::TraceTolerances& t) {
+  const std::array values{
+      kMillimetres * t.position_m,     t.angle_rad, t.force_N, t.torque_Nm, t.speed_rad_per_s,
+      kCubicMillimetres * t.volume_m3, t.energy_J,  t.share};
+  return values.at(static_cast<std::size_t>(kind));
+}
+
+std::span<const TraceQuantity> TraceQuantities() {
+  static const std::vector<TraceQuantity> quantities = [] {
+    std::vector<TraceQuantity> all;
+    VisitQuantities({}, {}, [&](const char* name, const char* part, QuantityKind kind, double) {
+      all.push_back({.name = FieldName{name, part, UnitOf(kind)}.Text(), .family = name, .kind = kind});
+    });
+    return all;
+  }();
+  return quantities;
+}
+
+TraceRecorder::TraceRecorder(double period_s, double sample_s)
+    : sample_ticks_(static_cast<std::uint64_t>(std::max<std::int64_t>(1, std::llround(sample_s / period_s)))),
+      hash_(kBegin) {
+  trace_.period_s = period_s;
+}
+
+void TraceRecorder::NoteState(const control::TickRecord& record) {
+  const auto note = [&](const std::string& what) {
+    trace_.events.push_back({.tick = trace_.ticks, .what = what});
+  };
+  if (const bool active =
+          record.session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive);
+      active != active_) {
+    note(active ? "arm handed over" : "arm taken back");
+    active_ = active;
+  }
+  if (record.cell_state != cell_state_) {
+    note(std::string("state ") + safety::Describe(static_cast<safety::CellState>(record.cell_state)).name);
+    cell_state_ = record.cell_state;
+  }
+  ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
+    const auto bit = static_cast<std::uint32_t>(fault);
+    if ((record.faults & bit) != (faults_ & bit))
+      note(std::string(record.faults & bit ? "fault " : "no fault any more: ") + text.name);
+  });
+  faults_ = record.faults;
+}
+
+void TraceRecorder::Sample(const control::TickRecord& record, const simulation::ContactModel& model) {
+  values_.clear();
+  VisitQuantities(record, model,
+                  [&](const char*, const char*, QuantityKind, double value) { values_.push_back(value); });
+  if (trace_.least.empty()) trace_.least = trace_.greatest = values_;
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    trace_.least[i] = std::min(trace_.least[i], values_[i]);
+    trace_.greatest[i] = std::max(trace_.greatest[i], values_[i]);
+  }
+  if (trace_.ticks % sample_ticks_ == 0) trace_.samples.push_back({.tick = trace_.ticks, .values = values_});
+}
+
+void TraceRecorder::Tick(const control::TickRecord& record, const simulation::ContactModel& model) {
+  // every bit, by part
+  std::array<std::uint64_t, kTraceParts> parts{};
+  parts.fill(kBegin);
+  const std::vector<TracePart>& of_field = FieldParts();
+  std::size_t at = 0;
+  const auto add = [&](const FieldName&, auto value) {
+    Add(parts[static_cast<std::size_t>(of_field[at++])], value);
+  };
+  VisitOutputs(record, add);
+  VisitInputs(record, add);
+  Add(parts[static_cast<std::size_t>(TracePart::kBone)], DigestOf(model));
+  for (const std::uint64_t part : parts) Add(hash_, part);
+
+  NoteState(record);
+  if (!begun_ && record.phase != control::Phase::kWaiting) {
+    begun_ = true;
+    trace_.first_tick = trace_.ticks;
+  }
+  if (begun_) {
+    TickDigest digest{};
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      digest[i] = static_cast<std::uint16_t>(Mixed(parts[i]) & 0xfff);
+    trace_.digests.push_back(digest);
+    Sample(record, model);
+  }
+  ++trace_.ticks;
+}
+
+void TraceRecorder::SceneEvent(std::int64_t stamp, const std::string& name) {
+  // the first tick is at one period
+  const std::int64_t tick = std::llround(static_cast<double>(stamp) * 1e-9 / trace_.period_s) - 1;
+  trace_.events.push_back(
+      {.tick = static_cast<std::uint64_t>(std::max<std::int64_t>(0, tick)), .what = "scene " + name});
+}
+
+ScenarioTrace TraceRecorder::Finish(std::string ended, std::uint64_t active, std::uint64_t carved) {
+  Add(hash_, carved);
+  trace_.hash = Mixed(hash_);
+  trace_.ended = std::move(ended);
+  trace_.active = active;
+  std::ranges::stable_sort(trace_.events, {}, &TraceEvent::tick);
+  return std::move(trace_);
+}
+
+}  // namespace osteon::app

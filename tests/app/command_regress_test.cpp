@@ -1,0 +1,185 @@
+#include <gtest/gtest.h>
+
+#include "app/golden_file.h"
+#include "tests/app/command.h"
+
+// The command as a CI server runs it.
+
+namespace osteon::app {
+namespace {
+
+const std::filesystem::path kShipped = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/scenarios";
+
+class Regress : public testing::Test {
+ protected:
+  CommandResult Run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "regress");
+    return RunCommand(folder_.path(), std::move(arguments));
+  }
+  nlohmann::json RunWithJson(std::vector<std::string> arguments, int exit_code) {
+    arguments.insert(arguments.end(), {"--json", "r.json"});
+    const CommandResult run = Run(std::move(arguments));
+    EXPECT_EQ(run.exit_code, exit_code) << run.out << run.err;
+    return ReadJson(folder_.path() / "r.json");
+  }
+  /// A short scenario in this test's folder.
+  std::string Own(const std::string& more = "") {
+    io::test::WriteAll(folder_.path() / "own.yaml",
+                       "shows: a short push\ncell: " OSTEON_SOURCE_DIR
+                       "/config/cells/demo.yaml\nengine: plane\nduration_s: 0.2\nsample_ms: 20\n"
+                       "overrides:\n  scene.packing.spacing_mm: 5\n  scene.packing.surface_gap_mm: 2\n"
+                       "  scene.packing.greatest_surface_gap_mm: 2\n  scene.packing.sample_spacing_mm: 4\n"
+                       "  scene.mass_points.spacing_mm: 8\n  scene.events.least_wall_mm: 0\n" +
+                           more);
+    return "own.yaml";
+  }
+  [[nodiscard]] std::filesystem::path OwnGolden() const { return folder_.path() / "golden/own.txt"; }
+
+  TemporaryFolder folder_;
+};
+
+// All that is shipped, with every core.
+TEST_F(Regress, TheWholeSuitePasses) {
+  const auto json = RunWithJson({"--junit", "r.xml"}, 0);
+  EXPECT_EQ(json["schema"], "osteon.regress/1");
+  EXPECT_GE(json["scenarios"].size(), 20u);
+  for (const auto& scenario : json["scenarios"]) {
+    EXPECT_EQ(scenario["passed"], true) << scenario["name"];
+    EXPECT_GT(scenario["seconds_simulated"], 0.2) << scenario["name"];
+    EXPECT_EQ(scenario["hash"].get<std::string>().size(), 16u);
+  }
+  EXPECT_NE(io::test::ReadAll(folder_.path() / "r.xml").find("failures=\"0\" errors=\"0\""),
+            std::string::npos);
+}
+
+// Whatever runs beside a scenario, and how often: the same bits.
+TEST_F(Regress, TwoRunsAreBitIdenticalWhateverRunsBesideThem) {
+  const std::vector<std::string> some{"wall_reamer", "packet_loss", "drilling_lbr", "wall_kr"};
+  const auto hashes = [&](const std::string& jobs) {
+    std::vector<std::string> arguments = some;
+    arguments.insert(arguments.end(), {"--jobs", jobs});
+    std::map<std::string, std::string> all;
+    const auto json = RunWithJson(arguments, 0);
+    for (const auto& scenario : json["scenarios"]) all[scenario["name"]] = scenario["hash"];
+    return all;
+  };
+  const auto alone = hashes("1"), together = hashes("4");
+  EXPECT_EQ(alone.size(), some.size());
+  EXPECT_EQ(alone, together);
+}
+
+// A scenario's way: no golden trace yet, accepted with a reason, the same, something else, accepted again.
+TEST_F(Regress, AChangeIsAcceptedWithAReason) {
+  Own();
+  const CommandResult none = Run({"own.yaml"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_NE(none.out.find("no golden trace"), std::string::npos) << none.out;
+  EXPECT_FALSE(std::filesystem::exists(OwnGolden()));
+
+  EXPECT_EQ(Run({"own.yaml", "--update"}).exit_code, 2) << "no reason";
+  EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "the first"}).exit_code, 0);
+  const auto first = ReadGolden(OwnGolden());
+  ASSERT_TRUE(first) << first.error();
+  ASSERT_EQ(first->head.reasons.size(), 1u);
+  EXPECT_NE(first->head.reasons[0].find(": the first"), std::string::npos);
+  EXPECT_NE(first->head.reasons[0].find(" commit "), std::string::npos);
+  EXPECT_TRUE(first->head.reasons[0].starts_with("20"));
+  std::filesystem::remove_all(folder_.path() / "regress_out");  // of what was missing
+  EXPECT_EQ(RunWithJson({"own.yaml", "--exact"}, 0)["scenarios"][0]["identical"], true);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out")) << "nothing to show";
+
+  // what passes is not written anew
+  EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "in vain"}).exit_code, 0);
+  EXPECT_EQ(ReadGolden(OwnGolden())->head.reasons.size(), 1u);
+
+  Own("  operator.stiffness_N_per_m: 1900\n");
+  const auto differs = RunWithJson({"own.yaml", "--junit", "r.xml"}, 1);
+  EXPECT_EQ(differs["scenarios"][0]["passed"], false);
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "regress_out/regress.html"));
+  EXPECT_NE(
+      differs["scenarios"][0]["explained"].dump().find("files changed since the golden trace: own.yaml"),
+      std::string::npos);
+  EXPECT_NE(io::test::ReadAll(folder_.path() / "r.xml").find("<failure"), std::string::npos);
+  EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "a softer hand"}).exit_code, 0);
+  const auto second = ReadGolden(OwnGolden());
+  ASSERT_EQ(second->head.reasons.size(), 2u);
+  EXPECT_NE(second->head.reasons[1].find(": a softer hand"), std::string::npos);
+  EXPECT_EQ(Run({"own.yaml"}).exit_code, 0);
+}
+
+// In virtual time nobody waits for it for ever.
+TEST_F(Regress, AnArmThatNeverComesBackEndsTheRun) {
+  Own("  injections: [{wire: arm, direction: both, from_s: 0.1, to_s: 9999, silence: true}]\nrecovery_count: "
+      "1\n");
+  const auto json = RunWithJson({"own.yaml"}, 1);
+  EXPECT_EQ(json["scenarios"][0]["ended"], "arm never ready");
+  EXPECT_LT(json["scenarios"][0]["seconds_simulated"], 40.0);
+}
+
+// What a change of a cell's file does must be seen, however small: nothing here is in the golden traces.
+struct Mutation {
+  const char *scenario, *set;
+};
+class RegressSees : public Regress, public testing::WithParamInterface<Mutation> {};
+
+TEST_P(RegressSees, AndSaysWhatLeftFirst) {
+  const auto json = RunWithJson({GetParam().scenario, "--set", GetParam().set}, 1);
+  const auto& scenario = json["scenarios"][0];
+  EXPECT_EQ(scenario["passed"], false);
+  EXPECT_EQ(scenario["error"], nullptr);
+  EXPECT_FALSE(scenario["quantities"].empty());
+  EXPECT_GE(scenario["explained"].size(), 2u);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mutations, RegressSees,
+    testing::Values(
+        // 1 %
+        Mutation{"wall_reamer", "coupling.stiffness_N_per_mm=20.2"},
+        Mutation{"wall_drill", "coupling.stiffness_N_per_mm=20.2"},
+        Mutation{"wall_impedance_wrench", "coupling.stiffness_N_per_mm=10.1"},
+        Mutation{"wall_impedance_torque", "coupling.stiffness_N_per_mm=10.1"},
+        Mutation{"wall_kr", "coupling.stiffness_N_per_mm=40.4"},
+        Mutation{"wall_reamer", "admittance.damping_Ns_per_m=[30, 30, 30.3]"},
+        // a frame
+        Mutation{"wall_reamer", "base_in_world.rpy_deg=[0, 0, 0.1]"},
+        Mutation{"wall_kr", "tool.mounting.position_mm=[0, 0, 0.1]"},
+        // a tick
+        Mutation{"wall_reamer", "simulated_arm.dead_time_ms=4"},
+        Mutation{"wall_kr", "simulated_arm.dead_time_ms=12"},
+        Mutation{
+            "wall_reamer",
+            "injections=[{wire: force_sensor, direction: to_controller, from_s: 0, to_s: 9, delay_ms: 1}]"},
+        Mutation{"sensor_silent", "watchdog.sensor_stop_ms=101"},
+        // a radius: the tool's, the bone's
+        Mutation{"wall_reamer", "tool_diameter_mm=51"},
+        Mutation{"molar", "scene.packing.cup_radius_cap_mm=0.4545"},
+        Mutation{"reaming_lbr", "scene.packing.cup_radius_cap_mm=2.97"}));
+
+TEST_F(Regress, WrongInputIsRefusedBeforeAnythingRuns) {
+  const auto expect = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& texts) {
+    const CommandResult run = Run(arguments);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_EQ(run.out, "");
+    for (const std::string& text : texts) EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
+  };
+  expect({"nothing"}, {"nothing", "wall_reamer"});
+  expect({"wall_reamer", (kShipped / "wall_reamer.yaml").string()}, {"found twice"});
+  expect({"wall_reamer", "--update"}, {"--reason"});
+  expect({"wall_reamer", "--reason", "x"}, {"--update"});
+  expect({"wall_reamer", "--update", "--reason", " "}, {"--reason"});
+  expect({"wall_reamer", "--update", "--reason", "x", "--set", "a.b=1"}, {"--set"});
+  expect({"wall_reamer", "--set", "limits.max_force_N=900"},
+         {"--set limits.max_force_N=900", "max_force_N: found 900"});
+  expect({"wall_reamer", "--set", "nothing"}, {"KEY=VALUE"});
+  expect({"wall_reamer", "--jobs", "-1"}, {"--jobs"});
+  expect({"wall_reamer", "--json", "nowhere/r.json"}, {"--json", "nowhere"});
+  expect({"wall_reamer", "--junit", "."}, {"--junit", "folder"});
+  Own("  limits.max_forc_N: 5\n");
+  expect({"own.yaml"}, {"own.yaml:13", "max_forc_N", "max_force_N"});
+  io::test::WriteAll(folder_.path() / "own.yaml", "shows: x\n");
+  expect({"own.yaml"}, {"own.yaml", "missing key"});
+}
+
+}  // namespace
+}  // namespace osteon::app
