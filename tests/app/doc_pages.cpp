@@ -81,7 +81,7 @@ std::vector<DocPage> DocPages(const std::filesystem::path& root) {
 }
 
 std::vector<DocLink> Links(const DocPage& page) {
-  static const std::regex link(R"((?:\]\(|src=")([^)"\s#]*)(#([^)\s]*))?[)"])");
+  static const std::regex link(R"re((?:\]\(|src=")([^)"\s#]*)(#([^)\s]*))?[)"])re");
   std::vector<DocLink> links;
   for (std::size_t i = 0; i < page.lines.size(); ++i) {
     if (page.lines[i].code) continue;

@@ -80,10 +80,11 @@ TEST(Docs, EveryCommandAndOptionExists) {
         subcommand.push_back(command.words[1]);
       const std::string& help = helps.Of(subcommand);
       EXPECT_FALSE(help.empty()) << "no such subcommand";
-      for (const std::string& word : command.words)
-        if (word.size() > 1 && word[0] == '-')
-          EXPECT_TRUE(std::regex_search(help, std::regex("(^|[ ,])" + word + "([ ,=:]|$)")))
-              << "no option " << word;
+      for (const std::string& word : command.words) {
+        if (word.size() < 2 || word[0] != '-') continue;
+        EXPECT_TRUE(std::regex_search(help, std::regex("(^|[ ,])" + word + "([ ,=:]|$)")))
+            << "no option " << word;
+      }
       ++commands;
     }
   }
