@@ -154,6 +154,7 @@ std::string RegressJson(const RegressSummary& summary) {
                                     {"control_only", r.scenario.engine == config::ScenarioEngine::kPlane}};
     if (r.run)
       scenario.update({{"seconds_set_up", r.run->seconds_set_up},
+                       {"seconds_cpu", r.run->seconds_cpu},
                        {"times_real_time", TimesRealTime(*r.run)},
                        {"engine", r.run->engine},
                        {"ticks", r.run->trace.ticks},

@@ -1,5 +1,6 @@
 #include "app/scenario_run.h"
 
+#include <time.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -26,6 +27,13 @@ namespace fs = std::filesystem;
 
 double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Of the calling thread.
+double Cpu_s() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 // A fresh folder that is gone with the object.
@@ -127,7 +135,7 @@ void CheckScenario(const config::ScenarioConfig& scenario, const ScenarioRunPara
 tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig& scenario,
                                                    const ScenarioRunParams& params) {
   ScenarioRun run;
-  const double begun_s = Now_s();
+  const double begun_s = Now_s(), begun_cpu_s = Cpu_s();
   auto setup = SetUp(scenario, params);
   if (!setup) return tl::make_unexpected(setup.error());
   auto engine = EngineOf(scenario, *setup, params.device);
@@ -162,6 +170,7 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
                       result->statistics.active_ticks, cuts ? simulation::HashState(result->after) : 0);
   run.seconds_simulated = period_s * static_cast<double>(run.trace.ticks);
   run.seconds_wall = Now_s() - begun_s;
+  run.seconds_cpu = Cpu_s() - begun_cpu_s;
   return run;
 }
 

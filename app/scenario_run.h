@@ -23,8 +23,9 @@ struct ScenarioRun {
   std::vector<GoldenSource> sources;  ///< the files that it was made from
   std::string engine;                 ///< "reference on CPU, double precision"
   double seconds_simulated{0.0};      ///< of virtual time, all of it
-  double seconds_wall{0.0};           ///< of the run
-  double seconds_set_up{0.0};         ///< before it: reading files, packing bone
+  double seconds_wall{0.0};           ///< that all of it took
+  double seconds_cpu{0.0};            ///< that its thread had a core meanwhile: on a busy machine less
+  double seconds_set_up{0.0};         ///< wall time until it ran: reading files, packing bone
 };
 
 /// Reads a scenario's cell with what is laid over it, and runs nothing: what is wrong in it is known before
