@@ -11,7 +11,7 @@ namespace osteon::simulation {
 
 FrameGroup GroupOf(std::span<const FrameSample> samples) {
   if (samples.empty()) throw std::invalid_argument("frame cost: found no frame, accepted one and more");
-  constexpr std::size_t kParts = 8, kLeastCalm = 3;
+  constexpr std::size_t kParts = 9, kLeastCalm = 3;
   std::vector<FrameSample> sorted(samples.begin(), samples.end());
   std::ranges::stable_sort(sorted, {}, &FrameSample::active_balls);
   const std::size_t n = sorted.size();

@@ -20,7 +20,7 @@ struct FrameGroup {
   double p50_us{0.0}, p999_us{0.0};  ///< of those that were not interrupted
 };
 
-/// Short frames are interrupted less often than long ones: so the median is taken in eight parts of all
+/// Short frames are interrupted less often than long ones: so the median is taken in nine parts of all
 /// frames, by their active balls, of each part's calm frames (three at least, or the part is left out), and
 /// then of the parts. Where no part has so many, interrupted frames count as well. p99.9: by nearest rank.
 /// @throws std::invalid_argument where there is no frame.
