@@ -21,6 +21,7 @@
 #include "app/kill_table.h"
 #include "app/measure_commands.h"
 #include "app/pack.h"
+#include "app/plan_command.h"
 #include "app/regress_command.h"
 #include "app/replay_command.h"
 #include "app/states_command.h"
@@ -299,6 +300,7 @@ int Run(int argc, char** argv) {
   osteon::app::CalibrateCommand calibrate(app);
   osteon::app::CapabilityCommand capability(app);
   osteon::app::TransparencyCommand transparency(app);
+  osteon::app::PlanCommand plan(app);
   osteon::app::TuneCommand tune(app);
   osteon::app::ExportCommand export_recording(app);
   osteon::app::ReplayCommand replay(app);
@@ -379,6 +381,7 @@ int Run(int argc, char** argv) {
   if (transparency.asked()) return transparency.Run(config_root, CommandLine(argc, argv));
   if (calibrate.asked()) return calibrate.Run(config_root, CommandLine(argc, argv));
   if (capability.asked()) return capability.Run(config_root, CommandLine(argc, argv));
+  if (plan.asked()) return plan.Run(config_root);
   if (tune.asked()) return tune.Run(config_root, CommandLine(argc, argv));
   if (export_recording.asked()) return export_recording.Run();
   if (replay.asked()) return replay.Run();

@@ -148,6 +148,8 @@ std::string_view TaskName(CutTask task) {
       return "ream";
     case CutTask::kChannel:
       return "channel";
+    case CutTask::kScene:
+      return "scene";
   }
   return "unknown";
 }
@@ -217,6 +219,9 @@ CutWorkload MakeCutWorkload(CutTask task, const CutWorkloadParams& params) {
       way = {.start_m = Vector3(0, 0, 0.1e-3), .corner_m = Vector3(0, 0, -depth_m)};
       break;
     }
+    case CutTask::kScene:
+      throw std::invalid_argument(
+          "cut workload: found the task of a scene, accepted plunge, slide, ream, channel");
   }
   work.tool = OneBall(radius_m);
   Builder(work, params, radius_m).Play(way);

@@ -29,10 +29,11 @@ enum class CutTask : std::uint8_t {
   kSlide,    ///< the same, then 6 mm along: a trench
   kReam,     ///< a reamer of 25 mm in a cup of its own radius, 3 mm deeper
   kChannel,  ///< a burr of 1.5 mm, 2 mm deep, along an arc of 9 mm
+  kScene,    ///< a scene's own cut (scene_workload.h): none that methods are compared on
 };
 inline constexpr std::array kCutTasks{CutTask::kPlunge, CutTask::kSlide, CutTask::kReam, CutTask::kChannel};
 
-/// "plunge", "slide", "ream", "channel".
+/// "plunge", "slide", "ream", "channel", "scene".
 [[nodiscard]] std::string_view TaskName(CutTask task);
 
 struct CutWorkload {

@@ -54,6 +54,15 @@ class WrongInput : public testing::Test {
   bool one_line_{true};
 };
 
+TEST_F(WrongInput, ErrorAndRateOfAPlan) {
+  for (const char* value : {"0", "-1", "nan", "inf", "6", "abc"})
+    ExpectRefused({"plan", "molar", "--rate-hz", "1000", "--error-mm", value},
+                  {"--error-mm", value, "0.001 … 5"});
+  for (const char* value : {"0", "nan", "1e9"})
+    ExpectRefused({"plan", "molar", "--error-mm", "0.1", "--rate-hz", value},
+                  {"--rate-hz", value, "1 … 100000"});
+}
+
 TEST_F(WrongInput, Seconds) {
   for (const char* value : {"0", "-1", "nan", "inf", "3601"})
     ExpectRefused({"demo", "--virtual-time", "--seconds", value}, {"--seconds", value, "0.1 … 3600"});

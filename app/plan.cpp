@@ -1,0 +1,199 @@
+#include "app/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "simulation/fidelity/thin_tool.h"
+#include "simulation/metrics/accuracy.h"
+#include "simulation/tool_path.h"
+
+namespace osteon::app {
+namespace {
+
+using simulation::PackingKind;
+using simulation::PackingLevel;
+
+// Of the error that is asked for. The closed forms hold to a fifth; the tool's part counts on top.
+constexpr double kRemovalShare = 0.8, kToolShare = 0.1;
+constexpr double kCoarser = 1.2;  // a step of the error where a frame takes too long
+constexpr double kMostError_m = 5e-3;
+constexpr double kMostBalls = 20e6;
+constexpr int kRounds = 3;  // of a timed cut
+/// Of the kinds that can have the error, the one with the fewest balls in the end, children included.
+std::optional<PackingLevel> ChooseLevel(const PlanScene& scene, const simulation::DepthVolumes& volumes,
+                                        double error_m) {
+  std::optional<PackingLevel> best;
+  double fewest = kMostBalls;
+  for (const PackingKind kind : {PackingKind::kUniform, PackingKind::kGraded, PackingKind::kSplit}) {
+    const auto level = simulation::CoarsestLevel(kind, error_m, scene.cut, scene.zone_depth_m);
+    if (!level) continue;
+    const double balls = volumes.ExpectedBalls(*level) + simulation::ExpectedChildren(*level, scene.cut);
+    if (balls >= fewest) continue;
+    fewest = balls;
+    best = level;
+  }
+  return best;
+}
+
+double UniformBalls(const PlanScene& scene, const simulation::DepthVolumes& volumes, double error_m) {
+  const auto level = simulation::CoarsestLevel(PackingKind::kUniform, error_m, scene.cut, scene.zone_depth_m);
+  return level ? volumes.ExpectedBalls(*level) : 0.0;
+}
+
+/// Two packings of one kind, timed.
+struct Calibration {
+  std::string device;
+  std::vector<PackedLevel> others;
+  std::vector<simulation::FrameGroup> groups;
+  double reach_ratio{1.0};  ///< balls that a frame worked on, over those that are in reach before the cut
+};
+
+PackedLevel Packed(const PlanScene& scene, const PackingLevel& level) {
+  return {.level = level, .balls = simulation::PackLevel(level, *scene.work.solid, *scene.work.zone)};
+}
+
+/// Times two packings beside the planned one: coarser, or finer where a wall leaves no coarser one.
+tl::expected<Calibration, std::string> Calibrate(const PlanScene& scene, const PackingLevel& level,
+                                                 const simulation::Tool& tool, const std::string& device) {
+  std::vector<double> factors{1.15, 1.8};
+  if (!simulation::FitsWall(simulation::Scaled(level, factors.back(), scene.cut), scene.cut))
+    factors = {1.0 / 1.15, 1.0 / 1.5};
+  Calibration calibration;
+  std::vector<PackedLevel>& others = calibration.others;
+  for (const double factor : factors)
+    others.push_back(Packed(scene, simulation::Scaled(level, factor, scene.cut)));
+  const auto runs = RunLevels(scene, others, tool, device, kRounds);
+  if (!runs) return tl::make_unexpected(runs.error());
+  calibration.device = runs->front().device;
+  double ratios = 0.0;
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    calibration.groups.push_back(simulation::GroupOf((*runs)[i].frames));
+    ratios += calibration.groups.back().active_balls / std::max(1.0, BallsInReach(scene, others[i].balls));
+  }
+  calibration.reach_ratio = ratios / static_cast<double>(others.size());
+  return calibration;
+}
+
+/// Packs a level and says what a frame of it takes.
+void Fill(FidelityPlan& plan, const PlanScene& scene, const PackingLevel& level,
+          const Calibration& calibration) {
+  plan.device = calibration.device;
+  plan.others = calibration.others;
+  plan.calibration = calibration.groups;
+  plan.cost = simulation::FitFrameCost(calibration.groups);
+  plan.packed = Packed(scene, level);
+  plan.active_balls = calibration.reach_ratio * BallsInReach(scene, plan.packed.balls);
+  plan.frame_us = plan.cost.At(plan.active_balls);
+  plan.frame_p999_us = plan.cost.tail_ratio * plan.frame_us;
+  plan.removal = simulation::PredictRemovalError(level.fine, scene.cut);
+  plan.error_m = plan.removal.total_m() + plan.tool_gap_m;
+}
+
+/// What is left to the balls, and the tool that takes its own share.
+double RemovalShare(double error_m, const ModelChoice& model) {
+  return kRemovalShare * error_m - model.tool_gap_m;
+}
+
+ModelChoice WithTool(const PlanScene& scene, double error_m) {
+  ModelChoice model{.tool = simulation::ThinTool(scene.work.tool, kToolShare * error_m), .level = {}};
+  model.tool_gap_m = simulation::MeanCuttingGap(scene.work.tool, model.tool);
+  return model;
+}
+
+}  // namespace
+
+ModelChoice ChooseModel(const PlanScene& scene, double error_m) {
+  ModelChoice model = WithTool(scene, error_m);
+  const simulation::DepthVolumes volumes(*scene.work.solid, *scene.work.zone);
+  model.level = ChooseLevel(scene, volumes, RemovalShare(error_m, model));
+  return model;
+}
+
+tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const PlanRequest& request,
+                                                 const std::function<void(const std::string&)>& say) {
+  const auto tell = [&](const char* text) {
+    if (say) say(text);
+  };
+  tell("choose");
+  FidelityPlan plan;
+  const ModelChoice model = WithTool(scene, request.error_m);
+  plan.tool = model.tool;
+  plan.tool_gap_m = model.tool_gap_m;
+  const simulation::DepthVolumes volumes(*scene.work.solid, *scene.work.zone);
+  const double removal_m = RemovalShare(request.error_m, model);
+  plan.uniform_balls = UniformBalls(scene, volumes, removal_m);
+  const double most_us = 1e6 / request.rate_hz;
+  std::map<PackingKind, Calibration> calibrations;
+  std::optional<PackingLevel> level;
+  std::optional<FidelityPlan> first;
+  for (double target_m = removal_m; target_m < kMostError_m; target_m *= kCoarser) {
+    const auto next = ChooseLevel(scene, volumes, target_m);
+    if (!next) continue;  // finer than any packing
+    if (level && next->kind == level->kind && next->fine.spacing_m <= level->fine.spacing_m)
+      break;  // the coarsest
+    level = next;
+    if (!calibrations.contains(level->kind)) {
+      tell("time other packings");
+      auto timed = Calibrate(scene, *level, plan.tool, request.device);
+      if (!timed) return tl::make_unexpected(timed.error());
+      calibrations.emplace(level->kind, std::move(*timed));
+    }
+    Fill(plan, scene, *level, calibrations.at(level->kind));
+    if (!first) first = plan;
+    // a frame that is too long even without bone is no reason for a coarser one
+    if (plan.frame_us <= most_us || plan.cost.base_us >= most_us) break;
+  }
+  if (first && plan.frame_us > most_us) plan = std::move(*first);  // no coarser one has the rate
+  if (!level) return tl::make_unexpected("no packing of this bone serves a cut by this tool");
+  if (plan.error_m > request.error_m)
+    plan.given_up.push_back(
+        {.what = "error", .asked = request.error_m * 1e3, .predicted = plan.error_m * 1e3});
+  if (plan.frame_us > most_us)
+    plan.given_up.push_back({.what = "rate", .asked = request.rate_hz, .predicted = 1e6 / plan.frame_us});
+
+  plan.arm = simulation::LowestArmLevel(scene.arm, request.error_m);
+  plan.arm_error_m = simulation::ArmError(plan.arm, scene.arm);
+  plan.turn_parts =
+      simulation::ChordCount(scene.max_turn_rad_per_s / request.rate_hz, simulation::ToolLever(plan.tool));
+  plan.leak_probe_m = std::min(1e-3, 0.5 * scene.cut.tool_radius_m);
+  plan.leak_m = simulation::PredictLeak(plan.packed.level.fine, scene.cut, plan.leak_probe_m);
+  plan.cogging = simulation::PredictCogging(plan.packed.level.fine, scene.cut.tool_radius_m);
+  return plan;
+}
+
+tl::expected<PlanCheck, std::string> CheckPlan(const PlanScene& scene, const PlanRequest& request,
+                                               const FidelityPlan& plan) {
+  std::vector<PackedLevel> levels{plan.packed};
+  levels.insert(levels.end(), plan.others.begin(), plan.others.end());
+  const auto runs = RunLevels(scene, levels, plan.tool, request.device, kRounds);
+  if (!runs) return tl::make_unexpected(runs.error());
+  const LevelRun& run = runs->front();
+  const simulation::CutAccuracy cut = MeasureLevel(scene, plan.packed, run, plan.leak_probe_m);
+  PlanCheck check;
+  check.lost_m = cut.depth_error_m;
+  check.left_m = cut.cut_area_m2 > 0.0 ? cut.left_volume_m3 / cut.cut_area_m2 : 0.0;
+  check.error_m = check.lost_m + check.left_m;
+  check.standard_error_m = cut.depth_error_se_m;
+  check.leak_m = cut.probes.front().mean_m;
+  check.frames = simulation::GroupOf(run.frames);
+  std::vector<simulation::FrameGroup> others;
+  for (std::size_t i = 1; i < runs->size(); ++i) others.push_back(simulation::GroupOf((*runs)[i].frames));
+  check.same_time_us = simulation::FitFrameCost(others).At(plan.active_balls);
+
+  const auto gave_up = [&](const char* what) {
+    return std::ranges::any_of(plan.given_up, [&](const GivenUp& given) { return given.what == what; });
+  };
+  const double promised_m = gave_up("error") ? std::max(request.error_m, plan.error_m) : request.error_m;
+  if (check.error_m > promised_m)
+    check.missed.push_back(
+        fmt::format("error: measured {:.4f} mm, promised {:.4f} mm", check.error_m * 1e3, promised_m * 1e3));
+  if (const double most_us = 1e6 / request.rate_hz; check.frames.p50_us > most_us && !gave_up("rate"))
+    check.missed.push_back(fmt::format("frame: measured {:.0f} us, {:.0f} us at {:g} Hz", check.frames.p50_us,
+                                       most_us, request.rate_hz));
+  return check;
+}
+
+}  // namespace osteon::app

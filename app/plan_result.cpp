@@ -1,0 +1,198 @@
+#include "app/plan_result.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "app/interrupt.h"
+#include "app/phase_progress.h"
+#include "app/summary.h"
+
+namespace osteon::app {
+namespace {
+
+std::size_t CuttingBalls(const simulation::Tool& tool) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(tool.balls, [](const simulation::ToolBall& ball) { return ball.cutting; }));
+}
+
+struct Radii {
+  double least_m{0.0}, greatest_m{0.0};
+};
+
+Radii RadiiOf(const std::vector<simulation::Ball>& balls) {
+  if (balls.empty()) return {};
+  const auto [least, greatest] = std::ranges::minmax_element(balls, {}, &simulation::Ball::radius_m);
+  return {.least_m = least->radius_m, .greatest_m = greatest->radius_m};
+}
+
+nlohmann::json GroupJson(const simulation::FrameGroup& group) {
+  return {{"frames", group.frames},
+          {"frames_interrupted", group.interrupted},
+          {"active_spheres", group.active_balls},
+          {"frame_us_p50", group.p50_us},
+          {"frame_us_p999", group.p999_us}};
+}
+
+std::string Row(const char* name, const std::string& value) {
+  return fmt::format("  {:<18} {}\n", name, value);
+}
+
+int Fail(const std::string& message, int code) {
+  fmt::print(stderr, "osteon plan: {}\n", message);
+  return code;
+}
+
+}  // namespace
+
+nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, const FidelityPlan& plan,
+                        const std::optional<PlanCheck>& check) {
+  const Radii radii = RadiiOf(plan.packed.balls);
+  const simulation::PackingFineness& fine = plan.packed.level.fine;
+  nlohmann::json json{{"schema", "osteon.plan/1"},
+                      {"subcommand", "plan"},
+                      {"scene", scene.name},
+                      {"cell", scene.cell_name},
+                      {"tool", scene.work.tool.name},
+                      {"device", plan.device},
+                      {"error_mm", request.error_m * 1e3},
+                      {"rate_hz", request.rate_hz},
+                      {"packing", std::string(simulation::KindName(plan.packed.level.kind))},
+                      {"spheres", plan.packed.balls.size()},
+                      {"spheres_uniform", nullptr},
+                      {"r_min_mm", radii.least_m * 1e3},
+                      {"r_max_mm", radii.greatest_m * 1e3},
+                      {"zone_spacing_mm", fine.spacing_m * 1e3},
+                      {"zone_r_max_mm", fine.radius_m * 1e3},
+                      {"zone_depth_mm", plan.packed.level.zone_depth_m * 1e3},
+                      {"surface_gap_mm", fine.surface_gap_m * 1e3},
+                      {"children", fine.children},
+                      {"tool_spheres", CuttingBalls(plan.tool)},
+                      {"tool_touching_spheres", plan.tool.balls.size() - CuttingBalls(plan.tool)},
+                      {"arm_level", std::string(simulation::ArmFidelityName(plan.arm))},
+                      {"turn_parts", plan.turn_parts},
+                      {"predicted_error_mm", plan.error_m * 1e3},
+                      {"predicted_error_parts_mm",
+                       {{"face", plan.removal.face_m * 1e3},
+                        {"rim", plan.removal.rim_m * 1e3},
+                        {"tool", plan.tool_gap_m * 1e3}}},
+                      {"predicted_arm_error_mm", plan.arm_error_m * 1e3},
+                      {"predicted_leak_mm", plan.leak_m * 1e3},
+                      {"leak_probe_mm", plan.leak_probe_m * 1e3},
+                      {"predicted_cogging", plan.cogging},
+                      {"predicted_active_spheres", plan.active_balls},
+                      {"predicted_frame_us", plan.frame_us},
+                      {"predicted_frame_us_p999", plan.frame_p999_us},
+                      {"frame_cost",
+                       {{"base_us", plan.cost.base_us},
+                        {"sphere_us", plan.cost.ball_us},
+                        {"tail_ratio", plan.cost.tail_ratio}}},
+                      {"calibration", nlohmann::json::array()},
+                      {"given_up", nlohmann::json::array()},
+                      {"check", nullptr}};
+  if (plan.uniform_balls > 0.0) json["spheres_uniform"] = static_cast<std::size_t>(plan.uniform_balls);
+  for (const simulation::FrameGroup& group : plan.calibration)
+    json["calibration"].push_back(GroupJson(group));
+  for (const GivenUp& given : plan.given_up)
+    json["given_up"].push_back({{"what", given.what},
+                                {"unit", given.what == "rate" ? "Hz" : "mm"},
+                                {"asked", given.asked},
+                                {"predicted", given.predicted}});
+  if (check) {
+    json["check"] = {{"error_mm", check->error_m * 1e3}, {"standard_error_mm", check->standard_error_m * 1e3},
+                     {"lost_mm", check->lost_m * 1e3},   {"left_mm", check->left_m * 1e3},
+                     {"leak_mm", check->leak_m * 1e3},   {"frame_us_by_others_in_turn", check->same_time_us},
+                     {"missed", check->missed}};
+    json["check"].update(GroupJson(check->frames));
+  }
+  return json;
+}
+
+std::string PlanText(const PlanScene& scene, const PlanRequest& request, const FidelityPlan& plan,
+                     const std::optional<PlanCheck>& check) {
+  const Radii radii = RadiiOf(plan.packed.balls);
+  const simulation::PackingLevel& level = plan.packed.level;
+  std::string text = fmt::format("Osteon plan: {}, {}, {:g} mm at {:g} Hz on {}\n", scene.name,
+                                 scene.work.tool.name, request.error_m * 1e3, request.rate_hz, plan.device);
+  text +=
+      Row("packing", fmt::format("{}, {} spheres of {:.3f} to {:.2f} mm", simulation::KindName(level.kind),
+                                 plan.packed.balls.size(), radii.least_m * 1e3, radii.greatest_m * 1e3));
+  text += Row("zone",
+              fmt::format("{:.3f} mm apart, radii up to {:.3f} mm, down to {:g} mm below it",
+                          level.fine.spacing_m * 1e3, level.fine.radius_m * 1e3, level.zone_depth_m * 1e3));
+  if (level.fine.children > 0)
+    text += Row("splitting", fmt::format("{} children of a ball that is touched", level.fine.children));
+  if (plan.uniform_balls > 0.0)
+    text += Row("all of it alike",
+                fmt::format("{:.0f} spheres, {:.1f} times as many", plan.uniform_balls,
+                            plan.uniform_balls / static_cast<double>(plan.packed.balls.size())));
+  text += Row("tool", fmt::format("{} spheres that cut, {} that touch; {:g} frames a turn at most",
+                                  CuttingBalls(plan.tool), plan.tool.balls.size() - CuttingBalls(plan.tool),
+                                  static_cast<double>(plan.turn_parts)));
+  text += Row("arm", fmt::format("{}, off by {:.3f} mm", simulation::ArmFidelityName(plan.arm),
+                                 plan.arm_error_m * 1e3));
+  text += Row("predicted error",
+              fmt::format("{:.4f} mm: face {:.4f}, rim {:.4f}, tool {:.4f}", plan.error_m * 1e3,
+                          plan.removal.face_m * 1e3, plan.removal.rim_m * 1e3, plan.tool_gap_m * 1e3));
+  text += Row("leak, cogging", fmt::format("{:.4f} mm of a {:g} mm probe; {:.1f} % of the normal force",
+                                           plan.leak_m * 1e3, plan.leak_probe_m * 1e3, plan.cogging * 100.0));
+  text += Row(
+      "predicted frame",
+      fmt::format("{:.0f} us, p99.9 {:.0f} us: {:.0f} + {:.4f} us times {:.0f} active spheres", plan.frame_us,
+                  plan.frame_p999_us, plan.cost.base_us, plan.cost.ball_us, plan.active_balls));
+  std::size_t frames = 0, interrupted = 0;
+  for (const simulation::FrameGroup& group : plan.calibration) {
+    frames += group.frames;
+    interrupted += group.interrupted;
+  }
+  text += Row("calibrated on", fmt::format("{} frames of {} other packings, {} of them interrupted", frames,
+                                           plan.calibration.size(), interrupted));
+  if (plan.given_up.empty()) text += Row("given up", "nothing");
+  for (const GivenUp& given : plan.given_up)
+    text +=
+        Row("given up", given.what == "rate"
+                            ? fmt::format("rate: {:.0f} Hz of {:g}", given.predicted, given.asked)
+                            : fmt::format("error: {:.4f} mm instead of {:g}", given.predicted, given.asked));
+  if (!check) return text;
+  text += Row("measured error",
+              fmt::format("{:.4f} ± {:.4f} mm: lost {:.4f}, left {:.4f}", check->error_m * 1e3,
+                          check->standard_error_m * 1e3, check->lost_m * 1e3, check->left_m * 1e3));
+  text += Row("measured leak", fmt::format("{:.4f} mm", check->leak_m * 1e3));
+  text += Row("measured frame",
+              fmt::format("{:.0f} us, p99.9 {:.0f} us; {:.0f} active spheres; {} of {} frames interrupted",
+                          check->frames.p50_us, check->frames.p999_us, check->frames.active_balls,
+                          check->frames.interrupted, check->frames.frames));
+  text += Row("", fmt::format("{:+.0f} % of the prediction, {:+.0f} % of what the others in turn with it say",
+                              100.0 * (check->frames.p50_us / plan.frame_us - 1.0),
+                              100.0 * (check->frames.p50_us / check->same_time_us - 1.0)));
+  for (const std::string& missed : check->missed) text += Row("missed", missed);
+  return text;
+}
+
+int RunPlan(const PlanOptions& options) {
+  InstallInterrupt();
+  PhaseProgress progress("osteon plan", options.check ? 4 : 3);
+  progress.Begin("load");
+  const auto scene = LoadPlanScene(options.choice);
+  if (!scene) return Fail(scene.error(), 2);
+  const auto plan =
+      MakePlan(*scene, options.request, [&](const std::string& phase) { progress.Begin(phase); });
+  if (!plan) return Fail(plan.error(), Interrupted() ? kExitInterrupted : 1);
+  std::optional<PlanCheck> check;
+  if (options.check) {
+    progress.Begin("check");
+    auto checked = CheckPlan(*scene, options.request, *plan);
+    if (!checked) return Fail(checked.error(), Interrupted() ? kExitInterrupted : 1);
+    check = std::move(*checked);
+  }
+  progress.Done();
+  fmt::print("{}", PlanText(*scene, options.request, *plan, check));
+  if (!options.json.empty())
+    if (const auto written =
+            WriteText(options.json, PlanJson(*scene, options.request, *plan, check).dump(2) + "\n");
+        !written)
+      return Fail(written.error(), 1);
+  return plan->given_up.empty() && (!check || check->missed.empty()) ? 0 : 1;
+}
+
+}  // namespace osteon::app

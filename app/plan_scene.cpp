@@ -1,0 +1,154 @@
+#include "app/plan_scene.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "app/interrupt.h"
+#include "app/pack_source.h"
+#include "app/run_queue_watch.h"
+#include "gpu/vulkan_engine.h"
+#include "simulation/metrics/cut_metrics.h"
+#include "simulation/metrics/frame_workload.h"
+#include "simulation/packing/mass_points.h"
+
+namespace osteon::app {
+namespace {
+
+// A frame counts as interrupted where its threads waited for a processor for so long.
+constexpr double kLeastWait_us = 20.0, kLeastShare = 0.05;
+constexpr double kFeed_m_per_s = 5e-3;  // assumed: of a tool that cuts
+
+std::filesystem::path CellOf(const PlanChoice& choice) {
+  if (!choice.cell.empty()) return choice.cell;
+  const std::filesystem::path own =
+      choice.config_root / "cells" / (std::filesystem::path(choice.scene).stem().string() + ".yaml");
+  return std::filesystem::is_regular_file(own) ? own : choice.config_root / "cells" / "demo.yaml";
+}
+
+simulation::ArmFigures ArmOf(const config::CellConfig& cell) {
+  const hil::SimulatedCellParams& simulated = cell.simulated;
+  simulation::ArmFigures arm{
+      .bandwidth_hz = simulated.servo.bandwidth_hz,
+      .damping_ratio = simulated.servo.damping_ratio,
+      .dead_time_s = simulated.servo.dead_cycles * 1e-3,
+      .stiffness_N_per_m = simulated.dynamic.mount ? simulated.dynamic.mount->stiffness_N_per_m : 0.0,
+      .feed_m_per_s = kFeed_m_per_s};
+  arm.force_N = std::visit([](const auto& script) { return script.push_force_N; }, cell.script);
+  return arm;
+}
+
+}  // namespace
+
+tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice) {
+  SourceOptions options;
+  options.input = choice.scene;
+  options.config_root = choice.config_root;
+  PackSource source;
+  if (auto loaded = LoadPackSource(options))
+    source = std::move(*loaded);
+  else
+    return tl::make_unexpected(loaded.error());
+  if (!source.own)
+    return tl::make_unexpected(
+        fmt::format("{}: found no scene, accepted a scene's YAML file or its name", choice.scene));
+  const std::filesystem::path cell_file = CellOf(choice);
+  const config::CellConfig cell = config::LoadCell(cell_file, choice.tool);
+  const simulation::SceneSolid solid{.name = source.name, .solid = source.solid, .site = source.site};
+  source.own->materials = source.materials;
+
+  PlanScene scene;
+  scene.name = source.name;
+  scene.cell_name = cell_file.stem().string();
+  scene.work = simulation::MakeSceneWorkload(solid, *source.own, cell.tool.tool, cell.cutting);
+  scene.materials = scene.work.materials;
+  scene.points = simulation::BuildMassPoints(*solid.solid, *scene.work.zone, source.own->points);
+  scene.cut = simulation::ShapeOfCut(scene.work, *source.own);
+  scene.zone_depth_m = simulation::ZoneDepthFor(scene.cut, source.own->zone.radius_m);
+  scene.arm = ArmOf(cell);
+  scene.max_turn_rad_per_s = cell.servo.twist.max_turn_rad_per_s;
+  return scene;
+}
+
+tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scene,
+                                                           const std::vector<PackedLevel>& levels,
+                                                           const simulation::Tool& tool,
+                                                           const std::string& device, int rounds) {
+  std::vector<LevelRun> runs(levels.size());
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<std::unique_ptr<gpu::VulkanEngine>> engines;
+    for (const PackedLevel& packed : levels) {
+      simulation::Bone bone;
+      bone.name = scene.name;
+      bone.balls = packed.balls;
+      bone.points = scene.points;
+      bone.materials = scene.materials;
+      auto made = gpu::VulkanEngine::Create(
+          bone, tool, Pose::Identity(),
+          simulation::CuttingForLevel(packed.level, scene.cut, scene.work.cutting), {.device = device});
+      if (!made) return tl::make_unexpected(made.error());
+      engines.push_back(std::move(*made));
+    }
+    RunQueueWatch watch;
+    for (LevelRun& run : runs) run.felt.clear();
+    for (std::size_t k = 0; k < scene.work.frames.size(); ++k) {
+      if (Interrupted()) return tl::make_unexpected("ended by Ctrl-C");
+      for (std::size_t i = 0; i < engines.size(); ++i) {
+        const std::size_t which = (i + k) % engines.size();
+        gpu::VulkanEngine& engine = *engines[which];
+        LevelRun& run = runs[which];
+        simulation::ContactModel model;
+        watch.Begin();
+        const double us = simulation::TimedStep(engine, scene.work.frames[k], model);
+        const bool interrupted = watch.Waited_us() > std::max(kLeastWait_us, kLeastShare * us);
+        if (model.status != simulation::EngineStatus::kOk)
+          return tl::make_unexpected("a frame was refused, or the device is lost");
+        if (model.contact_count > 0 && k < scene.work.cut_end)
+          run.frames.push_back({.us = us,
+                                .active_balls = static_cast<double>(engine.LastFrameStats().active_balls),
+                                .interrupted = interrupted});
+        if (k >= scene.work.feel_begin)
+          run.felt.push_back({.f_N = Vector3(model.F_T_W.f), .t_Nm = Vector3(model.F_T_W.t)});
+      }
+    }
+    for (std::size_t i = 0; i < engines.size(); ++i) {
+      runs[i].device = engines[i]->device();
+      runs[i].left = simulation::LiveBalls(engines[i]->Snapshot());
+    }
+  }
+  for (const LevelRun& run : runs)
+    if (run.frames.empty()) return tl::make_unexpected("the tool did not touch the bone on the scene's way");
+  return runs;
+}
+
+simulation::CutAccuracy MeasureLevel(const PlanScene& scene, const PackedLevel& packed, const LevelRun& run,
+                                     double probe_m) {
+  const simulation::SweptTool swept(scene.work.tool, scene.work.CutPath());
+  return simulation::MeasureCut(*scene.work.solid, simulation::BallUnion(packed.balls),
+                                simulation::BallUnion(run.left), swept,
+                                {.probe_radii_m = {probe_m}, .surface_cells = 20'000, .probe_samples = 3000});
+}
+
+double BallsInReach(const PlanScene& scene, const std::vector<simulation::Ball>& balls) {
+  constexpr std::size_t kPoses = 12;
+  const double reach_m = scene.work.cutting.normal_enlargement_m;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kPoses; ++i) {
+    const Pose X_GT = scene.work.frames[(2 * i + 1) * scene.work.cut_end / (2 * kPoses)].X_WT;
+    std::vector<Vector3> centers;
+    for (const simulation::ToolBall& ball : scene.work.tool.balls)
+      centers.emplace_back(X_GT * Vector3(ball.center_m));
+    for (const simulation::Ball& ball : balls) {
+      double gap_m = std::numeric_limits<double>::infinity();
+      for (std::size_t t = 0; t < centers.size(); ++t)
+        gap_m = std::min(gap_m, (Vector3(ball.center_m) - centers[t]).norm() -
+                                    scene.work.tool.balls[t].radius_m - ball.radius_m);
+      // what lies wholly within the tool has been cut away
+      if (gap_m < reach_m && gap_m > -2.0 * ball.radius_m) sum += 1.0;
+    }
+  }
+  return sum / kPoses;
+}
+
+}  // namespace osteon::app

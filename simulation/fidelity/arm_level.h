@@ -1,0 +1,65 @@
+#pragma once
+
+#include <string_view>
+
+namespace osteon::simulation {
+
+/// How much of an arm is modelled.
+enum class ArmFidelity {
+  kKinematic,  ///< it is where it was told to be
+  kServo,      ///< it lags
+  kDynamic,    ///< it gives as well
+};
+
+/// "kinematic", "servo", "dynamic": the words of a cell's simulated_arm: level.
+[[nodiscard]] constexpr std::string_view ArmFidelityName(ArmFidelity level) {
+  switch (level) {
+    case ArmFidelity::kKinematic:
+      return "kinematic";
+    case ArmFidelity::kServo:
+      return "servo";
+    case ArmFidelity::kDynamic:
+      return "dynamic";
+  }
+  return "unknown";
+}
+
+/// What bounds where an arm really is.
+struct ArmFigures {
+  double bandwidth_hz{15.0}, damping_ratio{1.0};  ///< of its position servo
+  double dead_time_s{0.003};
+  double stiffness_N_per_m{0.0};  ///< of what it stands on; 0: rigid
+  double feed_m_per_s{5e-3};      ///< of the tool in contact
+  double force_N{100.0};          ///< that it holds against
+};
+
+/// How far a level leaves the tool from where it really is [m]:
+///
+///     kinematic    v (dead time + 2 z / w) + F / K,   w = 2 π bandwidth: a servo's steady lag behind a ramp,
+///     and the
+///                  give
+///     servo        F / K
+///     dynamic      nothing
+[[nodiscard]] constexpr double ArmError(ArmFidelity level, const ArmFigures& arm) {
+  constexpr double kTwoPi = 6.283185307179586;
+  const double give_m = arm.stiffness_N_per_m > 0.0 ? arm.force_N / arm.stiffness_N_per_m : 0.0;
+  const double lag_s = arm.dead_time_s + 2.0 * arm.damping_ratio / (kTwoPi * arm.bandwidth_hz);
+  switch (level) {
+    case ArmFidelity::kKinematic:
+      return arm.feed_m_per_s * lag_s + give_m;
+    case ArmFidelity::kServo:
+      return give_m;
+    case ArmFidelity::kDynamic:
+      return 0.0;
+  }
+  return 0.0;
+}
+
+/// The lowest level whose error is at most `error_m`.
+[[nodiscard]] constexpr ArmFidelity LowestArmLevel(const ArmFigures& arm, double error_m) {
+  for (const ArmFidelity level : {ArmFidelity::kKinematic, ArmFidelity::kServo})
+    if (ArmError(level, arm) <= error_m) return level;
+  return ArmFidelity::kDynamic;
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,70 @@
+#include "simulation/fidelity/frame_cost.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "simulation/metrics/frame_workload.h"
+
+namespace osteon::simulation {
+
+FrameGroup GroupOf(std::span<const FrameSample> samples) {
+  if (samples.empty()) throw std::invalid_argument("frame cost: found no frame, accepted one and more");
+  constexpr std::size_t kParts = 9, kLeastCalm = 3;
+  std::vector<FrameSample> sorted(samples.begin(), samples.end());
+  std::ranges::stable_sort(sorted, {}, &FrameSample::active_balls);
+  const std::size_t n = sorted.size();
+  FrameGroup group{.frames = n, .active_balls = sorted[(n - 1) / 2].active_balls};
+  std::vector<double> medians, all, calm;
+  for (std::size_t part = 0; part < kParts; ++part) {
+    std::vector<double> here;
+    for (std::size_t i = part * n / kParts; i < (part + 1) * n / kParts; ++i) {
+      all.push_back(sorted[i].us);
+      if (sorted[i].interrupted)
+        ++group.interrupted;
+      else
+        here.push_back(sorted[i].us);
+    }
+    calm.insert(calm.end(), here.begin(), here.end());
+    if (here.size() >= kLeastCalm) medians.push_back(FiguresOf(std::move(here)).p50_us);
+  }
+  group.p50_us = FiguresOf(medians.empty() ? all : std::move(medians)).p50_us;
+  group.p999_us = FiguresOf(calm.empty() ? all : std::move(calm)).p999_us;
+  return group;
+}
+
+FrameCost FitFrameCost(std::span<const FrameGroup> groups) {
+  if (groups.size() < 2)
+    throw std::invalid_argument(
+        fmt::format("frame cost: found {} groups of frames, accepted two and more", groups.size()));
+  // minimise sum ((t0 + c N)/t - 1)²
+  double aa = 0.0, ab = 0.0, bb = 0.0, a1 = 0.0, b1 = 0.0;
+  std::vector<double> tails;
+  for (const FrameGroup& group : groups) {
+    if (!(group.p50_us > 0.0))
+      throw std::invalid_argument(
+          fmt::format("frame cost: median: found {:g} us, accepted more than 0", group.p50_us));
+    const double a = 1.0 / group.p50_us, b = group.active_balls / group.p50_us;
+    aa += a * a;
+    ab += a * b;
+    bb += b * b;
+    a1 += a;
+    b1 += b;
+    tails.push_back(group.p999_us / group.p50_us);
+  }
+  FrameCost cost;
+  const double det = aa * bb - ab * ab;
+  if (det > 1e-12 * aa * bb) {
+    cost.base_us = (a1 * bb - b1 * ab) / det;
+    cost.ball_us = (aa * b1 - ab * a1) / det;
+  }
+  // on a bound: the other one alone
+  if (cost.ball_us <= 0.0) cost = {.base_us = a1 / aa, .ball_us = 0.0};
+  if (cost.base_us < 0.0) cost = {.base_us = 0.0, .ball_us = b1 / bb};
+  std::ranges::sort(tails);
+  cost.tail_ratio = std::max(1.0, tails[tails.size() / 2]);
+  return cost;
+}
+
+}  // namespace osteon::simulation

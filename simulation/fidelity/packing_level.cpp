@@ -1,0 +1,197 @@
+#include "simulation/fidelity/packing_level.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/packing/graded_cells.h"
+#include "simulation/packing/packing_builder.h"
+#include "simulation/packing/split_packing.h"
+
+namespace osteon::simulation {
+namespace {
+
+constexpr double kLeastOverSpacing = 1.2, kMostOverSpacing = 2.4, kMostInto = 1.5;
+constexpr double kGap = 0.04 / 1.5, kGapGrowth = 0.08, kGreatestGap = 0.5 / 1.5;  // of the spacing
+constexpr double kSplitRadius = 0.9, kSplitSurface = 1.2 / 2.5, kSplitGap = 0.06, kSplitCoarser = 1.5 / 2.5;
+constexpr double kLeastSplit = 0.4 / 2.5;
+// Where the spacing doubles, split balls leave gaps: that has to be deeper than what a touched ball reaches.
+constexpr double kSplitFineDepth = 1.5;  // of a ball
+constexpr int kChildren = 24;
+constexpr double kHoles = 0.56;  // a body-centred lattice has none from here on
+constexpr double kFinest_m = 0.02e-3, kCoarsest_m = 20e-3;
+constexpr double kMostOfTool = 0.6, kMostOfReamer = 0.2, kMostSplitOfTool = 0.75, kMostSplitOfDepth = 0.85;
+
+PackingParams OverlapParams(const PackingLevel& level) {
+  const double a = level.fine.spacing_m, r = level.fine.radius_m, d = level.zone_depth_m;
+  PackingParams params;
+  params.lattice = {.finest_m = a, .coarser_from_m = {d + r, d + 3.0 * r}};
+  params.cup_radius_cap_m = r;
+  params.cup_depth_m = d;
+  params.least_radius_m = std::max(0.001e-3, 0.1 * r);
+  params.surface_gap_m = level.fine.surface_gap_m;
+  params.surface_gap_growth = kGapGrowth;
+  params.greatest_surface_gap_m = kGreatestGap * a;
+  params.samples = {.finest_m = a / 6.0, .coarser_from_m = {d + 0.5 * r, d + 3.0 * r}};
+  if (level.kind == PackingKind::kUniform) params.lattice.coarser_from_m = params.samples.coarser_from_m = {};
+  return params;
+}
+
+SplitPackingParams SplitParamsOf(const PackingLevel& level) {
+  const double a = level.fine.spacing_m;
+  return {.spacing_m = a,
+          .radius_over_spacing = kSplitRadius,
+          .fine_depth_m = level.zone_depth_m + kSplitFineDepth * level.fine.radius_m,
+          .coarser_from_m = kSplitCoarser * a,
+          .surface_radius_m = kSplitSurface * a,
+          .surface_gap_m = level.fine.surface_gap_m};
+}
+
+bool Holds(const PackingLevel& level, const CutShape& cut) {
+  const PackingFineness& fine = level.fine;
+  if (!FitsWall(level, cut)) return false;
+  if (level.kind == PackingKind::kSplit)
+    return fine.spacing_m <= kMostSplitOfTool * cut.tool_radius_m &&
+           (!cut.along_surface || fine.spacing_m <= kMostSplitOfDepth * cut.depth_m);
+  return fine.radius_m <= (cut.along_surface ? kMostOfReamer : kMostOfTool) * cut.tool_radius_m;
+}
+
+}  // namespace
+
+std::string_view KindName(PackingKind kind) {
+  switch (kind) {
+    case PackingKind::kUniform:
+      return "uniform";
+    case PackingKind::kGraded:
+      return "graded";
+    case PackingKind::kSplit:
+      return "split";
+  }
+  return "unknown";
+}
+
+bool FitsWall(const PackingLevel& level, const CutShape& cut) {
+  return level.fine.radius_m >= kHoles * level.fine.spacing_m &&
+         (cut.wall_m == 0.0 || level.fine.radius_m <= 0.5 * cut.wall_m);
+}
+
+double ZoneDepthFor(const CutShape& cut, double zone_radius_m) {
+  return cut.along_surface ? cut.depth_m : std::max(0.0, cut.tool_radius_m - zone_radius_m);
+}
+
+PackingLevel MakeLevel(PackingKind kind, double spacing_m, double radius_over_spacing, const CutShape& cut,
+                       double zone_depth_m) {
+  PackingLevel level{.kind = kind, .fine = {.spacing_m = spacing_m}, .zone_depth_m = zone_depth_m};
+  PackingFineness& fine = level.fine;
+  if (kind == PackingKind::kSplit) {
+    fine.radius_m = kSplitRadius * spacing_m;
+    fine.surface_gap_m = kSplitGap * spacing_m;
+    fine.children = kChildren;
+    return level;
+  }
+  fine.radius_m = std::clamp(radius_over_spacing, kLeastOverSpacing, kMostOverSpacing) * spacing_m;
+  if (cut.wall_m > 0.0) fine.radius_m = std::min(fine.radius_m, 0.5 * cut.wall_m);
+  fine.surface_gap_m = kGap * spacing_m;
+  return level;
+}
+
+PackingLevel Scaled(const PackingLevel& level, double factor, const CutShape& cut) {
+  return MakeLevel(level.kind, factor * level.fine.spacing_m, level.fine.radius_m / level.fine.spacing_m, cut,
+                   level.zone_depth_m);
+}
+
+std::optional<PackingLevel> CoarsestLevel(PackingKind kind, double error_m, const CutShape& cut,
+                                          double zone_depth_m) {
+  std::optional<PackingLevel> best;
+  const double most_ratio = cut.along_surface ? kMostOverSpacing : kMostInto;
+  for (double ratio = kLeastOverSpacing; ratio < most_ratio + 0.05; ratio += 0.1) {
+    const auto level_of = [&](double spacing_m) {
+      return MakeLevel(kind, spacing_m, ratio, cut, zone_depth_m);
+    };
+    const auto serves = [&](double spacing_m) {
+      const PackingLevel level = level_of(spacing_m);
+      return Holds(level, cut) && PredictRemovalError(level.fine, cut).total_m() <= error_m;
+    };
+    if (!serves(kFinest_m)) continue;
+    double fine = kFinest_m, coarse = kCoarsest_m;
+    for (int round = 0; round < 60; ++round) {
+      const double middle = std::sqrt(fine * coarse);
+      (serves(middle) ? fine : coarse) = middle;
+    }
+    if (!best || fine > best->fine.spacing_m) best = level_of(fine);
+  }
+  return best;
+}
+
+std::vector<Ball> PackLevel(const PackingLevel& level, const Solid& solid, const CutZone& zone) {
+  if (level.kind == PackingKind::kSplit) return BuildSplitPacking(solid, zone, SplitParamsOf(level));
+  if (level.kind == PackingKind::kUniform) return BuildPacking(solid, EverywhereZone(), OverlapParams(level));
+  return BuildPacking(solid, zone, OverlapParams(level));
+}
+
+double ExpectedChildren(const PackingLevel& level, const CutShape& cut) {
+  if (level.kind != PackingKind::kSplit) return 0.0;
+  const double a = level.fine.spacing_m;
+  double touched_1_per_m2 = 2.0 * level.fine.radius_m * 2.0 / (a * a * a);
+  if (cut.along_surface)  // all of the surface's own balls as well
+    touched_1_per_m2 += 0.25 / (level.fine.surface_gap_m * kSplitSurface * a);
+  return level.fine.children * touched_1_per_m2 * cut.area_m2;
+}
+
+CuttingParams CuttingForLevel(const PackingLevel& level, const CutShape& cut, const CuttingParams& cutting) {
+  CuttingParams params = cutting;
+  params.split.on = level.kind == PackingKind::kSplit;
+  if (!params.split.on) return params;
+  params.split.children = level.fine.children;
+  params.split.least_radius_m = kLeastSplit * level.fine.spacing_m;
+  const double blocks = 1.5 * ExpectedChildren(level, cut) / level.fine.children;
+  params.split.pool_blocks = static_cast<std::size_t>(std::clamp(blocks, 1024.0, 1e6));
+  return params;
+}
+
+DepthVolumes::DepthVolumes(const Solid& solid, const CutZone& zone) {
+  const double side = solid.Bounds().sizes().maxCoeff() / 60.0, volume = side * side * side;
+  for (const simulation::Cell& cell :
+       DivideGraded(solid, EverywhereZone(), {.finest_m = side, .coarser_from_m = {}}, CellsWanted::kSolid)) {
+    const double distance = cell.signed_distance_m;
+    // as many centres lie within half a cell's diagonal of a surface as this layer has room for
+    const bool at_surface = std::abs(distance) <= cell.reach_m();
+    if (distance >= 0.0 && !at_surface) continue;
+    cells_.push_back({.depth_m = zone.DepthAt(cell.center()),
+                      .inside_m = -distance,
+                      .volume_m3 = distance < 0.0 ? volume : 0.0,
+                      .area_m2 = at_surface ? volume / (2.0 * cell.reach_m()) : 0.0});
+  }
+}
+
+double DepthVolumes::volume_m3() const {
+  double sum = 0.0;
+  for (const Cell& cell : cells_) sum += cell.volume_m3;
+  return sum;
+}
+
+double DepthVolumes::ExpectedBalls(const PackingLevel& level) const {
+  const PackingParams overlap = OverlapParams(level);
+  const SplitPackingParams split = SplitParamsOf(level);
+  double balls = 0.0;
+  for (const Cell& cell : cells_) {
+    if (level.kind == PackingKind::kSplit) {
+      // twice as far apart at each of two depths; surface balls grow with the depth (split_packing.cpp)
+      const double below_m = std::max(0.0, cell.depth_m - split.fine_depth_m);
+      const int coarser = below_m >= 2.0 * split.coarser_from_m ? 2 : below_m >= split.coarser_from_m ? 1 : 0;
+      const double a = std::ldexp(split.spacing_m, coarser);
+      if (cell.inside_m >= 0.6 * kSplitRadius * a) balls += cell.volume_m3 * 2.0 / (a * a * a);
+      const double r = split.surface_radius_m + 0.5 * below_m,
+                   gap = std::min(2e-3,
+                                  split.surface_gap_m + 0.4 * std::max(0.0, below_m - split.coarser_from_m));
+      balls += cell.area_m2 * 0.25 / (gap * r);
+      continue;
+    }
+    const double depth_m = level.kind == PackingKind::kUniform ? 0.0 : cell.depth_m;
+    const double a = overlap.SpacingAt(depth_m), r = overlap.RadiusCapAt(depth_m, a);
+    if (cell.inside_m >= 0.9 * r) balls += cell.volume_m3 * 2.0 / (a * a * a);
+    balls += cell.area_m2 * 0.25 / (overlap.SurfaceGapAt(depth_m) * r);
+  }
+  return balls;
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "simulation/cutting_engine.h"
+#include "simulation/fidelity/removal_error.h"
+#include "simulation/solids/cut_zone.h"
+
+// How fine a bone is packed, as one length: the lattice's spacing. All else follows from it.
+
+namespace osteon::simulation {
+
+enum class PackingKind : std::uint8_t {
+  kUniform,  ///< all of the bone alike
+  kGraded,   ///< fine where it is cut, coarser below
+  kSplit,    ///< graded, with few large balls that are split when a tool touches them
+};
+
+/// "uniform", "graded", "split".
+[[nodiscard]] std::string_view KindName(PackingKind kind);
+
+struct PackingLevel {
+  PackingKind kind{PackingKind::kGraded};
+  PackingFineness fine;
+  double zone_depth_m{0.0};  ///< below the cut zone, down to which it is fine
+};
+
+/// Depth below the scene's zone that the cut reaches: the face's own for a cup, for a way by how much the
+/// tool is wider than the zone.
+/// @param zone_radius_m  of a way; 0 for a cup
+[[nodiscard]] double ZoneDepthFor(const CutShape& cut, double zone_radius_m);
+
+/// A level by its spacing a.
+///
+///     uniform, graded    r as asked for, 1.2 a … 2.4 a; half the wall at most
+///     split              parents of .9 a, 24 children each; the surface's own balls .48 a
+///     all                gap at the surface .027 a (split: .06 a)
+[[nodiscard]] PackingLevel MakeLevel(PackingKind kind, double spacing_m, double radius_over_spacing,
+                                     const CutShape& cut, double zone_depth_m);
+
+/// The same bone by a spacing so many times as large.
+[[nodiscard]] PackingLevel Scaled(const PackingLevel& level, double factor, const CutShape& cut);
+
+/// Whether the level's balls are at most half the wall, and its lattice has no holes.
+[[nodiscard]] bool FitsWall(const PackingLevel& level, const CutShape& cut);
+
+/// The coarsest level whose predicted removal error is at most `error_m`, within what the closed forms hold
+/// for: r <= .6 R (R/5 in a cut along the surface), a split lattice's spacing <= .75 R (and .85 of the depth
+/// of a cut along the surface), and a lattice without holes, r >= .56 a. Spacings from .02 to 20 mm. Large
+/// balls leave the finer face, small ones the finer rim: of radii from 1.2 a to 2.4 a (1.5 a in a cut that
+/// leads into the bone) the one that allows the widest spacing counts.
+/// @returns nothing where even the finest exceeds the error.
+[[nodiscard]] std::optional<PackingLevel> CoarsestLevel(PackingKind kind, double error_m, const CutShape& cut,
+                                                        double zone_depth_m);
+
+/// The level's balls. @throws std::invalid_argument as the packings do.
+[[nodiscard]] std::vector<Ball> PackLevel(const PackingLevel& level, const Solid& solid, const CutZone& zone);
+
+/// The engine's parameters for a level: splitting with room for all balls that the cut touches, and half as
+/// many more, or none.
+[[nodiscard]] CuttingParams CuttingForLevel(const PackingLevel& level, const CutShape& cut,
+                                            const CuttingParams& cutting);
+
+/// Children that a cut makes of a level's balls, while it lasts; 0 where none is split.
+[[nodiscard]] double ExpectedChildren(const PackingLevel& level, const CutShape& cut);
+
+/// Volume and surface of a solid by depth below a zone, in cells of a sixtieth of it: to some 5 %.
+class DepthVolumes {
+ public:
+  DepthVolumes(const Solid& solid, const CutZone& zone);
+  /// Balls that PackLevel makes, to within a half.
+  [[nodiscard]] double ExpectedBalls(const PackingLevel& level) const;
+  [[nodiscard]] double volume_m3() const;
+
+ private:
+  struct Cell {
+    double depth_m, inside_m, volume_m3, area_m2;
+  };
+  std::vector<Cell> cells_;
+};
+
+}  // namespace osteon::simulation

@@ -1,0 +1,67 @@
+#include "simulation/fidelity/removal_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace osteon::simulation {
+namespace {
+
+// Fitted to carved packings (tests/simulation/removal_error_test.cpp); 1/(2 π) is .159.
+constexpr double kAlong = 0.18, kInto = 0.13, kSplit = 0.08, kLeak = 0.16;
+constexpr double kRimAlong = 0.08, kRimInto = 0.14;  // area of the sliver that a rim loses, over r²
+constexpr double kLeastOfCap =
+    0.9;  // packing_builder.cpp: nearer to the surface are only balls that touch it
+constexpr double kChildRadius = 0.36;  // of the spacing: .4 of a ball of .9 a
+
+double CentersPerVolume(const PackingFineness& fine) {
+  const double a = fine.spacing_m;
+  return 2.0 / (a * a * a) * std::max(1, fine.children);
+}
+
+/// Balls that touch a surface from inside, so many that the gap between them is kept.
+double SurfaceDensity(const PackingFineness& fine) { return 0.25 / (fine.surface_gap_m * fine.radius_m); }
+
+struct Points {
+  double density_1_per_m2, radius_m;  ///< mean radius that is left
+};
+
+Points LeftPoints(const PackingFineness& fine, const CutShape& cut) {
+  const double n = CentersPerVolume(fine),
+               r = fine.children > 0 ? kChildRadius * fine.spacing_m : fine.radius_m;
+  if (!cut.along_surface || fine.children > 0) return {.density_1_per_m2 = 2.0 * r * n, .radius_m = 0.5 * r};
+  // lattice: centres from where they begin to where balls end to reach the face; the surface's: all at depth
+  // r
+  const double h = cut.depth_m, from = std::max(kLeastOfCap * r, h - r), layer = std::max(0.0, h + r - from);
+  const double lattice = n * layer, lattice_r = r - 0.25 * layer;
+  const double surface = h < 2.0 * r ? SurfaceDensity(fine) : 0.0, surface_r = r - 0.5 * h;
+  const double s = lattice + surface;
+  return {.density_1_per_m2 = s, .radius_m = (lattice * lattice_r + surface * surface_r) / s};
+}
+
+}  // namespace
+
+RemovalError PredictRemovalError(const PackingFineness& fine, const CutShape& cut) {
+  const Points points = LeftPoints(fine, cut);
+  const double k = fine.children > 0 ? kSplit : cut.along_surface ? kAlong : kInto;
+  RemovalError error;
+  error.face_m = k / points.density_1_per_m2 * (1.0 / points.radius_m + 1.0 / cut.tool_radius_m);
+  const double r = fine.children > 0 ? kChildRadius * fine.spacing_m : fine.radius_m;
+  error.rim_m = (cut.along_surface ? kRimAlong : kRimInto) * r * r * cut.rim_per_area_1_per_m;
+  return error;
+}
+
+double TangentDensity(const PackingFineness& fine, const CutShape& cut) {
+  return LeftPoints(fine, cut).density_1_per_m2;
+}
+
+double PredictLeak(const PackingFineness& fine, const CutShape& cut, double probe_radius_m) {
+  const Points points = LeftPoints(fine, cut);
+  return kLeak / points.density_1_per_m2 / (probe_radius_m + points.radius_m);
+}
+
+double PredictCogging(const PackingFineness& fine, double tool_radius_m) {
+  const double apart_m = 1.0 / std::sqrt(SurfaceDensity(fine));
+  return apart_m / (std::sqrt(12.0) * (tool_radius_m + fine.radius_m));
+}
+
+}  // namespace osteon::simulation

@@ -1,0 +1,63 @@
+#pragma once
+
+// What a packing of overlapping balls does to a cut, in closed form. Where the tool's face has passed, each
+// ball that it touched is left touching the face at one point; between these points bone is missing:
+//
+//     gap at a distance x from the nearest point    x²/2 (1/r' + 1/R)
+//     mean over a plane with s points to the area   k/s (1/r' + 1/R),   1/(2 π) = .159 for points at random
+//     points to the area                            s = n (a layer of centres),  n = 2/a³ of a body-centred
+//     lattice
+//
+// r' is what a ball has left, R the tool's radius. Source of the form: docs/planning.md and the design's
+// experiments on overlapping packings; the constants are fitted, and tests hold them against carved packings.
+
+namespace osteon::simulation {
+
+/// A cut as the closed forms see it.
+struct CutShape {
+  double tool_radius_m{0.025};
+  /// The face lies along the surface, `depth_m` below it (a cup that is reamed); otherwise it leads into the
+  /// bone (a hole, a trench).
+  bool along_surface{false};
+  double depth_m{0.0};
+  double rim_per_area_1_per_m{
+      0.0};             ///< length of the edge where the cut leaves the bone, over the cut's area
+  double area_m2{0.0};  ///< of the cut
+  double wall_m{0.0};   ///< thinnest wall of the bone that is cut; 0: thick
+};
+
+/// How fine a packing is where it is cut.
+struct PackingFineness {
+  double spacing_m{1.5e-3};       ///< of the body-centred lattice
+  double radius_m{1.8e-3};        ///< greatest, of balls that the cut can reach
+  double surface_gap_m{0.04e-3};  ///< greatest, between surface and balls, before it is cut
+  int children{0};                ///< of a ball that is split when touched; 0: balls shrink whole
+};
+
+/// Parts of the mean depth that is lost beyond the sweep [m].
+struct RemovalError {
+  double face_m{0.0};  ///< between the points that are left
+  double rim_m{0.0};   ///< at the edge, where balls of the surface are cut from the side
+  [[nodiscard]] double total_m() const { return face_m + rim_m; }
+};
+
+/// Holds within -45 … +20 % while radius <= .6 R, split balls' spacing <= .75 R, and no ball is larger than
+/// half the wall.
+[[nodiscard]] RemovalError PredictRemovalError(const PackingFineness& fine, const CutShape& cut);
+
+/// Points to the area that a cut leaves, 1/m²: how finely it is made of balls.
+[[nodiscard]] double TangentDensity(const PackingFineness& fine, const CutShape& cut);
+
+/// How deep a ball of this radius sinks between the points that are left on a cut, in the mean: it rests on
+/// three. None leaks through: a lattice has no holes from radius .56 a on.
+///
+///     k/s / (probe + r')
+[[nodiscard]] double PredictLeak(const PackingFineness& fine, const CutShape& cut, double probe_radius_m);
+
+/// Effective tangential force over normal force of a ball of radius R that slides over an uncut face
+/// (cogging): its centre goes over caps of radius R + r, l apart, with slopes up to (l/2)/(R + r).
+///
+///     l / (√12 (R + r)),   l the mean distance of the surface's balls
+[[nodiscard]] double PredictCogging(const PackingFineness& fine, double tool_radius_m);
+
+}  // namespace osteon::simulation

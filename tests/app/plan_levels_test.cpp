@@ -1,0 +1,90 @@
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include "app/plan.h"
+
+// What a plan leaves out changes nothing that was asked for, and nothing is finer than it has to be: the next
+// finer level (half the spacing) changes force by less than 7 % and depth by less than the error, and the
+// next coarser one (twice the spacing) is seen to exceed it. On Vulkan; no clock is looked at.
+
+namespace osteon::app {
+namespace {
+
+struct Level {
+  PackedLevel packed;
+  double error_m{0.0};
+  std::vector<simulation::FeltForce> felt;
+};
+
+Level Measure(const PlanScene& scene, const simulation::Tool& tool, const simulation::PackingLevel& level) {
+  PackedLevel packed{.level = level, .balls = PackLevel(level, *scene.work.solid, *scene.work.zone)};
+  auto runs = RunLevels(scene, {packed}, tool, "", 1);
+  if (!runs) throw std::runtime_error(runs.error());
+  const auto cut = MeasureLevel(scene, packed, runs->front(), std::min(1e-3, 0.5 * scene.cut.tool_radius_m));
+  const double left_m = cut.left_volume_m3 / cut.cut_area_m2;
+  std::printf("%s %s a %.3f mm: %zu balls, error %.4f mm, predicted %.4f mm\n", scene.name.c_str(),
+              std::string(KindName(level.kind)).c_str(), level.fine.spacing_m * 1e3, packed.balls.size(),
+              (cut.depth_error_m + left_m) * 1e3, PredictRemovalError(level.fine, scene.cut).total_m() * 1e3);
+  return {.packed = std::move(packed),
+          .error_m = cut.depth_error_m + left_m,
+          .felt = std::move(runs->front().felt)};
+}
+
+struct Case {
+  const char* scene;
+  double error_mm;
+};
+
+class PlanLevels : public testing::TestWithParam<Case> {};
+
+TEST_P(PlanLevels, AreNeitherFinerNorCoarserThanTheyHaveToBe) {
+  const Case asked = GetParam();
+  const auto scene =
+      LoadPlanScene({.scene = asked.scene, .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});
+  ASSERT_TRUE(scene) << scene.error();
+  const double error_m = 1e-3 * asked.error_mm;
+  const ModelChoice model = ChooseModel(*scene, error_m);
+  ASSERT_TRUE(model.level);
+  const Level own = Measure(*scene, model.tool, *model.level),
+              finer = Measure(*scene, model.tool, Scaled(*model.level, 0.5, scene->cut)),
+              coarser = Measure(*scene, model.tool, Scaled(*model.level, 2.0, scene->cut));
+  EXPECT_LE(own.error_m, error_m);
+  EXPECT_LT(std::abs(finer.error_m - own.error_m), error_m);
+  const simulation::ForceErrors force = CompareForces(own.felt, finer.felt, scene->work.rate_hz);
+  std::printf("  force off the finer level's by %.4f\n", force.force_relative);
+  EXPECT_LT(force.force_relative, 0.07);
+  EXPECT_GT(coarser.error_m, error_m) << "a coarser packing would have done";
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, PlanLevels,
+                         testing::Values(Case{"acetabulum", 0.15}, Case{"molar", 0.009},
+                                         Case{"femoral_canal", 0.15}, Case{"sawbone_block", 0.06},
+                                         Case{"thin_plate", 0.08}),
+                         [](const auto& tested) { return std::string(tested.param.scene); });
+
+// A tool with fewer balls cuts what the whole one cuts, to within its share.
+TEST(PlanTool, WithFewerBallsLeavesLessThanItsShare) {
+  const auto scene =
+      LoadPlanScene({.scene = "thin_plate", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});
+  ASSERT_TRUE(scene) << scene.error();
+  const ModelChoice whole = ChooseModel(*scene, 0.02e-3), thin = ChooseModel(*scene, 2e-3);
+  EXPECT_EQ(whole.tool.balls.size(), scene->work.tool.balls.size());
+  EXPECT_LT(thin.tool.balls.size(), scene->work.tool.balls.size());
+  EXPECT_LT(thin.tool_gap_m, 0.1 * 2e-3);
+}
+
+TEST(PlanScene, TakesTheCellOfItsOwnNameOrTheDemos) {
+  const std::filesystem::path root = OSTEON_SOURCE_DIR "/config";
+  const auto molar = LoadPlanScene({.scene = "molar", .cell = {}, .config_root = root});
+  ASSERT_TRUE(molar) << molar.error();
+  EXPECT_EQ(molar->cell_name, "molar");
+  EXPECT_NEAR(molar->cut.tool_radius_m, 0.9e-3, 1e-9);
+  const auto cup = LoadPlanScene({.scene = "acetabulum", .cell = {}, .config_root = root});
+  ASSERT_TRUE(cup) << cup.error();
+  EXPECT_EQ(cup->cell_name, "demo");
+  EXPECT_FALSE(LoadPlanScene({.scene = "ball:20", .cell = {}, .config_root = root}));
+}
+
+}  // namespace
+}  // namespace osteon::app
