@@ -20,10 +20,11 @@ std::string Trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-// "osteon …" of a text that begins with it, with or without "./"; empty for any other.
+// "osteon …" of a text that begins with it, wherever the launcher is; empty for any other.
 std::string CommandOf(std::string text) {
   text = Trimmed(text);
-  if (text.starts_with("./")) text.erase(0, 2);
+  for (const std::string place : {"./", "osteon/"})
+    if (text.starts_with(place)) text.erase(0, place.size());
   if (!text.starts_with("osteon ")) return {};
   static const std::regex remark(R"((\s+#.*|\s{2,}\S.*)$)");
   text = Trimmed(std::regex_replace(text, remark, ""));

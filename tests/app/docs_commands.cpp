@@ -55,6 +55,15 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon run demo --simulated --seconds 10 --gains tune/gains.yaml",
        By("GainsRun.SavedAgainTheyAreReadCheckedAndRampedAndTheRunReplaysBitForBit")},
 
+      {"osteon plan acetabulum --error-mm 0.1 --rate-hz 1000",
+       By("Plan.WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises")},
+      {"osteon plan molar --error-mm 0.02 --rate-hz 1000 --check --json plan.json",
+       By("Plan.WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises")},
+      {"osteon regress --junit regress.xml", By("Regress.TheWholeSuitePasses")},
+      {"osteon regress scenarios --junit regress.xml --json regress.json", By("Regress.TheWholeSuitePasses")},
+      {"osteon regress --update --reason \"the reamer's mass was weighed anew\"",
+       By("Regress.AChangeIsAcceptedWithAReason")},
+
       {"osteon doctor", As("doctor --seconds 0.2")},
       {"osteon cell demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
       {"osteon run demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
