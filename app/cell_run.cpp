@@ -298,7 +298,8 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
 tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simulation::CuttingEngine& engine,
                                                   const CellRunParams& params) {
   const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
-  simulation::SceneWatch watch(*setup.solid, setup.bone, setup.config.tool.tool, setup.config.scene.events);
+  simulation::SceneWatch watch(setup.solid.get(), setup.bone, setup.config.tool.tool,
+                               setup.config.scene.events);
   FrameRunner runner(engine, depth, watch, setup.X_WG);
   // what may be refused comes first: an earlier run's recording is only overwritten by a run
   Wires wires;

@@ -79,6 +79,10 @@ int RunDemo(const DemoOptions& options) {
   auto engine = MakeEngine(*setup, options.engine, options.device);
   if (!engine) return Fail(engine.error());
 
+  if (!setup->solid && setup->config.scene.events.least_wall_m > 0.0)
+    fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
+               setup->bone.name);
+
   InstallInterrupt();
   InstallPause();
   RunProgress progress("osteon demo", options.seconds);

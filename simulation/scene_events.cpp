@@ -34,7 +34,7 @@ std::vector<OrientedPoint> PointsOf(const Bone& bone, MaterialIndex material) {
 
 }  // namespace
 
-SceneWatch::SceneWatch(const Solid& solid, const Bone& bone, const Tool& tool, const SceneEventParams& params)
+SceneWatch::SceneWatch(const Solid* solid, const Bone& bone, const Tool& tool, const SceneEventParams& params)
     : solid_(solid), site_(bone.cup), params_(params), walls_({}) {
   CheckRangeMm("events: least_wall", params.least_wall_m, 0.0, 0.1);
   if (!(params.opening_widening >= 1.0 && params.opening_widening <= 10.0))
@@ -44,12 +44,12 @@ SceneWatch::SceneWatch(const Solid& solid, const Bone& bone, const Tool& tool, c
     if (ball.cutting) cutting_.push_back(ball);
   for (const RegionWatch& watch : params.regions) {
     Region region{.name = watch.name, .material = FindMaterial(bone, watch), .points = {}};
-    if (!solid.RegionDistance(region.material, site_.center_m))
+    if (!solid || !solid->RegionDistance(region.material, site_.center_m))
       region.points.emplace(PointsOf(bone, region.material));
     regions_.push_back(std::move(region));
   }
-  if (params.least_wall_m > 0.0) {
-    std::vector<OrientedPoint> samples = PointsOfSurface(solid, params.wall_spacing_m);
+  if (solid && params.least_wall_m > 0.0) {
+    std::vector<OrientedPoint> samples = PointsOfSurface(*solid, params.wall_spacing_m);
     std::erase_if(samples, [this](const OrientedPoint& sample) { return IsOpening(sample); });
     walls_ = SampleIndex(std::move(samples));
   }
@@ -72,8 +72,8 @@ OrientedPoint SceneWatch::Refined(const Vector3& c_m, OrientedPoint at) const {
     const Vector3 aside = way - way.dot(at.normal) * at.normal;
     if (aside.norm() < kRefined_m) break;
     OrientedPoint next;
-    next.p_m = solid_.NearestSurface(at.p_m + aside).p_m;
-    next.normal = SurfaceNormal(solid_, next.p_m);
+    next.p_m = solid_->NearestSurface(at.p_m + aside).p_m;
+    next.normal = SurfaceNormal(*solid_, next.p_m);
     const bool nearer = (next.p_m - c_m).norm() < way.norm();
     if (!nearer || IsOpening(next) || (next.p_m - c_m).dot(next.normal) <= 0.0) break;
     at = next;
@@ -115,7 +115,7 @@ void SceneWatch::StepRegion(Region& region, const Pose& X_GP, rt::Nanoseconds st
       if (!point) continue;
       place = point->p_m;
     } else {
-      const auto distance = solid_.RegionDistance(region.material, c);
+      const auto distance = solid_->RegionDistance(region.material, c);
       if (!distance || distance->distance_m > ball.radius_m) continue;
       place = distance->p_m;
     }
@@ -142,7 +142,7 @@ std::optional<SceneWatch::Wall> SceneWatch::ThinnestWall(const Pose& X_GP) const
     const double way_m = (foot.p_m - c).norm(), thickness_m = way_m - ball.radius_m;
     // from outside of the bone, past its edge, there is air on the way
     const Vector3 middle = foot.p_m + 0.5 * thickness_m / way_m * (c - foot.p_m);
-    if (thickness_m > 0.0 && solid_.SignedDistance(middle) > 0.0) continue;
+    if (thickness_m > 0.0 && solid_->SignedDistance(middle) > 0.0) continue;
     if (!bound || thickness_m < *bound) thinnest = Wall{thickness_m, foot.p_m};
   }
   return thinnest;

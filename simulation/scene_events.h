@@ -56,9 +56,10 @@ struct SceneEvent {
 /// A query or two of the solid a frame: for the simulation's thread, not for the tick.
 class SceneWatch {
  public:
-  /// @param solid  what the bone was packed from; must outlive the watch
+  /// @param solid  what the bone was packed from; must outlive the watch. Null where that is not known (a
+  ///   saved packing): its points stand for every region, and walls are not watched
   /// @throws std::invalid_argument where the bone has no such material, or a figure is out of range.
-  SceneWatch(const Solid& solid, const Bone& bone, const Tool& tool, const SceneEventParams& params);
+  SceneWatch(const Solid* solid, const Bone& bone, const Tool& tool, const SceneEventParams& params);
 
   /// One frame. @param removed_volume_m3  since the start, as in ContactModel
   /// @returns the events that began in it, mostly none.
@@ -85,7 +86,7 @@ class SceneWatch {
   [[nodiscard]] bool IsOpening(const OrientedPoint& sample) const;
   [[nodiscard]] double DepthOf(const Vector3& p_G) const;
 
-  const Solid& solid_;
+  const Solid* solid_;
   Cup site_;
   SceneEventParams params_;
   std::vector<ToolBall> cutting_;

@@ -32,7 +32,7 @@ struct Course {
 Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, const simulation::Solid& solid,
              double thickness_m, bool held, const simulation::CuttingParams& params) {
   const simulation::Tool tool = MakeBallTool(kRadius_m);
-  simulation::SceneWatch watch(solid, wall, tool, {.least_wall_m = 1e-6});
+  simulation::SceneWatch watch(&solid, wall, tool, {.least_wall_m = 1e-6});
   Course course;
   const safety::DepthLimitParams floor{
       .acts = held,

@@ -41,9 +41,10 @@ const std::map<std::string, DocRun>& Runs() {
 
       {"osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50",
        As("bench frame --spheres 20000 --tool-spheres 20 --compare brute --frames 20")},
-      {"osteon bench kinematics", As("bench kinematics --calls 100")},
+      {"osteon bench kinematics", As("bench kinematics --calls 1000")},
       {"osteon bench kinematics --robot config/robots/kr_6_r900_2.yaml --json kr.json",
-       As("bench kinematics --robot config/robots/kr_6_r900_2.yaml --json kr.json --calls 100", {"kr.json"})},
+       As("bench kinematics --robot config/robots/kr_6_r900_2.yaml --json kr.json --calls 1000",
+          {"kr.json"})},
       {"osteon capability config/cells/demo.yaml",
        As("capability config/cells/demo.yaml --nodes 11 --no-search", {"capability/capability.html"})},
       {"osteon chart scaling --out scaling", By("ChartScaling.WritesItsFilesAndPoints")},

@@ -51,7 +51,7 @@ const SceneEventParams kPulpAndWall{
 class Burr {
  public:
   explicit Burr(const SceneEventParams& params)
-      : watch_(solid_, DentineAndPulp(), BallTool(kBurr_m), params) {}
+      : watch_(&solid_, DentineAndPulp(), BallTool(kBurr_m), params) {}
   std::vector<SceneEvent> At(const Vector3& apex, bool cuts = true) {
     if (cuts) volume_m3_ += 1e-9;
     return watch_.Step(Down(apex), volume_m3_, ++stamp_);
@@ -154,7 +154,7 @@ TEST(SceneEvents, CuspsAreNoWall) {
   Bone bone = DentineAndPulp();
   const double top_m = 0.0051;  // of the fissures
   bone.cup = {.center_m = Vector3(0, 0, top_m), .axis = Vector3::UnitZ(), .radius_m = 0.00175};
-  SceneWatch watch(molar, bone, BallTool(kBurr_m), {.least_wall_m = 1e-3, .wall_spacing_m = 0.25e-3});
+  SceneWatch watch(&molar, bone, BallTool(kBurr_m), {.least_wall_m = 1e-3, .wall_spacing_m = 0.25e-3});
   double volume_m3 = 0.0;
   for (double depth = 0.0; depth < 0.003; depth += 0.3e-3)
     for (double angle = 0.0; angle < 6.2; angle += 0.4) {
@@ -183,7 +183,7 @@ TEST(SceneEvents, RegionOfUnknownShapeIsReachedWithItsFirstPoint) {
   bone.points = {{.p_m = Vector3(0.0002, 0, -0.002), .volume_m3 = 1e-12, .material = 0},
                  {.p_m = Vector3(0, 0.0006, -0.004), .volume_m3 = 1e-12, .material = 1},
                  {.p_m = Vector3(0, 0, -0.005), .volume_m3 = 1e-12, .material = 1}};
-  SceneWatch watch(solid, bone, BallTool(kBurr_m), {.regions = {{.name = "pulp", .material = "pulp"}}});
+  SceneWatch watch(&solid, bone, BallTool(kBurr_m), {.regions = {{.name = "pulp", .material = "pulp"}}});
   // the ball meets the point .6 mm off the axis with its apex .2 mm below it
   EXPECT_TRUE(watch.Step(Down({0, 0, -0.0042 + 1e-7}), 1e-9, 1).empty());
   const auto events = watch.Step(Down({0, 0, -0.0042 - 1e-7}), 2e-9, 2);
@@ -191,11 +191,21 @@ TEST(SceneEvents, RegionOfUnknownShapeIsReachedWithItsFirstPoint) {
   EXPECT_NEAR(events[0].value, 0.004, 1e-12);
 }
 
+// A saved packing has no solid.
+TEST(SceneEvents, WithoutASolidItsPointsStandForARegionAndNoWallIsWatched) {
+  Bone bone = DentineAndPulp();
+  bone.points = {{.p_m = Vector3(0, 0.0006, -0.004), .volume_m3 = 1e-12, .material = 1}};
+  SceneWatch watch(nullptr, bone, BallTool(kBurr_m), kPulpAndWall);
+  EXPECT_TRUE(watch.Step(Down({0, 0, -0.0042 + 1e-7}), 1e-9, 1).empty());
+  EXPECT_EQ(watch.Step(Down({0, 0, -0.0042 - 1e-7}), 2e-9, 2).size(), 1u);
+  EXPECT_FALSE(watch.least_wall_m());
+}
+
 TEST(SceneEvents, RefusesWhatTheSceneHasNot) {
   const BoxInBox solid;
   const Bone bone = DentineAndPulp();
   const auto make = [&](const SceneEventParams& params) {
-    SceneWatch(solid, bone, BallTool(kBurr_m), params);
+    SceneWatch(&solid, bone, BallTool(kBurr_m), params);
   };
   EXPECT_NO_THROW(make({}));
   EXPECT_NO_THROW(make(kPulpAndWall));
