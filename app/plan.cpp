@@ -148,9 +148,11 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
   }
   if (first && plan.frame_us > most_us) plan = std::move(*first);  // no coarser one has the rate
   if (!level) return tl::make_unexpected("no packing of this bone serves a cut by this tool");
-  if (plan.error_m > request.error_m)
+  // of a coarser packing as much is promised as it would have been chosen for
+  plan.promised_m = std::max(request.error_m, plan.error_m / kRemovalShare);
+  if (plan.promised_m > (1.0 + 1e-6) * request.error_m)
     plan.given_up.push_back(
-        {.what = "error", .asked = request.error_m * 1e3, .predicted = plan.error_m * 1e3});
+        {.what = "error", .asked = request.error_m * 1e3, .predicted = plan.promised_m * 1e3});
   if (plan.frame_us > most_us)
     plan.given_up.push_back({.what = "rate", .asked = request.rate_hz, .predicted = 1e6 / plan.frame_us});
 
@@ -186,10 +188,9 @@ tl::expected<PlanCheck, std::string> CheckPlan(const PlanScene& scene, const Pla
   const auto gave_up = [&](const char* what) {
     return std::ranges::any_of(plan.given_up, [&](const GivenUp& given) { return given.what == what; });
   };
-  const double promised_m = gave_up("error") ? std::max(request.error_m, plan.error_m) : request.error_m;
-  if (check.error_m > promised_m)
-    check.missed.push_back(
-        fmt::format("error: measured {:.4f} mm, promised {:.4f} mm", check.error_m * 1e3, promised_m * 1e3));
+  if (check.error_m > plan.promised_m)
+    check.missed.push_back(fmt::format("error: measured {:.4f} mm, promised {:.4f} mm", check.error_m * 1e3,
+                                       plan.promised_m * 1e3));
   if (const double most_us = 1e6 / request.rate_hz; check.frames.p50_us > most_us && !gave_up("rate"))
     check.missed.push_back(fmt::format("frame: measured {:.0f} us, {:.0f} us at {:g} Hz", check.frames.p50_us,
                                        most_us, request.rate_hz));

@@ -35,7 +35,9 @@ struct FidelityPlan {
   int turn_parts{1};  ///< of a frame, at the fastest turn that the cell allows
 
   simulation::RemovalError removal;
-  double error_m{0.0};        ///< of the cut's depth: removal and tool
+  double error_m{0.0};  ///< of the cut's depth: removal and tool
+  double promised_m{
+      0.0};  ///< what the cut keeps: the error asked for, or where it was given up that much instead
   double arm_error_m{0.0};    ///< of where the tool is
   double leak_m{0.0};         ///< how deep a probe sinks between what is left, in the mean
   double leak_probe_m{0.0};   ///< its radius
@@ -76,8 +78,8 @@ struct PlanCheck {
 };
 
 /// Cuts the scene with the planned model and measures what was predicted, against the exact sweep of the
-/// scene's whole tool. Missed are an error above the one asked for (or the predicted one, where that was
-/// given up), and a median frame longer than the rate allows where that was not given up.
+/// scene's whole tool. Missed are an error above
+/// the promised one, and a median frame longer than the rate allows where that was not given up.
 [[nodiscard]] tl::expected<PlanCheck, std::string> CheckPlan(const PlanScene& scene,
                                                              const PlanRequest& request,
                                                              const FidelityPlan& plan);

@@ -72,6 +72,7 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
                       {"arm_level", std::string(simulation::ArmFidelityName(plan.arm))},
                       {"turn_parts", plan.turn_parts},
                       {"predicted_error_mm", plan.error_m * 1e3},
+                      {"promised_error_mm", plan.promised_m * 1e3},
                       {"predicted_error_parts_mm",
                        {{"face", plan.removal.face_m * 1e3},
                         {"rim", plan.removal.rim_m * 1e3},

@@ -32,7 +32,7 @@ simulation::ArmFigures ArmOf(const config::CellConfig& cell) {
   simulation::ArmFigures arm{
       .bandwidth_hz = simulated.servo.bandwidth_hz,
       .damping_ratio = simulated.servo.damping_ratio,
-      .dead_time_s = simulated.servo.dead_cycles * 1e-3,
+      .dead_time_s = simulated.servo.dead_cycles * cell.servo.period_s,
       .stiffness_N_per_m = simulated.dynamic.mount ? simulated.dynamic.mount->stiffness_N_per_m : 0.0,
       .feed_m_per_s = kFeed_m_per_s};
   arm.force_N = std::visit([](const auto& script) { return script.push_force_N; }, cell.script);

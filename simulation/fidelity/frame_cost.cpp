@@ -29,7 +29,7 @@ FrameGroup GroupOf(std::span<const FrameSample> samples) {
     calm.insert(calm.end(), here.begin(), here.end());
     if (here.size() >= kLeastCalm) medians.push_back(FiguresOf(std::move(here)).p50_us);
   }
-  group.p50_us = FiguresOf(medians.empty() ? all : std::move(medians)).p50_us;
+  group.p50_us = FiguresOf(2 * medians.size() > kParts ? std::move(medians) : all).p50_us;
   group.p999_us = FiguresOf(calm.empty() ? all : std::move(calm)).p999_us;
   return group;
 }

@@ -22,7 +22,8 @@ struct FrameGroup {
 
 /// Short frames are interrupted less often than long ones: so the median is taken in nine parts of all
 /// frames, by their active balls, of each part's calm frames (three at least, or the part is left out), and
-/// then of the parts. Where no part has so many, interrupted frames count as well. p99.9: by nearest rank.
+/// then of the parts. Where most parts have not so many, interrupted frames count as well. p99.9: by nearest
+/// rank.
 /// @throws std::invalid_argument where there is no frame.
 [[nodiscard]] FrameGroup GroupOf(std::span<const FrameSample> samples);
 

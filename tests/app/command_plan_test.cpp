@@ -9,8 +9,8 @@ namespace {
 
 TEST(Plan, WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises) {
   const TemporaryFolder folder;
-  const CommandResult run = RunCommand(folder.path(), {"plan", "thin_plate", "--error-mm", "0.08", "--rate-hz",
-                                                       "1", "--check", "--json", "plan.json"});
+  const CommandResult run = RunCommand(folder.path(), {"plan", "thin_plate", "--error-mm", "0.08",
+                                                       "--rate-hz", "1", "--check", "--json", "plan.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
   const nlohmann::json json = ReadJson(folder.path() / "plan.json");
   EXPECT_EQ(json.at("schema"), "osteon.plan/1");
@@ -34,8 +34,8 @@ TEST(Plan, WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises) {
 // beforehand.
 TEST(Plan, SaysWhatItGivesUp) {
   const TemporaryFolder folder;
-  const CommandResult run = RunCommand(
-      folder.path(), {"plan", "thin_plate", "--error-mm", "0.08", "--rate-hz", "100000", "--json", "plan.json"});
+  const CommandResult run = RunCommand(folder.path(), {"plan", "thin_plate", "--error-mm", "0.08",
+                                                       "--rate-hz", "100000", "--json", "plan.json"});
   EXPECT_EQ(run.exit_code, 1) << run.err << run.out;
   const nlohmann::json json = ReadJson(folder.path() / "plan.json");
   ASSERT_EQ(json.at("given_up").size(), 1u) << json.at("given_up");
