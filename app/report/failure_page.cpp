@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -22,8 +23,19 @@ std::string FileName(const FailureResult& result) {
   return name;
 }
 
-std::string PlainValue(double value, const std::string& unit, int digits = 4) {
-  return fmt::format("{:.{}g}{}", value, digits, unit == "1" ? "" : " " + unit);
+std::string PlainValue(double value, const std::string& unit) {
+  return fmt::format("{:.4g}{}", value, unit == "1" ? "" : " " + unit);
+}
+// For a table that is read: no exponent where there need not be one.
+std::string ShortValue(double value, const std::string& unit) {
+  const std::string number =
+      std::abs(value) >= 100.0 ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);
+  return number + (unit == "1" ? "" : " " + unit);
+}
+std::string Sentence(std::string text) {
+  if (text.empty()) return text;
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text.ends_with('.') ? text : text + ".";
 }
 std::string Value(double value, const std::string& unit) { return Escape(PlainValue(value, unit)); }
 
@@ -120,16 +132,15 @@ std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const Fai
     const FailureResult& r = entry.result;
     page += entry.error.empty()
                 ? fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", r.id, r.name, r.metric,
-                              PlainValue(r.bound, r.unit, 2), PlainValue(r.baseline, r.unit, 2),
-                              PlainValue(r.ours, r.unit, 2), Verdict(entry))
+                              ShortValue(r.bound, r.unit), ShortValue(r.baseline, r.unit),
+                              ShortValue(r.ours, r.unit), Verdict(entry))
                 : fmt::format("| {} | {} | | | | | {}: {} |\n", r.id, r.name, Verdict(entry), entry.error);
   }
   for (const FailurePageEntry& entry : entries) {
     const FailureResult& r = entry.result;
     if (!entry.error.empty()) continue;
-    page += fmt::format("\n## {} {}\n\nBaseline: {}. {}{}\n\n![{}: {}, baseline and ours]({}/{})\n", r.id,
-                        r.name, r.baseline_name, r.note, r.note.empty() || r.note.ends_with('.') ? "" : ".",
-                        r.name, r.metric, pictures, FileName(r));
+    page += fmt::format("\n## {} {}\n\nBaseline: {}. {}\n\n![{}: {}, baseline and ours]({}/{})\n", r.id,
+                        r.name, r.baseline_name, Sentence(r.note), r.name, r.metric, pictures, FileName(r));
   }
   return page;
 }
