@@ -1,9 +1,6 @@
 #include "app/kill_table.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdlib>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +8,7 @@
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/summary.h"
+#include "app/work_folder.h"
 
 namespace osteon::app {
 namespace {
@@ -22,25 +20,6 @@ int Fail(const std::string& message, int code) {
   fmt::print(stderr, "osteon failures: {}\n", message);
   return code;
 }
-
-// A folder for all that the processes write; goes with the object.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (std::filesystem::temp_directory_path() / "osteon_kill_XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // Of the trials of a victim that there were.
 struct Row {
@@ -126,7 +105,7 @@ std::string KillTableJson(std::span<const KillRun> runs) {
 }
 
 int RunKillTable(const KillTableOptions& options) {
-  const Scratch scratch;
+  const WorkFolder scratch("kill");
   if (scratch.path().empty()) return Fail("cannot make a folder for what the processes write", kFailed);
   try {
     WriteKillCell(options.config_root / "cells" / "thin_plate.yaml", kPush_N, kLimit_N, scratch.path());

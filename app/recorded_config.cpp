@@ -1,14 +1,12 @@
 #include "app/recorded_config.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 
 #include <fmt/format.h>
 
+#include "app/work_folder.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
 
@@ -32,25 +30,6 @@ fs::path CommonFolder(const std::vector<config::FileScope::File>& files) {
   }
   return common;
 }
-
-// A fresh folder that is gone with the object.
-class WorkFolder {
- public:
-  WorkFolder() {
-    std::string name = (fs::temp_directory_path() / "osteon_replay_XXXXXX").string();
-    if (mkdtemp(name.data())) path_ = name;
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 // Whether a name stays in the folder that it is put into.
 bool StaysInside(const std::string& name) {
@@ -122,7 +101,7 @@ tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigS
       strays(source.gains_file))
     return tl::make_unexpected(
         std::string("the cell's, the tool's or the gains' file has a name that leads elsewhere"));
-  const WorkFolder folder;
+  const WorkFolder folder("replay");
   if (folder.path().empty())
     return tl::make_unexpected(fs::temp_directory_path().string() + ": cannot make a temporary folder");
   if (std::string wrong = WriteFiles(source, folder.path()); !wrong.empty())

@@ -1,11 +1,10 @@
 #include "app/scenario_run.h"
 
 #include <time.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "app/cell_setup.h"
 #include "app/fnv1a.h"
 #include "app/summary.h"
+#include "app/work_folder.h"
 #include "config/load.h"
 #include "config/overlay.h"
 #include "hil/plane_engine.h"
@@ -35,25 +35,6 @@ double Cpu_s() {
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
-
-// A fresh folder that is gone with the object.
-class WorkFolder {
- public:
-  WorkFolder() {
-    std::string name = (fs::temp_directory_path() / "osteon_regress_XXXXXX").string();
-    if (mkdtemp(name.data())) path_ = name;
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 void Lay(const config::ScenarioConfig& scenario, const ScenarioRunParams& params, config::Overlay& overlay) {
   overlay.LayFile(scenario.file, config::kOverridesKey);
@@ -144,7 +125,7 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
   run.engine = fmt::format("{} on {}", (*engine)->name(), (*engine)->device());
   run.seconds_set_up = Now_s() - begun_s;
 
-  const WorkFolder folder;
+  const WorkFolder folder("regress");
   if (folder.path().empty())
     return tl::make_unexpected(fs::temp_directory_path().string() + ": cannot make a temporary folder");
   const double period_s = setup->config.servo.period_s;
