@@ -121,7 +121,7 @@ std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const Fai
       "# Where methods fail\n\n*In which scenes does haptic cutting go wrong, what does that look like, and "
       "what "
       "does ours do there?*\n\n"
-      "Each scenario has a baseline, a method or a gain that is in use elsewhere, which must be *seen* to "
+      "Each scenario has a baseline, a plainer method or setting, which must be *seen* to "
       "fail, and a "
       "bound that ours must keep. Orange and brown are the baseline's lines, blue and green ours.\n\n"
       "Written by `{}`: {} on {}{}. {} of {} kept, with their baselines seen to fail.\n\n"
