@@ -53,6 +53,20 @@ std::string WhyNoFolder(const char* option, const std::filesystem::path& folder)
   return fmt::format("{} {}: found a file, accepted a folder", option, folder.string());
 }
 
+std::string WhyNoParent(const char* option, const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::path parent = file.parent_path();
+  if (parent.empty() || std::filesystem::is_directory(parent, error)) return {};
+  return fmt::format("{} {}: no folder {}", option, file.string(), parent.string());
+}
+
+std::string WhyNoFile(const char* option, const std::filesystem::path& file) {
+  std::error_code error;
+  if (std::string wrong = WhyNoParent(option, file); !wrong.empty()) return wrong;
+  if (!std::filesystem::is_directory(file, error)) return {};
+  return fmt::format("{} {}: found a folder, accepted a file", option, file.string());
+}
+
 tl::expected<void, std::string> WriteDrawing(const std::string& svg, const std::filesystem::path& file) {
   if (const auto written = WriteText(file.string() + ".svg", svg); !written) return written;
   const auto picture = Rasterise(svg);

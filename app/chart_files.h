@@ -14,6 +14,12 @@ namespace osteon::app {
 /// "OPTION FOLDER: found a file, accepted a folder"; empty where the name is free, or a folder's.
 [[nodiscard]] std::string WhyNoFolder(const char* option, const std::filesystem::path& folder);
 
+/// "OPTION FILE: no folder FOLDER"; empty where the folder that it is to be in is there, or no file is named.
+[[nodiscard]] std::string WhyNoParent(const char* option, const std::filesystem::path& file);
+
+/// The same, or "OPTION FILE: found a folder, accepted a file".
+[[nodiscard]] std::string WhyNoFile(const char* option, const std::filesystem::path& file);
+
 /// FILE.svg and FILE.png. @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteDrawing(const std::string& svg,
                                                            const std::filesystem::path& file);

@@ -27,17 +27,11 @@ int Fail(const std::string& message, int code = kBadInput) {
 // What can be said about the places to write to before anything is run. The folder itself is made by RunCell,
 // so that a refused run leaves nothing.
 std::string WrongPlace(const DemoOptions& options) {
-  std::error_code error;
   if (options.out.empty()) return "--out: found no name, accepted a folder";
   if (std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return wrong;
   for (const auto& [name, file] :
-       {std::pair("--json", options.json), std::pair("--save-motion", options.save_motion)}) {
-    const std::filesystem::path parent = file.parent_path();
-    if (!parent.empty() && !std::filesystem::is_directory(parent, error))
-      return fmt::format("{} {}: no folder {}", name, file.string(), parent.string());
-    if (std::filesystem::is_directory(file, error))
-      return fmt::format("{} {}: found a folder, accepted a file", name, file.string());
-  }
+       {std::pair("--json", options.json), std::pair("--save-motion", options.save_motion)})
+    if (std::string wrong = WhyNoFile(name, file); !wrong.empty()) return wrong;
   return "";
 }
 

@@ -66,11 +66,7 @@ nlohmann::ordered_json ToJson(const io::Recovery& recovery) {
 // What can be said of the paths before anything is done. An empty string, or what is wrong.
 std::string WrongPlace(const ExportOptions& options, const std::filesystem::path& folder) {
   if (std::string wrong = WhyNoFolder("--out", folder); !wrong.empty()) return wrong;
-  std::error_code error;
-  if (const auto parent = options.json.parent_path();
-      !parent.empty() && !std::filesystem::is_directory(parent, error))
-    return fmt::format("--json {}: no folder {}", options.json.string(), parent.string());
-  return {};
+  return WhyNoParent("--json", options.json);
 }
 
 }  // namespace

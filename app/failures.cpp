@@ -130,14 +130,8 @@ tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const 
 
 std::string WrongPlace(const FailureOptions& options) {
   if (std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return wrong;
-  std::error_code error;
-  const auto parent = options.json.parent_path();
-  if (!parent.empty() && !std::filesystem::is_directory(parent, error))
-    return fmt::format("--json {}: no folder {}", options.json.string(), parent.string());
-  const auto page_in = options.markdown.parent_path();
-  if (!page_in.empty() && !std::filesystem::is_directory(page_in, error))
-    return fmt::format("--markdown {}: no folder {}", options.markdown.string(), page_in.string());
-  return "";
+  if (std::string wrong = WhyNoParent("--json", options.json); !wrong.empty()) return wrong;
+  return WhyNoParent("--markdown", options.markdown);
 }
 
 }  // namespace

@@ -5,12 +5,14 @@
 
 namespace osteon::app {
 
-/// FNV-1a of 64 bits over all bytes added so far.
+/// FNV-1a of 64 bits over all that was added so far.
 class Fnv1a {
  public:
   void Add(std::string_view bytes) {
-    for (const char byte : bytes) hash_ = (hash_ ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
+    for (const char byte : bytes) AddWord(static_cast<unsigned char>(byte));
   }
+  /// 64 bits at once, taken as a byte is.
+  void AddWord(std::uint64_t word) { hash_ = (hash_ ^ word) * 0x100000001b3u; }
   [[nodiscard]] std::uint64_t hash() const { return hash_; }
 
  private:

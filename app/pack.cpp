@@ -37,10 +37,6 @@ bool Has(const std::filesystem::path& path, const char* extension) { return path
 // What can be said about the places to write to before anything is done.
 std::string WrongPlace(const PackOptions& options) {
   std::error_code error;
-  const auto no_folder = [&error](const std::filesystem::path& file) {
-    const std::filesystem::path parent = file.parent_path();
-    return !parent.empty() && !std::filesystem::is_directory(parent, error);
-  };
   if (options.outputs.empty()) return "-o: found no file, accepted FILE.osp, FILE.ply or FILE.csv";
   for (const auto& output : options.outputs) {
     if (!Has(output, ".osp") && !Has(output, ".ply") && !Has(output, ".csv"))
@@ -48,15 +44,12 @@ std::string WrongPlace(const PackOptions& options) {
                          output.string(), output.extension().string());
     if (std::filesystem::is_directory(output, error))
       return fmt::format("-o {}: found a folder, accepted a file", output.string());
-    if (no_folder(output))
-      return fmt::format("-o {}: no folder {}", output.string(), output.parent_path().string());
+    if (std::string wrong = WhyNoParent("-o", output); !wrong.empty()) return wrong;
     if (std::filesystem::equivalent(output, options.source.input, error))
       return fmt::format("-o {}: found the input, accepted another file", output.string());
   }
   if (std::string wrong = WhyNoFolder("--report", options.report); !wrong.empty()) return wrong;
-  if (no_folder(options.json))
-    return fmt::format("--json {}: no folder {}", options.json.string(), options.json.parent_path().string());
-  return "";
+  return WhyNoParent("--json", options.json);
 }
 
 /// Spacing of the mass points where none is named: some 200 000 of them in an even cloud; below a zone the

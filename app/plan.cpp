@@ -176,7 +176,7 @@ tl::expected<PlanCheck, std::string> CheckPlan(const PlanScene& scene, const Pla
   const simulation::CutAccuracy cut = MeasureLevel(scene, plan.packed, run, plan.leak_probe_m);
   PlanCheck check;
   check.lost_m = cut.depth_error_m;
-  check.left_m = cut.cut_area_m2 > 0.0 ? cut.left_volume_m3 / cut.cut_area_m2 : 0.0;
+  check.left_m = cut.MeanLeft_m();
   check.error_m = check.lost_m + check.left_m;
   check.standard_error_m = cut.depth_error_se_m;
   check.leak_m = cut.probes.front().mean_m;

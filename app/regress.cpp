@@ -48,14 +48,8 @@ std::string WrongOptions(const RegressOptions& options) {
   if (options.update && !options.set.empty())
     return "--update: found with --set, accepted without: a golden trace is of what the scenario's file says";
   if (std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return wrong;
-  std::error_code error;
-  for (const auto& [name, file] : {std::pair("--json", options.json), std::pair("--junit", options.junit)}) {
-    const fs::path parent = file.parent_path();
-    if (!parent.empty() && !fs::is_directory(parent, error))
-      return fmt::format("{} {}: no folder {}", name, file.string(), parent.string());
-    if (fs::is_directory(file, error))
-      return fmt::format("{} {}: found a folder, accepted a file", name, file.string());
-  }
+  for (const auto& [name, file] : {std::pair("--json", options.json), std::pair("--junit", options.junit)})
+    if (std::string wrong = WhyNoFile(name, file); !wrong.empty()) return wrong;
   return "";
 }
 

@@ -36,24 +36,22 @@ double TimesRealTime(const ScenarioRun& run) {
 // Golden and new values of a quantity, and the difference below with the band that it may have.
 void AddPanels(const RegressResult& r, const QuantityDifference& d, std::vector<LineChart>& panels) {
   const TraceQuantity& quantity = TraceQuantities()[d.quantity];
-  const auto time_of = [&](std::uint64_t tick) {
-    return r.run->trace.period_s * static_cast<double>(tick + 1);
-  };
+  const ScenarioTrace& now = r.run->trace;
   const auto series = [&](const ScenarioTrace& trace, const char* name, const char* color, double width_px) {
     Series line{.name = name, .color = color, .width_px = width_px};
     for (const TraceSample& sample : trace.samples) {
-      line.x.push_back(time_of(sample.tick));
+      line.x.push_back(now.TimeOf_s(sample.tick));
       line.y.push_back(sample.values[d.quantity]);
     }
     return line;
   };
-  LineChart values{.title = quantity.name,
-                   .x_label = "virtual time [s]",
-                   .y_label = quantity.name,
-                   .y_from_zero = false,
-                   .series = {series(r.golden->trace, "golden", "#0072b2", 3.2),
-                              series(r.run->trace, "now", "#d55e00", 1.4)},
-                   .plot_height_px = 170.0};
+  LineChart values{
+      .title = quantity.name,
+      .x_label = "virtual time [s]",
+      .y_label = quantity.name,
+      .y_from_zero = false,
+      .series = {series(r.golden->trace, "golden", "#0072b2", 3.2), series(now, "now", "#d55e00", 1.4)},
+      .plot_height_px = 170.0};
   LineChart errors{
       .title = fmt::format("now - golden; may be ±{:.3g}", d.tolerance),
       .x_label = "virtual time [s]",
@@ -62,17 +60,13 @@ void AddPanels(const RegressResult& r, const QuantityDifference& d, std::vector<
       .legend = false,
       .plot_height_px = 110.0};
   Series difference{.name = "now - golden", .color = "#d55e00"};
-  auto g = r.golden->trace.samples.begin();
-  for (const TraceSample& sample : r.run->trace.samples) {
-    while (g != r.golden->trace.samples.end() && g->tick < sample.tick) ++g;
-    if (g == r.golden->trace.samples.end()) break;
-    if (g->tick != sample.tick) continue;
-    difference.x.push_back(time_of(sample.tick));
-    difference.y.push_back(sample.values[d.quantity] - g->values[d.quantity]);
-  }
+  VisitCommonSamples(r.golden->trace, now, [&](const TraceSample& was, const TraceSample& is) {
+    difference.x.push_back(now.TimeOf_s(is.tick));
+    difference.y.push_back(is.values[d.quantity] - was.values[d.quantity]);
+  });
   errors.series.push_back(std::move(difference));
   if (!r.difference.parts.empty()) {
-    const double first_s = time_of(r.difference.parts.front().tick);
+    const double first_s = now.TimeOf_s(r.difference.parts.front().tick);
     values.x_limits.push_back({.value = first_s, .label = "first bit"});
     errors.x_limits.push_back({.value = first_s, .label = ""});
   }
@@ -93,8 +87,7 @@ RegressPageEntry PageEntry(const RegressSummary& summary, const RegressResult& r
     entry.rows.push_back(
         {.name = quantity.name,
          .beyond = d.beyond(),
-         .left_s = d.left_tick ? std::optional(r.run->trace.period_s * static_cast<double>(*d.left_tick + 1))
-                               : std::nullopt,
+         .left_s = d.left_tick ? std::optional(r.run->trace.TimeOf_s(*d.left_tick)) : std::nullopt,
          .worst = d.worst,
          .tolerance = d.tolerance,
          .golden = d.golden,

@@ -16,17 +16,13 @@
 namespace osteon::app {
 namespace {
 
-// FNV-1a by words of 64 bits.
-constexpr std::uint64_t kBegin = 0xcbf29ce484222325u, kPrime = 0x100000001b3u;
-
+// The bits of a value, as one word.
 template <class T>
-void Add(std::uint64_t& hash, T value) {
-  std::uint64_t bits = 0;
+void Add(Fnv1a& hash, T value) {
   if constexpr (std::is_floating_point_v<T>)
-    bits = std::bit_cast<std::uint64_t>(value);
+    hash.AddWord(std::bit_cast<std::uint64_t>(value));
   else
-    bits = static_cast<std::uint64_t>(value);
-  hash = (hash ^ bits) * kPrime;
+    hash.AddWord(static_cast<std::uint64_t>(value));
 }
 
 // Every bit of it in every bit (the end of MurmurHash3).
@@ -100,12 +96,12 @@ const std::vector<TracePart>& FieldParts() {
 }
 
 std::uint64_t DigestOf(const simulation::ContactModel& model) {
-  std::uint64_t hash = kBegin;
+  Fnv1a hash;
   const auto add = [&](const FieldName&, auto value) { Add(hash, value); };
   VisitFrame(simulation::FrameRecord{.model = model}, add);
   for (int i = 0; i < model.contact_count; ++i)
     VisitContact(model.contacts[static_cast<std::size_t>(i)], add);
-  return hash;
+  return hash.hash();
 }
 
 constexpr double kMillimetres = 1e3, kCubicMillimetres = 1e9;
@@ -180,8 +176,8 @@ std::span<const TraceQuantity> TraceQuantities() {
 }
 
 TraceRecorder::TraceRecorder(double period_s, double sample_s)
-    : sample_ticks_(static_cast<std::uint64_t>(std::max<std::int64_t>(1, std::llround(sample_s / period_s)))),
-      hash_(kBegin) {
+    : sample_ticks_(
+          static_cast<std::uint64_t>(std::max<std::int64_t>(1, std::llround(sample_s / period_s)))) {
   trace_.period_s = period_s;
 }
 
@@ -221,8 +217,7 @@ void TraceRecorder::Sample(const control::TickRecord& record, const simulation::
 
 void TraceRecorder::Tick(const control::TickRecord& record, const simulation::ContactModel& model) {
   // every bit, by part
-  std::array<std::uint64_t, kTraceParts> parts{};
-  parts.fill(kBegin);
+  std::array<Fnv1a, kTraceParts> parts{};
   const std::vector<TracePart>& of_field = FieldParts();
   std::size_t at = 0;
   const auto add = [&](const FieldName&, auto value) {
@@ -231,7 +226,7 @@ void TraceRecorder::Tick(const control::TickRecord& record, const simulation::Co
   VisitOutputs(record, add);
   VisitInputs(record, add);
   Add(parts[static_cast<std::size_t>(TracePart::kBone)], DigestOf(model));
-  for (const std::uint64_t part : parts) Add(hash_, part);
+  for (const Fnv1a& part : parts) Add(hash_, part.hash());
 
   NoteState(record);
   if (!begun_ && record.phase != control::Phase::kWaiting) {
@@ -241,7 +236,7 @@ void TraceRecorder::Tick(const control::TickRecord& record, const simulation::Co
   if (begun_) {
     TickDigest digest{};
     for (std::size_t i = 0; i < parts.size(); ++i)
-      digest[i] = static_cast<std::uint16_t>(Mixed(parts[i]) & 0xfff);
+      digest[i] = static_cast<std::uint16_t>(Mixed(parts[i].hash()) & 0xfff);
     trace_.digests.push_back(digest);
     Sample(record, model);
   }
@@ -257,7 +252,7 @@ void TraceRecorder::SceneEvent(std::int64_t stamp, const std::string& name) {
 
 ScenarioTrace TraceRecorder::Finish(std::string ended, std::uint64_t active, std::uint64_t carved) {
   Add(hash_, carved);
-  trace_.hash = Mixed(hash_);
+  trace_.hash = Mixed(hash_.hash());
   trace_.ended = std::move(ended);
   trace_.active = active;
   std::ranges::stable_sort(trace_.events, {}, &TraceEvent::tick);

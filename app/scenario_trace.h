@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/fnv1a.h"
 #include "config/scenario_config.h"
 #include "control/tick_record.h"
 #include "simulation/contact_model.h"
@@ -83,7 +84,21 @@ struct ScenarioTrace {
   std::vector<double> least, greatest;  ///< of each quantity, over all ticks from then on
   std::uint64_t first_tick{0};          ///< of the digests
   std::vector<TickDigest> digests;      ///< of every tick from then on
+
+  /// When a tick was: the first one is at one period.
+  [[nodiscard]] double TimeOf_s(std::uint64_t tick) const { return period_s * static_cast<double>(tick + 1); }
 };
+
+/// take(golden's, now's) of each tick that both have sampled.
+template <class Take>
+void VisitCommonSamples(const ScenarioTrace& golden, const ScenarioTrace& now, Take&& take) {
+  auto g = golden.samples.begin();
+  for (const TraceSample& sample : now.samples) {
+    while (g != golden.samples.end() && g->tick < sample.tick) ++g;
+    if (g == golden.samples.end()) return;
+    if (g->tick == sample.tick) take(*g, sample);
+  }
+}
 
 /// Makes a trace of what a run in virtual time does.
 class TraceRecorder {
@@ -105,7 +120,7 @@ class TraceRecorder {
   ScenarioTrace trace_;
   std::uint64_t sample_ticks_;
   bool begun_{false};
-  std::uint64_t hash_{0};
+  Fnv1a hash_;
   int cell_state_{-1};
   std::uint32_t faults_{0};
   bool active_{false};

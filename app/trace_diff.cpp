@@ -18,7 +18,7 @@ std::string Value(double value, QuantityKind kind) { return fmt::format("{:.{}f}
 
 // "2.340 s (tick 2339)"
 std::string At(std::uint64_t tick, const ScenarioTrace& trace) {
-  return fmt::format("{:.3f} s (tick {})", trace.period_s * static_cast<double>(tick + 1), tick);
+  return fmt::format("{:.3f} s (tick {})", trace.TimeOf_s(tick), tick);
 }
 
 std::vector<PartDifference> CompareDigests(const ScenarioTrace& golden, const ScenarioTrace& now) {
@@ -55,15 +55,9 @@ std::vector<QuantityDifference> CompareSamples(const ScenarioTrace& golden, cons
   std::vector<QuantityDifference> all(quantities.size());
   for (std::size_t i = 0; i < all.size(); ++i)
     all[i] = {.quantity = i, .tolerance = ToleranceOf(quantities[i].kind, tolerances), .left_tick = {}};
-  // samples of the same tick
-  auto g = golden.samples.begin();
-  for (const TraceSample& sample : now.samples) {
-    while (g != golden.samples.end() && g->tick < sample.tick) ++g;
-    if (g == golden.samples.end()) break;
-    if (g->tick != sample.tick) continue;
-    for (std::size_t i = 0; i < all.size(); ++i)
-      Put(all[i], g->values[i], sample.values[i], sample.tick, false);
-  }
+  VisitCommonSamples(golden, now, [&](const TraceSample& was, const TraceSample& is) {
+    for (std::size_t i = 0; i < all.size(); ++i) Put(all[i], was.values[i], is.values[i], is.tick, false);
+  });
   // and what lies between them
   if (!golden.least.empty() && !now.least.empty())
     for (std::size_t i = 0; i < all.size(); ++i) {

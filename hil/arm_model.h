@@ -1,20 +1,15 @@
 #pragma once
 
-#include <cstdint>
-
 #include "control/ports.h"
 #include "control/rt/marker.h"
 #include "kinematics/chain_params.h"
 #include "kinematics/spatial.h"
+#include "simulation/fidelity/arm_level.h"
 
 namespace osteon::hil {
 
-/// How much of an arm is modelled. Each has what the one before leaves out.
-enum class ArmLevel : std::uint8_t {
-  kKinematic,  ///< is where it was told to be, a cycle later
-  kServo,      ///< lags and has dead time; nothing deflects it (ServoArm)
-  kDynamic,    ///< masses, friction, torque limits, impedance, a mounting that gives (DynamicArm)
-};
+/// kKinematic is where it was told to be, a cycle later; kServo is ServoArm, kDynamic DynamicArm.
+using ArmLevel = simulation::ArmFidelity;
 
 /// What the arm's controller is told for a cycle.
 struct ArmDrive {

@@ -118,12 +118,12 @@ std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const Fai
                             const std::string& pictures) {
   const auto passed = std::ranges::count_if(entries, &FailurePageEntry::passed);
   std::string page = fmt::format(
-      "# Where methods fail\n\n*In which scenes does haptic cutting go wrong, what does that look like, and "
-      "what "
-      "does ours do there?*\n\n"
-      "Each scenario has a baseline, a plainer method or setting, which must be *seen* to "
-      "fail, and a "
-      "bound that ours must keep. Orange and brown are the baseline's lines, blue and green ours.\n\n"
+      "# Where methods fail\n\n"
+      "*In which scenes does haptic cutting go wrong, what does that look like, and what does ours do "
+      "there?*\n\n"
+      "Each scenario has a baseline, a plainer method or setting, which must be *seen* to fail, and a bound "
+      "that "
+      "ours must keep. Orange and brown are the baseline's lines, blue and green ours.\n\n"
       "Written by `{}`: {} on {}{}. {} of {} kept, with their baselines seen to fail.\n\n"
       "| | scenario | metric | bound | baseline | ours | |\n|---|---|---|---|---|---|---|\n",
       head.command_line, head.engine, head.device, head.quick ? ", small scenes" : "", passed,

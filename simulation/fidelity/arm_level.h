@@ -1,14 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 namespace osteon::simulation {
 
-/// How much of an arm is modelled.
-enum class ArmFidelity {
+/// How much of an arm is modelled. Each has what the one before leaves out.
+enum class ArmFidelity : std::uint8_t {
   kKinematic,  ///< it is where it was told to be
-  kServo,      ///< it lags
-  kDynamic,    ///< it gives as well
+  kServo,      ///< it lags and has dead time; nothing deflects it
+  kDynamic,    ///< masses, friction, torque limits, impedance, a mounting that gives
 };
 
 /// "kinematic", "servo", "dynamic": the words of a cell's simulated_arm: level.
@@ -35,11 +36,11 @@ struct ArmFigures {
 
 /// How far a level leaves the tool from where it really is [m]:
 ///
-///     kinematic    v (dead time + 2 z / w) + F / K,   w = 2 π bandwidth: a servo's steady lag behind a ramp,
-///     and the
-///                  give
+///     kinematic    v (dead time + 2 z / w) + F / K
 ///     servo        F / K
 ///     dynamic      nothing
+///
+/// w = 2 π bandwidth: a servo's steady lag behind a ramp, and what the mounting gives.
 [[nodiscard]] constexpr double ArmError(ArmFidelity level, const ArmFigures& arm) {
   constexpr double kTwoPi = 6.283185307179586;
   const double give_m = arm.stiffness_N_per_m > 0.0 ? arm.force_N / arm.stiffness_N_per_m : 0.0;

@@ -39,6 +39,9 @@ struct CutAccuracy {
   double left_volume_m3{0.0};    ///< of what is left within the swept volume
   double left_depth_m{0.0};      ///< how deep within the swept volume something was found, 0: nothing
   std::vector<ProbeGap> probes;  ///< one for each radius asked for
+
+  /// What is left within the swept volume, over the cut's area; 0 where there is none.
+  [[nodiscard]] double MeanLeft_m() const { return cut_area_m2 > 0.0 ? left_volume_m3 / cut_area_m2 : 0.0; }
 };
 
 /// Measures a cut by stratified samples: cells that grow with their distance to the swept volume's surface,

@@ -18,8 +18,8 @@ struct SceneWorkloadParams {
 /// The tool goes where the scene says that it is cut, spindle on, and then, spindle off, is pressed off the
 /// way's end in a circle 20 degrees from straight ahead.
 ///
-///     cup    the head's centre down the cup's axis, until its apex is packing.cup_depth_m below the cup's
-///     floor path   the head's centre along the zone's path
+///     cup    the head's centre down the cup's axis, its apex to packing.cup_depth_m below the floor
+///     path   the head's centre along the zone's path
 ///
 /// Materials are the scene's without friction; `task` is kScene, and no exact forces are told.
 /// @throws std::invalid_argument where the zone is neither cup nor path, or the tool cuts nothing.
@@ -27,9 +27,8 @@ struct SceneWorkloadParams {
                                             const Tool& tool, const CuttingParams& cutting,
                                             const SceneWorkloadParams& params = {});
 
-/// The same cut as the closed forms see it.
-/// Wall: twice the greatest depth of the way within the bone where it goes through, which is a plate's
-/// thickness.
+/// The same cut as the closed forms see it. Wall: the shortest part of the way that leads through bone and
+/// out again, which is a plate's thickness.
 [[nodiscard]] CutShape ShapeOfCut(const CutWorkload& work, const SceneParams& scene);
 
 }  // namespace osteon::simulation

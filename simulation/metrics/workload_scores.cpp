@@ -21,7 +21,7 @@ WorkloadScores ScoreWorkload(const CutWorkload& workload, const WorkloadRun& run
                                       .probe_samples = std::min<std::size_t>(2000, surface_cells)});
   WorkloadScores scores;
   scores.lost_m = cut.depth_error_m;
-  scores.left_m = cut.cut_area_m2 > 0.0 ? cut.left_volume_m3 / cut.cut_area_m2 : 0.0;
+  scores.left_m = cut.MeanLeft_m();
   scores.depth_error_m = scores.lost_m + scores.left_m;
   scores.depth_error_se_m = cut.depth_error_se_m;
   scores.probe_p95_m = cut.probes.front().p95_m;

@@ -22,7 +22,7 @@ Level Measure(const PlanScene& scene, const simulation::Tool& tool, const simula
   auto runs = RunLevels(scene, {packed}, tool, "", 1);
   if (!runs) throw std::runtime_error(runs.error());
   const auto cut = MeasureLevel(scene, packed, runs->front(), std::min(1e-3, 0.5 * scene.cut.tool_radius_m));
-  const double left_m = cut.left_volume_m3 / cut.cut_area_m2;
+  const double left_m = cut.MeanLeft_m();
   std::printf("%s %s a %.3f mm: %zu balls, error %.4f mm, predicted %.4f mm\n", scene.name.c_str(),
               std::string(KindName(level.kind)).c_str(), level.fine.spacing_m * 1e3, packed.balls.size(),
               (cut.depth_error_m + left_m) * 1e3, PredictRemovalError(level.fine, scene.cut).total_m() * 1e3);
