@@ -58,6 +58,20 @@ class Census {
   bool has_session_{false};
 };
 
+// Why a file in which nothing was passed over cannot be read as it is. What skips damage also makes good use
+// of the summary's schemas and channels: a message whose channel is nowhere else is kept here, and refused
+// there.
+std::string WhyNotReadable(const std::filesystem::path& path) {
+  auto stream = RecordingStream::Open(path);
+  if (!stream) return stream.error();
+  for (;;) {
+    const auto topic = stream->Next();
+    if (!topic) return topic.error();
+    if (*topic == RecordedTopic::kOther) break;
+  }
+  return stream->complete() ? "" : path.string() + ": it ends early";
+}
+
 }  // namespace
 
 tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path& from,
@@ -107,6 +121,11 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
     return discard(from.string() + ": no osteon.Session left in it: nothing to recover");
   recovery.damage.insert(recovery.damage.end(), reader->damage().begin(), reader->damage().end());
   recovery.was_whole = reader->complete() && recovery.damage.empty();
+  if (recovery.was_whole)
+    if (std::string wrong = WhyNotReadable(from); !wrong.empty()) {
+      recovery.damage.push_back({.offset = 0, .bytes = 0, .reason = std::move(wrong)});
+      recovery.was_whole = false;
+    }
   if (recovery.was_whole) {
     std::filesystem::remove(part, ignored);
     return recovery;

@@ -181,6 +181,28 @@ TEST_F(RecoverRecordingTest, LosesNoMoreThanTheChunkThatBroughtTheSchema) {
 }
 
 // A power cut may leave room that was never written.
+// What recovers also knows the channels that the summary repeats; what reads does not wait for them. Found by
+// libFuzzer (tests/fuzz/targets/recording.cpp): "nothing to recover", of a file that could not be read.
+TEST_F(RecoverRecordingTest, WhatCanNotBeReadIsNotCalledWhole) {
+  std::string bytes = whole_;
+  const std::size_t chunk = Chunks(bytes).front().first;
+  bytes.replace(chunk + 9 + 24, 4, 4, '\0');  // without a checksum
+  for (std::size_t at = 8; at + 9 <= bytes.size(); at += 9 + IntAt(bytes, at + 1))
+    if (bytes[at] == 0x0f) bytes.replace(at + 9, 4, 4, '\0');
+  bool changed = false;
+  for (std::size_t at = chunk + 9 + 40; !changed; at += 9 + IntAt(bytes, at + 1))
+    if (bytes[at] == 4) {  // the first channel has another number, and its messages have none
+      bytes[at + 9] = 77;
+      changed = true;
+    }
+  const Recovery recovery = Recover(bytes);
+  EXPECT_FALSE(recovery.was_whole);
+  ASSERT_EQ(recovery.damage.size(), 1u);
+  EXPECT_NE(recovery.damage.front().reason.find("which is not in the file"), std::string::npos)
+      << recovery.damage.front().reason;
+  EXPECT_EQ(recovery.ticks, kTicks);
+}
+
 TEST_F(RecoverRecordingTest, ZerosAtTheEndAreATornEnd) {
   const auto chunks = Chunks(whole_);
   const std::string bytes = whole_.substr(0, chunks[3].first) + std::string(5000, '\0');
