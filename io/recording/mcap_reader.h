@@ -17,6 +17,8 @@ struct McapChannel {
   std::uint16_t id{0};
   std::string topic, message_encoding;
   std::string schema_name, schema_encoding, schema;  ///< of protobuf: a FileDescriptorSet
+
+  friend bool operator==(const McapChannel&, const McapChannel&) = default;
 };
 
 /// One message as it lies in the file.

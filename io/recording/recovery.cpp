@@ -58,6 +58,37 @@ class Census {
   bool has_session_{false};
 };
 
+// The channels of the file that is written. A damaged file may give one number to two of them, one after the
+// other.
+class Channels {
+ public:
+  explicit Channels(McapWriter& writer) : writer_(writer) {}
+
+  tl::expected<std::uint16_t, std::string> IdOf(const McapChannel& channel) {
+    constexpr std::size_t kMostMeanings = 64, kMost = 60'000;
+    std::vector<Known>& meanings = known_[channel.id];
+    for (const Known& known : meanings)
+      if (known.channel == channel) return known.id;
+    if (meanings.size() == kMostMeanings || count_ == kMost)
+      return tl::unexpected("channel " + std::to_string(channel.id) + " is one of more than " +
+                            (count_ == kMost ? std::to_string(kMost) + " in the file"
+                                             : std::to_string(kMostMeanings) + " of that number"));
+    ++count_;
+    meanings.push_back({channel, writer_.AddChannel(channel.topic, channel.schema_name, channel.schema,
+                                                    channel.schema_encoding, channel.message_encoding)});
+    return meanings.back().id;
+  }
+
+ private:
+  struct Known {
+    McapChannel channel;
+    std::uint16_t id;
+  };
+  McapWriter& writer_;
+  std::map<std::uint16_t, std::vector<Known>> known_;
+  std::size_t count_{0};
+};
+
 // Why a file in which nothing was passed over cannot be read as it is. What skips damage also makes good use
 // of the summary's schemas and channels: a message whose channel is nowhere else is kept here, and refused
 // there.
@@ -92,7 +123,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
     return tl::unexpected(std::move(error));
   };
   Census census(recovery);
-  std::map<std::uint16_t, std::uint16_t> channels;
+  Channels channels(*writer);
   McapMessage message;
   for (;;) {
     const auto more = reader->Next(message);
@@ -105,14 +136,9 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
       recovery.damage.push_back({reader->message_offset(), message.bytes.size(), wrong});
       continue;
     }
-    auto channel = channels.find(message.channel->id);
-    if (channel == channels.end()) {
-      const McapChannel& c = *message.channel;
-      const auto id =
-          writer->AddChannel(c.topic, c.schema_name, c.schema, c.schema_encoding, c.message_encoding);
-      channel = channels.emplace(c.id, id).first;
-    }
-    writer->Write(channel->second, static_cast<std::int64_t>(message.log_time_ns),
+    const auto channel = channels.IdOf(*message.channel);
+    if (!channel) return discard(from.string() + ": " + channel.error());
+    writer->Write(*channel, static_cast<std::int64_t>(message.log_time_ns),
                   {message.bytes.data(), message.bytes.size()});
     ++recovery.messages;
     if (!message.checked) ++recovery.unchecked;

@@ -203,6 +203,26 @@ TEST_F(RecoverRecordingTest, WhatCanNotBeReadIsNotCalledWhole) {
   EXPECT_EQ(recovery.ticks, kTicks);
 }
 
+// Damage may give one number to two channels, one after the other (found by libFuzzer).
+TEST_F(RecoverRecordingTest, AChannelsNumberThatIsGivenAgainIsAnotherChannel) {
+  std::string bytes = whole_;
+  const auto chunks = Chunks(bytes);
+  int ticks = 0;
+  for (const auto& [chunk, size] : chunks) {
+    bytes.replace(chunk + 9 + 24, 4, 4, '\0');  // without a checksum
+    for (std::size_t at = chunk + 9 + 40; at < chunk + size; at += 9 + IntAt(bytes, at + 1))
+      if ((bytes[at] == 4 || bytes[at] == 5) && bytes[at + 9] == 1) {  // a channel, or a message, of ticks
+        bytes[at + 9] = 0;                                             // which was the session's
+        ticks += bytes[at] == 5;
+      }
+  }
+  ASSERT_EQ(ticks, static_cast<int>(kTicks));
+  const Recovery recovery = Recover(bytes.substr(0, chunks.back().first + chunks.back().second));
+  EXPECT_EQ(recovery.ticks, kTicks);
+  EXPECT_TRUE(recovery.damage.empty());
+  EXPECT_EQ(LastTick(), kTicks - 1);
+}
+
 TEST_F(RecoverRecordingTest, ZerosAtTheEndAreATornEnd) {
   const auto chunks = Chunks(whole_);
   const std::string bytes = whole_.substr(0, chunks[3].first) + std::string(5000, '\0');
