@@ -205,6 +205,32 @@ TEST(SimulatedCell, WithoutPowerTheDrivesStopAndComeBackWithIt) {
   EXPECT_EQ(cell.state().stop.reason, StopReason::kEmergencyStop);
 }
 
+// A session that does not become GOOD within ten seconds closes. Where nobody was there at all, the program
+// is started again; a client that was there and is gone is no such case.
+TEST(SimulatedCell, WaitsForAClientLongerThanASessionDoes) {
+  const SimulatedCellParams params = CellParams();
+  SimulatedCell cell(params, ScriptBelow(params, 10.0));
+  TestClient client;
+  int now_ms = 0;
+  for (int k = 0; k < 25'000; ++k) cell.Step(++now_ms * rt::kMillisecond);
+  const auto answer = [&](int cycles, int every) {
+    for (int k = 0; k < cycles; ++k)
+      if (const auto message = cell.Step(++now_ms * rt::kMillisecond); k % every == 0 && !message.empty())
+        cell.Receive(client.Answer(message));
+  };
+  answer(3000, 1);
+  EXPECT_EQ(cell.state().session, SessionState::kCommandingActive);
+
+  SimulatedCell other(params, ScriptBelow(params, 10.0));
+  TestClient poor;
+  now_ms = 0;
+  for (int k = 0; k < 25'000; ++k)
+    if (const auto message = other.Step(++now_ms * rt::kMillisecond); k % 30 == 0 && !message.empty())
+      other.Receive(poor.Answer(message));
+  EXPECT_EQ(other.state().session, SessionState::kIdle);
+  EXPECT_EQ(other.state().stop.reason, StopReason::kQualityTimeout);
+}
+
 // tau_i is the work of the hand's wrench for a unit turn of joint i: from differences of the forward
 // kinematics alone. The wrench of a step acts in the next one.
 TEST(SimulatedCell, ExternalTorqueIsTheHandsVirtualWork) {
