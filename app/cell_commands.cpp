@@ -4,6 +4,7 @@
 
 #include "app/cell_file.h"
 #include "app/demo.h"
+#include "app/fidelity_options.h"
 #include "app/tool_choice.h"
 #include "app/usage.h"
 
@@ -59,6 +60,7 @@ CellCommands::CellCommands(CLI::App& app)
                    "the servo thread runs on this CPU, everything else stays off it; with --simulated the "
                    "cell's real-time threads share it")
       ->check(NumberWithin(0, rt::kMostCpu));
+  AddFidelityOptions(*run_, operate_.fidelity);
   run_->add_option("--device", operate_.device, "part of a Vulkan device's name (osteon doctor lists them)");
   run_->add_option("--json", operate_.json, "write the figures there");
   run_->footer(

@@ -123,9 +123,8 @@ class StartWatch {
   std::string why_not_;
 };
 
-tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, simulation::CuttingEngine& engine,
-                                                  FrameRunner& runner, Wires& wires, io::Recorder& recorder,
-                                                  const CellRunParams& params) {
+tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameRunner& runner, Wires& wires,
+                                                  io::Recorder& recorder, const CellRunParams& params) {
   CellRunResult result;
   control::ServoLoop loop = MakeServoLoop(setup.config), second = MakeServoLoop(setup.config);
   rt::LatestValue<simulation::ContactModel> models;
@@ -177,7 +176,6 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, simula
   result.recovered = servo.recovered;
   safety::FaultSet known;
   RecordFaults(recorder, rt::MonotonicNow(), servo.faults, known);
-  result.after = engine.Snapshot();
   return result;
 }
 
@@ -196,8 +194,7 @@ void EndSession(ArmSession& session, hil::ImpairedCell& cell, rt::Nanoseconds pe
   }
 }
 
-tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
-                                                     simulation::CuttingEngine& engine, FrameRunner& runner,
+tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, FrameRunner& runner,
                                                      io::Recorder& recorder, const CellRunParams& params) {
   CellRunResult result;
   control::ServoLoop loop = MakeServoLoop(setup.config);
@@ -241,6 +238,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
       model = pending->model;
       pending->stamp = now;
       recorder.PushFrame(*pending);
+      if (params.frame_us) runner.Govern(*pending, params.frame_us(*pending));
       runner.RecordEvents(recorder, now);
       pending.reset();
     }
@@ -289,7 +287,6 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup,
                                 .plc = (*devices)->plc(),
                                 .plc_counters = {},
                                 .tool_speed_rad_per_s = (*devices)->tool_speed_rad_per_s()});
-  result.after = engine.Snapshot();
   return result;
 }
 
@@ -300,7 +297,8 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
   simulation::SceneWatch watch(setup.solid.get(), setup.bone, setup.config.tool.tool,
                                setup.config.scene.events);
-  FrameRunner runner(engine, depth, watch, setup.X_WG);
+  FrameRunner runner(engine, depth, watch, setup.X_WG, params.governor);
+  runner.TellOf(params.notice);
   // what may be refused comes first: an earlier run's recording is only overwritten by a run
   Wires wires;
   if (!params.virtual_time) {
@@ -336,11 +334,16 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
     if (!cell) return tl::make_unexpected(CellRunError{.what = cell.error()});
     wires.cell = std::move(*cell);
   }
+  if (setup.planned)
+    (*recorder)->PushEvent(params.virtual_time ? 0 : rt::MonotonicNow(),
+                           "packing: " + PlannedText(*setup.planned));
   if (params.begins) params.begins();
-  auto run = params.virtual_time ? RunVirtual(setup, engine, runner, **recorder, params)
-                                 : RunWall(setup, engine, runner, wires, **recorder, params);
+  auto run = params.virtual_time ? RunVirtual(setup, runner, **recorder, params)
+                                 : RunWall(setup, runner, wires, **recorder, params);
   if (!run) return run;
   CellRunResult& result = *run;
+  result.after = runner.engine().Snapshot();
+  result.rezoned = runner.TakeRezoned();
   const auto counts = (*recorder)->Close();
   if (!counts) return tl::make_unexpected(CellRunError{.what = counts.error(), .begun = true});
   result.recording = *counts;

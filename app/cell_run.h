@@ -12,6 +12,7 @@
 #include "app/cell_process.h"
 #include "app/cell_setup.h"
 #include "app/interrupt.h"
+#include "app/zone_governor.h"
 #include "control/run_servo.h"
 #include "io/recording/recorder.h"
 #include "simulation/scene_events.h"
@@ -32,6 +33,9 @@ struct CellRunParams {
   std::function<void()> begins{};  ///< called once all is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< told in a line what has happened meanwhile
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
+  ZoneGovernor* governor{nullptr};  ///< of the zones, while it runs; null: they stay as they are
+  /// Virtual time: what a frame is said to have taken [us], for the governor; empty: nothing.
+  std::function<double(const simulation::FrameRecord&)> frame_us{};
   /// Virtual time: told each tick with the contact model that it saw.
   std::function<void(const control::TickRecord&, const simulation::ContactModel&)> ticked{};
 };
@@ -46,6 +50,7 @@ struct CellRunResult {
   rt::RealtimeGrant servo_thread;  ///< wall time: what the system granted it
   io::RecordingCounts recording;
   simulation::CarvedState after;
+  std::vector<Rezoned> rezoned;  ///< zones that were coarsened; `after` is of the last one's bone
   std::vector<simulation::SceneEvent> events;  ///< stamps as in the recording
   std::optional<double> least_wall_m;  ///< that was left beside the cut; nothing where none is watched
   std::string cell_report;  ///< what the simulated cell says of itself, osteon.cell/1; empty: not ours

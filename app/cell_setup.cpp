@@ -94,11 +94,12 @@ tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text) {
                          .radius_m = 1e-3 * values[6]};
 }
 
-tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell_yaml,
-                                               const std::optional<MeshChoice>& mesh,
-                                               const std::optional<config::ToolChoice>& tool,
-                                               const std::filesystem::path& gains) {
+tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& cell_yaml,
+                                                 const std::optional<MeshChoice>& mesh,
+                                                 const std::optional<config::ToolChoice>& tool,
+                                                 const std::filesystem::path& gains) {
   CellSetup setup;
+  setup.cell_name = cell_yaml.stem().string();
   {
     const config::FileScope files;
     setup.config = config::LoadCell(cell_yaml, tool, gains);
@@ -122,12 +123,28 @@ tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell
       if (!loaded) return tl::make_unexpected(loaded.error().message);
       made = std::move(*loaded);
     }
-    setup.bone = simulation::PackScene(made, scene, setup.config.cutting.split.on);
+    setup.bone.name = made.name;
+    setup.bone.cup = made.site;
     setup.solid = made.solid;
   }
   // the bone lies so that its site is where the cell wants it: X_WG of the configuration is the pose of the
   // site's frame
   setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.cup).inverse();
+  return setup;
+}
+
+void PackAsScene(CellSetup& setup) {
+  if (!setup.solid) return;
+  setup.bone = simulation::PackScene({.name = setup.bone.name, .solid = setup.solid, .site = setup.bone.cup},
+                                     setup.config.scene, setup.config.cutting.split.on);
+}
+
+tl::expected<CellSetup, std::string> SetUpCell(const std::filesystem::path& cell_yaml,
+                                               const std::optional<MeshChoice>& mesh,
+                                               const std::optional<config::ToolChoice>& tool,
+                                               const std::filesystem::path& gains) {
+  auto setup = PrepareCell(cell_yaml, mesh, tool, gains);
+  if (setup) PackAsScene(*setup);
   return setup;
 }
 

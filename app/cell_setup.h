@@ -28,22 +28,35 @@ struct MeshChoice {
 /// is accepted.
 [[nodiscard]] tl::expected<simulation::Cup, std::string> ParseCup(const std::string& text);
 
+struct PlannedCell;
+
 /// A cell that is ready to run, but for its engine.
 struct CellSetup {
-  config::CellConfig config;
+  config::CellConfig config;  ///< tool and cutting as planned, where the bone is
   simulation::Bone bone;
   std::shared_ptr<const simulation::Solid> solid;  ///< what the bone was packed from; null: not known
   Pose X_WG{Pose::Identity()};
-  std::string config_text;         ///< the YAML files as read, one after the other
-  io::ConfigSource config_source;  ///< every file that was read, for the recording
+  std::string config_text;                     ///< the YAML files as read, one after the other
+  io::ConfigSource config_source;              ///< every file that was read, for the recording
+  std::string cell_name;                       ///< the YAML file's
+  std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
 };
 
-/// Loads the cell's YAML and makes its bone; a mesh is placed so that its site (a cup, or the
+/// Loads the cell's YAML, and the solid that its bone is of; the bone has no balls yet (PackAsScene, or
+/// PackCell of planned_cell.h), unless they were loaded. A mesh is placed so that its site (a cup, or the
 /// circle where a drill enters) lies where the scene's would.
 /// @param config_root  the folder with cells/, robots/ …
 /// @param tool  instead of the cell's  @param gains  a file to lay over the cell's gains; empty: none
 /// @throws config::ConfigError; config::ToolSizeError where `tool` has no such size; other errors (of the
 /// mesh) come back as text.
+[[nodiscard]] tl::expected<CellSetup, std::string> PrepareCell(
+    const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh,
+    const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {});
+
+/// Packs a prepared cell's bone by the scene's own `packing`. A bone that was loaded stays.
+void PackAsScene(CellSetup& setup);
+
+/// The two after each other: what does not depend on the machine that it runs on.
 [[nodiscard]] tl::expected<CellSetup, std::string> SetUpCell(
     const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh,
     const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {});

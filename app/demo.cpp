@@ -9,6 +9,7 @@
 #include "app/cell_run.h"
 #include "app/chart_files.h"
 #include "app/interrupt.h"
+#include "app/phase_progress.h"
 #include "app/recorded_motion.h"
 #include "app/run_progress.h"
 #include "app/stop_records.h"
@@ -66,12 +67,20 @@ int RunDemo(const DemoOptions& options) {
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty()) return Fail("--cpu: " + wrong);
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail(wrong);
 
-  auto setup = SetUpCell(options.cell, options.mesh, options.tool);
+  auto setup = PrepareCell(options.cell, options.mesh, options.tool);
   if (!setup) return Fail(setup.error());
   const auto first_port = UseSimulated(setup->config, options.port);
   if (!first_port) return Fail(first_port.error());
+  const bool timed = !options.virtual_time;
+  PhaseProgress planning("osteon demo", timed ? 2 : 1, false);
+  if (const auto packed = PackCell(*setup, options.fidelity, options.device, timed,
+                                   [&](const std::string& phase) { planning.Begin("plan: " + phase); });
+      !packed)
+    return Fail(packed.error());
+  planning.Done();
   auto engine = MakeEngine(*setup, options.engine, options.device);
   if (!engine) return Fail(engine.error());
+  const auto governor = MakeGovernor(*setup, options.device);
 
   if (!setup->solid && setup->config.scene.events.least_wall_m > 0.0)
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
@@ -93,7 +102,8 @@ int RunDemo(const DemoOptions& options) {
                              .stop = &Interrupted(),
                              .pauses = &AskedPauses(),
                              .begins = [&] { PrintLimits(setup->config.servo); },
-                             .progress = [&](double at_s) { progress.Show(at_s); }};
+                             .progress = [&](double at_s) { progress.Show(at_s); },
+                             .governor = governor.get()};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
   if (!result) return Fail(result.error().what, result.error().begun ? kFailed : kBadInput);
@@ -108,7 +118,7 @@ int RunDemo(const DemoOptions& options) {
       .summary = Rows(summary),
       .ticks = recording->ticks,
       .frames = recording->frames,
-      .bone = setup->bone,
+      .bone = result->rezoned.empty() ? setup->bone : result->rezoned.back().bone,
       .after = result->after,
       .tool = setup->config.tool.tool,
       .solid = setup->solid.get(),

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "app/cell_setup.h"
+#include "app/planned_cell.h"
 
 namespace osteon::app {
 
@@ -17,6 +17,7 @@ struct DemoOptions {
   std::filesystem::path cell;  ///< the cell's YAML
   std::optional<MeshChoice> mesh{};
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
+  FidelityChoice fidelity{};                 ///< how fine the bone is
   bool virtual_time{false};
   std::string device{};
   std::string engine{"vulkan"};

@@ -17,6 +17,7 @@
 #include "app/failures.h"
 #include "app/fault_table.h"
 #include "app/faults_command.h"
+#include "app/fidelity_options.h"
 #include "app/guard_command.h"
 #include "app/kill_table.h"
 #include "app/measure_commands.h"
@@ -235,6 +236,7 @@ int Run(int argc, char** argv) {
   cup_option->needs(mesh_option);
   demo_app->add_flag("--virtual-time", demo.virtual_time,
                      "lockstep, as fast as it goes; two runs give equal bits");
+  osteon::app::AddFidelityOptions(*demo_app, demo.fidelity);
   demo_app->add_option("--device", demo.device, "part of a Vulkan device's name (osteon doctor lists them)");
   demo_app
       ->add_option("--engine", demo.engine, "vulkan, or reference: double precision, slow, virtual time only")
@@ -257,6 +259,7 @@ int Run(int argc, char** argv) {
                        "write the tool's motion there (CSV), to be played again");
   demo_app->footer(
       "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
+      "  osteon demo --error-mm 0.05 --rate-hz 500\n"
       "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21\n"
       "  osteon demo --cell molar --mesh tooth.obj --scale 0.041 --cup 0,0.5,8,0,0,1,1.75");
 

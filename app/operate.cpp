@@ -6,6 +6,7 @@
 #include "app/cell_ports.h"
 #include "app/cell_run.h"
 #include "app/interrupt.h"
+#include "app/phase_progress.h"
 #include "app/run_progress.h"
 #include "app/stop_records.h"
 #include "app/summary.h"
@@ -44,7 +45,7 @@ void PrintWires(const config::CellConfig& cell) {
 int RunOperate(const OperateOptions& options) {
   // before there is any other thread
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty()) return Fail("--cpu: " + wrong);
-  auto setup = SetUpCell(options.cell, {}, options.tool, options.gains);
+  auto setup = PrepareCell(options.cell, {}, options.tool, options.gains);
   if (!setup) return Fail(setup.error());
   std::optional<CellProcessParams> cell;
   if (options.simulated) {
@@ -59,8 +60,16 @@ int RunOperate(const OperateOptions& options) {
   } else if (options.port) {
     UseSimulatedWires(setup->config, options.port);
   }
+  PhaseProgress planning("osteon run", 2, false);
+  if (const auto packed = PackCell(*setup, options.fidelity, options.device, true,
+                                   [&](const std::string& phase) { planning.Begin("plan: " + phase); });
+      !packed)
+    return Fail(packed.error());
+  planning.Done();
   auto engine = MakeEngine(*setup, "vulkan", options.device);
   if (!engine) return Fail(engine.error());
+  const auto governor = MakeGovernor(*setup, options.device);
+  if (setup->planned) fmt::print(stderr, "osteon run: packing: {}\n", PlannedText(*setup->planned));
   PrintRegistration(setup->config);
   PrintWires(setup->config);
 
@@ -78,7 +87,8 @@ int RunOperate(const OperateOptions& options) {
       .gains = options.gains,
       .begins = [&] { PrintLimits(setup->config.servo); },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },
-      .progress = [&](double at_s) { progress.Show(at_s); }};
+      .progress = [&](double at_s) { progress.Show(at_s); },
+      .governor = governor.get()};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
   if (!result) return Fail(result.error().what, result.error().begun ? kFailed : kBadInput);

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "app/cell_setup.h"
+#include "app/planned_cell.h"
 
 namespace osteon::app {
 
@@ -16,6 +16,7 @@ struct OperateOptions {
   int recoveries{0};  ///< so often it begins again after the connection to the arm has ended rendering
   std::filesystem::path record{"run.mcap"};
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
+  FidelityChoice fidelity{};                 ///< how fine the bone is
   std::filesystem::path gains{};             ///< a file to lay over the cell's gains; empty: none
   std::optional<std::uint16_t> port{};       ///< of a simulated cell: the first of its ports
   int cpu{-1};           ///< the servo thread is pinned to it, all others stay off; -1: any

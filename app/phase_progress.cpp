@@ -16,8 +16,11 @@ double Now_s() {
 
 }  // namespace
 
-PhaseProgress::PhaseProgress(std::string command, int phases)
-    : command_(std::move(command)), count_(phases), terminal_(isatty(STDERR_FILENO) != 0) {
+PhaseProgress::PhaseProgress(std::string command, int phases, bool lines)
+    : command_(std::move(command)),
+      count_(phases),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      lines_(lines && !terminal_) {
   if (terminal_) drawer_ = std::jthread([this](std::stop_token stop) { Draw(stop); });
 }
 
@@ -28,7 +31,7 @@ void PhaseProgress::Begin(const std::string& name) {
   EndPhase();
   running_ = name;
   begun_s_ = Now_s();
-  if (!terminal_) fmt::print(stderr, "{}: {} of {}: {}\n", command_, done_.size() + 1, count_, name);
+  if (lines_) fmt::print(stderr, "{}: {} of {}: {}\n", command_, done_.size() + 1, count_, name);
 }
 
 void PhaseProgress::EndPhase() {

@@ -9,7 +9,7 @@
 namespace osteon::app {
 
 /// Shows on stderr which of several phases a command is in: on a terminal a bar that moves from phase to
-/// phase with the time of the running one, elsewhere a line a phase. Keeps each phase's time.
+/// phase with the time of the running one, elsewhere a line a phase, or nothing. Keeps each phase's time.
 class PhaseProgress {
  public:
   struct Phase {
@@ -17,8 +17,9 @@ class PhaseProgress {
     double seconds{0.0};
   };
 
-  /// @param command  begins each line  @param phases  how many there will be
-  PhaseProgress(std::string command, int phases);
+  /// @param command  begins each line  @param phases  how many there will be  @param lines  false: elsewhere
+  /// than on a terminal nothing is said
+  PhaseProgress(std::string command, int phases, bool lines = true);
   ~PhaseProgress();
   PhaseProgress(const PhaseProgress&) = delete;
   PhaseProgress& operator=(const PhaseProgress&) = delete;
@@ -35,7 +36,7 @@ class PhaseProgress {
 
   std::string command_;
   int count_;
-  bool terminal_;
+  bool terminal_, lines_;
   std::string running_;
   double begun_s_{0.0};
   std::vector<Phase> done_;

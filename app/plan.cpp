@@ -21,7 +21,7 @@ constexpr double kRemovalShare = 0.8, kToolShare = 0.1;
 constexpr double kCoarser = 1.2;  // a step of the error where a frame takes too long
 constexpr double kMostError_m = 5e-3;
 constexpr double kMostBalls = 20e6;
-constexpr int kRounds = 3;  // of a timed cut
+
 /// Of the kinds that can have the error, the one with the fewest balls in the end, children included.
 std::optional<PackingLevel> ChooseLevel(const PlanScene& scene, const simulation::DepthVolumes& volumes,
                                         double error_m) {
@@ -57,7 +57,7 @@ PackedLevel Packed(const PlanScene& scene, const PackingLevel& level) {
 
 /// Times two packings beside the planned one: coarser, or finer where a wall leaves no coarser one.
 tl::expected<Calibration, std::string> Calibrate(const PlanScene& scene, const PackingLevel& level,
-                                                 const simulation::Tool& tool, const std::string& device) {
+                                                 const simulation::Tool& tool, const PlanRequest& request) {
   std::vector<double> factors{1.15, 1.8};
   if (!simulation::FitsWall(simulation::Scaled(level, factors.back(), scene.cut), scene.cut))
     factors = {1.0 / 1.15, 1.0 / 1.5};
@@ -65,7 +65,7 @@ tl::expected<Calibration, std::string> Calibrate(const PlanScene& scene, const P
   std::vector<PackedLevel>& others = calibration.others;
   for (const double factor : factors)
     others.push_back(Packed(scene, simulation::Scaled(level, factor, scene.cut)));
-  const auto runs = RunLevels(scene, others, tool, device, kRounds);
+  const auto runs = RunLevels(scene, others, tool, request.device, request.rounds);
   if (!runs) return tl::make_unexpected(runs.error());
   calibration.device = runs->front().device;
   double ratios = 0.0;
@@ -77,19 +77,21 @@ tl::expected<Calibration, std::string> Calibrate(const PlanScene& scene, const P
   return calibration;
 }
 
-/// Packs a level and says what a frame of it takes.
-void Fill(FidelityPlan& plan, const PlanScene& scene, const PackingLevel& level,
-          const Calibration& calibration) {
+void Pack(FidelityPlan& plan, const PlanScene& scene, const PackingLevel& level) {
+  plan.packed = Packed(scene, level);
+  plan.removal = simulation::PredictRemovalError(level.fine, scene.cut);
+  plan.error_m = plan.removal.total_m() + plan.tool_gap_m;
+}
+
+/// Says what a frame of the packed level takes.
+void Time(FidelityPlan& plan, const PlanScene& scene, const Calibration& calibration) {
   plan.device = calibration.device;
   plan.others = calibration.others;
   plan.calibration = calibration.groups;
   plan.cost = simulation::FitFrameCost(calibration.groups);
-  plan.packed = Packed(scene, level);
   plan.active_balls = calibration.reach_ratio * BallsInReach(scene, plan.packed.balls);
   plan.frame_us = plan.cost.At(plan.active_balls);
   plan.frame_p999_us = plan.cost.tail_ratio * plan.frame_us;
-  plan.removal = simulation::PredictRemovalError(level.fine, scene.cut);
-  plan.error_m = plan.removal.total_m() + plan.tool_gap_m;
 }
 
 /// What is left to the balls, and the tool that takes its own share.
@@ -135,13 +137,18 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
     if (level && next->kind == level->kind && next->fine.spacing_m <= level->fine.spacing_m)
       break;  // the coarsest
     level = next;
+    if (!request.timed) {
+      Pack(plan, scene, *level);
+      break;
+    }
     if (!calibrations.contains(level->kind)) {
       tell("time other packings");
-      auto timed = Calibrate(scene, *level, plan.tool, request.device);
+      auto timed = Calibrate(scene, *level, plan.tool, request);
       if (!timed) return tl::make_unexpected(timed.error());
       calibrations.emplace(level->kind, std::move(*timed));
     }
-    Fill(plan, scene, *level, calibrations.at(level->kind));
+    Pack(plan, scene, *level);
+    Time(plan, scene, calibrations.at(level->kind));
     if (!first) first = plan;
     // a frame that is too long even without bone is no reason for a coarser one
     if (plan.frame_us <= most_us || plan.cost.base_us >= most_us) break;
@@ -166,11 +173,31 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
   return plan;
 }
 
+std::optional<CoarserZones> CoarserFor(const PlanScene& scene, const FidelityPlan& plan,
+                                       const PackingLevel& level, double seen_us, double most_us) {
+  // active balls of a level at the spacing a: those of the plan at its own, times (a_plan / a)²
+  const double planned_m = plan.packed.level.fine.spacing_m;
+  const auto model_us = [&](const PackingLevel& at) {
+    const double ratio = planned_m / at.fine.spacing_m;
+    return plan.cost.At(plan.active_balls * ratio * ratio);
+  };
+  const double slower = seen_us / model_us(level);
+  for (double factor = kCoarser;; factor *= kCoarser) {
+    const PackingLevel coarser = simulation::Scaled(level, factor, scene.cut);
+    const double error_m =
+        simulation::PredictRemovalError(coarser.fine, scene.cut).total_m() + plan.tool_gap_m;
+    if (!simulation::Holds(coarser, scene.cut) || error_m > kMostError_m) return std::nullopt;
+    const double frame_us = slower * model_us(coarser);
+    if (frame_us <= most_us)
+      return CoarserZones{.level = coarser, .promised_m = error_m / kRemovalShare, .frame_us = frame_us};
+  }
+}
+
 tl::expected<PlanCheck, std::string> CheckPlan(const PlanScene& scene, const PlanRequest& request,
                                                const FidelityPlan& plan) {
   std::vector<PackedLevel> levels{plan.packed};
   levels.insert(levels.end(), plan.others.begin(), plan.others.end());
-  const auto runs = RunLevels(scene, levels, plan.tool, request.device, kRounds);
+  const auto runs = RunLevels(scene, levels, plan.tool, request.device, request.rounds);
   if (!runs) return tl::make_unexpected(runs.error());
   const LevelRun& run = runs->front();
   const simulation::CutAccuracy cut = MeasureLevel(scene, plan.packed, run, plan.leak_probe_m);

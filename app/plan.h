@@ -17,6 +17,10 @@ struct PlanRequest {
   double error_m{0.1e-3};  ///< mean depth that a cut may be off its sweep
   double rate_hz{1000.0};
   std::string device;  ///< part of a Vulkan device's name
+  int rounds{3};       ///< so often the scene's cut is timed
+  /// False: by the closed forms alone, the same on any machine; nothing is said of frames, and the rate is no
+  /// matter.
+  bool timed{true};
 };
 
 /// What could not be had together with the other.
@@ -58,6 +62,21 @@ struct ModelChoice {
   std::optional<simulation::PackingLevel> level;  ///< nothing: no packing is fine enough
 };
 [[nodiscard]] ModelChoice ChooseModel(const PlanScene& scene, double error_m);
+
+/// A coarser packing of a plan's kind, and what it leaves to expect.
+struct CoarserZones {
+  simulation::PackingLevel level;
+  double promised_m{0.0};  ///< what a cut keeps
+  double frame_us{0.0};    ///< expected
+};
+
+/// The finest packing that is coarser than `level`, by a fifth of its spacing and more, and whose frames are
+/// expected to take at most `most_us`. Frames cost as the plan says, in the ratio that is seen now; active
+/// balls go with the spacing's square. Nothing: none for which the closed forms hold has it.
+/// @param plan  one that was timed  @param seen_us  what frames take now, at `level`
+[[nodiscard]] std::optional<CoarserZones> CoarserFor(const PlanScene& scene, const FidelityPlan& plan,
+                                                     const simulation::PackingLevel& level, double seen_us,
+                                                     double most_us);
 
 /// @param say  told what is going on; may be empty
 /// @returns an error where there is no device, or no packing serves at all.

@@ -41,6 +41,21 @@ simulation::ArmFigures ArmOf(const config::CellConfig& cell) {
 
 }  // namespace
 
+PlanScene MakePlanScene(const simulation::SceneSolid& solid, const simulation::SceneParams& scene,
+                        const config::CellConfig& cell, const std::string& cell_name) {
+  PlanScene made;
+  made.name = solid.name;
+  made.cell_name = cell_name;
+  made.work = simulation::MakeSceneWorkload(solid, scene, cell.tool.tool, cell.cutting);
+  made.materials = made.work.materials;
+  made.points = simulation::BuildMassPoints(*solid.solid, *made.work.zone, scene.points);
+  made.cut = simulation::ShapeOfCut(made.work, scene);
+  made.zone_depth_m = simulation::ZoneDepthFor(made.cut, scene.zone.radius_m);
+  made.arm = ArmOf(cell);
+  made.max_turn_rad_per_s = cell.servo.twist.max_turn_rad_per_s;
+  return made;
+}
+
 tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice) {
   SourceOptions options;
   options.input = choice.scene;
@@ -55,20 +70,9 @@ tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice) {
         fmt::format("{}: found no scene, accepted a scene's YAML file or its name", choice.scene));
   const std::filesystem::path cell_file = CellOf(choice);
   const config::CellConfig cell = config::LoadCell(cell_file, choice.tool);
-  const simulation::SceneSolid solid{.name = source.name, .solid = source.solid, .site = source.site};
   source.own->materials = source.materials;
-
-  PlanScene scene;
-  scene.name = source.name;
-  scene.cell_name = cell_file.stem().string();
-  scene.work = simulation::MakeSceneWorkload(solid, *source.own, cell.tool.tool, cell.cutting);
-  scene.materials = scene.work.materials;
-  scene.points = simulation::BuildMassPoints(*solid.solid, *scene.work.zone, source.own->points);
-  scene.cut = simulation::ShapeOfCut(scene.work, *source.own);
-  scene.zone_depth_m = simulation::ZoneDepthFor(scene.cut, source.own->zone.radius_m);
-  scene.arm = ArmOf(cell);
-  scene.max_turn_rad_per_s = cell.servo.twist.max_turn_rad_per_s;
-  return scene;
+  return MakePlanScene({.name = source.name, .solid = source.solid, .site = source.site}, *source.own, cell,
+                       cell_file.stem().string());
 }
 
 tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scene,

@@ -36,6 +36,13 @@ struct PlanScene {
   double max_turn_rad_per_s{0.0};
 };
 
+/// A cell's own cut of a solid.
+/// @param name  of the scene  @param cell_name  of the cell's file
+/// @throws std::invalid_argument where the scene's zone is neither cup nor path, or the tool cuts nothing.
+[[nodiscard]] PlanScene MakePlanScene(const simulation::SceneSolid& solid,
+                                      const simulation::SceneParams& scene, const config::CellConfig& cell,
+                                      const std::string& cell_name);
+
 /// @returns an error that names file or option, what was found and what is accepted.
 /// @throws config::ConfigError, config::ToolSizeError, std::invalid_argument
 [[nodiscard]] tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice);

@@ -61,6 +61,20 @@ std::vector<EventRow> EventRows(const std::vector<simulation::SceneEvent>& event
   return rows;
 }
 
+std::vector<RezonedRow> RezonedRows(const std::vector<Rezoned>& rezoned, const io::Recording& recording) {
+  std::vector<RezonedRow> rows;
+  const rt::Nanoseconds start = recording.ticks.empty() ? 0 : recording.ticks.front().stamp;
+  for (const Rezoned& change : rezoned)
+    rows.push_back({.time_s = rt::ToSeconds(change.stamp - start),
+                    .balls = change.bone.balls.size(),
+                    .spacing_m = change.level.fine.spacing_m,
+                    .promised_m = change.promised_m,
+                    .seen_us = change.seen_us,
+                    .expected_us = change.expected_us,
+                    .text = RezonedText(change)});
+  return rows;
+}
+
 nlohmann::json ToJson(const DurationFigures& d) {
   return {{"p50", d.p50_s * 1e6}, {"p99", d.p99_s * 1e6}, {"p999", d.p999_s * 1e6}, {"max", d.max_s * 1e6}};
 }
@@ -213,6 +227,8 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.faults = FaultRows(result.faults, recording);
   s.events = EventRows(result.events, recording);
   s.least_wall_m = result.least_wall_m;
+  s.planned = setup.planned;
+  s.rezoned = RezonedRows(result.rezoned, recording);
   s.assumptions = simulation::Assumptions(setup.bone.materials);
   s.cell_report = result.cell_report;
   const nlohmann::json cell = nlohmann::json::parse(result.cell_report, nullptr, false);
@@ -228,6 +244,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
       {"Ended", s.ended + (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop)},
       {"Engine", s.engine + " on " + s.device},
       {"Scene", fmt::format("{}: {} balls, {} mass points", s.scene, s.balls, s.points)},
+      {"Packing", s.planned ? PlannedText(*s.planned) : "as the scene says, or as it was loaded"},
       {"Tool", s.tool},
       {"Servo loop", fmt::format("{} ticks, median {:.1f} Hz{}{}", s.ticks, s.servo_rate_hz,
                                  s.virtual_time            ? " (virtual time)"
@@ -269,6 +286,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
     rows.push_back({"Cavity against swept tool",
                     fmt::format("mean {:.3f} mm, p95 {:.3f} mm", s.section.cavity_section.mean_abs_m * 1e3,
                                 s.section.cavity_section.p95_m * 1e3)});
+  for (const RezonedRow& row : s.rezoned) rows.push_back({fmt::format("At {:.2f} s", row.time_s), row.text});
   std::string events;
   for (const EventRow& event : s.events)
     events += fmt::format("{}{} at {:.2f} s ({:.2f} {})", events.empty() ? "" : "; ", event.name,
@@ -366,6 +384,15 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"assumptions", s.assumptions},
       {"recording", s.recording}};
   out["events"] = events;
+  out["planned"] = s.planned ? PlannedJson(*s.planned) : nlohmann::json(nullptr);
+  out["rezoned"] = nlohmann::json::array();
+  for (const RezonedRow& row : s.rezoned)
+    out["rezoned"].push_back({{"time_s", row.time_s},
+                              {"spheres", row.balls},
+                              {"zone_spacing_mm", row.spacing_m * 1e3},
+                              {"promised_error_mm", row.promised_m * 1e3},
+                              {"frame_us_before", row.seen_us},
+                              {"predicted_frame_us", row.expected_us}});
   nlohmann::json stops = nlohmann::json::array();
   for (const std::filesystem::path& page : s.stops) stops.push_back(page.string());
   out["stops"] = stops;

@@ -9,6 +9,7 @@
 
 #include "app/cell_run.h"
 #include "app/limit_rows.h"
+#include "app/planned_cell.h"
 #include "app/report/report.h"
 #include "io/recording/recording_reader.h"
 
@@ -27,6 +28,14 @@ struct EventRow {
   double time_s{0.0};
   double value{0.0};  ///< in `unit`
   std::string unit;
+};
+
+/// Zones that were coarsened, at their time since the run's start.
+struct RezonedRow {
+  double time_s{0.0};
+  std::size_t balls{0};
+  double spacing_m{0.0}, promised_m{0.0}, seen_us{0.0}, expected_us{0.0};
+  std::string text;
 };
 
 /// How a run ended, in a word or three.
@@ -63,7 +72,9 @@ struct RunSummary {
   std::vector<ActedLimit> acted_limits;  ///< those that did, when and for how long
   double least_depth_left_m{0.0};        ///< to the reamer's depth limit; infinite where there is none
   std::vector<FaultRow> faults;
-  std::vector<EventRow> events;              ///< of the scene, in their order
+  std::vector<EventRow> events;                ///< of the scene, in their order
+  std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
+  std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
   std::optional<double> least_wall_m;        ///< thinnest wall beside the cut; nothing where none is watched
   std::vector<std::string> assumptions;      ///< figures of the materials without a source
   std::vector<std::filesystem::path> stops;  ///< a page each, of what led to it

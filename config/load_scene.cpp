@@ -159,6 +159,16 @@ void ReadPacking(Reader& section, simulation::PackingParams& packing) {
   packing.samples = ReadGrade(section, "sample_", 0.05, 10);
 }
 
+// A plan follows the scene's own cut, which a cup or a path tells.
+simulation::FidelityRequest ReadFidelity(Reader section, const simulation::ZoneParams& zone) {
+  using Kind = simulation::ZoneParams::Kind;
+  const simulation::FidelityRequest read{.error_m = section.Number("error_mm", 0.001, 5),
+                                         .rate_hz = section.Number("rate_hz", 1, 100e3)};
+  if (zone.kind != Kind::kCup && zone.kind != Kind::kPath)
+    section.Refuse("error_mm", "found with zone: kind surface or everywhere, accepted with cup or path");
+  return read;
+}
+
 // Sizes of a shape against each other.
 void CheckShape(const Reader& section, const simulation::SceneShape& shape) {
   if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&shape)) {
@@ -199,6 +209,7 @@ SceneParams LoadScene(const std::filesystem::path& path) {
   ReadMeshTissue(reader.Section("mesh_tissue"), scene.mesh_tissue, names);
   Reader packing = reader.Section("packing");
   ReadPacking(packing, scene.packing);
+  if (reader.Has("fidelity")) scene.fidelity = ReadFidelity(reader.Section("fidelity"), scene.zone);
   Reader points = reader.Section("mass_points");
   scene.points.cells = ReadGrade(points, "", 0.1, 10);
   scene.points.samples_along_axis = points.Whole("axis_sample_count", 2, 16);

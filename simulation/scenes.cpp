@@ -27,18 +27,6 @@ void CheckNames(const std::vector<Material>& materials, const std::vector<std::s
   CheckMaterials(materials);
 }
 
-Bone Fill(const SceneSolid& scene, const CutZone& zone, const PackingParams& packing, bool split,
-          const MassPointParams& points, const std::vector<Material>& materials) {
-  Bone bone;
-  bone.name = scene.name;
-  bone.balls = split ? BuildSplitPacking(*scene.solid, zone, SplitPackingFor(packing))
-                     : BuildPacking(*scene.solid, zone, packing);
-  bone.points = BuildMassPoints(*scene.solid, zone, points);
-  bone.materials = materials;
-  bone.cup = scene.site;
-  return bone;
-}
-
 Cup Checked(Cup cup) {
   const Vector3 center = cup.center_m, axis = cup.axis;
   CheckRangeMm("cup: radius", cup.radius_m, 0.0005, 0.100);
@@ -246,8 +234,21 @@ std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const Cup& site, const
 
 Bone PackScene(const SceneSolid& solid, const SceneParams& scene, bool split) {
   CheckNames(scene.materials, scene.material_names);
-  return Fill(solid, *MakeZone(scene.zone, solid.site, *solid.solid), scene.packing, split, scene.points,
-              scene.materials);
+  const auto zone = MakeZone(scene.zone, solid.site, *solid.solid);
+  return SceneBone(solid, scene,
+                   split ? BuildSplitPacking(*solid.solid, *zone, SplitPackingFor(scene.packing))
+                         : BuildPacking(*solid.solid, *zone, scene.packing));
+}
+
+Bone SceneBone(const SceneSolid& solid, const SceneParams& scene, std::vector<Ball> balls) {
+  CheckNames(scene.materials, scene.material_names);
+  Bone bone;
+  bone.name = solid.name;
+  bone.balls = std::move(balls);
+  bone.points = BuildMassPoints(*solid.solid, *MakeZone(scene.zone, solid.site, *solid.solid), scene.points);
+  bone.materials = scene.materials;
+  bone.cup = solid.site;
+  return bone;
 }
 
 Bone MakeAcetabulum(const AcetabulumParams& params) {

@@ -59,6 +59,12 @@ struct MeshSceneTissue {
   std::optional<Lining> lining;
 };
 
+/// What is asked of a scene's model; what it takes is planned (docs/planning.md).
+struct FidelityRequest {
+  double error_m{0.1e-3};  ///< mean depth that a cut may be off its sweep
+  double rate_hz{250.0};   ///< frames a second
+};
+
 /// A scene: what to make, of what, and how fine.
 struct SceneParams {
   std::string name{"block"};  ///< of a block; the other shapes have their own
@@ -69,6 +75,7 @@ struct SceneParams {
   std::vector<std::string> material_names;  ///< what the indices of shape and mesh tissue stand for
   std::vector<Material> materials;          ///< of these names, in their order
   PackingParams packing;
+  std::optional<FidelityRequest> fidelity;  ///< nothing: it is packed as it says
   MassPointParams points;
   SceneEventParams events;
 };
@@ -114,6 +121,10 @@ struct SceneSolid {
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted; also where the
 /// materials are not those that are named, or the solid takes more than 100 million cells.
 [[nodiscard]] Bone PackScene(const SceneSolid& solid, const SceneParams& scene, bool split = false);
+
+/// The scene's bone with balls that were packed otherwise: mass points, materials and site are its own.
+/// @throws std::invalid_argument as PackScene does.
+[[nodiscard]] Bone SceneBone(const SceneSolid& solid, const SceneParams& scene, std::vector<Ball> balls);
 
 /// The generated acetabulum by itself.
 struct AcetabulumParams {

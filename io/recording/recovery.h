@@ -26,8 +26,8 @@ struct Recovery {
 /// Makes a whole recording of one that is torn (the process or the power went) or damaged: every message that
 /// is complete, as its bytes are, with index, statistics and footer. A chunk whose CRC is wrong is left out.
 /// `to` appears whole or not at all; an existing file is replaced. Nothing is written where `from` is whole.
-/// The error names the file and the reason: not MCAP, no osteon.Session left, a channel's number with more than
-/// 64 meanings, or `to` cannot be written.
+/// The error names the file and the reason: not MCAP, no osteon.Session left, a channel's number with more
+/// than 64 meanings, or `to` cannot be written.
 [[nodiscard]] tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path& from,
                                                                    const std::filesystem::path& to);
 

@@ -46,15 +46,6 @@ SplitPackingParams SplitParamsOf(const PackingLevel& level) {
           .surface_gap_m = level.fine.surface_gap_m};
 }
 
-bool Holds(const PackingLevel& level, const CutShape& cut) {
-  const PackingFineness& fine = level.fine;
-  if (!FitsWall(level, cut)) return false;
-  if (level.kind == PackingKind::kSplit)
-    return fine.spacing_m <= kMostSplitOfTool * cut.tool_radius_m &&
-           (!cut.along_surface || fine.spacing_m <= kMostSplitOfDepth * cut.depth_m);
-  return fine.radius_m <= (cut.along_surface ? kMostOfReamer : kMostOfTool) * cut.tool_radius_m;
-}
-
 }  // namespace
 
 std::string_view KindName(PackingKind kind) {
@@ -72,6 +63,15 @@ std::string_view KindName(PackingKind kind) {
 bool FitsWall(const PackingLevel& level, const CutShape& cut) {
   return level.fine.radius_m >= kHoles * level.fine.spacing_m &&
          (cut.wall_m == 0.0 || level.fine.radius_m <= 0.5 * cut.wall_m);
+}
+
+bool Holds(const PackingLevel& level, const CutShape& cut) {
+  const PackingFineness& fine = level.fine;
+  if (!FitsWall(level, cut)) return false;
+  if (level.kind == PackingKind::kSplit)
+    return fine.spacing_m <= kMostSplitOfTool * cut.tool_radius_m &&
+           (!cut.along_surface || fine.spacing_m <= kMostSplitOfDepth * cut.depth_m);
+  return fine.radius_m <= (cut.along_surface ? kMostOfReamer : kMostOfTool) * cut.tool_radius_m;
 }
 
 double ZoneDepthFor(const CutShape& cut, double zone_radius_m) {

@@ -47,9 +47,12 @@ struct PackingLevel {
 /// Whether the level's balls are at most half the wall, and its lattice has no holes.
 [[nodiscard]] bool FitsWall(const PackingLevel& level, const CutShape& cut);
 
-/// The coarsest level whose predicted removal error is at most `error_m`, within what the closed forms hold
-/// for: r <= .6 R (R/5 in a cut along the surface), a split lattice's spacing <= .75 R (and .85 of the depth
-/// of a cut along the surface), and a lattice without holes, r >= .56 a. Spacings from .02 to 20 mm. Large
+/// Whether the closed forms hold for the level: r <= .6 R (R/5 in a cut along the surface), a split lattice's
+/// spacing <= .75 R (and .85 of the depth of a cut along the surface), and it fits the wall.
+[[nodiscard]] bool Holds(const PackingLevel& level, const CutShape& cut);
+
+/// The coarsest level whose predicted removal error is at most `error_m` and for which the closed forms hold.
+/// Spacings from .02 to 20 mm. Large
 /// balls leave the finer face, small ones the finer rim: of radii from 1.2 a to 2.4 a (1.5 a in a cut that
 /// leads into the bone) the one that allows the widest spacing counts.
 /// @returns nothing where even the finest exceeds the error.
