@@ -180,6 +180,25 @@ INSTANTIATE_TEST_SUITE_P(Cells, ZoneGovernorRide,
                          testing::Values(Case{"demo", 0.1, true}, Case{"femoral_canal", 0.06, false}),
                          [](const auto& of) { return std::string(of.param.cell); });
 
+/// What a shipped scene asks for, over its cell's own whole script.
+class PlannedScript : public testing::TestWithParam<const char*> {};
+
+TEST_P(PlannedScript, KeepsTheErrorThatItsSceneAsksFor) {
+  const auto setup = PrepareCell(CellFile(GetParam()), std::nullopt);
+  ASSERT_TRUE(setup) << setup.error();
+  const double asked_m = setup->config.scene.fidelity.value().error_m;
+  const Ride ride = RideOf(GetParam(), asked_m, 9.0, false);
+  std::printf("%s: error %.4f mm of %.4f, %zu balls\n", GetParam(), ride.error_m * 1e3, asked_m * 1e3,
+              ride.balls);
+  EXPECT_EQ(ride.result.faults.bits(), 0u);
+  EXPECT_LE(ride.error_m, asked_m);
+  EXPECT_GT(ride.error_m, 0.2 * asked_m) << "much finer than it has to be";
+}
+
+INSTANTIATE_TEST_SUITE_P(Cells, PlannedScript,
+                         testing::Values("demo", "molar", "thin_plate", "sawbone_block", "femoral_canal"),
+                         [](const auto& of) { return std::string(of.param); });
+
 TEST(ZoneGovernor, IsTheSameAgain) {
   const Ride a = RideOf("demo", 0.1e-3, 1.5, true), b = RideOf("demo", 0.1e-3, 1.5, true);
   ASSERT_FALSE(a.result.rezoned.empty());
