@@ -180,7 +180,6 @@ TEST_F(RecoverRecordingTest, LosesNoMoreThanTheChunkThatBroughtTheSchema) {
   EXPECT_EQ(LastTick(), kTicks - 1);
 }
 
-// A power cut may leave room that was never written.
 // What recovers also knows the channels that the summary repeats; what reads does not wait for them. Found by
 // libFuzzer (tests/fuzz/targets/recording.cpp): "nothing to recover", of a file that could not be read.
 TEST_F(RecoverRecordingTest, WhatCanNotBeReadIsNotCalledWhole) {
@@ -223,6 +222,7 @@ TEST_F(RecoverRecordingTest, AChannelsNumberThatIsGivenAgainIsAnotherChannel) {
   EXPECT_EQ(LastTick(), kTicks - 1);
 }
 
+// A power cut may leave room that was never written.
 TEST_F(RecoverRecordingTest, ZerosAtTheEndAreATornEnd) {
   const auto chunks = Chunks(whole_);
   const std::string bytes = whole_.substr(0, chunks[3].first) + std::string(5000, '\0');
