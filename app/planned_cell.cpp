@@ -46,7 +46,8 @@ tl::expected<void, std::string> PackCell(CellSetup& setup, const FidelityChoice&
   auto plan = MakePlan(planned->scene, planned->request, say);
   if (!plan) return tl::make_unexpected(plan.error());
   planned->plan = std::move(*plan);
-  setup.bone = simulation::SceneBone(solid, setup.config.scene, planned->plan.packed.balls);
+  setup.bone =
+      simulation::SceneBone(solid, setup.config.scene, planned->plan.packed.balls, planned->scene.points);
   setup.config.tool.tool = planned->plan.tool;
   setup.config.cutting =
       simulation::CuttingForLevel(planned->plan.packed.level, planned->scene.cut, setup.config.cutting);

@@ -27,6 +27,15 @@ void CheckNames(const std::vector<Material>& materials, const std::vector<std::s
   CheckMaterials(materials);
 }
 
+Bone Assemble(const SceneSolid& solid, const SceneParams& scene, std::vector<Ball> balls,
+              std::vector<MassPoint> points) {
+  return {.name = solid.name,
+          .balls = std::move(balls),
+          .points = std::move(points),
+          .materials = scene.materials,
+          .cup = solid.site};
+}
+
 Cup Checked(Cup cup) {
   const Vector3 center = cup.center_m, axis = cup.axis;
   CheckRangeMm("cup: radius", cup.radius_m, 0.0005, 0.100);
@@ -233,22 +242,18 @@ std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const Cup& site, const
 }
 
 Bone PackScene(const SceneSolid& solid, const SceneParams& scene, bool split) {
-  CheckNames(scene.materials, scene.material_names);
+  CheckNames(scene.materials, scene.material_names);  // before the packing, which takes longer
   const auto zone = MakeZone(scene.zone, solid.site, *solid.solid);
-  return SceneBone(solid, scene,
-                   split ? BuildSplitPacking(*solid.solid, *zone, SplitPackingFor(scene.packing))
-                         : BuildPacking(*solid.solid, *zone, scene.packing));
+  return Assemble(solid, scene,
+                  split ? BuildSplitPacking(*solid.solid, *zone, SplitPackingFor(scene.packing))
+                        : BuildPacking(*solid.solid, *zone, scene.packing),
+                  BuildMassPoints(*solid.solid, *zone, scene.points));
 }
 
-Bone SceneBone(const SceneSolid& solid, const SceneParams& scene, std::vector<Ball> balls) {
+Bone SceneBone(const SceneSolid& solid, const SceneParams& scene, std::vector<Ball> balls,
+               std::vector<MassPoint> points) {
   CheckNames(scene.materials, scene.material_names);
-  Bone bone;
-  bone.name = solid.name;
-  bone.balls = std::move(balls);
-  bone.points = BuildMassPoints(*solid.solid, *MakeZone(scene.zone, solid.site, *solid.solid), scene.points);
-  bone.materials = scene.materials;
-  bone.cup = solid.site;
-  return bone;
+  return Assemble(solid, scene, std::move(balls), std::move(points));
 }
 
 Bone MakeAcetabulum(const AcetabulumParams& params) {

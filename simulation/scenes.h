@@ -122,9 +122,10 @@ struct SceneSolid {
 /// materials are not those that are named, or the solid takes more than 100 million cells.
 [[nodiscard]] Bone PackScene(const SceneSolid& solid, const SceneParams& scene, bool split = false);
 
-/// The scene's bone with balls that were packed otherwise: mass points, materials and site are its own.
-/// @throws std::invalid_argument as PackScene does.
-[[nodiscard]] Bone SceneBone(const SceneSolid& solid, const SceneParams& scene, std::vector<Ball> balls);
+/// The scene's bone of balls and mass points that were made otherwise: materials and site are its own.
+/// @throws std::invalid_argument where the materials are not those that are named.
+[[nodiscard]] Bone SceneBone(const SceneSolid& solid, const SceneParams& scene, std::vector<Ball> balls,
+                             std::vector<MassPoint> points);
 
 /// The generated acetabulum by itself.
 struct AcetabulumParams {

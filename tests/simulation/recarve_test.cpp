@@ -52,9 +52,9 @@ class Recarve : public testing::Test {
         cut_(ShapeOfCut(work_, scene_)) {}
 
   Bone Packed(double spacing_m) const {
-    return SceneBone(
-        solid_, scene_,
-        PackLevel(MakeLevel(PackingKind::kGraded, spacing_m, 1.2, cut_, 0.0), *solid_.solid, *work_.zone));
+    const PackingLevel level = MakeLevel(PackingKind::kGraded, spacing_m, 1.2, cut_, 0.0);
+    return SceneBone(solid_, scene_, PackLevel(level, *solid_.solid, *work_.zone),
+                     BuildMassPoints(*solid_.solid, *work_.zone, scene_.points));
   }
   ReferenceEngine Engine(const Bone& bone) const { return {bone, tool_, Pose::Identity(), work_.cutting}; }
 
