@@ -21,17 +21,24 @@ constexpr double kRemovalShare = 0.8, kToolShare = 0.1;
 constexpr double kCoarser = 1.2;  // a step of the error where a frame takes too long
 constexpr double kMostError_m = 5e-3;
 constexpr double kMostBalls = 20e6;
+// For the same error a frame of split balls takes 1.2 to 44 times as long as one of graded balls
+// (packing_kinds.csv): a tenth of the balls is no gain in itself, but where it decides whether a bone can be
+// packed at all.
+constexpr double kManyBalls = 500e3;
 
-/// Of the kinds that can have the error, the one with the fewest balls in the end, children included.
+/// Of the kinds that can have the error the one whose frames are shortest: of those that are not split the
+/// one with fewer balls. Beyond `kManyBalls`, and in a thin wall, the one with the fewest in the end,
+/// children included: at the rims of a hole through a wall graded balls leave more than the closed forms say.
 std::optional<PackingLevel> ChooseLevel(const PlanScene& scene, const simulation::DepthVolumes& volumes,
                                         double error_m) {
   std::optional<PackingLevel> best;
   double fewest = kMostBalls;
+  const auto few_wanted = [&](double balls) { return balls > kManyBalls || scene.cut.wall_m > 0.0; };
   for (const PackingKind kind : {PackingKind::kUniform, PackingKind::kGraded, PackingKind::kSplit}) {
     const auto level = simulation::CoarsestLevel(kind, error_m, scene.cut, scene.zone_depth_m);
     if (!level) continue;
     const double balls = volumes.ExpectedBalls(*level) + simulation::ExpectedChildren(*level, scene.cut);
-    if (balls >= fewest) continue;
+    if (balls >= fewest || (kind == PackingKind::kSplit && best && !few_wanted(fewest))) continue;
     fewest = balls;
     best = level;
   }
@@ -94,11 +101,6 @@ void Time(FidelityPlan& plan, const PlanScene& scene, const Calibration& calibra
   plan.frame_p999_us = plan.cost.tail_ratio * plan.frame_us;
 }
 
-/// What is left to the balls, and the tool that takes its own share.
-double RemovalShare(double error_m, const ModelChoice& model) {
-  return kRemovalShare * error_m - model.tool_gap_m;
-}
-
 ModelChoice WithTool(const PlanScene& scene, double error_m) {
   ModelChoice model{.tool = simulation::ThinTool(scene.work.tool, kToolShare * error_m), .level = {}};
   model.tool_gap_m = simulation::MeanCuttingGap(scene.work.tool, model.tool);
@@ -107,10 +109,12 @@ ModelChoice WithTool(const PlanScene& scene, double error_m) {
 
 }  // namespace
 
+double RemovalShare(double error_m, double tool_gap_m) { return kRemovalShare * error_m - tool_gap_m; }
+
 ModelChoice ChooseModel(const PlanScene& scene, double error_m) {
   ModelChoice model = WithTool(scene, error_m);
   const simulation::DepthVolumes volumes(*scene.work.solid, *scene.work.zone);
-  model.level = ChooseLevel(scene, volumes, RemovalShare(error_m, model));
+  model.level = ChooseLevel(scene, volumes, RemovalShare(error_m, model.tool_gap_m));
   return model;
 }
 
@@ -125,7 +129,7 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
   plan.tool = model.tool;
   plan.tool_gap_m = model.tool_gap_m;
   const simulation::DepthVolumes volumes(*scene.work.solid, *scene.work.zone);
-  const double removal_m = RemovalShare(request.error_m, model);
+  const double removal_m = RemovalShare(request.error_m, model.tool_gap_m);
   plan.uniform_balls = UniformBalls(scene, volumes, removal_m);
   const double most_us = 1e6 / request.rate_hz;
   std::map<PackingKind, Calibration> calibrations;

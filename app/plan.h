@@ -63,6 +63,9 @@ struct ModelChoice {
 };
 [[nodiscard]] ModelChoice ChooseModel(const PlanScene& scene, double error_m);
 
+/// What of an error is left to the balls, beside a tool that takes its own part of it [m].
+[[nodiscard]] double RemovalShare(double error_m, double tool_gap_m);
+
 /// A coarser packing of a plan's kind, and what it leaves to expect.
 struct CoarserZones {
   simulation::PackingLevel level;

@@ -16,6 +16,7 @@ constexpr double kSplitRadius = 0.9, kSplitSurface = 1.2 / 2.5, kSplitGap = 0.06
 constexpr double kLeastSplit = 0.4 / 2.5;
 // Where the spacing doubles, split balls leave gaps: that has to be deeper than what a touched ball reaches.
 constexpr double kSplitFineDepth = 1.5;  // of a ball
+constexpr double kCornerShare = 0.5;     // of the spacing
 constexpr int kChildren = 24;
 constexpr double kHoles = 0.56;  // a body-centred lattice has none from here on
 constexpr double kFinest_m = 0.02e-3, kCoarsest_m = 20e-3;
@@ -24,7 +25,8 @@ constexpr double kMostOfTool = 0.6, kMostOfReamer = 0.2, kMostSplitOfTool = 0.75
 PackingParams OverlapParams(const PackingLevel& level) {
   const double a = level.fine.spacing_m, r = level.fine.radius_m, d = level.zone_depth_m;
   PackingParams params;
-  params.lattice = {.finest_m = a, .coarser_from_m = {d + r, d + 3.0 * r}};
+  const double fine_m = d + r + level.corner_m;
+  params.lattice = {.finest_m = a, .coarser_from_m = {fine_m, fine_m + 2.0 * r}};
   params.cup_radius_cap_m = r;
   params.cup_depth_m = d;
   params.least_radius_m = std::max(0.001e-3, 0.1 * r);
@@ -91,6 +93,7 @@ PackingLevel MakeLevel(PackingKind kind, double spacing_m, double radius_over_sp
   fine.radius_m = std::clamp(radius_over_spacing, kLeastOverSpacing, kMostOverSpacing) * spacing_m;
   if (cut.wall_m > 0.0) fine.radius_m = std::min(fine.radius_m, 0.5 * cut.wall_m);
   fine.surface_gap_m = kGap * spacing_m;
+  if (!cut.along_surface) level.corner_m = kCornerShare * spacing_m;
   return level;
 }
 

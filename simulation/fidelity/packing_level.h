@@ -26,6 +26,7 @@ struct PackingLevel {
   PackingKind kind{PackingKind::kGraded};
   PackingFineness fine;
   double zone_depth_m{0.0};  ///< below the cut zone, down to which it is fine
+  double corner_m{0.0};      ///< and so much deeper: the corners of coarser cells reach up
 };
 
 /// Depth below the scene's zone that the cut reaches: the face's own for a cup, for a way by how much the
@@ -38,6 +39,7 @@ struct PackingLevel {
 ///     uniform, graded    r as asked for, 1.2 a … 2.4 a; half the wall at most
 ///     split              parents of .9 a, 24 children each; the surface's own balls .48 a
 ///     all                gap at the surface .027 a (split: .06 a)
+///     into the bone      fine by a/2 more, or the error steps up by half where a row of cells turns coarse
 [[nodiscard]] PackingLevel MakeLevel(PackingKind kind, double spacing_m, double radius_over_spacing,
                                      const CutShape& cut, double zone_depth_m);
 

@@ -63,6 +63,20 @@ INSTANTIATE_TEST_SUITE_P(Scenes, PlanLevels,
                                          Case{"thin_plate", 0.08}),
                          [](const auto& tested) { return std::string(tested.param.scene); });
 
+// Between these two spacings a row of cells beside the hole would turn coarse, with 1.37 times the error that
+// is predicted, if the fine ones did not go half a spacing deeper than the cut reaches.
+TEST(PlanLevel, ErrorHasNoStepFromOneSpacingToTheNext) {
+  const auto scene =
+      LoadPlanScene({.scene = "sawbone_block", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});
+  ASSERT_TRUE(scene) << scene.error();
+  for (const double spacing_m : {0.55e-3, 0.565e-3}) {
+    const simulation::PackingLevel level =
+        MakeLevel(simulation::PackingKind::kGraded, spacing_m, 1.5, scene->cut, scene->zone_depth_m);
+    const double predicted_m = PredictRemovalError(level.fine, scene->cut).total_m();
+    EXPECT_LT(Measure(*scene, scene->work.tool, level).error_m, 1.15 * predicted_m);
+  }
+}
+
 // A tool with fewer balls cuts what the whole one cuts, to within its share.
 TEST(PlanTool, WithFewerBallsLeavesLessThanItsShare) {
   const auto scene =

@@ -2,6 +2,8 @@
 #include <cstdlib>
 #include <exception>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "app/plan.h"
 
@@ -9,6 +11,10 @@
 // standard output:
 //
 //     osteon_plan_table [DEVICE] > results/plan.csv
+//
+// Or, for the same requests, graded and split balls in turn: what a plan's choice between them rests on.
+//
+//     osteon_plan_table --kinds [DEVICE] > results/packing_kinds.csv
 
 namespace osteon::app {
 namespace {
@@ -24,9 +30,41 @@ constexpr Row kRows[] = {
     {"thin_plate", 0.1, 500},     {"thin_plate", 0.04, 500},   {"sawbone_block", 0.08, 500},
     {"sawbone_block", 0.03, 500}, {"femoral_canal", 0.2, 500}, {"femoral_canal", 0.06, 500}};
 
-int Main(const std::string& device) {
+PlanScene Load(const Row& row) {
   const char* root = std::getenv("OSTEON_ROOT");
-  const std::filesystem::path config_root = std::filesystem::path(root ? root : ".") / "config";
+  auto scene = LoadPlanScene(
+      {.scene = row.scene, .cell = {}, .config_root = std::filesystem::path(root ? root : ".") / "config"});
+  if (!scene) throw std::runtime_error(scene.error());
+  return std::move(*scene);
+}
+
+int CompareKinds(const std::string& device) {
+  std::printf("scene,error_mm,packing,zone_spacing_mm,spheres,active_spheres,frame_us,frames\n");
+  for (const Row& row : kRows) {
+    const PlanScene scene = Load(row);
+    const ModelChoice model = ChooseModel(scene, 1e-3 * row.error_mm);
+    std::vector<PackedLevel> levels;
+    for (const auto kind : {simulation::PackingKind::kGraded, simulation::PackingKind::kSplit}) {
+      const auto level = simulation::CoarsestLevel(kind, RemovalShare(1e-3 * row.error_mm, model.tool_gap_m),
+                                                   scene.cut, scene.zone_depth_m);
+      if (!level) continue;
+      levels.push_back({.level = *level, .balls = PackLevel(*level, *scene.work.solid, *scene.work.zone)});
+    }
+    const auto runs = RunLevels(scene, levels, model.tool, device, 1);
+    if (!runs) throw std::runtime_error(runs.error());
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      const simulation::FrameGroup frames = simulation::GroupOf((*runs)[i].frames);
+      std::printf("%s,%g,%s,%.4f,%zu,%.0f,%.1f,%zu\n", row.scene, row.error_mm,
+                  std::string(simulation::KindName(levels[i].level.kind)).c_str(),
+                  levels[i].level.fine.spacing_m * 1e3, levels[i].balls.size(), frames.active_balls,
+                  frames.p50_us, frames.frames);
+    }
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+int PlanAll(const std::string& device) {
   std::printf(
       "scene,error_mm,rate_hz,packing,spheres,tool_spheres,arm_level,predicted_error_mm,measured_error_mm,"
       "standard_error_mm,predicted_frame_us,frame_us_by_others_in_turn,measured_frame_us,frame_us_p999,"
@@ -34,12 +72,11 @@ int Main(const std::string& device) {
       "frames_interrupted,given_up,missed\n");
   int missed = 0;
   for (const Row& row : kRows) {
-    const auto scene = LoadPlanScene({.scene = row.scene, .cell = {}, .config_root = config_root});
-    if (!scene) throw std::runtime_error(scene.error());
+    const PlanScene scene = Load(row);
     const PlanRequest request{.error_m = 1e-3 * row.error_mm, .rate_hz = row.rate_hz, .device = device};
-    const auto plan = MakePlan(*scene, request);
+    const auto plan = MakePlan(scene, request);
     if (!plan) throw std::runtime_error(plan.error());
-    const auto check = CheckPlan(*scene, request, *plan);
+    const auto check = CheckPlan(scene, request, *plan);
     if (!check) throw std::runtime_error(check.error());
     std::string given;
     for (const GivenUp& each : plan->given_up) given += (given.empty() ? "" : " ") + each.what;
@@ -61,7 +98,9 @@ int Main(const std::string& device) {
 
 int main(int argc, char** argv) {
   try {
-    return osteon::app::Main(argc > 1 ? argv[1] : "");
+    const bool kinds = argc > 1 && std::string(argv[1]) == "--kinds";
+    const std::string device = argc > 1 + kinds ? argv[1 + kinds] : "";
+    return kinds ? osteon::app::CompareKinds(device) : osteon::app::PlanAll(device);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "osteon_plan_table: %s\n", error.what());
     return 1;

@@ -23,7 +23,7 @@ run_one() {
     "$root/tests/fuzz/seeds.txt")
   [ ${#seeds[@]} -gt 0 ] || { echo "no target $target in tests/fuzz/seeds.txt" >"$kept/log"; return; }
   # 16 kB hold every shipped file; two minutes are far more than any input of that size may take
-  LSAN_OPTIONS=suppressions=$root/tests/fuzz/lsan.supp:print_suppressions=0 \
+  LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0 \
     ASAN_OPTIONS=allocator_may_return_null=0 "$bin/osteon_fuzz_$target" -max_total_time="$seconds" -max_len=16384 \
     -timeout=120 -report_slow_units=120 -rss_limit_mb=2048 -malloc_limit_mb=1024 -print_final_stats=1 \
     -artifact_prefix="$kept/findings/" "$kept/new" "${seeds[@]}" >"$kept/log" 2>&1 || true
