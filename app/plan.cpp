@@ -33,12 +33,13 @@ std::optional<PackingLevel> ChooseLevel(const PlanScene& scene, const simulation
                                         double error_m) {
   std::optional<PackingLevel> best;
   double fewest = kMostBalls;
-  const auto few_wanted = [&](double balls) { return balls > kManyBalls || scene.cut.wall_m > 0.0; };
   for (const PackingKind kind : {PackingKind::kUniform, PackingKind::kGraded, PackingKind::kSplit}) {
     const auto level = simulation::CoarsestLevel(kind, error_m, scene.cut, scene.zone_depth_m);
     if (!level) continue;
     const double balls = volumes.ExpectedBalls(*level) + simulation::ExpectedChildren(*level, scene.cut);
-    if (balls >= fewest || (kind == PackingKind::kSplit && best && !few_wanted(fewest))) continue;
+    if (balls >= fewest) continue;
+    // tried last
+    if (kind == PackingKind::kSplit && best && fewest <= kManyBalls && scene.cut.wall_m == 0.0) continue;
     fewest = balls;
     best = level;
   }
