@@ -11,7 +11,9 @@
 namespace osteon::safety {
 namespace {
 
-constexpr int kHalvings = 20;  // of a share that lets a stop end inside
+constexpr int kCorrections = 6;      // of a velocity whose stop would end outside; of one flat bound one does
+constexpr double kInside_m = 1e-12;  // how far inside they let it end: more than this computation rounds
+constexpr int kHalvings = 12;        // of a stop's time, and of a share where corrections did not do
 // Of what a velocity that Limit has left comes to by way of the joints.
 constexpr double kRounding_m_per_s = 1e-8, kRounding_m = 1e-10;
 
@@ -70,16 +72,56 @@ Workspace::Result Workspace::Limit(const Vector3& p_WT, const Vector3& v_WT, dou
       result.acted = true;
     }
   }
-  // what is left over: other bounds' corrections, curvature, and a stop that goes straight on
+  // what is left over: other bounds' corrections, curvature, and a stop that goes straight on at a slant
   if (StopsInside(p_WT, result.v_WT, dt_s)) return result;
+  return {.v_WT = StoppingInside(p_WT, result.v_WT, dt_s), .acted = true};
+}
+
+Vector3 Workspace::StoppingInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT {
+  double fails_s = dt_s, stops_s = StopTime(v_WT, dt_s);
+  Vector3 turned_WT = TurnedInside(p_WT, v_WT, stops_s);
+  if (StopsInside(p_WT, turned_WT, dt_s)) {
+    for (int i = 0; i < kHalvings; ++i) {  // what is slower than v needs less time: as fast as may be
+      const double look_s = 0.5 * (fails_s + stops_s);
+      const Vector3 faster_WT = TurnedInside(p_WT, v_WT, look_s);
+      const bool stops = StopsInside(p_WT, faster_WT, dt_s);
+      (stops ? stops_s : fails_s) = look_s;
+      if (stops) turned_WT = faster_WT;
+    }
+    return turned_WT;
+  }
   double stops = 0.0, fails = 1.0;
   for (int i = 0; i < kHalvings; ++i) {
     const double share = 0.5 * (stops + fails);
-    (StopsInside(p_WT, share * result.v_WT, dt_s) ? stops : fails) = share;
+    (StopsInside(p_WT, share * v_WT, dt_s) ? stops : fails) = share;
   }
-  result.v_WT *= stops;
-  result.acted = true;
-  return result;
+  return stops * v_WT;
+}
+
+// Each bound that the way would end past takes what leads there from the velocity, along its normal at that
+// end. Never all of it, as a share would, whose rest then comes back within a few ticks, over and over while
+// a hand pushes.
+Vector3 Workspace::TurnedInside(const Vector3& p_WT, const Vector3& v_WT, double look_s) const OSTEON_RT {
+  Vector3 turned_WT = v_WT;
+  bool ends_inside = false;
+  for (int i = 0; i < kCorrections && !ends_inside; ++i) {
+    ends_inside = true;
+    for (const ZoneParams& zone : Bounds(ZonePoint::kApex)) {
+      const bool keep_in = zone.side == ZoneSide::kKeepIn;
+      const Vector3 way = look_s * turned_WT;
+      const ZoneBounds here(zone, p_WT), there(zone, keep_in ? Vector3(p_WT + way) : p_WT);
+      for (std::size_t k = 0; k < here.all().size(); ++k) {
+        const double distance_m = here.all()[k].distance_m;
+        const ZoneBound& end = there.all()[k];
+        const double left_m = keep_in ? end.distance_m : distance_m - end.toward_W.dot(way);
+        const double lacks_m = std::min(0.0, distance_m) - left_m;
+        if (!(lacks_m > 0.0)) continue;
+        turned_WT -= (lacks_m + kInside_m) / look_s * end.toward_W;
+        ends_inside = false;
+      }
+    }
+  }
+  return turned_WT;
 }
 
 bool Workspace::Allows(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT {
@@ -97,7 +139,7 @@ bool Workspace::Allows(const Vector3& p_WT, const Vector3& v_WT, double dt_s) co
 // Of a set that is kept out, the half-space on this side of its nearest place counts.
 bool Workspace::StopsInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s,
                             double slack_m) const OSTEON_RT {
-  const Vector3 way = (dt_s + 0.5 * v_WT.norm() / params_.deceleration_m_per_s2) * v_WT;
+  const Vector3 way = StopTime(v_WT, dt_s) * v_WT;
   return std::all_of(
       Bounds(ZonePoint::kApex).begin(), Bounds(ZonePoint::kApex).end(), [&](const ZoneParams& zone) {
         const ZoneBounds bounds(zone, p_WT);

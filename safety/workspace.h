@@ -25,12 +25,13 @@ struct WorkspaceParams {
 ///
 /// The speed at which a point nears a bound is kept below BrakingSpeed of its distance, so that a stop ends
 /// before it. Of the apex, first only the component toward each bound is reduced, so that the tool slides
-/// along; then the whole velocity is scaled until a stop from it, straight on, ends inside as well:
+/// along; then what leads it out at the end of a stop straight on from there is taken off as well, so that
 ///
 ///     p + v (dt + |v| / 2a)  in every set that is kept in (they are convex: so is all of the way)
 ///
-/// Along a curved bound, or toward one at a slant, the tool is the slower for it. Flange and elbow go where
-/// the joints take them: a step of those is scaled as a whole.
+/// It slides along flat and curved bounds, and comes to one at a slant in dt + |v| / 2a. Where several bounds
+/// meet and that does not end, the whole velocity is scaled. Flange and elbow go where the joints take them:
+/// a step of those is scaled as a whole.
 class Workspace {
  public:
   static constexpr std::size_t kMostZones = 16;
@@ -74,6 +75,16 @@ class Workspace {
                                  double slack_m = 0.0) const OSTEON_RT;
 
  private:
+  /// Seconds at the speed that a stop begins with, for the way that it takes.
+  [[nodiscard]] double StopTime(const Vector3& v_WT, double dt_s) const OSTEON_RT {
+    return dt_s + 0.5 * v_WT.norm() / params_.deceleration_m_per_s2;
+  }
+  /// What is left of a velocity so that its stop ends inside: turned along the bounds where that does, scaled
+  /// as a whole where not.
+  [[nodiscard]] Vector3 StoppingInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT;
+  /// The velocity nearest to it that ends inside after so long.
+  [[nodiscard]] Vector3 TurnedInside(const Vector3& p_WT, const Vector3& v_WT, double look_s) const OSTEON_RT;
+
   static constexpr std::size_t kOwn = 2;  // bounds of the apex that are no zones: sphere and plane
 
   [[nodiscard]] const std::vector<ZoneParams>& Bounds(ZonePoint point) const OSTEON_RT {

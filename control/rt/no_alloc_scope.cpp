@@ -8,7 +8,7 @@
 
 // Counts every way into glibc's heap, and every mutex lock. Compiled out under sanitizers, which bring their
 // own.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(OSTEON_SANITIZED)
 #define OSTEON_COUNTS_HEAP 0
 #else
 #define OSTEON_COUNTS_HEAP 1

@@ -100,6 +100,58 @@ TEST(WorkspaceZones, AnArmThatLagsStaysInside) {
   }
 }
 
+// Toward a plane at a slant, and then along it: what leads along is never touched, however the plane stands
+// and whatever rounding makes of a place on it. Nor is anything taken off at once.
+TEST(WorkspaceZones, PushedAtASlantTheToolSlides) {
+  Draw draw(14);
+  for (int i = 0; i < kRooms; ++i) {
+    const Vector3 inward = draw.In(1.0).normalized();
+    WorkspaceParams params{.deceleration_m_per_s2 = kStop_m_per_s2};
+    params.zones.push_back({.p_W_m = draw.In(0.5), .R_W = RotationAlong(inward)});
+    const Workspace room(params);
+    const Vector3 along = inward.cross(draw.In(1.0)).normalized() * draw.Within(0.0, 0.2);
+    const Vector3 wish = along - draw.Within(0.01, 0.15) * inward;
+    Vector3 p = params.zones[0].p_W_m + 0.01 * inward, v = wish;
+    for (int tick = 0; tick < kTicks; ++tick) {
+      const Vector3 next = room.Limit(p, wish, kDt_s).v_WT;
+      ASSERT_LT((next - next.dot(inward) * inward - along).norm(), 1e-9) << "room " << i << ", tick " << tick;
+      ASSERT_LT((next - v).norm(), 1.001 * kStop_m_per_s2 * kDt_s) << "room " << i << ", tick " << tick;
+      v = next;
+      p += kDt_s * v + draw.In(1e-8);  // as the joints' rounding leaves it
+    }
+    EXPECT_LT(std::abs(room.Distance(p)), 1e-6);
+  }
+}
+
+// Along the inside of a ball, pushed with as much outwards: it goes around, and as far as the push points
+// along.
+TEST(WorkspaceZones, PushedAlongARoundBoundTheToolGoesAround) {
+  const Workspace room({.sphere_radius_m = 0.1, .deceleration_m_per_s2 = kStop_m_per_s2});
+  Vector3 p = Vector3::Zero(), v(0.1, 0.1, 0.0);
+  for (int tick = 0; tick < 5 * kTicks; ++tick) {
+    const Vector3 next = room.Limit(p, {0.1, 0.1, 0.0}, kDt_s).v_WT;
+    if (tick > 0) {
+      ASSERT_LT((next - v).norm(), 1.001 * kStop_m_per_s2 * kDt_s) << "tick " << tick;
+    }
+    v = next;
+    p += kDt_s * v;
+  }
+  EXPECT_LT(room.Distance(p), 1e-4);
+
+  v.setZero();
+  for (int tick = 0; tick < kTicks; ++tick) {
+    const Vector3 out = p.normalized(), around(-out.y(), out.x(), 0.0);
+    const Vector3 next = room.Limit(p, 0.1 * (out + around), kDt_s).v_WT;
+    if (tick > 0) {
+      ASSERT_LT((next - v).norm(), kStop_m_per_s2 * kDt_s) << "tick " << tick;
+      EXPECT_GT(next.dot(around), 0.09) << "tick " << tick;
+    }
+    v = next;
+    p += kDt_s * v;
+    ASSERT_GE(room.Distance(p), -1e-12);
+  }
+}
+
 TEST(WorkspaceZones, AWayThatBeginsOutsideMayOnlyLeadIn) {
   WorkspaceParams params;
   params.zones.push_back({.shape = ZoneShape::kHalfSpace, .point = ZonePoint::kElbow});

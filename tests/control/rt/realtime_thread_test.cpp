@@ -127,8 +127,8 @@ long Faults() {
 
 // What a thread's first deep call costs, once with its stack touched and once without.
 TEST(RealtimeThread, ATouchedStackHasNoPageFaultsLeft) {
-#if defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "under ThreadSanitizer: its shadow memory has faults of its own";
+#if defined(OSTEON_SANITIZED)
+  GTEST_SKIP() << "under a sanitizer: its shadow memory has faults of its own";
 #endif
   constexpr std::size_t kStack = 512 * 1024;
   const auto faults_of = [](std::size_t prefault) {
@@ -145,8 +145,8 @@ TEST(RealtimeThread, ATouchedStackHasNoPageFaultsLeft) {
 }
 
 TEST(RealtimeThread, LocksMemoryOnlyWhereNothingCanFailOfIt) {
-#if defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "under ThreadSanitizer: it takes mlockall and locks nothing";
+#if defined(OSTEON_SANITIZED)
+  GTEST_SKIP() << "under a sanitizer: it takes mlockall and locks nothing";
 #endif
   const auto locked_kib = [] {
     std::ifstream status("/proc/self/status");
