@@ -58,7 +58,7 @@ TEST(JointTorqueLimit, AnEstimateThatIsNotFiniteSaysNothingAndIsForgotten) {
 }
 
 TEST(JointTorqueLimit, RefusesAnArmWhoseTorquesAreNotKnown) {
-  EXPECT_THROW(JointTorqueLimit<7>(Joints::Zero()), std::invalid_argument);
+  EXPECT_THROW(JointTorqueLimit<7>{Joints::Zero()}, std::invalid_argument);
 }
 
 }  // namespace
