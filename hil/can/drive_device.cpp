@@ -251,7 +251,6 @@ void DriveDevice::SendTpdo(int number) noexcept {
   const std::uint32_t id = objects_.Get(0x1800 + number, 1);
   if (id >= 0x80000000u || objects_.Get(0x1800 + number, 2) != 1) return;
   Refresh();
-  io::CanFrame frame;
   const int count = static_cast<int>(objects_.Get(0x1A00 + number, 0));
   std::array<int, 8> bytes{};
   std::size_t at = 0;

@@ -16,7 +16,6 @@ namespace osteon::kinematics {
 namespace {
 
 constexpr int kPostures = 10'000;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // The iiwa 14 as robot descriptions give it: a joint's origin in the frame of the joint before, and its axis.
 // It shares nothing with LbrArm's four lengths: the origins are off the axes and sum up only along the chain.
