@@ -10,6 +10,7 @@
 #include "app/build_name.h"
 #include "app/chart_files.h"
 #include "app/each_fault.h"
+#include "app/frame_runner.h"
 #include "app/gains_watch.h"
 #include "app/limit_rows.h"
 #include "app/recorded_config.h"

@@ -67,10 +67,8 @@ std::vector<RezonedRow> RezonedRows(const std::vector<Rezoned>& rezoned, const i
   for (const Rezoned& change : rezoned)
     rows.push_back({.time_s = rt::ToSeconds(change.stamp - start),
                     .balls = change.bone.balls.size(),
-                    .spacing_m = change.level.fine.spacing_m,
-                    .promised_m = change.promised_m,
+                    .zones = change.zones,
                     .seen_us = change.seen_us,
-                    .expected_us = change.expected_us,
                     .text = RezonedText(change)});
   return rows;
 }
@@ -389,10 +387,10 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
   for (const RezonedRow& row : s.rezoned)
     out["rezoned"].push_back({{"time_s", row.time_s},
                               {"spheres", row.balls},
-                              {"zone_spacing_mm", row.spacing_m * 1e3},
-                              {"promised_error_mm", row.promised_m * 1e3},
+                              {"zone_spacing_mm", row.zones.level.fine.spacing_m * 1e3},
+                              {"promised_error_mm", row.zones.promised_m * 1e3},
                               {"frame_us_before", row.seen_us},
-                              {"predicted_frame_us", row.expected_us}});
+                              {"predicted_frame_us", row.zones.frame_us}});
   nlohmann::json stops = nlohmann::json::array();
   for (const std::filesystem::path& page : s.stops) stops.push_back(page.string());
   out["stops"] = stops;

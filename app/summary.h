@@ -9,6 +9,7 @@
 
 #include "app/cell_run.h"
 #include "app/limit_rows.h"
+#include "app/plan.h"
 #include "app/planned_cell.h"
 #include "app/report/report.h"
 #include "io/recording/recording_reader.h"
@@ -34,7 +35,8 @@ struct EventRow {
 struct RezonedRow {
   double time_s{0.0};
   std::size_t balls{0};
-  double spacing_m{0.0}, promised_m{0.0}, seen_us{0.0}, expected_us{0.0};
+  CoarserZones zones;
+  double seen_us{0.0};  ///< the frames before
   std::string text;
 };
 

@@ -22,12 +22,9 @@ constexpr double kArrived_m = 0.05e-3;
 
 // A packing on its way. The making thread has it until `ready`.
 struct ZoneGovernor::Making {
-  CoarserZones zones;
-  double seen_us{0.0};
+  Made made;
   std::unique_ptr<simulation::CuttingEngine> carver;  // cuts all the way, at once
-  std::unique_ptr<simulation::CuttingEngine> engine;  // what is to run
-  simulation::Bone bone;
-  std::size_t carved{0};  // places of the trail
+  std::size_t carved{0};                              // places of the trail
   std::string failed;
   std::atomic<bool> ready{false}, stop{false};
 };
@@ -81,8 +78,7 @@ void ZoneGovernor::Begin(double seen_us) {
   }
   Say(fmt::format("{}: coarser zones are made, {:.3f} mm apart", slow, zones->level.fine.spacing_m * 1e3));
   making_ = std::make_unique<Making>();
-  making_->zones = *zones;
-  making_->seen_us = seen_us;
+  making_->made.rezoned = {.zones = *zones, .seen_us = seen_us, .bone = {}};
   if (params_.at_once) {
     Make(*making_);
     return;
@@ -96,23 +92,24 @@ void ZoneGovernor::Begin(double seen_us) {
 
 void ZoneGovernor::Make(Making& making) {
   const PlanScene& scene = setup_.planned->scene;
+  const simulation::PackingLevel& level = making.made.rezoned.zones.level;
+  simulation::Bone& bone = making.made.rezoned.bone;
   const auto engine_of = [&](const Pose& X_WG, simulation::RemovalLaw law) {
-    simulation::CuttingParams cutting =
-        simulation::CuttingForLevel(making.zones.level, scene.cut, setup_.config.cutting);
+    simulation::CuttingParams cutting = simulation::CuttingForLevel(level, scene.cut, setup_.config.cutting);
     cutting.law = law;
-    return gpu::VulkanEngine::Create(making.bone, setup_.config.tool.tool, X_WG, cutting,
+    return gpu::VulkanEngine::Create(bone, setup_.config.tool.tool, X_WG, cutting,
                                      {.device = params_.device});
   };
   try {
-    making.bone = setup_.bone;
-    making.bone.balls = simulation::PackLevel(making.zones.level, *scene.work.solid, *scene.work.zone);
+    bone = setup_.bone;
+    bone.balls = simulation::PackLevel(level, *scene.work.solid, *scene.work.zone);
     auto carver = engine_of(Pose::Identity(), simulation::RemovalLaw::kImmediate);
     auto engine = engine_of(setup_.X_WG, setup_.config.cutting.law);
     if (!carver || !engine) {
       making.failed = carver ? engine.error() : carver.error();
     } else {
       making.carver = std::move(*carver);
-      making.engine = std::move(*engine);
+      making.made.engine = std::move(*engine);
       // along all that has been gone, and then along what was gone meanwhile
       std::vector<PlainPose> places;
       do {
@@ -137,35 +134,30 @@ void ZoneGovernor::Make(Making& making) {
   making.ready.store(true, std::memory_order_release);
 }
 
-std::optional<Rezoned> ZoneGovernor::Take(const simulation::CuttingEngine& now) {
+std::optional<ZoneGovernor::Made> ZoneGovernor::Take(const simulation::CuttingEngine& now) {
   if (!making_ || !making_->ready.load(std::memory_order_acquire)) return std::nullopt;
   if (thread_.joinable()) thread_.join();
-  const std::unique_ptr<Making> made = std::move(making_);
+  const std::unique_ptr<Making> making = std::move(making_);
   const auto refuse = [&](const std::string& why) -> std::nullopt_t {
     ended_ = true;
     Say("the coarser zones can't be had: " + why);
     return std::nullopt;
   };
-  if (!made->failed.empty()) return refuse(made->failed);
+  if (!making->failed.empty()) return refuse(making->failed);
   try {
     const std::vector<PlainPose>& places = trail_.places();
-    const auto rest = std::span(places).subspan(std::min(made->carved, places.size()));
-    if (!simulation::CarveTrail(*made->carver, rest)) return refuse("a frame of the carving was refused");
-    simulation::CarvedState carved = made->carver->Snapshot();
+    const auto rest = std::span(places).subspan(std::min(making->carved, places.size()));
+    if (!simulation::CarveTrail(*making->carver, rest)) return refuse("a frame of the carving was refused");
+    simulation::CarvedState carved = making->carver->Snapshot();
     const simulation::CarvedState counted = now.Snapshot();
     if (!simulation::Arrived(carved, Pose(counted.X_GP), lever_m_, kArrived_m))
       return refuse("bone that the tool does not cut is in its way");
-    made->engine->Restore(simulation::TakeOver(std::move(carved), counted));
+    making->made.engine->Restore(simulation::TakeOver(std::move(carved), counted));
   } catch (const std::exception& error) {  // no memory, say: the run goes on as it is
     return refuse(error.what());
   }
-  level_ = made->zones.level;
-  return Rezoned{.engine = std::move(made->engine),
-                 .bone = std::move(made->bone),
-                 .level = level_,
-                 .promised_m = made->zones.promised_m,
-                 .seen_us = made->seen_us,
-                 .expected_us = made->zones.frame_us};
+  level_ = making->made.rezoned.zones.level;
+  return std::move(making->made);
 }
 
 std::string ZoneGovernor::TakeNotice() { return std::exchange(notice_, std::string()); }
@@ -184,8 +176,8 @@ std::string RezonedText(const Rezoned& rezoned) {
   return fmt::format(
       "zones coarsened: {} spheres, {:.3f} mm apart; a cut keeps {:.3f} mm; frames took {:.0f} us, {:.0f} us "
       "expected",
-      rezoned.bone.balls.size(), rezoned.level.fine.spacing_m * 1e3, rezoned.promised_m * 1e3,
-      rezoned.seen_us, rezoned.expected_us);
+      rezoned.bone.balls.size(), rezoned.zones.level.fine.spacing_m * 1e3, rezoned.zones.promised_m * 1e3,
+      rezoned.seen_us, rezoned.zones.frame_us);
 }
 
 }  // namespace osteon::app

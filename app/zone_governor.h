@@ -24,15 +24,12 @@ struct ZoneGovernorParams {
   bool at_once{false};
 };
 
-/// A coarser packing that takes a run's place.
+/// A coarser packing that took the place of a run's.
 struct Rezoned {
-  std::unique_ptr<simulation::CuttingEngine> engine;
-  simulation::Bone bone;     ///< what the engine began with
+  CoarserZones zones;
+  double seen_us{0.0};       ///< the frames that asked for it
+  simulation::Bone bone;     ///< as packed, before it was carved
   rt::Nanoseconds stamp{0};  ///< of the last frame before
-  simulation::PackingLevel level;
-  double promised_m{0.0};   ///< what a cut keeps from here on
-  double seen_us{0.0};      ///< the frames that asked for it
-  double expected_us{0.0};  ///< the frames to come
 };
 
 /// Watches the frames of a planned run. Where they keep taking longer than the rate allows, the zones are
@@ -53,9 +50,13 @@ class ZoneGovernor {
   /// After each frame that was not refused. @param took_us  the frame
   void Saw(const simulation::FrameRecord& record, double took_us);
 
+  struct Made {
+    std::unique_ptr<simulation::CuttingEngine> engine;
+    Rezoned rezoned;
+  };
   /// What goes on instead of `now`, once it is ready, carved up to the last frame that was seen; nothing
   /// before. Does not wait.
-  [[nodiscard]] std::optional<Rezoned> Take(const simulation::CuttingEngine& now);
+  [[nodiscard]] std::optional<Made> Take(const simulation::CuttingEngine& now);
 
   /// What there is to say since the last call: that it makes coarser zones, or can't, and why. Empty:
   /// nothing.

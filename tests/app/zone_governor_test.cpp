@@ -78,7 +78,7 @@ Ride RideOf(const std::string& name, double error_m, double seconds, bool slow) 
   Ride ride;
   ride.summary = Summarise(setup, **engine, params, *result, *recording);
   const auto& last = result->rezoned;
-  ride.promised_m = last.empty() ? setup.planned->plan.promised_m : last.back().promised_m;
+  ride.promised_m = last.empty() ? setup.planned->plan.promised_m : last.back().zones.promised_m;
   const simulation::CutAccuracy cut = simulation::MeasureCut(
       *setup.solid, simulation::BallUnion(last.empty() ? setup.bone.balls : last.back().bone.balls),
       simulation::BallUnion(simulation::LiveBalls(result->after)),
@@ -111,7 +111,7 @@ TEST_P(ZoneGovernorRide, CoarsensUnderLoadAndTheHandFeelsNoStep) {
   EXPECT_LT(first.bone.balls.size(), ride.balls);
   EXPECT_EQ(first.bone.points.size(), ride.summary.points);
   EXPECT_EQ(first.seen_us, kSlow_us);
-  EXPECT_LE(first.expected_us, 0.9e6 / kRate_hz);
+  EXPECT_LE(first.zones.frame_us, 0.9e6 / kRate_hz);
   EXPECT_EQ(ride.result.after.balls.size(), 4 * ride.result.rezoned.back().bone.balls.size());
 
   EXPECT_EQ(ride.result.end, control::RunEnd::kSeconds);
@@ -222,11 +222,11 @@ class Driven : public testing::Test {
       simulation::FrameInput input = way[std::min(at_, setup_.planned->scene.work.cut_end - 1)];
       input.X_WT = setup_.X_WG * Pose(input.X_WT);
       simulation::FrameRecord record;
-      record.model = (rezoned_ ? *rezoned_->engine : *engine_).Step(input);
+      record.model = (made_ ? *made_->engine : *engine_).Step(input);
       EXPECT_EQ(record.model.status, simulation::EngineStatus::kOk);
       governor.Saw(record, us);
-      if (auto coarser = governor.Take(rezoned_ ? *rezoned_->engine : *engine_)) {
-        rezoned_ = std::move(coarser);
+      if (auto coarser = governor.Take(made_ ? *made_->engine : *engine_)) {
+        made_ = std::move(coarser);
         return true;
       }
     }
@@ -235,7 +235,7 @@ class Driven : public testing::Test {
 
   CellSetup setup_;
   std::unique_ptr<simulation::CuttingEngine> engine_;
-  std::optional<Rezoned> rezoned_;
+  std::optional<ZoneGovernor::Made> made_;
   std::size_t at_{0};
 };
 
@@ -252,8 +252,8 @@ TEST_F(Driven, TheNewPackingIsMadeBesideTheRun) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   ASSERT_TRUE(taken);
-  EXPECT_LT(rezoned_->bone.balls.size(), setup_.bone.balls.size());
-  const simulation::CarvedState before = engine_->Snapshot(), after = rezoned_->engine->Snapshot();
+  EXPECT_LT(made_->rezoned.bone.balls.size(), setup_.bone.balls.size());
+  const simulation::CarvedState before = engine_->Snapshot(), after = made_->engine->Snapshot();
   EXPECT_EQ(after.cleared, before.cleared);
   EXPECT_EQ(after.frame, before.frame);
   EXPECT_EQ(after.removed_volume_m3, before.removed_volume_m3);
