@@ -3,7 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string>
 
+#include "io/recording/messages.h"
 #include "io/recording/recorder.h"
 
 // Records with a different value in every field, so that a swapped or forgotten field shows.
@@ -184,6 +186,14 @@ inline SessionInfo SomeSession() {
           .utc = 4,
           .build = "commit 123",
           .machine = "a processor"};
+}
+
+/// A record's bytes. Equal ones have equal fields.
+template <class Record>
+std::string Encoded(const Record& record) {
+  std::string bytes;
+  Encode(record, bytes);
+  return bytes;
 }
 
 }  // namespace osteon::io::test
