@@ -125,13 +125,14 @@ std::shared_ptr<SharedInstance> MakeInstance(bool validation) {
   return made;
 }
 
-// The process's. Where one can't be made (no driver, no layers) the next caller tries again.
+// The process's, and never given back: a driver that is unloaded while the process ends takes with it what
+// its globals hold. Where one can't be made (no driver, no layers) the next caller tries again.
 std::shared_ptr<SharedInstance> OpenInstance(bool validation) {
   if (validation) {
-    static const std::shared_ptr<SharedInstance> layered = MakeInstance(true);
+    static const auto& layered = *new std::shared_ptr<SharedInstance>(MakeInstance(true));
     return layered;
   }
-  static const std::shared_ptr<SharedInstance> plain = MakeInstance(false);
+  static const auto& plain = *new std::shared_ptr<SharedInstance>(MakeInstance(false));
   return plain;
 }
 
