@@ -158,8 +158,9 @@ class TickBench {
   // In the calling thread. @throws std::runtime_error where a tick goes wrong or the tool does not press.
   Times Run(std::size_t ticks) {
     Times times;
-    times.realtime =
-        rt::SetUpRealtimeThread({.lock_memory = true, .prefault_stack_bytes = 256 * 1024}).realtime;
+    times.realtime = rt::SetUpRealtimeThread(
+                         {.lock_memory = true, .keep_cpus_awake = true, .prefault_stack_bytes = 256 * 1024})
+                         .realtime;
     times.tick.reserve(ticks);
     for (auto& each : times.stages) each.reserve(ticks);
     for (auto& each : times.parts) each.reserve(ticks);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/interrupt.h"
+#include "control/rt/realtime_thread.h"
 #include "gpu/vulkan_engine.h"
 
 namespace osteon::app {
@@ -121,6 +122,7 @@ tl::expected<SeatedStart, std::string> Seat(const FrameWorkload& work, const Fra
 tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorkload& work,
                                                                const FrameTimingParams& params,
                                                                const SeatedStart* start) {
+  rt::KeepCpusAwake();
   const auto say = [&](const std::string& text) {
     if (params.progress) params.progress(text);
   };

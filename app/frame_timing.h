@@ -52,8 +52,9 @@ struct SeatedStart {
                                                           const FrameTimingParams& params);
 
 /// Times the methods' frames on one workload, in this process and frame by frame in turn, so that what else
-/// the machine does falls on all alike. Methods that share their state begin from the one that "ours" has
-/// carved until the tool was seated; the others carve their own. Ends early, with what there is, on Ctrl-C.
+/// the machine does falls on all alike; the CPUs awake, as a run has them (rt::KeepCpusAwake). Methods that
+/// share their state begin from the one that "ours" has carved until the tool was seated; the others carve
+/// their own. Ends early, with what there is, on Ctrl-C.
 /// @param start  of Seat on the same workload; null: made here where a method needs it
 [[nodiscard]] tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(
     const simulation::FrameWorkload& work, const FrameTimingParams& params,

@@ -181,6 +181,7 @@ std::string ToJson(const GuardReport& r) {
       {"added_latency_us",
        {{"to_controller", DelayJson(r.message_delay)}, {"to_arm", DelayJson(r.answer_delay)}}},
       {"realtime_priority", r.thread.realtime},
+      {"cpus_awake", r.thread.cpus_awake},
       {"plc", nullptr}};
   if (r.plc)
     json["plc"] = {{"connected", r.plc->link == io::PlcLink::kConnected},
@@ -226,7 +227,7 @@ int RunGuard(const GuardOptions& options) {
   if (cell.devices.plc) plc = std::make_unique<PlcBeat>(*cell.devices.plc);
   PrintPlace(cell, report);
 
-  report.thread = rt::SetUpRealtimeThread({.cpu = options.cpu, .lock_memory = true});
+  report.thread = rt::SetUpRealtimeThread({.cpu = options.cpu, .lock_memory = true, .keep_cpus_awake = true});
   Changes changes;
   bool open = true;
   while (open && !Interrupted().load()) {

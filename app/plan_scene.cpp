@@ -8,6 +8,7 @@
 #include "app/interrupt.h"
 #include "app/pack_source.h"
 #include "app/run_queue_watch.h"
+#include "control/rt/realtime_thread.h"
 #include "gpu/vulkan_engine.h"
 #include "simulation/metrics/cut_metrics.h"
 #include "simulation/metrics/frame_workload.h"
@@ -82,6 +83,7 @@ tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scen
                                                            const std::vector<PackedLevel>& levels,
                                                            const simulation::Tool& tool,
                                                            const std::string& device, int rounds) {
+  rt::KeepCpusAwake();
   std::vector<LevelRun> runs(levels.size());
   for (int round = 0; round < rounds; ++round) {
     std::vector<std::unique_ptr<gpu::VulkanEngine>> engines;

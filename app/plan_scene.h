@@ -61,9 +61,9 @@ struct LevelRun {
   std::vector<simulation::Ball> left;
 };
 
-/// Runs the scene's cut on Vulkan, at several finenesses, some frames of each in turn, so that what else the
-/// machine does falls on all alike; the first of a turn, which find another engine's work in the caches, do
-/// not count as samples.
+/// Runs the scene's cut on Vulkan, at several finenesses, with the CPUs awake as a run has them
+/// (rt::KeepCpusAwake), some frames of each in turn, so that what else the machine does falls on all alike;
+/// the first of a turn, which find another engine's work in the caches, do not count as samples.
 /// @param tool    instead of the scene's own
 /// @param device  part of a Vulkan device's name
 /// @param rounds  the whole cut so many times; forces and what is left are the last one's

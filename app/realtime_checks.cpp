@@ -9,6 +9,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -93,6 +94,29 @@ Check MemoryCheck() {
           locked ? kGood : kUsable, locked ? "" : "memlock unlimited in /etc/security/limits.conf"};
 }
 
+// The deepest that CPU 0 has, and whether the loop keeps out of it.
+Check IdleCheck() {
+  std::string deepest, device = "/dev/cpu_dma_latency";
+  long most_us = -1;
+  std::error_code error;
+  for (const auto& state :
+       std::filesystem::directory_iterator("/sys/devices/system/cpu/cpu0/cpuidle", error)) {
+    const long latency_us = std::atol(FirstLine(state.path() / "latency").c_str());
+    if (FirstLine(state.path() / "disable") == "1" || latency_us <= most_us) continue;
+    most_us = latency_us;
+    deepest = fmt::format("{}, {} µs to leave", FirstLine(state.path() / "name"), latency_us);
+  }
+  const bool awake = rt::KeepCpusAwake();
+  const bool there = std::filesystem::exists(device, error);
+  return {"Idle states",
+          fmt::format("{}; {}", deepest.empty() ? "none to be seen" : "deepest " + deepest,
+                      awake ? "a run keeps out of them" : "a run sleeps into them"),
+          awake ? kGood : kUsable,
+          awake   ? ""
+          : there ? "write access to " + device + ": run as root, or a udev rule (docs/set_up.md)"
+                  : "this kernel has no " + device + ": turn deep ones off in the firmware"};
+}
+
 Check KernelCheck() {
   utsname system{};
   uname(&system);
@@ -139,7 +163,7 @@ DurationFigures TimerLatency(double seconds, bool& realtime,
   late.reserve(wakeups);
   std::atomic<bool> done{false};
   std::thread sleeper([&] {
-    realtime = rt::SetUpRealtimeThread({.priority = realtime ? 80 : 0}).realtime;
+    realtime = rt::SetUpRealtimeThread({.priority = realtime ? 80 : 0, .keep_cpus_awake = true}).realtime;
     rt::Nanoseconds due = rt::MonotonicNow();
     for (std::size_t i = 0; i < wakeups; ++i) {
       due += rt::kMillisecond;
@@ -171,6 +195,7 @@ void ExamineRealtime(std::vector<Check>& checks, double seconds,
   checks.push_back(TimerCheck("Timer latency, ordinary thread", plain, !realtime));
   checks.push_back(PeriodCheck(fifo, realtime));
   checks.push_back(MemoryCheck());
+  checks.push_back(IdleCheck());
   checks.push_back(KernelCheck());
   checks.push_back(IsolationCheck());
   checks.push_back(GovernorCheck());

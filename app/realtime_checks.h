@@ -24,8 +24,8 @@ namespace osteon::app {
                                            const std::function<void(double at_s)>& progress = {});
 
 /// What a 1 kHz loop needs of a machine: timer latency under this user's rights with and without SCHED_FIFO,
-/// each for `seconds`, which periods that serves, priority and memory rights, kernel, isolated cores,
-/// governor.
+/// each for `seconds`, with the CPUs awake as a run has them, which periods that serves, priority and memory
+/// rights, idle states, kernel, isolated cores, governor.
 /// @param progress  called now and then with the time spent, of 2 `seconds`; may be empty
 void ExamineRealtime(std::vector<Check>& checks, double seconds,
                      const std::function<void(double at_s)>& progress);

@@ -402,6 +402,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
     out["realtime_priority"] = s.servo_thread.realtime;
     out["servo_cpu"] = s.servo_thread.cpu >= 0 ? nlohmann::json(s.servo_thread.cpu) : nlohmann::json(nullptr);
     out["memory_locked"] = s.servo_thread.memory_locked;
+    out["cpus_awake"] = s.servo_thread.cpus_awake;
   }
   if (!s.arm_stop.empty()) out["arm_stop"] = s.arm_stop;
   // a path may be any bytes; JSON is UTF-8

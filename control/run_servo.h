@@ -21,7 +21,8 @@ struct RunServoParams {
   double seconds{10.0};      ///< of rendering; then an orderly stop. 0: until stopped
   double give_up_s{30.0};    ///< without beginning to render, and without coming to rest after the end
   /// Of the calling thread. What a tick takes of the stack is some 20 KiB; the rest is for what it calls.
-  rt::RealtimeThreadParams thread{.priority = 80, .lock_memory = true, .prefault_stack_bytes = 256 * 1024};
+  rt::RealtimeThreadParams thread{
+      .priority = 80, .lock_memory = true, .keep_cpus_awake = true, .prefault_stack_bytes = 256 * 1024};
   int recoveries{0};  ///< so often the loop begins again by itself: see ServoLoop::RequestRecovery
   /// Where the arm stands, written with each of its messages while the loop waits. Writer: this thread.
   rt::LatestValue<StandingArm>* standing{nullptr};

@@ -1,5 +1,6 @@
 #include "control/rt/realtime_thread.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -7,6 +8,7 @@
 #include <unistd.h>
 #include <cstdlib>  // alloca
 
+#include <cstdint>
 #include <cstdio>
 #include <stdexcept>
 #include <vector>
@@ -96,10 +98,23 @@ void Validate(const RealtimeThreadParams& params) {
 
 void NameThread(const char* name) noexcept { pthread_setname_np(pthread_self(), name); }
 
+bool KeepCpusAwake() noexcept {
+  static const bool awake = [] {
+    const int file = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+    if (file < 0) return false;
+    const std::int32_t most_us = 0;
+    if (write(file, &most_us, sizeof most_us) == sizeof most_us) return true;  // holds while it is open
+    close(file);
+    return false;
+  }();
+  return awake;
+}
+
 RealtimeGrant SetUpRealtimeThread(const RealtimeThreadParams& params) noexcept {
   RealtimeGrant grant;
   if (Pin(params.cpu)) grant.cpu = params.cpu;
   grant.memory_locked = params.lock_memory && LockMemory();
+  grant.cpus_awake = params.keep_cpus_awake && KeepCpusAwake();
   if (params.prefault_stack_bytes > 0)
     TouchStack(params.prefault_stack_bytes < kMostPrefault ? params.prefault_stack_bytes : kMostPrefault);
   // last: what comes before may take its time

@@ -16,6 +16,7 @@ struct RealtimeThreadParams {
   /// The whole process keeps in memory what it has touched, now and later (mlockall). Only where there is no
   /// limit on it: below one, a later allocation would fail.
   bool lock_memory{false};
+  bool keep_cpus_awake{false};          ///< KeepCpusAwake
   std::size_t prefault_stack_bytes{0};  ///< of the thread's stack, touched now and not in a tick; 1 MiB most
 };
 
@@ -27,10 +28,18 @@ struct RealtimeGrant {
   bool realtime{false};  ///< SCHED_FIFO at the priority
   int cpu{-1};           ///< pinned to this one; -1: it may run anywhere
   bool memory_locked{false};
+  bool cpus_awake{false};
 };
 
 /// Sets the calling thread up, before its first tick: system calls.
 RealtimeGrant SetUpRealtimeThread(const RealtimeThreadParams& params) noexcept;
+
+/// Until the process ends no CPU goes into an idle state that it takes time to leave: the kernel's PM QoS
+/// request /dev/cpu_dma_latency, at 0 µs. A core takes some 100 µs out of a deep one, a virtual machine's CPU
+/// a turn of its host. It costs power. Calling it again changes nothing.
+/// @returns whether it was granted: the device is root's where no udev rule says otherwise
+/// @see Linux, Documentation/power/pm_qos_interface.rst
+bool KeepCpusAwake() noexcept;
 
 /// Names the calling thread, for whoever looks at the process from outside. @param name  15 bytes at most
 void NameThread(const char* name) noexcept;

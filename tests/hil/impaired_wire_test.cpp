@@ -42,8 +42,8 @@ std::vector<Arrived> Send(ImpairedWire& wire, int count) {
       Numbered content{};
       std::memcpy(content.data(), bytes.data(), bytes.size());
       const bool same = std::all_of(content.begin(), content.end(), [&](auto n) { return n == content[0]; });
-      arrived.push_back({content[0], static_cast<rt::Nanoseconds>(content[0]) * kMs, due, bytes.size(),
-                         same && bytes.size() == kSize});
+      arrived.push_back({content[0], static_cast<rt::Nanoseconds>(content[0] * std::uint64_t{kMs}), due,
+                         bytes.size(), same && bytes.size() == kSize});
     }
   };
   for (int i = 0; i < count; ++i) {

@@ -349,7 +349,8 @@ void WildCell::DisturbDevices(const Op& op) {
       loop_.RequestRecovery();
       break;
     case 18:  // a clock that jumps, either way, and stays there
-      clock_ += static_cast<rt::Nanoseconds>(std::clamp(op.value, -1e3, 1e3) * 1e6);
+      clock_ += std::isnan(op.value) ? -rt::kSecond
+                                     : static_cast<rt::Nanoseconds>(std::clamp(op.value, -1e3, 1e3) * 1e6);
       now_ = clock_;
       break;
     case 19:

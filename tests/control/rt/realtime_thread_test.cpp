@@ -1,11 +1,14 @@
 #include "control/rt/realtime_thread.h"
 
 #include <alloca.h>
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <stdexcept>
@@ -164,6 +167,27 @@ TEST(RealtimeThread, LocksMemoryOnlyWhereNothingCanFailOfIt) {
   const RealtimeGrant grant = SetUpRealtimeThread({.priority = 0, .lock_memory = true});
   EXPECT_EQ(locked_kib() > 0, grant.memory_locked);
   munlockall();
+}
+
+// What is said to be granted is held: a file that is open on the kernel's request, once and not again.
+TEST(RealtimeThread, KeepsTheCpusAwakeWhereItSaysSo) {
+  const auto held = [] {
+    int count = 0;
+    for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) {
+      std::error_code gone;
+      count += std::filesystem::read_symlink(file.path(), gone) == "/dev/cpu_dma_latency";
+    }
+    return count;
+  };
+  EXPECT_FALSE(SetUpRealtimeThread({.priority = 0}).cpus_awake);
+  EXPECT_EQ(held(), 0);
+  const RealtimeGrant grant = SetUpRealtimeThread({.priority = 0, .keep_cpus_awake = true});
+  EXPECT_EQ(held(), grant.cpus_awake ? 1 : 0);
+  const int file = open("/dev/cpu_dma_latency", O_WRONLY);
+  EXPECT_EQ(grant.cpus_awake, file >= 0);
+  if (file >= 0) close(file);
+  EXPECT_EQ(KeepCpusAwake(), grant.cpus_awake);
+  EXPECT_EQ(held(), grant.cpus_awake ? 1 : 0);
 }
 
 TEST(RealtimeThread, RefusesParametersThatAreNone) {
