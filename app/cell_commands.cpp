@@ -43,6 +43,10 @@ CellCommands::CellCommands(CLI::App& app)
       "start the simulated cell as well, and its guard where it has one, in processes of their own");
   run_->add_option("--seconds", operate_.seconds, "of rendering; without it until Ctrl-C")
       ->check(NumberWithin(kLeastSeconds, kMostSeconds));
+  run_->add_option("--wait", operate_.wait_s,
+                   "seconds for the arm and all conditions of motion, until rendering begins")
+      ->capture_default_str()
+      ->check(NumberWithin(1, 86'400));
   run_->add_option(
           "--recover", operate_.recoveries,
           "begin again so often where the arm has left COMMANDING_ACTIVE, or was silent, and is back")

@@ -140,6 +140,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     std::atomic<double> rendered_s{0.0};
     control::RunServoParams servo_params{.deadline_s = 5.0 * setup.config.servo.period_s,
                                          .seconds = params.seconds,
+                                         .give_up_s = params.wait_s,
                                          .recoveries = params.recoveries,
                                          .standing = &start.standing(),
                                          .second = &second,

@@ -23,7 +23,8 @@ struct CellRunParams {
   double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
   bool virtual_time{false};
   int recoveries{0};  ///< so often the loop begins again after the connection to the arm has ended rendering
-  int cpu{-1};        ///< wall time: the servo thread is pinned to it; -1: any
+  double wait_s{30.0};  ///< wall time: without beginning to render; then the run ends
+  int cpu{-1};          ///< wall time: the servo thread is pinned to it; -1: any
   /// Wall time: the simulated cell to start as a process of its own; absent: what is at the wires is used.
   std::optional<CellProcessParams> cell{};
   std::filesystem::path recording;  ///< the MCAP file to write

@@ -40,6 +40,28 @@ std::string Text(const EffectiveLimit& limit) {
   return fmt::format("{} {:.4g} {} ({})", limit.name, limit.value, limit.unit, limit.from);
 }
 
+std::string PlaceText(const Vector3& p_m) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g}) mm", 1e3 * p_m.x(), 1e3 * p_m.y(), 1e3 * p_m.z());
+}
+
+// Where something may be or not, in the world's frame.
+std::string Text(const safety::ZoneParams& zone) {
+  constexpr std::array<const char*, 5> kShapes{"half-space", "sphere", "box", "cylinder", "capsule"};
+  constexpr std::array<const char*, 3> kPoints{"apex", "flange", "elbow"};
+  const Vector3 axis = zone.R_W.col(2);
+  std::string size;
+  if (zone.shape == safety::ZoneShape::kBox)
+    size = fmt::format(", {:.4g} × {:.4g} × {:.4g} mm", 2e3 * zone.half_edge_m.x(),
+                       2e3 * zone.half_edge_m.y(), 2e3 * zone.half_edge_m.z());
+  else if (zone.shape != safety::ZoneShape::kHalfSpace)
+    size = fmt::format(", radius {:.4g} mm", 1e3 * zone.radius_m);
+  if (zone.shape == safety::ZoneShape::kHalfSpace)
+    size = fmt::format(", inward ({:.3g}, {:.3g}, {:.3g})", axis.x(), axis.y(), axis.z());
+  return fmt::format("{} {} {} at {}{}", kPoints[static_cast<std::size_t>(zone.point)],
+                     zone.side == safety::ZoneSide::kKeepIn ? "in" : "out of",
+                     kShapes[static_cast<std::size_t>(zone.shape)], PlaceText(zone.p_W_m), size);
+}
+
 }  // namespace
 
 std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& p, bool reduced) {
@@ -140,6 +162,13 @@ std::vector<std::string> LimitLines(const control::ServoParams& params) {
   std::vector<std::string> lines;
   for (const EffectiveLimit& limit : EffectiveLimits(params))
     if (std::isfinite(limit.value)) lines.push_back(Text(limit));
+  const safety::WorkspaceParams& w = params.workspace;
+  lines.push_back(Text(
+      {.shape = safety::ZoneShape::kSphere, .p_W_m = w.sphere_center_W_m, .radius_m = w.sphere_radius_m}));
+  lines.push_back(
+      Text({.p_W_m = w.plane_offset_m * w.plane_normal_W, .R_W = safety::RotationAlong(w.plane_normal_W)}));
+  for (const safety::ZoneParams& zone : w.zones) lines.push_back(Text(zone));
+  if (params.depth.acts) lines.push_back("depth limit: " + Text(safety::ZoneOf(params.depth)));
   return lines;
 }
 

@@ -23,7 +23,7 @@ struct EffectiveLimit {
 [[nodiscard]] std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& params,
                                                           bool reduced = false);
 
-/// Those that there are, as "force 200 N (cell)".
+/// Those that there are, as "force 200 N (cell)", and where apex, flange and elbow may be.
 [[nodiscard]] std::vector<std::string> LimitLines(const control::ServoParams& params);
 
 /// What one limit did in a run.

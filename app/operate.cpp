@@ -5,6 +5,7 @@
 #include "app/arm_wire.h"
 #include "app/cell_ports.h"
 #include "app/cell_run.h"
+#include "app/config_checksum.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/run_progress.h"
@@ -72,6 +73,8 @@ int RunOperate(const OperateOptions& options) {
   if (setup->planned) fmt::print(stderr, "osteon run: packing: {}\n", PlannedText(*setup->planned));
   PrintRegistration(setup->config);
   PrintWires(setup->config);
+  fmt::print(stderr, "osteon run: configuration {}\nosteon run: waits {:g} s for the arm\n",
+             ConfigChecksum(setup->config_source), options.wait_s);
 
   InstallInterrupt();
   InstallPause();
@@ -79,6 +82,7 @@ int RunOperate(const OperateOptions& options) {
   const CellRunParams params{
       .seconds = options.seconds,
       .recoveries = options.recoveries,
+      .wait_s = options.wait_s,
       .cpu = options.cpu,
       .cell = cell,
       .recording = options.record,

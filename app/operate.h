@@ -13,6 +13,7 @@ struct OperateOptions {
   std::filesystem::path cell;  ///< its YAML
   bool simulated{false};       ///< start the simulated cell as well, and its guard
   double seconds{0.0};         ///< of rendering; 0: until Ctrl-C
+  double wait_s{30.0};         ///< for the arm and all conditions of motion, until rendering begins
   int recoveries{0};  ///< so often it begins again after the connection to the arm has ended rendering
   std::filesystem::path record{"run.mcap"};
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's

@@ -24,8 +24,10 @@ FriArm::FriArm(const FriServerParams& fri, const SimulatedArmParams& body, const
 void FriArm::Move(bool client_had_its_time, const Wrench& F_T_B) {
   server_.EndCycle(client_had_its_time);
   // where no client was there yet, whoever stands at the pad starts the program again
-  if (power_ && server_.stop().reason == StopReason::kQualityTimeout && server_.counters().answered == 0)
+  if (server_.stop().reason == StopReason::kQualityTimeout && server_.counters().answered == 0) {
     server_.Open();
+    if (!power_) server_.EmergencyStop(0);
+  }
   const Matrix3 R_BT = (arm_.FlangePose(body_->q()) * X_FT_).linear();
   ArmDrive drive;
   drive.control = server_.control_mode();

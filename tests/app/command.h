@@ -24,6 +24,13 @@ struct CommandResult {
   std::string out, err;
 };
 
+/// Of a command's run; under a sanitizer each takes up to ten times as long.
+#if defined(OSTEON_SANITIZED)
+inline constexpr std::chrono::seconds kRunLimit{3000};
+#else
+inline constexpr std::chrono::seconds kRunLimit{300};
+#endif
+
 /// `osteon ARGUMENTS` in a folder, with OSTEON_ROOT set to the sources; not through a shell.
 class Command {
  public:
@@ -44,7 +51,7 @@ class Command {
   [[nodiscard]] bool WaitUntil(const std::function<bool()>& condition,
                                std::chrono::seconds limit = std::chrono::seconds(60));
   /// Waits for its end; kills it after the limit, exit code 137.
-  CommandResult Wait(std::chrono::seconds limit = std::chrono::seconds(300));
+  CommandResult Wait(std::chrono::seconds limit = kRunLimit);
 
  private:
   [[nodiscard]] bool Ended();

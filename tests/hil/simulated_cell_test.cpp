@@ -212,7 +212,11 @@ TEST(SimulatedCell, WaitsForAClientLongerThanASessionDoes) {
   SimulatedCell cell(params, ScriptBelow(params, 10.0));
   TestClient client;
   int now_ms = 0;
+  cell.SetPower(false);  // as a PLC that nobody asks has it
   for (int k = 0; k < 25'000; ++k) cell.Step(++now_ms * rt::kMillisecond);
+  EXPECT_EQ(cell.state().session, SessionState::kMonitoringWait);
+  EXPECT_EQ(cell.state().stop.reason, StopReason::kEmergencyStop) << "started again, still without power";
+  cell.SetPower(true);
   const auto answer = [&](int cycles, int every) {
     for (int k = 0; k < cycles; ++k)
       if (const auto message = cell.Step(++now_ms * rt::kMillisecond); k % every == 0 && !message.empty())
