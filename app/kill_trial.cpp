@@ -348,8 +348,11 @@ tl::expected<KillResult, std::string> RunKillTrial(KillVictim victim, const Kill
     result.attempts = attempt;
     return result;
   }
-  return tl::make_unexpected(fmt::format("no full contact in {} attempts{}", kAttempts,
-                                         why.empty() ? ": this machine is too busy" : ": " + why));
+  return tl::make_unexpected(fmt::format(
+      "no full contact in {} attempts{}", kAttempts,
+      why.empty()
+          ? ": this machine is too busy; fewer programs beside it, or real-time rights, help (osteon doctor)"
+          : ": " + why));
 }
 
 }  // namespace osteon::app

@@ -204,7 +204,9 @@ int RunRegress(const RegressOptions& options) {
       CheckScenario(scenarios.back(), {.set = options.set});
     }
   } catch (const config::ConfigError& error) {
-    return Fail(error.what());
+    const std::string what = error.what();
+    const bool named = options.set.empty() || what.find("--set") != std::string::npos;
+    return Fail(named ? what : fmt::format("{} (with --set {})", what, fmt::join(options.set, " --set ")));
   }
 
   InstallInterrupt();

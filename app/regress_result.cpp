@@ -25,8 +25,12 @@ const char* Verdict(const RegressSummary& summary, const RegressResult& r) {
 
 // What there is to say, the most telling line first.
 std::vector<std::string> Reasons(const RegressResult& r) {
-  if (!r.error.empty()) return {r.error};
-  return r.explained;
+  if (!r.updated) return r.error.empty() ? r.explained : std::vector{r.error};
+  // what has become golden is to be known by how it ended: a run that never came to its end is golden too
+  std::vector<std::string> lines = r.explained;
+  lines.insert(lines.begin(), fmt::format("{}its run: {}", r.golden ? "" : "the first of its golden traces; ",
+                                          r.run->trace.ended));
+  return lines;
 }
 
 double TimesRealTime(const ScenarioRun& run) {
@@ -104,23 +108,24 @@ std::string RegressTable(const RegressSummary& summary) {
   for (const RegressResult& r : summary.results) width = std::max(width, r.scenario.name.size());
   std::string text = fmt::format("{:<{}}  {:<8}{:<18}{:>10}{:>9}{:>9}\n", "scenario", width, "verdict",
                                  "every bit", "simulated", "wall", "speed");
-  std::size_t passed = 0, identical = 0, updated = 0;
+  std::size_t passed = 0, held = 0, identical = 0, updated = 0;
   for (const RegressResult& r : summary.results) {
     passed += Passed(summary, r) ? 1u : 0u;
+    held += r.updated ? 0u : 1u;
     identical += r.identical() ? 1u : 0u;
     updated += r.updated ? 1u : 0u;
     text += fmt::format("{:<{}}  {:<8}{:<18}", r.scenario.name, width, Verdict(summary, r),
-                        !r.error.empty() ? "-"
-                        : r.identical()  ? "the same"
-                                         : "differs");
+                        !r.golden       ? "-"
+                        : r.identical() ? "the same"
+                                        : "differs");
     text += r.run ? fmt::format("{:>8.2f} s{:>7.2f} s{:>8.1f}x\n", r.run->seconds_simulated,
                                 r.run->seconds_wall, TimesRealTime(*r.run))
                   : "\n";
     for (const std::string& line : Reasons(r)) text += "    " + line + "\n";
   }
-  text += fmt::format("{} of {} passed, {} bit for bit, in {:.1f} s", passed, summary.results.size(),
-                      identical, summary.seconds);
-  return text + (updated > 0 ? fmt::format("; {} golden traces written\n", updated) : "\n");
+  if (updated > 0) text += fmt::format("{} golden trace{} written, ", updated, updated > 1 ? "s" : "");
+  if (held > 0) text += fmt::format("{} of {} passed, {} bit for bit, ", passed, held, identical);
+  return text + fmt::format("in {:.1f} s\n", summary.seconds);
 }
 
 std::string RegressJson(const RegressSummary& summary) {

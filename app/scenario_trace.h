@@ -78,7 +78,7 @@ struct ScenarioTrace {
   std::uint64_t active{0};  ///< of them, rendering
   std::uint64_t hash{
       0};  ///< over every bit of every tick's record, of the models that ticks saw and of the carved bone
-  std::string ended;  ///< "all seconds were run"
+  std::string ended;  ///< how: "completed", or what never came
   std::vector<TraceEvent> events;
   std::vector<TraceSample> samples;     ///< at multiples of the interval, from when the arm began to move
   std::vector<double> least, greatest;  ///< of each quantity, over all ticks from then on

@@ -77,7 +77,11 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_FALSE(std::filesystem::exists(OwnGolden()));
 
   EXPECT_EQ(Run({"own.yaml", "--update"}).exit_code, 2) << "no reason";
-  EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "the first"}).exit_code, 0);
+  const CommandResult accepted = Run({"own.yaml", "--update", "--reason", "the first"});
+  EXPECT_EQ(accepted.exit_code, 0);
+  EXPECT_NE(accepted.out.find("the first of its golden traces; its run: completed"), std::string::npos)
+      << accepted.out;
+  EXPECT_NE(accepted.out.find("1 golden trace written, in "), std::string::npos) << accepted.out;
   const auto first = ReadGolden(OwnGolden());
   ASSERT_TRUE(first) << first.error();
   ASSERT_EQ(first->head.reasons.size(), 1u);
@@ -172,6 +176,9 @@ TEST_F(Regress, WrongInputIsRefusedBeforeAnythingRuns) {
   expect({"wall_reamer", "--set", "limits.max_force_N=900"},
          {"--set limits.max_force_N=900", "max_force_N: found 900"});
   expect({"wall_reamer", "--set", "nothing"}, {"KEY=VALUE"});
+  // what the cell's own line forbids beside it is told with what was laid over
+  expect({"wall_reamer", "--set", "script.push_force_N=300"},
+         {"demo.yaml:", "max_force_N: found 150", "(with --set script.push_force_N=300)"});
   expect({"wall_reamer", "--jobs", "-1"}, {"--jobs"});
   expect({"wall_reamer", "--json", "nowhere/r.json"}, {"--json", "nowhere"});
   expect({"wall_reamer", "--junit", "."}, {"--junit", "folder"});

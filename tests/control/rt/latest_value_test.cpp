@@ -59,7 +59,7 @@ TEST(LatestValue, WhatIsReadIsWholeNeverOlderAndInTheEndTheLast) {
 
 // Small, so that the two ends meet in the hand-over and not in copies.
 TEST(LatestValue, TenMillionExchangesTearNothingAndNoneGoesBack) {
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+#if defined(OSTEON_SANITIZED)
   constexpr std::uint64_t kLast = 500'000;  // each access costs ten there
 #else
   constexpr std::uint64_t kLast = 10'000'000;
