@@ -150,9 +150,9 @@ class Study {
 // Of the masses, the one that needs least drag; of those that need about the same, the lightest.
 void Recommend(const Study& study, TuneResult& r) {
   r.trade.resize(kMasses_kg.size());
+  for (std::size_t i = 0; i < kMasses_kg.size(); ++i) r.trade[i].mass_kg = kMasses_kg[i];
   study.ForEach(2 * kMasses_kg.size(), [&](std::size_t i) {
     TuneTrade& trade = r.trade[i / 2];
-    trade.mass_kg = kMasses_kg[i / 2];
     (i % 2 == 0 ? trade.human_Ns_per_m : trade.stiffest_Ns_per_m) =
         study.Drag(trade.mass_kg, i % 2 == 0 ? r.human_hands : r.stiffest_hands);
   });

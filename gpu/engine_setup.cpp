@@ -32,6 +32,12 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   }
   if (std::string refusal = FrameProgram::Refusal(*context, sizes); !refusal.empty()) return refusal;
   program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
+  if (program->compiled()) {
+    program.reset();  // with its device
+    auto again = OpenContext(vulkan.device, vulkan.validation);
+    if (!again) return again.error();
+    program = std::make_unique<FrameProgram>(std::move(*again), sizes, vulkan);
+  }
   still.live_capacity = static_cast<uint>(sizes.live);
   still.span_capacity = static_cast<uint>(sizes.spans);
   work =

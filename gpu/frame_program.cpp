@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -94,7 +95,9 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
                                   vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kMostPasses + 1));
   }
   MakeBuffers();
+  const auto begun = std::chrono::steady_clock::now();
   MakePipelines();
+  pipelines_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   for (const auto& passes : run_passes_) commands_.push_back(Record(passes, nullptr));
 }
 

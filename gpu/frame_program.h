@@ -64,10 +64,15 @@ class FrameProgram {
   /// Of the last run; empty where passes are not timed.
   [[nodiscard]] std::vector<PassTime> PassTimes() const;
   [[nodiscard]] const Context& context() const { return *context_; }
+  /// Whether the driver of a GPU compiled the passes just now, by the time that it took. NVIDIA's (580.159)
+  /// compiles in seconds to code that is three times as slow as what it has in its cache afterwards, and what
+  /// it has compiled once a device keeps: only another device has the better.
+  [[nodiscard]] bool compiled() const { return gpu_ && pipelines_s_ > kCompiled_s; }
   /// Invocations of a workgroup: kGroupSize on a GPU, fewer on a processor.
   [[nodiscard]] uint lanes() const { return context_->info.kind == "cpu" ? 8 : kGroupSize; }
 
  private:
+  static constexpr double kCompiled_s = 1.0;  // seen: .1 to .3 s from the cache, 3.5 to 7 s without
   // What the next pass needs of a pass: nothing, what it wrote, or also how many workgroups it is to have.
   enum class Then { kNothing, kReads, kGroups };
   struct Pass {
@@ -98,8 +103,9 @@ class FrameProgram {
   std::array<Buffer, kBindings> buffers_;
   Buffer frame_in_;
   bool gpu_{false};
-  bool copies_in_{false};  ///< the host can't write where the passes read
-  uint sequence_{0};       ///< of the last report
+  double pipelines_s_{0.0};  // that making them took
+  bool copies_in_{false};    ///< the host can't write where the passes read
+  uint sequence_{0};         ///< of the last report
   std::vector<vk::raii::BufferView> views_;
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};
