@@ -64,7 +64,7 @@ class FrameProgram {
   /// Of the last run; empty where passes are not timed.
   [[nodiscard]] std::vector<PassTime> PassTimes() const;
   [[nodiscard]] const Context& context() const { return *context_; }
-  /// Whether the driver of a GPU compiled the passes just now, by the time that it took. NVIDIA's (580.159)
+  /// Whether the driver of a GPU compiled the passes just now, by the time that it took. NVIDIA's
   /// compiles in seconds to code that is three times as slow as what it has in its cache afterwards, and what
   /// it has compiled once a device keeps: only another device has the better.
   [[nodiscard]] bool compiled() const { return gpu_ && pipelines_s_ > kCompiled_s; }
