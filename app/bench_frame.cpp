@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/summary.h"
@@ -15,13 +16,6 @@
 
 namespace osteon::app {
 namespace {
-
-constexpr int kFailed = 1, kBadInput = 2;
-
-int Fail(const std::string& message, int code) {
-  fmt::print(stderr, "osteon bench frame: {}\n", message);
-  return code;
-}
 
 nlohmann::json TimesJson(const simulation::TimeFigures& times) {
   return {{"p50", times.p50_us},
@@ -51,12 +45,12 @@ std::string Row(const FrameTiming& timing) {
 
 int Run(const BenchFrameOptions& options) {
   if (options.compare == options.method)
-    return Fail(fmt::format("--compare {}: found the method itself, accepted another", options.compare),
-                kBadInput);
+    return Fail("bench frame",
+                fmt::format("--compare {}: found the method itself, accepted another", options.compare));
   if (!options.compare.empty() && WantsDisjoint(options.compare) != WantsDisjoint(options.method))
-    return Fail(fmt::format("--compare {}: works on another packing than {}: time it by itself",
-                            options.compare, options.method),
-                kBadInput);
+    return Fail("bench frame",
+                fmt::format("--compare {}: works on another packing than {}: time it by itself",
+                            options.compare, options.method));
   PhaseProgress progress("osteon bench frame", 4);
   progress.Begin("pack");
   const auto begun = std::chrono::steady_clock::now();
@@ -73,7 +67,7 @@ int Run(const BenchFrameOptions& options) {
   if (!options.compare.empty()) params.methods.push_back(options.compare);
   const auto timings = TimeFrames(work, params);
   progress.Done();
-  if (!timings) return Fail(timings.error(), kFailed);
+  if (!timings) return Fail("bench frame", timings.error(), kFailed);
 
   const FrameTiming& own = timings->front();
   fmt::print("Osteon bench frame: {}, {} spheres, tool of {}, on {}\n", options.scene, work.bone.balls.size(),
@@ -108,7 +102,7 @@ int Run(const BenchFrameOptions& options) {
   }
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, json.dump(2) + "\n"); !written)
-      return Fail(written.error(), kFailed);
+      return Fail("bench frame", written.error(), kFailed);
   return Interrupted() ? kExitInterrupted : 0;
 }
 
@@ -139,7 +133,7 @@ int RunBenchFrame(const BenchFrameOptions& options) {
   try {
     return Run(options);
   } catch (const std::invalid_argument& error) {
-    return Fail(error.what(), kBadInput);
+    return Fail("bench frame", error.what());
   }
 }
 

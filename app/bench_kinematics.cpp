@@ -21,6 +21,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/report/ticks.h"
 #include "app/summary.h"
@@ -39,7 +40,6 @@ using Clock = std::chrono::steady_clock;
 using kinematics::ChainParams;
 using kinematics::JointVectorN;
 
-constexpr int kFailed = 1, kBadInput = 2;
 constexpr std::size_t kPostures = 256;   // that the calls go through, all within the limits
 constexpr std::size_t kBatches = 51;     // of a function; their median counts
 constexpr std::size_t kSlowShare = 100;  // the numerical inverse takes so many times longer than the rest
@@ -301,11 +301,6 @@ nlohmann::json Json(const std::vector<Pairing>& pairings) {
   return json;
 }
 
-int Fail(const std::string& message, int code) {
-  fmt::print(stderr, "osteon bench kinematics: {}\n", message);
-  return code;
-}
-
 int Run(const BenchKinematicsOptions& options) {
   const std::filesystem::path file =
       options.robot.empty() ? options.config_root / "robots" / "lbr_iiwa_14_r820.yaml" : options.robot;
@@ -331,7 +326,7 @@ int Run(const BenchKinematicsOptions& options) {
   json["allocations"] = allocations ? nlohmann::json(*allocations) : nlohmann::json();
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, json.dump(2) + "\n"); !written)
-      return Fail(written.error(), kFailed);
+      return Fail("bench kinematics", written.error(), kFailed);
   return 0;
 }
 
@@ -341,9 +336,9 @@ int RunBenchKinematics(const BenchKinematicsOptions& options) {
   try {
     return Run(options);
   } catch (const config::ConfigError& error) {
-    return Fail(error.what(), kBadInput);
+    return Fail("bench kinematics", error.what());
   } catch (const std::invalid_argument& error) {
-    return Fail(error.what(), kBadInput);
+    return Fail("bench kinematics", error.what());
   }
 }
 

@@ -20,6 +20,7 @@
 
 #include "app/bare_exchange.h"
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/recorded_config.h"
 #include "app/simulated_setup.h"
@@ -44,7 +45,6 @@ namespace {
 
 using control::ReceiveResult;
 
-constexpr int kFailed = 1, kBadInput = 2;
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr int kFrameTicks = 2;         // a 500 Hz simulation's
 constexpr double kPlaneTilt_rad = .6;  // of the eight planes' normals from the feed
@@ -285,11 +285,6 @@ std::string Row(std::string_view name, const simulation::TimeFigures& t) {
                      t.p999_us, t.max_us);
 }
 
-int Fail(const std::string& message, int code) {
-  fmt::print(stderr, "osteon bench tick: {}\n", message);
-  return code;
-}
-
 // A file that goes with the run.
 class TemporaryFile {
  public:
@@ -319,7 +314,7 @@ config::CellConfig BenchCell(const std::filesystem::path& config_root) {
 int Run(const BenchTickOptions& options) {
   const config::CellConfig cell = BenchCell(options.config_root);
   if (!std::holds_alternative<hil::ReamingScriptParams>(cell.script) || !cell.servo.arm_body)
-    return Fail("cells/demo.yaml: accepted a reaming script and an arm with masses", kBadInput);
+    return Fail("bench tick", "cells/demo.yaml: accepted a reaming script and an arm with masses");
   const TemporaryFile recording;
   const double seconds =
       std::max(5.0, kScriptShare * cell.servo.period_s * static_cast<double>(options.ticks));
@@ -335,10 +330,11 @@ int Run(const BenchTickOptions& options) {
     }
   })
       .join();
-  if (!wrong.empty()) return Fail(wrong, kFailed);
+  if (!wrong.empty()) return Fail("bench tick", wrong, kFailed);
   if (Interrupted()) return kExitInterrupted;
   if (times.tick.size() < options.ticks)
-    return Fail(fmt::format("the tool pressed in {} ticks of {}{}", times.tick.size(), options.ticks,
+    return Fail("bench tick",
+                fmt::format("the tool pressed in {} ticks of {}{}", times.tick.size(), options.ticks,
                             bench.faults().Any() ? ", then the loop stopped itself" : ""),
                 kFailed);
 
@@ -381,7 +377,7 @@ int Run(const BenchTickOptions& options) {
       {"machine", machine}};
   if (options.json.empty()) return 0;
   const auto written = WriteText(options.json, json.dump(2) + "\n");
-  return written ? 0 : Fail(written.error(), kFailed);
+  return written ? 0 : Fail("bench tick", written.error(), kFailed);
 }
 
 }  // namespace
@@ -390,9 +386,9 @@ int RunBenchTick(const BenchTickOptions& options) {
   try {
     return Run(options);
   } catch (const config::ConfigError& error) {
-    return Fail(error.what(), kBadInput);
+    return Fail("bench tick", error.what());
   } catch (const std::exception& error) {
-    return Fail(error.what(), kFailed);
+    return Fail("bench tick", error.what(), kFailed);
   }
 }
 

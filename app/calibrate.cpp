@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/exit_code.h"
 #include "app/summary.h"
 #include "config/load.h"
 #include "control/calibration.h"
@@ -17,14 +18,8 @@
 namespace osteon::app {
 namespace {
 
-constexpr int kFailed = 1, kBadInput = 2;
 constexpr double kStill_rad = 5e-4, kRest_s = 0.5, kSettle_s = 0.2, kSamePlace_rad = 0.02;
 constexpr double kFresh_s = 0.02;
-
-int Fail(const std::string& message, int code = kBadInput) {
-  fmt::print(stderr, "osteon calibrate: {}\n", message);
-  return code;
-}
 
 double Seconds(rt::Nanoseconds from, rt::Nanoseconds to) { return 1e-9 * static_cast<double>(to - from); }
 
@@ -201,32 +196,32 @@ int RunCalibrate(const CalibrateOptions& options) {
   Result result;
   if (!options.payload.empty()) {
     const auto rests = RestsOf(options.payload);
-    if (!rests) return Fail(rests.error());
+    if (!rests) return Fail("calibrate", rests.error());
     const Pose X_FS = cell.servo.sensor.X_FS;
     std::vector<control::RestPose> poses;
     for (const Rest& rest : *rests)
       poses.push_back({.R_WS = (FlangePose(cell, rest) * X_FS).linear(), .F_S = rest.F_S});
     const auto fit = control::FitPayload(poses);
-    if (!fit) return Fail(options.payload.string() + ": " + fit.error(), kFailed);
+    if (!fit) return Fail("calibrate", options.payload.string() + ": " + fit.error(), kFailed);
     result.payload = *fit;
     result.center_F_m = X_FS * fit->center_S_m;
     result.payload_poses = poses.size();
   }
   if (!options.pivot.empty()) {
     const auto rests = RestsOf(options.pivot);
-    if (!rests) return Fail(rests.error());
+    if (!rests) return Fail("calibrate", rests.error());
     std::vector<Pose> poses;
     for (const Rest& rest : *rests) poses.push_back(FlangePose(cell, rest));
     const auto fit = control::FitPivot(poses);
-    if (!fit) return Fail(options.pivot.string() + ": " + fit.error(), kFailed);
+    if (!fit) return Fail("calibrate", options.pivot.string() + ": " + fit.error(), kFailed);
     result.pivot = *fit;
     result.pivot_poses = poses.size();
   }
   if (const auto written = WriteText(options.out, ToYaml(result, options.command_line)); !written)
-    return Fail(written.error(), kFailed);
+    return Fail("calibrate", written.error(), kFailed);
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, ToJson(result, options).dump(2) + "\n"); !written)
-      return Fail(written.error(), kFailed);
+      return Fail("calibrate", written.error(), kFailed);
   Print(result, options);
   return 0;
 }

@@ -10,6 +10,7 @@
 
 #include "app/capability_result.h"
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/report/page.h"
@@ -26,11 +27,6 @@ constexpr double kRadian = std::numbers::pi / 180.0;
 constexpr double kReach_m = 0.9, kLower_m = 0.7, kHigher_m = 0.5;  // of the default ranges, from the site
 constexpr double kPanelStep_m = 0.025;
 constexpr double kPressing_N = 20.0;  // along the tool: what is less says little about a ratio
-
-int Fail(const std::string& what, int code) {
-  fmt::print(stderr, "osteon capability: {}\n", what);
-  return code;
-}
 
 // How much of the axial force a run's tool asked for across its axis: the greatest ratio while it pressed.
 tl::expected<double, std::string> LateralRatio(const std::filesystem::path& file) {
@@ -233,13 +229,14 @@ tl::expected<void, std::string> Write(const CapabilityResult& result, const Capa
 }
 
 int Run(const CapabilityOptions& options) {
-  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail(wrong, 2);
+  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty())
+    return Fail("capability", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
   if (!cell.robot.lbr())
-    return Fail(fmt::format("{}: found a {}, accepted an LBR: what torques an arm of six axes has is not "
+    return Fail("capability",
+                fmt::format("{}: found a {}, accepted an LBR: what torques an arm of six axes has is not "
                             "published",
-                            options.cell.string(), cell.robot.name),
-                2);
+                            options.cell.string(), cell.robot.name));
   CapabilityResult result;
   result.cell = options.cell.stem().string();
   result.tool = cell.tool.tool.name;
@@ -255,7 +252,7 @@ int Run(const CapabilityOptions& options) {
   }
   if (!options.recording.empty()) {
     const auto ratio = LateralRatio(options.recording);
-    if (!ratio) return Fail("--recording: " + ratio.error(), 2);
+    if (!ratio) return Fail("capability", "--recording: " + ratio.error());
     result.need.lateral_N = *ratio * result.need.axial_N;
     result.need.lateral_from = fmt::format("{:.2f} of the axial force, the most in {}", *ratio,
                                            options.recording.filename().string());
@@ -273,7 +270,8 @@ int Run(const CapabilityOptions& options) {
   result.best_angle = map.AtBestArmAngle();
   result.own_angle = map.AtOwnArmAngle();
   if (result.best_angle.poses == 0)
-    return Fail("the workspace allows no pose of the task; accepted a workspace that holds the site", 2);
+    return Fail("capability",
+                "the workspace allows no pose of the task; accepted a workspace that holds the site");
   progress.Begin("mapping the workspace");
   for (const MapPlane plane : {MapPlane::kVertical, MapPlane::kHorizontal})
     result.maps.push_back(map.Panel(plane, options.nodes, [] { return Interrupted().load(); }));
@@ -281,7 +279,8 @@ int Run(const CapabilityOptions& options) {
   progress.Done();
   if (Interrupted()) return kExitInterrupted;
 
-  if (const auto written = Write(result, options); !written) return Fail(written.error(), 1);
+  if (const auto written = Write(result, options); !written)
+    return Fail("capability", written.error(), kFailed);
   for (const SummaryRow& row : Rows(result)) fmt::print("  {:<30} {}\n", row.key, row.value);
   fmt::print("  {:<30} {}\n", "Report", (options.out / "capability.html").string());
   if (result.base) fmt::print("  {:<30} {}\n", "For the cell's file", (options.out / "base.yaml").string());
@@ -294,9 +293,9 @@ int RunCapability(const CapabilityOptions& options) {
   try {
     return Run(options);
   } catch (const config::ConfigError& error) {
-    return Fail(error.what(), 2);
+    return Fail("capability", error.what());
   } catch (const std::invalid_argument& error) {
-    return Fail(error.what(), 2);
+    return Fail("capability", error.what());
   }
 }
 

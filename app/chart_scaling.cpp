@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/report/svg_plot.h"
 #include "app/report/svg_text.h"
@@ -23,11 +24,6 @@ constexpr const char* kBrute = "the same without culling";
 constexpr std::array<std::size_t, 9> kCounts{1'000,   3'000,     10'000,    30'000,    100'000,
                                              300'000, 1'000'000, 3'000'000, 10'000'000};
 constexpr std::size_t kBruteFrames = 60, kLeastFrames = 20;
-
-int Fail(const std::string& message, int code) {
-  fmt::print(stderr, "osteon chart scaling: {}\n", message);
-  return code;
-}
 
 void Say(const std::string& text) { fmt::print(stderr, "osteon chart scaling: {}\n", text); }
 
@@ -144,11 +140,13 @@ std::vector<std::vector<std::string>> TableOf(const ScalingResult& result) {
 }
 
 int Run(const ScalingOptions& options) {
-  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail(wrong, 2);
+  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty())
+    return Fail("chart scaling", wrong);
   InstallInterrupt();
   const auto result = Scaling(options).Measure();
-  if (!result) return Fail(result.error(), 1);
-  if (result->points.empty()) return Interrupted() ? kExitInterrupted : Fail("nothing was measured", 1);
+  if (!result) return Fail("chart scaling", result.error(), kFailed);
+  if (result->points.empty())
+    return Interrupted() ? kExitInterrupted : Fail("chart scaling", "nothing was measured", kFailed);
 
   const std::string machine = MachineName(), json = ScalingJson(*result, machine);
   std::vector<std::string> notes{
@@ -167,9 +165,11 @@ int Run(const ScalingOptions& options) {
                          .json = json,
                          .table = TableOf(*result),
                          .notes = notes};
-  if (const auto written = WriteChart(chart, options.out); !written) return Fail(written.error(), 1);
+  if (const auto written = WriteChart(chart, options.out); !written)
+    return Fail("chart scaling", written.error(), kFailed);
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, json); !written) return Fail(written.error(), 1);
+    if (const auto written = WriteText(options.json, json); !written)
+      return Fail("chart scaling", written.error(), kFailed);
   for (const auto& row : chart.table)
     fmt::print("{:<28} {:>12} {:>10} {:>12} {:>12}\n", row[0], row[1], row[4].substr(0, 12), row[5], row[6]);
   fmt::print("{}\n", (options.out / "scaling.html").string());
@@ -259,7 +259,7 @@ int RunChartScaling(const ScalingOptions& options) {
   try {
     return Run(options);
   } catch (const std::invalid_argument& error) {
-    return Fail(error.what(), 2);
+    return Fail("chart scaling", error.what());
   }
 }
 

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/method_engine.h"
 #include "app/report/svg_text.h"
@@ -20,11 +21,6 @@ namespace osteon::app {
 namespace {
 
 constexpr std::size_t kSurfaceCells = 20'000, kQuickSurfaceCells = 6'000;
-
-int Fail(const std::string& message, int code) {
-  fmt::print(stderr, "osteon chart speed-accuracy: {}\n", message);
-  return code;
-}
 
 void Say(const std::string& text) { fmt::print(stderr, "osteon chart speed-accuracy: {}\n", text); }
 
@@ -199,11 +195,13 @@ std::string Csv(const SpeedAccuracyResult& result) {
 }
 
 int Run(const SpeedAccuracyOptions& options) {
-  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail(wrong, 2);
+  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty())
+    return Fail("chart speed-accuracy", wrong);
   InstallInterrupt();
   const auto result = Measurement(options).Measure();
-  if (!result) return Fail(result.error(), 1);
-  if (result->points.empty()) return Interrupted() ? kExitInterrupted : Fail("nothing was measured", 1);
+  if (!result) return Fail("chart speed-accuracy", result.error(), kFailed);
+  if (result->points.empty())
+    return Interrupted() ? kExitInterrupted : Fail("chart speed-accuracy", "nothing was measured", kFailed);
   std::vector<std::string> notes{
       fmt::format("Ours on {}; the other methods in double precision on one thread of {}.", result->device,
                   result->machine),
@@ -233,9 +231,11 @@ int Run(const SpeedAccuracyOptions& options) {
                          .json = json,
                          .table = TableOf(*result),
                          .notes = notes};
-  if (const auto written = WriteChart(chart, options.out); !written) return Fail(written.error(), 1);
+  if (const auto written = WriteChart(chart, options.out); !written)
+    return Fail("chart speed-accuracy", written.error(), kFailed);
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, json); !written) return Fail(written.error(), 1);
+    if (const auto written = WriteText(options.json, json); !written)
+      return Fail("chart speed-accuracy", written.error(), kFailed);
   for (const auto& row : chart.table) fmt::print("{}\n", fmt::join(row, "  "));
   fmt::print("{}\n", (options.out / "speed_accuracy.html").string());
   return Interrupted() ? kExitInterrupted : 0;
@@ -247,7 +247,7 @@ int RunChartSpeedAccuracy(const SpeedAccuracyOptions& options) {
   try {
     return Run(options);
   } catch (const std::invalid_argument& error) {
-    return Fail(error.what(), 2);
+    return Fail("chart speed-accuracy", error.what());
   }
 }
 

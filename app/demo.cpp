@@ -8,6 +8,7 @@
 #include "app/cell_ports.h"
 #include "app/cell_run.h"
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/recorded_motion.h"
@@ -17,13 +18,6 @@
 
 namespace osteon::app {
 namespace {
-
-constexpr int kFailed = 1, kBadInput = 2;
-
-int Fail(const std::string& message, int code = kBadInput) {
-  fmt::print(stderr, "osteon demo: {}\n", message);
-  return code;
-}
 
 // What can be said about the places to write to before anything is run. The folder itself is made by RunCell,
 // so that a refused run leaves nothing.
@@ -59,27 +53,29 @@ std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const
 
 int RunDemo(const DemoOptions& options) {
   if (!(options.seconds >= kLeastSeconds && options.seconds <= kMostSeconds))
-    return Fail(
-        fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kLeastSeconds, kMostSeconds));
+    return Fail("demo", fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kLeastSeconds,
+                                    kMostSeconds));
   if (options.cpu >= 0 && options.virtual_time)
-    return Fail(fmt::format("--cpu: found {} with --virtual-time, accepted in wall time", options.cpu));
+    return Fail("demo",
+                fmt::format("--cpu: found {} with --virtual-time, accepted in wall time", options.cpu));
   // before there is any other thread
-  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty()) return Fail("--cpu: " + wrong);
-  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail(wrong);
+  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
+    return Fail("demo", "--cpu: " + wrong);
+  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("demo", wrong);
 
   auto setup = PrepareCell(options.cell, options.mesh, options.tool);
-  if (!setup) return Fail(setup.error());
+  if (!setup) return Fail("demo", setup.error());
   const auto first_port = UseSimulated(setup->config, options.port);
-  if (!first_port) return Fail(first_port.error());
+  if (!first_port) return Fail("demo", first_port.error());
   const bool timed = !options.virtual_time;
   PhaseProgress planning("osteon demo", timed ? 2 : 1, false);
   if (const auto packed = PackCell(*setup, options.fidelity, options.device, timed,
                                    [&](const std::string& phase) { planning.Begin("plan: " + phase); });
       !packed)
-    return Fail(packed.error());
+    return Fail("demo", packed.error());
   planning.Done();
   auto engine = MakeEngine(*setup, options.engine, options.device);
-  if (!engine) return Fail(engine.error());
+  if (!engine) return Fail("demo", engine.error());
   const auto governor = MakeGovernor(*setup, options.device);
 
   if (!setup->solid && setup->config.scene.events.least_wall_m > 0.0)
@@ -106,11 +102,11 @@ int RunDemo(const DemoOptions& options) {
                              .governor = governor.get()};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
-  if (!result) return Fail(result.error().what, result.error().begun ? kFailed : kBadInput);
+  if (!result) return Fail("demo", result.error().what, result.error().begun ? kFailed : kBadInput);
 
   // everything that is shown comes from the recording
   const auto recording = io::ReadRecording(params.recording);
-  if (!recording) return Fail(recording.error(), kFailed);
+  if (!recording) return Fail("demo", recording.error(), kFailed);
   RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
   const ReportInput report{
       .title = "Osteon demo: " + summary.scene,
@@ -131,22 +127,22 @@ int RunDemo(const DemoOptions& options) {
       .version = OSTEON_VERSION};
   const std::filesystem::path page = options.out / "report.html";
   const auto figures = WriteReport(report, page);
-  if (!figures) return Fail(figures.error(), kFailed);
+  if (!figures) return Fail("demo", figures.error(), kFailed);
   summary.section = *figures;
 
   const auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s, options.out,
                                 params.recording.stem().string());
-  if (!stops) return Fail(stops.error(), kFailed);
+  if (!stops) return Fail("demo", stops.error(), kFailed);
   summary.stops = *stops;
 
   const std::string json = ToJson(summary, "osteon.demo/1");
   for (const std::filesystem::path& file : {options.out / "summary.json", options.json}) {
     if (file.empty()) continue;
-    if (const auto written = WriteText(file, json); !written) return Fail(written.error(), kFailed);
+    if (const auto written = WriteText(file, json); !written) return Fail("demo", written.error(), kFailed);
   }
   if (!options.save_motion.empty())
     if (const std::string wrong = SaveMotion(options, *setup, summary, *recording); !wrong.empty())
-      return Fail(wrong, kFailed);
+      return Fail("demo", wrong, kFailed);
   PrintTable(summary, "Osteon demo");
   fmt::print("  {:<30} {}\n", "Report", page.string());
   return ExitCode(*result);

@@ -10,19 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/export_tables.h"
 #include "app/summary.h"
 #include "io/recording/recovery.h"
 
 namespace osteon::app {
 namespace {
-
-constexpr int kFailed = 1, kBadInput = 2;
-
-int Fail(const std::string& message, int code) {
-  fmt::print(stderr, "osteon export: {}\n", message);
-  return code;
-}
 
 // A bar on a terminal; nothing elsewhere, where it would be one line among many.
 void ShowProgress(double share) {
@@ -75,12 +69,12 @@ int RunExport(const ExportOptions& options) {
   const bool csv = options.csv || !options.recover;
   std::filesystem::path folder = options.out.empty() ? options.recording.parent_path() : options.out;
   if (folder.empty()) folder = ".";
-  if (const std::string wrong = WrongPlace(options, folder); !wrong.empty()) return Fail(wrong, kBadInput);
+  if (const std::string wrong = WrongPlace(options, folder); !wrong.empty()) return Fail("export", wrong);
   // what may be refused comes first: a file that is none leaves no folder behind
-  if (const auto file = io::McapReader::Open(options.recording); !file) return Fail(file.error(), kBadInput);
+  if (const auto file = io::McapReader::Open(options.recording); !file) return Fail("export", file.error());
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) return Fail(folder.string() + ": cannot make the folder: " + error.message(), kBadInput);
+  if (error) return Fail("export", folder.string() + ": cannot make the folder: " + error.message());
   const std::string stem = options.recording.stem().string();
   nlohmann::ordered_json json{{"schema", "osteon.export/1"}, {"recording", options.recording.string()}};
 
@@ -90,7 +84,7 @@ int RunExport(const ExportOptions& options) {
   if (options.recover) {
     const std::filesystem::path whole = folder / (stem + "_recovered.mcap");
     auto recovered = io::RecoverRecording(options.recording, whole);
-    if (!recovered) return Fail(recovered.error(), kBadInput);
+    if (!recovered) return Fail("export", recovered.error());
     recovery = std::move(*recovered);
     if (!recovery->was_whole) source = whole;
   }
@@ -103,6 +97,7 @@ int RunExport(const ExportOptions& options) {
     if (!written) {
       const bool of_the_recording = written.error().starts_with(source.string() + ": byte");
       return Fail(
+          "export",
           written.error() + (of_the_recording ? "; `osteon export --recover` keeps what is sound" : ""),
           of_the_recording ? kBadInput : kFailed);
     }
@@ -133,7 +128,7 @@ int RunExport(const ExportOptions& options) {
     if (const auto written = WriteText(
             options.json, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
         !written)
-      return Fail(written.error(), kFailed);
+      return Fail("export", written.error(), kFailed);
   return 0;
 }
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/report/failure_page.h"
@@ -23,13 +24,6 @@ namespace {
 
 using hil::FailureResult;
 using hil::FailureScenario;
-
-constexpr int kFailed = 1, kBadInput = 2;
-
-int Fail(const std::string& message, int code = kBadInput) {
-  fmt::print(stderr, "osteon failures: {}\n", message);
-  return code;
-}
 
 double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -167,9 +161,9 @@ std::string FailuresJson(const std::vector<FailureRun>& runs, const std::string&
 }
 
 int RunFailures(const FailureOptions& options) {
-  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail(wrong);
+  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("failures", wrong);
   const auto chosen = Choose(options.ids);
-  if (!chosen) return Fail(chosen.error());
+  if (!chosen) return Fail("failures", chosen.error());
 
   // an engine that this machine can't run is no failed scenario
   Engines engines(options);
@@ -181,7 +175,7 @@ int RunFailures(const FailureOptions& options) {
   try {
     static_cast<void>(engines.Make(pebble, probe, Pose::Identity(), {}));
   } catch (const std::exception& error) {
-    return Fail(error.what());
+    return Fail("failures", error.what());
   }
 
   InstallInterrupt();
@@ -212,7 +206,7 @@ int RunFailures(const FailureOptions& options) {
 
   if (!runs.empty()) PrintTable(runs);
   if (const auto written = WriteFiles(options, runs, engines.device()); !written)
-    return Fail(written.error(), kFailed);
+    return Fail("failures", written.error(), kFailed);
   if (Interrupted()) return kExitInterrupted;
   if (!options.out.empty()) fmt::print("report: {}\n", (options.out / "failures.html").string());
   return std::ranges::all_of(runs, &FailureRun::passed) ? 0 : kFailed;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/each_fault.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/summary.h"
@@ -19,7 +20,6 @@ using hil::FaultVerdict;
 using hil::Reaction;
 using safety::CellState;
 
-constexpr int kFailed = 1;
 constexpr int kColumn = 5;
 
 char LetterOf(const hil::Expected& expected) {

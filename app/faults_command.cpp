@@ -8,12 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "app/each_fault.h"
+#include "app/exit_code.h"
 #include "app/summary.h"
 
 namespace osteon::app {
 namespace {
-
-constexpr int kFailed = 1;
 
 int BitOf(safety::Fault fault) { return std::countr_zero(static_cast<std::uint32_t>(fault)); }
 

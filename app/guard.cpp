@@ -10,6 +10,7 @@
 #include "app/arm_wire.h"
 #include "app/cell_ports.h"
 #include "app/config_checksum.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/recorded_config.h"
 #include "app/summary.h"
@@ -19,16 +20,10 @@
 namespace osteon::app {
 namespace {
 
-constexpr int kFailed = 1, kBadInput = 2;
 constexpr rt::Nanoseconds kLook = 5 * rt::kMillisecond;  // how often PLC, silence and Ctrl-C are looked after
 constexpr int kBeatEvery_ms = 10;              // a withdrawal waits no longer than this for its heartbeat
 constexpr std::uint32_t kLastWrites = 2;       // that carry the withdrawal, before the heartbeat stands still
 constexpr double kLeastSilenceAnswers = 10.0;  // a slow arm's controller may be silent for so many answers
-
-int Fail(const std::string& message, int code = kBadInput) {
-  fmt::print(stderr, "osteon guard: {}\n", message);
-  return code;
-}
 
 void Say(const std::string& text) {
   fmt::print("osteon guard: {}\n", text);
@@ -191,7 +186,8 @@ std::string ToJson(const GuardReport& r) {
 }
 
 int RunGuard(const GuardOptions& options) {
-  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty()) return Fail("--cpu: " + wrong);
+  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
+    return Fail("guard", "--cpu: " + wrong);
   InstallInterrupt();
 
   // its own reading of the files
@@ -201,11 +197,12 @@ int RunGuard(const GuardOptions& options) {
     const config::FileScope files;
     cell = config::LoadCell(options.cell, options.tool);
     const auto kept = KeepConfig(files, options.cell, options.tool, {});
-    if (!kept) return Fail(kept.error());
+    if (!kept) return Fail("guard", kept.error());
     report.config_checksum = ConfigChecksum(*kept);
   }
   if (!cell.guard)
     return Fail(
+        "guard",
         fmt::format("{}: guard: found no such section, accepted guard: {{port: N}}, where the arm sends to",
                     options.cell.string()));
   if (options.port) UseSimulatedWires(cell, options.port);
@@ -222,7 +219,7 @@ int RunGuard(const GuardOptions& options) {
                                    .controller_port = cell.link.port,
                                    .version = cell.link.fri()->version},
                                   *monitor);
-  if (!relay) return Fail(relay.error());
+  if (!relay) return Fail("guard", relay.error());
   std::unique_ptr<PlcBeat> plc;
   if (cell.devices.plc) plc = std::make_unique<PlcBeat>(*cell.devices.plc);
   PrintPlace(cell, report);
@@ -245,8 +242,8 @@ int RunGuard(const GuardOptions& options) {
   PrintEnd(report);
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, ToJson(report)); !written)
-      return Fail(written.error(), kFailed);
-  if (!open) return Fail("a socket was closed under it", kFailed);
+      return Fail("guard", written.error(), kFailed);
+  if (!open) return Fail("guard", "a socket was closed under it", kFailed);
   return monitor->latched() ? kFailed : 0;
 }
 

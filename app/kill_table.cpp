@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/summary.h"
@@ -13,13 +14,7 @@
 namespace osteon::app {
 namespace {
 
-constexpr int kFailed = 1;
 constexpr double kPush_N = 150.0, kLimit_N = 200.0;
-
-int Fail(const std::string& message, int code) {
-  fmt::print(stderr, "osteon failures: {}\n", message);
-  return code;
-}
 
 // Of the trials of a victim that there were.
 struct Row {
@@ -106,11 +101,12 @@ std::string KillTableJson(std::span<const KillRun> runs) {
 
 int RunKillTable(const KillTableOptions& options) {
   const WorkFolder scratch("kill");
-  if (scratch.path().empty()) return Fail("cannot make a folder for what the processes write", kFailed);
+  if (scratch.path().empty())
+    return Fail("failures", "cannot make a folder for what the processes write", kFailed);
   try {
     WriteKillCell(options.config_root / "cells" / "thin_plate.yaml", kPush_N, kLimit_N, scratch.path());
   } catch (const std::exception& error) {
-    return Fail(error.what(), kFailed);
+    return Fail("failures", error.what(), kFailed);
   }
   InstallInterrupt();
   const KillTrialParams params{.cell = scratch.path() / "cell.yaml",
@@ -142,7 +138,7 @@ int RunKillTable(const KillTableOptions& options) {
   if (!runs.empty()) fmt::print("{}", KillTableText(runs));
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, KillTableJson(runs)); !written)
-      return Fail(written.error(), kFailed);
+      return Fail("failures", written.error(), kFailed);
   if (Interrupted()) return kExitInterrupted;
   return std::ranges::all_of(runs, &KillRun::passed) ? 0 : kFailed;
 }

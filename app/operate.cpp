@@ -6,6 +6,7 @@
 #include "app/cell_ports.h"
 #include "app/cell_run.h"
 #include "app/config_checksum.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/run_progress.h"
@@ -15,13 +16,6 @@
 
 namespace osteon::app {
 namespace {
-
-constexpr int kFailed = 1, kBadInput = 2;
-
-int Fail(const std::string& message, int code = kBadInput) {
-  fmt::print(stderr, "osteon run: {}\n", message);
-  return code;
-}
 
 // What the user should see before anything moves: where things are said to be, and where the wires go.
 void PrintRegistration(const config::CellConfig& cell) {
@@ -45,13 +39,14 @@ void PrintWires(const config::CellConfig& cell) {
 
 int RunOperate(const OperateOptions& options) {
   // before there is any other thread
-  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty()) return Fail("--cpu: " + wrong);
+  if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
+    return Fail("run", "--cpu: " + wrong);
   auto setup = PrepareCell(options.cell, {}, options.tool, options.gains);
-  if (!setup) return Fail(setup.error());
+  if (!setup) return Fail("run", setup.error());
   std::optional<CellProcessParams> cell;
   if (options.simulated) {
     const auto first_port = UseSimulated(setup->config, options.port);
-    if (!first_port) return Fail(first_port.error());
+    if (!first_port) return Fail("run", first_port.error());
     cell = CellProcessParams{.cell = options.cell,
                              .tool = options.tool,
                              .seconds = options.seconds,
@@ -65,10 +60,10 @@ int RunOperate(const OperateOptions& options) {
   if (const auto packed = PackCell(*setup, options.fidelity, options.device, true,
                                    [&](const std::string& phase) { planning.Begin("plan: " + phase); });
       !packed)
-    return Fail(packed.error());
+    return Fail("run", packed.error());
   planning.Done();
   auto engine = MakeEngine(*setup, "vulkan", options.device);
-  if (!engine) return Fail(engine.error());
+  if (!engine) return Fail("run", engine.error());
   const auto governor = MakeGovernor(*setup, options.device);
   if (setup->planned) fmt::print(stderr, "osteon run: packing: {}\n", PlannedText(*setup->planned));
   PrintRegistration(setup->config);
@@ -95,18 +90,18 @@ int RunOperate(const OperateOptions& options) {
       .governor = governor.get()};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
-  if (!result) return Fail(result.error().what, result.error().begun ? kFailed : kBadInput);
+  if (!result) return Fail("run", result.error().what, result.error().begun ? kFailed : kBadInput);
 
   const auto recording = io::ReadRecording(params.recording);
-  if (!recording) return Fail(recording.error(), kFailed);
+  if (!recording) return Fail("run", recording.error(), kFailed);
   RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
   const auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s,
                                 options.record.parent_path(), options.record.stem().string());
-  if (!stops) return Fail(stops.error(), kFailed);
+  if (!stops) return Fail("run", stops.error(), kFailed);
   summary.stops = *stops;
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, ToJson(summary, "osteon.run/1")); !written)
-      return Fail(written.error(), kFailed);
+      return Fail("run", written.error(), kFailed);
   PrintTable(summary, "Osteon run");
   return ExitCode(*result);
 }

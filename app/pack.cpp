@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/pack_result.h"
 #include "app/phase_progress.h"
@@ -20,13 +21,6 @@
 
 namespace osteon::app {
 namespace {
-
-constexpr int kFailed = 1, kBadInput = 2;
-
-int Fail(const std::string& message, int code = kBadInput) {
-  fmt::print(stderr, "osteon pack: {}\n", message);
-  return code;
-}
 
 double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -174,12 +168,12 @@ void PrintTable(const PackResult& result) {
 /// A packing file in other formats.
 int Convert(const PackOptions& options) {
   if (!options.packing_options.empty())
-    return Fail(fmt::format("{}: found with a packing file, accepted with a mesh or shape",
-                            options.packing_options.front()));
+    return Fail("pack", fmt::format("{}: found with a packing file, accepted with a mesh or shape",
+                                    options.packing_options.front()));
   if (!options.report.empty())
-    return Fail("--report: found with a packing file, accepted with a mesh or shape");
+    return Fail("pack", "--report: found with a packing file, accepted with a mesh or shape");
   const auto file = simulation::PackingFile::Open(options.source.input, options.threads);
-  if (!file) return Fail(file.error().Text());
+  if (!file) return Fail("pack", file.error().Text());
   PackResult result{
       .bone = file->ToBone(), .mode = "unknown", .converted = true, .provenance = file->provenance()};
   result.outputs = options.outputs;
@@ -197,14 +191,15 @@ int Convert(const PackOptions& options) {
   if (!result.bone.points.empty())
     result.mass = simulation::PointMassProperties(result.bone.points, result.bone.materials);
   InstallInterrupt();
-  if (const auto written = WriteOutputs(options, result); !written) return Fail(written.error(), kFailed);
+  if (const auto written = WriteOutputs(options, result); !written)
+    return Fail("pack", written.error(), kFailed);
   if (Interrupted()) return kExitInterrupted;
   PrintTable(result);
   return 0;
 }
 
 int Run(const PackOptions& options) {
-  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail(wrong);
+  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("pack", wrong);
   if (Has(options.source.input, ".osp")) return Convert(options);
 
   // until something is written, Ctrl-C may end the process where it is
@@ -214,7 +209,7 @@ int Run(const PackOptions& options) {
   auto source = LoadPackSource(options.source);
   if (!source) {
     progress.Done();
-    return Fail(source.error());
+    return Fail("pack", source.error());
   }
   PackResult result{.mode = options.disjoint ? "disjoint" : "overlap"};
   result.bone.name = source->name;
@@ -233,7 +228,8 @@ int Run(const PackOptions& options) {
   result.seconds = Now_s() - begun_s;
   if (result.bone.balls.empty()) {
     progress.Done();
-    return Fail("no sphere of the radii that were asked for fits into it: accepted a lesser --r-min-mm");
+    return Fail("pack",
+                "no sphere of the radii that were asked for fits into it: accepted a lesser --r-min-mm");
   }
   progress.Begin("measure");
   result.quality =
@@ -253,7 +249,7 @@ int Run(const PackOptions& options) {
     const auto written = WriteReportOf(options, *source, result, progress.phases());
     if (!written) {
       progress.Done();
-      return Fail(written.error(), kFailed);
+      return Fail("pack", written.error(), kFailed);
     }
     result.outputs.push_back(options.report / "report.html");
   }
@@ -265,11 +261,12 @@ int Run(const PackOptions& options) {
   result.phases = progress.phases();
   const auto written = WriteOutputs(options, result);
   progress.Done();
-  if (!written) return Fail(written.error(), kFailed);
+  if (!written) return Fail("pack", written.error(), kFailed);
   if (Interrupted()) return kExitInterrupted;
   PrintTable(result);
   if (KeepsTolerances(result)) return 0;
   return Fail(
+      "pack",
       fmt::format(
           "found a protrusion of {:.4g} mm and an overlap of {:.4g} mm; accepted {:g} mm, and {:g} mm "
           "in a disjoint packing",
@@ -284,7 +281,7 @@ int RunPack(const PackOptions& options) {
   try {
     return Run(options);
   } catch (const std::invalid_argument& error) {  // a builder's word on a value that it was given
-    return Fail(error.what());
+    return Fail("pack", error.what());
   }
 }
 

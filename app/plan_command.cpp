@@ -3,19 +3,11 @@
 #include <fmt/format.h>
 
 #include "app/cell_file.h"
+#include "app/exit_code.h"
 #include "app/tool_choice.h"
 #include "app/usage.h"
 
 namespace osteon::app {
-namespace {
-
-int Fail(const std::string& message, int code) {
-  fmt::print(stderr, "osteon plan: {}\n", message);
-  return code;
-}
-
-}  // namespace
-
 PlanCommand::PlanCommand(CLI::App& app)
     : sub_(app.add_subcommand("plan", "the coarsest model of a scene that has an error and a rate")) {
   PlanOptions& o = options_;
@@ -51,20 +43,20 @@ int PlanCommand::Run(const std::filesystem::path& config_root) {
   options_.request.error_m = 1e-3 * error_mm_;
   if (!cell_.empty()) {
     const auto found = FindCell(config_root, cell_);
-    if (!found) return Fail("--cell " + found.error(), 2);
+    if (!found) return Fail("plan", "--cell " + found.error());
     options_.choice.cell = *found;
   }
   if (!tool_.empty()) {
     const auto parsed = ParseTool(tool_, config_root);
-    if (!parsed) return Fail(parsed.error(), 2);
+    if (!parsed) return Fail("plan", parsed.error());
     options_.choice.tool = *parsed;
   }
   try {
     return RunPlan(options_);
   } catch (const config::ToolSizeError& error) {
-    return Fail(fmt::format("--tool {}: {}", tool_, error.what()), 2);
+    return Fail("plan", fmt::format("--tool {}: {}", tool_, error.what()));
   } catch (const std::invalid_argument& error) {
-    return Fail(error.what(), 2);
+    return Fail("plan", error.what());
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/summary.h"
@@ -36,11 +37,6 @@ nlohmann::json GroupJson(const simulation::FrameGroup& group) {
 
 std::string Row(const char* name, const std::string& value) {
   return fmt::format("  {:<18} {}\n", name, value);
-}
-
-int Fail(const std::string& message, int code) {
-  fmt::print(stderr, "osteon plan: {}\n", message);
-  return code;
 }
 
 }  // namespace
@@ -175,15 +171,15 @@ int RunPlan(const PlanOptions& options) {
   PhaseProgress progress("osteon plan", options.check ? 4 : 3);
   progress.Begin("load");
   const auto scene = LoadPlanScene(options.choice);
-  if (!scene) return Fail(scene.error(), 2);
+  if (!scene) return Fail("plan", scene.error());
   const auto plan =
       MakePlan(*scene, options.request, [&](const std::string& phase) { progress.Begin(phase); });
-  if (!plan) return Fail(plan.error(), Interrupted() ? kExitInterrupted : 1);
+  if (!plan) return Fail("plan", plan.error(), Interrupted() ? kExitInterrupted : kFailed);
   std::optional<PlanCheck> check;
   if (options.check) {
     progress.Begin("check");
     auto checked = CheckPlan(*scene, options.request, *plan);
-    if (!checked) return Fail(checked.error(), Interrupted() ? kExitInterrupted : 1);
+    if (!checked) return Fail("plan", checked.error(), Interrupted() ? kExitInterrupted : kFailed);
     check = std::move(*checked);
   }
   progress.Done();
@@ -192,7 +188,7 @@ int RunPlan(const PlanOptions& options) {
     if (const auto written =
             WriteText(options.json, PlanJson(*scene, options.request, *plan, check).dump(2) + "\n");
         !written)
-      return Fail(written.error(), 1);
+      return Fail("plan", written.error(), kFailed);
   return plan->given_up.empty() && (!check || check->missed.empty()) ? 0 : 1;
 }
 

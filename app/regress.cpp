@@ -12,6 +12,7 @@
 
 #include "app/build_name.h"
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/regress_result.h"
@@ -23,13 +24,6 @@ namespace osteon::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kFailed = 1, kBadInput = 2;
-
-int Fail(const std::string& message, int code = kBadInput) {
-  fmt::print(stderr, "osteon regress: {}\n", message);
-  return code;
-}
 
 std::vector<fs::path> ScenariosIn(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -194,9 +188,9 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
 }
 
 int RunRegress(const RegressOptions& options) {
-  if (const std::string wrong = WrongOptions(options); !wrong.empty()) return Fail(wrong);
+  if (const std::string wrong = WrongOptions(options); !wrong.empty()) return Fail("regress", wrong);
   const auto files = FindScenarios(options.config_root, options.scenarios);
-  if (!files) return Fail(files.error());
+  if (!files) return Fail("regress", files.error());
   std::vector<config::ScenarioConfig> scenarios;
   try {
     for (const fs::path& file : *files) {
@@ -206,7 +200,8 @@ int RunRegress(const RegressOptions& options) {
   } catch (const config::ConfigError& error) {
     const std::string what = error.what();
     const bool named = options.set.empty() || what.find("--set") != std::string::npos;
-    return Fail(named ? what : fmt::format("{} (with --set {})", what, fmt::join(options.set, " --set ")));
+    return Fail("regress",
+                named ? what : fmt::format("{} (with --set {})", what, fmt::join(options.set, " --set ")));
   }
 
   InstallInterrupt();
@@ -218,16 +213,18 @@ int RunRegress(const RegressOptions& options) {
   if (options.update)
     for (RegressResult& result : results)
       if (result.run && !result.Passed(options.exact))
-        if (const std::string wrong = Accept(options, result); !wrong.empty()) return Fail(wrong, kFailed);
+        if (const std::string wrong = Accept(options, result); !wrong.empty())
+          return Fail("regress", wrong, kFailed);
 
   const RegressSummary summary{.results = results, .options = options, .seconds = seconds};
   fmt::print("{}", RegressTable(summary));
   for (const auto& [file, text] :
        {std::pair(options.json, RegressJson(summary)), std::pair(options.junit, RegressJunit(summary))})
     if (!file.empty())
-      if (const auto written = WriteText(file, text); !written) return Fail(written.error(), kFailed);
+      if (const auto written = WriteText(file, text); !written)
+        return Fail("regress", written.error(), kFailed);
   const auto page = WriteRegressReport(summary);
-  if (!page) return Fail(page.error(), kFailed);
+  if (!page) return Fail("regress", page.error(), kFailed);
   if (!page->empty()) fmt::print("report: {}\n", page->string());
   return std::ranges::all_of(results,
                              [&](const RegressResult& r) { return r.updated || r.Passed(options.exact); })

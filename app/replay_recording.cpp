@@ -8,6 +8,7 @@
 
 #include "app/build_name.h"
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/phase_progress.h"
 #include "app/recorded_config.h"
 #include "app/replay.h"
@@ -15,13 +16,6 @@
 
 namespace osteon::app {
 namespace {
-
-constexpr int kDiffers = 1, kBadInput = 2;
-
-int Fail(const std::string& message) {
-  fmt::print(stderr, "osteon replay: {}\n", message);
-  return kBadInput;
-}
 
 // A number where JSON has it; nan and inf as a text.
 nlohmann::ordered_json Number(const std::string& text) {
@@ -96,14 +90,14 @@ int RunReplay(const ReplayOptions& options) {
   PhaseProgress progress("osteon replay", 3);
   progress.Begin("reading the recording");
   const auto recording = io::ReadRecording(options.recording);
-  if (!recording) return Fail(recording.error());
+  if (!recording) return Fail("replay", recording.error());
   if (recording->ticks.empty())
-    return Fail(options.recording.string() + ": found no tick, accepted at least 1");
+    return Fail("replay", options.recording.string() + ": found no tick, accepted at least 1");
   progress.Begin("reading the configuration");
   tl::expected<config::CellConfig, std::string> cell;
   if (options.cell.empty()) {
     cell = LoadRecordedCell(recording->session.config);
-    if (!cell) return Fail(options.recording.string() + ": " + cell.error());
+    if (!cell) return Fail("replay", options.recording.string() + ": " + cell.error());
   } else {
     cell = config::LoadCell(options.cell);  // throws ConfigError, which main shows
   }
@@ -115,8 +109,8 @@ int RunReplay(const ReplayOptions& options) {
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, ToJson(options, *recording, result).dump(2) + "\n");
         !written)
-      return Fail(written.error());
-  return result.identical ? 0 : kDiffers;
+      return Fail("replay", written.error());
+  return result.identical ? 0 : kFailed;
 }
 
 }  // namespace osteon::app

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "app/exit_code.h"
 #include "app/summary.h"
 #include "safety/cell_state.h"
 #include "safety/motion_permit.h"
@@ -19,8 +20,6 @@ using safety::CellAction;
 using safety::CellEvent;
 using safety::CellState;
 using safety::CellTransition;
-
-constexpr int kFailed = 1;
 
 template <class Each>
 void ForEachState(Each&& each) {

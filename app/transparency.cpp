@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/phase_progress.h"
 #include "app/report/svg_plot.h"
 #include "app/summary.h"
@@ -19,7 +20,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr int kFailed = 1, kBadInput = 2;
 constexpr double kTau = 2.0 * std::numbers::pi;
 constexpr std::array<const char*, 6> kAxes{"x", "y", "z", "about x", "about y", "about z"};
 constexpr std::array<const char*, 3> kColors{"#0072b2", "#d55e00", "#009e73"};
@@ -29,11 +29,6 @@ constexpr double kTravel_m = 0.005, kSpeed_m_per_s = 0.05, kWrench_N = 20.0;
 constexpr double kTravel_rad = 0.02, kSpeed_rad_per_s = 0.2, kWrench_Nm = 2.0;
 // In contact: of the cell's force limit.
 constexpr double kPreload = 0.3, kSwing = 0.1;
-
-int Fail(const std::string& message, int code = kBadInput) {
-  fmt::print(stderr, "osteon transparency: {}\n", message);
-  return code;
-}
 
 std::vector<double> Frequencies(int count) {
   std::vector<double> hz;
@@ -284,10 +279,12 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
 }
 
 int RunTransparency(const TransparencyOptions& options) {
-  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail(wrong);
+  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty())
+    return Fail("transparency", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
   if (!cell.robot.lbr())
-    return Fail(fmt::format("{}: found a {}, accepted an LBR", options.cell.string(), cell.robot.name));
+    return Fail("transparency",
+                fmt::format("{}: found a {}, accepted an LBR", options.cell.string(), cell.robot.name));
   const TransparencyResult result = MeasureTransparency(cell, options);
   const std::string json = ToJson(result, options).dump(2) + "\n";
   const auto written = WriteChart(
@@ -305,9 +302,10 @@ int RunTransparency(const TransparencyOptions& options) {
                              kTransparencyFit_hz, 100.0 * result.free_residual()),
                  options.command_line}},
       options.out);
-  if (!written) return Fail(written.error(), kFailed);
+  if (!written) return Fail("transparency", written.error(), kFailed);
   if (!options.json.empty())
-    if (const auto copy = WriteText(options.json, json); !copy) return Fail(copy.error(), kFailed);
+    if (const auto copy = WriteText(options.json, json); !copy)
+      return Fail("transparency", copy.error(), kFailed);
   Print(result);
   return result.fault() ? kFailed : 0;
 }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "app/chart_files.h"
+#include "app/exit_code.h"
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/report/page.h"
@@ -29,11 +30,6 @@ constexpr std::array kMasses_kg{1.0, 1.4, 1.7, 2.0, 2.4, 2.8, 3.4, 4.0, 5.0, 7.0
 constexpr int kWalls = 32;  // of the map
 constexpr double kLeastDamping = 5.0, kMostDamping = 500.0;
 constexpr double kTie = 1.05;  // drags nearer than this count as the same: the lighter tool then
-
-int Fail(const std::string& what, int code) {
-  fmt::print(stderr, "osteon tune: {}\n", what);
-  return code;
-}
 
 // Everything that a result depends on, beside its own parameters. The number in front changes with the
 // method.
@@ -294,13 +290,13 @@ tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const
 }
 
 int Run(const TuneOptions& options) {
-  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail(wrong, 2);
+  if (const std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return Fail("tune", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
   const auto task = TaskOf(cell, options);
-  if (!task) return Fail(task.error(), 2);
+  if (!task) return Fail("tune", task.error());
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
-  if (error) return Fail(options.out.string() + ": " + error.message(), 1);
+  if (error) return Fail("tune", options.out.string() + ": " + error.message(), kFailed);
 
   TuneResult result;
   result.cell = options.cell.stem().string();
@@ -315,12 +311,12 @@ int Run(const TuneOptions& options) {
   StudyAll(Study(result.task, cache, options.threads), options, progress, result);
   progress.Done();
   // what is computed stays, also where somebody has not waited for the rest
-  if (const auto saved = cache.Save(); !saved) return Fail(saved.error(), 1);
+  if (const auto saved = cache.Save(); !saved) return Fail("tune", saved.error(), kFailed);
   if (Interrupted()) return kExitInterrupted;
   result.found = cache.found();
   result.computed = cache.computed();
 
-  if (const auto written = Write(result, options); !written) return Fail(written.error(), 1);
+  if (const auto written = Write(result, options); !written) return Fail("tune", written.error(), kFailed);
   for (const SummaryRow& row : Rows(result)) fmt::print("  {:<26} {}\n", row.key, row.value);
   fmt::print("  {:<26} {}\n", "Report", (options.out / "tune.html").string());
   if (!result.Stands() || !result.check.grew.empty()) return 1;
@@ -334,9 +330,9 @@ int RunTune(const TuneOptions& options) {
   try {
     return Run(options);
   } catch (const config::ConfigError& error) {
-    return Fail(error.what(), 2);
+    return Fail("tune", error.what());
   } catch (const std::invalid_argument& error) {
-    return Fail(error.what(), 2);
+    return Fail("tune", error.what());
   }
 }
 

@@ -3,13 +3,31 @@
 # so that the target <name>_verify_interface_header_sets (all of them: all_verify_interface_header_sets) compiles each
 # alone, with LINK only. PRIVATE_HEADERS are the library's own, may need what PRIVATE names, and are compiled alone by
 # the target osteon_verify_private_headers.
+#
+# Sources between two "|" are compiled as one file (osteon_together): names in their unnamed namespaces must differ.
 set(CMAKE_VERIFY_INTERFACE_HEADER_SETS ON)
 add_custom_target(osteon_verify_private_headers)
+
+# osteon_together(TARGET a.cpp b.cpp | c.cpp …): its sources; a, b and c, … are compiled as one file each where OSTEON_TOGETHER is ON.
+# Most of a file's compile time is its headers' templates, which are met once so.
+function(osteon_together TARGET)
+  set(group 0)
+  foreach(source ${ARGN})
+    if(source STREQUAL "|")
+      math(EXPR group "${group} + 1")
+    else()
+      target_sources(${TARGET} PRIVATE ${source})
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${TARGET}_${group})
+    endif()
+  endforeach()
+  set_target_properties(${TARGET} PROPERTIES UNITY_BUILD ${OSTEON_TOGETHER} UNITY_BUILD_MODE GROUP)
+endfunction()
 
 function(osteon_library NAME)
   cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;PRIVATE_HEADERS;LINK;PRIVATE" ${ARGN})
   if(ARG_SOURCES)
-    add_library(osteon_${NAME} STATIC ${ARG_SOURCES})
+    add_library(osteon_${NAME} STATIC)
+    osteon_together(osteon_${NAME} ${ARG_SOURCES})
     target_link_libraries(osteon_${NAME} PUBLIC osteon::options ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
     set(scope PUBLIC)
   else()

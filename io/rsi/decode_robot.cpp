@@ -53,10 +53,10 @@ bool SameLetters(std::string_view a, std::string_view upper) OSTEON_RT {
 }
 
 std::string_view Trimmed(std::string_view text) OSTEON_RT {
-  constexpr std::string_view kSpace = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(kSpace);
+  constexpr std::string_view kBlanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
   if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
+  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
 bool ReadNumber(std::string_view text, double& value) OSTEON_RT {

@@ -12,7 +12,6 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kMostBalls = 100'000'000;
 constexpr double kRadiusOverSpacing = 0.8;  // a body-centred lattice has no holes from .56 on
 
 struct LatticeRule {
@@ -126,7 +125,7 @@ std::vector<Ball> UniformAt(const Solid& solid, const PackingParams& base, doubl
   return balls;
 }
 
-std::vector<Ball> Uniform(const Solid& solid, const PackingParams& base, std::size_t count) {
+std::vector<Ball> UniformPacking(const Solid& solid, const PackingParams& base, std::size_t count) {
   const double volume = VolumeBelow(solid, EverywhereZone(), 0.0, base.threads);
   const double first = std::cbrt(3.0 * volume / static_cast<double>(count));
   const double spacing =
@@ -142,8 +141,8 @@ std::vector<Ball> BuildCountedPacking(const Solid& solid, const CutZone& zone, c
     throw std::invalid_argument(fmt::format("packing: count: found {}, accepted 1 … {}", count, kMostBalls));
   PackingParams params = base;
   params.count = 0;
-  std::vector<Ball> balls =
-      grade == CountedGrade::kUniform ? Uniform(solid, params, count) : FixedZone(solid, zone, params, count);
+  std::vector<Ball> balls = grade == CountedGrade::kUniform ? UniformPacking(solid, params, count)
+                                                            : FixedZone(solid, zone, params, count);
   SortAlongMortonCurve(balls, solid.Bounds(), [](const Ball& ball) { return Vector3(ball.center_m); });
   return balls;
 }

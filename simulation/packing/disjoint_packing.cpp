@@ -13,6 +13,7 @@
 #include "simulation/files/check_range.h"
 #include "simulation/packing/hole_search.h"
 #include "simulation/packing/morton.h"
+#include "simulation/packing/packing_builder.h"
 #include "simulation/packing/scramble.h"
 #include "simulation/parallel.h"
 
@@ -207,7 +208,6 @@ class Packer {
 };
 
 void Check(const DisjointParams& p) {
-  constexpr std::size_t kMostBalls = 100'000'000;
   if (p.count > kMostBalls)
     throw std::invalid_argument(
         fmt::format("disjoint packing: count: found {}, accepted 0 … {}", p.count, kMostBalls));

@@ -12,8 +12,6 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kMostBalls = 100'000'000;
-
 /// A lattice may take this share of a wanted count; more where it would have holes otherwise.
 constexpr double kLatticeShare = 0.4, kLatticeShareWithHoles = 0.75;
 /// Fewer samples than this for each ball wanted from them are too few to choose from.

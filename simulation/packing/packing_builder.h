@@ -10,6 +10,8 @@
 
 namespace osteon::simulation {
 
+inline constexpr std::size_t kMostBalls = 100'000'000;  ///< of any packing: 7 GB where each has its foot
+
 /// How fine a packing is. The defaults give about 30 000 balls in the default acetabulum.
 struct PackingParams {
   /// Body-centred lattice: spacing of the finest level, and where each coarser one (doubled) may begin.

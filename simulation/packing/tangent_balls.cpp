@@ -10,7 +10,6 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kMostBalls = 100'000'000;  // 7 GB of them
 constexpr std::uint64_t kSampleSalt = 2;
 
 struct Foot {

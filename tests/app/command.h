@@ -49,7 +49,7 @@ class Command {
   /// Looks at the condition now and then until it holds. False where the process ended or the time is up
   /// first.
   [[nodiscard]] bool WaitUntil(const std::function<bool()>& condition,
-                               std::chrono::seconds limit = std::chrono::seconds(60));
+                               std::chrono::seconds limit = kRunLimit / 5);
   /// Waits for its end; kills it after the limit, exit code 137.
   CommandResult Wait(std::chrono::seconds limit = kRunLimit);
 

@@ -345,7 +345,7 @@ TEST_F(ServoState, AStop0IsOverOnceTheArmIsMeasuredToStand) {
 
 // In every state, whatever led there: a fault, and what is commanded comes to rest and stays there.
 TEST_F(ServoState, InEveryStateAFaultLeadsToRest) {
-  struct Led {
+  struct LedTo {
     CellState state;
     Way way;
     std::function<void(Cell&)> lead;
@@ -355,7 +355,7 @@ TEST_F(ServoState, InEveryStateAFaultLeadsToRest) {
     c.bench.Activate();
     c.Run(600);
   };
-  const std::vector<Led> all{
+  const std::vector<LedTo> all{
       {CellState::kOff, Way::kNone, [](Cell&) {}},
       {CellState::kChecking, Way::kNone,
        [](Cell& c) {
@@ -421,7 +421,7 @@ TEST_F(ServoState, InEveryStateAFaultLeadsToRest) {
          c.Tick();
        }},
   };
-  for (const Led& led : all) {
+  for (const LedTo& led : all) {
     const char* name = safety::Describe(led.state).name;
     Cell cell(led.way);
     led.lead(cell);

@@ -44,7 +44,7 @@ DynamicArm Arm(const DynamicArmParams& params, const kinematics::ChainParams<7>&
   return {params, chain, kGravity, kTool_m, kPeriod_s, Start()};
 }
 
-ArmDrive Hold(control::ControlMode control) {
+ArmDrive HeldIn(control::ControlMode control) {
   ArmDrive drive;
   drive.control = control;
   drive.q_cmd = Start();
@@ -76,7 +76,7 @@ TEST(DynamicArm, WithARightModelPositionControlIsTheServosOwnEquation) {
     DynamicArm arm = Arm({.bandwidth_hz = 15.0, .damping_ratio = z, .dead_cycles = 3}, Iiwa(1e3));
     ServoArm servo({.bandwidth_hz = 15.0, .damping_ratio = z, .dead_cycles = 3}, fast, kPeriod_s, Start());
     for (int k = 0; k < 400; ++k) {
-      ArmDrive drive = Hold(control::ControlMode::kPosition);
+      ArmDrive drive = HeldIn(control::ControlMode::kPosition);
       for (int i = 0; i < 7; ++i) drive.q_cmd[i] += 0.2 * std::sin(0.01 * (i + 1) * k);
       arm.Step(drive, {});
       servo.Step(drive.q_cmd);
@@ -90,7 +90,7 @@ TEST(DynamicArm, HoldsItsOwnWeightInEveryControlMode) {
        {control::ControlMode::kPosition, control::ControlMode::kJointImpedance,
         control::ControlMode::kCartesianImpedance}) {
     DynamicArm arm = Arm({});
-    for (int k = 0; k < 1000; ++k) arm.Step(Hold(control), {});
+    for (int k = 0; k < 1000; ++k) arm.Step(HeldIn(control), {});
     EXPECT_LT((arm.q() - Start()).cwiseAbs().maxCoeff(), 1e-10);
     EXPECT_LT(arm.tau_external_Nm().cwiseAbs().maxCoeff(), 1e-8);
     EXPECT_GT(arm.tau_measured_Nm().cwiseAbs().maxCoeff(), 20.0) << "its weight is no small thing";
@@ -99,7 +99,7 @@ TEST(DynamicArm, HoldsItsOwnWeightInEveryControlMode) {
 
 TEST(DynamicArm, AWrongModelSagsByTheMissingTorqueOverTheStiffness) {
   DynamicArm arm = Arm({.mass_error = -0.05});
-  for (int k = 0; k < 4000; ++k) arm.Step(Hold(control::ControlMode::kJointImpedance), {});
+  for (int k = 0; k < 4000; ++k) arm.Step(HeldIn(control::ControlMode::kJointImpedance), {});
   const JointVector missing = 0.05 * kinematics::SerialChain<7>(Iiwa(), kGravity).Gravity(arm.q());
   const JointVector sag = Start() - arm.q();
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(500.0 * sag[i], missing[i], 1e-4) << i;
@@ -112,21 +112,21 @@ TEST(DynamicArm, AWrenchDeflectsItByEachControllersCompliance) {
   const Wrench F{.f = {30.0, -20.0, 40.0}, .t = {1.0, 2.0, -1.5}};
   {
     DynamicArm arm = Arm({});
-    for (int k = 0; k < 4000; ++k) arm.Step(Hold(control::ControlMode::kJointImpedance), F);
+    for (int k = 0; k < 4000; ++k) arm.Step(HeldIn(control::ControlMode::kJointImpedance), F);
     const JointVector pressed = ToolJacobian(arm.q()).transpose() * Stacked(F);
     EXPECT_LT((500.0 * (arm.q() - Start()) - pressed).cwiseAbs().maxCoeff(), 1e-4);
     EXPECT_LT((arm.tau_external_Nm() - pressed).cwiseAbs().maxCoeff(), 1e-4);
   }
   {
     DynamicArm arm = Arm({});
-    for (int k = 0; k < 6000; ++k) arm.Step(Hold(control::ControlMode::kCartesianImpedance), F);
+    for (int k = 0; k < 6000; ++k) arm.Step(HeldIn(control::ControlMode::kCartesianImpedance), F);
     const kinematics::SerialChain<7> chain(Iiwa());
     const Vector3 moved = chain.FlangePose(arm.q()) * kTool_m - chain.FlangePose(Start()) * kTool_m;
     EXPECT_LT((2000.0 * moved - F.f).norm(), 0.05) << moved.transpose();
   }
   {
     DynamicArm arm = Arm({});
-    for (int k = 0; k < 2000; ++k) arm.Step(Hold(control::ControlMode::kPosition), F);
+    for (int k = 0; k < 2000; ++k) arm.Step(HeldIn(control::ControlMode::kPosition), F);
     const double w = 2.0 * std::numbers::pi * 15.0;
     const JointVector pressed = ToolJacobian(arm.q()).transpose() * Stacked(F);
     const JointVector held =
@@ -139,8 +139,8 @@ TEST(DynamicArm, OverlaysActAsWhatTheyAre) {
   // a torque that undoes the wrench, and the wrench that does
   const Wrench F{.f = {20.0, 10.0, -30.0}, .t = {0.5, -1.0, 2.0}};
   DynamicArm joint = Arm({}), cartesian = Arm({});
-  ArmDrive torque = Hold(control::ControlMode::kJointImpedance),
-           wrench = Hold(control::ControlMode::kCartesianImpedance);
+  ArmDrive torque = HeldIn(control::ControlMode::kJointImpedance),
+           wrench = HeldIn(control::ControlMode::kCartesianImpedance);
   wrench.F_T_B = {.f = -F.f, .t = -F.t};
   for (int k = 0; k < 500; ++k) {
     torque.tau_Nm = -ToolJacobian(joint.q()).transpose() * Stacked(F);
@@ -154,7 +154,7 @@ TEST(DynamicArm, OverlaysActAsWhatTheyAre) {
 TEST(DynamicArm, NoDriveGivesMoreThanItsTorque) {
   const kinematics::ChainParams<7> chain = Iiwa();
   DynamicArm arm = Arm({}, chain);
-  ArmDrive drive = Hold(control::ControlMode::kPosition);
+  ArmDrive drive = HeldIn(control::ControlMode::kPosition);
   drive.q_cmd.array() += 0.05;
   int at_limit = 0;
   for (int k = 0; k < 500; ++k) {
@@ -172,7 +172,7 @@ TEST(DynamicArm, NoDriveGivesMoreThanItsTorque) {
 
 TEST(DynamicArm, AnArmInImpedanceOnlyLosesEnergy) {
   DynamicArm arm = Arm({.dead_cycles = 0}, WithFriction(Iiwa()));
-  ArmDrive drive = Hold(control::ControlMode::kJointImpedance);
+  ArmDrive drive = HeldIn(control::ControlMode::kJointImpedance);
   drive.q_cmd += (JointVector() << 0.1, -0.05, 0.1, 0.1, -0.1, 0.1, 0.1).finished();
   double before = HUGE_VAL, first = 0.0;
   for (int k = 0; k < 1500; ++k) {
@@ -192,7 +192,7 @@ TEST(DynamicArm, FrictionHoldsWhatIsBelowItAndItsCompensationLetsGo) {
                           .joint_damping_ratio = 0.0,
                           .friction_compensation = compensation},
                          WithFriction(Iiwa()));
-    ArmDrive drive = Hold(control::ControlMode::kJointImpedance);
+    ArmDrive drive = HeldIn(control::ControlMode::kJointImpedance);
     drive.tau_Nm[6] = 0.3;  // of 1 N·m
     for (int k = 0; k < 200; ++k) arm.Step(drive, {});
     return arm.q()[6] - Start()[6];
@@ -206,7 +206,7 @@ TEST(DynamicArm, AMountingGivesByItsComplianceUnderAWrench) {
       .stiffness_N_per_m = 2e5, .stiffness_Nm_per_rad = 5e4, .damping_ratio = 0.5};
   DynamicArm arm = Arm({.mount = mount});
   const Wrench F{.f = {100.0, 50.0, -80.0}, .t = {1.0, 2.0, 3.0}};
-  for (int k = 0; k < 5000; ++k) arm.Step(Hold(control::ControlMode::kPosition), F);
+  for (int k = 0; k < 5000; ++k) arm.Step(HeldIn(control::ControlMode::kPosition), F);
   const Pose X = arm.X_BBnow();
   const kinematics::SerialChain<7> chain(Iiwa(), kGravity);
   const Vector3 p_B = chain.FlangePose(arm.q()) * kTool_m;
@@ -290,7 +290,7 @@ TEST(DynamicArm, TwoRunsAreBitIdenticalAndAStepDoesNotAllocate) {
        {control::ControlMode::kPosition, control::ControlMode::kJointImpedance,
         control::ControlMode::kCartesianImpedance})
     for (int k = 0; k < 50; ++k) {
-      ArmDrive drive = Hold(control);
+      ArmDrive drive = HeldIn(control);
       drive.q_cmd.array() += 0.001 * k;
       const rt::NoAllocScope scope;
       one.Step(drive, F);

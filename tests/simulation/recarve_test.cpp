@@ -35,7 +35,7 @@ SceneParams BlockScene() {
   return scene;
 }
 
-Tool BallTool() {
+Tool RoundBurr() {
   Tool tool;
   tool.name = "ball";
   tool.balls = {{.center_m = {}, .radius_m = kHead_m, .cutting = true}};
@@ -47,7 +47,7 @@ class Recarve : public testing::Test {
   Recarve()
       : scene_(BlockScene()),
         solid_(MakeSceneSolid(scene_)),
-        tool_(BallTool()),
+        tool_(RoundBurr()),
         work_(MakeSceneWorkload(solid_, scene_, tool_, {})),
         cut_(ShapeOfCut(work_, scene_)) {}
 
