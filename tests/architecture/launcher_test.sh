@@ -58,7 +58,7 @@ chmod +x "$2/app/osteon"
 F
 fake ctest <<'F'
 #!/usr/bin/env bash
-echo "ctest $*" >>"$FAKES/calls"; [[ ! -e /proc/$$/fd/9 ]] || echo "lock held"; echo "100% tests passed"; exit "${RC:-0}"
+echo "ctest $*, $CTEST_PARALLEL_LEVEL at once" >>"$FAKES/calls"; [[ ! -e /proc/$$/fd/9 ]] || echo "lock held"; echo "100% tests passed"; exit "${RC:-0}"
 F
 
 failures=0
@@ -105,8 +105,11 @@ RC=8 run "$checkout/osteon" test -R 'a b'
 expect 'tests bring their packages' has "$(calls)" 'install --no-install-recommends oracle-dev'
 expect 'tests are configured' has "$(calls)" -DOSTEON_TESTS=ON
 expect 'ctest gets the arguments' has "$(calls)" "ctest --test-dir $checkout/build/release --output-on-failure -R a b"
+expect 'as many at once as there are cores, four at most' has ' 1 2 3 4 ' " $(calls | sed -n 's/^ctest .*, \(.*\) at once$/\1/p') "
 expect 'the exit code is ctest'\''s' equal "$rc" 8
 expect 'the closing line is ctest'\''s' equal "$out" '100% tests passed'
+CTEST_PARALLEL_LEVEL=7 run "$checkout/osteon" test
+expect 'a number that was given stays' has "$(calls)" ', 7 at once'
 run "$checkout/osteon" demo
 expect 'the demo keeps the tests'\'' configuration' equal "$(calls | cut -d' ' -f1)" ninja
 
