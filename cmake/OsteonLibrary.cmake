@@ -20,7 +20,7 @@ function(osteon_together TARGET)
       set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${TARGET}_${group})
     endif()
   endforeach()
-  set_target_properties(${TARGET} PROPERTIES UNITY_BUILD ${OSTEON_TOGETHER} UNITY_BUILD_MODE GROUP)
+  set_target_properties(${TARGET} PROPERTIES UNITY_BUILD "${OSTEON_TOGETHER}" UNITY_BUILD_MODE GROUP)
 endfunction()
 
 function(osteon_library NAME)
