@@ -38,18 +38,26 @@ simulation::FrameRecord FrameRunner::Run(const simulation::ToolCommand& command)
 void FrameRunner::Govern(const simulation::FrameRecord& record, double took_us) {
   if (!governor_ || record.model.status != simulation::EngineStatus::kOk) return;
   governor_->Saw(record, took_us);
-  const auto say = [this](std::string text) {
-    if (notice_) notice_(text);
-    new_texts_.push_back(std::move(text));
-  };
   if (auto made = governor_->Take(*engine_)) {
     rezoned_engine_ = std::move(made->engine);
     engine_ = rezoned_engine_.get();
     made->rezoned.stamp = record.stamp;
-    say(RezonedText(made->rezoned));
+    Say(RezonedText(made->rezoned));
     rezoned_.push_back(std::move(made->rezoned));
   }
-  if (std::string notice = governor_->TakeNotice(); !notice.empty()) say(std::move(notice));
+  Say(governor_->TakeNotice());
+}
+
+void FrameRunner::EndGoverning() {
+  if (!governor_) return;
+  governor_->End();
+  Say(governor_->TakeNotice());
+}
+
+void FrameRunner::Say(std::string text) {
+  if (text.empty()) return;
+  if (notice_) notice_(text);
+  new_texts_.push_back(std::move(text));
 }
 
 void FrameRunner::RecordEvents(io::Recorder& recorder, rt::Nanoseconds stamp) {

@@ -34,6 +34,9 @@ class FrameRunner {
   /// @param took_us  the frame
   void Govern(const simulation::FrameRecord& record, double took_us);
 
+  /// After the last frame: ends the governor.
+  void EndGoverning();
+
   /// @param notice  told of coarser zones, on the thread of the frames; may be empty
   void TellOf(std::function<void(const std::string&)> notice) { notice_ = std::move(notice); }
 
@@ -48,6 +51,8 @@ class FrameRunner {
   [[nodiscard]] const std::vector<simulation::SceneEvent>& events() const { return events_; }
 
  private:
+  void Say(std::string text);
+
   simulation::CuttingEngine* engine_;
   std::unique_ptr<simulation::CuttingEngine> rezoned_engine_;  // what engine_ is from the first change on
   const simulation::ApexDepth& depth_;

@@ -2,15 +2,29 @@
 
 #include <csignal>
 
+#include "control/rt/clock.h"
+
 namespace osteon::app {
 namespace {
 
+// `timeout` and some service managers send one and the same signal twice at once: to the process, and to its
+// group.
+constexpr rt::Nanoseconds kSameSignal = 500'000'000;
+
 std::atomic<bool> g_interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
+std::atomic<rt::Nanoseconds> g_first{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<rt::Nanoseconds>::is_always_lock_free,
+              "set from a signal handler");
 
 extern "C" void OnSignal(int signal_number) {
-  g_interrupted.store(true);
-  std::signal(signal_number, SIG_DFL);
+  const rt::Nanoseconds now = rt::MonotonicNow();
+  rt::Nanoseconds first = 0;
+  if (g_first.compare_exchange_strong(first, now)) {
+    g_interrupted.store(true);
+  } else if (now - first > kSameSignal) {
+    std::signal(signal_number, SIG_DFL);
+    std::raise(signal_number);
+  }
 }
 
 PauseSignals g_pauses;

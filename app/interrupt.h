@@ -4,8 +4,8 @@
 
 namespace osteon::app {
 
-/// Set by the first Ctrl-C (SIGINT) or SIGTERM once InstallInterrupt was called; a second one ends the
-/// process at once.
+/// Set by the first Ctrl-C (SIGINT) or SIGTERM once InstallInterrupt was called; another one half a second
+/// later or more ends the process at once.
 [[nodiscard]] std::atomic<bool>& Interrupted();
 void InstallInterrupt();
 

@@ -37,9 +37,15 @@ ZoneGovernor::ZoneGovernor(const CellSetup& setup, const ZoneGovernorParams& par
       level_(setup.planned->plan.packed.level),
       trail_(lever_m_, kTrailShare * setup.planned->plan.promised_m) {}
 
-ZoneGovernor::~ZoneGovernor() {
-  if (making_) making_->stop.store(true);
+ZoneGovernor::~ZoneGovernor() { End(); }
+
+void ZoneGovernor::End() {
+  ended_ = true;
+  if (!making_) return;
+  making_->stop.store(true);
   if (thread_.joinable()) thread_.join();
+  making_.reset();
+  Say("the run ended before the coarser zones were there");
 }
 
 std::optional<double> ZoneGovernor::SlowMedian(double took_us) {

@@ -58,6 +58,9 @@ class ZoneGovernor {
   /// before. Does not wait.
   [[nodiscard]] std::optional<Made> Take(const simulation::CuttingEngine& now);
 
+  /// After the last frame. Zones still in the making are given up, which it says.
+  void End();
+
   /// What there is to say since the last call: that it makes coarser zones, or can't, and why. Empty:
   /// nothing.
   [[nodiscard]] std::string TakeNotice();

@@ -277,7 +277,12 @@ TEST_F(Driven, AFewSlowFramesAreNoReason) {
 
 TEST_F(Driven, EndsWhileItMakesAPacking) {
   ZoneGovernor governor(setup_, {.rate_hz = kRate_hz, .window = 50, .device = {}});
-  Drive(governor, kSlow_us, 400);
+  Drive(governor, kSlow_us, 60);
+  EXPECT_THAT(governor.TakeNotice(), HasSubstr("coarser zones are made"));
+  governor.End();
+  EXPECT_EQ(governor.TakeNotice(), "the run ended before the coarser zones were there");
+  EXPECT_FALSE(Drive(governor, kSlow_us, 60)) << "nothing is made any more";
+  EXPECT_EQ(governor.TakeNotice(), "");
 }
 
 TEST(PackCell, IsPlannedWhereSceneOrChoiceAskForIt) {
