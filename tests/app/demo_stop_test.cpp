@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
+#include <thread>
 
 #include "control/ports.h"
 #include "tests/app/command.h"
@@ -114,7 +116,8 @@ TEST(VirtualDemo, StopsInOrderAtCtrlC) {
   Command demo(folder.path(), {"demo", "--virtual-time", "--seconds", "600"});
   ASSERT_TRUE(demo.WaitUntil([&] { return Recorded(folder.path()) > kSomeBytes; })) << demo.Err();
   demo.Send(SIGTERM);  // what a service manager sends counts as Ctrl-C
-  demo.Send(SIGTERM);  // `timeout` sends it twice at once
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  demo.Send(SIGTERM);  // `timeout` sends it twice
   ExpectInterrupted(demo.Wait(), folder.path() / "demo_out");
 }
 
