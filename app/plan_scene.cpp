@@ -17,8 +17,6 @@
 namespace osteon::app {
 namespace {
 
-// A frame counts as interrupted where its threads waited for a processor for so long.
-constexpr double kLeastWait_us = 20.0, kLeastShare = 0.05;
 // Frames of an engine's turn, and those at its beginning that are not counted: an H100 takes another 100 us
 // where another engine had the frame before.
 constexpr std::size_t kTurn = 25, kSettle = 3;
@@ -112,13 +110,13 @@ tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scen
           simulation::ContactModel model;
           watch.Begin();
           const double us = simulation::TimedStep(engine, scene.work.frames[k], model);
-          const bool interrupted = watch.Waited_us() > std::max(kLeastWait_us, kLeastShare * us);
+          const double waited_us = watch.Waited_us();
           if (model.status != simulation::EngineStatus::kOk)
             return tl::make_unexpected("a frame was refused, or the device is lost");
           if (model.contact_count > 0 && k < scene.work.cut_end && k >= begin + kSettle)
             run.frames.push_back({.us = us,
                                   .active_balls = static_cast<double>(engine.LastFrameStats().active_balls),
-                                  .interrupted = interrupted});
+                                  .waited_us = waited_us});
           if (k >= scene.work.feel_begin)
             run.felt.push_back({.f_N = Vector3(model.F_T_W.f), .t_Nm = Vector3(model.F_T_W.t)});
         }

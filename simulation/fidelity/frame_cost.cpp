@@ -8,29 +8,28 @@
 #include "simulation/metrics/frame_workload.h"
 
 namespace osteon::simulation {
+namespace {
+
+// A frame counts as interrupted where its threads waited for a processor for more than both.
+constexpr double kLeastWait_us = 20.0, kLeastWaitShare = 0.05;
+
+}  // namespace
 
 FrameGroup GroupOf(std::span<const FrameSample> samples) {
   if (samples.empty()) throw std::invalid_argument("frame cost: found no frame, accepted one and more");
-  constexpr std::size_t kParts = 9, kLeastCalm = 3;
-  std::vector<FrameSample> sorted(samples.begin(), samples.end());
-  std::ranges::stable_sort(sorted, {}, &FrameSample::active_balls);
-  const std::size_t n = sorted.size();
-  FrameGroup group{.frames = n, .active_balls = sorted[(n - 1) / 2].active_balls};
-  std::vector<double> medians, all, calm;
-  for (std::size_t part = 0; part < kParts; ++part) {
-    std::vector<double> here;
-    for (std::size_t i = part * n / kParts; i < (part + 1) * n / kParts; ++i) {
-      all.push_back(sorted[i].us);
-      if (sorted[i].interrupted)
-        ++group.interrupted;
-      else
-        here.push_back(sorted[i].us);
-    }
-    calm.insert(calm.end(), here.begin(), here.end());
-    if (here.size() >= kLeastCalm) medians.push_back(FiguresOf(std::move(here)).p50_us);
+  std::vector<double> all, balls, calm;
+  for (const FrameSample& sample : samples) {
+    all.push_back(sample.us);
+    balls.push_back(sample.active_balls);
   }
-  group.p50_us = FiguresOf(2 * medians.size() > kParts ? std::move(medians) : all).p50_us;
-  group.p999_us = FiguresOf(calm.empty() ? all : std::move(calm)).p999_us;
+  FrameGroup group{.frames = samples.size(),
+                   .active_balls = FiguresOf(std::move(balls)).p50_us,
+                   .p50_us = FiguresOf(all).p50_us};
+  const double most_us = std::max(kLeastWait_us, kLeastWaitShare * group.p50_us);
+  for (const FrameSample& sample : samples)
+    if (sample.waited_us <= most_us) calm.push_back(sample.us);
+  group.interrupted = samples.size() - calm.size();
+  group.p999_us = FiguresOf(calm.empty() ? std::move(all) : std::move(calm)).p999_us;
   return group;
 }
 

@@ -10,20 +10,21 @@ namespace osteon::simulation {
 struct FrameSample {
   double us{0.0};
   double active_balls{0.0};  ///< that the engine worked on
-  bool interrupted{false};   ///< the machine took the processor away meanwhile
+  double waited_us{0.0};     ///< for a processor, all its threads together
 };
 
 /// Frames of one packing.
 struct FrameGroup {
-  std::size_t frames{0}, interrupted{0};
-  double active_balls{0.0};          ///< median of all frames
-  double p50_us{0.0}, p999_us{0.0};  ///< of those that were not interrupted
+  std::size_t frames{0};
+  std::size_t interrupted{0};  ///< that waited for more than 20 us and 5 % of the median frame
+  double active_balls{0.0};    ///< median
+  double p50_us{0.0};          ///< of all frames
+  double p999_us{0.0};         ///< of those that were not interrupted, or of all where there is none
 };
 
-/// Short frames are interrupted less often than long ones: so the median is taken in nine parts of all
-/// frames, by their active balls, of each part's calm frames (three at least, or the part is left out), and
-/// then of the parts. Where most parts have not so many, interrupted frames count as well. p99.9: by nearest
-/// rank.
+/// The median is of all frames: the threads of a driver that computes on the processor wait for each other, so
+/// that frames without a wait are few and odd ones (on two cores their median was up to five times that of
+/// all). p99.9: by nearest rank.
 /// @throws std::invalid_argument where there is no frame.
 [[nodiscard]] FrameGroup GroupOf(std::span<const FrameSample> samples);
 
