@@ -60,6 +60,8 @@ const std::map<std::string, DocRun>& Runs() {
        By("Plan.WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises")},
       {"osteon plan molar --error-mm 0.02 --rate-hz 1000 --check --json plan.json",
        By("Plan.WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises")},
+      {"osteon run demo --simulated --seconds 25 --rate-hz 1200",
+       By("GuardProcess.ARunOfASimulatedCellBringsItsGuard")},
       {"osteon regress --junit regress.xml", By("Regress.TheWholeSuitePasses")},
       {"osteon regress scenarios --junit regress.xml --json regress.json", By("Regress.TheWholeSuitePasses")},
       {"osteon regress --update --reason \"the reamer's mass was weighed anew\"",

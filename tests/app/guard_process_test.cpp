@@ -96,12 +96,13 @@ TEST_F(GuardProcess, ARunOfASimulatedCellBringsItsGuard) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const CommandResult run =
         RunCommand(run_folder_.path(), {"run", file(), "--simulated", "--port", Port(), "--seconds", "2",
-                                        "--record", "r.mcap", "--json", "run.json"});
+                                        "--rate-hz", "150", "--record", "r.mcap", "--json", "run.json"});
     ASSERT_NE(run.err.find("the arm is reached through the guard"), std::string::npos) << run.err;
     if (run.exit_code != 0) continue;
     const nlohmann::json summary = ReadJson(run_folder_.path() / "run.json");
     EXPECT_EQ(summary.at("ended"), "completed");
     EXPECT_TRUE(summary.at("faults").empty());
+    EXPECT_EQ(summary.at("planned").at("rate_hz"), 150.0);
     // the same port again: nobody has it any more
     guard_.emplace(guard_folder_.path(), std::vector<std::string>{"guard", file(), "--port", Port()});
     EXPECT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
