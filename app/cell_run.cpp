@@ -344,6 +344,10 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
                                  : RunWall(setup, runner, wires, **recorder, params);
   if (!run) return run;
   CellRunResult& result = *run;
+  if (!params.virtual_time) {  // there zones are never in the making
+    runner.EndGoverning();
+    runner.RecordEvents(**recorder, rt::MonotonicNow());
+  }
   result.after = runner.engine().Snapshot();
   result.rezoned = runner.TakeRezoned();
   const auto counts = (*recorder)->Close();

@@ -36,10 +36,8 @@ void SimulationThread::Loop() {
     runner_.Govern(record, 1e-3 * static_cast<double>(record.duration_ns));
     runner_.RecordEvents(recorder_, record.stamp);
     if (record.model.status == simulation::EngineStatus::kDeviceLost)
-      break;  // the servo loop saw it, and stops
+      return;  // the servo loop saw it, and stops
   }
-  runner_.EndGoverning();
-  runner_.RecordEvents(recorder_, rt::MonotonicNow());
 }
 
 }  // namespace osteon::app
