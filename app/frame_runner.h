@@ -34,8 +34,8 @@ class FrameRunner {
   /// @param took_us  the frame
   void Govern(const simulation::FrameRecord& record, double took_us);
 
-  /// After the last frame: ends the governor. Waits until a packing in the making can be given up, which may take
-  /// seconds.
+  /// After the last frame: ends the governor. Waits until a packing in the making can be given up, which may
+  /// take seconds.
   void EndGoverning();
 
   /// @param notice  told of coarser zones, on the thread of the frames; may be empty

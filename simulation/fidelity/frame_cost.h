@@ -22,8 +22,8 @@ struct FrameGroup {
   double p999_us{0.0};         ///< of those that were not interrupted, or of all where there is none
 };
 
-/// The median is of all frames: the threads of a driver that computes on the processor wait for each other, so
-/// that frames without a wait are few and odd ones (on two cores their median was up to five times that of
+/// The median is of all frames: the threads of a driver that computes on the processor wait for each other,
+/// so that frames without a wait are few and odd ones (on two cores their median was up to five times that of
 /// all). p99.9: by nearest rank.
 /// @throws std::invalid_argument where there is no frame.
 [[nodiscard]] FrameGroup GroupOf(std::span<const FrameSample> samples);

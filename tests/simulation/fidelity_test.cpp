@@ -119,8 +119,7 @@ TEST(FrameCost, MedianIsOfAllFramesAndALongFrameMayNotWaitLonger) {
     samples.push_back({.us = 200.0 + k % 10, .active_balls = 1000.0, .waited_us = 45.0});
   for (int k = 0; k < 100; ++k)
     samples.push_back({.us = 1000.0 + k, .active_balls = 1000.0, .waited_us = 45.0});
-  for (int k = 0; k < 10; ++k)
-    samples.push_back({.us = 220.0, .active_balls = 1000.0, .waited_us = 5.0});
+  for (int k = 0; k < 10; ++k) samples.push_back({.us = 220.0, .active_balls = 1000.0, .waited_us = 5.0});
   const FrameGroup group = GroupOf(samples);
   EXPECT_NEAR(group.p50_us, 205.0, 2.0);
   EXPECT_EQ(group.interrupted, 1000u);
