@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "simulation/fidelity/disjoint_balls.h"
 #include "simulation/fidelity/thin_tool.h"
 #include "simulation/metrics/accuracy.h"
 #include "simulation/tool_path.h"
@@ -132,6 +133,7 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
   const simulation::DepthVolumes volumes(*scene.work.solid, *scene.work.zone);
   const double removal_m = RemovalShare(request.error_m, model.tool_gap_m);
   plan.uniform_balls = UniformBalls(scene, volumes, removal_m);
+  plan.disjoint_balls = simulation::PredictDisjointBalls(request.error_m, volumes.volume_m3());
   const double most_us = 1e6 / request.rate_hz;
   std::map<PackingKind, Calibration> calibrations;
   std::optional<PackingLevel> level;

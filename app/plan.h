@@ -47,6 +47,8 @@ struct FidelityPlan {
   double leak_probe_m{0.0};   ///< its radius
   double cogging{0.0};        ///< tangential over normal force, rms
   double uniform_balls{0.0};  ///< that the whole bone, packed alike, would take for the same error
+  /// The same of disjoint balls, as the cutting paper packs them (simulation/fidelity/disjoint_balls.h).
+  double disjoint_balls{0.0};
 
   std::vector<PackedLevel> others;                  ///< packings that were timed before
   std::vector<simulation::FrameGroup> calibration;  ///< what they took

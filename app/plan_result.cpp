@@ -56,6 +56,7 @@ nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, cons
                       {"packing", std::string(simulation::KindName(plan.packed.level.kind))},
                       {"spheres", plan.packed.balls.size()},
                       {"spheres_uniform", nullptr},
+                      {"spheres_uniform_disjoint", static_cast<std::size_t>(plan.disjoint_balls)},
                       {"r_min_mm", radii.least_m * 1e3},
                       {"r_max_mm", radii.greatest_m * 1e3},
                       {"zone_spacing_mm", fine.spacing_m * 1e3},
@@ -123,6 +124,9 @@ std::string PlanText(const PlanScene& scene, const PlanRequest& request, const F
     text += Row("all of it alike",
                 fmt::format("{:.0f} spheres, {:.1f} times as many", plan.uniform_balls,
                             plan.uniform_balls / static_cast<double>(plan.packed.balls.size())));
+  text +=
+      Row("and disjoint", fmt::format("{:.0f} spheres, {:.1f} times as many", plan.disjoint_balls,
+                                      plan.disjoint_balls / static_cast<double>(plan.packed.balls.size())));
   text += Row("tool", fmt::format("{} spheres that cut, {} that touch; {:g} frames a turn at most",
                                   CuttingBalls(plan.tool), plan.tool.balls.size() - CuttingBalls(plan.tool),
                                   static_cast<double>(plan.turn_parts)));

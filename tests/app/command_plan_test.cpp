@@ -30,6 +30,20 @@ TEST(Plan, WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises) {
   EXPECT_NE(run.out.find("given up           nothing"), std::string::npos) << run.out;
 }
 
+// The bar of a 25 mm reamer at .1 mm: a twentieth of the balls of a bone that is packed whole, alike and
+// disjoint, as the cutting paper packs it. (Of overlapping balls it would take a seventh.)
+TEST(Plan, TakesATwentiethOfABoneThatIsPackedWholeAndAlike) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(
+      folder.path(), {"plan", "acetabulum", "--error-mm", "0.1", "--rate-hz", "1", "--json", "plan.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
+  const nlohmann::json json = ReadJson(folder.path() / "plan.json");
+  const double balls = json.at("spheres");
+  EXPECT_GT(json.at("spheres_uniform_disjoint").get<double>(), 20.0 * balls);
+  EXPECT_GT(json.at("spheres_uniform").get<double>(), 5.0 * balls);
+  EXPECT_NE(run.out.find("and disjoint"), std::string::npos) << run.out;
+}
+
 // No machine makes 100 000 frames a second: the rate is given up, the error is kept, and both are said
 // beforehand.
 TEST(Plan, SaysWhatItGivesUp) {

@@ -1,8 +1,12 @@
 #include "simulation/metrics/depth_table.h"
 
+#include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include <gtest/gtest.h>
+
+#include "simulation/fidelity/disjoint_balls.h"
 
 // How exact removal is, by itself: the two scenes with the recommended packings, the paper's beside them.
 
@@ -57,6 +61,11 @@ TEST(DepthTable, HeavyOverlapKeepsTheCupsBars) {
   EXPECT_LE(row.accuracy.probes[2].p95_m, 0.04e-3);
   EXPECT_NEAR(coarse.accuracy.depth_error_m, row.accuracy.depth_error_m, 0.005e-3);
   EXPECT_GT(theirs.accuracy.depth_error_m, 4.0 * row.accuracy.depth_error_m);
+  // what a plan holds its own packing against: rather too few
+  const double shell_m3 = 2.0 / 3.0 * std::numbers::pi * (std::pow(33e-3, 3) - std::pow(25e-3, 3)),
+               predicted = PredictDisjointBalls(theirs.accuracy.depth_error_m, shell_m3);
+  EXPECT_LT(predicted, static_cast<double>(theirs.balls));
+  EXPECT_GT(predicted, 0.4 * static_cast<double>(theirs.balls));
 }
 
 // cutting.md: with a capped radius the extra depth of disjoint balls is .385 r by theory (solid fraction
