@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/report/svg_plot.h"
+#include "control/ports.h"
 
 namespace osteon::app {
 namespace {
@@ -61,6 +62,12 @@ std::string LatencyHistogram(std::string title, std::vector<double> values) {
                        .unit = "µs"});
 }
 
+/// Without a message of the arm nothing is computed, and nothing sent: its zeros are no force.
+bool Computed(const TickRecord& tick) {
+  return tick.phase == Phase::kWaiting ||
+         tick.input.received == static_cast<std::uint8_t>(control::ReceiveResult::kOk);
+}
+
 std::vector<double> Times(std::span<const TickRecord> ticks) {
   std::vector<double> t_s;
   for (const TickRecord& tick : ticks) t_s.push_back(rt::ToSeconds(tick.stamp - Start(ticks, {})));
@@ -75,6 +82,11 @@ std::string ForceChart(std::span<const TickRecord> ticks, double force_limit_N) 
   Series axial{.name = "its part along the tool (resisting)", .x = t_s, .width_px = 1.1};
   Series hand{.name = "hand's force (sensor)", .x = t_s, .width_px = 1.1};
   for (const TickRecord& tick : ticks) {
+    if (!Computed(tick)) {
+      for (Series* series : {&coupling, &axial, &hand})
+        series->y.push_back(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
     const Wrench F_T_W = tick.F_coupling_T_W;
     const Vector3 feed_W = Pose(tick.X_WT_cmd).linear().col(2);
     coupling.y.push_back(F_T_W.f.norm());

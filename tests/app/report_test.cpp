@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "app/report/run_charts.h"
+#include "control/ports.h"
 #include "report_markup.h"
 #include "report_synthetic.h"
 
@@ -107,6 +109,19 @@ TEST(Report, ShowsWhatTheLimitsCutOffWhereTheyDid) {
   ASSERT_TRUE(cut) << cut.error();
   EXPECT_NE(cut->html.find(title), std::string::npos);
   EXPECT_NE(cut->html.find("arm&#39;s torques can hold"), std::string::npos);
+}
+
+// A lost message is no moment without force: what such a tick holds was never rendered.
+TEST(Report, ATickWithoutTheArmsMessageIsNoForceOfZero) {
+  SyntheticRun run = MakeSyntheticRun();
+  control::TickRecord& silent = run.ticks.at(run.ticks.size() / 2);
+  ASSERT_GT(Wrench(silent.F_coupling_T_W).f.norm(), 10.0);
+  silent.input.received = static_cast<std::uint8_t>(control::ReceiveResult::kTimeout);
+  const std::string chart = ForceChart(run.ticks, 200.0);
+  silent.F_coupling_T_W = silent.F_operator_T_W = {};
+  EXPECT_EQ(ForceChart(run.ticks, 200.0), chart);
+  silent.input.received = static_cast<std::uint8_t>(control::ReceiveResult::kOk);
+  EXPECT_NE(ForceChart(run.ticks, 200.0), chart) << "a force of 0 that was rendered is drawn";
 }
 
 TEST(Report, ListsTheFiguresWithoutASource) {
