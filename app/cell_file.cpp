@@ -25,6 +25,7 @@ tl::expected<std::filesystem::path, std::string> FindCell(const std::filesystem:
   std::filesystem::path file =
       name.ends_with(".yaml") ? std::filesystem::path(name) : cells / (name + ".yaml");
   if (std::filesystem::is_regular_file(file)) return file;
+  if (!file.has_parent_path() && std::filesystem::is_regular_file(cells / file)) return cells / file;
   return tl::make_unexpected(fmt::format("{}: no file {}; accepted: a YAML file, or one of {}: {}", name,
                                          file.string(), cells.string(), CellNames(cells)));
 }

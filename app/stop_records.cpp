@@ -30,7 +30,8 @@ std::string FaultTable(const StopRecord& stop) {
       rows += "<td>" + Escape(cell) + "</td>";
     rows += "</tr>\n";
   });
-  if (rows.empty()) return "<p>No fault: it was asked to stop.</p>\n";
+  if (rows.empty())
+    return stop.asked || stop.paused ? "<p>No fault: it was asked to stop.</p>\n" : "<p>No fault.</p>\n";
   return "<table>\n<tr><th>fault</th><th>what was seen</th><th>what the cell does</th><th>how to go "
          "on</th></tr>\n" +
          rows + "</table>\n";
@@ -41,7 +42,7 @@ std::string PageOf(const io::Recording& recording, const StopRecord& stop, std::
   const std::span<const TickRecord> all(recording.ticks);
   const std::span<const TickRecord> ticks = all.subspan(stop.begin, stop.end - stop.begin);
   const double at_s = rt::ToSeconds(all[stop.stop].stamp - all.front().stamp);
-  const std::string title = fmt::format("Stop {}: {}", number, stop.Why());
+  const std::string title = fmt::format("Stop no. {}: {}", number, stop.Why());
   std::string page = PageBegin(title);
   page += fmt::format(
       "<h1>{}</h1>\n<p>{:.3f} s into the recording, tick {}. Below, {:.1f} s before it and {:.1f} s "
@@ -61,15 +62,21 @@ std::string StopRecord::Why() const {
   ForEachFault(faults, [&](safety::Fault, const safety::FaultText& text) {
     why += (why.empty() ? "" : "; ") + std::string(text.name);
   });
-  if (why.empty()) return asked ? "asked for" : "the arm ended the session";
-  return why;
+  if (!why.empty()) return why;
+  if (asked) return "asked for";
+  return paused ? "a pause was asked for" : "the arm ended the session";
 }
 
 std::vector<StopRecord> FindStops(std::span<const TickRecord> ticks) {
   std::vector<StopRecord> stops;
   for (std::size_t i = 1; i < ticks.size(); ++i) {
     if (!Ends(ticks[i].phase) || !Moves(ticks[i - 1].phase)) continue;
-    StopRecord stop{.begin = i, .stop = i, .end = i, .faults = {}, .asked = ticks[i].input.stop};
+    StopRecord stop{.begin = i,
+                    .stop = i,
+                    .end = i,
+                    .faults = {},
+                    .asked = ticks[i].input.stop,
+                    .paused = ticks[i].input.pause};
     while (stop.begin > 0 && ticks[i].stamp - ticks[stop.begin - 1].stamp <= kBefore) --stop.begin;
     std::size_t rest = i;
     while (rest < ticks.size() && ticks[rest].phase == Phase::kStopping) ++rest;

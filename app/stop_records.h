@@ -20,9 +20,10 @@ struct StopRecord {
   std::size_t stop{0};   ///< the first tick in which the loop no longer moved as it was asked to
   std::size_t end{0};    ///< one beyond the last: half a second after the loop was at rest
   safety::FaultSet faults;
-  bool asked{false};  ///< for: the run's end, Ctrl-C
+  bool asked{false};   ///< for: the run's end, Ctrl-C
+  bool paused{false};  ///< by the operator
 
-  /// "arm message stale; motion not permitted", or "asked for".
+  /// "arm message stale; motion not permitted", "asked for" or "a pause was asked for".
   [[nodiscard]] std::string Why() const;
 };
 

@@ -283,8 +283,15 @@ int RunTransparency(const TransparencyOptions& options) {
     return Fail("transparency", wrong);
   const config::CellConfig cell = config::LoadCell(options.cell);
   if (!cell.robot.lbr())
+    return Fail(
+        "transparency",
+        fmt::format("{}: found a {}, accepted an LBR: the simulated arm of the others is not measured here",
+                    options.cell.string(), cell.robot.name));
+  if (cell.servo.law == control::Law::kImpedance)
     return Fail("transparency",
-                fmt::format("{}: found a {}, accepted an LBR", options.cell.string(), cell.robot.name));
+                fmt::format("{}: found a cell with the impedance law, which asks for no mass and "
+                            "drag to compare with; accepted the admittance law",
+                            options.cell.string()));
   const TransparencyResult result = MeasureTransparency(cell, options);
   const std::string json = ToJson(result, options).dump(2) + "\n";
   const auto written = WriteChart(

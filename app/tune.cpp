@@ -267,17 +267,24 @@ tl::expected<int, std::string> Ticks(const char* option, double ms, double perio
 }
 
 tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const TuneOptions& options) {
+  if (cell.servo.law == control::Law::kImpedance)
+    return tl::unexpected(fmt::format(
+        "{}: found a cell with the impedance law, which has no virtual tool; accepted the admittance law",
+        options.cell.string()));
   TuneTask task = TuneTaskOf(cell);
-  const auto jitter = Ticks("--jitter-ms", options.jitter_ms, task.loop.period_s);
+  const double late_ms = std::max(1.0, 1e3 * task.loop.period_s);
+  const double jitter_ms = options.jitter_ms.value_or(late_ms);
+  const auto jitter = Ticks("--jitter-ms", jitter_ms, task.loop.period_s);
   if (!jitter) return tl::unexpected(jitter.error());
-  const auto sensor = Ticks("--sensor-delay-ms", options.sensor_delay_ms, task.loop.period_s);
+  const auto sensor =
+      Ticks("--sensor-delay-ms", options.sensor_delay_ms.value_or(late_ms), task.loop.period_s);
   if (!sensor) return tl::unexpected(sensor.error());
   task.command_jitter = *jitter;
   task.loop.sensor_delay = *sensor;
   if (task.loop.arm.dead_cycles + task.command_jitter > hil::ServoArm::kMaxDeadCycles)
-    return tl::unexpected(fmt::format(
-        "--jitter-ms: found {:g}, accepted at most {:g} with the arm's dead time", options.jitter_ms,
-        1e3 * task.loop.period_s * (hil::ServoArm::kMaxDeadCycles - task.loop.arm.dead_cycles)));
+    return tl::unexpected(
+        fmt::format("--jitter-ms: found {:g}, accepted at most {:g} with the arm's dead time", jitter_ms,
+                    1e3 * task.loop.period_s * (hil::ServoArm::kMaxDeadCycles - task.loop.arm.dead_cycles)));
   if (options.human_grip_N_per_m > options.stiffest_grip_N_per_m)
     return tl::unexpected(fmt::format("--grip: found {:g}, accepted at most --stiffest-grip ({:g})",
                                       options.human_grip_N_per_m, options.stiffest_grip_N_per_m));

@@ -13,8 +13,8 @@ struct TuneOptions {
   double worst_age_ms{2.0};      ///< of a contact model's pose
   double margin{1.1};
   double loss{0.01};
-  double jitter_ms{1.0};
-  double sensor_delay_ms{1.0};
+  /// In whole periods of the cell; one of them, at least 1 ms, where none are given.
+  std::optional<double> jitter_ms{}, sensor_delay_ms{};
   double human_grip_N_per_m{3e3}, stiffest_grip_N_per_m{10e3};
   int dampings{16};  ///< of the map, from 5 to 500 N s/m
   int threads{2};

@@ -24,10 +24,11 @@ TuneCommand::TuneCommand(CLI::App& app)
             ->check(NumberWithin(0, 60)));
   stand(sub_->add_option("--loss", o.loss, "share of the commands that never reach the arm")
             ->check(NumberWithin(0, 0.5)));
-  stand(sub_->add_option("--jitter-ms", o.jitter_ms, "by which a command may come later")
+  stand(sub_->add_option("--jitter-ms", o.jitter_ms,
+                         "by which a command may come later; 1, or the cell's period")
             ->check(NumberWithin(0, 30)));
   stand(sub_->add_option("--sensor-delay-ms", o.sensor_delay_ms,
-                         "from what the hand exerts to what the loop is told")
+                         "from what the hand exerts to what the loop is told; 1, or the cell's period")
             ->check(NumberWithin(0, 50)));
   stand(sub_->add_option("--grip", o.human_grip_N_per_m, "N/m: for hands up to it the tool has to stay light")
             ->check(NumberWithin(100, 50e3)));

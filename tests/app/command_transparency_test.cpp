@@ -36,6 +36,12 @@ TEST(Transparency, RefusesWhatIsNoCellAndAFileAsItsFolder) {
   const TemporaryFolder folder;
   EXPECT_EQ(RunCommand(folder.path(), {"transparency", "no_such_cell"}).exit_code, 2);
   EXPECT_EQ(RunCommand(folder.path(), {"transparency", "demo", "--points", "2"}).exit_code, 2);
+  for (const auto& [cell, said] : {std::pair{"thin_plate_impedance", "found a cell with the impedance law"},
+                                   std::pair{"kr_16_thin_plate", "accepted an LBR: "}}) {
+    const CommandResult run = RunCommand(folder.path(), {"transparency", cell});
+    EXPECT_EQ(run.exit_code, 2) << cell;
+    EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
+  }
 }
 
 }  // namespace

@@ -72,12 +72,21 @@ TEST(Tune, SaysThatNothingStandsWhatIsTooMuch) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "t/gains.yaml"));
 }
 
+// What is late by default is late by a period of the cell: 4 ms. (A cell's name may have its ending.)
+TEST(Tune, TakesACellOverRsiAsItStands) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), {"tune", "kr_16_thin_plate.yaml", "--nodes", "4"});
+  ASSERT_NE(run.exit_code, 2) << run.err;
+  EXPECT_EQ(ReadJson(folder.path() / "tune/tune.json").at("stands").at("jitter_ms"), 4.0);
+}
+
 TEST(Tune, SaysWhatItDoesNotTake) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "file") << "x";
   for (const auto& [arguments, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{}, "cell is required"},
            {{"elbow"}, "elbow: no file"},
+           {{"thin_plate_impedance"}, "found a cell with the impedance law"},
            {{"demo", "--margin", "0.5"}, "--margin: found 0.5, accepted 1"},
            {{"demo", "--jitter-ms", "0.5"},
             "--jitter-ms: found 0.5, accepted a multiple of the cell's period"},

@@ -62,6 +62,15 @@ TEST(StopRecords, HoldFiveSecondsBeforeAndHalfASecondAtRest) {
   EXPECT_EQ(stops[1].Why(), "asked for");
 }
 
+TEST(StopRecords, APauseIsSaidToBeOne) {
+  std::vector<TickRecord> ticks;
+  Add(ticks, 100, Phase::kHaptic);
+  Add(ticks, 50, Phase::kStopping);
+  EXPECT_EQ(FindStops(ticks).at(0).Why(), "the arm ended the session");
+  ticks[100].input.pause = true;
+  EXPECT_EQ(FindStops(ticks).at(0).Why(), "a pause was asked for");
+}
+
 TEST(StopRecords, ARunThatNeverMovedHasNone) {
   std::vector<TickRecord> ticks;
   EXPECT_TRUE(FindStops(ticks).empty());
@@ -80,7 +89,7 @@ TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
   ASSERT_EQ(pages->size(), 2u);
   const std::string page = io::test::ReadAll(pages->front());
   for (const char* part :
-       {"Stop 1: arm left COMMANDING_ACTIVE; motion not permitted", "8.500 s into the recording",
+       {"Stop no. 1: arm left COMMANDING_ACTIVE; motion not permitted", "8.500 s into the recording",
         "the PLC withdrew its permission", "limit 150 N", "</html>"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   const std::string table = io::test::ReadAll(folder.path() / "ride_stop_1_ticks.csv");
