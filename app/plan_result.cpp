@@ -120,13 +120,12 @@ std::string PlanText(const PlanScene& scene, const PlanRequest& request, const F
                           level.fine.spacing_m * 1e3, level.fine.radius_m * 1e3, level.zone_depth_m * 1e3));
   if (level.fine.children > 0)
     text += Row("splitting", fmt::format("{} children of a ball that is touched", level.fine.children));
-  if (plan.uniform_balls > 0.0)
-    text += Row("all of it alike",
-                fmt::format("{:.0f} spheres, {:.1f} times as many", plan.uniform_balls,
-                            plan.uniform_balls / static_cast<double>(plan.packed.balls.size())));
-  text +=
-      Row("and disjoint", fmt::format("{:.0f} spheres, {:.1f} times as many", plan.disjoint_balls,
-                                      plan.disjoint_balls / static_cast<double>(plan.packed.balls.size())));
+  const auto alike = [&](const char* name, double balls) {
+    return Row(name, fmt::format("{:.0f} spheres, {:.1f} times as many", balls,
+                                 balls / static_cast<double>(plan.packed.balls.size())));
+  };
+  if (plan.uniform_balls > 0.0) text += alike("all of it alike", plan.uniform_balls);
+  text += alike("and disjoint", plan.disjoint_balls);
   text += Row("tool", fmt::format("{} spheres that cut, {} that touch; {:g} frames a turn at most",
                                   CuttingBalls(plan.tool), plan.tool.balls.size() - CuttingBalls(plan.tool),
                                   static_cast<double>(plan.turn_parts)));
