@@ -6,6 +6,8 @@
 #include <optional>
 #include <thread>
 
+#include <fmt/format.h>
+
 #include "app/arm_wire.h"
 #include "app/build_name.h"
 #include "app/chart_files.h"
@@ -73,6 +75,14 @@ std::string MissingPermits(safety::MotionPermits permits) {
     if (!permits.Has(permit)) missing += std::string(missing.empty() ? "" : ", ") + safety::Missing(permit);
   }
   return missing.empty() ? "" : "motion lacked " + missing;
+}
+
+// Why the arm's messages did not come: a guard that is not there lets none through.
+std::string WhyNoArm(const std::string& arm, const std::optional<config::GuardConfig>& guard,
+                     safety::MotionPermits permits) {
+  if (!guard || permits.Has(safety::MotionPermit::kArmFresh)) return arm;
+  return fmt::format("{} The arm is reached through the guard on {}:{}: does `osteon guard` run?", arm,
+                     guard->host, guard->port);
 }
 
 void PutWhyNot(CellRunResult& result, const std::string& arm, const std::string& devices,
@@ -166,11 +176,16 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     servo_thread.join();
     simulation.Stop();
   }
-  if (!start.why_not().empty()) return tl::make_unexpected(CellRunError{.what = start.why_not()});
+  // the input is right, the arm stands wrong
+  if (!start.why_not().empty())
+    return tl::make_unexpected(
+        CellRunError{.what = start.why_not() + " (a simulated cell: start it anew)", .begun = true});
   if (cell_died && servo.statistics.active_ticks == 0)
     return tl::make_unexpected(CellRunError{.what = "the simulated cell has ended by itself", .begun = true});
   result.end = servo.end;
-  PutWhyNot(result, wires.arm->Diagnosis(), wires.devices->Diagnosis(), loop.permits());
+  const std::string arm = wires.arm->Diagnosis();
+  PutWhyNot(result, wires.cell ? arm : WhyNoArm(arm, setup.config.guard, loop.permits()),
+            wires.devices->Diagnosis(), loop.permits());
   if (wires.cell) result.cell_report = wires.cell->End();
   result.faults = servo.faults;
   result.statistics = servo.statistics;

@@ -85,21 +85,23 @@ int RunDemo(const DemoOptions& options) {
   InstallInterrupt();
   InstallPause();
   RunProgress progress("osteon demo", options.seconds);
-  const CellRunParams params{.seconds = options.seconds,
-                             .virtual_time = options.virtual_time,
-                             .cpu = options.cpu,
-                             .cell = CellProcessParams{.cell = options.cell,
-                                                       .tool = options.tool,
-                                                       .seconds = options.seconds,
-                                                       .first_port = *first_port,
-                                                       .cpu = options.cpu,
-                                                       .guard = setup->config.guard.has_value()},
-                             .recording = options.out / "recording.mcap",
-                             .stop = &Interrupted(),
-                             .pauses = &AskedPauses(),
-                             .begins = [&] { PrintLimits(setup->config.servo); },
-                             .progress = [&](double at_s) { progress.Show(at_s); },
-                             .governor = governor.get()};
+  const CellRunParams params{
+      .seconds = options.seconds,
+      .virtual_time = options.virtual_time,
+      .cpu = options.cpu,
+      .cell = CellProcessParams{.cell = options.cell,
+                                .tool = options.tool,
+                                .seconds = options.seconds,
+                                .first_port = *first_port,
+                                .cpu = options.cpu,
+                                .guard = setup->config.guard.has_value()},
+      .recording = options.out / "recording.mcap",
+      .stop = &Interrupted(),
+      .pauses = &AskedPauses(),
+      .begins = [&] { PrintLimits(setup->config.servo); },
+      .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon demo: {}\n", text); },
+      .progress = [&](double at_s) { progress.Show(at_s); },
+      .governor = governor.get()};
   auto result = RunCell(*setup, **engine, params);
   progress.Done();
   if (!result) return Fail("demo", result.error().what, result.error().begun ? kFailed : kBadInput);

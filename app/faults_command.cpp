@@ -36,9 +36,9 @@ std::string FaultsPage() {
   std::string page =
       "# What can stop the cell\n\n"
       "Written by `osteon faults --markdown docs/faults.md` from `safety/fault.cpp`. A fault is latched: it "
-      "stays until the\nsession is begun anew. The recording has the bits by tick (`faults`), `summary.json` "
-      "the names, and each stop leaves\nits own page (docs/recording.md). What stop 0 and 1 are: "
-      "[states.md](states.md). Recovery: `--recover` may clear it within\nthe session.\n\n"
+      "stays until a new run.\nThe recording has the bits by tick (`faults`), `summary.json` the names and "
+      "what was seen, and each stop leaves its own\npage ([recording.md](recording.md)). What stop 0 and 1 "
+      "are: [states.md](states.md). Recovery: `--recover` may clear it within the\nrun.\n\n"
       "| bit | fault | what was seen | stop | what the cell does | recovery | how to go on |\n"
       "|---|---|---|---|---|---|---|\n";
   ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {
@@ -50,9 +50,10 @@ std::string FaultsPage() {
 }
 
 int RunFaults(const FaultsOptions& options) {
-  ForEachFault([](safety::Fault, const safety::FaultText& text) {
-    fmt::print("{}\n  seen:  {}\n  does:  {}\n  go on: {}\n", text.name, text.cause, text.reaction,
-               text.clearing);
+  ForEachFault([](safety::Fault fault, const safety::FaultText& text) {
+    fmt::print("{}\n  seen:  {}\n  does:  {}\n  stop:  {}{}\n  go on: {}\n", text.name, text.cause,
+               text.reaction, static_cast<int>(safety::StopOf(fault)),
+               safety::AllowsRecovery(fault) ? ", a recovery may clear it (--recover)" : "", text.clearing);
   });
   for (const auto& [file, text] :
        {std::pair(options.markdown, FaultsPage()), std::pair(options.json, Json())}) {

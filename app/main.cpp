@@ -229,10 +229,8 @@ int Run(int argc, char** argv) {
   auto* cup_option = demo_app->add_option("--cup", cup,
                                           "X,Y,Z,NX,NY,NZ,R: its cup, or the circle where a drill enters: "
                                           "centre, axis out of the bone, radius; mm");
-  demo_app->add_option("--scale", scale, "millimetres to a unit of the mesh")
-      ->check(osteon::app::NumberWithin(1e-4, 1e4))
-      ->needs(mesh_option)
-      ->capture_default_str();
+  auto* scale_option = demo_app->add_option("--scale", scale, "millimetres to a unit of the mesh");
+  scale_option->check(osteon::app::NumberWithin(1e-4, 1e4))->needs(mesh_option)->capture_default_str();
   cup_option->needs(mesh_option);
   demo_app->add_flag("--virtual-time", demo.virtual_time,
                      "lockstep, as fast as it goes; two runs give equal bits");
@@ -348,6 +346,8 @@ int Run(int argc, char** argv) {
         wrong = fmt::format("--mesh {}: found no --cup, accepted with it (a packing file may have its own)",
                             mesh);
       }
+      if (wrong.empty() && *scale_option && demo.mesh->file.extension() == ".osp")
+        wrong = fmt::format("--scale: found with {}, accepted with a mesh: a packing is in mm", mesh);
       if (!wrong.empty()) {
         fmt::print(stderr, "osteon demo: {}\n", wrong);
         return 2;
@@ -387,7 +387,7 @@ int Run(int argc, char** argv) {
   if (plan.asked()) return plan.Run(config_root);
   if (tune.asked()) return tune.Run(config_root, CommandLine(argc, argv));
   if (export_recording.asked()) return export_recording.Run();
-  if (replay.asked()) return replay.Run();
+  if (replay.asked()) return replay.Run(config_root);
   if (regress.asked()) return regress.Run(config_root, CommandLine(argc, argv));
   if (measure.asked()) return measure.Run(config_root);
   if (*states_app) return osteon::app::RunStates(states);

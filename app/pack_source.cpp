@@ -5,13 +5,13 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
-#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "config/load.h"
+#include "config/named_file.h"
 #include "simulation/files/mapped_file.h"
 #include "simulation/solids/ball_solid.h"
 #include "simulation/solids/box_solid.h"
@@ -28,25 +28,11 @@ std::string Lower(std::string text) {
   return text;
 }
 
-std::vector<std::filesystem::path> YamlFiles(const std::filesystem::path& folder) {
-  std::set<std::filesystem::path> files;  // in alphabetical order
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-    if (entry.path().extension() == ".yaml") files.insert(entry.path());
-  return {files.begin(), files.end()};
-}
-
-std::string SceneNames(const std::filesystem::path& config_root) {
-  std::string names;
-  for (const auto& file : YamlFiles(config_root / "scenes")) names += file.stem().string() + ", ";
-  return names;
-}
-
 /// The materials of these names, from one file or from the first of the configuration's that has them.
 tl::expected<std::vector<simulation::Material>, std::string> PickMaterials(
     const SourceOptions& options, const std::vector<std::string>& names) {
   std::vector<simulation::Material> found;
-  const auto files = options.materials.empty() ? YamlFiles(options.config_root / "materials")
+  const auto files = options.materials.empty() ? config::YamlFilesIn(options.config_root / "materials")
                                                : std::vector<std::filesystem::path>{options.materials};
   for (const auto& file : files)
     for (simulation::Material& material : config::LoadMaterials(file))
@@ -72,17 +58,14 @@ tl::expected<std::vector<simulation::Material>, std::string> PickMaterials(
 tl::expected<std::filesystem::path, std::string> SceneFile(const SourceOptions& options,
                                                            const std::string& name,
                                                            const std::string& option) {
-  const std::filesystem::path file = name.ends_with(".yaml")
-                                         ? std::filesystem::path(name)
-                                         : options.config_root / "scenes" / (name + ".yaml");
-  if (std::filesystem::is_regular_file(file)) return file;
-  const bool input = option == options.input;
-  return tl::make_unexpected(
-      fmt::format("{}: no file {}; accepted: {}{}a YAML file", option, file.string(),
-                  input ? "a mesh (.stl, .obj, .ply), a packing (.osp), ball:R, box:X,Y,Z, "
-                          "or a scene: "
-                        : "",
-                  SceneNames(options.config_root)));
+  const std::filesystem::path scenes = options.config_root / "scenes";
+  return config::FindNamedFile(scenes, name).map_error([&](const std::filesystem::path& file) {
+    const bool other = option == options.input && !options.scenes_only;
+    return fmt::format("{}: no file {}; accepted: {}a scene: a YAML file, or one of {}", option,
+                       file.string(),
+                       other ? "a mesh (.stl, .obj, .ply), a packing (.osp), ball:R, box:X,Y,Z, or " : "",
+                       config::YamlNamesIn(scenes));
+  });
 }
 
 tl::expected<std::vector<Vector3>, std::string> ReadPath(const std::filesystem::path& file) {
@@ -275,8 +258,8 @@ tl::expected<PackSource, std::string> LoadPackSource(const SourceOptions& option
   const std::string& input = options.input;
   source.provenance.source = std::filesystem::path(input).filename().string();
   const std::string extension = Lower(std::filesystem::path(input).extension().string());
-  const bool shape = input.starts_with("ball:") || input.starts_with("box:");
-  const bool file = !shape && !extension.empty() && extension != ".yaml";
+  const bool shape = !options.scenes_only && (input.starts_with("ball:") || input.starts_with("box:"));
+  const bool file = !options.scenes_only && !shape && !extension.empty() && extension != ".yaml";
   if (!file) {
     const auto refuse = [&](const char* option) {
       return tl::make_unexpected(fmt::format("{}: found with {}, accepted with a mesh", option, input));

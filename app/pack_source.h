@@ -23,7 +23,8 @@ struct PathChoice {
 
 /// What is to be packed, as the command line says it.
 struct SourceOptions {
-  std::string input;  ///< mesh file, scene's YAML or name, ball:R or box:X,Y,Z (mm)
+  std::string input;        ///< mesh file, scene's YAML or name, ball:R or box:X,Y,Z (mm)
+  bool scenes_only{false};  ///< the input can only be a scene
   std::filesystem::path config_root;
   std::string scene;                ///< a mesh takes this scene's place; empty: the acetabulum's
   std::optional<double> scale{};    ///< millimetres to a unit of a mesh file

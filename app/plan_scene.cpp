@@ -61,15 +61,13 @@ PlanScene MakePlanScene(const simulation::SceneSolid& solid, const simulation::S
 tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice) {
   SourceOptions options;
   options.input = choice.scene;
+  options.scenes_only = true;
   options.config_root = choice.config_root;
   PackSource source;
   if (auto loaded = LoadPackSource(options))
     source = std::move(*loaded);
   else
     return tl::make_unexpected(loaded.error());
-  if (!source.own)
-    return tl::make_unexpected(
-        fmt::format("{}: found no scene, accepted a scene's YAML file or its name", choice.scene));
   const std::filesystem::path cell_file = CellOf(choice);
   const config::CellConfig cell = config::LoadCell(cell_file, choice.tool);
   source.own->materials = source.materials;

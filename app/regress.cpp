@@ -18,6 +18,7 @@
 #include "app/regress_result.h"
 #include "app/summary.h"
 #include "config/load_scenario.h"
+#include "config/named_file.h"
 #include "config/reader.h"
 
 namespace osteon::app {
@@ -25,19 +26,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> ScenariosIn(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
-  std::ranges::sort(files);
-  return files;
-}
-
 // What can be said of the options before anything runs.
 std::string WrongOptions(const RegressOptions& options) {
   if (options.update && options.reason.find_first_not_of(" \t\n") == std::string::npos)
-    return "--update: found no --reason, accepted with one: what has changed, and why that is right";
+    return "--update: found no reason, accepted with --reason and one: what has changed, and why that is "
+           "right";
   if (!options.update && !options.reason.empty()) return "--reason: found without --update, accepted with it";
   if (options.update && !options.set.empty())
     return "--update: found with --set, accepted without: a golden trace is of what the scenario's file says";
@@ -111,24 +104,22 @@ tl::expected<std::vector<fs::path>, std::string> FindScenarios(const fs::path& c
   const fs::path folder = config_root / "scenarios";
   std::error_code error;
   std::vector<fs::path> files;
-  if (asked.empty()) files = ScenariosIn(folder);
+  if (asked.empty()) files = config::YamlFilesIn(folder);
   for (const std::string& name : asked) {
-    const fs::path path(name), named = folder / (name + ".yaml");
+    const fs::path path(name);
     if (fs::is_directory(path, error)) {
-      const auto inside = ScenariosIn(path);
+      const auto inside = config::YamlFilesIn(path);
       if (inside.empty())
         return tl::make_unexpected(name + ": found a folder without scenarios, accepted *.yaml in it");
       files.insert(files.end(), inside.begin(), inside.end());
     } else if (fs::is_regular_file(path, error)) {
       files.push_back(path);
-    } else if (!name.empty() && path == path.filename() && fs::is_regular_file(named, error)) {
-      files.push_back(named);
+    } else if (const auto named = config::FindNamedFile(folder, name)) {
+      files.push_back(*named);
     } else {
-      std::string all;
-      for (const fs::path& file : ScenariosIn(folder))
-        all += (all.empty() ? "" : ", ") + file.stem().string();
       return tl::make_unexpected(
-          fmt::format("{}: found no such scenario, accepted a file, a folder, or one of {}", name, all));
+          fmt::format("{}: found no such scenario, accepted a file, a folder, or one of {}", name,
+                      config::YamlNamesIn(folder)));
     }
   }
   if (files.empty())

@@ -216,12 +216,15 @@ tl::expected<std::filesystem::path, std::string> WriteRegressReport(const Regres
     if (!r.identical()) page.entries.push_back(PageEntry(summary, r));
   }
   page.scenarios = summary.results.size();
-  if (page.entries.empty()) return std::filesystem::path();
+  const std::filesystem::path file = summary.options.out / "regress.html";
   std::error_code error;
+  if (page.entries.empty()) {
+    std::filesystem::remove(file, error);  // an earlier run's would say what no longer is
+    return std::filesystem::path();
+  }
   std::filesystem::create_directories(summary.options.out, error);
   if (error)
     return tl::make_unexpected(fmt::format("--out {}: {}", summary.options.out.string(), error.message()));
-  const std::filesystem::path file = summary.options.out / "regress.html";
   const auto written = WriteRegressPage(page, file);
   if (!written) return tl::make_unexpected(written.error());
   return file;

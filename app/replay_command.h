@@ -1,5 +1,8 @@
 #pragma once
 
+#include <filesystem>
+#include <string>
+
 #include <CLI/CLI.hpp>
 
 #include "app/replay_recording.h"
@@ -12,11 +15,12 @@ class ReplayCommand {
   explicit ReplayCommand(CLI::App& app);
 
   [[nodiscard]] bool asked() const { return sub_->parsed(); }
-  /// @returns the process's exit code.
-  [[nodiscard]] int Run() const { return RunReplay(options_); }
+  /// @param config_root  where cells are found by their names. @returns the process's exit code.
+  [[nodiscard]] int Run(const std::filesystem::path& config_root);
 
  private:
   ReplayOptions options_;
+  std::string cell_;
   CLI::App* sub_;
 };
 

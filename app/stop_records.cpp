@@ -7,6 +7,7 @@
 
 #include "app/each_fault.h"
 #include "app/export_tables.h"
+#include "app/fault_seen.h"
 #include "app/report/page.h"
 #include "app/report/run_charts.h"
 #include "app/report/svg_text.h"
@@ -22,11 +23,15 @@ constexpr rt::Nanoseconds kBefore = 5 * rt::kSecond, kAfter = rt::kSecond / 2;
 bool Moves(Phase phase) { return phase == Phase::kAligning || phase == Phase::kHaptic; }
 bool Ends(Phase phase) { return phase == Phase::kStopping || phase == Phase::kStopped; }
 
-std::string FaultTable(const StopRecord& stop) {
+std::string FaultTable(const StopRecord& stop, std::span<const TickRecord> ticks) {
   std::string rows;
-  ForEachFault(stop.faults, [&](safety::Fault, const safety::FaultText& text) {
+  ForEachFault(stop.faults, [&](safety::Fault fault, const safety::FaultText& text) {
+    const auto first = std::ranges::find_if(
+        ticks, [&](const TickRecord& t) { return (t.faults & static_cast<std::uint32_t>(fault)) != 0; });
+    const std::string seen = first == ticks.end() ? "" : SeenAt(fault, *first);
     rows += "<tr>";
-    for (const char* cell : {text.name, text.cause, text.reaction, text.clearing})
+    for (const std::string& cell : {std::string(text.name), text.cause + (seen.empty() ? "" : ": " + seen),
+                                    std::string(text.reaction), std::string(text.clearing)})
       rows += "<td>" + Escape(cell) + "</td>";
     rows += "</tr>\n";
   });
@@ -49,7 +54,7 @@ std::string PageOf(const io::Recording& recording, const StopRecord& stop, std::
       "after; every tick is in {}.</p>\n",
       Escape(title), at_s, all[stop.stop].tick, rt::ToSeconds(all[stop.stop].stamp - ticks.front().stamp),
       rt::ToSeconds(ticks.back().stamp - all[stop.stop].stamp), Escape(table));
-  page += FaultTable(stop);
+  page += FaultTable(stop, ticks);
   page += Figure(ForceChart(ticks, recording.session.force_limit_N), "Forces on the tool.");
   page += Figure(MotionChart(ticks, speed_limit_m_per_s), "Tool speed, and the contact model's age.");
   return page + kPageEnd;

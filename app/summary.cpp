@@ -11,6 +11,7 @@
 
 #include "app/config_checksum.h"
 #include "app/each_fault.h"
+#include "app/fault_seen.h"
 #include "app/interrupt.h"
 #include "simulation/metrics/cut_metrics.h"
 #include "simulation/tools/swept_tool.h"
@@ -41,10 +42,11 @@ std::vector<FaultRow> FaultRows(safety::FaultSet faults, const io::Recording& re
     const auto first = std::find_if(
         recording.ticks.begin(), recording.ticks.end(),
         [&](const control::TickRecord& t) { return (t.faults & static_cast<std::uint32_t>(fault)) != 0; });
-    const double time_s = first == recording.ticks.end()
-                              ? std::nan("")
-                              : rt::ToSeconds(first->stamp - recording.ticks.front().stamp);
-    rows.push_back({.name = text.name, .time_s = time_s, .reaction = text.reaction});
+    FaultRow& row =
+        rows.emplace_back(FaultRow{.name = text.name, .time_s = std::nan(""), .reaction = text.reaction});
+    if (first == recording.ticks.end()) return;
+    row.time_s = rt::ToSeconds(first->stamp - recording.ticks.front().stamp);
+    row.seen = SeenAt(fault, *first);
   });
   return rows;
 }
@@ -110,6 +112,31 @@ std::string Text(const DurationFigures& d) {
   return fmt::format("{:.0f} / {:.0f} / {:.0f} µs", d.p50_s * 1e6, d.p99_s * 1e6, d.max_s * 1e6);
 }
 
+// What the tool did to the bone.
+void AddCut(const RunSummary& s, std::vector<SummaryRow>& rows) {
+  // without the solid (a loaded packing) what was swept is not known
+  const double swept_share = s.swept_volume_m3 > 0.0 ? s.removed_volume_m3 / s.swept_volume_m3 - 1.0 : 0.0;
+  const std::string swept =
+      s.swept_volume_m3 > 0.0
+          ? fmt::format("; swept {:.0f} mm³ ({:+.1f} %)", s.swept_volume_m3 * 1e9, 100.0 * swept_share)
+          : "";
+  rows.push_back({"Bone removed", fmt::format("{:.0f} mm³, {:.2f} g{}", s.removed_volume_m3 * 1e9,
+                                              s.removed_mass_kg * 1e3, swept)});
+  rows.push_back(
+      {"Reamed since first touch", fmt::format("{:.2f} mm along the cup's axis", s.reamed_depth_m * 1e3)});
+  const auto below = [](double depth_m) {
+    return fmt::format("{:.2f} mm {}", std::abs(depth_m) * 1e3, depth_m < 0.0 ? "above" : "below");
+  };
+  rows.push_back({"Against the first floor",
+                  fmt::format("tool's apex {}, carved floor {}", below(s.cup_depth_m),
+                              s.cavity_depth_m <= -1.0 ? "carved through" : below(s.cavity_depth_m))});
+  if (s.section.cavity_section.samples > 0)
+    rows.push_back({"Cavity against swept tool",
+                    fmt::format("mean {:.3f} mm, p95 {:.3f} mm", s.section.cavity_section.mean_abs_m * 1e3,
+                                s.section.cavity_section.p95_m * 1e3)});
+  rows.push_back({"State hash", s.state_hash});
+}
+
 }  // namespace
 
 const char* EndText(control::RunEnd end) {
@@ -158,6 +185,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.servo_thread = result.servo_thread;
   s.balls = setup.bone.balls.size();
   s.points = setup.bone.points.size();
+  s.rendered = result.statistics.active_ticks > 0;
   s.ticks = recording.ticks.size();
   s.frames = recording.frames.size();
   s.dropped = result.recording.dropped_ticks + result.recording.dropped_frames;
@@ -264,26 +292,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
     rows.push_back({"Left to the depth limit", fmt::format("{:.2f} mm", s.least_depth_left_m * 1e3)});
   rows.push_back({"Peak sensor force", fmt::format("{:.1f} N", s.peak_sensor_force_N)});
   rows.push_back({"Peak tool speed", fmt::format("{:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3)});
-  // without the solid (a loaded packing) what was swept is not known
-  const double swept_share = s.swept_volume_m3 > 0.0 ? s.removed_volume_m3 / s.swept_volume_m3 - 1.0 : 0.0;
-  const std::string swept =
-      s.swept_volume_m3 > 0.0
-          ? fmt::format("; swept {:.0f} mm³ ({:+.1f} %)", s.swept_volume_m3 * 1e9, 100.0 * swept_share)
-          : "";
-  rows.push_back({"Bone removed", fmt::format("{:.0f} mm³, {:.2f} g{}", s.removed_volume_m3 * 1e9,
-                                              s.removed_mass_kg * 1e3, swept)});
-  rows.push_back(
-      {"Reamed since first touch", fmt::format("{:.2f} mm along the cup's axis", s.reamed_depth_m * 1e3)});
-  const auto below = [](double depth_m) {
-    return fmt::format("{:.2f} mm {}", std::abs(depth_m) * 1e3, depth_m < 0.0 ? "above" : "below");
-  };
-  rows.push_back({"Against the first floor",
-                  fmt::format("tool's apex {}, carved floor {}", below(s.cup_depth_m),
-                              s.cavity_depth_m <= -1.0 ? "carved through" : below(s.cavity_depth_m))});
-  if (s.section.cavity_section.samples > 0)
-    rows.push_back({"Cavity against swept tool",
-                    fmt::format("mean {:.3f} mm, p95 {:.3f} mm", s.section.cavity_section.mean_abs_m * 1e3,
-                                s.section.cavity_section.p95_m * 1e3)});
+  if (s.rendered) AddCut(s, rows);
   for (const RezonedRow& row : s.rezoned) rows.push_back({fmt::format("At {:.2f} s", row.time_s), row.text});
   std::string events;
   for (const EventRow& event : s.events)
@@ -291,9 +300,9 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
                           event.time_s, event.value, event.unit);
   if (!events.empty()) rows.push_back({"Events", events});
   if (s.least_wall_m) rows.push_back({"Thinnest wall left", fmt::format("{:.2f} mm", *s.least_wall_m * 1e3)});
-  rows.push_back({"State hash", s.state_hash});
   std::string faults;
-  for (const FaultRow& fault : s.faults) faults += (faults.empty() ? "" : "; ") + fault.name;
+  for (const FaultRow& fault : s.faults)
+    faults += (faults.empty() ? "" : "; ") + fault.name + (fault.seen.empty() ? "" : " (" + fault.seen + ")");
   rows.push_back({"Faults", faults.empty() ? "none" : faults});
   for (const std::filesystem::path& page : s.stops) rows.push_back({"What led to the stop", page.string()});
   rows.push_back({"Recording", s.recording});
@@ -312,7 +321,14 @@ int ExitCode(const CellRunResult& result) {
 
 std::string ToJson(const RunSummary& s, const std::string& schema) {
   nlohmann::json faults = nlohmann::json::array();
-  for (const FaultRow& fault : s.faults) faults.push_back(fault.name);
+  nlohmann::json faults_seen = nlohmann::json::array();
+  for (const FaultRow& fault : s.faults) {
+    faults.push_back(fault.name);
+    faults_seen.push_back(
+        {{"name", fault.name},
+         {"time_s", std::isfinite(fault.time_s) ? nlohmann::json(fault.time_s) : nlohmann::json(nullptr)},
+         {"seen", fault.seen}});
+  }
   nlohmann::json events = nlohmann::json::array();
   for (const EventRow& event : s.events)
     events.push_back(
@@ -379,6 +395,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
        section.samples > 0 ? nlohmann::json(section.p95_m * 1e3) : nlohmann::json(nullptr)},
       {"state_hash", s.state_hash},
       {"faults", faults},
+      {"faults_seen", faults_seen},
       {"assumptions", s.assumptions},
       {"recording", s.recording}};
   out["events"] = events;

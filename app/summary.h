@@ -62,6 +62,7 @@ struct RunSummary {
   /// Ticks in which a stabiliser acted, and how far it went; what the tank held at least while it rendered.
   std::uint64_t age_governor_ticks{0}, passivity_ticks{0}, tank_ticks{0};
   double most_age_damping{1.0}, least_age_share{1.0}, least_tank_J{0.0};
+  bool rendered{false};  ///< ever: else there is no cut to speak of
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
   double swept_volume_m3{0.0};  ///< of the solid, by the proxy's cutting surface; a grid's count, no engine's
   double cup_depth_m{0.0};      ///< deepest proxy apex below the cup's first floor; negative: it stayed above

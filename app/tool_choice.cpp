@@ -2,10 +2,10 @@
 
 #include <charconv>
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+
+#include "config/named_file.h"
 
 namespace osteon::app {
 
@@ -24,15 +24,13 @@ tl::expected<config::ToolChoice, std::string> ParseTool(const std::string& text,
     choice.diameter_m = diameter_mm * 1e-3;
   }
   const std::filesystem::path folder = config_root / "tools";
-  choice.file = name.ends_with(".yaml") ? std::filesystem::path(name) : folder / (name + ".yaml");
-  std::error_code error;
-  if (std::filesystem::is_regular_file(choice.file, error)) return choice;
-  std::set<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-    if (entry.path().extension() == ".yaml") names.insert(entry.path().stem().string());
-  return tl::make_unexpected(fmt::format("--tool {}: no file {}; accepted: a YAML file, or one of {}: {}",
-                                         text, choice.file.string(), folder.string(),
-                                         fmt::join(names, ", ")));
+  const auto file = config::FindNamedFile(folder, name);
+  if (!file)
+    return tl::make_unexpected(fmt::format("--tool {}: no file {}; accepted: a YAML file, or one of {}: {}",
+                                           text, file.error().string(), folder.string(),
+                                           config::YamlNamesIn(folder)));
+  choice.file = *file;
+  return choice;
 }
 
 }  // namespace osteon::app

@@ -194,6 +194,16 @@ std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
        .hint = "the arm would be beneath it",
        .note = {}},
   };
+  if (const safety::DepthLimitParams& depth = cell.servo.depth; depth.acts)
+    rows.push_back(
+        {.name = "from the apex at the start to the depth limit's bound",
+         .value = safety::ZoneBounds(safety::ZoneOf(depth), X_WT.translation()).distance_m() / kMillimetre_m,
+         .unit = "mm",
+         .low = 0.0,
+         .section = "depth_limit",
+         .key = "at_mm",
+         .hint = "the tool would begin beyond it",
+         .note = {}});
   const safety::Workspace bounds(workspace);
   const auto zone_row = [&](safety::ZonePoint point, const char* name, const Vector3& p_W) {
     if (!bounds.Has(point)) return;

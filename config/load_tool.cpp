@@ -23,7 +23,8 @@ constexpr double kSameSize_m = 1e-9;
 struct Sizes {
   std::vector<double> diameters_m;
   double default_m{0.0};
-  std::string accepted;  // in words
+  std::string accepted;      // in words
+  std::vector<Reader> rows;  // one a size, where there is a list of them
 };
 
 double ChooseSize(const Reader& reader, const Sizes& sizes, const std::optional<double>& wanted_m) {
@@ -64,8 +65,8 @@ Sizes ReadSteps(Reader& reader, double min_mm, double max_mm) {
 template <typename ReadRow>
 Sizes ReadRows(Reader& reader, double min_mm, double max_mm, const ReadRow& read) {
   Sizes sizes;
-  std::vector<Reader> rows = reader.Sections("sizes", 1, 100);
-  for (Reader& row : rows) {
+  sizes.rows = reader.Sections("sizes", 1, 100);
+  for (Reader& row : sizes.rows) {
     sizes.diameters_m.push_back(row.Number("diameter_mm", min_mm, max_mm));
     read(row);
     sizes.accepted += fmt::format("{}{:.10g}", sizes.accepted.empty() ? "" : ", ",
@@ -150,12 +151,13 @@ BuiltTool LoadBurr(Reader& reader, const std::optional<double>& diameter_m) {
   reader.Finish();
 
   params.diameter_m = ChooseSize(reader, sizes, diameter_m);
-  const Row& row = rows[RowOf(sizes, params.diameter_m)];
+  const std::size_t which = RowOf(sizes, params.diameter_m);
+  const Row& row = rows[which];
   params.neck_diameter_m = row.neck_m;
   params.head_length_m = row.head_m;
   params.tip_diameter_m = row.tip_m;
   params.balls.cutting_gap_m = cutting_ratio * params.diameter_m;
-  return Built(reader, "sizes", [&] { return simulation::MakeBurr(params); });
+  return Built(sizes.rows[which], "diameter_mm", [&] { return simulation::MakeBurr(params); });
 }
 
 BuiltTool LoadTwistDrill(Reader& reader, const std::optional<double>& diameter_m) {
@@ -179,13 +181,14 @@ BuiltTool LoadTwistDrill(Reader& reader, const std::optional<double>& diameter_m
   reader.Finish();
 
   params.diameter_m = ChooseSize(reader, sizes, diameter_m);
-  const Row& row = rows[RowOf(sizes, params.diameter_m)];
+  const std::size_t which = RowOf(sizes, params.diameter_m);
+  const Row& row = rows[which];
   params.flute_length_m = row.flute_m;
   params.length_m = row.length_m;
   params.balls.cutting_gap_m = point_ratio * params.diameter_m;
   params.flute_gap_m = flute_ratio * params.diameter_m;
   params.balls.touching_gap_m = shank_ratio * params.diameter_m;
-  return Built(reader, "sizes", [&] { return simulation::MakeTwistDrill(params); });
+  return Built(sizes.rows[which], "diameter_mm", [&] { return simulation::MakeTwistDrill(params); });
 }
 
 BuiltTool LoadMeshTool(Reader& reader, const std::optional<double>& diameter_m) {

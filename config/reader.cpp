@@ -151,10 +151,11 @@ struct Reader::Mapping {
     return entry == entries.end() ? file : entry->file;
   }
 
-  // YAML marks a value that is not there at what comes next: then the key's line.
+  // YAML marks a value that is not there at what comes next: then the key's line. What a command line has
+  // laid over has none.
   [[nodiscard]] int LineOfValue(const std::string& key, const YAML::Node& node) const {
-    if (!node.IsNull()) return LineOf(node);
     const auto entry = std::ranges::find(entries, key, &Entry::key);
+    if (!node.IsNull() && !(entry != entries.end() && entry->line == 0)) return LineOf(node);
     return entry == entries.end() ? line : entry->line;
   }
 

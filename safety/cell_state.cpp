@@ -182,7 +182,7 @@ CellStateText Describe(CellState state) {
               "by itself once every condition holds; `osteon run` names those that do not"};
     case kReady:
       return {"ready", "follows the arm, looks at the conditions of motion",
-              "by itself once the arm is handed over"};
+              "by itself once the robot's program hands the arm over (COMMANDING_ACTIVE)"};
     case kAligning:
       return {"aligning", "moves along the path to the start; rests on it while motion is not permitted",
               "by itself at the path's end, once every condition holds"};
@@ -194,7 +194,8 @@ CellStateText Describe(CellState state) {
       return {"paused", "holds under power, the spindle still; looks at the conditions of motion",
               "ask to go on (SIGUSR2): begins anew where it stands, once every condition holds"};
     case kStop0:
-      return {"stop 0", "commands nothing that counts: holds, and follows an arm that moves by itself",
+      return {"stop 0",
+              "sends the last command on, which counts for nothing; follows an arm that moves by itself",
               "by itself, once the arm is seen to stand; a recovery where the fault allows one"};
     case kStop1:
       return {"stop 1", "brakes what is commanded, renders nothing, stills the spindle, asks for no motion",

@@ -15,13 +15,13 @@ const char* Missing(MotionPermit permit) {
     case MotionPermit::kModelFresh:
       return "a fresh contact model of the simulation";
     case MotionPermit::kPosePlausible:
-      return "the arm where it would be commanded";
+      return "the arm measured where it is commanded";
     case MotionPermit::kNoResidualWrench:
       return "a tool that does not stand deeper in bone than the force limit";
     case MotionPermit::kSpindleReady:
-      return "the spindle's drive";
+      return "the spindle's drive, ready and without a fault";
     case MotionPermit::kWayLookedAt:
-      return "the look along the way to the start";
+      return "the look along the way to the start, which is under way";
   }
   return "an unknown condition";
 }

@@ -36,10 +36,12 @@ std::string Head(const ReportInput& input) {
 std::string Faults(const ReportInput& input) {
   if (input.faults.empty()) return {};
   std::string out =
-      "<h2>Faults</h2>\n<table>\n<tr><th class=\"n\">time [s]</th><th>fault</th><th>reaction</th></tr>\n";
+      "<h2>Faults</h2>\n<table>\n<tr><th class=\"n\">time [s]</th><th>fault</th><th>what was "
+      "seen</th><th>reaction</th></tr>\n";
   for (const FaultRow& fault : input.faults)
-    out += fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", Number(fault.time_s, 3),
-                       Escape(fault.name), Escape(fault.reaction));
+    out +=
+        fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                    Number(fault.time_s, 3), Escape(fault.name), Escape(fault.seen), Escape(fault.reaction));
   return out + "</table>\n";
 }
 

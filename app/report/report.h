@@ -28,6 +28,7 @@ struct FaultRow {
   std::string name;
   double time_s{0.0};    ///< since the run's start; not finite: not known
   std::string reaction;  ///< what the cell did
+  std::string seen{};    ///< with its figures, where they are known
 };
 
 /// Everything that a report is made of. Views must outlive the call.

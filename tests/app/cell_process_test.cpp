@@ -132,6 +132,10 @@ TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
   };
   EXPECT_TRUE(cell.WaitUntil(left)) << cell.Out();
   usleep(600'000);  // the PLC gives a heartbeat .25 s
+  // the next one finds the arm as it was left, and takes it over
+  const CommandResult next = RunCommand(folder.path(), {"run", "thin_plate", "--port", Port(), "--wait", "5",
+                                                        "--seconds", "1", "--record", "n.mcap"});
+  std::fprintf(stderr, "NEXT %d\n%s\n%s\n", next.exit_code, next.out.c_str(), next.err.c_str());
   cell.Send(SIGTERM);
   EXPECT_EQ(cell.Wait().exit_code, 0);
   const nlohmann::json report = ReadJson(cell_folder.path() / "cell.json");

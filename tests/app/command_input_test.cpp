@@ -115,6 +115,18 @@ TEST_F(WrongInput, Cup) {
   }
 }
 
+TEST_F(WrongInput, AScaleOfAPacking) {
+  const auto packing = Write("bone.osp", "");
+  ExpectRefused({"demo", "--mesh", packing.string(), "--scale", "2"},
+                {"--scale", "bone.osp", "accepted with a mesh"});
+}
+
+TEST_F(WrongInput, AScenesPlanTakesScenesAlone) {
+  for (const char* what : {"ball:3", "bone.stl", "nosuch"})
+    ExpectRefused({"plan", what, "--error-mm", "0.1", "--rate-hz", "500"},
+                  {what, "accepted: a scene: a YAML file, or one of acetabulum, "});
+}
+
 TEST_F(WrongInput, Mesh) {
   ExpectRefused({"demo", "--mesh", "missing.obj", "--cup", kGoodCup}, {"missing.obj"});
   ExpectRefused({"demo", "--mesh", "", "--cup", kGoodCup}, {"--mesh"});
@@ -159,6 +171,10 @@ TEST_F(WrongInput, CellAndConfiguration) {
 
 TEST_F(WrongInput, Tool) {
   ExpectRefused({"demo", "--tool", "nosuch"}, {"--tool nosuch", "accepted", "reamer", "twist_drill"});
+  ExpectRefused({"demo", "--tool", "nosuch.yaml"},
+                {"no file nosuch.yaml", "accepted", "reamer", "twist_drill"});
+  ExpectRefused({"demo", "--tool", "reamer.yaml:80"},
+                {"--tool reamer.yaml:80: found 80", "36 … 68 in steps of 1"});
   ExpectRefused({"demo", "--tool", "reamer:big"}, {"found \"big\"", "a diameter in mm"});
   ExpectRefused({"demo", "--tool", "reamer:80"}, {"--tool reamer:80: found 80", "36 … 68 in steps of 1"});
 }

@@ -109,6 +109,7 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   ASSERT_EQ(second->head.reasons.size(), 2u);
   EXPECT_NE(second->head.reasons[1].find(": a softer hand"), std::string::npos);
   EXPECT_EQ(Run({"own.yaml"}).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out/regress.html")) << "no longer true";
 }
 
 // In virtual time nobody waits for it for ever.
@@ -171,10 +172,11 @@ TEST_F(Regress, WrongInputIsRefusedBeforeAnythingRuns) {
   expect({"wall_reamer", (kShipped / "wall_reamer.yaml").string()}, {"found twice"});
   expect({"wall_reamer", "--update"}, {"--reason"});
   expect({"wall_reamer", "--reason", "x"}, {"--update"});
-  expect({"wall_reamer", "--update", "--reason", " "}, {"--reason"});
+  expect({"wall_reamer", "--update", "--reason", " "}, {"found no reason", "--reason"});
+  expect({"wall_reamer", "--update", "--reason", ""}, {"found no reason", "--reason"});
   expect({"wall_reamer", "--update", "--reason", "x", "--set", "a.b=1"}, {"--set"});
   expect({"wall_reamer", "--set", "limits.max_force_N=900"},
-         {"--set limits.max_force_N=900", "max_force_N: found 900"});
+         {"--set limits.max_force_N=900: max_force_N: found 900"});
   expect({"wall_reamer", "--set", "nothing"}, {"KEY=VALUE"});
   // what the cell's own line forbids beside it is told with what was laid over
   expect({"wall_reamer", "--set", "script.push_force_N=300"},

@@ -122,6 +122,8 @@ TEST_F(ReplayCommandTest, SeesAnotherGain) {
 TEST_F(ReplayCommandTest, AnotherCellInsteadOfTheRecordedOne) {
   Replay(Original(), {"--cell", OSTEON_SOURCE_DIR "/config/cells/molar.yaml"});
   EXPECT_EQ(code_, 0);
+  Replay(Original(), {"--cell", "molar"});
+  EXPECT_EQ(code_, 0) << "by its name";
   Replay(Original(), {"--cell", OSTEON_SOURCE_DIR "/config/cells/demo.yaml"});
   EXPECT_EQ(code_, 1);
 }

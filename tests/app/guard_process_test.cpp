@@ -153,6 +153,15 @@ TEST_F(GuardProcess, AControllerThatIsKilledIsWithdrawnAtThePlc) {
   EXPECT_EQ(guard.exit_code, report.at("latched").get<bool>() ? 1 : 0);
 }
 
+TEST_F(GuardProcess, ARunWhoseGuardIsNotThereSaysSo) {
+  std::vector<std::string> run = Run();
+  run.insert(run.end(), {"--wait", "1"});
+  const CommandResult alone = RunCommand(run_folder_.path(), run);
+  EXPECT_EQ(alone.exit_code, 1) << alone.err;
+  EXPECT_NE(alone.out.find("does `osteon guard` run?"), std::string::npos) << alone.out;
+  EXPECT_EQ(alone.out.find("Bone removed"), std::string::npos) << "there was no cut";
+}
+
 TEST_F(GuardProcess, WrongInputIsNamedAndExitsWithTwo) {
   const CommandResult without = RunCommand(folder_.path(), {"guard", "thin_plate"});
   EXPECT_EQ(without.exit_code, 2);

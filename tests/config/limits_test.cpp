@@ -74,6 +74,12 @@ TEST(Limits, WhatContradictsItselfIsRefusedAtItsLine) {
               HasSubstr("stiffness_N_per_mm: found 25, accepted at most the coupling's 20"));
   EXPECT_THAT(with("at_mm: [0, 0, 400]", "at_mm: [0, 0, 4000]"),
               HasSubstr("from the elbow at the start to its zones' bounds"));
+  const std::string text = CellText("demo");
+  const std::size_t depth = text.find("depth_limit:"), at = text.find("at_mm:", depth);
+  std::string above = text;
+  above.replace(at, text.find(']', at) + 1 - at, "at_mm: [620, 0, 4000]");
+  EXPECT_THAT(Refusal(above),
+              HasSubstr("from the apex at the start to the depth limit's bound, accepted at least 0 mm"));
   EXPECT_THAT(with("shape: box", "shape: cone"), HasSubstr("half_space, sphere, box, cylinder, capsule"));
 }
 

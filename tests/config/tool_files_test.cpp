@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -7,6 +8,7 @@
 #include "gpu/shaders/layout.h"
 #include "simulation/reference_engine.h"
 #include "tests/config/cell_text.h"
+#include "tests/io/temporary_folder.h"
 
 namespace osteon::config {
 namespace {
@@ -59,6 +61,27 @@ TEST(ToolSets, DefaultIsOneOfThemAndOthersAreRefusedWithTheList) {
       EXPECT_NE(std::string(error.what()).find(c.accepted), std::string::npos) << error.what();
     }
   }
+}
+
+// A row that can not be built is named at its own line, not at the list's.
+TEST(ToolSets, ARowThatIsNoToolIsRefusedAtItsLine) {
+  std::string text = io::test::ReadAll(kTools + "round_burr.yaml");
+  const std::string row = "  - {diameter_mm: 1.4, neck_mm: 0.77}";
+  const std::size_t at = text.find(row);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, row.size(), "  - {diameter_mm: 1.4, neck_mm: 7.7}");
+  const io::test::TemporaryFolder folder;
+  const auto file = folder.path() / "burr.yaml";
+  io::test::WriteAll(file, text);
+  const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+  try {
+    static_cast<void>(LoadTool(file, 0.0014));
+    ADD_FAILURE();
+  } catch (const ConfigError& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with(file.string() + ":" + std::to_string(line) + ": "))
+        << error.what();
+  }
+  EXPECT_NO_THROW(static_cast<void>(LoadTool(file, 0.0018))) << "the other rows are as they were";
 }
 
 // The shipped tools that demos use, in all sizes: within what the Vulkan engine takes today.

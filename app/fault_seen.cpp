@@ -1,0 +1,80 @@
+#include "app/fault_seen.h"
+
+#include <fmt/format.h>
+
+#include "io/modbus/plc_client.h"
+#include "safety/watchdog.h"
+
+namespace osteon::app {
+namespace {
+
+using control::TickRecord;
+
+std::string Age(double age_s, const char* never) {
+  return age_s < safety::kNoAge_s ? fmt::format("{:.0f} ms old", age_s * 1e3) : never;
+}
+
+std::string Age(const TickRecord& tick, rt::Nanoseconds stamp, const char* never) {
+  return Age(safety::StampAge(tick.input.now, stamp), never);
+}
+
+// The PLC's verdict without what follows from it ("…: Stop 1"), and how old its word is.
+std::string Interlock(const TickRecord& tick) {
+  const std::string age = Age(tick, tick.input.interlock_stamp, "none yet");
+  if (tick.input.permitted) return "permitted; the PLC's word: " + age;
+  const std::string verdict = io::Describe(static_cast<io::PlcVerdict>(tick.input.interlock_reason));
+  return verdict.substr(0, verdict.rfind(':')) + "; the PLC's word: " + age;
+}
+
+std::string Spindle(const TickRecord& tick) {
+  return fmt::format("{}; its status: {}",
+                     tick.input.spindle_fault    ? "a fault"
+                     : !tick.input.spindle_ready ? "not ready"
+                                                 : "ready",
+                     Age(tick, tick.input.spindle_stamp, "none yet"));
+}
+
+double Distance_mm(const PlainPose& a, const PlainPose& b) {
+  return 1e3 * (Pose(a).translation() - Pose(b).translation()).norm();
+}
+
+std::string Place(const PlainPose& X_WT) {
+  const Vector3 p_mm = 1e3 * Pose(X_WT).translation();
+  return fmt::format("the apex at ({:.1f}, {:.1f}, {:.1f}) mm in W", p_mm.x(), p_mm.y(), p_mm.z());
+}
+
+}  // namespace
+
+std::string SeenAt(safety::Fault fault, const TickRecord& tick) {
+  using safety::Fault;
+  switch (fault) {
+    case Fault::kModelStale:
+      return "the model is " + Age(tick.model_age_s, "not there yet");
+    case Fault::kSensorStale:
+      return "the reading is " + Age(tick.sensor_age_s, "not there yet");
+    case Fault::kSensorForce:
+      return fmt::format("{:.0f} N", Vector3(tick.F_operator_T_W.f).norm());
+    case Fault::kToolSpeed:
+      return fmt::format("{:.0f} mm/s", 1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm());
+    case Fault::kWorkspace:
+      return Place(tick.X_WT_cmd);
+    case Fault::kSession:
+      return tick.input.safety_state == 0 ? fmt::format("session state {}", tick.session_state)
+                                          : fmt::format("safety stop {}", tick.input.safety_state - 1);
+    case Fault::kTracking:
+      return fmt::format("{:.1f} mm", Distance_mm(tick.X_WT_cmd, tick.X_WT_meas));
+    case Fault::kPeriod:
+      return fmt::format("{:g} ms", 1e3 * tick.input.period_s);
+    case Fault::kInterlock:
+      return Interlock(tick);
+    case Fault::kSpindle:
+      return Spindle(tick);
+    case Fault::kSpindleLimit:
+      return fmt::format("{:.2f} N·m at {:.0f} rad/s", tick.input.spindle_torque_Nm,
+                         tick.input.spindle_meas_rad_per_s);
+    default:  // the name says all that the record knows
+      return "";
+  }
+}
+
+}  // namespace osteon::app

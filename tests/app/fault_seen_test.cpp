@@ -1,0 +1,61 @@
+#include "app/fault_seen.h"
+
+#include <gtest/gtest.h>
+
+#include "io/modbus/plc_reading.h"
+
+namespace osteon::app {
+namespace {
+
+using control::TickRecord;
+using safety::Fault;
+
+TickRecord At(rt::Nanoseconds now) {
+  TickRecord tick;
+  tick.input.now = now;
+  return tick;
+}
+
+TEST(FaultSeen, TellsAPlcThatWithdrewFromOneThatIsSilent) {
+  TickRecord tick = At(rt::kSecond);
+  tick.input.interlock_stamp = rt::kSecond - 8 * rt::kMillisecond;
+  tick.input.interlock_reason = static_cast<std::uint8_t>(io::PlcVerdict::kNotPermitted);
+  EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "RUN_PERMITTED (974) is 0; the PLC's word: 8 ms old");
+  tick.input.interlock_stamp = rt::kSecond - 104 * rt::kMillisecond;
+  tick.input.interlock_reason = static_cast<std::uint8_t>(io::PlcVerdict::kStale);
+  EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "the PLC's registers are too old; the PLC's word: 104 ms old");
+  tick.input.permitted = true;  // judged before it fell silent
+  EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "permitted; the PLC's word: 104 ms old");
+  tick.input.interlock_stamp = 0;
+  EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "permitted; the PLC's word: none yet");
+}
+
+TEST(FaultSeen, HasTheFiguresOfTheOthers) {
+  TickRecord tick = At(rt::kSecond);
+  tick.model_age_s = 0.251;
+  EXPECT_EQ(SeenAt(Fault::kModelStale, tick), "the model is 251 ms old");
+  tick.sensor_age_s = 1e6;
+  EXPECT_EQ(SeenAt(Fault::kSensorStale, tick), "the reading is not there yet");
+  tick.F_operator_T_W.f = Vector3(0, 120, 160);
+  EXPECT_EQ(SeenAt(Fault::kSensorForce, tick), "200 N");
+  tick.v_WT_cmd_m_per_s = Vector3(0.3, 0, 0);
+  EXPECT_EQ(SeenAt(Fault::kToolSpeed, tick), "300 mm/s");
+  Pose X_WT = Pose::Identity();
+  X_WT.translation() = Vector3(0.62, 0, 0.2584);
+  tick.X_WT_cmd = X_WT;
+  EXPECT_EQ(SeenAt(Fault::kWorkspace, tick), "the apex at (620.0, 0.0, 258.4) mm in W");
+  X_WT.translation().z() += 0.0125;
+  tick.X_WT_meas = X_WT;
+  EXPECT_EQ(SeenAt(Fault::kTracking, tick), "12.5 mm");
+  tick.session_state = 2;
+  EXPECT_EQ(SeenAt(Fault::kSession, tick), "session state 2");
+  tick.input.safety_state = 2;
+  EXPECT_EQ(SeenAt(Fault::kSession, tick), "safety stop 1");
+  tick.input.spindle_stamp = rt::kSecond - 5 * rt::kMillisecond;
+  tick.input.spindle_fault = true;
+  EXPECT_EQ(SeenAt(Fault::kSpindle, tick), "a fault; its status: 5 ms old");
+  EXPECT_EQ(SeenAt(Fault::kDevice, tick), "");
+}
+
+}  // namespace
+}  // namespace osteon::app

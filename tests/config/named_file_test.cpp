@@ -1,0 +1,40 @@
+#include "config/named_file.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/io/temporary_folder.h"
+
+namespace osteon::config {
+namespace {
+
+using io::test::TemporaryFolder;
+using io::test::WriteAll;
+
+TEST(NamedFile, IsFoundByItsPathAndByItsNameInTheFolder) {
+  const TemporaryFolder folder;
+  WriteAll(folder.path() / "b.yaml", "");
+  WriteAll(folder.path() / "a.yaml", "");
+  WriteAll(folder.path() / "notes.txt", "");
+  const auto b = folder.path() / "b.yaml";
+  EXPECT_EQ(FindNamedFile(folder.path(), "b").value(), b);
+  EXPECT_EQ(FindNamedFile(folder.path(), "b.yaml").value(), b);
+  EXPECT_EQ(FindNamedFile("elsewhere", b.string()).value(), b);
+  EXPECT_EQ(YamlNamesIn(folder.path()), "a, b");
+  EXPECT_EQ(YamlNamesIn("elsewhere"), "none");
+}
+
+TEST(NamedFile, SaysWhereItLooked) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(FindNamedFile(folder.path(), "c").error(), folder.path() / "c.yaml");
+  EXPECT_EQ(FindNamedFile(folder.path(), "c.yaml").error(), "c.yaml");
+  EXPECT_EQ(FindNamedFile(folder.path(), "").error(), folder.path() / ".yaml");
+  // a name in the folder has no folders of its own
+  std::filesystem::create_directory(folder.path() / "inner");
+  WriteAll(folder.path() / "inner" / "d.yaml", "");
+  EXPECT_FALSE(FindNamedFile(folder.path(), "inner/d"));
+  EXPECT_FALSE(FindNamedFile(folder.path() / "inner", "../inner/d"));
+  EXPECT_FALSE(FindNamedFile(folder.path(), "inner")) << "a folder is no file";
+}
+
+}  // namespace
+}  // namespace osteon::config
