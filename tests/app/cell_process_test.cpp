@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/app/command.h"
+#include "tests/config/cell_text.h"
 
 // `osteon cell` and `osteon run` as a user has them: two processes that know of each other by their wires
 // alone. How fast this machine is, is nowhere asserted.
@@ -132,15 +133,28 @@ TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
   };
   EXPECT_TRUE(cell.WaitUntil(left)) << cell.Out();
   usleep(600'000);  // the PLC gives a heartbeat .25 s
-  // the next one finds the arm as it was left, and takes it over
-  const CommandResult next = RunCommand(folder.path(), {"run", "thin_plate", "--port", Port(), "--wait", "5",
-                                                        "--seconds", "1", "--record", "n.mcap"});
-  std::fprintf(stderr, "NEXT %d\n%s\n%s\n", next.exit_code, next.out.c_str(), next.err.c_str());
   cell.Send(SIGTERM);
   EXPECT_EQ(cell.Wait().exit_code, 0);
   const nlohmann::json report = ReadJson(cell_folder.path() / "cell.json");
   EXPECT_FALSE(report.at("plc").at("run_permitted").get<bool>()) << "its heartbeat stands still";
   EXPECT_FALSE(report.at("arm").at("stop").get<std::string>().empty());
+}
+
+// As after a controller that was killed in contact: the file is right, the arm stands where it may not begin.
+TEST(CellProcess, ARunWhoseArmStandsInBoneFailsAndSaysHowDeep) {
+  const TemporaryFolder folder, cell_folder;
+  const auto higher = folder.path() / "higher.yaml";
+  io::test::WriteAll(higher, config::With(config::CellText("thin_plate"), "[620, 0, 210]", "[620, 0, 230]"));
+  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
+  ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
+  const CommandResult run = RunCommand(folder.path(), {"run", higher.string(), "--port", Port()});
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  for (const char* words : {"the way to the start: at 0 % of the path: found the tool", "mm inside the bone",
+                            "bring the tool out by hand, along its axis (a simulated cell: start it anew)"})
+    EXPECT_NE(run.err.find(words), std::string::npos) << run.err;
+  cell.Send(SIGTERM);
+  EXPECT_EQ(cell.Wait().exit_code, 0);
+  EXPECT_FALSE(Says(cell, "COMMANDING_ACTIVE"));
 }
 
 TEST(CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheCpuThatWasNamed) {

@@ -122,6 +122,7 @@ TEST_F(WrongInput, AScaleOfAPacking) {
 }
 
 TEST_F(WrongInput, AScenesPlanTakesScenesAlone) {
+  one_line_ = false;  // what it is at comes first
   for (const char* what : {"ball:3", "bone.stl", "nosuch"})
     ExpectRefused({"plan", what, "--error-mm", "0.1", "--rate-hz", "500"},
                   {what, "accepted: a scene: a YAML file, or one of acetabulum, "});

@@ -107,6 +107,7 @@ RunSummary Sample() {
   s.recording = "out/µ.mcap";
   s.ended = "completed";
   s.balls = 30000;
+  s.rendered = true;
   s.ticks = 10000;
   s.frames = 5000;
   s.servo_rate_hz = 1000.0;
@@ -266,6 +267,21 @@ TEST(EffectiveLimits, AreTheTightestAndNameTheOthers) {
 TEST(SummaryRows, ShowVolumesBesideEachOther) {
   EXPECT_EQ(RowOf(Sample(), "Bone removed"), "2500 mm³, 3.50 g; swept 2000 mm³ (+25.0 %)");
   EXPECT_EQ(RowOf(Sample(), "Peak rendered force"), "123.4 N of 200 N allowed");
+}
+
+TEST(SummaryRows, OfARunThatNeverRenderedHaveNoCut) {
+  RunSummary s = Sample();
+  s.rendered = false;
+  for (const char* row :
+       {"Bone removed", "Reamed since first touch", "Against the first floor", "State hash"})
+    EXPECT_EQ(RowOf(s, row), "no such row");
+  s.faults = {
+      {.name = "motion not permitted", .time_s = 1.5, .reaction = "", .seen = "RUN_PERMITTED (974) is 0"}};
+  EXPECT_EQ(RowOf(s, "Faults"), "motion not permitted (RUN_PERMITTED (974) is 0)");
+  const nlohmann::json seen = nlohmann::json::parse(ToJson(s, "osteon.run/1")).at("faults_seen");
+  EXPECT_EQ(seen,
+            nlohmann::json::array(
+                {{{"name", "motion not permitted"}, {"time_s", 1.5}, {"seen", "RUN_PERMITTED (974) is 0"}}}));
 }
 
 }  // namespace
