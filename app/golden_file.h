@@ -14,6 +14,8 @@ namespace osteon::app {
 struct GoldenSource {
   std::string path;      ///< below the configuration's root
   std::string checksum;  ///< of its bytes: FNV-1a, 16 hexadecimal digits
+
+  bool operator==(const GoldenSource&) const = default;
 };
 
 /// Where a golden trace is from.

@@ -22,7 +22,9 @@ RegressCommand::RegressCommand(CLI::App& app)
               "KEY=VALUE, laid over every scenario's cell, e.g. limits.max_force_N=150; several times")
           ->expected(1)
           ->take_all();
-  auto* update = sub_->add_flag("--update", o.update, "what does not pass is the golden trace from now on");
+  auto* update = sub_->add_flag(
+      "--update", o.update,
+      "what does not pass, or comes of files that have changed, is the golden trace from now on");
   update->excludes(set);
   sub_->add_option("--reason", o.reason, "why that is right: it is written into the golden traces' heads");
   sub_->add_option("--jobs", o.jobs, "scenarios at a time; 0: one a core. The result does not depend on it")

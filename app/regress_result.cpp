@@ -28,7 +28,10 @@ std::vector<std::string> Reasons(const RegressResult& r) {
   if (!r.updated) return r.error.empty() ? r.explained : std::vector{r.error};
   // what has become golden is to be known by how it ended: a run that never came to its end is golden too
   std::vector<std::string> lines = r.explained;
-  lines.insert(lines.begin(), fmt::format("{}its run: {}", r.golden ? "" : "the first of its golden traces; ",
+  lines.insert(lines.begin(), fmt::format("{}its run: {}",
+                                          !r.golden       ? "the first of its golden traces; "
+                                          : r.identical() ? "the same bits, from files that have changed; "
+                                                          : "",
                                           r.run->trace.ended));
   return lines;
 }

@@ -110,6 +110,21 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_NE(second->head.reasons[1].find(": a softer hand"), std::string::npos);
   EXPECT_EQ(Run({"own.yaml"}).exit_code, 0);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out/regress.html")) << "no longer true";
+
+  // a file that has changed without effect is held against nobody later
+  io::test::WriteAll(folder_.path() / "own.yaml",
+                     io::test::ReadAll(folder_.path() / "own.yaml") + "# a remark\n");
+  const CommandResult remark = Run({"own.yaml", "--update", "--reason", "a remark"});
+  EXPECT_EQ(remark.exit_code, 0);
+  EXPECT_NE(remark.out.find("the same bits, from files that have changed; its run: completed"),
+            std::string::npos)
+      << remark.out;
+  const auto third = ReadGolden(OwnGolden());
+  ASSERT_EQ(third->head.reasons.size(), 3u);
+  EXPECT_EQ(third->trace.hash, second->trace.hash);
+  EXPECT_NE(third->head.sources, second->head.sources) << "its checksum";
+  EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "in vain"}).exit_code, 0);
+  EXPECT_EQ(ReadGolden(OwnGolden())->head.reasons.size(), 3u);
 }
 
 // In virtual time nobody waits for it for ever.
