@@ -113,10 +113,13 @@ std::string RegressTable(const RegressSummary& summary) {
                                  "every bit", "simulated", "wall", "speed");
   std::size_t passed = 0, held = 0, identical = 0, updated = 0;
   for (const RegressResult& r : summary.results) {
-    passed += Passed(summary, r) ? 1u : 0u;
-    held += r.updated ? 0u : 1u;
-    identical += r.identical() ? 1u : 0u;
-    updated += r.updated ? 1u : 0u;
+    if (r.updated) {
+      ++updated;
+    } else {
+      ++held;
+      passed += Passed(summary, r) ? 1u : 0u;
+      identical += r.identical() ? 1u : 0u;
+    }
     text += fmt::format("{:<{}}  {:<8}{:<18}", r.scenario.name, width, Verdict(summary, r),
                         !r.golden       ? "-"
                         : r.identical() ? "the same"

@@ -63,7 +63,7 @@ TEST(RegressResult, PassesWithinItsTolerancesUnlessEveryBitIsAskedFor) {
 }
 
 TEST(RegressResult, TableSaysWhyBelowEachThatIsNotTheSame) {
-  const auto results = Results();
+  auto results = Results();
   const RegressOptions options;
   const std::string text = RegressTable({.results = results, .options = options, .seconds = 1.5});
   EXPECT_NE(text.find("same      passed  the same              0.04 s   0.01 s     4.0x\n"),
@@ -74,6 +74,11 @@ TEST(RegressResult, TableSaysWhyBelowEachThatIsNotTheSame) {
   EXPECT_NE(text.find("none      ERROR"), std::string::npos) << text;
   EXPECT_NE(text.find("    coupling_z_N: left at 0.021 s (tick 20)"), std::string::npos) << text;
   EXPECT_NE(text.find("2 of 4 passed, 1 bit for bit, in 1.5 s\n"), std::string::npos) << text;
+  results[0].updated = true;  // counted once
+  const std::string updated = RegressTable({.results = results, .options = options, .seconds = 1.5});
+  EXPECT_NE(updated.find("1 golden trace written, 1 of 3 passed, 0 bit for bit, in 1.5 s\n"),
+            std::string::npos)
+      << updated;
 }
 
 TEST(RegressResult, JsonKeepsTheContract) {
