@@ -7,8 +7,8 @@
 
 namespace osteon::app {
 
-/// What was seen when a fault was latched, with its figures, e.g. "the PLC's registers are too old: 104 ms",
-/// where a tick's record tells it; else empty.
+/// What was seen when a fault was latched, with its figures, e.g. "RUN_PERMITTED (974) is 0; the PLC's word:
+/// 8 ms old", where a tick's record tells it; else empty.
 /// @param tick  the first one that has the fault
 [[nodiscard]] std::string SeenAt(safety::Fault fault, const control::TickRecord& tick);
 
