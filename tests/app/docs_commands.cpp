@@ -78,7 +78,8 @@ const std::map<std::string, DocRun>& Runs() {
        By("GuardProcess.ARunOfASimulatedCellBringsItsGuard")},
       {"osteon run my_cell.yaml --record today.mcap",
        By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
-      {"osteon calibrate my_cell.yaml --payload weigh.mcap --pivot tip.mcap --out my_calibration.yaml",
+      {"osteon calibrate my_cell.yaml --payload weigh.mcap --pivot tip.mcap --out "
+       "config/cells/my_calibration.yaml",
        By("CalibrateTest.FindsPayloadBiasAndApexAndTheCellTakesThem")},
 
       {"osteon export demo_out/recording.mcap",
