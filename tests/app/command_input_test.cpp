@@ -121,13 +121,6 @@ TEST_F(WrongInput, AScaleOfAPacking) {
                 {"--scale", "bone.osp", "accepted with a mesh"});
 }
 
-TEST_F(WrongInput, AScenesPlanTakesScenesAlone) {
-  one_line_ = false;  // what it is at comes first
-  for (const char* what : {"ball:3", "bone.stl", "nosuch"})
-    ExpectRefused({"plan", what, "--error-mm", "0.1", "--rate-hz", "500"},
-                  {what, "accepted: a scene: a YAML file, or one of acetabulum, "});
-}
-
 TEST_F(WrongInput, Mesh) {
   ExpectRefused({"demo", "--mesh", "missing.obj", "--cup", kGoodCup}, {"missing.obj"});
   ExpectRefused({"demo", "--mesh", "", "--cup", kGoodCup}, {"--mesh"});

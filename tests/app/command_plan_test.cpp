@@ -67,7 +67,8 @@ TEST(Plan, SaysWhatItDoesNotTake) {
   for (const auto& [arguments, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{}, "scene is required"},
            {{"elbow"}, "elbow: no file"},
-           {{"ball:20"}, "ball:20: found no scene, accepted a scene's YAML file"},
+           {{"ball:20"}, "accepted: a scene: a YAML file, or one of acetabulum, "},
+           {{"bone.stl"}, "accepted: a scene: a YAML file, or one of acetabulum, "},
            {{"molar", "--cell", "elbow"}, "--cell elbow: no file"},
            {{"molar", "--tool", "round_burr:77"}, "found 77"}}) {
     std::vector<std::string> all{"plan"};
