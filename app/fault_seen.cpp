@@ -1,5 +1,7 @@
 #include "app/fault_seen.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "io/modbus/plc_client.h"
@@ -44,6 +46,12 @@ std::string Place(const PlainPose& X_WT) {
 }
 
 }  // namespace
+
+const TickRecord* FirstWith(safety::Fault fault, std::span<const TickRecord> ticks) {
+  const auto first = std::ranges::find_if(
+      ticks, [&](const TickRecord& t) { return (t.faults & static_cast<std::uint32_t>(fault)) != 0; });
+  return first == ticks.end() ? nullptr : &*first;
+}
 
 std::string SeenAt(safety::Fault fault, const TickRecord& tick) {
   using safety::Fault;

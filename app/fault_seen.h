@@ -1,11 +1,16 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "control/tick_record.h"
 #include "safety/fault.h"
 
 namespace osteon::app {
+
+/// The first tick that has the fault; null: none does.
+[[nodiscard]] const control::TickRecord* FirstWith(safety::Fault fault,
+                                                   std::span<const control::TickRecord> ticks);
 
 /// What was seen when a fault was latched, with its figures, e.g. "RUN_PERMITTED (974) is 0; the PLC's word:
 /// 8 ms old", where a tick's record tells it; else empty.

@@ -26,9 +26,8 @@ bool Ends(Phase phase) { return phase == Phase::kStopping || phase == Phase::kSt
 std::string FaultTable(const StopRecord& stop, std::span<const TickRecord> ticks) {
   std::string rows;
   ForEachFault(stop.faults, [&](safety::Fault fault, const safety::FaultText& text) {
-    const auto first = std::ranges::find_if(
-        ticks, [&](const TickRecord& t) { return (t.faults & static_cast<std::uint32_t>(fault)) != 0; });
-    const std::string seen = first == ticks.end() ? "" : SeenAt(fault, *first);
+    const TickRecord* first = FirstWith(fault, ticks);
+    const std::string seen = first ? SeenAt(fault, *first) : "";
     rows += "<tr>";
     for (const std::string& cell : {std::string(text.name), text.cause + (seen.empty() ? "" : ": " + seen),
                                     std::string(text.reaction), std::string(text.clearing)})

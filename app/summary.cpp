@@ -39,12 +39,10 @@ double RateOf(const std::vector<rt::Nanoseconds>& stamps) {
 std::vector<FaultRow> FaultRows(safety::FaultSet faults, const io::Recording& recording) {
   std::vector<FaultRow> rows;
   ForEachFault(faults, [&](safety::Fault fault, const safety::FaultText& text) {
-    const auto first = std::find_if(
-        recording.ticks.begin(), recording.ticks.end(),
-        [&](const control::TickRecord& t) { return (t.faults & static_cast<std::uint32_t>(fault)) != 0; });
+    const control::TickRecord* first = FirstWith(fault, recording.ticks);
     FaultRow& row =
         rows.emplace_back(FaultRow{.name = text.name, .time_s = std::nan(""), .reaction = text.reaction});
-    if (first == recording.ticks.end()) return;
+    if (!first) return;
     row.time_s = rt::ToSeconds(first->stamp - recording.ticks.front().stamp);
     row.seen = SeenAt(fault, *first);
   });

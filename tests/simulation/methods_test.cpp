@@ -47,12 +47,14 @@ const Plate& SoftPlate() {
   return plate;
 }
 
-class Methods : public testing::TestWithParam<Method> {};
-INSTANTIATE_TEST_SUITE_P(, Methods, testing::ValuesIn(kMethods), [](const auto& method) {
+std::string NameOf(const testing::TestParamInfo<Method>& method) {
   std::string name(MethodName(method.param));
   std::erase(name, '-');
   return name;
-});
+}
+
+class Methods : public testing::TestWithParam<Method> {};
+INSTANTIATE_TEST_SUITE_P(, Methods, testing::ValuesIn(kMethods), NameOf);
 
 /// Lowers the apex in steps of .05 mm and returns the last frame.
 ContactModel LowerTo(CuttingEngine& engine, double from_z_m, double to_z_m, double spindle_rad_per_s = 0.0) {
@@ -127,11 +129,7 @@ std::vector<Method> AllButThePrintedPaper() {
 
 // The printed paper has no law.
 class LawfulMethods : public Methods {};
-INSTANTIATE_TEST_SUITE_P(, LawfulMethods, testing::ValuesIn(AllButThePrintedPaper()), [](const auto& method) {
-  std::string name(MethodName(method.param));
-  std::erase(name, '-');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(, LawfulMethods, testing::ValuesIn(AllButThePrintedPaper()), NameOf);
 
 TEST_P(LawfulMethods, CutAtTheRateOfTheEnergyBalance) {
   const Plate& plate = SoftPlate();
