@@ -47,6 +47,19 @@ nlohmann::json ReadJson(const std::filesystem::path& file) {
 
 double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
 
+// The fault that its death has to end in; empty: whichever watchdog is first.
+std::string OwnFault(KillVictim victim) {
+  if (victim == KillVictim::kSimulation) return "contact model stale";
+  if (victim == KillVictim::kRecorder) return "recorder stalled";
+  return "";
+}
+
+// Whether another fault ended the run before the victim's own could.
+bool OtherFaultFirst(const KillResult& result) {
+  const std::string own = OwnFault(result.victim);
+  return !own.empty() && result.faults.front() != own;
+}
+
 const char* ThreadOf(KillVictim victim) { return victim == KillVictim::kLoop ? "servo" : NameOf(victim); }
 
 // The three processes, each in a folder of its own.
@@ -262,10 +275,6 @@ class Trial {
       add(r.run_exit != 1, fmt::format("the controller ended with {}", r.run_exit.value_or(-1)));
       add(r.faults.empty(), "the controller named no fault");
     }
-    if (r.victim == KillVictim::kSimulation)
-      add(std::ranges::count(r.faults, "contact model stale") == 0, "not for the contact model's age");
-    if (r.victim == KillVictim::kRecorder)
-      add(std::ranges::count(r.faults, "recorder stalled") == 0, "not for the recorder");
     return wrong;
   }
 
@@ -346,6 +355,12 @@ tl::expected<KillResult, std::string> RunKillTrial(KillVictim victim, const Kill
     if (const std::string refused = trial.Kill(victim); !refused.empty()) return tl::make_unexpected(refused);
     KillResult result = trial.Watch(victim);
     result.attempts = attempt;
+    if (result.passed() && OtherFaultFirst(result)) {
+      // stopped as it has to, but it is not the death that did it: a busy machine is late in other ways too
+      if (attempt < kAttempts) continue;
+      result.wrong = fmt::format("not for \"{}\" but for \"{}\", in the last of {} attempts",
+                                 OwnFault(victim), fmt::join(result.faults, ", "), kAttempts);
+    }
     return result;
   }
   return tl::make_unexpected(fmt::format(

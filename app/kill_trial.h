@@ -50,8 +50,8 @@ struct KillResult {
   std::optional<int> run_exit{};      ///< none: it was killed
   std::vector<std::string> faults{};  ///< that the controller named
   std::string guard{};                ///< why the guard withheld, where it did
-  int attempts{1};                    ///< others did not get to full contact: a busy machine
-  std::string wrong{};                ///< empty: as it has to be
+  int attempts{1};  ///< the others got to no full contact, or stopped for another fault first: a busy machine
+  std::string wrong{};  ///< empty: as it has to be
 
   [[nodiscard]] bool passed() const { return wrong.empty(); }
 };
@@ -64,8 +64,9 @@ void WriteKillCell(const std::filesystem::path& source, double push_N, double li
 
 /// Starts cell, guard and controller as processes, waits until the arm stands under the hand's full push,
 /// lets the victim die, and watches what the simulated cell says of the arm until it has rested for a while.
-/// The error says why there was no trial: a process that cannot be started, no full contact in three
-/// attempts.
+/// An attempt that got to no full contact, or that another fault stopped in order before the victim's own
+/// watchdog could, is made anew, three at most. The error says why there was no trial: a process that cannot
+/// be started, no full contact.
 [[nodiscard]] tl::expected<KillResult, std::string> RunKillTrial(KillVictim victim,
                                                                  const KillTrialParams& params);
 
