@@ -96,12 +96,13 @@ struct GuardCounters {
 ///     |q_i - before_i|      <= min(1, share (1 + margin)) v_i n period
 ///     |p_T - before|        <= v_max (1 + margin) n period, of the apex; the tool's turn likewise
 ///     |p_T - measured|      <= max_tracking_error (1 + margin)
-///     apex, flange, elbow   in their zones + workspace_margin, each once it has been inside, where the arm
-///     was handed over or since
-///     p_T                   in sphere and plane + workspace_margin; the sphere counts once it has been
-///     inside |f|, |t|              <= max_force, max_torque, of a wrench |tau_i|               <= |Jv_i|
-///     max_force + |Jw_i| max_torque, of torques: no wrench within the limits asks for more reflected the
-///     newest message of the arm, not older than answer_age, not answered yet
+///     apex, flange, elbow   in their zones + workspace_margin; a zone counts once the arm, since it
+///                           was handed over, has been inside
+///     p_T                   in sphere and plane + workspace_margin; the sphere counts likewise
+///     |f|, |t|              <= max_force, max_torque, of a wrench
+///     |tau_i|               <= |Jv_i| max_force + |Jw_i| max_torque, of torques: no wrench within the
+///                           limits asks for more
+///     reflected             the newest message of the arm, not older than answer_age, not answered yet
 ///
 /// Of a compliant arm a command that goes toward the measured joints only takes force out of its springs: no
 /// bound on the tool's speed, only on the joints'.
