@@ -32,8 +32,7 @@ using ReadMaterial = std::function<simulation::MaterialIndex(Reader& section, co
 ///     density_g_per_cm3: [0, 2]             at black, at white; linear between
 ///     axis: [0, 0, 1]                       unit, in the mesh's frame, that the columns follow
 ///     column_heights_mm: [-20, 20]          of the first and the last column along the axis
-///     classes:                              ascending; the last one has no bound and takes all that is
-///     denser
+///     classes:                              ascending; the last has no bound: all that is denser
 ///       - {below_g_per_cm3: 1, material: cancellous}
 ///       - {material: cortical}
 ///

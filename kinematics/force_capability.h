@@ -65,9 +65,9 @@ class ForceCapability {
   /// Guaranteed force: the least of Force over all directions within half_angle_rad (0 … pi) of the axis
   /// (unit). With pi, the radius of the largest ball of forces.
   ///
-  ///     h±_i = max over the cone of ±Jv_i·u = |Jv_i|                             where ±Jv_i lies in the
-  ///     cone
-  ///                                           ±Jv_i·a cos + |Jv_i - (Jv_i·a) a| sin        elsewhere
+  ///     h±_i = max over the cone of ±Jv_i·u
+  ///          = |Jv_i|                                     where ±Jv_i lies in the cone
+  ///            ±Jv_i·a cos + |Jv_i - (Jv_i·a) a| sin      elsewhere
   ///     f = min over i and sign of (r±_i - torque |Jw_i|) / h±_i,   h > 0
   [[nodiscard]] CapabilityLimit ForceInCone(const Vector3& axis, double half_angle_rad,
                                             double torque_Nm = 0.0) const OSTEON_RT;
