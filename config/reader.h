@@ -29,8 +29,7 @@ class ConfigError : public std::runtime_error {
 ///
 ///     Reader reader = Reader::Load("config/tools/reamer.yaml");
 ///     const double radius_m = reader.Number("radius_mm", 1, 100);   // found in mm, given in m
-///     reader.Finish();                                              // unknown and missing keys are refused
-///     here
+///     reader.Finish();                                              // refuses unknown and missing keys
 ///
 /// A number's unit is the end of its key (units.h) and its value comes back in SI. A value of the wrong type
 /// or out of range throws at once. A missing key is noted, gives a value that is accepted, and throws in

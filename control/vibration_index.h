@@ -66,9 +66,8 @@ class HalfWaves {
 ///     E+ = max(0, E - (margin R)^2),  R the reference: what is the hand's own (VibrationReference)
 ///     share(E) = E+ / (E+ + E_s + floor^2)
 ///     w(E) = (share(E) - share_low) / (share_high - share_low), within 0 … 1
-///     S' = (w(E_b) - S) / rise_s upward, / (decay_ratio rise_s) downward; while R is being found: to 1;
-///     where
-///          the hand's own was found: / release_s downward
+///     S' = (w(E_b) - S) / rise_s upward, / (decay_ratio rise_s) downward;
+///          while R is being found: to 1; where the hand's own was found: / release_s downward
 ///     A' = (alert_index w(E_a) - A) / rise_s upward, / (2 rise_s) downward
 ///     index I = max(S, A):   damping × (1 + I (most_damping - 1)),  mass × (1 + I (most_mass - 1))
 ///

@@ -13,9 +13,8 @@ namespace osteon::simulation {
 /// What it does, pass by pass, is what every other engine must reproduce:
 ///
 ///     1  first contact    P ──▶ T, every tool ball against every bone ball
-///     2  normals          lens-weighted planes around the tool there, then the closest target that keeps all
-///     planes
-///        slide            first contact again, from there to that target
+///     2  normals, slide   lens-weighted planes around the tool there, then the closest target that
+///                         keeps them all; first contact again, from there to that target
 ///     3  advance, removal by energy balance; every cutting ball's capsule, then the mass points in it
 ///
 /// Sources: Kaluschke et al. 2019 (passes 1 to 3), Zilles and Salisbury 1995 (god-object on several planes).

@@ -43,12 +43,12 @@ void Validate(const AdmittanceLoopParams& params);
 
 /// The loop around its equilibrium, linear:
 ///
-///     arm     x_r'' = w^2 (x_c[k-dc] - x_r) - 2 z w x_r'                    one step of the shipped ServoArm
-///     felt    f = -(k_h x_r + b_h x_r' + (m_h + m_t) x_r''),  told df ticks later, and share m_t x_r'' by
-///     the
-///             shipped StepMotion added
-///     law     v+ = (v + T/m_v (f + F_wall)) / (1 + T b_v/m_v), x_c+ = x_c + T v+      the shipped
-///     StepAdmittance wall    F_wall = -K x - B x', x by WallOn
+///     arm     x_r'' = w^2 (x_c[k-dc] - x_r) - 2 z w x_r'             one step of the shipped ServoArm
+///     felt    f = -(k_h x_r + b_h x_r' + (m_h + m_t) x_r''),  told df ticks later, and
+///             share m_t x_r'' added by the shipped StepMotion
+///     law     v+ = (v + T/m_v (f + F_wall)) / (1 + T b_v/m_v),  x_c+ = x_c + T v+
+///             the shipped StepAdmittance
+///     wall    F_wall = -K x - B x',  x by WallOn
 ///
 /// The law runs along z of a tool that is turned, so that its changes of frame are in the loop too.
 class AdmittanceLoop {

@@ -16,8 +16,7 @@ namespace osteon::simulation {
 /// to kLayers layers deep and updated around what is deleted). Force of a point in a voxel L layers deep,
 /// tangent plane through the voxel's centre c:
 ///
-///     d = n·(c - p) + (L - 1) h,   f = k_p d n   where d > 0         n the point's inward normal, h the
-///     voxel
+///     d = n·(c - p) + (L - 1) h,   f = k_p d n   where d > 0,   n the point's inward normal, h the edge
 ///
 /// Of more than kFullPoints such points the sum is divided by their number over kFullPoints (section 5.3
 /// there). Coupling: the proxy is where K (tool - proxy), at most the greatest force, balances the penalty:

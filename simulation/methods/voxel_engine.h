@@ -7,11 +7,11 @@ namespace osteon::simulation {
 /// A voxel volume with a finger-proxy and voxel deletion: what drilling simulators on CHAI3D do (Conti et
 /// al., CHAI 3D, 2003 on: cVoxelObject, cAlgorithmFingerProxy; proxy after Ruspini, Kolarov, Khatib 1997).
 ///
-///     proxy ─▶ marches towards the tool, kStep voxels at a time, until a voxel's centre lies in a tool ball;
-///     the
-///              place is halved kHalvings times
-///           ─▶ normal: gradient of the voxels' density over kGradientReach voxels around those that stopped
-///           it ─▶ marches on within that plane, then along the line of two such planes: three constraints
+///     proxy ─▶ marches towards the tool, kStep voxels at a time, until a voxel's centre lies in a tool
+///              ball; the place is halved kHalvings times
+///           ─▶ normal: gradient of the voxels' density over kGradientReach voxels around those that
+///              stopped it
+///           ─▶ marches on within that plane, then along the line of two such planes: three constraints
 ///     force = K (proxy - tool); then every voxel inside the cutting balls is deleted: kImmediate at the
 ///     tool's pose, kRate at the proxy moved along -n by the law's advance
 ///

@@ -10,8 +10,8 @@ namespace osteon::simulation {
 
 /// Mass of a solid of revolution about z, of an even density, in closed form:
 ///
-///     m = πρ ∫ r² dz     p_z = πρ/m ∫ z r² dz     I_zz = πρ/2 ∫ r⁴ dz     I_xx = I_zz/2 + πρ ∫ (z - p_z)² r²
-///     dz
+///     m = πρ ∫ r² dz     p_z = πρ/m ∫ z r² dz     I_zz = πρ/2 ∫ r⁴ dz
+///     I_xx = I_zz/2 + πρ ∫ (z - p_z)² r² dz
 ///
 /// On each piece r² is a polynomial of degree 2 at most, hence all integrands of degree 4 at most, for which
 /// three Gauss points are exact. Flutes count by their metal_ratio, as if spread evenly over the circle.
