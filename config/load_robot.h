@@ -29,10 +29,9 @@ struct RobotModel {
 ///         origin: {position_mm: [x, y, z], rpy_deg: [r, p, y]}      in the link before, all joints at zero
 ///         axis: [x, y, z]                                           in the joint's own frame
 ///         limits: {lower_deg: , upper_deg: , velocity_deg_per_s: , acceleration_rad_per_s2: , torque_Nm: }
-///         link: {mass_kg: , center_mm: [], inertia_kg_m2: [xx, yy, zz, xy, xz, yz]}       all joints, or
-///         none friction: {viscous_Nms_per_rad: , coulomb_Nm: , smoothing_deg_per_s: }          need not be
-///         there rotor: {inertia_kg_m2: }                                                        need not be
-///         there
+///         link: {mass_kg: , center_mm: [], inertia_kg_m2: [xx, yy, zz, xy, xz, yz]}      all or none
+///         friction: {viscous_Nms_per_rad: , coulomb_Nm: , smoothing_deg_per_s: }        optional
+///         rotor: {inertia_kg_m2: }                                                      optional
 ///     flange: {position_mm: , rpy_deg: }                            in the last link
 ///     sources: {geometry: , limits: , acceleration: , masses: }     masses where there are any
 ///

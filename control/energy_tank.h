@@ -20,10 +20,10 @@ void Validate(const EnergyTankParams& params);
 /// time. With U_0 what the planes and gains of the tick before hold at this tick's pose, and U_1 those of
 /// this tick:
 ///
-///     U_1 > U_0:  the tank pays U_1 - U_0;  what it has not got is not rendered:  share s = (U_0 + tank) /
-///     U_1 U_1 < U_0:  what the planes gave way by goes into the tank, up to the cap; so does what the
-///     coupling's
-///                 damping took
+///     U_1 > U_0:  the tank pays U_1 - U_0;  what it has not got is not rendered:
+///                 share s = (U_0 + tank) / U_1
+///     U_1 < U_0:  what the planes gave way by goes into the tank, up to the cap; so does what the
+///                 coupling's damping took
 ///
 /// so that over any time the coupling gives out no more than what was put in and the cap. To either U belongs
 /// F·dx / 2 of the step that led here: the integrator's own share of a force that jumps. U_0 comes from the

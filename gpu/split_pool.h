@@ -14,7 +14,8 @@ namespace osteon::gpu {
 ///
 ///     device  balls  │ parents, up to a multiple of 64 │ block 0: 64 slots │ block 1 │ …
 ///                      ▲ requests: parents that were touched and are too large, in any order
-///     host    sorted by parent ─▶ blocks ─▶ children, cut by the frame's capsules ─▶ the next frame's uploads
+///     host    sorted by parent ─▶ blocks ─▶ children, cut by the frame's capsules
+///                                          ─▶ the next frame's uploads
 ///
 /// A block is a cluster of its own, in the same place as its parent's: whatever clusters can be done with
 /// (culling, lists) children get without any change. Children are made on the host, a few microseconds a

@@ -43,8 +43,8 @@ struct PassTime {
 
 /// The cutting model as Vulkan compute. A frame is one submit, recorded once:
 ///
-///     contact ─▶ planes ─▶ solve ─▶ slide, engage ─▶ remove, clear              with the lists of earlier
-///     frames path contact ─▶ pick balls, points ─▶ planes ─▶ …                         with lists made anew
+///     contact ─▶ planes ─▶ solve ─▶ slide, engage ─▶ remove, clear     with lists of earlier frames
+///     path contact ─▶ pick balls, points ─▶ planes ─▶ …                with lists made anew
 ///
 /// Balls and points lie in clusters of 64 along a space-filling curve, each with the box that it had at the
 /// start. The host finds the clusters that the tool's way can meet in a tree of those boxes; the device lists

@@ -22,8 +22,9 @@ struct GridHand {
 
 /// All hands that a cell is to be stable with: the named ones, and every combination of
 ///
-///     k  50, 300, 1500, 6000, 10000 N/m     the range of human arms; 300 and 6000 are the ends of a grip
-///     step b  2, 13, 80 N s/m                    range and its middle by ratio m  0.3, 1.1, 4 kg the same
+///     k  50, 300, 1500, 6000, 10000 N/m     the range of human arms; 300 and 6000 the ends of a grip step
+///     b  2, 13, 80 N s/m                    range and its middle by ratio
+///     m  0.3, 1.1, 4 kg                     the same
 ///
 /// Stability is not monotone in stiffness, so corners alone do not do. Always in the same order.
 [[nodiscard]] std::vector<GridHand> HandGrid();

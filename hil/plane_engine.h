@@ -10,8 +10,7 @@ namespace osteon::hil {
 ///
 /// The plane touches the tool's ball that is deepest in it, at that ball's deepest point:
 ///
-///     gap = n·(c_W - p_W) - r      F = k max(0, -gap) n, at c_W - r n;   |F| as it comes: limits are the
-///     loop's
+///     gap = n·(c_W - p_W) - r      F = k max(0, -gap) n, at c_W - r n;   no bound: limits are the loop's
 ///
 /// The proxy is the tool, lifted by max(0, -gap) along n. It is reported up to the parameters'
 /// normal_enlargement, as any engine's planes are. Nothing is cut, whatever turns.

@@ -13,8 +13,8 @@ namespace osteon::kinematics {
 /// Kinematics and dynamics of a serial arm of N revolute joints, N = 6 or 7.
 ///
 ///     Place     X_B1 ... X_BN, X_BF           poses of the joint frames and of the flange
-///     Jacobian  V_BF = J qd                   rows v (3) then w (3), in B, of the flange's origin or a point
-///     on it dynamics  tau = M qdd + C qd + g - J^T F_ext        M with the rotors' inertia; friction apart
+///     Jacobian  V_BF = J qd                   rows v (3) then w (3), in B, of the flange's origin or its point
+///     dynamics  tau = M qdd + C qd + g - J^T F_ext        M with the rotors' inertia; friction apart
 ///
 /// Speed comes from the frames in which it computes. Beside the described frame L_i each joint has a frame
 /// K_i with the same origin, z along the joint's axis and x along z_i × z_(i+1), so that

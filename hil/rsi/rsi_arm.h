@@ -22,8 +22,7 @@ struct RsiArmParams {
 ///     power on ──▶ RSI runs ──Timeout, nobody ever answered──▶ start_again_s ──▶ RSI runs
 ///                     │ power off, <Stop>, a monitor, Timeout after answers
 ///                     ▼
-///                  RSI has ended: until the power is back after it was off, or as start_again_after_loss
-///                  says
+///                  RSI has ended: until the power is back after it was off, or by start_again_after_loss
 ///
 /// What stands for FRI's states: IDLE where RSI has ended, MONITORING_WAIT until the first answer,
 /// COMMANDING_WAIT for handed_over_answers, then COMMANDING_ACTIVE. Counts go on over sessions. The arm is

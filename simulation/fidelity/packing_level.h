@@ -39,8 +39,7 @@ struct PackingLevel {
 ///     uniform, graded    r as asked for, 1.2 a … 2.4 a; half the wall at most
 ///     split              parents of .9 a, 24 children each; the surface's own balls .48 a
 ///     all                gap at the surface .027 a (split: .06 a)
-///     into the bone      fine by a/2 more, or the error steps up by a third where a row of cells turns
-///     coarse
+///     into the bone      fine by a/2 more, or the error steps up by a third where the cells turn coarse
 [[nodiscard]] PackingLevel MakeLevel(PackingKind kind, double spacing_m, double radius_over_spacing,
                                      const CutShape& cut, double zone_depth_m);
 

@@ -4,9 +4,9 @@
 // ball that it touched is left touching the face at one point; between these points bone is missing:
 //
 //     gap at a distance x from the nearest point    x²/2 (1/r' + 1/R)
-//     mean over a plane with s points to the area   k/s (1/r' + 1/R),   1/(2 π) = .159 for points at random
-//     points to the area                            s = n (a layer of centres),  n = 2/a³ of a body-centred
-//     lattice
+//     mean over a plane with s points to the area   k/s (1/r' + 1/R),   k = 1/(2 π) = .159 at random
+//     points to the area                            s = n (a layer of centres)
+//                                                   n = 2/a³ of a body-centred lattice
 //
 // r' is what a ball has left, R the tool's radius. Source of the form: docs/planning.md and the design's
 // experiments on overlapping packings; the constants are fitted, and tests hold them against carved packings.

@@ -14,8 +14,7 @@ inline constexpr Band kSlowRipple{5.0, 40.0}, kFastRipple{40.0, 500.0};
 /// Root mean square of that part of a signal which lies in a band.
 ///
 ///     w  Hann window, x less its straight line of least squares, X = DFT of w x over all N samples
-///     rms^2 = 2 / (N sum w^2) sum |X_k|^2    over the bins k rate / N within the band (the last, N / 2,
-///     once)
+///     rms^2 = 2 / (N sum w^2) sum |X_k|^2    over the bins k rate / N within the band (N / 2, the last, once)
 ///
 /// A sine of amplitude A well within the band gives A / sqrt 2; the window spreads it over three bins, so
 /// that a sine within rate / N of the band's end counts in part. Zero where there are fewer than 8 samples.

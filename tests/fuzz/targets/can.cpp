@@ -11,8 +11,8 @@
 
 // What may come on a CAN bus, to one device: byte 0 which (two bits). The sensors and the drive get frames
 //
-//     byte  0     low four bits: which of the device's ids, 15: as in the next two bytes; then what else
-//     happens
+//     byte  0     low four bits: which of the device's ids, 15: as in the next two bytes;
+//                 then what else happens
 //           1, 2  id, little-endian, where byte 0 says so
 //           then  size, and as many bytes
 //
