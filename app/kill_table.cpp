@@ -59,6 +59,10 @@ std::string KillTableText(std::span<const KillRun> runs) {
     if (!run.passed())
       text += fmt::format("! {}: {}\n", NameOf(run.result.victim),
                           run.error.empty() ? run.result.wrong : "no trial: " + run.error);
+  int anew = 0;
+  for (const KillRun& run : runs) anew += run.result.attempts - 1;
+  if (anew > 0)
+    text += fmt::format("{} made anew: no full contact, or stopped in order for another fault first\n", anew);
   text += fmt::format("{} of {} as they have to be: at rest, hand and rendered force {:g} N at most\n",
                       std::ranges::count_if(runs, &KillRun::passed), runs.size(), kLimit_N);
   return text;

@@ -54,12 +54,6 @@ std::string OwnFault(KillVictim victim) {
   return "";
 }
 
-// Whether another fault ended the run before the victim's own could.
-bool OtherFaultFirst(const KillResult& result) {
-  const std::string own = OwnFault(result.victim);
-  return !own.empty() && result.faults.front() != own;
-}
-
 const char* ThreadOf(KillVictim victim) { return victim == KillVictim::kLoop ? "servo" : NameOf(victim); }
 
 // The three processes, each in a folder of its own.
@@ -288,6 +282,11 @@ class Trial {
 
 }  // namespace
 
+bool AnotherFaultFirst(const KillResult& result) {
+  const std::string own = OwnFault(result.victim);
+  return result.passed() && !own.empty() && result.faults.front() != own;
+}
+
 const char* NameOf(KillVictim victim) {
   switch (victim) {
     case KillVictim::kController:
@@ -355,8 +354,7 @@ tl::expected<KillResult, std::string> RunKillTrial(KillVictim victim, const Kill
     if (const std::string refused = trial.Kill(victim); !refused.empty()) return tl::make_unexpected(refused);
     KillResult result = trial.Watch(victim);
     result.attempts = attempt;
-    if (result.passed() && OtherFaultFirst(result)) {
-      // stopped as it has to, but it is not the death that did it: a busy machine is late in other ways too
+    if (AnotherFaultFirst(result)) {
       if (attempt < kAttempts) continue;
       result.wrong = fmt::format("not for \"{}\" but for \"{}\", in the last of {} attempts",
                                  OwnFault(victim), fmt::join(result.faults, ", "), kAttempts);

@@ -56,6 +56,10 @@ struct KillResult {
   [[nodiscard]] bool passed() const { return wrong.empty(); }
 };
 
+/// Whether the arm was stopped in order, but for another fault than its victim's watchdog names: a busy
+/// machine is late in other ways too.
+[[nodiscard]] bool AnotherFaultFirst(const KillResult& result);
+
 /// Writes the cell for it, from a shipped one: a guard, a plate of cortical bone that lasts, a hand that
 /// presses with `push_N` for some seconds and could do twice as much, a limit of 200 N.
 /// @throws std::runtime_error or YAML::Exception naming the file that cannot be read or written.

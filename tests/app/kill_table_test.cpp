@@ -42,14 +42,35 @@ TEST(KillTable, ShowsWhatIsWrongAndWhatWasNotToBeHad) {
   runs[0].result.at_rest = false;
   runs[0].result.wrong = "no rest";
   runs[1].error = "no full contact in 3 attempts";
+  EXPECT_EQ(KillTableText(runs).find("made anew"), std::string::npos);
+  runs[0].result.attempts = 3;
   const std::string text = KillTableText(runs);
   EXPECT_NE(text.find("! guard: no rest"), std::string::npos) << text;
   EXPECT_NE(text.find("! controller: no trial: no full contact"), std::string::npos) << text;
+  EXPECT_NE(text.find("2 made anew"), std::string::npos) << text;
   EXPECT_NE(text.find("0 of 2 as they have to be"), std::string::npos) << text;
   const nlohmann::json json = nlohmann::json::parse(KillTableJson(runs));
   EXPECT_FALSE(json.at("passed").get<bool>());
   EXPECT_FALSE(json.at("kills")[0].at("at_rest").get<bool>());
   EXPECT_EQ(json.at("kills")[1].at("error"), "no full contact in 3 attempts");
+}
+
+// Such a trial is made anew: it may be of a death only where all else is as it has to be.
+TEST(KillTable, TellsADeathFromAnotherFaultThatCameFirst) {
+  const auto run = [](KillVictim victim, std::vector<std::string> faults, std::string wrong = "") {
+    return KillResult{.victim = victim, .faults = std::move(faults), .wrong = std::move(wrong)};
+  };
+  EXPECT_FALSE(AnotherFaultFirst(run(KillVictim::kRecorder, {"recorder stalled"})));
+  EXPECT_FALSE(AnotherFaultFirst(run(KillVictim::kRecorder, {"recorder stalled", "coupling wrench rate"})));
+  EXPECT_TRUE(AnotherFaultFirst(run(KillVictim::kRecorder, {"coupling wrench rate"})));
+  EXPECT_TRUE(AnotherFaultFirst(run(KillVictim::kRecorder, {"coupling wrench rate", "recorder stalled"})));
+  EXPECT_FALSE(AnotherFaultFirst(run(KillVictim::kSimulation, {"contact model stale"})));
+  EXPECT_TRUE(AnotherFaultFirst(run(KillVictim::kSimulation, {"loop late"})));
+  for (const KillVictim any :
+       {KillVictim::kController, KillVictim::kLoop, KillVictim::kGuard, KillVictim::kCell})
+    EXPECT_FALSE(AnotherFaultFirst(run(any, {"arm message stale"}))) << NameOf(any);
+  EXPECT_FALSE(AnotherFaultFirst(run(KillVictim::kSimulation, {"loop late"}, "no rest")))
+      << "what is wrong stays wrong";
 }
 
 // What one process writes another reads while it grows: every cycle once, none by halves.
