@@ -19,6 +19,7 @@
 #include "config/load.h"
 #include "control/rt/clock.h"
 #include "io/recording/recording_reader.h"
+#include "safety/fault.h"
 
 namespace osteon::app {
 namespace {
@@ -49,8 +50,8 @@ double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
 
 // The fault that its death has to end in; empty: whichever watchdog is first.
 std::string OwnFault(KillVictim victim) {
-  if (victim == KillVictim::kSimulation) return "contact model stale";
-  if (victim == KillVictim::kRecorder) return "recorder stalled";
+  if (victim == KillVictim::kSimulation) return safety::Describe(safety::Fault::kModelStale).name;
+  if (victim == KillVictim::kRecorder) return safety::Describe(safety::Fault::kRecorder).name;
   return "";
 }
 
