@@ -8,6 +8,8 @@ trap 'rm -rf "$work"' EXIT
 checkout="$work/a checkout" # with a space
 fakes=$work/fakes
 export FAKES=$fakes
+COMMIT_STEP=$(sed -n 's/^add_custom_target(osteon_commit .*COMMENT "\(.*\)"$/\1/p' "$here/../../app/CMakeLists.txt")
+export COMMIT_STEP # what every build does, and the launcher says nothing of
 mkdir "$checkout" "$fakes" "$work/elsewhere"
 cp "$here/../../osteon" "$checkout/"
 printf '[run]  comment\ncompiler  # why\nlibrary-dev\n\n[test]\noracle-dev\n' >"$checkout/packages.txt"
@@ -48,8 +50,9 @@ trap 'rmdir "$FAKES/one_at_a_time"' EXIT
 trap 'exit 2' TERM
 if [[ -e $FAKES/slow ]]; then touch "$FAKES/started"; for ((i = 0; i < 300; ++i)); do sleep 0.1; [[ -e $FAKES/slow ]] || break; done; fi
 if [[ -e $FAKES/broken ]]; then echo "[1/2] ok"; echo "FAILED: law.o"; echo "law.cpp:7: error: no such law"; exit 1; fi
-if [[ -x $2/app/osteon ]]; then echo "ninja: no work to do."; exit; fi
-echo "[1/1] Linking"
+echo "ninja: Entering directory"; echo "[1/2] $COMMIT_STEP"
+if [[ -x $2/app/osteon ]]; then exit; fi
+echo "[2/2] Linking"
 mkdir -p "$2/app"
 # A command that still held the build's lock would keep every other launcher waiting.
 # shellcheck disable=SC2016
@@ -87,6 +90,8 @@ run "$checkout/osteon" demo --seconds '3 s'
 expect 'first start ends well' equal "$rc" 0
 expect 'stdout is the command'\''s alone, in the caller'\''s folder' equal "$out" "cwd=$work/elsewhere root=$checkout
 <demo><--seconds><3 s>"
+expect 'the step of every build is known' test -n "$COMMIT_STEP"
+expect 'its build is told of' has "$err" 'building: 2 of 2'
 expect 'what the demo needs is installed' has "$(calls)" 'install --no-install-recommends compiler library-dev'
 expect 'what only tests need is not' lacks "$(calls)" oracle-dev
 expect 'without test packages, no tests are configured' has "$(calls)" -DOSTEON_TESTS=OFF
