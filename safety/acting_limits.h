@@ -25,13 +25,15 @@ enum class Limit : std::uint8_t {
   kAgeGovernor = 12,
   kPassivity = 13,
   kTank = 14,
+  kBoneEntry = 15,  ///< the coupling at its force limit: the tool's speed into bone
 };
-inline constexpr std::size_t kLimitCount = 15;
+inline constexpr std::size_t kLimitCount = 16;
 /// By number, as in summaries: `tool_speed`.
 inline constexpr std::array<std::string_view, kLimitCount> kLimitNames{
     "wrench",    "arm_torque", "stored_energy", "power",       "tool_speed",
     "workspace", "zones",      "joints",        "elbow_speed", "depth",
-    "model_age", "sensor_age", "age_governor",  "passivity",   "tank"};
+    "model_age", "sensor_age", "age_governor",  "passivity",   "tank",
+    "bone_entry"};
 
 /// Those that act.
 class LimitSet {

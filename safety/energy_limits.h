@@ -39,4 +39,16 @@ void Validate(const EnergyLimitParams& params);
   return power_W > max_power_W ? max_power_W / power_W : 1.0;
 }
 
+/// The same of a wrench that itself makes a part of the motion, as in an admittance law: of a share s of it
+/// the power is s (p_0 + s (p_1 - p_0)).
+/// @param power_without_W  p_0: of the whole wrench on the motion without it
+/// @param power_with_W  p_1 >= p_0: on the motion with all of it
+[[nodiscard]] inline double PowerShare(double power_without_W, double power_with_W,
+                                       double max_power_W) OSTEON_RT {
+  if (!(power_with_W > max_power_W)) return 1.0;
+  const double own_W = power_with_W - power_without_W;
+  const double root_W = std::sqrt(power_without_W * power_without_W + 4.0 * own_W * max_power_W);
+  return 2.0 * max_power_W / (power_without_W + root_W);
+}
+
 }  // namespace osteon::safety
