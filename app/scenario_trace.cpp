@@ -64,6 +64,7 @@ constexpr PartOfField kOutputs[] = {
     {"F_coupling_T_W", TracePart::kCoupling},
     {"wrench_scale", TracePart::kCoupling},
     {"arm_share", TracePart::kCoupling},
+    {"tool_in_bone", TracePart::kCoupling},
     {"age_", TracePart::kCoupling},
     {"passivity", TracePart::kCoupling},
     {"tank", TracePart::kCoupling},

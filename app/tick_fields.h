@@ -77,6 +77,7 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   fields::ForceTorque("F_coupling_T_W", r.F_coupling_T_W, visit);
   visit(FieldName{"wrench_scale"}, r.wrench_scale);
   visit(FieldName{"arm_share"}, r.arm_share);
+  visit(FieldName{"tool_in_bone", "", "m"}, r.tool_in_bone_m);
   visit(FieldName{"vibration_index"}, r.vibration_index);
   visit(FieldName{"vibration_reference", "", "N"}, r.vibration_reference_N);
   visit(FieldName{"mass_factor"}, r.mass_factor);

@@ -31,8 +31,19 @@ void Validate(const BiasParams& params) {
   require("spread_Nm", params.spread_Nm, 0.001, 10.0);
   require("most_N", params.most_N, 0.0, 100.0);
   require("most_Nm", params.most_Nm, 0.0, 20.0);
+  require("max_creep_m_per_s", params.max_creep_m_per_s, 1e-4, 1.0);
+  require("max_creep_rad_per_s", params.max_creep_rad_per_s, 1e-4, 10.0);
   require("still_m", params.still_m, 1e-7, 0.01);
   require("still_rad", params.still_rad, 1e-7, 0.1);
+}
+
+BiasParams CreepBound(const BiasParams& params, const AdmittanceParams& law) {
+  BiasParams bound = params;
+  bound.most_N =
+      std::min(params.most_N, law.dead_zone_N + law.damping_Ns_per_m.minCoeff() * params.max_creep_m_per_s);
+  bound.most_Nm = std::min(
+      params.most_Nm, law.dead_zone_Nm + law.damping_Nms_per_rad.minCoeff() * params.max_creep_rad_per_s);
+  return bound;
 }
 
 BiasEstimator::BiasEstimator(const BiasParams& params, const ForceSensorParams& sensor, double period_s)
@@ -71,8 +82,9 @@ void BiasEstimator::Rest(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
   // plain mean at first, then one that forgets
   const double share = period_s_ / std::min(rested_s_ + period_s_, std::max(params_.rest_s, period_s_));
   mean_ = {.f = mean_.f + share * beyond.f, .t = mean_.t + share * beyond.t};
-  if (rested_s_ >= params_.rest_s && mean_.f.norm() <= params_.most_N && mean_.t.norm() <= params_.most_Nm)
-    bias_ = mean_;
+  if (rested_s_ < params_.rest_s) return;
+  in_doubt_ = mean_.f.norm() > params_.most_N || mean_.t.norm() > params_.most_Nm;
+  if (!in_doubt_) bias_ = mean_;
 }
 
 }  // namespace osteon::control

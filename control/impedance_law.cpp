@@ -30,17 +30,16 @@ ImpedanceParams Times(const ImpedanceParams& params, double damping_factor) OSTE
   return times;
 }
 
-MeasuredTwist::MeasuredTwist(double filter_s, double dt_s) : dt_s_(dt_s), share_(dt_s / (dt_s + filter_s)) {}
-
 void MeasuredTwist::Reset(const Pose& X_WT) OSTEON_RT {
   X_before_ = X_WT;
   V_ = {};
 }
 
-const Twist& MeasuredTwist::Step(const Pose& X_WT) OSTEON_RT {
-  const Twist V = TwistBetween(X_before_, X_WT, dt_s_);
-  V_.v += share_ * (V.v - V_.v);
-  V_.w += share_ * (V.w - V_.w);
+const Twist& MeasuredTwist::Step(const Pose& X_WT, double dt_s) OSTEON_RT {
+  const double share = dt_s / (dt_s + filter_s_);
+  const Twist V = TwistBetween(X_before_, X_WT, dt_s);
+  V_.v += share * (V.v - V_.v);
+  V_.w += share * (V.w - V_.w);
   X_before_ = X_WT;
   return V_;
 }

@@ -27,19 +27,22 @@ void Validate(const ImpedanceParams& params);
 /// The same law with its damping multiplied; its brake stays.
 [[nodiscard]] ImpedanceParams Times(const ImpedanceParams& params, double damping_factor) OSTEON_RT;
 
-/// Velocity of the tool from its measured poses: their difference over a tick, the turn by its logarithm, and
-/// a first-order filter.
+/// Velocity of the tool from its measured poses: their difference over the time between them, the turn by its
+/// logarithm, and a first-order filter.
 class MeasuredTwist {
  public:
-  MeasuredTwist(double filter_s, double dt_s);
+  explicit MeasuredTwist(double filter_s) : filter_s_(filter_s) {}
 
   /// The tool rests at a pose.
   void Reset(const Pose& X_WT) OSTEON_RT;
-  /// @returns the velocity of T at To, in W, half a tick and filter_s old
-  const Twist& Step(const Pose& X_WT) OSTEON_RT;
+  /// @param dt_s  since the pose before: longer than a period where messages were lost; > 0
+  /// @returns the velocity of T at To, in W, half of dt_s and filter_s old
+  const Twist& Step(const Pose& X_WT, double dt_s) OSTEON_RT;
+  /// The last step's.
+  [[nodiscard]] const Twist& V() const OSTEON_RT { return V_; }
 
  private:
-  double dt_s_, share_;
+  double filter_s_;
   Pose X_before_{Pose::Identity()};
   Twist V_;
 };

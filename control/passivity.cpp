@@ -43,12 +43,25 @@ void PassivityController::Reset() OSTEON_RT {
   damping_Ns_per_m_ = 0.0;
 }
 
+void PassivityController::SetMaxDamping(double max_Ns_per_m) OSTEON_RT {
+  most_Ns_per_m_ = std::min(params_.most_damping_Ns_per_m, max_Ns_per_m);
+}
+
+void PassivityController::ScaleRendered(double share) OSTEON_RT {
+  if (work_ == PortWork::kTrapezoid) energy_J_ -= 0.5 * (1.0 - share) * Power(F_before_, step_before_);
+  F_before_ = {.f = share * F_before_.f, .t = share * F_before_.t};
+  F_damping_before_ = {.f = share * F_damping_before_.f, .t = share * F_damping_before_.t};
+  damping_Ns_per_m_ *= share;
+}
+
 Wrench PassivityController::Step(const PortTick& port) OSTEON_RT {
   // what was done since the tick before
   if (port.contact && !touched_) energy_J_ = -std::min(kTouch_J, params_.allowance_J);
   touched_ = port.contact;
+  step_before_ = {};
   if (begun_) {
     const Twist dx = SmallStep(X_before_, port.X_WT);
+    step_before_ = dx;
     const double held_J = Power(F_before_, dx);
     energy_J_ += work_ == PortWork::kHeld ? held_J : 0.5 * (held_J + Power(port.F_T_W, dx));
     energy_J_ += Power(F_damping_before_, dx);

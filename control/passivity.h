@@ -72,8 +72,11 @@ class PassivityController {
 
   /// As it was constructed.
   void Reset() OSTEON_RT;
-  /// Another bound than the constructor's; > 0.
-  void SetMost(double most_Ns_per_m) OSTEON_RT { most_Ns_per_m_ = most_Ns_per_m; }
+  /// Replaces the constructor's bound; > 0. The params' own bound stays in force.
+  void SetMaxDamping(double max_Ns_per_m) OSTEON_RT;
+  /// Tells that a later limit let only this share of the last step's force and damping through, 0 … 1: the
+  /// energy is counted with what was rendered.
+  void ScaleRendered(double share) OSTEON_RT;
 
   [[nodiscard]] double energy_J() const OSTEON_RT { return energy_J_; }                  ///< E
   [[nodiscard]] double damping_Ns_per_m() const OSTEON_RT { return damping_Ns_per_m_; }  ///< alpha
@@ -86,6 +89,7 @@ class PassivityController {
   bool begun_{false}, touched_{false};
   Pose X_before_{Pose::Identity()};
   Wrench F_before_, F_damping_before_;
+  Twist step_before_;  ///< of the last step: how far the port moved
   double energy_J_{0.0}, damping_Ns_per_m_{0.0};
 };
 

@@ -23,7 +23,8 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
                                 rt::Nanoseconds now, TickRecord& record) OSTEON_RT {
   const double dt_s = params_.period_s;
   TakeSpindle(readings);
-  V_WT_ = measured_twist_.Step(X_WT_meas_);
+  const Twist V_before_WT = V_WT_;
+  V_WT_ = measured_twist_.V();
   share_ = 1.0;
 
   const Wrench F_operator_T_W = TakeSensor(readings, record);
@@ -32,13 +33,22 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
   record.model_age_s = coupling.age_s;
   pressed_ = !coupling.displacement_W.isZero(0.0);
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
+  const safety::LimitedWrench limited = LimitCoupling(coupling, X_WT_meas_, V_WT_);
+  force_limit_reaction_.Step({.displacement_W = coupling.displacement_W,
+                              .rendered_share = limited.share,
+                              .advance_m_per_s = spindle_rad_per_s_ > 0.0 ? model.advance_m_per_s : 0.0});
+  record.tool_in_bone_m = force_limit_reaction_.tool_in_bone_m();
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
 
   // what the tool may do: braked beyond it
   safety::TwistLimitParams most = params_.twist;
   most.max_speed_m_per_s = ToolSpeedLimit_m_per_s(params_, reduced_);
   safety::LimitedTwist slow = safety::LimitTwist(V_WT_, most);
-  const ZoneLook zones = arm_->LookAtZones(q_meas_before_, record.q_meas);
+  // a period's step of the joints: messages that were lost make the way between two of them longer
+  JointArray q_before = record.q_meas;
+  for (std::size_t i = 0; i < q_before.size(); ++i)
+    q_before[i] -= (dt_s / elapsed_s_) * (record.q_meas[i] - q_meas_before_[i]);
+  const ZoneLook zones = arm_->LookAtZones(elapsed_s_ > dt_s ? q_before : q_meas_before_, record.q_meas);
   q_meas_before_ = record.q_meas;
   slow.V = Scaled(slow.V, zones.share);
   acting_.Add(safety::Limit::kZones, zones.share < 1.0);
@@ -48,7 +58,8 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
   if (workspace_.Violated(X_WT_meas_.translation()) || zones.outside) faults_.Latch(Fault::kWorkspace);
 
   // the equilibrium of the arm's own spring goes along
-  const Fault refused = arm_->FollowMeasured(record.q_meas, dt_s / (dt_s + params_.impedance.follow_s));
+  const Fault refused =
+      arm_->FollowMeasured(record.q_meas, elapsed_s_ / (elapsed_s_ + params_.impedance.follow_s));
   if (refused != Fault::kNone) faults_.Latch(refused);
   if (faults_.Any()) {
     Take(safety::CellEvent::kFault);
@@ -56,12 +67,15 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
     return;
   }
 
-  const safety::LimitedWrench limited =
-      arm_->Limit(wrench_limiter_, stabilisers_.Shape(coupling, X_WT_meas_, V_WT_));
-  const safety::LimitedWrench rendered =
-      Bounded(stabilisers_.Calm(coupling, X_WT_meas_, V_WT_, limited, wrench_limiter_),
-              depth_limit_.Step(X_WT_meas_.translation(), V_WT_.v, params_.coupling.max_stiffness_N_per_m),
-              V_WT_, coupling.fade);
+  safety::LimitedWrench rendered = LimitRenderedWrench(
+      stabilisers_.Calm(coupling, X_WT_meas_, V_WT_, limited, wrench_limiter_),
+      depth_limit_.Step(X_WT_meas_.translation(), V_WT_.v, params_.coupling.max_stiffness_N_per_m),
+      coupling.fade);
+  // the hand has the arm: its velocity in the tick to come is the measured one, going on as it came
+  const Twist V_next_WT{.v = 2.0 * V_WT_.v - V_before_WT.v, .w = 2.0 * V_WT_.w - V_before_WT.w};
+  LimitPower(std::min(safety::PowerShare(rendered.F, V_WT_, params_.energy.max_power_W),
+                      safety::PowerShare(rendered.F, V_next_WT, params_.energy.max_power_W)),
+             rendered);
   const Wrench& F_coupling_T_W = rendered.F;
   const Wrench damping = DampingWrench(Times(params_.impedance, stabilisers_.damping_factor()),
                                        X_WT_meas_.linear(), V_WT_, {.v = inside.v_WT, .w = slow.V.w});
@@ -78,13 +92,14 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
                 slow.share < 1.0, inside.acted, coupling.fade, 1.0);
 }
 
-// A Stop 1 of an arm that gives: its own spring holds it where it is now, and what still moves is braked.
+// A stop of an arm that gives: its own spring holds it where it is now, and what still moves is braked. It is
+// at rest once it is measured to stand: a hand that leads it on keeps the stop under way.
 void ServoLoop::BrakeImpedance() OSTEON_RT {
-  if (stop_ticks_ == 0) stop_ticks_ = JointStopTicks(params_);
-  V_WT_ = measured_twist_.Step(X_WT_meas_);
+  V_WT_ = measured_twist_.V();
   F_sent_T_W_ =
       arm_->Limit(wrench_limiter_, DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {})).F;
-  if (--stop_ticks_ > 0) return;
+  stop_ticks_ = std::min(stop_ticks_ + 1, JointStopTicks(params_));
+  if (stop_ticks_ < JointStopTicks(params_) || standing_ticks_ < kStandingTicks) return;
   F_sent_T_W_ = {};
   TakeRest();
 }

@@ -6,10 +6,23 @@
 
 namespace osteon::control {
 
+// The coupling within what its spring may store, the cell may render and the arm can hold.
+safety::LimitedWrench ServoLoop::LimitCoupling(const CouplingOutput& coupling, const Pose& X_WT,
+                                               const Twist& V_WT) OSTEON_RT {
+  const Wrench shaped = stabilisers_.Shape(coupling, X_WT, V_WT);
+  const double spring_share = stored_energy_limit_.Step(coupling.displacement_W.norm(), coupling.potential_J);
+  if (spring_share == 1.0) return arm_->Limit(wrench_limiter_, shaped);
+  acting_.Add(safety::Limit::kStoredEnergy);
+  safety::LimitedWrench limited =
+      arm_->Limit(wrench_limiter_, {.f = spring_share * shaped.f, .t = spring_share * shaped.t});
+  limited.share *= spring_share;
+  return limited;
+}
+
 // What is rendered of the coupling and of the depth limit's resistance: together within what the cell and the
-// arm may give, and within the power that the hand may be given.
-safety::LimitedWrench ServoLoop::Bounded(const Wrench& F_coupling_T_W, const Vector3& f_depth_W,
-                                         const Twist& V_WT, double fade) OSTEON_RT {
+// arm may give.
+safety::LimitedWrench ServoLoop::LimitRenderedWrench(const Wrench& F_coupling_T_W, const Vector3& f_depth_W,
+                                                     double fade) OSTEON_RT {
   safety::LimitedWrench bounded{.F = F_coupling_T_W};
   if (depth_limit_.acts()) {
     statistics_.least_depth_left_m = std::min(statistics_.least_depth_left_m, depth_limit_.distance_m());
@@ -18,13 +31,16 @@ safety::LimitedWrench ServoLoop::Bounded(const Wrench& F_coupling_T_W, const Vec
       bounded =
           arm_->Limit(wrench_limiter_, {.f = F_coupling_T_W.f + fade * f_depth_W, .t = F_coupling_T_W.t});
   }
-  const double power_share = safety::PowerShare(bounded.F, V_WT, params_.energy.max_power_W);
-  if (power_share < 1.0) {
-    acting_.Add(safety::Limit::kPower);
-    bounded.F = {.f = power_share * bounded.F.f, .t = power_share * bounded.F.t};
-    bounded.share *= power_share;
-  }
   return bounded;
+}
+
+// Only this share of what is rendered gives no more power to the hand than it may.
+void ServoLoop::LimitPower(double power_share, safety::LimitedWrench& rendered) OSTEON_RT {
+  if (!(power_share < 1.0)) return;
+  acting_.Add(safety::Limit::kPower);
+  rendered.F = {.f = power_share * rendered.F.f, .t = power_share * rendered.F.t};
+  rendered.share *= power_share;
+  stabilisers_.ScaleRendered(power_share);
 }
 
 // Of what either law has rendered.

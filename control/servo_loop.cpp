@@ -20,9 +20,9 @@ constexpr double kSpeedSlack =
     1.1;  // a pull-back through the joints may leave the straight line by second order
 constexpr double kSightMemory_s =
     0.1;  // many frames, or the speed limit would follow each one's age up and down
-constexpr std::uint32_t kMostPeriods = 10;  // between two messages, that a velocity is taken over
-constexpr std::uint8_t kT1 = 0;             // ArmState::operation_mode
-constexpr double kTurns = 0.05;             // of the wanted speed: below, a spindle counts as still
+constexpr std::uint32_t kMaxPeriods = 10;  // between two messages, that a velocity is taken over
+constexpr std::uint8_t kT1 = 0;            // ArmState::operation_mode
+constexpr double kTurns = 0.05;            // of the wanted speed: below, a spindle counts as still
 
 bool AllFinite(const JointArray& q) {
   return std::all_of(q.begin(), q.end(), [](double value) { return std::isfinite(value); });
@@ -61,15 +61,19 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       sensor_trip_(params.sensor_force, wrench_limiter_.max_force_N()),
       workspace_(WorkspaceOf(params)),
       depth_limit_(params.depth),
+      stored_energy_limit_(params.energy.max_stored_J),
+      force_limit_reaction_(params.on_force_limit, params.stop_deceleration_m_per_s2, params.period_s),
       spindle_trip_(params.spindle_limits),
       watchdog_(params.watchdog),
-      bias_(params.sensor_bias, params.sensor, params.period_s),
+      bias_(params.law == Law::kAdmittance ? CreepBound(params.sensor_bias, params.admittance)
+                                           : params.sensor_bias,
+            params.sensor, params.period_s),
       vibration_(params.vibration, params.period_s),
       stabilisers_(params.stabilisers, LawOf(params), params.period_s),
       axis_lock_(params.admittance, params.period_s),
       most_stiffness_N_per_m_(params.coupling.max_stiffness_N_per_m),
       gain_ramp_(GainsOf(params.admittance, params.coupling), params.period_s),
-      measured_twist_(params.impedance.twist_filter_s, params.period_s) {
+      measured_twist_(params.impedance.twist_filter_s) {
   wrench_limiter_.Cap(ForceLimit_N(params));
 }
 
@@ -77,7 +81,9 @@ simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
   const bool renders = safety::Renders(state_), gives = params_.law == Law::kImpedance && renders;
   return {.X_WT = gives ? X_WT_meas_ : arm_->X_WT(),
           .spindle_rad_per_s = renders ? spindle_rad_per_s_ : 0.0,
-          .stamp = has_pose_ ? now_ : 0};
+          .stamp = !has_pose_ ? 0
+                   : gives    ? measured_at_
+                              : now_};
 }
 
 TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const CellReadings& readings,
@@ -111,19 +117,20 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
     Take(CellEvent::kFault);
   }
 
-  X_WT_meas_ = arm_->ToolPose(state.q_meas);
   F_sent_T_W_ = {};  // a wrench counts for the tick that it was made in
   record.q_meas = state.q_meas;
   if (received != ReceiveResult::kOk) {
     Miss(received);
     if (stop_asked_ && Rests()) Take(CellEvent::kStopAsked);
-  } else if (!AllFinite(state.q_meas) || (state.has_ipo && !AllFinite(state.q_ipo))) {
+  } else if (!AllFinite(state.q_meas) || (state.has_ipo && !AllFinite(state.q_ipo)) ||
+             !AllFinite(state.tau_ext)) {
     faults_.Latch(Fault::kNotFinite);  // hold this tick: a position that is not known can not be left
     permits_ = {};
     // as good as no message: what can not be braked for long is held for good
     Take(watchdog_.MissArm() ? CellEvent::kArmLost : CellEvent::kFault);
   } else {
     watchdog_.MeetArm();
+    MeasureMotion(state);
     Answer(state, readings, model, now, record);
   }
 
@@ -153,6 +160,20 @@ void ServoLoop::Prefetch() const OSTEON_RT {
   arm_->Prefetch();
 }
 
+// Where the arm is and how it moves, by its messages: the time between two of them is known by their numbers.
+void ServoLoop::MeasureMotion(const ArmState& state) OSTEON_RT {
+  X_WT_meas_ = arm_->ToolPose(state.q_meas);
+  if (measured_at_ == 0) {
+    sequence_ = state.sequence - 1;
+    measured_twist_.Reset(X_WT_meas_);
+    q_seen_ = state.q_meas;
+  }
+  elapsed_s_ = std::clamp(state.sequence - sequence_, 1u, kMaxPeriods) * params_.period_s;
+  sequence_ = state.sequence;
+  measured_at_ = now_;
+  measured_twist_.Step(X_WT_meas_, elapsed_s_);
+}
+
 // A tick whose message came and can be believed: what it says of the arm, what is asked for, what is done.
 void ServoLoop::Answer(const ArmState& state, const CellReadings& readings,
                        const simulation::ContactModel& model, rt::Nanoseconds now,
@@ -162,7 +183,7 @@ void ServoLoop::Answer(const ArmState& state, const CellReadings& readings,
 
   // may it begin?
   const bool waits = safety::Waits(state_) && phase() != Phase::kStopped;
-  if (waits && readings.force.trusted && record.sensor_age_s <= params_.watchdog.sensor_full_s)
+  if (waits && !rendered_ && readings.force.trusted && record.sensor_age_s <= params_.watchdog.sensor_full_s)
     bias_.Rest(readings.force.F_S, X_WT_meas_ * X_TF_);
   if (waits || state_ == CellState::kPaused || state_ == CellState::kAligning)
     permits_ = Look(state, readings, model, now);
@@ -173,7 +194,9 @@ void ServoLoop::Answer(const ArmState& state, const CellReadings& readings,
       (state_ == CellState::kPaused && Commanded(state))) {
     const double error_m = (X_WT_meas_.translation() - arm_->X_WT().translation()).norm();
     statistics_.peak_tracking_error_m = std::max(statistics_.peak_tracking_error_m, error_m);
-    if (!(error_m <= params_.max_tracking_error_m)) faults_.Latch(Fault::kTracking);
+    // an arm that gives is displaced by whoever leans on it while nothing is rendered
+    const bool gives = params_.law == Law::kImpedance && !safety::IsMotion(state_);
+    if (!gives && !(error_m <= params_.max_tracking_error_m)) faults_.Latch(Fault::kTracking);
     if (state.safety_state != 0 && state_ != CellState::kPaused) faults_.Latch(Fault::kSession);
     if (overloaded_ && state_ != CellState::kPaused) faults_.Latch(Fault::kJointLimit);
     if (faults_.Any() && !safety::Renders(state_)) Take(CellEvent::kFault);  // who renders looks further
@@ -181,6 +204,8 @@ void ServoLoop::Answer(const ArmState& state, const CellReadings& readings,
     if (pause_asked_) Take(CellEvent::kPauseAsked);
     pause_asked_ = false;
   }
+  if (state_ == CellState::kAligning) SuperviseStartPath(readings, now, record);
+  if (state_ == CellState::kStop1) SuperviseStop(readings, now, record);
   if (on_path_) Align(state, Permitted(readings.interlock, now), now);
 
   const bool waited = phase() == Phase::kWaiting || phase() == Phase::kAligning;
@@ -233,11 +258,7 @@ Wrench ServoLoop::TakeSensor(const CellReadings& readings, TickRecord& record) O
   Wrench F_operator_T_W;
   const double inertia_share = params_.sensor.inertia_share;
   if (inertia_share > 0.0) {
-    // a message that was lost makes the next step longer, not the tool faster
-    const std::uint32_t periods = std::clamp(record.input.sequence - flange_sequence_, 1u, kMostPeriods);
-    flange_sequence_ = record.input.sequence;
-    StepMotion(X_WT_meas_ * X_TF_, params_.sensor.acceleration_hz, periods * params_.period_s,
-               flange_motion_);
+    StepMotion(X_WT_meas_ * X_TF_, params_.sensor.acceleration_hz, elapsed_s_, flange_motion_);
   }
   if (record.sensor_age_s < safety::kNoAge_s && readings.force.trusted) {
     Wrench F_S = readings.force.F_S;
@@ -269,8 +290,11 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
                                                    spindle_rad_per_s_ > 0.0, coupling_);
   record.model_age_s = coupling.age_s;
   pressed_ = !coupling.displacement_W.isZero(0.0);
-  const safety::LimitedWrench limited =
-      arm_->Limit(wrench_limiter_, stabilisers_.Shape(coupling, X_before, V_before_WT));
+  const safety::LimitedWrench limited = LimitCoupling(coupling, X_before, V_before_WT);
+  force_limit_reaction_.Step({.displacement_W = coupling.displacement_W,
+                              .rendered_share = limited.share,
+                              .advance_m_per_s = spindle_rad_per_s_ > 0.0 ? model.advance_m_per_s : 0.0});
+  record.tool_in_bone_m = force_limit_reaction_.tool_in_bone_m();
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
 
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
@@ -285,13 +309,10 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
       PastDeadZone(params_.admittance,
                    safety::ScaleWrench(F_operator_T_W, sensor_trip_.level_N(), kMostOperatorTorque_Nm).F);
   const double hand = coupling.fade * sensor_share;
-  const safety::LimitedWrench rendered = Bounded(
+  safety::LimitedWrench rendered = LimitRenderedWrench(
       stabilisers_.Calm(coupling, X_before, V_before_WT, limited, wrench_limiter_),
       depth_limit_.Step(X_before.translation(), V_before_WT.v, params_.coupling.max_stiffness_N_per_m),
-      V_before_WT, coupling.fade);
-  const Wrench& F_coupling_T_W = rendered.F;
-  const Wrench F_T_W{.f = hand * F_hand_T_W.f + F_coupling_T_W.f,
-                     .t = hand * F_hand_T_W.t + F_coupling_T_W.t};
+      coupling.fade);
   // a virtual tool that vibrates in the hand is heavier, and more damped
   record.vibration_index = vibration_.Step(F_operator_T_W, spindle_rad_per_s_);
   record.vibration_reference_N = vibration_.reference_N();
@@ -299,13 +320,30 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   mass_factor_ = vibration_.mass_factor();
   const AdmittanceParams law = Times(params_.admittance, mass_factor_,
                                      std::max(vibration_.damping_factor(), stabilisers_.damping_factor()));
+  const Twist V_locked_C = axis_lock_.Correction(X_before);
+  const auto next_twist = [&](double coupling_share, Twist& V_WT) OSTEON_RT {
+    const Wrench F_T_W{.f = hand * F_hand_T_W.f + coupling_share * rendered.F.f,
+                       .t = hand * F_hand_T_W.t + coupling_share * rendered.F.t};
+    return NextTwist(law, X_before, V_WT_, F_T_W, dt_s, V_WT, V_locked_C);
+  };
   Twist V_next_WT;
-  if (!NextTwist(law, X_before, V_WT_, F_T_W, dt_s, V_next_WT, axis_lock_.Correction(X_before))) {
+  bool finite = next_twist(1.0, V_next_WT);
+  // power of the motion that the wrench itself makes: the law is affine in it
+  if (finite && coupling.fade * Power(rendered.F, V_next_WT) > params_.energy.max_power_W) {
+    Twist V_free_WT;
+    finite = next_twist(0.0, V_free_WT);
+    const double max_power_W = params_.energy.max_power_W / coupling.fade;  // the tool moves by fade × V
+    LimitPower(safety::PowerShare(Power(rendered.F, V_free_WT), Power(rendered.F, V_next_WT), max_power_W),
+               rendered);
+    finite = finite && next_twist(1.0, V_next_WT);
+  }
+  if (!finite) {
     faults_.Latch(Fault::kNotFinite);
     Take(CellEvent::kFault);
     Brake();
     return;
   }
+  const Wrench& F_coupling_T_W = rendered.F;
   record.F_coupling_T_W = F_coupling_T_W;
   stabilisers_.Put(record);
   record.wrench_scale = std::min(limited.share, rendered.share);
@@ -323,7 +361,8 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   const double sight_m_per_s = params_.model_sight_m / std::max(sight_age_s_, dt_s);
   const double braked_m_per_s = V_WT_.v.norm() - params_.stop_deceleration_m_per_s2 * dt_s;
   most.max_speed_m_per_s = std::min(most.max_speed_m_per_s, std::max(sight_m_per_s, braked_m_per_s));
-  const safety::LimitedTwist slow = safety::LimitTwist(V_next_WT, most);
+  safety::LimitedTwist slow = safety::LimitTwist(V_next_WT, most);
+  acting_.Add(safety::Limit::kBoneEntry, force_limit_reaction_.Limit(V_WT_.v, slow.V.v));
   const safety::Workspace::Result inside = workspace_.Limit(X_before.translation(), slow.V.v, dt_s);
   V_WT_ = {.v = inside.v_WT, .w = slow.V.w};
   if (inside.acted && axis_lock_.any()) {  // it does not slide along: that could leave its line
@@ -350,6 +389,8 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   if (workspace_.Violated(X_WT.translation())) faults_.Latch(Fault::kWorkspace);
   if (faults_.Any()) Take(CellEvent::kFault);
 
+  statistics_.peak_power_W =
+      std::max(statistics_.peak_power_W, Power(F_coupling_T_W, SmallStep(X_before, X_WT)) / dt_s);
   CountRendered({.F = rendered.F, .share = record.wrench_scale, .arm_share = record.arm_share}, speed_m_per_s,
                 slow.share < 1.0, inside.acted, coupling.fade, sensor_share);
   acting_.Add(safety::Limit::kJoints, joints_limited);
@@ -384,25 +425,59 @@ void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operat
   SuperviseDevices(coupling.age_s, sensor_age_s, readings, now);
   if (coupling.status == ModelStatus::kDeviceLost) faults_.Latch(Fault::kDevice);
   if (coupling.status == ModelStatus::kNotCredible) faults_.Latch(Fault::kNotFinite);
-  if (rate_trip_.Check(coupling.F_T_W.f, params_.period_s)) faults_.Latch(Fault::kWrenchRate);
+  // a commanded tool stands while messages are lost, a measured one goes on
+  const double step_s = params_.law == Law::kImpedance ? elapsed_s_ : params_.period_s;
+  if (rate_trip_.Check(coupling.F_T_W.f, step_s)) faults_.Latch(Fault::kWrenchRate);
+  statistics_.peak_tool_in_bone_m =
+      std::max(statistics_.peak_tool_in_bone_m, force_limit_reaction_.tool_in_bone_m());
+  if (force_limit_reaction_.too_deep()) faults_.Latch(Fault::kToolInBone);
+  if (force_limit_reaction_.must_stop()) faults_.Latch(Fault::kForceLimit);
   SuperviseHand(F_operator_T_W);
+}
+
+// On the way to the start, where nothing is rendered: the model's age does not count, and without the PLC's
+// permission the arm rests on its path.
+void ServoLoop::SuperviseStartPath(const CellReadings& readings, rt::Nanoseconds now,
+                                   TickRecord& record) OSTEON_RT {
+  const Wrench F_operator_T_W = TakeSensor(readings, record);
+  SuperviseSensor(record.sensor_age_s, readings, now);
+  SuperviseSpindle(readings, now);
+  SuperviseHand(F_operator_T_W);
+  if (faults_.Any()) Take(CellEvent::kFault);
+}
+
+// While it brakes to rest: spindle and PLC have been told to end as well, hand and sensor go on.
+void ServoLoop::SuperviseStop(const CellReadings& readings, rt::Nanoseconds now,
+                              TickRecord& record) OSTEON_RT {
+  const Wrench F_operator_T_W = TakeSensor(readings, record);
+  SuperviseSensor(record.sensor_age_s, readings, now);
+  SuperviseHand(F_operator_T_W);
+}
+
+void ServoLoop::SuperviseSensor(double sensor_age_s, const CellReadings& readings,
+                                rt::Nanoseconds now) OSTEON_RT {
+  faults_.Latch(watchdog_.Check(now, {.sensor_s = sensor_age_s}));
+  if (!readings.force.trusted) faults_.Latch(Fault::kSensorFault);
+}
+
+void ServoLoop::SuperviseSpindle(const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT {
+  if (!params_.has_spindle) return;
+  faults_.Latch(watchdog_.Check(now, {.spindle_s = safety::StampAge(now, readings.spindle.stamp)}));
+  if (!readings.spindle.ready || readings.spindle.fault) faults_.Latch(Fault::kSpindle);
+  if (spindle_trip_.Check(readings.spindle.torque_Nm, readings.spindle.speed_rad_per_s, params_.period_s))
+    faults_.Latch(Fault::kSpindleLimit);
 }
 
 void ServoLoop::SuperviseDevices(double model_age_s, double sensor_age_s, const CellReadings& readings,
                                  rt::Nanoseconds now) OSTEON_RT {
-  safety::Ages ages{.model_s = model_age_s, .sensor_s = sensor_age_s};
-  if (params_.has_spindle) {
-    ages.spindle_s = safety::StampAge(now, readings.spindle.stamp);
-    if (!readings.spindle.ready || readings.spindle.fault) faults_.Latch(Fault::kSpindle);
-    if (spindle_trip_.Check(readings.spindle.torque_Nm, readings.spindle.speed_rad_per_s, params_.period_s))
-      faults_.Latch(Fault::kSpindleLimit);
-  }
+  safety::Ages ages{.model_s = model_age_s};
   if (params_.has_interlock) {
     ages.interlock_s = safety::StampAge(now, readings.interlock.stamp);
     if (!readings.interlock.permitted) faults_.Latch(Fault::kInterlock);
   }
   faults_.Latch(watchdog_.Check(now, ages));
-  if (!readings.force.trusted) faults_.Latch(Fault::kSensorFault);
+  SuperviseSensor(sensor_age_s, readings, now);
+  SuperviseSpindle(readings, now);
 }
 
 void ServoLoop::SuperviseHand(const Wrench& F_operator_T_W) OSTEON_RT {
@@ -411,6 +486,7 @@ void ServoLoop::SuperviseHand(const Wrench& F_operator_T_W) OSTEON_RT {
     return;
   }
   const double force_N = F_operator_T_W.f.stableNorm();
+  hand_N_ = force_N;
   statistics_.peak_sensor_force_N = std::max(statistics_.peak_sensor_force_N, force_N);
   if (sensor_trip_.Check(force_N)) faults_.Latch(Fault::kSensorForce);
 }

@@ -19,7 +19,9 @@
 #include "safety/acting_limits.h"
 #include "safety/cell_state.h"
 #include "safety/fault.h"
+#include "safety/force_limit_reaction.h"
 #include "safety/motion_permit.h"
+#include "safety/stored_energy_limit.h"
 #include "simulation/contact_model.h"
 #include "simulation/cutting_engine.h"
 
@@ -31,6 +33,8 @@ struct ServoStatistics {
   double peak_coupling_torque_Nm{0.0};
   double peak_sensor_force_N{0.0};      ///< what the sensor said
   double peak_tool_speed_m_per_s{0.0};  ///< commanded
+  double peak_tool_in_bone_m{0.0};      ///< from the tool to its collision-free pose
+  double peak_power_W{0.0};             ///< from the coupling to the hand, of the motion that was commanded
   double peak_tracking_error_m{0.0};
   safety::LimitCounts limits;                                          ///< while rendering
   double least_depth_left_m{std::numeric_limits<double>::infinity()};  ///< to the reamer's depth limit
@@ -70,16 +74,18 @@ struct ServoStatistics {
 /// - paused and fault hold, and follow the arm where it leaves COMMANDING_ACTIVE. Only RequestResume(), a
 /// recovery, or a new loop goes on.
 ///
-/// Before it renders the sensor's bias is taken while the tool rests (BiasEstimator). While it renders, a
-/// hand that makes the arm oscillate meets more drag (VibrationIndex), and the coupling stays stable where
-/// its planes are old, change, or make energy (Stabilisers).
+/// Before its first motion the sensor's bias is taken while the tool rests (BiasEstimator). Wherever the arm
+/// moves or is braked, hand and sensor are supervised; while it moves by itself or renders, the spindle as
+/// well. While it renders, a hand that makes the arm oscillate meets more drag (VibrationIndex), and the
+/// coupling stays stable where its planes are old, change, or make energy (Stabilisers).
 ///
 /// **Impedance law** (Law::kImpedance): the arm carries itself and is where the hand has it, so that there is
 /// no commanded pose: coupling, simulation, speed and workspace count where the arm is measured. The wrench
 /// goes out as FRI's overlay (on T, or as J^T F); the joints' command, the equilibrium of the arm's own
 /// spring, goes along. Beyond the tool's speed and at the workspace's bounds it is braked, at half as much
 /// again it stops. In kStopping nothing is rendered, the arm's spring holds it where it is and what still
-/// moves is braked.
+/// moves is braked, until the arm is measured to stand. A hand that leans on a paused arm displaces it: that
+/// is no fault, it only keeps the arm from going on.
 ///
 /// Whatever limits the motion pulls the virtual tool back with it: commanded and integrated pose are one at
 /// every tick. The joints follow the tool's twist (DifferentialInverse), so that the end of the reach, a
@@ -140,8 +146,9 @@ class ServoLoop {
   /// at most what the loop was made with, which its trips and the simulation count on.
   void RequestGains(const Gains& gains);
 
-  /// What the simulation should follow: the commanded tool pose of the last tick. Its stamp is 0 until the
-  /// arm has said where it is: there is no pose yet.
+  /// What the simulation should follow: the commanded tool pose of the last tick; with the impedance law the
+  /// measured one, stamped with the tick whose message it came with. Its stamp is 0 until the arm has said
+  /// where it is: there is no pose yet.
   [[nodiscard]] simulation::ToolCommand tool_command() const OSTEON_RT;
 
   /// What the cell's devices should do now.
@@ -179,6 +186,7 @@ class ServoLoop {
                                            rt::Nanoseconds now) const OSTEON_RT;
   [[nodiscard]] bool Permitted(const InterlockReading& interlock, rt::Nanoseconds now) const OSTEON_RT;
   void Wait(const ArmState& state) OSTEON_RT;
+  void MeasureMotion(const ArmState& state) OSTEON_RT;
   void Align(const ArmState& state, bool permitted, rt::Nanoseconds now) OSTEON_RT;
   void Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
   void StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEON_RT;
@@ -197,14 +205,21 @@ class ServoLoop {
                  const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT;
   void SuperviseDevices(double model_age_s, double sensor_age_s, const CellReadings& readings,
                         rt::Nanoseconds now) OSTEON_RT;
+  void SuperviseSensor(double sensor_age_s, const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT;
+  void SuperviseSpindle(const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT;
   void SuperviseHand(const Wrench& F_operator_T_W) OSTEON_RT;
+  void SuperviseStartPath(const CellReadings& readings, rt::Nanoseconds now, TickRecord& record) OSTEON_RT;
+  void SuperviseStop(const CellReadings& readings, rt::Nanoseconds now, TickRecord& record) OSTEON_RT;
   void BrakeForPause(const CellReadings& readings, const simulation::ContactModel& model, rt::Nanoseconds now,
                      TickRecord& record) OSTEON_RT;
   void Brake() OSTEON_RT;
   void BrakeJoints() OSTEON_RT;
   [[nodiscard]] bool Follow(bool& limited) OSTEON_RT;
-  [[nodiscard]] safety::LimitedWrench Bounded(const Wrench& F_coupling_T_W, const Vector3& f_depth_W,
-                                              const Twist& V_WT, double fade) OSTEON_RT;
+  [[nodiscard]] safety::LimitedWrench LimitCoupling(const CouplingOutput& coupling, const Pose& X_WT,
+                                                    const Twist& V_WT) OSTEON_RT;
+  [[nodiscard]] safety::LimitedWrench LimitRenderedWrench(const Wrench& F_coupling_T_W,
+                                                          const Vector3& f_depth_W, double fade) OSTEON_RT;
+  void LimitPower(double power_share, safety::LimitedWrench& rendered) OSTEON_RT;
   void CountRendered(const safety::LimitedWrench& limited, double speed_m_per_s, bool twist_limited,
                      bool workspace_limited, double fade, double sensor_share) OSTEON_RT;
 
@@ -216,6 +231,8 @@ class ServoLoop {
   safety::SensorForceTrip sensor_trip_;
   safety::Workspace workspace_;
   safety::DepthLimit depth_limit_;
+  safety::StoredEnergyLimit stored_energy_limit_;
+  safety::ForceLimitReaction force_limit_reaction_;
   safety::SpindleTrip spindle_trip_;
   safety::Watchdog watchdog_;
 
@@ -226,13 +243,13 @@ class ServoLoop {
   bool on_path_{false};          ///< what is commanded is the way to the start
   bool rendered_{false};         ///< at least once: no way to the start any more
   JointArray q_seen_{};          ///< [rad] measured in the last message
-  int standing_ticks_{0};        ///< messages in a row in which the arm stood
+  static constexpr int kStandingTicks = 10;
+  int standing_ticks_{0};  ///< messages in a row in which the arm stood, kStandingTicks at most
   safety::FaultSet faults_;
   ServoStatistics statistics_;
   CouplingState coupling_;
   BiasEstimator bias_;
-  MeasuredMotion flange_motion_;      ///< where the tool's inertia counts
-  std::uint32_t flange_sequence_{0};  ///< of the arm's message that it is of
+  MeasuredMotion flange_motion_;  ///< where the tool's inertia counts
   VibrationIndex vibration_;
   Stabilisers stabilisers_;
   double mass_factor_{1.0};  ///< of the virtual tool, in the last tick
@@ -264,12 +281,18 @@ class ServoLoop {
   double share_{0.0};        ///< of V_WT_ that moves the tool
   double sight_age_s_{0.0};  ///< the models' greatest age of late
 
-  // the impedance law
+  // the measured motion, from the arm's messages
   MeasuredTwist measured_twist_;
-  JointArray q_meas_before_{};  ///< of the tick before
+  std::uint32_t sequence_{0};   ///< of the last message
+  double elapsed_s_{0.0};       ///< between the last two messages: a multiple of the period
+  double hand_N_{0.0};          ///< what the hand exerts, as supervised last
+  JointArray q_meas_before_{};  ///< of the last message, rendering with the impedance law
   Pose X_WT_meas_{Pose::Identity()};
+  rt::Nanoseconds measured_at_{0};  ///< the tick that X_WT_meas_ came with; 0: none yet
+
+  // the impedance law
   Wrench F_sent_T_W_;  ///< of this tick: coupling, damping and braking, within the limits
-  int stop_ticks_{0};  ///< left of a stop
+  int stop_ticks_{0};  ///< of a stop so far
 
   bool overloaded_{false};   ///< the arm's joints are about to bear more than they hold
   bool reduced_{false};      ///< the arm is in T1, or does not say

@@ -17,6 +17,7 @@ void Validate(const ServoParams& params) {
   Validate(params.stabilisers);
   if (params.depth.acts) Validate(params.depth);
   Validate(params.energy);
+  Validate(params.on_force_limit);
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
       throw std::invalid_argument(std::string("servo ") + name + ": found " + std::to_string(value) +
@@ -47,7 +48,10 @@ void Validate(const ServoParams& params) {
   require("posture_load torque_Nm", params.posture_load.torque_Nm, 0.0, 1000.0);
   require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
   require("period_s", params.period_s, 1e-4, 0.02);
-  if (params.start) require("start there_rad", params.start->there_rad, 1e-6, 0.1);
+  if (params.start) {
+    require("start there_rad", params.start->there_rad, 1e-6, 0.1);
+    require("start pause_force_N", params.start->pause_force_N, 1.0, 500.0);
+  }
 }
 
 StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT {

@@ -15,6 +15,7 @@
 #include "kinematics/redundancy.h"
 #include "safety/depth_limit.h"
 #include "safety/energy_limits.h"
+#include "safety/force_limit_reaction.h"
 #include "safety/joint_guard.h"
 #include "safety/limits.h"
 #include "safety/spindle_trip.h"
@@ -29,6 +30,8 @@ struct StartParams {
       kinematics::JointVectorN<7>::Zero()};  ///< [rad]; of a six-axis arm the first six
   JointPathParams path;
   double there_rad{2e-3};  ///< every joint this near counts as there; > 0
+  /// A hand that pushes harder than this makes the arm rest on its path until it lets go; > 0 [N].
+  double pause_force_N{40.0};
 };
 
 /// How the coupling reaches the hand.
@@ -55,6 +58,7 @@ struct ServoParams {
   safety::WatchdogParams watchdog;
   safety::DepthLimitParams depth;
   safety::EnergyLimitParams energy;
+  safety::ForceLimitReactionParams on_force_limit;  ///< kSlow needs the admittance law
   safety::SpindleLimitParams spindle_limits;
   double max_elbow_speed_m_per_s{std::numeric_limits<double>::infinity()};  ///< of an LBR; > 0
   double spindle_rad_per_s{26.18};           ///< while rendering; 250 rpm; 0 for a still spindle

@@ -15,7 +15,6 @@ using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault, s
 constexpr double kPlausible_rad = 0.1;
 // Slower is standing: an encoder's step in a tick, not a coasting arm.
 constexpr double kStands_rad_per_s = 0.02;
-constexpr int kStandingTicks = 10;
 constexpr double kSamePeriod_s = 1e-6;
 
 double FarthestJoint(const JointArray& a, const JointArray& b) OSTEON_RT {
@@ -80,6 +79,7 @@ CellAction ServoLoop::Take(CellEvent event) OSTEON_RT {
     case CellAction::kBrake:  // from here on V_WT_ is the velocity of the commanded tool itself
       V_WT_ = Scaled(V_WT_, share_);
       share_ = 1.0;
+      stop_ticks_ = 0;
       break;
     case CellAction::kClearFaults:
       faults_.Clear();
@@ -108,7 +108,7 @@ void ServoLoop::TakeRest() OSTEON_RT { Take(faults_.Any() ? CellEvent::kRestFaul
 
 // An arm that is not under control rests where it is measured to.
 void ServoLoop::LookAtRest(const ArmState& state) OSTEON_RT {
-  const bool stands = FarthestJoint(state.q_meas, q_seen_) <= kStands_rad_per_s * params_.period_s;
+  const bool stands = FarthestJoint(state.q_meas, q_seen_) <= kStands_rad_per_s * elapsed_s_;
   standing_ticks_ = stands ? std::min(standing_ticks_ + 1, kStandingTicks) : 0;
   q_seen_ = state.q_meas;
   if (state_ == CellState::kStop0 && standing_ticks_ == kStandingTicks) TakeRest();
@@ -143,6 +143,7 @@ safety::MotionPermits ServoLoop::Look(const ArmState& state, const CellReadings&
               !params_.has_spindle || (readings.spindle.ready && !readings.spindle.fault &&
                                        safety::StampAge(now, readings.spindle.stamp) <= most.spindle_stop_s));
   permits.Put(MotionPermit::kWayLookedAt, may_begin_.load(std::memory_order_relaxed));
+  permits.Put(MotionPermit::kHandOff, rendered_ || !bias_.in_doubt());
 
   // the coupling as it would be in full: rendering begins with nothing of it
   CouplingState full;
@@ -212,6 +213,9 @@ void ServoLoop::Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
       activation_ = state.activation;
       commanded_ = true;
       on_path_ = arm_->BeginStart();
+      watchdog_.Start(now);
+      spindle_trip_.Reset();
+      flange_motion_ = {.X = X_WT_meas_ * X_TF_, .V = {}, .A = {}};
       if (on_path_) break;
       faults_.Latch(Fault::kJointLimit);  // the arm stands where no command may put it
       Take(CellEvent::kFault);
@@ -222,10 +226,12 @@ void ServoLoop::Begin(const ArmState& state, rt::Nanoseconds now) OSTEON_RT {
   }
 }
 
-// A step of the path. What stops stops the path's clock; what can not be commanded is not.
+// A step of the path. What stops stops the path's clock; what can not be commanded is not. A hand in the
+// arm's way makes it rest on its path.
 void ServoLoop::Align(const ArmState& state, bool permitted, rt::Nanoseconds now) OSTEON_RT {
   const bool ends = safety::Brakes(state_);
-  const StartStep step = arm_->StepToStart(permitted && !ends);
+  const bool free = !params_.start || hand_N_ <= params_.start->pause_force_N;
+  const StartStep step = arm_->StepToStart(permitted && free && !ends);
   if (step.refused != Fault::kNone) {
     faults_.Latch(step.refused);
     Take(CellEvent::kFault);
@@ -247,7 +253,6 @@ void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEO
   measured_twist_.Reset(X_WT_meas_);
   q_meas_before_ = state.q_meas;
   flange_motion_ = {.X = X_WT_meas_ * X_TF_, .V = {}, .A = {}};
-  flange_sequence_ = state.sequence - 1;  // this tick renders as well
   coupling_ = {};
   pressed_ = false;
   axis_lock_.Reset(arm_->X_WT());
@@ -257,6 +262,8 @@ void ServoLoop::StartRendering(const ArmState& state, rt::Nanoseconds now) OSTEO
   sight_age_s_ = 0.0;
   stop_ticks_ = 0;
   rate_trip_.Reset();
+  stored_energy_limit_.Reset();
+  force_limit_reaction_.Reset();
   depth_limit_.Reset();
   spindle_trip_.Reset();
   watchdog_.Start(now);

@@ -22,7 +22,7 @@ void Stabilisers::Reset() OSTEON_RT {
 
 void Stabilisers::Follow(const StabilisedLaw& law) OSTEON_RT {
   law_.damping = law.damping;
-  passivity_.SetMost(law.most_damping_Ns_per_m);
+  passivity_.SetMaxDamping(law.most_damping_Ns_per_m);
 }
 
 Wrench Stabilisers::Shape(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT) OSTEON_RT {

@@ -38,8 +38,10 @@ struct StabilisedLaw {
 ///     coupling → age governor: share, damping → energy tank: share → limits → passivity: damping → law
 ///
 /// The governor comes first, as it is a gain of the coupling; the tank pays for every gain's return. Both act
-/// before energy is out. The passivity controller sees what is rendered after all that, limits included, and
-/// is the last resort: where the others have done their part it has nothing to do.
+/// before energy is out. The passivity controller sees the coupling after the limits of force, torque and
+/// stored energy, and is told by ScaleRendered what the limit of power takes from it. The depth limit's
+/// resistance is no force of the planes and is not in it. It is the last resort: where the others have done
+/// their part it has nothing to do.
 class Stabilisers {
  public:
   /// @throws std::invalid_argument as Validate.
@@ -62,6 +64,9 @@ class Stabilisers {
   [[nodiscard]] Wrench Calm(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT,
                             const safety::LimitedWrench& limited,
                             const safety::WrenchLimiter& limiter) OSTEON_RT;
+
+  /// Tells that a limit after Calm let only this share of its wrench through, 0 … 1.
+  void ScaleRendered(double share) OSTEON_RT { passivity_.ScaleRendered(share); }
 
   /// Into its fields of the record.
   void Put(TickRecord& record) const OSTEON_RT;

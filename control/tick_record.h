@@ -72,6 +72,7 @@ struct TickRecord {
   PlainWrench F_coupling_T_W;      ///< rendered: after every limit, as integrated
   double wrench_scale{1.0};        ///< share of the coupling wrench that the limits let through, 0 … 1
   double arm_share{1.0};           ///< of it that the arm's torques can hold in this posture, 0 … 1
+  double tool_in_bone_m{0.0};      ///< from the tool to its collision-free pose, while rendering
   double vibration_index{0.0};     ///< 0 … 1
   /// Effective value up to which vibration counts as the hand's own.
   double vibration_reference_N{0.0};

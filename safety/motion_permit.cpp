@@ -22,6 +22,10 @@ const char* Missing(MotionPermit permit) {
       return "the spindle's drive, ready and without a fault";
     case MotionPermit::kWayLookedAt:
       return "the look along the way to the start, which is under way";
+    case MotionPermit::kHandOff:
+      return "a hand off the handle before the first motion: the force sensor reads a steady push at rest "
+             "(let go, or "
+             "calibrate its zero: `osteon calibrate`)";
   }
   return "an unknown condition";
 }

@@ -15,8 +15,11 @@ enum class MotionPermit : std::uint32_t {
   kNoResidualWrench = 1u << 6,  ///< the coupling begins at nothing and fades in to what the cell may give
   kSpindleReady = 1u << 7,      ///< its drive is in order, freshly; of a cell without one always
   kWayLookedAt = 1u << 8,       ///< whoever looks at the way to the start has not forbidden it
+  /// Before the first motion: the force sensor's reading at rest is its zero, not a hand that rests on the
+  /// handle.
+  kHandOff = 1u << 9,
 };
-inline constexpr int kMotionPermits = 9;
+inline constexpr int kMotionPermits = 10;
 
 /// Those that hold.
 class MotionPermits {

@@ -116,6 +116,26 @@ TEST(BiasEstimator, TheLastRestThatWasBelievedCounts) {
   EXPECT_EQ(estimator.bias().f, believed.f);
 }
 
+TEST(BiasEstimator, ARestBeyondTheBoundIsInDoubtUntilOneWithinItIsBelieved) {
+  BiasEstimator estimator({.most_N = 2.0}, kSensor, kDt_s);
+  Hang(estimator, 1.0, kBias);
+  EXPECT_TRUE(estimator.in_doubt());
+  EXPECT_EQ(estimator.bias().f.norm(), 0.0);
+  Hang(estimator, 0.3, {});
+  EXPECT_TRUE(estimator.in_doubt()) << "too short";
+  Hang(estimator, 0.3, {});
+  EXPECT_FALSE(estimator.in_doubt());
+}
+
+TEST(BiasEstimator, TheBoundIsWhatTheLawsDragBearsAtACreep) {
+  AdmittanceParams law;
+  law.damping_Ns_per_m = {30.0, 20.0, 40.0};
+  law.dead_zone_N = 0.5;
+  const BiasParams bound = CreepBound({.max_creep_m_per_s = 0.05}, law);
+  EXPECT_DOUBLE_EQ(bound.most_N, 0.5 + 20.0 * 0.05);
+  EXPECT_EQ(CreepBound({.most_N = 0.7, .max_creep_m_per_s = 0.05}, law).most_N, 0.7);
+}
+
 TEST(BiasEstimator, SwitchedOffItTakesNothing) {
   BiasEstimator estimator({.acts = false}, kSensor, kDt_s);
   Hang(estimator, 2.0, kBias);

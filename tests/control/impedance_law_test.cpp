@@ -22,27 +22,39 @@ Pose At(double x, double angle, const Vector3& axis) {
 
 TEST(MeasuredTwist, OfASteadyMotionIsItsVelocityAfterTheFiltersTime) {
   const Vector3 axis(1.0, 2.0, -0.5);
-  MeasuredTwist twist(0.002, kTick_s);
+  MeasuredTwist twist(0.002);
   twist.Reset(At(0.0, 0.0, axis));
   Twist V;
-  for (int i = 1; i <= 40; ++i) V = twist.Step(At(0.1 * i * kTick_s, 0.7 * i * kTick_s, axis));
+  for (int i = 1; i <= 40; ++i) V = twist.Step(At(0.1 * i * kTick_s, 0.7 * i * kTick_s, axis), kTick_s);
   EXPECT_NEAR(V.v.x(), 0.1, 1e-6) << "40 ms of 2 ms: e^-16 is left of the step";
   EXPECT_LT((V.w - 0.7 * axis.normalized()).norm(), 1e-5);
 }
 
 TEST(MeasuredTwist, ATurnOfAlmostHalfARoundIsNotMistakenForItsOpposite) {
-  MeasuredTwist twist(0.0, kTick_s);
+  MeasuredTwist twist(0.0);
   const Vector3 axis(0.0, 0.0, 1.0);
   twist.Reset(At(0.0, 0.0, axis));
   const double angle = std::numbers::pi - 1e-6;
-  const Twist V = twist.Step(At(0.0, angle, axis));
+  const Twist V = twist.Step(At(0.0, angle, axis), kTick_s);
   EXPECT_NEAR(V.w.z() * kTick_s, angle, 1e-9);
 }
 
+TEST(MeasuredTwist, KnowsHowLongItIsSinceThePoseBefore) {
+  MeasuredTwist twist(0.002);
+  twist.Reset(At(0.0, 0.0, Vector3::UnitX()));
+  double x_m = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    const double dt_s = (i % 5 == 4 ? 6 : 1) * kTick_s;  // five messages lost
+    x_m += 0.1 * dt_s;
+    EXPECT_LE(twist.Step(At(x_m, 0.0, Vector3::UnitX()), dt_s).v.x(), 0.1 * (1.0 + 1e-9)) << i;
+  }
+  EXPECT_NEAR(twist.V().v.x(), 0.1, 1e-6);
+}
+
 TEST(MeasuredTwist, BeginsAtRestWhereverItIsReset) {
-  MeasuredTwist twist(0.002, kTick_s);
+  MeasuredTwist twist(0.002);
   twist.Reset(At(0.5, 0.3, Vector3::UnitX()));
-  EXPECT_EQ(twist.Step(At(0.5, 0.3, Vector3::UnitX())).v.norm(), 0.0);
+  EXPECT_EQ(twist.Step(At(0.5, 0.3, Vector3::UnitX()), kTick_s).v.norm(), 0.0);
 }
 
 TEST(DampingWrench, TakesPowerInAnyMotionThatIsAllowedNoMoreThanItIs) {

@@ -133,6 +133,30 @@ TEST(Passivity, DampingNeverTurnsTheMotionRoundWithinATick) {
   }
 }
 
+TEST(Passivity, OtherGainsKeepTheUsersBound) {
+  PassivityController controller({.allowance_J = 0.0, .most_damping_Ns_per_m = 50.0}, PortWork::kTrapezoid,
+                                 kT, 1e4);
+  controller.SetMaxDamping(1e4);
+  static_cast<void>(controller.Step(At(0.0, 0.1, 1000.0, 0.0)));
+  static_cast<void>(controller.Step(At(1e-3, 0.1, 1000.0, 0.0)));  // 1 J made: 100 kN s/m would take it back
+  EXPECT_EQ(controller.damping_Ns_per_m(), 50.0);
+  controller.SetMaxDamping(20.0);
+  static_cast<void>(controller.Step(At(2e-3, 0.1, 1000.0, 0.0)));
+  EXPECT_EQ(controller.damping_Ns_per_m(), 20.0);
+}
+
+TEST(Passivity, CountsWhatALaterLimitLetThrough) {
+  PassivityController half({.acts = false, .allowance_J = 10.0}, PortWork::kTrapezoid, kT, 1e4);
+  PassivityController port_of_half({.acts = false, .allowance_J = 10.0}, PortWork::kTrapezoid, kT, 1e4);
+  for (int i = 0; i < 20; ++i) {
+    static_cast<void>(half.Step(At(1e-3 * i, 0.1, 80.0, 0.0)));
+    half.ScaleRendered(0.5);
+    static_cast<void>(port_of_half.Step(At(1e-3 * i, 0.1, 40.0, 0.0)));
+    EXPECT_NEAR(half.energy_J(), port_of_half.energy_J(), 1e-12) << i;
+  }
+  EXPECT_GT(half.energy_J(), 0.5);
+}
+
 TEST(Passivity, DoesNotAllocate) {
   PassivityController controller({}, PortWork::kTrapezoid, kT, 1e3);
   const rt::NoAllocScope scope;

@@ -284,13 +284,13 @@ TEST_F(ServoState, AtTheStartNothingIsRenderedWithoutTheConditions) {
   cell.Run(5);
   cell.bench.Activate();
   cell.Run(10);
-  cell.bench.sensor_lives = false;
+  cell.bench.simulation_lives = false;  // on the way nothing is rendered, and nothing asks for a model
   cell.Run(20'000);
   EXPECT_EQ(cell.state(), CellState::kAligning);
   EXPECT_NEAR(cell.bench.command.q[0], ServoBench::StartJoints()[0] + 0.3, 1e-9);
-  EXPECT_FALSE(safety::MotionPermits(cell.Tick().permits).Has(MotionPermit::kSensorFresh));
-  cell.bench.sensor_lives = true;
-  cell.Run(2);
+  EXPECT_FALSE(safety::MotionPermits(cell.Tick().permits).Has(MotionPermit::kModelFresh));
+  cell.bench.simulation_lives = true;
+  cell.Run(3);
   EXPECT_TRUE(safety::Renders(cell.state()));
 }
 

@@ -273,11 +273,10 @@ TEST(ServoLimits, PowerIntoTheHandIsBounded) {
     bench.Run(2000);
     bench.push_N = 0.0;  // let go
     double most = 0.0;
-    Vector3 v = Vector3::Zero();
     for (int tick = 0; tick < 300; ++tick) {
       const TickRecord record = bench.Tick();
-      most = std::max(most, Vector3(record.F_coupling_T_W.f).dot(v));
-      v = record.v_WT_cmd_m_per_s;
+      // the force, on the motion that it has made
+      most = std::max(most, Vector3(record.F_coupling_T_W.f).dot(Vector3(record.v_WT_cmd_m_per_s)));
     }
     return most;
   };
