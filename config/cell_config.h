@@ -47,6 +47,7 @@ struct StartConfig {
   Pose X_WT{Pose::Identity()};    ///< what follows from the two
   double arm_angle_rad{0.0};      ///< of an LBR
   control::JointPathParams path;  ///< of an arm that is handed over elsewhere
+  double pause_force_N{40.0};     ///< a hand that pushes harder makes it rest on that path
   /// The same as joints [rad]: of the arm's solutions the nearest to zero, of six axes the nearest to their
   /// usual posture, 0 -90 90 0 90 0 deg; a seventh joint that there is not is 0.
   kinematics::JointVector q{kinematics::JointVector::Zero()};

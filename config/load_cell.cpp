@@ -37,6 +37,7 @@ void ReadStart(Reader section, bool lbr, StartConfig& start) {
   start.path.tool_speed_m_per_s =
       section.Number("tool_speed_mm_per_s", 1, 1e3 * control::kReducedSpeed_m_per_s);
   start.path.pause_s = section.Number("pause_ms", 50, 5000);
+  if (section.Has("pause_force_N")) start.pause_force_N = section.Number("pause_force_N", 1, 500);
 }
 
 void ReadPosture(Reader section, bool lbr, control::ServoParams& servo) {
@@ -106,6 +107,10 @@ void ReadSensorBias(Reader section, control::BiasParams& bias) {
   bias.rest_s = section.Number("rest_ms", 10, 60000);
   bias.most_N = section.Number("most_N", 0, 100);
   bias.most_Nm = section.Number("most_Nm", 0, 20);
+  if (section.Has("max_creep_mm_per_s"))
+    bias.max_creep_m_per_s = section.Number("max_creep_mm_per_s", 0.1, 1000);
+  if (section.Has("max_creep_deg_per_s"))
+    bias.max_creep_rad_per_s = section.Number("max_creep_deg_per_s", 0.1, 360);
 }
 
 // The one section of a law.
@@ -267,7 +272,8 @@ void Spread(CellConfig& cell) {
       },
       cell.robot.arm);
   if (const LbrConfig* lbr = cell.robot.lbr()) servo.arm_body = lbr->chain;
-  servo.start = control::StartParams{.q = cell.start.q, .path = cell.start.path};
+  servo.start = control::StartParams{
+      .q = cell.start.q, .path = cell.start.path, .pause_force_N = cell.start.pause_force_N};
   servo.posture_load.axial_N = servo.wrench.max_force_N;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
@@ -346,6 +352,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   cell.own_gains = control::GainsOf(servo.admittance, servo.coupling);
   if (!gains.empty()) LayGainsOver(gains, servo.law, servo.admittance, servo.coupling);
 
+  CompleteForceLimit(limits, servo);
   CheckBody(sensor, sensor_F, "force_sensor");
   CheckArmLink(link, cell);
   CheckOrder(coupling, "fresh_ms", "gone_ms", servo.coupling.fresh_s * 1e3, servo.coupling.gone_s * 1e3);

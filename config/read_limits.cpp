@@ -1,11 +1,15 @@
 #include "config/read_limits.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace osteon::config {
 namespace {
 
 constexpr double kRoom_mm = 5000;
+// Where a cell names no bound: twice the way at which the coupling reaches its force limit, and this.
+constexpr double kBeyondTwice_m = 3e-3;
 
 // The shape's own keys, in W: a half-space's face or another shape's centre, and its measures.
 void ReadShape(Reader& section, safety::ZoneParams& zone) {
@@ -62,6 +66,11 @@ void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
   if (section.Has("max_elbow_speed_mm_per_s"))
     servo.max_elbow_speed_m_per_s = section.Number("max_elbow_speed_mm_per_s", 1, 2000);
   if (section.Has("max_stored_J")) servo.energy.max_stored_J = section.Number("max_stored_J", 0.01, 1000);
+  if (section.Has("on_force_limit"))
+    servo.on_force_limit.reaction =
+        static_cast<safety::OnForceLimit>(section.Choice("on_force_limit", {"yield", "slow", "stop"}));
+  if (section.Has("max_tool_in_bone_mm"))
+    servo.on_force_limit.max_tool_in_bone_m = section.Number("max_tool_in_bone_mm", 0.1, 500);
   if (section.Has("max_power_W")) servo.energy.max_power_W = section.Number("max_power_W", 0.1, 1000);
   if (section.Has("max_kinetic_J")) {
     servo.energy.max_kinetic_J = section.Number("max_kinetic_J", 0.001, 100);
@@ -71,6 +80,29 @@ void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
     servo.spindle_limits.max_torque_Nm = section.Number("spindle_torque_ratio", 0.1, 100);
     servo.spindle_limits.max_speed_rad_per_s = section.Number("spindle_speed_ratio", 1.01, 10);
     servo.spindle_limits.trip_s = section.Number("spindle_trip_ms", 0, 10000);
+  }
+}
+
+void CompleteForceLimit(Reader limits, control::ServoParams& servo) {
+  safety::ForceLimitReactionParams& reaction = servo.on_force_limit;
+  const bool impedance = servo.law == control::Law::kImpedance;
+  if (impedance && limits.Has("on_force_limit") && reaction.reaction == safety::OnForceLimit::kSlow)
+    limits.Refuse(
+        "on_force_limit",
+        "found slow with the impedance law, accepted yield or stop: the arm is where the hand has it, and "
+        "what could slow it down is the wrench that is at its limit");
+  if (impedance && !limits.Has("on_force_limit")) reaction.reaction = safety::OnForceLimit::kYield;
+  const double at_limit_m = control::ForceLimit_N(servo) / servo.coupling.max_stiffness_N_per_m;
+  if (!std::isfinite(reaction.max_tool_in_bone_m)) {
+    reaction.max_tool_in_bone_m = 2.0 * at_limit_m + kBeyondTwice_m;
+  } else if (!(reaction.max_tool_in_bone_m > at_limit_m)) {
+    limits.Refuse(
+        "max_tool_in_bone_mm",
+        fmt::format(
+            "found {:.10g}, accepted more than {:.4g}: there the coupling of {:.10g} N/mm reaches its "
+            "force limit of {:.4g} N",
+            1e3 * reaction.max_tool_in_bone_m, 1e3 * at_limit_m, 1e-3 * servo.coupling.max_stiffness_N_per_m,
+            control::ForceLimit_N(servo)));
   }
 }
 

@@ -8,6 +8,11 @@ namespace osteon::config {
 /// The section `limits`. @param lbr the arm has a redundant elbow
 void ReadLimits(Reader section, bool lbr, control::ServoParams& servo);
 
+/// What the section says of a coupling at its force limit, against the law and the coupling, once these are
+/// known; and what holds where it says nothing: `slow` with the admittance law, `yield` with the impedance
+/// law, and twice the way at which the force limit is reached and 3 mm for the tool's depth in bone.
+void CompleteForceLimit(Reader limits, control::ServoParams& servo);
+
 /// The cell's list `zones`, which need not be there: convex sets that apex, flange or elbow keep in or out
 /// of.
 void ReadZones(Reader& cell, safety::WorkspaceParams& workspace);

@@ -64,6 +64,31 @@ TEST(Limits, ZonesOfEveryShapeAreRead) {
   EXPECT_EQ(read[3].half_edge_m, Vector3(0.005, 0.01, 0.015));
 }
 
+TEST(Limits, WhatHappensAtTheForceLimitIsTheCellsChoice) {
+  const auto with = [](const std::string& cell, const std::string& line) {
+    return With(CellText(cell), "limits:\n", "limits:\n  " + line + "\n");
+  };
+  const auto reaction = [](const std::string& text) { return LoadText(text).servo.on_force_limit; };
+  using safety::OnForceLimit;
+  EXPECT_EQ(reaction(With(CellText("demo"), "on_force_limit: slow", "on_force_limit: yield")).reaction,
+            OnForceLimit::kYield);
+  EXPECT_EQ(reaction(With(CellText("demo"), "on_force_limit: slow", "on_force_limit: stop")).reaction,
+            OnForceLimit::kStop);
+  // where a cell says nothing: twice 200 N / 20 N/mm, and 3 mm
+  EXPECT_EQ(reaction(CellText("demo")).reaction, OnForceLimit::kSlow);
+  EXPECT_NEAR(reaction(CellText("demo")).max_tool_in_bone_m, 0.023, 1e-12);
+  EXPECT_NEAR(reaction(with("demo", "max_tool_in_bone_mm: 11")).max_tool_in_bone_m, 0.011, 1e-15);
+  EXPECT_THAT(Refusal(with("demo", "max_tool_in_bone_mm: 9.9")),
+              AllOf(HasSubstr("max_tool_in_bone_mm"), HasSubstr("found 9.9"), HasSubstr("more than 10"),
+                    HasSubstr("20 N/mm"), HasSubstr("200 N")));
+  EXPECT_EQ(reaction(CellText("thin_plate_impedance")).reaction, OnForceLimit::kYield);
+  EXPECT_THAT(
+      Refusal(With(CellText("thin_plate_impedance"), "on_force_limit: yield", "on_force_limit: slow")),
+      AllOf(HasSubstr("on_force_limit"), HasSubstr("impedance"), HasSubstr("yield or stop")));
+  EXPECT_THAT(Refusal(With(CellText("demo"), "on_force_limit: slow", "on_force_limit: never")),
+              AllOf(HasSubstr("on_force_limit"), HasSubstr("never"), HasSubstr("yield")));
+}
+
 TEST(Limits, WhatContradictsItselfIsRefusedAtItsLine) {
   const auto with = [](const std::string& from, const std::string& to) {
     return Refusal(With(CellText("demo"), from, to));
