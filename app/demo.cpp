@@ -13,6 +13,7 @@
 #include "app/phase_progress.h"
 #include "app/recorded_motion.h"
 #include "app/run_progress.h"
+#include "app/setup_warnings.h"
 #include "app/stop_records.h"
 #include "app/summary.h"
 
@@ -82,6 +83,9 @@ int RunDemo(const DemoOptions& options) {
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
                setup->bone.name);
 
+  for (const std::string& warning : SetupWarnings(setup->config, false))
+    fmt::print(stderr, "osteon demo: warning: {}\n", warning);
+
   InstallInterrupt();
   InstallPause();
   RunProgress progress("osteon demo", options.seconds);
@@ -113,6 +117,7 @@ int RunDemo(const DemoOptions& options) {
   const ReportInput report{
       .title = "Osteon demo: " + summary.scene,
       .subtitle = summary.engine + " on " + summary.device + (options.virtual_time ? ", virtual time" : ""),
+      .verdict = summary.verdict.ForReport(),
       .summary = Rows(summary),
       .ticks = recording->ticks,
       .frames = recording->frames,
@@ -123,6 +128,7 @@ int RunDemo(const DemoOptions& options) {
       .X_WG = setup->X_WG,
       .force_limit_N = summary.force_limit_N,
       .tool_speed_limit_m_per_s = setup->config.servo.twist.max_speed_m_per_s,
+      .max_tool_in_bone_m = setup->config.servo.on_force_limit.max_tool_in_bone_m,
       .faults = summary.faults,
       .config_text = setup->config_text,
       .command_line = options.command_line,

@@ -86,6 +86,7 @@ std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& p, bool 
       Tightest("tool turn", "deg/s", {{p.twist.max_turn_rad_per_s / kDegree, "cell"}}),
       Tightest("elbow speed", "mm/s", {{1e3 * p.max_elbow_speed_m_per_s, "cell"}, {reduced_mm_per_s, "T1"}}),
       Tightest("stored energy", "J", {{p.energy.max_stored_J, "cell"}}),
+      Tightest("tool in bone", "mm", {{1e3 * p.on_force_limit.max_tool_in_bone_m, "cell"}}),
       Tightest("power into the hand", "W", {{p.energy.max_power_W, "cell"}}),
       Tightest("kinetic energy", "J", {{p.energy.max_kinetic_J, "cell"}}),
       Tightest("joint step", "deg", {{p.joints.jump_rad / kDegree, "cell"}}),

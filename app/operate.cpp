@@ -10,6 +10,7 @@
 #include "app/interrupt.h"
 #include "app/phase_progress.h"
 #include "app/run_progress.h"
+#include "app/setup_warnings.h"
 #include "app/stop_records.h"
 #include "app/summary.h"
 #include "config/check_registration.h"
@@ -70,6 +71,9 @@ int RunOperate(const OperateOptions& options) {
   PrintWires(setup->config);
   fmt::print(stderr, "osteon run: configuration {}\nosteon run: waits {:g} s for the arm\n",
              ConfigChecksum(setup->config_source), options.wait_s);
+
+  for (const std::string& warning : SetupWarnings(setup->config, !cell))
+    fmt::print(stderr, "osteon run: warning: {}\n", warning);
 
   InstallInterrupt();
   InstallPause();

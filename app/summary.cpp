@@ -13,6 +13,7 @@
 #include "app/each_fault.h"
 #include "app/fault_seen.h"
 #include "app/interrupt.h"
+#include "app/setup_warnings.h"
 #include "simulation/metrics/cut_metrics.h"
 #include "simulation/tools/swept_tool.h"
 
@@ -180,6 +181,10 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.ended = EndText(result.end);
   if (!result.diagnosis.empty()) s.ended += ": " + result.diagnosis;
   s.virtual_time = params.virtual_time;
+  s.end = result.end;
+  s.wanted_s = params.seconds;
+  s.period_s = setup.config.servo.period_s;
+  s.warnings = SetupWarnings(setup.config, !params.cell && !params.virtual_time);
   s.servo_thread = result.servo_thread;
   s.balls = setup.bone.balls.size();
   s.points = setup.bone.points.size();
@@ -191,6 +196,8 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.peak_torque_Nm = result.statistics.peak_coupling_torque_Nm;
   s.peak_sensor_force_N = result.statistics.peak_sensor_force_N;
   s.peak_tool_speed_m_per_s = result.statistics.peak_tool_speed_m_per_s;
+  s.peak_tool_in_bone_m = result.statistics.peak_tool_in_bone_m;
+  s.peak_power_W = result.statistics.peak_power_W;
   s.least_tank_J = std::isfinite(result.statistics.least_tank_J) ? result.statistics.least_tank_J : 0.0;
   s.force_limit_N = control::ForceLimit_N(setup.config.servo);
   s.limits = EffectiveLimits(setup.config.servo);
@@ -200,6 +207,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   // rates and latencies, from the ticks answered in COMMANDING_ACTIVE
   std::vector<rt::Nanoseconds> stamps;
   std::vector<double> wakeup, compute, frame;
+  std::uint64_t rendering = 0, stale = 0, sensor_late = 0;
   for (const control::TickRecord& tick : recording.ticks) {
     if (tick.session_state != static_cast<std::uint8_t>(control::SessionState::kCommandingActive)) continue;
     if (tick.wrench_scale < 1.0) ++s.cut_ticks;
@@ -207,6 +215,11 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
     if (tick.age_damping_factor > 1.0 || tick.age_wrench_share < 1.0) ++s.age_governor_ticks;
     if (tick.passivity_damping_Ns_per_m > 0.0) ++s.passivity_ticks;
     if (tick.tank_share < 1.0) ++s.tank_ticks;
+    if (tick.phase == control::Phase::kHaptic) {
+      ++rendering;
+      if (tick.model_age_s > setup.config.servo.coupling.fresh_s) ++stale;
+      if (tick.sensor_age_s > setup.config.servo.watchdog.sensor_full_s) ++sensor_late;
+    }
     s.most_age_damping = std::max(s.most_age_damping, tick.age_damping_factor);
     s.least_age_share = std::min(s.least_age_share, tick.age_wrench_share);
     s.least_wrench_share = std::min(s.least_wrench_share, tick.wrench_scale);
@@ -214,6 +227,10 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
     stamps.push_back(tick.stamp);
     wakeup.push_back(rt::ToSeconds(tick.wakeup_ns));
     compute.push_back(rt::ToSeconds(tick.compute_ns));
+  }
+  if (rendering > 0) {
+    s.stale_share = static_cast<double>(stale) / static_cast<double>(rendering);
+    s.sensor_late_share = static_cast<double>(sensor_late) / static_cast<double>(rendering);
   }
   s.servo_rate_hz = RateOf(stamps);
   s.seconds = stamps.size() < 2 ? 0.0 : rt::ToSeconds(stamps.back() - stamps.front());
@@ -260,11 +277,16 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   if (!recording.ticks.empty()) s.link = recording.ticks.back().input;
   s.recovered = result.recovered;
   s.config_checksum = ConfigChecksum(setup.config_source);
+  s.verdict = JudgeRun(s);
   return s;
 }
 
 std::vector<SummaryRow> Rows(const RunSummary& s) {
+  std::string verdict = NameOf(s.verdict.level);
+  for (const std::string& reason : s.verdict.reasons)
+    verdict += (&reason == &s.verdict.reasons.front() ? ": " : "; ") + reason;
   std::vector<SummaryRow> rows{
+      {"Verdict", verdict},
       {"Ended", s.ended + (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop)},
       {"Engine", s.engine + " on " + s.device},
       {"Scene", fmt::format("{}: {} balls, {} mass points", s.scene, s.balls, s.points)},
@@ -289,6 +311,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   if (std::isfinite(s.least_depth_left_m))
     rows.push_back({"Left to the depth limit", fmt::format("{:.2f} mm", s.least_depth_left_m * 1e3)});
   rows.push_back({"Peak sensor force", fmt::format("{:.1f} N", s.peak_sensor_force_N)});
+  rows.push_back({"Deepest tool in bone", fmt::format("{:.2f} mm", s.peak_tool_in_bone_m * 1e3)});
   rows.push_back({"Peak tool speed", fmt::format("{:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3)});
   if (s.rendered) AddCut(s, rows);
   for (const RezonedRow& row : s.rezoned) rows.push_back({fmt::format("At {:.2f} s", row.time_s), row.text});
@@ -332,7 +355,8 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
     events.push_back(
         {{"time_s", event.time_s}, {"name", event.name}, {"value", event.value}, {"unit", event.unit}});
   const CavityError& section = s.section.cavity_section;
-  nlohmann::json out{
+  nlohmann::ordered_json out{
+      {"verdict", {{"level", NameOf(s.verdict.level)}, {"reasons", s.verdict.reasons}}},
       {"schema", schema},
       {"version", OSTEON_VERSION},
       {"config_checksum", s.config_checksum},
@@ -379,6 +403,10 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"depth_left_min_mm", std::isfinite(s.least_depth_left_m) ? nlohmann::json(s.least_depth_left_m * 1e3)
                                                                 : nlohmann::json(nullptr)},
       {"peak_tool_speed_mm_per_s", s.peak_tool_speed_m_per_s * 1e3},
+      {"peak_tool_in_bone_mm", s.peak_tool_in_bone_m * 1e3},
+      {"peak_power_W", s.peak_power_W},
+      {"stale_model_share", s.stale_share},
+      {"warnings", s.warnings},
       {"removed_volume_mm3", s.removed_volume_m3 * 1e9},
       {"removed_mass_g", s.removed_mass_kg * 1e3},
       {"swept_volume_mm3", s.swept_volume_m3 * 1e9},

@@ -12,6 +12,7 @@
 #include "app/plan.h"
 #include "app/planned_cell.h"
 #include "app/report/report.h"
+#include "app/verdict.h"
 #include "io/recording/recording_reader.h"
 
 namespace osteon::app {
@@ -46,7 +47,12 @@ struct RezonedRow {
 /// The figures of a run: what the terminal, summary.json and the report show.
 struct RunSummary {
   std::string engine, device, scene, tool, recording, ended;
+  Verdict verdict;                    ///< JudgeRun of the rest
+  std::vector<std::string> warnings;  ///< at set-up: what the cell's own figures can't do together
   bool virtual_time{false};
+  control::RunEnd end{control::RunEnd::kSeconds};
+  double wanted_s{0.0};            ///< 0: until it is stopped
+  double period_s{0.0};            ///< of a tick
   rt::RealtimeGrant servo_thread;  ///< wall time: what the system granted it
   std::size_t balls{0}, points{0};
   double seconds{0.0};  ///< in COMMANDING_ACTIVE
@@ -55,6 +61,10 @@ struct RunSummary {
   double simulation_rate_hz{0.0};  ///< 1 / median interval between frames
   double peak_force_N{0.0}, peak_torque_Nm{0.0}, peak_sensor_force_N{0.0}, force_limit_N{0.0};
   double peak_tool_speed_m_per_s{0.0};
+  double peak_tool_in_bone_m{0.0};  ///< from the commanded tool to its collision-free pose
+  double peak_power_W{0.0};         ///< from the coupling to the hand
+  double stale_share{0.0};          ///< of the rendering time: the contact model older than it counts in full
+  double sensor_late_share{0.0};    ///< the same of the force sensor
   /// Ticks in which a limit cut off a part of the coupling's wrench, and those in which the arm's torques
   /// would have; and the least shares that were rendered and that the arm could hold.
   std::uint64_t cut_ticks{0}, arm_cut_ticks{0};

@@ -22,6 +22,8 @@ p { margin: 8px 0; max-width: 76ch; }
 .sub { color: #59636e; margin: 0 0 18px; }
 .verdict { display: inline-block; padding: 5px 13px; border-radius: 999px; font-weight: 600; font-size: 14px; }
 .good { background: #e2f2ea; color: #0b5a3c; } .bad { background: #fbe5e3; color: #8c1d18; }
+.look { background: #fdf0d5; color: #7a4b00; }
+.reasons { margin: 10px 0 0; padding-left: 20px; max-width: 92ch; }
 .summary { columns: 2; column-gap: 40px; margin: 18px 0 0; padding: 0; list-style: none; }
 .summary li { display: flex; justify-content: space-between; gap: 18px; padding: 5px 0; border-bottom: 1px solid #eceff2;
   break-inside: avoid; }
@@ -53,6 +55,14 @@ std::string PageBegin(const std::string& title) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n"
       "<style>{}</style>\n</head>\n<body>\n<main>\n",
       Escape(title), kStyle);
+}
+
+std::string VerdictBadge(const std::string& level, const std::vector<std::string>& reasons) {
+  std::string out = fmt::format("<div class=\"verdict {}\">{}</div>\n", Escape(level), Escape(level));
+  if (reasons.empty()) return out;
+  out += "<ul class=\"reasons\">\n";
+  for (const std::string& reason : reasons) out += "<li>" + Escape(reason) + "</li>\n";
+  return out + "</ul>\n";
 }
 
 std::string Figure(const std::string& content, const std::string& caption) {

@@ -19,11 +19,7 @@ namespace {
 std::string Head(const ReportInput& input) {
   std::string out = fmt::format("<header>\n<h1>{}</h1>\n", Escape(input.title));
   if (!input.subtitle.empty()) out += fmt::format("<p class=\"sub\">{}</p>\n", Escape(input.subtitle));
-  const std::size_t count = input.faults.size();
-  out += fmt::format("<div class=\"verdict {}\">{}</div>\n", count == 0 ? "good" : "bad",
-                     count == 0   ? "no faults"
-                     : count == 1 ? "1 fault"
-                                  : fmt::format("{} faults", count));
+  out += VerdictBadge(input.verdict.level, input.verdict.reasons);
   if (!input.summary.empty()) {
     out += "<ul class=\"summary\">\n";
     for (const SummaryRow& row : input.summary)
@@ -165,7 +161,8 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   html += ErrorTable(report.figures);
   html += "<h2>Force</h2>\n" + Figure(ForceChart(input.ticks, input.force_limit_N), "");
   html += "<h2>Progress</h2>\n" + Figure(ProgressChart(input.ticks, input.frames), "");
-  html += "<h2>Motion</h2>\n" + Figure(MotionChart(input.ticks, input.tool_speed_limit_m_per_s), "");
+  html += "<h2>Motion</h2>\n" +
+          Figure(MotionChart(input.ticks, input.tool_speed_limit_m_per_s, input.max_tool_in_bone_m), "");
   html += Timing(input);
   html += Assumed(input.bone);
   if (!input.command_line.empty())

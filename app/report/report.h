@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -31,10 +32,17 @@ struct FaultRow {
   std::string seen{};    ///< with its figures, where they are known
 };
 
+/// How good a run was, worst reason first.
+struct ReportVerdict {
+  std::string level{"good"};  ///< "good", "look" or "bad"
+  std::vector<std::string> reasons{};
+};
+
 /// Everything that a report is made of. Views must outlive the call.
 struct ReportInput {
   std::string title{"Reaming an acetabulum"};
-  std::string subtitle{};             ///< e.g. engine, device, date
+  std::string subtitle{};  ///< e.g. engine, device, date
+  ReportVerdict verdict{};
   std::vector<SummaryRow> summary{};  ///< as the terminal shows it
   std::span<const control::TickRecord> ticks{};
   std::span<const simulation::FrameRecord> frames{};
@@ -45,7 +53,8 @@ struct ReportInput {
       nullptr};  ///< what the bone was packed from, for crisp materials; may be null
   Pose X_WG{Pose::Identity()};
   double force_limit_N{200.0};
-  double tool_speed_limit_m_per_s{0.0};  ///< 0: no line drawn
+  double tool_speed_limit_m_per_s{0.0};                                ///< 0: no line drawn
+  double max_tool_in_bone_m{std::numeric_limits<double>::infinity()};  ///< infinite: no line drawn
   std::vector<FaultRow> faults{};
   std::string config_text{};   ///< the configuration as read
   std::string command_line{};  ///< that repeats the run

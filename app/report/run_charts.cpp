@@ -1,6 +1,7 @@
 #include "app/report/run_charts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -158,24 +159,35 @@ std::string ProgressChart(std::span<const TickRecord> ticks, std::span<const Fra
   return Svg(panels);
 }
 
-std::string MotionChart(std::span<const TickRecord> ticks, double speed_limit_m_per_s) {
+std::string MotionChart(std::span<const TickRecord> ticks, double speed_limit_m_per_s,
+                        double max_tool_in_bone_m) {
   const std::vector<double> t_s = Times(ticks);
   Series speed{.name = "", .x = t_s, .y = {}, .color = "#0072b2", .width_px = 1.1};
+  Series depth{.name = "", .x = t_s, .y = {}, .color = "#d55e00", .width_px = 1.1};
   Series age{.name = "", .x = t_s, .y = {}, .color = "#009e73", .width_px = 1.1};
   for (const TickRecord& tick : ticks) {
     speed.y.push_back(1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm());
+    const bool answered = tick.input.received == static_cast<std::uint8_t>(control::ReceiveResult::kOk);
+    depth.y.push_back(answered ? 1e3 * tick.tool_in_bone_m : std::numeric_limits<double>::quiet_NaN());
     // before the first frame there is no model to be old
     age.y.push_back(tick.model_frame == 0 ? std::numeric_limits<double>::quiet_NaN()
                                           : 1e3 * tick.model_age_s);
   }
-  std::vector<LineChart> panels(2);
+  std::vector<LineChart> panels(3);
   panels[0] = {.title = "Speed of the tool's apex",
                .x_label = "",
                .y_label = "speed [mm/s]",
                .series = {std::move(speed)},
                .spans = PhaseSpans(ticks),
                .plot_height_px = 150.0};
-  panels[1] = {.title = "Age of the contact model",
+  panels[1] = {.title = "Commanded tool beyond its collision-free pose",
+               .x_label = "",
+               .y_label = "in bone [mm]",
+               .series = {std::move(depth)},
+               .plot_height_px = 130.0};
+  if (std::isfinite(max_tool_in_bone_m))
+    panels[1].limits = {{1e3 * max_tool_in_bone_m, fmt::format("limit {:.3g} mm", 1e3 * max_tool_in_bone_m)}};
+  panels[2] = {.title = "Age of the contact model",
                .x_label = "time [s]",
                .y_label = "age [ms]",
                .series = {std::move(age)},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string>
 
@@ -20,7 +21,8 @@ namespace osteon::app {
                                         std::span<const simulation::FrameRecord> frames);
 
 /// Tool speed and the contact model's age, one above the other; no limit line where the limit is 0.
-[[nodiscard]] std::string MotionChart(std::span<const control::TickRecord> ticks, double speed_limit_m_per_s);
+[[nodiscard]] std::string MotionChart(std::span<const control::TickRecord> ticks, double speed_limit_m_per_s,
+                                      double max_tool_in_bone_m = std::numeric_limits<double>::infinity());
 
 /// Histograms; empty text where nothing was measured (virtual time).
 [[nodiscard]] std::string WakeupHistogram(std::span<const control::TickRecord> ticks);

@@ -90,7 +90,8 @@ TEST(Report, OfARunIsOneValidFileWithEverythingInIt) {
   const std::string html = text.str();
   for (const char* part :
        {"limit 200 N", "Removed volume", "Deepest apex below the first floor", "message to wake-up",
-        "wake-up to answer", "Simulation frame", "swept by the tool", "no faults",
+        "wake-up to answer", "Simulation frame", "swept by the tool", "class=\"verdict good\"",
+        "Commanded tool beyond its collision-free pose",
         "./osteon demo --seconds 2", "reamer_50.yaml", "data:image/png;base64,"})
     EXPECT_NE(html.find(part), std::string::npos) << part;
   EXPECT_LT(html.size(), 4u << 20u);
