@@ -82,6 +82,8 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick) {
                          tick.input.spindle_meas_rad_per_s);
     default:  // the name says all that the record knows
       return "";
+    case Fault::kArmSpeed:
+      return fmt::format("{:.0f} mm/s in the last message", 1e3 * tick.tool_speed_meas_m_per_s);
   }
 }
 

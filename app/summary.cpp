@@ -229,6 +229,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
     s.frame = Quantiles(std::move(frame));
   }
 
+  s.peak_measured_tool_speed_m_per_s = result.statistics.peak_measured_tool_speed_m_per_s;
   // the cut
   s.removed_volume_m3 = result.after.removed_volume_m3;
   s.removed_mass_kg = result.after.removed_mass_kg;
@@ -289,7 +290,9 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   if (std::isfinite(s.least_depth_left_m))
     rows.push_back({"Left to the depth limit", fmt::format("{:.2f} mm", s.least_depth_left_m * 1e3)});
   rows.push_back({"Peak sensor force", fmt::format("{:.1f} N", s.peak_sensor_force_N)});
-  rows.push_back({"Peak tool speed", fmt::format("{:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3)});
+  rows.push_back(
+      {"Peak tool speed", fmt::format("{:.0f} mm/s, measured {:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3,
+                                      s.peak_measured_tool_speed_m_per_s * 1e3)});
   if (s.rendered) AddCut(s, rows);
   for (const RezonedRow& row : s.rezoned) rows.push_back({fmt::format("At {:.2f} s", row.time_s), row.text});
   std::string events;
@@ -422,6 +425,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
   if (!s.arm_stop.empty()) out["arm_stop"] = s.arm_stop;
   // a path may be any bytes; JSON is UTF-8
   return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+      {"peak_measured_tool_speed_mm_per_s", s.peak_measured_tool_speed_m_per_s * 1e3},
 }
 
 tl::expected<void, std::string> WriteText(const std::filesystem::path& path, const std::string& text) {

@@ -54,7 +54,8 @@ struct RunSummary {
   double servo_rate_hz{0.0};       ///< 1 / median period of the arm's messages in COMMANDING_ACTIVE
   double simulation_rate_hz{0.0};  ///< 1 / median interval between frames
   double peak_force_N{0.0}, peak_torque_Nm{0.0}, peak_sensor_force_N{0.0}, force_limit_N{0.0};
-  double peak_tool_speed_m_per_s{0.0};
+  double peak_tool_speed_m_per_s{0.0};           ///< commanded, while it rendered
+  double peak_measured_tool_speed_m_per_s{0.0};  ///< measured, while the arm was commanded
   /// Ticks in which a limit cut off a part of the coupling's wrench, and those in which the arm's torques
   /// would have; and the least shares that were rendered and that the arm could hold.
   std::uint64_t cut_ticks{0}, arm_cut_ticks{0};

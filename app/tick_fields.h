@@ -73,6 +73,7 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   fields::Transform("X_WT_cmd", r.X_WT_cmd, visit);
   fields::Transform("X_WT_meas", r.X_WT_meas, visit);
   fields::Vector("v_WT_cmd", r.v_WT_cmd_m_per_s, "m_per_s", visit);
+  visit(FieldName{"tool_speed_meas", "", "m_per_s"}, r.tool_speed_meas_m_per_s);
   fields::ForceTorque("F_operator_T_W", r.F_operator_T_W, visit);
   fields::ForceTorque("F_coupling_T_W", r.F_coupling_T_W, visit);
   visit(FieldName{"wrench_scale"}, r.wrench_scale);

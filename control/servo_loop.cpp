@@ -63,6 +63,7 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       depth_limit_(params.depth),
       spindle_trip_(params.spindle_limits),
       watchdog_(params.watchdog),
+      arm_speed_(ArmSpeedParams{}, params.period_s),
       bias_(params.sensor_bias, params.sensor, params.period_s),
       vibration_(params.vibration, params.period_s),
       stabilisers_(params.stabilisers, LawOf(params), params.period_s),
@@ -159,6 +160,7 @@ void ServoLoop::Answer(const ArmState& state, const CellReadings& readings,
                        TickRecord& record) OSTEON_RT {
   const bool active = TakeSession(state);
   overloaded_ = arm_->TakeTorques(state.tau_ext);
+  WatchArmSpeed(state, active, record);
 
   // may it begin?
   const bool waits = safety::Waits(state_) && phase() != Phase::kStopped;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "control/arm_follower.h"
+#include "control/arm_speed_watch.h"
 #include "control/axis_lock.h"
 #include "control/gain_ramp.h"
 #include "control/ports.h"
@@ -31,6 +32,8 @@ struct ServoStatistics {
   double peak_coupling_torque_Nm{0.0};
   double peak_sensor_force_N{0.0};      ///< what the sensor said
   double peak_tool_speed_m_per_s{0.0};  ///< commanded
+  /// Between two messages, while the loop commands the arm: also on its way to the start and in a stop.
+  double peak_measured_tool_speed_m_per_s{0.0};
   double peak_tracking_error_m{0.0};
   safety::LimitCounts limits;                                          ///< while rendering
   double least_depth_left_m{std::numeric_limits<double>::infinity()};  ///< to the reamer's depth limit
@@ -205,6 +208,7 @@ class ServoLoop {
   [[nodiscard]] bool Follow(bool& limited) OSTEON_RT;
   [[nodiscard]] safety::LimitedWrench Bounded(const Wrench& F_coupling_T_W, const Vector3& f_depth_W,
                                               const Twist& V_WT, double fade) OSTEON_RT;
+  void WatchArmSpeed(const ArmState& state, bool active, TickRecord& record) OSTEON_RT;
   void CountRendered(const safety::LimitedWrench& limited, double speed_m_per_s, bool twist_limited,
                      bool workspace_limited, double fade, double sensor_share) OSTEON_RT;
 
@@ -218,6 +222,7 @@ class ServoLoop {
   safety::DepthLimit depth_limit_;
   safety::SpindleTrip spindle_trip_;
   safety::Watchdog watchdog_;
+  ArmSpeedWatch arm_speed_;
 
   safety::CellState state_{safety::CellState::kOff};
   safety::MotionPermits permits_;

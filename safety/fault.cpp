@@ -93,6 +93,16 @@ FaultText Describe(Fault fault) {
       return {"recorder stalled",
               "2048 ticks waited for the recorder (2 s at 1 kHz), or it had no room for one", "Stop 1",
               "check the disk's load and health, begin a new run"};
+    case Fault::kToolInBone:
+      return {"tool too deep in bone",
+              "the commanded tool was further from the bone's proxy than max_tool_in_bone_mm allows",
+              "Stop 1",
+              "retract by hand guiding, check max_force_N against what the hand pushes, begin a new run"};
+    case Fault::kArmSpeed:
+      return {
+          "measured arm speed above limit",
+          "the measured tool went 1 mm further than 1.5 times its speed limit allows, whatever was commanded",
+          "Stop 1", "look for what moved the arm (lost answers with HOLDON 0, a push), begin a new run"};
   }
   return {"unknown fault", "not known", "Stop 1", "begin a new run"};
 }

@@ -29,6 +29,8 @@ enum class Fault : std::uint32_t {
   kSpindleLimit = 1u << 18,      ///< the spindle's torque or speed is beyond its limit: Stop 1
   kRepeatDiffers = 1u << 19,     ///< a tick that was computed twice did not come out the same: Stop 1
   kRecorder = 1u << 20,          ///< the recorder stands still, or has no room: Stop 1
+  kToolInBone = 1u << 21,        ///< commanded tool too far from the bone's proxy: Stop 1
+  kArmSpeed = 1u << 22,          ///< the arm is measured to be faster than its limit allows: Stop 1
 };
 
 /// The set of latched faults.
@@ -49,7 +51,7 @@ class FaultSet {
 };
 
 /// Faults are bits 0 … kFaultCount - 1.
-inline constexpr int kFaultCount = 21;
+inline constexpr int kFaultCount = 23;
 
 struct FaultText {
   const char* name;      ///< as in the summary, e.g. "contact model stale"

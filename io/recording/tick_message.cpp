@@ -182,6 +182,7 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.set_compute_ns(record.compute_ns);
   message.set_activation_cmd(record.activation_cmd);
   io::Put(record.F_cmd_T, message.mutable_f_cmd_t());
+  message.set_tool_speed_meas_m_per_s(record.tool_speed_meas_m_per_s);
   message.mutable_tau_cmd_nm()->Assign(record.tau_cmd.begin(), record.tau_cmd.end());
   Put(record.input, message.mutable_input());
   message.set_vibration_index(record.vibration_index);
@@ -231,6 +232,7 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   r.compute_ns = message.compute_ns();
   r.activation_cmd = message.activation_cmd();
   r.vibration_index = message.vibration_index();
+  r.tool_speed_meas_m_per_s = message.tool_speed_meas_m_per_s();
   r.vibration_reference_N = message.vibration_reference_n();
   if (message.has_mass_factor()) r.mass_factor = message.mass_factor();
   if (message.has_damping_factor()) r.damping_factor = message.damping_factor();

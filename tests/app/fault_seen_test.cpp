@@ -55,6 +55,8 @@ TEST(FaultSeen, HasTheFiguresOfTheOthers) {
   tick.input.spindle_fault = true;
   EXPECT_EQ(SeenAt(Fault::kSpindle, tick), "a fault; its status: 5 ms old");
   EXPECT_EQ(SeenAt(Fault::kDevice, tick), "");
+  tick.tool_speed_meas_m_per_s = 0.523;
+  EXPECT_EQ(SeenAt(Fault::kArmSpeed, tick), "523 mm/s in the last message");
 }
 
 }  // namespace

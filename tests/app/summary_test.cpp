@@ -286,3 +286,4 @@ TEST(SummaryRows, OfARunThatNeverRenderedHaveNoCut) {
 
 }  // namespace
 }  // namespace osteon::app
+  EXPECT_NEAR(of("measured tool speed", false).value, 300.0, 1e-9) << "half as much again";

@@ -57,6 +57,7 @@ TEST(RecordingFields, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.sensor_age_s, sent.sensor_age_s);
   EXPECT_EQ(r.model_frame, sent.model_frame);
   EXPECT_EQ(r.spindle_rad_per_s, sent.spindle_rad_per_s);
+  EXPECT_EQ(r.tool_speed_meas_m_per_s, sent.tool_speed_meas_m_per_s);
   EXPECT_EQ(r.wakeup_ns, sent.wakeup_ns);
   EXPECT_EQ(r.compute_ns, sent.compute_ns);
   EXPECT_EQ(r.activation_cmd, sent.activation_cmd);

@@ -60,6 +60,7 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.sensor_age_s = base + 61;
   r.model_frame = i + 62;
   r.spindle_rad_per_s = base + 63;
+  r.tool_speed_meas_m_per_s = base + 64;
   r.wakeup_ns = static_cast<rt::Nanoseconds>(i) + 64;
   r.compute_ns = static_cast<rt::Nanoseconds>(i) + 65;
   r.activation_cmd = static_cast<std::uint32_t>(i) + 82;
