@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,19 @@ struct RezonedRow {
   std::string text;
 };
 
+/// What the reamer's drive reported, at its time since the run's start: faults that were latched then.
+struct DriveFaultRow {
+  double time_s{0.0};
+  std::uint8_t latched{0};          ///< io::DriveFault bits; 0: the drive was reset
+  std::uint8_t nmt_state{0};        ///< CiA 301
+  std::uint16_t emergency_code{0};  ///< CiA 301; 0: none
+  std::uint16_t error_code{0};      ///< 603F, CiA 402; 0: none
+  std::string text;                 ///< with the codes' meaning
+};
+
+/// From the ticks: a row whenever something more was latched, and when it was cleared.
+[[nodiscard]] std::vector<DriveFaultRow> DriveFaultRows(std::span<const control::TickRecord> ticks);
+
 /// How a run ended, in a word or three.
 [[nodiscard]] const char* EndText(control::RunEnd end);
 
@@ -76,6 +90,7 @@ struct RunSummary {
   std::vector<ActedLimit> acted_limits;  ///< those that did, when and for how long
   double least_depth_left_m{0.0};        ///< to the reamer's depth limit; infinite where there is none
   std::vector<FaultRow> faults;
+  std::vector<DriveFaultRow> drive_faults;
   std::vector<EventRow> events;                ///< of the scene, in their order
   std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened

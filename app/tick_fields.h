@@ -143,6 +143,10 @@ void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"spindle_torque", "", "Nm"}, in.spindle_torque_Nm);
   visit(FieldName{"spindle_ready"}, static_cast<unsigned>(in.spindle_ready));
   visit(FieldName{"spindle_fault"}, static_cast<unsigned>(in.spindle_fault));
+  visit(FieldName{"drive_faults"}, static_cast<unsigned>(in.drive_faults));
+  visit(FieldName{"drive_nmt_state"}, static_cast<unsigned>(in.drive_nmt_state));
+  visit(FieldName{"drive_emergency_code"}, static_cast<unsigned>(in.drive_emergency_code));
+  visit(FieldName{"drive_error_code"}, static_cast<unsigned>(in.drive_error_code));
   visit(FieldName{"interlock_stamp", "", "ns"}, in.interlock_stamp);
   visit(FieldName{"permitted"}, static_cast<unsigned>(in.permitted));
   visit(FieldName{"enabled"}, static_cast<unsigned>(in.enabled));

@@ -46,6 +46,8 @@ struct TickInput {
   rt::Nanoseconds spindle_stamp{0};
   double spindle_meas_rad_per_s{0.0}, spindle_torque_Nm{0.0};
   bool spindle_ready{false}, spindle_fault{false};
+  std::uint8_t drive_faults{0}, drive_nmt_state{0};
+  std::uint16_t drive_emergency_code{0}, drive_error_code{0};
   rt::Nanoseconds interlock_stamp{0};
   bool permitted{false}, enabled{false}, spindle_permitted{false};
   std::uint8_t interlock_reason{0};

@@ -111,6 +111,10 @@ TEST(RecordingFields, CarriesEveryInputOfATick) {
     EXPECT_EQ(r.spindle_torque_Nm, sent.spindle_torque_Nm);
     EXPECT_EQ(r.spindle_ready, sent.spindle_ready);
     EXPECT_EQ(r.spindle_fault, sent.spindle_fault);
+    EXPECT_EQ(r.drive_faults, sent.drive_faults);
+    EXPECT_EQ(r.drive_nmt_state, sent.drive_nmt_state);
+    EXPECT_EQ(r.drive_emergency_code, sent.drive_emergency_code);
+    EXPECT_EQ(r.drive_error_code, sent.drive_error_code);
     EXPECT_EQ(r.interlock_stamp, sent.interlock_stamp);
     EXPECT_EQ(r.permitted, sent.permitted);
     EXPECT_EQ(r.enabled, sent.enabled);

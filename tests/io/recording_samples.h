@@ -108,6 +108,10 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   in.spindle_torque_Nm = base + 84;
   in.spindle_ready = i % 2 == 1;
   in.spindle_fault = i % 3 == 1;
+  in.drive_faults = static_cast<std::uint8_t>(i + 1);
+  in.drive_nmt_state = static_cast<std::uint8_t>(i + 2);
+  in.drive_emergency_code = static_cast<std::uint16_t>(i + 0x4310);
+  in.drive_error_code = static_cast<std::uint16_t>(i + 0x7121);
   in.interlock_stamp = r.stamp + 85;
   in.permitted = i % 2 == 0;
   in.enabled = i % 3 == 0;
