@@ -150,8 +150,9 @@ struct CellReadings {
 struct CellCommands {
   bool motion_requested{false};  ///< of the PLC
   double spindle_rad_per_s{0.0};
-  bool quick_stop{false};    ///< of the spindle, along its steepest ramp
-  bool clear_faults{false};  ///< a recovery was asked for: latched faults of the drive may be reset
+  bool quick_stop{false};  ///< of the spindle, along its steepest ramp
+  /// Latched faults of the drive may be reset: before the first motion, and in a recovery.
+  bool clear_faults{false};
 };
 
 /// Force sensor, spindle and PLC.

@@ -230,6 +230,7 @@ class ServoLoop {
   bool commanded_{false};        ///< motion began, and no message has said since that the arm left
   bool on_path_{false};          ///< what is commanded is the way to the start
   bool rendered_{false};         ///< at least once: no way to the start any more
+  bool moved_{false};            ///< at least once: a fault of the drive waits for a recovery
   JointArray q_seen_{};          ///< [rad] measured in the last message
   int standing_ticks_{0};        ///< messages in a row in which the arm stood
   safety::FaultSet faults_;
