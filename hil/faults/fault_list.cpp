@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "hil/faults/drive_faults.h"
 #include "hil/faults/fault_case.h"
 
 namespace osteon::hil {
@@ -31,8 +32,8 @@ constexpr int kSpindleBeyond = 52;      // the rig's trip_s
 constexpr int kDrifted = 450;           // max_tracking_error at the speed along the plane
 constexpr int kDriftedOnItsWay = 800;   // the same at the path's
 constexpr int kLong = 500;              // that such a fault lasts
-
 constexpr int kThrownAgain = 40;        // after so many ticks
+
 safety::FaultSet Of(std::initializer_list<Fault> faults) {
   safety::FaultSet set;
   for (const Fault fault : faults) set.Latch(fault);
@@ -459,6 +460,7 @@ std::vector<FaultCase> MakeCases() {
   AddArm(cases);
   AddModel(cases);
   AddPlcAndSpindle(cases);
+  for (FaultCase& fault : DriveFaultCases()) cases.push_back(std::move(fault));
   AddLoop(cases);
   return cases;
 }
