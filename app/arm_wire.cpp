@@ -29,8 +29,12 @@ std::string DiagnosisOf(const io::RsiStatus& status, const io::RsiError& error) 
 std::string Describe(const config::ArmLinkConfig& link) {
   if (const io::FriSessionParams* fri = link.fri()) return fmt::format("FRI {}", io::Name(fri->version));
   const io::RsiSessionParams& rsi = *link.rsi();
-  return fmt::format("RSI {}, {}, {} ms", rsi.layout == io::RsiLayout::kImFree ? "im_free" : "kroshu",
-                     rsi.kind == io::RsiCorrection::kAxes ? "axes" : "cartesian", rsi.cycle_ms);
+  return fmt::format(
+      "RSI {}, {}, {} ms{}", rsi.layout == io::RsiLayout::kImFree ? "im_free" : "kroshu",
+      rsi.kind == io::RsiCorrection::kAxes ? "axes" : "cartesian", rsi.cycle_ms,
+      rsi.absolute && !rsi.hold_on
+          ? ", where a lost answer throws the arm back to where RSI began (the cell accepts it)"
+          : "");
 }
 
 ArmSession::ArmSession(const config::ArmLinkConfig& link)

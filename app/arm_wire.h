@@ -17,7 +17,7 @@
 
 namespace osteon::app {
 
-/// "FRI 1.15", "RSI im_free, axes, 4 ms".
+/// "FRI 1.15", "RSI im_free, axes, 4 ms". Says so where a lost answer makes the arm jump.
 [[nodiscard]] std::string Describe(const config::ArmLinkConfig& link);
 
 /// So long an arm's program is given to end the session when it is asked to.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "io/can/drive_fault_text.h"
 #include "io/modbus/plc_client.h"
 #include "safety/watchdog.h"
 
@@ -28,12 +29,16 @@ std::string Interlock(const TickRecord& tick) {
   return verdict.substr(0, verdict.rfind(':')) + "; the PLC's word: " + age;
 }
 
+// By names and numbers of the drive's own, as far as there are any.
 std::string Spindle(const TickRecord& tick) {
+  const control::TickInput& in = tick.input;
+  const std::string why = io::DescribeDriveFaults(
+      {in.drive_faults, in.drive_nmt_state, in.drive_emergency_code, in.drive_error_code});
   return fmt::format("{}; its status: {}",
-                     tick.input.spindle_fault    ? "a fault"
-                     : !tick.input.spindle_ready ? "not ready"
-                                                 : "ready",
-                     Age(tick, tick.input.spindle_stamp, "none yet"));
+                     in.spindle_fault    ? (why.empty() ? "a fault" : "a fault: " + why)
+                     : !in.spindle_ready ? "not ready"
+                                         : "ready",
+                     Age(tick, in.spindle_stamp, "none yet"));
 }
 
 double Distance_mm(const PlainPose& a, const PlainPose& b) {
@@ -77,6 +82,8 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick) {
       return Interlock(tick);
     case Fault::kSpindle:
       return Spindle(tick);
+    case Fault::kArmSpeed:
+      return fmt::format("{:.0f} mm/s in the last message", 1e3 * tick.tool_speed_meas_m_per_s);
     case Fault::kSpindleLimit:
       return fmt::format("{:.2f} N·m at {:.0f} rad/s", tick.input.spindle_torque_Nm,
                          tick.input.spindle_meas_rad_per_s);

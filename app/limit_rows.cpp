@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "control/arm_speed_watch.h"
 #include "safety/acting_limits.h"
 
 namespace osteon::app {
@@ -83,6 +84,9 @@ std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& p, bool 
           {{1e3 * p.twist.max_speed_m_per_s, "cell"},
            {1e3 * safety::SpeedOfEnergy(p.energy.max_kinetic_J, p.energy.moving_mass_kg), "kinetic energy"},
            {reduced_mm_per_s, "T1"}}),
+      Tightest("measured tool speed", "mm/s",
+               {{1e3 * control::ArmSpeedParams{}.margin * control::ToolSpeedLimit_m_per_s(p, false),
+                 "1.5 × tool speed, and 1 mm beyond"}}),
       Tightest("tool turn", "deg/s", {{p.twist.max_turn_rad_per_s / kDegree, "cell"}}),
       Tightest("elbow speed", "mm/s", {{1e3 * p.max_elbow_speed_m_per_s, "cell"}, {reduced_mm_per_s, "T1"}}),
       Tightest("stored energy", "J", {{p.energy.max_stored_J, "cell"}}),

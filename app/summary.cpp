@@ -14,6 +14,7 @@
 #include "app/fault_seen.h"
 #include "app/interrupt.h"
 #include "app/setup_warnings.h"
+#include "io/can/drive_fault_text.h"
 #include "simulation/metrics/cut_metrics.h"
 #include "simulation/tools/swept_tool.h"
 
@@ -76,6 +77,21 @@ std::vector<RezonedRow> RezonedRows(const std::vector<Rezoned>& rezoned, const i
 
 nlohmann::json ToJson(const DurationFigures& d) {
   return {{"p50", d.p50_s * 1e6}, {"p99", d.p99_s * 1e6}, {"p999", d.p999_s * 1e6}, {"max", d.max_s * 1e6}};
+}
+
+nlohmann::json ToJson(const std::vector<DriveFaultRow>& rows) {
+  const auto code = [](std::uint16_t value) {
+    return value == 0 ? nlohmann::json(nullptr) : nlohmann::json(fmt::format("0x{:04X}", value));
+  };
+  nlohmann::json all = nlohmann::json::array();
+  for (const DriveFaultRow& row : rows)
+    all.push_back({{"time_s", row.time_s},
+                   {"latched", row.latched},
+                   {"nmt_state", row.nmt_state},
+                   {"emergency_code", code(row.emergency_code)},
+                   {"error_code", code(row.error_code)},
+                   {"text", row.text}});
+  return all;
 }
 
 // What a limit kept from the hand.
@@ -154,6 +170,28 @@ const char* EndText(control::RunEnd end) {
   return "";
 }
 
+std::vector<DriveFaultRow> DriveFaultRows(std::span<const control::TickRecord> ticks) {
+  std::vector<DriveFaultRow> rows;
+  std::uint8_t before = 0;
+  for (const control::TickRecord& tick : ticks) {
+    const control::TickInput& in = tick.input;
+    const auto more = static_cast<std::uint8_t>(in.drive_faults & ~before);
+    const bool cleared = before != 0 && in.drive_faults == 0;
+    before = in.drive_faults;
+    if (more == 0 && !cleared) continue;
+    rows.push_back({.time_s = rt::ToSeconds(tick.stamp - ticks.front().stamp),
+                    .latched = more,
+                    .nmt_state = in.drive_nmt_state,
+                    .emergency_code = in.drive_emergency_code,
+                    .error_code = in.drive_error_code,
+                    .text = cleared
+                                ? "reset"
+                                : io::DescribeDriveFaults({more, in.drive_nmt_state, in.drive_emergency_code,
+                                                           in.drive_error_code})});
+  }
+  return rows;
+}
+
 DurationFigures Quantiles(std::vector<double> seconds) {
   if (seconds.empty()) return {};
   std::sort(seconds.begin(), seconds.end());
@@ -198,6 +236,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.peak_tool_speed_m_per_s = result.statistics.peak_tool_speed_m_per_s;
   s.peak_tool_in_bone_m = result.statistics.peak_tool_in_bone_m;
   s.peak_power_W = result.statistics.peak_power_W;
+  s.peak_measured_tool_speed_m_per_s = result.statistics.peak_measured_tool_speed_m_per_s;
   s.least_tank_J = std::isfinite(result.statistics.least_tank_J) ? result.statistics.least_tank_J : 0.0;
   s.force_limit_N = control::ForceLimit_N(setup.config.servo);
   s.limits = EffectiveLimits(setup.config.servo);
@@ -266,6 +305,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
   s.state_hash = fmt::format("{:016x}", simulation::HashState(result.after));
   s.faults = FaultRows(result.faults, recording);
+  s.drive_faults = DriveFaultRows(recording.ticks);
   s.events = EventRows(result.events, recording);
   s.least_wall_m = result.least_wall_m;
   s.planned = setup.planned;
@@ -312,7 +352,9 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
     rows.push_back({"Left to the depth limit", fmt::format("{:.2f} mm", s.least_depth_left_m * 1e3)});
   rows.push_back({"Peak sensor force", fmt::format("{:.1f} N", s.peak_sensor_force_N)});
   rows.push_back({"Deepest tool in bone", fmt::format("{:.2f} mm", s.peak_tool_in_bone_m * 1e3)});
-  rows.push_back({"Peak tool speed", fmt::format("{:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3)});
+  rows.push_back(
+      {"Peak tool speed", fmt::format("{:.0f} mm/s, measured {:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3,
+                                      s.peak_measured_tool_speed_m_per_s * 1e3)});
   if (s.rendered) AddCut(s, rows);
   for (const RezonedRow& row : s.rezoned) rows.push_back({fmt::format("At {:.2f} s", row.time_s), row.text});
   std::string events;
@@ -325,6 +367,10 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   for (const FaultRow& fault : s.faults)
     faults += (faults.empty() ? "" : "; ") + fault.name + (fault.seen.empty() ? "" : " (" + fault.seen + ")");
   rows.push_back({"Faults", faults.empty() ? "none" : faults});
+  std::string drive;
+  for (const DriveFaultRow& row : s.drive_faults)
+    drive += fmt::format("{}at {:.2f} s {}", drive.empty() ? "" : "; ", row.time_s, row.text);
+  if (!drive.empty()) rows.push_back({"Faults of the drive", drive});
   for (const std::filesystem::path& page : s.stops) rows.push_back({"What led to the stop", page.string()});
   rows.push_back({"Recording", s.recording});
   return rows;
@@ -407,6 +453,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"peak_power_W", s.peak_power_W},
       {"stale_model_share", s.stale_share},
       {"warnings", s.warnings},
+      {"peak_measured_tool_speed_mm_per_s", s.peak_measured_tool_speed_m_per_s * 1e3},
       {"removed_volume_mm3", s.removed_volume_m3 * 1e9},
       {"removed_mass_g", s.removed_mass_kg * 1e3},
       {"swept_volume_mm3", s.swept_volume_m3 * 1e9},
@@ -422,6 +469,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"state_hash", s.state_hash},
       {"faults", faults},
       {"faults_seen", faults_seen},
+      {"drive_faults", ToJson(s.drive_faults)},
       {"assumptions", s.assumptions},
       {"recording", s.recording}};
   out["events"] = events;

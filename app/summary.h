@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,19 @@ struct RezonedRow {
   std::string text;
 };
 
+/// What the reamer's drive reported, at its time since the run's start: faults that were latched then.
+struct DriveFaultRow {
+  double time_s{0.0};
+  std::uint8_t latched{0};          ///< io::DriveFault bits; 0: the drive was reset
+  std::uint8_t nmt_state{0};        ///< CiA 301
+  std::uint16_t emergency_code{0};  ///< CiA 301; 0: none
+  std::uint16_t error_code{0};      ///< 603F, CiA 402; 0: none
+  std::string text;                 ///< with the codes' meaning
+};
+
+/// From the ticks: a row whenever something more was latched, and when it was cleared.
+[[nodiscard]] std::vector<DriveFaultRow> DriveFaultRows(std::span<const control::TickRecord> ticks);
+
 /// How a run ended, in a word or three.
 [[nodiscard]] const char* EndText(control::RunEnd end);
 
@@ -60,11 +74,12 @@ struct RunSummary {
   double servo_rate_hz{0.0};       ///< 1 / median period of the arm's messages in COMMANDING_ACTIVE
   double simulation_rate_hz{0.0};  ///< 1 / median interval between frames
   double peak_force_N{0.0}, peak_torque_Nm{0.0}, peak_sensor_force_N{0.0}, force_limit_N{0.0};
-  double peak_tool_speed_m_per_s{0.0};
   double peak_tool_in_bone_m{0.0};  ///< from the commanded tool to its collision-free pose
   double peak_power_W{0.0};         ///< from the coupling to the hand
   double stale_share{0.0};          ///< of the rendering time: the contact model older than it counts in full
   double sensor_late_share{0.0};    ///< the same of the force sensor
+  double peak_tool_speed_m_per_s{0.0};           ///< commanded, while it rendered
+  double peak_measured_tool_speed_m_per_s{0.0};  ///< measured, while the arm was commanded
   /// Ticks in which a limit cut off a part of the coupling's wrench, and those in which the arm's torques
   /// would have; and the least shares that were rendered and that the arm could hold.
   std::uint64_t cut_ticks{0}, arm_cut_ticks{0};
@@ -85,6 +100,7 @@ struct RunSummary {
   std::vector<ActedLimit> acted_limits;  ///< those that did, when and for how long
   double least_depth_left_m{0.0};        ///< to the reamer's depth limit; infinite where there is none
   std::vector<FaultRow> faults;
+  std::vector<DriveFaultRow> drive_faults;
   std::vector<EventRow> events;                ///< of the scene, in their order
   std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened

@@ -73,6 +73,7 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   fields::Transform("X_WT_cmd", r.X_WT_cmd, visit);
   fields::Transform("X_WT_meas", r.X_WT_meas, visit);
   fields::Vector("v_WT_cmd", r.v_WT_cmd_m_per_s, "m_per_s", visit);
+  visit(FieldName{"tool_speed_meas", "", "m_per_s"}, r.tool_speed_meas_m_per_s);
   fields::ForceTorque("F_operator_T_W", r.F_operator_T_W, visit);
   fields::ForceTorque("F_coupling_T_W", r.F_coupling_T_W, visit);
   visit(FieldName{"wrench_scale"}, r.wrench_scale);
@@ -143,6 +144,10 @@ void VisitInputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"spindle_torque", "", "Nm"}, in.spindle_torque_Nm);
   visit(FieldName{"spindle_ready"}, static_cast<unsigned>(in.spindle_ready));
   visit(FieldName{"spindle_fault"}, static_cast<unsigned>(in.spindle_fault));
+  visit(FieldName{"drive_faults"}, static_cast<unsigned>(in.drive_faults));
+  visit(FieldName{"drive_nmt_state"}, static_cast<unsigned>(in.drive_nmt_state));
+  visit(FieldName{"drive_emergency_code"}, static_cast<unsigned>(in.drive_emergency_code));
+  visit(FieldName{"drive_error_code"}, static_cast<unsigned>(in.drive_error_code));
   visit(FieldName{"interlock_stamp", "", "ns"}, in.interlock_stamp);
   visit(FieldName{"permitted"}, static_cast<unsigned>(in.permitted));
   visit(FieldName{"enabled"}, static_cast<unsigned>(in.enabled));

@@ -64,6 +64,14 @@ io::RsiSessionParams ReadRsi(Reader section) {
                                                                           : io::RsiCorrection::kCartesian;
   session.absolute = section.Bool("absolute");
   session.hold_on = section.Bool("hold_on");
+  const bool jump_accepted =
+      section.Has("accept_jump_after_lost_answers") && section.Bool("accept_jump_after_lost_answers");
+  if (session.absolute && !session.hold_on && !jump_accepted)
+    section.Refuse(
+        "hold_on",
+        "found false with absolute corrections, accepted true: after a lost answer the arm would jump "
+        "back to where RSI began. Set HOLDON to 1 in the Ethernet file and hold_on: true here, or accept "
+        "the danger by accept_jump_after_lost_answers: true");
   session.cycle_ms = section.Choice("cycle_ms", {"4", "12"}) == 0 ? 4 : 12;
   session.ipoc_step = section.Whole("ipoc_step_count", 1, 12);
   session.timeout_cycles = section.Whole("timeout_count", 1, 10'000);

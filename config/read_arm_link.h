@@ -20,8 +20,10 @@ struct ArmLinkSections {
 ///     fri: {host, port, period_ms, [version], [wrench_torques], [receive_multiplier_count]}
 ///     rsi: {host, port, layout, correction, absolute, hold_on, cycle_ms, ipoc_step_count, timeout_count,
 ///           range_deg: [A1 … A6], or of cartesian corrections range_mm: [X, Y, Z] and range_deg: [A, B, C],
-///           [entry_step_deg], [settle_count], [late_at_start_count], [decimal_count]}
+///           [entry_step_deg], [settle_count], [late_at_start_count], [decimal_count],
+///           [accept_jump_after_lost_answers]}
 ///
+/// Absolute corrections without hold_on are refused unless that jump is accepted.
 /// What is not said is as in the libraries. Sets link, servo.period_s and the arm's end: simulated.fri, or
 /// simulated.kr.
 [[nodiscard]] ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell);

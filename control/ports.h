@@ -123,6 +123,11 @@ struct SpindleReading {
   double torque_Nm{0.0};        ///< at the tool; friction and what accelerates it are in it
   bool ready{false};            ///< configured, and its status comes
   bool fault{false};            ///< of the drive or of its connection; latched there
+  // Why: io::DescribeDriveFaults has the texts.
+  std::uint8_t faults{0};           ///< io::DriveFault bits
+  std::uint8_t nmt_state{0};        ///< of its last heartbeat (CiA 301)
+  std::uint16_t emergency_code{0};  ///< of its EMCY (CiA 301); 0: none
+  std::uint16_t error_code{0};      ///< object 603F (CiA 402); 0: none
 };
 
 /// What the cell's PLC says.
@@ -145,8 +150,9 @@ struct CellReadings {
 struct CellCommands {
   bool motion_requested{false};  ///< of the PLC
   double spindle_rad_per_s{0.0};
-  bool quick_stop{false};    ///< of the spindle, along its steepest ramp
-  bool clear_faults{false};  ///< a recovery was asked for: latched faults of the drive may be reset
+  bool quick_stop{false};  ///< of the spindle, along its steepest ramp
+  /// Latched faults of the drive may be reset: before the first motion, and in a recovery.
+  bool clear_faults{false};
 };
 
 /// Force sensor, spindle and PLC.

@@ -43,6 +43,24 @@ void ServoLoop::LimitPower(double power_share, safety::LimitedWrench& rendered) 
   stabilisers_.ScaleRendered(power_share);
 }
 
+// How fast the arm is measured to be, as long as the loop is answerable for it. The way to the start has a
+// speed of its own.
+void ServoLoop::WatchArmSpeed(const ArmState& state, bool active, TickRecord& record) OSTEON_RT {
+  const bool commanded = safety::IsMotion(state_) || safety::Brakes(state_) ||
+                         (state_ == safety::CellState::kPaused && Commanded(state));
+  if (!active || !commanded) {
+    arm_speed_.Reset();
+    return;
+  }
+  const double limit_m_per_s = on_path_ && params_.start ? params_.start->path.tool_speed_m_per_s
+                                                         : ToolSpeedLimit_m_per_s(params_, false);
+  if (arm_speed_.Check(state, X_WT_meas_.translation(), limit_m_per_s))
+    faults_.Latch(safety::Fault::kArmSpeed);
+  record.tool_speed_meas_m_per_s = arm_speed_.speed_m_per_s();
+  double& peak_m_per_s = statistics_.peak_measured_tool_speed_m_per_s;
+  peak_m_per_s = std::max(peak_m_per_s, record.tool_speed_meas_m_per_s);
+}
+
 // Of what either law has rendered.
 void ServoLoop::CountRendered(const safety::LimitedWrench& limited, double speed_m_per_s, bool twist_limited,
                               bool workspace_limited, double fade, double sensor_share) OSTEON_RT {

@@ -65,6 +65,7 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       force_limit_reaction_(params.on_force_limit, params.stop_deceleration_m_per_s2, params.period_s),
       spindle_trip_(params.spindle_limits),
       watchdog_(params.watchdog),
+      arm_speed_(ArmSpeedParams{}, params.period_s),
       bias_(params.law == Law::kAdmittance ? CreepBound(params.sensor_bias, params.admittance)
                                            : params.sensor_bias,
             params.sensor, params.period_s),
@@ -180,6 +181,7 @@ void ServoLoop::Answer(const ArmState& state, const CellReadings& readings,
                        TickRecord& record) OSTEON_RT {
   const bool active = TakeSession(state);
   overloaded_ = arm_->TakeTorques(state.tau_ext);
+  WatchArmSpeed(state, active, record);
 
   // may it begin?
   const bool waits = safety::Waits(state_) && phase() != Phase::kStopped;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "control/arm_follower.h"
+#include "control/arm_speed_watch.h"
 #include "control/axis_lock.h"
 #include "control/gain_ramp.h"
 #include "control/ports.h"
@@ -35,6 +36,8 @@ struct ServoStatistics {
   double peak_tool_speed_m_per_s{0.0};  ///< commanded
   double peak_tool_in_bone_m{0.0};      ///< from the tool to its collision-free pose
   double peak_power_W{0.0};             ///< from the coupling to the hand, of the motion that was commanded
+  /// Between two messages, while the loop commands the arm: also on its way to the start and in a stop.
+  double peak_measured_tool_speed_m_per_s{0.0};
   double peak_tracking_error_m{0.0};
   safety::LimitCounts limits;                                          ///< while rendering
   double least_depth_left_m{std::numeric_limits<double>::infinity()};  ///< to the reamer's depth limit
@@ -220,6 +223,7 @@ class ServoLoop {
   [[nodiscard]] safety::LimitedWrench LimitRenderedWrench(const Wrench& F_coupling_T_W,
                                                           const Vector3& f_depth_W, double fade) OSTEON_RT;
   void LimitPower(double power_share, safety::LimitedWrench& rendered) OSTEON_RT;
+  void WatchArmSpeed(const ArmState& state, bool active, TickRecord& record) OSTEON_RT;
   void CountRendered(const safety::LimitedWrench& limited, double speed_m_per_s, bool twist_limited,
                      bool workspace_limited, double fade, double sensor_share) OSTEON_RT;
 
@@ -235,6 +239,7 @@ class ServoLoop {
   safety::ForceLimitReaction force_limit_reaction_;
   safety::SpindleTrip spindle_trip_;
   safety::Watchdog watchdog_;
+  ArmSpeedWatch arm_speed_;
 
   safety::CellState state_{safety::CellState::kOff};
   safety::MotionPermits permits_;
@@ -242,6 +247,7 @@ class ServoLoop {
   bool commanded_{false};        ///< motion began, and no message has said since that the arm left
   bool on_path_{false};          ///< what is commanded is the way to the start
   bool rendered_{false};         ///< at least once: no way to the start any more
+  bool moved_{false};            ///< at least once: a fault of the drive waits for a recovery
   JointArray q_seen_{};          ///< [rad] measured in the last message
   static constexpr int kStandingTicks = 10;
   int standing_ticks_{0};  ///< messages in a row in which the arm stood, kStandingTicks at most

@@ -56,12 +56,13 @@ bool ServoLoop::CanRecover() const OSTEON_RT {
 
 CellCommands ServoLoop::cell_commands() const OSTEON_RT {
   const bool ends = phase() == Phase::kStopped || state_ == CellState::kStop1;
-  return {.motion_requested = !ends && !stop_asked_,
-          .spindle_rad_per_s = safety::Renders(state_) && spindle_permitted_ && !depth_limit_.stops_spindle()
-                                   ? params_.spindle_rad_per_s
-                                   : 0.0,
-          .quick_stop = ends && faults_.Any(),
-          .clear_faults = state_ == CellState::kRecovery};
+  return {
+      .motion_requested = !ends && !stop_asked_,
+      .spindle_rad_per_s = safety::Renders(state_) && spindle_permitted_ && !depth_limit_.stops_spindle()
+                               ? params_.spindle_rad_per_s
+                               : 0.0,
+      .quick_stop = ends && faults_.Any(),
+      .clear_faults = !stop_asked_ && (state_ == CellState::kRecovery || (!moved_ && safety::Waits(state_)))};
 }
 
 // The one place where the state changes. What needs no more than the loop has is done here, what begins a
@@ -69,6 +70,7 @@ CellCommands ServoLoop::cell_commands() const OSTEON_RT {
 CellAction ServoLoop::Take(CellEvent event) OSTEON_RT {
   const safety::CellTransition next = safety::Next(state_, event);
   state_ = next.state;
+  moved_ = moved_ || safety::IsMotion(state_);
   switch (next.action) {
     case CellAction::kHold:
       V_WT_ = {};

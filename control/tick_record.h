@@ -46,6 +46,8 @@ struct TickInput {
   rt::Nanoseconds spindle_stamp{0};
   double spindle_meas_rad_per_s{0.0}, spindle_torque_Nm{0.0};
   bool spindle_ready{false}, spindle_fault{false};
+  std::uint8_t drive_faults{0}, drive_nmt_state{0};
+  std::uint16_t drive_emergency_code{0}, drive_error_code{0};
   rt::Nanoseconds interlock_stamp{0};
   bool permitted{false}, enabled{false}, spindle_permitted{false};
   std::uint8_t interlock_reason{0};
@@ -68,12 +70,14 @@ struct TickRecord {
   std::array<double, 7> q_cmd{};   ///< [rad]
   PlainPose X_WT_cmd, X_WT_meas;   ///< tool in world, commanded and measured
   PlainVector3 v_WT_cmd_m_per_s;   ///< velocity of the tool's apex
-  PlainWrench F_operator_T_W;      ///< what the hand exerts, from the sensor, on T, in W
-  PlainWrench F_coupling_T_W;      ///< rendered: after every limit, as integrated
-  double wrench_scale{1.0};        ///< share of the coupling wrench that the limits let through, 0 … 1
-  double arm_share{1.0};           ///< of it that the arm's torques can hold in this posture, 0 … 1
-  double tool_in_bone_m{0.0};      ///< from the tool to its collision-free pose, while rendering
-  double vibration_index{0.0};     ///< 0 … 1
+  /// Of the measured apex since the message before, while the loop commands the arm; else 0.
+  double tool_speed_meas_m_per_s{0.0};
+  PlainWrench F_operator_T_W;   ///< what the hand exerts, from the sensor, on T, in W
+  PlainWrench F_coupling_T_W;   ///< rendered: after every limit, as integrated
+  double wrench_scale{1.0};     ///< share of the coupling wrench that the limits let through, 0 … 1
+  double arm_share{1.0};        ///< of it that the arm's torques can hold in this posture, 0 … 1
+  double tool_in_bone_m{0.0};   ///< from the tool to its collision-free pose, while rendering
+  double vibration_index{0.0};  ///< 0 … 1
   /// Effective value up to which vibration counts as the hand's own.
   double vibration_reference_N{0.0};
   double mass_factor{1.0};                 ///< by which it multiplied the virtual tool's inertia,

@@ -122,6 +122,7 @@ void DriveDevice::Control(int word) noexcept {
   const bool on = word & 1, voltage = word & 2, no_quick_stop = word & 4, enable = word & 8;
   const bool reset_edge = (word & 0x80) != 0 && (last_control_ & 0x80) == 0;
   last_control_ = word;
+  if (reset_edge) ++resets_;
   if (state_ == State::kNotReady || state_ == State::kFaultReaction) return;
   if (state_ == State::kFault) {
     if (!reset_edge || broken_ != 0) return;
@@ -154,6 +155,10 @@ void DriveDevice::Trip(int error_code) noexcept {
   const bool turning = state_ == State::kEnabled || state_ == State::kQuickStop;
   state_ = turning ? State::kFaultReaction : State::kFault;
   error_ = error_code;
+  SendEmergency(error_code);
+}
+
+void DriveDevice::SendEmergency(int error_code) {
   const int error_register = 0x01;
   queue_.Push(static_cast<std::uint16_t>(0x080 + params_.node),
               {error_code % 256, error_code / 256, error_register, 0, 0, 0, 0, 0});
@@ -286,8 +291,8 @@ bool DriveDevice::Next(rt::Nanoseconds now, io::CanFrame& frame) OSTEON_RT {
     if (now < boot_due_) return false;
     nmt_ = kPreOperational;
     state_ = State::kDisabled;
-    if (broken_ != 0) Trip(broken_);
     queue_.Push(heartbeat_id, {0});
+    if (broken_ != 0 || boot_error_ != 0) Trip(broken_ != 0 ? broken_ : boot_error_);
   }
   const rt::Nanoseconds period = objects_.Get(0x1017) * rt::kMillisecond;
   if (period > 0 && now >= heartbeat_due_) {

@@ -34,8 +34,15 @@ class DriveDevice final : public io::CanClient {
   /// A fault of its own, e.g. 0x4310 (drive too hot): stays until `Mend`, whatever is reset.
   void Break(int error_code);
   void Mend() { broken_ = 0; }
+  /// A fault that it boots with from now on, e.g. 0x3220 (under-voltage of the DC link); a reset clears it.
+  /// 0: none.
+  void SetBootError(int error_code) { boot_error_ = error_code; }
+  /// An EMCY that says no more than itself: its state stays.
+  void SendEmergency(int error_code);
   /// Off: silent, coasting, everything forgotten. On: boots.
   void SetPower(bool on);
+  /// Rising edges of controlword bit 7 so far, whatever its state was.
+  [[nodiscard]] int resets() const { return resets_; }
 
   void Accept(const io::CanArrival& arrival) OSTEON_RT override;
   bool Next(rt::Nanoseconds now, io::CanFrame& frame) OSTEON_RT override;
@@ -76,7 +83,7 @@ class DriveDevice final : public io::CanClient {
   State state_{State::kNotReady};
   int nmt_{0};  // 0 booting, 127 pre-operational, 5 operational, 4 stopped
   bool power_{true};
-  int last_control_{0}, error_{0}, broken_{0};
+  int last_control_{0}, error_{0}, broken_{0}, boot_error_{0}, resets_{0};
   double cutting_Nm_{0.0};
   double ramp_rad_per_s_{0.0};  // what the velocity loop follows
   double stalled_s_{0.0};

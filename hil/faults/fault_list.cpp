@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "hil/faults/drive_faults.h"
 #include "hil/faults/fault_case.h"
 
 namespace osteon::hil {
@@ -31,6 +32,7 @@ constexpr int kSpindleBeyond = 52;      // the rig's trip_s
 constexpr int kDrifted = 450;           // max_tracking_error at the speed along the plane
 constexpr int kDriftedOnItsWay = 800;   // the same at the path's
 constexpr int kLong = 500;              // that such a fault lasts
+constexpr int kThrownAgain = 40;        // after so many ticks
 
 safety::FaultSet Of(std::initializer_list<Fault> faults) {
   safety::FaultSet set;
@@ -222,15 +224,32 @@ void AddArm(std::vector<FaultCase>& cases) {
   cases.push_back(NotFinite("arm's own command infinite", "one joint of q_ipo",
                             [](RigInputs& in, int, FaultRig&) { in.arm.q_ipo[0] = -kInfinity; }));
   {
-    const Expected stops = Stops(Of({Fault::kTracking}), kAtOnce);
+    const Expected stops = Stops(Of({Fault::kTracking, Fault::kArmSpeed}), kAtOnce);
     cases.push_back({.name = "measured joints jump",
                      .injected = "A1 by .2 rad",
                      .inject = [](RigInputs& in, int, FaultRig&) { in.arm.q_meas[0] += 0.2; },
                      .waiting = kWaits,
                      .aligning = stops,
                      .rendering = stops,
-                     .paused = Faults(Of({Fault::kTracking})),
-                     .stop1 = kBrakesOn,
+                     .paused = Faults(Of({Fault::kTracking, Fault::kArmSpeed})),
+                     .stop1 = Stops(Of({Fault::kArmSpeed}), kAtOnce),
+                     .stop2 = stops});
+  }
+  {
+    // as corrections do that fall back to zero where an answer was lost (RSI, HOLDON 0)
+    const Expected stops = Stops(Of({Fault::kArmSpeed}), kAtOnce);
+    const Expected begins = Stops(Of({Fault::kArmSpeed}), kThrownAgain);
+    cases.push_back({.name = "arm thrown back",
+                     .injected = "A1 by 5 mrad for a message, again and again",
+                     .inject =
+                         [](RigInputs& in, int since, FaultRig&) {
+                           if (since % kThrownAgain == 0) in.arm.q_meas[0] -= 5e-3;
+                         },
+                     .waiting = begins,
+                     .aligning = stops,
+                     .rendering = stops,
+                     .paused = Faults(Of({Fault::kArmSpeed})),
+                     .stop1 = stops,
                      .stop2 = stops});
   }
   {
@@ -441,6 +460,7 @@ std::vector<FaultCase> MakeCases() {
   AddArm(cases);
   AddModel(cases);
   AddPlcAndSpindle(cases);
+  for (FaultCase& fault : DriveFaultCases()) cases.push_back(std::move(fault));
   AddLoop(cases);
   return cases;
 }

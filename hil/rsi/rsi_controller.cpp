@@ -64,6 +64,7 @@ const RsiControllerParams& Checked(const RsiControllerParams& params) {
   Require(params.timeout_cycles >= 1, "timeout_cycles", params.timeout_cycles, ">= 1");
   Require(params.level != ArmLevel::kDynamic, "level", static_cast<double>(params.level),
           "0 or 1: no masses of a KR are published");
+  Require(params.axis_speed_ratio > 0.0, "axis_speed_ratio", params.axis_speed_ratio, "> 0");
   Require(params.ipoc_step >= 1, "ipoc_step", params.ipoc_step, ">= 1: 1, or the cycle's milliseconds");
   for (std::size_t i = 0; i < 6; ++i) {
     const auto& limit = params.arm.limits[i];
@@ -92,6 +93,9 @@ std::string Describe(const RsiStopReport& stop) {
     case RsiStopReason::kAxisLimit:
       return fmt::format("axis limit: A{} set to {:g} deg, accepted at {} {:g}", stop.axis, stop.found,
                          stop.found > stop.accepted ? "most" : "least", stop.accepted);
+    case RsiStopReason::kAxisSpeed:
+      return fmt::format("axis speed: A{} told to move at {:.0f} deg/s, accepted {:g} (KSS01102)", stop.axis,
+                         stop.found, stop.accepted);
     case RsiStopReason::kOutOfReach:
       return "out of reach: no posture for the corrected pose";
     case RsiStopReason::kPowerOff:
@@ -224,6 +228,11 @@ void RsiController::Correct() {
     if (at < limit.lower_rad || at > limit.upper_rad)
       return End(RsiStopReason::kAxisLimit, static_cast<int>(i) + 1, at / kDegree,
                  (at < limit.lower_rad ? limit.lower_rad : limit.upper_rad) / kDegree);
+    const double speed_rad_per_s = std::abs(at - q_set_[static_cast<int>(i)]) / period_s();
+    const double most_rad_per_s = params_.axis_speed_ratio * limit.velocity_rad_per_s;
+    if (speed_rad_per_s > most_rad_per_s)
+      return End(RsiStopReason::kAxisSpeed, static_cast<int>(i) + 1, speed_rad_per_s / kDegree,
+                 most_rad_per_s / kDegree);
   }
   q_set_ = q;
 }

@@ -30,6 +30,8 @@ struct RsiControllerParams {
   int ipoc_step{4};
   /// Monitor of the correction from the start pose, either way: [deg], of RKorr mm for X Y Z.
   Six range{90.0, 90.0, 90.0, 90.0, 90.0, 90.0};
+  /// Monitor of the axes' commanded speed, as a share of each one's own limit; > 0. Infinite: none.
+  double axis_speed_ratio{1.0};
   ArmLevel level{ArmLevel::kServo};  ///< kKinematic or kServo: no masses of these arms are published
   ServoArmParams servo{.dead_cycles = 1};
 };
@@ -40,6 +42,7 @@ enum class RsiStopReason : std::uint8_t {
   kAskedFor,         ///< <Stop>1</Stop>
   kCorrectionRange,  ///< a correction beyond its monitor's range
   kAxisLimit,        ///< a set point beyond the axis's software limit
+  kAxisSpeed,        ///< a set point that the axis can not reach within the cycle (KSS01102)
   kOutOfReach,       ///< no posture for a corrected pose
   kPowerOff,         ///< the drives lost their power
 };
@@ -88,10 +91,13 @@ struct RsiControllerState {
 /// RKorr is about the base's axes at the flange's origin: p = p_start + (X Y Z), R = Rz(A) Ry(B) Rx(C)
 /// R_start; relative ones add up number by number. Tool and base of the program are flange and robot root.
 ///
+/// A set point that asks an axis for more than its speed ends RSI as well, and is not followed: as KSS says
+/// with "KSS01102 Command velocity".
+///
 /// **What is assumed.** When exactly a real controller calls an answer late, what its Delay counts (both ways
-/// are here), that a dropped answer stays dropped, and lag and dead time of the axes (ServoArm): none was
-/// measured. The program moves the arm by nothing but corrections. When RSI ends, the set point stays where
-/// it is.
+/// are here), that a dropped answer stays dropped, where exactly the monitor of the speed stands, and lag
+/// and dead time of the axes (ServoArm): none was measured. The program moves the arm by nothing but
+/// corrections. When RSI ends, the set point stays where it is.
 class RsiController {
  public:
   /// @throws std::invalid_argument on a parameter out of range, naming it.

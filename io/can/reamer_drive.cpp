@@ -143,6 +143,8 @@ void ReamerDrive::Accept(const CanArrival& arrival) OSTEON_RT {
       } else if (const auto code = GetLittle<std::uint16_t>(frame.data.data()); code != 0) {
         status_.emergency_code = code;
         if (phase_ == DrivePhase::kReady) Latch(kDriveEmergency);
+      } else if ((status_.faults & kDriveEmergency) == 0) {
+        status_.emergency_code = 0;  // "error reset"
       }
       return;
     default:
@@ -180,9 +182,16 @@ void ReamerDrive::TakeHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) OS
   }
   heard_ = stamp;
   const std::uint8_t state = frame.data[0] & 0x7F;
+  status_.nmt_state = state;
   const bool operational = state == static_cast<std::uint8_t>(NmtState::kOperational);
   if (phase_ == DrivePhase::kReady) {
-    if (!operational) Latch(kDriveRestarted);
+    if (operational) return;
+    set_up_lost_ = true;
+    if (state != static_cast<std::uint8_t>(NmtState::kBootUp)) return Latch(kDriveLeftOperational);
+    Latch(kDriveRestarted);
+    status_.state = DriveState::kNotReady;  // what it said before is of another life
+    status_.speed_rad_per_s = status_.torque_Nm = 0.0;
+    was_enabled_ = false;
   } else if (frame.data[0] == static_cast<std::uint8_t>(NmtState::kBootUp)) {
     Restart();  // whatever was configured is gone
   } else if (step_ > steps_.size() && operational) {
@@ -226,17 +235,27 @@ void ReamerDrive::TakeStatus(const CanFrame& frame, rt::Nanoseconds stamp) OSTEO
 
 void ReamerDrive::Latch(DriveFault fault) OSTEON_RT { status_.faults |= fault; }
 
+bool ReamerDrive::HeartbeatIsLost(rt::Nanoseconds now) const OSTEON_RT {
+  return now - heard_ > params_.heartbeat * params_.missed_heartbeats;
+}
+
+bool ReamerDrive::StatusIsLost(rt::Nanoseconds now) const OSTEON_RT {
+  return now - std::max(status_.stamp, ready_since_) > params_.cycle * params_.missed_cycles;
+}
+
 void ReamerDrive::Watch(rt::Nanoseconds now) OSTEON_RT {
-  if (now - heard_ > params_.heartbeat * params_.missed_heartbeats) Latch(kDriveHeartbeatLost);
-  if (now - std::max(status_.stamp, ready_since_) > params_.cycle * params_.missed_cycles)
-    Latch(kDriveStatusLost);
+  if (HeartbeatIsLost(now)) Latch(kDriveHeartbeatLost);
+  if (StatusIsLost(now)) Latch(kDriveStatusLost);
 }
 
 bool ReamerDrive::ResetFaults() OSTEON_RT {
   if (command_.goal != DriveGoal::kOff || status_.state == DriveState::kFaultReaction) return false;
   status_.faults = 0;
   status_.emergency_code = 0;
-  if (status_.state == DriveState::kFault) reset_cycles_ = kResetCycles;
+  if (set_up_lost_)
+    Restart();
+  else if (status_.state == DriveState::kFault)
+    reset_cycles_ = kResetCycles;
   return true;
 }
 
@@ -248,6 +267,7 @@ void ReamerDrive::Restart() OSTEON_RT {
   due_ = 0;
   wrong_ = Wrong::kNothing;
   was_enabled_ = false;
+  set_up_lost_ = false;
   reset_cycles_ = 0;
   sync_due_ = false;
 }

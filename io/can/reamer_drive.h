@@ -36,12 +36,13 @@ struct ReamerDriveParams {
 
 /// What happened to the drive; latched until ResetFaults().
 enum DriveFault : std::uint32_t {
-  kDriveHeartbeatLost = 1u << 0,  ///< silent for longer than it may be
-  kDriveStatusLost = 1u << 1,     ///< its PDOs do not come any more
-  kDriveEmergency = 1u << 2,      ///< it sent an EMCY; DriveStatus::emergency_code
-  kDriveInFault = 1u << 3,        ///< its state is fault or fault reaction; DriveStatus::error_code
-  kDriveRestarted = 1u << 4,      ///< it booted, or left OPERATIONAL: its configuration is gone
-  kDriveLeftEnabled = 1u << 5,    ///< was enabled, and is not although nobody told it so
+  kDriveHeartbeatLost = 1u << 0,    ///< silent for longer than it may be
+  kDriveStatusLost = 1u << 1,       ///< its PDOs do not come any more
+  kDriveEmergency = 1u << 2,        ///< it sent an EMCY; DriveStatus::emergency_code
+  kDriveInFault = 1u << 3,          ///< its state is fault or fault reaction; DriveStatus::error_code
+  kDriveRestarted = 1u << 4,        ///< it booted: its configuration is gone
+  kDriveLeftEnabled = 1u << 5,      ///< was enabled, and is not although nobody told it so
+  kDriveLeftOperational = 1u << 6,  ///< its heartbeat says another NMT state; DriveStatus::nmt_state
 };
 
 enum class DrivePhase : std::uint8_t {
@@ -62,8 +63,9 @@ struct DriveStatus {
   double torque_Nm{0.0};        ///< at the tool: per mille of rated × rated torque × gear ratio; no losses
   double temperature{0.0};      ///< as the maker counts it
   std::uint16_t statusword{0};
+  std::uint8_t nmt_state{0xFF};     ///< canopen::NmtState, by its heartbeat
   std::uint16_t error_code{0};      ///< 603F
-  std::uint16_t emergency_code{0};  ///< of the last EMCY that was not "reset"
+  std::uint16_t emergency_code{0};  ///< of the last EMCY; 0 once it said "reset" and nothing is latched
   std::uint32_t faults{0};          ///< DriveFault
 };
 
@@ -96,9 +98,17 @@ class ReamerDrive final : public CanClient {
   [[nodiscard]] const DriveStatus& status() const OSTEON_RT { return status_; }
   [[nodiscard]] DrivePhase phase() const OSTEON_RT { return phase_; }
 
-  /// Clears what is latched, and resets a fault of the drive. The command has to be kOff: with any other the
-  /// drive would start by itself. False, and nothing done, otherwise.
+  /// Clears what is latched, and resets a fault of the drive; configures it anew where it has booted or left
+  /// OPERATIONAL. The command has to be kOff: with any other the drive would start by itself. False, and
+  /// nothing done, otherwise.
   bool ResetFaults() OSTEON_RT;
+
+  /// It is heard, so that a reset has somebody to reach: heartbeat and status come, or it has just booted.
+  [[nodiscard]] bool IsHeard(rt::Nanoseconds now) const OSTEON_RT {
+    return set_up_lost_ || (!HeartbeatIsLost(now) && !StatusIsLost(now));
+  }
+  /// A reset is on its way, and the drive has not left its fault yet: nothing is latched meanwhile.
+  [[nodiscard]] bool resetting() const OSTEON_RT { return reset_cycles_ > 0; }
 
   /// Configures the drive anew, e.g. after kDriveRestarted.
   void Restart() OSTEON_RT;
@@ -128,6 +138,8 @@ class ReamerDrive final : public CanClient {
   void TakeHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT;
   void TakeStatus(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT;
   void Watch(rt::Nanoseconds now) OSTEON_RT;
+  [[nodiscard]] bool HeartbeatIsLost(rt::Nanoseconds now) const OSTEON_RT;
+  [[nodiscard]] bool StatusIsLost(rt::Nanoseconds now) const OSTEON_RT;
   void Latch(DriveFault fault) OSTEON_RT;
   bool NextOfSetUp(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT;
   [[nodiscard]] CanFrame CommandFrame() OSTEON_RT;
@@ -147,7 +159,8 @@ class ReamerDrive final : public CanClient {
   DriveCommand command_;
   DriveStatus status_;
   bool was_enabled_{false};
-  int reset_cycles_{0};  // controlwords of a fault reset still to send
+  bool set_up_lost_{false};  // it booted, or left OPERATIONAL
+  int reset_cycles_{0};      // controlwords of a fault reset still to send
   bool sync_due_{false};
   rt::Nanoseconds next_cycle_{0}, next_heartbeat_{0};
   rt::Nanoseconds heard_{0}, ready_since_{0};

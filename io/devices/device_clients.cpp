@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "io/can/drive_fault_text.h"
 #include "io/can/id_claims.h"
 
 namespace osteon::io {
@@ -23,6 +26,18 @@ struct MakeSensor {
   auto operator()(const RobotousParams& params) const { return MakeOne<RobotousSensor>(params); }
   auto operator()(const AtiParams& params) const { return MakeOne<AtiSensor>(params); }
 };
+
+// A fault of the drive by its names and numbers, and what became of its resets.
+std::string DriveFaultText(const DriveStatus& status, bool heard, int resets) {
+  return fmt::format(
+      "reamer drive: {}: {}; {}", Describe(status.state),
+      DescribeDriveFaults({status.faults, status.nmt_state, status.emergency_code, status.error_code}),
+      !heard        ? "check its supply and the wiring"
+      : resets == 0 ? "it is reset before the first motion and in a recovery, never in between"
+      : resets < DriveReset::kAttempts
+          ? fmt::format("reset {} of {}", resets, DriveReset::kAttempts)
+          : fmt::format("{} resets have not cleared it: see to its cause, begin a new run", resets));
+}
 
 }  // namespace
 
@@ -77,8 +92,10 @@ void DeviceClients::Command(const control::CellCommands& commands, rt::Nanosecon
   else if (commands.spindle_rad_per_s != 0.0 || turns)
     command = {DriveGoal::kEnabled, commands.spindle_rad_per_s};
   drive_->Command(command);
-  if (commands.clear_faults && command.goal == DriveGoal::kOff && drive_->status().faults != 0)
-    static_cast<void>(drive_->ResetFaults());
+  const bool faulty =
+      drive_->phase() == DrivePhase::kReady && drive_->status().faults != 0 && drive_->IsHeard(now);
+  if (drive_reset_.IsDue(commands.clear_faults, faulty, now) && drive_->ResetFaults())
+    drive_reset_.Count(now);
 }
 
 bool DeviceClients::MotionRequest(const control::CellCommands& commands, const PlcReading& plc,
@@ -99,11 +116,16 @@ control::CellReadings DeviceClients::Readings(const PlcReading& plc, rt::Nanosec
       .stamp = load.stamp, .F_S = load.F_S, .trusted = (load.flags & (kSensorOverload | kSensorFault)) == 0};
   if (drive_) {
     const DriveStatus& status = drive_->status();
-    readings.spindle = {.stamp = status.stamp,
-                        .speed_rad_per_s = status.speed_rad_per_s,
-                        .torque_Nm = status.torque_Nm,
-                        .ready = drive_->phase() == DrivePhase::kReady,
-                        .fault = status.faults != 0 || drive_->phase() == DrivePhase::kFailed};
+    readings.spindle = {
+        .stamp = status.stamp,
+        .speed_rad_per_s = status.speed_rad_per_s,
+        .torque_Nm = status.torque_Nm,
+        .ready = drive_->phase() == DrivePhase::kReady,
+        .fault = status.faults != 0 || drive_->resetting() || drive_->phase() == DrivePhase::kFailed,
+        .faults = static_cast<std::uint8_t>(status.faults),
+        .nmt_state = status.nmt_state,
+        .emergency_code = status.emergency_code,
+        .error_code = status.error_code};
   }
   if (params_.plc) {
     const PlcVerdict verdict = Judge(plc, now, params_.plc_max_age);
@@ -135,7 +157,7 @@ std::string DeviceClients::Diagnosis(const PlcReading& plc, rt::Nanoseconds now)
             ? "reamer drive: not configured yet"
             : "reamer drive: no answer so far; check its supply, the wiring, the bit rate");
   else if (drive_ && drive_->status().faults != 0)
-    say(std::string("reamer drive: fault, ") + Describe(drive_->status().state));
+    say(DriveFaultText(drive_->status(), drive_->IsHeard(now), drive_reset_.attempts()));
   if (params_.plc)
     if (const PlcVerdict verdict = Judge(plc, now, params_.plc_max_age); verdict != PlcVerdict::kRun)
       say(Describe(*params_.plc, plc) + ", " + Describe(verdict));

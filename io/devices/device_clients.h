@@ -8,6 +8,7 @@
 
 #include "control/ports.h"
 #include "io/devices/device_params.h"
+#include "io/devices/drive_reset.h"
 
 namespace osteon::io {
 
@@ -23,8 +24,9 @@ class DeviceClients {
   /// Adds those of a bus (in DeviceParams::buses) to the pump of its end.
   void PutOn(CanPump& pump, std::size_t bus);
 
-  /// To the drive: turning as told; ramped down and then off with speed 0. A device that never answered is
-  /// begun anew each second: it may be switched on later than the controller.
+  /// To the drive: turning as told; ramped down and then off with speed 0. One with a fault is reset where
+  /// the command allows it, DriveReset::kAttempts times at most. A device that never answered is begun anew
+  /// each second: it may be switched on later than the controller.
   void Command(const control::CellCommands& commands, rt::Nanoseconds now) OSTEON_RT;
 
   /// MOTION_REQUEST for the PLC. A request that is not granted within .4 s is withdrawn for a moment and
@@ -57,6 +59,7 @@ class DeviceClients {
   std::unique_ptr<WrenchSensor> sensor_;
   std::optional<ReamerDrive> drive_;
   Silence sensor_silence_, drive_silence_;
+  DriveReset drive_reset_;
   bool was_wanted_{false};
   rt::Nanoseconds asked_since_{0};
 };

@@ -81,6 +81,10 @@ void Put(const control::TickInput& from, osteon::TickInput* to) {
   to->set_spindle_torque_nm(from.spindle_torque_Nm);
   to->set_spindle_ready(from.spindle_ready);
   to->set_spindle_fault(from.spindle_fault);
+  to->set_drive_faults(from.drive_faults);
+  to->set_drive_nmt_state(from.drive_nmt_state);
+  to->set_drive_emergency_code(from.drive_emergency_code);
+  to->set_drive_error_code(from.drive_error_code);
   to->set_interlock_stamp_ns(from.interlock_stamp);
   to->set_permitted(from.permitted);
   to->set_enabled(from.enabled);
@@ -103,7 +107,11 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
                               {"control_mode", from.control_mode(), 3},
                               {"command_mode", from.command_mode(), 4},
                               {"model_status", from.model_status(), 3},
-                              {"interlock_reason", from.interlock_reason(), 6}})
+                              {"interlock_reason", from.interlock_reason(), 6},
+                              {"drive_faults", from.drive_faults(), 0xFF},
+                              {"drive_nmt_state", from.drive_nmt_state(), 0xFF},
+                              {"drive_emergency_code", from.drive_emergency_code(), 0xFFFF},
+                              {"drive_error_code", from.drive_error_code(), 0xFFFF}})
     if (each.value > each.most)
       return std::string(each.name) + " " + std::to_string(each.value) + ", accepted 0 … " +
              std::to_string(each.most);
@@ -147,6 +155,10 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   to.spindle_torque_Nm = from.spindle_torque_nm();
   to.spindle_ready = from.spindle_ready();
   to.spindle_fault = from.spindle_fault();
+  to.drive_faults = static_cast<std::uint8_t>(from.drive_faults());
+  to.drive_nmt_state = static_cast<std::uint8_t>(from.drive_nmt_state());
+  to.drive_emergency_code = static_cast<std::uint16_t>(from.drive_emergency_code());
+  to.drive_error_code = static_cast<std::uint16_t>(from.drive_error_code());
   to.interlock_stamp = from.interlock_stamp_ns();
   to.permitted = from.permitted();
   to.enabled = from.enabled();
@@ -170,6 +182,7 @@ void Encode(const TickRecord& record, std::string& bytes) {
   io::Put(record.X_WT_cmd, message.mutable_x_wt_cmd());
   io::Put(record.X_WT_meas, message.mutable_x_wt_meas());
   io::Put(record.v_WT_cmd_m_per_s, message.mutable_v_wt_cmd_m_per_s());
+  message.set_tool_speed_meas_m_per_s(record.tool_speed_meas_m_per_s);
   io::Put(record.F_operator_T_W, message.mutable_f_operator_t_w());
   io::Put(record.F_coupling_T_W, message.mutable_f_coupling_t_w());
   message.set_wrench_scale(record.wrench_scale);
@@ -220,6 +233,7 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   if (!io::Get(message.x_wt_cmd(), r.X_WT_cmd) || !io::Get(message.x_wt_meas(), r.X_WT_meas))
     return "not 9 elements of a rotation";
   io::Get(message.v_wt_cmd_m_per_s(), r.v_WT_cmd_m_per_s);
+  r.tool_speed_meas_m_per_s = message.tool_speed_meas_m_per_s();
   io::Get(message.f_operator_t_w(), r.F_operator_T_W);
   io::Get(message.f_coupling_t_w(), r.F_coupling_T_W);
   r.wrench_scale = message.wrench_scale();

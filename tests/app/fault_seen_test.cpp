@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "io/can/reamer_drive.h"
 #include "io/modbus/plc_reading.h"
 
 namespace osteon::app {
@@ -54,7 +55,30 @@ TEST(FaultSeen, HasTheFiguresOfTheOthers) {
   tick.input.spindle_stamp = rt::kSecond - 5 * rt::kMillisecond;
   tick.input.spindle_fault = true;
   EXPECT_EQ(SeenAt(Fault::kSpindle, tick), "a fault; its status: 5 ms old");
+  tick.tool_speed_meas_m_per_s = 0.523;
+  EXPECT_EQ(SeenAt(Fault::kArmSpeed, tick), "523 mm/s in the last message");
   EXPECT_EQ(SeenAt(Fault::kDevice, tick), "");
+}
+
+TEST(FaultSeen, TellsTheDrivesFaultsApartByNameAndNumber) {
+  TickRecord tick = At(rt::kSecond);
+  tick.input.spindle_stamp = rt::kSecond - 5 * rt::kMillisecond;
+  tick.input.spindle_fault = tick.input.spindle_ready = true;
+  tick.input.drive_faults = io::kDriveEmergency | io::kDriveInFault;
+  tick.input.drive_emergency_code = 0x4310;
+  tick.input.drive_error_code = 0x7121;
+  EXPECT_EQ(
+      SeenAt(Fault::kSpindle, tick),
+      "a fault: EMCY 0x4310 (excess temperature of the drive) (bit 2); in fault by its statusword (bit 3); "
+      "603F 0x7121 (motor blocked); its status: 5 ms old");
+  tick.input.drive_emergency_code = tick.input.drive_error_code = 0;
+  tick.input.drive_faults = io::kDriveRestarted;
+  EXPECT_EQ(
+      SeenAt(Fault::kSpindle, tick),
+      "a fault: boot-up message (NMT state 0x00): its configuration is gone (bit 4); its status: 5 ms old");
+  tick.input.drive_faults = io::kDriveHeartbeatLost;
+  EXPECT_EQ(SeenAt(Fault::kSpindle, tick),
+            "a fault: heartbeat lost: none came in time (bit 0); its status: 5 ms old");
 }
 
 }  // namespace

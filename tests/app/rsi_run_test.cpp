@@ -1,3 +1,5 @@
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "app/recorded_config.h"
@@ -153,6 +155,34 @@ TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
     activations = std::max(activations, tick.input.activation);
   EXPECT_EQ(activations, 2u);
   ExpectNoJump(again.recording, kMostStep_rad);
+}
+
+void NotHeld(config::CellConfig& cell, double axis_speed_ratio) {
+  Session(cell).hold_on = cell.simulated.kr->controller.hold_on = false;
+  cell.simulated.kr->controller.axis_speed_ratio = axis_speed_ratio;
+  cell.injections = Loss(hil::Direction::kFromController, 0.02, 1.0, 1e9);
+}
+
+// HOLDON 0, absolute, and an answer is lost: the arm falls back toward where RSI began, whatever is
+// commanded.
+TEST(RsiRun, AnArmThatJumpsByItselfIsAStopAndItsSpeedIsReported) {
+  const Ride run =
+      RunKr(8.0, [](config::CellConfig& cell) { NotHeld(cell, std::numeric_limits<double>::infinity()); });
+  ASSERT_FALSE(run.summary.faults.empty());
+  EXPECT_EQ(run.summary.ended, "fault");
+  EXPECT_EQ(run.summary.faults.front().name, "measured arm speed above limit");
+  EXPECT_NE(run.summary.faults.front().seen.find("mm/s"), std::string::npos);
+  EXPECT_GT(run.summary.peak_measured_tool_speed_m_per_s, 0.15) << "the cell's limit is 0.1";
+  EXPECT_LE(run.summary.peak_tool_speed_m_per_s, 0.1 * 1.1) << "which was kept in what was commanded";
+  EXPECT_EQ(run.recording.ticks.back().phase, control::Phase::kStopped);
+}
+
+TEST(RsiRun, ASimulatedControllerThatWatchesItsAxesEndsTheSessionWithThatReason) {
+  const Ride run = RunKr(8.0, [](config::CellConfig& cell) { NotHeld(cell, 0.2); });
+  ASSERT_FALSE(run.summary.faults.empty());
+  EXPECT_EQ(run.summary.ended, "fault");
+  EXPECT_NE(run.summary.arm_stop.find("axis speed: A"), std::string::npos) << run.summary.arm_stop;
+  EXPECT_NE(run.summary.arm_stop.find("(KSS01102)"), std::string::npos);
 }
 
 // The arm is not heard for longer than arm_miss_count: a stop, whatever RSI makes of it.

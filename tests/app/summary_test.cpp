@@ -45,6 +45,47 @@ TEST(Quantiles, OfFewValuesStayWithinThem) {
   EXPECT_EQ(two.max_s, 3.0);
 }
 
+// A drive that was found in fault, was reset, and later sent an EMCY.
+TEST(DriveFaultRows, AreWhatWasLatchedWhenAndWhatClearedIt) {
+  std::vector<control::TickRecord> ticks(3000);
+  for (std::size_t i = 0; i < ticks.size(); ++i)
+    ticks[i].stamp = static_cast<rt::Nanoseconds>(i + 5) * rt::kMillisecond;
+  for (std::size_t i = 300; i < 320; ++i) {
+    ticks[i].input.drive_faults = 1u << 3;
+    ticks[i].input.drive_emergency_code = ticks[i].input.drive_error_code = 0x3220;
+  }
+  for (std::size_t i = 2000; i < ticks.size(); ++i) {
+    ticks[i].input.drive_faults = i < 2100 ? 1u << 2 : 1u << 2 | 1u << 0;
+    ticks[i].input.drive_emergency_code = 0x4310;
+  }
+  const std::vector<DriveFaultRow> rows = DriveFaultRows(ticks);
+  ASSERT_EQ(rows.size(), 4u);
+  EXPECT_NEAR(rows[0].time_s, 0.3, 1e-9);
+  EXPECT_EQ(rows[0].latched, 1u << 3);
+  EXPECT_EQ(
+      rows[0].text,
+      "in fault by its statusword (bit 3); last EMCY 0x3220 (under-voltage of the DC link); 603F 0x3220 "
+      "(under-voltage of the DC link)");
+  EXPECT_NEAR(rows[1].time_s, 0.32, 1e-9);
+  EXPECT_EQ(rows[1].text, "reset");
+  EXPECT_EQ(rows[2].text, "EMCY 0x4310 (excess temperature of the drive) (bit 2)");
+  EXPECT_EQ(rows[3].latched, 1u << 0) << "what is new";
+
+  RunSummary summary;
+  summary.drive_faults = rows;
+  const nlohmann::json json = nlohmann::json::parse(ToJson(summary, "osteon.run/1"));
+  ASSERT_EQ(json.at("drive_faults").size(), 4u);
+  EXPECT_EQ(json["drive_faults"][0]["emergency_code"], "0x3220");
+  EXPECT_EQ(json["drive_faults"][2]["error_code"], nullptr);
+  const std::vector<SummaryRow> table = Rows(summary);
+  const auto row = std::ranges::find(table, "Faults of the drive", &SummaryRow::key);
+  ASSERT_NE(row, table.end());
+  EXPECT_NE(row->value.find("at 2.00 s EMCY 0x4310 (excess temperature of the drive)"), std::string::npos)
+      << row->value;
+  summary.drive_faults.clear();
+  EXPECT_EQ(std::ranges::count(Rows(summary), "Faults of the drive", &SummaryRow::key), 0);
+}
+
 TEST(WriteText, LeavesTheWholeFileAndNothingElse) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
@@ -258,6 +299,7 @@ TEST(EffectiveLimits, AreTheTightestAndNameTheOthers) {
   };
   EXPECT_NEAR(of("tool speed", false).value, 200.0, 1e-9) << "15 kg with .3 J";
   EXPECT_EQ(of("tool speed", false).from, "kinetic energy; cell: 300");
+  EXPECT_NEAR(of("measured tool speed", false).value, 300.0, 1e-9) << "half as much again";
   params.energy.max_kinetic_J = 10.0;
   EXPECT_EQ(of("tool speed", true).from, "T1; cell: 300; kinetic energy: 1155");
   EXPECT_TRUE(std::isinf(of("power into the hand", false).value));

@@ -157,6 +157,23 @@ TEST_F(RsiKeys, ValuesThatContradictEachOtherAreRefused) {
               HasSubstr("from the arm's shoulder to the site, accepted at most"));
 }
 
+// A lost answer would throw the arm back to where RSI began: nobody has that by oversight.
+TEST_F(RsiKeys, AbsoluteCorrectionsThatAreNotHeldNeedAWord) {
+  const std::pair<std::string, std::string> not_held{"hold_on: true ", "hold_on: false "};
+  const std::pair<std::string, std::string> added{
+      "timeout_count: 100 ", "accept_jump_after_lost_answers: false\n  timeout_count: 100 "};
+  EXPECT_THAT(
+      Refusal({not_held}),
+      AllOf(HasSubstr("hold_on: found false with absolute corrections, accepted true"),
+            HasSubstr("jump back to where RSI began"), HasSubstr("accept_jump_after_lost_answers: true")));
+  EXPECT_THAT(Refusal({not_held, added}), HasSubstr("hold_on: found false with absolute corrections"));
+  EXPECT_EQ(Refusal({not_held, {"absolute: true ", "absolute: false "}}), "") << "relative ones only rest";
+  const CellConfig cell =
+      LoadWith({not_held, {added.first, "accept_jump_after_lost_answers: true\n  timeout_count: 100 "}});
+  EXPECT_FALSE(cell.link.rsi()->hold_on);
+  EXPECT_FALSE(cell.simulated.kr->controller.hold_on);
+}
+
 TEST_F(RsiKeys, TheArmStartsInItsUsualPostureWithTheToolAtTheSite) {
   const CellConfig cell = LoadWith({});
   const kinematics::OrthoParallelArm arm(cell.robot.six_axis()->params);

@@ -94,6 +94,39 @@ TEST_F(ServoDevices, AStandingPermissionOfAPlcThatWentSilentIsNone) {
   EXPECT_EQ(bench.loop.phase(), Phase::kWaiting);
 }
 
+// A drive that is found in fault is reset before anything moves, and then by a recovery alone.
+TEST_F(ServoDevices, ADrivesFaultsMayBeClearedBeforeTheFirstMotionAndInARecovery) {
+  EXPECT_TRUE(bench.loop.cell_commands().clear_faults);
+  spindle.fault = true;
+  bench.Activate();
+  Run(50);
+  EXPECT_TRUE(bench.loop.cell_commands().clear_faults) << "checking";
+  spindle.fault = false;
+  Render();
+  EXPECT_FALSE(bench.loop.cell_commands().clear_faults) << "rendering";
+  bench.loop.RequestPause();
+  Run(200);
+  ASSERT_EQ(bench.loop.state(), safety::CellState::kPaused);
+  EXPECT_FALSE(bench.loop.cell_commands().clear_faults) << "paused";
+  spindle.fault = true;
+  bench.loop.RequestResume();
+  Run(20);
+  ASSERT_EQ(bench.loop.state(), safety::CellState::kChecking);
+  EXPECT_FALSE(bench.loop.cell_commands().clear_faults) << "it waits again, but it has moved";
+  spindle.fault = false;
+  Run(20);
+  ASSERT_EQ(bench.loop.phase(), Phase::kHaptic);
+  bench.arm.session = SessionState::kCommandingWait;
+  Run(30);
+  ASSERT_TRUE(bench.loop.CanRecover());
+  EXPECT_FALSE(bench.loop.cell_commands().clear_faults) << "stopped";
+  interlock.permitted = false;
+  bench.loop.RequestRecovery();
+  Run(5);
+  ASSERT_EQ(bench.loop.state(), safety::CellState::kRecovery);
+  EXPECT_TRUE(bench.loop.cell_commands().clear_faults);
+}
+
 TEST_F(ServoDevices, MotionThatIsNoLongerPermittedIsAStop) {
   Render();
   interlock.permitted = false;

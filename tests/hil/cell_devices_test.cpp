@@ -65,6 +65,9 @@ class Cell {
     return clients->Readings({}, now);
   }
   DeviceWires& wires() { return *wires_; }
+  DriveDevice& drive() { return *devices_.drive(); }
+  /// The commands of a cell in which nothing has moved yet.
+  void WaitForTheFirstMotion() { commands = {.motion_requested = true, .clear_faults = true}; }
 
   rt::Nanoseconds now{0};
   control::CellCommands commands;
@@ -141,6 +144,80 @@ TEST(CellDevices, AFaultOfTheDriveStaysUntilARecoveryClearsIt) {
   const control::CellReadings readings = cell.Run(1000);
   EXPECT_FALSE(readings.spindle.fault);
   EXPECT_LT(readings.spindle.speed_rad_per_s, 0.5) << "and does not start by itself";
+}
+
+// Controlword bit 7 goes out before the first motion: the drive is ready without a hand at it.
+TEST(CellDevices, ADriveThatBootsInFaultIsReset) {
+  Cell cell;
+  cell.drive().SetBootError(0x3220);
+  cell.WaitForTheFirstMotion();
+  control::CellReadings readings;
+  bool seen = false;
+  for (int ms = 0; ms < 600; ++ms) {
+    readings = cell.Run(1);
+    const control::SpindleReading& s = readings.spindle;
+    const bool in_fault = (cell.drive().statusword() & 0x4F) == 0x08;
+    EXPECT_FALSE(s.ready && s.stamp > 0 && in_fault && !s.fault) << ms << " ms: nothing may begin meanwhile";
+    if (s.faults == 0 || seen) continue;
+    seen = true;
+    EXPECT_EQ(s.faults, io::kDriveInFault);
+    EXPECT_EQ(s.error_code, 0x3220);
+    EXPECT_EQ(s.emergency_code, 0x3220);
+    EXPECT_EQ(s.nmt_state, 5);
+    const std::string text = cell.clients->Diagnosis({}, cell.now);
+    EXPECT_NE(text.find("in fault by its statusword (bit 3)"), std::string::npos) << text;
+    EXPECT_NE(text.find("603F 0x3220 (under-voltage of the DC link)"), std::string::npos) << text;
+  }
+  EXPECT_TRUE(seen);
+  EXPECT_EQ(cell.drive().resets(), 1);
+  EXPECT_TRUE(readings.spindle.ready);
+  EXPECT_FALSE(readings.spindle.fault);
+  EXPECT_EQ(cell.drive().statusword() & 0x4F, 0x40) << "off, as it was commanded";
+}
+
+TEST(CellDevices, ADriveThatStaysInFaultIsResetThreeTimesAndThenLeftAlone) {
+  Cell cell;
+  cell.drive().Break(0x4310);
+  cell.WaitForTheFirstMotion();
+  EXPECT_TRUE(cell.Run(5000).spindle.fault);
+  EXPECT_EQ(cell.drive().resets(), io::DriveReset::kAttempts);
+  const std::string text = cell.clients->Diagnosis({}, cell.now);
+  EXPECT_NE(text.find("603F 0x4310 (excess temperature of the drive)"), std::string::npos) << text;
+  EXPECT_NE(text.find("3 resets have not cleared it"), std::string::npos) << text;
+  cell.commands.clear_faults = false;
+  cell.Run(100);
+  cell.drive().Mend();
+  cell.WaitForTheFirstMotion();  // a recovery: it may be tried again
+  EXPECT_FALSE(cell.Run(1000).spindle.fault);
+}
+
+TEST(CellDevices, InMidRunNothingIsReset) {
+  Cell cell;
+  cell.commands = {.motion_requested = true, .spindle_rad_per_s = kSpeed};
+  cell.Run(1000);
+  cell.drive().Break(0x4310);
+  cell.Run(100);
+  cell.drive().Mend();
+  for (const bool quick : {true, false}) {
+    cell.commands = {.motion_requested = true, .quick_stop = quick};
+    EXPECT_TRUE(cell.Run(2000).spindle.fault);
+  }
+  EXPECT_EQ(cell.drive().resets(), 0);
+}
+
+TEST(CellDevices, ADriveThatBootsWhileTheCellWaitsIsConfiguredAnew) {
+  Cell cell;
+  cell.WaitForTheFirstMotion();
+  cell.Run(600);
+  cell.drive().SetPower(false);
+  EXPECT_TRUE(cell.Run(300).spindle.fault);
+  EXPECT_EQ(cell.drive().resets(), 0) << "nobody is there to be reset";
+  cell.drive().SetPower(true);
+  const control::CellReadings readings = cell.Run(2000);
+  EXPECT_TRUE(readings.spindle.ready);
+  EXPECT_FALSE(readings.spindle.fault);
+  cell.commands = {.motion_requested = true, .spindle_rad_per_s = kSpeed};
+  EXPECT_NEAR(cell.Run(1000).spindle.speed_rad_per_s, kSpeed, 0.02 * kSpeed);
 }
 
 TEST(CellDevices, ASilenceOfOneWireIsNoneOfTheOther) {

@@ -46,8 +46,8 @@ TEST(FaultList, HasEveryFaultOfTheLoopThatCanBeInjectedAndNamesEachOnce) {
   }
   EXPECT_GE(names.size(), 40u);
   // those of the loop's own mathematics have tests of their own (servo_loop, servo_zones, servo_limit)
-  for (const Fault own :
-       {Fault::kToolSpeed, Fault::kWorkspace, Fault::kJointLimit, Fault::kInverseKinematics})
+  for (const Fault own : {Fault::kToolSpeed, Fault::kWorkspace, Fault::kJointLimit, Fault::kInverseKinematics,
+                          Fault::kToolInBone})
     seen.Latch(own);
   EXPECT_EQ(seen.bits(), (1u << safety::kFaultCount) - 1u);
 }

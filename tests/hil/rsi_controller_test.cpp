@@ -1,5 +1,6 @@
 #include "hil/rsi/rsi_controller.h"
 
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -17,6 +18,7 @@ RsiControllerParams Params() {
   RsiControllerParams params;
   params.arm = kinematics::Kr6R900Params();
   params.first_ipoc = 1000;
+  params.axis_speed_ratio = std::numeric_limits<double>::infinity();  // corrections here are steps
   return params;
 }
 
@@ -190,6 +192,36 @@ TEST(RsiController, MonitorsEndRsi) {
   }
 }
 
+// KSS01102: 28.64 deg in a cycle of 4 ms were 7160 deg/s.
+TEST(RsiController, ASetPointFasterThanItsAxisEndsRsiAndIsNotFollowed) {
+  RsiControllerParams params = Params();
+  params.axis_speed_ratio = 1.0;
+  RsiController controller(params);
+  Cycle(controller, {0, 0, 0, 0, 28.64, 0});
+  EXPECT_TRUE(controller.Step().empty());
+  EXPECT_FALSE(controller.state().running);
+  EXPECT_EQ(controller.state().stop.reason, RsiStopReason::kAxisSpeed);
+  EXPECT_EQ(Describe(controller.state().stop),
+            "axis speed: A5 told to move at 7160 deg/s, accepted 450 (KSS01102)");
+  EXPECT_NEAR(controller.state().axes_set_deg[4], 90.0, 1e-9) << "the set point stays";
+  RsiController slower(params);  // 447.5 deg/s for a while, the axis's own limit is 450
+  for (int k = 1; k <= 15; ++k) Cycle(slower, {0, 0, 0, 0, -1.79 * k, 0});
+  EXPECT_FALSE(slower.Step().empty()) << Describe(slower.state().stop);
+}
+
+// What HOLDON 0 does with absolute corrections, on an arm that watches its axes.
+TEST(RsiController, ALostAnswerWithHoldOnZeroIsAnAxisSpeed) {
+  RsiControllerParams params = Params();
+  params.axis_speed_ratio = 1.0;
+  params.hold_on = false;
+  RsiController controller(params);
+  for (int k = 1; k <= 200; ++k) Cycle(controller, {0.05 * k, 0, 0, 0, 0, 0});
+  EXPECT_FALSE(controller.Step().empty());
+  EXPECT_TRUE(controller.Step().empty()) << "nobody answered";
+  EXPECT_EQ(controller.state().stop.reason, RsiStopReason::kAxisSpeed);
+  EXPECT_NEAR(controller.state().axes_set_deg[0], 10.0, 1e-9) << "10 deg in 4 ms are not followed";
+}
+
 TEST(RsiController, CartesianCorrectionMovesTheFlangeBySoMuch) {
   for (const bool absolute : {true, false}) {
     RsiControllerParams params = Params();
@@ -245,6 +277,7 @@ TEST(RsiController, RefusesParametersByName) {
             std::string::npos);
   EXPECT_NE(refused([](auto& p) { p.range[0] = 0; }).find("range 1"), std::string::npos);
   EXPECT_NE(refused([](auto& p) { p.timeout_cycles = 0; }).find("timeout_cycles"), std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.axis_speed_ratio = 0; }).find("axis_speed_ratio"), std::string::npos);
   EXPECT_NE(refused([](auto& p) { p.ipoc_step = 0; }).find("ipoc_step"), std::string::npos);
 }
 

@@ -2,6 +2,7 @@
 // over UDP.
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -34,6 +35,7 @@ BothSides Make(bool kroshu, bool cartesian, bool absolute, bool hold_on, int cyc
   setup.controller.ipoc_step = ipoc_step;
   setup.controller.timeout_cycles = 1'000'000;
   setup.controller.range = {900, 900, 900, 90, 90, 90};
+  setup.controller.axis_speed_ratio = std::numeric_limits<double>::infinity();  // some steps, some jumps
   setup.session = {.layout = kroshu ? io::RsiLayout::kKroshu : io::RsiLayout::kImFree,
                    .kind = cartesian ? io::RsiCorrection::kCartesian : io::RsiCorrection::kAxes,
                    .absolute = absolute,

@@ -4,9 +4,12 @@
 #include <bitset>
 #include <limits>
 #include <numbers>
+#include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
+#include "io/can/drive_fault_text.h"
 #include "io/can/id_claims.h"
 #include "tests/io/can_frames.h"
 
@@ -337,6 +340,58 @@ TEST(ReamerDrive, NoticesThatItRestartedAndThatItLeftEnabled) {
   told.drive.Command({.goal = DriveGoal::kOff});
   told.Cycle(0x250);
   EXPECT_EQ(told.drive.status().faults, 0u);
+}
+
+TEST(ReamerDrive, TellsABootUpFromAnotherNmtState) {
+  Running r;
+  r.Cycle(0x250);
+  r.drive.Accept(At(r.now, "710#7F"));
+  EXPECT_EQ(r.drive.status().faults, kDriveLeftOperational);
+  EXPECT_EQ(r.drive.status().nmt_state, 0x7F);
+  ASSERT_TRUE(r.drive.ResetFaults());
+  EXPECT_EQ(r.drive.phase(), DrivePhase::kStarting) << "it has to be configured anew";
+  EXPECT_EQ(r.drive.status().faults, 0u);
+}
+
+TEST(ReamerDrive, AnEmergencyThatWasResetBeforeItCountedIsForgotten) {
+  Running r;
+  r.drive.Accept(At(r.now, "090#2032040000000000"));
+  r.drive.Accept(At(r.now, "090#0000000000000000"));
+  EXPECT_EQ(r.drive.status().emergency_code, 0x3220) << "latched, it stays";
+  auto booting = Drive();
+  booting.Accept(At(0, "090#2032040000000000"));
+  EXPECT_EQ(booting.status().emergency_code, 0x3220);
+  booting.Accept(At(0, "090#0000000000000000"));
+  EXPECT_EQ(booting.status().emergency_code, 0);
+}
+
+TEST(DriveFaultText, NamesCodesByCia402AndByTheirClass) {
+  EXPECT_STREQ(DescribeErrorCode(0x4310), "excess temperature of the drive");
+  EXPECT_STREQ(DescribeErrorCode(0x8130),
+               "life guard or heartbeat error: the drive does not hear the controller");
+  EXPECT_STREQ(DescribeErrorCode(0x2399), "current at the device's output");
+  EXPECT_STREQ(DescribeErrorCode(0x3499), "voltage");
+  EXPECT_STREQ(DescribeErrorCode(0x1000), "generic error");
+  EXPECT_STREQ(DescribeErrorCode(0xFF07), "the maker's own");
+  EXPECT_STREQ(DescribeErrorCode(0xA000), "of no class of CiA 301");
+  EXPECT_STREQ(DescribeErrorCode(0), "no error");
+}
+
+TEST(DriveFaultText, EveryLatchHasANameAndItsNumber) {
+  EXPECT_EQ(DescribeDriveFaults({}), "");
+  std::set<std::string> texts;
+  for (unsigned bit = 0; bit <= 6; ++bit) {
+    const std::string text = DescribeDriveFaults({.faults = 1u << bit, .nmt_state = 4, .emergency_code = 0});
+    EXPECT_TRUE(text.ends_with("(bit " + std::to_string(bit) + ")")) << text;
+    texts.insert(text);
+  }
+  EXPECT_EQ(texts.size(), 7u);
+  EXPECT_EQ(DescribeDriveFaults({.faults = kDriveLeftOperational, .nmt_state = 4}),
+            "left OPERATIONAL: its heartbeat says stopped (0x04) (bit 6)");
+  EXPECT_EQ(
+      DescribeDriveFaults({.faults = kDriveInFault, .emergency_code = 0x3220, .error_code = 0x3220}),
+      "in fault by its statusword (bit 3); last EMCY 0x3220 (under-voltage of the DC link); 603F 0x3220 "
+      "(under-voltage of the DC link)");
 }
 
 TEST(ReamerDrive, FramesOfAWrongSizeChangeNothing) {

@@ -58,6 +58,7 @@ TEST(RecordingFields, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.sensor_age_s, sent.sensor_age_s);
   EXPECT_EQ(r.model_frame, sent.model_frame);
   EXPECT_EQ(r.spindle_rad_per_s, sent.spindle_rad_per_s);
+  EXPECT_EQ(r.tool_speed_meas_m_per_s, sent.tool_speed_meas_m_per_s);
   EXPECT_EQ(r.wakeup_ns, sent.wakeup_ns);
   EXPECT_EQ(r.compute_ns, sent.compute_ns);
   EXPECT_EQ(r.activation_cmd, sent.activation_cmd);
@@ -111,6 +112,10 @@ TEST(RecordingFields, CarriesEveryInputOfATick) {
     EXPECT_EQ(r.spindle_torque_Nm, sent.spindle_torque_Nm);
     EXPECT_EQ(r.spindle_ready, sent.spindle_ready);
     EXPECT_EQ(r.spindle_fault, sent.spindle_fault);
+    EXPECT_EQ(r.drive_faults, sent.drive_faults);
+    EXPECT_EQ(r.drive_nmt_state, sent.drive_nmt_state);
+    EXPECT_EQ(r.drive_emergency_code, sent.drive_emergency_code);
+    EXPECT_EQ(r.drive_error_code, sent.drive_error_code);
     EXPECT_EQ(r.interlock_stamp, sent.interlock_stamp);
     EXPECT_EQ(r.permitted, sent.permitted);
     EXPECT_EQ(r.enabled, sent.enabled);

@@ -61,6 +61,7 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.sensor_age_s = base + 61;
   r.model_frame = i + 62;
   r.spindle_rad_per_s = base + 63;
+  r.tool_speed_meas_m_per_s = base + 64;
   r.wakeup_ns = static_cast<rt::Nanoseconds>(i) + 64;
   r.compute_ns = static_cast<rt::Nanoseconds>(i) + 65;
   r.activation_cmd = static_cast<std::uint32_t>(i) + 82;
@@ -108,6 +109,10 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   in.spindle_torque_Nm = base + 84;
   in.spindle_ready = i % 2 == 1;
   in.spindle_fault = i % 3 == 1;
+  in.drive_faults = static_cast<std::uint8_t>(i + 1);
+  in.drive_nmt_state = static_cast<std::uint8_t>(i + 2);
+  in.drive_emergency_code = static_cast<std::uint16_t>(i + 0x4310);
+  in.drive_error_code = static_cast<std::uint16_t>(i + 0x7121);
   in.interlock_stamp = r.stamp + 85;
   in.permitted = i % 2 == 0;
   in.enabled = i % 3 == 0;

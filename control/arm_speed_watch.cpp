@@ -1,0 +1,55 @@
+#include "control/arm_speed_watch.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace osteon::control {
+namespace {
+
+constexpr double kMostBetween_s = 0.1;  // a clock that jumps is no long way that was allowed
+
+void Require(bool accepted, const char* name, double found, const char* range) {
+  if (!accepted)
+    throw std::invalid_argument(std::string("arm speed: ") + name + ": found " + std::to_string(found) +
+                                ", accepted " + range);
+}
+
+// How far a counter went on; it goes back where a message that counted as lost comes late.
+double Counted(std::uint32_t now, std::uint32_t before) OSTEON_RT {
+  return std::max(0.0, static_cast<double>(static_cast<std::int32_t>(now - before)));
+}
+
+}  // namespace
+
+ArmSpeedWatch::ArmSpeedWatch(const ArmSpeedParams& params, double period_s)
+    : params_(params), period_s_(period_s) {
+  Require(params.margin >= 1.0, "margin", params.margin, ">= 1");
+  Require(params.excess_m > 0.0, "excess_m", params.excess_m, "> 0");
+  Require(period_s > 0.0, "period_s", period_s, "> 0");
+}
+
+bool ArmSpeedWatch::Check(const ArmState& state, const Vector3& p_W, double limit_m_per_s) OSTEON_RT {
+  speed_m_per_s_ = 0.0;
+  if (has_last_) {
+    const double messages = 1.0 + Counted(state.lost, lost_) + Counted(state.late, late_);
+    const double between_s = std::clamp(std::max(messages * period_s_, rt::ToSeconds(state.stamp - stamp_)),
+                                        period_s_, std::max(kMostBetween_s, period_s_));
+    const double way_m = (p_W - p_last_W_).norm();
+    speed_m_per_s_ = way_m / between_s;
+    excess_m_ = std::max(0.0, excess_m_ + way_m - params_.margin * limit_m_per_s * between_s);
+  }
+  has_last_ = true;
+  p_last_W_ = p_W;
+  stamp_ = state.stamp;
+  lost_ = state.lost;
+  late_ = state.late;
+  return excess_m_ > params_.excess_m;
+}
+
+void ArmSpeedWatch::Reset() OSTEON_RT {
+  has_last_ = false;
+  speed_m_per_s_ = excess_m_ = 0.0;
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "control/ports.h"
+#include "hil/can/drive_device.h"
+#include "hil/can/memory_can_bus.h"
+#include "io/devices/device_clients.h"
+
+namespace osteon::hil {
+
+/// The reamer's drive on its bus as a cell has it, in virtual time: io::DeviceClients on one end, the
+/// simulated drive on the other, and somebody between the two who may keep frames back or forge them.
+class DriveBench {
+ public:
+  /// The drive is switched on at `now`.
+  /// @throws std::logic_error where the clients refuse the bench's parameters.
+  explicit DriveBench(rt::Nanoseconds now);
+
+  /// Runs until `now`, a millisecond a step, with the same commands.
+  control::SpindleReading RunTo(rt::Nanoseconds now, const control::CellCommands& commands);
+
+  /// A frame that the drive never sent.
+  void Forge(const io::CanFrame& frame) { forged_ = {true, frame}; }
+
+  [[nodiscard]] DriveDevice& device() { return device_; }
+  [[nodiscard]] io::DeviceClients& clients() { return *clients_; }
+
+  /// Whether a frame of the drive's reaches the controller; absent: each does.
+  std::function<bool(const io::CanFrame&)> passes{};
+
+ private:
+  void Step(const control::CellCommands& commands);
+
+  struct Forged {
+    bool waits{false};
+    io::CanFrame frame{};
+  };
+  rt::Nanoseconds now_{0};
+  DriveDevice device_;
+  MemoryCanBus controller_end_{now_}, drive_end_{now_};
+  std::unique_ptr<io::DeviceClients> clients_;
+  std::unique_ptr<io::CanPump> pump_;
+  Forged forged_;
+};
+
+}  // namespace osteon::hil

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "control/rt/clock.h"
+#include "control/rt/marker.h"
+
+namespace osteon::io {
+
+/// When a drive that is found in fault is reset: a few times, with a pause between, and only while it is
+/// allowed (control::CellCommands::clear_faults). A fault that comes back after each reset is for a person.
+class DriveReset {
+ public:
+  static constexpr int kAttempts = 3;
+  static constexpr rt::Nanoseconds kBetween =
+      rt::kSecond / 2;  ///< longer than a drive takes to boot and answer
+
+  /// Once a tick. True where a reset should be tried now; Count() it where it was one.
+  [[nodiscard]] bool IsDue(bool allowed, bool faulty, rt::Nanoseconds now) OSTEON_RT {
+    if (!allowed) attempts_ = 0;
+    return allowed && faulty && attempts_ < kAttempts && (attempts_ == 0 || now - last_ >= kBetween);
+  }
+  void Count(rt::Nanoseconds now) OSTEON_RT {
+    ++attempts_;
+    last_ = now;
+  }
+  /// Since it was allowed.
+  [[nodiscard]] int attempts() const OSTEON_RT { return attempts_; }
+
+ private:
+  int attempts_{0};
+  rt::Nanoseconds last_{0};
+};
+
+}  // namespace osteon::io
