@@ -47,6 +47,7 @@ struct RezonedRow {
 struct RunSummary {
   std::string engine, device, scene, tool, recording, ended;
   bool virtual_time{false};
+  bool without_plc{false};         ///< the cell has none that would have to permit motion
   rt::RealtimeGrant servo_thread;  ///< wall time: what the system granted it
   std::size_t balls{0}, points{0};
   double seconds{0.0};  ///< in COMMANDING_ACTIVE
