@@ -21,10 +21,13 @@ std::string Age(const TickRecord& tick, rt::Nanoseconds stamp, const char* never
   return Age(safety::StampAge(tick.input.now, stamp), never);
 }
 
-// The PLC's verdict without what follows from it ("…: Stop 1"), and how old its word is.
+// The PLC's verdict without what follows from it ("…: Stop 1"), the enabling switch, and how old the PLC's
+// word is.
 std::string Interlock(const TickRecord& tick) {
   const std::string age = Age(tick, tick.input.interlock_stamp, "none yet");
-  if (tick.input.permitted) return "permitted; the PLC's word: " + age;
+  if (tick.input.permitted)
+    return std::string(tick.input.enabled ? "permitted" : "ENABLING_SWITCH (979) is not held") +
+           "; the PLC's word: " + age;
   const std::string verdict = io::Describe(static_cast<io::PlcVerdict>(tick.input.interlock_reason));
   return verdict.substr(0, verdict.rfind(':')) + "; the PLC's word: " + age;
 }

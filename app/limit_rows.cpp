@@ -179,6 +179,7 @@ std::vector<std::string> LimitLines(const control::ServoParams& params) {
 
 void PrintLimits(const control::ServoParams& params) {
   constexpr std::size_t kWidth = 110;
+  if (!params.has_interlock) fmt::print("Permission to move: {}.\n", kWithoutPlc);
   std::string line = "Limits in force:";
   for (const std::string& limit : LimitLines(params)) {
     if (line.size() + limit.size() > kWidth) {

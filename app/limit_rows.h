@@ -43,7 +43,12 @@ struct ActedLimit {
 [[nodiscard]] nlohmann::json ToJson(const std::vector<EffectiveLimit>& effective,
                                     const std::vector<ActedLimit>& acted);
 
-/// On the terminal, before a run begins.
+/// On the terminal, before a run begins; above them, where it is so, that no PLC has to permit motion.
 void PrintLimits(const control::ServoParams& params);
+
+/// Who keeps a cell without a PLC from moving, for screen and summary.
+inline constexpr const char* kWithoutPlc =
+    "without a PLC (without_plc: accepted): only the arm's own safety controller and its enabling switch "
+    "keep it from moving";
 
 }  // namespace osteon::app

@@ -34,6 +34,8 @@ void PrintWires(const config::CellConfig& cell) {
                bus.interface.empty() ? fmt::format("tunnel on 127.0.0.1:{}", bus.port) : bus.interface);
   if (cell.devices.plc)
     fmt::print(stderr, "osteon run: PLC {}:{}\n", cell.devices.plc->address, cell.devices.plc->port);
+  else
+    fmt::print(stderr, "osteon run: PLC none (without_plc: accepted)\n");
 }
 
 }  // namespace

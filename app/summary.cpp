@@ -223,6 +223,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.wanted_s = params.seconds;
   s.period_s = setup.config.servo.period_s;
   s.warnings = SetupWarnings(setup.config, !params.cell && !params.virtual_time);
+  s.without_plc = !setup.config.devices.plc;
   s.servo_thread = result.servo_thread;
   s.balls = setup.bone.balls.size();
   s.points = setup.bone.points.size();
@@ -338,6 +339,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
                                                            : ", no SCHED_FIFO",
                                  s.servo_thread.cpu >= 0 ? fmt::format(", CPU {}", s.servo_thread.cpu) : "")},
       {"Simulation", fmt::format("{} frames, median {:.0f} frames/s", s.frames, s.simulation_rate_hz)}};
+  if (s.without_plc) rows.insert(rows.begin() + 1, {"Permission to move", kWithoutPlc});
   if (s.wakeup.count > 0) {
     rows.push_back({"Tick wake-up, p50 / p99 / max", Text(s.wakeup)});
     rows.push_back({"Tick compute, p50 / p99 / max", Text(s.compute)});
@@ -411,6 +413,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"scene", s.scene},
       {"tool", s.tool},
       {"virtual_time", s.virtual_time},
+      {"without_plc", s.without_plc},
       {"ended", s.ended},
       {"recovered", s.recovered},
       {"link",

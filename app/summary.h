@@ -67,6 +67,7 @@ struct RunSummary {
   control::RunEnd end{control::RunEnd::kSeconds};
   double wanted_s{0.0};            ///< 0: until it is stopped
   double period_s{0.0};            ///< of a tick
+  bool without_plc{false};         ///< the cell has none that would have to permit motion
   rt::RealtimeGrant servo_thread;  ///< wall time: what the system granted it
   std::size_t balls{0}, points{0};
   double seconds{0.0};  ///< in COMMANDING_ACTIVE

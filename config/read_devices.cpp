@@ -93,6 +93,18 @@ void ReadPlc(Reader section, CellConfig& cell) {
   server.logic.guard = section.Bool("guard");
 }
 
+// Without a PLC nothing that osteon reads takes the permission to move back: that is not left to a gap in the
+// file.
+void RequirePlcOrItsAbsence(const DeviceSections& sections, const CellConfig& cell) {
+  if (cell.devices.plc && sections.without_plc)
+    sections.cell.Refuse("without_plc", "found beside plc, accepted one of the two");
+  if (!cell.devices.plc && !sections.without_plc)
+    sections.cell.Refuse(
+        "plc",
+        "found none, accepted a section with host, port, max_age_ms and guard; of a cell in which "
+        "the arm's own safety controller alone keeps it from moving: without_plc: accepted");
+}
+
 }  // namespace
 
 DeviceSections ReadDevices(Reader& reader, Reader& force_sensor, CellConfig& cell) {
@@ -105,6 +117,8 @@ DeviceSections ReadDevices(Reader& reader, Reader& force_sensor, CellConfig& cel
     sections.drive = DeviceBus{drive, drive.Text("bus")};
   }
   if (reader.Has("plc")) ReadPlc(reader.Section("plc"), cell);
+  sections.without_plc = reader.Has("without_plc");
+  if (sections.without_plc) static_cast<void>(reader.Choice("without_plc", {"accepted"}));
   return sections;
 }
 
@@ -137,6 +151,7 @@ void CompleteDevices(const DeviceSections& sections, CellConfig& cell) {
         0.5 * motor.rated_torque_Nm / (motor.gear_ratio * drive.acceleration_rad_per_s2);
   }
   cell.servo.has_spindle = cell.devices.drive.has_value();
+  RequirePlcOrItsAbsence(sections, cell);
   cell.servo.has_interlock = cell.devices.plc.has_value();
   if (cell.devices.plc) cell.servo.watchdog.interlock_stop_s = rt::ToSeconds(cell.devices.plc_max_age);
 

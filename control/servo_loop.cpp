@@ -475,7 +475,7 @@ void ServoLoop::SuperviseDevices(double model_age_s, double sensor_age_s, const 
   safety::Ages ages{.model_s = model_age_s};
   if (params_.has_interlock) {
     ages.interlock_s = safety::StampAge(now, readings.interlock.stamp);
-    if (!readings.interlock.permitted) faults_.Latch(Fault::kInterlock);
+    if (!readings.interlock.permitted || !readings.interlock.enabled) faults_.Latch(Fault::kInterlock);
   }
   faults_.Latch(watchdog_.Check(now, ages));
   SuperviseSensor(sensor_age_s, readings, now);

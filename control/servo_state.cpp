@@ -124,7 +124,8 @@ bool ServoLoop::Commanded(const ArmState& state) const OSTEON_RT {
 
 bool ServoLoop::Permitted(const InterlockReading& interlock, rt::Nanoseconds now) const OSTEON_RT {
   return !params_.has_interlock ||
-         (interlock.permitted && safety::StampAge(now, interlock.stamp) <= params_.watchdog.interlock_stop_s);
+         (interlock.permitted && interlock.enabled &&
+          safety::StampAge(now, interlock.stamp) <= params_.watchdog.interlock_stop_s);
 }
 
 // The conditions of motion. What would be a fault of a motion is none of its permissions.

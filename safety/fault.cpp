@@ -66,9 +66,11 @@ FaultText Describe(Fault fault) {
               "the arm sends at another period than the cell was set up for", "holds, renders nothing",
               "set the cell's period_ms to the arm's send period, begin a new run"};
     case Fault::kInterlock:
-      return {"motion not permitted", "the PLC withdrew its permission, or was silent",
-              "Stop 1; the PLC cuts the power after its delay",
-              "see why the PLC does not permit it, clear that, reset, begin a new run"};
+      return {
+          "motion not permitted",
+          "the PLC withdrew its permission or was silent, or the enabling switch was not held",
+          "Stop 1; the PLC cuts the power after its delay",
+          "see why the PLC does not permit it, or take the enabling switch again; reset, begin a new run"};
     case Fault::kSpindle:
       return {"spindle drive fault", "the drive reported a fault, was not ready, or was silent",
               "stops the spindle, Stop 1", "read the drive's error, clear it, begin a new run"};

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "safety/guard_zone.h"
+
 namespace osteon::safety {
 namespace {
 
@@ -12,6 +14,7 @@ constexpr std::uint32_t kMostPeriods = 10;  // between two commands, that a spee
 constexpr std::int32_t kSessionStep = 64;   // a counter further away belongs to another session
 constexpr double kRest_rad_per_s = 1e-3;    // slower than this the arm stands
 constexpr double kRest_N = 1e-3;            // less than this is added: nothing
+constexpr double kNormalTolerance = 1e-6;   // by how much a direction may miss its length
 constexpr double kDamping = 1e-4;  // of the hand's force near singular postures, where it is underestimated
 
 std::int32_t Ahead(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b); }
@@ -20,7 +23,8 @@ bool Commanded(GuardSession session) { return session >= GuardSession::kWaiting;
 
 }  // namespace
 
-GuardMonitor::GuardMonitor(const GuardParams& params) : params_(params), arm_(params.arm) {
+GuardMonitor::GuardMonitor(const GuardParams& params)
+    : params_(params), arm_(params.arm, params.X_WB, params.X_FT) {
   const auto require = [](bool accepted, const char* name, double found, const char* range) {
     if (!accepted || !std::isfinite(found))
       throw std::invalid_argument(std::string("guard: ") + name + ": found " + std::to_string(found) +
@@ -47,7 +51,16 @@ GuardMonitor::GuardMonitor(const GuardParams& params) : params_(params), arm_(pa
   require(params.hand_force_count >= 1, "hand_force_count", params.hand_force_count, ">= 1");
   for (const kinematics::RevoluteJoint& joint : params.arm.joints)
     positive("a joint's velocity limit", joint.limits.velocity_rad_per_s);
-  static_cast<void>(Workspace(params.workspace));  // throws where its numbers are none
+  const WorkspaceParams& workspace = params.workspace;
+  positive("sphere_radius_m", workspace.sphere_radius_m);
+  for (int i = 0; i < 3; ++i)
+    require(true, "sphere_center_W_m", workspace.sphere_center_W_m[i], "finite numbers");
+  const double normal = workspace.plane_normal_W.norm();
+  require(std::abs(normal - 1.0) < kNormalTolerance, "plane_normal_W", normal, "a length of 1");
+  require(true, "plane_offset_m", workspace.plane_offset_m, "finite numbers");
+  require(workspace.zones.size() <= kMaxZones, "zones", static_cast<double>(workspace.zones.size()),
+          "at most 16");
+  for (const ZoneParams& zone : workspace.zones) RequireGuardZone(zone);
 }
 
 void GuardMonitor::Latch(const GuardReason& reason) OSTEON_RT {
@@ -76,7 +89,7 @@ GuardDecision GuardMonitor::Arm(const GuardArmMessage& message, rt::Nanoseconds 
     been_inside_ = false;
     been_in_zone_.fill(false);
     // what it is inside of where it is handed over counts
-    static_cast<void>(JudgePlace(q_before_, ToolPose(q_before_).translation()));
+    static_cast<void>(JudgePlace(arm_.Place(q_before_)));
     on_way_in_ = !AtStart(q_before_);
     rests_ = true;
   }
@@ -94,7 +107,11 @@ void GuardMonitor::TakeHandForce(const GuardArmMessage& message) OSTEON_RT {
     hand_force_messages_ = 0;
     return;
   }
-  const kinematics::JacobianN<7> J = arm_.Jacobian(arm_.Place(ToJoints(message.q_meas)));
+  const Joints q = ToJoints(message.q_meas);
+  const GuardKinematics::JointMotions motions = arm_.Motions(q, arm_.Place(q).p_WFlange);
+  Eigen::Matrix<double, 6, 7> J;
+  for (std::size_t i = 0; i < GuardKinematics::kJoints; ++i)
+    J.col(static_cast<Eigen::Index>(i)) << motions.v[i], motions.w[i];
   Eigen::Matrix<double, 6, 6> A = J * J.transpose();
   A.diagonal().array() += kDamping;
   const Eigen::Matrix<double, 6, 1> F = A.ldlt().solve(J * ToJoints(*message.tau_ext));

@@ -7,7 +7,7 @@
 
 #include "control/rt/clock.h"
 #include "control/rt/marker.h"
-#include "kinematics/serial_chain.h"
+#include "safety/guard_kinematics.h"
 #include "safety/guard_reason.h"
 #include "safety/workspace.h"
 
@@ -85,9 +85,10 @@ struct GuardCounters {
   std::uint64_t arm_dropped{0};  ///< messages of the arm that were duplicates or overtaken
 };
 
-/// Holds what crosses between arm and controller against the cell's limits. It shares no code with the servo
-/// loop but the workspace's numbers: a serial chain of its own where the loop has closed forms, differences
-/// of commands where the loop has velocities.
+/// Holds what crosses between arm and controller against the cell's limits. It calls no function of the servo
+/// loop, of kinematics/ or of the rest of safety/, and shares their parameters alone: GuardKinematics where
+/// the loop has closed forms and serial chains, GuardZoneMargin_m where it has ZoneBounds, differences of
+/// commands where it has velocities. tests/safety/guard_faults_test.cpp plants faults in what the loop calls.
 ///
 /// A command of an arm that follows is passed where, with n the arm's messages since the last that was
 /// passed,
@@ -137,7 +138,8 @@ class GuardMonitor {
   [[nodiscard]] const GuardCounters& counters() const OSTEON_RT { return counters_; }
 
  private:
-  using Joints = kinematics::JointVectorN<7>;
+  using Joints = GuardKinematics::Joints;
+  static constexpr std::size_t kMaxZones = 16;
 
   [[nodiscard]] static Joints ToJoints(const GuardJoints& q) OSTEON_RT {
     return Eigen::Map<const Joints>(q.data());
@@ -151,8 +153,8 @@ class GuardMonitor {
   // guard_rules.cpp
   [[nodiscard]] GuardReason JudgeJoints(const Joints& q, double time_s) const OSTEON_RT;
   [[nodiscard]] GuardReason JudgeTool(const Joints& q, double time_s) OSTEON_RT;
-  [[nodiscard]] GuardReason JudgePlace(const Joints& q, const Vector3& p_WT) OSTEON_RT;
-  [[nodiscard]] GuardReason JudgeZones(const Joints& q) OSTEON_RT;
+  [[nodiscard]] GuardReason JudgePlace(const GuardKinematics::Placement& arm) OSTEON_RT;
+  [[nodiscard]] GuardReason JudgeZones(const GuardKinematics::Placement& arm) OSTEON_RT;
   [[nodiscard]] GuardReason JudgeOverlay(const GuardCommand& command) const OSTEON_RT;
 
   void TakeHandForce(const GuardArmMessage& message) OSTEON_RT;
@@ -161,13 +163,10 @@ class GuardMonitor {
   [[nodiscard]] bool AtStart(const Joints& q) const OSTEON_RT;
   // Each joint goes from the last command toward where it was measured, and no further.
   [[nodiscard]] bool Relaxes(const Joints& q) const OSTEON_RT;
-  [[nodiscard]] Pose ToolPose(const Joints& q) const OSTEON_RT {
-    return params_.X_WB * arm_.FlangePose(q) * params_.X_FT;
-  }
   void Latch(const GuardReason& reason) OSTEON_RT;
 
   GuardParams params_;
-  kinematics::SerialChain<7> arm_;
+  GuardKinematics arm_;
   GuardReason reason_;
   GuardCounters counters_;
 
@@ -184,11 +183,11 @@ class GuardMonitor {
   std::optional<rt::Nanoseconds> unanswered_since_;
   bool left_alone_{false};
 
-  Joints q_before_{Joints::Zero()};  // what the arm was told last
-  std::uint32_t before_message_{0};  // in answer to which message
-  bool on_way_in_{false};            // to the start
-  bool been_inside_{false};          // the workspace's sphere, since the arm was handed over
-  std::array<bool, Workspace::kMostZones> been_in_zone_{};  // the same of each zone
+  Joints q_before_{Joints::Zero()};             // what the arm was told last
+  std::uint32_t before_message_{0};             // in answer to which message
+  bool on_way_in_{false};                       // to the start
+  bool been_inside_{false};                     // the workspace's sphere, since the arm was handed over
+  std::array<bool, kMaxZones> been_in_zone_{};  // the same of each zone
 };
 
 }  // namespace osteon::safety

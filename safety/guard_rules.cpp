@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "safety/guard_monitor.h"
+#include "safety/guard_zone.h"
 
 namespace osteon::safety {
 namespace {
@@ -32,57 +33,54 @@ GuardReason GuardMonitor::JudgeJoints(const Joints& q, double time_s) const OSTE
 }
 
 GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
-  const Pose X_WT = ToolPose(q);
-  const Vector3 p_WT = X_WT.translation(), p_measured = ToolPose(ToJoints(arm_message_.q_meas)).translation();
+  const GuardKinematics::Placement arm = arm_.Place(q);
+  const Vector3 &p_WT = arm.p_WT, p_measured = arm_.Place(ToJoints(arm_message_.q_meas)).p_WT;
   const double more = (1.0 + params_.margin) * kRounding;
   if (const GuardReason reason =
           AtMost(GuardFinding::kTracking, (p_WT - p_measured).norm(), more * params_.max_tracking_error_m);
       reason.finding != GuardFinding::kNone)
     return reason;
 
-  const GuardReason place = JudgePlace(q, p_WT);
+  const GuardReason place = JudgePlace(arm);
   if (q == q_before_) return {};
   if (place.finding != GuardFinding::kNone) return place;
 
   // how fast
   if (arm_message_.compliant && Relaxes(q)) return {};
-  const Pose X_before = ToolPose(q_before_);
+  const GuardKinematics::Placement before = arm_.Place(q_before_);
   on_way_in_ &= !AtStart(q_before_);
   const double most_m_per_s = on_way_in_ ? std::max(params_.max_way_in_m_per_s, params_.max_speed_m_per_s)
                                          : params_.max_speed_m_per_s;
-  if (const GuardReason reason = AtMost(GuardFinding::kToolSpeed,
-                                        (p_WT - X_before.translation()).norm() / time_s, more * most_m_per_s);
+  if (const GuardReason reason =
+          AtMost(GuardFinding::kToolSpeed, (p_WT - before.p_WT).norm() / time_s, more * most_m_per_s);
       reason.finding != GuardFinding::kNone)
     return reason;
-  const double turn_rad = Eigen::AngleAxisd(X_before.linear().transpose() * X_WT.linear()).angle();
+  const double turn_rad = Eigen::AngleAxisd(before.R_WT.transpose() * arm.R_WT).angle();
   return AtMost(GuardFinding::kToolTurn, turn_rad / time_s, more * params_.max_turn_rad_per_s);
 }
 
 // Where it is. Sphere and zones count once the way from elsewhere has led into them.
-GuardReason GuardMonitor::JudgePlace(const Joints& q, const Vector3& p_WT) OSTEON_RT {
+GuardReason GuardMonitor::JudgePlace(const GuardKinematics::Placement& arm) OSTEON_RT {
   const WorkspaceParams& w = params_.workspace;
+  const Vector3& p_WT = arm.p_WT;
   const double out_m = (p_WT - w.sphere_center_W_m).norm(),
                above_m = w.plane_normal_W.dot(p_WT) - w.plane_offset_m;
   been_inside_ |= out_m <= w.sphere_radius_m;
-  if (const GuardReason reason = JudgeZones(q); reason.finding != GuardFinding::kNone) return reason;
+  if (const GuardReason reason = JudgeZones(arm); reason.finding != GuardFinding::kNone) return reason;
   if (!(above_m >= -params_.workspace_margin_m))
     return {.finding = GuardFinding::kPlane, .found = above_m, .least = -params_.workspace_margin_m};
   if (!been_inside_) return {};
   return AtMost(GuardFinding::kWorkspace, out_m, w.sphere_radius_m + params_.workspace_margin_m);
 }
 
-GuardReason GuardMonitor::JudgeZones(const Joints& q) OSTEON_RT {
-  if (params_.workspace.zones.empty()) return {};
-  constexpr std::size_t kElbow = 3;  // A4's axis
-  const auto posture = arm_.Place(q);
+GuardReason GuardMonitor::JudgeZones(const GuardKinematics::Placement& arm) OSTEON_RT {
   GuardReason reason;
   for (std::size_t i = 0; i < params_.workspace.zones.size(); ++i) {
     const ZoneParams& zone = params_.workspace.zones[i];
-    const Vector3 p_W = params_.X_WB * (zone.point == ZonePoint::kElbow ? posture.p_BL[kElbow]
-                                        : zone.point == ZonePoint::kFlange
-                                            ? Vector3(posture.X_BF.translation())
-                                            : Vector3(posture.X_BF * params_.X_FT.translation()));
-    const double inside_m = ZoneBounds(zone, p_W).distance_m();
+    const Vector3& p_W = zone.point == ZonePoint::kElbow    ? arm.p_WElbow
+                         : zone.point == ZonePoint::kFlange ? arm.p_WFlange
+                                                            : arm.p_WT;
+    const double inside_m = GuardZoneMargin_m(zone, p_W);
     been_in_zone_[i] |= inside_m >= 0.0;
     if (been_in_zone_[i] && !(inside_m >= -params_.workspace_margin_m))
       reason = {.finding = GuardFinding::kZone,
@@ -123,11 +121,12 @@ GuardReason GuardMonitor::JudgeOverlay(const GuardCommand& command) const OSTEON
   const Joints tau = ToJoints(*command.tau);
   if (const int joint = FirstNotFinite(tau); joint > 0)
     return {.finding = GuardFinding::kNotFinite, .joint = joint, .found = tau[joint - 1]};
-  const auto posture = arm_.Place(ToJoints(arm_message_.q_meas));
-  const kinematics::JacobianN<7> J = arm_.JacobianAt(posture, posture.X_BF * params_.X_FT.translation());
+  const Joints q = ToJoints(arm_message_.q_meas);
+  const GuardKinematics::JointMotions motions = arm_.Motions(q, arm_.Place(q).p_WT);
   for (int i = 0; i < 7; ++i) {
+    const auto joint = static_cast<std::size_t>(i);
     const double most_Nm =
-        J.col(i).head<3>().norm() * params_.max_force_N + J.col(i).tail<3>().norm() * params_.max_torque_Nm;
+        motions.v[joint].norm() * params_.max_force_N + motions.w[joint].norm() * params_.max_torque_Nm;
     if (const GuardReason reason =
             AtMost(GuardFinding::kJointTorque, std::abs(tau[i]), kRounding * most_Nm, i + 1);
         reason.finding != GuardFinding::kNone)

@@ -9,7 +9,7 @@ const char* Missing(MotionPermit permit) {
     case MotionPermit::kHandedOver:
       return "the arm in COMMANDING_ACTIVE without a safety stop";
     case MotionPermit::kRunPermitted:
-      return "the PLC's RUN_PERMITTED";
+      return "the PLC's RUN_PERMITTED, with the enabling switch held";
     case MotionPermit::kSensorFresh:
       return "a fresh reading of the force sensor";
     case MotionPermit::kModelFresh:

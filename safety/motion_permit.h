@@ -8,7 +8,7 @@ namespace osteon::safety {
 enum class MotionPermit : std::uint32_t {
   kArmFresh = 1u << 0,          ///< this tick has a message of the arm, with finite joints
   kHandedOver = 1u << 1,        ///< COMMANDING_ACTIVE, and no safety stop: the enabling switch is held
-  kRunPermitted = 1u << 2,      ///< by the PLC, freshly; of a cell without one always
+  kRunPermitted = 1u << 2,      ///< by the PLC, freshly, the switch held; without a PLC always
   kSensorFresh = 1u << 3,       ///< the force sensor's reading is to be trusted and young enough
   kModelFresh = 1u << 4,        ///< so is the contact model
   kPosePlausible = 1u << 5,     ///< the arm is measured where it would be commanded

@@ -370,6 +370,8 @@ void AddPlcAndSpindle(std::vector<FaultCase>& cases) {
   plc("permission withdrawn", "by the PLC", kAtOnce, [](RigInputs& in, int, FaultRig&) {
     in.readings.interlock.permitted = in.readings.interlock.enabled = false;
   });
+  plc("enabling switch let go", "the PLC permits on", kAtOnce,
+      [](RigInputs& in, int, FaultRig&) { in.readings.interlock.enabled = false; });
   plc("PLC silent", "its last word was a permission", kSilentDevice,
       [held = control::InterlockReading{}](RigInputs& in, int since, FaultRig&) mutable {
         if (since == 0) held = in.readings.interlock;

@@ -158,9 +158,15 @@ std::string DeviceClients::Diagnosis(const PlcReading& plc, rt::Nanoseconds now)
             : "reamer drive: no answer so far; check its supply, the wiring, the bit rate");
   else if (drive_ && drive_->status().faults != 0)
     say(DriveFaultText(drive_->status(), drive_->IsHeard(now), drive_reset_.attempts()));
-  if (params_.plc)
-    if (const PlcVerdict verdict = Judge(plc, now, params_.plc_max_age); verdict != PlcVerdict::kRun)
+  if (params_.plc) {
+    const PlcVerdict verdict = Judge(plc, now, params_.plc_max_age);
+    if (verdict != PlcVerdict::kRun)
       say(Describe(*params_.plc, plc) + ", " + Describe(verdict));
+    else if (plc.inputs.enabling != PlcEnabling::kEnabled)
+      say(Describe(*params_.plc, plc) +
+          ", ENABLING_SWITCH (979) is not in its middle position: hold it; "
+          "squeezed through, let it go first");
+  }
   return text;
 }
 

@@ -150,6 +150,9 @@ bool PlcClient::ReadBlock(Connection& connection) {
   ++reading_.counters.reads;
   const bool first = reading_.link != PlcLink::kConnected;
   const bool changed = first || inputs.heartbeat != reading_.inputs.heartbeat;
+  // squeezed through, the switch has to be let go before its middle counts again (IEC 60204-1, 10.9)
+  if (reading_.inputs.enabling == PlcEnabling::kSqueezed && inputs.enabling == PlcEnabling::kEnabled)
+    inputs.enabling = PlcEnabling::kSqueezed;
   reading_.inputs = inputs;
   reading_.stamp = asked;
   if (inputs.version != kPlcVersion) {

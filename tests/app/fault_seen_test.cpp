@@ -25,10 +25,13 @@ TEST(FaultSeen, TellsAPlcThatWithdrewFromOneThatIsSilent) {
   tick.input.interlock_stamp = rt::kSecond - 104 * rt::kMillisecond;
   tick.input.interlock_reason = static_cast<std::uint8_t>(io::PlcVerdict::kStale);
   EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "the PLC's registers are too old; the PLC's word: 104 ms old");
-  tick.input.permitted = true;  // judged before it fell silent
+  tick.input.permitted = tick.input.enabled = true;  // judged before it fell silent
   EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "permitted; the PLC's word: 104 ms old");
   tick.input.interlock_stamp = 0;
   EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "permitted; the PLC's word: none yet");
+  tick.input.enabled = false;
+  tick.input.interlock_stamp = rt::kSecond - 8 * rt::kMillisecond;
+  EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "ENABLING_SWITCH (979) is not held; the PLC's word: 8 ms old");
 }
 
 TEST(FaultSeen, HasTheFiguresOfTheOthers) {

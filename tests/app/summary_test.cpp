@@ -86,6 +86,21 @@ TEST(DriveFaultRows, AreWhatWasLatchedWhenAndWhatClearedIt) {
   EXPECT_EQ(std::ranges::count(Rows(summary), "Faults of the drive", &SummaryRow::key), 0);
 }
 
+TEST(RunSummary, SaysThatNoPlcHadToPermitMotion) {
+  const auto says = [](bool without_plc) {
+    RunSummary summary;
+    summary.without_plc = without_plc;
+    const std::vector<SummaryRow> rows = Rows(summary);
+    const bool row = std::any_of(rows.begin(), rows.end(), [](const SummaryRow& r) {
+      return r.key == "Permission to move" && r.value.find("without a PLC") != std::string::npos;
+    });
+    EXPECT_EQ(nlohmann::json::parse(ToJson(summary, "osteon.run/1")).at("without_plc"), row);
+    return row;
+  };
+  EXPECT_TRUE(says(true));
+  EXPECT_FALSE(says(false));
+}
+
 TEST(WriteText, LeavesTheWholeFileAndNothingElse) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";

@@ -68,6 +68,16 @@ TEST(IncludeRules, OpenSingleHeadersOnly) {
   EXPECT_NE(Verdict("io/x.h", "#include \"control/ports.hpp\""), "");
 }
 
+TEST(IncludeRules, LetTheGuardSeeParametersAlone) {
+  for (const char* file : {"guard_kinematics.cpp", "guard_zone.cpp", "guard_monitor.h", "guard_rules.cpp"}) {
+    const std::string path = std::string("safety/") + file;
+    EXPECT_EQ(Verdict(path, "#include \"kinematics/chain_params.h\""), "") << file;
+    for (const char* header : {"kinematics/serial_chain.h", "kinematics/lbr_arm.h", "kinematics/sin_cos.h",
+                               "safety/limits.h", "safety/joint_guard.h"})
+      EXPECT_NE(Verdict(path, std::string("#include \"") + header + "\""), "") << file << header;
+  }
+}
+
 TEST(IncludeRules, LetEveryFolderIncludeTheRealTimeHeaders) {
   for (const char* folder :
        {"kinematics", "simulation", "gpu", "safety", "control", "io", "hil", "config", "app"}) {

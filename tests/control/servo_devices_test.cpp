@@ -71,6 +71,9 @@ TEST_F(ServoDevices, NothingMovesBeforeAllOfThemAreThere) {
   interlock.permitted = false;
   waits("motion is not permitted");
   interlock.permitted = true;
+  interlock.enabled = false;
+  waits("the enabling switch is not held, whatever the PLC permits");
+  interlock.enabled = true;
   spindle.ready = false;
   waits("the drive is not configured");
   spindle.ready = true;
@@ -130,6 +133,12 @@ TEST_F(ServoDevices, ADrivesFaultsMayBeClearedBeforeTheFirstMotionAndInARecovery
 TEST_F(ServoDevices, MotionThatIsNoLongerPermittedIsAStop) {
   Render();
   interlock.permitted = false;
+  ExpectStop(Fault::kInterlock);
+}
+
+TEST_F(ServoDevices, AnEnablingSwitchLetGoIsAStopWhateverThePlcPermits) {
+  Render();
+  interlock.enabled = false;
   ExpectStop(Fault::kInterlock);
 }
 

@@ -30,7 +30,7 @@ class ServoStart : public ::testing::Test {
   }
   TickRecord Tick() {
     bench.readings.interlock = {
-        .stamp = bench.now + ServoBench::kTick, .permitted = permitted, .enabled = permitted};
+        .stamp = bench.now + ServoBench::kTick, .permitted = permitted, .enabled = held};
     const JointVector before = Joints();
     const TickRecord record = bench.Tick();
     if (!before.isZero(0.0))  // nothing was commanded before the first
@@ -44,7 +44,7 @@ class ServoStart : public ::testing::Test {
   double ToGo() const { return (Goal() - Joints()).cwiseAbs().maxCoeff(); }
 
   ServoBench bench{Params(), 10.0};  // no bone near
-  bool permitted{true};
+  bool permitted{true}, held{true};  // by the PLC; the enabling switch
   double greatest_step_rad{0.0};
 };
 
@@ -71,7 +71,7 @@ TEST_F(ServoStart, WithTheSwitchReleasedItRestsOnItsWayAndGoesOnLater) {
   Run(5);
   bench.Activate();
   Run(600);
-  permitted = false;
+  held = false;  // the PLC permits on: the switch counts by itself
   Run(600);
   const double rests = ToGo();
   EXPECT_GT(rests, 0.05);
@@ -79,10 +79,25 @@ TEST_F(ServoStart, WithTheSwitchReleasedItRestsOnItsWayAndGoesOnLater) {
   EXPECT_EQ(ToGo(), rests);
   EXPECT_EQ(bench.loop.phase(), Phase::kAligning);
   EXPECT_FALSE(bench.loop.faults().Any());
-  permitted = true;
+  held = true;
   for (int i = 0; i < 20'000 && bench.loop.phase() == Phase::kAligning; ++i) Tick();
   EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
   EXPECT_LT(greatest_step_rad, 1e-3) << "no jump, at the switch neither";
+}
+
+TEST_F(ServoStart, WithoutThePlcsPermissionItRestsOnItsWayAndGoesOnLater) {
+  Run(5);
+  bench.Activate();
+  Run(600);
+  permitted = false;
+  Run(600);
+  const double rests = ToGo();
+  EXPECT_GT(rests, 0.05);
+  Run(500);
+  EXPECT_EQ(ToGo(), rests);
+  permitted = true;
+  for (int i = 0; i < 20'000 && bench.loop.phase() == Phase::kAligning; ++i) Tick();
+  EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
 }
 
 TEST_F(ServoStart, AStopOnTheWayIsAPauseThatStays) {

@@ -122,6 +122,8 @@ TEST_F(ServoState, NothingMovesWithoutEachOfTheConditions) {
        [](Cell& c) { c.bench.arm.safety_state = 0; }},
       {MotionPermit::kRunPermitted, [](Cell& c) { c.interlock.permitted = false; },
        [](Cell& c) { c.interlock.permitted = true; }},
+      {MotionPermit::kRunPermitted, [](Cell& c) { c.interlock.enabled = false; },
+       [](Cell& c) { c.interlock.enabled = true; }},
       {MotionPermit::kSensorFresh,
        [](Cell& c) {
          c.bench.sensor_lives = false;
@@ -185,7 +187,7 @@ TEST_F(ServoState, APauseBrakesHoldsAndGoesOnWithoutAJump) {
   EXPECT_TRUE(cell.bench.loop.cell_commands().motion_requested);
   EXPECT_FALSE(cell.bench.loop.faults().Any());
   const JointArray held = record.q_cmd;
-  cell.interlock.permitted = false;  // the switch may be let go
+  cell.interlock.permitted = cell.interlock.enabled = false;  // the switch may be let go
   cell.Run(500);
   EXPECT_EQ(cell.bench.command.q, held) << "whoever pushes";
   cell.bench.loop.RequestResume();
@@ -193,6 +195,10 @@ TEST_F(ServoState, APauseBrakesHoldsAndGoesOnWithoutAJump) {
   EXPECT_EQ(cell.state(), CellState::kChecking) << "asked, but not permitted";
   EXPECT_EQ(cell.bench.command.q, held) << "the arm's interpolator is where commanding began: not followed";
   cell.interlock.permitted = true;
+  cell.Run(50);
+  EXPECT_EQ(cell.state(), CellState::kChecking) << "permitted, but the switch is not held";
+  EXPECT_EQ(cell.bench.command.q, held);
+  cell.interlock.enabled = true;
   double most = 0.0;
   JointArray before = held;
   for (int i = 0; i < 300; ++i) {

@@ -287,5 +287,25 @@ TEST(CellDevices, DiagnosisNamesWhoIsSilent) {
   EXPECT_NE(text.find("reamer drive"), std::string::npos) << text;
 }
 
+TEST(CellDevices, DiagnosisNamesAnEnablingSwitchThatIsNotHeld) {
+  io::DeviceParams params = Wires(false, false);
+  params.plc.emplace();
+  auto clients = io::DeviceClients::Make(params);
+  ASSERT_TRUE(clients);
+  io::PlcReading plc{.stamp = rt::kSecond, .link = io::PlcLink::kConnected, .heartbeat_changed = rt::kSecond};
+  plc.inputs.emergency_stop = false;
+  plc.inputs.run_permitted = true;
+  for (const auto enabling :
+       {io::PlcEnabling::kReleased, io::PlcEnabling::kEnabled, io::PlcEnabling::kSqueezed}) {
+    const bool held = enabling == io::PlcEnabling::kEnabled;
+    plc.inputs.enabling = enabling;
+    EXPECT_EQ((*clients)->Readings(plc, rt::kSecond).interlock.enabled, held);
+    EXPECT_TRUE((*clients)->Readings(plc, rt::kSecond).interlock.permitted) << "that is the PLC's";
+    EXPECT_EQ((*clients)->Diagnosis(plc, rt::kSecond).find("ENABLING_SWITCH (979)") == std::string::npos,
+              held)
+        << (*clients)->Diagnosis(plc, rt::kSecond);
+  }
+}
+
 }  // namespace
 }  // namespace osteon::hil

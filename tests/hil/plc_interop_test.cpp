@@ -92,6 +92,22 @@ TEST_F(PlcCell, ComesUpAndEveryRegisterArrives) {
   EXPECT_TRUE(Until([&] { return !controller_->Latest().inputs.power_on; })) << "whatever the software does";
 }
 
+// Whatever the PLC's program makes of it: a hand that lets go of a squeezed switch passes its middle.
+TEST_F(PlcCell, ASwitchThatWasSqueezedThroughCountsAgainOnceItWasLetGo) {
+  Open(params_);
+  const auto shows = [&](EnablingSwitch set, io::PlcEnabling counts) {
+    server_->SetPanel({.enabling = set});
+    const std::uint32_t reads = controller_->Latest().counters.reads;
+    if (!Until([&] { return controller_->Latest().counters.reads > reads + 5; })) return false;
+    return controller_->Latest().inputs.enabling == counts;
+  };
+  EXPECT_TRUE(shows(EnablingSwitch::kMiddle, io::PlcEnabling::kEnabled));
+  EXPECT_TRUE(shows(EnablingSwitch::kSqueezed, io::PlcEnabling::kSqueezed));
+  EXPECT_TRUE(shows(EnablingSwitch::kMiddle, io::PlcEnabling::kSqueezed));
+  EXPECT_TRUE(shows(EnablingSwitch::kReleased, io::PlcEnabling::kReleased));
+  EXPECT_TRUE(shows(EnablingSwitch::kMiddle, io::PlcEnabling::kEnabled));
+}
+
 TEST_F(PlcCell, ALoopThatHangsIsFoundOut) {
   params_.logic.heartbeat_timeout = 2 * rt::kSecond;
   for (const bool guard : {false, true}) {

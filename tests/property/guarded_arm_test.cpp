@@ -302,5 +302,21 @@ TEST(ArmPropertyCases, MoveAndComeToTheirZones) {
   for (const int stopped : stopped_at) EXPECT_GT(stopped, 2) << stopped << "of this shape of zone";
 }
 
+// The arm as its file describes it, whose joints' origins are not where the loop's closed form has them.
+TEST(GuardOfShippedArms, LooksAtTheElbowThatTheLoopKeepsInItsZones) {
+  for (const char* name : {"lbr_iiwa_14_r820", "lbr_iiwa_7_r800"}) {
+    const auto robot = config::LoadRobot(std::string(OSTEON_SOURCE_DIR "/config/robots/") + name + ".yaml");
+    const auto& chain = std::get<kinematics::ChainParams<7>>(robot.chain);
+    const kinematics::LbrArm loop(kinematics::LbrParamsFrom(chain));
+    const safety::GuardKinematics guard(chain, Pose::Identity(), Pose::Identity());
+    std::srand(4);
+    for (int i = 0; i < 1000; ++i) {
+      const JointVector q = 2.0 * JointVector::Random();
+      EXPECT_LT((guard.Place(q).p_WElbow - loop.Points(q).p_BElbow).norm(), 1e-9) << name;
+      EXPECT_LT((guard.Place(q).p_WFlange - loop.FlangePose(q).translation()).norm(), 1e-9) << name;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace osteon::property

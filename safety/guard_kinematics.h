@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+
+#include "control/rt/marker.h"
+#include "kinematics/chain_params.h"
+
+namespace osteon::safety {
+
+/// Forward kinematics of a seven-axis arm, for the guard alone. It computes nothing with the code that the
+/// controller moves the arm by (kinematics::SerialChain, kinematics::LbrArm): both have the arm's description
+/// in common and Eigen, no more.
+///
+/// A product of exponentials: at q = 0 joint i turns about the line through o_i along the unit vector a_i,
+/// both in W. A point of the link behind joint i is where the turns of the joints i, i-1 … 1, in this order,
+/// take the place that it has at q = 0:
+///
+///     p(q) = T_1(q_1) … T_i(q_i) p(0)     T(q) p = o + v cos q + (a × v) sin q + a (a·v) (1 - cos q)
+///                                         v = p - o   (Rodrigues)
+///
+/// Source: Lynch and Park, Modern Robotics, 2017, section 4.1 (space form).
+class GuardKinematics {
+ public:
+  static constexpr std::size_t kJoints = 7;
+  using Joints = kinematics::JointVectorN<7>;
+
+  /// @param X_WB robot base in world  @param X_FT tool on the flange
+  /// @throws std::invalid_argument naming what was found and what is accepted.
+  GuardKinematics(const kinematics::ChainParams<7>& chain, const Pose& X_WB, const Pose& X_FT);
+
+  /// Where the points are that the guard looks at, in W [m], and how the tool is turned.
+  struct Placement {
+    Vector3 p_WT;       ///< the tool's apex
+    Vector3 p_WFlange;  ///< the centre of the flange
+    Vector3 p_WElbow;   ///< the centre of the elbow: on the axis of A4, nearest to that of A3
+    Matrix3 R_WT;
+  };
+  [[nodiscard]] Placement Place(const Joints& q) const OSTEON_RT;
+
+  /// Velocity of a point of the flange and of the flange itself, by rad/s of each joint, in W.
+  struct JointMotions {
+    std::array<Vector3, kJoints> v;  ///< of the point [m]
+    std::array<Vector3, kJoints> w;  ///< the joint's axis, unit
+  };
+  /// @param p_WP where the point is at q
+  [[nodiscard]] JointMotions Motions(const Joints& q, const Vector3& p_WP) const OSTEON_RT;
+
+ private:
+  struct Turn {  // of one joint
+    double cosine, sine;
+  };
+  using Turns = std::array<Turn, kJoints>;
+  static Turns TurnsOf(const Joints& q) OSTEON_RT;
+  // Where the turns of the first `count` joints take a direction, and a place.
+  [[nodiscard]] Vector3 TurnDirection(const Turns& turns, std::size_t count, Vector3 v_W) const OSTEON_RT;
+  [[nodiscard]] Vector3 TurnPoint(const Turns& turns, std::size_t count, Vector3 p_W) const OSTEON_RT;
+
+  // all at q = 0, in W
+  std::array<Vector3, kJoints> axis_W_, origin_W_;
+  Vector3 p_WT_, p_WFlange_, p_WElbow_;
+  Matrix3 R_WT_;
+};
+
+}  // namespace osteon::safety

@@ -1,0 +1,40 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cell_text.h"
+
+namespace osteon::config {
+namespace {
+
+using testing::AllOf, testing::HasSubstr;
+
+// The demo cell without its section plc.
+std::string WithoutSection() {
+  const std::string yaml = CellText("demo");
+  const std::size_t from = yaml.find("\nplc:") + 1;
+  std::size_t to = yaml.find('\n', from) + 1;
+  while (yaml[to] == ' ' || yaml[to] == '#') to = yaml.find('\n', to) + 1;
+  return yaml.substr(0, from) + yaml.substr(to);
+}
+
+TEST(PlcKeys, ACellWithoutAPlcHasToSaySo) {
+  EXPECT_THAT(Refusal(WithoutSection()),
+              AllOf(HasSubstr("plc: found none"), HasSubstr("without_plc: accepted")));
+}
+
+TEST(PlcKeys, ACellThatSaysSoMovesWithoutAPlc) {
+  const CellConfig cell = LoadText(WithoutSection() + "\nwithout_plc: accepted\n");
+  EXPECT_FALSE(cell.devices.plc);
+  EXPECT_FALSE(cell.servo.has_interlock);
+  EXPECT_TRUE(LoadText(CellText("demo")).servo.has_interlock);
+}
+
+TEST(PlcKeys, NothingElseIsTakenForIt) {
+  EXPECT_THAT(Refusal(WithoutSection() + "\nwithout_plc: true\n"),
+              AllOf(HasSubstr("without_plc: found"), HasSubstr("accepted")));
+  EXPECT_THAT(Refusal(CellText("demo") + "\nwithout_plc: accepted\n"),
+              HasSubstr("without_plc: found beside plc"));
+}
+
+}  // namespace
+}  // namespace osteon::config
