@@ -20,7 +20,11 @@ std::string SymbolOf(const std::string& operand) { return operand.substr(0, oper
 
 // The rule for a symbol: of functions of the program `skip`, of others `allow`.
 const CallRule* Find(const std::vector<CallRule>& rules, const std::string& symbol, bool of_program) {
-  const std::string signature = Demangled(symbol), name = QualifiedName(signature);
+  static constexpr std::string_view kUnnamed = "(anonymous namespace)::";
+  std::string signature = Demangled(symbol);
+  for (std::size_t at; (at = signature.find(kUnnamed)) != std::string::npos;)
+    signature.erase(at, kUnnamed.size());
+  const std::string name = QualifiedName(signature);
   for (const CallRule& rule : rules) {
     if (rule.opaque != of_program) continue;
     const std::string& p = rule.pattern;
