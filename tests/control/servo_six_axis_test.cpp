@@ -29,7 +29,11 @@ OrthoParallelArm Arm() {
   return OrthoParallelArm(params);
 }
 
-Pose PoseAt(const Joints& q) { return Arm().FlangePose(q) * ServoBench::FlangeToTool(); }
+Pose PoseAt(const Joints& q) {
+  static const OrthoParallelArm arm =
+      Arm();  // made once: making one allocates, and the bench runs with the tick
+  return arm.FlangePose(q) * ServoBench::FlangeToTool();
+}
 
 ServoParams Params() {
   const Vector3 p_start = PoseAt(StartJoints()).translation();
