@@ -159,7 +159,9 @@ TEST(ImpairedWire, DelayAndJitterKeepTheOrderAndTheirBounds) {
   EXPECT_EQ(wire.counters().delayed, 10'000u);
   EXPECT_GT(sum_s / 10'000, rt::ToSeconds(kDelay + kJitter / 2)) << "as the order stays";
   ImpairedWire steady = Of({.delay = kDelay});
-  for (const Arrived& a : Send(steady, 1000)) ASSERT_EQ(a.came - a.pushed, kDelay);
+  const auto steadily = Send(steady, 1000);
+  ASSERT_EQ(steadily.size(), 1000u);
+  for (const Arrived& a : steadily) ASSERT_EQ(a.came - a.pushed, kDelay);
 }
 
 TEST(ImpairedWire, WhatIsOnItsWayOutlivesTheDelayAndStaysAhead) {
@@ -167,6 +169,7 @@ TEST(ImpairedWire, WhatIsOnItsWayOutlivesTheDelayAndStaysAhead) {
   ImpairedWire wire(params, Wire::kArm, Direction::kToController);
   wire.Begin(0);
   const auto arrived = Send(wire, 200);
+  ASSERT_EQ(arrived.size(), 200u);
   for (std::size_t i = 0; i < arrived.size(); ++i) {
     EXPECT_EQ(arrived[i].number, i);
     const auto n = static_cast<rt::Nanoseconds>(i);
