@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/app/command.h"
+#include "tests/app/machine_lateness.h"
 #include "tests/config/cell_text.h"
 
 // `osteon cell`, `guard` and `run` as three processes, and what is left where one of them dies.
@@ -61,10 +62,12 @@ class GuardProcess : public testing::Test {
 
 TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
   constexpr int kAttempts = 3;
+  rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     StartCellAndGuard();
     std::vector<std::string> words = Run();
     words.insert(words.end(), {"--seconds", "2"});
+    const WakeupWatch watch;
     const CommandResult run = RunCommand(run_folder_.path(), words);
     guard_->Send(SIGTERM);
     const CommandResult guard = guard_->Wait();
@@ -72,7 +75,11 @@ TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
     const nlohmann::json report = GuardReport(), summary = ReadJson(run_folder_.path() / "run.json");
     EXPECT_EQ(report.at("schema"), "osteon.guard/1");
     EXPECT_EQ(report.at("config_checksum"), summary.at("config_checksum")) << "both read the same files";
-    if (run.exit_code != 0) continue;  // a machine that is busy stalls the run, with or without a guard
+    if (run.exit_code != 0) {  // with or without a guard
+      worst_wakeup = watch.worst();
+      ASSERT_TRUE(MachineWasLate(run, summary, worst_wakeup)) << report.dump(2);
+      continue;
+    }
     EXPECT_EQ(guard.exit_code, 0) << guard.err << report.dump(2);
     EXPECT_EQ(report.at("withheld"), 0);
     EXPECT_EQ(report.at("reason"), nullptr);
@@ -87,19 +94,25 @@ TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
     EXPECT_TRUE(report.at("plc").at("connected").get<bool>());
     return;
   }
-  GTEST_SKIP() << "skipped, this machine is too busy: " << kAttempts << " runs ended by a stall";
+  GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
 // A run that starts its simulated cell starts the cell's guard as well, and ends it.
 TEST_F(GuardProcess, ARunOfASimulatedCellBringsItsGuard) {
   constexpr int kAttempts = 3;
+  rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const WakeupWatch watch;
     const CommandResult run =
         RunCommand(run_folder_.path(), {"run", file(), "--simulated", "--port", Port(), "--seconds", "2",
                                         "--rate-hz", "150", "--record", "r.mcap", "--json", "run.json"});
     ASSERT_NE(run.err.find("the arm is reached through the guard"), std::string::npos) << run.err;
-    if (run.exit_code != 0) continue;
     const nlohmann::json summary = ReadJson(run_folder_.path() / "run.json");
+    if (run.exit_code != 0) {
+      worst_wakeup = watch.worst();
+      ASSERT_TRUE(MachineWasLate(run, summary, worst_wakeup));
+      continue;
+    }
     EXPECT_EQ(summary.at("ended"), "completed");
     EXPECT_TRUE(summary.at("faults").empty());
     EXPECT_EQ(summary.at("planned").at("rate_hz"), 150.0);
@@ -108,7 +121,7 @@ TEST_F(GuardProcess, ARunOfASimulatedCellBringsItsGuard) {
     EXPECT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
     return;
   }
-  GTEST_SKIP() << "skipped, this machine is too busy: " << kAttempts << " runs ended by a stall";
+  GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
 TEST_F(GuardProcess, AGuardThatIsKilledStopsArmAndRun) {

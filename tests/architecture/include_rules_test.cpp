@@ -43,6 +43,20 @@ TEST(IncludeRules, TheTreeKeepsToThem) {
   }
 }
 
+// Whoever counts allocations in a test and forgets to look at the number has a test that can't fail.
+TEST(IncludeRules, TestsCountAllocationsInACheckedScopeOnly) {
+  const std::string kChecked = "tests/control/rt/checked_no_alloc_scope.h";
+  int users = 0;
+  for (const std::string& file : SourceFiles(kRoot)) {
+    if (!file.starts_with("tests/") || file == kChecked) continue;
+    const std::string text = ReadText(kRoot / file);
+    EXPECT_EQ(text.find("#include \"control/rt/no_alloc_scope.h\""), std::string::npos)
+        << file << " includes control/rt/no_alloc_scope.h, accepted " << kChecked;
+    users += text.find("#include \"" + kChecked + "\"") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GT(users, 40) << "the search is broken";
+}
+
 TEST(IncludeRules, NameFoldersAndHeadersThatExist) {
   for (const Rule& rule : ReadRules(kRulesFile)) {
     std::vector<std::string> paths = rule.allowed;

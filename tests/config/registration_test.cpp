@@ -136,11 +136,14 @@ TEST(RegistrationRows, ARotationThatIsNoneIsRefused) {
 TEST(RegistrationRows, ATiltedBaseIsNotedAndAccepted) {
   CellConfig cell = LoadCell(kDemo);
   cell.X_WB.linear() = Eigen::AngleAxisd(0.2, Vector3::UnitY()).toRotationMatrix();
+  int noted = 0;
   for (const RegistrationRow& row : DescribeRegistration(cell).rows)
     if (row.section == "base_in_world") {
       EXPECT_NEAR(row.value, 11.459, 1e-3);
       EXPECT_EQ(row.verdict(), "note: the arm's own controller must know how it is mounted");
+      ++noted;
     }
+  EXPECT_EQ(noted, 1);
 }
 
 // What the start's joints say, whatever it was made from: here they are changed alone.

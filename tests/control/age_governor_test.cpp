@@ -11,7 +11,7 @@
 #include "control/stabilisers.h"
 
 #include "control/admittance_law.h"
-#include "control/rt/no_alloc_scope.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 
 namespace osteon::control {
 namespace {
@@ -264,7 +264,7 @@ TEST(AgeGovernor, DoesNotAllocate) {
   RandomContact random(1);
   const CouplingOutput coupling = random.Coupling();
   const AxisDamping D = random.Damping();
-  const rt::NoAllocScope scope;
+  rt::CheckedNoAllocScope no_alloc;
   for (int i = 0; i < 10; ++i)
     governor.Step(coupling, Matrix3::Identity(), D, {.pose_s = 4e-3, .planes_s = 0.03});
 }

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 
 namespace osteon::control {
 namespace {
@@ -149,7 +149,7 @@ TEST(BiasEstimator, RefusesWhatItCanNotBe) {
 
 TEST(BiasEstimator, DoesNotAllocate) {
   BiasEstimator estimator({}, kSensor, kDt_s);
-  const rt::NoAllocScope no_alloc;
+  rt::CheckedNoAllocScope no_alloc;
   for (int i = 0; i < 100; ++i) estimator.Rest(kBias, Flange(0.3));
 }
 

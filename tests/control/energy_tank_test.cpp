@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "control/admittance_law.h"
-#include "control/rt/no_alloc_scope.h"
 #include "safety/limits.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 
 namespace osteon::control {
 namespace {
@@ -255,7 +255,7 @@ TEST(EnergyTank, DoesNotAllocate) {
   bench.tool.X_WT.translation().z() = -1e-3;
   bench.Frame(kStiff);
   bench.Tick(20.0);
-  const rt::NoAllocScope scope;
+  rt::CheckedNoAllocScope no_alloc;
   for (int i = 0; i < 10; ++i)
     static_cast<void>(bench.tank.Step(bench.coupling, bench.tool.X_WT, bench.tool.V_WT, 1.0));
 }

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "control/admittance_law.h"
-#include "control/rt/no_alloc_scope.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 
 namespace osteon::control {
 namespace {
@@ -159,7 +159,7 @@ TEST(Passivity, CountsWhatALaterLimitLetThrough) {
 
 TEST(Passivity, DoesNotAllocate) {
   PassivityController controller({}, PortWork::kTrapezoid, kT, 1e3);
-  const rt::NoAllocScope scope;
+  rt::CheckedNoAllocScope no_alloc;
   for (int i = 0; i < 10; ++i) static_cast<void>(controller.Step(At(1e-4 * i, 0.1, 100.0, 0.0)));
 }
 

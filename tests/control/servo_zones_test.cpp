@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/control/servo_bench.h"
 
 // Zones of flange and elbow, the depth limit, and the limits of energy, in the whole loop.
@@ -261,7 +261,9 @@ TEST(ServoLimits, TheElbowHasASpeedOfItsOwn) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// A spring that throws the tool back gives the hand no more power than it may.
+// A spring that throws the tool back gives the hand no more power than it may: the rendered wrench's work on
+// the commanded tool in each tick, from the poses before and after it and not from a velocity that a limit
+// has looked at.
 TEST(ServoLimits, PowerIntoTheHandIsBounded) {
   const auto most_W = [](double limit_W) {
     ServoParams params = ServoBench::Params();
@@ -273,16 +275,23 @@ TEST(ServoLimits, PowerIntoTheHandIsBounded) {
     bench.Run(2000);
     bench.push_N = 0.0;  // let go
     double most = 0.0;
+    Pose before = bench.loop.tool_command().X_WT;
     for (int tick = 0; tick < 300; ++tick) {
       const TickRecord record = bench.Tick();
-      // the force, on the motion that it has made
-      most = std::max(most, Vector3(record.F_coupling_T_W.f).dot(Vector3(record.v_WT_cmd_m_per_s)));
+      const Pose after = bench.loop.tool_command().X_WT;
+      const Vector3 moved = after.translation() - before.translation();
+      const Vector3 turned = LogRotation(after.linear() * before.linear().transpose());
+      const double work_J =
+          Vector3(record.F_coupling_T_W.f).dot(moved) + Vector3(record.F_coupling_T_W.t).dot(turned);
+      most = std::max(most, work_J / 1e-3);
+      before = after;
     }
     return most;
   };
-  const double free_W = most_W(std::numeric_limits<double>::infinity());
-  EXPECT_GT(free_W, 6.0) << "there is something to bound";
-  EXPECT_LE(most_W(5.0), 5.0 + 1e-9);
+  EXPECT_GT(most_W(std::numeric_limits<double>::infinity()), 30.0) << "there is something to bound";
+  // within a thousandth: the arm's joints round what the tool was to do
+  EXPECT_LE(most_W(25.0), 25.0 * 1.001);
+  EXPECT_LE(most_W(5.0), 5.0 * 1.001);
 }
 
 TEST(ServoZones, TheTickAllocatesNothingWithAllOfThem) {
@@ -299,9 +308,9 @@ TEST(ServoZones, TheTickAllocatesNothingWithAllOfThem) {
   bench.Activate();
   bench.side_W_N = {0.0, 60.0, 0.0};
   bench.Run(50);
-  const rt::NoAllocScope scope;
+  rt::CheckedNoAllocScope no_alloc;
   bench.Run(100);
-  EXPECT_EQ(scope.heap_calls(), 0);
+  no_alloc.End();
   EXPECT_GT(bench.loop.statistics().limits.Of(Limit::kZones).ticks, 10u);
 }
 

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "control/admittance_law.h"
-#include "control/rt/no_alloc_scope.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 
 namespace osteon::control {
 namespace {
@@ -196,7 +196,7 @@ TEST(VibrationIndex, RefusesWhatItCanNotBe) {
 
 TEST(VibrationIndex, DoesNotAllocate) {
   VibrationIndex index({}, kDt_s);
-  const rt::NoAllocScope no_alloc;
+  rt::CheckedNoAllocScope no_alloc;
   for (int i = 0; i < 100; ++i)
     index.Step({.f = Sine(12.0, i * kDt_s) * Vector3::UnitX(), .t = Vector3::UnitY()}, 26.0);
 }

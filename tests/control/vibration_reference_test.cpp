@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
 #include "control/vibration_index.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 
 // The index on what it has an effect on: a hand's tremor that stays whatever the drag, and an oscillation
 // that grows below a drag and dies above it.
@@ -149,7 +149,7 @@ TEST(VibrationReference, RefusesWhatItCanNotBe) {
 
 TEST(VibrationReference, DoesNotAllocate) {
   VibrationReference reference({});
-  const rt::NoAllocScope no_alloc;
+  rt::CheckedNoAllocScope no_alloc;
   for (int i = 0; i < 2000; ++i) reference.Step(i % 3, i < 1000 ? 1.0 : 0.0, 0.5, 0.01, kDt_s);
   reference.Reset();
 }

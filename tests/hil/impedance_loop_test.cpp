@@ -7,11 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "config/load_robot.h"
-#include "control/rt/no_alloc_scope.h"
 #include "control/servo_loop.h"
 #include "hil/dynamic_arm.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/payload.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/kinematics/iiwa14.h"
 
 namespace osteon::hil {
@@ -256,7 +256,7 @@ TEST(ImpedanceLoop, DoesNotAllocate) {
   ImpedanceBench bench(Params(), CommandMode::kTorque);
   bench.push_W_N = 20.0 * bench.feed_W;
   bench.Run(100);
-  const rt::NoAllocScope guard;
+  rt::CheckedNoAllocScope no_alloc;
   bench.Run(50);
 }
 

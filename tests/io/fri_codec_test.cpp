@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/io/fri_golden.h"
 #include "tests/io/fri_oracle.h"
 
@@ -441,12 +441,11 @@ TEST(FriCodec, DoesNotAllocate) {
     std::array<std::uint8_t, kFriMaxDatagram> buffer{};
     std::size_t size = 0;
     MonitoringMessage m;
-    rt::NoAllocScope scope;
+    rt::CheckedNoAllocScope no_alloc;
     const CodecError decoded = DecodeMonitoring(family, bytes, m);
     const auto other = TellFamily(bytes);
     const CodecError encoded = EncodeCommand(family, command, buffer, size);
-    EXPECT_EQ(scope.heap_calls(), 0);
-    EXPECT_EQ(scope.locks(), 0);
+    no_alloc.End();
     EXPECT_EQ(decoded, CodecError::kNone);
     EXPECT_EQ(encoded, CodecError::kNone);
     EXPECT_EQ(other, family);

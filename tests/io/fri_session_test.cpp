@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/io/fri_session_fixture.h"
 
 // What the client owes the arm, by state, version and mode, and when it hands over.
@@ -251,15 +251,14 @@ TEST_F(FriSessionTest, NeitherAllocatesNorLocksInAnyVersionAndMode) {
       const auto bytes = Datagram(family, m);
       const FriFamily stranger = family == FriFamily::k2_7 ? FriFamily::k1 : FriFamily::k2_7;
       const auto other = Datagram(stranger, Monitoring(9, fri::IDLE, stranger));
-      rt::NoAllocScope scope;
+      rt::CheckedNoAllocScope no_alloc;
       const FriAccept accepted = session.Accept(bytes, 1, state_);
       (void)session.Accept(other, 1, state_);
       const FriOutputError wrote = session.Write({.name = FriName("On"), .digital = 1});
       const FriOutputError moved = session.Transform({.name = FriName("cup")});
       const std::size_t size =
           session.Answer({.q = state_.q_ipo, .activation = state_.activation, .tau = state_.tau_ext}).size();
-      EXPECT_EQ(scope.heap_calls(), 0);
-      EXPECT_EQ(scope.locks(), 0);
+      no_alloc.End();
       EXPECT_EQ(accepted, FriAccept::kAccepted);
       EXPECT_EQ(wrote, FriOutputError::kNone);
       EXPECT_EQ(moved, FriOutputError::kNone);

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "control/ports.h"
-#include "control/rt/no_alloc_scope.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 
 // What is claimed of every arm's UDP link.
 
@@ -42,12 +42,10 @@ void ExpectAddressErrors(const std::string& who) {
 /// Takes the message that waits and answers it, without heap or lock.
 inline void ExpectNoAllocation(control::ArmLink& link) {
   control::ArmState state;
-  const rt::NoAllocScope scope;
+  rt::CheckedNoAllocScope no_alloc;
   const control::ReceiveResult received = link.Receive(state, Soon());
   const bool sent = link.Send(control::ArmCommand{.q = state.q_ipo});
-  const int heap_calls = scope.heap_calls(), locks = scope.locks();
-  EXPECT_EQ(heap_calls, 0);
-  EXPECT_EQ(locks, 0);
+  no_alloc.End();
   EXPECT_EQ(received, control::ReceiveResult::kOk);
   EXPECT_TRUE(sent);
 }

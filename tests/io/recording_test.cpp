@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/io/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
@@ -202,10 +202,9 @@ TEST(Recording, PushDoesNotAllocate) {
   ASSERT_TRUE(recorder) << recorder.error();
   const control::TickRecord tick = SomeTick(1);
   const simulation::FrameRecord frame = SomeFrame(1);
-  rt::NoAllocScope scope;
+  rt::CheckedNoAllocScope no_alloc;
   const bool pushed = (*recorder)->Push(tick) && (*recorder)->PushFrame(frame);
-  EXPECT_EQ(scope.heap_calls(), 0);
-  EXPECT_EQ(scope.locks(), 0);
+  no_alloc.End();
   EXPECT_TRUE(pushed);
 }
 

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
 #include "io/rsi/xml_reader.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/io/rsi_oracle.h"
 
 namespace osteon::io {
@@ -257,14 +257,13 @@ TEST(RsiCodec, DoesNotAllocate) {
   RsiRobotMessage m;
   RsiErrorCode code{};
   bool refused = true, taken = false;
-  const rt::NoAllocScope scope;
+  rt::CheckedNoAllocScope no_alloc;
   taken = !DecodeRobot(bytes, 0, m);
   refused = static_cast<bool>(DecodeRobot(broken, 0, m));
   for (int decimals = 0; decimals <= 9; ++decimals)
     code = EncodeAnswer({.correction = {1e6, -1.0 / 3.0, 1e-300, -1e-9, 123456.789, 1e-5}}, decimals, buffer,
                         size);
-  EXPECT_EQ(scope.heap_calls(), 0);
-  EXPECT_EQ(scope.locks(), 0);
+  no_alloc.End();
   EXPECT_TRUE(taken && refused);
   EXPECT_EQ(code, RsiErrorCode::kNone);
 }

@@ -11,9 +11,9 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
-#include "control/rt/no_alloc_scope.h"
 #include "iiwa14.h"
 #include "kinematics/lbr_arm.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 
 namespace osteon::kinematics {
 namespace {
@@ -395,10 +395,9 @@ TEST_F(DifferentialInverseTest, TheSameInputGivesTheSameBitsAndNothingIsAllocate
     if (n > 0) in.q = RegularPosture();  // first the singular one
     in.J = Jacobian(in.q);
     const MotionOutput<7> first = inverse.Step(in);
-    const rt::NoAllocScope scope;
+    rt::CheckedNoAllocScope no_alloc;
     const MotionOutput<7> second = inverse.Step(in);
-    EXPECT_EQ(scope.heap_calls(), 0);
-    EXPECT_EQ(scope.locks(), 0);
+    no_alloc.End();
     EXPECT_EQ(std::memcmp(first.qd.data(), second.qd.data(), 7 * sizeof(double)), 0);
   }
 }

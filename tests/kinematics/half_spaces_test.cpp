@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 
 namespace osteon {
 namespace {
@@ -201,10 +201,10 @@ TEST_F(HalfSpacesTest, DoesNotAllocate) {
   Planes empty = planes;
   empty[0] = {Vector3::UnitX(), 3e-3};
   empty[1] = {-Vector3::UnitX(), -1e-3};
-  rt::NoAllocScope scope;
+  rt::CheckedNoAllocScope no_alloc;
   const HalfSpaceProjection a = ClosestInHalfSpaces(planes, kMaxHalfSpaces);
   const HalfSpaceProjection b = ClosestInHalfSpaces(empty, kMaxHalfSpaces);
-  EXPECT_EQ(scope.heap_calls(), 0);
+  no_alloc.End();
   EXPECT_TRUE(a.point.allFinite() && b.violation > 0.0);
 }
 

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <Eigen/SVD>
 
-#include "control/rt/no_alloc_scope.h"
 #include "kinematics/lbr_arm.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/kinematics/iiwa14.h"
 #include "tests/kinematics/near_singular.h"
 
@@ -238,11 +238,10 @@ TEST(LbrSolutions, DoesNotAllocate) {
   const LbrArm arm(Iiwa14());
   const JointVector q = JointVector::Constant(0.4);
   const Pose X_BF = arm.FlangePose(q);
-  rt::NoAllocScope scope;
+  rt::CheckedNoAllocScope no_alloc;
   const LbrSolutions solutions = arm.Solve(X_BF, arm.ArmAngle(q));
   const LbrSolution* nearest = solutions.Nearest(q);
-  EXPECT_EQ(scope.heap_calls(), 0);
-  EXPECT_EQ(scope.locks(), 0);
+  no_alloc.End();
   EXPECT_NE(nearest, nullptr);
 }
 

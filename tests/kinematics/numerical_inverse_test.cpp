@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/kinematics/iiwa14.h"
 #include "tests/kinematics/kr_arms.h"
 
@@ -184,10 +184,9 @@ TEST(NumericalInverse, EqualInputsGiveEqualBitsAndNothingIsAllocated) {
   std::mt19937_64 random(14);
   const Pose X_BF = chain.FlangePose(WithinLimits<7>(chain.params(), random));
   const JointVectorN<7> seed = WithinLimits<7>(chain.params(), random);
-  rt::NoAllocScope scope;
+  rt::CheckedNoAllocScope no_alloc;
   const auto once = NumericalInverse<7>(chain, X_BF, seed), again = NumericalInverse<7>(chain, X_BF, seed);
-  EXPECT_EQ(scope.heap_calls(), 0);
-  EXPECT_EQ(scope.locks(), 0);
+  no_alloc.End();
   EXPECT_EQ(once.q, again.q);
   EXPECT_EQ(once.iterations, again.iterations);
 }

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 #include <Eigen/SVD>
 
-#include "control/rt/no_alloc_scope.h"
 #include "kinematics/serial_chain.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/kinematics/kr_arms.h"
 
 // All eight postures of a pose, held against the forward kinematics of the chain made of the same parameters,
@@ -356,10 +356,9 @@ TEST(OrthoParallelArm, DoesNotAllocate) {
   const Joints q = (Joints() << 0.3, -1.2, 0.9, -0.4, 0.5, 0.9).finished();
   const Pose X_BF = SerialChain<6>(ChainFrom(Kr6R900Params())).FlangePose(q);
   Joints found;
-  rt::NoAllocScope scope;
+  rt::CheckedNoAllocScope no_alloc;
   const bool reached = arm.Inverse(X_BF, q, found);
-  EXPECT_EQ(scope.heap_calls(), 0);
-  EXPECT_EQ(scope.locks(), 0);
+  no_alloc.End();
   EXPECT_TRUE(reached);
 }
 

@@ -1,0 +1,87 @@
+#include "tests/app/machine_lateness.h"
+
+#include <pthread.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace osteon::app {
+namespace {
+
+std::string Milliseconds(rt::Nanoseconds t) { return std::to_string(t / 1'000'000) + " ms"; }
+
+void KeepMaximum(std::atomic<rt::Nanoseconds>& maximum, rt::Nanoseconds value) {
+  rt::Nanoseconds before = maximum.load();
+  while (before < value && !maximum.compare_exchange_weak(before, value)) {
+  }
+}
+
+bool SaysTooLate(std::string_view fault) {
+  return fault.ends_with(" stale") || fault == "arm left COMMANDING_ACTIVE";
+}
+
+// What a device reports, and the PLC, once the loop's words have not come.
+bool FollowsFromLateness(std::string_view fault) {
+  return SaysTooLate(fault) || fault == "spindle drive fault" || fault == "motion not permitted";
+}
+
+}  // namespace
+
+WakeupWatch::WakeupWatch() {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  sched_getaffinity(0, sizeof allowed, &allowed);
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (!CPU_ISSET(cpu, &allowed)) continue;
+    threads_.emplace_back([this, cpu] {
+      cpu_set_t own;
+      CPU_ZERO(&own);
+      CPU_SET(cpu, &own);
+      pthread_setaffinity_np(pthread_self(), sizeof own, &own);
+      while (!ends_.load()) {
+        const rt::Nanoseconds due = rt::MonotonicNow() + rt::kMillisecond;
+        rt::SleepUntil(due);
+        KeepMaximum(worst_, rt::MonotonicNow() - due);
+      }
+    });
+  }
+}
+
+WakeupWatch::~WakeupWatch() {
+  ends_.store(true);
+  for (std::thread& thread : threads_) thread.join();
+}
+
+bool IsStall(const nlohmann::json& summary) {
+  bool too_late = false;
+  for (const std::string fault : summary.at("faults")) {
+    if (!FollowsFromLateness(fault)) return false;
+    too_late |= SaysTooLate(fault);
+  }
+  return too_late;
+}
+
+testing::AssertionResult MachineWasLate(const CommandResult& run, const nlohmann::json& summary,
+                                        rt::Nanoseconds worst_wakeup) {
+  if (run.exit_code != 1)
+    return testing::AssertionFailure() << "exit code " << run.exit_code << ", which no delay explains\n"
+                                       << run.out << run.err;
+  if (!summary.contains("faults") || !IsStall(summary))
+    return testing::AssertionFailure() << "a stop that no delay explains\n" << summary.dump(2) << run.err;
+  if (worst_wakeup < kLateWakeup)
+    return testing::AssertionFailure()
+           << "a stall on a machine that was punctual: its latest wake-up came " << Milliseconds(worst_wakeup)
+           << " late, below " << Milliseconds(kLateWakeup) << "\n"
+           << summary.dump(2) << run.err;
+  return testing::AssertionSuccess() << "the machine woke a thread " << Milliseconds(worst_wakeup) << " late";
+}
+
+std::string SkippedForLateness(int attempts, rt::Nanoseconds worst_wakeup) {
+  return "skipped, this machine is too busy: " + std::to_string(attempts) +
+         " runs ended by a stall, and threads beside the last one were woken up to " +
+         Milliseconds(worst_wakeup) + " late";
+}
+
+}  // namespace osteon::app

@@ -1,0 +1,53 @@
+#include "tests/app/machine_lateness.h"
+
+#include <gtest/gtest.h>
+
+#include "control/rt/realtime_thread.h"
+
+namespace osteon::app {
+namespace {
+
+CommandResult EndedWith(int exit_code) { return {.exit_code = exit_code, .out = "", .err = ""}; }
+nlohmann::json Faults(const std::vector<std::string>& faults) { return {{"faults", faults}}; }
+
+TEST(MachineLateness, ExcusesAStallOfAMachineThatWasLate) {
+  EXPECT_TRUE(MachineWasLate(EndedWith(1), Faults({"arm message stale"}), kLateWakeup));
+  EXPECT_TRUE(MachineWasLate(
+      EndedWith(1), Faults({"arm left COMMANDING_ACTIVE", "spindle drive fault", "motion not permitted"}),
+      kLateWakeup));
+}
+
+TEST(MachineLateness, ExcusesNoStallOfAPunctualMachine) {
+  const auto verdict = MachineWasLate(EndedWith(1), Faults({"arm message stale"}), 3 * rt::kMillisecond);
+  EXPECT_FALSE(verdict);
+  EXPECT_NE(std::string(verdict.message()).find("came 3 ms late, below 10 ms"), std::string::npos)
+      << verdict.message();
+}
+
+TEST(MachineLateness, ExcusesNeitherACrashNorAnotherFaultHoweverLateTheMachineWas) {
+  EXPECT_FALSE(MachineWasLate(EndedWith(139), Faults({"arm message stale"}), rt::kSecond)) << "a crash";
+  EXPECT_FALSE(MachineWasLate(EndedWith(2), Faults({"arm message stale"}), rt::kSecond)) << "no input";
+  EXPECT_FALSE(MachineWasLate(EndedWith(1), nullptr, rt::kSecond)) << "no summary";
+  EXPECT_FALSE(MachineWasLate(EndedWith(1), Faults({}), rt::kSecond)) << "no reason";
+  EXPECT_FALSE(MachineWasLate(EndedWith(1), Faults({"motion not permitted"}), rt::kSecond))
+      << "nothing was late";
+  EXPECT_FALSE(MachineWasLate(EndedWith(1), Faults({"arm message stale", "hand force"}), rt::kSecond));
+}
+
+TEST(WakeupWatch, MeasuresAThreadThatIsKeptFromItsCpu) {
+  WakeupWatch watch;
+  bool realtime = false;
+  std::thread spinner([&realtime] {
+    realtime = rt::SetUpRealtimeThread({.priority = 1, .cpu = sched_getcpu()}).realtime;
+    const rt::Nanoseconds end = rt::MonotonicNow() + 3 * kLateWakeup;
+    while (realtime && rt::MonotonicNow() < end) {
+    }
+  });
+  spinner.join();
+  if (!realtime) GTEST_SKIP() << "skipped, no SCHED_FIFO for this user: nothing can keep a CPU to itself";
+  rt::SleepUntil(rt::MonotonicNow() + 5 * rt::kMillisecond);  // the thread that waited has its turn
+  EXPECT_GT(watch.worst(), kLateWakeup);
+}
+
+}  // namespace
+}  // namespace osteon::app
