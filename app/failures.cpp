@@ -71,7 +71,7 @@ tl::expected<std::vector<FailureScenario>, std::string> Choose(const std::vector
   return chosen;
 }
 
-std::string Verdict(const FailureRun& run) {
+std::string OutcomeText(const FailureRun& run) {
   if (!run.error.empty()) return "no result";
   if (!run.result.baseline_fails) return "BASELINE DOES NOT FAIL";
   return run.result.ours_passes ? "passes" : "FAILS";
@@ -86,10 +86,10 @@ void PrintTable(const std::vector<FailureRun>& runs) {
     const FailureResult& r = run.result;
     if (run.error.empty())
       fmt::print("{:>3}  {:<{}}  {:>10.4g}  {:>10.4g}  {:>10.4g}  {:<5}  {}\n", r.id, r.name, width, r.bound,
-                 r.baseline, r.ours, r.unit == "1" ? "" : r.unit, Verdict(run));
+                 r.baseline, r.ours, r.unit == "1" ? "" : r.unit, OutcomeText(run));
     else
       fmt::print("{:>3}  {:<{}}  {:>10}  {:>10}  {:>10}  {:<5}  {}: {}\n", r.id, r.name, width, "-", "-", "-",
-                 "", Verdict(run), run.error);
+                 "", OutcomeText(run), run.error);
   }
   const auto passed = std::ranges::count_if(runs, &FailureRun::passed);
   fmt::print("{} of {} kept, with their baselines seen to fail\n", passed, runs.size());

@@ -19,7 +19,7 @@ std::string Hex(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 bool Passed(const RegressSummary& summary, const RegressResult& r) { return r.Passed(summary.options.exact); }
 
-const char* Verdict(const RegressSummary& summary, const RegressResult& r) {
+const char* OutcomeText(const RegressSummary& summary, const RegressResult& r) {
   return r.updated ? "updated" : !r.error.empty() ? "ERROR" : Passed(summary, r) ? "passed" : "FAILED";
 }
 
@@ -84,7 +84,7 @@ void AddPanels(const RegressResult& r, const QuantityDifference& d, std::vector<
 RegressPageEntry PageEntry(const RegressSummary& summary, const RegressResult& r) {
   RegressPageEntry entry{.name = r.scenario.name,
                          .shows = r.scenario.shows,
-                         .verdict = Verdict(summary, r),
+                         .verdict = OutcomeText(summary, r),
                          .good = r.updated || Passed(summary, r),
                          .lines = Reasons(r)};
   if (!r.golden || !r.run) return entry;
@@ -120,7 +120,7 @@ std::string RegressTable(const RegressSummary& summary) {
       passed += Passed(summary, r) ? 1u : 0u;
       identical += r.identical() ? 1u : 0u;
     }
-    text += fmt::format("{:<{}}  {:<8}{:<18}", r.scenario.name, width, Verdict(summary, r),
+    text += fmt::format("{:<{}}  {:<8}{:<18}", r.scenario.name, width, OutcomeText(summary, r),
                         !r.golden       ? "-"
                         : r.identical() ? "the same"
                                         : "differs");
