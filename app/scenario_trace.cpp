@@ -48,6 +48,7 @@ constexpr PartOfField kOutputs[] = {
     {"permits", TracePart::kState},
     {"faults", TracePart::kState},
     {"limits", TracePart::kState},
+    {"tool_speed_meas", TracePart::kState},
     {"q_cmd", TracePart::kCommand},
     {"X_WT_cmd", TracePart::kCommand},
     {"v_WT_cmd", TracePart::kCommand},

@@ -13,7 +13,8 @@ io::DeviceParams Wires() {
   wires.sensor = io::RobotousParams{};
   wires.drive = io::ReamerDriveParams{.gear_ratio = DriveMotorParams{}.gear_ratio,
                                       .rated_torque_Nm = DriveMotorParams{}.rated_torque_Nm,
-                                      .max_speed_rad_per_s = 40.0};
+                                      .max_speed_rad_per_s = 40.0,
+                                      .acceleration_rad_per_s2 = 50.0};
   return wires;
 }
 

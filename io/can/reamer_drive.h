@@ -107,8 +107,12 @@ class ReamerDrive final : public CanClient {
   [[nodiscard]] bool IsHeard(rt::Nanoseconds now) const OSTEON_RT {
     return set_up_lost_ || (!HeartbeatIsLost(now) && !StatusIsLost(now));
   }
-  /// A reset is on its way, and the drive has not left its fault yet: nothing is latched meanwhile.
-  [[nodiscard]] bool resetting() const OSTEON_RT { return reset_cycles_ > 0; }
+  /// Refused, something is latched, or the drive's state is a fault: also while a reset is on its way, when
+  /// nothing is latched.
+  [[nodiscard]] bool faulty() const OSTEON_RT {
+    return phase_ == DrivePhase::kFailed || status_.faults != 0 || status_.state == DriveState::kFault ||
+           status_.state == DriveState::kFaultReaction;
+  }
 
   /// Configures the drive anew, e.g. after kDriveRestarted.
   void Restart() OSTEON_RT;

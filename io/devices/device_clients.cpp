@@ -116,16 +116,15 @@ control::CellReadings DeviceClients::Readings(const PlcReading& plc, rt::Nanosec
       .stamp = load.stamp, .F_S = load.F_S, .trusted = (load.flags & (kSensorOverload | kSensorFault)) == 0};
   if (drive_) {
     const DriveStatus& status = drive_->status();
-    readings.spindle = {
-        .stamp = status.stamp,
-        .speed_rad_per_s = status.speed_rad_per_s,
-        .torque_Nm = status.torque_Nm,
-        .ready = drive_->phase() == DrivePhase::kReady,
-        .fault = status.faults != 0 || drive_->resetting() || drive_->phase() == DrivePhase::kFailed,
-        .faults = static_cast<std::uint8_t>(status.faults),
-        .nmt_state = status.nmt_state,
-        .emergency_code = status.emergency_code,
-        .error_code = status.error_code};
+    readings.spindle = {.stamp = status.stamp,
+                        .speed_rad_per_s = status.speed_rad_per_s,
+                        .torque_Nm = status.torque_Nm,
+                        .ready = drive_->phase() == DrivePhase::kReady,
+                        .fault = drive_->faulty(),
+                        .faults = static_cast<std::uint8_t>(status.faults),
+                        .nmt_state = status.nmt_state,
+                        .emergency_code = status.emergency_code,
+                        .error_code = status.error_code};
   }
   if (params_.plc) {
     const PlcVerdict verdict = Judge(plc, now, params_.plc_max_age);
