@@ -322,12 +322,14 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   return s;
 }
 
+std::vector<SummaryRow> VerdictRows(const Verdict& verdict) {
+  std::vector<SummaryRow> rows{{"Verdict", NameOf(verdict.level)}};
+  for (const std::string& reason : verdict.reasons) rows.push_back({"", reason});
+  return rows;
+}
+
 std::vector<SummaryRow> Rows(const RunSummary& s) {
-  std::string verdict = NameOf(s.verdict.level);
-  for (const std::string& reason : s.verdict.reasons)
-    verdict += (&reason == &s.verdict.reasons.front() ? ": " : "; ") + reason;
   std::vector<SummaryRow> rows{
-      {"Verdict", verdict},
       {"Ended", s.ended + (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop)},
       {"Engine", s.engine + " on " + s.device},
       {"Scene", fmt::format("{}: {} balls, {} mass points", s.scene, s.balls, s.points)},
@@ -380,6 +382,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
 
 void PrintTable(const RunSummary& summary, const std::string& title) {
   fmt::print("{}: {} with a {}\n", title, summary.scene, summary.tool);
+  for (const SummaryRow& row : VerdictRows(summary.verdict)) fmt::print("  {:<30} {}\n", row.key, row.value);
   for (const SummaryRow& row : Rows(summary)) fmt::print("  {:<30} {}\n", row.key, row.value);
 }
 

@@ -13,7 +13,7 @@ void Validate(const ForceLimitReactionParams& params) {
       throw std::invalid_argument(std::string("on force limit ") + name + ": found " + std::to_string(value) +
                                   ", accepted " + std::to_string(low) + " … " + std::to_string(high));
   };
-  require("advance_factor", params.advance_factor, 1.0, 10.0);
+  require("advance_factor", params.advance_factor, 1.0, 2.0);
   require("slow_zone_m", params.slow_zone_m, 1e-5, 0.1);
   require("stop_after_s", params.stop_after_s, 1e-3, 10.0);
   if (!(params.max_tool_in_bone_m > 0.0))
@@ -43,7 +43,9 @@ void ForceLimitReaction::Step(const ForceLimitInput& input) OSTEON_RT {
   const double beyond_m = depth_m_ * (1.0 - input.rendered_share);
   const double room_m = std::max(0.0, params_.slow_zone_m - beyond_m);
   const double step_m_per_s = deceleration_m_per_s2_ * period_s_;
-  allowed_m_per_s_ = params_.advance_factor * std::max(0.0, input.advance_m_per_s) +
+  const double zones = std::min(2.0, beyond_m / params_.slow_zone_m);
+  const double factor = params_.advance_factor + (1.0 - params_.advance_factor) * zones;
+  allowed_m_per_s_ = factor * std::max(0.0, input.advance_m_per_s) +
                      std::sqrt(step_m_per_s * step_m_per_s + 2.0 * deceleration_m_per_s2_ * room_m) -
                      step_m_per_s;
 }

@@ -18,7 +18,9 @@ enum class OnForceLimit : std::uint8_t {
 
 struct ForceLimitReactionParams {
   OnForceLimit reaction{OnForceLimit::kSlow};
-  /// kSlow: of the speed at which the material gives way, the tool's; >= 1.
+  /// kSlow: of the speed at which the material gives way, the tool's where the limit is just reached; at the
+  /// zone's end it is 1 and at twice the zone 2 - advance_factor, so that the tool stays near the zone's end;
+  /// 1 … 2.
   double advance_factor{1.1};
   /// kSlow: the way beyond the displacement at which the limit was reached, over which the tool is slowed
   /// down to that speed [m]; > 0.
@@ -43,9 +45,10 @@ struct ForceLimitInput {
 /// may go deeper, and when that has to end.
 ///
 ///     e     = |d| (1 - share)                          beyond where the limit was reached
-///     v_max = factor × advance + sqrt((a T)^2 + 2 a max(0, zone - e)) - a T     into bone, along -d
+///     x     = min(2, e / zone)
+///     v_max = (factor + (1 - factor) x) advance + sqrt((a T)^2 + 2 a max(0, zone - e)) - a T     into bone, along -d
 ///
-/// The second term is the braking parabola of the stops with their deceleration a, so that the drag which the
+/// The last terms are the braking parabola of the stops with their deceleration a, so that the drag which the
 /// hand feels, (F_hand - F_limit) / v_max, rises steadily until the tool advances with the material alone.
 class ForceLimitReaction {
  public:
