@@ -60,7 +60,7 @@ class ForceLimitReaction {
 
   /// Takes from a velocity what goes into bone faster than allowed. Translation only, and never beyond rest:
   /// a tool that turns into bone is not pushed out.
-  /// @param speed_before_m_per_s  of the tick before, along -d: it is slowed down no harder than a stop does
+  /// @param v_before_W  of the tick before: it is slowed down no harder than a stop does [m/s]
   /// @param[in,out] v_W [m/s] @returns whether something was taken
   [[nodiscard]] bool Limit(const Vector3& v_before_W, Vector3& v_W) const OSTEON_RT;
 
