@@ -62,7 +62,7 @@ constexpr PartOfField kOutputs[] = {
     {"damping_factor", TracePart::kHand},
     {"sensor_age", TracePart::kHand},
     {"F_coupling_T_W", TracePart::kCoupling},
-    {"wrench_scale", TracePart::kCoupling},
+    {"wrench_", TracePart::kCoupling},
     {"arm_share", TracePart::kCoupling},
     {"age_", TracePart::kCoupling},
     {"passivity", TracePart::kCoupling},

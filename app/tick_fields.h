@@ -75,6 +75,8 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   fields::Vector("v_WT_cmd", r.v_WT_cmd_m_per_s, "m_per_s", visit);
   fields::ForceTorque("F_operator_T_W", r.F_operator_T_W, visit);
   fields::ForceTorque("F_coupling_T_W", r.F_coupling_T_W, visit);
+  visit(FieldName{"wrench_step", "", "N"}, r.wrench_step_N);
+  visit(FieldName{"wrench_step_limit", "", "N"}, r.wrench_step_limit_N);
   visit(FieldName{"wrench_scale"}, r.wrench_scale);
   visit(FieldName{"arm_share"}, r.arm_share);
   visit(FieldName{"vibration_index"}, r.vibration_index);

@@ -33,6 +33,7 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
   pressed_ = !coupling.displacement_W.isZero(0.0);
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
+  PutWrenchStep(record);
 
   // what the tool may do: braked beyond it
   safety::TwistLimitParams most = params_.twist;
@@ -50,14 +51,15 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
   // the equilibrium of the arm's own spring goes along
   const Fault refused = arm_->FollowMeasured(record.q_meas, dt_s / (dt_s + params_.impedance.follow_s));
   if (refused != Fault::kNone) faults_.Latch(refused);
+  const safety::LimitedWrench limited =
+      arm_->Limit(wrench_limiter_, stabilisers_.Shape(coupling, X_WT_meas_, V_WT_));
   if (faults_.Any()) {
+    record.F_coupling_T_W = limited.F;
     Take(safety::CellEvent::kFault);
     Brake();
     return;
   }
 
-  const safety::LimitedWrench limited =
-      arm_->Limit(wrench_limiter_, stabilisers_.Shape(coupling, X_WT_meas_, V_WT_));
   const safety::LimitedWrench rendered =
       Bounded(stabilisers_.Calm(coupling, X_WT_meas_, V_WT_, limited, wrench_limiter_),
               depth_limit_.Step(X_WT_meas_.translation(), V_WT_.v, params_.coupling.max_stiffness_N_per_m),

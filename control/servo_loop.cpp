@@ -274,7 +274,9 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
 
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
+  PutWrenchStep(record);
   if (faults_.Any()) {
+    record.F_coupling_T_W = limited.F;
     Take(CellEvent::kFault);
     Brake();
     return;
@@ -386,6 +388,12 @@ void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operat
   if (coupling.status == ModelStatus::kNotCredible) faults_.Latch(Fault::kNotFinite);
   if (rate_trip_.Check(coupling.F_T_W.f, params_.period_s)) faults_.Latch(Fault::kWrenchRate);
   SuperviseHand(F_operator_T_W);
+}
+
+// What the trip on the wrench's rate found in this tick, and what it accepts.
+void ServoLoop::PutWrenchStep(TickRecord& record) const OSTEON_RT {
+  record.wrench_step_N = rate_trip_.growth_N();
+  record.wrench_step_limit_N = rate_trip_.max_rate_N_per_s() * params_.period_s;
 }
 
 void ServoLoop::SuperviseDevices(double model_age_s, double sensor_age_s, const CellReadings& readings,

@@ -195,6 +195,7 @@ class ServoLoop {
   void TakeSpindle(const CellReadings& readings) OSTEON_RT;
   void Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
                  const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT;
+  void PutWrenchStep(TickRecord& record) const OSTEON_RT;
   void SuperviseDevices(double model_age_s, double sensor_age_s, const CellReadings& readings,
                         rt::Nanoseconds now) OSTEON_RT;
   void SuperviseHand(const Wrench& F_operator_T_W) OSTEON_RT;

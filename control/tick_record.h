@@ -69,10 +69,14 @@ struct TickRecord {
   PlainPose X_WT_cmd, X_WT_meas;   ///< tool in world, commanded and measured
   PlainVector3 v_WT_cmd_m_per_s;   ///< velocity of the tool's apex
   PlainWrench F_operator_T_W;      ///< what the hand exerts, from the sensor, on T, in W
-  PlainWrench F_coupling_T_W;      ///< rendered: after every limit, as integrated
-  double wrench_scale{1.0};        ///< share of the coupling wrench that the limits let through, 0 … 1
-  double arm_share{1.0};           ///< of it that the arm's torques can hold in this posture, 0 … 1
-  double vibration_index{0.0};     ///< 0 … 1
+  /// Rendered: after every limit, as integrated. In the tick of a fault: what would have been, within the
+  /// limits.
+  PlainWrench F_coupling_T_W;
+  double wrench_step_N{0.0};        ///< by which the coupling's force grew or turned (safety::WrenchRateTrip)
+  double wrench_step_limit_N{0.0};  ///< and by which it may in a tick
+  double wrench_scale{1.0};         ///< share of the coupling wrench that the limits let through, 0 … 1
+  double arm_share{1.0};            ///< of it that the arm's torques can hold in this posture, 0 … 1
+  double vibration_index{0.0};      ///< 0 … 1
   /// Effective value up to which vibration counts as the hand's own.
   double vibration_reference_N{0.0};
   double mass_factor{1.0};                 ///< by which it multiplied the virtual tool's inertia,

@@ -42,6 +42,8 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.F_coupling_T_W = SomeWrench(base + 50);
   r.wrench_scale = 0.1;
   r.arm_share = 0.7;
+  r.wrench_step_N = 17.25;
+  r.wrench_step_limit_N = 13.5;
   r.vibration_index = 0.3;
   r.vibration_reference_N = 0.45;
   r.mass_factor = 1.2;
