@@ -72,8 +72,8 @@ class WrenchLimiter {
 /// has. The displacement of a constrained proxy is 1-Lipschitz in the tool's position, so that a fresh
 /// contact at v_max raises the spring's force by K v_max at most; the coupling's damping may add a share of
 /// the spring's force (a quarter by default) and no more, which is 1.25 K v_max. The rest of the 1.5 is for
-/// rotation. A frame that moves the proxy by d is handed over within return_s of the coupling: K d dt / return_s a
-/// tick.
+/// rotation. A frame that moves the proxy by d is handed over within return_s of the coupling: K d dt /
+/// return_s a tick.
 class WrenchRateTrip {
  public:
   /// @param stiffness_N_per_m  K, the stiffest contact that is rendered; @param max_speed_m_per_s  v_max, of
