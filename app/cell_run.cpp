@@ -28,8 +28,6 @@
 namespace osteon::app {
 namespace {
 
-// virtual time: from one frame to the next, and from its pose to its model; at least a tick
-constexpr double kFrame_s = 0.002;
 constexpr double kVirtualGiveUp_s = 30.0;  // without COMMANDING_ACTIVE, or without rest after the end
 
 constexpr std::chrono::milliseconds kLook{10};  // how often a run is looked after
@@ -232,7 +230,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   bool stopped_by_user = false;
 
   const auto period = static_cast<rt::Nanoseconds>(cell.period_s() * 1e9);
-  const auto frame_ticks = std::max<std::int64_t>(1, std::llround(kFrame_s / cell.period_s()));
+  const auto frame_ticks = std::max<std::int64_t>(1, std::llround(params.frame_s / cell.period_s()));
   const auto wanted = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
   const auto patience = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
   std::int64_t since_progress = 0;

@@ -22,6 +22,7 @@ namespace osteon::app {
 struct CellRunParams {
   double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
   bool virtual_time{false};
+  double frame_s{0.002};  ///< virtual time: from one frame to the next, and from its pose to its model
   int recoveries{0};  ///< so often the loop begins again after the connection to the arm has ended rendering
   double wait_s{30.0};  ///< wall time: without beginning to render; then the run ends
   int cpu{-1};          ///< wall time: the servo thread is pinned to it; -1: any
@@ -68,9 +69,9 @@ struct CellRunError {
 /// In wall time servo loop and simulation have threads of their own; arm, force sensor, spindle and PLC are
 /// behind their protocols, real, or simulated in a process of their own. In virtual time the simulated cell
 /// is part of this process and all of it runs in lockstep in the calling thread, the same datagrams and
-/// frames handed over in memory: the simulation takes a command every 2 ms and its frame is seen 2 ms later
-/// (at longer periods: a tick), as a 500 Hz simulation's would. The recording's folder is made where it is
-/// not there. The error says what could not be opened, started or written to its end.
+/// frames handed over in memory: the simulation takes a command every frame_s and its frame is seen so much
+/// later (a tick at least), as a simulation's would that takes so long. The recording's folder is made where
+/// it is not there. The error says what could not be opened, started or written to its end.
 [[nodiscard]] tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup,
                                                                 simulation::CuttingEngine& engine,
                                                                 const CellRunParams& params);

@@ -59,6 +59,9 @@ int RunDemo(const DemoOptions& options) {
   if (options.cpu >= 0 && options.virtual_time)
     return Fail("demo",
                 fmt::format("--cpu: found {} with --virtual-time, accepted in wall time", options.cpu));
+  if (options.frame_ms && !options.virtual_time)
+    return Fail("demo", fmt::format("--frame-ms: found {:g} in wall time, accepted with --virtual-time",
+                                    *options.frame_ms));
   // before there is any other thread
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("demo", "--cpu: " + wrong);
@@ -92,6 +95,7 @@ int RunDemo(const DemoOptions& options) {
   const CellRunParams params{
       .seconds = options.seconds,
       .virtual_time = options.virtual_time,
+      .frame_s = options.frame_ms ? 1e-3 * *options.frame_ms : CellRunParams{}.frame_s,
       .cpu = options.cpu,
       .cell = CellProcessParams{.cell = options.cell,
                                 .tool = options.tool,

@@ -19,6 +19,7 @@ struct DemoOptions {
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
   FidelityChoice fidelity{};                 ///< how fine the bone is
   bool virtual_time{false};
+  std::optional<double> frame_ms{};  ///< virtual time: what a frame takes; absent: CellRunParams's
   std::string device{};
   std::string engine{"vulkan"};
   std::optional<std::uint16_t> port{};  ///< instead of the cell's

@@ -68,6 +68,10 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick) {
       return "the model is " + Age(tick.model_age_s, "not there yet");
     case Fault::kSensorStale:
       return "the reading is " + Age(tick.sensor_age_s, "not there yet");
+    case Fault::kWrenchRate:
+      if (tick.wrench_step_limit_N == 0.0) return "";  // recorded before the step was
+      return fmt::format("{:.1f} N in {:g} ms, accepted {:.1f}", tick.wrench_step_N,
+                         1e3 * tick.input.period_s, tick.wrench_step_limit_N);
     case Fault::kSensorForce:
       return fmt::format("{:.0f} N", Vector3(tick.F_operator_T_W.f).norm());
     case Fault::kToolSpeed:

@@ -234,6 +234,10 @@ int Run(int argc, char** argv) {
   cup_option->needs(mesh_option);
   demo_app->add_flag("--virtual-time", demo.virtual_time,
                      "lockstep, as fast as it goes; two runs give equal bits");
+  demo_app
+      ->add_option("--frame-ms", demo.frame_ms,
+                   "virtual time: what a frame of the simulation takes; default 2")
+      ->check(osteon::app::NumberWithin(1, 100));
   osteon::app::AddFidelityOptions(*demo_app, demo.fidelity);
   demo_app->add_option("--device", demo.device, "part of a Vulkan device's name (osteon doctor lists them)");
   demo_app

@@ -13,6 +13,7 @@
 #include "app/cell_run.h"
 #include "app/cell_setup.h"
 #include "app/fnv1a.h"
+#include "app/planned_cell.h"
 #include "app/summary.h"
 #include "app/work_folder.h"
 #include "config/load.h"
@@ -45,8 +46,14 @@ tl::expected<CellSetup, std::string> SetUp(const config::ScenarioConfig& scenari
                                            const ScenarioRunParams& params) {
   config::Overlay overlay(scenario.cell);
   Lay(scenario, params, overlay);
-  auto setup = SetUpCell(scenario.cell, std::nullopt);
+  auto setup = PrepareCell(scenario.cell, std::nullopt);
   overlay.Finish();
+  if (!setup) return setup;
+  // by the closed forms alone, which say the same on any machine
+  if (const auto packed =
+          PackCell(*setup, {.as_packed = !scenario.planned, .error_m = {}, .rate_hz = {}}, "", false);
+      !packed)
+    return tl::make_unexpected(packed.error());
   return setup;
 }
 
@@ -135,6 +142,7 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
       RunCell(*setup, **engine,
               {.seconds = scenario.seconds,
                .virtual_time = true,
+               .frame_s = scenario.frame_s,
                .recoveries = scenario.recoveries,
                .recording = folder.path() / "recording.mcap",
                .stop = params.stop,

@@ -63,6 +63,7 @@ constexpr PartOfField kOutputs[] = {
     {"damping_factor", TracePart::kHand},
     {"sensor_age", TracePart::kHand},
     {"F_coupling_T_W", TracePart::kCoupling},
+    {"wrench_step", TracePart::kCoupling},
     {"wrench_scale", TracePart::kCoupling},
     {"arm_share", TracePart::kCoupling},
     {"tool_in_bone", TracePart::kCoupling},

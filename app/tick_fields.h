@@ -76,6 +76,8 @@ void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"tool_speed_meas", "", "m_per_s"}, r.tool_speed_meas_m_per_s);
   fields::ForceTorque("F_operator_T_W", r.F_operator_T_W, visit);
   fields::ForceTorque("F_coupling_T_W", r.F_coupling_T_W, visit);
+  visit(FieldName{"wrench_step", "", "N"}, r.wrench_step_N);
+  visit(FieldName{"wrench_step_limit", "", "N"}, r.wrench_step_limit_N);
   visit(FieldName{"wrench_scale"}, r.wrench_scale);
   visit(FieldName{"arm_share"}, r.arm_share);
   visit(FieldName{"tool_in_bone", "", "m"}, r.tool_in_bone_m);

@@ -160,6 +160,22 @@ void CheckSight(const Reader& limits, const CellConfig& cell) {
                               servo.model_sight_m * 1e3, most_m * 1e3));
 }
 
+// A frame moves the proxy by max_slide at most; the coupling hands it over within its return time, and a
+// tick's share of it, damping included, must stay below the same trip.
+void CheckSlide(const Reader& cutting, const CellConfig& cell) {
+  const control::ServoParams& servo = cell.servo;
+  const double hand_over_s = std::max(servo.coupling.return_s, servo.period_s);
+  const double most_m =
+      1.5 * servo.twist.max_speed_m_per_s * hand_over_s / (1.0 + servo.coupling.damping_share);
+  if (cell.cutting.max_slide_m > most_m)
+    cutting.Refuse(
+        "max_slide_um",
+        fmt::format("found {:.10g}, accepted at most {:.4g}: what a hand-over of {:g} ms takes without a "
+                    "trip, 1.5 max_tool_speed_mm_per_s ({:g}) × {:g} ms / (1 + damping_share_ratio)",
+                    cell.cutting.max_slide_m * 1e6, most_m * 1e6, hand_over_s * 1e3,
+                    servo.twist.max_speed_m_per_s * 1e3, hand_over_s * 1e3));
+}
+
 // Of two values in ms or N of one section, the second must be the larger.
 void CheckOrder(const Reader& section, const std::string& smaller_key, const std::string& larger_key,
                 double smaller, double larger) {
@@ -340,7 +356,8 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadStabilisers(reader, servo.law, servo.stabilisers);
   if (reader.Has("sensor_bias")) ReadSensorBias(reader.Section("sensor_bias"), servo.sensor_bias);
   ReadCoupling(coupling, servo.coupling);
-  ReadCutting(reader.Section("cutting"), cell.cutting);
+  const Reader cutting = reader.Section("cutting");
+  ReadCutting(cutting, cell.cutting);
   const Reader hand = reader.Section("operator"), script = reader.Section("script");
   ReadOperator(hand, cell.simulated.hand);
   cell.script = ReadScript(script);
@@ -362,6 +379,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
              servo.watchdog.sensor_stop_s * 1e3);
 
   CheckSight(limits, cell);
+  CheckSlide(cutting, cell);
 
   ReadRobot(reader, robot, cell.robot);
   CompleteArmLink(reader, cell);

@@ -91,6 +91,17 @@ void ReadBlock(Reader shape, SceneParams& scene, Names& names) {
   scene.shape = s;
 }
 
+void ReadFemoralHead(Reader shape, SceneParams& scene, Names&) {
+  simulation::FemoralHeadShape s;
+  s.head_radius_m = shape.Number("head_radius_mm", 10, 40);
+  s.neck_radius_m = shape.Number("neck_radius_mm", 5, 40);
+  s.neck_length_m = shape.Number("neck_length_mm", 15, 100);
+  s.neck_tilt_rad = shape.Number("neck_tilt_deg", 0, 60);
+  s.cartilage_m = shape.Number("cartilage_mm", 0, 5);
+  s.cortical_m = shape.Number("cortical_mm", 0, 20);
+  scene.shape = s;
+}
+
 // What is read after it depends on the kind: without one the rest would be refused for the wrong reason.
 std::size_t ReadKind(Reader& section, std::initializer_list<const char*> accepted) {
   if (section.Text("kind").empty()) section.Finish();
@@ -192,11 +203,13 @@ void CheckShape(const Reader& section, const simulation::SceneShape& shape) {
 SceneParams LoadScene(const std::filesystem::path& path) {
   Reader reader = Reader::Load(path);
   SceneParams scene;
-  const std::size_t kind = ReadKind(reader, {"acetabulum", "molar", "femoral_canal", "block"});
+  const std::size_t kind =
+      ReadKind(reader, {"acetabulum", "molar", "femoral_canal", "block", "femoral_head"});
   constexpr std::size_t kAcetabulum = 0;
-  const auto read_shape = std::array{ReadAcetabulum, ReadMolar, ReadFemur, ReadBlock}[kind];
+  const auto read_shape = std::array{ReadAcetabulum, ReadMolar, ReadFemur, ReadBlock, ReadFemoralHead}[kind];
   const simulation::SceneShape kinds[] = {simulation::AcetabulumShape{}, simulation::MolarShape{},
-                                          simulation::FemurShape{}, simulation::BlockShape{}};
+                                          simulation::FemurShape{}, simulation::BlockShape{},
+                                          simulation::FemoralHeadShape{}};
   Names names(simulation::MaterialNames(kinds[kind]));
   const Reader shape = reader.Section("shape");
   read_shape(shape, scene, names);

@@ -38,6 +38,8 @@ struct ScenarioConfig {
   std::filesystem::path cell;
   ScenarioEngine engine{ScenarioEngine::kReference};
   double seconds{1.0};    ///< in COMMANDING_ACTIVE
+  double frame_s{0.002};  ///< from one frame of the simulation to the next, and from its pose to its model
+  bool planned{false};    ///< the bone is packed as `osteon demo` plans it, not as the scene's `packing` says
   double sample_s{0.02};  ///< from one sample of the golden trace to the next
   int recoveries{0};      ///< so often the loop begins again after a stop by the connection to the arm
   std::optional<double> pause_s, resume_s;  ///< an operator's pause and its end, after rendering began

@@ -86,6 +86,8 @@ void EnergyTank::Reset() OSTEON_RT {
   begun_ = false;
   active_planes_ = 0;
   potential_J_ = fade_ = gain_ = 0.0;
+  hand_over_share_ = 1.0;
+  hand_over_T_W_ = {};
 }
 
 double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT,
@@ -119,11 +121,20 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
     tank_J_ = 0.0;
   }
 
-  paid_J_ = std::max(0.0, before_J - tank_J_);
+  // what a hand-over adds does half of its work in either of the steps before and after it
+  const Wrench& added = coupling.F_hand_over_T_W;
+  const double added_J = gain * share_ * Power(added, dx);
+  tank_J_ -= 0.5 * Power(hand_over_T_W_, dx);
+  hand_over_share_ = added_J > tank_J_ ? std::max(0.0, tank_J_ / added_J) : 1.0;
+  const double rendered = gain * share_ * hand_over_share_;
+  tank_J_ -= 0.5 * hand_over_share_ * added_J;
+  hand_over_T_W_ = {.f = rendered * added.f, .t = rendered * added.t};
+
+  paid_J_ = std::max(0.0, before_J - std::max(0.0, tank_J_));
 
   // the coupling's damping
   if (coupling.active_planes > 0) {
-    const double taken_W = Power(spring, V_WT) - Power(coupling.F_contact_T_W, V_WT);
+    const double taken_W = Power(spring, V_WT) + Power(added, V_WT) - Power(coupling.F_contact_T_W, V_WT);
     tank_J_ += std::max(0.0, share_ * gain * period_s_ * taken_W);
   }
   tank_J_ = std::clamp(tank_J_, 0.0, params_.cap_J);

@@ -25,13 +25,15 @@ void Validate(const EnergyTankParams& params);
 ///     U_1 < U_0:  what the planes gave way by goes into the tank, up to the cap; so does what the
 ///                 coupling's damping took
 ///
-/// so that over any time the coupling gives out no more than what was put in and the cap. To either U belongs
-/// F·dx / 2 of the step that led here: the integrator's own share of a force that jumps. U_0 comes from the
-/// planes that pressed: exact for those, up to 1e-3 J at .25 m/s where a plane is touched within the very
-/// tick that a frame comes in or a plane is on its way back. Otherwise a force that rises within a frame is
-/// the motion's own and costs nothing; bone that recedes fills. The coupling's fade and the governor's share
-/// are gains; a fall fills, their return costs. From s < 1 it comes back as the tank fills, by 1/ramp_s at
-/// most, and at once where contact ends, which costs nothing.
+/// so that over any time the coupling gives out no more than what was put in and the cap. The work of what a
+/// hand-over adds to the planes' force (hand_over.h) is paid for, or fills, as it is done; of a hand-over
+/// that the tank can not pay for, only hand_over_share() may be rendered. To either U belongs F·dx / 2 of the
+/// step that led here: the integrator's own share of a force that jumps. U_0 comes from the planes that
+/// pressed: exact for those, up to 1e-3 J at .25 m/s where a plane is touched within the very tick that a
+/// frame comes in or a plane is on its way back. Otherwise a force that rises within a frame is the motion's
+/// own and costs nothing; bone that recedes fills. The coupling's fade and the governor's share are gains; a
+/// fall fills, their return costs. From s < 1 it comes back as the tank fills, by 1/ramp_s at most, and at
+/// once where contact ends, which costs nothing.
 ///
 /// It acts before any energy is out, but knows only of changes at a known time: what comes of a force that is
 /// old, held or limited is the passivity controller's. Too small a tank can not pay for what frames
@@ -52,6 +54,8 @@ class EnergyTank {
   [[nodiscard]] double energy_J() const OSTEON_RT { return tank_J_; }
   [[nodiscard]] double paid_J() const OSTEON_RT { return paid_J_; }  ///< in the last tick
   [[nodiscard]] double share() const OSTEON_RT { return share_; }
+  /// Of CouplingOutput::F_hand_over_T_W, what may be rendered, 0 … 1: usually all.
+  [[nodiscard]] double hand_over_share() const OSTEON_RT { return hand_over_share_; }
   [[nodiscard]] bool acted() const OSTEON_RT { return share_ < 1.0; }
 
  private:
@@ -63,6 +67,8 @@ class EnergyTank {
   std::array<ActivePlane, CouplingOutput::kMostActive> active_{};
   int active_planes_{0};
   double potential_J_{0.0}, fade_{0.0}, gain_{0.0};
+  double hand_over_share_{1.0};
+  Wrench hand_over_T_W_;  // as rendered
 };
 
 }  // namespace osteon::control

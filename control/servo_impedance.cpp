@@ -39,6 +39,7 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
                               .advance_m_per_s = spindle_rad_per_s_ > 0.0 ? model.advance_m_per_s : 0.0});
   record.tool_in_bone_m = force_limit_reaction_.tool_in_bone_m();
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
+  PutWrenchStep(record);
 
   // what the tool may do: braked beyond it
   safety::TwistLimitParams most = params_.twist;
@@ -62,6 +63,7 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
       arm_->FollowMeasured(record.q_meas, elapsed_s_ / (elapsed_s_ + params_.impedance.follow_s));
   if (refused != Fault::kNone) faults_.Latch(refused);
   if (faults_.Any()) {
+    record.F_coupling_T_W = limited.F;
     Take(safety::CellEvent::kFault);
     Brake();
     return;

@@ -300,7 +300,9 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
   if (!safety::IsFinite(coupling.F_T_W)) faults_.Latch(Fault::kNotFinite);
 
   Supervise(coupling, F_operator_T_W, record.sensor_age_s, readings, now);
+  PutWrenchStep(record);
   if (faults_.Any()) {
+    record.F_coupling_T_W = limited.F;
     Take(CellEvent::kFault);
     Brake();
     return;
@@ -427,9 +429,7 @@ void ServoLoop::Supervise(const CouplingOutput& coupling, const Wrench& F_operat
   SuperviseDevices(coupling.age_s, sensor_age_s, readings, now);
   if (coupling.status == ModelStatus::kDeviceLost) faults_.Latch(Fault::kDevice);
   if (coupling.status == ModelStatus::kNotCredible) faults_.Latch(Fault::kNotFinite);
-  // a commanded tool stands while messages are lost, a measured one goes on
-  const double step_s = params_.law == Law::kImpedance ? elapsed_s_ : params_.period_s;
-  if (rate_trip_.Check(coupling.F_T_W.f, step_s)) faults_.Latch(Fault::kWrenchRate);
+  if (rate_trip_.Check(coupling.F_T_W.f, CouplingStep_s())) faults_.Latch(Fault::kWrenchRate);
   statistics_.peak_tool_in_bone_m =
       std::max(statistics_.peak_tool_in_bone_m, force_limit_reaction_.tool_in_bone_m());
   if (force_limit_reaction_.too_deep()) faults_.Latch(Fault::kToolInBone);
@@ -468,6 +468,10 @@ void ServoLoop::SuperviseSpindle(const CellReadings& readings, rt::Nanoseconds n
   if (!readings.spindle.ready || readings.spindle.fault) faults_.Latch(Fault::kSpindle);
   if (spindle_trip_.Check(readings.spindle.torque_Nm, readings.spindle.speed_rad_per_s, params_.period_s))
     faults_.Latch(Fault::kSpindleLimit);
+// What the trip on the wrench's rate found in this tick, and what it accepts.
+void ServoLoop::PutWrenchStep(TickRecord& record) const OSTEON_RT {
+  record.wrench_step_N = rate_trip_.growth_N();
+  record.wrench_step_limit_N = rate_trip_.max_rate_N_per_s() * CouplingStep_s();
 }
 
 void ServoLoop::SuperviseDevices(double model_age_s, double sensor_age_s, const CellReadings& readings,

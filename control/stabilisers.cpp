@@ -25,11 +25,21 @@ void Stabilisers::Follow(const StabilisedLaw& law) OSTEON_RT {
   passivity_.SetMaxDamping(law.most_damping_Ns_per_m);
 }
 
+// A wrench of the coupling without what the tank can not pay for of a hand-over.
+Wrench Stabilisers::Paid(const CouplingOutput& coupling, const Wrench& F_T_W) const OSTEON_RT {
+  const double unpaid = 1.0 - tank_.hand_over_share();
+  if (unpaid == 0.0) return F_T_W;
+  return {.f = F_T_W.f - unpaid * coupling.F_hand_over_T_W.f,
+          .t = F_T_W.t - unpaid * coupling.F_hand_over_T_W.t};
+}
+
 Wrench Stabilisers::Shape(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT) OSTEON_RT {
-  governor_.Step(coupling, X_WT.linear(), law_.damping,
-                 {.pose_s = law_.pose_age_s, .planes_s = coupling.age_s + law_.pose_age_s});
+  governor_.Step(
+      coupling, X_WT.linear(), law_.damping,
+      {.pose_s = law_.pose_age_s, .planes_s = coupling.age_s + coupling.hand_over_s + law_.pose_age_s});
   const double share = governor_.wrench_share() * tank_.Step(coupling, X_WT, V_WT, governor_.wrench_share());
-  return {.f = share * coupling.F_T_W.f, .t = share * coupling.F_T_W.t};
+  const Wrench F_T_W = Paid(coupling, coupling.F_T_W);
+  return {.f = share * F_T_W.f, .t = share * F_T_W.t};
 }
 
 Wrench Stabilisers::Calm(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT,
@@ -37,13 +47,14 @@ Wrench Stabilisers::Calm(const CouplingOutput& coupling, const Pose& X_WT, const
                          const safety::WrenchLimiter& limiter) OSTEON_RT {
   const double share = governor_.wrench_share() * tank_.share();
   const double rendered = share * limited.share;
-  const Wrench damping = passivity_.Step(
-      {.F_T_W = {.f = rendered * coupling.F_contact_T_W.f, .t = rendered * coupling.F_contact_T_W.t},
-       .potential_J = share * coupling.potential_J,
-       .paid_J = tank_.paid_J(),
-       .contact = coupling.active_count > 0,
-       .X_WT = X_WT,
-       .V_WT = V_WT});
+  const Wrench F_contact_T_W = Paid(coupling, coupling.F_contact_T_W);
+  const Wrench damping =
+      passivity_.Step({.F_T_W = {.f = rendered * F_contact_T_W.f, .t = rendered * F_contact_T_W.t},
+                       .potential_J = share * coupling.potential_J,
+                       .paid_J = tank_.paid_J(),
+                       .contact = coupling.active_count > 0,
+                       .X_WT = X_WT,
+                       .V_WT = V_WT});
   if (!passivity_.acted()) return limited.F;
   return limiter.Limit({.f = limited.F.f + damping.f, .t = limited.F.t + damping.t}).F;
 }

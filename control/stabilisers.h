@@ -78,6 +78,8 @@ class Stabilisers {
   [[nodiscard]] const EnergyTank& tank() const OSTEON_RT { return tank_; }
 
  private:
+  [[nodiscard]] Wrench Paid(const CouplingOutput& coupling, const Wrench& F_T_W) const OSTEON_RT;
+
   StabilisedLaw law_;
   AgeGovernor governor_;
   EnergyTank tank_;

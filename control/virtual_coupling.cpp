@@ -75,6 +75,39 @@ bool AnyHeldBack(const CouplingState& state) {
   return std::any_of(state.held_back_m.begin(), state.held_back_m.end(), [](double h) { return h > 0.0; });
 }
 
+// The spring's wrench of the frame so far, at a pose: its planes as far as they have receded and come back.
+Wrench SpringOfFrame(const CouplingState& state, const Pose& X_WT) {
+  std::array<HalfSpace, kMaxHalfSpaces> planes;
+  std::array<Vector3, kMaxContacts> arm_W;
+  const auto count = static_cast<std::size_t>(state.plane_count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const FramePlane& plane = state.planes[i];
+    arm_W[i] = X_WT.linear() * plane.p_T_m;
+    const double gap_m = plane.n_W.dot(arm_W[i] + X_WT.translation() - plane.p_W_m);
+    planes[i] = {.n = plane.n_W, .offset = -(gap_m + state.recession_m[i] + state.held_back_m[i])};
+  }
+  const HalfSpaceProjection proxy = ClosestInHalfSpaces(planes, state.plane_count);
+  Wrench spring;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3 f = state.planes[i].stiffness_N_per_m * proxy.multiplier[i] * planes[i].n;
+    spring.f += f;
+    spring.t += arm_W[i].cross(f);
+  }
+  return spring;
+}
+
+// Keeps the planes of a frame for the hand-over to the next one.
+void StorePlanes(const CouplingParams& params, const ContactModel& model, CouplingState& state) {
+  state.plane_count = model.contact_count;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(model.contact_count); ++i) {
+    const Contact& c = model.contacts[i];
+    state.planes[i] = {.p_T_m = Vector3(c.p_TP_m),
+                       .p_W_m = Vector3(c.p_W_m),
+                       .n_W = Vector3(c.n_W).normalized(),
+                       .stiffness_N_per_m = std::min(c.stiffness_N_per_m, params.max_stiffness_N_per_m)};
+  }
+}
+
 // Lets the planes that are held back go their way of one tick.
 void ComeBack(CouplingState& state, double dt_s, std::array<HalfSpace, kMaxHalfSpaces>& planes) {
   for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -99,6 +132,7 @@ void Validate(const CouplingParams& params) {
   require("gone_s", params.gone_s, params.fresh_s + 1e-3, 20.0);
   require("ramp_s", params.ramp_s, 1e-3, 10.0);
   require("return_s", params.return_s, 1e-3, 0.1);
+  require("turn_m_per_s", params.turn_m_per_s, 1e-6, 10.0);
 }
 
 CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel& model, const Pose& X_WT,
@@ -119,6 +153,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
       !X_WT.linear().allFinite()) {
     state.pressed.fill(false);
     state.has_proxy = false;
+    state.hand_over = {};
     return out;
   }
 
@@ -128,7 +163,10 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
       new_frame ? std::min(state.cut_s - CutUpTo(state, model.pose_stamp), params.fresh_s) : 0.0;
   state.frame = model.frame;
   state.pose_stamp = model.pose_stamp;
+  Wrench before;  // the spring by the planes so far, at this pose
   if (new_frame) {
+    if (state.has_proxy) before = ApplyHandOver(state.hand_over, SpringOfFrame(state, X_WT));
+    StorePlanes(params, model, state);
     if (!AnyHeldBack(state)) state.return_m_per_s = 0.0;
     state.held_back_m.fill(0.0);
   }
@@ -186,6 +224,16 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
   }
   out.potential_J = 0.5 * state.fade * spring.f.dot(proxy.point);
 
+  // another frame's planes turn it over some ticks
+  if (new_frame)
+    BeginHandOver(state.hand_over,
+                  {.return_s = params.return_s,
+                   .least_turn_N_per_s = params.max_stiffness_N_per_m * params.turn_m_per_s},
+                  before, spring);
+  const Wrench of_planes = spring;
+  spring = StepHandOver(state.hand_over, of_planes, dt_s);
+  out.hand_over_s = TimeLeft_s(state.hand_over);
+
   // damping along the resultant, within a share of the spring; then the age
   const double spring_N = spring.f.norm();
   double scale = 0.0;
@@ -196,6 +244,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
   }
   out.F_T_W = {.f = scale * spring.f, .t = scale * spring.t};
   out.F_contact_T_W = out.F_T_W;
+  out.F_hand_over_T_W = {.f = scale * (spring.f - of_planes.f), .t = scale * (spring.t - of_planes.t)};
   for (int j = 0; j < kMaxContacts; ++j) {
     const auto i = static_cast<std::size_t>(j);
     out.normal_force_N[i] *= scale;

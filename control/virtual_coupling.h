@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "control/hand_over.h"
 #include "control/rt/clock.h"
 #include "control/rt/marker.h"
 #include "kinematics/spatial.h"
@@ -18,11 +19,18 @@ struct CouplingParams {
   double fresh_s{0.020};               ///< a model up to this age counts in full, and its planes recede
   double gone_s{0.060};                ///< at this age nothing is left
   double ramp_s{0.100};                ///< fastest return from nothing to full
-  double return_s{0.008};  ///< a frame's plane beyond the proxy comes back in this; one period: at once
+  double return_s{0.008};      ///< a frame's plane beyond the proxy comes back in this; one period: at once
+  double turn_m_per_s{0.025};  ///< a change of planes turns the force by K times this at least; > 0
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const CouplingParams& params);
+
+/// A plane of the newest frame, as it came.
+struct FramePlane {
+  Vector3 p_T_m{Vector3::Zero()}, p_W_m{Vector3::Zero()}, n_W{Vector3::UnitZ()};
+  double stiffness_N_per_m{0.0};  ///< as rendered in full
+};
 
 /// What the coupling remembers between ticks.
 struct CouplingState {
@@ -36,6 +44,8 @@ struct CouplingState {
   double fade{0.0};          ///< share of the coupling that is rendered, 0 … 1
   std::uint64_t frame{0};    ///< of the planes below
   rt::Nanoseconds pose_stamp{-1};
+  std::array<FramePlane, simulation::kMaxContacts> planes{};  ///< the first plane_count count
+  int plane_count{0};
   std::array<double, simulation::kMaxContacts> recession_m{};  ///< of each plane since pose_stamp
   std::array<double, simulation::kMaxContacts> held_back_m{};  ///< of each plane, left on its way back
   double return_m_per_s{0.0};                                  ///< of the planes that are held back
@@ -46,6 +56,7 @@ struct CouplingState {
   double cut_s{0.0};                                           ///< time with any plane pressed, spindle on
   std::array<CutSample, kHistory> history{};                   ///< the last ticks' cut_s, a ring
   int next{0};
+  HandOver hand_over;  ///< from the planes of the frame before to these
 };
 
 /// What is wrong with a model; it then renders nothing.
@@ -68,8 +79,10 @@ struct ActivePlane {
 struct CouplingOutput {
   static constexpr int kMostActive = 4;
 
-  Wrench F_T_W;          ///< on the tool, at To, in W; faded, not yet limited
-  Wrench F_contact_T_W;  ///< of that what the planes exert: without the spindle's torque
+  Wrench F_T_W;             ///< on the tool, at To, in W; faded, not yet limited
+  Wrench F_contact_T_W;     ///< of that what the planes exert: without the spindle's torque
+  Wrench F_hand_over_T_W;   ///< of that what a hand-over adds to the planes' own
+  double hand_over_s{0.0};  ///< time until that is gone
   std::array<double, simulation::kMaxContacts> normal_force_N{};  ///< of each contact along its n, >= 0
   int active_count{0};                                            ///< contacts that press
   double age_s{0.0};                                              ///< of the model's pose
@@ -109,6 +122,11 @@ struct CouplingOutput {
 /// so that no frame moves the proxy, and falls to 0 within return_s at an even speed: the force rises by
 /// K h_j, but over ticks. Bone that gives way is followed at once, as a force that falls is no shock and no
 /// energy. A frame that is wrong by more than 1.5 v_max return_s still trips safety::WrenchRateTrip.
+///
+/// Turn. A new frame's planes may also be fewer, or lie otherwise, so that the force would turn at once: 15
+/// to 19 N across 90 N on a convex bone, where a plane was gone or one had become three. The turn takes
+/// return_s as well: hand_over.h, which f_s and t_s above have in them. Only a change of stiffness between
+/// frames is rendered at once; the energy tank pays for it.
 ///
 /// Age. fade is 1 up to fresh_s and falls linearly to 0 at gone_s, at once; it rises no faster than 1/ramp_s.
 ///

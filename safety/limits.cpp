@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -71,13 +72,14 @@ WrenchRateTrip::WrenchRateTrip(double stiffness_N_per_m, double max_speed_m_per_
 }
 
 bool WrenchRateTrip::Check(const Vector3& f_N, double dt_s) OSTEON_RT {
+  growth_N_ = std::numeric_limits<double>::infinity();
   if (!IsFinite(f_N)) return true;
   const double before_squared = before_N_.squaredNorm();
   const double s = before_squared > 0.0 ? std::clamp(f_N.dot(before_N_) / before_squared, 0.0, 1.0) : 0.0;
-  const double growth_N = SafeNorm(f_N - s * before_N_);
+  growth_N_ = SafeNorm(f_N - s * before_N_);
   // what comes next is judged against a force of sane size, or one huge value would make the squares overflow
   before_N_ = ScaleWrench({.f = f_N, .t = Vector3::Zero()}, 1e6, 1.0).F.f;
-  return !(growth_N <= max_rate_N_per_s_ * dt_s);
+  return !(growth_N_ <= max_rate_N_per_s_ * dt_s);
 }
 
 SensorForceTrip::SensorForceTrip(const SensorForceParams& params, double max_force_N)

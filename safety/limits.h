@@ -72,7 +72,8 @@ class WrenchLimiter {
 /// has. The displacement of a constrained proxy is 1-Lipschitz in the tool's position, so that a fresh
 /// contact at v_max raises the spring's force by K v_max at most; the coupling's damping may add a share of
 /// the spring's force (a quarter by default) and no more, which is 1.25 K v_max. The rest of the 1.5 is for
-/// rotation.
+/// rotation. A frame that moves the proxy by d is handed over within return_s of the coupling: K d dt /
+/// return_s a tick.
 class WrenchRateTrip {
  public:
   /// @param stiffness_N_per_m  K, the stiffest contact that is rendered; @param max_speed_m_per_s  v_max, of
@@ -83,12 +84,18 @@ class WrenchRateTrip {
   /// True where this force must stop the cell. Call once a tick, with the force before the limiter.
   [[nodiscard]] bool Check(const Vector3& f_N, double dt_s) OSTEON_RT;
   /// Forgets the force before; the next one counts from zero.
-  void Reset() OSTEON_RT { before_N_.setZero(); }
+  void Reset() OSTEON_RT {
+    before_N_.setZero();
+    growth_N_ = 0.0;
+  }
+  /// What the last Check found; infinite where the force was not finite.
+  [[nodiscard]] double growth_N() const OSTEON_RT { return growth_N_; }
   [[nodiscard]] double max_rate_N_per_s() const OSTEON_RT { return max_rate_N_per_s_; }
 
  private:
   double max_rate_N_per_s_;
   Vector3 before_N_{Vector3::Zero()};
+  double growth_N_{0.0};
 };
 
 struct SensorForceParams {

@@ -150,6 +150,7 @@ std::vector<std::string> MaterialNames(const SceneShape& shape) {
   if (std::holds_alternative<AcetabulumShape>(shape)) return {"cartilage", "cortical", "cancellous"};
   if (std::holds_alternative<MolarShape>(shape)) return {"enamel", "dentine", "pulp"};
   if (std::holds_alternative<FemurShape>(shape)) return {"cortical", "cancellous", "marrow"};
+  if (std::holds_alternative<FemoralHeadShape>(shape)) return {"cartilage", "cortical", "cancellous"};
   return {};
 }
 
@@ -171,6 +172,9 @@ SceneSolid MakeSceneSolid(const SceneParams& scene) {
   } else if (const auto* femur = std::get_if<FemurShape>(&scene.shape)) {
     made.name = fmt::format("femoral canal, shaft {:g} mm", 2e3 * femur->shaft_radius_m);
     made.solid = std::make_shared<const FemurSolid>(*femur);
+  } else if (const auto* head = std::get_if<FemoralHeadShape>(&scene.shape)) {
+    made.name = fmt::format("femoral head, {:g} mm", 2e3 * head->head_radius_m);
+    made.solid = std::make_shared<const FemoralHeadSolid>(*head);
   } else {
     const auto& block = std::get<BlockShape>(scene.shape);
     made.name = fmt::format("{}, {:g} × {:g} × {:g} mm", scene.name, 1e3 * block.width_m, 1e3 * block.depth_m,

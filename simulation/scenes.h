@@ -11,6 +11,7 @@
 #include "simulation/scene_events.h"
 #include "simulation/solids/acetabulum_solid.h"
 #include "simulation/solids/box_solid.h"
+#include "simulation/solids/femoral_head_solid.h"
 #include "simulation/solids/femur_solid.h"
 #include "simulation/solids/mesh_solid.h"
 #include "simulation/solids/molar_solid.h"
@@ -18,7 +19,7 @@
 namespace osteon::simulation {
 
 /// A solid that can be generated.
-using SceneShape = std::variant<AcetabulumShape, MolarShape, FemurShape, BlockShape>;
+using SceneShape = std::variant<AcetabulumShape, MolarShape, FemurShape, BlockShape, FemoralHeadShape>;
 
 /// The names of the materials that a shape speaks of, in the order of its indices; none for a block, whose
 /// layers carry indices of their own.

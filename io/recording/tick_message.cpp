@@ -188,6 +188,8 @@ void Encode(const TickRecord& record, std::string& bytes) {
   message.set_wrench_scale(record.wrench_scale);
   message.set_arm_share(record.arm_share);
   message.set_tool_in_bone_m(record.tool_in_bone_m);
+  message.set_wrench_step_n(record.wrench_step_N);
+  message.set_wrench_step_limit_n(record.wrench_step_limit_N);
   message.set_model_age_s(record.model_age_s);
   message.set_sensor_age_s(record.sensor_age_s);
   message.set_model_frame(record.model_frame);
@@ -239,6 +241,8 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
   r.wrench_scale = message.wrench_scale();
   if (message.has_arm_share()) r.arm_share = message.arm_share();
   r.tool_in_bone_m = message.tool_in_bone_m();
+  r.wrench_step_N = message.wrench_step_n();
+  r.wrench_step_limit_N = message.wrench_step_limit_n();
   r.model_age_s = message.model_age_s();
   r.sensor_age_s = message.sensor_age_s();
   r.model_frame = message.model_frame();

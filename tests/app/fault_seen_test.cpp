@@ -51,6 +51,11 @@ TEST(FaultSeen, HasTheFiguresOfTheOthers) {
   X_WT.translation().z() += 0.0125;
   tick.X_WT_meas = X_WT;
   EXPECT_EQ(SeenAt(Fault::kTracking, tick), "12.5 mm");
+  EXPECT_EQ(SeenAt(Fault::kWrenchRate, tick), "") << "recorded before the step was";
+  tick.input.period_s = 0.001;
+  tick.wrench_step_N = 17.42;
+  tick.wrench_step_limit_N = 13.5;
+  EXPECT_EQ(SeenAt(Fault::kWrenchRate, tick), "17.4 N in 1 ms, accepted 13.5");
   tick.session_state = 2;
   EXPECT_EQ(SeenAt(Fault::kSession, tick), "session state 2");
   tick.input.safety_state = 2;

@@ -64,7 +64,7 @@ TEST(ScenarioFiles, EveryShippedOneLoadsWithItsCell) {
     six_axes += cell.robot.six_axis() ? 1 : 0;
   }
   for (const char* cell : {"demo", "molar", "femoral_canal", "thin_plate", "sawbone_block",
-                           "thin_plate_impedance", "kr_16_thin_plate"})
+                           "thin_plate_impedance", "kr_16_thin_plate", "femoral_head"})
     EXPECT_TRUE(cells.contains(cell)) << cell;
   EXPECT_GE(faults, 5);
   EXPECT_GE(impedance, 2);
@@ -100,6 +100,15 @@ TEST(ScenarioFiles, ReadsWhatItSays) {
   EXPECT_DOUBLE_EQ(scenario.tolerances.event_s, 4e-3);
   EXPECT_DOUBLE_EQ(scenario.tolerances.torque_Nm, TraceTolerances{}.torque_Nm);
   EXPECT_EQ(scenario.golden().filename(), "mine.txt");
+  EXPECT_DOUBLE_EQ(scenario.frame_s, 0.002) << "as before there was the key";
+  EXPECT_FALSE(scenario.planned);
+}
+
+TEST(ScenarioFiles, ReadsWhatAFrameTakesAndWhoPacksTheBone) {
+  const ScenarioConfig scenario = Load(kGood + "frame_ms: 30\npacking: planned\n");
+  EXPECT_DOUBLE_EQ(scenario.frame_s, 0.030);
+  EXPECT_TRUE(scenario.planned);
+  EXPECT_FALSE(Load(kGood + "packing: scene\n").planned);
 }
 
 TEST(ScenarioFiles, RefusesWithLineAndRange) {
@@ -113,6 +122,8 @@ TEST(ScenarioFiles, RefusesWithLineAndRange) {
   expect(kGood + "resume_s: 1\n", {"mine.yaml:6: resume_s", "pause_s"});
   expect(kGood + "pause_s: 1\nresume_s: 1\n", {"mine.yaml:7: resume_s: found 1"});
   expect(kGood + "tolerances: {force_N: -1}\n", {"mine.yaml:6: force_N: found -1, accepted 0 … 200"});
+  expect(kGood + "frame_ms: 0.5\n", {"mine.yaml:6: frame_ms: found 0.5, accepted 1 … 100"});
+  expect(kGood + "packing: fine\n", {"mine.yaml:6: packing: found fine, accepted scene, planned"});
   std::string engine = kGood;
   engine.replace(engine.find("plane"), 5, "brute");
   expect(engine, {"mine.yaml:3: engine: found brute, accepted plane, reference, vulkan"});

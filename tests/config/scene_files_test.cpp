@@ -48,6 +48,17 @@ TEST(SceneFiles, EachShapeIsTheLibrarysDefault) {
   EXPECT_DOUBLE_EQ(femur.top_marrow_radius_m, bone.top_marrow_radius_m);
 }
 
+TEST(SceneFiles, TheFemoralHeadIsTheLibrarysDefault) {
+  const auto head = std::get<simulation::FemoralHeadShape>(Scene("femoral_head").shape);
+  const simulation::FemoralHeadShape bone;
+  EXPECT_DOUBLE_EQ(head.head_radius_m, bone.head_radius_m);
+  EXPECT_DOUBLE_EQ(head.neck_radius_m, bone.neck_radius_m);
+  EXPECT_DOUBLE_EQ(head.neck_length_m, bone.neck_length_m);
+  EXPECT_NEAR(head.neck_tilt_rad, bone.neck_tilt_rad, 1e-3);
+  EXPECT_DOUBLE_EQ(head.cartilage_m, bone.cartilage_m);
+  EXPECT_DOUBLE_EQ(head.cortical_m, bone.cortical_m);
+}
+
 TEST(SceneFiles, LayersAndTissuesNameTheirMaterialsOnce) {
   const SceneParams sawbone = Scene("sawbone_block");
   const auto& block = std::get<simulation::BlockShape>(sawbone.shape);
@@ -131,7 +142,7 @@ TEST_F(SceneRefusals, NameFileLineValueAndWhatIsAccepted) {
   };
   for (const Case& c : {
            Case{"scenes/molar.yaml", "kind: molar", "kind: premolar",
-                "kind: found premolar, accepted acetabulum, molar, femoral_canal, block"},
+                "kind: found premolar, accepted acetabulum, molar, femoral_canal, block, femoral_head"},
            Case{"scenes/molar.yaml", "kind: molar", "mind: molar",
                 "unknown key \"mind\"; did you mean \"kind\"?"},
            Case{"scenes/molar.yaml", "length_mm: 20.6", "length_mm: 200",

@@ -39,6 +39,8 @@ TEST(RecordingFields, CarriesEveryFieldOfATick) {
   EXPECT_EQ(r.wrench_scale, sent.wrench_scale);
   EXPECT_EQ(r.arm_share, sent.arm_share);
   EXPECT_EQ(r.tool_in_bone_m, sent.tool_in_bone_m);
+  EXPECT_EQ(r.wrench_step_N, sent.wrench_step_N);
+  EXPECT_EQ(r.wrench_step_limit_N, sent.wrench_step_limit_N);
   EXPECT_EQ(r.vibration_index, sent.vibration_index);
   EXPECT_EQ(r.vibration_reference_N, sent.vibration_reference_N);
   EXPECT_EQ(r.mass_factor, sent.mass_factor);

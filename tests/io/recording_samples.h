@@ -43,6 +43,8 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.wrench_scale = 0.1;
   r.arm_share = 0.7;
   r.tool_in_bone_m = 0.0042;
+  r.wrench_step_N = 17.25;
+  r.wrench_step_limit_N = 13.5;
   r.vibration_index = 0.3;
   r.vibration_reference_N = 0.45;
   r.mass_factor = 1.2;

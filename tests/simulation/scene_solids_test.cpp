@@ -5,6 +5,7 @@
 
 #include "mesh_oracle.h"
 #include "simulation/solids/box_solid.h"
+#include "simulation/solids/femoral_head_solid.h"
 #include "simulation/solids/femur_solid.h"
 #include "simulation/solids/molar_solid.h"
 
@@ -322,6 +323,61 @@ TEST(FemurSolid, RefusesSizesThatDoNotFit) {
   EXPECT_THAT(Refusal(FemurShape{.oval_ratio = 3.0}), HasSubstr("oval_ratio: found 3, accepted 1 … 1.6"));
   EXPECT_THAT(Refusal(FemurShape{.flare_m = 0.2}), HasSubstr("femur: flare: found 200 mm"));
   EXPECT_THAT(Refusal(FemurShape{.top_marrow_radius_m = 0.03}), HasSubstr("top marrow radius"));
+}
+
+// ---------------------------------------------------------------- femoral head
+
+TEST(FemoralHeadSolid, IsAClosedBallOnANeckWithTheVolumeOfBoth) {
+  const FemoralHeadShape shape;
+  TriangleMesh mesh = FemoralHeadMesh(shape);
+  const auto report = CheckMesh(mesh, "femoral head");
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_FALSE(report->flipped);
+  // ball; and the rod from where it leaves the ball, with the ball's cap in it taken off: the fillet adds to
+  // both
+  const double R = shape.head_radius_m, r = shape.neck_radius_m, leaves_m = std::sqrt(R * R - r * r);
+  const double cap_m = R - leaves_m, cap_m3 = kPi * cap_m * cap_m * (3.0 * R - cap_m) / 3.0;
+  const double sharp_m3 =
+      4.0 / 3.0 * kPi * R * R * R + kPi * r * r * (shape.neck_length_m - leaves_m) - cap_m3;
+  const double volume_m3 = SignedVolume_m3(mesh);
+  EXPECT_GT(volume_m3, sharp_m3 * 0.998) << "chords of 1 mm lose (1 mm)^2 / 8 R of depth";
+  EXPECT_LT(volume_m3, sharp_m3 * 1.02) << "the fillet";
+  const FemoralHeadSolid head(shape);
+  ExpectLipschitzAndFeetOnTheSurface(head);
+  for (const Vector3& p : PointsAround(head.Bounds(), 40, 0.1))
+    ASSERT_NEAR(head.SignedDistance(p), BruteSignedDistance(mesh, p), 1e-9);
+}
+
+// What the scene is for: no point of a chord between two places of the upper half lies outside.
+TEST(FemoralHeadSolid, IsConvexWhereAToolComesFromAboveAndRound) {
+  const FemoralHeadShape shape;
+  const FemoralHeadSolid head(shape);
+  for (double tilt = 0.0; tilt < 1.4; tilt += 0.1)
+    for (double turn = 0.05; turn < 6.2; turn += 0.3) {
+      const Vector3 n(std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt));
+      EXPECT_NEAR(head.SignedDistance((shape.head_radius_m + 1e-3) * n), 1e-3, 30e-6);
+      EXPECT_NEAR(head.SignedDistance((shape.head_radius_m - 3e-3) * n), -3e-3, 30e-6);
+    }
+}
+
+TEST(FemoralHeadSolid, TissueGoesByDepth) {
+  FemoralHeadShape shape;
+  shape.cartilage_m = 0.001;
+  const FemoralHeadSolid head(shape);
+  const auto at = [&](double depth_m) {
+    return head.MaterialAt((shape.head_radius_m - depth_m) * Vector3(0.6, 0.0, 0.8));
+  };
+  EXPECT_EQ(at(0.0005), FemoralHeadSolid::kCartilage);
+  EXPECT_EQ(at(0.0015), FemoralHeadSolid::kCortical);
+  EXPECT_EQ(at(0.0030), FemoralHeadSolid::kCancellous);
+}
+
+TEST(FemoralHeadSolid, RefusesSizesThatDoNotFit) {
+  EXPECT_THAT(Refusal(FemoralHeadShape{.neck_radius_m = 0.023}),
+              HasSubstr("femoral head: neck radius: found 23 mm, accepted 5 … 21 mm"));
+  EXPECT_THAT(Refusal(FemoralHeadShape{.neck_length_m = 0.02}),
+              HasSubstr("femoral head: neck length: found 20 mm"));
+  EXPECT_THAT(Refusal(FemoralHeadShape{.neck_tilt_rad = 2.0}), HasSubstr("neck tilt: found 114.6 deg"));
 }
 
 }  // namespace

@@ -1,0 +1,79 @@
+#include <cmath>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "control/virtual_coupling.h"
+#include "tests/config/cell_text.h"
+
+// A cell's own figures against each other: what a frame may move, and what the trip on the wrench's rate
+// accepts.
+
+namespace osteon::config {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(HandOverKeys, ASlideThatAHandOverCanNotTakeIsRefusedAtItsLine) {
+  const std::string text = CellText("sawbone_block");
+  EXPECT_EQ(Refusal(With(text, "max_slide_um: 400", "max_slide_um: 1439")), "");
+  const std::string refusal = Refusal(With(text, "max_slide_um: 400", "max_slide_um: 1441"));
+  EXPECT_THAT(refusal, HasSubstr(".yaml:203: max_slide_um: found 1441, accepted at most 1440: "));
+  EXPECT_THAT(refusal, HasSubstr("1.5 max_tool_speed_mm_per_s (150) × 8 ms / (1 + damping_share_ratio)"));
+  EXPECT_THAT(Refusal(With(text, "max_tool_speed_mm_per_s: 150", "max_tool_speed_mm_per_s: 40")),
+              HasSubstr("max_slide_um: found 400, accepted at most 384"))
+      << "the other figure of the two";
+}
+
+/// The greatest step of the force, over what the trip accepts: the tool presses with all that the cell may
+/// give, and a frame moves its proxy by max_slide across that, pushing on at the coupling's full damping
+/// share.
+double WorstShare(const CellConfig& cell, bool hands_over) {
+  const control::ServoParams& servo = cell.servo;
+  control::CouplingParams coupling = servo.coupling;
+  if (!hands_over) coupling.turn_m_per_s = 10.0;  // all within the tick
+  const double K = coupling.max_stiffness_N_per_m, depth_m = servo.wrench.max_force_N / K;
+  const double lean_rad = std::asin(std::min(0.9, cell.cutting.max_slide_m / depth_m));
+  safety::WrenchRateTrip trip(K, servo.twist.max_speed_m_per_s);
+  control::CouplingState state;
+  state.fade = 1.0;
+  simulation::ContactModel model;
+  model.contact_count = 1;
+  model.contacts[0].stiffness_N_per_m = K;
+  model.contacts[0].n_W = Vector3(Vector3::UnitZ());
+  model.frame = 1;
+  Pose X_WT = Pose::Identity();
+  X_WT.translation().z() = -depth_m;
+  const Twist V_WT{.v = Vector3(0.0, 0.0, -servo.twist.max_speed_m_per_s), .w = Vector3::Zero()};
+  double worst = 0.0;
+  const auto period = static_cast<rt::Nanoseconds>(servo.period_s * 1e9);
+  for (int tick = 0; tick < 60; ++tick) {
+    const rt::Nanoseconds now = rt::kSecond + tick * period;
+    if (tick % 20 == 10) {  // leans to one side and to the other
+      const double lean = tick < 20 ? lean_rad : 0.0;
+      model.contacts[0].n_W = Vector3(std::sin(lean), 0.0, std::cos(lean));
+      ++model.frame;
+    }
+    model.pose_stamp = now - period;
+    const control::CouplingOutput out =
+        control::EvaluateCoupling(coupling, model, X_WT, V_WT, now, true, state);
+    static_cast<void>(trip.Check(out.F_T_W.f, servo.period_s));
+    if (tick > 5) worst = std::max(worst, trip.growth_N() / (trip.max_rate_N_per_s() * servo.period_s));
+  }
+  return worst;
+}
+
+TEST(HandOverKeys, NoShippedCellsFramesTripItsOwnWatch) {
+  int beyond_without = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(OSTEON_SOURCE_DIR "/config/cells")) {
+    SCOPED_TRACE(entry.path().filename());
+    const CellConfig cell = LoadCell(entry.path());
+    EXPECT_LT(WorstShare(cell, true), 1.0);
+    beyond_without += WorstShare(cell, false) > 1.0 ? 1 : 0;
+  }
+  EXPECT_GE(beyond_without, 4) << "24 N against 13.5 and 18, 10 against 6";
+}
+
+}  // namespace
+}  // namespace osteon::config
