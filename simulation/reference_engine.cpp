@@ -93,11 +93,11 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   ToolPoints target = goal, straight = contact;
   for (Vector3& point : target) point += solution.delta;
   for (Vector3& point : straight) point += solution.shift;
-  // a turn may use a third of the tolerance: the rest is for going along whatever holds it
-  const Slid full = Slide(contact, target, (turning ? 0.35 : 1.0) * params_.contact_tolerance_m);
+  const Slid full =
+      Slide(contact, target, (turning ? kTurnToleranceShare : 1.0) * params_.contact_tolerance_m);
   const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m) : full;
   // where bone keeps the tool from turning, it still goes along
-  const bool turns = !full.stopped || full.way_m + kTurnWorth_m > 0.5 * unturned.way_m;
+  const bool turns = SlidesTurning(full.stopped, full.way_m, unturned.way_m, kTurnWorth_m);
   const Slid& chosen = turns ? full : unturned;
   solution.slide_fraction = chosen.fraction;
   solution.turn_fraction = turns ? chosen.fraction : 0.0;

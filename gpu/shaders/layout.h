@@ -4,6 +4,8 @@
 #ifndef OSTEON_GPU_LAYOUT_H
 #define OSTEON_GPU_LAYOUT_H
 
+#include "simulation/cutting_constants.h"
+
 #ifdef __cplusplus
 #include <array>
 #include <cstddef>

@@ -11,8 +11,8 @@
 #include "solve.glsl"
 
 const double kPi = 3.14159265358979323846lf;
-const double kLargestLens = 0.5lf;       // mm^3, simulation::kLargestLensVolume
-const double kMiddleWorth_mm = 0.05lf;   // simulation::kMiddleWorth_m
+const double kLargestLens_mm3 = 1e9 * kLargestLensVolume;
+const double kMiddleWorth_mm = 1e3 * kMiddleWorth_m;
 const float kDirectionRounding = 1e-5;   // of floats, in a cosine: so near to a bin's edge they do not tell the side
 
 // Twin of simulation::LensVolume, up to the largest that counts.
@@ -20,7 +20,7 @@ double LensVolume(double r1, double r2, double d) {
   double dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
   double lens = kPi / 12.0lf * over * over * (d * d + 2.0lf * d * (r1 + r2) - 3.0lf * dr * dr) / max(d, 1e-20lf);
   double v = d <= abs(dr) ? 4.0lf / 3.0lf * kPi * least * least * least : lens;
-  return over <= 0.0lf ? 0.0lf : min(v, kLargestLens);
+  return over <= 0.0lf ? 0.0lf : min(v, kLargestLens_mm3);
 }
 
 // Twin of simulation::FindBin; u in T. In floats, with how far the direction is from another bin, about; and exactly.

@@ -6,11 +6,7 @@
 // the chain needs, and there is one division where there were three.
 
 const uint kNoPlane = kCandidates;
-const double kOppositeCosine = -0.8lf;
-const double kHoldSlack = 1e-6lf;
-const double kViolated_mm = 1e-5lf, kLeastPivot = 1e-13lf;
-const double kFaceCosine = 0.866lf;      // simulation::kFaceCosine
-const uint kMostRounds = 200;
+const double kViolated_mm = 1e3 * kViolated_m;
 const uint kNoFace = 2u * kFaces;
 
 // The planes by the bin of their pair, then those of the remembered pairs. Those that are there, in that order, are
@@ -59,7 +55,7 @@ bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
                   plane_offset[hold][p.z] - dot(c, shift), plane_offset[hold][p.w] - dot(d, shift)) * real;
   // one division a pivot: they are what takes long
   dvec4 per;
-  bool good = row_0.x > kLeastPivot;
+  bool good = row_0.x > kMinPivot;
   per.x = 1.0lf / row_0.x;
   double f = row_1.x * per.x;
   row_1 -= f * row_0;
@@ -70,7 +66,7 @@ bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
   f = row_3.x * per.x;
   row_3 -= f * row_0;
   v.w -= f * v.x;
-  good = good && row_1.y > kLeastPivot;
+  good = good && row_1.y > kMinPivot;
   per.y = 1.0lf / row_1.y;
   f = row_2.y * per.y;
   row_2 -= f * row_1;
@@ -78,12 +74,12 @@ bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
   f = row_3.y * per.y;
   row_3 -= f * row_1;
   v.w -= f * v.y;
-  good = good && row_2.z > kLeastPivot;
+  good = good && row_2.z > kMinPivot;
   per.z = 1.0lf / row_2.z;
   f = row_3.z * per.z;
   row_3 -= f * row_2;
   v.w -= f * v.z;
-  good = good && row_3.w > kLeastPivot;
+  good = good && row_3.w > kMinPivot;
   per.w = 1.0lf;
   if (is.w) per.w = 1.0lf / row_3.w;  // seldom
   set.m.w = v.w * per.w;
@@ -144,7 +140,7 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
     uvec4 planes = uvec4(start_plane[0], start_plane[1], start_plane[2], start_plane[3]);
     if (SolveSet(hold, planes, shift, likely) && likely.size > 0u) held = Packed(likely);
   }
-  for (uint round = 0; round < kMostRounds; ++round) {
+  for (uint round = 0; round < uint(kMaxHoldRounds); ++round) {
     // the most violated plane, of equal ones the first
     float worst = 0.0;
     uint entering = kNoPlane;
@@ -212,7 +208,7 @@ void HoldTool(uint number, dvec3 origin_motion, double s, float friction) {
     }
     hold.held = found;
     hold.normal = found.m.x + found.m.y + found.m.z + found.m.w;
-    hold.most = min(hold.normal, 2.0lf * (length(found.point) + found.slack));
+    hold.most = ForceMultiplierCap(hold.normal, length(found.point), found.slack);
     if (hold.normal <= 0.0lf || friction <= 0.0) break;
     dvec3 turn = turning ? (1.0lf - s) * dvec3(frame.turn.xyz) : dvec3(0.0lf), slip = dvec3(0.0lf);
     for (uint k = 0; k < found.size; ++k) {
@@ -296,7 +292,7 @@ void FindOldFaces() {
       sum[i] = double(fresh.exact.face_sums[4u * f + i] + fresh.exact.face_sums[4u * (kFaces + f) + i]);
     double weighed = length(sum.yzw);
     old_face[f] = OldFace(frame.exact.face_n[f], (1.0lf / max(weighed, 1e-300lf)) * sum.yzw, sum.x > 0.0lf,
-                          (0.983lf - weighed / max(sum.x, 1e-300lf)) * (1.0lf / 0.013lf));
+                          WidthExactness(weighed / max(sum.x, 1e-300lf)));
   }
 }
 
@@ -430,7 +426,7 @@ void Solve() {
     if (lane % each == 0u && k < count && lane / each < planes) {
       for (uint i = 1u; i < each; ++i) least = min(least, opposite_gap[lane + i]);
       double room = min(tolerance, plane_gap[c] + least);
-      double yielding = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
+      double yielding = YieldingGap(plane_gap[c], room, tolerance);
       yielding_gap[c] = yielding;
       plane_offset[0][c] = -(yielding + dot(n, plane_motion[c]));
       plane_offset[1][c] = -(yielding + dot(n, motion));
