@@ -8,7 +8,7 @@
 #include "simulation/cutting_constants.h"
 
 // The closed forms of the cutting model, one pair at a time, in double precision. The shaders hold their
-// float twins (gpu/shaders: first_contact.glsl, planes.comp, remove.comp). Source: Kaluschke et al., IEEE VR
+// twins (gpu/shaders: exact.glsl, near_field.comp, remove_clear.comp). Source: Kaluschke et al., IEEE VR
 // 2019, equations 3 to 5, corrected; each function says what was wrong.
 
 namespace osteon::simulation {

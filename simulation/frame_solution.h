@@ -20,7 +20,7 @@ struct SolvedContact {
   Vector3 p_T_m{Vector3::Zero()};  ///< touching point on the tool, in T
   double gap_m{0.0};               ///< negative inside
   double multiplier_m{0.0};        ///< its share of the proxy's displacement, along n
-  double weight{0.0};              ///< lens volume
+  double weight{0.0};              ///< square of the overlap with the enlarged tool [m^2]
   bool cutting{true};
 };
 

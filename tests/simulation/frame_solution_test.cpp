@@ -247,7 +247,7 @@ TEST(FinishFrame, TurnsEverythingFromTheBonesFrameIntoTheWorlds) {
   EXPECT_LT((Pose(model.X_WP).matrix() - X_WG.matrix()).norm(), 1e-12);
 }
 
-TEST(FinishFrame, WeightsOfTheContactsAreSharesOfTheirLenses) {
+TEST(FinishFrame, WeightsOfTheContactsAreSharesOfTheirOverlaps) {
   Frame frame;
   frame.Add(At(Vector3::UnitZ(), Vector3::Zero(), 1e-3, 3.0));
   frame.Add(At(Vector3::UnitX(), Vector3::Zero(), 1e-3, 1.0));
