@@ -100,6 +100,7 @@ struct VulkanEngine::Impl {
   std::vector<uint> device_tool;  // by the tool's own numbers
   double lever_m{0.0};
   std::vector<simulation::Material> materials;
+  simulation::MaterialMap map{simulation::Bone{}};
   Pose X_WG;
   simulation::CuttingParams params;
   simulation::FrameMemory memory;

@@ -27,6 +27,7 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
     for (std::size_t t = 0; t < tool.balls.size(); ++t)
       impl->device_tool[impl->tool.number[t]] = static_cast<uint>(t);
     impl->materials = bone.materials;
+    impl->map = simulation::MaterialMap(bone);
     impl->X_WG = X_WG;
     impl->params = params;
     impl->brute_force = vulkan.brute_force;
@@ -101,7 +102,7 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
   const simulation::FrameSolution solution = Solution(found);
   was_free = solution.contact_fraction >= 1.0;
   if (pool && input.spindle_rad_per_s != 0.0) EndSplits(found, solution);
-  simulation::ContactModel model = FinishFrame(params, materials, X_WG, input, solution, memory);
+  simulation::ContactModel model = FinishFrame(params, materials, map, X_WG, input, solution, memory);
   if (pool) model.balls_not_split = pool->refused();
   return model;
 }

@@ -5,6 +5,7 @@
 
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
+#include "simulation/material_map.h"
 #include "simulation/tool_path.h"
 
 // What both engines share: how a frame is prepared from poses, and how its solution becomes a ContactModel.
@@ -100,9 +101,11 @@ void BookRemoved(const CuttingParams& params, const std::vector<Material>& mater
                  const std::array<double, kMaxMaterials>& removed_m3, double edge_work_J,
                  FrameMemory& memory);
 
-/// Books the solution in `memory` (proxy, volumes, debt) and writes the frame's ContactModel.
+/// Books the solution in `memory` (proxy, volumes, debt) and writes the frame's ContactModel. The contacts of
+/// balls that cut have the material of which most is engaged; the others, and all where nothing is engaged,
+/// have the material that `map` tells at their place on the bone.
 [[nodiscard]] ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials,
-                                       const Pose& X_WG, const FrameInput& input,
+                                       const MaterialMap& map, const Pose& X_WG, const FrameInput& input,
                                        const FrameSolution& solution, FrameMemory& memory);
 
 /// Takes part number k of n into the whole; returns the number of the next, n where there is none.

@@ -45,6 +45,7 @@ ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose&
     : tool_(tool),
       lever_m_(ToolLever(tool)),
       materials_(bone.materials),
+      map_(bone),
       points_(StoredPoints(bone.points)),
       X_WG_(X_WG),
       params_(params),
@@ -123,7 +124,7 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
     AddCapsules(contact, slid, end, only, capsules);
     Remove(capsules, solution);
   }
-  ContactModel model = FinishFrame(params_, materials_, X_WG_, input, solution, memory_);
+  ContactModel model = FinishFrame(params_, materials_, map_, X_WG_, input, solution, memory_);
   model.balls_not_split = removal_.refused();
   return model;
 }
