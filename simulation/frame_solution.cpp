@@ -202,12 +202,11 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   return model;
 }
 
-int CombineParts(ContactModel& whole, const ContactModel& part, int k, int n) {
+void CombineParts(ContactModel& whole, const ContactModel& part, int k, int n) {
   const bool touched = k > 0 && whole.contact_fraction < 1.0;
   const double fraction = touched ? whole.contact_fraction : (k + part.contact_fraction) / n;
   whole = part;
   whole.contact_fraction = part.contact_fraction < 1.0 || touched ? fraction : 1.0;
-  return part.status == EngineStatus::kOk ? k + 1 : n;
 }
 
 void ToState(const FrameMemory& memory, CarvedState& state) {

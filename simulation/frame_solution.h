@@ -108,25 +108,34 @@ void BookRemoved(const CuttingParams& params, const std::vector<Material>& mater
                                        const MaterialMap& map, const Pose& X_WG, const FrameInput& input,
                                        const FrameSolution& solution, FrameMemory& memory);
 
-/// Takes part number k of n into the whole; returns the number of the next, n where there is none.
-[[nodiscard]] int CombineParts(ContactModel& whole, const ContactModel& part, int k, int n);
+/// Takes part number k of n, which is done, into the whole.
+void CombineParts(ContactModel& whole, const ContactModel& part, int k, int n);
 
 /// A frame in n parts, each a frame of its own with its share of the time: a turn so large that one chord
 /// would leave its arc (SubframeCount). `frame(part)` does one; the last one's model stands for all, but
 /// first contact is a fraction of the whole way.
+///
+/// Where a part is refused after others were done, the frame ends with those: what they cut is cut, so the
+/// whole is no refused frame, which would have changed nothing. The next frame begins where they ended. Only
+/// a lost device is told at once.
 template <class Frame>
 [[nodiscard]] ContactModel StepInParts(const FrameInput& input, const Pose& X_WP, int n, FrameMemory& memory,
                                        Frame frame) {
   if (n == 1) return frame(input);
   ContactModel whole;
   const std::uint64_t number = memory.frame + 1;
-  for (int k = 0; k < n;) {
+  for (int k = 0; k < n; ++k) {
     FrameInput part = input;
     part.X_WT = PoseBetween(X_WP, Pose(input.X_WT), k + 1, n);
     part.dt_s = input.dt_s / n;
-    k = CombineParts(whole, frame(part), k, n);
+    const ContactModel done = frame(part);
+    if (done.status != EngineStatus::kOk) {
+      if (k == 0 || done.status == EngineStatus::kDeviceLost) return done;
+      break;
+    }
+    CombineParts(whole, done, k, n);
+    whole.frame = memory.frame = number;
   }
-  whole.frame = memory.frame = number;
   return whole;
 }
 /// The part of a CarvedState that is not balls and points.

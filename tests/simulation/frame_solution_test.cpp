@@ -365,6 +365,55 @@ TEST(FrameMemory, SurvivesAState) {
   EXPECT_EQ(again.frame, 5u);
 }
 
+// ---- frames in parts
+
+// Does parts until number `fails`, which ends with a status.
+ContactModel InParts(int fails, EngineStatus status, FrameMemory& memory) {
+  int number = 0;
+  return StepInParts({.stamp = 7}, Pose::Identity(), 4, memory, [&](const FrameInput& part) {
+    ContactModel model;
+    if (number == fails) {
+      model.status = status;
+      return model;
+    }
+    model.frame = ++memory.frame;
+    model.removed_volume_m3 = ++number;
+    model.pose_stamp = part.stamp;
+    return model;
+  });
+}
+
+TEST(StepInParts, AFrameThatIsRefusedHasDoneNothing) {
+  FrameMemory memory{.frame = 10};
+  const ContactModel model = InParts(0, EngineStatus::kOverloaded, memory);
+  EXPECT_EQ(model.status, EngineStatus::kOverloaded);
+  EXPECT_EQ(model.frame, 0u);
+  EXPECT_EQ(memory.frame, 10u);
+}
+
+// What parts have cut is cut: no frame that "changed nothing".
+TEST(StepInParts, EndsWithThePartsThatWereDoneWhereALaterOneIsRefused) {
+  FrameMemory memory{.frame = 10};
+  const ContactModel model = InParts(2, EngineStatus::kOverloaded, memory);
+  EXPECT_EQ(model.status, EngineStatus::kOk);
+  EXPECT_EQ(model.removed_volume_m3, 2.0);
+  EXPECT_EQ(model.frame, 11u);
+  EXPECT_EQ(memory.frame, 11u);
+}
+
+TEST(StepInParts, TellsALostDeviceAtOnce) {
+  FrameMemory memory{.frame = 10};
+  EXPECT_EQ(InParts(2, EngineStatus::kDeviceLost, memory).status, EngineStatus::kDeviceLost);
+}
+
+TEST(StepInParts, CountsAsOneFrame) {
+  FrameMemory memory{.frame = 10};
+  const ContactModel model = InParts(9, EngineStatus::kOk, memory);
+  EXPECT_EQ(model.removed_volume_m3, 4.0);
+  EXPECT_EQ(model.frame, 11u);
+  EXPECT_EQ(memory.frame, 11u);
+}
+
 // ---- input
 
 TEST(IsUsable, TakesAnyRotationAndUpToASecond) {
