@@ -9,6 +9,7 @@
 
 #include "gpu/cluster_tree.h"
 #include "gpu/frame_program.h"
+#include "gpu/shaders/bin_key.h"
 #include "gpu/split_pool.h"
 #include "gpu/tool_layout.h"
 #include "gpu/vulkan_engine.h"
@@ -38,7 +39,6 @@ inline constexpr std::uint64_t kBruteTimeout_ns =
 // What floats may make of a distance: eight units in the last place of the places' own size, and, along a way
 // that is long beside the balls, of its square over the sum of radii.
 inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
-inline constexpr double kFiner = 262144.0;  // of the engaged area's units: exact.glsl
 // How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
 // are mostly far from bone, so a wide margin costs nothing.
 // A software driver makes their words anew beyond this drift; a GPU has no use for that.

@@ -167,6 +167,7 @@ void FrameProgram::MakePipelines() {
     uint materials;
     VkBool32 on_gpu;
     uint tool_rest;
+    uint bone_bits;
   } const constants{.one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
                     .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
                     .lanes = lanes(),
@@ -174,8 +175,9 @@ void FrameProgram::MakePipelines() {
                     .contact_sphere = sizes_.contact_sphere ? VK_TRUE : VK_FALSE,
                     .materials = static_cast<uint>(sizes_.materials),
                     .on_gpu = gpu_ ? VK_TRUE : VK_FALSE,
-                    .tool_rest = static_cast<uint>(2 * sizes_.tool_balls)};
-  const std::array<vk::SpecializationMapEntry, 8> entries{
+                    .tool_rest = static_cast<uint>(2 * sizes_.tool_balls),
+                    .bone_bits = BoneBits(sizes_.balls)};
+  const std::array<vk::SpecializationMapEntry, 9> entries{
       {{1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)},
@@ -183,7 +185,8 @@ void FrameProgram::MakePipelines() {
        {5, offsetof(Constants, contact_sphere), sizeof(VkBool32)},
        {6, offsetof(Constants, materials), sizeof(uint)},
        {7, offsetof(Constants, on_gpu), sizeof(VkBool32)},
-       {8, offsetof(Constants, tool_rest), sizeof(uint)}}};
+       {8, offsetof(Constants, tool_rest), sizeof(uint)},
+       {9, offsetof(Constants, bone_bits), sizeof(uint)}}};
   Constants wide = constants;
   if (gpu_) wide.lanes = kWideLanes;
   const auto add = [&](const char* name, const auto& code, const Constants& own, std::size_t groups,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gpu/context.h"
+#include "gpu/shaders/bin_key.h"
 #include "gpu/shaders/layout.h"
 #include "gpu/vulkan_engine.h"
 

@@ -17,6 +17,12 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
                                " materials, accepted 1 … " + std::to_string(kMaxMaterials));
   if (params.split.on && vulkan.brute_force)
     return tl::make_unexpected("brute force: accepted without splitting");
+  const std::size_t all_balls =
+      bone.balls.size() + (params.split.on ? params.split.pool_blocks * kGroupSize : 0);
+  if (all_balls > kMaxBoneBalls)
+    return tl::make_unexpected("bone: " + std::to_string(all_balls) +
+                               " balls with those that splitting may make, accepted 0 … " +
+                               std::to_string(kMaxBoneBalls));
   auto context = OpenContext(vulkan.device, vulkan.validation);
   if (!context) return tl::make_unexpected(context.error());
   try {

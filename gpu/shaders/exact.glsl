@@ -44,9 +44,6 @@ double ExactFirstContact(dvec3 D, dvec3 m, double R) {
   return misses ? 2.0lf : s;
 }
 
-// Parts of the units of face_scale, area_scale and moment_scale.
-const double kFiner = 262144.0lf;
-
 // The slide that is done: with the turn, or straight where bone keeps the tool from turning (twin of
 // ReferenceEngine::Frame).
 const double kTurnWorth_mm = 1e3 * kTurnWorth_m;

@@ -39,9 +39,9 @@ OSTEON_CONST uint kRemembered = 8;
 OSTEON_CONST uint kCandidates = 68;  // the nearest pair of each bin, then the remembered ones
 OSTEON_CONST uint kFaces = 4;
 OSTEON_CONST uint kFaceColumns = 4;  // weight centre (3), weight radius
-// The nearest pair of a bin is the least key: its gap from -1 mm on, its bone ball and its tool ball.
-OSTEON_CONST uint kGapBits = 26, kBoneBits = 24, kToolBits = 14;
-OSTEON_CONST float kGapUnit = 1.0f / 33554432.0f;  // mm
+OSTEON_CONST uint kToolBits = 14;    // of a tool ball's number in keys and words
+// Parts of the units of face_scale, area_scale and moment_scale.
+OSTEON_CONST double kFiner = 262144.0;
 // A word of a span: a tool ball, and above it the gap that it had at least where the lists were made.
 OSTEON_CONST uint kLargestSpanGap = (1u << (32u - kToolBits)) - 1u;
 OSTEON_CONST float kSpanGapUnit = 1.0f / 32768.0f;  // mm

@@ -89,11 +89,11 @@ Pair Touch(Near near, vec4 ball, vec4 at, bool cutting) {
   bool is_near = ball.w > 0.0 && gap < near.enlargement + near.rounding;
   Bin bin = FindBin(InTool(near, n), cutting);
   float score = gap + float(kMiddleWorth_mm) * bin.off_middle - near.rounding;
-  uint units = uint(clamp(score + 1.0, 0.0, 1.999) / kGapUnit);
+  uint units = KeptUnits(ScoreUnits(score), kBoneBits);
   float most = max(max(dot(n, near.face_0), dot(n, near.face_1)), max(dot(n, near.face_2), dot(n, near.face_3)));
   // the least key so far, or an older one: the upper half of its 64 bits begins with the units
   return Pair(is_near && (bin.inside < kDirectionRounding ||
-                          units <= frame_halves[2u * bin.number + 1u] >> (kBoneBits + kToolBits - 32u)),
+                          units <= UnitsOfHalf(frame_halves[2u * bin.number + 1u], kBoneBits)),
               is_near && most > float(kFaceCosine) - kDirectionRounding);
 }
 
@@ -118,10 +118,10 @@ void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   if (exact.d <= 0.0lf || exact.gap >= near.exact_enlargement) return;
   ExactBin bin =
       FindExactBin(dvec3(dot(exact.n, near.exact_x), dot(exact.n, near.exact_y), dot(exact.n, near.exact_z)), cutting);
-  uint units = uint(clamp(exact.gap + kMiddleWorth_mm * bin.off_middle + 1.0lf, 0.0lf, 1.999lf) * double(1.0f / kGapUnit));
+  uint units = ScoreUnits(exact.gap + kMiddleWorth_mm * bin.off_middle);
   // others may have been found since this one was
-  if (kKeysApart && units > frame_halves[2u * bin.number + 1u] >> (kBoneBits + kToolBits - 32u)) return;
-  uint64_t key = (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(bone) << kToolBits) | uint64_t(t);
+  if (kKeysApart && KeptUnits(units, kBoneBits) > UnitsOfHalf(frame_halves[2u * bin.number + 1u], kBoneBits)) return;
+  uint64_t key = BinKey(units, bone, t, kBoneBits);
   if (!kOnGpu) {
     atomicMin(frame.bin_keys[bin.number], key);
   } else if (bin.number == waiting.bin) {
@@ -137,7 +137,7 @@ void TakeLeast() {
   if (gl_LocalInvocationID.x < kBins) least_units[gl_LocalInvocationID.x] = 0xffffffffu;
   barrier();
   bool waits = waiting.bin < kBins;
-  uint units = uint(waiting.key >> (kBoneBits + kToolBits));
+  uint units = UnitsOfKey(waiting.key, kBoneBits);
   if (waits) atomicMin(least_units[waiting.bin], units);
   barrier();
   if (waits && units == least_units[waiting.bin]) atomicMin(frame.bin_keys[waiting.bin], waiting.key);

@@ -240,8 +240,8 @@ void Take(uint source, double s, double enlargement) {
   uint ball_count = frame.ball_count, tool_count = frame.tool_count, live_count = frame.live_ball_count;
   uint remembered_count = frame.remembered_count;
   bool is = binned ? key != 0xfffffffffffffffful : k < remembered_count;
-  uint bone = binned ? uint(key >> kToolBits) & ((1u << kBoneBits) - 1u) : remembered_bone;
-  uint t = binned ? uint(key) & ((1u << kToolBits) - 1u) : remembered_tool;
+  uint bone = binned ? BoneOfKey(key, kBoneBits) : remembered_bone;
+  uint t = binned ? ToolOfKey(key) : remembered_tool;
   is = is && bone < ball_count && t < tool_count;
   uint slot = slots[is ? bone : 0u];
   dvec4 start = ExactStart(is ? t : 0u);
