@@ -103,6 +103,12 @@ bool IsLastGroup() {
   return is_last_group;
 }
 
+// The unit vector along v; zero for zero, as Eigen's normalized() has it.
+dvec3 Unit(dvec3 v) {
+  double squared = dot(v, v);
+  return squared > 0.0lf ? (1.0lf / sqrt(squared)) * v : dvec3(0.0lf);
+}
+
 #include "exact.glsl"
 float ContactFraction() { return float(ExactFraction()); }
 

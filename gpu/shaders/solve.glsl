@@ -217,7 +217,7 @@ void HoldTool(uint number, dvec3 origin_motion, double s, float friction) {
       slip += found.m[k] * (motion + found.point - tool_radius[i] * cross(turn, plane_n[i]));
     }
     slip /= hold.normal;
-    dvec3 n = normalize(found.point);
+    dvec3 n = Unit(found.point);
     slip -= dot(n, slip) * n;
     double size = length(slip);
     if (size <= 0.0lf) break;
@@ -363,8 +363,8 @@ void FindResultant(Held held, double normal, double hold_most) {
     OldFace old = old_face[min(f, kFaces - 1u)];
     dvec3 n = (1.0lf / max(size, 1e-300lf)) * hold_f;
     if (f < kFaces && old.is) {
-      double exact = clamp(max(4.0lf * (1.0lf - largest * per_normal), old.off), 0.0lf, 1.0lf);
-      n = normalize((1.0lf - exact) * old.mean + exact * n);
+      double exact = Exactness(largest * per_normal, old.off);
+      n = Unit((1.0lf - exact) * old.mean + exact * n);
     }
     resultant_of[f] = size > 0.0lf ? cuts / multiplier * (free_share * size * n + (1.0lf - free_share) * multiplier *
                                                                                        per_normal * held.point)
