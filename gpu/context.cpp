@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <cstring>
+
+#include <fmt/format.h>
 
 #include "gpu/driver_threads.h"
 
@@ -143,8 +146,17 @@ tl::expected<std::vector<DeviceInfo>, std::string> ListDevices() try {
   for (const auto& device : Devices(*OpenInstance(false)->instance)) infos.push_back(Inspect(device));
   if (infos.empty()) return tl::make_unexpected(std::string(kNoDriver));
   return infos;
-} catch (const std::exception&) {
-  return tl::make_unexpected(std::string(kNoDriver));
+} catch (const std::exception& error) {
+  return tl::make_unexpected(OpeningFailure(error));
+}
+
+std::string OpeningFailure(const std::exception& error) {
+  if (dynamic_cast<const vk::LayerNotPresentError*>(&error))
+    return "validation layers are not installed (package vulkan-validationlayers)";
+  if (dynamic_cast<const vk::IncompatibleDriverError*>(&error)) return kNoDriver;
+  // the loader's library itself: vulkan_raii says so by an error of its own
+  if (std::strstr(error.what(), "Failed to load vulkan library")) return kNoDriver;
+  return std::string("Vulkan could not be opened: ") + error.what();
 }
 
 tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name,
@@ -186,26 +198,19 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   threads.Spread();
   context->queue.emplace(*context->device, context->queue_family, 0);
   return context;
-} catch (const vk::LayerNotPresentError&) {
-  return tl::make_unexpected(
-      std::string("validation layers are not installed (package vulkan-validationlayers)"));
-} catch (const std::exception&) {
-  return tl::make_unexpected(std::string(kNoDriver));
+} catch (const std::exception& error) {
+  return tl::make_unexpected(OpeningFailure(error));
 }
 
-Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placement) {
-  using Usage = vk::BufferUsageFlagBits;
-  using Property = vk::MemoryPropertyFlagBits;
-  Buffer made;
-  made.size = std::max<vk::DeviceSize>(size, 16);
-  made.buffer =
-      vk::raii::Buffer(*context.device, vk::BufferCreateInfo({}, made.size,
-                                                             Usage::eStorageBuffer | Usage::eIndirectBuffer |
-                                                                 Usage::eUniformTexelBuffer |
-                                                                 Usage::eTransferSrc | Usage::eTransferDst));
-  const vk::MemoryRequirements needs = made.buffer.getMemoryRequirements();
-  const vk::PhysicalDeviceMemoryProperties memory = context.physical->getMemoryProperties();
+void NameForLayers(const Context& context, const Buffer& buffer, const char* name) {
+  if (!context.validation) return;
+  const auto handle = reinterpret_cast<std::uint64_t>(static_cast<VkBuffer>(*buffer.buffer));
+  context.device->setDebugUtilsObjectNameEXT({vk::ObjectType::eBuffer, handle, name});
+}
 
+std::vector<std::uint32_t> MemoryTypes(const vk::PhysicalDeviceMemoryProperties& memory,
+                                       const vk::MemoryRequirements& needs, Placement placement) {
+  using Property = vk::MemoryPropertyFlagBits;
   // what the placement asks for, best first; the last is always there
   const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
   const std::vector<vk::MemoryPropertyFlags> wishes =
@@ -215,17 +220,36 @@ Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placeme
       : placement == Placement::kUpload
           ? std::vector<vk::MemoryPropertyFlags>{host}
           : std::vector<vk::MemoryPropertyFlags>{host | Property::eHostCached, host};
+  std::vector<std::uint32_t> types;
   for (const vk::MemoryPropertyFlags wish : wishes)
     for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
-      if (!(needs.memoryTypeBits & (1u << i)) || (memory.memoryTypes[i].propertyFlags & wish) != wish)
-        continue;
-      made.memory = vk::raii::DeviceMemory(*context.device, vk::MemoryAllocateInfo(needs.size, i));
-      made.buffer.bindMemory(*made.memory, 0);
-      made.device_local = static_cast<bool>(memory.memoryTypes[i].propertyFlags & Property::eDeviceLocal);
-      if (placement != Placement::kDevice) made.mapped = made.memory.mapMemory(0, VK_WHOLE_SIZE);
-      return made;
+      const vk::MemoryType& type = memory.memoryTypes[i];
+      if ((needs.memoryTypeBits & (1u << i)) && (type.propertyFlags & wish) == wish &&
+          memory.memoryHeaps[type.heapIndex].size >= needs.size && std::ranges::find(types, i) == types.end())
+        types.push_back(i);
     }
-  throw vk::OutOfDeviceMemoryError("no memory type fits");
+  return types;
+}
+
+Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placement) {
+  using Usage = vk::BufferUsageFlagBits;
+  Buffer made;
+  made.size = std::max<vk::DeviceSize>(size, 16);
+  made.buffer =
+      vk::raii::Buffer(*context.device, vk::BufferCreateInfo({}, made.size,
+                                                             Usage::eStorageBuffer | Usage::eIndirectBuffer |
+                                                                 Usage::eUniformTexelBuffer |
+                                                                 Usage::eTransferSrc | Usage::eTransferDst));
+  const vk::MemoryRequirements needs = made.buffer.getMemoryRequirements();
+  const vk::PhysicalDeviceMemoryProperties memory = context.physical->getMemoryProperties();
+  const std::uint32_t type = AllocateFromFirst(MemoryTypes(memory, needs, placement), [&](std::uint32_t i) {
+    made.memory = vk::raii::DeviceMemory(*context.device, vk::MemoryAllocateInfo(needs.size, i));
+  });
+  made.buffer.bindMemory(*made.memory, 0);
+  made.device_local =
+      static_cast<bool>(memory.memoryTypes[type].propertyFlags & vk::MemoryPropertyFlagBits::eDeviceLocal);
+  if (placement != Placement::kDevice) made.mapped = made.memory.mapMemory(0, VK_WHOLE_SIZE);
+  return made;
 }
 
 }  // namespace osteon::gpu

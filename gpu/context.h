@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,6 +41,10 @@ struct Context {
 [[nodiscard]] tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name,
                                                                               bool validation);
 
+/// Why Vulkan could not be opened, for the user: what to install where loader, driver or layers are missing,
+/// else what Vulkan said.
+[[nodiscard]] std::string OpeningFailure(const std::exception& error);
+
 /// A buffer with memory of its own.
 struct Buffer {
   vk::raii::DeviceMemory memory{nullptr};
@@ -52,6 +57,32 @@ struct Buffer {
 /// Where a buffer lies: on the device; in host memory, to write to it or to read from it; or on the device
 /// where the host can write to it, if there is such memory.
 enum class Placement { kDevice, kUpload, kReadBack, kShared };
+
+/// The name, for the validation layers' messages, of the buffer that holds a frame.
+inline constexpr const char* kFrameBufferName = "frame";
+/// Names a buffer in their messages; nothing without the layers.
+void NameForLayers(const Context& context, const Buffer& buffer, const char* name);
+
+/// The types of memory that a buffer can lie in, those that its placement asks for first; types whose heap is
+/// smaller than the buffer are left out (a window into a card's memory often has 256 MB).
+[[nodiscard]] std::vector<std::uint32_t> MemoryTypes(const vk::PhysicalDeviceMemoryProperties& memory,
+                                                     const vk::MemoryRequirements& needs,
+                                                     Placement placement);
+
+/// The first of the types for which `allocate(type)` does not throw vk::OutOfDeviceMemoryError or
+/// vk::OutOfHostMemoryError. @throws vk::OutOfDeviceMemoryError where there is none.
+template <class Allocate>
+std::uint32_t AllocateFromFirst(const std::vector<std::uint32_t>& types, Allocate allocate) {
+  for (const std::uint32_t type : types) {
+    try {
+      allocate(type);
+      return type;
+    } catch (const vk::OutOfDeviceMemoryError&) {  // the next one, then
+    } catch (const vk::OutOfHostMemoryError&) {
+    }
+  }
+  throw vk::OutOfDeviceMemoryError("none of " + std::to_string(types.size()) + " memory types has room");
+}
 
 /// @throws vk::SystemError where memory does not suffice.
 [[nodiscard]] Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placement);
