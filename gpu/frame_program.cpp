@@ -95,6 +95,7 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
                                   vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kMostPasses + 1));
   }
   MakeBuffers();
+  NameForLayers(*context_, FrameBuffer(), kFrameBufferName);
   const auto begun = std::chrono::steady_clock::now();
   MakePipelines();
   pipelines_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
@@ -214,9 +215,8 @@ void FrameProgram::MakePipelines() {
   }
   rest.push_back(add("slide_engage", kSpirv_slide_engage, wide, all, Then::kReads));
   rest.push_back(add("remove_clear", kSpirv_remove_clear, wide, offsetof(Frame, clear_work), Then::kNothing));
-  // beside the near field, which has no need of it
   if (sizes_.contact_sphere)
-    rest.insert(rest.begin(), add("touching", kSpirv_touching, constants, pairs, Then::kNothing));
+    rest.insert(rest.begin(), add("touching", kSpirv_touching, constants, pairs, Then::kReads));
   const std::size_t contact = add("contact", kSpirv_contact, constants, pairs, Then::kReads);
   const std::size_t path =
       add("path_contact", kSpirv_path_contact, constants, offsetof(Frame, path_work), Then::kReads);
