@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "gpu/driver_threads.h"
+#include "gpu/shaders/layout.h"
 
 namespace osteon::gpu {
 namespace {
@@ -23,6 +24,9 @@ std::string Lower(std::string text) {
 const vk::SubgroupFeatureFlags kSubgroupNeeds =
     vk::SubgroupFeatureFlagBits::eBasic | vk::SubgroupFeatureFlagBits::eArithmetic |
     vk::SubgroupFeatureFlagBits::eBallot | vk::SubgroupFeatureFlagBits::eVote;
+
+constexpr std::uint32_t kMinSubgroup = 4;        // the shared memory of a workgroup has room for 64 subgroups
+constexpr std::uint32_t kSharedMemory = 32'000;  // bytes
 
 int Rank(vk::PhysicalDeviceType type) {
   switch (type) {
@@ -84,11 +88,43 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
     info.refusal = "no 64-bit floats, integers and atomics in shaders";
   else if (!ComputeFamily(device))
     info.refusal = "no compute queue";
-  else if ((subgroup.supportedOperations & kSubgroupNeeds) != kSubgroupNeeds || subgroup.subgroupSize > 64)
-    info.refusal = "no subgroup arithmetic, ballot and vote in subgroups of up to 64";
-  else if (p.limits.maxComputeSharedMemorySize < 32'000)
-    info.refusal = "less than 32 kB of shared memory";
+  else if ((subgroup.supportedOperations & kSubgroupNeeds) != kSubgroupNeeds)
+    info.refusal = "no subgroup arithmetic, ballot and vote";
+  else if (subgroup.subgroupSize < kMinSubgroup || subgroup.subgroupSize > kGroupSize)
+    info.refusal =
+        fmt::format("subgroups of {}, accepted {} … {}", subgroup.subgroupSize, kMinSubgroup, kGroupSize);
+  else if (p.limits.maxComputeSharedMemorySize < kSharedMemory)
+    info.refusal = fmt::format("{} bytes of shared memory, accepted {} and more",
+                               p.limits.maxComputeSharedMemorySize, kSharedMemory);
+  else if (const std::uint32_t most =
+               std::min(p.limits.maxComputeWorkGroupInvocations, p.limits.maxComputeWorkGroupSize[0]);
+           p.deviceType != vk::PhysicalDeviceType::eCpu && most < kWideLanes)
+    info.refusal = fmt::format("workgroups of {} invocations, accepted {} and more", most, kWideLanes);
   return info;
+}
+
+Subgroups FindSubgroups(const vk::raii::PhysicalDevice& device) {
+  Subgroups found{
+      .size = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
+                  .get<vk::PhysicalDeviceSubgroupProperties>()
+                  .subgroupSize};
+  const auto extensions = device.enumerateDeviceExtensionProperties();
+  if (std::ranges::none_of(extensions, [](const vk::ExtensionProperties& extension) {
+        return std::strcmp(extension.extensionName, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME) == 0;
+      }))
+    return found;
+  const auto features =
+      device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceSubgroupSizeControlFeatures>()
+          .get<vk::PhysicalDeviceSubgroupSizeControlFeatures>();
+  const auto sizes =
+      device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupSizeControlProperties>()
+          .get<vk::PhysicalDeviceSubgroupSizeControlProperties>();
+  found.can_choose =
+      features.subgroupSizeControl && (sizes.requiredSubgroupSizeStages & vk::ShaderStageFlagBits::eCompute);
+  found.can_be_full = features.computeFullSubgroups;
+  found.min_size = std::max(sizes.minSubgroupSize, kMinSubgroup);
+  found.max_size = std::min(sizes.maxSubgroupSize, kGroupSize);
+  return found;
 }
 
 std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance) {
@@ -211,6 +247,14 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   vk::DeviceCreateInfo create({}, queue);
   create.pEnabledFeatures = &core;
   create.pNext = &features;
+  context->subgroups = FindSubgroups(*context->physical);
+  vk::PhysicalDeviceSubgroupSizeControlFeatures sizes(context->subgroups.can_choose,
+                                                      context->subgroups.can_be_full);
+  const char* const size_control = VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME;
+  if (sizes.subgroupSizeControl || sizes.computeFullSubgroups) {
+    create.setPEnabledExtensionNames(size_control);
+    features.pNext = &sizes;
+  }
   const DriverThreads threads;
   context->device.emplace(*context->physical, create);
   threads.Spread();

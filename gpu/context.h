@@ -26,6 +26,14 @@ struct SharedInstance {
   std::optional<vk::raii::DebugUtilsMessengerEXT> messenger;  ///< where the layers are there
 };
 
+/// Subgroups of a device: invocations of a workgroup that run in step.
+struct Subgroups {
+  std::uint32_t size{0};  ///< what a pass gets that asks for none
+  bool can_choose{false};
+  std::uint32_t min_size{0}, max_size{0};  ///< where a pass can choose, powers of two
+  bool can_be_full{false};                 ///< a pass can ask that none of its invocations be left out
+};
+
 /// Device and one compute queue.
 struct Context {
   std::shared_ptr<SharedInstance> shared;  ///< lives as long as any device of it, and to the process's end
@@ -35,6 +43,7 @@ struct Context {
   std::optional<vk::raii::Queue> queue;
   std::uint32_t queue_family{0};
   DeviceInfo info;
+  Subgroups subgroups;
 };
 
 /// @param name  part of a device's name, in any case; empty: the default device.

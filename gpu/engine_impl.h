@@ -44,8 +44,8 @@ inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
 // A software driver makes their words anew beyond this drift; a GPU has no use for that.
 inline constexpr float kWordDrift_mm = 0.03f;
 inline constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 0.6e-3;
-// Room for what the tool can meet: entries of a list, tool balls of all entries, tool balls of all clusters.
-inline constexpr std::size_t kMostLive = 4'000'000, kSpans = 4'000'000, kToolRefs = 1'000'000;
+// Room for what the tool can meet: tool balls of all entries of the lists, tool balls of all clusters.
+inline constexpr std::size_t kSpans = 4'000'000, kToolRefs = 1'000'000;
 
 inline std::size_t ClusterCount(std::size_t count) { return (count + kGroupSize - 1) / kGroupSize; }
 

@@ -109,6 +109,11 @@ dvec3 Unit(dvec3 v) {
   return squared > 0.0lf ? (1.0lf / sqrt(squared)) * v : dvec3(0.0lf);
 }
 
+// This invocation's number among those of its subgroup that are at work, and how many these are: a driver may dispatch fewer
+// than gl_SubgroupSize. Called by all of a subgroup.
+uint SubgroupRank() { return subgroupBallotExclusiveBitCount(subgroupBallot(true)); }
+uint SubgroupWorkers() { return subgroupBallotBitCount(subgroupBallot(true)); }
+
 #include "exact.glsl"
 float ContactFraction() { return float(ExactFraction()); }
 

@@ -133,7 +133,7 @@ Held OfLane(Held own, uint lane) {
 
 // Twin of simulation::FindHoldPoint, about `shift` instead of the tool's pose: one subgroup's work, the same on every lane.
 Held FindHold(uint hold, dvec3 shift, bool start) {
-  uint lane = gl_SubgroupInvocationID;
+  uint lane = gl_SubgroupInvocationID, rank = SubgroupRank(), workers = SubgroupWorkers();
   Held held = Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf);
   for (uint once = start ? 0 : 1; once < 1; ++once) {
     Held likely;
@@ -144,7 +144,7 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
     // the most violated plane, of equal ones the first
     float worst = 0.0;
     uint entering = kNoPlane;
-    for (uint k = lane; k < there_count; k += gl_SubgroupSize) {
+    for (uint k = rank; k < there_count; k += workers) {
       uint i = there[k];
       double violation = Violation(hold, held, i, shift);
       if (violation <= kViolated_mm || float(violation) <= worst) continue;
@@ -160,7 +160,7 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
     float least = 1e30;
     uint chosen = 16u;
     Held own = held;
-    for (uint mask = lane; mask < (1u << held.size); mask += gl_SubgroupSize) {
+    for (uint mask = rank; mask < (1u << held.size); mask += workers) {
       Held set;
       bool good = bitCount(mask) < 4 && SolveSet(hold, Chosen(held, mask, entering), shift, set);
       double violation = 0.0lf;
@@ -356,7 +356,7 @@ void FindResultant(Held held, double normal, double hold_most) {
   uvec4 cutters = uvec4(lessThan(uvec4(tool_ball[min(plane.x, kCandidates - 1u)], tool_ball[min(plane.y, kCandidates - 1u)],
                                        tool_ball[min(plane.z, kCandidates - 1u)], tool_ball[min(plane.w, kCandidates - 1u)]),
                                  uvec4(frame.cutter_count)));
-  for (uint f = gl_SubgroupInvocationID; f < 2u * kFaces; f += gl_SubgroupSize) {
+  for (uint f = SubgroupRank(), step = SubgroupWorkers(); f < 2u * kFaces; f += step) {
     dvec4 here = dvec4(equal(face, uvec4(f))) * m;
     dvec3 hold_f = here.x * n_0 + here.y * n_1 + here.z * n_2 + here.w * n_3;
     double multiplier = here.x + here.y + here.z + here.w, cuts = dot(here, dvec4(cutters)), size = length(hold_f);
