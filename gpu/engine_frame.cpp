@@ -106,12 +106,12 @@ void VulkanEngine::Impl::SetFlush(Frame& f) const {
 }
 
 // The balls of the lists back to where Snapshot reads them.
-void VulkanEngine::Impl::Flush() const {
+bool VulkanEngine::Impl::Flush() const {
   Frame f = still;
   f.chunk = Chunk(lists.balls, 1);
   SetFlush(f);
   SetUploads(f);
-  program->Run(f, FrameMode::kFlush, kFrameTimeout_ns);
+  return program->Run(f, FrameMode::kFlush, frame_timeout_ns);
 }
 
 // What the frame before has split.
@@ -255,7 +255,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   if (!program->Run(f, mode,
                     brute_force         ? kBruteTimeout_ns
                     : memory.frame == 0 ? kWarmUpTimeout_ns
-                                        : kFrameTimeout_ns))
+                                        : frame_timeout_ns))
     return false;
   const Frame& done = program->result();
   stats = {

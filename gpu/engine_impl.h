@@ -30,8 +30,8 @@ inline constexpr double kLargestSummand =
 // of a face's weights: the largest lens in the middle of its cone
 inline constexpr double kLargestFaceWeight_mm3 =
     simulation::kLargestLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
-// The servo loop stops on the model's age long before; this ends a wait for a device that hangs.
-inline constexpr std::uint64_t kFrameTimeout_ns = 20'000'000'000;
+// How long a lost device may go on with what it was given.
+inline constexpr std::uint64_t kLostTimeout_ns = 20'000'000'000;
 inline constexpr std::uint64_t kWarmUpTimeout_ns =
     120'000'000'000;  // software drivers compile a pass when it first runs
 inline constexpr std::uint64_t kBruteTimeout_ns =
@@ -111,6 +111,7 @@ struct VulkanEngine::Impl {
   // the largest coordinate of a tool ball that can touch; the least tool ball
   double extent_m{0.0}, least_radius_m{1.0};
   bool lost{false}, brute_force{false};
+  std::uint64_t frame_timeout_ns{0};
   FrameStats stats;
   simulation::NearField near;  // of the last frame: its faces alone
   simulation::Candidates candidates;
@@ -168,7 +169,9 @@ struct VulkanEngine::Impl {
   [[nodiscard]] std::size_t WholeSpans() const {
     return (static_cast<std::size_t>(FirstOfShaftSpan()) + tool.balls.size() - tool.cutter_count + 3) / 4 * 4;
   }
-  void Flush() const;
+  [[nodiscard]] bool Flush() const;  // false where the device is lost
+  void ReadState(simulation::CarvedState& state) const;
+  void WriteState(const simulation::CarvedState& state);
   // a tool ball of the tool's own list; none for a number that is not in it
   [[nodiscard]] uint DeviceTool(uint number) const {
     return number < device_tool.size() ? device_tool[number] : still.tool_count;

@@ -38,7 +38,7 @@ struct VulkanOverrides {
 
 struct VulkanParams {
   std::string device;       ///< part of a device's name; empty: the best there is
-  bool validation{false};   ///< run under the validation layers
+  bool validation{false};   ///< run under the validation layers, synchronisation included
   bool time_passes{false};  ///< timestamps between the passes; software drivers wait at each
   FencePolicy fence{FencePolicy::kAuto};
   bool brute_force{false};  ///< every pair in every pass: what culling is measured against
@@ -85,7 +85,11 @@ class VulkanEngine final : public simulation::CuttingEngine {
   ~VulkanEngine() override;
 
   simulation::ContactModel Step(const simulation::FrameInput& input) override;
+  /// Of a lost device the books alone, without balls and points: they lay on it. Where the device is lost
+  /// here, the next Step says so.
   [[nodiscard]] simulation::CarvedState Snapshot() const override;
+  /// @throws std::invalid_argument where the state is not of this bone and tool; std::runtime_error where the
+  ///   device is lost.
   void Restore(const simulation::CarvedState& state) override;
   [[nodiscard]] std::string name() const override { return "vulkan"; }
   [[nodiscard]] std::string device() const override;

@@ -231,13 +231,34 @@ FrameMemory ToMemory(const CarvedState& state) {
           .frame = state.frame};
 }
 
+void CheckMemory(const CarvedState& state, std::size_t tool_balls) {
+  const ContactMemory& contact = state.contact;
+  CheckAtMost("contact pairs", contact.pair_count, kRememberedPairs);
+  CheckAtMost("contact pairs that hold", contact.held_count,
+              std::min<std::int64_t>(contact.pair_count, kMostHolding));
+  CheckAtMost("contact faces", contact.face_count, kMaxFaces);
+  const auto places = static_cast<std::int64_t>((state.balls.size() + state.split_slots.size()) / 4);
+  for (const ContactPair& pair :
+       std::span(contact.pairs).first(static_cast<std::size_t>(contact.pair_count))) {
+    CheckAtMost("bone ball of a contact pair", pair.bone_ball, places - 1);
+    CheckAtMost("tool ball of a contact pair", pair.tool_ball, static_cast<std::int64_t>(tool_balls) - 1);
+  }
+  for (const PlainVector3& n :
+       std::span(contact.face_n_G).first(static_cast<std::size_t>(contact.face_count)))
+    if (!Vector3(n).allFinite())
+      throw std::invalid_argument("carved state: direction of a contact face: found no finite one");
+  if (!IsPose(state.X_GP))
+    throw std::invalid_argument("carved state: proxy: found no pose, accepted a rotation and a finite place");
+  for (const double value : {state.removed_volume_m3, state.removed_mass_kg, state.cutting_work_J,
+                             state.cutting_debt_J, contact.friction})
+    if (!std::isfinite(value))
+      throw std::invalid_argument(
+          fmt::format("carved state: books: found {}, accepted finite numbers", value));
+}
+
 bool IsUsable(const FrameInput& input) {
-  const Pose X = input.X_WT;
-  if (!X.matrix().allFinite() || !std::isfinite(input.spindle_rad_per_s) || !std::isfinite(input.dt_s))
-    return false;
-  if (input.dt_s < 0.0 || input.dt_s > 1.0) return false;
-  return (X.linear() * X.linear().transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
-         X.linear().determinant() > 0.0;
+  return IsPose(input.X_WT) && std::isfinite(input.spindle_rad_per_s) && std::isfinite(input.dt_s) &&
+         input.dt_s >= 0.0 && input.dt_s <= 1.0;
 }
 
 }  // namespace osteon::simulation

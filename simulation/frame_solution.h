@@ -142,6 +142,11 @@ template <class Frame>
 void ToState(const FrameMemory& memory, CarvedState& state);
 [[nodiscard]] FrameMemory ToMemory(const CarvedState& state);
 
+/// Looks at the part of a state that is not balls and points before an engine takes it.
+/// @throws std::invalid_argument naming what was found and what is accepted: counts beyond their arrays,
+///   pairs of balls that bone and tool do not have, a proxy that is no pose, numbers that are not finite.
+void CheckMemory(const CarvedState& state, std::size_t tool_balls);
+
 /// True where pose, spindle and time are finite, the pose is a rotation, and dt is in [0, 1] s.
 [[nodiscard]] bool IsUsable(const FrameInput& input);
 

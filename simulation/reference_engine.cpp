@@ -269,23 +269,21 @@ CarvedState ReferenceEngine::Snapshot() const {
   ToState(memory_, state);
   // what held the tool, by its place in the state: blocks have other numbers there
   ContactMemory& contact = state.contact;
-  const std::int32_t count = std::exchange(contact.pair_count, 0);
+  const std::int32_t count = std::exchange(contact.pair_count, 0),
+                     held = std::exchange(contact.held_count, 0);
   for (std::int32_t i = 0; i < count; ++i) {
     const ContactPair pair = contact.pairs[static_cast<std::size_t>(i)];
-    if (const auto saved = removal_.SavedIndex(pair.bone_ball))
-      contact.pairs[static_cast<std::size_t>(contact.pair_count++)] = {*saved, pair.tool_ball};
+    const auto saved = removal_.SavedIndex(pair.bone_ball);
+    if (!saved) continue;
+    contact.pairs[static_cast<std::size_t>(contact.pair_count++)] = {*saved, pair.tool_ball};
+    if (i < held) ++contact.held_count;
   }
   return state;
 }
 
 void ReferenceEngine::Restore(const CarvedState& state) {
   if (state.cleared.size() != cleared_.size()) throw std::invalid_argument("carved state: not of this bone");
-  const std::size_t places = (state.balls.size() + state.split_slots.size()) / 4;
-  if (state.contact.pair_count < 0 || state.contact.pair_count > kRememberedPairs)
-    throw std::invalid_argument("carved state: contact: wrong number of pairs");
-  for (std::size_t i = 0; i < static_cast<std::size_t>(state.contact.pair_count); ++i)
-    if (state.contact.pairs[i].bone_ball >= places || state.contact.pairs[i].tool_ball >= tool_.balls.size())
-      throw std::invalid_argument("carved state: contact: not of this bone and tool");
+  CheckMemory(state, tool_.balls.size());
   removal_.Load(state, balls_);
   cleared_ = state.cleared;
   memory_ = ToMemory(state);
