@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <cstring>
+
+#include <fmt/format.h>
 
 #include "gpu/driver_threads.h"
+#include "gpu/shaders/layout.h"
 
 namespace osteon::gpu {
 namespace {
@@ -20,6 +24,9 @@ std::string Lower(std::string text) {
 const vk::SubgroupFeatureFlags kSubgroupNeeds =
     vk::SubgroupFeatureFlagBits::eBasic | vk::SubgroupFeatureFlagBits::eArithmetic |
     vk::SubgroupFeatureFlagBits::eBallot | vk::SubgroupFeatureFlagBits::eVote;
+
+constexpr std::uint32_t kMinSubgroup = 4;        // the shared memory of a workgroup has room for 64 subgroups
+constexpr std::uint32_t kSharedMemory = 32'000;  // bytes
 
 int Rank(vk::PhysicalDeviceType type) {
   switch (type) {
@@ -81,11 +88,43 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
     info.refusal = "no 64-bit floats, integers and atomics in shaders";
   else if (!ComputeFamily(device))
     info.refusal = "no compute queue";
-  else if ((subgroup.supportedOperations & kSubgroupNeeds) != kSubgroupNeeds || subgroup.subgroupSize > 64)
-    info.refusal = "no subgroup arithmetic, ballot and vote in subgroups of up to 64";
-  else if (p.limits.maxComputeSharedMemorySize < 32'000)
-    info.refusal = "less than 32 kB of shared memory";
+  else if ((subgroup.supportedOperations & kSubgroupNeeds) != kSubgroupNeeds)
+    info.refusal = "no subgroup arithmetic, ballot and vote";
+  else if (subgroup.subgroupSize < kMinSubgroup || subgroup.subgroupSize > kGroupSize)
+    info.refusal =
+        fmt::format("subgroups of {}, accepted {} … {}", subgroup.subgroupSize, kMinSubgroup, kGroupSize);
+  else if (p.limits.maxComputeSharedMemorySize < kSharedMemory)
+    info.refusal = fmt::format("{} bytes of shared memory, accepted {} and more",
+                               p.limits.maxComputeSharedMemorySize, kSharedMemory);
+  else if (const std::uint32_t most =
+               std::min(p.limits.maxComputeWorkGroupInvocations, p.limits.maxComputeWorkGroupSize[0]);
+           p.deviceType != vk::PhysicalDeviceType::eCpu && most < kWideLanes)
+    info.refusal = fmt::format("workgroups of {} invocations, accepted {} and more", most, kWideLanes);
   return info;
+}
+
+Subgroups FindSubgroups(const vk::raii::PhysicalDevice& device) {
+  Subgroups found{
+      .size = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
+                  .get<vk::PhysicalDeviceSubgroupProperties>()
+                  .subgroupSize};
+  const auto extensions = device.enumerateDeviceExtensionProperties();
+  if (std::ranges::none_of(extensions, [](const vk::ExtensionProperties& extension) {
+        return std::strcmp(extension.extensionName, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME) == 0;
+      }))
+    return found;
+  const auto features =
+      device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceSubgroupSizeControlFeatures>()
+          .get<vk::PhysicalDeviceSubgroupSizeControlFeatures>();
+  const auto sizes =
+      device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupSizeControlProperties>()
+          .get<vk::PhysicalDeviceSubgroupSizeControlProperties>();
+  found.can_choose =
+      features.subgroupSizeControl && (sizes.requiredSubgroupSizeStages & vk::ShaderStageFlagBits::eCompute);
+  found.can_be_full = features.computeFullSubgroups;
+  found.min_size = std::max(sizes.minSubgroupSize, kMinSubgroup);
+  found.max_size = std::min(sizes.maxSubgroupSize, kGroupSize);
+  return found;
 }
 
 std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance) {
@@ -98,9 +137,20 @@ std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance
   return devices;
 }
 
+// The layers take a buffer as one: they miss a barrier where a dispatch reads its number of workgroups from
+// the frame behind a pass that has written other words of it. Those words are written by pick_points and what
+// comes before it alone, and the barrier behind that pass names indirect reads.
+bool IsOtherWordsOfFrame(const VkDebugUtilsMessengerCallbackDataEXT& data) {
+  return data.pMessageIdName != nullptr && std::strstr(data.pMessageIdName, "SYNC-HAZARD-READ-AFTER-WRITE") &&
+         std::strstr(data.pMessage, "for indirect VkBuffer") && data.objectCount > 0 &&
+         data.pObjects[0].pObjectName != nullptr &&
+         std::strcmp(data.pObjects[0].pObjectName, kFrameBufferName) == 0;
+}
+
 VKAPI_ATTR VkBool32 VKAPI_CALL OnValidation(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                             VkDebugUtilsMessageTypeFlagsEXT,
                                             const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  if (IsOtherWordsOfFrame(*data)) return VK_FALSE;
   ++static_cast<SharedInstance*>(user)->messages;
   std::fprintf(stderr, "vulkan validation: %s\n", data->pMessage);
   return VK_FALSE;
@@ -110,11 +160,18 @@ std::shared_ptr<SharedInstance> MakeInstance(bool validation) {
   auto made = std::make_shared<SharedInstance>();
   const vk::ApplicationInfo application("osteon", 1, nullptr, 0, VK_API_VERSION_1_2);
   std::vector<const char*> layers, extensions;
+  vk::InstanceCreateInfo create({}, &application);
+  const vk::ValidationFeatureEnableEXT synchronization =
+      vk::ValidationFeatureEnableEXT::eSynchronizationValidation;
+  const vk::ValidationFeaturesEXT features(synchronization);
   if (validation) {
     layers.push_back("VK_LAYER_KHRONOS_validation");
     extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+    create.pNext = &features;
   }
-  made->instance.emplace(made->loader, vk::InstanceCreateInfo({}, &application, layers, extensions));
+  create.setPEnabledLayerNames(layers).setPEnabledExtensionNames(extensions);
+  made->instance.emplace(made->loader, create);
   if (!validation) return made;
   using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
   using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
@@ -143,8 +200,17 @@ tl::expected<std::vector<DeviceInfo>, std::string> ListDevices() try {
   for (const auto& device : Devices(*OpenInstance(false)->instance)) infos.push_back(Inspect(device));
   if (infos.empty()) return tl::make_unexpected(std::string(kNoDriver));
   return infos;
-} catch (const std::exception&) {
-  return tl::make_unexpected(std::string(kNoDriver));
+} catch (const std::exception& error) {
+  return tl::make_unexpected(OpeningFailure(error));
+}
+
+std::string OpeningFailure(const std::exception& error) {
+  if (dynamic_cast<const vk::LayerNotPresentError*>(&error))
+    return "validation layers are not installed (package vulkan-validationlayers)";
+  if (dynamic_cast<const vk::IncompatibleDriverError*>(&error)) return kNoDriver;
+  // the loader's library itself: vulkan_raii says so by an error of its own
+  if (std::strstr(error.what(), "Failed to load vulkan library")) return kNoDriver;
+  return std::string("Vulkan could not be opened: ") + error.what();
 }
 
 tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name,
@@ -181,31 +247,32 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   vk::DeviceCreateInfo create({}, queue);
   create.pEnabledFeatures = &core;
   create.pNext = &features;
+  context->subgroups = FindSubgroups(*context->physical);
+  vk::PhysicalDeviceSubgroupSizeControlFeatures sizes(context->subgroups.can_choose,
+                                                      context->subgroups.can_be_full);
+  const char* const size_control = VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME;
+  if (sizes.subgroupSizeControl || sizes.computeFullSubgroups) {
+    create.setPEnabledExtensionNames(size_control);
+    features.pNext = &sizes;
+  }
   const DriverThreads threads;
   context->device.emplace(*context->physical, create);
   threads.Spread();
   context->queue.emplace(*context->device, context->queue_family, 0);
   return context;
-} catch (const vk::LayerNotPresentError&) {
-  return tl::make_unexpected(
-      std::string("validation layers are not installed (package vulkan-validationlayers)"));
-} catch (const std::exception&) {
-  return tl::make_unexpected(std::string(kNoDriver));
+} catch (const std::exception& error) {
+  return tl::make_unexpected(OpeningFailure(error));
 }
 
-Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placement) {
-  using Usage = vk::BufferUsageFlagBits;
-  using Property = vk::MemoryPropertyFlagBits;
-  Buffer made;
-  made.size = std::max<vk::DeviceSize>(size, 16);
-  made.buffer =
-      vk::raii::Buffer(*context.device, vk::BufferCreateInfo({}, made.size,
-                                                             Usage::eStorageBuffer | Usage::eIndirectBuffer |
-                                                                 Usage::eUniformTexelBuffer |
-                                                                 Usage::eTransferSrc | Usage::eTransferDst));
-  const vk::MemoryRequirements needs = made.buffer.getMemoryRequirements();
-  const vk::PhysicalDeviceMemoryProperties memory = context.physical->getMemoryProperties();
+void NameForLayers(const Context& context, const Buffer& buffer, const char* name) {
+  if (!context.validation) return;
+  const auto handle = reinterpret_cast<std::uint64_t>(static_cast<VkBuffer>(*buffer.buffer));
+  context.device->setDebugUtilsObjectNameEXT({vk::ObjectType::eBuffer, handle, name});
+}
 
+std::vector<std::uint32_t> MemoryTypes(const vk::PhysicalDeviceMemoryProperties& memory,
+                                       const vk::MemoryRequirements& needs, Placement placement) {
+  using Property = vk::MemoryPropertyFlagBits;
   // what the placement asks for, best first; the last is always there
   const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
   const std::vector<vk::MemoryPropertyFlags> wishes =
@@ -215,17 +282,36 @@ Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placeme
       : placement == Placement::kUpload
           ? std::vector<vk::MemoryPropertyFlags>{host}
           : std::vector<vk::MemoryPropertyFlags>{host | Property::eHostCached, host};
+  std::vector<std::uint32_t> types;
   for (const vk::MemoryPropertyFlags wish : wishes)
     for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
-      if (!(needs.memoryTypeBits & (1u << i)) || (memory.memoryTypes[i].propertyFlags & wish) != wish)
-        continue;
-      made.memory = vk::raii::DeviceMemory(*context.device, vk::MemoryAllocateInfo(needs.size, i));
-      made.buffer.bindMemory(*made.memory, 0);
-      made.device_local = static_cast<bool>(memory.memoryTypes[i].propertyFlags & Property::eDeviceLocal);
-      if (placement != Placement::kDevice) made.mapped = made.memory.mapMemory(0, VK_WHOLE_SIZE);
-      return made;
+      const vk::MemoryType& type = memory.memoryTypes[i];
+      if ((needs.memoryTypeBits & (1u << i)) && (type.propertyFlags & wish) == wish &&
+          memory.memoryHeaps[type.heapIndex].size >= needs.size && std::ranges::find(types, i) == types.end())
+        types.push_back(i);
     }
-  throw vk::OutOfDeviceMemoryError("no memory type fits");
+  return types;
+}
+
+Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placement) {
+  using Usage = vk::BufferUsageFlagBits;
+  Buffer made;
+  made.size = std::max<vk::DeviceSize>(size, 16);
+  made.buffer =
+      vk::raii::Buffer(*context.device, vk::BufferCreateInfo({}, made.size,
+                                                             Usage::eStorageBuffer | Usage::eIndirectBuffer |
+                                                                 Usage::eUniformTexelBuffer |
+                                                                 Usage::eTransferSrc | Usage::eTransferDst));
+  const vk::MemoryRequirements needs = made.buffer.getMemoryRequirements();
+  const vk::PhysicalDeviceMemoryProperties memory = context.physical->getMemoryProperties();
+  const std::uint32_t type = AllocateFromFirst(MemoryTypes(memory, needs, placement), [&](std::uint32_t i) {
+    made.memory = vk::raii::DeviceMemory(*context.device, vk::MemoryAllocateInfo(needs.size, i));
+  });
+  made.buffer.bindMemory(*made.memory, 0);
+  made.device_local =
+      static_cast<bool>(memory.memoryTypes[type].propertyFlags & vk::MemoryPropertyFlagBits::eDeviceLocal);
+  if (placement != Placement::kDevice) made.mapped = made.memory.mapMemory(0, VK_WHOLE_SIZE);
+  return made;
 }
 
 }  // namespace osteon::gpu

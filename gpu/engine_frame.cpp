@@ -86,7 +86,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
 uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t span) const {
   constexpr std::size_t kMostPairs = 2'000, kMostEntries = 4096, kWorkgroups = 4;
   const std::size_t lanes = program->lanes();
-  if (lanes == kGroupSize) return 1;
+  if (program->for_gpu()) return 1;
   const std::size_t most =
       std::clamp<std::size_t>(kMostPairs / std::max<std::size_t>(1, span), 1, kMostEntries);
   const std::size_t share = entries / (kWorkgroups * lanes) + 1;
@@ -95,8 +95,8 @@ uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t span) const {
 
 Groups VulkanEngine::Impl::Work(std::size_t entries, uint chunk, uint rows) const {
   const std::size_t share = std::size_t{program->lanes()} * chunk;
-  const std::size_t least = program->lanes() == kGroupSize ? 1 : 0;  // one whose last workgroup goes on
-  return {.x = static_cast<uint>(std::max(least, (entries + share - 1) / share)), .y = rows, .z = 1};
+  const std::size_t least = program->for_gpu() ? 1 : 0;  // one whose last workgroup goes on
+  return {.x = program->WithinLimit(std::max(least, (entries + share - 1) / share)), .y = rows, .z = 1};
 }
 
 // The balls of the lists go back, with the chunk that the frame has.
@@ -106,12 +106,12 @@ void VulkanEngine::Impl::SetFlush(Frame& f) const {
 }
 
 // The balls of the lists back to where Snapshot reads them.
-void VulkanEngine::Impl::Flush() const {
+bool VulkanEngine::Impl::Flush() const {
   Frame f = still;
   f.chunk = Chunk(lists.balls, 1);
   SetFlush(f);
   SetUploads(f);
-  program->Run(f, FrameMode::kFlush, kFrameTimeout_ns);
+  return program->Run(f, FrameMode::kFlush, frame_timeout_ns);
 }
 
 // What the frame before has split.
@@ -120,7 +120,8 @@ void VulkanEngine::Impl::SetUploads(Frame& f) const {
   const std::vector<SplitUpload>& uploads = pool->uploads();
   std::ranges::copy(uploads, program->host<SplitUpload>(kBindUploads));
   f.upload_count = static_cast<uint>(uploads.size());
-  f.upload_work = {.x = (f.upload_count + program->lanes() - 1) / program->lanes(), .y = 1, .z = 1};
+  f.upload_work = {
+      .x = program->WithinLimit((uploads.size() + program->lanes() - 1) / program->lanes()), .y = 1, .z = 1};
 }
 
 // The frame's requests, with what its cutting balls have swept.
@@ -209,15 +210,17 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
     for (const Item& item : *list) longest = std::max(longest, item.count);
   f.chunk = Chunk(std::numeric_limits<std::size_t>::max(), longest);
   const uint parts = longest < kMostRefsOfAWorkgroup ? 1 : kGroupSize / program->lanes();
-  f.path_work = {.x = static_cast<uint>(ball_items.size()), .y = parts, .z = 1};
-  f.point_work = {.x = static_cast<uint>(point_items.size()), .y = parts, .z = 1};
+  f.ball_items = static_cast<uint>(ball_items.size());
+  f.point_items = static_cast<uint>(point_items.size());
+  f.path_work = {.x = program->WithinLimit(ball_items.size()), .y = parts, .z = 1};
+  f.point_work = {.x = program->WithinLimit(point_items.size()), .y = parts, .z = 1};
 }
 
 // False where the device is lost.
 bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   Frame f = prepared;
   f.lists_at_contact = mode == FrameMode::kListsAtContact ? 1 : 0;
-  if (mode == FrameMode::kLists && program->lanes() != kGroupSize && !brute_force && tool.cutter_count > 1 &&
+  if (mode == FrameMode::kLists && !program->for_gpu() && !brute_force && tool.cutter_count > 1 &&
       f.cutting_words_start_mm > kWordDrift_mm) {
     mode = FrameMode::kListsRefreshed;
     lists.words_m = start_m;
@@ -241,7 +244,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     SetUploads(f);
     SetFlush(f);
     // one at least where the last one goes on
-    const uint least = program->lanes() == kGroupSize ? 1 : 0;
+    const uint least = program->for_gpu() ? 1 : 0;
     f.pair_work = {.x = least, .y = 2, .z = 1};
     f.all_work = {.x = least, .y = 3, .z = 1};
     f.clear_work = {.x = least, .y = 2, .z = 1};
@@ -252,7 +255,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   if (!program->Run(f, mode,
                     brute_force         ? kBruteTimeout_ns
                     : memory.frame == 0 ? kWarmUpTimeout_ns
-                                        : kFrameTimeout_ns))
+                                        : frame_timeout_ns))
     return false;
   const Frame& done = program->result();
   stats = {

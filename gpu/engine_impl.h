@@ -9,6 +9,7 @@
 
 #include "gpu/cluster_tree.h"
 #include "gpu/frame_program.h"
+#include "gpu/shaders/bin_key.h"
 #include "gpu/split_pool.h"
 #include "gpu/tool_layout.h"
 #include "gpu/vulkan_engine.h"
@@ -29,8 +30,8 @@ inline constexpr double kLargestSummand =
 // of a face's weights: the largest lens in the middle of its cone
 inline constexpr double kLargestFaceWeight_mm3 =
     simulation::kLargestLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
-// The servo loop stops on the model's age long before; this ends a wait for a device that hangs.
-inline constexpr std::uint64_t kFrameTimeout_ns = 20'000'000'000;
+// How long a lost device may go on with what it was given.
+inline constexpr std::uint64_t kLostTimeout_ns = 20'000'000'000;
 inline constexpr std::uint64_t kWarmUpTimeout_ns =
     120'000'000'000;  // software drivers compile a pass when it first runs
 inline constexpr std::uint64_t kBruteTimeout_ns =
@@ -38,14 +39,13 @@ inline constexpr std::uint64_t kBruteTimeout_ns =
 // What floats may make of a distance: eight units in the last place of the places' own size, and, along a way
 // that is long beside the balls, of its square over the sum of radii.
 inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
-inline constexpr double kFiner = 262144.0;  // of the engaged area's units: exact.glsl
 // How far the tool may move before the lists of live balls and points are made anew. Balls that do not cut
 // are mostly far from bone, so a wide margin costs nothing.
 // A software driver makes their words anew beyond this drift; a GPU has no use for that.
 inline constexpr float kWordDrift_mm = 0.03f;
 inline constexpr double kCuttingMargin_m = 0.15e-3, kShaftMargin_m = 0.6e-3;
-// Room for what the tool can meet: entries of a list, tool balls of all entries, tool balls of all clusters.
-inline constexpr std::size_t kMostLive = 4'000'000, kSpans = 4'000'000, kToolRefs = 1'000'000;
+// Room for what the tool can meet: tool balls of all entries of the lists, tool balls of all clusters.
+inline constexpr std::size_t kSpans = 4'000'000, kToolRefs = 1'000'000;
 
 inline std::size_t ClusterCount(std::size_t count) { return (count + kGroupSize - 1) / kGroupSize; }
 
@@ -100,6 +100,7 @@ struct VulkanEngine::Impl {
   std::vector<uint> device_tool;  // by the tool's own numbers
   double lever_m{0.0};
   std::vector<simulation::Material> materials;
+  simulation::MaterialMap map{simulation::Bone{}};
   Pose X_WG;
   simulation::CuttingParams params;
   simulation::FrameMemory memory;
@@ -110,6 +111,7 @@ struct VulkanEngine::Impl {
   // the largest coordinate of a tool ball that can touch; the least tool ball
   double extent_m{0.0}, least_radius_m{1.0};
   bool lost{false}, brute_force{false};
+  std::uint64_t frame_timeout_ns{0};
   FrameStats stats;
   simulation::NearField near;  // of the last frame: its faces alone
   simulation::Candidates candidates;
@@ -167,7 +169,9 @@ struct VulkanEngine::Impl {
   [[nodiscard]] std::size_t WholeSpans() const {
     return (static_cast<std::size_t>(FirstOfShaftSpan()) + tool.balls.size() - tool.cutter_count + 3) / 4 * 4;
   }
-  void Flush() const;
+  [[nodiscard]] bool Flush() const;  // false where the device is lost
+  void ReadState(simulation::CarvedState& state) const;
+  void WriteState(const simulation::CarvedState& state);
   // a tool ball of the tool's own list; none for a number that is not in it
   [[nodiscard]] uint DeviceTool(uint number) const {
     return number < device_tool.size() ? device_tool[number] : still.tool_count;

@@ -21,7 +21,7 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   sizes.cutters = tool.cutter_count;
   sizes.materials = std::max<std::size_t>(1, bone.materials.size());
   sizes.tool_refs = tool.balls.size() + kToolRefs;
-  sizes.live = brute_force ? longest : std::min(longest, kMostLive);
+  sizes.live = brute_force ? longest : std::min(longest, std::max<std::size_t>(1, vulkan.list_capacity));
   sizes.spans = WholeSpans() + kSpans;
   sizes.contact_sphere = CutsAlone();
   if (pool) {
@@ -30,7 +30,8 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
     sizes.uploads = sizes.blocks * (kGroupSize + 1);
     still.request_capacity = static_cast<uint>(sizes.requests);
   }
-  if (std::string refusal = FrameProgram::Refusal(*context, sizes); !refusal.empty()) return refusal;
+  if (std::string refusal = FrameProgram::Refusal(*context, sizes, vulkan.overrides); !refusal.empty())
+    return refusal;
   program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
   if (program->compiled()) {
     program.reset();  // with its device
@@ -40,6 +41,7 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   }
   still.live_capacity = static_cast<uint>(sizes.live);
   still.span_capacity = static_cast<uint>(sizes.spans);
+  still.max_workgroups = program->max_workgroups();
   work =
       std::make_unique<WorkList>(std::max(sizes.ball_clusters, sizes.point_clusters), tool, sizes.tool_refs);
   group_sweeps.resize(tool.groups.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <cstring>
 
@@ -24,9 +25,6 @@ namespace osteon::gpu {
 namespace {
 
 constexpr std::uint32_t kMostPasses = 16;
-
-// Of a workgroup whose last one goes on with what one workgroup does, or whose sums meet, on a GPU.
-constexpr uint kWideLanes = 256;
 
 // Bytes of each storage buffer, by binding.
 std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
@@ -55,11 +53,30 @@ std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
 
 }  // namespace
 
-std::string FrameProgram::Refusal(const Context& context, const ProgramSizes& sizes) {
+std::string FrameProgram::Refusal(const Context& context, const ProgramSizes& sizes,
+                                  const VulkanOverrides& overrides) {
   const auto limits = context.physical->getProperties().limits;
+  const Subgroups& subgroups = context.subgroups;
+  if (overrides.subgroup_size != 0 && overrides.subgroup_size != subgroups.size &&
+      (!subgroups.can_choose || overrides.subgroup_size < subgroups.min_size ||
+       overrides.subgroup_size > subgroups.max_size || !std::has_single_bit(overrides.subgroup_size)))
+    return fmt::format("subgroups of {}: the device accepts {}", overrides.subgroup_size,
+                       subgroups.can_choose
+                           ? fmt::format("{} … {}, powers of two", subgroups.min_size, subgroups.max_size)
+                           : fmt::format("{}", subgroups.size));
+  if (overrides.bone_ball_bits != 0 &&
+      (overrides.bone_ball_bits < BoneBits(sizes.balls) || overrides.bone_ball_bits > kMaxBoneBits))
+    return fmt::format("{} bits for a bone ball, accepted {} … {}", overrides.bone_ball_bits,
+                       BoneBits(sizes.balls), kMaxBoneBits);
   const std::string what = fmt::format("{} balls and {} mass points", sizes.balls, sizes.points);
   double needed = 0.0;
-  for (const std::size_t bytes : BufferBytes(sizes)) {
+  const auto buffers = BufferBytes(sizes);
+  for (const uint buffer :
+       {kBindLiveBalls, kBindLivePoints, kBindTool, kBindSpans, kBindLiveEntries, kBindPointEntries})
+    if (buffers[buffer] / sizeof(vec4) > limits.maxTexelBufferElements)
+      return fmt::format("{}: a texel buffer of {} elements, the device's largest has {}", what,
+                         buffers[buffer] / sizeof(vec4), limits.maxTexelBufferElements);
+  for (const std::size_t bytes : buffers) {
     needed += static_cast<double>(bytes);
     if (bytes > limits.maxStorageBufferRange)
       return fmt::format("{}: a buffer of {:.0f} MB, the device's largest is {:.0f} MB", what,
@@ -77,14 +94,20 @@ std::string FrameProgram::Refusal(const Context& context, const ProgramSizes& si
 FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& sizes,
                            const VulkanParams& params)
     : context_(std::move(opened)), sizes_(sizes) {
-  const bool cpu = context_->info.kind == "cpu";
-  gpu_ = !cpu;
+  const VulkanOverrides& overrides = params.overrides;
+  gpu_ = overrides.variant == PassVariant::kGpu ||
+         (overrides.variant == PassVariant::kAuto && context_->info.kind != "cpu");
+  asks_subgroup_size_ = overrides.subgroup_size != 0 && overrides.subgroup_size != context_->subgroups.size;
+  subgroup_size_ = asks_subgroup_size_ ? overrides.subgroup_size : context_->subgroups.size;
+  bone_bits_ = overrides.bone_ball_bits != 0 ? overrides.bone_ball_bits : BoneBits(sizes.balls);
+  max_workgroups_ = context_->physical->getProperties().limits.maxComputeWorkGroupCount[0];
+  if (overrides.max_workgroups != 0) max_workgroups_ = std::min(max_workgroups_, overrides.max_workgroups);
   // what splits balls is in buffers of its own, which no sum guards
   policy_ = params.fence != FencePolicy::kAuto ? params.fence
-            : cpu                              ? FencePolicy::kWait
+            : !gpu_                            ? FencePolicy::kWait
             : sizes.blocks > 0                 ? FencePolicy::kPoll
                                                : FencePolicy::kReport;
-  if (cpu && policy_ == FencePolicy::kReport) policy_ = FencePolicy::kPoll;
+  if (!gpu_ && policy_ == FencePolicy::kReport) policy_ = FencePolicy::kPoll;
   command_pool_ =
       vk::raii::CommandPool(*context_->device, vk::CommandPoolCreateInfo({}, context_->queue_family));
   fence_ = vk::raii::Fence(*context_->device, vk::FenceCreateInfo(vk::FenceCreateFlagBits::eSignaled));
@@ -95,6 +118,7 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
                                   vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, kMostPasses + 1));
   }
   MakeBuffers();
+  NameForLayers(*context_, FrameBuffer(), kFrameBufferName);
   const auto begun = std::chrono::steady_clock::now();
   MakePipelines();
   pipelines_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
@@ -167,6 +191,7 @@ void FrameProgram::MakePipelines() {
     uint materials;
     VkBool32 on_gpu;
     uint tool_rest;
+    uint bone_bits;
   } const constants{.one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
                     .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
                     .lanes = lanes(),
@@ -174,8 +199,9 @@ void FrameProgram::MakePipelines() {
                     .contact_sphere = sizes_.contact_sphere ? VK_TRUE : VK_FALSE,
                     .materials = static_cast<uint>(sizes_.materials),
                     .on_gpu = gpu_ ? VK_TRUE : VK_FALSE,
-                    .tool_rest = static_cast<uint>(2 * sizes_.tool_balls)};
-  const std::array<vk::SpecializationMapEntry, 8> entries{
+                    .tool_rest = static_cast<uint>(2 * sizes_.tool_balls),
+                    .bone_bits = bone_bits_};
+  const std::array<vk::SpecializationMapEntry, 9> entries{
       {{1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)},
@@ -183,7 +209,8 @@ void FrameProgram::MakePipelines() {
        {5, offsetof(Constants, contact_sphere), sizeof(VkBool32)},
        {6, offsetof(Constants, materials), sizeof(uint)},
        {7, offsetof(Constants, on_gpu), sizeof(VkBool32)},
-       {8, offsetof(Constants, tool_rest), sizeof(uint)}}};
+       {8, offsetof(Constants, tool_rest), sizeof(uint)},
+       {9, offsetof(Constants, bone_bits), sizeof(uint)}}};
   Constants wide = constants;
   if (gpu_) wide.lanes = kWideLanes;
   const auto add = [&](const char* name, const auto& code, const Constants& own, std::size_t groups,
@@ -191,8 +218,13 @@ void FrameProgram::MakePipelines() {
     const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
                                                 sizeof(Constants), &own);
     const vk::raii::ShaderModule module(device, vk::ShaderModuleCreateInfo({}, sizeof(code), code));
-    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
-                                                  &specialization);
+    const vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo size(subgroup_size_);
+    vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
+                                            &specialization);
+    // without the feature a driver may leave invocations of a subgroup out, and the passes do
+    if (context_->subgroups.can_be_full && own.lanes % subgroup_size_ == 0)
+      stage.flags = vk::PipelineShaderStageCreateFlagBits::eRequireFullSubgroups;
+    if (asks_subgroup_size_) stage.pNext = &size;
     passes_.push_back(
         {name, vk::raii::Pipeline(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout_)),
          groups, then, std::max(1u, own.lanes / lanes())});
@@ -203,17 +235,13 @@ void FrameProgram::MakePipelines() {
   if (!gpu_) {
     // the solution is one subgroup's work; on a GPU that of the near field's last workgroup
     Constants alone = constants;
-    alone.lanes = context_->physical
-                      ->getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
-                      .get<vk::PhysicalDeviceSubgroupProperties>()
-                      .subgroupSize;
+    alone.lanes = subgroup_size_;
     rest.push_back(add("solve", kSpirv_solve, alone, kOne, Then::kReads));
   }
   rest.push_back(add("slide_engage", kSpirv_slide_engage, wide, all, Then::kReads));
   rest.push_back(add("remove_clear", kSpirv_remove_clear, wide, offsetof(Frame, clear_work), Then::kNothing));
-  // beside the near field, which has no need of it
   if (sizes_.contact_sphere)
-    rest.insert(rest.begin(), add("touching", kSpirv_touching, constants, pairs, Then::kNothing));
+    rest.insert(rest.begin(), add("touching", kSpirv_touching, constants, pairs, Then::kReads));
   const std::size_t contact = add("contact", kSpirv_contact, constants, pairs, Then::kReads);
   const std::size_t path =
       add("path_contact", kSpirv_path_contact, constants, offsetof(Frame, path_work), Then::kReads);

@@ -2,12 +2,14 @@
 
 // Inside gpu only: this header brings vulkan_raii.hpp.
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <memory>
 #include <vector>
 
 #include "gpu/context.h"
+#include "gpu/shaders/bin_key.h"
 #include "gpu/shaders/layout.h"
 #include "gpu/vulkan_engine.h"
 
@@ -35,8 +37,10 @@ enum class FrameMode : std::size_t {
 /// of poses. Order of use: fill the buffers; Run for each frame. Methods but Run throw vk::SystemError.
 class FrameProgram {
  public:
-  /// Empty where the device has room for all that; else the reason, in words.
-  [[nodiscard]] static std::string Refusal(const Context& context, const ProgramSizes& sizes);
+  /// Empty where the device has room for all that and can do what the overrides ask; else the reason, in
+  /// words.
+  [[nodiscard]] static std::string Refusal(const Context& context, const ProgramSizes& sizes,
+                                           const VulkanOverrides& overrides);
 
   FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& sizes, const VulkanParams& params);
 
@@ -67,11 +71,21 @@ class FrameProgram {
   /// Whether the driver of a GPU compiled the passes just now, by the time that it took. NVIDIA's
   /// compiles in seconds to code that is three times as slow as what it has in its cache afterwards, and what
   /// it has compiled once a device keeps: only another device has the better.
-  [[nodiscard]] bool compiled() const { return gpu_ && pipelines_s_ > kCompiled_s; }
-  /// Invocations of a workgroup: kGroupSize on a GPU, fewer on a processor.
-  [[nodiscard]] uint lanes() const { return context_->info.kind == "cpu" ? 8 : kGroupSize; }
+  [[nodiscard]] bool compiled() const { return context_->info.kind != "cpu" && pipelines_s_ > kCompiled_s; }
+  /// Whether the passes are those for a GPU.
+  [[nodiscard]] bool for_gpu() const { return gpu_; }
+  /// Invocations of a workgroup: kGroupSize for a GPU, fewer for a processor.
+  [[nodiscard]] uint lanes() const {
+    return gpu_ ? kGroupSize : std::max<uint>(kProcessorLanes, subgroup_size_);
+  }
+  /// Workgroups of a pass along x, as many as the device takes: what more are asked for go round.
+  [[nodiscard]] uint max_workgroups() const { return max_workgroups_; }
+  [[nodiscard]] uint WithinLimit(std::size_t workgroups) const {
+    return static_cast<uint>(std::min<std::size_t>(workgroups, max_workgroups_));
+  }
 
  private:
+  static constexpr uint kProcessorLanes = 8;
   static constexpr double kCompiled_s = 1.0;  // seen: .1 to .3 s from the cache, 3.5 to 7 s without
   // What the next pass needs of a pass: nothing, what it wrote, or also how many workgroups it is to have.
   enum class Then { kNothing, kReads, kGroups };
@@ -103,9 +117,11 @@ class FrameProgram {
   std::array<Buffer, kBindings> buffers_;
   Buffer frame_in_;
   bool gpu_{false};
-  double pipelines_s_{0.0};  // that making them took
-  bool copies_in_{false};    ///< the host can't write where the passes read
-  uint sequence_{0};         ///< of the last report
+  uint subgroup_size_{0}, max_workgroups_{0}, bone_bits_{kMinBoneBits};
+  bool asks_subgroup_size_{false};  ///< of the driver, which would take another one
+  double pipelines_s_{0.0};         // that making them took
+  bool copies_in_{false};           ///< the host can't write where the passes read
+  uint sequence_{0};                ///< of the last report
   std::vector<vk::raii::BufferView> views_;
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};

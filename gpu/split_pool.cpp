@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace osteon::gpu {
 namespace {
@@ -169,8 +170,7 @@ std::vector<vec4> SplitPool::Load(const simulation::CarvedState& state, std::spa
 }
 
 void SplitPool::ToSaved(simulation::ContactMemory& contact) const {
-  const int count = contact.pair_count;
-  contact.pair_count = 0;
+  const int count = std::exchange(contact.pair_count, 0), held = std::exchange(contact.held_count, 0);
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     simulation::ContactPair pair = contact.pairs[i];
     if (pair.bone_ball >= first_) {
@@ -182,6 +182,7 @@ void SplitPool::ToSaved(simulation::ContactMemory& contact) const {
                                          place % kGroupSize);
     }
     contact.pairs[static_cast<std::size_t>(contact.pair_count++)] = pair;
+    if (i < static_cast<std::size_t>(held)) ++contact.held_count;
   }
 }
 

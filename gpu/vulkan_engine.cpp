@@ -1,5 +1,6 @@
 #include "gpu/vulkan_engine.h"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "gpu/engine_impl.h"
@@ -17,6 +18,12 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
                                " materials, accepted 1 … " + std::to_string(kMaxMaterials));
   if (params.split.on && vulkan.brute_force)
     return tl::make_unexpected("brute force: accepted without splitting");
+  const std::size_t all_balls =
+      bone.balls.size() + (params.split.on ? params.split.pool_blocks * kGroupSize : 0);
+  if (all_balls > kMaxBoneBalls)
+    return tl::make_unexpected("bone: " + std::to_string(all_balls) +
+                               " balls with those that splitting may make, accepted 0 … " +
+                               std::to_string(kMaxBoneBalls));
   auto context = OpenContext(vulkan.device, vulkan.validation);
   if (!context) return tl::make_unexpected(context.error());
   try {
@@ -27,9 +34,11 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
     for (std::size_t t = 0; t < tool.balls.size(); ++t)
       impl->device_tool[impl->tool.number[t]] = static_cast<uint>(t);
     impl->materials = bone.materials;
+    impl->map = simulation::MaterialMap(bone);
     impl->X_WG = X_WG;
     impl->params = params;
     impl->brute_force = vulkan.brute_force;
+    impl->frame_timeout_ns = static_cast<std::uint64_t>(std::llround(vulkan.frame_timeout_s * 1e9));
     if (params.split.on) impl->pool.emplace(bone.balls, params.split);
     if (const std::string refusal = impl->Open(std::move(*context), bone, vulkan); !refusal.empty())
       return tl::make_unexpected(refusal);
@@ -38,10 +47,10 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
     if (!impl->WarmUp(bone))
       return tl::make_unexpected(std::string("the Vulkan device did not finish a frame"));
     return std::unique_ptr<VulkanEngine>(new VulkanEngine(std::move(impl)));
-  } catch (const vk::OutOfDeviceMemoryError&) {
+  } catch (const vk::OutOfDeviceMemoryError& error) {
     return tl::make_unexpected("not enough memory on the Vulkan device for " +
                                std::to_string(bone.balls.size()) + " balls and " +
-                               std::to_string(bone.points.size()) + " mass points");
+                               std::to_string(bone.points.size()) + " mass points (" + error.what() + ")");
   } catch (const std::exception& error) {
     return tl::make_unexpected(std::string("Vulkan: ") + error.what());
   }
@@ -50,7 +59,7 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
 VulkanEngine::VulkanEngine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 VulkanEngine::~VulkanEngine() {
   // a device that did not finish in time may still be at work: what it works on must outlive it
-  if (impl_ && impl_->lost && impl_->program && !impl_->program->IsIdle(kFrameTimeout_ns))
+  if (impl_ && impl_->lost && impl_->program && !impl_->program->IsIdle(kLostTimeout_ns))
     (void)impl_->program.release();
 }
 
@@ -101,53 +110,75 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
   const simulation::FrameSolution solution = Solution(found);
   was_free = solution.contact_fraction >= 1.0;
   if (pool && input.spindle_rad_per_s != 0.0) EndSplits(found, solution);
-  simulation::ContactModel model = FinishFrame(params, materials, X_WG, input, solution, memory);
+  simulation::ContactModel model = FinishFrame(params, materials, map, X_WG, input, solution, memory);
   if (pool) model.balls_not_split = pool->refused();
   return model;
 }
 
 simulation::CarvedState VulkanEngine::Snapshot() const {
-  simulation::CarvedState state;
-  ToState(impl_->memory, state);
-  if (impl_->lost) return state;  // the books alone: what lay on the device is gone
-  impl_->Flush();
-  if (impl_->pool) {
-    std::vector<vec4> balls(impl_->AllBalls());
-    ReadBalls(*impl_->program, balls.data(), balls.size());
-    impl_->pool->Save(balls, state);
-    impl_->pool->ToSaved(state.contact);
-  } else {
-    state.balls.resize(impl_->ball_count * 4);
-    ReadBalls(*impl_->program, state.balls.data(), impl_->ball_count);
+  simulation::CarvedState state, books;
+  ToState(impl_->memory, books);
+  if (impl_->lost) return books;
+  state = books;
+  try {
+    impl_->ReadState(state);
+  } catch (const vk::SystemError&) {
+    impl_->lost = true;
+    return books;
   }
-  std::vector<uint> states(impl_->point_count);
-  impl_->program->Read(kBindPointStates, states.data(), states.size() * sizeof(uint));
-  state.cleared.reserve(states.size());
-  for (const uint point : states) state.cleared.push_back((point & kCleared) != 0 ? 1 : 0);
   return state;
 }
 
+// Balls and points from the device.
+void VulkanEngine::Impl::ReadState(simulation::CarvedState& state) const {
+  if (!Flush()) throw vk::DeviceLostError("the balls of the lists did not go back in time");
+  if (pool) {
+    std::vector<vec4> balls(AllBalls());
+    ReadBalls(*program, balls.data(), balls.size());
+    pool->Save(balls, state);
+    pool->ToSaved(state.contact);
+  } else {
+    state.balls.resize(ball_count * 4);
+    ReadBalls(*program, state.balls.data(), ball_count);
+  }
+  std::vector<uint> states(point_count);
+  program->Read(kBindPointStates, states.data(), states.size() * sizeof(uint));
+  state.cleared.reserve(states.size());
+  for (const uint point : states) state.cleared.push_back((point & kCleared) != 0 ? 1 : 0);
+}
+
 void VulkanEngine::Restore(const simulation::CarvedState& state) {
+  if (impl_->lost) throw std::runtime_error("carved state: the Vulkan device is lost");
   if (state.balls.size() != impl_->ball_count * 4 || state.cleared.size() != impl_->point_count)
     throw std::invalid_argument("carved state: not of this bone");
   if (!impl_->pool && !state.split_balls.empty())
     throw std::invalid_argument("carved state: has split balls, split is off");
-  if (impl_->pool) {
-    const std::vector<vec4> balls = impl_->pool->Load(state, impl_->Blocks());
-    WriteBalls(*impl_->program, balls.data(), balls.size());
-  } else {
-    WriteBalls(*impl_->program, state.balls.data(), impl_->ball_count);
+  CheckMemory(state, impl_->tool.balls.size());
+  try {
+    impl_->WriteState(state);
+  } catch (const vk::SystemError& error) {
+    impl_->lost = true;
+    throw std::runtime_error(std::string("carved state: the Vulkan device is lost: ") + error.what());
   }
-  std::vector<uint> states(impl_->point_count);
-  impl_->program->Read(kBindPointStates, states.data(), states.size() * sizeof(uint));
+}
+
+void VulkanEngine::Impl::WriteState(const simulation::CarvedState& state) {
+  if (pool) {
+    const std::vector<vec4> balls = pool->Load(state, Blocks());
+    WriteBalls(*program, balls.data(), balls.size());
+  } else {
+    WriteBalls(*program, state.balls.data(), ball_count);
+  }
+  std::vector<uint> states(point_count);
+  program->Read(kBindPointStates, states.data(), states.size() * sizeof(uint));
   for (std::size_t i = 0; i < states.size(); ++i)
     states[i] = (states[i] & (kCleared - 1)) | (state.cleared[i] != 0 ? kCleared : 0);
-  impl_->program->Write(kBindPointStates, states.data(), states.size() * sizeof(uint));
-  impl_->memory = simulation::ToMemory(state);
-  if (impl_->pool) impl_->pool->FromSaved(impl_->memory.contact);
-  impl_->lists.made = false;
-  impl_->was_free = true;
-  if (impl_->brute_force) impl_->ListEverything();
+  program->Write(kBindPointStates, states.data(), states.size() * sizeof(uint));
+  memory = simulation::ToMemory(state);
+  if (pool) pool->FromSaved(memory.contact);
+  lists.made = false;
+  was_free = true;
+  if (brute_force) ListEverything();
 }
 
 std::string VulkanEngine::device() const { return impl_->program->context().info.name; }

@@ -20,12 +20,34 @@ enum class FencePolicy : std::uint8_t {
   kWait,    ///< be woken by it
 };
 
+/// For which kind of device the passes are built: see "On a GPU" in the README.
+enum class PassVariant : std::uint8_t {
+  kAuto,       ///< for the device's own kind
+  kProcessor,  ///< few lanes and long chunks, the solution in a pass of its own, waits for the fence
+  kGpu,        ///< many lanes, the last workgroup solves and reports, sums meet in shared memory
+};
+
+/// What the engine otherwise takes from the device and the bone. Tests run with it on one device what another
+/// device or a larger bone would run.
+struct VulkanOverrides {
+  PassVariant variant{PassVariant::kAuto};
+  std::uint32_t subgroup_size{0};   ///< 0: the device's own; others need VK_EXT_subgroup_size_control
+  std::uint32_t max_workgroups{0};  ///< of a pass, along x; 0: as many as the device takes
+  std::uint32_t bone_ball_bits{0};  ///< of a bone ball's index in keys, 24 … 28; 0: as many as the bone needs
+};
+
 struct VulkanParams {
   std::string device;       ///< part of a device's name; empty: the best there is
-  bool validation{false};   ///< run under the validation layers
+  bool validation{false};   ///< run under the validation layers, synchronisation included
   bool time_passes{false};  ///< timestamps between the passes; software drivers wait at each
   FencePolicy fence{FencePolicy::kAuto};
   bool brute_force{false};  ///< every pair in every pass: what culling is measured against
+  /// Balls, or mass points, that may be within the tool's reach at once: beyond, a frame is kOverloaded.
+  std::size_t list_capacity{4'000'000};
+  /// A frame that takes longer counts as a lost device. The first one may take 120 s, since software drivers
+  /// compile in it. The servo loop stops on the model's age long before.
+  double frame_timeout_s{20.0};
+  VulkanOverrides overrides{};
 };
 
 /// What the last frame looked at.
@@ -63,7 +85,11 @@ class VulkanEngine final : public simulation::CuttingEngine {
   ~VulkanEngine() override;
 
   simulation::ContactModel Step(const simulation::FrameInput& input) override;
+  /// Of a lost device the books alone, without balls and points: they lay on it. Where the device is lost
+  /// here, the next Step says so.
   [[nodiscard]] simulation::CarvedState Snapshot() const override;
+  /// @throws std::invalid_argument where the state is not of this bone and tool; std::runtime_error where the
+  ///   device is lost.
   void Restore(const simulation::CarvedState& state) override;
   [[nodiscard]] std::string name() const override { return "vulkan"; }
   [[nodiscard]] std::string device() const override;

@@ -10,20 +10,6 @@
 namespace osteon::simulation {
 namespace {
 
-/// Two pairs face each other across a gap where the angle between their normals is above 143 degrees.
-constexpr double kOppositeCosine = -0.8;
-
-/// How much the direction in which the planes hold counts against the mean normal of a face: nothing where
-/// one face presses with a narrow patch of balls, whose single normals are rough; all where several faces
-/// press, since steep ones hold with more than their resultant and errors of their means would grow with it,
-/// and where a face is wide (a reamer in its cup), since then the mean only tells which cone it was taken
-/// over.
-/// @param share  of the face that holds most;  @param narrow  length of the face's mean normal before it is
-///   made unit: 1 for one direction, .966 for all in the face's cone
-double Exactness(double share, double narrow) {
-  return std::clamp(std::max(4.0 * (1.0 - share), (0.983 - narrow) / 0.013), 0.0, 1.0);
-}
-
 double LensOf(const CuttingParams& params, const NearPair& pair) {
   // of the overlap alone: the pair's reduced radius is much the same for all
   const double over = std::max(0.0, params.normal_enlargement_m - pair.gap_m);
@@ -140,7 +126,7 @@ Candidates FindCandidates(const NearField& near, double tolerance_m) {
     for (std::size_t j = 0; j < all.count; ++j)
       if (all.pairs[j].n.dot(pair.n) < kOppositeCosine)
         room_m = std::min(room_m, pair.gap_m + all.pairs[j].gap_m);
-    all.gap_m[i] = pair.gap_m + std::min(0.75 * tolerance_m, 0.5 * (tolerance_m - room_m));
+    all.gap_m[i] = YieldingGap(pair.gap_m, room_m, tolerance_m);
   }
   return all;
 }
@@ -149,7 +135,7 @@ void WeighHold(ContactHold& held) {
   held.normal_m = 0.0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(held.hold.count); ++k)
     held.normal_m += held.hold.multiplier_m[k];
-  held.most_m = std::min(held.normal_m, 2.0 * (held.hold.point_m.norm() + held.hold.slack_m));
+  held.most_m = ForceMultiplierCap(held.normal_m, held.hold.point_m.norm(), held.hold.slack_m);
 }
 
 ContactHold HoldTool(const Candidates& candidates, const ContactInput& input, bool turning) {
@@ -217,7 +203,7 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
       const FaceSums& sums = near.faces[static_cast<std::size_t>(face.known)];
       if (sums.weight > 0.0) {
         const double narrow = sums.n.norm() / sums.weight;
-        const double exact = Exactness(largest / held.normal_m, narrow);
+        const double exact = Exactness(largest / held.normal_m, WidthExactness(narrow));
         n = ((1.0 - exact) * sums.n.normalized() + exact * n).normalized();
         center_T = sums.center_T / sums.weight;
         radius = sums.radius / sums.weight;

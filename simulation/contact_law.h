@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "simulation/contact_memory.h"
+#include "simulation/cutting_constants.h"
 #include "simulation/cutting_engine.h"
 #include "simulation/frame_solution.h"
 #include "simulation/hold_point.h"
@@ -31,11 +32,6 @@ struct ContactBin {
 /// @param u_T  unit, from bone to tool, in T.
 [[nodiscard]] ContactBin FindBin(const Vector3& u_T, bool cutting);
 
-/// What a bin's pair may be farther away and yet be taken, for a direction nearer to the bin's middle: times
-/// 1 - cosine [m]. A wall that was cut touches with hundreds of balls at once, equally far but for rounding;
-/// the direction then decides.
-inline constexpr double kMiddleWorth_m = 0.05e-3;
-
 /// A pair near the tool at first contact, in G.
 struct NearPair {
   ContactPair pair;
@@ -51,9 +47,6 @@ struct NearPair {
 /// True where a has the lower score; of equal ones that with the smaller indices, so that the order of
 /// visits does not matter.
 [[nodiscard]] bool Nearer(const NearPair& a, const NearPair& b);
-
-/// Half angle of the cone about a face's normal in which pairs belong to it (cosine of 30 degrees).
-inline constexpr double kFaceCosine = 0.866;
 
 /// Lens-weighted sums over the pairs around a face's normal.
 struct FaceSums {
@@ -73,10 +66,6 @@ struct NearField {
   int held_count{0};  ///< the first of these held the frame before
   std::array<FaceSums, kMaxFaces> faces{};
 };
-
-/// A turn is worth this much of a way: a tool that rests turns with the hand, whatever its micrometres of
-/// slide.
-inline constexpr double kTurnWorth_m = 5e-6;
 
 /// What a frame's contact is solved from, besides the near field.
 struct ContactInput {

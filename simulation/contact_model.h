@@ -21,7 +21,7 @@ struct Contact {
   double stiffness_N_per_m{0.0};  ///< of the coupling along n
   double mu{0.0};                 ///< friction coefficient of the material there
   double advance_m_per_s{0.0};    ///< speed at which the plane recedes along -n under the frame's force
-  double weight{0.0};             ///< share of the contacts' lens volume that this plane stands for, 0 … 1
+  double weight{0.0};             ///< share of the contacts' squared overlap with the enlarged tool, 0 … 1
   MaterialIndex material{0};
 };
 

@@ -90,7 +90,7 @@ class CuttingEngine {
   virtual ContactModel Step(const FrameInput& input) = 0;
 
   [[nodiscard]] virtual CarvedState Snapshot() const = 0;
-  /// @throws std::invalid_argument where the state is not of this bone.
+  /// @throws std::invalid_argument where the state is not of this bone and tool; nothing has changed then.
   virtual void Restore(const CarvedState& state) = 0;
 
   /// "reference" or "vulkan".

@@ -5,18 +5,16 @@
 #include <numbers>
 
 #include "kinematics/spatial.h"
+#include "simulation/cutting_constants.h"
 
 // The closed forms of the cutting model, one pair at a time, in double precision. The shaders hold their
-// float twins (gpu/shaders: first_contact.glsl, planes.comp, remove.comp). Source: Kaluschke et al., IEEE VR
+// twins (gpu/shaders: exact.glsl, near_field.comp, remove_clear.comp). Source: Kaluschke et al., IEEE VR
 // 2019, equations 3 to 5, corrected; each function says what was wrong.
 
 namespace osteon::simulation {
 
 /// "No contact on this path": larger than any fraction.
 inline constexpr double kNoContact = 2.0;
-/// Tool balls that touch within this way of the tool touch at the same time [m]: a ball that was cut lies so
-/// near to what has cut it, since it is stored in floats, and rounding would choose.
-inline constexpr double kSameTouch_m = 1e-8;
 
 /// Pass 1. Fraction of a tool ball's path at which it first touches a bone ball (equation 3).
 ///
@@ -53,10 +51,6 @@ inline constexpr double kSameTouch_m = 1e-8;
   return std::numbers::pi * over * over * (d * d + 2.0 * d * (r1 + r2) - 3.0 * dr * dr) / (12.0 * d);
 }
 
-/// Lens volumes count up to this [m^3] in a normal: overlaps beyond it are no contacts any more, and the
-/// shaders' sums stay within their range.
-inline constexpr double kLargestLensVolume = 0.5e-9;
-
 /// Closest point to p on the segment from a to b.
 [[nodiscard]] inline Vector3 ClosestOnSegment(const Vector3& p, const Vector3& a, const Vector3& b) {
   const Vector3 m = b - a;
@@ -64,11 +58,6 @@ inline constexpr double kLargestLensVolume = 0.5e-9;
   if (mm == 0.0) return a;
   return a + std::clamp((p - a).dot(m) / mm, 0.0, 1.0) * m;
 }
-
-/// Balls smaller than this are gone [m].
-inline constexpr double kLeastBallRadius = 1e-6;
-/// Closer to a capsule's axis than this share of its radius, a centre's direction from it is checked.
-inline constexpr double kOnAxis = 1e-3;
 
 /// Pass 3. Shrinks a bone ball to the largest ball that lies inside it and outside a capsule (equation 5,
 /// with the vector read as the penetration; printed, its units do not agree).

@@ -2,7 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "simulation/hold_point.h"
 
 namespace osteon::simulation {
 namespace {
@@ -27,24 +33,19 @@ double CuttingForce(const CuttingParams& params, const FrameSolution& solution) 
   return std::min(params.stiffness_N_per_m * solution.cutting_m, params.max_force_N);
 }
 
-void SetCommon(const CuttingParams& params, const std::vector<Material>& materials, MaterialIndex dominant,
-               Contact& contact) {
-  contact.stiffness_N_per_m = params.stiffness_N_per_m;
-  contact.material = dominant;
-  contact.mu = dominant < materials.size() ? materials[dominant].friction : 0.0;
-}
-
 // Contacts and wrench from the contact law.
-void AddContacts(const CuttingParams& params, const std::vector<Material>& materials, MaterialIndex dominant,
-                 const Pose& X_WG, const Pose& X_WT, bool cutting, double dt_s, const FrameSolution& solution,
-                 ContactModel& model) {
+// @param engaged  the material of which most is engaged; nothing where none is
+void AddContacts(const CuttingParams& params, const std::vector<Material>& materials, const MaterialMap& map,
+                 std::optional<MaterialIndex> engaged, const Pose& X_WG, const Pose& X_WT, bool cutting,
+                 double dt_s, const FrameSolution& solution, ContactModel& model) {
+  const Pose X_GW = X_WG.inverse();
   const std::span solved(solution.contacts.data(), static_cast<std::size_t>(solution.contact_count));
   double weight = 0.0;
   for (const SolvedContact& from : solved) weight += from.weight;
   Wrench F_T_W;
   for (const SolvedContact& from : solved) {
     Contact& contact = model.contacts[static_cast<std::size_t>(model.contact_count++)];
-    SetCommon(params, materials, dominant, contact);
+    contact.stiffness_N_per_m = params.stiffness_N_per_m;
     const Vector3 n_W = X_WG.linear() * from.n, arm_W = X_WT.linear() * from.p_T_m;
     if (cutting && from.cutting)
       contact.advance_m_per_s = model.advance_m_per_s * std::max(0.0, from.n.dot(solution.n));
@@ -54,13 +55,44 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
       contact.gap_m = std::min(0.0, from.gap_m + contact.advance_m_per_s * dt_s);
     contact.p_TP_m = from.p_T_m;
     contact.n_W = n_W;
-    contact.p_W_m = Vector3(X_WT.translation() + arm_W - contact.gap_m * n_W);
+    const Vector3 p_W = X_WT.translation() + arm_W - contact.gap_m * n_W;
+    contact.p_W_m = p_W;
+    contact.material = from.cutting && engaged ? *engaged : map.At(X_GW * p_W);
+    contact.mu = contact.material < materials.size() ? materials[contact.material].friction : 0.0;
     contact.weight = weight > 0.0 ? from.weight / weight : 0.0;
     const Vector3 f = params.stiffness_N_per_m * from.multiplier_m * n_W;
     F_T_W.f += f;
     F_T_W.t += arm_W.cross(f);
   }
   model.F_T_W = F_T_W;
+}
+
+// Friction of what the tool touches, for the next frame: by engaged area; where nothing is engaged, of the
+// contact that holds most, or of the nearest one; of the first material where nothing is near.
+double FrictionOf(const std::vector<Material>& materials, const FrameSolution& solution,
+                  const ContactModel& model) {
+  const double area_m2 = Sum(solution.engaged_area_m2);
+  double friction = 0.0;
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    friction += solution.engaged_area_m2[i] * materials[i].friction;
+  if (area_m2 > 0.0) return friction / area_m2;
+  const std::span solved(solution.contacts.data(), static_cast<std::size_t>(solution.contact_count));
+  if (solved.empty()) return materials.empty() ? 0.0 : materials[0].friction;
+  const auto most = std::ranges::max_element(solved, {}, &SolvedContact::multiplier_m);
+  return model.contacts[static_cast<std::size_t>(most - solved.begin())].mu;
+}
+
+bool IsPose(const Pose& X) {
+  return X.matrix().allFinite() &&
+         (X.linear() * X.linear().transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
+         X.linear().determinant() > 0.0;
+}
+
+// @throws std::invalid_argument where a count or index of a state is not below or at its limit.
+template <class Value>
+void CheckAtMost(const char* what, Value found, std::int64_t most) {
+  if (static_cast<std::int64_t>(found) >= 0 && static_cast<std::int64_t>(found) <= most) return;
+  throw std::invalid_argument(fmt::format("carved state: {}: found {}, accepted 0 … {}", what, found, most));
 }
 
 }  // namespace
@@ -119,8 +151,8 @@ void BookRemoved(const CuttingParams& params, const std::vector<Material>& mater
 }
 
 ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials,
-                         const Pose& X_WG, const FrameInput& input, const FrameSolution& solution,
-                         FrameMemory& memory) {
+                         const MaterialMap& map, const Pose& X_WG, const FrameInput& input,
+                         const FrameSolution& solution, FrameMemory& memory) {
   const Pose X_WT = input.X_WT;
   const Pose X_GT = X_WG.inverse() * X_WT;
   const Matrix3 R_WG = X_WG.linear();
@@ -135,13 +167,6 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   ++memory.frame;
 
   BookRemoved(params, materials, solution.removed_m3, solution.edge_work_J, memory);
-  const double area_m2 = Sum(solution.engaged_area_m2);
-  double friction = 0.0;
-  for (std::size_t i = 0; i < materials.size(); ++i)
-    friction += solution.engaged_area_m2[i] * materials[i].friction;
-  memory.contact.friction = area_m2 > 0.0       ? friction / area_m2
-                            : materials.empty() ? 0.0
-                                                : materials[0].friction;
 
   ContactModel model;
   model.X_WP = X_WG * memory.X_GP;
@@ -153,9 +178,10 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   model.pose_stamp = input.stamp;
   model.frame = memory.frame;
   for (const double area : solution.engaged_area_m2) model.engaged_area_m2 += area;
-  const auto dominant = static_cast<MaterialIndex>(
-      std::max_element(solution.engaged_area_m2.begin(), solution.engaged_area_m2.end()) -
-      solution.engaged_area_m2.begin());
+  std::optional<MaterialIndex> engaged;
+  if (model.engaged_area_m2 > 0.0)
+    engaged = static_cast<MaterialIndex>(std::ranges::max_element(solution.engaged_area_m2) -
+                                         solution.engaged_area_m2.begin());
   const bool cutting = input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
   // the frame's mean: while the bone gives way the force falls, and the edge does less than at the frame's
   // start
@@ -164,7 +190,8 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   if (cutting) model.advance_m_per_s = solution.advance_m / input.dt_s;
   model.n_W = Vector3(R_WG * solution.n);
 
-  AddContacts(params, materials, dominant, X_WG, X_WT, cutting, input.dt_s, solution, model);
+  AddContacts(params, materials, map, engaged, X_WG, X_WT, cutting, input.dt_s, solution, model);
+  memory.contact.friction = FrictionOf(materials, solution, model);
   Wrench F_T_W = model.F_T_W;
   const double size_N = F_T_W.f.norm();
   if (size_N > params.max_force_N) {
@@ -175,12 +202,11 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   return model;
 }
 
-int CombineParts(ContactModel& whole, const ContactModel& part, int k, int n) {
+void CombineParts(ContactModel& whole, const ContactModel& part, int k, int n) {
   const bool touched = k > 0 && whole.contact_fraction < 1.0;
   const double fraction = touched ? whole.contact_fraction : (k + part.contact_fraction) / n;
   whole = part;
   whole.contact_fraction = part.contact_fraction < 1.0 || touched ? fraction : 1.0;
-  return part.status == EngineStatus::kOk ? k + 1 : n;
 }
 
 void ToState(const FrameMemory& memory, CarvedState& state) {
@@ -205,13 +231,34 @@ FrameMemory ToMemory(const CarvedState& state) {
           .frame = state.frame};
 }
 
+void CheckMemory(const CarvedState& state, std::size_t tool_balls) {
+  const ContactMemory& contact = state.contact;
+  CheckAtMost("contact pairs", contact.pair_count, kRememberedPairs);
+  CheckAtMost("contact pairs that hold", contact.held_count,
+              std::min<std::int64_t>(contact.pair_count, kMostHolding));
+  CheckAtMost("contact faces", contact.face_count, kMaxFaces);
+  const auto places = static_cast<std::int64_t>((state.balls.size() + state.split_slots.size()) / 4);
+  for (const ContactPair& pair :
+       std::span(contact.pairs).first(static_cast<std::size_t>(contact.pair_count))) {
+    CheckAtMost("bone ball of a contact pair", pair.bone_ball, places - 1);
+    CheckAtMost("tool ball of a contact pair", pair.tool_ball, static_cast<std::int64_t>(tool_balls) - 1);
+  }
+  for (const PlainVector3& n :
+       std::span(contact.face_n_G).first(static_cast<std::size_t>(contact.face_count)))
+    if (!Vector3(n).allFinite())
+      throw std::invalid_argument("carved state: direction of a contact face: found no finite one");
+  if (!IsPose(state.X_GP))
+    throw std::invalid_argument("carved state: proxy: found no pose, accepted a rotation and a finite place");
+  for (const double value : {state.removed_volume_m3, state.removed_mass_kg, state.cutting_work_J,
+                             state.cutting_debt_J, contact.friction})
+    if (!std::isfinite(value))
+      throw std::invalid_argument(
+          fmt::format("carved state: books: found {}, accepted finite numbers", value));
+}
+
 bool IsUsable(const FrameInput& input) {
-  const Pose X = input.X_WT;
-  if (!X.matrix().allFinite() || !std::isfinite(input.spindle_rad_per_s) || !std::isfinite(input.dt_s))
-    return false;
-  if (input.dt_s < 0.0 || input.dt_s > 1.0) return false;
-  return (X.linear() * X.linear().transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
-         X.linear().determinant() > 0.0;
+  return IsPose(input.X_WT) && std::isfinite(input.spindle_rad_per_s) && std::isfinite(input.dt_s) &&
+         input.dt_s >= 0.0 && input.dt_s <= 1.0;
 }
 
 }  // namespace osteon::simulation

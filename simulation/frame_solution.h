@@ -5,6 +5,7 @@
 
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
+#include "simulation/material_map.h"
 #include "simulation/tool_path.h"
 
 // What both engines share: how a frame is prepared from poses, and how its solution becomes a ContactModel.
@@ -20,7 +21,7 @@ struct SolvedContact {
   Vector3 p_T_m{Vector3::Zero()};  ///< touching point on the tool, in T
   double gap_m{0.0};               ///< negative inside
   double multiplier_m{0.0};        ///< its share of the proxy's displacement, along n
-  double weight{0.0};              ///< lens volume
+  double weight{0.0};              ///< square of the overlap with the enlarged tool [m^2]
   bool cutting{true};
 };
 
@@ -100,35 +101,51 @@ void BookRemoved(const CuttingParams& params, const std::vector<Material>& mater
                  const std::array<double, kMaxMaterials>& removed_m3, double edge_work_J,
                  FrameMemory& memory);
 
-/// Books the solution in `memory` (proxy, volumes, debt) and writes the frame's ContactModel.
+/// Books the solution in `memory` (proxy, volumes, debt) and writes the frame's ContactModel. The contacts of
+/// balls that cut have the material of which most is engaged; the others, and all where nothing is engaged,
+/// have the material that `map` tells at their place on the bone.
 [[nodiscard]] ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials,
-                                       const Pose& X_WG, const FrameInput& input,
+                                       const MaterialMap& map, const Pose& X_WG, const FrameInput& input,
                                        const FrameSolution& solution, FrameMemory& memory);
 
-/// Takes part number k of n into the whole; returns the number of the next, n where there is none.
-[[nodiscard]] int CombineParts(ContactModel& whole, const ContactModel& part, int k, int n);
+/// Takes part number k of n, which is done, into the whole.
+void CombineParts(ContactModel& whole, const ContactModel& part, int k, int n);
 
 /// A frame in n parts, each a frame of its own with its share of the time: a turn so large that one chord
 /// would leave its arc (SubframeCount). `frame(part)` does one; the last one's model stands for all, but
 /// first contact is a fraction of the whole way.
+///
+/// Where a part is refused after others were done, the frame ends with those: what they cut is cut, so the
+/// whole is no refused frame, which would have changed nothing. The next frame begins where they ended. Only
+/// a lost device is told at once.
 template <class Frame>
 [[nodiscard]] ContactModel StepInParts(const FrameInput& input, const Pose& X_WP, int n, FrameMemory& memory,
                                        Frame frame) {
   if (n == 1) return frame(input);
   ContactModel whole;
   const std::uint64_t number = memory.frame + 1;
-  for (int k = 0; k < n;) {
+  for (int k = 0; k < n; ++k) {
     FrameInput part = input;
     part.X_WT = PoseBetween(X_WP, Pose(input.X_WT), k + 1, n);
     part.dt_s = input.dt_s / n;
-    k = CombineParts(whole, frame(part), k, n);
+    const ContactModel done = frame(part);
+    if (done.status != EngineStatus::kOk) {
+      if (k == 0 || done.status == EngineStatus::kDeviceLost) return done;
+      break;
+    }
+    CombineParts(whole, done, k, n);
+    whole.frame = memory.frame = number;
   }
-  whole.frame = memory.frame = number;
   return whole;
 }
 /// The part of a CarvedState that is not balls and points.
 void ToState(const FrameMemory& memory, CarvedState& state);
 [[nodiscard]] FrameMemory ToMemory(const CarvedState& state);
+
+/// Looks at the part of a state that is not balls and points before an engine takes it.
+/// @throws std::invalid_argument naming what was found and what is accepted: counts beyond their arrays,
+///   pairs of balls that bone and tool do not have, a proxy that is no pose, numbers that are not finite.
+void CheckMemory(const CarvedState& state, std::size_t tool_balls);
 
 /// True where pose, spindle and time are finite, the pose is a rotation, and dt is in [0, 1] s.
 [[nodiscard]] bool IsUsable(const FrameInput& input);

@@ -6,10 +6,6 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kViolated_m = 1e-8;   // floats tell places of 30 mm to 4 nm
-constexpr double kLeastPivot = 1e-13;  // of the Gram matrix of unit normals: below, they are parallel
-constexpr int kMostRounds = 200;       // some ten are usual; rounding alone could make sets come back
-
 // One set of planes and the point they hold.
 struct Set {
   std::array<std::size_t, kMostHolding> plane{};
@@ -33,7 +29,7 @@ bool Solve(std::span<const HalfSpace> planes, Set& set) {
     value[i] = planes[set.plane[i]].offset;
   }
   for (std::size_t k = 0; k < size; ++k) {
-    if (!(gram[k][k] > kLeastPivot)) return false;
+    if (!(gram[k][k] > kMinPivot)) return false;
     for (std::size_t i = k + 1; i < size; ++i) {
       const double factor = gram[i][k] / gram[k][k];
       for (std::size_t j = k; j < size; ++j) gram[i][j] -= factor * gram[k][j];
@@ -87,7 +83,7 @@ HoldPoint FindHoldPoint(std::span<const HalfSpace> planes, std::span<const std::
     for (const std::size_t plane : start) likely.plane[static_cast<std::size_t>(likely.size++)] = plane;
     if (Solve(planes, likely)) held = likely;
   }
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxHoldRounds; ++round) {
     double worst = kViolated_m;
     std::size_t entering = planes.size();
     for (std::size_t i = 0; i < planes.size(); ++i) {

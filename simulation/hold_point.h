@@ -4,6 +4,7 @@
 #include <span>
 
 #include "kinematics/half_spaces.h"
+#include "simulation/cutting_constants.h"
 
 namespace osteon::simulation {
 
@@ -17,9 +18,6 @@ struct HoldPoint {
   std::array<std::size_t, kMostHolding> plane{};    ///< the planes that hold, by index
   std::array<double, kMostHolding> multiplier_m{};  ///< > 0; point = sum of multiplier n
 };
-
-/// Square of the slack's compliance against the point's: a hold of 10 mm yields by 10 nm.
-inline constexpr double kHoldSlack = 1e-6;
 
 /// Closest point to the origin in the intersection of any number of half-spaces, which yield together by a
 /// slack s, much where they have no point in common and next to nothing otherwise:

@@ -45,6 +45,7 @@ ReferenceEngine::ReferenceEngine(const Bone& bone, const Tool& tool, const Pose&
     : tool_(tool),
       lever_m_(ToolLever(tool)),
       materials_(bone.materials),
+      map_(bone),
       points_(StoredPoints(bone.points)),
       X_WG_(X_WG),
       params_(params),
@@ -93,11 +94,11 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   ToolPoints target = goal, straight = contact;
   for (Vector3& point : target) point += solution.delta;
   for (Vector3& point : straight) point += solution.shift;
-  // a turn may use a third of the tolerance: the rest is for going along whatever holds it
-  const Slid full = Slide(contact, target, (turning ? 0.35 : 1.0) * params_.contact_tolerance_m);
+  const Slid full =
+      Slide(contact, target, (turning ? kTurnToleranceShare : 1.0) * params_.contact_tolerance_m);
   const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m) : full;
   // where bone keeps the tool from turning, it still goes along
-  const bool turns = !full.stopped || full.way_m + kTurnWorth_m > 0.5 * unturned.way_m;
+  const bool turns = SlidesTurning(full.stopped, full.way_m, unturned.way_m, kTurnWorth_m);
   const Slid& chosen = turns ? full : unturned;
   solution.slide_fraction = chosen.fraction;
   solution.turn_fraction = turns ? chosen.fraction : 0.0;
@@ -123,7 +124,7 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
     AddCapsules(contact, slid, end, only, capsules);
     Remove(capsules, solution);
   }
-  ContactModel model = FinishFrame(params_, materials_, X_WG_, input, solution, memory_);
+  ContactModel model = FinishFrame(params_, materials_, map_, X_WG_, input, solution, memory_);
   model.balls_not_split = removal_.refused();
   return model;
 }
@@ -268,23 +269,21 @@ CarvedState ReferenceEngine::Snapshot() const {
   ToState(memory_, state);
   // what held the tool, by its place in the state: blocks have other numbers there
   ContactMemory& contact = state.contact;
-  const std::int32_t count = std::exchange(contact.pair_count, 0);
+  const std::int32_t count = std::exchange(contact.pair_count, 0),
+                     held = std::exchange(contact.held_count, 0);
   for (std::int32_t i = 0; i < count; ++i) {
     const ContactPair pair = contact.pairs[static_cast<std::size_t>(i)];
-    if (const auto saved = removal_.SavedIndex(pair.bone_ball))
-      contact.pairs[static_cast<std::size_t>(contact.pair_count++)] = {*saved, pair.tool_ball};
+    const auto saved = removal_.SavedIndex(pair.bone_ball);
+    if (!saved) continue;
+    contact.pairs[static_cast<std::size_t>(contact.pair_count++)] = {*saved, pair.tool_ball};
+    if (i < held) ++contact.held_count;
   }
   return state;
 }
 
 void ReferenceEngine::Restore(const CarvedState& state) {
   if (state.cleared.size() != cleared_.size()) throw std::invalid_argument("carved state: not of this bone");
-  const std::size_t places = (state.balls.size() + state.split_slots.size()) / 4;
-  if (state.contact.pair_count < 0 || state.contact.pair_count > kRememberedPairs)
-    throw std::invalid_argument("carved state: contact: wrong number of pairs");
-  for (std::size_t i = 0; i < static_cast<std::size_t>(state.contact.pair_count); ++i)
-    if (state.contact.pairs[i].bone_ball >= places || state.contact.pairs[i].tool_ball >= tool_.balls.size())
-      throw std::invalid_argument("carved state: contact: not of this bone and tool");
+  CheckMemory(state, tool_.balls.size());
   removal_.Load(state, balls_);
   cleared_ = state.cleared;
   memory_ = ToMemory(state);

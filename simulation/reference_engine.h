@@ -50,6 +50,7 @@ class ReferenceEngine final : public CuttingEngine {
   Tool tool_;
   double lever_m_;
   std::vector<Material> materials_;
+  MaterialMap map_;
   std::vector<MassPoint> points_;
   Pose X_WG_;
   CuttingParams params_;

@@ -7,6 +7,7 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #include "layout.h"
+#include "bin_key.h"
 
 // Few lanes and long chunks on a processor, which reads what all lanes share once for each eight of them; many lanes and one
 // entry each on a GPU.
@@ -18,6 +19,7 @@ layout(constant_id = 5) const bool kContactSphere = false;  // the tool ball tha
 layout(constant_id = 6) const uint kMaterials = kMaxMaterials;
 layout(constant_id = 7) const bool kOnGpu = false;
 layout(constant_id = 8) const uint kToolRest = 2;  // of the tool's texels, the first of what floats leave
+layout(constant_id = 9) const uint kBoneBits = kMinBoneBits;  // for a bone ball in a key
 
 layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
 layout(scalar, binding = kBindFrame) coherent buffer FreshFrameBuffer { Frame fresh; };  // what others wrote in this pass
@@ -100,6 +102,17 @@ bool IsLastGroup() {
   if (is_last_group) memoryBarrierBuffer();
   return is_last_group;
 }
+
+// The unit vector along v; zero for zero, as Eigen's normalized() has it.
+dvec3 Unit(dvec3 v) {
+  double squared = dot(v, v);
+  return squared > 0.0lf ? (1.0lf / sqrt(squared)) * v : dvec3(0.0lf);
+}
+
+// This invocation's number among those of its subgroup that are at work, and how many these are: a driver may dispatch fewer
+// than gl_SubgroupSize. Called by all of a subgroup.
+uint SubgroupRank() { return subgroupBallotExclusiveBitCount(subgroupBallot(true)); }
+uint SubgroupWorkers() { return subgroupBallotBitCount(subgroupBallot(true)); }
 
 #include "exact.glsl"
 float ContactFraction() { return float(ExactFraction()); }

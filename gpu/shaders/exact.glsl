@@ -44,12 +44,9 @@ double ExactFirstContact(dvec3 D, dvec3 m, double R) {
   return misses ? 2.0lf : s;
 }
 
-// Parts of the units of face_scale, area_scale and moment_scale.
-const double kFiner = 262144.0lf;
-
 // The slide that is done: with the turn, or straight where bone keeps the tool from turning (twin of
 // ReferenceEngine::Frame).
-const double kTurnWorth_mm = 5e-3lf;  // simulation::kTurnWorth_m
+const double kTurnWorth_mm = 1e3 * kTurnWorth_m;
 struct Slide {
   bool turns;
   double share;   // of the way to the target
@@ -62,7 +59,7 @@ Slide ChosenSlide() {
   double full_way = full * frame.exact.way, straight_way = straight * frame.exact.straight_way;
   uint turning = frame.turning;
   dvec3 delta = frame.exact.delta, shift = frame.exact.shift;
-  bool turns = turning == 0u || met >= limit || full_way + kTurnWorth_mm > 0.5lf * straight_way;
+  bool turns = turning == 0u || SlidesTurning(met < limit, full_way, straight_way, kTurnWorth_mm);
   return Slide(turns, turns ? full : straight, turns ? full_way : straight_way, turns ? delta : shift);
 }
 // Where a tool ball is after the slide, from where it was at contact.

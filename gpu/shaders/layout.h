@@ -4,6 +4,8 @@
 #ifndef OSTEON_GPU_LAYOUT_H
 #define OSTEON_GPU_LAYOUT_H
 
+#include "simulation/cutting_constants.h"
+
 #ifdef __cplusplus
 #include <array>
 #include <cstddef>
@@ -27,6 +29,8 @@ struct dvec3 {
 #endif
 
 OSTEON_CONST uint kGroupSize = 64;  // invocations of a workgroup; balls or points of a cluster
+// on a GPU, in passes whose last workgroup goes on or whose sums meet
+OSTEON_CONST uint kWideLanes = 256;
 OSTEON_CONST uint kMaxToolBalls = 10000;
 OSTEON_CONST uint kNoToolBall = 0xffffffffu;
 OSTEON_CONST uint kMaxMaterials = 8;
@@ -37,9 +41,9 @@ OSTEON_CONST uint kRemembered = 8;
 OSTEON_CONST uint kCandidates = 68;  // the nearest pair of each bin, then the remembered ones
 OSTEON_CONST uint kFaces = 4;
 OSTEON_CONST uint kFaceColumns = 4;  // weight centre (3), weight radius
-// The nearest pair of a bin is the least key: its gap from -1 mm on, its bone ball and its tool ball.
-OSTEON_CONST uint kGapBits = 26, kBoneBits = 24, kToolBits = 14;
-OSTEON_CONST float kGapUnit = 1.0f / 33554432.0f;  // mm
+OSTEON_CONST uint kToolBits = 14;    // of a tool ball's number in keys and words
+// Parts of the units of face_scale, area_scale and moment_scale.
+OSTEON_CONST double kFiner = 262144.0;
 // A word of a span: a tool ball, and above it the gap that it had at least where the lists were made.
 OSTEON_CONST uint kLargestSpanGap = (1u << (32u - kToolBits)) - 1u;
 OSTEON_CONST float kSpanGapUnit = 1.0f / 32768.0f;  // mm
@@ -144,10 +148,12 @@ struct Frame {
   float cutting_drift_start_mm, cutting_drift_goal_mm, shaft_drift_start_mm, shaft_drift_goal_mm;
   // the same, from where their words were made: see refresh.comp
   float cutting_words_start_mm, cutting_words_goal_mm, shaft_words_start_mm, shaft_words_goal_mm;
-  float path_mm;          // of the tool point that moves farthest, from the proxy to the tool's pose
-  uint chunk;             // list entries that one invocation looks at
-  uint lists_at_contact;  // 1: the lists are made in this frame, where first contact is
-  uint flush_count;       // balls of the last lists, which flush.comp writes back
+  float path_mm;                 // of the tool point that moves farthest, from the proxy to the tool's pose
+  uint chunk;                    // list entries that one invocation looks at
+  uint lists_at_contact;         // 1: the lists are made in this frame, where first contact is
+  uint max_workgroups;           // of a pass, along x: a pass that needs more goes round
+  uint ball_items, point_items;  // clusters that the tool can meet
+  uint flush_count;              // balls of the last lists, which flush.comp writes back
   uint upload_count;
   Groups upload_work;
   Groups flush_work;
@@ -184,7 +190,7 @@ struct Frame {
   uint touching;
 };
 
-OSTEON_CONST uint kFrameBytes = 4640u;
+OSTEON_CONST uint kFrameBytes = 4656u;
 
 // What the host reads of a frame: its bytes, and then (with a sum over their words, so that it can't be half
 // there) its number.

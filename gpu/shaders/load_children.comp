@@ -4,9 +4,9 @@
 #include "common.glsl"
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
-  if (i >= frame.upload_count) return;
-  SplitUpload upload = uploads[i];
-  if (upload.index < kBallsPerBuffer) balls[upload.index] = upload.ball;
-  else more_balls[upload.index - kBallsPerBuffer] = upload.ball;
+  for (uint i = gl_GlobalInvocationID.x; i < frame.upload_count; i += gl_NumWorkGroups.x * kLanes) {
+    SplitUpload upload = uploads[i];
+    if (upload.index < kBallsPerBuffer) balls[upload.index] = upload.ball;
+    else more_balls[upload.index - kBallsPerBuffer] = upload.ball;
+  }
 }

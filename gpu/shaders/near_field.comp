@@ -11,8 +11,8 @@
 #include "solve.glsl"
 
 const double kPi = 3.14159265358979323846lf;
-const double kLargestLens = 0.5lf;       // mm^3, simulation::kLargestLensVolume
-const double kMiddleWorth_mm = 0.05lf;   // simulation::kMiddleWorth_m
+const double kLargestLens_mm3 = 1e9 * kLargestLensVolume;
+const double kMiddleWorth_mm = 1e3 * kMiddleWorth_m;
 const float kDirectionRounding = 1e-5;   // of floats, in a cosine: so near to a bin's edge they do not tell the side
 
 // Twin of simulation::LensVolume, up to the largest that counts.
@@ -20,7 +20,7 @@ double LensVolume(double r1, double r2, double d) {
   double dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
   double lens = kPi / 12.0lf * over * over * (d * d + 2.0lf * d * (r1 + r2) - 3.0lf * dr * dr) / max(d, 1e-20lf);
   double v = d <= abs(dr) ? 4.0lf / 3.0lf * kPi * least * least * least : lens;
-  return over <= 0.0lf ? 0.0lf : min(v, kLargestLens);
+  return over <= 0.0lf ? 0.0lf : min(v, kLargestLens_mm3);
 }
 
 // Twin of simulation::FindBin; u in T. In floats, with how far the direction is from another bin, about; and exactly.
@@ -89,11 +89,11 @@ Pair Touch(Near near, vec4 ball, vec4 at, bool cutting) {
   bool is_near = ball.w > 0.0 && gap < near.enlargement + near.rounding;
   Bin bin = FindBin(InTool(near, n), cutting);
   float score = gap + float(kMiddleWorth_mm) * bin.off_middle - near.rounding;
-  uint units = uint(clamp(score + 1.0, 0.0, 1.999) / kGapUnit);
+  uint units = KeptUnits(ScoreUnits(score), kBoneBits);
   float most = max(max(dot(n, near.face_0), dot(n, near.face_1)), max(dot(n, near.face_2), dot(n, near.face_3)));
   // the least key so far, or an older one: the upper half of its 64 bits begins with the units
   return Pair(is_near && (bin.inside < kDirectionRounding ||
-                          units <= frame_halves[2u * bin.number + 1u] >> (kBoneBits + kToolBits - 32u)),
+                          units <= UnitsOfHalf(frame_halves[2u * bin.number + 1u], kBoneBits)),
               is_near && most > float(kFaceCosine) - kDirectionRounding);
 }
 
@@ -118,10 +118,10 @@ void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   if (exact.d <= 0.0lf || exact.gap >= near.exact_enlargement) return;
   ExactBin bin =
       FindExactBin(dvec3(dot(exact.n, near.exact_x), dot(exact.n, near.exact_y), dot(exact.n, near.exact_z)), cutting);
-  uint units = uint(clamp(exact.gap + kMiddleWorth_mm * bin.off_middle + 1.0lf, 0.0lf, 1.999lf) * double(1.0f / kGapUnit));
+  uint units = ScoreUnits(exact.gap + kMiddleWorth_mm * bin.off_middle);
   // others may have been found since this one was
-  if (kKeysApart && units > frame_halves[2u * bin.number + 1u] >> (kBoneBits + kToolBits - 32u)) return;
-  uint64_t key = (uint64_t(units) << (kBoneBits + kToolBits)) | (uint64_t(bone) << kToolBits) | uint64_t(t);
+  if (kKeysApart && KeptUnits(units, kBoneBits) > UnitsOfHalf(frame_halves[2u * bin.number + 1u], kBoneBits)) return;
+  uint64_t key = BinKey(units, bone, t, kBoneBits);
   if (!kOnGpu) {
     atomicMin(frame.bin_keys[bin.number], key);
   } else if (bin.number == waiting.bin) {
@@ -137,7 +137,7 @@ void TakeLeast() {
   if (gl_LocalInvocationID.x < kBins) least_units[gl_LocalInvocationID.x] = 0xffffffffu;
   barrier();
   bool waits = waiting.bin < kBins;
-  uint units = uint(waiting.key >> (kBoneBits + kToolBits));
+  uint units = UnitsOfKey(waiting.key, kBoneBits);
   if (waits) atomicMin(least_units[waiting.bin], units);
   barrier();
   if (waits && units == least_units[waiting.bin]) atomicMin(frame.bin_keys[waiting.bin], waiting.key);

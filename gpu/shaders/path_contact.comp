@@ -1,28 +1,30 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Pass 1 where the lists have to be made: first contact on the tool's way with any ball of the clusters that the host has
-// found on it, a workgroup each. The smallest fraction over all pairs, as bits: doubles of one sign order like their bits, so
-// that atomicMin is exact and independent of scheduling.
+// found on it, a workgroup each if the device takes so many. The smallest fraction over all pairs, as bits: doubles of one
+// sign order like their bits, so that atomicMin is exact and independent of scheduling.
 #include "common.glsl"
 #include "first_contact.glsl"
 
 void main() {
-  Item item = items[gl_WorkGroupID.x];
   double s = 2.0lf;
   float first = 2.0, rounding = frame.rounding_mm;
-  for (uint k = gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x; k < kGroupSize; k += gl_NumWorkGroups.y * kLanes) {
-    uint i = item.cluster * kGroupSize + k;
-    vec4 ball = i < frame.ball_count ? BallAt(i) : vec4(0.0);
-    uint end = ball.w > 0.0 ? item.first + item.count : 0u;
-    for (uint ref = item.first; ref < end; ++ref) {
-      uint t = tool_refs[ref];
-      vec4 start = Start(t);
-      float earliest = EarliestContact(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w, rounding);
-      // a loop, since software drivers execute a branch that nobody takes
-      for (uint may = earliest < first ? 0 : 1; may < 1; ++may) {
-        dvec4 from = ExactStart(t);
-        s = min(s, ExactFirstContact(dvec3(ball.xyz) - from.xyz, ExactGoal(t) - from.xyz, from.w + double(ball.w)));
-        first = AtLeast(s);
+  for (uint number = gl_WorkGroupID.x; number < frame.ball_items; number += gl_NumWorkGroups.x) {
+    Item item = items[number];
+    for (uint k = gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x; k < kGroupSize; k += gl_NumWorkGroups.y * kLanes) {
+      uint i = item.cluster * kGroupSize + k;
+      vec4 ball = i < frame.ball_count ? BallAt(i) : vec4(0.0);
+      uint end = ball.w > 0.0 ? item.first + item.count : 0u;
+      for (uint ref = item.first; ref < end; ++ref) {
+        uint t = tool_refs[ref];
+        vec4 start = Start(t);
+        float earliest = EarliestContact(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w, rounding);
+        // a loop, since software drivers execute a branch that nobody takes
+        for (uint may = earliest < first ? 0 : 1; may < 1; ++may) {
+          dvec4 from = ExactStart(t);
+          s = min(s, ExactFirstContact(dvec3(ball.xyz) - from.xyz, ExactGoal(t) - from.xyz, from.w + double(ball.w)));
+          first = AtLeast(s);
+        }
       }
     }
   }

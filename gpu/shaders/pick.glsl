@@ -52,10 +52,11 @@ Span FindSpan(uint first, uint end, vec3 p, float r, float reach, float s, bool 
 // One more entry in a list of `count`: its slot, and the workgroups that reach it.
 #define NEXT_SLOT(slot, count)                             \
   uint slot = atomicAdd(count, 1u);                        \
-  if (slot % (kLanes * frame.chunk) == 0u) {                \
-    atomicMax(frame.pair_work.x, slot / (kLanes * frame.chunk) + 1u); \
-    atomicMax(frame.all_work.x, slot / (kLanes * frame.chunk) + 1u);  \
-    atomicMax(frame.clear_work.x, slot / (kLanes * frame.chunk) + 1u); \
+  if (slot % (kLanes * frame.chunk) == 0u) {               \
+    uint groups = min(slot / (kLanes * frame.chunk) + 1u, frame.max_workgroups); \
+    atomicMax(frame.pair_work.x, groups);                  \
+    atomicMax(frame.all_work.x, groups);                   \
+    atomicMax(frame.clear_work.x, groups);                 \
   }
 
 // Where on the frame's way the lists are made.

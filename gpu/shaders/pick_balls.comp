@@ -5,28 +5,30 @@
 #include "pick.glsl"
 
 void main() {
-  Item item = items[gl_WorkGroupID.x];
   float s = ListFraction();
   float cutting_reach = frame.ball_reach_mm + frame.cutting_margin_mm;
   float shaft_reach = frame.ball_reach_mm + frame.shaft_margin_mm;
-  uint middle = item.first + item.cutters, last = item.first + item.count;
-  for (uint k = gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x; k < kGroupSize; k += gl_NumWorkGroups.y * kLanes) {
-    uint i = item.cluster * kGroupSize + k;
-    vec4 ball = i < frame.ball_count ? BallAt(i) : vec4(0.0);
-    bool live = ball.w > 0.0;
-    Span cutting = FindSpan(item.first, middle, ball.xyz, ball.w, cutting_reach, s, true, live);
-    Span shaft = FindSpan(middle, last, ball.xyz, ball.w, shaft_reach, s, false, live);
-    if (cutting.count + shaft.count == 0u) continue;
-    NEXT_SLOT(slot, frame.live_ball_count)
-    if (slot >= frame.live_capacity) {
-      frame.too_many = 1u;
-      continue;
+  for (uint number = gl_WorkGroupID.x; number < frame.ball_items; number += gl_NumWorkGroups.x) {
+    Item item = items[number];
+    uint middle = item.first + item.cutters, last = item.first + item.count;
+    for (uint k = gl_WorkGroupID.y * kLanes + gl_LocalInvocationID.x; k < kGroupSize; k += gl_NumWorkGroups.y * kLanes) {
+      uint i = item.cluster * kGroupSize + k;
+      vec4 ball = i < frame.ball_count ? BallAt(i) : vec4(0.0);
+      bool live = ball.w > 0.0;
+      Span cutting = FindSpan(item.first, middle, ball.xyz, ball.w, cutting_reach, s, true, live);
+      Span shaft = FindSpan(middle, last, ball.xyz, ball.w, shaft_reach, s, false, live);
+      if (cutting.count + shaft.count == 0u) continue;
+      NEXT_SLOT(slot, frame.live_ball_count)
+      if (slot >= frame.live_capacity) {
+        frame.too_many = 1u;
+        continue;
+      }
+      live_balls[slot] = ball;
+      slots[i] = slot;
+      live_entries[slot] = Live(i, cutting.first, cutting.count, cutting.least);
+      if (shaft.count == 0u) continue;
+      NEXT_SLOT(pair, frame.shaft_count)
+      live_entries[frame.live_capacity + pair] = Live(slot, shaft.first, shaft.count, shaft.least);
     }
-    live_balls[slot] = ball;
-    slots[i] = slot;
-    live_entries[slot] = Live(i, cutting.first, cutting.count, cutting.least);
-    if (shaft.count == 0u) continue;
-    NEXT_SLOT(pair, frame.shaft_count)
-    live_entries[frame.live_capacity + pair] = Live(slot, shaft.first, shaft.count, shaft.least);
   }
 }

@@ -53,16 +53,16 @@ void FindSlide(uint row, bool go, double exact_s) {
   float at_contact = float(exact_s), rounding = frame.rounding_mm;
   vec4 only = AtContact(0, at_contact);  // the only cutter, where there is but one
   dvec4 exact_only = ExactAtContact(0, exact_s);
-  // with a turn, which may use a third of the tolerance: the rest is for going along whatever holds it; and straight
+  // with a turn, which may use a share of the tolerance; and straight
   Met met;
   met.turning = frame.turning != 0u;
   met.tolerance = frame.tolerance_mm;
-  met.turn_tolerance = met.turning ? 0.35 * met.tolerance : met.tolerance;
+  met.turn_tolerance = met.turning ? float(kTurnToleranceShare) * met.tolerance : met.tolerance;
   met.rounding = rounding;
   met.delta = frame.delta.xyz;
   met.shift = frame.shift_mm.xyz;
   met.exact_tolerance = frame.exact.tolerance;
-  met.exact_turn_tolerance = met.turning ? 0.35lf * met.exact_tolerance : met.exact_tolerance;
+  met.exact_turn_tolerance = met.turning ? kTurnToleranceShare * met.exact_tolerance : met.exact_tolerance;
   met.exact_delta = frame.exact.delta;
   met.exact_shift = frame.exact.shift;
   met.s = met.straight = 2.0lf;

@@ -6,11 +6,7 @@
 // the chain needs, and there is one division where there were three.
 
 const uint kNoPlane = kCandidates;
-const double kOppositeCosine = -0.8lf;
-const double kHoldSlack = 1e-6lf;
-const double kViolated_mm = 1e-5lf, kLeastPivot = 1e-13lf;
-const double kFaceCosine = 0.866lf;      // simulation::kFaceCosine
-const uint kMostRounds = 200;
+const double kViolated_mm = 1e3 * kViolated_m;
 const uint kNoFace = 2u * kFaces;
 
 // The planes by the bin of their pair, then those of the remembered pairs. Those that are there, in that order, are
@@ -59,7 +55,7 @@ bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
                   plane_offset[hold][p.z] - dot(c, shift), plane_offset[hold][p.w] - dot(d, shift)) * real;
   // one division a pivot: they are what takes long
   dvec4 per;
-  bool good = row_0.x > kLeastPivot;
+  bool good = row_0.x > kMinPivot;
   per.x = 1.0lf / row_0.x;
   double f = row_1.x * per.x;
   row_1 -= f * row_0;
@@ -70,7 +66,7 @@ bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
   f = row_3.x * per.x;
   row_3 -= f * row_0;
   v.w -= f * v.x;
-  good = good && row_1.y > kLeastPivot;
+  good = good && row_1.y > kMinPivot;
   per.y = 1.0lf / row_1.y;
   f = row_2.y * per.y;
   row_2 -= f * row_1;
@@ -78,12 +74,12 @@ bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
   f = row_3.y * per.y;
   row_3 -= f * row_1;
   v.w -= f * v.y;
-  good = good && row_2.z > kLeastPivot;
+  good = good && row_2.z > kMinPivot;
   per.z = 1.0lf / row_2.z;
   f = row_3.z * per.z;
   row_3 -= f * row_2;
   v.w -= f * v.z;
-  good = good && row_3.w > kLeastPivot;
+  good = good && row_3.w > kMinPivot;
   per.w = 1.0lf;
   if (is.w) per.w = 1.0lf / row_3.w;  // seldom
   set.m.w = v.w * per.w;
@@ -137,18 +133,18 @@ Held OfLane(Held own, uint lane) {
 
 // Twin of simulation::FindHoldPoint, about `shift` instead of the tool's pose: one subgroup's work, the same on every lane.
 Held FindHold(uint hold, dvec3 shift, bool start) {
-  uint lane = gl_SubgroupInvocationID;
+  uint lane = gl_SubgroupInvocationID, rank = SubgroupRank(), workers = SubgroupWorkers();
   Held held = Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf);
   for (uint once = start ? 0 : 1; once < 1; ++once) {
     Held likely;
     uvec4 planes = uvec4(start_plane[0], start_plane[1], start_plane[2], start_plane[3]);
     if (SolveSet(hold, planes, shift, likely) && likely.size > 0u) held = Packed(likely);
   }
-  for (uint round = 0; round < kMostRounds; ++round) {
+  for (uint round = 0; round < uint(kMaxHoldRounds); ++round) {
     // the most violated plane, of equal ones the first
     float worst = 0.0;
     uint entering = kNoPlane;
-    for (uint k = lane; k < there_count; k += gl_SubgroupSize) {
+    for (uint k = rank; k < there_count; k += workers) {
       uint i = there[k];
       double violation = Violation(hold, held, i, shift);
       if (violation <= kViolated_mm || float(violation) <= worst) continue;
@@ -164,7 +160,7 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
     float least = 1e30;
     uint chosen = 16u;
     Held own = held;
-    for (uint mask = lane; mask < (1u << held.size); mask += gl_SubgroupSize) {
+    for (uint mask = rank; mask < (1u << held.size); mask += workers) {
       Held set;
       bool good = bitCount(mask) < 4 && SolveSet(hold, Chosen(held, mask, entering), shift, set);
       double violation = 0.0lf;
@@ -212,7 +208,7 @@ void HoldTool(uint number, dvec3 origin_motion, double s, float friction) {
     }
     hold.held = found;
     hold.normal = found.m.x + found.m.y + found.m.z + found.m.w;
-    hold.most = min(hold.normal, 2.0lf * (length(found.point) + found.slack));
+    hold.most = ForceMultiplierCap(hold.normal, length(found.point), found.slack);
     if (hold.normal <= 0.0lf || friction <= 0.0) break;
     dvec3 turn = turning ? (1.0lf - s) * dvec3(frame.turn.xyz) : dvec3(0.0lf), slip = dvec3(0.0lf);
     for (uint k = 0; k < found.size; ++k) {
@@ -221,7 +217,7 @@ void HoldTool(uint number, dvec3 origin_motion, double s, float friction) {
       slip += found.m[k] * (motion + found.point - tool_radius[i] * cross(turn, plane_n[i]));
     }
     slip /= hold.normal;
-    dvec3 n = normalize(found.point);
+    dvec3 n = Unit(found.point);
     slip -= dot(n, slip) * n;
     double size = length(slip);
     if (size <= 0.0lf) break;
@@ -244,8 +240,8 @@ void Take(uint source, double s, double enlargement) {
   uint ball_count = frame.ball_count, tool_count = frame.tool_count, live_count = frame.live_ball_count;
   uint remembered_count = frame.remembered_count;
   bool is = binned ? key != 0xfffffffffffffffful : k < remembered_count;
-  uint bone = binned ? uint(key >> kToolBits) & ((1u << kBoneBits) - 1u) : remembered_bone;
-  uint t = binned ? uint(key) & ((1u << kToolBits) - 1u) : remembered_tool;
+  uint bone = binned ? BoneOfKey(key, kBoneBits) : remembered_bone;
+  uint t = binned ? ToolOfKey(key) : remembered_tool;
   is = is && bone < ball_count && t < tool_count;
   uint slot = slots[is ? bone : 0u];
   dvec4 start = ExactStart(is ? t : 0u);
@@ -296,7 +292,7 @@ void FindOldFaces() {
       sum[i] = double(fresh.exact.face_sums[4u * f + i] + fresh.exact.face_sums[4u * (kFaces + f) + i]);
     double weighed = length(sum.yzw);
     old_face[f] = OldFace(frame.exact.face_n[f], (1.0lf / max(weighed, 1e-300lf)) * sum.yzw, sum.x > 0.0lf,
-                          (0.983lf - weighed / max(sum.x, 1e-300lf)) * (1.0lf / 0.013lf));
+                          WidthExactness(weighed / max(sum.x, 1e-300lf)));
   }
 }
 
@@ -360,15 +356,15 @@ void FindResultant(Held held, double normal, double hold_most) {
   uvec4 cutters = uvec4(lessThan(uvec4(tool_ball[min(plane.x, kCandidates - 1u)], tool_ball[min(plane.y, kCandidates - 1u)],
                                        tool_ball[min(plane.z, kCandidates - 1u)], tool_ball[min(plane.w, kCandidates - 1u)]),
                                  uvec4(frame.cutter_count)));
-  for (uint f = gl_SubgroupInvocationID; f < 2u * kFaces; f += gl_SubgroupSize) {
+  for (uint f = SubgroupRank(), step = SubgroupWorkers(); f < 2u * kFaces; f += step) {
     dvec4 here = dvec4(equal(face, uvec4(f))) * m;
     dvec3 hold_f = here.x * n_0 + here.y * n_1 + here.z * n_2 + here.w * n_3;
     double multiplier = here.x + here.y + here.z + here.w, cuts = dot(here, dvec4(cutters)), size = length(hold_f);
     OldFace old = old_face[min(f, kFaces - 1u)];
     dvec3 n = (1.0lf / max(size, 1e-300lf)) * hold_f;
     if (f < kFaces && old.is) {
-      double exact = clamp(max(4.0lf * (1.0lf - largest * per_normal), old.off), 0.0lf, 1.0lf);
-      n = normalize((1.0lf - exact) * old.mean + exact * n);
+      double exact = Exactness(largest * per_normal, old.off);
+      n = Unit((1.0lf - exact) * old.mean + exact * n);
     }
     resultant_of[f] = size > 0.0lf ? cuts / multiplier * (free_share * size * n + (1.0lf - free_share) * multiplier *
                                                                                        per_normal * held.point)
@@ -430,7 +426,7 @@ void Solve() {
     if (lane % each == 0u && k < count && lane / each < planes) {
       for (uint i = 1u; i < each; ++i) least = min(least, opposite_gap[lane + i]);
       double room = min(tolerance, plane_gap[c] + least);
-      double yielding = plane_gap[c] + min(0.75lf * tolerance, 0.5lf * (tolerance - room));
+      double yielding = YieldingGap(plane_gap[c], room, tolerance);
       yielding_gap[c] = yielding;
       plane_offset[0][c] = -(yielding + dot(n, plane_motion[c]));
       plane_offset[1][c] = -(yielding + dot(n, motion));

@@ -7,7 +7,7 @@
 #include "first_contact.glsl"
 #include "pairs.glsl"
 
-const double kSameTouch_mm = 1e-5lf;  // simulation::kSameTouch_m
+const double kSameTouch_mm = 1e3 * kSameTouch_m;
 
 // Least for the first in the tool's own order.
 uint KeyOf(uint t) { return uint(texelFetch(tool_texels, int(2u * t + 1u)).w) << kToolBits | t; }

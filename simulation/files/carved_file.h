@@ -12,7 +12,7 @@
 //
 //     byte   0   CarvedHeader   carved_file.cpp: magic, version, sizes, the bone's fingerprint, proxy and
 //                               books, CRCs
-//     byte 216   balls          16 bytes each: x y z r [mm], float32
+//     byte 392   balls          16 bytes each: x y z r [mm], float32
 //                mass points    1 byte each: 1 where it is gone; then zeros up to a multiple of 4
 //                split balls    4 bytes each: which ball
 //                               4 bytes each: 0 children, 1 + n waits with n capsules

@@ -10,7 +10,7 @@ namespace osteon::simulation {
 
 MethodBase::MethodBase(Method method, const Bone& bone, const Tool& tool, const Pose& X_WG,
                        const CuttingParams& params)
-    : tool_(tool), materials_(bone.materials), params_(params), method_(method), X_WG_(X_WG) {
+    : tool_(tool), materials_(bone.materials), params_(params), method_(method), X_WG_(X_WG), map_(bone) {
   if (materials_.empty() || materials_.size() > kMaxMaterials)
     throw std::invalid_argument(
         fmt::format("bone: found {} materials, accepted 1 … {}", materials_.size(), kMaxMaterials));
@@ -57,13 +57,15 @@ ContactModel MethodBase::Step(const FrameInput& input) {
   model.contact_count = 1;
   contact.p_TP_m = Vector3(X_GT.inverse() * frame.point_m);
   contact.n_W = model.n_W;
-  contact.p_W_m = Vector3(X_WG_ * Vector3(frame.point_m + frame.depth_m * frame.n));
+  const Vector3 on_bone_m = frame.point_m + frame.depth_m * frame.n;
+  contact.p_W_m = Vector3(X_WG_ * on_bone_m);
   contact.gap_m = -frame.depth_m;
   contact.stiffness_N_per_m = params_.stiffness_N_per_m;
   contact.weight = 1.0;
-  contact.material = static_cast<MaterialIndex>(
-      std::max_element(frame.engaged.area_m2.begin(), frame.engaged.area_m2.end()) -
-      frame.engaged.area_m2.begin());
+  contact.material = frame.touch_cuts && model.engaged_area_m2 > 0.0
+                         ? static_cast<MaterialIndex>(std::ranges::max_element(frame.engaged.area_m2) -
+                                                      frame.engaged.area_m2.begin())
+                         : map_.At(on_bone_m);
   contact.mu = contact.material < materials_.size() ? materials_[contact.material].friction : 0.0;
   if (frame.touch_cuts) contact.advance_m_per_s = model.advance_m_per_s;
   return model;

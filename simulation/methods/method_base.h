@@ -75,6 +75,7 @@ class MethodBase : public MethodEngine {
  private:
   const Method method_;
   const Pose X_WG_;
+  const MaterialMap map_;
   FrameMemory memory_;
 };
 

@@ -10,6 +10,7 @@
 #include "gpu/context.h"
 #include "gpu/devices.h"
 #include "tests/gpu/engine_twins.h"
+#include "tests/gpu/strip_bench.h"
 
 // Devices, sizes, and what is refused.
 
@@ -18,41 +19,9 @@ namespace {
 
 using simulation::ContactModel;
 
-Pose Down(const Vector3& p) {
-  Pose X = Pose::Identity();
-  X.linear() = ExpRotation({M_PI, 0, 0});
-  X.translation() = p;
-  return X;
-}
-
-simulation::Tool Ball(double radius_m) {
-  simulation::Tool tool;
-  tool.balls = {{.center_m = Vector3(0, 0, -radius_m), .radius_m = radius_m, .cutting = true}};
-  return tool;
-}
-
 std::string ErrorOf(const simulation::Bone& bone, const simulation::Tool& tool, const VulkanParams& vulkan) {
   const auto engine = VulkanEngine::Create(bone, tool, Pose::Identity(), {}, vulkan);
   return engine ? "" : engine.error();
-}
-
-/// A strip of balls of 1 mm, .8 mm apart, their tops at z = 0, with a point in the middle of each.
-simulation::Bone Strip(int count) {
-  simulation::Bone bone;
-  bone.materials = {{.name = "soft", .specific_cutting_energy_J_per_m3 = 1e6}};
-  for (int i = 0; i < count; ++i) {
-    const Vector3 c(0.8e-3 * (i - 0.5 * (count - 1)), 0, -1e-3);
-    bone.balls.push_back({.center_m = c, .radius_m = 1e-3});
-    bone.points.push_back({.p_m = c, .volume_m3 = 1e-9, .material = 0});
-  }
-  return bone;
-}
-
-// On single balls, which one is met first is decided by rounding; 10 um at 20 N/mm.
-bool HoldAlike(const ContactModel& a, const ContactModel& b) {
-  return b.status == simulation::EngineStatus::kOk &&
-         (Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm() <= 1e-5 &&
-         (Vector3(a.F_T_W.f) - Vector3(b.F_T_W.f)).norm() <= 0.2;
 }
 
 TEST(Devices, ListHasOneThatIsUsable) {
@@ -255,11 +224,6 @@ TEST_P(Sizes, AgreeWithTheReferenceBallByBall) {
   EXPECT_EQ(one.cleared, two.cleared);
   EXPECT_LT(two.balls[3], 1.0f);  // the first ball, and the last one, were cut
   EXPECT_LT(two.balls.back(), 1.0f);
-}
-
-// Pressed 1 mm into the strip, moved along it, lifted.
-Pose Stroke(int i) {
-  return Down({1e-5 * i, 2e-6 * i, i < 100 ? 0.3e-3 - 1.3e-5 * i : -1e-3 + 3e-5 * (i - 100)});
 }
 
 // Culling must not change a bit: what it leaves out is out of reach.

@@ -229,6 +229,48 @@ TEST_P(EngineContact, ShaftTouchesAndDoesNotCut) {
   EXPECT_EQ(HashState(engine->Snapshot()), before);
 }
 
+// Left of x = 0 the tissue is light and slippery, right of it dense and rough.
+Bone TwoTissues(double width_m) {
+  Bone bone = Slab(width_m, 3e-3);
+  bone.materials.push_back(bone.materials.front());
+  bone.materials[0].friction = 0.1;
+  bone.materials[1].name = "dense";
+  bone.materials[1].density_kg_per_m3 = 2000.0;
+  bone.materials[1].friction = 0.4;
+  for (MassPoint& point : bone.points) point.material = point.p_m.x > 0.0 ? 1 : 0;
+  return bone;
+}
+
+TEST_P(EngineContact, AShaftsContactHasTheTissueOfItsPlace) {
+  Tool tool;
+  tool.balls = {{.center_m = Vector3(0, 0, -12e-3), .radius_m = 2e-3, .cutting = true},
+                {.center_m = Vector3(0, 0, -6e-3), .radius_m = 6e-3, .cutting = false}};
+  for (const double x : {-6e-3, 6e-3}) {
+    const auto engine = Make(TwoTissues(24e-3), tool);
+    engine->Step(At(Down({x, 0, 1e-3})));
+    ContactModel model;
+    for (int i = 0; i < 40; ++i) model = engine->Step(At(Down({x, 0, -1e-3})));
+    ASSERT_GT(model.contact_count, 0);
+    EXPECT_EQ(model.contacts[0].material, x > 0.0 ? 1 : 0);
+    EXPECT_EQ(model.contacts[0].mu, x > 0.0 ? 0.4 : 0.1);
+    // dragged along y, it is held back by that tissue's friction
+    for (int i = 0; i < 60; ++i) model = engine->Step(At(Down({x, 0.05e-3 * i, -1e-3})));
+    const Vector3 f = model.F_T_W.f;
+    EXPECT_NEAR(-f.y() / f.z(), x > 0.0 ? 0.4 : 0.1, 0.03);
+    EXPECT_EQ(engine->Snapshot().contact.friction, x > 0.0 ? 0.4 : 0.1);
+  }
+}
+
+// The paper weighs each lens by its ball's density: beside denser tissue a plane wall's normal would lean.
+TEST_P(EngineContact, DenserTissueDoesNotTurnTheNormal) {
+  const auto engine = Make(TwoTissues(20e-3), BallTool(6e-3));
+  engine->Step(At(Down({0, 0, 1e-3})));
+  ContactModel model;
+  for (int i = 0; i < 20; ++i) model = engine->Step(At(Down({0, 0, -1e-3})));
+  EXPECT_GT(Vector3(model.F_T_W.f).z(), 15.0);
+  EXPECT_LT(Degrees(model.n_W, Vector3::UnitZ()), 0.5);
+}
+
 TEST_P(EngineContact, WithAStillSpindleRemovesNothing) {
   for (const RemovalLaw law : {RemovalLaw::kRate, RemovalLaw::kImmediate}) {
     CuttingParams params;

@@ -155,6 +155,56 @@ TEST_P(EngineLaw, AWedgedToolFeelsATorqueOfItsOverlap) {
   EXPECT_EQ(Vector3(model.F_T_W.f).norm(), 0.0);
 }
 
+// Two balls that hold the tool from opposite sides, alike to the last bit: their planes' resultant is zero,
+// and has no direction for friction to act across.
+TEST_P(EngineLaw, AToolWedgedBetweenMirroredBallsStaysFinite) {
+  Bone bone = EmptyBone();
+  bone.materials[0].friction = 0.3;
+  for (const double x : {-3e-3, 3e-3}) bone.balls.push_back({.center_m = Vector3(x, 0, 0), .radius_m = 1e-3});
+  Tool tool;
+  tool.balls = {{.center_m = Vector3::Zero(), .radius_m = 2.03e-3}};
+  const auto engine = Make(bone, tool);
+  Pose X_WT = Pose::Identity();
+  for (int i = 0; i < 12; ++i) {
+    X_WT.translation().y() = i < 2 ? 0.0 : i < 4 ? 1e-3 : i < 8 ? 0.0 : 1e-4 * (i - 8);
+    const ContactModel model = engine->Step(At(X_WT));
+    ASSERT_EQ(model.status, EngineStatus::kOk);
+    ASSERT_TRUE(Pose(model.X_WP).matrix().allFinite()) << i;
+    ASSERT_TRUE(Vector3(model.F_T_W.f).allFinite()) << i;
+    ASSERT_LT((Vector3(model.X_WP.p) - X_WT.translation()).norm(), 1e-3 + 1e-9) << i;
+    ASSERT_NEAR(Vector3(model.F_T_W.f).x(), 0.0, 1e-6) << i;
+    for (int c = 0; c < model.contact_count; ++c)
+      ASSERT_NEAR(Vector3(model.contacts[static_cast<std::size_t>(c)].n_W).norm(), 1.0, 1e-9) << i;
+  }
+}
+
+// A cell may ask for an enlargement of 5 mm: the planes that it reports are of the nearest pairs still.
+TEST_P(EngineLaw, AnEnlargementBeyondAMillimetreReportsTheNearestBalls) {
+  Bone bone = EmptyBone();
+  // the nearest ball comes last in the list, so that no order of balls hides what is not compared
+  for (const double gap : {4.5e-3, 4.0e-3, 3.5e-3, 2.5e-3, 2.0e-3, 1.5e-3})
+    bone.balls.push_back({.center_m = Vector3(0, 0, -1e-3 - gap), .radius_m = 1e-3});
+  const auto engine = Make(bone, BallTool(3e-3), {.normal_enlargement_m = 5e-3});
+  engine->Step(At(Down({0, 0, 1e-4})));
+  const ContactModel model = engine->Step(At(Down({0, 0, 0})));
+  ASSERT_EQ(model.contact_count, 1);
+  EXPECT_NEAR(model.contacts[0].gap_m, 1.5e-3, 1e-7);
+}
+
+// Put deep into bone, as by an undo under the tool: what lies deepest in a direction holds it.
+TEST_P(EngineLaw, AToolPutDeepIntoBoneIsHeldByItsDeepestBall) {
+  Bone bone = EmptyBone();
+  for (const double depth : {1.2e-3, 1.6e-3, 2.0e-3, 3.0e-3})
+    bone.balls.push_back({.center_m = Vector3(0, 0, -1e-3 + depth), .radius_m = 1e-3});
+  CuttingParams params;
+  params.max_slide_m = 5e-3;
+  const auto engine = Make(bone, BallTool(4e-3), params);
+  engine->Step(At(Down({0, 0, 0})));
+  const ContactModel model = engine->Step(At(Down({0, 0, 0})));
+  ASSERT_GT(model.contact_count, 0);
+  EXPECT_NEAR(Vector3(model.X_WP.p).z(), 3.0e-3, 0.05e-3);
+}
+
 TEST_P(EngineLaw, AJumpOfAMetreStopsAtTheBone) {
   const auto engine = Make(Slab(12e-3, 2e-3, false), BallTool(5e-3));
   engine->Step(At(Down({0, 0, 0.5})));

@@ -82,6 +82,46 @@ TEST_P(EngineState, OfAnotherBoneIsRefused) {
   EXPECT_THROW(engine->Restore(state), std::invalid_argument);
 }
 
+// What is written to arrays of fixed size by a count of the state's must not be believed.
+TEST_P(EngineState, WhoseCountsAreBeyondTheirArraysIsRefusedAndChangesNothing) {
+  const auto engine = Make(Bench(), BallTool(4e-3));
+  for (int i = 0; i < 30; ++i) engine->Step(Frame(i));
+  const CarvedState good = engine->Snapshot();
+  ASSERT_GT(good.contact.pair_count, 0);
+  ASSERT_GT(good.contact.face_count, 0);
+  const auto with = [&](auto change) {
+    CarvedState bad = good;
+    change(bad);
+    return bad;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<CarvedState> bad = {
+      with([](CarvedState& s) { s.contact.pair_count = kRememberedPairs + 1; }),
+      with([](CarvedState& s) { s.contact.pair_count = -1; }),
+      with([](CarvedState& s) { s.contact.held_count = 5; }),
+      with([](CarvedState& s) { s.contact.held_count = -1; }),
+      with([](CarvedState& s) { s.contact.held_count = s.contact.pair_count = 1, ++s.contact.held_count; }),
+      with([](CarvedState& s) { s.contact.face_count = kMaxFaces + 1; }),
+      with([](CarvedState& s) { s.contact.face_count = -1; }),
+      with([](CarvedState& s) {
+        s.contact.pairs[0].bone_ball = static_cast<std::uint32_t>(s.balls.size() / 4);
+      }),
+      with([](CarvedState& s) { s.contact.pairs[0].tool_ball = 1; }),
+      with([&](CarvedState& s) { s.contact.face_n_G[0].y = nan; }),
+      with([&](CarvedState& s) { s.contact.friction = nan; }),
+      with([&](CarvedState& s) { s.X_GP.p.x = nan; }),
+      with([](CarvedState& s) { s.X_GP.R[0] = 2.0; }),
+      with([&](CarvedState& s) { s.cutting_debt_J = nan; }),
+  };
+  for (std::size_t i = 0; i < bad.size(); ++i) {
+    EXPECT_THROW(engine->Restore(bad[i]), std::invalid_argument) << i;
+    const CarvedState now = engine->Snapshot();
+    EXPECT_EQ(HashState(now), HashState(good)) << i;
+    EXPECT_EQ(now.frame, good.frame) << i;
+    EXPECT_EQ(now.contact.pair_count, good.contact.pair_count) << i;
+  }
+}
+
 TEST_P(EngineState, BadInputChangesNothingAndTheNextFrameWorks) {
   const auto engine = Make(Bench(), BallTool(4e-3)), other = Make(Bench(), BallTool(4e-3));
   for (int i = 0; i < 40; ++i) {

@@ -185,6 +185,7 @@ SolvedContact At(const Vector3& n, const Vector3& p_T_m, double multiplier_m, do
 struct Frame {
   CuttingParams params;
   std::vector<Material> materials{{.name = "bone", .specific_cutting_energy_J_per_m3 = 50e6}};
+  MaterialMap map{Bone{}};
   FrameInput input;
   FrameSolution solution;
   FrameMemory memory;
@@ -192,7 +193,7 @@ struct Frame {
     solution.contacts[static_cast<std::size_t>(solution.contact_count++)] = contact;
   }
   ContactModel Finish(const Pose& X_WG = Pose::Identity()) {
-    return FinishFrame(params, materials, X_WG, input, solution, memory);
+    return FinishFrame(params, materials, map, X_WG, input, solution, memory);
   }
 };
 
@@ -247,7 +248,7 @@ TEST(FinishFrame, TurnsEverythingFromTheBonesFrameIntoTheWorlds) {
   EXPECT_LT((Pose(model.X_WP).matrix() - X_WG.matrix()).norm(), 1e-12);
 }
 
-TEST(FinishFrame, WeightsOfTheContactsAreSharesOfTheirLenses) {
+TEST(FinishFrame, WeightsOfTheContactsAreSharesOfTheirOverlaps) {
   Frame frame;
   frame.Add(At(Vector3::UnitZ(), Vector3::Zero(), 1e-3, 3.0));
   frame.Add(At(Vector3::UnitX(), Vector3::Zero(), 1e-3, 1.0));
@@ -255,6 +256,56 @@ TEST(FinishFrame, WeightsOfTheContactsAreSharesOfTheirLenses) {
   ASSERT_EQ(model.contact_count, 2);
   EXPECT_DOUBLE_EQ(model.contacts[0].weight, 0.75);
   EXPECT_DOUBLE_EQ(model.contacts[1].weight, 0.25);
+}
+
+// Left of x = 0 the first material, right of it the second.
+Bone HalfAndHalf() {
+  Bone bone;
+  bone.materials = {{.name = "left", .friction = 0.1}, {.name = "right", .friction = 0.4}};
+  for (const double x : {-5e-3, -1e-3, 1e-3, 5e-3})
+    bone.points.push_back({.p_m = Vector3(x, 0, 0),
+                           .volume_m3 = 1e-9,
+                           .material = static_cast<MaterialIndex>(x < 0.0 ? 0 : 1)});
+  return bone;
+}
+
+TEST(FinishFrame, AShaftsContactHasTheMaterialOfItsPlace) {
+  Frame frame;
+  frame.materials = HalfAndHalf().materials;
+  frame.map = MaterialMap(HalfAndHalf());
+  for (const double x : {-3e-3, 3e-3}) {
+    SolvedContact contact = At(Vector3::UnitZ(), Vector3(x, 0, 0), 1e-3);
+    contact.cutting = false;
+    frame.Add(contact);
+  }
+  // what cuts beside it is in the first material, and the second contact holds more
+  frame.Add(At(Vector3::UnitX(), Vector3(3e-3, 0, 0), 1e-3));
+  frame.solution.contacts[1].multiplier_m = 2e-3;
+  frame.solution.engaged_area_m2[0] = 1e-6;
+  ContactModel model = frame.Finish();
+  EXPECT_EQ(model.contacts[0].material, 0);
+  EXPECT_EQ(model.contacts[1].material, 1);
+  EXPECT_EQ(model.contacts[1].mu, 0.4);
+  EXPECT_EQ(model.contacts[2].material, 0) << "of what is engaged";
+  EXPECT_EQ(frame.memory.contact.friction, 0.1) << "by engaged area";
+  // where nothing is engaged, a cutting ball's contact has its place's material too
+  frame.solution.engaged_area_m2[0] = 0.0;
+  model = frame.Finish();
+  EXPECT_EQ(model.contacts[2].material, 1);
+  EXPECT_EQ(frame.memory.contact.friction, 0.4) << "of what holds most";
+}
+
+TEST(FinishFrame, LooksUpTheMaterialInTheBonesFrame) {
+  Frame frame;
+  frame.materials = HalfAndHalf().materials;
+  frame.map = MaterialMap(HalfAndHalf());
+  SolvedContact contact = At(Vector3::UnitZ(), Vector3(3e-3, 0, 0), 1e-3);
+  contact.cutting = false;
+  frame.Add(contact);
+  Pose X_WG = Pose::Identity();
+  X_WG.translation() = Vector3(1, 0, 0);
+  frame.input.X_WT = X_WG;
+  EXPECT_EQ(frame.Finish(X_WG).contacts[0].material, 1);
 }
 
 TEST(FinishFrame, BooksVolumeMassWorkAndDebt) {
@@ -312,6 +363,55 @@ TEST(FrameMemory, SurvivesAState) {
   EXPECT_EQ(again.cutting_work_J, 3);
   EXPECT_EQ(again.debt_J, -4);
   EXPECT_EQ(again.frame, 5u);
+}
+
+// ---- frames in parts
+
+// Does parts until number `fails`, which ends with a status.
+ContactModel InParts(int fails, EngineStatus status, FrameMemory& memory) {
+  int number = 0;
+  return StepInParts({.stamp = 7}, Pose::Identity(), 4, memory, [&](const FrameInput& part) {
+    ContactModel model;
+    if (number == fails) {
+      model.status = status;
+      return model;
+    }
+    model.frame = ++memory.frame;
+    model.removed_volume_m3 = ++number;
+    model.pose_stamp = part.stamp;
+    return model;
+  });
+}
+
+TEST(StepInParts, AFrameThatIsRefusedHasDoneNothing) {
+  FrameMemory memory{.frame = 10};
+  const ContactModel model = InParts(0, EngineStatus::kOverloaded, memory);
+  EXPECT_EQ(model.status, EngineStatus::kOverloaded);
+  EXPECT_EQ(model.frame, 0u);
+  EXPECT_EQ(memory.frame, 10u);
+}
+
+// What parts have cut is cut: no frame that "changed nothing".
+TEST(StepInParts, EndsWithThePartsThatWereDoneWhereALaterOneIsRefused) {
+  FrameMemory memory{.frame = 10};
+  const ContactModel model = InParts(2, EngineStatus::kOverloaded, memory);
+  EXPECT_EQ(model.status, EngineStatus::kOk);
+  EXPECT_EQ(model.removed_volume_m3, 2.0);
+  EXPECT_EQ(model.frame, 11u);
+  EXPECT_EQ(memory.frame, 11u);
+}
+
+TEST(StepInParts, TellsALostDeviceAtOnce) {
+  FrameMemory memory{.frame = 10};
+  EXPECT_EQ(InParts(2, EngineStatus::kDeviceLost, memory).status, EngineStatus::kDeviceLost);
+}
+
+TEST(StepInParts, CountsAsOneFrame) {
+  FrameMemory memory{.frame = 10};
+  const ContactModel model = InParts(9, EngineStatus::kOk, memory);
+  EXPECT_EQ(model.removed_volume_m3, 4.0);
+  EXPECT_EQ(model.frame, 11u);
+  EXPECT_EQ(memory.frame, 11u);
 }
 
 // ---- input

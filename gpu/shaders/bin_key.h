@@ -1,0 +1,72 @@
+// The key by which the nearest pair of a bin is found: the least of all wins. One text for C++ and GLSL.
+//
+//     63                38 37              14 13            0
+//     score's units (26)   bone ball (24)     tool ball (14)
+//
+// A bone of more than 2^24 balls takes bits from the lower end of the units, up to kMaxBoneBits.
+#ifndef OSTEON_GPU_BIN_KEY_H
+#define OSTEON_GPU_BIN_KEY_H
+
+#include "gpu/shaders/layout.h"
+
+#ifdef __cplusplus
+namespace osteon::gpu {
+#define OSTEON_CONST inline constexpr
+#define OSTEON_FUNCTION [[nodiscard]] constexpr
+#else
+#define OSTEON_CONST const
+#define OSTEON_FUNCTION
+#endif
+
+OSTEON_CONST uint kScoreBits = 26, kMinBoneBits = 24, kMaxBoneBits = 28;
+
+// A pair's score (its gap, and what its direction costs) in whole units that rise with it:
+//
+//     -33 … -0.97 mm    2^-15 mm a unit: the tool lies that deep in bone
+//     -0.97 … 0.97 mm   2^-25 mm a unit
+//     0.97 … 33 mm      2^-15 mm a unit: a normal's enlargement may be that large
+#define OSTEON_SCORE_UNITS(Number)                                          \
+  OSTEON_FUNCTION uint ScoreUnits(Number score) {                           \
+    Number deep = score + Number(32.96875), far = score - Number(0.96875);  \
+    deep = deep > Number(0.0) ? deep : Number(0.0);                         \
+    far = far < Number(31.96875) ? far : Number(31.96875);                  \
+    if (score < Number(-0.96875)) return uint(deep * Number(32768.0));      \
+    if (far >= Number(0.0)) return 66060288u + uint(far * Number(32768.0)); \
+    return uint((score + Number(1.0)) * Number(33554432.0));                \
+  }
+OSTEON_SCORE_UNITS(float)
+OSTEON_SCORE_UNITS(double)
+#undef OSTEON_SCORE_UNITS
+
+// The units that a key of so many bits for the bone ball keeps.
+OSTEON_FUNCTION uint KeptUnits(uint units, uint bone_bits) { return units >> (bone_bits - kMinBoneBits); }
+
+OSTEON_FUNCTION uint64_t BinKey(uint units, uint bone_ball, uint tool_ball, uint bone_bits) {
+  return (uint64_t(KeptUnits(units, bone_bits)) << (bone_bits + kToolBits)) |
+         (uint64_t(bone_ball) << kToolBits) | uint64_t(tool_ball);
+}
+OSTEON_FUNCTION uint UnitsOfKey(uint64_t key, uint bone_bits) { return uint(key >> (bone_bits + kToolBits)); }
+OSTEON_FUNCTION uint BoneOfKey(uint64_t key, uint bone_bits) {
+  return uint(key >> kToolBits) & ((1u << bone_bits) - 1u);
+}
+OSTEON_FUNCTION uint ToolOfKey(uint64_t key) { return uint(key) & ((1u << kToolBits) - 1u); }
+// The same units from the upper half of a key's 64 bits.
+OSTEON_FUNCTION uint UnitsOfHalf(uint upper_half, uint bone_bits) {
+  return upper_half >> (bone_bits + kToolBits - 32u);
+}
+
+#ifdef __cplusplus
+static_assert(kScoreBits + kMinBoneBits + kToolBits == 64 && kMinBoneBits + kToolBits >= 32);
+
+// Bits for the bone balls of a list of so many.
+[[nodiscard]] constexpr uint BoneBits(std::size_t balls) {
+  uint bits = kMinBoneBits;
+  while (bits < kMaxBoneBits && (balls - 1) >> bits != 0 && balls > 0) ++bits;
+  return bits;
+}
+inline constexpr std::size_t kMaxBoneBalls = std::size_t{1} << kMaxBoneBits;
+}  // namespace osteon::gpu
+#endif
+#undef OSTEON_FUNCTION
+#undef OSTEON_CONST
+#endif
