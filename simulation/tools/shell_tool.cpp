@@ -22,7 +22,7 @@ Tool MakeShellTool(const Tool& tool, std::size_t count, ShellPart part) {
   if (count == 1) return tool;
 
   const ToolBall head = *CuttingHead(tool);
-  const double share = part != ShellPart::kHemisphere ? 1.0 : 2.0;
+  const double share = part == ShellPart::kHemisphere ? 1.0 : 2.0;
   const double distance_m =
       head.radius_m * std::sqrt(2.0 * std::numbers::pi * share / static_cast<double>(count));
   const double radius_m = std::min(0.5 * head.radius_m, kRadiusOverDistance * distance_m);
