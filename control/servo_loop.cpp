@@ -468,6 +468,8 @@ void ServoLoop::SuperviseSpindle(const CellReadings& readings, rt::Nanoseconds n
   if (!readings.spindle.ready || readings.spindle.fault) faults_.Latch(Fault::kSpindle);
   if (spindle_trip_.Check(readings.spindle.torque_Nm, readings.spindle.speed_rad_per_s, params_.period_s))
     faults_.Latch(Fault::kSpindleLimit);
+}
+
 // What the trip on the wrench's rate found in this tick, and what it accepts.
 void ServoLoop::PutWrenchStep(TickRecord& record) const OSTEON_RT {
   record.wrench_step_N = rate_trip_.growth_N();

@@ -207,8 +207,8 @@ class ServoLoop {
   void Supervise(const CouplingOutput& coupling, const Wrench& F_operator_T_W, double sensor_age_s,
                  const CellReadings& readings, rt::Nanoseconds now) OSTEON_RT;
   void PutWrenchStep(TickRecord& record) const OSTEON_RT;
-  /// Time between the tool's poses of this coupling and of the last: a commanded tool stands while messages are
-  /// lost, a measured one goes on.
+  /// Time between the tool's poses of this coupling and of the last: a commanded tool stands while messages
+  /// are lost, a measured one goes on.
   [[nodiscard]] double CouplingStep_s() const OSTEON_RT {
     return params_.law == Law::kImpedance ? elapsed_s_ : params_.period_s;
   }

@@ -72,16 +72,16 @@ struct TickRecord {
   PlainVector3 v_WT_cmd_m_per_s;   ///< velocity of the tool's apex
   /// Of the measured apex since the message before, while the loop commands the arm; else 0.
   double tool_speed_meas_m_per_s{0.0};
-  PlainWrench F_operator_T_W;   ///< what the hand exerts, from the sensor, on T, in W
+  PlainWrench F_operator_T_W;  ///< what the hand exerts, from the sensor, on T, in W
   /// Rendered: after every limit, as integrated. In the tick of a fault: what would have been, within the
   /// limits.
   PlainWrench F_coupling_T_W;
-  double wrench_step_N{0.0};  ///< by which the coupling's force grew or turned (safety::WrenchRateTrip)
+  double wrench_step_N{0.0};        ///< by which the coupling's force grew or turned (safety::WrenchRateTrip)
   double wrench_step_limit_N{0.0};  ///< and by which it may in a tick
-  double wrench_scale{1.0};     ///< share of the coupling wrench that the limits let through, 0 … 1
-  double arm_share{1.0};        ///< of it that the arm's torques can hold in this posture, 0 … 1
-  double tool_in_bone_m{0.0};   ///< from the tool to its collision-free pose, while rendering
-  double vibration_index{0.0};  ///< 0 … 1
+  double wrench_scale{1.0};         ///< share of the coupling wrench that the limits let through, 0 … 1
+  double arm_share{1.0};            ///< of it that the arm's torques can hold in this posture, 0 … 1
+  double tool_in_bone_m{0.0};       ///< from the tool to its collision-free pose, while rendering
+  double vibration_index{0.0};      ///< 0 … 1
   /// Effective value up to which vibration counts as the hand's own.
   double vibration_reference_N{0.0};
   double mass_factor{1.0};                 ///< by which it multiplied the virtual tool's inertia,
