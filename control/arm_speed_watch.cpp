@@ -15,11 +15,6 @@ void Require(bool accepted, const char* name, double found, const char* range) {
                                 ", accepted " + range);
 }
 
-// How far a counter went on; it goes back where a message that counted as lost comes late.
-double Counted(std::uint32_t now, std::uint32_t before) OSTEON_RT {
-  return std::max(0.0, static_cast<double>(static_cast<std::int32_t>(now - before)));
-}
-
 }  // namespace
 
 ArmSpeedWatch::ArmSpeedWatch(const ArmSpeedParams& params, double period_s)
@@ -31,9 +26,9 @@ ArmSpeedWatch::ArmSpeedWatch(const ArmSpeedParams& params, double period_s)
 
 bool ArmSpeedWatch::Check(const ArmState& state, const Vector3& p_W, double limit_m_per_s) OSTEON_RT {
   speed_m_per_s_ = 0.0;
+  const double periods = gap_.Step(state);
   if (has_last_) {
-    const double messages = 1.0 + Counted(state.lost, lost_) + Counted(state.late, late_);
-    const double between_s = std::clamp(std::max(messages * period_s_, rt::ToSeconds(state.stamp - stamp_)),
+    const double between_s = std::clamp(std::max(periods * period_s_, rt::ToSeconds(state.stamp - stamp_)),
                                         period_s_, std::max(kMostBetween_s, period_s_));
     const double way_m = (p_W - p_last_W_).norm();
     speed_m_per_s_ = way_m / between_s;
@@ -42,13 +37,12 @@ bool ArmSpeedWatch::Check(const ArmState& state, const Vector3& p_W, double limi
   has_last_ = true;
   p_last_W_ = p_W;
   stamp_ = state.stamp;
-  lost_ = state.lost;
-  late_ = state.late;
   return excess_m_ > params_.excess_m;
 }
 
 void ArmSpeedWatch::Reset() OSTEON_RT {
   has_last_ = false;
+  gap_.Reset();
   speed_m_per_s_ = excess_m_ = 0.0;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <cstdint>
-
+#include "control/message_gap.h"
 #include "control/ports.h"
 #include "control/rt/marker.h"
 #include "kinematics/spatial.h"
@@ -47,7 +46,7 @@ class ArmSpeedWatch {
   bool has_last_{false};
   Vector3 p_last_W_{Vector3::Zero()};
   rt::Nanoseconds stamp_{0};
-  std::uint32_t lost_{0}, late_{0};
+  MessageGap gap_;
   double speed_m_per_s_{0.0}, excess_m_{0.0};
 };
 

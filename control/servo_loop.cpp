@@ -20,9 +20,9 @@ constexpr double kSpeedSlack =
     1.1;  // a pull-back through the joints may leave the straight line by second order
 constexpr double kSightMemory_s =
     0.1;  // many frames, or the speed limit would follow each one's age up and down
-constexpr std::uint32_t kMaxPeriods = 10;  // between two messages, that a velocity is taken over
-constexpr std::uint8_t kT1 = 0;            // ArmState::operation_mode
-constexpr double kTurns = 0.05;            // of the wanted speed: below, a spindle counts as still
+constexpr double kMaxPeriods = 10.0;  // between two messages, that a velocity is taken over
+constexpr std::uint8_t kT1 = 0;       // ArmState::operation_mode
+constexpr double kTurns = 0.05;       // of the wanted speed: below, a spindle counts as still
 
 bool AllFinite(const JointArray& q) {
   return std::all_of(q.begin(), q.end(), [](double value) { return std::isfinite(value); });
@@ -161,16 +161,14 @@ void ServoLoop::Prefetch() const OSTEON_RT {
   arm_->Prefetch();
 }
 
-// Where the arm is and how it moves, by its messages: the time between two of them is known by their numbers.
+// Where the arm is and how it moves, by its messages: the time between two of them is known by what was lost.
 void ServoLoop::MeasureMotion(const ArmState& state) OSTEON_RT {
   X_WT_meas_ = arm_->ToolPose(state.q_meas);
   if (measured_at_ == 0) {
-    sequence_ = state.sequence - 1;
     measured_twist_.Reset(X_WT_meas_);
     q_seen_ = state.q_meas;
   }
-  elapsed_s_ = std::clamp(state.sequence - sequence_, 1u, kMaxPeriods) * params_.period_s;
-  sequence_ = state.sequence;
+  elapsed_s_ = std::min(message_gap_.Step(state), kMaxPeriods) * params_.period_s;
   measured_at_ = now_;
   measured_twist_.Step(X_WT_meas_, elapsed_s_);
 }

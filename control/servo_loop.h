@@ -9,6 +9,7 @@
 #include "control/arm_speed_watch.h"
 #include "control/axis_lock.h"
 #include "control/gain_ramp.h"
+#include "control/message_gap.h"
 #include "control/ports.h"
 #include "control/rt/latest_value.h"
 #include "control/rt/marker.h"
@@ -295,7 +296,7 @@ class ServoLoop {
 
   // the measured motion, from the arm's messages
   MeasuredTwist measured_twist_;
-  std::uint32_t sequence_{0};   ///< of the last message
+  MessageGap message_gap_;
   double elapsed_s_{0.0};       ///< between the last two messages: a multiple of the period
   double hand_N_{0.0};          ///< what the hand exerts, as supervised last
   JointArray q_meas_before_{};  ///< of the last message, rendering with the impedance law

@@ -228,7 +228,7 @@ class LedArm : public ::testing::Test {
   }
   TickRecord Lead(ReceiveResult received = ReceiveResult::kOk) {
     bench.arm.q_meas[0] += speed_rad_per_s * 1e-3;
-    if (received != ReceiveResult::kOk) ++bench.arm.sequence;  // sent, and lost
+    if (received != ReceiveResult::kOk) ++bench.arm.lost;
     const std::array<double, 7> q = bench.arm.q_meas;
     const TickRecord record = bench.Tick(received);
     bench.arm.q_meas = q;
