@@ -198,9 +198,7 @@ TEST_P(EngineLaw, AToolPutDeepIntoBoneIsHeldByItsDeepestBall) {
     bone.balls.push_back({.center_m = Vector3(0, 0, -1e-3 + depth), .radius_m = 1e-3});
   CuttingParams params;
   params.max_slide_m = 5e-3;
-  const auto engine = Make(bone, BallTool(4e-3), params);
-  engine->Step(At(Down({0, 0, 0})));
-  const ContactModel model = engine->Step(At(Down({0, 0, 0})));
+  const ContactModel model = Make(bone, BallTool(4e-3), params)->Step(At(Down({0, 0, 0})));
   ASSERT_GT(model.contact_count, 0);
   EXPECT_NEAR(Vector3(model.X_WP.p).z(), 3.0e-3, 0.05e-3);
 }
