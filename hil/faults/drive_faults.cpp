@@ -71,7 +71,7 @@ FaultCase Drive(const char* name, const char* injected, int ticks, bool runs_bef
           .inject = WatchedDrive(std::move(harm), runs_before),
           .lasts = kLong,
           .waiting = {.reaction = Reaction::kGoesOn},
-          .aligning = {.reaction = Reaction::kAlignsOn},
+          .aligning = stops,
           .rendering = stops,
           .paused = waits,
           .stop1 = brakes_on,

@@ -53,25 +53,35 @@ Expected Faults(safety::FaultSet faults, int ticks = kAtOnce) {
   return {.reaction = Reaction::kFaults, .faults = faults, .ticks = ticks};
 }
 
-// A device that rendering needs: nothing begins without it, rendering stops, the way to the start goes on to
-// its end, and a stop 2 becomes a stop 1 where it is noticed before rest.
+bool HasAny(safety::FaultSet faults, std::initializer_list<Fault> of) {
+  return std::any_of(of.begin(), of.end(), [&](Fault fault) { return faults.Has(fault); });
+}
+
+// A device that rendering needs: nothing begins without it, rendering stops, and a stop 2 becomes a stop 1
+// where it is noticed before rest. The force sensor is watched wherever the arm moves, the spindle on the way
+// to the start as well; that way goes on without the others.
 FaultCase Device(const char* name, const char* injected, safety::FaultSet faults, int ticks,
                  RigInjection inject) {
+  const bool sensor =
+      HasAny(faults, {Fault::kSensorStale, Fault::kSensorFault, Fault::kSensorForce, Fault::kNotFinite});
+  const bool spindle = HasAny(faults, {Fault::kSpindle, Fault::kSpindleLimit});
   return {.name = name,
           .injected = injected,
           .inject = std::move(inject),
           .lasts = kLong,
           .waiting = kWaits,
-          .aligning = kAlignsOn,
+          .aligning = sensor || spindle ? Stops(faults, ticks) : kAlignsOn,
           .rendering = Stops(faults, ticks),
           .paused = kWaits,
-          .stop1 = kBrakesOn,
+          .stop1 = sensor && ticks <= kPushed ? Stops(faults, ticks) : kBrakesOn,
           .stop2 = ticks <= kPushed ? Stops(faults, ticks) : kBrakesOn};
 }
 // The same of what only rendering takes in: a stop 2 looks at no more of it than its age.
 FaultCase Model(const char* name, const char* injected, safety::FaultSet faults, int ticks,
                 RigInjection inject) {
   FaultCase made = Device(name, injected, faults, ticks, std::move(inject));
+  made.aligning = kAlignsOn;
+  made.stop1 = kBrakesOn;
   if (!faults.Has(Fault::kModelStale) || ticks > kPushed) made.stop2 = kBrakesOn;
   return made;
 }
@@ -395,7 +405,6 @@ void AddPlcAndSpindle(std::vector<FaultCase>& cases) {
     FaultCase made = Device(name, injected, beyond, kSpindleBeyond,
                             [spoil](RigInputs& in, int, FaultRig&) { spoil(in.readings.spindle); });
     made.waiting = made.paused = Stops(beyond, kSpindleBeyond + 8);
-    made.aligning = kGoesOn;
     made.lasts = 300;
     cases.push_back(std::move(made));
   };
