@@ -1,0 +1,37 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "control/ports.h"
+#include "control/rt/marker.h"
+
+namespace osteon::control {
+
+/// How many periods lie between two of the arm's messages: one, and one more for each message between them
+/// that was lost on its way or overtaken before it was read. Counts, not clocks: jitter makes no motion
+/// faster or slower. A link's own number (IPOC of RSI) may step by more than one, so that it says nothing
+/// here.
+class MessageGap {
+ public:
+  /// Once a message. @returns periods since the one before, >= 1; 1 for the first
+  double Step(const ArmState& state) OSTEON_RT {
+    const double skipped = known_ ? Counted(state.lost, lost_) + Counted(state.late, late_) : 0.0;
+    known_ = true;
+    lost_ = state.lost;
+    late_ = state.late;
+    return 1.0 + skipped;
+  }
+  void Reset() OSTEON_RT { known_ = false; }
+
+ private:
+  // How far a counter went on; it goes back where a message that counted as lost comes late.
+  static double Counted(std::uint32_t now, std::uint32_t before) OSTEON_RT {
+    return std::max(0.0, static_cast<double>(static_cast<std::int32_t>(now - before)));
+  }
+
+  bool known_{false};
+  std::uint32_t lost_{0}, late_{0};
+};
+
+}  // namespace osteon::control
