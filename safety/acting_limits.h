@@ -30,10 +30,9 @@ enum class Limit : std::uint8_t {
 inline constexpr std::size_t kLimitCount = 16;
 /// By number, as in summaries: `tool_speed`.
 inline constexpr std::array<std::string_view, kLimitCount> kLimitNames{
-    "wrench",    "arm_torque", "stored_energy", "power",       "tool_speed",
-    "workspace", "zones",      "joints",        "elbow_speed", "depth",
-    "model_age", "sensor_age", "age_governor",  "passivity",   "tank",
-    "bone_entry"};
+    "wrench",       "arm_torque", "stored_energy", "power",     "tool_speed", "workspace",
+    "zones",        "joints",     "elbow_speed",   "depth",     "model_age",  "sensor_age",
+    "age_governor", "passivity",  "tank",          "bone_entry"};
 
 /// Those that act.
 class LimitSet {

@@ -31,7 +31,7 @@ enum class Fault : std::uint32_t {
   kRecorder = 1u << 20,          ///< the recorder stands still, or has no room: Stop 1
   kToolInBone = 1u << 21,        ///< commanded tool too far from the bone's proxy: Stop 1
   kArmSpeed = 1u << 22,          ///< the arm is measured to be faster than its limit allows: Stop 1
-  kForceLimit = 1u << 23,        ///< the coupling stayed at its limit, and the cell chose to stop then: Stop 1
+  kForceLimit = 1u << 23,  ///< the coupling stayed at its limit, and the cell chose to stop then: Stop 1
 };
 
 /// The set of latched faults.

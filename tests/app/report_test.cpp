@@ -88,11 +88,10 @@ TEST(Report, OfARunIsOneValidFileWithEverythingInIt) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   const std::string html = text.str();
-  for (const char* part :
-       {"limit 200 N", "Removed volume", "Deepest apex below the first floor", "message to wake-up",
-        "wake-up to answer", "Simulation frame", "swept by the tool", "class=\"verdict good\"",
-        "Commanded tool beyond its collision-free pose",
-        "./osteon demo --seconds 2", "reamer_50.yaml", "data:image/png;base64,"})
+  for (const char* part : {"limit 200 N", "Removed volume", "Deepest apex below the first floor",
+                           "message to wake-up", "wake-up to answer", "Simulation frame", "swept by the tool",
+                           "class=\"verdict good\"", "Commanded tool beyond its collision-free pose",
+                           "./osteon demo --seconds 2", "reamer_50.yaml", "data:image/png;base64,"})
     EXPECT_NE(html.find(part), std::string::npos) << part;
   EXPECT_LT(html.size(), 4u << 20u);
   EXPECT_FALSE(std::filesystem::exists(file.string() + ".part"));

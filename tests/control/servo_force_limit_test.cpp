@@ -73,14 +73,16 @@ TEST(ServoForceLimit, ATooDeepToolStopsWhateverTheReaction) {
   }
 }
 
-// Work that a coupling gives over ticks, from the outside: its force as recorded, on the way that the tool was commanded.
+// Work that a coupling gives over ticks, from the outside: its force as recorded, on the way that the tool
+// was commanded.
 class Work {
  public:
   // The record's force acts where the tool was a tick before, and moves it to where it is now.
   void Add(const TickRecord& record) {
     const Wrench F = record.F_coupling_T_W;
     if (begun_) {
-      sum_J_ += 0.5 * (Power(F_before_, step_) + Power(F, step_));  // the mean of both ends of the step before
+      sum_J_ +=
+          0.5 * (Power(F_before_, step_) + Power(F, step_));  // the mean of both ends of the step before
       least_J_ = std::min(least_J_, sum_J_);
       step_ = SmallStep(X_before_, Pose(record.X_WT_cmd));
     }
