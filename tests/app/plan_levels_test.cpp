@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "app/plan.h"
+#include "gpu/vulkan_engine.h"
 
 // What a plan leaves out changes nothing that was asked for, and nothing is finer than it has to be: the next
 // finer level (half the spacing) changes force by less than 7 % and depth by less than the error, and the
@@ -75,6 +76,37 @@ TEST(PlanLevel, ErrorHasNoStepFromOneSpacingToTheNext) {
     const double predicted_m = PredictRemovalError(level.fine, scene->cut).total_m();
     EXPECT_LT(Measure(*scene, scene->work.tool, level).error_m, 1.15 * predicted_m);
   }
+}
+
+// The first three frames of each turn of 25 find another engine's work in the caches and are no samples; the
+// engine steps through them all the same.
+TEST(PlanLevel, SamplesAreTheFramesThatTouchButTheFirstThreeOfATurn) {
+  const auto scene =
+      LoadPlanScene({.scene = "thin_plate", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});
+  ASSERT_TRUE(scene) << scene.error();
+  const simulation::PackingLevel level =
+      MakeLevel(simulation::PackingKind::kGraded, 0.5e-3, 1.5, scene->cut, scene->zone_depth_m);
+  const PackedLevel packed{.level = level, .balls = PackLevel(level, *scene->work.solid, *scene->work.zone)};
+  const auto runs = RunLevels(*scene, {packed}, scene->work.tool, "", 1);
+  ASSERT_TRUE(runs) << runs.error();
+
+  simulation::Bone bone;
+  bone.balls = packed.balls;
+  bone.points = scene->points;
+  bone.materials = scene->materials;
+  const auto engine =
+      gpu::VulkanEngine::Create(bone, scene->work.tool, Pose::Identity(),
+                                simulation::CuttingForLevel(level, scene->cut, scene->work.cutting), {});
+  ASSERT_TRUE(engine) << engine.error();
+  std::size_t touching = 0, samples = 0;
+  for (std::size_t k = 0; k < scene->work.cut_end; ++k) {
+    const bool touches = (*engine)->Step(scene->work.frames[k]).contact_count > 0;
+    touching += touches ? 1 : 0;
+    samples += touches && k % 25 >= 3 ? 1 : 0;
+  }
+  EXPECT_EQ(runs->front().frames.size(), samples);
+  EXPECT_LT(samples, touching);
+  EXPECT_GT(samples, touching * 4 / 5);
 }
 
 // A tool with fewer balls cuts what the whole one cuts, to within its share.
