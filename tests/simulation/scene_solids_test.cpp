@@ -352,11 +352,13 @@ TEST(FemoralHeadSolid, IsAClosedBallOnANeckWithTheVolumeOfBoth) {
 TEST(FemoralHeadSolid, IsConvexWhereAToolComesFromAboveAndRound) {
   const FemoralHeadShape shape;
   const FemoralHeadSolid head(shape);
+  // MeshOfLevel keeps its corners a twentieth of its 1 mm step away from the grid's: 50 um where one lies on
+  // the surface, as at the pole
   for (double tilt = 0.0; tilt < 1.4; tilt += 0.1)
     for (double turn = 0.05; turn < 6.2; turn += 0.3) {
       const Vector3 n(std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt));
-      EXPECT_NEAR(head.SignedDistance((shape.head_radius_m + 1e-3) * n), 1e-3, 30e-6);
-      EXPECT_NEAR(head.SignedDistance((shape.head_radius_m - 3e-3) * n), -3e-3, 30e-6);
+      EXPECT_NEAR(head.SignedDistance((shape.head_radius_m + 1e-3) * n), 1e-3, 55e-6);
+      EXPECT_NEAR(head.SignedDistance((shape.head_radius_m - 3e-3) * n), -3e-3, 55e-6);
     }
 }
 
