@@ -56,7 +56,7 @@ void CheckLinkQuality(const Reader& section, const hil::FriServerParams& fri) {
                                quality.excellent_after_answers, due));
 }
 
-io::RsiSessionParams ReadRsi(Reader section) {
+io::RsiSessionParams ReadRsi(Reader section, bool& jump_accepted) {
   io::RsiSessionParams session;
   session.layout =
       section.Choice("layout", {"im_free", "kroshu"}) == 0 ? io::RsiLayout::kImFree : io::RsiLayout::kKroshu;
@@ -64,14 +64,8 @@ io::RsiSessionParams ReadRsi(Reader section) {
                                                                           : io::RsiCorrection::kCartesian;
   session.absolute = section.Bool("absolute");
   session.hold_on = section.Bool("hold_on");
-  const bool jump_accepted =
+  jump_accepted =
       section.Has("accept_jump_after_lost_answers") && section.Bool("accept_jump_after_lost_answers");
-  if (session.absolute && !session.hold_on && !jump_accepted)
-    section.Refuse(
-        "hold_on",
-        "found false with absolute corrections, accepted true: after a lost answer the arm would jump "
-        "back to where RSI began. Set HOLDON to 1 in the Ethernet file and hold_on: true here, or accept "
-        "the danger by accept_jump_after_lost_answers: true");
   session.cycle_ms = section.Choice("cycle_ms", {"4", "12"}) == 0 ? 4 : 12;
   session.ipoc_step = section.Whole("ipoc_step_count", 1, 12);
   session.timeout_cycles = section.Whole("timeout_count", 1, 10'000);
@@ -119,11 +113,11 @@ std::array<double, 6> ReadCorrectionRange(Reader& section, const std::string& na
 }
 
 ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell) {
-  ArmLinkSections sections{.link = cell_section.OneSection({"fri", "rsi"}), .quality = {}};
+  ArmLinkSections sections{.link = cell_section.OneSection({"fri", "rsi"})};
   cell.link.host = sections.link.Text("host");
   cell.link.port = static_cast<std::uint16_t>(sections.link.Whole("port", 1024, 65535));
   if (cell_section.Has("rsi")) {
-    const io::RsiSessionParams session = ReadRsi(sections.link);
+    const io::RsiSessionParams session = ReadRsi(sections.link, sections.jump_accepted);
     cell.simulated.kr = ArmEndOf(session);
     cell.servo.period_s = 1e-3 * session.cycle_ms;
     cell.link.session = session;
@@ -140,6 +134,13 @@ void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell) {
   if (sections.quality) return CheckLinkQuality(*sections.quality, cell.simulated.fri);
   const Reader& link = sections.link;
   const io::RsiSessionParams& session = *cell.link.rsi();
+  if (session.absolute && !session.hold_on && !sections.jump_accepted)
+    link.Refuse("hold_on",
+                "found false with absolute corrections, accepted true: after a lost answer the arm would "
+                "jump back to "
+                "where RSI began. Set HOLDON to 1 in the Ethernet file and hold_on: true here, or accept the "
+                "danger by "
+                "accept_jump_after_lost_answers: true");
   if (session.ipoc_step != 1 && session.ipoc_step != session.cycle_ms)
     link.Refuse("ipoc_step_count",
                 fmt::format("found {}, accepted 1, or cycle_ms ({})", session.ipoc_step, session.cycle_ms));

@@ -18,7 +18,7 @@ std::unique_ptr<ArmController> ArmOf(const SimulatedCellParams& params) {
 
 // Where the script begins: an arm that is brought there is let alone until then.
 bool AtStart(const HandScript& script, const Pose& X_WT) {
-  constexpr double kNear_m = 0.03, kNear_rad = 0.3;
+  constexpr double kNear_m = 0.003, kNear_rad = 0.03;
   const Pose X_WT_start = script.Sample(0.0).X_WT;
   const Eigen::AngleAxisd turn(X_WT.linear().transpose() * X_WT_start.linear());
   return (X_WT.translation() - X_WT_start.translation()).norm() < kNear_m &&

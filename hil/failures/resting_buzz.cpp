@@ -36,6 +36,8 @@ Buzz Rest(double push_N, double stiffness_N_per_m, bool force_alone, double seco
   params.servo = {.bandwidth_hz = 1000.0, .dead_cycles = 0};  // no lag that would hide it
   params.seconds = kStart_s + seconds;
   params.loop.coupling.max_stiffness_N_per_m = stiffness_N_per_m;
+  // a force of a millisecond ago knows of no depth in bone
+  if (force_alone) params.loop.on_force_limit.reaction = safety::OnForceLimit::kYield;
   if (force_alone) {
     params.loop.stabilisers = control::NoStabilisers();
     params.loop.coupling.return_s = kDt_s;  // planes where the frame has them, at once

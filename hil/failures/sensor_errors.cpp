@@ -34,6 +34,9 @@ Drifted Release(double bias_N, int axis, bool ours, double seconds) {
   params.waiting_s = kWaiting_s;
   params.seconds = kReleases_s + seconds + kPushes_s;
   params.loop.sensor_bias.acts = ours;
+  // nobody holds the tool while it waits, and the payload's error looks like a bias as well
+  params.loop.sensor_bias.max_creep_m_per_s = 0.3;
+  params.loop.sensor_bias.max_creep_rad_per_s = 1.0;
   if (ours) {
     params.loop.admittance.dead_zone_N = kDeadZone_N;
     params.loop.admittance.dead_zone_Nm = kDeadZone_Nm;

@@ -304,8 +304,8 @@ void AddArm(std::vector<FaultCase>& cases) {
                      .stop1 = kBrakesOn,
                      .stop2 = stops});
   }
-  cases.push_back(Ridden("external torques NaN", "all of them; nothing is made of them", 200,
-                         [](RigInputs& in, int, FaultRig&) { in.arm.tau_ext.fill(kNaN); }));
+  cases.push_back(NotFinite("external torques NaN", "all of them",
+                            [](RigInputs& in, int, FaultRig&) { in.arm.tau_ext.fill(kNaN); }));
 }
 
 void AddModel(std::vector<FaultCase>& cases) {

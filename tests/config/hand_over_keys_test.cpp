@@ -19,9 +19,10 @@ TEST(HandOverKeys, ASlideThatAHandOverCanNotTakeIsRefusedAtItsLine) {
   const std::string text = CellText("sawbone_block");
   EXPECT_EQ(Refusal(With(text, "max_slide_um: 400", "max_slide_um: 1439")), "");
   const std::string refusal = Refusal(With(text, "max_slide_um: 400", "max_slide_um: 1441"));
-  EXPECT_THAT(refusal, HasSubstr(".yaml:203: max_slide_um: found 1441, accepted at most 1440: "));
+  EXPECT_THAT(refusal, HasSubstr(": max_slide_um: found 1441, accepted at most 1440: "));
   EXPECT_THAT(refusal, HasSubstr("1.5 max_tool_speed_mm_per_s (150) × 8 ms / (1 + damping_share_ratio)"));
-  EXPECT_THAT(Refusal(With(text, "max_tool_speed_mm_per_s: 150", "max_tool_speed_mm_per_s: 40")),
+  EXPECT_THAT(Refusal(With(With(text, "max_tool_speed_mm_per_s: 150", "max_tool_speed_mm_per_s: 40"),
+                           "model_sight_mm: 0.25", "model_sight_mm: 0.15")),
               HasSubstr("max_slide_um: found 400, accepted at most 384"))
       << "the other figure of the two";
 }

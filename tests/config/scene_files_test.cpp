@@ -89,7 +89,11 @@ TEST(SceneFiles, EachCellsSceneIsPackedWithItsMaterialsWithin40000Balls) {
     EXPECT_LT(bone.points.size(), 120'000u);
     std::vector<double> volume_m3(bone.materials.size());
     for (const simulation::MassPoint& point : bone.points) volume_m3.at(point.material) += point.volume_m3;
-    for (std::size_t i = 0; i < volume_m3.size(); ++i) EXPECT_GT(volume_m3[i], 0.0) << bone.materials[i].name;
+    for (std::size_t i = 0; i < volume_m3.size(); ++i) {
+      const std::string& name = bone.materials[i].name;
+      const bool worn_off = name == "cartilage" && file.stem() == "femoral_head";  // its scene says 0 mm
+      EXPECT_EQ(volume_m3[i] > 0.0, !worn_off) << name;
+    }
     for (std::size_t i = 0; i < bone.balls.size(); i += 7) {
       const double outside_m = bone.balls[i].radius_m + solid.solid->SignedDistance(bone.balls[i].center_m);
       ASSERT_LE(outside_m, 1e-9) << "ball " << i << " leaves the solid";

@@ -288,9 +288,9 @@ TEST(ServoLimits, PowerIntoTheHandIsBounded) {
     }
     return most;
   };
-  EXPECT_GT(most_W(std::numeric_limits<double>::infinity()), 30.0) << "there is something to bound";
+  EXPECT_GT(most_W(std::numeric_limits<double>::infinity()), 20.0) << "there is something to bound";
   // within a thousandth: the arm's joints round what the tool was to do
-  EXPECT_LE(most_W(25.0), 25.0 * 1.001);
+  EXPECT_LE(most_W(12.0), 12.0 * 1.001);
   EXPECT_LE(most_W(5.0), 5.0 * 1.001);
 }
 

@@ -110,7 +110,10 @@ TEST(ToolInertia, ALostMessageIsNoJolt) {
   double peak_N = 0.0;
   for (int i = 0; i < 400; ++i) {
     ++state.sequence;
-    if (i > 200 && i % 20 == 0) continue;
+    if (i > 200 && i % 20 == 0) {
+      ++state.lost;
+      continue;
+    }
     kinematics::JointVector q = ServoBench::StartJoints();
     q[0] += 0.08 * kDt_s * i;  // some .05 m/s at the tool
     Eigen::Map<kinematics::JointVector>(state.q_meas.data()) = q;

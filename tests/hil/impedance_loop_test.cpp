@@ -175,6 +175,8 @@ TEST(ImpedanceLoop, BeyondTheToolsSpeedItIsBrakedAndAtHalfAsMuchAgainItStops) {
   bench.push_W_N = -120.0 * bench.feed_W;
   bench.Run(400);
   EXPECT_TRUE(bench.loop.faults().Has(Fault::kToolSpeed));
+  bench.push_W_N.setZero();
+  bench.Run(2000);
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
 }
 

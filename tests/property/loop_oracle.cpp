@@ -106,9 +106,10 @@ std::string LoopOracle::Stands(const control::ServoLoop& loop, const control::Ti
                           static_cast<std::uint32_t>(safety::Fault::kWorkspace) |
                           static_cast<std::uint32_t>(safety::Fault::kJointLimit) |
                           static_cast<std::uint32_t>(safety::Fault::kInverseKinematics);
-  const bool still =
-      Vector3(record.F_coupling_T_W.f).isZero(0.0) && Vector3(record.F_coupling_T_W.t).isZero(0.0);
-  if ((record.faults & ~kAfter) != 0 && !still) return "renders in the tick that sees a fault";
+  // its record has the force that was found, within the limits; it is not rendered: the cell has left
+  // rendering
+  const bool renders = safety::Renders(static_cast<safety::CellState>(record.cell_state));
+  if ((record.faults & ~kAfter) != 0 && renders) return "renders on in the tick that sees a fault";
   return {};
 }
 
