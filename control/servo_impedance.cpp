@@ -11,7 +11,7 @@ namespace {
 using safety::Fault;
 
 // Slower is standing, as a tool: joints that swing about a tool at rest are the arm's own affair.
-constexpr double kStands_m_per_s = 5e-3, kStands_rad_per_s = 0.05;
+constexpr double kToolStands_m_per_s = 5e-3, kToolStands_rad_per_s = 0.05;
 constexpr double kSpeedSlack = 1.5;  // beyond the limit the brake has not held the hand: a fault
 
 }  // namespace
@@ -102,7 +102,7 @@ void ServoLoop::BrakeImpedance() OSTEON_RT {
   V_WT_ = measured_twist_.V();
   F_sent_T_W_ =
       arm_->Limit(wrench_limiter_, DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {})).F;
-  const bool stands = V_WT_.v.norm() <= kStands_m_per_s && V_WT_.w.norm() <= kStands_rad_per_s;
+  const bool stands = V_WT_.v.norm() <= kToolStands_m_per_s && V_WT_.w.norm() <= kToolStands_rad_per_s;
   // the last kStandingTicks of a stop are ticks in a row in which it stands
   const int whole_stop = JointStopTicks(params_) + kStandingTicks;
   stop_ticks_ = std::min(stop_ticks_ + 1, stands ? whole_stop : whole_stop - kStandingTicks);
