@@ -96,16 +96,18 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
                 slow.share < 1.0, inside.acted, coupling.fade, 1.0);
 }
 
-// A stop of an arm that gives: its own spring holds it where it is now, and what still moves is braked. It is
-// at rest once it is measured to stand: a hand that leads it on keeps the stop under way.
+// A stop of an arm that gives: its own spring holds it where it is now, and what still moves is braked for
+// the stop's time; a brake that acts on would shake a light tool through its delay. It is at rest once its
+// tool is measured to stand: a hand that leads it on keeps the stop under way.
 void ServoLoop::BrakeImpedance() OSTEON_RT {
   V_WT_ = measured_twist_.V();
-  F_sent_T_W_ =
-      arm_->Limit(wrench_limiter_, DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {})).F;
-  const bool stands = V_WT_.v.norm() <= kToolStands_m_per_s && V_WT_.w.norm() <= kToolStands_rad_per_s;
   // the last kStandingTicks of a stop are ticks in a row in which it stands
-  const int whole_stop = JointStopTicks(params_) + kStandingTicks;
-  stop_ticks_ = std::min(stop_ticks_ + 1, stands ? whole_stop : whole_stop - kStandingTicks);
+  const int braked = JointStopTicks(params_), whole_stop = braked + kStandingTicks;
+  const bool stands = V_WT_.v.norm() <= kToolStands_m_per_s && V_WT_.w.norm() <= kToolStands_rad_per_s;
+  if (stop_ticks_ < braked)
+    F_sent_T_W_ =
+        arm_->Limit(wrench_limiter_, DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {})).F;
+  stop_ticks_ = stop_ticks_ < braked || stands ? stop_ticks_ + 1 : braked;
   if (stop_ticks_ < whole_stop) return;
   F_sent_T_W_ = {};
   TakeRest();

@@ -123,8 +123,7 @@ TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const 
   if (received != ReceiveResult::kOk) {
     Miss(received);
     if (stop_asked_ && Rests()) Take(CellEvent::kStopAsked);
-  } else if (!AllFinite(state.q_meas) || (state.has_ipo && !AllFinite(state.q_ipo)) ||
-             !AllFinite(state.tau_ext)) {
+  } else if (!AllFinite(state.q_meas) || (state.has_ipo && !AllFinite(state.q_ipo))) {
     faults_.Latch(Fault::kNotFinite);  // hold this tick: a position that is not known can not be left
     permits_ = {};
     // as good as no message: what can not be braked for long is held for good
@@ -179,6 +178,10 @@ void ServoLoop::Answer(const ArmState& state, const CellReadings& readings,
                        TickRecord& record) OSTEON_RT {
   const bool active = TakeSession(state);
   overloaded_ = arm_->TakeTorques(state.tau_ext);
+  if (!AllFinite(state.tau_ext)) {  // the trip on them can't be counted on
+    faults_.Latch(Fault::kNotFinite);
+    Take(CellEvent::kFault);
+  }
   WatchArmSpeed(state, active, record);
 
   // may it begin?

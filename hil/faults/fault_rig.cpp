@@ -98,8 +98,8 @@ RigInputs FaultRig::Inputs() {
   in.arm.has_ipo = true;
   in.arm.activation = activation_;
   const Pose X_WT = ToolNow(), X_WF = X_WT * ScenarioTool().inverse();
-  // nobody holds the tool before the arm is handed over
-  const bool held = session_ == SessionState::kCommandingActive;
+  // nobody holds the tool while the arm is waited for, or goes to its start
+  const bool held = !safety::Waits(loop_.state()) && loop_.state() != safety::CellState::kAligning;
   const Vector3 f_W = held ? Vector3(push_N * feed_W_ + side_N * side_W_) : Vector3(Vector3::Zero());
   const Vector3 lever_W = X_WT.translation() - X_WF.translation();
   in.readings.force = {.stamp = in.now,

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "control/rt/no_alloc_scope.h"
+#include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/control/servo_bench.h"
 
 // How fast the arm is measured to be: the watch alone, and in the loop.
@@ -113,7 +113,7 @@ TEST(ArmSpeedWatch, DoesNotAllocate) {
   Arm arm;
   int heap_calls = -1;
   {
-    const rt::NoAllocScope scope;
+    rt::CheckedNoAllocScope scope;
     for (int i = 0; i < 100; ++i) static_cast<void>(arm.Message(1e-4 * i));
     heap_calls = scope.heap_calls();
   }
