@@ -11,7 +11,7 @@ namespace {
 using safety::Fault;
 
 // Slower is standing, as a tool: joints that swing about a tool at rest are the arm's own affair.
-constexpr double kToolStands_m_per_s = 5e-3, kToolStands_rad_per_s = 0.05;
+constexpr double kToolStands_m_per_s = 5e-3, kToolStands_rad_per_s = 0.5;
 constexpr double kSpeedSlack = 1.5;  // beyond the limit the brake has not held the hand: a fault
 
 }  // namespace

@@ -45,10 +45,12 @@ control::ServoParams FaultRig::Params(Way way) {
   params.spindle_rad_per_s = 26.0;
   params.spindle_limits = {.max_torque_Nm = 5.0, .max_speed_rad_per_s = 60.0, .trip_s = 0.05};
   params.arm_body = ScenarioBody();
+  // the rig's hand pushes all the time: no bias is taken, and the way to the start is gone in spite of it
+  params.sensor_bias.acts = false;
   if (way == Way::kToStart) {
     JointVector goal = StartJoints();
     goal[0] += 0.3;
-    params.start = control::StartParams{.q = goal, .path = {}};
+    params.start = control::StartParams{.q = goal, .path = {}, .pause_force_N = 200.0};
   }
   return params;
 }
@@ -98,9 +100,7 @@ RigInputs FaultRig::Inputs() {
   in.arm.has_ipo = true;
   in.arm.activation = activation_;
   const Pose X_WT = ToolNow(), X_WF = X_WT * ScenarioTool().inverse();
-  // nobody holds the tool while the arm is waited for, or goes to its start
-  const bool held = !safety::Waits(loop_.state()) && loop_.state() != safety::CellState::kAligning;
-  const Vector3 f_W = held ? Vector3(push_N * feed_W_ + side_N * side_W_) : Vector3(Vector3::Zero());
+  const Vector3 f_W = push_N * feed_W_ + side_N * side_W_;
   const Vector3 lever_W = X_WT.translation() - X_WF.translation();
   in.readings.force = {.stamp = in.now,
                        .F_S = Wrench{.f = X_WF.linear().transpose() * f_W,
