@@ -97,16 +97,17 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
 }
 
 // A stop of an arm that gives: its own spring holds it where it is now, and what still moves is braked for
-// the stop's time; a brake that acts on would shake a light tool through its delay. It is at rest once its
-// tool is measured to stand: a hand that leads it on keeps the stop under way.
+// the stop's time. It is at rest once its tool is measured to stand: a hand that leads it on keeps the stop
+// under way.
 void ServoLoop::BrakeImpedance() OSTEON_RT {
   V_WT_ = measured_twist_.V();
   // the last kStandingTicks of a stop are ticks in a row in which it stands
   const int braked = JointStopTicks(params_), whole_stop = braked + kStandingTicks;
   const bool stands = V_WT_.v.norm() <= kToolStands_m_per_s && V_WT_.w.norm() <= kToolStands_rad_per_s;
+  if (stop_ticks_ == 0) stop_brake_.Reset();
   if (stop_ticks_ < braked)
     F_sent_T_W_ =
-        arm_->Limit(wrench_limiter_, DampingWrench(params_.impedance, X_WT_meas_.linear(), V_WT_, {})).F;
+        arm_->Limit(wrench_limiter_, stop_brake_.Step(params_.impedance, X_WT_meas_.linear(), V_WT_)).F;
   stop_ticks_ = stop_ticks_ < braked || stands ? stop_ticks_ + 1 : braked;
   if (stop_ticks_ < whole_stop) return;
   F_sent_T_W_ = {};

@@ -14,6 +14,7 @@
 #include "control/rt/latest_value.h"
 #include "control/rt/marker.h"
 #include "control/servo_params.h"
+#include "control/stop_brake.h"
 #include "control/tick_record.h"
 #include "control/tool_inertia.h"
 #include "kinematics/lbr_arm.h"
@@ -305,6 +306,7 @@ class ServoLoop {
 
   // the impedance law
   Wrench F_sent_T_W_;  ///< of this tick: coupling, damping and braking, within the limits
+  StopBrake stop_brake_;
   int stop_ticks_{0};  ///< of a stop so far
 
   bool overloaded_{false};   ///< the arm's joints are about to bear more than they hold

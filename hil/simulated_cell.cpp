@@ -16,13 +16,10 @@ std::unique_ptr<ArmController> ArmOf(const SimulatedCellParams& params) {
   return std::make_unique<FriArm>(params.fri, BodyOf(params), Pose(params.X_FT));
 }
 
-// Where the script begins: an arm that is brought there is let alone until then.
-bool AtStart(const HandScript& script, const Pose& X_WT) {
-  constexpr double kNear_m = 0.003, kNear_rad = 0.03;
-  const Pose X_WT_start = script.Sample(0.0).X_WT;
+bool IsNear(const Pose& X_WT, const Pose& X_WT_start, double distance_m, double angle_rad) {
   const Eigen::AngleAxisd turn(X_WT.linear().transpose() * X_WT_start.linear());
-  return (X_WT.translation() - X_WT_start.translation()).norm() < kNear_m &&
-         std::abs(turn.angle()) < kNear_rad;
+  return (X_WT.translation() - X_WT_start.translation()).norm() < distance_m &&
+         std::abs(turn.angle()) < angle_rad;
 }
 
 }  // namespace
@@ -59,7 +56,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
 
   // the hand
   Wrench F_T_W;
-  const bool holds = active && (holds_ || held_once_ || AtStart(hand_.script(), X_WT));
+  const bool holds = active && (holds_ || held_once_ || IsAtStart(X_WT, V_WT));
   if (holds && !holds_) {
     held_cycles_ = 0;
     held_once_ = true;
@@ -96,6 +93,18 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
     has_twist_ = true;
   }
   return datagram;
+}
+
+// An arm that is brought to the start is let alone until it has arrived. A soft arm may sag beside the
+// start: there the operator takes a tool that has not gone anywhere for a while.
+bool SimulatedCell::IsAtStart(const Pose& X_WT, const Twist& V_WT) {
+  constexpr double kArrived_m = 0.003, kArrived_rad = 0.03;
+  constexpr double kWithinReach_m = 0.03, kWithinReach_rad = 0.3;
+  constexpr double kMaxIdle_m_per_s = 0.02, kMaxIdle_rad_per_s = 0.2, kMinIdle_s = 0.3;
+  const Pose X_WT_start = hand_.script().Sample(0.0).X_WT;
+  const bool idle = V_WT.v.norm() < kMaxIdle_m_per_s && V_WT.w.norm() < kMaxIdle_rad_per_s;
+  idle_s_ = idle && IsNear(X_WT, X_WT_start, kWithinReach_m, kWithinReach_rad) ? idle_s_ + period_s() : 0.0;
+  return idle_s_ >= kMinIdle_s || IsNear(X_WT, X_WT_start, kArrived_m, kArrived_rad);
 }
 
 }  // namespace osteon::hil

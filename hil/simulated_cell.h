@@ -100,7 +100,10 @@ class SimulatedCell {
   std::unique_ptr<ArmController> arm_;
   Wrench F_hand_T_B_;
   OperatorHand hand_;
+  [[nodiscard]] bool IsAtStart(const Pose& X_WT, const Twist& V_WT);
+
   bool holds_{false}, held_once_{false};  // the hand, the tool
+  double idle_s_{0.0};                    // so long the tool has stood within the operator's reach
   std::uint64_t held_cycles_{0};
   CellState state_;
 };
