@@ -3,6 +3,8 @@
 # called: what is installed when, what reaches the built command, what stays quiet, and what each obstacle is answered.
 set -euo pipefail
 here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
+# What the launcher reads may be set where this test runs: by the launcher itself, above ctest.
+unset CTEST_PARALLEL_LEVEL CMAKE_BUILD_PARALLEL_LEVEL OSTEON_DATA_DIR OSTEON_SKIP_PACKAGES
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 checkout="$work/a checkout" # with a space

@@ -195,7 +195,7 @@ TEST(ImpedanceLoop, AStopTakesTheWrenchAwayAndTheArmsOwnSpringHoldsIt) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// At a brake of 250 N·s/m and four cycles of dead time the wrist swings up to ten times its speed and more
+// At a brake of 250 N·s/m and four cycles of dead time the wrist swings up to four times its speed, and on,
 // where the brake keeps its gain.
 TEST(ImpedanceLoop, AStopDoesNotShakeAToolThatNobodyHolds) {
   for (const CommandMode mode : {CommandMode::kWrench, CommandMode::kTorque}) {
