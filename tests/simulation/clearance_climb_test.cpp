@@ -113,8 +113,8 @@ TEST_F(InABox, SearchingACubeFindsEveryHoleAndNoOther) {
   EXPECT_TRUE(found.empty());
 }
 
-// The directions from which it climbs are turned by chance, and a corner between four of them is missed: in 216
-// of these 8000. One direction that is left out makes them 267.
+// The directions from which it climbs are turned by chance, and a corner between four of them is missed: in
+// 216 of these 8000. One direction that is left out makes them 267.
 TEST_F(InABox, SearchingAroundABallFindsItsHolesHoweverItsDirectionsAreTurned) {
   balls_.Insert({.center_m = Vector3::Zero(), .radius_m = 0.05});
   const double hole = (2.0 - std::sqrt(3.0)) * 0.05;
