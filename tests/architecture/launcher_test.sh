@@ -4,7 +4,7 @@
 set -euo pipefail
 here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 # What the launcher reads may be set where this test runs: by the launcher itself, above ctest.
-unset CTEST_PARALLEL_LEVEL CMAKE_BUILD_PARALLEL_LEVEL OSTEON_DATA_DIR OSTEON_SKIP_PACKAGES
+unset CTEST_PARALLEL_LEVEL CMAKE_BUILD_PARALLEL_LEVEL OSTEON_DATA_DIR OSTEON_SKIP_PACKAGES OSTEON_CGROUPS
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 checkout="$work/a checkout" # with a space
@@ -14,7 +14,9 @@ COMMIT_STEP=$(sed -n 's/^add_custom_target(osteon_commit .*COMMENT "\(.*\)"$/\1/
 export COMMIT_STEP # what every build does, and the launcher says nothing of
 mkdir "$checkout" "$fakes" "$work/elsewhere"
 cp "$here/../../osteon" "$checkout/"
-printf '[run]  comment\ncompiler  # why\nlibrary-dev\n\n[test]\noracle-dev\n' >"$checkout/packages.txt"
+printf '[run]  comment\ncompiler  # why\nlibrary-dev\n\n[test]\noracle-dev\n\n[optional]\nextra-dev\n' >"$checkout/packages.txt"
+printf 'ID=debian\nVERSION_ID="12"\nPRETTY_NAME="Debian GNU/Linux 12"\n' >"$work/debian"
+export OSTEON_OS_RELEASE=$work/debian
 
 fake() { cat >"$fakes/$1"; chmod +x "$fakes/$1"; }
 fake dpkg-query <<'F'
@@ -24,8 +26,10 @@ F
 fake apt-get <<'F'
 #!/usr/bin/env bash
 echo "apt-get $*" >>"$FAKES/calls"; echo "Setting up"
+[[ ! -e /proc/$$/fd/9 ]] || echo "lock held" >>"$FAKES/calls"
 if [[ -e $FAKES/apt_broken ]]; then echo "E: no network"; exit 100; fi
-if [[ " $* " == *" install "* ]]; then printf '%s\n' "${@##-*}" | grep -E '^(compiler|library-dev|oracle-dev)$' >>"$FAKES/installed"; fi
+if [[ -e $FAKES/no_extra && $* == *extra-dev* ]]; then echo "E: Unable to locate package extra-dev"; exit 100; fi
+if [[ " $* " == *" install "* ]]; then printf '%s\n' "${@##-*}" | grep -E '^(compiler|library-dev|oracle-dev|extra-dev)$' >>"$FAKES/installed"; fi
 F
 fake sudo <<'F'
 #!/usr/bin/env bash
@@ -41,6 +45,7 @@ echo 1 >"$fakes/cores"
 fake cmake <<'F'
 #!/usr/bin/env bash
 echo "cmake $*" >>"$FAKES/calls"; echo "-- Configuring done"
+[[ ! -e /proc/$$/fd/9 ]] || echo "lock held" >>"$FAKES/calls"
 while [[ $# -gt 0 ]]; do
   case $1 in -S) root=$2; shift ;; -DOSTEON_TESTS=*) tests=${1#*=} ;; esac
   shift
@@ -52,6 +57,7 @@ F
 fake ninja <<'F'
 #!/usr/bin/env bash
 echo "ninja $*" >>"$FAKES/calls"
+[[ ! -e /proc/$$/fd/9 ]] || echo "lock held" >>"$FAKES/calls"
 mkdir "$FAKES/one_at_a_time" || { echo "FAILED: two at once"; exit 1; }
 trap 'rmdir "$FAKES/one_at_a_time"' EXIT
 trap 'exit 2' TERM
@@ -103,6 +109,7 @@ expect 'what the demo needs is installed' has "$(calls)" 'install --no-install-r
 expect 'what only tests need is not' lacks "$(calls)" oracle-dev
 expect 'without test packages, no tests are configured' has "$(calls)" -DOSTEON_TESTS=OFF
 expect 'the command alone is built' has "$(calls)" osteon_app
+expect 'no step has the lock, nor what it leaves running' lacks "$(calls)" 'lock held'
 
 run "$checkout/osteon" demo
 expect 'a second start is silent' equal "$err" ''
@@ -113,13 +120,21 @@ RC=1 run "$work/link"
 expect 'through a link, without arguments: help' has "$out" '<--help>'
 expect 'the exit code is the command'\''s' equal "$rc" 1
 
+touch "$fakes/no_extra"
 RC=8 run "$checkout/osteon" test -R 'a b'
+expect 'an optional package that is not to be had stops nothing' has "$err" 'extra-dev is not to be had'
 expect 'tests bring their packages' has "$(calls)" 'install --no-install-recommends oracle-dev'
 expect 'tests are configured' has "$(calls)" -DOSTEON_TESTS=ON
 expect 'ctest gets the arguments' has "$(calls)" "ctest --test-dir $checkout/build/release --output-on-failure -R a b"
 expect 'as many at once as there are cores' has "$(calls)" ', 1 at once'
 expect 'the exit code is ctest'\''s' equal "$rc" 8
 expect 'the closing line is ctest'\''s' equal "$out" '100% tests passed'
+rm "$fakes/no_extra"
+run "$checkout/osteon" test
+expect 'and is not asked for again' lacks "$(calls)" extra-dev
+rm "$checkout/build/.not_installed"
+run "$checkout/osteon" test
+expect 'an optional package that is to be had is installed' has "$(calls)" 'install --no-install-recommends extra-dev'
 CMAKE_BUILD_PARALLEL_LEVEL=16 run "$checkout/osteon" test
 expect 'but four at most' has "$(calls)" ', 4 at once'
 CTEST_PARALLEL_LEVEL=7 run "$checkout/osteon" test
@@ -161,6 +176,59 @@ expect 'interrupted: exit 130' equal "$rc" 130
 expect 'interrupted: says so' has "$err" interrupted
 run "$checkout/osteon" demo
 expect 'after an interruption the next start works' has "$out" '<demo>'
+
+# `clean` takes the lock's file away while another waits for it: that one begins again, with a lock that others see.
+exec 8>"$checkout/build/.lock"
+flock 8
+PATH=$fakes:$PATH "$checkout/osteon" demo >"$work/out" 2>"$work/err" 8>&- &
+for ((i = 0; i < 100; ++i)); do ! grep -q waiting "$work/err" || break; sleep 0.1; done
+rm -rf "$checkout/build"
+exec 8>&-
+rc=0
+wait "$!" || rc=$?
+out=$(<"$work/out") err=$(<"$work/err")
+expect 'who waited for a build that was removed: exit 0' equal "$rc" 0
+expect 'who waited for a build that was removed builds anew' has "$out" '<demo>'
+expect 'and under a lock that others see' test -e "$checkout/build/.lock"
+
+# A container's memory, of which /proc/meminfo knows nothing: 5.0 GB less 2.0 GB in use, 0.5 of them file cache.
+mkdir "$work/cgroups"
+echo 5000000000 >"$work/cgroups/memory.max"
+echo 2000000000 >"$work/cgroups/memory.current"
+printf 'anon 1\ninactive_file 500000000\n' >"$work/cgroups/memory.stat"
+echo 8 >"$fakes/cores"
+OSTEON_CGROUPS=$work/cgroups run "$checkout/osteon" demo
+expect 'as many compilers as the control group has memory for' has "$(calls)" '-j 2 '
+echo max >"$work/cgroups/memory.max"
+OSTEON_CGROUPS=$work/cgroups run "$checkout/osteon" demo
+expect 'a control group without a limit limits nothing' lacks "$(calls)" '-j 2 '
+echo 1 >"$fakes/cores"
+
+# Another release has other versions under the same names.
+printf 'ID=ubuntu\nVERSION_ID="24.04"\nPRETTY_NAME="Ubuntu 24.04 LTS"\n' >"$work/ubuntu"
+OSTEON_OS_RELEASE=$work/ubuntu run "$checkout/osteon" demo
+expect 'another release where nothing is missing: it runs' has "$out" '<demo>'
+mv "$fakes/installed" "$fakes/kept"
+OSTEON_OS_RELEASE=$work/ubuntu run "$checkout/osteon" demo
+expect 'another release: exit 2' equal "$rc" 2
+expect 'another release: its name' has "$err" 'Ubuntu 24.04 LTS, not Debian 12'
+expect 'another release: nothing installed' equal "$(calls)" ''
+mv "$fakes/kept" "$fakes/installed"
+
+# A run as root leaves files that the owner cannot write.
+if [[ $EUID -eq 0 ]]; then
+  chmod a+rx "$work"
+  chmod -R a+rwX "$fakes"
+  chown -R 65534 "$checkout"
+  chown -R 0 "$checkout/build"
+  as_user=(setpriv --reuid 65534 --clear-groups)
+  run "$checkout/osteon" demo
+  expect 'after a run as root: exit 2' equal "$rc" 2
+  expect 'after a run as root: whose it is' has "$err" "cannot write to $checkout/build: it belongs to root"
+  expect 'after a run as root: what to do' has "$err" "sudo chown -R"
+  as_user=()
+  chown -R 0 "$checkout"
+fi
 
 mv "$checkout" "$work/moved"
 checkout=$work/moved
@@ -208,7 +276,7 @@ chmod a-w "$checkout"
 if [[ $EUID -eq 0 ]]; then as_user=(setpriv --reuid 65534 --clear-groups); fi
 run "$checkout/osteon" demo
 expect 'a read-only checkout: exit 2' equal "$rc" 2
-expect 'a read-only checkout: says what is wrong' has "$err" "cannot write to $checkout/build"
+expect 'a read-only checkout: says what is wrong' has "$err" "cannot write to $checkout"
 chmod u+w "$checkout"
 
 exit "$failures"
