@@ -37,14 +37,16 @@ MbapFrame FrameOf(std::span<const std::uint8_t> stream) {
   return {.state = MbapState::kWhole, .size = 6 + length};
 }
 
+std::vector<std::uint8_t> RefuseModbus(std::span<const std::uint8_t> request, std::uint8_t exception) {
+  const std::uint8_t answer[]{static_cast<std::uint8_t>(request[kMbapHeader] | 0x80), exception};
+  return Adu(request, answer);
+}
+
 std::vector<std::uint8_t> AnswerModbus(std::span<const std::uint8_t> request,
                                        const ModbusRegisters& registers) {
   const std::span<const std::uint8_t> pdu = request.subspan(kMbapHeader);
   const std::uint8_t function = pdu[0];
-  const auto refuse = [&](std::uint8_t exception) {
-    const std::uint8_t answer[]{static_cast<std::uint8_t>(function | 0x80), exception};
-    return Adu(request, answer);
-  };
+  const auto refuse = [&](std::uint8_t exception) { return RefuseModbus(request, exception); };
   std::vector<std::uint8_t> answer{function};
 
   switch (function) {

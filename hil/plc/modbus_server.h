@@ -43,6 +43,11 @@ struct MbapFrame {
 /// What a stream's first bytes are.
 [[nodiscard]] MbapFrame FrameOf(std::span<const std::uint8_t> stream);
 
+/// Refuses one whole request with an exception code, e.g. kServerBusy.
+[[nodiscard]] std::vector<std::uint8_t> RefuseModbus(std::span<const std::uint8_t> request,
+                                                     std::uint8_t exception);
+inline constexpr std::uint8_t kServerBusy = 6;
+
 /// Answers one whole request (FrameOf said kWhole). A write happens as a whole or not at all. Never empty.
 [[nodiscard]] std::vector<std::uint8_t> AnswerModbus(std::span<const std::uint8_t> request,
                                                      const ModbusRegisters& registers);

@@ -190,12 +190,16 @@ bool PlcServer::Serve(Client& client) {
       return false;
     }
     const rt::Nanoseconds now = rt::MonotonicNow();
-    const rt::Nanoseconds delay = delay_.load(std::memory_order_relaxed);
+    const rt::Nanoseconds delay =
+        std::max(delay_.load(std::memory_order_relaxed), delay_once_.exchange(0, std::memory_order_relaxed));
     // never before the one ahead
     const rt::Nanoseconds due =
         client.answers.empty() ? now + delay : std::max(now + delay, client.answers.back().due);
+    const auto request = std::span<const std::uint8_t>(client.received).first(frame.size);
+    const bool busy = busy_.load(std::memory_order_relaxed) > 0;
+    if (busy) busy_.fetch_sub(1, std::memory_order_relaxed);
     client.answers.push_back(
-        {.due = due, .bytes = AnswerModbus(std::span(client.received).first(frame.size), registers_)});
+        {.due = due, .bytes = busy ? RefuseModbus(request, kServerBusy) : AnswerModbus(request, registers_)});
     client.received.erase(client.received.begin(),
                           client.received.begin() + static_cast<std::ptrdiff_t>(frame.size));
     {

@@ -51,6 +51,10 @@ class PlcServer {
   /// Fault: answers to requests from now on are sent so much later, >= 0, in their order; what was read or
   /// written has happened at once.
   void DelayAnswers(rt::Nanoseconds delay) { delay_.store(delay, std::memory_order_relaxed); }
+  /// Fault: the next answer alone is sent so much later, >= 0.
+  void DelayNextAnswer(rt::Nanoseconds delay) { delay_once_.store(delay, std::memory_order_relaxed); }
+  /// Fault: so many requests from now on are refused as "busy" (exception 6); the connection stays.
+  void RefuseAsBusy(int requests) { busy_.store(requests, std::memory_order_relaxed); }
   [[nodiscard]] PlcLogicOutputs outputs() const;
   [[nodiscard]] PlcServerCounters counters() const;
   [[nodiscard]] std::uint16_t port() const { return port_; }
@@ -90,7 +94,8 @@ class PlcServer {
   PlcPanel panel_;
   PlcLogicOutputs outputs_;
   PlcServerCounters counters_;
-  std::atomic<rt::Nanoseconds> delay_{0};
+  std::atomic<rt::Nanoseconds> delay_{0}, delay_once_{0};
+  std::atomic<int> busy_{0};  ///< requests that are still to be refused
   std::atomic<bool> hung_{false}, program_stopped_{false}, drop_{false}, stop_{false};
   std::thread thread_;
 };

@@ -76,10 +76,14 @@ void PlcClient::Pause(rt::Nanoseconds until) {
     rt::SleepUntil(std::min(until, now + kSlice));
 }
 
-void PlcClient::NoteFailure(int error) {
-  if (error == ETIMEDOUT) ++reading_.counters.timeouts;
-  if (error >= MODBUS_ENOBASE) ++reading_.counters.rejected;  // libmodbus' own numbers
+PlcClient::Answer PlcClient::NoteFailure(int error) {
   reading_.last_error = error;
+  if (error < MODBUS_ENOBASE) {
+    if (error == ETIMEDOUT) ++reading_.counters.timeouts;
+    return Answer::kNone;
+  }
+  ++reading_.counters.rejected;  // libmodbus' own numbers
+  return error >= EMBXILFUN && error <= EMBXGTAR ? Answer::kException : Answer::kNonsense;
 }
 
 void PlcClient::Disconnected() {
@@ -92,21 +96,12 @@ void PlcClient::Run() {
   while (!stop_.load(std::memory_order_relaxed)) {
     Connection connection(params_);
     if (Connect(connection)) {
-      rt::Nanoseconds next_read = rt::MonotonicNow(), next_beat = next_read;
-      while (!stop_.load(std::memory_order_relaxed)) {
-        if (!ReadBlock(connection)) break;
-        pause_ms = params_.first_pause_ms;
-        const rt::Nanoseconds now = rt::MonotonicNow();
-        if (now >= next_beat) {
-          if (!WriteHeartbeat(connection)) break;
-          next_beat =
-              std::max(next_beat, now - rt::kMillisecond) + params_.heartbeat_every_ms * rt::kMillisecond;
-        }
-        next_read = std::max(next_read, rt::MonotonicNow() - rt::kMillisecond) +
-                    params_.read_every_ms * rt::kMillisecond;
-        Pause(std::min(next_read, std::max(next_beat, now)));
-      }
+      const bool has_read = Exchange(connection);
       ++reading_.counters.lost;
+      if (has_read) {
+        pause_ms = params_.first_pause_ms;
+        if (reading_.link == PlcLink::kConnected) continue;  // at once: the reading grows older
+      }
     }
     if (stop_.load(std::memory_order_relaxed)) break;
     Disconnected();
@@ -114,6 +109,29 @@ void PlcClient::Run() {
     pause_ms = std::min(2 * pause_ms, params_.longest_pause_ms);
   }
   Disconnected();
+}
+
+bool PlcClient::Exchange(Connection& connection) {
+  bool has_read = false;
+  rt::Nanoseconds next_read = rt::MonotonicNow(), next_beat = next_read;
+  while (!stop_.load(std::memory_order_relaxed)) {
+    const Answer block = ReadBlock(connection);
+    has_read |= block == Answer::kWhole;
+    if (block == Answer::kNonsense) Disconnected();
+    if (block != Answer::kWhole) Publish();
+    if (block == Answer::kNone || block == Answer::kNonsense) break;
+    const rt::Nanoseconds now = rt::MonotonicNow();
+    if (now >= next_beat && reading_.link == PlcLink::kConnected) {
+      const Answer beat = WriteHeartbeat(connection);
+      if (beat == Answer::kNonsense) Disconnected();
+      if (beat == Answer::kNone || beat == Answer::kNonsense) break;
+      next_beat = std::max(next_beat, now - rt::kMillisecond) + params_.heartbeat_every_ms * rt::kMillisecond;
+    }
+    next_read =
+        std::max(next_read, rt::MonotonicNow() - rt::kMillisecond) + params_.read_every_ms * rt::kMillisecond;
+    Pause(std::min(next_read, std::max(next_beat, now)));
+  }
+  return has_read;
 }
 
 bool PlcClient::Connect(Connection& connection) {
@@ -132,22 +150,20 @@ bool PlcClient::Connect(Connection& connection) {
   return false;
 }
 
-bool PlcClient::ReadBlock(Connection& connection) {
+PlcClient::Answer PlcClient::ReadBlock(Connection& connection) {
   std::array<std::uint16_t, kPlcReadCount> block{};
   const rt::Nanoseconds asked = rt::MonotonicNow();
-  if (modbus_read_registers(connection.context, kPlcFirstRead, kPlcReadCount, block.data()) !=
-      kPlcReadCount) {
-    NoteFailure(errno);
-    return false;
-  }
+  if (modbus_read_registers(connection.context, kPlcFirstRead, kPlcReadCount, block.data()) != kPlcReadCount)
+    return NoteFailure(errno);
   PlcInputs inputs;
   if (const auto bad = DecodePlc(block, inputs)) {
     ++reading_.counters.rejected;
     reading_.bad = *bad;
     reading_.last_error = EMBXILVAL;
-    return false;
+    return Answer::kNonsense;
   }
   ++reading_.counters.reads;
+  reading_.last_error = 0;
   const bool first = reading_.link != PlcLink::kConnected;
   const bool changed = first || inputs.heartbeat != reading_.inputs.heartbeat;
   // squeezed through, the switch has to be let go before its middle counts again (IEC 60204-1, 10.9)
@@ -157,32 +173,29 @@ bool PlcClient::ReadBlock(Connection& connection) {
   reading_.stamp = asked;
   if (inputs.version != kPlcVersion) {
     reading_.link = PlcLink::kWrongVersion;
-    reading_.last_error = 0;
-    return false;  // nothing may be written; asks again after a pause
+    return Answer::kNonsense;  // nothing may be written; asks again after a pause
   }
   if (changed) reading_.heartbeat_changed = asked;
   reading_.link = PlcLink::kConnected;
   Publish();
-  return true;
+  return Answer::kWhole;
 }
 
-bool PlcClient::WriteHeartbeat(Connection& connection) {
+PlcClient::Answer PlcClient::WriteHeartbeat(Connection& connection) {
   const std::uint32_t beats = beats_.load(std::memory_order_relaxed);
-  if (beats == beats_written_) return true;  // the loop stands still: so does the heartbeat
+  if (beats == beats_written_) return Answer::kWhole;  // the loop stands still: so does the heartbeat
   const std::array<std::uint16_t, 2> values{
       static_cast<std::uint16_t>(heartbeat_ + 1u),
       static_cast<std::uint16_t>(motion_.load(std::memory_order_relaxed) ? 1 : 0)};
   // MOTION_REQUEST and GUARD_PERMITS follow their heartbeats
   const int count = static_cast<int>(values.size());
   const int address = params_.role == PlcRole::kController ? kPlcControllerHeartbeat : kPlcGuardHeartbeat;
-  if (modbus_write_registers(connection.context, address, count, values.data()) != count) {
-    NoteFailure(errno);
-    return false;
-  }
+  if (modbus_write_registers(connection.context, address, count, values.data()) != count)
+    return NoteFailure(errno);
   heartbeat_ = values[0];
   beats_written_ = beats;
   ++reading_.counters.writes;
-  return true;
+  return Answer::kWhole;
 }
 
 std::string Describe(const PlcClientParams& params, const PlcReading& reading) {
@@ -190,7 +203,10 @@ std::string Describe(const PlcClientParams& params, const PlcReading& reading) {
   const PlcCounters& n = reading.counters;
   switch (reading.link) {
     case PlcLink::kConnected:
-      return place + "connected, " + std::to_string(n.reads) + " blocks read";
+      return place + "connected, " + std::to_string(n.reads) + " blocks read" +
+             (reading.last_error != 0
+                  ? std::string("; it answers no more: ") + modbus_strerror(reading.last_error)
+                  : "");
     case PlcLink::kWrongVersion:
       return place + "VERSION (977): found " + std::to_string(reading.inputs.version) + ", accepted " +
              std::to_string(kPlcVersion) + "; nothing is written to it";

@@ -33,10 +33,16 @@ struct PlcClientParams {
 /// newest reading with its age.
 ///
 /// Each cycle reads the block 970 … 983; where VERSION is right, the heartbeat follows as often as it is due.
-/// After any failure (time-out, exception, an answer out of protocol, a value that does not exist) the
-/// connection is closed and made again after a pause: on a connection with one answer outstanding, later
-/// answers belong to earlier questions. The reading says "not connected" from then until a block has been
-/// read.
+/// What fails is told apart:
+///
+/// - An exception (e.g. 6, the PLC is busy) is a whole answer: the connection stays, the next cycle asks
+/// again.
+/// - A time-out or a connection that ends costs the connection, since later answers would belong to earlier
+///   questions. It is made again at once. The reading stays meanwhile and grows older: how old it may be is
+///   the cell's `max_age_ms`. Where the new connection is refused or silent as well, the reading says "not
+///   connected", and further attempts come after pauses.
+/// - An answer out of protocol and a value that does not exist end the connection, and the reading says "not
+///   connected" from then until a block has been read.
 ///
 /// The heartbeat is the loop's, not this thread's: it is written only where Beat() was called since it was
 /// written last. A loop that hangs is found out by the PLC.
@@ -62,12 +68,20 @@ class PlcClient {
 
  private:
   struct Connection;  // libmodbus' context
+  enum class Answer {
+    kWhole,      ///< what was asked for
+    kException,  ///< refused: the connection stays
+    kNone,       ///< in time: the connection ends
+    kNonsense,   ///< the connection ends, and with it the reading
+  };
 
   void Run();
   bool Connect(Connection& connection);
-  bool ReadBlock(Connection& connection);
-  bool WriteHeartbeat(Connection& connection);
-  void NoteFailure(int error);
+  /// @returns whether a block was read before the connection ended
+  bool Exchange(Connection& connection);
+  Answer ReadBlock(Connection& connection);
+  Answer WriteHeartbeat(Connection& connection);
+  Answer NoteFailure(int error);
   void Disconnected();
   void Pause(rt::Nanoseconds until);
   void Publish() { published_.Store(reading_); }

@@ -16,13 +16,13 @@ using io::PlcVerdict;
 // Two clients as in the cell: controller and guard, with their loops.
 class PlcCell : public ::testing::Test {
  protected:
-  void Open(const PlcServerParams& params) {
+  void Open(const PlcServerParams& params, int response_timeout_ms = 500) {
     server_ = std::make_unique<PlcServer>(params);
     const auto client = [&](io::PlcRole role) {
       return std::make_unique<io::PlcClient>(io::PlcClientParams{.port = server_->port(),
                                                                  .role = role,
                                                                  .heartbeat_every_ms = 20,
-                                                                 .response_timeout_ms = 500,
+                                                                 .response_timeout_ms = response_timeout_ms,
                                                                  .longest_pause_ms = 100});
     };
     controller_ = client(io::PlcRole::kController);
@@ -138,6 +138,44 @@ TEST_F(PlcCell, ALostConnectionStopsAndIsMadeAgain) {
   EXPECT_TRUE(Until([&] { return Verdict() == PlcVerdict::kRun; }))
       << "a short gap is within the heartbeat's time";
   EXPECT_GE(server_->counters().connections, 3u);
+}
+
+// One answer 30 ms late, where 20 are waited for: the reading grows older, which the cell's max_age_ms
+// judges.
+TEST_F(PlcCell, OneLateAnswerIsNoLostConnection) {
+  Open(params_, 20);
+  ASSERT_TRUE(Start());
+  guard_.reset();  // so that the late answer is the controller's
+  guard_lives_ = false;
+  const io::PlcCounters before = controller_->Latest().counters;
+  server_->DelayNextAnswer(30 * rt::kMillisecond);
+  bool connected = true;
+  ASSERT_TRUE(Until([&] {
+    const io::PlcReading& reading = controller_->Latest();
+    connected &= reading.link == PlcLink::kConnected;
+    return reading.counters.timeouts > before.timeouts && reading.counters.reads > before.reads + 5;
+  }));
+  EXPECT_TRUE(connected);
+  EXPECT_EQ(Verdict(), PlcVerdict::kRun);
+}
+
+TEST_F(PlcCell, APlcThatIsBusyKeepsItsConnectionAndItsReadingAges) {
+  Open(params_);
+  ASSERT_TRUE(Start());
+  const io::PlcCounters before = controller_->Latest().counters;
+  const rt::Nanoseconds stamp = controller_->Latest().stamp;
+  server_->RefuseAsBusy(6);
+  ASSERT_TRUE(Until([&] { return controller_->Latest().counters.reads > before.reads + 10; }));
+  EXPECT_GT(controller_->Latest().counters.rejected, before.rejected);
+  EXPECT_EQ(controller_->Latest().counters.lost, before.lost);
+  EXPECT_GT(controller_->Latest().stamp, stamp);
+  EXPECT_EQ(Verdict(), PlcVerdict::kRun);
+  // for good: the registers are too old, and the screen says why
+  server_->RefuseAsBusy(1'000'000);
+  ASSERT_TRUE(Until([&] { return Verdict() == PlcVerdict::kStale; }));
+  EXPECT_EQ(controller_->Latest().counters.lost, before.lost);
+  const std::string line = io::Describe({.port = server_->port()}, controller_->Latest());
+  EXPECT_NE(line.find("it answers no more: Slave device or server is busy"), std::string::npos) << line;
 }
 
 TEST_F(PlcCell, AServerThatHangsIsNoConnection) {
