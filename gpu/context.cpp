@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cstdio>
 #include <cstring>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -156,6 +157,40 @@ VKAPI_ATTR VkBool32 VKAPI_CALL OnValidation(VkDebugUtilsMessageSeverityFlagBitsE
   return VK_FALSE;
 }
 
+/// Vulkan could not be opened, and the loader has said why.
+class OpeningError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+VKAPI_ATTR VkBool32 VKAPI_CALL OnLoaderError(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                             VkDebugUtilsMessageTypeFlagsEXT,
+                                             const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  std::string& said = *static_cast<std::string*>(user);
+  if (said.find(data->pMessage) == std::string::npos) said += std::string("\n  ") + data->pMessage;
+  return VK_FALSE;
+}
+
+/// Makes the instance; where that fails, what the loader has said of each manifest and library goes along.
+void Open(SharedInstance& made, vk::InstanceCreateInfo create, std::vector<const char*> extensions) {
+  std::string said;
+  vk::DebugUtilsMessengerCreateInfoEXT listen({}, vk::DebugUtilsMessageSeverityFlagBitsEXT::eError,
+                                              vk::DebugUtilsMessageTypeFlagBitsEXT::eGeneral, OnLoaderError,
+                                              &said);
+  listen.pNext = create.pNext;
+  create.pNext = &listen;
+  extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  create.setPEnabledExtensionNames(extensions);
+  try {
+    made.instance.emplace(made.loader, create);
+  } catch (const vk::LayerNotPresentError&) {
+    throw;
+  } catch (const std::exception& error) {
+    if (said.empty()) throw;
+    throw OpeningError(OpeningFailure(error) + ". Vulkan's loader says:" + said);
+  }
+}
+
 std::shared_ptr<SharedInstance> MakeInstance(bool validation) {
   auto made = std::make_shared<SharedInstance>();
   const vk::ApplicationInfo application("osteon", 1, nullptr, 0, VK_API_VERSION_1_2);
@@ -166,12 +201,11 @@ std::shared_ptr<SharedInstance> MakeInstance(bool validation) {
   const vk::ValidationFeaturesEXT features(synchronization);
   if (validation) {
     layers.push_back("VK_LAYER_KHRONOS_validation");
-    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
     create.pNext = &features;
   }
-  create.setPEnabledLayerNames(layers).setPEnabledExtensionNames(extensions);
-  made->instance.emplace(made->loader, create);
+  create.setPEnabledLayerNames(layers);
+  Open(*made, create, extensions);
   if (!validation) return made;
   using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
   using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
@@ -207,6 +241,7 @@ tl::expected<std::vector<DeviceInfo>, std::string> ListDevices() try {
 std::string OpeningFailure(const std::exception& error) {
   if (dynamic_cast<const vk::LayerNotPresentError*>(&error))
     return "validation layers are not installed (package vulkan-validationlayers)";
+  if (dynamic_cast<const OpeningError*>(&error)) return error.what();
   if (dynamic_cast<const vk::IncompatibleDriverError*>(&error)) return kNoDriver;
   // the loader's library itself: vulkan_raii says so by an error of its own
   if (std::strstr(error.what(), "Failed to load vulkan library")) return kNoDriver;
