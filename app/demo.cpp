@@ -117,7 +117,10 @@ int RunDemo(const DemoOptions& options) {
   // everything that is shown comes from the recording
   const auto recording = io::ReadRecording(params.recording);
   if (!recording) return Fail("demo", recording.error(), kFailed);
+  PhaseProgress measuring("osteon demo", 2, false);
+  measuring.Begin("measure the cut");
   RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
+  measuring.Begin("draw the report");
   const ReportInput report{
       .title = "Osteon demo: " + summary.scene,
       .subtitle = summary.engine + " on " + summary.device + (options.virtual_time ? ", virtual time" : ""),
@@ -141,6 +144,7 @@ int RunDemo(const DemoOptions& options) {
   const auto figures = WriteReport(report, page);
   if (!figures) return Fail("demo", figures.error(), kFailed);
   summary.section = *figures;
+  measuring.Done();
 
   const auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s, options.out,
                                 params.recording.stem().string());

@@ -100,7 +100,10 @@ int RunOperate(const OperateOptions& options) {
 
   const auto recording = io::ReadRecording(params.recording);
   if (!recording) return Fail("run", recording.error(), kFailed);
+  PhaseProgress measuring("osteon run", 1, false);
+  measuring.Begin("measure the cut");
   RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
+  measuring.Done();
   const auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s,
                                 options.record.parent_path(), options.record.stem().string());
   if (!stops) return Fail("run", stops.error(), kFailed);

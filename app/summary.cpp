@@ -296,11 +296,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
                                 std::min(kSweepCell_m, tool.balls.front().radius_m / kSweepCellsARadius));
   const simulation::ApexDepth depth(setup.bone, tool);
   if (!recording.frames.empty()) s.cup_depth_m = recording.frames.back().cup_depth_m;
-  const auto first_touch = std::find_if(
-      recording.frames.begin(), recording.frames.end(),
-      [](const simulation::FrameRecord& record) { return Vector3(record.model.F_T_W.f).norm() > 0.0; });
-  if (first_touch != recording.frames.end())
-    s.reamed_depth_m = s.cup_depth_m - depth.Of(setup.X_WG.inverse() * Pose(first_touch->model.X_WP));
+  s.reamed_depth_m = simulation::ReamedDepth(setup.bone, tool, recording.frames, setup.X_WG);
   const auto floor_m = simulation::FirstHit(simulation::LiveBalls(result.after), setup.bone.cup.center_m,
                                             -Vector3(setup.bone.cup.axis));
   s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
@@ -366,7 +362,10 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
     events += fmt::format("{}{} at {:.2f} s ({:.2f} {})", events.empty() ? "" : "; ", event.name,
                           event.time_s, event.value, event.unit);
   if (!events.empty()) rows.push_back({"Events", events});
-  if (s.least_wall_m) rows.push_back({"Thinnest wall left", fmt::format("{:.2f} mm", *s.least_wall_m * 1e3)});
+  if (s.least_wall_m)
+    rows.push_back({"Thinnest wall left", *s.least_wall_m > 0.0
+                                              ? fmt::format("{:.2f} mm", *s.least_wall_m * 1e3)
+                                              : std::string("none: the cut is through")});
   std::string faults;
   for (const FaultRow& fault : s.faults)
     faults += (faults.empty() ? "" : "; ") + fault.name + (fault.seen.empty() ? "" : " (" + fault.seen + ")");

@@ -92,7 +92,7 @@ struct RunSummary {
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
   double swept_volume_m3{0.0};  ///< of the solid, by the proxy's cutting surface; a grid's count, no engine's
   double cup_depth_m{0.0};      ///< deepest proxy apex below the cup's first floor; negative: it stayed above
-  double reamed_depth_m{0.0};  ///< deepest proxy apex below where it first touched bone, along the cup's axis
+  double reamed_depth_m{0.0};  ///< how far the apex went into the bone while it cut (simulation::ReamedDepth)
   double cavity_depth_m{0.0};  ///< floor of the carved balls below the first floor; < 0: carved through
   ReportFigures section;
   DurationFigures wakeup, compute, frame;
@@ -105,8 +105,8 @@ struct RunSummary {
   std::vector<EventRow> events;                ///< of the scene, in their order
   std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
-  std::optional<double> least_wall_m;        ///< thinnest wall beside the cut; nothing where none is watched
-  std::vector<std::string> assumptions;      ///< figures of the materials without a source
+  std::optional<double> least_wall_m;    ///< thinnest wall beside the cut, 0: through; nothing: none watched
+  std::vector<std::string> assumptions;  ///< figures of the materials without a source
   std::vector<std::filesystem::path> stops;  ///< a page each, of what led to it
   std::string config_checksum;               ///< of the files that the cell was loaded from
   int recovered{0};                          ///< times that rendering began again

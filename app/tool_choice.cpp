@@ -2,12 +2,32 @@
 
 #include <charconv>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "config/named_file.h"
+#include "config/nearest_key.h"
 
 namespace osteon::app {
+namespace {
+
+/// What was meant, as it should have been written: "reamer54" is "reamer:54", "raemer" is "reamer". Empty
+/// where nothing is near.
+std::string MeantTool(const std::filesystem::path& folder, const std::string& name,
+                      const std::string& diameter) {
+  const std::size_t digits = name.find_last_not_of("0123456789.") + 1;
+  const std::size_t letters = name.substr(0, digits).find_last_not_of("-_ ") + 1;
+  if (diameter.empty() && digits > 0 && digits < name.size() && letters > 0 &&
+      config::FindNamedFile(folder, name.substr(0, letters)))
+    return name.substr(0, letters) + ":" + name.substr(digits);
+  std::vector<std::string> names;
+  for (const std::filesystem::path& file : config::YamlFilesIn(folder)) names.push_back(file.stem().string());
+  const std::string nearest = config::NearestKey(name, names);
+  return nearest.empty() ? "" : nearest + diameter;
+}
+
+}  // namespace
 
 tl::expected<config::ToolChoice, std::string> ParseTool(const std::string& text,
                                                         const std::filesystem::path& config_root) {
@@ -25,10 +45,13 @@ tl::expected<config::ToolChoice, std::string> ParseTool(const std::string& text,
   }
   const std::filesystem::path folder = config_root / "tools";
   const auto file = config::FindNamedFile(folder, name);
-  if (!file)
-    return tl::make_unexpected(fmt::format("--tool {}: no file {}; accepted: a YAML file, or one of {}: {}",
-                                           text, file.error().string(), folder.string(),
-                                           config::YamlNamesIn(folder)));
+  if (!file) {
+    const std::string meant = MeantTool(folder, name, colon == std::string::npos ? "" : text.substr(colon));
+    return tl::make_unexpected(fmt::format("--tool {}: no file {}; {}accepted: a YAML file, or one of {}: {}",
+                                           text, file.error().string(),
+                                           meant.empty() ? "" : "did you mean \"" + meant + "\"? ",
+                                           folder.string(), config::YamlNamesIn(folder)));
+  }
   choice.file = *file;
   return choice;
 }

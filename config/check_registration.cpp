@@ -81,6 +81,7 @@ std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
   const double tilt_deg = AngleBetween_deg(cell.X_WB.linear().col(2), Vector3::UnitZ());
   const safety::WorkspaceParams& workspace = cell.servo.workspace;
   const double center_mm = workspace.sphere_center_W_m.norm() / kMillimetre_m;
+  const bool sphere_in_metres = center_mm > 0.0 && center_mm < kInMetres_mm;
   const double to_sphere_m = workspace.sphere_radius_m - (p_WC - workspace.sphere_center_W_m).norm(),
                to_plane_m = workspace.plane_normal_W.dot(p_WC) - workspace.plane_offset_m;
   const double work_mm = WorkRadius(cell.scene) / kMillimetre_m;
@@ -122,18 +123,20 @@ std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
        .value = to_sphere_m / kMillimetre_m,
        .unit = "mm",
        .low = work_mm,
-       .section = "workspace",
-       .key = "sphere_center_mm",
-       .hint = center_mm > 0.0 && center_mm < kInMetres_mm ? kLooksLikeMetres
-                                                           : "the site with its depth must be inside",
+       .section = to_sphere_m < 0.0 && !sphere_in_metres ? "bone_in_world" : "workspace",
+       .key = to_sphere_m < 0.0 && !sphere_in_metres ? "position_mm" : "sphere_center_mm",
+       .hint = sphere_in_metres    ? kLooksLikeMetres
+               : to_sphere_m < 0.0 ? "the site is outside of the workspace"
+                                   : "the site with its depth must be inside",
        .note = {}},
       {.name = "from the site to the workspace's plane",
        .value = to_plane_m / kMillimetre_m,
        .unit = "mm",
        .low = work_mm,
-       .section = "workspace",
-       .key = "plane_offset_mm",
-       .hint = "the site with its depth must be above",
+       .section = to_plane_m < 0.0 ? "bone_in_world" : "workspace",
+       .key = to_plane_m < 0.0 ? "position_mm" : "plane_offset_mm",
+       .hint = to_plane_m < 0.0 ? "the site is below the workspace's plane"
+                                : "the site with its depth must be above",
        .note = {}},
       {.name = "of the arm's base from the vertical",
        .value = tilt_deg,
@@ -223,6 +226,33 @@ std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
   return rows;
 }
 
+[[noreturn]] void RefuseIn(const Reader& reader, const char* section, const char* key,
+                           const std::string& what) {
+  Reader at = reader;  // a view: the mapping is read again for its lines alone
+  at.Section(section).Refuse(key, what);
+}
+
+// Whether a position was written in metres where millimetres are read: it is nearly at the origin, and not
+// there.
+bool LooksLikeMetres(const Pose& X) {
+  const double from_origin_mm = X.translation().norm() / kMillimetre_m;
+  return from_origin_mm > 0.0 && from_origin_mm < kInMetres_mm;
+}
+
+// Refuses the base that was written in metres, if in millimetres all rows hold. (A bone in metres lies in the
+// arm's foot: it has a row.)
+void RefuseBaseInMetres(const CellConfig& cell, const Reader& reader) {
+  if (!LooksLikeMetres(cell.X_WB)) return;
+  CellConfig other = cell;
+  other.X_WB.translation() *= 1e3;
+  const std::vector<RegistrationRow> rows = FrameRows(other);
+  if (!std::all_of(rows.begin(), rows.end(), [](const RegistrationRow& row) { return row.holds(); })) return;
+  const Vector3 p = cell.X_WB.translation() / kMillimetre_m;
+  RefuseIn(reader, "base_in_world", "position_mm",
+           fmt::format("found ({:.6g}, {:.6g}, {:.6g}) mm, accepted millimetres: {}", p.x(), p.y(), p.z(),
+                       kLooksLikeMetres));
+}
+
 void Refuse(const std::vector<RegistrationRow>& rows, const Reader& reader) {
   for (const RegistrationRow& row : rows) {
     if (row.holds()) continue;
@@ -255,7 +285,53 @@ RegistrationReport DescribeRegistration(const CellConfig& cell) {
   return report;
 }
 
-void CheckFrames(const CellConfig& cell, const Reader& reader) { Refuse(FrameRows(cell), reader); }
+void CheckFrames(const CellConfig& cell, const Reader& reader) {
+  const std::vector<RegistrationRow> rows = FrameRows(cell);
+  if (std::any_of(rows.begin(), rows.end(), [](const RegistrationRow& row) { return !row.holds(); }))
+    RefuseBaseInMetres(cell, reader);
+  Refuse(rows, reader);
+}
+
+void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string& what,
+                 const std::function<bool(CellConfig&)>& is_possible) {
+  const auto possible_with = [&](const auto& change) {
+    CellConfig other = cell;
+    change(other);
+    return is_possible(other);
+  };
+  for (const auto& [pose, section] :
+       {std::pair{&CellConfig::X_WB, "base_in_world"}, {&CellConfig::X_WG, "bone_in_world"}}) {
+    const Vector3 p = (cell.*pose).translation() / kMillimetre_m;
+    if (LooksLikeMetres(cell.*pose) &&
+        possible_with([&](CellConfig& other) { (other.*pose).translation() *= 1e3; }))
+      RefuseIn(reader, section, "position_mm",
+               fmt::format("found ({:.6g}, {:.6g}, {:.6g}) mm, accepted millimetres: {} ({})", p.x(), p.y(),
+                           p.z(), kLooksLikeMetres, what));
+    const double tilt_deg = AngleBetween_deg((cell.*pose).linear().col(2), Vector3::UnitZ());
+    if (tilt_deg <= 90.0) continue;
+    for (const Vector3& axis : {Vector3(Vector3::UnitX()), Vector3(Vector3::UnitY())})
+      if (possible_with([&](CellConfig& other) {
+            (other.*pose).linear() = (other.*pose).linear() * Eigen::AngleAxisd(std::numbers::pi, axis);
+          }))
+        RefuseIn(
+            reader, section, "rpy_deg",
+            fmt::format("found {:.4g} deg from the vertical, accepted a pose from which the start can be "
+                        "reached, such as this one turned over: {}",
+                        tilt_deg, what));
+  }
+  if (possible_with([](CellConfig& other) { other.start.height_m = 0.0; }))
+    RefuseIn(reader, "start", "height_mm", what + "; nearer to the site it would not be so");
+  const Reach arm = std::visit([](const auto& a) { return ReachOf(a); }, cell.robot.arm);
+  const Pose X_WF = cell.start.X_WT * cell.tool.X_FT.inverse();
+  const double away_m = (X_WF.translation() - cell.X_WB * arm.p_BS).norm();
+  if (away_m > arm.reach_m)
+    RefuseIn(
+        reader, "bone_in_world", "position_mm",
+        fmt::format("found {:.6g} mm from the arm's shoulder to its flange at the start, accepted at most "
+                    "{:.6g} mm: out of the stretched arm's reach; base_in_world says where the arm stands",
+                    away_m / kMillimetre_m, arm.reach_m / kMillimetre_m));
+  RefuseIn(reader, "start", "height_mm", what);
+}
 
 void CheckStart(const CellConfig& cell, const Reader& reader) { Refuse(StartRows(cell), reader); }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -60,6 +61,16 @@ struct RegistrationReport {
 /// @param reader  of the cell's file
 /// @throws ConfigError at the first that does not hold: file:line, key, found and accepted.
 void CheckFrames(const CellConfig& cell, const Reader& reader);
+/// The pose at the start cannot be had (the arm does not get there, or the apex would be outside the
+/// workspace): refuses the key that is to blame. The one of the registration is, if it alone, written in
+/// millimetres or turned over, makes the start possible, or if no height above the site does; elsewhere
+/// start.height_mm.
+/// @param is_possible  whether the arm can be placed in a cell, which it may change
+/// @param what  is wrong at the start
+/// @throws ConfigError always.
+[[noreturn]] void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string& what,
+                              const std::function<bool(CellConfig&)>& is_possible);
+
 /// The rows of the start: where cell.start.q is known. @throws as CheckFrames.
 void CheckStart(const CellConfig& cell, const Reader& reader);
 

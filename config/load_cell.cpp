@@ -204,8 +204,8 @@ bool PlaceArm(const SixAxisConfig& arm, const Pose& X_BF, StartConfig& start) {
   return true;
 }
 
-// The start must be where the cell may be, and where the arm can be.
-void PlaceAtStart(const Reader& section, CellConfig& cell) {
+// Places the arm at the start; why not, where that is not where the cell may be, or where the arm can be.
+std::string PlacementError(CellConfig& cell) {
   StartConfig& start = cell.start;
   const Pose& X_WC = cell.X_WG;  // the site's frame, wherever the bone's own is
   const double head_radius_m = HeadRadius(cell.tool.tool);
@@ -215,10 +215,16 @@ void PlaceAtStart(const Reader& section, CellConfig& cell) {
                Eigen::Translation3d(0, 0, head_radius_m);
 
   if (safety::Workspace(cell.servo.workspace).Distance(start.X_WT.translation()) < 0.0)
-    section.Refuse("height_mm", "the tool's apex is outside the workspace");
+    return "the tool's apex is outside the workspace";
   const Pose X_BF = cell.X_WB.inverse() * start.X_WT * cell.tool.X_FT.inverse();
   if (!std::visit([&](const auto& arm) { return PlaceArm(arm, X_BF, start); }, cell.robot.arm))
-    section.Refuse("height_mm", "the arm can not be there: out of reach or beyond its joint limits");
+    return "the arm can not be there: out of reach or beyond its joint limits";
+  return {};
+}
+
+void PlaceAtStart(const Reader& reader, CellConfig& cell) {
+  if (const std::string wrong = PlacementError(cell); !wrong.empty())
+    RefuseStart(cell, reader, wrong, [](CellConfig& other) { return PlacementError(other).empty(); });
 }
 
 // The arm that the cell names.
@@ -393,7 +399,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   cell.scene = LoadScene(scene);
   cell.scene.materials = Pick(reader, materials, cell.scene.material_names);
   CheckFrames(cell, reader);
-  PlaceAtStart(start, cell);
+  PlaceAtStart(reader, cell);
   Spread(cell);
   CheckLoop(reader, servo);
   CheckStart(cell, reader);

@@ -75,6 +75,15 @@ bool ParseNumber(const YAML::Node& node, T& value) {
   return error == std::errc() && stop == end && std::isfinite(static_cast<double>(value));
 }
 
+// Whether a tab indents the line, which YAML forbids and its parser answers in several ways.
+bool HasTabInIndentation(const std::string& text, int line) {
+  std::istringstream lines(text);
+  std::string each;
+  for (int i = 0; i < line; ++i)
+    if (!std::getline(lines, each)) return false;
+  return each.substr(0, each.find_first_not_of(" \t")).find('\t') != std::string::npos;
+}
+
 double UnitOrThrow(const std::string& key) {
   const std::optional<double> unit = UnitOf(key);
   if (!unit) throw std::logic_error("config: the key \"" + key + "\" names no unit");
@@ -223,8 +232,10 @@ Reader Reader::Parse(const std::string& text, const std::filesystem::path& name)
       throw ConfigError(name.string(), 0, fmt::format("found {} documents, accepted 1", counter.count));
     document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw ConfigError(name.string(), error.mark.is_null() ? 0 : error.mark.line + 1,
-                      "not YAML: " + error.msg);
+    const int line = error.mark.is_null() ? 0 : error.mark.line + 1;
+    if (HasTabInIndentation(text, line))
+      throw ConfigError(name.string(), line, "not YAML: found a tab before the text, accepted blanks alone");
+    throw ConfigError(name.string(), line, "not YAML: " + error.msg);
   }
   return Reader(std::make_shared<Mapping>(name, document, LineOf(document), "", Overlay::PlaceOf(name)));
 }

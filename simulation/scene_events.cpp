@@ -98,8 +98,15 @@ std::vector<SceneEvent> SceneWatch::Step(const Pose& X_GP, double removed_volume
     least_wall_m_ = wall->thickness_m;
     if (!wall_too_thin_ && wall->thickness_m < params_.least_wall_m) {
       wall_too_thin_ = true;
+      events.push_back({.name = "wall too thin",
+                        .stamp = stamp,
+                        .value = std::max(0.0, wall->thickness_m),
+                        .p_G_m = wall->p_G_m});
+    }
+    if (!broke_through_ && wall->thickness_m <= 0.0) {
+      broke_through_ = true;
       events.push_back(
-          {.name = "wall too thin", .stamp = stamp, .value = wall->thickness_m, .p_G_m = wall->p_G_m});
+          {.name = "breakthrough", .stamp = stamp, .value = DepthOf(wall->p_G_m), .p_G_m = wall->p_G_m});
     }
   }
   return events;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
@@ -29,7 +30,7 @@ struct SceneEventParams {
 
 /// Something that happened in a frame, once in a run.
 struct SceneEvent {
-  std::string name;          ///< "pulp reached", "wall too thin"
+  std::string name;          ///< "pulp reached", "wall too thin", "breakthrough"
   rt::Nanoseconds stamp{0};  ///< of the frame
   double value{0.0};         ///< SI: see SceneWatch
   std::string unit{"m"};
@@ -46,12 +47,13 @@ struct SceneEvent {
 ///
 /// **A wall** is what is left between the cut and a surface that is not the opening: from a cutting ball to
 /// the nearest such point of the surface that it looks at from within, with bone between the two, minus its
-/// radius; negative once it is through. Samples of the surface say where to look, the solid's own nearest
-/// points refine that: the foot is exact on a plane, and to second order in the spacing elsewhere. The
-/// opening is what looks out the way the site does (normal within 60 degrees of its axis); up to
-/// `opening_widening` radii from the axis all but what looks the other way (within 60 degrees: a floor);
-/// beyond them what looks out and towards the axis, such as a cusp's inner slope. Value: the wall's
-/// thickness.
+/// radius. The first frame in which nothing is left is the event "breakthrough". Samples of the surface say
+/// where to look, the solid's own nearest points refine that: the foot is exact on a plane, and to second
+/// order in the spacing elsewhere. The opening is what looks out the way the site does (normal within 60
+/// degrees of its axis); up to `opening_widening` radii from the axis all but what looks the other way
+/// (within 60 degrees: a floor); beyond them what looks out and towards the axis, such as a cusp's inner
+/// slope. Value: the wall's thickness, 0 once it is through; of a breakthrough, the depth of the place as for
+/// a region.
 ///
 /// A query or two of the solid a frame: for the simulation's thread, not for the tick.
 class SceneWatch {
@@ -66,8 +68,10 @@ class SceneWatch {
   [[nodiscard]] std::vector<SceneEvent> Step(const Pose& X_GP, double removed_volume_m3,
                                              rt::Nanoseconds stamp);
 
-  /// Thickness of the thinnest wall so far; nothing where none was seen.
-  [[nodiscard]] std::optional<double> least_wall_m() const { return least_wall_m_; }
+  /// Thickness of the thinnest wall so far, 0 where the cut is through; nothing where none was seen.
+  [[nodiscard]] std::optional<double> least_wall_m() const {
+    return least_wall_m_ ? std::optional(std::max(0.0, *least_wall_m_)) : std::nullopt;
+  }
 
  private:
   struct Region {
@@ -94,7 +98,7 @@ class SceneWatch {
   SampleIndex walls_;
   double removed_volume_m3_{0.0};
   std::optional<double> least_wall_m_;
-  bool wall_too_thin_{false};
+  bool wall_too_thin_{false}, broke_through_{false};
 };
 
 }  // namespace osteon::simulation

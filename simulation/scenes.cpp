@@ -75,6 +75,20 @@ bool IsEntry(const Solid& solid, const Cup& site) {
          solid.SignedDistance(center + up) > 0.0 && solid.SignedDistance(center - up) < 0.0;
 }
 
+/// Share of the site's circle from which the surface has fallen away by more than a quarter of its radius:
+/// all of it on a ball of less than 1.9 times that radius, none on a plane or in a hollow.
+double ShareFallenAway(const Solid& solid, const Cup& site) {
+  const Vector3 center = site.center_m, z = site.axis, x = z.unitOrthogonal(), y = z.cross(x);
+  constexpr int kDirections = 48;
+  int found = 0;
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kDirections;
+    const Vector3 p = center + site.radius_m * (std::cos(angle) * x + std::sin(angle) * y);
+    if (solid.SignedDistance(p) > 0.25 * site.radius_m) ++found;
+  }
+  return static_cast<double>(found) / kDirections;
+}
+
 /// Where the vertical line through the site first meets the solid from above.
 Cup SiteFromAbove(const SiteParams& site, const Solid& solid) {
   CheckRangeMm("site: radius", site.radius_m, 0.0005, 0.100);
@@ -222,6 +236,21 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
             path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * share, 100 * kLeastShare,
             std::abs(solid->SignedDistance(checked.center_m)) * 1e3, low.x(), low.y(), low.z(), high.x(),
             high.y(), high.z())});
+  }
+  constexpr double kMaxFallenAway = 0.25;
+  const double fallen = share < kLeastShare && scene.zone.kind == ZoneParams::Kind::kCup
+                            ? ShareFallenAway(*solid, checked)
+                            : 0.0;
+  if (fallen > kMaxFallenAway) {
+    const Vector3 c = Vector3(checked.center_m) * 1e3;
+    return tl::make_unexpected(MeshError{
+        MeshErrorKind::kCupOffMesh,
+        fmt::format(
+            "{}: cup at ({:.4g}, {:.4g}, {:.4g}) mm, radius {:.4g} mm: found a convex place (the "
+            "surface falls away from {:.0f} % of the cup's rim), accepted a cup, or an entry from "
+            "whose rim it falls away in {:.0f} % at most; for a convex site choose a scene whose zone "
+            "is a path, such as femoral_head",
+            path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * fallen, 100 * kMaxFallenAway)});
   }
   return SceneSolid{.name = path.stem().string(), .solid = solid, .site = checked};
 }

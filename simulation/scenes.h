@@ -98,7 +98,7 @@ struct SceneSolid {
 /// The site must be on the mesh, as a cup or as an entry. A cup: in at least a quarter of the directions into
 /// its lower half, bone begins between 70 and 130 % of its radius. An entry: its centre is within a quarter
 /// of its radius of the surface, and the surface lies between one radius above and one below it along the
-/// axis.
+/// axis; on a convex surface only where the zone of the scene is no cup.
 /// @param site  in G; its axis need not be of unit length
 /// @throws std::invalid_argument as MakeSceneSolid does.
 [[nodiscard]] tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& path,

@@ -169,7 +169,8 @@ std::vector<ErrorSample> MeasureOutline(const std::vector<Polyline>& lines, cons
       }
       samples.push_back({.angle_rad = std::atan2(middle.x() - head.x(), head.y() - middle.y()),
                          .error_m = from.distance_m,
-                         .weight = (b - a).norm()});
+                         .weight = (b - a).norm(),
+                         .place_m = middle});
     }
   }
   std::stable_sort(samples.begin(), samples.end(),
@@ -224,7 +225,15 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
     high = high.cwiseMax(c + Vector2::Constant(ball.radius_m));
   }
   if (!(low.x() <= high.x())) low = high = Vector2::Zero();
-  const double down_m = params.depth_in_cup_radii / params.reach_in_cup_radii * reach_m;
+  double down_m = params.depth_in_cup_radii / params.reach_in_cup_radii * reach_m;
+  const simulation::ToolBall* head = CuttingHead(tool);
+  const SweptTool swept(tool, X_GP);
+  const bool is_cut = head != nullptr && !swept.empty();
+  if (is_cut) {  // a deep hole shows its floor
+    section.head_center = plane.Project(DeepestHead(bone, *head, X_GP));
+    section.head_radius_m = head->radius_m;
+    down_m = std::max(down_m, head->radius_m - section.head_center.y());
+  }
   section.min = low.cwiseMax(Vector2(-reach_m, -down_m)) - Vector2::Constant(params.margin_m);
   section.max = high.cwiseMin(Vector2::Constant(reach_m)) + Vector2::Constant(params.margin_m);
   section.min = section.min.cwiseMin(Vector2::Constant(-params.margin_m));
@@ -242,11 +251,7 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
   section.materials =
       MaterialRegions(bone, plane, section.min, section.max, 2.5 * params.step_m, params.solid);
 
-  const simulation::ToolBall* head = CuttingHead(tool);
-  const SweptTool swept(tool, X_GP);
-  if (head == nullptr || swept.empty()) return section;
-  section.head_center = plane.Project(DeepestHead(bone, *head, X_GP));
-  section.head_radius_m = head->radius_m;
+  if (!is_cut) return section;
   section.swept =
       SimplifyAll(Contour(SweptField(swept, plane, section.min, section.max, params.step_m)), tolerance_m);
   section.samples =

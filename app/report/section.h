@@ -51,7 +51,8 @@ struct CavityError {
 struct ErrorSample {
   double angle_rad{0.0};  ///< about the head's deepest centre, from -v, positive towards u
   double error_m{0.0};
-  double weight{1.0};  ///< length of surface that it stands for (section), or 1 (directions)
+  double weight{1.0};                ///< length of surface that it stands for (section), or 1 (directions)
+  Vector2 place_m{Vector2::Zero()};  ///< in the plane (section)
 };
 
 struct MaterialRegion {
@@ -62,7 +63,8 @@ struct MaterialRegion {
 struct SectionParams {
   double step_m{0.1e-3};
   double margin_m{6e-3};  ///< around the bone
-  /// At most this far from the cup's centre, sideways and down, so that a whole hip still shows its cup.
+  /// At most this far from the cup's centre, sideways and down, so that a whole hip still shows its cup;
+  /// farther down only where the tool came deeper.
   double reach_in_cup_radii{2.2}, depth_in_cup_radii{1.7};
   double cut_depth_m{0.05e-3};  ///< a place was cut if it lay this deep in the bone before
   double open_gap_m{5e-3};      ///< a surface farther than this behind the sweep is another one: cut through

@@ -123,14 +123,12 @@ std::string SectionDetailSvg(const Section& section, const simulation::Bone& bon
   const bool at_apex =
       std::any_of(section.samples.begin(), section.samples.end(),
                   [](const ErrorSample& sample) { return std::abs(sample.angle_rad) < kUnderTheApex_rad; });
-  const double angle = at_apex ? 0.0 : section.samples[section.samples.size() / 2].angle_rad;
-  const Vector2 apex =
-      section.head_center + section.head_radius_m * Vector2(std::sin(angle), -std::cos(angle));
+  const Vector2 middle = at_apex ? Vector2(section.head_center - Vector2(0.0, section.head_radius_m))
+                                 : section.samples[section.samples.size() / 2].place_m;
   const double half_m = 0.16 * section.head_radius_m;
-  const Vector2 low = apex - Vector2(half_m, 0.3 * half_m), high = apex + Vector2(half_m, 0.3 * half_m);
+  const Vector2 low = middle - Vector2(half_m, 0.3 * half_m), high = middle + Vector2(half_m, 0.3 * half_m);
   return Draw(section, bone,
-              {low, high, angle == 0.0 ? "Detail at the deepest place" : "Detail of the cut", false},
-              width_px);
+              {low, high, at_apex ? "Detail at the deepest place" : "Detail of the cut", false}, width_px);
 }
 
 tl::expected<void, std::string> WriteSectionSvg(const Section& section, const simulation::Bone& bone,

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kPreOperational = 127, kOperational = 5, kStopped = 4;
 constexpr int kBlocked = 0x7121, kHeartbeatError = 0x8130;
+constexpr int kGenericError = 0x01;  // bit 0 of the error register, the one that every device has
 constexpr double kStep_s = 1e-4;
 constexpr rt::Nanoseconds kLongest =
     100 * rt::kMillisecond;                             // of one advance: after a pause the rest is forgotten
@@ -21,9 +22,15 @@ std::vector<DictionaryEntry> Dictionary(const DriveDeviceParams& params) {
   const auto node = static_cast<std::uint32_t>(params.node);
   std::vector<DictionaryEntry> list{
       {.index = 0x1000, .value = 0x00020192},  // servo drive, profile 402
+      {.index = 0x1001, .bytes = 1},           // error register
       {.index = 0x1016, .sub = 0, .bytes = 1, .value = 1},
       {.index = 0x1016, .sub = 1, .writable = true},
       {.index = 0x1017, .bytes = 2, .writable = true},
+      {.index = 0x1018, .sub = 0, .bytes = 1, .value = 4},  // identity; a vendor of 0: nobody's device
+      {.index = 0x1018, .sub = 1},                          // vendor
+      {.index = 0x1018, .sub = 2, .value = 0x4F535444},     // product: "OSTD"
+      {.index = 0x1018, .sub = 3, .value = 0x00010000},     // revision 1.0
+      {.index = 0x1018, .sub = 4, .value = node},           // serial number
       {.index = 0x6007, .bytes = 2, .writable = true, .value = 1},
       {.index = 0x603F, .bytes = 2, .mappable = true},
       {.index = 0x6040, .bytes = 2, .writable = true, .mappable = true},
@@ -159,9 +166,8 @@ void DriveDevice::Trip(int error_code) noexcept {
 }
 
 void DriveDevice::SendEmergency(int error_code) {
-  const int error_register = 0x01;
   queue_.Push(static_cast<std::uint16_t>(0x080 + params_.node),
-              {error_code % 256, error_code / 256, error_register, 0, 0, 0, 0, 0});
+              {error_code % 256, error_code / 256, kGenericError, 0, 0, 0, 0, 0});
 }
 
 void DriveDevice::Nmt(int command) noexcept {
@@ -280,6 +286,7 @@ void DriveDevice::Refresh() noexcept {
   const double permille = 1000.0 * motor_.torque_Nm() / params_.motor.rated_torque_Nm;
   objects_.Set(0x6077, 0, std::lround(std::clamp(permille, -32768.0, 32767.0)));
   objects_.Set(0x603F, 0, error_);
+  objects_.Set(0x1001, 0, error_ == 0 ? 0 : kGenericError);
 }
 
 bool DriveDevice::Next(rt::Nanoseconds now, io::CanFrame& frame) OSTEON_RT {

@@ -17,7 +17,7 @@ namespace osteon::hil {
 namespace {
 
 constexpr std::size_t kMaxClients = 4;
-constexpr std::uint16_t kFirst = 970, kLast = 983;  // what can be read
+constexpr std::uint16_t kFirst = 970, kLast = 983;  // the PLC's own block
 constexpr std::uint16_t kControllerHeartbeat = 990, kMotionRequest = 991, kGuardHeartbeat = 992,
                         kGuardPermits = 993;
 
@@ -70,6 +70,14 @@ PlcServer::PlcServer(const PlcServerParams& params) : params_(params), logic_(pa
         return out.power_on;
       case 983:
         return out.heartbeat;
+      case kControllerHeartbeat:  // holding registers: what was written can be read
+        return controller_heartbeat_;
+      case kMotionRequest:
+        return motion_request_;
+      case kGuardHeartbeat:
+        return guard_heartbeat_;
+      case kGuardPermits:
+        return guard_permits_;
       default:
         if (at < kFirst || at > kLast) return {};
         return std::uint16_t{0};

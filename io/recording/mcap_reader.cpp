@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "io/recording/mcap_bytes.h"
+#include "io/recording/mcap_compression.h"
 
 namespace osteon::io {
 namespace {
@@ -160,22 +161,23 @@ std::string McapReader::OnChunk(std::span<const char> content) {
   Cursor cursor(content);
   cursor.Int<std::uint64_t>();  // first time
   cursor.Int<std::uint64_t>();  // last time
-  cursor.Int<std::uint64_t>();  // size
+  const auto unpacked_size = cursor.Int<std::uint64_t>();
   const auto expected = cursor.Int<std::uint32_t>();
   const std::string_view compression = cursor.String();
   const auto size = cursor.Int<std::uint64_t>();
   if (!cursor.ok() || size != cursor.rest().size()) return "chunk is cut off";
-  if (!compression.empty())
-    return "chunk compressed with '" + std::string(compression) + "', accepted: not compressed";
-  if (expected != 0 && expected != Crc(0, View(cursor.rest())))
+  auto records = mcap::Decompress(compression, cursor.rest(), unpacked_size);
+  if (!records) return records.error();
+  if (expected != 0 && expected != Crc(0, *records))
     return "the chunk does not match its CRC: the file was changed";
-  records_ = View(cursor.rest());
+  records_ = std::move(*records);
   at_ = 0;
   in_chunk_ = true;
   return {};
 }
 
-// The chunk that was being written when the process died: what is there of it.
+// The chunk that was being written when the process died: what is there of it. Of a compressed one nothing
+// is.
 void McapReader::OnTornChunk() {
   std::string content;
   const std::uint64_t start = offset_ + mcap::kRecordHead;
@@ -243,16 +245,18 @@ std::string McapReader::OnChannel(std::span<const char> content) {
   const auto schema = cursor.Int<std::uint16_t>();
   const std::string_view topic = cursor.String(), encoding = cursor.String();
   if (!cursor.ok()) return "channel is cut off";
+  static const Schema kNoSchema;
   const auto found = schemas_.find(schema);
-  if (found == schemas_.end())
+  if (found == schemas_.end() && schema != 0)  // 0: a channel without one, such as of JSON
     return "channel " + std::to_string(id) + " names schema " + std::to_string(schema) +
            ", which is not in the file";
+  const Schema& described = schema == 0 ? kNoSchema : found->second;
   channels_[id] = {.id = id,
                    .topic = std::string(topic),
                    .message_encoding = std::string(encoding),
-                   .schema_name = found->second.name,
-                   .schema_encoding = found->second.encoding,
-                   .schema = found->second.data};
+                   .schema_name = described.name,
+                   .schema_encoding = described.encoding,
+                   .schema = described.data};
   return {};
 }
 
@@ -300,7 +304,13 @@ bool McapReader::Resync(const std::string& reason) {
         continue;
       cursor.Int<std::uint64_t>();
       cursor.Int<std::uint64_t>();
-      if (cursor.Int<std::uint64_t>() != length - kChunkHead || !IsSoundChunk(start + i, length)) continue;
+      const auto unpacked_size = cursor.Int<std::uint64_t>();
+      cursor.Int<std::uint32_t>();
+      const auto name_size = cursor.Int<std::uint32_t>();
+      // what can be told from its head, before the chunk is read
+      const bool may_be = name_size == 0 ? unpacked_size == length - kChunkHead
+                                         : name_size == 3 || name_size == 4;  // "lz4", "zstd"
+      if (!may_be || !IsSoundChunk(start + i, length)) continue;
       damage_.push_back({offset_, start + i - offset_, reason});
       offset_ = start + i;
       return true;
@@ -315,10 +325,13 @@ bool McapReader::IsSoundChunk(std::uint64_t offset, std::uint64_t length) {
   Cursor cursor(content);
   cursor.Int<std::uint64_t>();
   cursor.Int<std::uint64_t>();
-  cursor.Int<std::uint64_t>();
+  const auto unpacked_size = cursor.Int<std::uint64_t>();
   const auto crc = cursor.Int<std::uint32_t>();
-  if (!cursor.String().empty()) return false;
-  return cursor.Int<std::uint64_t>() == cursor.rest().size() && crc == Crc(0, View(cursor.rest()));
+  const std::string_view compression = cursor.String();
+  const auto size = cursor.Int<std::uint64_t>();
+  if (!cursor.ok() || size != cursor.rest().size()) return false;
+  const auto records = mcap::Decompress(compression, cursor.rest(), unpacked_size);
+  return records && crc == Crc(0, *records);
 }
 
 bool McapReader::IsZeroToTheEnd() {

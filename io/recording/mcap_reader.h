@@ -16,7 +16,8 @@ namespace osteon::io {
 struct McapChannel {
   std::uint16_t id{0};
   std::string topic, message_encoding;
-  std::string schema_name, schema_encoding, schema;  ///< of protobuf: a FileDescriptorSet
+  /// Of protobuf: a FileDescriptorSet. Empty where the channel has no schema.
+  std::string schema_name, schema_encoding, schema;
 
   friend bool operator==(const McapChannel&, const McapChannel&) = default;
 };
@@ -37,9 +38,10 @@ struct McapDamage {
 
 /// Reads the messages of an MCAP file in their order in the file; one chunk at a time is in memory.
 ///
-/// Everything that any writer puts into an uncompressed file is understood; records beyond schemas, channels
-/// and messages are skipped. No byte is trusted: a length that is not there ends the file (it is torn), never
-/// the program. Of a chunk that is cut off the complete messages are still given, unchecked.
+/// Files of any writer are understood: chunks that are not compressed, or by zstd or lz4; channels with a
+/// schema or without. Records beyond schemas, channels and messages are skipped. No byte is trusted: a length
+/// that is not there ends the file (it is torn), never the program. Of a chunk that is cut off the complete
+/// messages are still given, unchecked, where it is not compressed.
 class McapReader {
  public:
   enum class OnDamage {

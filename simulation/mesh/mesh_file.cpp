@@ -1,32 +1,68 @@
 #include "simulation/mesh/mesh_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <fstream>
 
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
-#include <assimp/Importer.hpp>
+
+#include "simulation/mesh/mesh_text.h"
 
 namespace osteon::simulation {
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 1'500'000'000;  // bytes; 30 million triangles of a binary STL
+constexpr std::uintmax_t kMaxFile = 1'500'000'000;  // bytes; 30 million triangles of a binary STL
 
 tl::unexpected<MeshError> Refuse(MeshErrorKind kind, std::string message) {
   return tl::make_unexpected(MeshError{.kind = kind, .message = std::move(message)});
 }
 
-/// The name that a group or object has in the file: a mesh's own, or that of the node it hangs from.
-void NameParts(const aiNode& node, std::vector<std::string>& names) {
-  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-    std::string& name = names[node.mMeshes[i]];
-    if (name.empty()) name = node.mName.C_Str();
-    if (name == "defaultobject") name.clear();  // assimp's own, where an OBJ names none
-  }
-  for (unsigned i = 0; i < node.mNumChildren; ++i) NameParts(*node.mChildren[i], names);
+struct Signature {
+  std::string_view bytes;
+  const char* what;
+};
+
+using namespace std::string_view_literals;
+
+/// What else lies in a file that is named as a mesh, by its first bytes.
+constexpr std::array<Signature, 20> kSignatures{{
+    {"version https://git-lfs", "a pointer of git LFS, not the mesh (git lfs pull fetches it)"},
+    {"PK\x03\x04"sv, "a ZIP archive (3MF files and packed exports are such)"},
+    {"PK\x05\x06"sv, "an empty ZIP archive"},
+    {"\x1f\x8b"sv, "a gzip file"},
+    {"BZh", "a bzip2 file"},
+    {"\xfd"
+     "7zXZ"sv,
+     "an xz file"},
+    {"\x28\xb5\x2f\xfd"sv, "a Zstandard file"},
+    {"7z\xbc\xaf\x27\x1c"sv, "a 7z archive"},
+    {"Rar!\x1a"sv, "a RAR archive"},
+    {"\xff\xfe"sv, "text in UTF-16"},
+    {"\xfe\xff"sv, "text in UTF-16"},
+    {"glTF", "a glTF file"},
+    {"# vtk DataFile", "a VTK file"},
+    {"NRRD", "an NRRD volume"},
+    {"ISO-10303-21", "a STEP file"},
+    {"OFF", "an OFF file"},
+    {"%PDF", "a PDF file"},
+    {"<!", "a web page or XML"},
+    {"<", "XML or a web page"},
+    {"{", "JSON"},
+}};
+
+/// A file of another kind than its extension says; empty where it may be what it says.
+std::string_view FindOtherKind(std::string_view content, const std::string& extension) {
+  const std::string_view text =
+      content.substr(content.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
+  for (const Signature& signature : kSignatures)
+    if (text.starts_with(signature.bytes)) return signature.what;
+  if (content.size() > 132 && content.substr(128, 4) == "DICM") return "a DICOM file";
+  if (extension != ".ply" && (text.starts_with("ply\n") || text.starts_with("ply\r"))) return "a PLY file";
+  if (extension != ".stl" && text.starts_with("solid") &&
+      text.substr(0, 4096).find("facet") != std::string_view::npos)
+    return "an STL file";
+  return {};
 }
 
 }  // namespace
@@ -45,9 +81,9 @@ tl::expected<RawMesh, MeshError> ReadMeshFile(const std::filesystem::path& path)
   if (!std::filesystem::is_regular_file(path, error))
     return Refuse(MeshErrorKind::kMissing, fmt::format("{}: no such file", name));
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error || size > kLargestFile)
+  if (error || size > kMaxFile)
     return Refuse(MeshErrorKind::kUnreadable,
-                  fmt::format("{}: found {} bytes, accepted up to {}", name, size, kLargestFile));
+                  fmt::format("{}: found {} bytes, accepted up to {}", name, size, kMaxFile));
   if (size == 0)
     return Refuse(MeshErrorKind::kEmpty,
                   fmt::format("{}: found an empty file, accepted a closed surface", name));
@@ -56,50 +92,18 @@ tl::expected<RawMesh, MeshError> ReadMeshFile(const std::filesystem::path& path)
   std::ifstream stream(path, std::ios::binary);
   if (!stream.read(content.data(), static_cast<std::streamsize>(size)))
     return Refuse(MeshErrorKind::kUnreadable, fmt::format("{}: cannot be read (permissions?)", name));
-  const auto damage = extension == ".stl"   ? FindStlDamage(content, name)
-                      : extension == ".obj" ? FindObjDamage(content, name)
-                                            : FindPlyDamage(content, name);
-  if (damage) return tl::make_unexpected(*damage);
-  content = std::string();
 
-  Assimp::Importer importer;
-  const aiScene* scene = nullptr;
-  std::string why;
-  try {
-    scene = importer.ReadFile(name, aiProcess_Triangulate);
-    why = importer.GetErrorString();
-  } catch (const std::exception& e) {
-    why = e.what();
-  }
-  if (!scene) {
-    why.erase(why.find_last_not_of(" \n\r") + 1);
-    return Refuse(MeshErrorKind::kUnreadable,
-                  fmt::format("{}: cannot be read as {}: {}", name, extension.substr(1), why));
-  }
-
-  std::vector<std::string> names(scene->mNumMeshes);
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) names[m] = scene->mMeshes[m]->mName.C_Str();
-  if (scene->mRootNode) NameParts(*scene->mRootNode, names);
-  RawMesh raw;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& part = *scene->mMeshes[m];
-    // assimp makes a mesh of each material: parts of one name are one
-    const auto known = std::find(raw.parts.begin(), raw.parts.end(), names[m]);
-    const auto place = static_cast<std::uint32_t>(known - raw.parts.begin());
-    if (known == raw.parts.end()) raw.parts.push_back(names[m]);
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;  // points and lines bound nothing
-      std::array<std::array<float, 3>, 3> triangle{};
-      for (int k = 0; k < 3; ++k) {
-        const aiVector3D& v = part.mVertices[face.mIndices[k]];
-        // adding zero turns -0 into +0, which are the same place
-        triangle[k] = {v.x + 0.0f, v.y + 0.0f, v.z + 0.0f};
-      }
-      raw.triangles.push_back(triangle);
-      raw.part_of_triangle.push_back(place);
-    }
-  }
+  auto raw = extension == ".stl"   ? ReadStl(content, name)
+             : extension == ".obj" ? ReadObj(content, name)
+                                   : ReadPly(content, name);
+  // Only what is no mesh is looked at as something else: a binary STL's header may begin with any bytes.
+  if (raw) return raw;
+  if (const std::string_view other = FindOtherKind(content, extension); !other.empty())
+    return Refuse(MeshErrorKind::kFormat,
+                  fmt::format("{}: found {}, accepted {} as its extension says", name, other,
+                              extension == ".stl"   ? "an STL file"
+                              : extension == ".obj" ? "an OBJ file"
+                                                    : "a PLY file"));
   return raw;
 }
 

@@ -1,16 +1,25 @@
+#include <algorithm>
 #include <array>
 
 #include "simulation/mesh/mesh_file.h"
+#include "simulation/mesh/mesh_polygons.h"
 #include "simulation/mesh/mesh_text.h"
 
 namespace osteon::simulation {
 namespace {
 
-constexpr std::array<std::string_view, 32> kIgnored{
-    "vp",     "o",          "g",         "s",        "mg",       "mtllib", "usemtl", "usemap",
-    "maplib", "shadow_obj", "trace_obj", "lod",      "bevel",    "deg",    "bmat",   "step",
-    "cstype", "curv",       "curv2",     "surf",     "parm",     "trim",   "hole",   "scrv",
-    "sp",     "end",        "con",       "c_interp", "d_interp", "ctech",  "stech",  "call"};
+// Statements that move no surface. Names behind them go to the end of the line, a '\' there included.
+constexpr std::array<std::string_view, 6> kNames{"mtllib", "usemtl",     "usemap",
+                                                 "maplib", "shadow_obj", "trace_obj"};
+// Curves bound nothing; attributes of free forms mean nothing without a 'surf', which is refused.
+constexpr std::array<std::string_view, 22> kIgnored{
+    "vp",   "s",      "mg",   "lod",   "bevel", "c_interp", "d_interp", "ctech", "stech", "deg", "bmat",
+    "step", "cstype", "curv", "curv2", "parm",  "trim",     "hole",     "scrv",  "sp",    "end", "con"};
+
+template <std::size_t N>
+bool Contains(const std::array<std::string_view, N>& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
 
 /// How many of each list there are, and the index that reaches furthest into it.
 struct IndexedList {
@@ -18,74 +27,113 @@ struct IndexedList {
   int line{0};
 };
 
-class ObjReading {
+class ObjReader {
  public:
-  explicit ObjReading(const std::string& name) : name_(name) {}
+  explicit ObjReader(const std::string& name) : name_(name) {}
 
-  std::optional<MeshError> Read(std::string_view content) {
-    if (content.starts_with("\xef\xbb\xbf")) content.remove_prefix(3);  // byte order mark
-    if (auto damage = FindBinaryByte(content, name_)) return damage;
+  tl::expected<RawMesh, MeshError> Read(std::string_view content) {
+    if (auto damage = FindBinaryByte(content, name_)) return tl::make_unexpected(*damage);
+    if (content.starts_with(kByteOrderMark)) content.remove_prefix(kByteOrderMark.size());
     LineReader lines(content);
     while (const auto line = lines.Next()) {
       line_ = lines.line();
-      SplitWords(line->substr(0, line->find('#')), words_);
-      if (words_.empty()) continue;
-      if (words_.back().ends_with('\\'))
-        return At("found a line that goes on in the next ('\\' at its end), accepted whole lines");
-      if (auto damage = ReadLine()) return damage;
+      if (auto damage = ReadLine(Trimmed(*line), lines)) return tl::make_unexpected(*damage);
     }
     const std::array<const char*, 3> what{"vertex", "texture", "normal"};
     for (std::size_t i = 0; i < lists_.size(); ++i)
       if (lists_[i].greatest > lists_[i].count)
-        return DamageAtLine(name_, lists_[i].line,
-                            fmt::format("found {} index {}, accepted 1 … {} (as many are in the file)",
-                                        what[i], lists_[i].greatest, lists_[i].count));
-    return std::nullopt;
+        return tl::make_unexpected(
+            DamageAtLine(name_, lists_[i].line,
+                         fmt::format("found {} index {}, accepted 1 … {} (as many are in the file)", what[i],
+                                     lists_[i].greatest, lists_[i].count)));
+    RawMesh raw;
+    if (const auto refused = CutPolygons(mesh_, raw))
+      return tl::make_unexpected(DamageAtLine(name_, static_cast<int>(refused->place), refused->what));
+    raw.parts = parts_.Take();
+    if (raw.triangles.empty())
+      return tl::make_unexpected(
+          MeshError{.kind = MeshErrorKind::kEmpty,
+                    .message = fmt::format("{}: found no faces and {} vertices in an OBJ file, accepted a "
+                                           "closed surface",
+                                           name_, mesh_.vertices.size())});
+    return raw;
   }
 
  private:
   [[nodiscard]] MeshError At(const std::string& what) const { return DamageAtLine(name_, line_, what); }
 
-  std::optional<MeshError> ReadLine() {
-    const std::string_view key = words_.front();
+  std::optional<MeshError> ReadLine(std::string_view line, LineReader& lines) {
+    std::string_view key = line.substr(0, line.find_first_of(" \t\v\f"));
+    if (key == "g" || key == "o") {
+      part_name_ = Trimmed(line.substr(1));
+      part_.reset();
+      return std::nullopt;
+    }
+    if (Contains(kNames, key)) return std::nullopt;
+    // Only what stands before a comment goes on in the next line.
+    std::string_view statement = Trimmed(line.substr(0, line.find('#')));
+    if (statement.ends_with('\\')) {
+      joined_.clear();
+      while (statement.ends_with('\\')) {
+        joined_.append(statement.substr(0, statement.size() - 1)).append(" ");
+        const auto next = lines.Next();
+        if (!next) return At("found '\\' at the end of the last line, accepted a line that it goes on in");
+        statement = Trimmed(next->substr(0, next->find('#')));
+      }
+      joined_.append(statement);
+      statement = joined_;
+    }
+    SplitWords(statement, words_);
+    if (words_.empty()) return std::nullopt;
+    key = words_[0];
     if (key == "v") return ReadVertex();
-    if (key == "vt" || key == "vn") {
+    if (key == "vt" || key == "vn") {  // counted; the values, nan among them, are not used
       ++lists_[key == "vt" ? 1 : 2].count;
-      for (std::size_t i = 1; i < words_.size(); ++i)
-        if (!IsCoordinate(words_[i]))
-          return At(fmt::format("found {} after {}, accepted a finite number", Shown(words_[i]), key));
       return std::nullopt;
     }
     if (key == "f") return ReadCorners(3);
     if (key == "l") return ReadCorners(2);
     if (key == "p") return ReadCorners(1);
-    if (std::find(kIgnored.begin(), kIgnored.end(), key) != kIgnored.end()) return std::nullopt;
-    return At(fmt::format("found {}, accepted a statement of OBJ: v, vt, vn, f, g, o …", Shown(key)));
+    if (Contains(kIgnored, key)) return std::nullopt;
+    if (key == "surf") return At("found a free-form surface ('surf'), accepted polygons ('f')");
+    if (key == "call" || key == "csh")
+      return At(
+          fmt::format("found '{}', which brings in what is not in this file, accepted v, vt, vn, f …", key));
+    return At(fmt::format("found {}, accepted a statement of OBJ: v, vt, vn, f, g, o …", Shown(words_[0])));
   }
 
   std::optional<MeshError> ReadVertex() {
     ++lists_[0].count;
     const std::size_t numbers = words_.size() - 1;
-    if (numbers != 3 && numbers != 4 && numbers != 6)
-      return At(fmt::format("found a vertex of {} numbers, accepted 3 (4 with a weight, 6 with a colour)",
-                            numbers));
-    for (std::size_t i = 1; i < words_.size(); ++i)
-      if (!IsCoordinate(words_[i])) {
-        const bool is_number = ParseWord<double>(words_[i]).has_value();
-        return DamageAtLine(name_, line_,
-                            fmt::format("found coordinate {}, accepted a finite number", Shown(words_[i])),
-                            is_number ? MeshErrorKind::kNotFinite : MeshErrorKind::kUnreadable);
+    if (numbers != 3 && numbers != 4 && numbers != 6 && numbers != 7)
+      return At(fmt::format(
+          "found a vertex of {} numbers, accepted 3 (4 with a weight, 6 or 7 with a colour)", numbers));
+    std::array<float, 7> values{};
+    for (std::size_t i = 0; i < numbers; ++i)
+      if (auto damage = ReadCoordinate(words_[i + 1], name_, line_, values[i])) return damage;
+    std::array<float, 3> vertex{values[0], values[1], values[2]};
+    if (numbers == 4) {
+      if (values[3] == 0.0f) return At("found a vertex of weight 0, accepted another weight");
+      for (float& x : vertex) {
+        x /= values[3];
+        if (!std::isfinite(x))
+          return DamageAtLine(name_, line_,
+                              fmt::format("found a vertex of weight {}, beyond floats when divided by it, "
+                                          "accepted a finite place",
+                                          Shown(words_[4])),
+                              MeshErrorKind::kNotFinite);
+        x += 0.0f;
       }
-    if (numbers == 4 && *ParseWord<double>(words_[4]) == 0.0)
-      return At("found a vertex of weight 0, accepted another weight");
+    }
+    mesh_.vertices.push_back(vertex);
     return std::nullopt;
   }
 
-  std::optional<MeshError> ReadCorners(std::size_t least) {
-    if (words_.size() - 1 < least)
+  std::optional<MeshError> ReadCorners(std::size_t min_corners) {
+    if (words_.size() - 1 < min_corners)
       return At(fmt::format("found {} corners after {}, accepted {} and more", words_.size() - 1, words_[0],
-                            least));
-    corners_.clear();
+                            min_corners));
+    const bool is_face = min_corners == 3;
     for (std::size_t i = 1; i < words_.size(); ++i) {
       std::string_view rest = words_[i];
       for (std::size_t list = 0; list < lists_.size(); ++list) {  // vertex/texture/normal
@@ -95,15 +143,13 @@ class ObjReading {
           const auto index = ParseWord<std::int64_t>(word);
           if (!index)
             return At(fmt::format("found corner {}, accepted whole numbers as v/vt/vn", Shown(words_[i])));
-          const std::int64_t place = *index < 0 ? lists_[list].count + 1 + *index : *index;  // -1 is the last
-          if (place < 1)
-            return At(fmt::format("found index {} with {} before it, accepted 1 and more, or -{} … -1",
-                                  *index, lists_[list].count, lists_[list].count));
-          if (place > lists_[list].greatest) {
-            lists_[list].greatest = place;
-            lists_[list].line = line_;
-          }
-          if (list == 0) corners_.push_back(place);
+          const std::int64_t count = lists_[list].count;
+          const std::int64_t place = *index < 0 && *index >= -count ? count + 1 + *index : *index;
+          if (place < 1 || place > kMaxIndex)
+            return At(fmt::format("found index {} with {} before it, accepted 1 … {}, or -{} … -1", *index,
+                                  count, kMaxIndex, count));
+          if (place > lists_[list].greatest) lists_[list] = {count, place, line_};
+          if (list == 0 && is_face) mesh_.corners.push_back(static_cast<std::uint32_t>(place - 1));
         }
         if (end == std::string_view::npos) break;
         rest.remove_prefix(end + 1);
@@ -111,22 +157,30 @@ class ObjReading {
           return At(fmt::format("found corner {}, accepted whole numbers as v/vt/vn", Shown(words_[i])));
       }
     }
-    if (least == 3 && IsPinched(corners_))
-      return At("found a polygon that visits a vertex twice (around a hole?), accepted simple polygons");
+    if (!is_face) return std::nullopt;
+    if (!part_) part_ = parts_.NumberOf(part_name_);
+    mesh_.polygons.push_back(
+        {.corners = words_.size() - 1, .part = *part_, .place = static_cast<std::size_t>(line_)});
     return std::nullopt;
   }
+
+  static constexpr std::int64_t kMaxIndex = 2'000'000'000;
 
   const std::string& name_;
   int line_{0};
   std::vector<std::string_view> words_;
-  std::vector<std::int64_t> corners_;
+  std::string joined_;
   std::array<IndexedList, 3> lists_{};  // vertices, texture coordinates, normals
+  PolygonMesh mesh_;
+  PartNames parts_;
+  std::string part_name_;
+  std::optional<std::uint32_t> part_;  // of the faces that follow; none before the first of them
 };
 
 }  // namespace
 
-std::optional<MeshError> FindObjDamage(std::string_view content, const std::string& name) {
-  return ObjReading(name).Read(content);
+tl::expected<RawMesh, MeshError> ReadObj(std::string_view content, const std::string& name) {
+  return ObjReader(name).Read(content);
 }
 
 }  // namespace osteon::simulation

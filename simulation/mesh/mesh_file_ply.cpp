@@ -3,13 +3,15 @@
 #include <cstring>
 
 #include "simulation/mesh/mesh_file.h"
+#include "simulation/mesh/mesh_polygons.h"
 #include "simulation/mesh/mesh_text.h"
 
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kLongestHeader = 65536;
-constexpr std::int64_t kMostCorners = 255;
+constexpr std::size_t kMaxHeader = 65536;  // bytes
+constexpr std::int64_t kMaxCorners = 255;
+constexpr const char* kTypeNames = "char, uchar, short, ushort, int, uint, float or double";
 
 enum class PlyFormat : std::uint8_t { kText, kLittleEndian, kBigEndian };
 
@@ -39,11 +41,14 @@ struct PlyProperty {
   std::string name;
   const PlyType* type{nullptr};
   const PlyType* count_type{nullptr};  ///< of a list
+  int axis{-1};                        ///< 0 … 2: a vertex's x, y, z
+  bool is_corners{false};              ///< a face's list of vertices
 };
 
 struct PlyElement {
   std::string name;
   std::size_t count{0};
+  int line{0};  ///< of the header
   std::vector<PlyProperty> properties;
 };
 
@@ -51,21 +56,28 @@ struct PlyElement {
 class PlyBody {
  public:
   PlyBody(std::string_view content, std::size_t begin, int line, PlyFormat format)
-      : content_(content), at_(begin), line_(line), format_(format) {}
+      : content_(content), at_(begin), format_(format), lines_(content.substr(begin), line + 1) {}
 
   /// Begins a row of an element. A text's row is a line.
   [[nodiscard]] bool NextRow() {
     if (format_ != PlyFormat::kText) return true;
     do {
-      if (at_ >= content_.size()) return false;
-      const std::size_t end = std::min(content_.find('\n', at_), content_.size());
-      std::string_view row = content_.substr(at_, end - at_);
-      if (row.ends_with('\r')) row.remove_suffix(1);
-      SplitWords(row, words_);
-      at_ = end + 1;
-      ++line_;
+      const auto row = lines_.Next();
+      if (!row) return false;
+      SplitWords(*row, words_);
     } while (words_.empty());
     word_ = 0;
+    return true;
+  }
+  /// Passes over a value that is not used; false where the file or the row ends, or the word is no number.
+  [[nodiscard]] bool Skip(const PlyType& type) {
+    if (format_ != PlyFormat::kText) {
+      if (content_.size() - at_ < type.bytes) return false;
+      at_ += type.bytes;
+      return true;
+    }
+    if (word_ >= words_.size() || !IsUnusedNumber(words_[word_])) return false;
+    ++word_;
     return true;
   }
   /// The next value; nothing where the file or the row ends, or the word is no number of this type.
@@ -94,7 +106,19 @@ class PlyBody {
     const int shift = static_cast<int>(8 * (4 - type.bytes));
     return static_cast<std::int32_t>(bits << shift) >> shift;
   }
-  [[nodiscard]] std::size_t rest_bytes() const { return content_.size() - std::min(at_, content_.size()); }
+  /// The line or byte that is read, for errors found later.
+  [[nodiscard]] std::size_t place() const {
+    return format_ == PlyFormat::kText ? static_cast<std::size_t>(lines_.line()) : at_;
+  }
+  /// What stands behind the last row of the last element: bytes, or lines that are not empty. A line end
+  /// there is none.
+  [[nodiscard]] std::size_t CountRest() {
+    if (format_ != PlyFormat::kText)
+      return Trimmed(content_.substr(at_)).empty() && content_.size() - at_ <= 2 ? 0 : content_.size() - at_;
+    std::size_t rows = 0;
+    while (NextRow()) ++rows;
+    return rows;
+  }
   [[nodiscard]] bool RowIsUsedUp() const { return format_ != PlyFormat::kText || word_ == words_.size(); }
   [[nodiscard]] std::string Found() const {
     if (format_ != PlyFormat::kText) return "the end of the file";
@@ -102,197 +126,278 @@ class PlyBody {
   }
   [[nodiscard]] MeshError Damage(const std::string& name, const std::string& what,
                                  MeshErrorKind kind = MeshErrorKind::kUnreadable) const {
-    return format_ == PlyFormat::kText ? DamageAtLine(name, line_, what, kind)
-                                       : DamageAtByte(name, std::min(at_, content_.size()), what, kind);
+    return DamageAt(name, place(), what, kind);
+  }
+  /// At a place() of before.
+  [[nodiscard]] MeshError DamageAt(const std::string& name, std::size_t place, const std::string& what,
+                                   MeshErrorKind kind = MeshErrorKind::kUnreadable) const {
+    return format_ == PlyFormat::kText ? DamageAtLine(name, static_cast<int>(place), what, kind)
+                                       : DamageAtByte(name, place, what, kind);
   }
 
  private:
   std::string_view content_;
-  std::size_t at_;
-  int line_;
+  std::size_t at_;  // of bytes; a text's place is in lines_
   PlyFormat format_;
+  LineReader lines_;
   std::vector<std::string_view> words_;
   std::size_t word_{0};
 };
 
-class PlyReading {
+class PlyReader {
  public:
-  PlyReading(std::string_view content, const std::string& name) : content_(content), name_(name) {}
+  PlyReader(std::string_view content, const std::string& name) : content_(content), name_(name) {}
 
-  std::optional<MeshError> Read() {
-    if (auto damage = ReadHeader()) return damage;
+  tl::expected<RawMesh, MeshError> Read() {
+    if (auto damage = ReadHeader()) return tl::make_unexpected(*damage);
     PlyBody body(content_, body_begin_, header_lines_, format_);
     for (const PlyElement& element : elements_)
       for (std::size_t row = 0; row < element.count; ++row)
-        if (auto damage = ReadRow(body, element, row)) return damage;
-    return std::nullopt;
+        if (auto damage = ReadRow(body, element, row)) return tl::make_unexpected(*damage);
+    if (auto damage = CheckRest(body)) return tl::make_unexpected(*damage);
+    RawMesh raw;
+    if (const auto refused = CutPolygons(mesh_, raw))
+      return tl::make_unexpected(body.DamageAt(name_, refused->place, refused->what));
+    if (raw.triangles.empty())
+      return tl::make_unexpected(
+          MeshError{.kind = MeshErrorKind::kEmpty,
+                    .message = fmt::format("{}: found no faces and {} vertices in a PLY file (a cloud of "
+                                           "points?), accepted a closed surface",
+                                           name_, mesh_.vertices.size())});
+    raw.parts.emplace_back();  // a PLY file has no groups
+    return raw;
   }
 
  private:
   std::optional<MeshError> ReadHeader() {
-    const std::string_view head = content_.substr(0, kLongestHeader);
+    const std::size_t mark = content_.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
+    const std::string_view head = content_.substr(mark, kMaxHeader);
     LineReader lines(head);
     std::vector<std::string_view> words;
-    const auto refuse = [&](const std::string& what) { return DamageAtLine(name_, lines.line(), what); };
     const auto first = lines.Next();
-    if (!first || *first != "ply")
+    if (!first || Trimmed(*first) != "ply")
       return DamageAtLine(name_, 1, fmt::format("found {}, accepted 'ply'", Shown(first.value_or(""))));
+    // Where lines end in CR alone, an LF behind the last of them is the first byte of what follows.
+    const bool ends_in_cr =
+        head.substr(first->size()).starts_with('\r') && !head.substr(first->size()).starts_with("\r\n");
     bool has_format = false;
     while (const auto line = lines.Next()) {
+      header_lines_ = lines.line();
       SplitWords(*line, words);
       if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
       if (words[0] == "end_header") {
-        if (!has_format) return refuse("found no format in the header, accepted ascii or binary");
-        body_begin_ = head.size() - lines.rest().size();
-        header_lines_ = lines.line();
+        if (!has_format) return Refuse("found no format in the header, accepted ascii or binary");
+        body_begin_ = mark + head.size() - lines.rest().size();
+        if (ends_in_cr && format_ != PlyFormat::kText && content_.substr(body_begin_ - 2, 2) == "\r\n")
+          --body_begin_;
         return CheckHeader();
       }
-      if (words[0] == "format" && words.size() == 3 && words[2] == "1.0" &&
-          (words[1] == "ascii" || words[1] == "binary_little_endian" || words[1] == "binary_big_endian")) {
-        format_ = words[1] == "ascii"                  ? PlyFormat::kText
-                  : words[1] == "binary_little_endian" ? PlyFormat::kLittleEndian
-                                                       : PlyFormat::kBigEndian;
-        has_format = true;
-        continue;
-      }
-      if (words[0] == "element" && words.size() == 3) {
-        const auto count = ParseWord<std::uint32_t>(words[2]);
-        if (!count)
-          return refuse(fmt::format("found {} of element {}, accepted a count", Shown(words[2]), words[1]));
-        elements_.push_back({.name = std::string(words[1]), .count = *count, .properties = {}});
-        continue;
-      }
-      if (words[0] == "property" && !elements_.empty()) {
-        const bool is_list = words.size() == 5 && words[1] == "list";
-        if (is_list || words.size() == 3) {
-          const PlyProperty property{.name = std::string(words.back()),
-                                     .type = FindType(words[words.size() - 2]),
-                                     .count_type = is_list ? FindType(words[2]) : nullptr};
-          if (property.type && (!is_list || (property.count_type && !property.count_type->is_float))) {
-            elements_.back().properties.push_back(property);
-            continue;
-          }
-        }
-      }
-      return refuse(fmt::format("found {}, accepted a line of a PLY 1.0 header", Shown(*line)));
+      if (auto damage = ReadHeaderLine(*line, words, has_format)) return damage;
     }
     return DamageAtLine(name_, lines.line(),
                         fmt::format("found no end of the header in the first {} bytes, accepted \"ply\" … "
                                     "\"end_header\"",
-                                    kLongestHeader));
+                                    kMaxHeader));
+  }
+
+  /// An error of the header's line that is read.
+  [[nodiscard]] MeshError Refuse(const std::string& what) const {
+    return DamageAtLine(name_, header_lines_, what);
+  }
+
+  std::optional<MeshError> ReadHeaderLine(std::string_view line, const std::vector<std::string_view>& words,
+                                          bool& has_format) {
+    if (words[0] == "format" && words.size() == 3 && words[2] == "1.0" &&
+        (words[1] == "ascii" || words[1] == "binary_little_endian" || words[1] == "binary_big_endian")) {
+      if (has_format) return Refuse("found a second format, accepted one");
+      format_ = words[1] == "ascii"                  ? PlyFormat::kText
+                : words[1] == "binary_little_endian" ? PlyFormat::kLittleEndian
+                                                     : PlyFormat::kBigEndian;
+      has_format = true;
+      return std::nullopt;
+    }
+    if (words[0] == "element" && words.size() == 3) {
+      const auto count = ParseWord<std::uint32_t>(words[2]);
+      if (!count)
+        return Refuse(
+            fmt::format("found {} of element {}, accepted a count", Shown(words[2]), Shown(words[1])));
+      for (const PlyElement& known : elements_)
+        if (known.name == words[1])
+          return Refuse(
+              fmt::format("found element {} a second time (first in line {}), accepted each "
+                          "element once",
+                          Shown(words[1]), known.line));
+      if (elements_.size() >= kMaxElements)
+        return Refuse(fmt::format("found more than {} elements, accepted so many", kMaxElements));
+      elements_.push_back(
+          {.name = std::string(words[1]), .count = *count, .line = header_lines_, .properties = {}});
+      return std::nullopt;
+    }
+    if (words[0] == "property" && !elements_.empty() &&
+        (words.size() == 3 || (words.size() == 5 && words[1] == "list")))
+      return ReadProperty(words);
+    return Refuse(fmt::format("found {}, accepted a line of a PLY 1.0 header", Shown(line)));
+  }
+
+  std::optional<MeshError> ReadProperty(const std::vector<std::string_view>& words) {
+    const bool is_list = words.size() == 5;
+    PlyElement& element = elements_.back();
+    PlyProperty property{.name = std::string(words.back()),
+                         .type = FindType(words[words.size() - 2]),
+                         .count_type = is_list ? FindType(words[2]) : nullptr};
+    if (!property.type)
+      return Refuse(fmt::format("found type {}, accepted {}", Shown(words[words.size() - 2]), kTypeNames));
+    if (is_list && (!property.count_type || property.count_type->is_float))
+      return Refuse(
+          fmt::format("found type {} of a list's count, accepted a whole number's", Shown(words[2])));
+    const std::array<std::string_view, 3> axes{"x", "y", "z"};
+    if (element.name == "vertex" && !is_list)
+      for (int i = 0; i < 3; ++i)
+        if (property.name == axes[static_cast<std::size_t>(i)]) property.axis = i;
+    property.is_corners = element.name == "face" && is_list &&
+                          (property.name == "vertex_indices" || property.name == "vertex_index");
+    for (const PlyProperty& known : element.properties)
+      if ((property.axis >= 0 && known.axis == property.axis) || (property.is_corners && known.is_corners))
+        return Refuse(fmt::format("found property {} of element {} behind {}, accepted one of them",
+                                  Shown(property.name), Shown(element.name), Shown(known.name)));
+    element.properties.push_back(std::move(property));
+    return std::nullopt;
   }
 
   std::optional<MeshError> CheckHeader() {
-    const auto refuse = [this](const std::string& what) { return DamageAtLine(name_, header_lines_, what); };
-    std::size_t least_bytes = 0;
-    bool has_faces = false, has_vertices = false;
+    std::size_t min_bytes = 0;
+    bool has_corners = false, has_vertices = false;
     for (const PlyElement& element : elements_) {
       std::size_t row = 0;
       for (const PlyProperty& p : element.properties)
         row += format_ == PlyFormat::kText ? 2 : p.count_type ? p.count_type->bytes : p.type->bytes;
-      least_bytes += element.count * row;
+      min_bytes += element.count * row;
       if (element.count > 0 && element.properties.empty())  // any number of them would take no room
-        return refuse(
-            fmt::format("found element {} without properties, accepted one and more", element.name));
+        return Refuse(
+            fmt::format("found element {} without properties, accepted one and more", Shown(element.name)));
+      const auto has_axis = [&element](int axis) {
+        return std::any_of(element.properties.begin(), element.properties.end(),
+                           [axis](const PlyProperty& p) { return p.axis == axis; });
+      };
       if (element.name == "vertex") {
         has_vertices = true;
         vertices_ = element.count;
-        for (const char* axis : {"x", "y", "z"}) {
-          const auto is_axis = [axis](const PlyProperty& p) { return IsAxis(p) && p.name == axis; };
-          if (std::none_of(element.properties.begin(), element.properties.end(), is_axis))
-            return refuse(fmt::format("found no property {} of element vertex, accepted x, y and z", axis));
-        }
+        for (int axis = 0; axis < 3; ++axis)
+          if (!has_axis(axis))
+            return Refuse(fmt::format("found no property {:c} of element vertex, accepted x, y and z",
+                                      static_cast<char>('x' + axis)));
       }
-      if (element.name == "face") {
-        if (!has_vertices) return refuse("found element face before vertex, accepted vertices first");
-        has_faces = std::any_of(element.properties.begin(), element.properties.end(), IsCornerList);
-      }
+      has_corners |= std::any_of(element.properties.begin(), element.properties.end(),
+                                 [](const PlyProperty& p) { return p.is_corners; });
     }
-    if (!has_vertices || !has_faces)
-      return refuse(fmt::format("found no {}, accepted elements vertex and face with a list vertex_indices",
+    if (!has_vertices || !has_corners)
+      return Refuse(fmt::format("found no {}, accepted elements vertex and face with a list vertex_indices",
                                 has_vertices ? "list vertex_indices of element face" : "element vertex"));
     const std::size_t rest = content_.size() - body_begin_;
-    if (rest + 1 < least_bytes)  // a text may end without a line end
-      return refuse(
-          fmt::format("found elements announced that take {} bytes and more, and {} bytes behind the "
-                      "header, accepted as many as are announced",
-                      least_bytes, rest));
+    if (rest + 1 < min_bytes)  // a text may end without a line end
+      return Refuse(
+          fmt::format("found elements announced that take {} bytes and more, and {} bytes behind "
+                      "the header, accepted as many as are announced",
+                      min_bytes, rest));
     return std::nullopt;
-  }
-
-  static bool IsAxis(const PlyProperty& p) {
-    return !p.count_type && (p.name == "x" || p.name == "y" || p.name == "z");
-  }
-  static bool IsCornerList(const PlyProperty& p) {
-    return p.count_type && !p.type->is_float && (p.name == "vertex_indices" || p.name == "vertex_index");
   }
 
   std::optional<MeshError> ReadRow(PlyBody& body, const PlyElement& element, std::size_t row) {
-    const std::string here = fmt::format("{} {}", element.name, row);
+    const auto here = [&] { return fmt::format("{} {}", Printable(element.name), row); };
     if (!body.NextRow())
-      return body.Damage(name_, fmt::format("found the end of the file before {}, accepted {} of them", here,
-                                            element.count));
-    const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+      return body.Damage(name_, fmt::format("found the end of the file before {}, accepted {} of them",
+                                            here(), element.count));
+    const std::size_t place = body.place();
+    std::array<float, 3> vertex{};
     for (const PlyProperty& property : element.properties) {
+      const auto too_short = [&] {
+        return body.Damage(name_, fmt::format("{}: found {}, accepted a number for {}", here(), body.Found(),
+                                              Printable(property.name)));
+      };
       std::int64_t values = 1;
-      const bool is_corners = is_face && IsCornerList(property);
       if (property.count_type) {
         const auto count = body.Next(*property.count_type);
-        if (!count) return Short(body, here, property);
-        values = static_cast<std::int64_t>(*count);
-        if (is_corners && (values < 3 || values > kMostCorners))
+        if (!count) return too_short();
+        values = static_cast<std::int64_t>(std::clamp(*count, -1.0, 1e15));
+        if (property.is_corners && (values < 3 || values > kMaxCorners))
           return body.Damage(
-              name_, fmt::format("{}: found {} corners, accepted 3 … {}", here, values, kMostCorners));
+              name_, fmt::format("{}: found {:.0f} corners, accepted 3 … {}", here(), *count, kMaxCorners));
         if (values < 0)
-          return body.Damage(name_, fmt::format("{}: found a list of {}, accepted 0 and more", here, values));
+          return body.Damage(name_,
+                             fmt::format("{}: found a list of {:.0f}, accepted 0 and more", here(), *count));
       }
-      corners_.clear();
       for (std::int64_t i = 0; i < values; ++i) {
+        if (property.axis < 0 && !property.is_corners) {
+          if (!body.Skip(*property.type)) return too_short();
+          continue;
+        }
         const auto value = body.Next(*property.type);
-        if (!value) return Short(body, here, property);
-        if (is_vertex && IsAxis(property) && !std::isfinite(static_cast<float>(*value)))
-          return body.Damage(
-              name_, fmt::format("{}: found {} = {}, accepted a finite number", here, property.name, *value),
-              MeshErrorKind::kNotFinite);
-        if (!is_corners) continue;
-        if (*value < 0.0 || *value >= static_cast<double>(vertices_))
-          return body.Damage(name_, fmt::format("{}: found vertex index {:.0f}, accepted 0 … {}", here,
+        if (!value) return too_short();
+        if (property.axis >= 0) {
+          const float x = static_cast<float>(*value) + 0.0f;  // -0 and +0 are the same place
+          if (!std::isfinite(x))
+            return body.Damage(
+                name_,
+                fmt::format("{}: found {} = {}, accepted a finite number", here(), property.name, *value),
+                MeshErrorKind::kNotFinite);
+          vertex[static_cast<std::size_t>(property.axis)] = x;
+          continue;
+        }
+        if (!(*value >= 0.0 && *value < static_cast<double>(vertices_)) || *value != std::floor(*value))
+          return body.Damage(name_, fmt::format("{}: found vertex index {:.10g}, accepted 0 … {}", here(),
                                                 *value, static_cast<std::int64_t>(vertices_) - 1));
-        corners_.push_back(static_cast<std::int64_t>(*value));
+        mesh_.corners.push_back(static_cast<std::uint32_t>(*value));
       }
-      if (is_corners && IsPinched(corners_))
-        return body.Damage(name_,
-                           fmt::format("{}: found a polygon that visits a vertex twice (around a hole?), "
-                                       "accepted simple polygons",
-                                       here));
+      if (property.is_corners)
+        mesh_.polygons.push_back({.corners = static_cast<std::size_t>(values), .part = 0, .place = place});
     }
+    if (element.name == "vertex") mesh_.vertices.push_back(vertex);
     if (!body.RowIsUsedUp())
-      return body.Damage(name_,
-                         fmt::format("{}: found {} behind its last value, accepted the end of the line", here,
-                                     body.Found()));
+      return body.Damage(
+          name_, fmt::format("{}: found {} behind its last value, accepted the end of the line", here(),
+                             body.Found()));
     return std::nullopt;
   }
 
-  [[nodiscard]] MeshError Short(const PlyBody& body, const std::string& here,
-                                const PlyProperty& property) const {
-    return body.Damage(
-        name_, fmt::format("{}: found {}, accepted a number for {}", here, body.Found(), property.name));
+  /// Rows behind the last one announced: the count is wrong, or the file is not whole.
+  std::optional<MeshError> CheckRest(PlyBody& body) {
+    const std::size_t place = body.place();
+    const std::size_t rest = body.CountRest();
+    if (rest == 0) return std::nullopt;
+    const PlyElement& last = elements_.back();
+    const std::string name = Printable(last.name);
+    if (format_ != PlyFormat::kText)
+      return body.DamageAt(name_, place,
+                           fmt::format("found {} bytes behind the last {}, accepted the end of the file ({} "
+                                       "rows of it are announced in line {})",
+                                       rest, name, last.count, last.line));
+    return body.DamageAt(name_, place + 1,
+                         fmt::format("found {} rows of {}, accepted the {} that are announced in line {}",
+                                     last.count + rest, name, last.count, last.line));
   }
+
+  /// A name of the header in a message.
+  static std::string Printable(const std::string& name) {
+    const std::string shown = Shown(name);
+    return shown.substr(1, shown.size() - 2);
+  }
+
+  static constexpr std::size_t kMaxElements = 64;
 
   std::string_view content_;
   const std::string& name_;
   PlyFormat format_{PlyFormat::kText};
   std::size_t body_begin_{0};
-  int header_lines_{0};
+  int header_lines_{1};
   std::size_t vertices_{0};
   std::vector<PlyElement> elements_;
-  std::vector<std::int64_t> corners_;
+  PolygonMesh mesh_;
 };
 
 }  // namespace
 
-std::optional<MeshError> FindPlyDamage(std::string_view content, const std::string& name) {
-  return PlyReading(content, name).Read();
+tl::expected<RawMesh, MeshError> ReadPly(std::string_view content, const std::string& name) {
+  return PlyReader(content, name).Read();
 }
 
 }  // namespace osteon::simulation

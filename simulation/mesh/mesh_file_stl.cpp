@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "simulation/mesh/mesh_file.h"
+#include "simulation/mesh/mesh_polygons.h"
 #include "simulation/mesh/mesh_text.h"
 
 namespace osteon::simulation {
@@ -14,104 +15,129 @@ bool IsWord(std::string_view word, std::string_view expected) {
                     [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
 }
 
-/// The lines of a facet, and of what surrounds it, in their order.
-std::optional<MeshError> ReadText(std::string_view content, const std::string& name) {
-  if (auto damage = FindBinaryByte(content, name)) return damage;
-  struct Step {
-    std::vector<std::string_view> words;  // that the line begins with
-    std::size_t numbers;                  // that follow
-  };
-  static const std::vector<Step> kFacet{{{"facet", "normal"}, 3}, {{"outer", "loop"}, 0}, {{"vertex"}, 3},
-                                        {{"vertex"}, 3},          {{"vertex"}, 3},        {{"endloop"}, 0},
-                                        {{"endfacet"}, 0}};
+/// A facet's lines, in their order: words that the line begins with, and how many numbers follow.
+struct FacetLine {
+  std::vector<std::string_view> words;
+  std::size_t numbers;
+  const char* accepted;
+};
+const std::vector<FacetLine>& FacetLines() {
+  static const std::vector<FacetLine> kLines{
+      {{"facet", "normal"}, 3, "'facet normal' and 3 numbers, or 'endsolid'"},
+      {{"outer", "loop"}, 0, "'outer loop'"},
+      {{"vertex"}, 3, "'vertex' and 3 finite numbers"},
+      {{"vertex"}, 3, "'vertex' and 3 finite numbers"},
+      {{"vertex"}, 3, "'vertex' and 3 finite numbers"},
+      {{"endloop"}, 0, "'endloop'"},
+      {{"endfacet"}, 0, "'endfacet'"}};
+  return kLines;
+}
+
+tl::expected<RawMesh, MeshError> ReadText(std::string_view content, const std::string& name) {
+  if (auto damage = FindBinaryByte(content, name)) return tl::make_unexpected(*damage);
+  if (content.starts_with(kByteOrderMark)) content.remove_prefix(kByteOrderMark.size());
+  RawMesh raw;
+  PartNames parts;
   LineReader lines(content);
   std::vector<std::string_view> words;
-  std::size_t step = 0;
+  std::string_view solid;
+  std::size_t step = 0, corner = 0;
   bool in_solid = false;
+  std::array<std::array<float, 3>, 3> triangle{};
   while (const auto line = lines.Next()) {
     SplitWords(*line, words);
     if (words.empty()) continue;
     const auto refuse = [&](const std::string& accepted) {
-      return DamageAtLine(name, lines.line(), fmt::format("found {}, accepted {}", Shown(*line), accepted));
+      return tl::make_unexpected(DamageAtLine(
+          name, lines.line(), fmt::format("found {}, accepted {}", Shown(Trimmed(*line)), accepted)));
     };
     if (!in_solid) {
       if (!IsWord(words[0], "solid")) return refuse("'solid'");
       in_solid = true;
+      solid = Trimmed(Trimmed(*line).substr(words[0].size()));
       continue;
     }
     if (step == 0 && IsWord(words[0], "endsolid")) {
       in_solid = false;
       continue;
     }
-    const Step& expected = kFacet[step];
-    std::string begin;
-    for (const std::string_view word : expected.words)
-      begin += (begin.empty() ? "" : " ") + std::string(word);
-    const std::string accepted = fmt::format("'{}'{}{}", begin,
-                                             expected.numbers == 0 ? ""
-                                             : step == 0           ? " and 3 numbers"
-                                                                   : " and 3 finite numbers",
-                                             step == 0 ? ", or 'endsolid'" : "");
-    if (words.size() != expected.words.size() + expected.numbers) return refuse(accepted);
+    const FacetLine& expected = FacetLines()[step];
+    if (words.size() != expected.words.size() + expected.numbers) return refuse(expected.accepted);
     for (std::size_t i = 0; i < expected.words.size(); ++i)
-      if (!IsWord(words[i], expected.words[i])) return refuse(accepted);
-    for (std::size_t i = expected.words.size(); i < words.size(); ++i) {
-      const bool is_number = ParseWord<double>(words[i]).has_value();
-      // a normal is not used: exporters write nan for needles. What is no number at all assimp stops at
-      if (step == 0 && !is_number) return refuse(accepted);
-      if (step != 0 && !IsCoordinate(words[i]))
-        return DamageAtLine(name, lines.line(),
-                            fmt::format("found coordinate {}, accepted a finite number", Shown(words[i])),
-                            is_number ? MeshErrorKind::kNotFinite : MeshErrorKind::kUnreadable);
+      if (!IsWord(words[i], expected.words[i])) return refuse(expected.accepted);
+    if (step == 0) {  // a normal is not used: exporters write nan for triangles without area
+      corner = 0;
+      for (std::size_t i = 2; i < words.size(); ++i)
+        if (!IsUnusedNumber(words[i])) return refuse(expected.accepted);
+    } else if (expected.numbers > 0) {
+      for (std::size_t i = 0; i < 3; ++i)
+        if (auto damage = ReadCoordinate(words[i + 1], name, lines.line(), triangle[corner][i]))
+          return tl::make_unexpected(*damage);
+      ++corner;
     }
-    step = (step + 1) % kFacet.size();
+    if (++step < FacetLines().size()) continue;
+    step = 0;
+    raw.triangles.push_back(triangle);
+    raw.part_of_triangle.push_back(parts.NumberOf(solid));
   }
   if (in_solid)
-    return DamageAtLine(name, lines.line(),
-                        fmt::format("found the end of the file {}, accepted 'endsolid' at its end",
-                                    step == 0 ? "within a solid" : "within a facet"));
-  return std::nullopt;
+    return tl::make_unexpected(
+        DamageAtLine(name, lines.line(),
+                     fmt::format("found the end of the file {}, accepted 'endsolid' at its end",
+                                 step == 0 ? "within a solid" : "within a facet")));
+  raw.parts = parts.Take();
+  return raw;
 }
 
-std::optional<MeshError> ReadBinary(std::string_view content, const std::string& name) {
+tl::expected<RawMesh, MeshError> ReadBinary(std::string_view content, const std::string& name) {
   if (content.size() < kHeader)
-    return DamageAtByte(name, content.size(),
-                        fmt::format("found the end of the file, accepted a header of {} bytes (or text that "
-                                    "begins with 'solid')",
-                                    kHeader));
+    return tl::make_unexpected(
+        DamageAtByte(name, content.size(),
+                     fmt::format("found the end of the file, accepted a header of {} bytes (or text that "
+                                 "begins with 'solid')",
+                                 kHeader)));
   std::uint32_t count = 0;
   std::memcpy(&count, content.data() + kHeader - sizeof(count), sizeof(count));
   const std::size_t found = content.size() - kHeader;
   if (found != count * kTriangle)
-    return DamageAtByte(
-        name, kHeader - sizeof(count),
-        fmt::format("found {} triangles announced and {} bytes behind the header, accepted {} "
-                    "({} bytes a triangle)",
-                    count, found, count * kTriangle, kTriangle));
+    return tl::make_unexpected(
+        DamageAtByte(name, kHeader - sizeof(count),
+                     fmt::format("found {} triangles announced and {} bytes behind the header (room for {}), "
+                                 "accepted {} ({} bytes a triangle)",
+                                 count, found, found / kTriangle, count * kTriangle, kTriangle)));
+  RawMesh raw;
+  raw.triangles.resize(count);
+  raw.part_of_triangle.assign(count, 0);
+  if (count > 0) raw.parts.emplace_back();  // the header's text is no name: programs sign there
   for (std::size_t t = 0; t < count; ++t)
-    for (std::size_t i = 3; i < 12; ++i) {  // the first three are the normal
-      const std::size_t byte = kHeader + t * kTriangle + i * sizeof(float);
+    for (std::size_t i = 0; i < 9; ++i) {
+      const std::size_t byte = kHeader + t * kTriangle + (3 + i) * sizeof(float);  // behind the normal
       float x = 0.0f;
       std::memcpy(&x, content.data() + byte, sizeof(x));
       if (!std::isfinite(x))
-        return DamageAtByte(name, byte,
-                            fmt::format("triangle {}: found coordinate {}, accepted a finite number", t, x),
-                            MeshErrorKind::kNotFinite);
+        return tl::make_unexpected(DamageAtByte(
+            name, byte, fmt::format("triangle {}: found coordinate {}, accepted a finite number", t, x),
+            MeshErrorKind::kNotFinite));
+      raw.triangles[t][i / 3][i % 3] = x + 0.0f;  // -0 and +0 are the same place
     }
-  return std::nullopt;
+  return raw;
 }
 
 }  // namespace
 
-std::optional<MeshError> FindStlDamage(std::string_view content, const std::string& name) {
-  // A binary file may begin with "solid" as well: its size decides.
+tl::expected<RawMesh, MeshError> ReadStl(std::string_view content, const std::string& name) {
+  // A binary file may begin with "solid" as well: its size decides. What is neither is answered as the
+  // text that it is, if it is one.
   std::uint32_t count = 0;
   if (content.size() >= kHeader) std::memcpy(&count, content.data() + kHeader - sizeof(count), sizeof(count));
   const bool sized_as_binary = content.size() >= kHeader && content.size() - kHeader == count * kTriangle;
-  const std::size_t begin = std::min(content.find_first_not_of(" \t\r\n"), content.size());
-  const bool is_text = IsWord(content.substr(begin, 5), "solid") &&
-                       content.substr(0, kHeader).find('\0') == std::string_view::npos;
-  return is_text && !sized_as_binary ? ReadText(content, name) : ReadBinary(content, name);
+  const bool is_text = !content.empty() && !FindBinaryByte(content.substr(0, kHeader), name);
+  auto raw = is_text && !sized_as_binary ? ReadText(content, name) : ReadBinary(content, name);
+  if (raw && raw->triangles.empty())
+    return tl::make_unexpected(MeshError{
+        .kind = MeshErrorKind::kEmpty,
+        .message = fmt::format("{}: found no facets in an STL file, accepted a closed surface", name)});
+  return raw;
 }
 
 }  // namespace osteon::simulation

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,7 +18,9 @@
 
 namespace osteon::simulation {
 
-/// Lines of a text, counted from 1.
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // of UTF-8
+
+/// Lines of a text, counted from 1. A line ends in LF, CR LF, or CR alone.
 class LineReader {
  public:
   explicit LineReader(std::string_view text, int first_line = 1) : rest_(text), line_(first_line - 1) {}
@@ -26,10 +29,10 @@ class LineReader {
   [[nodiscard]] std::optional<std::string_view> Next() {
     if (rest_.empty()) return std::nullopt;
     ++line_;
-    const std::size_t end = rest_.find('\n');
-    std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-    if (line.ends_with('\r')) line.remove_suffix(1);
+    const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
+    const std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(end);
+    if (!rest_.empty()) rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
     return line;
   }
   [[nodiscard]] int line() const { return line_; }
@@ -39,6 +42,14 @@ class LineReader {
   std::string_view rest_;
   int line_;
 };
+
+/// The text without blanks before and behind it.
+[[nodiscard]] inline std::string_view Trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\v\f\r\n";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
+}
 
 /// Splits at blanks into `words`, whose memory it reuses.
 inline void SplitWords(std::string_view line, std::vector<std::string_view>& words) {
@@ -51,20 +62,30 @@ inline void SplitWords(std::string_view line, std::vector<std::string_view>& wor
   }
 }
 
-/// A number that fills the word; no locale.
+/// A number that fills the word; no locale. A real number beyond the range of T is infinite, or zero.
 template <typename T>
 [[nodiscard]] std::optional<T> ParseWord(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
+  if (word.starts_with('+')) {
+    word.remove_prefix(1);
+    if (word.starts_with('-')) return std::nullopt;
+  }
   T value{};
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  if (end != word.data() + word.size()) return std::nullopt;
+  if constexpr (std::numeric_limits<T>::has_infinity) {
+    if (error == std::errc::result_out_of_range)
+      return word.find("e-") != std::string_view::npos || word.find("E-") != std::string_view::npos
+                 ? T{0}
+                 : std::numeric_limits<T>::infinity();
+  }
+  if (error != std::errc()) return std::nullopt;
   return value;
 }
 
-/// A coordinate: finite, also as the float that it becomes.
-[[nodiscard]] inline bool IsCoordinate(std::string_view word) {
-  const auto value = ParseWord<double>(word);
-  return value && std::isfinite(static_cast<float>(*value));
+/// Whether the word is a number or a C library's way to write that there is none ("-nan(ind)", "1.#QNAN"):
+/// what files may hold where the value is not used.
+[[nodiscard]] inline bool IsUnusedNumber(std::string_view word) {
+  return ParseWord<double>(word) || word.find(".#") != std::string_view::npos;
 }
 
 /// What a file holds, short enough for a message and printable.
@@ -86,6 +107,19 @@ template <typename T>
   return {.kind = kind, .message = fmt::format("{}: byte {}: {}", name, byte, what)};
 }
 
+/// Reads a coordinate into `value`: finite, also as the float that it becomes. Adding zero turns -0 into +0,
+/// which are the same place.
+[[nodiscard]] inline std::optional<MeshError> ReadCoordinate(std::string_view word, const std::string& name,
+                                                             int line, float& value) {
+  const auto number = ParseWord<double>(word);
+  value = number ? static_cast<float>(*number) + 0.0f : 0.0f;
+  if (number && std::isfinite(value)) return std::nullopt;
+  return DamageAtLine(name, line,
+                      fmt::format("found coordinate {}, accepted a finite number{}", Shown(word),
+                                  word.find(',') == std::string_view::npos ? "" : " with a decimal point"),
+                      number ? MeshErrorKind::kNotFinite : MeshErrorKind::kUnreadable);
+}
+
 /// A byte that no text has, if there is one.
 [[nodiscard]] inline std::optional<MeshError> FindBinaryByte(std::string_view text, const std::string& name) {
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -94,13 +128,6 @@ template <typename T>
     return DamageAtByte(name, i, fmt::format("found 0x{:02x}, accepted text", c));
   }
   return std::nullopt;
-}
-
-/// A corner list that visits one vertex twice, though it is no triangle (which would just be dropped).
-[[nodiscard]] inline bool IsPinched(std::vector<std::int64_t> corners) {
-  if (corners.size() <= 3) return false;
-  std::sort(corners.begin(), corners.end());
-  return std::adjacent_find(corners.begin(), corners.end()) != corners.end();
 }
 
 }  // namespace osteon::simulation

@@ -23,7 +23,7 @@ struct TriangleMesh {
 enum class MeshErrorKind : std::uint8_t {
   kMissing,           ///< no such file
   kFormat,            ///< not one of the formats read
-  kUnreadable,        ///< the importer gave up
+  kUnreadable,        ///< damaged: the message names the line or byte
   kEmpty,             ///< no triangles
   kNotFinite,         ///< a coordinate is NaN, infinite or absurdly large
   kOpen,              ///< an edge with one triangle
@@ -84,8 +84,8 @@ struct MeshParams {
   double weld_tolerance_m{1e-6};  ///< 0 … 0.1 mm: how far apart the two sides of a slit may lie
 };
 
-/// Reads one or more closed shells from an STL, OBJ or PLY file (through assimp), with CheckMesh's
-/// conditions.
+/// Reads one or more closed shells from an STL, OBJ or PLY file, by the one reader of its format
+/// (mesh_file.h), with CheckMesh's conditions.
 ///
 /// Vertices at exactly the same place are welded (STL has no others) within each group of the file, so that
 /// shells that touch stay apart where they have names of their own. What is closed then is left as it is.

@@ -1,12 +1,18 @@
 #include "simulation/metrics/cut_metrics.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
+#include "simulation/parallel.h"
 #include "simulation/tools/swept_tool.h"
 
 namespace osteon::simulation {
 namespace {
+
+constexpr int kBlock = 8;  // cells along each edge of what SweptVolume decides at once
 
 // The largest cutting ball; a tool that does not cut is measured by its first ball.
 ToolBall Head(const Tool& tool) {
@@ -59,20 +65,86 @@ double ApexDepth::Of(const Pose& X_GP) const {
   return head_radius_m_ - along - floor_m_;
 }
 
-double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP, double cell_m) {
+double ReamedDepth(const Bone& bone, const Tool& tool, std::span<const FrameRecord> frames,
+                   const Pose& X_WG) {
+  constexpr double kStep_m = 0.25e-3, kMinShare = 0.005, kMinArea_m2 = 0.2e-6;
+  const ApexDepth depth(bone, tool);
+  const double radius_m = Head(tool).radius_m;
+  const double min_area_m2 = std::max(kMinArea_m2, kMinShare * std::numbers::pi * radius_m * radius_m);
+  double reamed_m = 0.0, deepest_m = 0.0;
+  double from_m = 0.0, from_m3 = 0.0;  // depth and removed volume where the step began
+  bool touched = false, cuts = false;
+  const auto end_step = [&](double removed_m3) {
+    cuts = removed_m3 - from_m3 >= min_area_m2 * (deepest_m - from_m);
+    if (cuts) reamed_m += deepest_m - from_m;
+    from_m = deepest_m;
+    from_m3 = removed_m3;
+  };
+  double removed_m3 = 0.0;
+  for (const FrameRecord& frame : frames) {
+    if (frame.model.frame == 0 || frame.model.status != EngineStatus::kOk) continue;
+    const double here_m = depth.Of(X_WG.inverse() * Pose(frame.model.X_WP));
+    if (!std::isfinite(here_m)) continue;
+    removed_m3 = frame.model.removed_volume_m3;
+    if (!touched) {
+      touched = Vector3(frame.model.F_T_W.f).norm() > 0.0;
+      from_m = deepest_m = here_m;
+      from_m3 = removed_m3;
+      continue;
+    }
+    deepest_m = std::max(deepest_m, here_m);
+    if (deepest_m - from_m >= kStep_m) end_step(removed_m3);
+  }
+  // what is left is shorter than a step, and as the step before it was
+  if (deepest_m > from_m && (cuts || removed_m3 - from_m3 >= min_area_m2 * (deepest_m - from_m)))
+    reamed_m += deepest_m - from_m;
+  return reamed_m;
+}
+
+double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP, double cell_m,
+                   int threads) {
   const SweptTool swept(tool, X_GP);
   const Eigen::AlignedBox3d cells = swept.Bounds().intersection(solid.Bounds());
   if (swept.empty() || cells.isEmpty()) return 0.0;
   const Eigen::Vector3i count = (cells.sizes() / cell_m).array().ceil().max(1.0).cast<int>();
   const Vector3 step = cells.sizes().array() / count.cast<double>().array();
-  std::int64_t inside = 0;
-  for (int i = 0; i < count.x(); ++i)
-    for (int j = 0; j < count.y(); ++j)
-      for (int k = 0; k < count.z(); ++k) {
-        const Vector3 p = cells.min() + step.cwiseProduct(Vector3(i + 0.5, j + 0.5, k + 0.5));
-        if (swept.SignedDistance(p) < 0.0 && solid.SignedDistance(p) < 0.0) ++inside;
-      }
-  return static_cast<double>(inside) * step.prod();
+  // Both distances grow no faster than the way. So a block of cells whose middle is farther outside than its
+  // corners are from the middle holds nothing, and far inside it holds only cells that count.
+  const Eigen::Vector3i blocks = (count + Eigen::Vector3i::Constant(kBlock - 1)) / kBlock;
+  const double reach_m = 0.5 * (kBlock - 1) * step.norm() * (1.0 + 1e-9);
+  const auto block_count = static_cast<std::size_t>(blocks.x()) * static_cast<std::size_t>(blocks.y()) *
+                           static_cast<std::size_t>(blocks.z());
+  std::atomic<std::int64_t> inside{0};
+  ParallelFor(
+      block_count, threads,
+      [&](std::size_t begin, std::size_t end) {
+        std::int64_t found = 0;
+        for (std::size_t block = begin; block < end; ++block) {
+          const auto plane = static_cast<std::size_t>(blocks.x()) * static_cast<std::size_t>(blocks.y());
+          const Eigen::Vector3i first =
+              kBlock * Eigen::Vector3i(static_cast<int>(block % static_cast<std::size_t>(blocks.x())),
+                                       static_cast<int>(block % plane / static_cast<std::size_t>(blocks.x())),
+                                       static_cast<int>(block / plane));
+          const Eigen::Vector3i last = (first + Eigen::Vector3i::Constant(kBlock)).cwiseMin(count);
+          const Vector3 middle =
+              cells.min() + step.cwiseProduct(first.cast<double>() + Vector3::Constant(0.5 * kBlock));
+          const double to_sweep_m = swept.SignedDistance(middle);
+          if (to_sweep_m > reach_m) continue;
+          const double to_solid_m = solid.SignedDistance(middle);
+          const bool all_swept = to_sweep_m < -reach_m, all_solid = to_solid_m < -reach_m;
+          for (int k = first.z(); k < last.z(); ++k)
+            for (int j = first.y(); j < last.y(); ++j)
+              for (int i = first.x(); i < last.x(); ++i) {
+                const Vector3 p = cells.min() + step.cwiseProduct(Vector3(i + 0.5, j + 0.5, k + 0.5));
+                if ((all_swept || swept.SignedDistance(p) < 0.0) &&
+                    (all_solid || solid.SignedDistance(p) < 0.0))
+                  ++found;
+              }
+        }
+        inside += found;
+      },
+      8);
+  return static_cast<double>(inside.load()) * step.prod();
 }
 
 }  // namespace osteon::simulation

@@ -6,6 +6,7 @@
 
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
+#include "simulation/frame_record.h"
 #include "simulation/solids/solid.h"
 #include "simulation/tool.h"
 
@@ -38,11 +39,20 @@ class ApexDepth {
   double floor_m_;
 };
 
+/// How far the tool's apex went into the bone along the cup's axis, from the frame of its first touch on [m].
+///
+/// Only new depth counts in which bone went: in steps of 0.25 mm, those in which the removed volume over the
+/// depth is at least 0.5 % of the head's cross-section (and 0.2 mm²). A tool that slides past the bone, or
+/// that is through it, does not ream.
+[[nodiscard]] double ReamedDepth(const Bone& bone, const Tool& tool, std::span<const FrameRecord> frames,
+                                 const Pose& X_WG);
+
 /// Volume of the solid that the tool's cutting balls sweep along a path of proxy poses: the solid's cells of
 /// a regular grid whose centre lies within a ball's radius of its centre's path. Independent of balls and
 /// mass points.
 /// @param cell_m  edge of a cell; the error falls with the cell's size over the cut's
+/// @param threads  0: one a core. The volume does not depend on them
 [[nodiscard]] double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP,
-                                 double cell_m);
+                                 double cell_m, int threads = 0);
 
 }  // namespace osteon::simulation

@@ -173,6 +173,9 @@ TEST_F(WrongInput, Tool) {
                 {"--tool reamer.yaml:80: found 80", "36 … 68 in steps of 1"});
   ExpectRefused({"demo", "--tool", "reamer:big"}, {"found \"big\"", "a diameter in mm"});
   ExpectRefused({"demo", "--tool", "reamer:80"}, {"--tool reamer:80: found 80", "36 … 68 in steps of 1"});
+  for (const std::string name : {"reamer54", "reamer_54", "reamer-54"})
+    ExpectRefused({"demo", "--tool", name}, {"--tool " + name, "did you mean \"reamer:54\"?", "accepted"});
+  ExpectRefused({"demo", "--tool", "raemer:54"}, {"did you mean \"reamer:54\"?"});
 }
 
 TEST_F(WrongInput, Device) {

@@ -228,6 +228,46 @@ TEST(Section, PoseOfThePackingMovesNothing) {
   for (std::size_t i = 0; i < here.size(); ++i) EXPECT_TRUE(here[i].isApprox(there[i], 1e-12));
 }
 
+// A drill of 2 mm goes 40 mm deep: the window follows it to the hole's floor, and the detail shows it.
+TEST(Section, ADeepHoleShowsItsFloor) {
+  SyntheticRun run;
+  run.bone.cup = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.002};
+  for (double z = -0.050; z < 0.0005; z += 0.7e-3)
+    for (double y = -0.005; y <= 0.005; y += 0.7e-3)
+      for (double x = -0.005; x <= 0.005; x += 0.7e-3)
+        run.bone.balls.push_back({.center_m = Vector3(x, y, z), .radius_m = 0.68e-3});
+  std::vector<simulation::Ball> balls = run.bone.balls;
+  Carve(balls, Vector3::Zero(), Vector3(0, 0, -0.040), 0.002);
+  run.after = StateOf(balls);
+  run.tool.balls = {{.center_m = Vector3(0, 0, 0), .radius_m = 0.002, .cutting = true}};
+  std::vector<Pose> path(2, Pose::Identity());
+  path[1].translation().z() = -0.040;
+  const Section section = ComputeSection(run.bone, run.after, run.tool, path);
+  EXPECT_LT(section.min.y(), -0.042);
+  EXPECT_GT(section.min.y(), -0.060) << "no farther than the bone";
+  double lowest_m = 0.0;
+  for (const ErrorSample& sample : section.samples) lowest_m = std::min(lowest_m, sample.place_m.y());
+  EXPECT_NEAR(lowest_m, -0.042, 0.7e-3) << "the floor is measured as well";
+  const SweptTool swept(run.tool, path);
+  for (const ErrorSample& sample : section.samples)
+    ASSERT_NEAR(swept.SignedDistance(section.plane.Point(sample.place_m)), sample.error_m, 1e-9);
+  EXPECT_NE(SectionDetailSvg(section, run.bone).find("Detail at the deepest place"), std::string::npos);
+}
+
+// The tool slid on past the bone: the detail is of the cut, where there is something to see.
+TEST(Section, DetailOfACutThatTheToolLeftIsWhereTheCutIs) {
+  SyntheticRun run = SphereCavity(0.006, 0.006);
+  std::vector<Pose> path(2, Pose::Identity());
+  path[1].translation().z() = -0.060;  // far below the bone, which ends at -9 mm
+  const Section section = ComputeSection(run.bone, run.after, run.tool, path);
+  ASSERT_FALSE(section.samples.empty());
+  const std::string svg = SectionDetailSvg(section, run.bone);
+  ASSERT_NE(svg.find("Detail of the cut"), std::string::npos);
+  const Vector2 middle = section.samples[section.samples.size() / 2].place_m;
+  EXPECT_GT(middle.y(), section.min.y());
+  EXPECT_LT((middle - Vector2(0, 0)).norm(), 0.0075) << "on the cavity, not about the tool's last place";
+}
+
 TEST(Section, SvgIsWellFormed) {
   const SyntheticRun run =
       MakeSyntheticRun({.spacing_m = 1.5e-3, .cap_m = 1.4e-3, .point_spacing_m = 1.2e-3, .frames = 100});

@@ -172,6 +172,21 @@ TEST(ReaderTest, FilesThatAreNoMappingAreRefused) {
   EXPECT_TRUE(syntax.starts_with("config/tools/reamer.yaml:3: not YAML: ")) << syntax;
 }
 
+TEST(ReaderTest, ATabThatIndentsIsNamed) {
+  const auto nothing = [](Reader&) {};
+  for (const auto& [text, line] : {std::pair{"a:\n\tb: 1\n", 2},
+                                   {"a:\n  b: 1\n\tc: 2\n", 3},
+                                   {"\ta: 1\n", 1},
+                                   {"a:\n  - 1\n\t- 2\n", 3},
+                                   {"a:\n  b: 1\n  \tc: 2\n", 3}})
+    EXPECT_EQ(ErrorOf(text, nothing), "config/tools/reamer.yaml:" + std::to_string(line) +
+                                          ": not YAML: found a tab before the text, accepted blanks alone")
+        << text;
+  // elsewhere a tab is a blank, and what is wrong is something else
+  EXPECT_EQ(ErrorOf("a: [1,\n\t2]\nb: [1, 2\n", nothing).find("tab"), std::string::npos);
+  EXPECT_EQ(ErrorOf("a:\tb\n", [](Reader& reader) { EXPECT_EQ(reader.Text("a"), "b"); }), "");
+}
+
 TEST(ReaderTest, MissingFileAndFolderAreNamed) {
   const auto error_of = [](const char* path) -> std::string {
     try {

@@ -100,6 +100,55 @@ TEST_F(Registration, ABaseThatWasTurnedTheWrongWayShowsAtTheReach) {
               HasSubstr("base_in_world says where the arm stands"));
 }
 
+// What is wrong with the registration shows at the workspace or at the start: the pose is named all the same.
+TEST_F(Registration, ABoneOutsideOfTheWorkspaceIsNamedAndNotTheWorkspace) {
+  EXPECT_THAT(
+      ErrorWith("cells/demo.yaml", kBone, BoneAt("[900, 0, 210]")),
+      HasSubstr(
+          "demo.yaml:14: position_mm: found -134.429 mm from the site to the workspace's sphere, accepted "
+          "at least 48 mm: the site is outside of the workspace"));
+  static_cast<void>(ErrorWith("cells/demo.yaml", "sphere_radius_mm: 150", "sphere_radius_mm: 400"));
+  EXPECT_THAT(ErrorWith("cells/demo.yaml", BoneAt("[900, 0, 210]"), BoneAt("[620, 0, 130]")),
+              HasSubstr("demo.yaml:14: position_mm: found -10 mm from the site to the workspace's plane"));
+}
+
+TEST_F(Registration, ABoneWhoseStartIsOutOfReachIsNamed) {
+  static_cast<void>(
+      ErrorWith("cells/demo.yaml", "sphere_center_mm: [620, 0, 260]", "sphere_center_mm: [1050, 0, 260]"));
+  EXPECT_THAT(
+      ErrorWith("cells/demo.yaml", kBone, BoneAt("[1050, 0, 210]")),
+      AllOf(HasSubstr("demo.yaml:14: position_mm: found 10"),
+            HasSubstr("mm from the arm's shoulder to its flange at the start, accepted at most 946 mm")));
+}
+
+TEST_F(Registration, ABaseUpsideDownIsNamed) {
+  EXPECT_THAT(ErrorWith("cells/demo.yaml", "base_in_world:\n  position_mm: [0, 0, 0]\n  rpy_deg: [0, 0, 0]",
+                        "base_in_world:\n  position_mm: [0, 0, 0]\n  rpy_deg: [180, 0, 0]"),
+              AllOf(HasSubstr("demo.yaml:12: rpy_deg: found 180 deg from the vertical"),
+                    HasSubstr("such as this one turned over: the arm can not be there")));
+}
+
+TEST_F(Registration, AStartTooHighAboveTheSiteNamesItsHeight) {
+  EXPECT_THAT(
+      ErrorWith("cells/demo.yaml", "height_mm: 40 ", "height_mm: 240 "),
+      HasSubstr(
+          ": height_mm: the tool's apex is outside the workspace; nearer to the site it would not be so"));
+}
+
+TEST(RegistrationRows, ABaseInMetresIsNamed) {
+  EXPECT_THAT(
+      ErrorOf(CheckFrames,
+              [](CellConfig& cell) {
+                const Vector3 base(0.9, 0.0, 0.4);  // the cell, moved there as a whole
+                cell.X_WG.translation() += base;
+                cell.servo.workspace.sphere_center_W_m += base;
+                cell.servo.workspace.plane_offset_m += cell.servo.workspace.plane_normal_W.dot(base);
+                cell.X_WB.translation() = 1e-3 * base;
+              }),
+      HasSubstr(
+          "demo.yaml:11: position_mm: found (0.9, 0, 0.4) mm, accepted millimetres: looks like metres"));
+}
+
 TEST_F(Registration, AToolAsLongAsAnArmIsRefused) {
   EXPECT_THAT(
       ErrorWith("tools/reamer.yaml", "mounting:\n  position_mm: [0, 0, 0]",

@@ -123,6 +123,27 @@ void WriteMeshes(const std::filesystem::path& root) {
                "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf -5 -8 -4 -1\n");
   corpus.Write("box_ply", 2, PlyText(box));
   corpus.Write("box_binary_ply", 2, BinaryPly(box));
+  // Kinds of files that once went through a check and broke what read them behind it.
+  const std::string obj = ObjText(box), ply = PlyText(box);
+  const std::size_t faces = ply.find("element face"), end = ply.find("end_header\n");
+  const std::string camera = "element camera 1\nproperty float view_px\nproperty list uchar short viewport\n";
+  corpus.Write("camera_first_ply", 2,
+               "ply\nformat ascii 1.0\n" + camera + ply.substr(21, end - 21) + "end_header\n1.5 2 640 480\n" +
+                   ply.substr(end + 11));
+  corpus.Write("element_twice_ply", 2,
+               ply.substr(0, faces) + "element vertex 24\nproperty float x\n" + ply.substr(faces));
+  corpus.Write("rows_behind_the_last_ply", 2, ply + "3 0 1 2\n");
+  corpus.Write("big_endian_faces_first_ply", 2,
+               "ply\nformat binary_big_endian 1.0\nelement face 1\nproperty list uchar uchar vertex_index\n"
+               "element vertex 3\nproperty char x\nproperty char y\nproperty char z\nend_header\n" +
+                   std::string("\3\0\1\2\0\0\0\1\0\0\0\1\0", 13));
+  corpus.Write("comments_indents_obj", 1,
+               "\xef\xbb\xbf# C:\\bones\\\n  " + obj + "  g a \\\n\tf 1 \\\n 2 3 # C:\\\nf 1/ 2// 3 3\n");
+  corpus.Write(
+      "concave_obj", 1,
+      "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 4 1 0\nv 2 9 0\nv 1 1 0\nv 0 9 0\nf 1 2 3 4 5 6 7\nf 7 6 5 4 3 2 1\n");
+  corpus.Write("marked_stl", 0, "\xef\xbb\xbf" + StlText(box));
+  corpus.Write("lfs_pointer_stl", 0, "version https://git-lfs.github.com/spec/v1\nsize 2500084\n");
 }
 
 // ---- what this program writes itself

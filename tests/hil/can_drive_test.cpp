@@ -60,6 +60,22 @@ TEST(DriveDevice, AnswersSdoAsCia301Says) {
   EXPECT_EQ(bench.Say("611#4000100000000000"), Frames{}) << "another node's";
 }
 
+// CiA 301 wants 1000, 1001 and 1018 of every device: any CANopen master asks for them.
+TEST(DriveDevice, HasTheObjectsThatEveryDeviceHas) {
+  Bench bench;
+  EXPECT_EQ(bench.Say("610#4001100000000000"), Frames{"590#4F01100000000000"}) << "no error";
+  EXPECT_EQ(bench.Say("610#4018100000000000"), Frames{"590#4F18100004000000"}) << "four entries of identity";
+  EXPECT_EQ(bench.Say("610#4018100100000000"), Frames{"590#4318100100000000"}) << "no registered vendor";
+  EXPECT_EQ(bench.Say("610#4018100200000000"), Frames{"590#431810024454534F"}) << "OSTD";
+  EXPECT_EQ(bench.Say("610#4018100300000000"), Frames{"590#4318100300000100"});
+  EXPECT_EQ(bench.Say("610#4018100400000000"), Frames{"590#4318100410000000"}) << "its node";
+  EXPECT_EQ(bench.Say("610#4018100500000000"), Frames{"590#8018100511000906"}) << "no such sub-index";
+  EXPECT_EQ(bench.Say("610#2F01100000000000"), Frames{"590#8001100002000106"}) << "read only";
+  bench.device.Break(0x4310);
+  static_cast<void>(Sent(bench.device, bench.now));  // its EMCY
+  EXPECT_EQ(bench.Say("610#4001100000000000"), Frames{"590#4F01100001000000"}) << "the generic error";
+}
+
 TEST(DriveDevice, ChangesAPdoOnlyWhileItIsOff) {
   Bench bench;
   EXPECT_EQ(bench.Say("610#2F00160000000000"), Frames{"590#8000160022000008"}) << "it is on";

@@ -30,6 +30,13 @@ TEST(PlcServer, LibmodbusReadsAndWritesIt) {
   const std::array<std::uint16_t, 2> beat{1, 1};
   EXPECT_EQ(modbus_write_registers(client.get(), 990, 2, beat.data()), 2) << modbus_strerror(errno);
   EXPECT_EQ(modbus_write_register(client.get(), 992, 77), 1) << modbus_strerror(errno);
+  EXPECT_EQ(modbus_write_register(client.get(), 993, 1), 1) << modbus_strerror(errno);
+  std::array<std::uint16_t, 4> written{};
+  EXPECT_EQ(modbus_read_registers(client.get(), 990, 4, written.data()), 4) << modbus_strerror(errno);
+  EXPECT_EQ(written, (std::array<std::uint16_t, 4>{1, 1, 77, 1}))
+      << "as written: any client can see who beats";
+  EXPECT_EQ(modbus_read_registers(client.get(), 989, 1, block.data()), -1);
+  EXPECT_EQ(errno, EMBXILADD);
   EXPECT_EQ(modbus_write_register(client.get(), 974, 1), -1) << "nobody permits himself to run";
   EXPECT_EQ(errno, EMBXILADD);
   EXPECT_EQ(modbus_read_registers(client.get(), 970, 15, block.data()), -1);

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "io/recording/mcap_bytes.h"
+#include "io/recording/mcap_reader.h"
 #include "tests/io/temporary_folder.h"
 
 namespace osteon::io {
@@ -81,6 +83,156 @@ TEST(McapWriter, NamesThePathOnAFullDisk) {
   const auto size = writer->Finish();
   ASSERT_FALSE(size);
   EXPECT_EQ(size.error(), "/dev/full: cannot write the recording: No space left on device");
+}
+
+// Files of other writers, put together record by record as https://mcap.dev/spec says. The packed bytes are
+// those of the programs `zstd -3` 1.5.4 and `lz4 -9` 1.9.4 (with its content checksum) for MadeRecords().
+
+std::string Bytes(const std::string& hex) {
+  std::string bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+  return bytes;
+}
+
+std::string Record(mcap::Opcode opcode, const std::string& content) {
+  std::string record;
+  mcap::AppendRecord(record, opcode, content);
+  return record;
+}
+
+/// A channel without a schema, and three messages of it, the last long.
+std::string MadeRecords() {
+  std::string channel, records;
+  mcap::AppendInt(channel, std::uint16_t{5});
+  mcap::AppendInt(channel, std::uint16_t{0});
+  mcap::AppendString(channel, "/notes");
+  mcap::AppendString(channel, "json");
+  mcap::AppendInt(channel, std::uint32_t{0});
+  records = Record(mcap::kChannel, channel);
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    std::string message;
+    mcap::AppendInt(message, std::uint16_t{5});
+    mcap::AppendInt(message, static_cast<std::uint32_t>(i));
+    mcap::AppendInt(message, 100 + i);
+    mcap::AppendInt(message, 100 + i);
+    message += "{\"text\":\"" + std::string(i == 2 ? 300 : 3, 'a') + "\"}";
+    records += Record(mcap::kMessage, message);
+  }
+  return records;
+}
+
+struct Chunk {
+  std::string compression, bytes;
+  std::uint64_t size;
+  std::uint32_t crc;
+};
+
+std::string FileOf(const std::vector<Chunk>& chunks) {
+  std::string file(mcap::kMagic);
+  std::string header, end, footer;
+  mcap::AppendString(header, "");
+  mcap::AppendString(header, "another program");
+  file += Record(mcap::kHeader, header);
+  for (const Chunk& c : chunks) {
+    std::string chunk;
+    mcap::AppendInt(chunk, std::uint64_t{100});
+    mcap::AppendInt(chunk, std::uint64_t{102});
+    mcap::AppendInt(chunk, c.size);
+    mcap::AppendInt(chunk, c.crc);
+    mcap::AppendString(chunk, c.compression);
+    mcap::AppendInt(chunk, std::uint64_t{c.bytes.size()});
+    file += Record(mcap::kChunk, chunk + c.bytes);
+  }
+  mcap::AppendInt(end, std::uint32_t{0});
+  file += Record(mcap::kDataEnd, end) + Record(mcap::kFooter, std::string(20, '\0'));
+  return file + std::string(mcap::kMagic);
+}
+
+const std::string kZstd = Bytes(
+    "28b52ffd0458bd020002440d15a0291df8b0eed93f5b461d8ce6b29d95eb67b12405abc80f18037fb37a772d9a0a6697"
+    "8fedc1fe5152c97f146642c41ffcb670020e0026381500074000c81a10087a000240d6a032ba4200180c020e0c378021"
+    "632636e8");
+const std::string kLz4 = Bytes(
+    "04224d186440a76600000032041a000100f10705000000060000002f6e6f746573040000006a736f6e1a001724230059"
+    "00006400000800e77b2274657874223a22616161227d2d005301000000650e001f652d0003244d012d00530200000066"
+    "25001e662d000f0100ff1550616161227d00000000c9d96753");
+
+std::vector<std::string> TextsOf(const std::string& file, McapReader::OnDamage on_damage,
+                                 std::string& error) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "other.mcap";
+  test::WriteAll(path, file);
+  std::vector<std::string> texts;
+  error.clear();
+  auto reader = McapReader::Open(path, on_damage);
+  if (!reader) {
+    error = reader.error();
+    return texts;
+  }
+  for (McapMessage message;;) {
+    const auto more = reader->Next(message);
+    if (!more) error = more.error();
+    if (!more || !*more) return texts;
+    EXPECT_EQ(message.channel->topic, "/notes");
+    EXPECT_EQ(message.channel->schema_name, "");
+    texts.emplace_back(message.bytes.begin(), message.bytes.end());
+  }
+}
+
+const std::string kShort = "{\"text\":\"aaa\"}", kLong = "{\"text\":\"" + std::string(300, 'a') + "\"}";
+
+const std::vector<std::string> kTexts{kShort, kShort, kLong};
+
+bool Has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(McapReader, ReadsChunksThatOthersCompressedAndChannelsWithoutASchema) {
+  const std::string records = MadeRecords();
+  const std::uint32_t crc = mcap::Crc(0, records);
+  std::string error;
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, std::string>{"", records}, {"zstd", kZstd}, {"lz4", kLz4}})
+    for (const std::uint32_t sum : {crc, 0u}) {  // 0: not told
+      EXPECT_EQ(TextsOf(FileOf({{name, bytes, records.size(), sum}}), McapReader::OnDamage::kRefuse, error),
+                kTexts)
+          << name;
+      EXPECT_EQ(error, "") << name;
+    }
+}
+
+TEST(McapReader, RefusesChunksThatDoNotUnpackToWhatTheyAnnounce) {
+  const std::string records = MadeRecords();
+  const std::uint32_t crc = mcap::Crc(0, records);
+  const std::uint64_t size = records.size();
+  const auto refusal = [](const Chunk& chunk) {
+    std::string error;
+    EXPECT_TRUE(TextsOf(FileOf({chunk}), McapReader::OnDamage::kRefuse, error).empty());
+    return error;
+  };
+  for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"zstd", kZstd}, {"lz4", kLz4}}) {
+    EXPECT_TRUE(Has(refusal({name, bytes, size - 1, crc}), "chunk cannot be unpacked from " + name));
+    EXPECT_TRUE(Has(refusal({name, bytes, size + 1, crc}), "chunk unpacks to 467 bytes, announced are 468"));
+    EXPECT_TRUE(Has(refusal({name, bytes.substr(0, bytes.size() - 6), size, crc}),
+                    "chunk cannot be unpacked from " + name));
+    EXPECT_TRUE(Has(refusal({name, "no such bytes", size, crc}), "cannot be unpacked from " + name));
+    EXPECT_TRUE(Has(refusal({name, bytes, size, crc + 1}), "does not match its CRC"));
+    EXPECT_TRUE(Has(refusal({name, bytes, std::uint64_t{1} << 60, crc}), "accepted up to 67108864"));
+  }
+  EXPECT_TRUE(Has(refusal({"bz2", records, size, crc}),
+                  "compressed with 'bz2', accepted: zstd, lz4, or not compressed"));
+}
+
+TEST(McapReader, GoesOnAtTheNextSoundCompressedChunk) {
+  const std::string records = MadeRecords();
+  const std::uint32_t crc = mcap::Crc(0, records);
+  std::string damaged = kZstd;
+  damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 0x55);
+  std::string error;
+  for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"zstd", kZstd}, {"lz4", kLz4}})
+    EXPECT_EQ(TextsOf(FileOf({{"zstd", damaged, records.size(), crc}, {name, bytes, records.size(), crc}}),
+                      McapReader::OnDamage::kSkip, error),
+              kTexts)
+        << name << error;
 }
 
 }  // namespace

@@ -129,6 +129,29 @@ TEST(BoneScenes, ACupThatIsNotThereIsRefusedWithWhatWasFound) {
   EXPECT_FALSE(refusal(buried).empty());
 }
 
+// The top of a ball is an entry, and no place for a reamer's scene.
+TEST(BoneScenes, AConvexSiteIsNoCup) {
+  const TemporaryFile file(".obj", ObjText(MakeIcosphere({0, 0, 0}, 0.024, 3)));
+  const Cup on_top{.center_m = Vector3(0, 0, 0.024), .axis = Vector3(0, 0, 1), .radius_m = 0.025};
+  SceneParams scene;
+  scene.material_names = {"bone"};
+  scene.materials = {DefaultBoneMaterials().front()};
+  scene.zone.kind = ZoneParams::Kind::kCup;
+  const auto refused = LoadSceneSolid(file.path(), 1.0, on_top, scene);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, MeshErrorKind::kCupOffMesh);
+  EXPECT_THAT(refused.error().message,
+              HasSubstr("found a convex place (the surface falls away from 100 % of the cup's rim)"));
+  EXPECT_THAT(refused.error().message, HasSubstr("such as femoral_head"));
+  scene.zone = {
+      .kind = ZoneParams::Kind::kPath, .radius_m = 0.002, .path_C_m = {{0, 0, 0.005}, {0, 0, -0.01}}};
+  EXPECT_TRUE(LoadSceneSolid(file.path(), 1.0, on_top, scene)) << "for a scene that drills it is a site";
+  // a plane is an entry for both
+  const TemporaryFile block(".obj", ObjText(MakeBox({-0.03, -0.03, -0.03}, {0.03, 0.03, 0.024})));
+  scene.zone.kind = ZoneParams::Kind::kCup;
+  EXPECT_TRUE(LoadSceneSolid(block.path(), 1.0, on_top, scene));
+}
+
 TEST(BoneScenes, AWrongCupIsAnArgumentError) {
   Cup cup = kCup;
   cup.radius_m = -0.02;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "simulation/scenes.h"
+#include "simulation/tools/swept_tool.h"
 
 namespace osteon::simulation {
 namespace {
@@ -121,6 +122,69 @@ TEST(SweptVolume, OfACoarsePathIsThatOfItsChords) {
   const double volume = SweptVolume(solid, tool, coarse, 0.5e-3);
   EXPECT_GT(volume, 1e-6);
   EXPECT_NEAR(SweptVolume(solid, tool, fine, 0.5e-3), volume, 1e-3 * volume);
+}
+
+/// Every cell on its own, on one thread: what SweptVolume decides in blocks.
+double CellByCell(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP, double cell_m) {
+  const SweptTool swept(tool, X_GP);
+  const Eigen::AlignedBox3d box = swept.Bounds().intersection(solid.Bounds());
+  const Eigen::Vector3i count = (box.sizes() / cell_m).array().ceil().max(1.0).cast<int>();
+  const Vector3 step = box.sizes().array() / count.cast<double>().array();
+  std::int64_t inside = 0;
+  for (int i = 0; i < count.x(); ++i)
+    for (int j = 0; j < count.y(); ++j)
+      for (int k = 0; k < count.z(); ++k) {
+        const Vector3 p = box.min() + step.cwiseProduct(Vector3(i + 0.5, j + 0.5, k + 0.5));
+        if (swept.SignedDistance(p) < 0.0 && solid.SignedDistance(p) < 0.0) ++inside;
+      }
+  return static_cast<double>(inside) * step.prod();
+}
+
+TEST(SweptVolume, OfBlocksOnManyThreadsIsThatOfItsCells) {
+  const AcetabulumSolid solid{AcetabulumShape{}};
+  std::vector<Pose> path;
+  for (int i = 0; i <= 30; ++i) path.push_back(Down({2e-4 * i, 1e-4 * i, -0.020 - 3e-4 * i}));
+  for (const double R : {0.004, 0.021}) {
+    const Tool tool = MakeReamer(R, 0.003, 0.1, 0.9, Vector3::Zero());
+    const double expected = CellByCell(solid, tool, path, 0.6e-3);
+    EXPECT_GT(expected, 1e-7);
+    for (const int threads : {1, 3})
+      EXPECT_EQ(SweptVolume(solid, tool, path, 0.6e-3, threads), expected) << R;
+  }
+}
+
+/// Frames of a head that goes down the axis from `from_m` below the cup's centre to `to_m`, `area_m2` of bone
+/// removed for each metre from `bone_from_m` to `bone_to_m`.
+std::vector<FrameRecord> Plunge(double from_m, double to_m, double bone_from_m, double bone_to_m,
+                                double area_m2) {
+  std::vector<FrameRecord> frames;
+  constexpr int kFrames = 2000;
+  for (int i = 0; i <= kFrames; ++i) {
+    const double at_m = from_m + (to_m - from_m) * i / kFrames;
+    FrameRecord frame;
+    frame.model.frame = static_cast<std::uint64_t>(i) + 1;
+    frame.model.X_WP = Down({0, 0, -at_m});
+    const double cut_m = std::clamp(at_m, bone_from_m, bone_to_m) - bone_from_m;
+    frame.model.F_T_W.f = Vector3(0, 0, cut_m > 0.0 && at_m <= bone_to_m ? 20.0 : 0.0);
+    frame.model.removed_volume_m3 = 3e-10 * std::floor(area_m2 * cut_m / 3e-10);  // point by point
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+TEST(ReamedDepth, IsWhatTheApexWentIntoBone) {
+  const double R = 0.022;
+  const Tool tool = MakeReamer(R, 0.008, 0.1, 0.9, Vector3::Zero());
+  const double area_m2 = 0.3 * M_PI * R * R;
+  // all of a cut of 5 mm below a way of 3 mm through the air
+  EXPECT_NEAR(ReamedDepth(Bone{}, tool, Plunge(0.0, 0.008, 0.003, 0.008, area_m2), Pose::Identity()), 0.005,
+              1e-5);
+  // through a plate of 5 mm, and on for 20 mm: to a step
+  EXPECT_NEAR(ReamedDepth(Bone{}, tool, Plunge(0.0, 0.028, 0.003, 0.008, area_m2), Pose::Identity()), 0.005,
+              0.26e-3);
+  // past the bone: 2 mm³ along 38 mm
+  EXPECT_EQ(ReamedDepth(Bone{}, tool, Plunge(0.0, 0.041, 0.003, 0.041, 2e-9 / 0.038), Pose::Identity()), 0.0);
+  EXPECT_EQ(ReamedDepth(Bone{}, tool, {}, Pose::Identity()), 0.0);
 }
 
 }  // namespace

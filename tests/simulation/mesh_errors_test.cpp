@@ -65,7 +65,7 @@ TEST(MeshErrors, GarbageIsRefusedInEveryFormat) {
   }
 }
 
-// Found by review: assimp's parser never returns from a header without an end.
+// Found by review: a library's parser never returned from a header without an end.
 TEST(MeshErrors, PlyWithoutTheEndOfItsHeaderIsRefused) {
   const TemporaryFile file(".ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n");
   const MeshError error = LoadRefusal(file.path());

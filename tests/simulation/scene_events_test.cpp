@@ -130,10 +130,29 @@ TEST(SceneEvents, WallOfASlotIsWhatIsLeftToTheSide) {
       before = thin;
     }
     EXPECT_TRUE(before);
-    // through the wall: nothing is left, and that is less than nothing further out
-    EXPECT_TRUE(burr.At({0.0043, 0, -0.003}).empty());
-    EXPECT_NEAR(*burr.watch().least_wall_m(), -0.3e-3, 1e-9);
+    // through the wall: nothing is left, which is an event of its own, once
+    const auto through = burr.At({0.0043, 0, -0.003});
+    ASSERT_EQ(through.size(), 1u);
+    EXPECT_EQ(through[0].name, "breakthrough");
+    EXPECT_NEAR(through[0].value, 0.003 - kBurr_m, 1e-7);  // below the site, at the head's middle
+    EXPECT_EQ(*burr.watch().least_wall_m(), 0.0);
+    EXPECT_TRUE(burr.At({0.0045, 0, -0.003}).empty());
+    EXPECT_EQ(*burr.watch().least_wall_m(), 0.0);
   }
+}
+
+// A drill that is through between two frames: both events at once, and no wall of less than nothing.
+TEST(SceneEvents, AFastCutThroughIsTooThinAndThrough) {
+  SceneEventParams params = kPulpAndWall;
+  params.regions.clear();
+  Burr burr(params);
+  const auto events = burr.At({0, 0, -0.0105});  // the floor is at -10 mm
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].name, "wall too thin");
+  EXPECT_EQ(events[0].value, 0.0);
+  EXPECT_EQ(events[1].name, "breakthrough");
+  EXPECT_NEAR(events[1].value, 0.010, 1e-7);
+  EXPECT_EQ(*burr.watch().least_wall_m(), 0.0);
 }
 
 // The floor is a wall, the face with the opening is none.

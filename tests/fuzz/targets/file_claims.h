@@ -53,7 +53,8 @@ inline void ClaimNamesByte(std::string_view error, const std::filesystem::path& 
 
 /// "FILE:N: …" with a line that is in the text, or just behind it.
 inline void ClaimNamesLine(std::string_view error, const std::string& name, std::string_view text) {
-  const auto lines = static_cast<long long>(std::count(text.begin(), text.end(), '\n')) + 1;
+  const auto is_end = [](char c) { return c == '\n' || c == '\r'; };  // a mesh's line may end in CR alone
+  const auto lines = static_cast<long long>(std::count_if(text.begin(), text.end(), is_end)) + 1;
   const long long line = NumberBehind(error, name + ":");
   Claim(error.starts_with(name + ":") && line >= 1 && line <= lines + 1, "an error names a line of the file");
 }

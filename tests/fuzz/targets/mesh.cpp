@@ -11,7 +11,7 @@ namespace {
 
 using simulation::MeshErrorKind;
 
-// Each format's first reading names a line of a text, a byte of anything else. What is wrong with the surface
+// Each format's reader names a line of a text, a byte of anything else. What is wrong with the surface
 // itself (open, wound both ways, …) is told by its place in mm: then file and reason.
 void ClaimError(const simulation::MeshError& error, const std::filesystem::path& path,
                 std::string_view content) {
@@ -25,6 +25,7 @@ void ClaimError(const simulation::MeshError& error, const std::filesystem::path&
 }
 
 void ClaimRaw(const simulation::RawMesh& raw, std::size_t file_bytes) {
+  Claim(!raw.triangles.empty(), "a mesh has triangles");
   Claim(raw.triangles.size() <= file_bytes, "a triangle takes a byte of the file and more");
   Claim(raw.part_of_triangle.size() == raw.triangles.size(), "each triangle is of a part");
   for (const std::uint32_t part : raw.part_of_triangle)
