@@ -64,13 +64,15 @@ std::string ArmSession::Diagnosis() const {
   return DiagnosisOf(rsi.status(), rsi.last_error());
 }
 
-tl::expected<ArmWire, std::string> ArmWire::Open(const config::ArmLinkConfig& link) {
+tl::expected<ArmWire, std::string> ArmWire::Open(const config::ArmLinkConfig& link, const std::string& peer) {
   if (const io::FriSessionParams* fri = link.fri()) {
-    auto opened = io::FriLink::Open({.bind_address = link.host, .port = link.port, .session = *fri});
+    auto opened = io::FriLink::Open(
+        {.bind_address = link.host, .arm_address = peer, .port = link.port, .session = *fri});
     if (!opened) return tl::make_unexpected(opened.error());
     return ArmWire(std::move(*opened), false);
   }
-  auto opened = io::RsiLink::Open({.bind_address = link.host, .port = link.port, .session = *link.rsi()});
+  auto opened = io::RsiLink::Open(
+      {.bind_address = link.host, .arm_address = peer, .port = link.port, .session = *link.rsi()});
   if (!opened) return tl::make_unexpected(opened.error());
   return ArmWire(std::move(*opened), CanStop(link));
 }

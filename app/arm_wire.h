@@ -49,7 +49,9 @@ class ArmSession {
 class ArmWire {
  public:
   /// The error names address and port, and says what to do.
-  [[nodiscard]] static tl::expected<ArmWire, std::string> Open(const config::ArmLinkConfig& link);
+  /// @param peer  who alone is heard, IPv4; empty: the first that speaks
+  [[nodiscard]] static tl::expected<ArmWire, std::string> Open(const config::ArmLinkConfig& link,
+                                                               const std::string& peer);
 
   [[nodiscard]] control::ArmLink& link();
 

@@ -10,6 +10,7 @@
 
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/json_text.h"
 #include "app/phase_progress.h"
 #include "app/summary.h"
 #include "config/load.h"
@@ -101,7 +102,7 @@ int Run(const BenchFrameOptions& options) {
     json["compare"]["ratio"] = ratio;
   }
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, json.dump(2) + "\n"); !written)
+    if (const auto written = WriteText(options.json, JsonText(json)); !written)
       return Fail("bench frame", written.error(), kFailed);
   return Interrupted() ? kExitInterrupted : 0;
 }

@@ -23,6 +23,7 @@
 #include "app/chart_files.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/json_text.h"
 #include "app/report/ticks.h"
 #include "app/summary.h"
 #include "config/load_robot.h"
@@ -325,7 +326,7 @@ int Run(const BenchKinematicsOptions& options) {
   json["machine"] = machine;
   json["allocations"] = allocations ? nlohmann::json(*allocations) : nlohmann::json();
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, json.dump(2) + "\n"); !written)
+    if (const auto written = WriteText(options.json, JsonText(json)); !written)
       return Fail("bench kinematics", written.error(), kFailed);
   return 0;
 }

@@ -22,6 +22,7 @@
 #include "app/chart_files.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/json_text.h"
 #include "app/recorded_config.h"
 #include "app/simulated_setup.h"
 #include "app/summary.h"
@@ -376,7 +377,7 @@ int Run(const BenchTickOptions& options) {
       {"realtime_priority", times.realtime},
       {"machine", machine}};
   if (options.json.empty()) return 0;
-  const auto written = WriteText(options.json, json.dump(2) + "\n");
+  const auto written = WriteText(options.json, JsonText(json));
   return written ? 0 : Fail("bench tick", written.error(), kFailed);
 }
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/exit_code.h"
+#include "app/json_text.h"
 #include "app/summary.h"
 #include "config/load.h"
 #include "control/calibration.h"
@@ -220,7 +221,7 @@ int RunCalibrate(const CalibrateOptions& options) {
   if (const auto written = WriteText(options.out, ToYaml(result, options.command_line)); !written)
     return Fail("calibrate", written.error(), kFailed);
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, ToJson(result, options).dump(2) + "\n"); !written)
+    if (const auto written = WriteText(options.json, JsonText(ToJson(result, options))); !written)
       return Fail("calibrate", written.error(), kFailed);
   Print(result, options);
   return 0;

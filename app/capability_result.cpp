@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include "app/json_text.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -141,7 +142,7 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                       {"best_base", nullptr}};
   json["own_arm_angle"]["arm_angle_deg"] = r.own_arm_angle_rad * kDegrees;
   json["searched"] = r.searched;
-  if (!r.searched) return json.dump(2) + "\n";
+  if (!r.searched) return JsonText(json);
   const auto range = [](const AxisRange& a) { return nlohmann::json{a.from * 1e3, a.to * 1e3}; };
   json["search"] = {{"x_mm", range(r.search.x_m)},
                     {"y_mm", range(r.search.y_m)},
@@ -149,14 +150,14 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                     {"clearance_mm", r.search.clearance_m * 1e3},
                     {"joint_margin_deg", r.search.joint_margin_rad * kDegrees},
                     {"least_bend_deg", r.search.least_bend_rad * kDegrees}};
-  if (!r.base) return json.dump(2) + "\n";
+  if (!r.base) return JsonText(json);
   nlohmann::json base = ToJson(r.base_force, r.need);
   base["position_mm"] = ToJson(r.base->X_WB.translation(), 1e3);
   base["rpy_deg"] = ToJson(RollPitchYaw(r.base->X_WB.linear()), kDegrees);
   base["arm_angle_deg"] = Whole(r.base->arm_angle_rad * kDegrees);
   base["sufficient"] = r.base_force.factor >= 1.0;
   json["best_base"] = base;
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 std::string MapCsv(const CapabilityResult& r) {

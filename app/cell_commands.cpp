@@ -51,8 +51,11 @@ CellCommands::CellCommands(CLI::App& app)
           "--recover", operate_.recoveries,
           "begin again so often where the arm has left COMMANDING_ACTIVE, or was silent, and is back")
       ->check(NumberWithin(0, 1000));
-  run_->add_option("--record", operate_.record, "the recording, readable by `osteon export` and Foxglove")
-      ->capture_default_str();
+  run_->add_option("--record", operate_.record,
+                   "the recording, readable by `osteon export` and Foxglove; without it "
+                   "run_DATE_TIME.mcap in the working folder. A name that an earlier run has is refused");
+  run_->add_flag("--overwrite", operate_.overwrite,
+                 "an earlier run's recording and pages of that name are replaced");
   run_->add_option(
           "--gains", operate_.gains,
           "YAML file laid over the cell's admittance and coupling, as `osteon tune` writes it; saved again "

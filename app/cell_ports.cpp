@@ -1,6 +1,9 @@
 #include "app/cell_ports.h"
 
 #include <cstddef>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "io/net/free_ports.h"
 
@@ -16,8 +19,14 @@ int PortsOf(const config::CellConfig& cell) { return GuardPlace(cell) + (cell.gu
 
 }  // namespace
 
-void UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint16_t> first_port) {
+std::string UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint16_t> first_port) {
+  constexpr int kMaxPort = 65535;
+  const int ports = PortsOf(cell);
+  if (first_port && *first_port > kMaxPort - ports + 1)
+    return fmt::format("--port: found {}, accepted 0 … {}: the cell takes {} ports from there on",
+                       *first_port, kMaxPort - ports + 1, ports);
   cell.link.host = kLoopback;
+  cell.link.arm_host.clear();
   if (first_port) cell.link.port = *first_port;
   if (cell.guard) {
     cell.guard->host = kLoopback;
@@ -35,6 +44,7 @@ void UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint16_t> fi
       bus.port = static_cast<std::uint16_t>((first_port ? *first_port + 2 : kFirstTunnel) + 2 * i);
     bus.device_port = static_cast<std::uint16_t>(bus.port + 1);
   }
+  return "";
 }
 
 tl::expected<std::uint16_t, std::string> UseSimulated(config::CellConfig& cell,
@@ -44,7 +54,8 @@ tl::expected<std::uint16_t, std::string> UseSimulated(config::CellConfig& cell,
     if (!free) return free;
     port = *free;
   }
-  UseSimulatedWires(cell, port);
+  if (std::string wrong = UseSimulatedWires(cell, port); !wrong.empty())
+    return tl::make_unexpected(std::move(wrong));
   return port.value_or(0);
 }
 

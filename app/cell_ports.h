@@ -14,7 +14,9 @@ namespace osteon::app {
 /// through tunnels.
 /// @param first_port  instead of the file's ports, from here on: arm, PLC, two for each CAN bus, then
 /// the guard's where the cell has one
-void UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint16_t> first_port);
+/// @returns an empty string, or why not: there are not so many ports behind it; then nothing is changed
+[[nodiscard]] std::string UseSimulatedWires(config::CellConfig& cell,
+                                            std::optional<std::uint16_t> first_port);
 
 /// UseSimulatedWires for a run that starts its cell itself. @param port  0: any free ones
 /// @returns what to tell the cell's process: 0 where the file's ports stand.

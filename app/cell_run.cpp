@@ -55,7 +55,8 @@ struct Wires {
 
 tl::expected<Wires, std::string> OpenWires(const CellSetup& setup) {
   Wires wires;
-  auto arm = ArmWire::Open(setup.config.link);
+  // behind a guard it is the guard that hears the arm
+  auto arm = ArmWire::Open(setup.config.link, setup.config.guard ? "" : setup.config.link.arm_host);
   if (!arm) return tl::make_unexpected(arm.error());
   wires.arm = std::move(*arm);
   auto devices = io::WiredDevices::Open(setup.config.devices);
@@ -155,6 +156,14 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
                                          .rendered_s = &rendered_s,
                                          .stop = &stop};
     servo_params.thread.cpu = params.cpu;
+    const auto watch = [&] {
+      cell_died |= !done.load() && wires.cell && wires.cell->Ended();
+      gains.Look(rt::ToSeconds(rt::MonotonicNow()));
+      TakePauses(params, loop);
+      if (rendered_s.load() == 0.0) start.Look();  // a recovery goes on from where the arm is
+      if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
+      if (params.progress) params.progress(rendered_s.load());
+    };
     std::thread servo_thread([&] {
       rt::NameThread("servo");
       servo = RunServo(loop, wires.arm->link(), *wires.devices, models, commands, recorder, servo_params);
@@ -164,15 +173,17 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     });
     while (!done.load()) {
       std::this_thread::sleep_for(kLook);
-      cell_died |= !done.load() && wires.cell && wires.cell->Ended();
-      gains.Look(rt::ToSeconds(rt::MonotonicNow()));
-      TakePauses(params, loop);
-      if (rendered_s.load() == 0.0) start.Look();  // a recovery goes on from where the arm is
-      if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
-      if (params.progress) params.progress(rendered_s.load());
+      if (!result.internal_error.empty()) continue;  // the arm still brakes
+      try {
+        watch();
+      } catch (const std::exception& error) {  // the arm moves: it has to come to rest all the same
+        result.internal_error = error.what();
+        stop.store(true);
+      }
     }
     servo_thread.join();
     simulation.Stop();
+    if (!simulation.error().empty()) result.internal_error = "simulation: " + simulation.error();
   }
   // the input is right, the arm stands wrong
   if (!start.why_not().empty())
@@ -328,6 +339,9 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
       return tl::make_unexpected(
           CellRunError{.what = folder.string() + ": cannot make the folder: " + error.message()});
   }
+  if (params.make_room)
+    if (std::string wrong = params.make_room(); !wrong.empty())
+      return tl::make_unexpected(CellRunError{.what = std::move(wrong)});
   auto recorder = io::Recorder::Open({.path = params.recording, .writer_thread = !params.virtual_time},
                                      {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
                                       .version = OSTEON_VERSION,
@@ -344,9 +358,17 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
                                       .machine = MachineName()});
   if (!recorder) return tl::make_unexpected(CellRunError{.what = recorder.error()});
 
+  // a run that is refused leaves no recording of nothing
+  const auto refuse = [&](CellRunError error) {
+    recorder->reset();
+    std::error_code ignored;
+    if (!error.begun && std::filesystem::is_regular_file(params.recording, ignored))
+      std::filesystem::remove(params.recording, ignored);
+    return tl::make_unexpected(std::move(error));
+  };
   if (params.cell && !params.virtual_time) {
     auto cell = CellProcess::Start(*params.cell);
-    if (!cell) return tl::make_unexpected(CellRunError{.what = cell.error()});
+    if (!cell) return refuse({.what = cell.error()});
     wires.cell = std::move(*cell);
   }
   if (setup.planned)
@@ -355,7 +377,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   if (params.begins) params.begins();
   auto run = params.virtual_time ? RunVirtual(setup, runner, **recorder, params)
                                  : RunWall(setup, runner, wires, **recorder, params);
-  if (!run) return run;
+  if (!run) return refuse(run.error());
   CellRunResult& result = *run;
   if (!params.virtual_time) {  // there zones are never in the making
     runner.EndGoverning();
@@ -364,8 +386,8 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   result.after = runner.engine().Snapshot();
   result.rezoned = runner.TakeRezoned();
   const auto counts = (*recorder)->Close();
-  if (!counts) return tl::make_unexpected(CellRunError{.what = counts.error(), .begun = true});
-  result.recording = *counts;
+  result.recording = counts ? *counts : (*recorder)->counts();
+  if (!counts) result.recording_error = counts.error();
   result.events = runner.events();
   result.least_wall_m = watch.least_wall_m();
   return run;

@@ -29,6 +29,9 @@ struct CellRunParams {
   /// Wall time: the simulated cell to start as a process of its own; absent: what is at the wires is used.
   std::optional<CellProcessParams> cell{};
   std::filesystem::path recording;  ///< the MCAP file to write
+  /// Called where all could be opened and the recording's folder is there, before the recording is made or
+  /// overwritten. @returns why it must not be; empty where it may.
+  std::function<std::string()> make_room{};
   const std::atomic<bool>* stop{nullptr};
   PauseSignals* pauses{nullptr};   ///< an operator's pause and its end; null: nobody asks
   std::filesystem::path gains{};   ///< a file of gains that is read again whenever it is saved; empty: none
@@ -51,6 +54,8 @@ struct CellRunResult {
   int recovered{0};                ///< times that it began again
   rt::RealtimeGrant servo_thread;  ///< wall time: what the system granted it
   io::RecordingCounts recording;
+  std::string recording_error;  ///< it could not be written to its end, and why; empty where it was
+  std::string internal_error;   ///< an exception that stopped the run in order; empty: there was none
   simulation::CarvedState after;
   std::vector<Rezoned> rezoned;  ///< zones that were coarsened; `after` is of the last one's bone
   std::vector<simulation::SceneEvent> events;  ///< stamps as in the recording
@@ -61,7 +66,7 @@ struct CellRunResult {
 /// Why there is no result.
 struct CellRunError {
   std::string what;
-  bool begun{false};  ///< it failed while it ran, e.g. on a full disk; else it was refused before
+  bool begun{false};  ///< it failed while it ran; else it was refused before, and left no recording
 };
 
 /// Operates a cell: servo loop and cutting engine, and what is on the cell's wires.
@@ -71,7 +76,8 @@ struct CellRunError {
 /// is part of this process and all of it runs in lockstep in the calling thread, the same datagrams and
 /// frames handed over in memory: the simulation takes a command every frame_s and its frame is seen so much
 /// later (a tick at least), as a simulation's would that takes so long. The recording's folder is made where
-/// it is not there. The error says what could not be opened, started or written to its end.
+/// it is not there. A recording that can't be written to its end (a full disk) ends no run: its result says
+/// so. The error says what could not be opened or started.
 [[nodiscard]] tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup,
                                                                 simulation::CuttingEngine& engine,
                                                                 const CellRunParams& params);

@@ -3,7 +3,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -18,26 +17,14 @@
 namespace osteon::app {
 namespace {
 
-// A cell's file and what it names, and gains that are laid over it, as text for the recording.
-std::string ConfigText(const std::filesystem::path& cell_yaml, const std::filesystem::path& gains) {
-  std::ostringstream text;
-  const std::filesystem::path root = cell_yaml.parent_path().parent_path();
-  for (const char* folder : {"cells", "robots", "tools", "scenes", "materials"}) {
-    std::vector<std::filesystem::path> files;
-    if (std::string(folder) == "cells") {
-      files.push_back(cell_yaml);
-    } else if (std::filesystem::is_directory(root / folder)) {
-      for (const auto& entry : std::filesystem::directory_iterator(root / folder))
-        files.push_back(entry.path());
-    }
-    std::sort(files.begin(), files.end());
-    for (const auto& file : files) {
-      text << "# " << folder << '/' << file.filename().string() << '\n';
-      text << std::ifstream(file).rdbuf() << '\n';
-    }
-  }
-  if (!gains.empty()) text << "# gains\n" << std::ifstream(gains).rdbuf() << '\n';
-  return text.str();
+// The YAML files of a configuration, one after the other: those that were read, no other.
+std::string ConfigText(const io::ConfigSource& source) {
+  std::string text;
+  for (const io::ConfigFile& file : source.files)
+    if (const std::string extension = std::filesystem::path(file.name).extension().string();
+        extension == ".yaml" || extension == ".yml")
+      text += fmt::format("# {}\n{}\n", file.name, file.content);
+  return text;
 }
 
 // A bone that `osteon pack` has saved.
@@ -107,7 +94,7 @@ tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& ce
     if (!kept) return tl::make_unexpected(kept.error());
     setup.config_source = std::move(*kept);
   }
-  setup.config_text = ConfigText(cell_yaml, gains);
+  setup.config_text = ConfigText(setup.config_source);
   const simulation::SceneParams& scene = setup.config.scene;
   if (mesh && mesh->file.extension() == ".osp") {
     auto bone = LoadPacking(*mesh);

@@ -11,6 +11,7 @@
 #include "app/chart_files.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/json_text.h"
 #include "app/report/svg_plot.h"
 #include "app/report/svg_text.h"
 #include "app/summary.h"
@@ -252,7 +253,7 @@ std::string ScalingJson(const ScalingResult& result, const std::string& machine)
     if (t.active_spheres_mean) entry["active_spheres_mean"] = *t.active_spheres_mean;
     json["points"].push_back(std::move(entry));
   }
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 int RunChartScaling(const ScalingOptions& options) {

@@ -10,8 +10,10 @@
 #include "app/chart_files.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/output.h"
 #include "app/phase_progress.h"
 #include "app/recorded_motion.h"
+#include "app/run_files.h"
 #include "app/run_progress.h"
 #include "app/setup_warnings.h"
 #include "app/stop_records.h"
@@ -28,6 +30,17 @@ std::string WrongPlace(const DemoOptions& options) {
   for (const auto& [name, file] :
        {std::pair("--json", options.json), std::pair("--save-motion", options.save_motion)})
     if (std::string wrong = WhyNoFile(name, file); !wrong.empty()) return wrong;
+  return "";
+}
+
+// The folder is this process's alone, and what an earlier demo has left there is out of the way.
+std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
+  if (std::string wrong = claim.Take(options.out); !wrong.empty()) return wrong;
+  if (options.overwrite) return RemoveFiles(FilesOfDemo(options.out));
+  const auto earlier = KeepEarlierDemo(options.out);
+  if (!earlier) return earlier.error();
+  if (!earlier->empty())
+    fmt::print(stderr, "osteon demo: the demo that was there is kept in {}\n", earlier->string());
   return "";
 }
 
@@ -66,6 +79,9 @@ int RunDemo(const DemoOptions& options) {
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("demo", "--cpu: " + wrong);
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("demo", wrong);
+  FolderClaim claim;
+  if (const std::string wrong = claim.Take(options.out); !wrong.empty()) return Fail("demo", wrong);
+  OutputThread output({.watch_stderr = true});
 
   auto setup = PrepareCell(options.cell, options.mesh, options.tool);
   if (!setup) return Fail("demo", setup.error());
@@ -104,6 +120,7 @@ int RunDemo(const DemoOptions& options) {
                                 .cpu = options.cpu,
                                 .guard = setup->config.guard.has_value()},
       .recording = options.out / "recording.mcap",
+      .make_room = [&] { return MakeRoom(options, claim); },
       .stop = &Interrupted(),
       .pauses = &AskedPauses(),
       .begins = [&] { PrintLimits(setup->config.servo); },
@@ -115,8 +132,9 @@ int RunDemo(const DemoOptions& options) {
   if (!result) return Fail("demo", result.error().what, result.error().begun ? kFailed : kBadInput);
 
   // everything that is shown comes from the recording
-  const auto recording = io::ReadRecording(params.recording);
-  if (!recording) return Fail("demo", recording.error(), kFailed);
+  auto recording = io::ReadRecording(params.recording);
+  std::string wrong = WhyNotRecorded(*result, recording ? "" : recording.error());
+  if (!recording) recording = io::Recording{};  // what the run itself counted is told all the same
   PhaseProgress measuring("osteon demo", 2, false);
   measuring.Begin("measure the cut");
   RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
@@ -141,27 +159,29 @@ int RunDemo(const DemoOptions& options) {
       .command_line = options.command_line,
       .version = OSTEON_VERSION};
   const std::filesystem::path page = options.out / "report.html";
-  const auto figures = WriteReport(report, page);
-  if (!figures) return Fail("demo", figures.error(), kFailed);
-  summary.section = *figures;
+  if (const auto figures = WriteReport(report, page))
+    summary.section = *figures;
+  else
+    AddReason(wrong, figures.error());
   measuring.Done();
 
-  const auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s, options.out,
-                                params.recording.stem().string());
-  if (!stops) return Fail("demo", stops.error(), kFailed);
-  summary.stops = *stops;
+  if (auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s, options.out,
+                              params.recording.stem().string()))
+    summary.stops = std::move(*stops);
+  else
+    AddReason(wrong, stops.error());
 
   const std::string json = ToJson(summary, "osteon.demo/1");
   for (const std::filesystem::path& file : {options.out / "summary.json", options.json}) {
     if (file.empty()) continue;
-    if (const auto written = WriteText(file, json); !written) return Fail("demo", written.error(), kFailed);
+    if (const auto written = WriteText(file, json); !written) AddReason(wrong, written.error());
   }
-  if (!options.save_motion.empty())
-    if (const std::string wrong = SaveMotion(options, *setup, summary, *recording); !wrong.empty())
-      return Fail("demo", wrong, kFailed);
+  if (!options.save_motion.empty()) AddReason(wrong, SaveMotion(options, *setup, summary, *recording));
   PrintTable(summary, "Osteon demo");
   fmt::print("  {:<30} {}\n", "Report", page.string());
-  return ExitCode(*result);
+  if (!result->internal_error.empty())
+    return Fail("demo", "internal error: " + result->internal_error, kInternalError);
+  return wrong.empty() ? ExitCode(*result) : Fail("demo", wrong, kFailed);
 }
 
 }  // namespace osteon::app

@@ -14,6 +14,7 @@ inline constexpr double kLeastSeconds = 0.1, kMostSeconds = 3600.0;
 struct DemoOptions {
   double seconds{10.0};
   std::filesystem::path out{"demo_out"};
+  bool overwrite{false};       ///< an earlier demo's files in `out`; else they are moved into a folder there
   std::filesystem::path cell;  ///< the cell's YAML
   std::optional<MeshChoice> mesh{};
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
@@ -32,8 +33,8 @@ struct DemoOptions {
 /// The whole cell, simulated: runs it, writes summary.json, report.html and the recording into `out`, prints
 /// the summary.
 /// @returns the process's exit code: 0 done; 1 ended by a fault, or what was run could not be written; 2
-/// something was wrong with the input, nothing was run (both said on stderr); 130 ended by Ctrl-C, everything
-/// written.
+/// something was wrong with the input, nothing was run (both said on stderr); 130 ended by Ctrl-C, 129 by
+/// a terminal that was closed, 141 since nobody reads what it prints; everything written.
 [[nodiscard]] int RunDemo(const DemoOptions& options);
 
 }  // namespace osteon::app

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/json_text.h"
 #include "app/realtime_checks.h"
 #include "app/run_progress.h"
 #include "app/summary.h"
@@ -85,7 +86,7 @@ int RunDoctor(const DoctorOptions& options) {
   }
   if (!options.json.empty()) {
     const nlohmann::json out{{"schema", "osteon.doctor/1"}, {"checks", list}};
-    if (const auto written = WriteText(options.json, out.dump(2) + "\n"); !written) {
+    if (const auto written = WriteText(options.json, JsonText(out)); !written) {
       fmt::print(stderr, "osteon doctor: {}\n", written.error());
       return 2;
     }

@@ -12,6 +12,7 @@
 #include "app/chart_files.h"
 #include "app/exit_code.h"
 #include "app/export_tables.h"
+#include "app/json_text.h"
 #include "app/summary.h"
 #include "io/recording/recovery.h"
 
@@ -36,8 +37,9 @@ void Print(const io::Recovery& recovery, const std::filesystem::path& file) {
   }
   fmt::print("  {:<12} {}: {} messages, ticks from {:.3f} s to {:.3f} s\n", "Recovered", file.string(),
              recovery.messages, recovery.first_s, recovery.last_s);
-  fmt::print("  {:<12} {} bytes of a message that was cut off; {} ticks missing in between\n", "Lost",
-             recovery.tail_bytes, recovery.missing_ticks);
+  fmt::print("  {:<12} {} bytes {}; {} ticks missing in between\n", "Lost", recovery.tail_bytes,
+             recovery.closed ? "behind the recording's end" : "of a message that was cut off",
+             recovery.missing_ticks);
   if (recovery.unchecked > 0)
     fmt::print("  {:<12} {} messages of the chunk that was being written: complete, but no CRC covers them\n",
                "Unchecked", recovery.unchecked);
@@ -121,13 +123,17 @@ int RunExport(const ExportOptions& options) {
                tables->events);
     for (const auto& file : tables->files) fmt::print("  {:<12} {}\n", "", file.string());
     if (!tables->complete)
-      fmt::print("  {:<12} the recording ends early; {} bytes at its end are of a message that is cut off\n",
-                 "Torn", tables->tail_bytes);
+      fmt::print("  {:<12} {}\n", "Torn",
+                 tables->closed
+                     ? fmt::format("{} bytes are behind the recording's end: somebody else wrote them, or "
+                                   "another recording was here",
+                                   tables->tail_bytes)
+                     : fmt::format("the recording ends early; {} bytes at its end are of a message that is "
+                                   "cut off",
+                                   tables->tail_bytes));
   }
   if (!options.json.empty())
-    if (const auto written = WriteText(
-            options.json, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-        !written)
+    if (const auto written = WriteText(options.json, JsonText(json)); !written)
       return Fail("export", written.error(), kFailed);
   return 0;
 }

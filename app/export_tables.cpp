@@ -170,6 +170,7 @@ tl::expected<ExportedTables, std::string> ExportTables(const std::filesystem::pa
     exported.files.push_back(table->path());
   }
   exported.complete = stream->complete();
+  exported.closed = stream->file().closed();
   exported.tail_bytes = stream->file().file_bytes() - stream->file().read_bytes();
   return exported;
 }

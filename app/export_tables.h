@@ -17,7 +17,8 @@ struct ExportedTables {
   std::uint64_t ticks{0}, frames{0}, events{0};  ///< rows
   std::vector<std::filesystem::path> files;
   bool complete{false};         ///< of the recording; false: it ends early
-  std::uint64_t tail_bytes{0};  ///< at its end, of a message that is cut off
+  std::uint64_t tail_bytes{0};  ///< at its end, of a message that is cut off; or behind its end
+  bool closed{false};           ///< its end is there: tail_bytes are behind it
 };
 
 /// Writes a recording as tables: `<stem>_ticks.csv`, `<stem>_frames.csv` and `<stem>_events.csv` in `folder`,

@@ -13,6 +13,7 @@
 #include "app/chart_files.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/json_text.h"
 #include "app/phase_progress.h"
 #include "app/report/failure_page.h"
 #include "app/summary.h"
@@ -157,7 +158,7 @@ std::string FailuresJson(const std::vector<FailureRun>& runs, const std::string&
     }
     json["scenarios"].push_back(std::move(scenario));
   }
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 int RunFailures(const FailureOptions& options) {

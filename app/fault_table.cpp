@@ -9,6 +9,7 @@
 #include "app/each_fault.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/json_text.h"
 #include "app/phase_progress.h"
 #include "app/summary.h"
 #include "safety/cell_state.h"
@@ -126,7 +127,7 @@ std::string FaultTableJson(std::span<const FaultVerdict> verdicts) {
     if (!v.passed()) cell["wrong"] = v.wrong;
     json["faults"].push_back(std::move(cell));
   }
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 int RunFaultTable(const FaultTableOptions& options) {

@@ -12,6 +12,8 @@
 #include "app/config_checksum.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/json_text.h"
+#include "app/output.h"
 #include "app/recorded_config.h"
 #include "app/summary.h"
 #include "config/file_scope.h"
@@ -21,7 +23,9 @@ namespace osteon::app {
 namespace {
 
 constexpr rt::Nanoseconds kLook = 5 * rt::kMillisecond;  // how often PLC, silence and Ctrl-C are looked after
-constexpr int kBeatEvery_ms = 10;              // a withdrawal waits no longer than this for its heartbeat
+constexpr int kBeatEvery_ms = 10;  // a withdrawal waits no longer than this for its heartbeat
+constexpr rt::Nanoseconds kEndWithin =
+    3 * rt::kSecond;                           // the arm has to rest once the guard was asked to end
 constexpr std::uint32_t kLastWrites = 2;       // that carry the withdrawal, before the heartbeat stands still
 constexpr double kLeastSilenceAnswers = 10.0;  // a slow arm's controller may be silent for so many answers
 
@@ -55,9 +59,9 @@ class PlcBeat {
  public:
   explicit PlcBeat(const io::PlcClientParams& params) : client_(OfGuard(params)) {}
 
-  void Step(const safety::GuardMonitor& monitor) {
+  void Step(const safety::GuardMonitor& monitor, bool ending) {
     const std::uint32_t writes = client_.Latest().counters.writes;
-    client_.RequestMotion(monitor.permits());
+    client_.RequestMotion(monitor.permits() && !ending);
     if (!monitor.latched()) writes_before_ = writes;
     if (!monitor.latched() || writes - writes_before_ < kLastWrites) client_.Beat();
   }
@@ -93,6 +97,26 @@ void PrintEnd(const GuardReport& r) {
   Say(fmt::format("added latency, p50 / p99 / max: messages {}, answers {}", DelayText(r.message_delay),
                   DelayText(r.answer_delay)));
 }
+
+// Where there is a PLC a guard that was asked to end withdraws the request first, and relays on while the
+// controller brings the arm to rest by that: an arm that misses its answers stops less gently.
+class OrderlyEnd {
+ public:
+  explicit OrderlyEnd(bool has_plc) : has_plc_(has_plc) {}
+
+  /// It was asked for.
+  [[nodiscard]] bool began() const { return began_; }
+  [[nodiscard]] bool IsReached(const safety::GuardMonitor& monitor, rt::Nanoseconds now) {
+    if (!Interrupted().load()) return false;
+    if (!began_) began_at_ = now;
+    began_ = true;
+    return !has_plc_ || monitor.latched() || !monitor.ArmIsCommanded(now) || now - began_at_ > kEndWithin;
+  }
+
+ private:
+  bool has_plc_, began_{false};
+  rt::Nanoseconds began_at_{0};
+};
 
 // Tells what changes, once.
 class Changes {
@@ -182,12 +206,13 @@ std::string ToJson(const GuardReport& r) {
     json["plc"] = {{"connected", r.plc->link == io::PlcLink::kConnected},
                    {"writes", r.plc->counters.writes},
                    {"lost", r.plc->counters.lost}};
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 int RunGuard(const GuardOptions& options) {
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("guard", "--cpu: " + wrong);
+  OutputThread output;  // the relay's thread waits for no terminal
   InstallInterrupt();
 
   // its own reading of the files
@@ -205,7 +230,9 @@ int RunGuard(const GuardOptions& options) {
         "guard",
         fmt::format("{}: guard: found no such section, accepted guard: {{port: N}}, where the arm sends to",
                     options.cell.string()));
-  if (options.port) UseSimulatedWires(cell, options.port);
+  if (options.port)
+    if (const std::string wrong = UseSimulatedWires(cell, options.port); !wrong.empty())
+      return Fail("guard", wrong);
   const std::string controller = cell.link.host == "0.0.0.0" ? "127.0.0.1" : cell.link.host;
   report.cell = options.cell.string();
   report.version = io::Name(cell.link.fri()->version);
@@ -215,6 +242,7 @@ int RunGuard(const GuardOptions& options) {
   const auto monitor = std::make_unique<safety::GuardMonitor>(GuardParamsOf(cell));
   auto relay = io::FriRelay::Open({.arm_address = cell.guard->host,
                                    .arm_port = cell.guard->port,
+                                   .arm_host = cell.link.arm_host,
                                    .controller_address = controller,
                                    .controller_port = cell.link.port,
                                    .version = cell.link.fri()->version},
@@ -227,9 +255,10 @@ int RunGuard(const GuardOptions& options) {
   report.thread = rt::SetUpRealtimeThread({.cpu = options.cpu, .lock_memory = true, .keep_cpus_awake = true});
   Changes changes;
   bool open = true;
-  while (open && !Interrupted().load()) {
+  OrderlyEnd end(plc != nullptr);
+  while (open && !end.IsReached(*monitor, rt::MonotonicNow())) {
     open = (*relay)->Serve(rt::MonotonicNow() + kLook);
-    if (plc) plc->Step(*monitor);
+    if (plc) plc->Step(*monitor, end.began());
     changes.Look(*monitor);
   }
 
@@ -244,7 +273,7 @@ int RunGuard(const GuardOptions& options) {
     if (const auto written = WriteText(options.json, ToJson(report)); !written)
       return Fail("guard", written.error(), kFailed);
   if (!open) return Fail("guard", "a socket was closed under it", kFailed);
-  return monitor->latched() ? kFailed : 0;
+  return monitor->latched() ? kFailed : InterruptExitCode(0);
 }
 
 }  // namespace osteon::app

@@ -41,9 +41,10 @@ struct GuardReport {
 /// One JSON object, schema osteon.guard/1.
 [[nodiscard]] std::string ToJson(const GuardReport& report);
 
-/// `osteon guard`: stands between arm and controller until Ctrl-C.
+/// `osteon guard`: stands between arm and controller until Ctrl-C. Then the motion request is withdrawn, and
+/// it relays on until the arm is not commanded any more, 3 s at most; without a PLC it ends at once.
 /// @returns the process's exit code: 0 nothing was withheld; 1 something was, and the motion request was
-/// withdrawn; 2 something was wrong with the input.
+/// withdrawn; 2 something was wrong with the input; 129 its terminal was closed, 141 nobody reads its stdout.
 [[nodiscard]] int RunGuard(const GuardOptions& options);
 
 }  // namespace osteon::app

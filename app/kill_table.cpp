@@ -7,6 +7,7 @@
 
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/json_text.h"
 #include "app/phase_progress.h"
 #include "app/summary.h"
 #include "app/work_folder.h"
@@ -100,7 +101,7 @@ std::string KillTableJson(std::span<const KillRun> runs) {
     }
     json["kills"].push_back(std::move(kill));
   }
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 int RunKillTable(const KillTableOptions& options) {

@@ -1,8 +1,10 @@
 // The command `osteon`: reads the command line and hands over to a subcommand. Exit codes: 0 done, 1 the
-// thing asked for failed, 2 wrong usage or bad input, 130 ended by Ctrl-C.
+// thing asked for failed, 2 wrong usage or bad input, 70 an internal error, 71 out of memory, 130 ended by
+// Ctrl-C, 129 by SIGHUP, 141 since nobody reads what is printed.
 
 #include <cstdlib>
 #include <exception>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -13,6 +15,7 @@
 #include "app/cell_file.h"
 #include "app/demo.h"
 #include "app/doctor.h"
+#include "app/exit_code.h"
 #include "app/export_command.h"
 #include "app/failures.h"
 #include "app/fault_table.h"
@@ -21,6 +24,7 @@
 #include "app/guard_command.h"
 #include "app/kill_table.h"
 #include "app/measure_commands.h"
+#include "app/output.h"
 #include "app/pack.h"
 #include "app/plan_command.h"
 #include "app/regress_command.h"
@@ -222,8 +226,12 @@ int Run(int argc, char** argv) {
   demo_app->add_option("--seconds", demo.seconds, "time in COMMANDING_ACTIVE, 0.1 … 3600")
       ->check(osteon::app::NumberWithin(osteon::app::kLeastSeconds, osteon::app::kMostSeconds))
       ->capture_default_str();
-  demo_app->add_option("--out", demo.out, "folder for summary.json, report.html, recording.mcap")
+  demo_app
+      ->add_option("--out", demo.out,
+                   "folder for summary.json, report.html, recording.mcap; an earlier demo's are kept in "
+                   "earlier_DATE_TIME in it")
       ->capture_default_str();
+  demo_app->add_flag("--overwrite", demo.overwrite, "an earlier demo's files in --out are replaced");
   auto* mesh_option = demo_app->add_option(
       "--mesh", mesh, "closed triangle mesh instead of the scene: STL, OBJ, PLY, in mm; or a packing: .osp");
   auto* cup_option = demo_app->add_option("--cup", cup,
@@ -314,8 +322,17 @@ int Run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) {  // --help, --version
+      std::ostringstream text;
+      const int code = app.exit(error, text, text);
+      fmt::print("{}", text.str());
+      return code;
+    }
     fmt::print(stderr, "{}", osteon::app::UsageError(app, error));
+    return 2;
+  }
+  if (const std::string wrong = osteon::app::WhyNotToBegin(app); !wrong.empty()) {
+    fmt::print(stderr, "{}", wrong);
     return 2;
   }
   if (*demo_app) {
@@ -404,13 +421,12 @@ int Run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  osteon::app::InstallOutput();
   try {
-    return Run(argc, argv);
-  } catch (const osteon::config::ConfigError& error) {
-    fmt::print(stderr, "osteon: {}\n", error.what());
-    return 2;
+    return osteon::app::OutputExitCode(Run(argc, argv));
   } catch (const std::exception& error) {
-    fmt::print(stderr, "osteon: {}\n", error.what());
-    return 2;
+    const osteon::app::Failure failure = osteon::app::Explain(error);
+    fmt::print(stderr, "osteon: {}\n", failure.text);
+    return failure.code;
   }
 }

@@ -1,14 +1,20 @@
 #include "app/operate.h"
 
+#include <chrono>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "app/arm_wire.h"
 #include "app/cell_ports.h"
 #include "app/cell_run.h"
+#include "app/chart_files.h"
 #include "app/config_checksum.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/output.h"
 #include "app/phase_progress.h"
+#include "app/run_files.h"
 #include "app/run_progress.h"
 #include "app/setup_warnings.h"
 #include "app/stop_records.h"
@@ -38,12 +44,33 @@ void PrintWires(const config::CellConfig& cell) {
     fmt::print(stderr, "osteon run: PLC none (without_plc: accepted)\n");
 }
 
+// What can be said about the places to write to before anything is run.
+std::string WrongPlace(const OperateOptions& options) {
+  if (std::string wrong = WhyNoFile("--json", options.json); !wrong.empty()) return wrong;
+  std::error_code error;
+  if (std::filesystem::is_directory(options.record, error))
+    return fmt::format("--record {}: found a folder, accepted a file", options.record.string());
+  return options.overwrite ? "" : WhyNotToRecord(options.record);
+}
+
+std::string MakeRoom(const OperateOptions& options) {
+  if (!options.overwrite) return WhyNotToRecord(options.record);
+  // the recording itself is overwritten by whoever has locked it
+  std::vector<std::filesystem::path> pages = FilesOfRun(options.record);
+  std::erase(pages, options.record);
+  return RemoveFiles(pages);
+}
+
 }  // namespace
 
-int RunOperate(const OperateOptions& options) {
+int RunOperate(const OperateOptions& asked) {
+  OperateOptions options = asked;
+  if (options.record.empty()) options.record = DatedRecording("", std::chrono::system_clock::now());
+  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("run", wrong);
   // before there is any other thread
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("run", "--cpu: " + wrong);
+  OutputThread output({.watch_stderr = true});
   auto setup = PrepareCell(options.cell, {}, options.tool, options.gains);
   if (!setup) return Fail("run", setup.error());
   std::optional<CellProcessParams> cell;
@@ -57,7 +84,8 @@ int RunOperate(const OperateOptions& options) {
                              .cpu = options.cpu,
                              .guard = setup->config.guard.has_value()};
   } else if (options.port) {
-    UseSimulatedWires(setup->config, options.port);
+    if (const std::string wrong = UseSimulatedWires(setup->config, options.port); !wrong.empty())
+      return Fail("run", wrong);
   }
   PhaseProgress planning("osteon run", 2, false);
   if (const auto packed = PackCell(*setup, options.fidelity, options.device, true,
@@ -87,6 +115,7 @@ int RunOperate(const OperateOptions& options) {
       .cpu = options.cpu,
       .cell = cell,
       .recording = options.record,
+      .make_room = [&] { return MakeRoom(options); },
       .stop = &Interrupted(),
       .pauses = &AskedPauses(),
       .gains = options.gains,
@@ -98,21 +127,25 @@ int RunOperate(const OperateOptions& options) {
   progress.Done();
   if (!result) return Fail("run", result.error().what, result.error().begun ? kFailed : kBadInput);
 
-  const auto recording = io::ReadRecording(params.recording);
-  if (!recording) return Fail("run", recording.error(), kFailed);
+  auto recording = io::ReadRecording(params.recording);
+  std::string wrong = WhyNotRecorded(*result, recording ? "" : recording.error());
+  if (!recording) recording = io::Recording{};  // what the run itself counted is told all the same
   PhaseProgress measuring("osteon run", 1, false);
   measuring.Begin("measure the cut");
   RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
   measuring.Done();
-  const auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s,
-                                options.record.parent_path(), options.record.stem().string());
-  if (!stops) return Fail("run", stops.error(), kFailed);
-  summary.stops = *stops;
+  if (auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s,
+                              options.record.parent_path(), options.record.stem().string()))
+    summary.stops = std::move(*stops);
+  else
+    AddReason(wrong, stops.error());
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, ToJson(summary, "osteon.run/1")); !written)
-      return Fail("run", written.error(), kFailed);
+      AddReason(wrong, written.error());
   PrintTable(summary, "Osteon run");
-  return ExitCode(*result);
+  if (!result->internal_error.empty())
+    return Fail("run", "internal error: " + result->internal_error, kInternalError);
+  return wrong.empty() ? ExitCode(*result) : Fail("run", wrong, kFailed);
 }
 
 }  // namespace osteon::app

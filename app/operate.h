@@ -15,7 +15,8 @@ struct OperateOptions {
   double seconds{0.0};         ///< of rendering; 0: until Ctrl-C
   double wait_s{30.0};         ///< for the arm and all conditions of motion, until rendering begins
   int recoveries{0};  ///< so often it begins again after the connection to the arm has ended rendering
-  std::filesystem::path record{"run.mcap"};
+  std::filesystem::path record{};  ///< the recording; empty: DatedRecording in the working folder
+  bool overwrite{false};           ///< an earlier run's files of that name; else they are a reason to refuse
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
   FidelityChoice fidelity{};                 ///< how fine the bone is
   std::filesystem::path gains{};             ///< a file to lay over the cell's gains; empty: none
@@ -27,7 +28,8 @@ struct OperateOptions {
 
 /// `osteon run`: operates a cell, real or simulated, by what is on the wires that its file names.
 /// @returns the process's exit code: 0 done; 1 ended by a fault, never begun, or not recorded; 2 something
-/// was wrong with the input; 130 ended by Ctrl-C.
+/// was wrong with the input; 130 ended by Ctrl-C, 129 by a terminal that was closed, 141 since nobody reads
+/// what it prints.
 [[nodiscard]] int RunOperate(const OperateOptions& options);
 
 }  // namespace osteon::app

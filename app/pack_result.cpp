@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include "app/json_text.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -151,7 +152,7 @@ std::string ToJson(const PackResult& result) {
   for (const auto& [key, value] : result.provenance.parameters) json["parameters"][key] = value;
   json["output"] = nlohmann::json::array();
   for (const auto& output : result.outputs) json["output"].push_back(output.string());
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 std::vector<std::pair<std::string, std::string>> QualityParameters(const PackingQuality& quality) {

@@ -6,6 +6,7 @@
 
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/json_text.h"
 #include "app/phase_progress.h"
 #include "app/summary.h"
 
@@ -189,7 +190,7 @@ int RunPlan(const PlanOptions& options) {
   fmt::print("{}", PlanText(*scene, options.request, *plan, check));
   if (!options.json.empty())
     if (const auto written =
-            WriteText(options.json, PlanJson(*scene, options.request, *plan, check).dump(2) + "\n");
+            WriteText(options.json, JsonText(PlanJson(*scene, options.request, *plan, check)));
         !written)
       return Fail("plan", written.error(), kFailed);
   return plan->given_up.empty() && (!check || check->missed.empty()) ? 0 : 1;

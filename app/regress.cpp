@@ -28,6 +28,8 @@ namespace fs = std::filesystem;
 
 // What can be said of the options before anything runs.
 std::string WrongOptions(const RegressOptions& options) {
+  if (options.update && options.scenarios.empty() && !options.all)
+    return "--update: found no scenario, accepted with the names of those that are to be accepted, or --all";
   if (options.update && options.reason.find_first_not_of(" \t\n") == std::string::npos)
     return "--update: found no reason, accepted with --reason and one: what has changed, and why that is "
            "right";

@@ -19,6 +19,7 @@ struct RegressOptions {
   std::filesystem::path json, junit;
   bool update{false};
   std::string reason;            ///< of the update
+  bool all{false};               ///< the update is of all scenarios, though none is named
   bool exact{false};             ///< a bit that differs fails
   int jobs{0};                   ///< scenarios at a time; 0: one a core
   std::string device;            ///< part of a Vulkan device's name

@@ -26,6 +26,7 @@ RegressCommand::RegressCommand(CLI::App& app)
       "--update", o.update,
       "what does not pass, or comes of files that have changed, is the golden trace from now on");
   update->excludes(set);
+  sub_->add_flag("--all", o.all, "with --update: all scenarios, without their names")->needs(update);
   sub_->add_option("--reason", o.reason, "why that is right: it is written into the golden traces' heads");
   sub_->add_option("--jobs", o.jobs, "scenarios at a time; 0: one a core. The result does not depend on it")
       ->check(NumberWithin(0, 1024))
@@ -40,7 +41,7 @@ RegressCommand::RegressCommand(CLI::App& app)
       "Examples:\n  osteon regress\n  osteon regress --junit regress.xml --json regress.json\n"
       "  osteon regress reaming_lbr my_scenarios/wall.yaml\n"
       "  osteon regress reaming_lbr --set coupling.stiffness_N_per_mm=20.2\n"
-      "  osteon regress --update --reason \"the reamer's mass was weighed anew\"");
+      "  osteon regress reaming_lbr --update --reason \"the reamer's mass was weighed anew\"");
 }
 
 int RegressCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {

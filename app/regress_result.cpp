@@ -7,6 +7,7 @@
 
 #include "app/build_name.h"
 #include "app/chart_files.h"
+#include "app/json_text.h"
 #include "app/report/regress_page.h"
 #include "app/report/svg_text.h"
 
@@ -181,7 +182,7 @@ std::string RegressJson(const RegressSummary& summary) {
            {"now", d.now}});
     json["scenarios"].push_back(std::move(scenario));
   }
-  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return JsonText(json);
 }
 
 std::string RegressJunit(const RegressSummary& summary) {

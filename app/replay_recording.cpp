@@ -9,6 +9,7 @@
 #include "app/build_name.h"
 #include "app/chart_files.h"
 #include "app/exit_code.h"
+#include "app/json_text.h"
 #include "app/phase_progress.h"
 #include "app/recorded_config.h"
 #include "app/replay.h"
@@ -107,8 +108,7 @@ int RunReplay(const ReplayOptions& options) {
 
   Print(options, *recording, result);
   if (!options.json.empty())
-    if (const auto written = WriteText(options.json, ToJson(options, *recording, result).dump(2) + "\n");
-        !written)
+    if (const auto written = WriteText(options.json, JsonText(ToJson(options, *recording, result))); !written)
       return Fail("replay", written.error());
   return result.identical ? 0 : kFailed;
 }

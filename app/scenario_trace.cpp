@@ -102,7 +102,7 @@ std::uint64_t DigestOf(const simulation::ContactModel& model) {
   Fnv1a hash;
   const auto add = [&](const FieldName&, auto value) { Add(hash, value); };
   VisitFrame(simulation::FrameRecord{.model = model}, add);
-  for (int i = 0; i < model.contact_count; ++i)
+  for (int i = 0; i < std::clamp(model.contact_count, 0, simulation::kMaxContacts); ++i)
     VisitContact(model.contacts[static_cast<std::size_t>(i)], add);
   return hash.hash();
 }

@@ -12,6 +12,8 @@
 #include "app/cell_ports.h"
 #include "app/cell_trace.h"
 #include "app/interrupt.h"
+#include "app/json_text.h"
+#include "app/output.h"
 #include "app/simulated_setup.h"
 #include "app/summary.h"
 
@@ -97,7 +99,7 @@ std::string ToJson(const hil::CellHostState& state) {
         {"drive_to_controller", WireJson(state.devices.drive_to_controller)},
         {"drive_from_controller", WireJson(state.devices.drive_from_controller)}}},
       {"spindle", {{"speed_rad_per_s", state.tool_speed_rad_per_s}}}};
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 int RunSimulatedCell(const SimulatedCellOptions& options) {
@@ -105,9 +107,13 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
     fmt::print(stderr, "osteon cell: --cpu: {}\n", wrong);
     return 2;
   }
+  OutputThread output;
   InstallInterrupt();
   config::CellConfig cell = config::LoadCell(options.cell, options.tool);
-  UseSimulatedWires(cell, options.port);
+  if (const std::string wrong = UseSimulatedWires(cell, options.port); !wrong.empty()) {
+    fmt::print(stderr, "osteon cell: {}\n", wrong);
+    return 2;
+  }
   hil::CellHostState state;
   std::unique_ptr<CellTraceWriter> trace;
   if (!options.trace.empty()) {

@@ -1,5 +1,7 @@
 #include "app/simulation_thread.h"
 
+#include <exception>
+
 #include "control/rt/realtime_thread.h"
 
 namespace osteon::app {
@@ -7,7 +9,11 @@ namespace osteon::app {
 SimulationThread::SimulationThread(FrameRunner& runner, rt::LatestValue<simulation::ToolCommand>& commands,
                                    rt::LatestValue<simulation::ContactModel>& models, io::Recorder& recorder)
     : runner_(runner), commands_(commands), models_(models), recorder_(recorder), thread_([this] {
-        Loop();
+        try {
+          Loop();
+        } catch (const std::exception& error) {
+          error_ = error.what();
+        }
       }) {}
 
 SimulationThread::~SimulationThread() { Stop(); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <string>
 #include <thread>
 
 #include "app/frame_runner.h"
@@ -21,6 +22,8 @@ class SimulationThread {
 
   /// Ends after the present frame. Safe to call twice.
   void Stop();
+  /// After Stop: the exception that ended it before; empty where none did. Its models then grew old.
+  [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
   void Loop();
@@ -30,6 +33,7 @@ class SimulationThread {
   rt::LatestValue<simulation::ContactModel>& models_;
   io::Recorder& recorder_;
   std::atomic<bool> stop_{false};
+  std::string error_;  // the thread's, until it was joined
   std::thread thread_;
 };
 

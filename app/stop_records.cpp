@@ -1,7 +1,6 @@
 #include "app/stop_records.h"
 
 #include <algorithm>
-#include <system_error>
 
 #include <fmt/format.h>
 
@@ -105,10 +104,6 @@ tl::expected<std::vector<std::filesystem::path>, std::string> WriteStops(const i
   const auto page_of = [&](std::size_t n) { return folder / fmt::format("{}_stop_{}.html", stem, n); };
   const auto table_of = [&](std::size_t n) { return folder / fmt::format("{}_stop_{}_ticks.csv", stem, n); };
   const std::vector<StopRecord> stops = FindStops(recording.ticks);
-  std::error_code ignored;
-  for (std::size_t n = stops.size() + 1; std::filesystem::remove(page_of(n), ignored); ++n)
-    std::filesystem::remove(table_of(n), ignored);
-
   std::vector<std::filesystem::path> pages;
   for (std::size_t n = 1; n <= stops.size(); ++n) {
     const StopRecord& stop = stops[n - 1];

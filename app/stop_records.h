@@ -31,7 +31,7 @@ struct StopRecord {
 [[nodiscard]] std::vector<StopRecord> FindStops(std::span<const control::TickRecord> ticks);
 
 /// Each stop as a page with its plots and faults, `<stem>_stop_1.html`, and as a table of all its ticks,
-/// `<stem>_stop_1_ticks.csv`. What an earlier run left under these names is removed.
+/// `<stem>_stop_1_ticks.csv`. Nothing else is touched: run_files.h keeps one run's from another's.
 /// @param speed_limit_m_per_s  of the tool
 /// @returns the pages; an error names the file.
 [[nodiscard]] tl::expected<std::vector<std::filesystem::path>, std::string> WriteStops(

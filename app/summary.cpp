@@ -1,10 +1,7 @@
 #include "app/summary.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,8 +10,10 @@
 #include "app/each_fault.h"
 #include "app/fault_seen.h"
 #include "app/interrupt.h"
+#include "app/json_text.h"
 #include "app/setup_warnings.h"
 #include "io/can/drive_fault_text.h"
+#include "simulation/files/output_file.h"
 #include "simulation/metrics/cut_metrics.h"
 #include "simulation/tools/swept_tool.h"
 
@@ -216,8 +215,10 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.scene = setup.bone.name;
   s.tool = tool.name;
   s.recording = params.recording.string();
+  s.recording_error = result.recording_error;
   s.ended = EndText(result.end);
   if (!result.diagnosis.empty()) s.ended += ": " + result.diagnosis;
+  if (result.end == control::RunEnd::kStopFlag) s.ended_by = InterruptName();
   s.virtual_time = params.virtual_time;
   s.end = result.end;
   s.wanted_s = params.seconds;
@@ -326,7 +327,8 @@ std::vector<SummaryRow> VerdictRows(const Verdict& verdict) {
 
 std::vector<SummaryRow> Rows(const RunSummary& s) {
   std::vector<SummaryRow> rows{
-      {"Ended", s.ended + (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop)},
+      {"Ended", s.ended + (s.ended_by.empty() ? "" : " by " + s.ended_by) +
+                    (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop)},
       {"Engine", s.engine + " on " + s.device},
       {"Scene", fmt::format("{}: {} balls, {} mass points", s.scene, s.balls, s.points)},
       {"Packing", s.planned ? PlannedText(*s.planned) : "as the scene says, or as it was loaded"},
@@ -375,7 +377,8 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
     drive += fmt::format("{}at {:.2f} s {}", drive.empty() ? "" : "; ", row.time_s, row.text);
   if (!drive.empty()) rows.push_back({"Faults of the drive", drive});
   for (const std::filesystem::path& page : s.stops) rows.push_back({"What led to the stop", page.string()});
-  rows.push_back({"Recording", s.recording});
+  rows.push_back(
+      {"Recording", s.recording + (s.recording_error.empty() ? "" : ", not whole: " + s.recording_error)});
   return rows;
 }
 
@@ -385,8 +388,19 @@ void PrintTable(const RunSummary& summary, const std::string& title) {
   for (const SummaryRow& row : Rows(summary)) fmt::print("  {:<30} {}\n", row.key, row.value);
 }
 
+void AddReason(std::string& reasons, const std::string& reason) {
+  if (!reason.empty()) reasons += (reasons.empty() ? "" : "; ") + reason;
+}
+
+std::string WhyNotRecorded(const CellRunResult& result, const std::string& unreadable) {
+  std::string why;
+  AddReason(why, result.recording_error);
+  AddReason(why, unreadable);
+  return why;
+}
+
 int ExitCode(const CellRunResult& result) {
-  if (result.end == control::RunEnd::kStopFlag) return kExitInterrupted;
+  if (result.end == control::RunEnd::kStopFlag) return InterruptExitCode();
   return result.end == control::RunEnd::kSeconds && !result.faults.Any() ? 0 : 1;
 }
 
@@ -417,6 +431,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"virtual_time", s.virtual_time},
       {"without_plc", s.without_plc},
       {"ended", s.ended},
+      {"ended_by", s.ended_by.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.ended_by)},
       {"recovered", s.recovered},
       {"link",
        {{"lost", s.link.lost},
@@ -476,7 +491,9 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"faults_seen", faults_seen},
       {"drive_faults", ToJson(s.drive_faults)},
       {"assumptions", s.assumptions},
-      {"recording", s.recording}};
+      {"recording", s.recording},
+      {"recording_error",
+       s.recording_error.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.recording_error)}};
   out["events"] = events;
   out["planned"] = s.planned ? PlannedJson(*s.planned) : nlohmann::json(nullptr);
   out["rezoned"] = nlohmann::json::array();
@@ -502,23 +519,18 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
   }
   if (!s.arm_stop.empty()) out["arm_stop"] = s.arm_stop;
   // a path may be any bytes; JSON is UTF-8
-  return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return JsonText(out);
 }
 
 tl::expected<void, std::string> WriteText(const std::filesystem::path& path, const std::string& text) {
-  std::error_code error;
-  // a file takes its place whole; what is no file (a device, a pipe) is written to and stays what it is
-  const bool whole = !std::filesystem::exists(path, error) || std::filesystem::is_regular_file(path, error);
-  const std::filesystem::path part = whole ? path.string() + ".part" : path.string();
-  std::ofstream file(part, std::ios::binary);
-  file << text;
-  file.close();
-  error.clear();
-  if (file && whole) std::filesystem::rename(part, path, error);
-  if (file && !error) return {};
-  const std::string reason = error ? error.message() : std::strerror(errno);
-  if (whole) std::filesystem::remove(part, error);
-  return tl::make_unexpected(path.string() + ": can't be written: " + reason);
+  const auto refuse = [&](const simulation::FileError& error) {
+    return tl::make_unexpected(path.string() + ": can't be written: " + error.found);
+  };
+  auto file = simulation::OutputFile::Create(path);
+  if (!file) return refuse(file.error());
+  file->Write(text);
+  if (const auto written = file->Commit(); !written) return refuse(written.error());
+  return {};
 }
 
 }  // namespace osteon::app

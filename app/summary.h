@@ -61,6 +61,8 @@ struct DriveFaultRow {
 /// The figures of a run: what the terminal, summary.json and the report show.
 struct RunSummary {
   std::string engine, device, scene, tool, recording, ended;
+  std::string recording_error;        ///< why the recording is not whole; empty: it is
+  std::string ended_by;               ///< the signal that asked for the end, "SIGHUP"; empty: none did
   Verdict verdict;                    ///< JudgeRun of the rest
   std::vector<std::string> warnings;  ///< at set-up: what the cell's own figures can't do together
   bool virtual_time{false};
@@ -129,13 +131,20 @@ struct RunSummary {
 /// The rows on the terminal, under `title`, scene and tool.
 void PrintTable(const RunSummary& summary, const std::string& title);
 
-/// Of a process that ran: 0 done, 1 ended by a fault or never begun, kExitInterrupted ended by Ctrl-C.
+/// Of a process that ran: 0 done, 1 ended by a fault or never begun, InterruptExitCode() ended by a signal.
 [[nodiscard]] int ExitCode(const CellRunResult& result);
+
+/// Why there is no whole recording of a run that was run: what the recorder said, and what reading it.
+/// Empty: there is one.
+[[nodiscard]] std::string WhyNotRecorded(const CellRunResult& result, const std::string& unreadable);
+/// "before; reason", or the reason alone.
+void AddReason(std::string& reasons, const std::string& reason);
 
 /// One JSON object by the contract of docs/commands.md, with `schema`.
 [[nodiscard]] std::string ToJson(const RunSummary& summary, const std::string& schema);
 
-/// Writes text to a file, which appears whole or not at all. The error names the path.
+/// Writes text to a file, which appears whole or not at all; where a link leads, as the link stays one. An
+/// existing file's rights are kept. The error names the path.
 [[nodiscard]] tl::expected<void, std::string> WriteText(const std::filesystem::path& path,
                                                         const std::string& text);
 

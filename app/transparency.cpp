@@ -10,6 +10,7 @@
 
 #include "app/chart_files.h"
 #include "app/exit_code.h"
+#include "app/json_text.h"
 #include "app/phase_progress.h"
 #include "app/report/svg_plot.h"
 #include "app/summary.h"
@@ -293,7 +294,7 @@ int RunTransparency(const TransparencyOptions& options) {
                             "drag to compare with; accepted the admittance law",
                             options.cell.string()));
   const TransparencyResult result = MeasureTransparency(cell, options);
-  const std::string json = ToJson(result, options).dump(2) + "\n";
+  const std::string json = JsonText(ToJson(result, options));
   const auto written = WriteChart(
       {.name = "transparency",
        .title = "Transparency of " + result.cell,

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "app/json_text.h"
 #include "app/report/svg_text.h"
 
 namespace osteon::app {
@@ -153,7 +154,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
     json["trade"].push_back({{"mass_kg", trade.mass_kg},
                              {"damping_human", Finite(trade.human_Ns_per_m)},
                              {"damping_stiffest", Finite(trade.stiffest_Ns_per_m)}});
-  if (!r.Stands()) return json.dump(2) + "\n";
+  if (!r.Stands()) return JsonText(json);
   json["recommended"] = ToJson(r.recommended);
   json["recommended"]["margin"] = r.recommended_margin;
   json["stiff_grips"] = {{"grip_N_per_m", t.stiffest_grip_N_per_m},
@@ -172,7 +173,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
                                             {"damping_most_ratio", c.run.most_damping},
                                             {"damping_mean_ratio", c.run.mean_damping}});
   json["check"] = {{"runs", r.check.runs}, {"grew", r.check.grew}};
-  return json.dump(2) + "\n";
+  return JsonText(json);
 }
 
 std::string BoundaryCsv(const TuneResult& r) {

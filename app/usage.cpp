@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -73,6 +76,27 @@ std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
                                         : fmt::format("accepted: {}", fmt::join(known, ", ")));
   }
   return fmt::format("{}: {} ({} --help shows all)\n", name, what, name);
+}
+
+std::string WhyNotToBegin(const CLI::App& app) {
+  const CLI::App* asked = &app;
+  std::string name = app.get_name();
+  for (auto chosen = app.get_subcommands(); !chosen.empty(); chosen = asked->get_subcommands()) {
+    asked = chosen.front();
+    name += " " + asked->get_name();
+  }
+  for (const CLI::Option* option : asked->get_options())
+    if (option->get_name() == "--json" && option->count() > 0 && option->results().front() == "-")
+      return name + ": --json: found -, accepted a file's name: stdout is for the text\n";
+  std::error_code error;
+  static_cast<void>(std::filesystem::temp_directory_path(error));
+  if (!error || asked == &app) return "";
+  for (const char* variable : {"TMPDIR", "TMP", "TEMP", "TEMPDIR"})  // as std::filesystem asks
+    if (const char* folder = std::getenv(variable))
+      return fmt::format(
+          "{}: {}: found {}, which is no folder; accepted one for temporary files, or none: then /tmp\n",
+          name, variable, folder);
+  return name + ": /tmp: found no such folder, accepted one, or another in TMPDIR\n";
 }
 
 }  // namespace osteon::app

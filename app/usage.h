@@ -19,4 +19,8 @@ namespace osteon::app {
 /// one.
 [[nodiscard]] std::string UsageError(const CLI::App& app, const CLI::ParseError& error);
 
+/// What keeps any subcommand from its work, after the name of the one that was asked for: `--json -`, a
+/// folder for temporary files that is not there. Empty: nothing.
+[[nodiscard]] std::string WhyNotToBegin(const CLI::App& app);
+
 }  // namespace osteon::app

@@ -84,6 +84,8 @@ Verdict JudgeRun(const RunSummary& summary) {
   JudgeEnd(summary, verdict);
   JudgeForce(summary, verdict);
   for (const std::string& warning : summary.warnings) verdict.Add(VerdictLevel::kLook, warning);
+  if (!summary.recording_error.empty())
+    verdict.Add(VerdictLevel::kLook, fmt::format("the recording is not whole: {}", summary.recording_error));
   if (summary.dropped > 0)
     verdict.Add(VerdictLevel::kLook, fmt::format("{} records are missing in the recording", summary.dropped));
   return verdict;

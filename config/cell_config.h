@@ -78,7 +78,9 @@ struct RobotConfig {
 /// Where the arm's messages arrive, and what they are; the simulated arm sends there. An LBR speaks FRI, an
 /// arm of six axes RSI.
 struct ArmLinkConfig {
-  std::string host;  ///< dotted IPv4
+  std::string host;  ///< dotted IPv4, of this machine
+  std::string
+      arm_host{};  ///< dotted IPv4, of the arm: nobody else is heard. Empty: the first that speaks is it
   std::uint16_t port{0};
   std::variant<io::FriSessionParams, io::RsiSessionParams> session;
 

@@ -115,6 +115,7 @@ std::array<double, 6> ReadCorrectionRange(Reader& section, const std::string& na
 ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell) {
   ArmLinkSections sections{.link = cell_section.OneSection({"fri", "rsi"})};
   cell.link.host = sections.link.Text("host");
+  if (sections.link.Has("arm_host")) cell.link.arm_host = sections.link.Text("arm_host");
   cell.link.port = static_cast<std::uint16_t>(sections.link.Whole("port", 1024, 65535));
   if (cell_section.Has("rsi")) {
     const io::RsiSessionParams session = ReadRsi(sections.link, sections.jump_accepted);
@@ -131,6 +132,13 @@ ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell) {
 }
 
 void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell) {
+  // where a network reaches, anybody's datagram could be the arm's first
+  const std::string& host = cell.guard ? cell.guard->host : cell.link.host;
+  if (!host.starts_with("127.") && cell.link.arm_host.empty())
+    sections.link.Refuse("arm_host",
+                         fmt::format("found none with the address {}, accepted the arm's address: "
+                                     "datagrams of others are refused then",
+                                     host));
   if (sections.quality) return CheckLinkQuality(*sections.quality, cell.simulated.fri);
   const Reader& link = sections.link;
   const io::RsiSessionParams& session = *cell.link.rsi();

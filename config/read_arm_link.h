@@ -18,13 +18,14 @@ struct ArmLinkSections {
 
 /// Section `fri`, with `link_quality`, or `rsi`: both ends of the wire to the arm. A cell has one of the two.
 ///
-///     fri: {host, port, period_ms, [version], [wrench_torques], [receive_multiplier_count]}
-///     rsi: {host, port, layout, correction, absolute, hold_on, cycle_ms, ipoc_step_count, timeout_count,
+///     fri: {host, port, period_ms, [arm_host], [version], [wrench_torques], [receive_multiplier_count]}
+///     rsi: {host, port, [arm_host], layout, correction, absolute, hold_on, cycle_ms, ipoc_step_count, timeout_count,
 ///           range_deg: [A1 … A6], or of cartesian corrections range_mm: [X, Y, Z] and range_deg: [A, B, C],
 ///           [entry_step_deg], [settle_count], [late_at_start_count], [decimal_count],
 ///           [accept_jump_after_lost_answers]}
 ///
-/// Absolute corrections without hold_on are refused unless that jump is accepted.
+/// Absolute corrections without hold_on are refused unless that jump is accepted; an address that is not the
+/// loopback's, without arm_host.
 /// What is not said is as in the libraries. Sets link, servo.period_s and the arm's end: simulated.fri, or
 /// simulated.kr.
 [[nodiscard]] ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell);

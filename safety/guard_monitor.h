@@ -134,6 +134,11 @@ class GuardMonitor {
   /// The motion request stands: nothing is latched, and no controller has left the arm alone. One that fell
   /// silent after it had brought the arm to rest, an ordinary end, may come back; that is not latched.
   [[nodiscard]] bool permits() const OSTEON_RT { return !latched() && !left_alone_; }
+  /// The arm is being commanded, by what it said at most 0.1 s ago.
+  [[nodiscard]] bool ArmIsCommanded(rt::Nanoseconds now) const OSTEON_RT {
+    return has_arm_ && arm_message_.session >= GuardSession::kWaiting &&
+           now - arm_arrival_ < 100 * rt::kMillisecond;
+  }
   [[nodiscard]] const GuardReason& reason() const OSTEON_RT { return reason_; }
   [[nodiscard]] const GuardCounters& counters() const OSTEON_RT { return counters_; }
 

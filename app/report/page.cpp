@@ -1,11 +1,9 @@
 #include "app/report/page.h"
 
-#include <fstream>
-#include <system_error>
-
 #include <fmt/format.h>
 
 #include "app/report/svg_text.h"
+#include "simulation/files/output_file.h"
 
 namespace osteon::app {
 namespace {
@@ -80,15 +78,13 @@ tl::expected<std::string, std::string> Picture(const Image& image, const std::st
 }
 
 tl::expected<void, std::string> WritePage(const std::string& html, const std::filesystem::path& path) {
-  std::filesystem::path part = path;
-  part += ".part";
-  std::ofstream file(part, std::ios::binary);
-  file << html;
-  file.close();
-  if (!file) return tl::unexpected(path.string() + ": cannot write the report");
-  std::error_code error;
-  std::filesystem::rename(part, path, error);
-  if (error) return tl::unexpected(path.string() + ": " + error.message());
+  const auto refuse = [&](const simulation::FileError& error) {
+    return tl::unexpected(path.string() + ": cannot write the report: " + error.found);
+  };
+  auto file = simulation::OutputFile::Create(path);
+  if (!file) return refuse(file.error());
+  file->Write(html);
+  if (const auto written = file->Commit(); !written) return refuse(written.error());
   return {};
 }
 

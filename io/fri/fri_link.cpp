@@ -4,9 +4,11 @@
 
 namespace osteon::io {
 tl::expected<std::unique_ptr<FriLink>, std::string> FriLink::Open(const FriLinkParams& params) {
+  const auto arm = PeerAddress("FRI: the arm's", params.arm_address);
+  if (!arm) return tl::unexpected(arm.error());
   const auto bound = BindUdp("FRI", params.bind_address, params.port);
   if (!bound) return tl::unexpected(bound.error());
-  return std::unique_ptr<FriLink>(new FriLink(*bound, params));
+  return std::unique_ptr<FriLink>(new FriLink(*bound, *arm, params));
 }
 
 control::ReceiveResult FriLink::Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <tl/expected.hpp>
@@ -16,6 +17,8 @@ namespace osteon::io {
 
 struct FriLinkParams {
   std::string bind_address{"127.0.0.1"};  ///< IPv4 address of the network card that the arm is on
+  std::string
+      arm_address{};  ///< IPv4; of others every datagram is rejected. Empty: the first that speaks is the arm
   std::uint16_t port{30200};  ///< 30200 … 30209 on KUKA's side, one an arm; 0 lets the system choose
   FriSessionParams session{};
 };
@@ -52,8 +55,8 @@ class FriLink final : public control::ArmLink {
  private:
   static constexpr std::size_t kRoom = kFriMaxDatagram + 1;  // one more, to see what is too long
 
-  FriLink(const BoundUdp& bound, const FriLinkParams& params)
-      : peer_(bound),
+  FriLink(const BoundUdp& bound, std::optional<in_addr> arm, const FriLinkParams& params)
+      : peer_(bound, arm),
         session_(params.session),
         rehearsal_(LinkRehearsal<FriSession, kRoom>::Make("rehearsal", session_)) {}
 

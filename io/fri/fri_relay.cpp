@@ -37,6 +37,10 @@ struct FriRelay::Judge {
   bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT {
     return relay.TakeMessage(datagram, arrival);
   }
+  [[nodiscard]] bool IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT {
+    MonitoringMessage message;
+    return DecodeMonitoring(relay.family_, datagram, message) == CodecError::kNone;
+  }
   void Reject() OSTEON_RT { ++relay.counters_.rejected; }
   void StartOver() OSTEON_RT { relay.monitor_.StartOver(); }
   void Superseded() OSTEON_RT {}  // it was relayed as well: the controller counts
@@ -44,6 +48,8 @@ struct FriRelay::Judge {
 
 tl::expected<std::unique_ptr<FriRelay>, std::string> FriRelay::Open(const FriRelayParams& params,
                                                                     safety::GuardMonitor& monitor) {
+  const auto from = PeerAddress("guard: the arm's", params.arm_host);
+  if (!from) return tl::unexpected(from.error());
   const auto to = Ipv4("guard: the controller's", params.controller_address, params.controller_port);
   if (!to) return tl::unexpected(to.error());
   const std::string place =
@@ -62,7 +68,7 @@ tl::expected<std::unique_ptr<FriRelay>, std::string> FriRelay::Open(const FriRel
     close(controller);
     return tl::unexpected(arm.error());
   }
-  return std::unique_ptr<FriRelay>(new FriRelay(*arm, controller, FamilyOf(params.version), monitor));
+  return std::unique_ptr<FriRelay>(new FriRelay(*arm, *from, controller, FamilyOf(params.version), monitor));
 }
 
 FriRelay::~FriRelay() { close(controller_); }

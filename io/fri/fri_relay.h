@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <tl/expected.hpp>
@@ -17,6 +18,7 @@ namespace osteon::io {
 struct FriRelayParams {
   std::string arm_address{"127.0.0.1"};  ///< IPv4 address of the network card that the arm is on
   std::uint16_t arm_port{30209};         ///< where the arm sends to; 0: any free one
+  std::string arm_host{};  ///< IPv4 of the arm; others are rejected. Empty: the first that speaks is the arm
   std::string controller_address{"127.0.0.1"};
   std::uint16_t controller_port{30200};  ///< where the controller waits for the arm
   FriVersion version{FriVersion::k1_15};
@@ -58,8 +60,9 @@ class FriRelay {
   [[nodiscard]] const rt::DurationHistogram& answer_delay() const { return answer_delay_; }
 
  private:
-  FriRelay(const BoundUdp& arm, int controller, FriFamily family, safety::GuardMonitor& monitor)
-      : arm_(arm), controller_(controller), family_(family), monitor_(monitor) {}
+  FriRelay(const BoundUdp& arm, std::optional<in_addr> from, int controller, FriFamily family,
+           safety::GuardMonitor& monitor)
+      : arm_(arm, from), controller_(controller), family_(family), monitor_(monitor) {}
 
   bool TakeMessage(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT;
   bool TakeAnswers() OSTEON_RT;

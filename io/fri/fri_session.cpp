@@ -100,6 +100,11 @@ FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
   return result;
 }
 
+bool FriSession::IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT {
+  MonitoringMessage message;
+  return DecodeMonitoring(family_, datagram, message) == CodecError::kNone;
+}
+
 FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT {
   // The difference modulo 2^32, read as signed, is right across the counter's wrap.
   const auto step = static_cast<std::int32_t>(message.sequence - last_.sequence);

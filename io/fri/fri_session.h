@@ -75,6 +75,9 @@ class FriSession {
   FriAccept Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp,
                    control::ArmState& state) OSTEON_RT;
 
+  /// It can be read as a message of the arm; nothing is changed by looking.
+  [[nodiscard]] bool IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT;
+
   /// The datagram that answers the message last accepted; empty where none is owed (yet), or it was answered
   /// before. Valid until the next call.
   [[nodiscard]] std::span<const std::uint8_t> Answer(const control::ArmCommand& command) OSTEON_RT;

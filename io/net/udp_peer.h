@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "control/ports.h"
@@ -25,6 +26,9 @@ struct SessionJudge {
     const auto taken = session.Accept(datagram, arrival, state);
     return taken == decltype(taken)::kAccepted;
   }
+  [[nodiscard]] bool IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT {
+    return session.IsMessage(datagram);
+  }
   void Reject() OSTEON_RT { session.CountRejected(state); }
   void StartOver() OSTEON_RT { session.StartOver(); }
   void Superseded() OSTEON_RT { session.CountLate(state); }
@@ -33,8 +37,9 @@ template <class Session>
 SessionJudge(Session&, control::ArmState&) -> SessionJudge<Session>;
 
 /// The PC's end of a protocol in which the other side speaks first: answers go to where its message came
-/// from. The first sender of a valid message is the peer: others are rejected, until the peer has been silent
-/// for a second (one that was restarted may come back from another port). Of several messages that wait, the
+/// from. Where the peer's address is known, nobody else is heard. The first sender of a valid message is the
+/// peer: others are rejected, until the peer has been silent for a second (one that was restarted may come
+/// back from another port). Of several messages that wait, the
 /// newest counts. One thread at a time; no allocation once opened, no system calls but the socket's and the
 /// clock's.
 /// @tparam kMostBytes  of a datagram; a longer one is cut
@@ -43,7 +48,8 @@ class UdpPeer {
  public:
   static constexpr rt::Nanoseconds kSilence = rt::kSecond;
 
-  explicit UdpPeer(const BoundUdp& bound) : bound_(bound) {}
+  /// @param from  the peer's address; none: anybody's
+  explicit UdpPeer(const BoundUdp& bound, std::optional<in_addr> from = {}) : bound_(bound), from_(from) {}
   ~UdpPeer() {
     if (bound_.socket >= 0) close(bound_.socket);
   }
@@ -59,6 +65,7 @@ class UdpPeer {
   /// passed. `protocol` judges them, without allocation:
   ///
   ///     bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival)   valid?
+  ///     bool IsMessage(std::span<const std::uint8_t> datagram)   could be valid; changes nothing
   ///     void Reject()      a stranger's
   ///     void StartOver()   what comes next is of another peer than what came before
   ///     void Superseded()  a valid message was overtaken by a newer one that waited, too
@@ -110,11 +117,13 @@ class UdpPeer {
     const rt::Nanoseconds arrival = ArrivalTime(in_.header(i));
     const bool known =
         has_peer_ && sender.sin_addr.s_addr == peer_.sin_addr.s_addr && sender.sin_port == peer_.sin_port;
-    if (has_peer_ && !known && arrival - heard_ < kSilence) {
+    const bool foreign = from_ && sender.sin_addr.s_addr != from_->s_addr;
+    if (foreign || (has_peer_ && !known && arrival - heard_ < kSilence)) {
       protocol.Reject();
       return false;
     }
-    if (!known) protocol.StartOver();  // what a stranger said before is nobody's beginning
+    // what a stranger said before is nobody's beginning; and noise ends no session
+    if (!known && protocol.IsMessage(in_.bytes(i))) protocol.StartOver();
     if (!protocol.Accept(in_.bytes(i), arrival)) return false;
     newest_ = in_.bytes(i);
     peer_ = sender;
@@ -126,6 +135,7 @@ class UdpPeer {
   using Batch = MessageBatch<kMostBytes, CMSG_SPACE(sizeof(timespec)), Sender::kKept>;
 
   BoundUdp bound_;
+  std::optional<in_addr> from_;
   Batch in_;
   sockaddr_in peer_{};
   bool has_peer_{false};

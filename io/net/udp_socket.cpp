@@ -76,6 +76,14 @@ tl::expected<sockaddr_in, std::string> Ipv4(const std::string& what, const std::
   return result;
 }
 
+tl::expected<std::optional<in_addr>, std::string> PeerAddress(const std::string& what,
+                                                              const std::string& address) {
+  if (address.empty()) return std::nullopt;
+  const auto peer = Ipv4(what, address, 0);
+  if (!peer) return tl::unexpected(peer.error());
+  return peer->sin_addr;
+}
+
 tl::expected<BoundUdp, std::string> BindUdp(const std::string& who, const std::string& address,
                                             std::uint16_t port) {
   auto here = Ipv4(who + ": bind", address, port);

@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -51,6 +52,10 @@ struct Datagram {
 /// @param what  "FRI: bind": who asks, for the error
 [[nodiscard]] tl::expected<sockaddr_in, std::string> Ipv4(const std::string& what, const std::string& address,
                                                           std::uint16_t port);
+
+/// The address alone. Empty: none
+[[nodiscard]] tl::expected<std::optional<in_addr>, std::string> PeerAddress(const std::string& what,
+                                                                            const std::string& address);
 
 struct BoundUdp {
   int socket{-1};  ///< the caller's to close

@@ -73,7 +73,15 @@ std::string Decode(std::span<const char> bytes, FrameRecord& record) {
       return "material " + std::to_string(plane.material()) + ", accepted 0 … 255";
     contact.material = static_cast<simulation::MaterialIndex>(plane.material());
   }
-  if (message.has_contact_count()) model.contact_count = message.contact_count();
+  if (message.has_contact_count()) {  // beside the planes only where there could not be so many
+    const std::int32_t count = message.contact_count();
+    const bool too_few = count < 0 && model.contact_count == 0;
+    const bool too_many = count > simulation::kMaxContacts && model.contact_count == simulation::kMaxContacts;
+    if (!too_few && !too_many)
+      return "contact_count " + std::to_string(count) + " beside " + std::to_string(model.contact_count) +
+             " contacts, accepted as many as there are, or one that no model may have";
+    model.contact_count = count;
+  }
   Get(message.n_w(), model.n_W);
   model.contact_fraction = message.contact_fraction();
   Get(message.p_ws(), model.p_WS_m);

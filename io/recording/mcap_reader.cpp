@@ -265,6 +265,7 @@ std::string McapReader::ReadClosingMagic() {
   if (size_ - offset_ < mcap::kMagic.size() || !Read(offset_, mcap::kMagic.size(), magic)) return {};
   if (magic != mcap::kMagic) return on_damage_ == OnDamage::kRefuse ? "the closing magic is damaged" : "";
   offset_ += magic.size();
+  closed_ = true;
   complete_ = damage_.empty();
   return {};
 }

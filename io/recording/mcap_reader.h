@@ -56,8 +56,10 @@ class McapReader {
   /// The next message. False at the file's end. The error names file, byte and reason; it is final.
   [[nodiscard]] tl::expected<bool, std::string> Next(McapMessage& message);
 
-  /// After the end: closing magic and everything before it were there.
-  [[nodiscard]] bool complete() const { return complete_; }
+  /// After the end: closing magic and everything before it were there, and nothing behind it.
+  [[nodiscard]] bool complete() const { return complete_ && offset_ == size_; }
+  /// After the end: the closing magic was there; bytes up to file_bytes() are behind it.
+  [[nodiscard]] bool closed() const { return closed_; }
   /// Up to the end, or up to the first byte that is of no use: the rest of a torn file.
   [[nodiscard]] std::uint64_t read_bytes() const { return offset_; }
   [[nodiscard]] std::uint64_t file_bytes() const { return size_; }
@@ -103,7 +105,7 @@ class McapReader {
 
   std::uint64_t offset_{0};  // of the next record
   std::uint32_t crc_{0};     // of everything before it
-  bool has_header_{false}, data_ended_{false}, ended_{false}, complete_{false};
+  bool has_header_{false}, data_ended_{false}, ended_{false}, complete_{false}, closed_{false};
 
   // the records being handed out: a chunk's, or a single one outside any chunk
   std::string records_;

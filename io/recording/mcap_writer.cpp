@@ -1,5 +1,7 @@
 #include "io/recording/mcap_writer.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -22,12 +24,33 @@ std::string Explain(const std::filesystem::path& path, const char* what, int err
   return path.string() + ": " + what + ": " + std::generic_category().message(error);
 }
 
+// Empty, and this process's alone. Null: errno says why; EWOULDBLOCK: another process has it.
+std::FILE* OpenLocked(const std::filesystem::path& path) {
+  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor < 0) return nullptr;
+  struct stat status;  // NOLINT: filled by the call
+  const bool is_file = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+  // a file system that knows no locks gives none
+  const bool is_taken = is_file && flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  std::FILE* file = nullptr;
+  if (!is_taken && (!is_file || ftruncate(descriptor, 0) == 0)) file = fdopen(descriptor, "wb");
+  if (file == nullptr) {
+    const int error = is_taken ? EWOULDBLOCK : errno;
+    close(descriptor);
+    errno = error;
+  }
+  return file;
+}
+
 }  // namespace
 
 tl::expected<McapWriter, std::string> McapWriter::Create(const std::filesystem::path& path,
                                                          std::string_view library, std::size_t chunk_bytes) {
-  std::FILE* file = std::fopen(path.c_str(), "wbe");
-  if (file == nullptr) return tl::unexpected(Explain(path, "cannot create the recording", errno));
+  std::FILE* file = OpenLocked(path);
+  if (file == nullptr)
+    return tl::unexpected(errno == EWOULDBLOCK
+                              ? path.string() + ": another process records into it, accepted another name"
+                              : Explain(path, "cannot create the recording", errno));
   McapWriter writer(path, file, chunk_bytes);
   std::string header;
   AppendString(header, "");  // no profile: plain protobuf channels

@@ -22,7 +22,8 @@ class McapWriter {
   /// ... and never more than this, from the first of them to the last, by their log times.
   static constexpr std::int64_t kChunkTime_ns = 250'000'000;
 
-  /// Creates or overwrites the file. The error names the path and the system's reason.
+  /// Creates or overwrites the file, which is locked (flock) as long as it is open: what another process
+  /// writes is refused, and left as it is. The error names the path and the system's reason.
   [[nodiscard]] static tl::expected<McapWriter, std::string> Create(const std::filesystem::path& path,
                                                                     std::string_view library,
                                                                     std::size_t chunk_bytes = kChunkBytes);

@@ -146,6 +146,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
   if (!census.has_session())
     return discard(from.string() + ": no osteon.Session left in it: nothing to recover");
   recovery.damage.insert(recovery.damage.end(), reader->damage().begin(), reader->damage().end());
+  recovery.closed = reader->closed();
   recovery.was_whole = reader->complete() && recovery.damage.empty();
   if (recovery.was_whole)
     if (std::string wrong = WhyNotReadable(from); !wrong.empty()) {

@@ -17,7 +17,8 @@ struct Recovery {
   std::uint64_t messages{0}, ticks{0}, frames{0}, events{0};  ///< kept
   std::uint64_t unchecked{0};        ///< of them, from the chunk that was being written: no CRC covers it
   std::uint64_t missing_ticks{0};    ///< numbers left out between the ticks that are there
-  std::uint64_t tail_bytes{0};       ///< at the end, of a message that is cut off
+  std::uint64_t tail_bytes{0};       ///< at the end, of a message that is cut off; or behind the end
+  bool closed{false};                ///< the end was there: tail_bytes are behind it
   std::vector<McapDamage> damage;    ///< elsewhere: what was passed over
   double first_s{0.0}, last_s{0.0};  ///< log times of the first and last tick kept
   std::uint64_t bytes{0};            ///< of the file written

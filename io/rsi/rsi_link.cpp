@@ -11,9 +11,11 @@ tl::expected<std::unique_ptr<RsiLink>, std::string> RsiLink::Open(const RsiLinkP
   } catch (const std::invalid_argument& error) {
     return tl::unexpected(std::string(error.what()));
   }
+  const auto arm = PeerAddress("RSI: the arm's", params.arm_address);
+  if (!arm) return tl::unexpected(arm.error());
   const auto bound = BindUdp("RSI", params.bind_address, params.port);
   if (!bound) return tl::unexpected(bound.error());
-  return std::unique_ptr<RsiLink>(new RsiLink(*bound, params));
+  return std::unique_ptr<RsiLink>(new RsiLink(*bound, *arm, params));
 }
 
 control::ReceiveResult RsiLink::Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT {

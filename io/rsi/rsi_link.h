@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <tl/expected.hpp>
@@ -16,7 +17,9 @@ namespace osteon::io {
 
 struct RsiLinkParams {
   std::string bind_address{"127.0.0.1"};  ///< IPv4 address of the network card that the controller is on
-  std::uint16_t port{49152};              ///< as in the controller's Ethernet configuration; 0: any free one
+  std::string
+      arm_address{};  ///< IPv4; of others every datagram is rejected. Empty: the first that speaks is the arm
+  std::uint16_t port{49152};  ///< as in the controller's Ethernet configuration; 0: any free one
   RsiSessionParams session{};
 };
 
@@ -51,8 +54,8 @@ class RsiLink final : public control::ArmLink {
  private:
   static constexpr std::size_t kRoom = kRsiMaxDatagram + 1;  // one more, to see what is too long
 
-  RsiLink(const BoundUdp& bound, const RsiLinkParams& params)
-      : peer_(bound),
+  RsiLink(const BoundUdp& bound, std::optional<in_addr> arm, const RsiLinkParams& params)
+      : peer_(bound, arm),
         session_(params.session),
         rehearsal_(LinkRehearsal<RsiSession, kRoom>::Make("rehearsal", session_)) {}
 

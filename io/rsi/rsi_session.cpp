@@ -127,6 +127,11 @@ RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
   return result;
 }
 
+bool RsiSession::IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT {
+  RsiRobotMessage message;
+  return !DecodeRobot(datagram, static_cast<std::uint16_t>(RsiElement::kAIPos), message);
+}
+
 RsiSession::Order RsiSession::CheckSequence(std::uint64_t ipoc, rt::Nanoseconds stamp,
                                             std::uint32_t& ahead) OSTEON_RT {
   // unsigned difference, read as signed: right wherever two numbers are less than 2^63 apart

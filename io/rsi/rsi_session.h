@@ -90,6 +90,9 @@ class RsiSession {
   /// @throws std::invalid_argument where a parameter is out of range, naming it.
   explicit RsiSession(const RsiSessionParams& params);
 
+  /// It can be read as a message of the controller; nothing is changed by looking.
+  [[nodiscard]] bool IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT;
+
   /// Takes a datagram that arrived at `stamp`. The counters of `state` are always set, the rest on kAccepted
   /// only.
   RsiAccept Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp,

@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -18,6 +20,32 @@ FileError Failure(const std::filesystem::path& path, std::optional<std::uint64_t
           .where = "cannot be written",
           .found = std::generic_category().message(error),
           .accepted = ""};
+}
+
+// Where a chain of links leads, whether there is anything or not.
+std::filesystem::path EndOfLinks(std::filesystem::path path) {
+  constexpr int kMaxLinks = 40;  // as the system follows
+  std::error_code error;
+  for (int links = 0; links < kMaxLinks && std::filesystem::is_symlink(path, error); ++links) {
+    const std::filesystem::path to = std::filesystem::read_symlink(path, error);
+    if (error) break;
+    path = to.is_absolute() ? to : path.parent_path() / to;
+  }
+  return path;
+}
+
+// A new file of its own beside another one, with that one's rights. Negative: errno says why.
+int OpenBeside(const std::filesystem::path& target, std::filesystem::path& temporary) {
+  static std::atomic<unsigned> count{0};
+  int fd = -1;
+  do {
+    temporary = target;
+    temporary += "." + std::to_string(getpid()) + "_" + std::to_string(count++) + ".part";
+    fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (fd < 0 && errno == EEXIST);
+  struct stat status;  // NOLINT: filled by the call
+  if (fd >= 0 && stat(target.c_str(), &status) == 0) static_cast<void>(fchmod(fd, status.st_mode & 07777));
+  return fd;
 }
 
 }  // namespace
@@ -33,11 +61,9 @@ tl::expected<OutputFile, FileError> OutputFile::Create(const std::filesystem::pa
     if (fd < 0) return tl::make_unexpected(Failure(path, {}, errno));
     return OutputFile(path, {}, fd);
   }
-  std::filesystem::path target = there ? std::filesystem::canonical(path, ignored) : path;
-  if (target.empty()) target = path;
-  std::filesystem::path temporary = target;
-  temporary += ".part";
-  const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  const std::filesystem::path target = EndOfLinks(path);
+  std::filesystem::path temporary;
+  const int fd = OpenBeside(target, temporary);
   if (fd < 0) return tl::make_unexpected(Failure(path, {}, errno));
   return OutputFile(target, temporary, fd);
 }

@@ -12,8 +12,9 @@
 
 namespace osteon::simulation {
 
-/// A file that appears whole or not at all: bytes go to a temporary file beside it, which takes its name on
-/// Commit. A name that stands for a device or a pipe is written to as it is; a symbolic link is followed.
+/// A file that appears whole or not at all: bytes go to a temporary file of its own beside it, which takes
+/// its name and its rights on Commit. A name that stands for a device or a pipe is written to as it is; a
+/// symbolic link is followed, and stays one, whether anything is where it leads or not.
 ///
 ///     auto file = OutputFile::Create("bone.osp");
 ///     file->Write(bytes);           // errors are kept until Commit

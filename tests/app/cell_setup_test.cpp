@@ -132,6 +132,21 @@ TEST(SetUpCell, KeepsTheConfigurationAsItWasRead) {
   EXPECT_LT((setup->X_WG.matrix() - setup->config.X_WG.matrix()).norm(), 1e-12);
 }
 
+// What lies beside them, a note or another cell's scene, is nobody's configuration.
+TEST(SetUpCell, KeepsOnlyTheFilesThatTheCellRefersTo) {
+  const TemporaryFolder folder;
+  std::filesystem::copy(
+      OSTEON_SOURCE_DIR "/config", folder.path(),
+      std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
+  io::test::WriteAll(folder.path() / "scenes/note.yaml", "password: 1234\n");
+  const auto setup = SetUpCell(folder.path() / "cells/demo.yaml", std::nullopt);
+  ASSERT_TRUE(setup) << setup.error();
+  EXPECT_NE(setup->config_text.find("# scenes/acetabulum.yaml"), std::string::npos);
+  for (const char* other :
+       {"password", "# scenes/molar.yaml", "# robots/kr_16_2.yaml", "# tools/round_burr.yaml"})
+    EXPECT_EQ(setup->config_text.find(other), std::string::npos) << other;
+}
+
 TEST(SetUpCell, SaysWhyAMeshIsRefused) {
   const simulation::Cup cup{};
   const auto missing = SetUpCell(kDemoCell, MeshChoice{.file = "missing.obj", .cup = cup});

@@ -37,7 +37,7 @@ std::vector<char*> Pointers(std::vector<std::string>& texts) {
 }  // namespace
 
 Command::Command(const std::filesystem::path& folder, std::vector<std::string> arguments,
-                 const std::vector<std::string>& environment)
+                 const std::vector<std::string>& environment, const CommandStreams& streams)
     : out_(folder / ".stdout"), err_(folder / ".stderr") {
   arguments.insert(arguments.begin(), OSTEON_BINARY);
   std::vector<std::string> settings = environment;
@@ -48,11 +48,28 @@ Command::Command(const std::filesystem::path& folder, std::vector<std::string> a
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  constexpr int kWrite = O_WRONLY | O_CREAT | O_TRUNC;
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_.c_str(), kWrite, 0600);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err_.c_str(), kWrite, 0600);
-  const int error =
-      posix_spawn(&pid_, OSTEON_BINARY, &actions, nullptr, Pointers(arguments).data(), Pointers(all).data());
+  const auto redirect = [&actions](int descriptor, int to, const std::filesystem::path& file) {
+    if (to == CommandStreams::kFile)
+      posix_spawn_file_actions_addopen(&actions, descriptor, file.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                       0600);
+    else if (to == CommandStreams::kClosed)
+      posix_spawn_file_actions_addclose(&actions, descriptor);
+    else
+      posix_spawn_file_actions_adddup2(&actions, to, descriptor);
+  };
+  redirect(STDOUT_FILENO, streams.out, out_);
+  redirect(STDERR_FILENO, streams.err, err_);
+  // as in a shell, whatever started the tests
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t defaults;
+  sigemptyset(&defaults);
+  for (const int signal_number : {SIGHUP, SIGPIPE}) sigaddset(&defaults, signal_number);
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  const int error = posix_spawn(&pid_, OSTEON_BINARY, &actions, &attributes, Pointers(arguments).data(),
+                                Pointers(all).data());
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) throw std::runtime_error(std::string(OSTEON_BINARY) + ": " + std::strerror(error));
 }

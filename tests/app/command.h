@@ -31,12 +31,19 @@ inline constexpr std::chrono::seconds kRunLimit{3000};
 inline constexpr std::chrono::seconds kRunLimit{300};
 #endif
 
+/// Descriptors to print to; kFile: a file that Out() or Err() reads, kClosed: there is none at all.
+struct CommandStreams {
+  static constexpr int kFile = -1, kClosed = -2;
+  int out{kFile}, err{kFile};
+};
+
 /// `osteon ARGUMENTS` in a folder, with OSTEON_ROOT set to the sources; not through a shell.
 class Command {
  public:
   /// @param environment  "NAME=value", added to this process's or put in place of what it has
+  /// @param streams  where it prints to
   Command(const std::filesystem::path& folder, std::vector<std::string> arguments,
-          const std::vector<std::string>& environment = {});
+          const std::vector<std::string>& environment = {}, const CommandStreams& streams = {});
   /// Kills a process that still runs.
   ~Command();
   Command(const Command&) = delete;

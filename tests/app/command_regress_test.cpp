@@ -189,6 +189,8 @@ TEST_F(Regress, WrongInputIsRefusedBeforeAnythingRuns) {
   expect({"wall_reamer", "--reason", "x"}, {"--update"});
   expect({"wall_reamer", "--update", "--reason", " "}, {"found no reason", "--reason"});
   expect({"wall_reamer", "--update", "--reason", ""}, {"found no reason", "--reason"});
+  expect({"--update", "--reason", "x"}, {"--update: found no scenario", "--all"});
+  expect({"wall_reamer", "--all"}, {"--update"});
   expect({"wall_reamer", "--update", "--reason", "x", "--set", "a.b=1"}, {"--set"});
   expect({"wall_reamer", "--set", "limits.max_force_N=900"},
          {"--set limits.max_force_N=900: max_force_N: found 900"});

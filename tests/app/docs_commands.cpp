@@ -64,7 +64,7 @@ const std::map<std::string, DocRun>& Runs() {
        By("GuardProcess.ARunOfASimulatedCellBringsItsGuard")},
       {"osteon regress --junit regress.xml", By("Regress.TheWholeSuitePasses")},
       {"osteon regress scenarios --junit regress.xml --json regress.json", By("Regress.TheWholeSuitePasses")},
-      {"osteon regress --update --reason \"the reamer's mass was weighed anew\"",
+      {"osteon regress reaming_lbr --update --reason \"the reamer's mass was weighed anew\"",
        By("Regress.AChangeIsAcceptedWithAReason")},
 
       {"osteon doctor", As("doctor --seconds 0.2")},
@@ -76,8 +76,7 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon run my_cell.yaml --seconds 10", By("GuardProcess.ARunThroughTheGuardEndsAsOneWithout")},
       {"osteon run my_cell.yaml --simulated --seconds 5",
        By("GuardProcess.ARunOfASimulatedCellBringsItsGuard")},
-      {"osteon run my_cell.yaml --record today.mcap",
-       By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
+      {"osteon run my_cell.yaml", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
       {"osteon calibrate my_cell.yaml --payload weigh.mcap --pivot tip.mcap --out "
        "config/cells/my_calibration.yaml",
        By("CalibrateTest.FindsPayloadBiasAndApexAndTheCellTakesThem")},
@@ -86,8 +85,8 @@ const std::map<std::string, DocRun>& Runs() {
        As("export demo_out/recording.mcap", {"demo_out/recording_ticks.csv"})},
       {"osteon export torn.mcap --recover", Torn()},
       {"osteon replay demo_out/recording.mcap", As("replay demo_out/recording.mcap")},
-      {"osteon export today.mcap", By("ExportCommandTest.TablesHoldEveryValueToItsBits")},
-      {"osteon replay today.mcap", By("ReplayCommandTest.IsIdenticalBitForBit")},
+      {"osteon export run_2026-11-26_09-30-00.mcap", By("ExportCommandTest.TablesHoldEveryValueToItsBits")},
+      {"osteon replay run_2026-11-26_09-30-00.mcap", By("ReplayCommandTest.IsIdenticalBitForBit")},
 
       {"osteon pack hip.obj -o hip.osp --report hip_report",
        As("pack hip.obj -o hip.osp --report hip_report", {"hip.osp", "hip_report/report.html"})},

@@ -39,7 +39,7 @@ class GuardProcess : public testing::Test {
     ASSERT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
   }
   [[nodiscard]] std::vector<std::string> Run() const {
-    return {"run", file(), "--port", Port(), "--record", "r.mcap", "--json", "run.json"};
+    return {"run", file(), "--port", Port(), "--record", "r.mcap", "--overwrite", "--json", "run.json"};
   }
   [[nodiscard]] nlohmann::json GuardReport() const { return ReadJson(guard_folder_.path() / "guard.json"); }
   [[nodiscard]] nlohmann::json EndCell() {
@@ -103,9 +103,9 @@ TEST_F(GuardProcess, ARunOfASimulatedCellBringsItsGuard) {
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const WakeupWatch watch;
-    const CommandResult run =
-        RunCommand(run_folder_.path(), {"run", file(), "--simulated", "--port", Port(), "--seconds", "2",
-                                        "--rate-hz", "150", "--record", "r.mcap", "--json", "run.json"});
+    const CommandResult run = RunCommand(
+        run_folder_.path(), {"run", file(), "--simulated", "--port", Port(), "--seconds", "2", "--rate-hz",
+                             "150", "--record", "r.mcap", "--overwrite", "--json", "run.json"});
     ASSERT_NE(run.err.find("the arm is reached through the guard"), std::string::npos) << run.err;
     const nlohmann::json summary = ReadJson(run_folder_.path() / "run.json");
     if (run.exit_code != 0) {

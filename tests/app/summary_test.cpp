@@ -147,11 +147,43 @@ TEST(WriteText, FailsOnAFullDisk) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "skipped, no /dev/full";
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
-  std::filesystem::create_symlink("/dev/full", path.string() + ".part");
+  std::filesystem::create_symlink("/dev/full", path);
   const auto written = WriteText(path, "text");
   ASSERT_FALSE(written) << "a full disk was not noticed";
   EXPECT_EQ(written.error(), path.string() + ": can't be written: No space left on device");
-  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_TRUE(std::filesystem::is_symlink(path));
+}
+
+TEST(WriteText, FollowsALinkAndLeavesItOne) {
+  const TemporaryFolder folder, elsewhere;
+  const auto file = elsewhere.path() / "kept.json", link = folder.path() / "summary.json";
+  std::filesystem::create_symlink(file, link);
+  ASSERT_TRUE(WriteText(link, "first"));  // what it leads to is not there yet
+  ASSERT_TRUE(WriteText(link, "second"));
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(ReadAll(file), "second");
+  for (const TemporaryFolder* each : {&folder, &elsewhere})
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(each->path()), {}), 1);
+}
+
+TEST(WriteText, KeepsTheRightsOfTheFileThatItReplaces) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "summary.json";
+  ASSERT_TRUE(WriteText(path, "first"));
+  std::filesystem::permissions(path,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  ASSERT_TRUE(WriteText(path, "second"));
+  EXPECT_EQ(std::filesystem::status(path).permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+}
+
+// Two that write one file at once, in one process or in two, do not write into each other's.
+TEST(WriteText, LeavesAFileOfTheNameThatItOnceUsedForItsOwnAlone) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "summary.json", other = folder.path() / "summary.json.part";
+  io::test::WriteAll(other, "somebody else's");
+  ASSERT_TRUE(WriteText(path, "text"));
+  EXPECT_EQ(ReadAll(other), "somebody else's");
 }
 
 RunSummary Sample() {

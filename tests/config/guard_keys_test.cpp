@@ -23,8 +23,10 @@ TEST(GuardKeys, ListenOnTheLoopbackUnlessTold) {
   EXPECT_EQ(plain.guard->port, 30209);
   EXPECT_EQ(plain.guard->margin, 0.25);
   EXPECT_EQ(plain.guard->silence_s, 0.05);
-  const CellConfig told =
-      LoadText(Guarded("  host: 192.168.1.5\n  port: 30205\n  margin_ratio: 0.1\n  silence_ms: 20\n"));
+  const std::string keys = "  host: 192.168.1.5\n  port: 30205\n  margin_ratio: 0.1\n  silence_ms: 20\n";
+  EXPECT_THAT(Refusal(Guarded(keys)), HasSubstr("arm_host: found none with the address 192.168.1.5"));
+  const CellConfig told = LoadText(With(Guarded(keys), "fri:\n", "fri:\n  arm_host: 192.168.1.9\n"));
+  EXPECT_EQ(told.link.arm_host, "192.168.1.9");
   EXPECT_EQ(told.guard->host, "192.168.1.5");
   EXPECT_EQ(told.guard->margin, 0.1);
   EXPECT_EQ(told.guard->silence_s, 0.02);

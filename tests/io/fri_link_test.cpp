@@ -103,6 +103,32 @@ TEST(FriLink, KeepsToTheFirstPeer) {
   EXPECT_FALSE(arm.Answer().empty());
 }
 
+// Another address of the loopback stands for another machine.
+TEST(FriLink, HearsNobodyButTheArmsAddress) {
+  auto link = FriLink::Open({.arm_address = "127.0.0.2", .port = 0});
+  ASSERT_TRUE(link) << link.error();
+  const Peer stranger((*link)->port());
+  stranger.Send(1, fri::COMMANDING_ACTIVE);  // valid, and the first
+  ArmState state;
+  EXPECT_EQ((*link)->Receive(state, rt::MonotonicNow() + 20 * rt::kMillisecond), ReceiveResult::kTimeout);
+  EXPECT_EQ(state.rejected, 1u);
+  EXPECT_FALSE((*link)->Send(ArmCommand{})) << "and gets no answer";
+  EXPECT_FALSE(FriLink::Open({.arm_address = "the arm", .port = 0}));
+}
+
+TEST(FriLink, NoiseAfterASilenceEndsNoSession) {
+  const auto link = OpenAnywhere();
+  const Peer arm(link->port()), stranger(link->port());
+  ArmState state;
+  arm.Send(5000, fri::COMMANDING_ACTIVE);
+  ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
+  rt::SleepUntil(rt::MonotonicNow() + rt::kSecond + 50 * rt::kMillisecond);
+  stranger.Send({1, 2, 3});
+  arm.Send(5010, fri::COMMANDING_ACTIVE);
+  ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
+  EXPECT_EQ(state.lost, 9u) << "the arm's session went on";
+}
+
 TEST(FriLink, TakesANewPeerAfterASecondOfSilence) {
   const auto link = OpenAnywhere();
   ArmState state;

@@ -143,6 +143,15 @@ TEST(RecordingFields, CarriesAContactCountThatIsNoCount) {
   }
 }
 
+// Field 20 laid behind a frame of three contacts: the last one of a field counts.
+TEST(RecordingFields, RefusesAContactCountBesideOtherContacts) {
+  for (const unsigned char count : {'\x02', '\x08', '\x14', '\x01'}) {  // sint32: 1, 4, 10, -1
+    simulation::FrameRecord r;
+    const std::string wrong = Decode(Encoded(SomeFrame(3)) + "\xa0\x01" + static_cast<char>(count), r);
+    EXPECT_NE(wrong.find("beside 3 contacts"), std::string::npos) << wrong;
+  }
+}
+
 TEST(RecordingFields, CarriesEveryFieldOfAFrame) {
   const simulation::FrameRecord sent = SomeFrame(8);
   simulation::FrameRecord r;

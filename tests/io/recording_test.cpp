@@ -1,4 +1,5 @@
 #include "io/recording/recording_reader.h"
+#include "io/recording/recovery.h"
 
 #include <cstring>
 #include <thread>
@@ -261,6 +262,46 @@ TEST(Recording, AProcessThatDiedLeavesWhatWasDrained) {
   ASSERT_TRUE(found) << found.error();
   EXPECT_EQ(found->ticks.size(), kTicks) << "an event brings everything before it to the disk";
   EXPECT_EQ(found->events.size(), 1u);
+}
+
+TEST(Recording, BytesBehindItsEndMakeItNotComplete) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "behind.mcap", recovered = folder.path() / "recovered.mcap";
+  const std::string whole = RecordVirtualTime(folder.path() / "whole.mcap");
+  WriteAll(path, whole + "Osteon run: acetabulum\n");
+  const auto recording = ReadRecording(path);
+  ASSERT_TRUE(recording) << recording.error();
+  EXPECT_FALSE(recording->complete);
+  EXPECT_EQ(recording->read_bytes, whole.size());
+  const auto recovery = RecoverRecording(path, recovered);
+  ASSERT_TRUE(recovery) << recovery.error();
+  EXPECT_FALSE(recovery->was_whole);
+  EXPECT_TRUE(recovery->closed);
+  EXPECT_EQ(recovery->tail_bytes, 23u);
+  const auto again = ReadRecording(recovered);
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_TRUE(again->complete);
+  EXPECT_EQ(again->ticks.size(), recording->ticks.size());
+}
+
+TEST(Recording, AFileThatIsWrittenIsRefusedToAnother) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "one.mcap";
+  {
+    auto first = Recorder::Open({.path = path, .writer_thread = false}, SomeSession());
+    ASSERT_TRUE(first) << first.error();
+    const auto second = Recorder::Open({.path = path, .writer_thread = false}, SomeSession());
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error(), path.string() + ": another process records into it, accepted another name");
+    (*first)->Push(SomeTick(1));
+    ASSERT_TRUE((*first)->Close());
+  }
+  const auto recording = ReadRecording(path);
+  ASSERT_TRUE(recording) << recording.error();
+  EXPECT_TRUE(recording->complete) << "the second has left it as it was";
+  EXPECT_EQ(recording->ticks.size(), 1u);
+  EXPECT_TRUE(Recorder::Open({.path = path, .writer_thread = false}, SomeSession()))
+      << "nobody has it any more";
 }
 
 TEST(Recording, ErrorsNameByteAndReason) {

@@ -1,0 +1,219 @@
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "io/recording/recording_reader.h"
+#include "tests/app/command.h"
+#include "tests/app/machine_lateness.h"
+#include "tests/config/cell_text.h"
+
+// A terminal that is closed, and a reader that goes away, while the tool is in bone: the run ends in order,
+// its recording is whole, its figures are written, and the exit code says what it was. The same of the guard.
+//
+// Twenty times each:
+//     osteon_test_app_wall --gtest_filter='*HangUp*' --gtest_repeat=20
+
+namespace osteon::app {
+namespace {
+
+constexpr int kAttempts = 3;  // on a machine that is busy with other things
+
+// A pipe whose reader can be closed.
+class Pipe {
+ public:
+  Pipe() {
+    if (pipe2(ends_.data(), O_CLOEXEC) != 0) std::abort();
+  }
+  ~Pipe() {
+    CloseReader();
+    CloseWriter();
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+
+  [[nodiscard]] int writer() const { return ends_[1]; }
+  void CloseReader() { Close(ends_[0]); }
+  void CloseWriter() { Close(ends_[1]); }
+
+ private:
+  static void Close(int& end) {
+    if (end >= 0) close(end);
+    end = -1;
+  }
+  std::array<int, 2> ends_{-1, -1};
+};
+
+// The tool is in bone, by the newest frame that has reached the file.
+bool InContact(const std::filesystem::path& recording) {
+  auto stream = io::RecordingStream::Open(recording);
+  if (!stream) return false;
+  bool contact = false;
+  for (;;) {
+    const auto topic = stream->Next();
+    if (!topic || *topic == io::RecordedTopic::kOther) return contact;
+    if (*topic == io::RecordedTopic::kFrame) contact = Vector3(stream->frame.model.F_T_W.f).norm() > 1.0;
+  }
+}
+
+// What happens to the process that is looked at.
+enum class End { kHangUp, kTwoHangUps, kStdoutClosed, kStderrClosed };
+
+CommandStreams StreamsOf(End end, const Pipe& pipe) {
+  if (end == End::kStdoutClosed) return {.out = pipe.writer()};
+  if (end == End::kStderrClosed) return {.err = pipe.writer()};
+  return {};
+}
+
+void Cause(End end, Command& process, Pipe& pipe) {
+  if (end == End::kStdoutClosed || end == End::kStderrClosed) return pipe.CloseReader();
+  process.Send(SIGHUP);
+  if (end == End::kHangUp) return;
+  usleep(600'000);
+  process.Send(SIGHUP);
+}
+
+class HangUp : public testing::Test {
+ protected:
+  // What ends a run that is in contact, and the exit code that says so. False: the machine was late.
+  bool RunEnds(End end, int exit_code, const char* name) {
+    const TemporaryFolder folder;
+    Pipe pipe;
+    const WakeupWatch watch;
+    Command run(
+        folder.path(),
+        {"run", "thin_plate", "--simulated", "--port", "0", "--record", "r.mcap", "--json", "run.json"}, {},
+        StreamsOf(end, pipe));
+    const bool contact = run.WaitUntil([&] { return InContact(folder.path() / "r.mcap"); });
+    if (contact) Cause(end, run, pipe);
+    const CommandResult result = run.Wait();
+    if (result.exit_code == 1) {
+      EXPECT_TRUE(MachineWasLate(result, ReadJson(folder.path() / "run.json"), worst_ = watch.worst()));
+      return false;
+    }
+    EXPECT_TRUE(contact) << result.err;
+    EXPECT_EQ(result.exit_code, exit_code) << result.err;
+    const nlohmann::json summary = ReadJson(folder.path() / "run.json");
+    EXPECT_EQ(summary.value("ended", ""), "interrupted");
+    EXPECT_EQ(summary.value("ended_by", ""), name);
+    EXPECT_TRUE(summary.value("faults", nlohmann::json::array({"none written"})).empty()) << summary.dump(2);
+    const CommandResult exported =
+        RunCommand(folder.path(), {"export", "r.mcap", "--out", "tables", "--json", "export.json"});
+    EXPECT_EQ(exported.exit_code, 0) << exported.err;
+    EXPECT_TRUE(ReadJson(folder.path() / "export.json").value("complete", false));
+    const io::Recording recording = ReadComplete(folder.path() / "r.mcap");
+    EXPECT_EQ(recording.ticks.back().phase, control::Phase::kStopped);
+    return true;
+  }
+
+  void ExpectRunEnds(End end, int exit_code, const char* name) {
+    for (int attempt = 0; attempt < kAttempts; ++attempt)
+      if (RunEnds(end, exit_code, name) || HasFailure()) return;
+    GTEST_SKIP() << SkippedForLateness(kAttempts, worst_);
+  }
+
+  rt::Nanoseconds worst_{0};
+};
+
+TEST_F(HangUp, ATerminalThatIsClosedEndsARunInOrder) { ExpectRunEnds(End::kHangUp, 129, "SIGHUP"); }
+
+// Shell, system and service manager may all send it.
+TEST_F(HangUp, ASecondSighupDoesNotEndTheProcessBeforeTheArmRests) {
+  ExpectRunEnds(End::kTwoHangUps, 129, "SIGHUP");
+}
+
+TEST_F(HangUp, AReaderOfItsStdoutThatGoesAwayEndsARunInOrder) {
+  ExpectRunEnds(End::kStdoutClosed, 141, "SIGPIPE");
+}
+
+TEST_F(HangUp, AReaderOfItsStderrThatGoesAwayEndsARunInOrder) {
+  ExpectRunEnds(End::kStderrClosed, 141, "SIGPIPE");
+}
+
+// As Ctrl-S on its terminal: nobody reads, nobody goes away.
+TEST_F(HangUp, AReaderThatStandsStillDelaysNoCtrlC) {
+  Pipe pipe;
+  fcntl(pipe.writer(), F_SETPIPE_SZ, 4096);
+  const std::string full(1 << 20, '.');
+  const int flags = fcntl(pipe.writer(), F_GETFL);
+  fcntl(pipe.writer(), F_SETFL, flags | O_NONBLOCK);
+  while (write(pipe.writer(), full.data(), 4096) > 0 || write(pipe.writer(), full.data(), 1) > 0) {
+  }
+  fcntl(pipe.writer(), F_SETFL, flags);
+  const TemporaryFolder folder;
+  Command run(folder.path(),
+              {"run", "thin_plate", "--simulated", "--port", "0", "--record", "r.mcap", "--json", "run.json"},
+              {}, {.err = pipe.writer()});
+  ASSERT_TRUE(run.WaitUntil([&] { return InContact(folder.path() / "r.mcap"); }));
+  run.Send(SIGINT);
+  EXPECT_TRUE(run.WaitUntil([&] { return std::filesystem::exists(folder.path() / "run.json"); }))
+      << "the end waited for the reader";
+  pipe.CloseReader();
+  run.Wait();
+  EXPECT_TRUE(ReadComplete(folder.path() / "r.mcap").complete);
+}
+
+// `osteon cell`, `guard` and `run` as three processes: what ends the guard.
+class GuardHangUp : public HangUp {
+ protected:
+  void SetUp() override {
+    std::ofstream(file()) << config::With(config::CellText("thin_plate"), "  guard: false", "  guard: true ")
+                          << "\nguard:\n  port: 30209\n  silence_ms: 200\n";
+  }
+  [[nodiscard]] std::string file() const { return (folder_.path() / "guarded.yaml").string(); }
+
+  // The controller is asked to stop, through the PLC, and the arm goes on having answers until it rests.
+  // False: the machine was late.
+  bool GuardEnds(End end, int exit_code) {
+    Pipe pipe;
+    const TemporaryFolder cell_folder, guard_folder, run_folder;
+    const WakeupWatch watch;
+    const std::string port = std::to_string(45000 + getpid() % 400 * 10);
+    Command cell(cell_folder.path(), {"cell", file(), "--port", port, "--json", "cell.json"});
+    EXPECT_TRUE(cell.WaitUntil([&] { return cell.Out().find("Ctrl-C ends it") != std::string::npos; }))
+        << cell.Err();
+    Command guard(guard_folder.path(), {"guard", file(), "--port", port, "--json", "guard.json"}, {},
+                  StreamsOf(end, pipe));
+    Command run(run_folder.path(),
+                {"run", file(), "--port", port, "--record", "r.mcap", "--json", "run.json"});
+    const bool contact = run.WaitUntil([&] { return InContact(run_folder.path() / "r.mcap"); });
+    if (contact) Cause(end, guard, pipe);
+    const CommandResult result = run.Wait();
+    if (!contact) guard.Send(SIGTERM);
+    const CommandResult guarded = guard.Wait();
+    cell.Send(SIGTERM);
+    EXPECT_EQ(cell.Wait().exit_code, 0);
+    const nlohmann::json summary = ReadJson(run_folder.path() / "run.json");
+    const nlohmann::json report = ReadJson(guard_folder.path() / "guard.json");
+    const nlohmann::json faults = summary.value("faults", nlohmann::json::array());
+    if (!contact || report.value("latched", true) || faults.empty() ||
+        faults.front() != "motion not permitted") {
+      EXPECT_TRUE(MachineWasLate(result, summary, worst_ = watch.worst())) << report.dump(2);
+      return false;
+    }
+    EXPECT_EQ(guarded.exit_code, exit_code) << guarded.err;
+    EXPECT_EQ(result.exit_code, 1) << result.err;
+    EXPECT_EQ(ReadComplete(run_folder.path() / "r.mcap").ticks.back().phase, control::Phase::kStopped);
+    return true;
+  }
+
+  void ExpectGuardEnds(End end, int exit_code) {
+    for (int attempt = 0; attempt < kAttempts; ++attempt)
+      if (GuardEnds(end, exit_code) || HasFailure()) return;
+    GTEST_SKIP() << SkippedForLateness(kAttempts, worst_);
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(GuardHangUp, ATerminalThatIsClosedStopsTheArmInOrderFirst) { ExpectGuardEnds(End::kHangUp, 129); }
+
+TEST_F(GuardHangUp, AReaderThatGoesAwayStopsTheArmInOrderFirst) { ExpectGuardEnds(End::kStdoutClosed, 141); }
+
+}  // namespace
+}  // namespace osteon::app
