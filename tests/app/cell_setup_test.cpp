@@ -134,7 +134,7 @@ TEST(SetUpCell, KeepsTheConfigurationAsItWasRead) {
 
 // What lies beside them, a note or another cell's scene, is nobody's configuration.
 TEST(SetUpCell, KeepsOnlyTheFilesThatTheCellRefersTo) {
-  const TemporaryFolder folder;
+  const io::test::TemporaryFolder folder;
   std::filesystem::copy(
       OSTEON_SOURCE_DIR "/config", folder.path(),
       std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
