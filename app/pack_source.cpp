@@ -12,6 +12,7 @@
 
 #include "config/load.h"
 #include "config/named_file.h"
+#include "io/recording/utf8.h"
 #include "simulation/files/mapped_file.h"
 #include "simulation/solids/ball_solid.h"
 #include "simulation/solids/box_solid.h"
@@ -189,7 +190,7 @@ tl::expected<void, std::string> LoadScene(const SourceOptions& options, PackSour
   source.name = made.name;
   source.solid = made.solid;
   source.site = made.site;
-  source.provenance.source = file->filename().string();
+  source.provenance.source = io::Utf8(file->filename().string());
   return {};
 }
 
@@ -213,7 +214,7 @@ tl::expected<void, std::string> LoadMeshSource(const SourceOptions& options, Pac
   source.triangles = loaded->mesh.triangles.size();
   source.even = simulation::MeshMassProperties(loaded->mesh, kEvenDensity_kg_per_m3);
   if (!options.scene.empty()) source.own = std::move(scene);
-  source.provenance.parameters.emplace_back("tissue", scene_file->filename().string());
+  source.provenance.parameters.emplace_back("tissue", io::Utf8(scene_file->filename().string()));
   if (options.scale) source.provenance.parameters.emplace_back("scale_mm", fmt::format("{}", scale));
   return {};
 }
@@ -256,7 +257,7 @@ tl::expected<simulation::Ball, std::string> ParseRegion(const std::string& text)
 tl::expected<PackSource, std::string> LoadPackSource(const SourceOptions& options) {
   PackSource source;
   const std::string& input = options.input;
-  source.provenance.source = std::filesystem::path(input).filename().string();
+  source.provenance.source = io::Utf8(std::filesystem::path(input).filename().string());
   const std::string extension = Lower(std::filesystem::path(input).extension().string());
   const bool shape = !options.scenes_only && (input.starts_with("ball:") || input.starts_with("box:"));
   const bool file = !options.scenes_only && !shape && !extension.empty() && extension != ".yaml";
