@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -167,7 +168,9 @@ VKAPI_ATTR VkBool32 VKAPI_CALL OnLoaderError(VkDebugUtilsMessageSeverityFlagBits
                                              VkDebugUtilsMessageTypeFlagsEXT,
                                              const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   std::string& said = *static_cast<std::string*>(user);
-  if (said.find(data->pMessage) == std::string::npos) said += std::string("\n  ") + data->pMessage;
+  const std::string_view message(data->pMessage);
+  if (message.find("Found no drivers") != message.npos) return VK_FALSE;  // what is said already
+  if (said.find(message) == said.npos) said.append(said.empty() ? " " : "; ").append(message);
   return VK_FALSE;
 }
 
@@ -187,7 +190,7 @@ void Open(SharedInstance& made, vk::InstanceCreateInfo create, std::vector<const
     throw;
   } catch (const std::exception& error) {
     if (said.empty()) throw;
-    throw OpeningError(OpeningFailure(error) + ". Vulkan's loader says:" + said);
+    throw OpeningError(OpeningFailure(error) + "; Vulkan's loader says:" + said);
   }
 }
 

@@ -247,12 +247,11 @@ TEST_F(ExportCommandTest, SaysWhatItDoesNotTake) {
     EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
     EXPECT_NE(run.err.find("osteon export: "), std::string::npos) << run.err;
   }
-  // a folder where the file would be written: the JSON file can not be
-  std::filesystem::create_directory(folder_.path() / "e.json.part");
+  // a disk that is full: the JSON file can not be written
   const CommandResult unwritable =
-      RunCommand(folder_.path(), {"export", Original().string(), "--out", ".", "--json", "e.json"});
+      RunCommand(folder_.path(), {"export", Original().string(), "--out", ".", "--json", "/dev/full"});
   EXPECT_EQ(unwritable.exit_code, 1) << unwritable.err;
-  EXPECT_NE(unwritable.err.find("e.json: can't be written"), std::string::npos) << unwritable.err;
+  EXPECT_NE(unwritable.err.find("/dev/full: can't be written"), std::string::npos) << unwritable.err;
   EXPECT_NE(RunCommand(folder_.path(), {"export", "--help"}).out.find("Examples:"), std::string::npos);
 }
 
