@@ -1,7 +1,9 @@
 #include "simulation/packing/packing_file.h"
 
+#include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <csignal>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -236,12 +238,20 @@ TEST_F(PackingFileTest, ADiskThatIsFullIsReportedAndTheOldFileStays) {
   ASSERT_FALSE(folder);
   EXPECT_THAT(folder.error().Text(), HasSubstr("Is a directory"));
 
-  // a temporary file that leads to the full device: what was there stays, and no half file is left
+  // a file that may not grow: what was there stays, and no half file is left
   const std::string before = Saved(SomeBone());
-  std::filesystem::create_symlink("/dev/full", Path("bone.osp.part"));
-  EXPECT_FALSE(WritePackingFile(Path(), SomeBone(3, 3), SomeProvenance()));
+  rlimit whole{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &whole), 0);
+  const auto on_too_large = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{.rlim_cur = 64, .rlim_max = whole.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const bool written = WritePackingFile(Path(), SomeBone(3, 3), SomeProvenance()).has_value();
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &whole), 0);
+  std::signal(SIGXFSZ, on_too_large);
+  EXPECT_FALSE(written);
   EXPECT_TRUE(ReadAll(Path()) == before);
-  EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(Path("bone.osp.part"))));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
+    EXPECT_EQ(entry.path().filename().string().find("bone.osp."), std::string::npos) << entry.path();
 }
 
 TEST_F(PackingFileTest, ASymbolicLinkIsFollowed) {
