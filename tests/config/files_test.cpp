@@ -252,7 +252,7 @@ TEST_F(ConfigFilesTest, ValuesThatContradictEachOtherAreRefused) {
            Case{"cells/demo.yaml", "height_mm: 40 ", "height_mm: 400 ",
                 "height_mm: the tool's apex is outside the workspace"},
            Case{"cells/demo.yaml", "base_in_world:\n  position_mm: [0, 0, 0]",
-                "base_in_world:\n  position_mm: [-480, 0, 0]", "height_mm: the arm can not be there"},
+                "base_in_world:\n  position_mm: [-480, 0, 0]", "out of the stretched arm's reach"},
        }) {
     const fs::path file = root_ / "config" / c.file;
     const std::string text = ReadText(file);

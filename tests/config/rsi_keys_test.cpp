@@ -190,7 +190,7 @@ TEST_F(RsiKeys, TheArmStartsInItsUsualPostureWithTheToolAtTheSite) {
 
 TEST_F(RsiKeys, AnArmThatIsTooShortIsRefusedAtItsStart) {
   EXPECT_THAT(Refusal({{"../robots/kr_16_2.yaml", "../robots/kr_6_r900_2.yaml"}}),
-              HasSubstr("height_mm: the arm can not be there"));
+              HasSubstr("out of the stretched arm's reach; base_in_world says where the arm stands"));
 }
 
 }  // namespace
