@@ -208,7 +208,7 @@ tl::expected<void, std::string> LoadMeshSource(const SourceOptions& options, Pac
   if (!loaded) return tl::make_unexpected(loaded.error().message);
   const auto made = simulation::MakeMeshSolid(*loaded, options.input, options.cup, scene);
   if (!made) return tl::make_unexpected(made.error().message);
-  source.name = made->name;
+  source.name = io::Utf8(made->name);
   source.solid = made->solid;
   source.site = made->site;
   source.triangles = loaded->mesh.triangles.size();
