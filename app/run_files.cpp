@@ -18,13 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path StopPage(const fs::path& recording, std::size_t number) {
-  return recording.parent_path() / fmt::format("{}_stop_{}.html", recording.stem().string(), number);
-}
-fs::path StopTable(const fs::path& recording, std::size_t number) {
-  return recording.parent_path() / fmt::format("{}_stop_{}_ticks.csv", recording.stem().string(), number);
-}
-
 std::chrono::system_clock::time_point WrittenAt(const fs::path& file) {
   struct stat status {};
   return std::chrono::system_clock::from_time_t(stat(file.c_str(), &status) == 0 ? status.st_mtime : 0);
@@ -39,6 +32,14 @@ std::string FirstFree(const std::string& name, const IsFree& is_free) {
 }
 
 }  // namespace
+
+fs::path StopPage(const fs::path& folder, const std::string& stem, std::size_t number) {
+  return folder / fmt::format("{}_stop_{}.html", stem, number);
+}
+
+fs::path StopTable(const fs::path& folder, const std::string& stem, std::size_t number) {
+  return folder / fmt::format("{}_stop_{}_ticks.csv", stem, number);
+}
 
 std::string DateAndTime(std::chrono::system_clock::time_point time) {
   return fmt::format("{:%Y-%m-%d_%H-%M-%S}", fmt::localtime(std::chrono::system_clock::to_time_t(time)));
@@ -60,8 +61,10 @@ std::vector<fs::path> FilesOfRun(const fs::path& recording) {
     return there;
   };
   add(recording);
+  const fs::path folder = recording.parent_path();
+  const std::string stem = recording.stem().string();
   for (std::size_t number = 1;; ++number) {
-    const bool page = add(StopPage(recording, number)), table = add(StopTable(recording, number));
+    const bool page = add(StopPage(folder, stem, number)), table = add(StopTable(folder, stem, number));
     if (!page && !table) return files;
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -10,6 +11,12 @@
 // What a run leaves is evidence: it is not overwritten by the next one.
 
 namespace osteon::app {
+
+/// The page of a run's stop, from 1 on, and the table of its ticks. @param stem  of the recording's name
+[[nodiscard]] std::filesystem::path StopPage(const std::filesystem::path& folder, const std::string& stem,
+                                             std::size_t number);
+[[nodiscard]] std::filesystem::path StopTable(const std::filesystem::path& folder, const std::string& stem,
+                                              std::size_t number);
 
 /// "2026-11-26_09-30-00", local time.
 [[nodiscard]] std::string DateAndTime(std::chrono::system_clock::time_point time);

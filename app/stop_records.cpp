@@ -10,6 +10,7 @@
 #include "app/report/page.h"
 #include "app/report/run_charts.h"
 #include "app/report/svg_text.h"
+#include "app/run_files.h"
 
 namespace osteon::app {
 namespace {
@@ -101,22 +102,21 @@ tl::expected<std::vector<std::filesystem::path>, std::string> WriteStops(const i
                                                                          double speed_limit_m_per_s,
                                                                          const std::filesystem::path& folder,
                                                                          const std::string& stem) {
-  const auto page_of = [&](std::size_t n) { return folder / fmt::format("{}_stop_{}.html", stem, n); };
-  const auto table_of = [&](std::size_t n) { return folder / fmt::format("{}_stop_{}_ticks.csv", stem, n); };
   const std::vector<StopRecord> stops = FindStops(recording.ticks);
   std::vector<std::filesystem::path> pages;
   for (std::size_t n = 1; n <= stops.size(); ++n) {
     const StopRecord& stop = stops[n - 1];
     const std::span<const TickRecord> ticks(recording.ticks);
     if (auto written = ExportTicks(ticks.subspan(stop.begin, stop.end - stop.begin), recording.session.stamp,
-                                   table_of(n));
+                                   StopTable(folder, stem, n));
         !written)
       return tl::make_unexpected(written.error());
     if (auto written = WritePage(
-            PageOf(recording, stop, n, speed_limit_m_per_s, table_of(n).filename().string()), page_of(n));
+            PageOf(recording, stop, n, speed_limit_m_per_s, StopTable(folder, stem, n).filename().string()),
+            StopPage(folder, stem, n));
         !written)
       return tl::make_unexpected(written.error());
-    pages.push_back(page_of(n));
+    pages.push_back(StopPage(folder, stem, n));
   }
   return pages;
 }

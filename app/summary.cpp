@@ -518,7 +518,6 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
     out["cpus_awake"] = s.servo_thread.cpus_awake;
   }
   if (!s.arm_stop.empty()) out["arm_stop"] = s.arm_stop;
-  // a path may be any bytes; JSON is UTF-8
   return JsonText(out);
 }
 
