@@ -178,7 +178,8 @@ void Search(const config::CellConfig& cell, const CapabilityOptions& options, Ph
 std::string Page(const CapabilityResult& result, const CapabilityOptions& options, const std::string& map,
                  const std::string& own_map, const std::string& bases) {
   const std::string title = "Force capability of " + result.cell;
-  std::string html = PageBegin(title) + "<h1>" + Escape(title) + "</h1>\n<table>\n";
+  std::string html = PageBegin(title) + "<h1>" + Escape(title) + "</h1>\n" +
+                     VerdictBadge(Judge(result).ForReport()) + "<table>\n";
   for (const SummaryRow& row : Rows(result))
     html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", Escape(row.key), Escape(row.value));
   html += "</table>\n<h2>What the arm holds, where</h2>\n";
@@ -281,10 +282,12 @@ int Run(const CapabilityOptions& options) {
 
   if (const auto written = Write(result, options); !written)
     return Fail("capability", written.error(), kFailed);
+  const Verdict verdict = Judge(result);
+  PrintVerdict(verdict, 30);
   for (const SummaryRow& row : Rows(result)) fmt::print("  {:<30} {}\n", row.key, row.value);
   fmt::print("  {:<30} {}\n", "Report", (options.out / "capability.html").string());
   if (result.base) fmt::print("  {:<30} {}\n", "For the cell's file", (options.out / "base.yaml").string());
-  return 0;
+  return verdict.level == VerdictLevel::kBad ? kFailed : 0;
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include "app/json_text.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -68,6 +67,46 @@ Vector3 RollPitchYaw(const Matrix3& R) {
   return {std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))};
 }
 
+namespace {
+
+// Why the task can't be done with the needed forces at once; empty where it can.
+std::string WhyNotHeld(const CapabilityMap::Task& task, const CapabilityNeed& need) {
+  if (task.unreachable == task.poses) return "no pose of the task has a posture within the joint limits";
+  if (task.unreachable > 0)
+    return fmt::format("{} of {} poses of the task have no posture within the joint limits", task.unreachable,
+                       task.poses);
+  if (task.force.factor >= 1.0) return {};
+  return fmt::format(
+      "{:.0f} N along the tool with {:.0f} N across it are needed at once, {:.0f} N with {:.0f} N are "
+      "the most ({} limits)",
+      need.axial_N, need.lateral_N, task.force.factor * need.axial_N, task.force.factor * need.lateral_N,
+      Joint(task.force.factor_joint));
+}
+
+}  // namespace
+
+Verdict Judge(const CapabilityResult& r) {
+  Verdict verdict;
+  const std::string best = WhyNotHeld(r.best_angle, r.need), own = WhyNotHeld(r.own_angle, r.need);
+  if (!best.empty())
+    verdict.Add(VerdictLevel::kBad, "from the cell's base, at the best arm angles: " + best);
+  else if (!own.empty())
+    verdict.Add(VerdictLevel::kLook,
+                fmt::format("at the cell's arm angle of {:.0f} deg: {}; other arm angles do",
+                            r.own_arm_angle_rad * kDegrees, own));
+  if (r.searched && !r.base)
+    verdict.Add(VerdictLevel::kLook, "the task can be done from no base in the ranges that were searched");
+  else if (r.searched && r.base_force.factor < 1.0)
+    verdict.Add(
+        VerdictLevel::kLook,
+        fmt::format(
+            "the best base of the ranges that were searched holds {:.0f} N along the tool with {:.0f} N "
+            "across it, {:.0f} % of what is needed",
+            r.base_force.factor * r.need.axial_N, r.base_force.factor * r.need.lateral_N,
+            100.0 * r.base_force.factor));
+  return verdict;
+}
+
 std::vector<SummaryRow> Rows(const CapabilityResult& r) {
   std::vector<SummaryRow> rows{
       {"Cell", fmt::format("{}, {}", r.cell, r.tool)},
@@ -106,13 +145,14 @@ std::vector<SummaryRow> Rows(const CapabilityResult& r) {
   rows.push_back({"Nearest joint limit there",
                   fmt::format("{:.0f} deg ({})", f.joint_room_rad * kDegrees, Joint(f.room_joint))});
   rows.push_back(
-      {"Verdict", f.factor >= 1.0
-                      ? fmt::format("{:.0f} N axial and {:.0f} N lateral at once are available throughout",
-                                    r.need.axial_N, r.need.lateral_N)
-                      : fmt::format("{:.0f} N axial with {:.0f} N lateral are not to be had: {:.0f} N with "
-                                    "{:.0f} N is the most, {} limits",
-                                    r.need.axial_N, r.need.lateral_N, f.factor * r.need.axial_N,
-                                    f.factor * r.need.lateral_N, Joint(f.factor_joint))});
+      {"Enough there",
+       f.factor >= 1.0
+           ? fmt::format("yes: {:.0f} N axial and {:.0f} N lateral at once are available throughout",
+                         r.need.axial_N, r.need.lateral_N)
+           : fmt::format("no: {:.0f} N axial with {:.0f} N lateral are not to be had: {:.0f} N with "
+                         "{:.0f} N is the most, {} limits",
+                         r.need.axial_N, r.need.lateral_N, f.factor * r.need.axial_N,
+                         f.factor * r.need.lateral_N, Joint(f.factor_joint))});
   return rows;
 }
 
@@ -142,7 +182,7 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                       {"best_base", nullptr}};
   json["own_arm_angle"]["arm_angle_deg"] = r.own_arm_angle_rad * kDegrees;
   json["searched"] = r.searched;
-  if (!r.searched) return JsonText(json);
+  if (!r.searched) return ResultText(Judge(r), json);
   const auto range = [](const AxisRange& a) { return nlohmann::json{a.from * 1e3, a.to * 1e3}; };
   json["search"] = {{"x_mm", range(r.search.x_m)},
                     {"y_mm", range(r.search.y_m)},
@@ -150,14 +190,14 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                     {"clearance_mm", r.search.clearance_m * 1e3},
                     {"joint_margin_deg", r.search.joint_margin_rad * kDegrees},
                     {"least_bend_deg", r.search.least_bend_rad * kDegrees}};
-  if (!r.base) return JsonText(json);
+  if (!r.base) return ResultText(Judge(r), json);
   nlohmann::json base = ToJson(r.base_force, r.need);
   base["position_mm"] = ToJson(r.base->X_WB.translation(), 1e3);
   base["rpy_deg"] = ToJson(RollPitchYaw(r.base->X_WB.linear()), kDegrees);
   base["arm_angle_deg"] = Whole(r.base->arm_angle_rad * kDegrees);
   base["sufficient"] = r.base_force.factor >= 1.0;
   json["best_base"] = base;
-  return JsonText(json);
+  return ResultText(Judge(r), json);
 }
 
 std::string MapCsv(const CapabilityResult& r) {

@@ -8,6 +8,7 @@
 #include "app/base_search.h"
 #include "app/capability_map.h"
 #include "app/report/report.h"
+#include "app/verdict.h"
 
 // What `osteon capability` found, and how it is said: rows, JSON, CSV, pictures, an overlay for the cell.
 
@@ -37,6 +38,10 @@ struct CapabilityResult {
   ToolForce base_force;
   std::vector<BasePanel> base_panels;
 };
+
+/// Bad where the arm can't hold both needs over the whole task from the cell's own base, whatever its arm
+/// angle; to be looked at where it can, but not at the cell's arm angle, or where no better base was found.
+[[nodiscard]] Verdict Judge(const CapabilityResult& result);
 
 [[nodiscard]] std::vector<SummaryRow> Rows(const CapabilityResult& result);
 /// schema osteon.capability/1

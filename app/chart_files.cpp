@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "app/report/page.h"
 #include "app/report/png_file.h"
 #include "app/report/svg_raster.h"
 #include "app/report/svg_text.h"
@@ -83,7 +82,7 @@ tl::expected<void, std::string> WriteChart(const ChartFiles& chart, const std::f
   if (!picture) return tl::unexpected(path(".png").string() + ": " + picture.error());
 
   std::string html = PageBegin(chart.title);
-  html += fmt::format("<h1>{}</h1>\n", Escape(chart.title));
+  html += fmt::format("<h1>{}</h1>\n", Escape(chart.title)) + VerdictBadge(chart.verdict);
   html += Figure(chart.svg, chart.caption);
   for (const std::string& note : chart.notes) html += fmt::format("<p>{}</p>\n", Escape(note));
   html += Table(chart.table) + kPageEnd;

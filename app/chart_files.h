@@ -6,6 +6,8 @@
 
 #include <tl/expected.hpp>
 
+#include "app/report/page.h"
+
 namespace osteon::app {
 
 /// What a chart is named after: processor, cores, system.
@@ -28,6 +30,7 @@ namespace osteon::app {
 struct ChartFiles {
   std::string name;   ///< of the files, without an extension
   std::string title;  ///< of the page
+  ReportVerdict verdict;
   std::string svg;
   std::string caption;
   std::string csv;

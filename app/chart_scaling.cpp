@@ -11,7 +11,6 @@
 #include "app/chart_files.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
-#include "app/json_text.h"
 #include "app/report/svg_plot.h"
 #include "app/report/svg_text.h"
 #include "app/summary.h"
@@ -30,7 +29,10 @@ void Say(const std::string& text) { fmt::print(stderr, "osteon chart scaling: {}
 
 class Scaling {
  public:
-  explicit Scaling(const ScalingOptions& options) : options_(options) {}
+  explicit Scaling(const ScalingOptions& options) : options_(options) {
+    result_.most_spheres = options.max_spheres;
+    result_.frames = options.frames;
+  }
 
   // Everything, or an error where nothing can be measured here.
   tl::expected<ScalingResult, std::string> Measure() {
@@ -42,6 +44,7 @@ class Scaling {
           return tl::unexpected(measured.error());
       }
     }
+    result_.interrupted = Interrupted();
     return std::move(result_);
   }
 
@@ -67,8 +70,12 @@ class Scaling {
                     timing.frame_us.p50_us));
   }
 
+  // Enough frames for a median; a signal may have ended it after none at all.
+  static bool Timed(const FrameTiming& timing) { return timing.frames >= kLeastFrames; }
+
   void LeaveOut(const char* series, std::size_t count, const std::string& why) {
     result_.left_out.push_back(fmt::format("{}, {} spheres: {}", series, count, why));
+    if (series != kBrute) ++result_.ours_left_out;
     Say("left out: " + result_.left_out.back());
   }
 
@@ -86,6 +93,10 @@ class Scaling {
     }
     const auto timed = TimeFrames(work, Params("ours", options_.frames), &*seated);
     if (!timed) return tl::unexpected(timed.error());
+    if (!Timed(timed->front())) {
+      LeaveOut(series, count, "it was ended before there were enough frames");
+      return {};
+    }
     Add(series, work, timed->front());
     if (uniform) return {};
 
@@ -101,6 +112,10 @@ class Scaling {
     if (!brute) {
       brute_refused_ = true;
       LeaveOut(kBrute, count, brute.error());
+      return {};
+    }
+    if (!Timed(brute->front())) {
+      LeaveOut(kBrute, count, "it was ended before there were enough frames");
       return {};
     }
     Add(kBrute, work, brute->front());
@@ -149,6 +164,7 @@ int Run(const ScalingOptions& options) {
   if (result->points.empty())
     return Interrupted() ? kExitInterrupted : Fail("chart scaling", "nothing was measured", kFailed);
 
+  const Verdict verdict = Judge(*result);
   const std::string machine = MachineName(), json = ScalingJson(*result, machine);
   std::vector<std::string> notes{
       fmt::format("{}; {}. A 50 mm reamer, pressed into the cup by 100 N at 250 rpm, is timed once it is "
@@ -160,6 +176,7 @@ int Run(const ScalingOptions& options) {
   for (const std::string& left : result->left_out) notes.push_back("Not measured: " + left);
   const ChartFiles chart{.name = "scaling",
                          .title = "Frame rate against number of spheres",
+                         .verdict = verdict.ForReport(),
                          .svg = ScalingSvg(*result),
                          .caption = "After figure 4 of Kaluschke et al., IEEE VR 2019.",
                          .csv = Csv(*result),
@@ -171,6 +188,7 @@ int Run(const ScalingOptions& options) {
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, json); !written)
       return Fail("chart scaling", written.error(), kFailed);
+  PrintVerdict(verdict, 28);
   for (const auto& row : chart.table)
     fmt::print("{:<28} {:>12} {:>10} {:>12} {:>12}\n", row[0], row[1], row[4].substr(0, 12), row[5], row[6]);
   fmt::print("{}\n", (options.out / "scaling.html").string());
@@ -178,6 +196,29 @@ int Run(const ScalingOptions& options) {
 }
 
 }  // namespace
+
+Verdict Judge(const ScalingResult& result) {
+  Verdict verdict;
+  if (result.interrupted)
+    verdict.Add(
+        VerdictLevel::kBad,
+        fmt::format(
+            "it was ended by a signal: the chart is incomplete, {} points were measured of those up to "
+            "{} spheres",
+            result.points.size(), result.most_spheres));
+  else if (result.ours_left_out > 0)
+    verdict.Add(VerdictLevel::kLook,
+                fmt::format("the chart is incomplete: {} of our own points were not measured, see the notes",
+                            result.ours_left_out));
+  const auto few = std::ranges::count_if(result.points, [&](const ScalingPoint& point) {
+    return point.series != kBrute && point.timing.frames < result.frames;
+  });
+  if (few > 0)
+    verdict.Add(VerdictLevel::kLook,
+                fmt::format("{} of our own points were timed over fewer frames than the {} asked for", few,
+                            result.frames));
+  return verdict;
+}
 
 double ScalingResult::Growth() const {
   const ScalingPoint *first = nullptr, *last = nullptr;
@@ -229,31 +270,31 @@ std::string ScalingSvg(const ScalingResult& result) {
 }
 
 std::string ScalingJson(const ScalingResult& result, const std::string& machine) {
-  nlohmann::json json{{"schema", "osteon.chart.scaling/1"},
-                      {"subcommand", "chart scaling"},
-                      {"device", result.device},
-                      {"machine", machine},
-                      {"tool_spheres", result.tool_spheres},
-                      {"growth", result.Growth()},
-                      {"left_out", result.left_out},
-                      {"points", nlohmann::json::array()}};
+  nlohmann::ordered_json json{{"schema", "osteon.chart.scaling/1"},
+                              {"subcommand", "chart scaling"},
+                              {"device", result.device},
+                              {"machine", machine},
+                              {"tool_spheres", result.tool_spheres},
+                              {"growth", result.Growth()},
+                              {"left_out", result.left_out},
+                              {"points", nlohmann::ordered_json::array()}};
   for (const ScalingPoint& point : result.points) {
     const FrameTiming& t = point.timing;
-    nlohmann::json entry{{"series", point.series},
-                         {"method", t.method},
-                         {"spheres", point.spheres},
-                         {"cut_zone_mm", point.cut_zone_m * 1e3},
-                         {"frames", t.frames},
-                         {"rate_hz", t.rate_hz()},
-                         {"frame_us_p50", t.frame_us.p50_us},
-                         {"frame_us_p95", t.frame_us.p95_us},
-                         {"frame_us_p99", t.frame_us.p99_us},
-                         {"frame_us_p999", t.frame_us.p999_us},
-                         {"active_spheres_mean", nullptr}};
+    nlohmann::ordered_json entry{{"series", point.series},
+                                 {"method", t.method},
+                                 {"spheres", point.spheres},
+                                 {"cut_zone_mm", point.cut_zone_m * 1e3},
+                                 {"frames", t.frames},
+                                 {"rate_hz", t.rate_hz()},
+                                 {"frame_us_p50", t.frame_us.p50_us},
+                                 {"frame_us_p95", t.frame_us.p95_us},
+                                 {"frame_us_p99", t.frame_us.p99_us},
+                                 {"frame_us_p999", t.frame_us.p999_us},
+                                 {"active_spheres_mean", nullptr}};
     if (t.active_spheres_mean) entry["active_spheres_mean"] = *t.active_spheres_mean;
     json["points"].push_back(std::move(entry));
   }
-  return JsonText(json);
+  return ResultText(Judge(result), json);
 }
 
 int RunChartScaling(const ScalingOptions& options) {

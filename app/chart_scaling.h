@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/frame_timing.h"
+#include "app/verdict.h"
 
 namespace osteon::app {
 
@@ -32,10 +33,19 @@ struct ScalingResult {
   std::size_t tool_spheres{0};
   std::vector<ScalingPoint> points;
   std::vector<std::string> left_out;  ///< what was not measured, and why
+  std::size_t ours_left_out{0};       ///< of these, points of our own series
+  std::size_t most_spheres{0};        ///< that were asked for
+  std::size_t frames{0};              ///< asked for at each point of ours
+  bool interrupted{false};            ///< ended by a signal before all was measured
   /// Median frame time at the most spheres over that at 100 000 (or the nearest), the cut zone as it is; 0
   /// where there are no two such points.
   [[nodiscard]] double Growth() const;
 };
+
+/// Bad where the chart was ended before all was measured; to be looked at where a point of ours is missing,
+/// or was timed over fewer frames than asked for. A method that is too slow to be timed is a finding, said in
+/// a note.
+[[nodiscard]] Verdict Judge(const ScalingResult& result);
 
 [[nodiscard]] std::string ScalingSvg(const ScalingResult& result);
 /// schema osteon.chart.scaling/1

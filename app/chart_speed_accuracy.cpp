@@ -47,6 +47,7 @@ class Measurement {
   // Seed by seed over all methods, so that a machine's slow hour falls on all alike.
   tl::expected<SpeedAccuracyResult, std::string> Measure() {
     const std::size_t seeds = options_.quick ? std::min<std::size_t>(2, options_.seeds) : options_.seeds;
+    result_.wanted_seeds = seeds;
     for (std::size_t seed = 0; seed < seeds && !Interrupted(); ++seed) {
       std::vector<PlacedTask> tasks;
       for (const simulation::CutTask task : simulation::kCutTasks) {
@@ -60,6 +61,7 @@ class Measurement {
           return tl::unexpected(measured.error());
       }
     }
+    result_.interrupted = Interrupted();
     for (Rung& rung : points_)
       if (!rung.point.seeds.empty() && !rung.left_out) result_.points.push_back(std::move(rung.point));
     return std::move(result_);
@@ -222,9 +224,11 @@ int Run(const SpeedAccuracyOptions& options) {
       "finer "
       "bones."};
   for (const std::string& left : result->left_out) notes.push_back("Not measured: " + left);
+  const Verdict verdict = Judge(*result);
   const std::string json = SpeedAccuracyJson(*result);
   const ChartFiles chart{.name = "speed_accuracy",
                          .title = "Speed and accuracy",
+                         .verdict = verdict.ForReport(),
                          .svg = SpeedAccuracySvg(*result),
                          .caption = fmt::format("{}; {}", result->device, result->machine),
                          .csv = Csv(*result),
@@ -236,12 +240,31 @@ int Run(const SpeedAccuracyOptions& options) {
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, json); !written)
       return Fail("chart speed-accuracy", written.error(), kFailed);
+  PrintVerdict(verdict, 10);
   for (const auto& row : chart.table) fmt::print("{}\n", fmt::join(row, "  "));
   fmt::print("{}\n", (options.out / "speed_accuracy.html").string());
   return Interrupted() ? kExitInterrupted : 0;
 }
 
 }  // namespace
+
+Verdict Judge(const SpeedAccuracyResult& result) {
+  Verdict verdict;
+  if (result.interrupted)
+    verdict.Add(
+        VerdictLevel::kBad,
+        fmt::format(
+            "it was ended by a signal: the chart is incomplete, {} points were measured, of {} seeds each "
+            "where all was done",
+            result.points.size(), result.wanted_seeds));
+  for (const std::string& left : result.left_out) verdict.Add(VerdictLevel::kLook, "not measured: " + left);
+  const auto few = std::ranges::count_if(
+      result.points, [&](const SpeedAccuracyPoint& p) { return p.seeds.size() < result.wanted_seeds; });
+  if (few > 0)
+    verdict.Add(VerdictLevel::kLook,
+                fmt::format("{} points were measured over fewer than {} seeds", few, result.wanted_seeds));
+  return verdict;
+}
 
 int RunChartSpeedAccuracy(const SpeedAccuracyOptions& options) {
   try {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/method_ladder.h"
+#include "app/verdict.h"
 #include "simulation/metrics/frame_workload.h"
 #include "simulation/metrics/workload_scores.h"
 
@@ -41,7 +42,9 @@ struct SpeedAccuracyPoint {
 struct SpeedAccuracyResult {
   std::string machine, device;
   std::vector<SpeedAccuracyPoint> points;
-  std::vector<std::string> left_out;
+  std::vector<std::string> left_out;  ///< points that were not measured, and why
+  std::size_t wanted_seeds{0};        ///< of each point
+  bool interrupted{false};            ///< ended by a signal before all was measured
 };
 
 /// A figure of a point over its seeds.
@@ -51,6 +54,9 @@ struct Spread {
 enum class ChartFigure { kDepth, kVolume, kForce, kRipple };
 [[nodiscard]] Spread SpreadOf(const SpeedAccuracyPoint& point, ChartFigure figure);
 [[nodiscard]] Spread FrameTimeOf(const SpeedAccuracyPoint& point);
+
+/// Bad where the chart was ended before all was measured; to be looked at where points are missing.
+[[nodiscard]] Verdict Judge(const SpeedAccuracyResult& result);
 
 /// Four panels, log-log.
 [[nodiscard]] std::string SpeedAccuracySvg(const SpeedAccuracyResult& result);

@@ -6,7 +6,6 @@
 
 #include "app/exit_code.h"
 #include "app/interrupt.h"
-#include "app/json_text.h"
 #include "app/phase_progress.h"
 #include "app/summary.h"
 
@@ -36,11 +35,49 @@ nlohmann::json GroupJson(const simulation::FrameGroup& group) {
           {"frame_us_p999", group.p999_us}};
 }
 
+// Of the frames that predicted times come from, that another program may interrupt.
+constexpr double kSomeInterrupted = 0.2;
+
+struct FrameCounts {
+  std::size_t frames{0}, interrupted{0};
+};
+
+FrameCounts CountsOf(const std::vector<simulation::FrameGroup>& groups) {
+  FrameCounts counts;
+  for (const simulation::FrameGroup& group : groups) {
+    counts.frames += group.frames;
+    counts.interrupted += group.interrupted;
+  }
+  return counts;
+}
+
+std::string GivenUpText(const GivenUp& given) {
+  return given.what == "rate" ? fmt::format("rate: {:.0f} Hz of {:g}", given.predicted, given.asked)
+                              : fmt::format("error: {:.4f} mm instead of {:g}", given.predicted, given.asked);
+}
+
 std::string Row(const char* name, const std::string& value) {
   return fmt::format("  {:<18} {}\n", name, value);
 }
 
 }  // namespace
+
+Verdict Judge(const FidelityPlan& plan, const std::optional<PlanCheck>& check) {
+  Verdict verdict;
+  if (check)
+    for (const std::string& missed : check->missed)
+      verdict.Add(VerdictLevel::kBad, "measured otherwise than promised: " + missed);
+  for (const GivenUp& given : plan.given_up)
+    verdict.Add(VerdictLevel::kLook,
+                "error and rate can't both be had; given up is the " + GivenUpText(given));
+  const auto [frames, interrupted] = CountsOf(plan.calibration);
+  if (static_cast<double>(interrupted) > kSomeInterrupted * static_cast<double>(frames))
+    verdict.Add(
+        VerdictLevel::kLook,
+        fmt::format("other programs interrupted {} of the {} frames that the predicted times come from",
+                    interrupted, frames));
+  return verdict;
+}
 
 nlohmann::json PlanJson(const PlanScene& scene, const PlanRequest& request, const FidelityPlan& plan,
                         const std::optional<PlanCheck>& check) {
@@ -113,6 +150,7 @@ std::string PlanText(const PlanScene& scene, const PlanRequest& request, const F
   const simulation::PackingLevel& level = plan.packed.level;
   std::string text = fmt::format("Osteon plan: {}, {}, {:g} mm at {:g} Hz on {}\n", scene.name,
                                  scene.work.tool.name, request.error_m * 1e3, request.rate_hz, plan.device);
+  for (const SummaryRow& row : VerdictRows(Judge(plan, check))) text += Row(row.key.c_str(), row.value);
   text +=
       Row("packing", fmt::format("{}, {} spheres of {:.3f} to {:.2f} mm", simulation::KindName(level.kind),
                                  plan.packed.balls.size(), radii.least_m * 1e3, radii.greatest_m * 1e3));
@@ -141,19 +179,11 @@ std::string PlanText(const PlanScene& scene, const PlanRequest& request, const F
       "predicted frame",
       fmt::format("{:.0f} us, p99.9 {:.0f} us: {:.0f} + {:.4f} us times {:.0f} active spheres", plan.frame_us,
                   plan.frame_p999_us, plan.cost.base_us, plan.cost.ball_us, plan.active_balls));
-  std::size_t frames = 0, interrupted = 0;
-  for (const simulation::FrameGroup& group : plan.calibration) {
-    frames += group.frames;
-    interrupted += group.interrupted;
-  }
+  const auto [frames, interrupted] = CountsOf(plan.calibration);
   text += Row("calibrated on", fmt::format("{} frames of {} other packings, {} of them interrupted", frames,
                                            plan.calibration.size(), interrupted));
   if (plan.given_up.empty()) text += Row("given up", "nothing");
-  for (const GivenUp& given : plan.given_up)
-    text +=
-        Row("given up", given.what == "rate"
-                            ? fmt::format("rate: {:.0f} Hz of {:g}", given.predicted, given.asked)
-                            : fmt::format("error: {:.4f} mm instead of {:g}", given.predicted, given.asked));
+  for (const GivenUp& given : plan.given_up) text += Row("given up", GivenUpText(given));
   if (!check) return text;
   text += Row("measured error",
               fmt::format("{:.4f} ± {:.4f} mm: lost {:.4f}, left {:.4f}", check->error_m * 1e3,
@@ -189,8 +219,8 @@ int RunPlan(const PlanOptions& options) {
   progress.Done();
   fmt::print("{}", PlanText(*scene, options.request, *plan, check));
   if (!options.json.empty())
-    if (const auto written =
-            WriteText(options.json, JsonText(PlanJson(*scene, options.request, *plan, check)));
+    if (const auto written = WriteText(
+            options.json, ResultText(Judge(*plan, check), PlanJson(*scene, options.request, *plan, check)));
         !written)
       return Fail("plan", written.error(), kFailed);
   return plan->given_up.empty() && (!check || check->missed.empty()) ? 0 : 1;

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "app/chart_speed_accuracy.h"
-#include "app/json_text.h"
 #include "app/method_engine.h"
 #include "app/report/pareto.h"
 #include "app/report/svg_plot.h"
@@ -228,7 +227,7 @@ std::string SpeedAccuracyJson(const SpeedAccuracyResult& result) {
     for (const auto& [task, scores] : point.tasks) entry["tasks"][task] = TaskJson(scores);
     json["points"].push_back(std::move(entry));
   }
-  return JsonText(json);
+  return ResultText(Judge(result), json);
 }
 
 }  // namespace osteon::app

@@ -319,12 +319,6 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   return s;
 }
 
-std::vector<SummaryRow> VerdictRows(const Verdict& verdict) {
-  std::vector<SummaryRow> rows{{"Verdict", NameOf(verdict.level)}};
-  for (const std::string& reason : verdict.reasons) rows.push_back({"", reason});
-  return rows;
-}
-
 std::vector<SummaryRow> Rows(const RunSummary& s) {
   std::vector<SummaryRow> rows{
       {"Ended", s.ended + (s.ended_by.empty() ? "" : " by " + s.ended_by) +
@@ -384,7 +378,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
 
 void PrintTable(const RunSummary& summary, const std::string& title) {
   fmt::print("{}: {} with a {}\n", title, summary.scene, summary.tool);
-  for (const SummaryRow& row : VerdictRows(summary.verdict)) fmt::print("  {:<30} {}\n", row.key, row.value);
+  PrintVerdict(summary.verdict, 30);
   for (const SummaryRow& row : Rows(summary)) fmt::print("  {:<30} {}\n", row.key, row.value);
 }
 

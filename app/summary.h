@@ -122,9 +122,6 @@ struct RunSummary {
                                    const CellRunParams& params, const CellRunResult& result,
                                    const io::Recording& recording);
 
-/// The level, and a row for each of its reasons: first on the terminal. The report has a badge for it.
-[[nodiscard]] std::vector<SummaryRow> VerdictRows(const Verdict& verdict);
-
 /// Rows for the terminal and the report.
 [[nodiscard]] std::vector<SummaryRow> Rows(const RunSummary& summary);
 

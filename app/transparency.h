@@ -6,6 +6,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/verdict.h"
 #include "config/cell_config.h"
 #include "hil/handle_bench.h"
 
@@ -49,6 +50,10 @@ struct TransparencyResult {
   [[nodiscard]] bool fault() const;
 };
 
+/// Bad where the loop stopped, or where the hand feels something else than the law asks for altogether; to be
+/// looked at where it is off by more than a hand may be expected not to notice, in free motion or in contact.
+[[nodiscard]] Verdict Judge(const TransparencyResult& result);
+
 /// Shakes the cell's own loop and simulated arm where the cell begins. The hand is a wrench that is known, so
 /// that its own mass and stiffness are not in it.
 [[nodiscard]] TransparencyResult MeasureTransparency(const config::CellConfig& cell,
@@ -56,7 +61,7 @@ struct TransparencyResult {
 
 /// `osteon transparency CELL.yaml`: writes transparency.svg, .png, .csv, .json, .html into a folder and a
 /// table to stdout.
-/// @returns the process's exit code: 0; 1 where the loop stopped or a file can't be written; 2 bad input.
+/// @returns the process's exit code: 0; 1 where the verdict is bad or a file can't be written; 2 bad input.
 [[nodiscard]] int RunTransparency(const TransparencyOptions& options);
 
 }  // namespace osteon::app

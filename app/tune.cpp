@@ -206,7 +206,8 @@ void StudyAll(const Study& study, const TuneOptions& options, PhaseProgress& pro
 std::string Page(const TuneResult& r, const TuneOptions& options, const std::string& map,
                  const std::string& width, const std::string& trade) {
   const std::string title = "Gains for " + r.cell;
-  std::string html = PageBegin(title) + "<h1>" + Escape(title) + "</h1>\n<table>\n";
+  std::string html = PageBegin(title) + "<h1>" + Escape(title) + "</h1>\n" +
+                     VerdictBadge(Judge(r).ForReport()) + "<table>\n";
   for (const SummaryRow& row : Rows(r))
     html += "<tr><th>" + Escape(row.key) + "</th><td>" + Escape(row.value) + "</td></tr>\n";
   html += "</table>\n";
@@ -324,11 +325,13 @@ int Run(const TuneOptions& options) {
   result.computed = cache.computed();
 
   if (const auto written = Write(result, options); !written) return Fail("tune", written.error(), kFailed);
+  const Verdict verdict = Judge(result);
+  PrintVerdict(verdict, 26);
   for (const SummaryRow& row : Rows(result)) fmt::print("  {:<26} {}\n", row.key, row.value);
   fmt::print("  {:<26} {}\n", "Report", (options.out / "tune.html").string());
-  if (!result.Stands() || !result.check.grew.empty()) return 1;
-  fmt::print("  {:<26} {}\n", "For osteon run --gains", (options.out / "gains.yaml").string());
-  return 0;
+  if (result.Stands())
+    fmt::print("  {:<26} {}\n", "For osteon run --gains", (options.out / "gains.yaml").string());
+  return verdict.level == VerdictLevel::kBad ? kFailed : 0;
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "app/json_text.h"
 #include "app/report/svg_text.h"
 
 namespace osteon::app {
@@ -38,6 +37,25 @@ nlohmann::json ToJson(const std::vector<TuneBoundary>& boundaries, const std::ve
   return list;
 }
 
+// A hand that keeps more of the force between 5 and 40 Hz than this is shaken, not only unquiet.
+constexpr double kShaken_N = 5.0;
+
+void JudgeCarried(const TuneResult& r, Verdict& verdict) {
+  const TuneCarried* worst = r.WorstCarried();
+  if (worst == nullptr || worst->Calm()) return;
+  const auto calm = std::ranges::count_if(r.carried, &TuneCarried::Calm);
+  const bool shaken = !worst->run.valid || worst->run.one_s_N > kShaken_N;
+  verdict.Add(
+      shaken ? VerdictLevel::kBad : VerdictLevel::kLook,
+      fmt::format("of {} hands stiffer than {:g} N/m, {} keep oscillating 1 s after the grip closed, though "
+                  "the vibration index acts: the worst, {} ({}), {}",
+                  r.carried.size(), r.task.human_grip_N_per_m,
+                  static_cast<std::ptrdiff_t>(r.carried.size()) - calm, worst->hand.name, worst->contact,
+                  worst->run.valid ? fmt::format("with {:.2f} N between 5 and 40 Hz, {:.2g} N accepted",
+                                                 worst->run.one_s_N, worst->calm_N)
+                                   : std::string("ended the run")));
+}
+
 // JSON has no infinity.
 nlohmann::json Finite(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
@@ -50,6 +68,38 @@ const TuneCarried* TuneResult::WorstCarried() const {
   return &*std::ranges::max_element(carried, {}, [](const TuneCarried& c) {
     return c.run.valid ? c.run.one_s_N : std::numeric_limits<double>::infinity();
   });
+}
+
+Verdict Judge(const TuneResult& r) {
+  Verdict verdict;
+  if (!r.Stands()) {
+    verdict.Add(VerdictLevel::kBad, "no gains stand what was asked, whatever the drag");
+    return verdict;
+  }
+  if (!r.check.grew.empty())
+    verdict.Add(VerdictLevel::kBad,
+                fmt::format("run in time with the recommended gains, {} of {} runs grew: {}",
+                            r.check.grew.size(), r.check.runs, fmt::join(r.check.grew, "; ")));
+  JudgeCarried(r, verdict);
+  if (!r.task.index_acts && !r.carried.empty())
+    verdict.Add(
+        VerdictLevel::kLook,
+        fmt::format("hands stiffer than {:g} N/m need the vibration index, which does not act in this cell "
+                    "(vibration: acts: false)",
+                    r.task.human_grip_N_per_m));
+  if (!(r.own_margin >= r.task.margin))
+    verdict.Add(
+        VerdictLevel::kLook,
+        fmt::format("the cell's own gains, {:.3g} kg and {:.0f} N s/m, {}", r.task.loop.mass_kg,
+                    r.task.loop.damping_Ns_per_m,
+                    r.own_margin > 0.0 ? fmt::format("have a gain margin of {:.2f}, {:g} asked for",
+                                                     r.own_margin, r.task.margin)
+                                       : std::string("are not stable with all of these hands and contacts")));
+  if (!r.WithinBar())
+    verdict.Add(VerdictLevel::kLook,
+                fmt::format("the recommended tool is not light: {}, against {:g} kg and {:g} N s/m",
+                            Shown(r.recommended), r.task.most_mass_kg, r.task.most_drag_Ns_per_m));
+  return verdict;
 }
 
 std::vector<SummaryRow> Rows(const TuneResult& r) {
@@ -154,7 +204,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
     json["trade"].push_back({{"mass_kg", trade.mass_kg},
                              {"damping_human", Finite(trade.human_Ns_per_m)},
                              {"damping_stiffest", Finite(trade.stiffest_Ns_per_m)}});
-  if (!r.Stands()) return JsonText(json);
+  if (!r.Stands()) return ResultText(Judge(r), json);
   json["recommended"] = ToJson(r.recommended);
   json["recommended"]["margin"] = r.recommended_margin;
   json["stiff_grips"] = {{"grip_N_per_m", t.stiffest_grip_N_per_m},
@@ -173,7 +223,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
                                             {"damping_most_ratio", c.run.most_damping},
                                             {"damping_mean_ratio", c.run.mean_damping}});
   json["check"] = {{"runs", r.check.runs}, {"grew", r.check.grew}};
-  return JsonText(json);
+  return ResultText(Judge(r), json);
 }
 
 std::string BoundaryCsv(const TuneResult& r) {

@@ -5,6 +5,7 @@
 
 #include "app/report/report.h"
 #include "app/tune_study.h"
+#include "app/verdict.h"
 
 // What `osteon tune` found, and how it is said: rows, JSON, CSV, pictures, an overlay for the cell.
 
@@ -52,6 +53,11 @@ struct TuneResult {
            recommended.damping_Ns_per_m <= task.most_drag_Ns_per_m;
   }
 };
+
+/// Bad where no gains stand what was asked, where they grew when run in time, or where a stiff hand keeps
+/// oscillating; to be looked at where the cell's own gains stand less, the tool is not light, or hands depend
+/// on a vibration index that does not act.
+[[nodiscard]] Verdict Judge(const TuneResult& result);
 
 [[nodiscard]] std::vector<SummaryRow> Rows(const TuneResult& result);
 /// schema osteon.tune/1

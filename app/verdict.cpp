@@ -1,10 +1,16 @@
 #include "app/verdict.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
+#include <fmt/color.h>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "app/json_text.h"
 #include "app/summary.h"
 
 namespace osteon::app {
@@ -77,6 +83,28 @@ const char* NameOf(VerdictLevel level) {
 void Verdict::Add(VerdictLevel at_least, std::string reason) {
   level = std::max(level, at_least);
   reasons.push_back(std::move(reason));
+}
+
+std::vector<SummaryRow> VerdictRows(const Verdict& verdict) {
+  std::vector<SummaryRow> rows{{"Verdict", NameOf(verdict.level)}};
+  for (const std::string& reason : verdict.reasons) rows.push_back({"", reason});
+  return rows;
+}
+
+void PrintVerdict(const Verdict& verdict, int key_width) {
+  const bool colours = isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
+  const fmt::text_style style = verdict.level == VerdictLevel::kGood || !colours ? fmt::text_style{}
+                                : verdict.level == VerdictLevel::kLook
+                                    ? fmt::fg(fmt::terminal_color::yellow) | fmt::emphasis::bold
+                                    : fmt::fg(fmt::terminal_color::red) | fmt::emphasis::bold;
+  for (const SummaryRow& row : VerdictRows(verdict))
+    fmt::print("  {:<{}} {}\n", row.key, key_width, fmt::styled(row.value, style));
+}
+
+std::string ResultText(const Verdict& verdict, const nlohmann::ordered_json& result) {
+  nlohmann::ordered_json out{{"verdict", {{"level", NameOf(verdict.level)}, {"reasons", verdict.reasons}}}};
+  out.update(result);
+  return JsonText(out);
 }
 
 Verdict JudgeRun(const RunSummary& summary) {

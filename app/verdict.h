@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "app/report/report.h"
 
 namespace osteon::app {
@@ -28,6 +30,16 @@ struct Verdict {
 
   [[nodiscard]] ReportVerdict ForReport() const { return {.level = NameOf(level), .reasons = reasons}; }
 };
+
+/// The level, and a row for each reason: the first rows of a table.
+[[nodiscard]] std::vector<SummaryRow> VerdictRows(const Verdict& verdict);
+
+/// VerdictRows on stdout, keys `key_width` wide; a level that is not good stands out on a terminal that shows
+/// colours (unless NO_COLOR is set).
+void PrintVerdict(const Verdict& verdict, int key_width);
+
+/// A command's result as a JSON file's text: `verdict: {level, reasons}` first, then the fields of `result`.
+[[nodiscard]] std::string ResultText(const Verdict& verdict, const nlohmann::ordered_json& result);
 
 /// Judges a run by its figures: how it ended, its faults, how long a limit or an old model kept force from
 /// the hand, what was lost of the recording.

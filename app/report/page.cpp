@@ -55,11 +55,12 @@ std::string PageBegin(const std::string& title) {
       Escape(title), kStyle);
 }
 
-std::string VerdictBadge(const std::string& level, const std::vector<std::string>& reasons) {
-  std::string out = fmt::format("<div class=\"verdict {}\">{}</div>\n", Escape(level), Escape(level));
-  if (reasons.empty()) return out;
+std::string VerdictBadge(const ReportVerdict& verdict) {
+  std::string out =
+      fmt::format("<div class=\"verdict {}\">{}</div>\n", Escape(verdict.level), Escape(verdict.level));
+  if (verdict.reasons.empty()) return out;
   out += "<ul class=\"reasons\">\n";
-  for (const std::string& reason : reasons) out += "<li>" + Escape(reason) + "</li>\n";
+  for (const std::string& reason : verdict.reasons) out += "<li>" + Escape(reason) + "</li>\n";
   return out + "</ul>\n";
 }
 

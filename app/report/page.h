@@ -19,8 +19,14 @@ inline constexpr const char* kPageEnd = "</main>\n</body>\n</html>\n";
 /// @param content  markup;  @param caption  text, or empty
 [[nodiscard]] std::string Figure(const std::string& content, const std::string& caption);
 
-/// How good what the page shows was, with the reasons below it. @param level  "good", "look" or "bad"
-[[nodiscard]] std::string VerdictBadge(const std::string& level, const std::vector<std::string>& reasons);
+/// How good a result was, worst reason first.
+struct ReportVerdict {
+  std::string level{"good"};  ///< "good", "look" or "bad"
+  std::vector<std::string> reasons{};
+};
+
+/// The level as a badge, the reasons below it.
+[[nodiscard]] std::string VerdictBadge(const ReportVerdict& verdict);
 
 /// A picture within the page. @returns libpng's message where it fails.
 [[nodiscard]] tl::expected<std::string, std::string> Picture(const Image& image, const std::string& caption);

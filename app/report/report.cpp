@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "app/report/page.h"
 #include "app/report/run_charts.h"
 #include "app/report/svg_plot.h"
 #include "app/report/svg_text.h"
@@ -19,7 +18,7 @@ namespace {
 std::string Head(const ReportInput& input) {
   std::string out = fmt::format("<header>\n<h1>{}</h1>\n", Escape(input.title));
   if (!input.subtitle.empty()) out += fmt::format("<p class=\"sub\">{}</p>\n", Escape(input.subtitle));
-  out += VerdictBadge(input.verdict.level, input.verdict.reasons);
+  out += VerdictBadge(input.verdict);
   if (!input.summary.empty()) {
     out += "<ul class=\"summary\">\n";
     for (const SummaryRow& row : input.summary)

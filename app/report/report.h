@@ -9,6 +9,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/report/page.h"
 #include "app/report/render.h"
 #include "app/report/section.h"
 #include "control/tick_record.h"
@@ -30,12 +31,6 @@ struct FaultRow {
   double time_s{0.0};    ///< since the run's start; not finite: not known
   std::string reaction;  ///< what the cell did
   std::string seen{};    ///< with its figures, where they are known
-};
-
-/// How good a run was, worst reason first.
-struct ReportVerdict {
-  std::string level{"good"};  ///< "good", "look" or "bad"
-  std::vector<std::string> reasons{};
 };
 
 /// Everything that a report is made of. Views must outlive the call.
