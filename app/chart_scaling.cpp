@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -75,7 +76,7 @@ class Scaling {
 
   void LeaveOut(const char* series, std::size_t count, const std::string& why) {
     result_.left_out.push_back(fmt::format("{}, {} spheres: {}", series, count, why));
-    if (series != kBrute) ++result_.ours_left_out;
+    if (std::string_view(series) != kBrute) ++result_.ours_left_out;
     Say("left out: " + result_.left_out.back());
   }
 

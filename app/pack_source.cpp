@@ -62,10 +62,10 @@ tl::expected<std::filesystem::path, std::string> SceneFile(const SourceOptions& 
   const std::filesystem::path scenes = options.config_root / "scenes";
   return config::FindNamedFile(scenes, name).map_error([&](const std::filesystem::path& file) {
     const bool other = option == options.input && !options.scenes_only;
-    return fmt::format("{}: no file {}; accepted: {}a scene: a YAML file, or one of {}", option,
-                       file.string(),
-                       other ? "a mesh (.stl, .obj, .ply), a packing (.osp), ball:R, box:X,Y,Z, or " : "",
-                       config::YamlNamesIn(scenes));
+    return fmt::format(
+        "{}: no file {}; accepted: {}a scene: a YAML file, or one of {}{}", option, file.string(),
+        other ? "a mesh (.stl, .obj, .ply), a packing (.osp), ball:R, box:X,Y,Z, or " : "",
+        config::YamlNamesIn(scenes), options.scenes_only ? "; a mesh (.stl, .obj, .ply) with --cup" : "");
   });
 }
 

@@ -1,6 +1,7 @@
 #include "app/plan_scene.h"
 
 #include <algorithm>
+#include <cctype>
 #include <limits>
 
 #include <fmt/format.h>
@@ -22,10 +23,23 @@ namespace {
 constexpr std::size_t kTurn = 25, kSettle = 3;
 constexpr double kFeed_m_per_s = 5e-3;  // assumed: of a tool that cuts
 
+bool IsMesh(const std::string& input) {
+  std::string extension = std::filesystem::path(input).extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".stl" || extension == ".obj" || extension == ".ply";
+}
+
+/// The scene that is cut, or whose place the mesh takes.
+std::string SceneOf(const PlanChoice& choice) {
+  if (!IsMesh(choice.scene)) return choice.scene;
+  return choice.mesh_scene.empty() ? "acetabulum" : choice.mesh_scene;
+}
+
 std::filesystem::path CellOf(const PlanChoice& choice) {
   if (!choice.cell.empty()) return choice.cell;
   const std::filesystem::path own =
-      choice.config_root / "cells" / (std::filesystem::path(choice.scene).stem().string() + ".yaml");
+      choice.config_root / "cells" / (std::filesystem::path(SceneOf(choice)).stem().string() + ".yaml");
   return std::filesystem::is_regular_file(own) ? own : choice.config_root / "cells" / "demo.yaml";
 }
 
@@ -60,9 +74,17 @@ PlanScene MakePlanScene(const simulation::SceneSolid& solid, const simulation::S
 
 tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice) {
   SourceOptions options;
+  const bool is_mesh = IsMesh(choice.scene);
+  if (is_mesh && !choice.site)
+    return tl::make_unexpected(fmt::format(
+        "{}: found a mesh without its site, accepted with --cup X,Y,Z,NX,NY,NZ,R (where it is cut)",
+        choice.scene));
   options.input = choice.scene;
-  options.scenes_only = true;
+  options.scenes_only = !is_mesh;
   options.config_root = choice.config_root;
+  options.scene = is_mesh ? SceneOf(choice) : choice.mesh_scene;
+  options.cup = choice.site;
+  options.scale = choice.scale;
   PackSource source;
   if (auto loaded = LoadPackSource(options))
     source = std::move(*loaded);

@@ -17,9 +17,12 @@
 
 namespace osteon::app {
 
-/// What is planned for: a scene, and a tool and an arm that work on it.
+/// What is planned for: a scene, or a mesh in the place of one, and a tool and an arm that work on it.
 struct PlanChoice {
-  std::string scene;           ///< YAML file, or a name under scenes/
+  std::string scene;       ///< YAML file, or a name under scenes/; a mesh file (.stl, .obj, .ply)
+  std::string mesh_scene;  ///< whose place a mesh takes; empty: the acetabulum's
+  std::optional<simulation::Cup> site{};  ///< of a mesh, in its frame
+  std::optional<double> scale{};          ///< of a mesh: millimetres to one of its units
   std::filesystem::path cell;  ///< tool, coupling and arm; empty: cells/SCENE.yaml, or else cells/demo.yaml
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
   std::filesystem::path config_root;

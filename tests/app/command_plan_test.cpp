@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/app/command.h"
+#include "tests/simulation/mesh_shapes.h"
 
 // `osteon plan` as a user runs it. Times are this machine's: none is compared with a bound.
 
@@ -61,6 +62,21 @@ TEST(Plan, SaysWhatItGivesUp) {
   EXPECT_NE(run.out.find("given up           rate: "), std::string::npos) << run.out;
 }
 
+// A mesh takes a scene's place: the same block as thin_plate's solid takes about as many spheres.
+TEST(Plan, PlansAMesh) {
+  const TemporaryFolder folder;
+  io::test::WriteAll(folder.path() / "plate.stl",
+                     simulation::StlText(simulation::MakeBox({-0.02, -0.02, -0.002}, {0.02, 0.02, 0.0})));
+  const CommandResult run =
+      RunCommand(folder.path(), {"plan", "plate.stl", "--cup", "0,0,0,0,0,1,2", "--scene", "thin_plate",
+                                 "--error-mm", "0.08", "--rate-hz", "1", "--json", "plan.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
+  const nlohmann::json json = ReadJson(folder.path() / "plan.json");
+  EXPECT_GT(json.at("spheres").get<int>(), 100);
+  EXPECT_LE(json.at("predicted_error_mm").get<double>(), 0.08);
+  EXPECT_NE(run.out.find("Osteon plan: plate, "), std::string::npos) << run.out;
+}
+
 TEST(Plan, SaysWhatItDoesNotTake) {
   const TemporaryFolder folder;
   const std::vector<std::string> asked{"--error-mm", "0.1", "--rate-hz", "1000"};
@@ -68,7 +84,12 @@ TEST(Plan, SaysWhatItDoesNotTake) {
            {{}, "scene is required"},
            {{"elbow"}, "elbow: no file"},
            {{"ball:20"}, "accepted: a scene: a YAML file, or one of acetabulum, "},
-           {{"bone.stl"}, "accepted: a scene: a YAML file, or one of acetabulum, "},
+           {{"bone.stl"}, "bone.stl: found a mesh without its site, accepted with --cup X,Y,Z,NX,NY,NZ,R"},
+           {{"bone.stl", "--cup", "0,0,10,0,0,1,2"}, "bone.stl: no such file"},
+           {{"bone.stl", "--cup", "0,0,10"}, "--cup"},
+           {{"molar", "--cup", "0,0,10,0,0,1,2"}, "--cup: found with molar, accepted with a mesh"},
+           {{"molar", "--scale", "2"}, "--scale: found with molar, accepted with a mesh"},
+           {{"bone.stl", "--cup", "0,0,10,0,0,1,2", "--scene", "elbow"}, "--scene elbow: no file"},
            {{"molar", "--cell", "elbow"}, "--cell elbow: no file"},
            {{"molar", "--tool", "round_burr:77"}, "found 77"}}) {
     std::vector<std::string> all{"plan"};
