@@ -32,7 +32,7 @@ struct CapabilityOptions {
 
 /// `osteon capability CELL.yaml`: maps what force the arm can hold over the cell's task, and looks for the
 /// base from which it holds most. Writes capability.json, .csv, .html, pictures, and base.yaml into a folder.
-/// @returns the process's exit code: 0; 1 where the verdict is bad or a file can't be written; 2 bad input;
+/// @returns the process's exit code: 0, whatever the verdict; 1 where a file can't be written; 2 bad input;
 /// 130 ended by Ctrl-C.
 [[nodiscard]] int RunCapability(const CapabilityOptions& options);
 

@@ -21,7 +21,7 @@ namespace {
 void ExamineVulkan(std::vector<Check>& checks) {
   const auto devices = gpu::ListDevices();
   if (!devices) {
-    checks.push_back({"Vulkan", "no device", kMissing, devices.error()});
+    checks.push_back({"Vulkan", "no device", kCheckMissing, devices.error()});
     return;
   }
   bool first = true;
@@ -32,9 +32,9 @@ void ExamineVulkan(std::vector<Check>& checks) {
         {"Vulkan device",
          fmt::format("{} ({}, Vulkan {}, {}, {:.1f} GiB)", device.name, device.kind, device.api_version,
                      device.driver, device.memory_bytes / (1024.0 * 1024.0 * 1024.0)),
-         !runs ? kMissing
-         : gpu ? kGood
-               : kUsable,
+         !runs ? kCheckMissing
+         : gpu ? kCheckGood
+               : kCheckUsable,
          !runs   ? "refused: " + device.refusal
          : !gpu  ? "runs on the processor: fine for tests, not for a million spheres"
          : first ? "taken by default"
@@ -45,10 +45,11 @@ void ExamineVulkan(std::vector<Check>& checks) {
 
 void ExamineNetwork(std::vector<Check>& checks, std::uint16_t fri_port) {
   const auto link = io::FriLink::Open({.port = fri_port});
-  checks.push_back(
-      {"FRI port", fmt::format("127.0.0.1:{}", fri_port), link ? kGood : kMissing, link ? "" : link.error()});
+  checks.push_back({"FRI port", fmt::format("127.0.0.1:{}", fri_port), link ? kCheckGood : kCheckMissing,
+                    link ? "" : link.error()});
   const bool can = io::HasSocketCan();
-  checks.push_back({"SocketCAN", can ? "in this kernel" : "not in this kernel", can ? kGood : kUsable,
+  checks.push_back({"SocketCAN", can ? "in this kernel" : "not in this kernel",
+                    can ? kCheckGood : kCheckUsable,
                     can ? "" : "needed for a real force sensor and spindle; the demo runs without"});
 }
 
@@ -62,7 +63,7 @@ std::vector<Check> Examine(const DoctorOptions& options, const std::function<voi
       {"System",
        fmt::format("{} {}, {} processors", system.sysname, system.release,
                    std::thread::hardware_concurrency()),
-       std::thread::hardware_concurrency() >= 2 ? kGood : kUsable,
+       std::thread::hardware_concurrency() >= 2 ? kCheckGood : kCheckUsable,
        std::thread::hardware_concurrency() >= 2 ? "" : "servo loop and simulation share one processor"});
   ExamineVulkan(checks);
   ExamineRealtime(checks, options.seconds, progress);
@@ -81,8 +82,8 @@ int RunDoctor(const DoctorOptions& options) {
     if (!check.advice.empty()) fmt::print("{:<8} {:<30} {}\n", "", "", check.advice);
     list.push_back(
         {{"name", check.name}, {"value", check.value}, {"verdict", check.verdict}, {"advice", check.advice}});
-    vulkan = vulkan || (check.name == "Vulkan device" && check.verdict != kMissing);
-    port = port || (check.name == "FRI port" && check.verdict == kGood);
+    vulkan = vulkan || (check.name == "Vulkan device" && check.verdict != kCheckMissing);
+    port = port || (check.name == "FRI port" && check.verdict == kCheckGood);
   }
   if (!options.json.empty()) {
     const nlohmann::json out{{"schema", "osteon.doctor/1"}, {"checks", list}};

@@ -9,9 +9,9 @@
 namespace osteon::app {
 
 // Verdicts of a check.
-inline constexpr const char* kGood = "good";
-inline constexpr const char* kUsable = "usable";
-inline constexpr const char* kMissing = "missing";
+inline constexpr const char* kCheckGood = "good";
+inline constexpr const char* kCheckUsable = "usable";
+inline constexpr const char* kCheckMissing = "missing";
 
 /// One thing that was looked at.
 struct Check {

@@ -19,8 +19,8 @@ namespace osteon::app {
 
 /// What is planned for: a scene, or a mesh in the place of one, and a tool and an arm that work on it.
 struct PlanChoice {
-  std::string scene;       ///< YAML file, or a name under scenes/; a mesh file (.stl, .obj, .ply)
-  std::string mesh_scene;  ///< whose place a mesh takes; empty: the acetabulum's
+  std::string scene;         ///< YAML file, or a name under scenes/; a mesh file (.stl, .obj, .ply)
+  std::string mesh_scene{};  ///< whose place a mesh takes; empty: the acetabulum's
   std::optional<simulation::Cup> site{};  ///< of a mesh, in its frame
   std::optional<double> scale{};          ///< of a mesh: millimetres to one of its units
   std::filesystem::path cell;  ///< tool, coupling and arm; empty: cells/SCENE.yaml, or else cells/demo.yaml

@@ -46,9 +46,9 @@ Check TimerCheck(const char* name, const DurationFigures& late, bool counts) {
   return {name,
           fmt::format("{} wake-ups, late by p50 {:.0f}, p99 {:.0f}, p99.9 {:.0f}, max {:.0f} µs", late.count,
                       late.p50_s * 1e6, late.p99_s * 1e6, late.p999_s * 1e6, late.max_s * 1e6),
-          good                ? kGood
-          : !counts || usable ? kUsable
-                              : kMissing,
+          good                ? kCheckGood
+          : !counts || usable ? kCheckUsable
+                              : kCheckMissing,
           !counts ? good ? "" : "what a thread without SCHED_FIFO would have: the loop is none"
           : good  ? "a glance: measure for hours before an arm moves (--seconds)"
                   : "simulation only; for an arm: PREEMPT_RT kernel, an isolated core, no virtual machine"};
@@ -65,9 +65,9 @@ Check PeriodCheck(const DurationFigures& late, bool realtime) {
   }
   const bool all = realtime && Serves(late, kPeriods_s.front());
   return {"Servo periods", served,
-          all   ? kGood
-          : any ? kUsable
-                : kMissing,
+          all   ? kCheckGood
+          : any ? kCheckUsable
+                : kCheckMissing,
           all         ? ""
           : !realtime ? "none is promised without SCHED_FIFO"
                       : "by p99.9 below a tenth of the period and max below half of it, with SCHED_FIFO"};
@@ -77,7 +77,7 @@ Check PriorityCheck(bool realtime) {
   return {"Real-time priority",
           fmt::format("SCHED_FIFO {}, rtprio limit {}", realtime ? "granted" : "refused",
                       LimitText(RLIMIT_RTPRIO, 1.0)),
-          realtime ? kGood : kUsable,
+          realtime ? kCheckGood : kCheckUsable,
           realtime ? "" : "run as root, or give the user rtprio 80 in /etc/security/limits.conf"};
 }
 
@@ -91,7 +91,7 @@ Check MemoryCheck() {
   return {"Locked memory",
           fmt::format("{}, memlock limit {} KiB", locked ? "granted" : "refused",
                       LimitText(RLIMIT_MEMLOCK, 1024.0)),
-          locked ? kGood : kUsable, locked ? "" : "memlock unlimited in /etc/security/limits.conf"};
+          locked ? kCheckGood : kCheckUsable, locked ? "" : "memlock unlimited in /etc/security/limits.conf"};
 }
 
 // The deepest that CPU 0 has, and whether the loop keeps out of it.
@@ -111,7 +111,7 @@ Check IdleCheck() {
   return {"Idle states",
           fmt::format("{}; {}", deepest.empty() ? "none to be seen" : "deepest " + deepest,
                       awake ? "a run keeps out of them" : "a run sleeps into them"),
-          awake ? kGood : kUsable,
+          awake ? kCheckGood : kCheckUsable,
           awake   ? ""
           : there ? "write access to " + device + ": run as root, or a udev rule (docs/set_up.md)"
                   : "this kernel has no " + device + ": turn deep ones off in the firmware"};
@@ -125,12 +125,14 @@ Check KernelCheck() {
       FirstLine("/sys/kernel/realtime") == "1" || version.find("PREEMPT_RT") != std::string::npos;
   return {"Kernel",
           fmt::format("{} {}", system.release, preempt_rt ? "with PREEMPT_RT" : "without PREEMPT_RT"),
-          preempt_rt ? kGood : kUsable, preempt_rt ? "" : "for an arm: apt install linux-image-rt-amd64"};
+          preempt_rt ? kCheckGood : kCheckUsable,
+          preempt_rt ? "" : "for an arm: apt install linux-image-rt-amd64"};
 }
 
 Check IsolationCheck() {
   const std::string isolated = FirstLine("/sys/devices/system/cpu/isolated");
-  return {"Isolated cores", isolated.empty() ? "none" : isolated, isolated.empty() ? kUsable : kGood,
+  return {"Isolated cores", isolated.empty() ? "none" : isolated,
+          isolated.empty() ? kCheckUsable : kCheckGood,
           isolated.empty() ? "isolcpus=N nohz_full=N on the kernel's command line, then --cpu N"
                            : "name one of them: --cpu N"};
 }
@@ -144,7 +146,8 @@ Check GovernorCheck() {
   std::string text;
   for (const std::string& name : governors) text += (text.empty() ? "" : ", ") + name;
   const bool good = governors == std::set<std::string>{"performance"};
-  return {"Frequency governor", text.empty() ? "not this system's to choose" : text, good ? kGood : kUsable,
+  return {"Frequency governor", text.empty() ? "not this system's to choose" : text,
+          good ? kCheckGood : kCheckUsable,
           good           ? ""
           : text.empty() ? "a virtual machine, or the firmware chooses: turn its power saving off"
                          : "cpupower frequency-set -g performance"};

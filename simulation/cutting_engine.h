@@ -52,7 +52,8 @@ struct CuttingParams {
   double normal_enlargement_m{
       0.24e-3};                         ///< e of the lens-weighted normal; planes are reported up to this gap
   double contact_tolerance_m{0.02e-3};  ///< overlap that sliding over balls may leave
-  /// The longest way of the proxy's slide and, with the rate law, its advance in one frame.
+  /// The longest way of the proxy's slide and, with the rate law, its advance in one frame; a fifth of it is
+  /// the advance's alone while it cuts (kSlideShare).
   double max_slide_m{0.25e-3};
   double engaged_layer_m{0.5e-3};  ///< depth of the layer that measures the engaged area
   RemovalLaw law{RemovalLaw::kRate};

@@ -97,6 +97,12 @@ void CheckAtMost(const char* what, Value found, std::int64_t most) {
 
 }  // namespace
 
+double MostSlide(const CuttingParams& params, const FrameInput& input) {
+  const bool advances =
+      params.law == RemovalLaw::kRate && input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
+  return params.max_slide_m * (advances ? kSlideShare : 1.0);
+}
+
 Vector3 StepOfAdvance(const CuttingParams& params, const FrameInput& input, const FrameSolution& solution,
                       const Vector3& origin_goal) {
   const bool cutting = input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;

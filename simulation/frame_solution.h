@@ -58,6 +58,9 @@ struct FrameSolution {
   std::array<double, kMaxMaterials> removed_m3{};  ///< cleared in this frame, by material
 };
 
+/// How far a frame's slide may go: max_slide_m, or kSlideShare of it where the rate law cuts as well [m].
+[[nodiscard]] double MostSlide(const CuttingParams& params, const FrameInput& input);
+
 /// What the slid proxy goes on by where the bone gives way: along -n by the advance. With the immediate law a
 /// cutting tool goes all the way to its pose, be it that its slide was cut short or that n is a mean over
 /// many balls; but where balls that do not cut hold it alone.

@@ -94,9 +94,10 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   ToolPoints target = goal, straight = contact;
   for (Vector3& point : target) point += solution.delta;
   for (Vector3& point : straight) point += solution.shift;
+  const double most_m = MostSlide(params_, input);
   const Slid full =
-      Slide(contact, target, (turning ? kTurnToleranceShare : 1.0) * params_.contact_tolerance_m);
-  const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m) : full;
+      Slide(contact, target, (turning ? kTurnToleranceShare : 1.0) * params_.contact_tolerance_m, most_m);
+  const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m, most_m) : full;
   // where bone keeps the tool from turning, it still goes along
   const bool turns = SlidesTurning(full.stopped, full.way_m, unturned.way_m, kTurnWorth_m);
   const Slid& chosen = turns ? full : unturned;
@@ -142,9 +143,9 @@ double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& t
 }
 
 ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolPoints& to,
-                                             double tolerance_m) const {
+                                             double tolerance_m, double most_m) const {
   const double longest = LongestWay(from, to);
-  const double limit = longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0;
+  const double limit = longest > most_m ? most_m / longest : 1.0;
   const double met = FirstContact(from, to, tolerance_m);
   const double fraction = std::min(limit, met);
   return {.fraction = fraction, .way_m = fraction * longest, .stopped = met < limit};

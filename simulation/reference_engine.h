@@ -39,7 +39,7 @@ class ReferenceEngine final : public CuttingEngine {
     double fraction, way_m;  ///< way: of the point that goes farthest
     bool stopped;            ///< by a ball
   };
-  Slid Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
+  Slid Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m, double most_m) const;
   NearField FindNearField(const ToolPoints& at, const ToolPoints& goal, const Matrix3& R_GT) const;
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G, FrameSolution& solution) const;
   [[nodiscard]] std::size_t TouchingBall(const ToolPoints& from, const ToolPoints& to, double first) const;

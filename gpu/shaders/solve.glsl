@@ -376,7 +376,9 @@ void FindResultant(Held held, double normal, double hold_most) {
 void Solve() {
   uint lane = gl_LocalInvocationID.x;
   bool is_void = IsVoid();
-  double s = ExactFraction(), tolerance = frame.exact.tolerance, most = frame.exact.max_slide;
+  double s = ExactFraction(), tolerance = frame.exact.tolerance;
+  bool advances = frame.immediate == 0u && frame.exact.spindle_rad_per_s != 0.0lf && frame.exact.dt_s > 0.0lf;
+  double most = frame.exact.max_slide * (advances ? kSlideShare : 1.0lf);
   dvec3 motion = frame.exact.goal - (frame.exact.start + s * (frame.exact.goal - frame.exact.start));  // of T's origin
   uint hold_count = frame.turning != 0u ? 2u : 1u, held_count = frame.held_count;
   float friction_share = frame.friction;

@@ -96,7 +96,8 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
   double longest = 0.0;
   for (std::size_t t = 0; t < target.size(); ++t)
     longest = std::max(longest, (target[t] - contact[t]).norm());
-  double slide = longest > params_.max_slide_m ? params_.max_slide_m / longest : 1.0;
+  const double most_m = MostSlide(params_, input);
+  double slide = longest > most_m ? most_m / longest : 1.0;
   // a turning tool would cut what a tolerance lets in, frame by frame, whatever the law says
   const bool cutting = input.spindle_rad_per_s != 0.0;
   if (const auto stop = FindTouch(contact, target, cutting ? 0.0 : params_.contact_tolerance_m))

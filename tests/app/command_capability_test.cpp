@@ -42,7 +42,8 @@ TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
       << "the margin, but for the base's rounded turn";
   for (const char* key : {"axial_min_N", "lateral_min_N", "guaranteed_axial_N", "arm_angle_deg"})
     EXPECT_TRUE(base.at(key).is_number()) << key;
-  EXPECT_NE(run.out.find("Verdict"), std::string::npos);
+  EXPECT_NE(run.out.find("Verdict                        good"), std::string::npos) << run.out;
+  EXPECT_EQ(json.at("verdict").at("level"), "good");
 
   // put into the cell's file, it loads, and the arm begins there
   std::string cell = config::CellText("demo");
@@ -75,6 +76,8 @@ TEST(Capability, SaysWhatIsTheMostWhereTheNeedIsTooMuch) {
       RunCommand(folder.path(), {"capability", "demo", "--out", "cap", "--lateral-N", "180", "--nodes", "3",
                                  "--x-mm", "100,200", "--y-mm", "0,0", "--z-mm", "0,300"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(ReadJson(folder.path() / "cap" / "capability.json").at("verdict").at("level"), "bad")
+      << "the cell's own base does not hold it either";
   EXPECT_NE(run.out.find("are not to be had"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("A6 limits"), std::string::npos) << run.out;
   EXPECT_FALSE(

@@ -68,7 +68,7 @@ TEST(Plan, PlansAMesh) {
   io::test::WriteAll(folder.path() / "plate.stl",
                      simulation::StlText(simulation::MakeBox({-0.02, -0.02, -0.002}, {0.02, 0.02, 0.0})));
   const CommandResult run =
-      RunCommand(folder.path(), {"plan", "plate.stl", "--cup", "0,0,0,0,0,1,2", "--scene", "thin_plate",
+      RunCommand(folder.path(), {"plan", "plate.stl", "--cup", "0,0,1.5,0,0,1,2", "--scene", "thin_plate",
                                  "--error-mm", "0.08", "--rate-hz", "1", "--json", "plan.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
   const nlohmann::json json = ReadJson(folder.path() / "plan.json");

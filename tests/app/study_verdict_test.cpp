@@ -170,7 +170,7 @@ TEST(TransparencyVerdict, EachLevelHasItsReasons) {
   EXPECT_EQ(Judge(other).level, VerdictLevel::kBad);
 
   TransparencyResult stopped = Faithful();
-  stopped.axes[2].points.push_back({.fault = true});
+  stopped.axes[2].points.emplace_back().fault = true;
   EXPECT_EQ(Judge(stopped).level, VerdictLevel::kBad);
   EXPECT_TRUE(Says(Judge(stopped), "void"));
 }
