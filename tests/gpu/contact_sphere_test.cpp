@@ -44,7 +44,7 @@ TEST(ContactSphere, ReamsLikeTheReference) {
   Twins twins(FloorOfTheCup(), Shell(120), ContactSphere(RemovalLaw::kRate));
   for (int i = 0; i < 600; ++i)
     twins.Step(OnTheFloor(-0.1e-3 + 3e-6 * i, {0.2e-3 * std::sin(0.03 * i), 0.2e-3 * std::sin(0.02 * i), 0},
-                          {0.1 * std::sin(0.011 * i), 0.08 * std::sin(0.017 * i), 0.03 * i}));
+                          {0.1 * std::sin(0.011 * i), 0.08 * std::sin(0.017 * i), 0.029 * i}));
   twins.ExpectWithinTheBars({.force_N = 5.0, .touching = 300, .balls = 20, .points = 5});
 }
 
