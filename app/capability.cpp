@@ -116,6 +116,7 @@ BasePanel PanelAround(const BaseSearch& search, const BaseFigure& best, const Ca
   if (vertical) {
     u = Vector3(p_best.x() - site.x(), p_best.y() - site.y(), 0.0);
     u = u.norm() > 1e-6 ? Vector3(u.normalized()) : Vector3::UnitX();
+    if (u.x() < 0.0) u = -u;  // what is left in the plan view is left here
     v = Vector3::UnitZ();
     across = {-kReach_m, kReach_m};
     up = {s.z_m.from - site.z(), s.z_m.to - site.z()};

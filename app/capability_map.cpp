@@ -84,6 +84,7 @@ MapPanel CapabilityMap::Panel(MapPlane plane, int nodes, const std::function<boo
     const Vector3 base_W = X_BW_.inverse().translation();
     Vector3 out = task_.X_WC.translation() - base_W;
     out.z() = 0.0;
+    if (out.x() < 0.0) out = -out;  // what is left in the horizontal section is left here
     panel.u_W = out.norm() > 1e-9 ? out.normalized() : Vector3::UnitX();
     panel.v_W = Vector3::UnitZ();
   }

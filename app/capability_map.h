@@ -14,7 +14,7 @@ namespace osteon::app {
 
 /// Two planes through the site's centre.
 enum class MapPlane : std::uint8_t {
-  kVertical,    ///< through the base's axis and along W's z: x to the site's side, y up
+  kVertical,    ///< through the base's axis and along W's z: to W's +x side, y up
   kHorizontal,  ///< W's x and y, at the site's height
 };
 

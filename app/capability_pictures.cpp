@@ -96,8 +96,11 @@ Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel) {
 HeatMap PanelOf(const CapabilityResult& r, const MapPanel& panel, const std::vector<double>& values,
                 const std::string& what, const HeatScale& scale, double need_N) {
   const bool vertical = panel.plane == MapPlane::kVertical;
+  const bool away = (r.task.X_WC.translation() - r.X_WB.translation()).dot(panel.u_W) >= 0.0;
   return {.title = fmt::format("{}, {} section", what, vertical ? "vertical" : "horizontal"),
-          .x_label = vertical ? "away from the base [mm]" : "x from the site [mm]",
+          .x_label = !vertical ? "x from the site [mm]"
+                     : away    ? "away from the base [mm]"
+                               : "towards the base [mm]",
           .y_label = vertical ? "up from the site [mm]" : "y from the site [mm]",
           .x = {1e3 * panel.u_from_m, 1e3 * (panel.u_from_m + panel.step_m * (panel.nu - 1))},
           .y = {1e3 * panel.v_from_m, 1e3 * (panel.v_from_m + panel.step_m * (panel.nv - 1))},

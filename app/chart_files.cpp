@@ -25,7 +25,7 @@ std::string Processor() {
 }
 
 std::string Table(const std::vector<std::vector<std::string>>& rows) {
-  std::string html = "<table>\n";
+  std::string html = "<div class=\"wide\">\n<table>\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const char* tag = i == 0 ? "th" : "td";
     html += "<tr>";
@@ -34,7 +34,7 @@ std::string Table(const std::vector<std::vector<std::string>>& rows) {
           fmt::format("<{}{}>{}</{}>", tag, column > 0 ? " class=\"n\"" : "", Escape(rows[i][column]), tag);
     html += "</tr>\n";
   }
-  return html + "</table>\n";
+  return html + "</table>\n</div>\n";
 }
 
 }  // namespace

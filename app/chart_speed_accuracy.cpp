@@ -237,6 +237,9 @@ int Run(const SpeedAccuracyOptions& options) {
                          .notes = notes};
   if (const auto written = WriteChart(chart, options.out); !written)
     return Fail("chart speed-accuracy", written.error(), kFailed);
+  if (const auto written = WriteText(options.out / "speed_accuracy_depth.svg", DepthOverTimeSvg(*result));
+      !written)
+    return Fail("chart speed-accuracy", written.error(), kFailed);
   if (!options.json.empty())
     if (const auto written = WriteText(options.json, json); !written)
       return Fail("chart speed-accuracy", written.error(), kFailed);

@@ -58,7 +58,9 @@ enum class ChartFigure { kDepth, kVolume, kForce, kRipple };
 /// Bad where the chart was ended before all was measured; to be looked at where points are missing.
 [[nodiscard]] Verdict Judge(const SpeedAccuracyResult& result);
 
-/// Four panels, log-log.
+/// The depth's error alone, as wide as a page's column.
+[[nodiscard]] std::string DepthOverTimeSvg(const SpeedAccuracyResult& result);
+/// Four panels, log-log, one below the other.
 [[nodiscard]] std::string SpeedAccuracySvg(const SpeedAccuracyResult& result);
 /// schema osteon.chart.speed-accuracy/1
 [[nodiscard]] std::string SpeedAccuracyJson(const SpeedAccuracyResult& result);

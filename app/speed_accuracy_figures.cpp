@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kFloor = 1e-4;  // of what is drawn on a logarithmic axis, in the axis' unit
 
+constexpr double kPageWidth_px = 830.0;  // of a column of text on GitHub: no letter is drawn smaller there
+
 struct MethodLook {
   const char* method;
   const char* name;
@@ -152,6 +154,16 @@ LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure) {
   return chart;
 }
 
+std::vector<LegendEntry> LegendOf(const SpeedAccuracyResult& result) {
+  std::vector<LegendEntry> legend;
+  for (const MethodLook& look : kLooks)
+    if (std::ranges::any_of(result.points, [&](const auto& point) { return point.method == look.method; }))
+      legend.push_back(
+          {.text = look.name, .color = look.color, .mark = LegendEntry::Mark::kNone, .marker = look.marker});
+  legend.push_back({.text = "best within a time", .color = kTextColor});
+  return legend;
+}
+
 nlohmann::json TaskJson(const simulation::WorkloadScores& s) {
   return {{"depth_error_mm", s.depth_error_m * 1e3},
           {"depth_error_se_mm", s.depth_error_se_m * 1e3},
@@ -184,13 +196,12 @@ Spread FrameTimeOf(const SpeedAccuracyPoint& point) {
 std::string SpeedAccuracySvg(const SpeedAccuracyResult& result) {
   const std::array panels{Panel(result, ChartFigure::kDepth), Panel(result, ChartFigure::kVolume),
                           Panel(result, ChartFigure::kForce), Panel(result, ChartFigure::kRipple)};
-  std::vector<LegendEntry> legend;
-  for (const MethodLook& look : kLooks)
-    if (std::ranges::any_of(result.points, [&](const auto& point) { return point.method == look.method; }))
-      legend.push_back(
-          {.text = look.name, .color = look.color, .mark = LegendEntry::Mark::kNone, .marker = look.marker});
-  legend.push_back({.text = "best within a time", .color = kTextColor});
-  return SvgGrid(panels, 2, "Speed and accuracy of cutting methods", legend, 1240.0);
+  return SvgGrid(panels, 1, "Speed and accuracy of cutting methods", LegendOf(result), kPageWidth_px);
+}
+
+std::string DepthOverTimeSvg(const SpeedAccuracyResult& result) {
+  const std::array panels{Panel(result, ChartFigure::kDepth)};
+  return SvgGrid(panels, 1, "", LegendOf(result), kPageWidth_px);
 }
 
 std::string SpeedAccuracyJson(const SpeedAccuracyResult& result) {

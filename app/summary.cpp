@@ -137,7 +137,7 @@ void AddCut(const RunSummary& s, std::vector<SummaryRow>& rows) {
   rows.push_back({"Bone removed", fmt::format("{:.0f} mm³, {:.2f} g{}", s.removed_volume_m3 * 1e9,
                                               s.removed_mass_kg * 1e3, swept)});
   rows.push_back(
-      {"Reamed since first touch", fmt::format("{:.2f} mm along the cup's axis", s.reamed_depth_m * 1e3)});
+      {"Reamed since first touch", fmt::format("{:.2f} mm along the site's axis", s.reamed_depth_m * 1e3)});
   const auto below = [](double depth_m) {
     return fmt::format("{:.2f} mm {}", std::abs(depth_m) * 1e3, depth_m < 0.0 ? "above" : "below");
   };

@@ -97,12 +97,19 @@ std::string Plot(const TransparencyResult& result) {
     panel.plot_height_px = 160.0;
   }
   panels[0].log_y = panels[2].log_y = true;
-  for (std::size_t i = 0; i < 3; ++i) {
+  // the three may lie on each other: z drawn through, y in dashes and x in dots upon it, so that each is seen
+  constexpr std::array<const char*, 3> kDash{"0.1 14", "12 26", ""};
+  constexpr std::array<double, 3> kWidth_px{4.4, 2.8, 1.8};
+  for (const std::size_t i : {2u, 1u, 0u}) {
     const TransparencyAxis& axis = result.axes[i];
-    panels[0].series.push_back(Curve(kAxes[i], kColors[i], axis.points,
-                                     [](const auto& point) { return std::abs(point.impedance); }));
-    panels[1].series.push_back(Unwrapped(Curve(kAxes[i], kColors[i], axis.points,
-                                               [](const auto& point) { return Degrees(point.impedance); })));
+    Series magnitude =
+        Curve(kAxes[i], kColors[i], axis.points, [](const auto& point) { return std::abs(point.impedance); });
+    Series phase = Unwrapped(
+        Curve(kAxes[i], kColors[i], axis.points, [](const auto& point) { return Degrees(point.impedance); }));
+    magnitude.width_px = phase.width_px = kWidth_px[i];
+    magnitude.dash = phase.dash = kDash[i];
+    panels[0].series.push_back(std::move(magnitude));
+    panels[1].series.push_back(std::move(phase));
   }
   const auto asked = [&](const hil::HandlePoint& point) {
     return Complex(result.axes[2].asked_drag, kTau * point.frequency_hz * result.axes[2].asked_mass);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -15,10 +16,9 @@ constexpr double kFastest_per_s = 8.0;  // decay: beyond, a hand takes it for st
 constexpr const char* kPredictedColor = "#1b1f24";
 constexpr const char* kChosenColor = "#d55e00";
 
-// What is zero is unstable without a wall: no point. Nor has what is stable as far as was looked, in a map.
+// What is zero is unstable without a wall: no point. Nor is what is stable as far as was looked a boundary.
 Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*what, double unit,
-             const std::string& name, const std::string& color, Marker marker,
-             double below = std::numeric_limits<double>::infinity()) {
+             const std::string& name, const std::string& color, Marker marker, double below) {
   Series series{
       .name = name, .color = color, .width_px = marker == Marker::kNone ? 2.0 : 0.0, .marker = marker};
   for (const TuneBoundary& b : boundaries) {
@@ -27,6 +27,27 @@ Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*
                                                         : std::numeric_limits<double>::quiet_NaN());
   }
   return series;
+}
+
+// Where a wall as stiff as was looked at is stable: at least so much, by no means measured.
+Series AtLeast(const std::vector<TuneBoundary>& boundaries, double most_N_per_m, const std::string& color) {
+  Series series{.color = color, .width_px = 0.0, .marker = Marker::kOpenUp};
+  for (const TuneBoundary& b : boundaries)
+    if (std::max({b.predicted_N_per_m, b.simulated_N_per_m, b.degraded_N_per_m}) >= most_N_per_m) {
+      series.x.push_back(b.damping_Ns_per_m);
+      series.y.push_back(1e-3 * most_N_per_m);
+    }
+  return series;
+}
+
+// A sign for the legend alone.
+Series LegendOnly(const std::string& name, Marker marker) {
+  return {.name = name, .color = kMutedColor, .width_px = 0.0, .marker = marker};
+}
+
+bool SameGains(const TuneGains& a, double mass_kg, double damping_Ns_per_m) {
+  return std::abs(a.mass_kg - mass_kg) < 0.005 * mass_kg &&
+         std::abs(a.damping_Ns_per_m - damping_Ns_per_m) < 0.005 * damping_Ns_per_m;
 }
 
 }  // namespace
@@ -46,31 +67,34 @@ std::string MapSvg(const TuneResult& r) {
                       .values = map.decay_per_s,
                       .curves = {Curve(boundaries, &TuneBoundary::predicted_N_per_m, 1.0, "", kPredictedColor,
                                        Marker::kNone, r.most_wall_N_per_m),
-                                 Curve(boundaries, &TuneBoundary::simulated_N_per_m, 1.0, "", "#ffffff",
-                                       Marker::kCircle, r.most_wall_N_per_m),
+                                 Curve(boundaries, &TuneBoundary::simulated_N_per_m, 1.0, "", kPredictedColor,
+                                       Marker::kRing, r.most_wall_N_per_m),
                                  Series{.x = {r.recommended.damping_Ns_per_m},
                                         .y = {r.task.wall_N_per_m},
                                         .color = kChosenColor,
                                         .width_px = 0.0,
                                         .marker = Marker::kDiamond}}});
   }
-  return LevelMapSvg(
-      panels, {.label = "decay of the slowest motion [1/s]", .min = 0.0, .max = kFastest_per_s},
-      fmt::format("Stability at {:.3g} kg", r.recommended.mass_kg),
-      {{.text = "boundary, predicted", .color = kPredictedColor},
-       {.text = "simulated", .color = kAxisColor, .mark = LegendEntry::Mark::kNone, .marker = Marker::kRing},
-       {.text = "recommended drag, the cell's wall",
-        .color = kChosenColor,
-        .mark = LegendEntry::Mark::kNone,
-        .marker = Marker::kDiamond},
-       {.text = "grows", .color = "#dfe2e6", .mark = LegendEntry::Mark::kFill}});
+  return LevelMapSvg(panels,
+                     {.label = "decay of the slowest motion [1/s]", .min = 0.0, .max = kFastest_per_s},
+                     fmt::format("Stability at {:.3g} kg", r.recommended.mass_kg),
+                     {{.text = "boundary, predicted", .color = kPredictedColor},
+                      {.text = "simulated",
+                       .color = kPredictedColor,
+                       .mark = LegendEntry::Mark::kNone,
+                       .marker = Marker::kRing},
+                      {.text = "recommended drag, the cell's wall",
+                       .color = kChosenColor,
+                       .mark = LegendEntry::Mark::kNone,
+                       .marker = Marker::kDiamond},
+                      {.text = "grows", .color = "#dfe2e6", .mark = LegendEntry::Mark::kFill}});
 }
 
 std::string WidthSvg(const TuneResult& r) {
   LineChart chart{.title = fmt::format("Greatest wall stiffness at {:.3g} kg", r.recommended.mass_kg),
                   .x_label = "drag of the virtual tool [N s/m]",
                   .y_label = "stiffness of the wall [kN/m]",
-                  .y = Range{10.0, 1e-3 * r.most_wall_N_per_m},
+                  .y = Range{10.0, 1.3e-3 * r.most_wall_N_per_m},
                   .y_from_zero = false,
                   .log_x = true,
                   .log_y = true,
@@ -82,14 +106,18 @@ std::string WidthSvg(const TuneResult& r) {
   for (std::size_t k = 0; k < std::size(groups); ++k) {
     const auto& [boundaries, name] = groups[k];
     const std::string color = kPalette[k];
-    chart.series.push_back(
-        Curve(*boundaries, &TuneBoundary::predicted_N_per_m, 1e-3, name, color, Marker::kNone));
-    chart.series.push_back(
-        Curve(*boundaries, &TuneBoundary::simulated_N_per_m, 1e-3, "simulated", color, Marker::kRing));
-    chart.series.push_back(
-        Curve(*boundaries, &TuneBoundary::degraded_N_per_m, 1e-3, "lost and late", color, Marker::kCross));
+    const auto curve = [&](double TuneBoundary::*what, const std::string& shown, Marker marker) {
+      chart.series.push_back(Curve(*boundaries, what, 1e-3, shown, color, marker, r.most_wall_N_per_m));
+    };
+    curve(&TuneBoundary::predicted_N_per_m, name + ", predicted", Marker::kNone);
+    curve(&TuneBoundary::simulated_N_per_m, "", Marker::kRing);
+    curve(&TuneBoundary::degraded_N_per_m, "", Marker::kCross);
+    chart.series.push_back(AtLeast(*boundaries, r.most_wall_N_per_m, color));
   }
-  chart.limits = {{.value = 1e-3 * r.task.wall_N_per_m, .label = "the cell's"}};
+  chart.series.push_back(LegendOnly("simulated", Marker::kRing));
+  chart.series.push_back(LegendOnly("with commands lost and late", Marker::kCross));
+  chart.series.push_back(LegendOnly("at least so much: no stiffer wall was looked at", Marker::kOpenUp));
+  chart.limits = {{.value = 1e-3 * r.task.wall_N_per_m, .label = "the cell's wall"}};
   chart.x_limits = {{.value = r.recommended.damping_Ns_per_m, .label = "recommended"}};
   return Svg(chart);
 }
@@ -110,21 +138,23 @@ std::string TradeSvg(const TuneResult& r) {
     stiffest.y.push_back(trade.stiffest_Ns_per_m);
   }
   chart.series = {human, stiffest};
-  chart.series.push_back({.name = "the cell's own gains",
-                          .x = {r.task.loop.mass_kg},
-                          .y = {r.task.loop.damping_Ns_per_m},
-                          .color = kMutedColor,
-                          .width_px = 0.0,
-                          .marker = Marker::kCross});
+  const bool same = r.Stands() && SameGains(r.recommended, r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m);
+  if (!same)
+    chart.series.push_back({.name = "the cell's own gains",
+                            .x = {r.task.loop.mass_kg},
+                            .y = {r.task.loop.damping_Ns_per_m},
+                            .color = kTextColor,
+                            .width_px = 0.0,
+                            .marker = Marker::kCross});
   if (r.Stands())
-    chart.series.push_back({.name = "recommended",
+    chart.series.push_back({.name = same ? "recommended, and the cell's own gains" : "recommended",
                             .x = {r.recommended.mass_kg},
                             .y = {r.recommended.damping_Ns_per_m},
                             .color = kChosenColor,
                             .width_px = 0.0,
                             .marker = Marker::kDiamond});
-  chart.limits = {{.value = r.task.most_drag_Ns_per_m, .label = "light"}};
-  chart.x_limits = {{.value = r.task.most_mass_kg, .label = "light"}};
+  chart.limits = {{.value = r.task.most_drag_Ns_per_m, .label = "light below"}};
+  chart.x_limits = {{.value = r.task.most_mass_kg, .label = "light up to here"}};
   return Svg(chart);
 }
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "app/report/failure_scenes.h"
 #include "app/report/page.h"
 #include "app/report/svg_plot.h"
 #include "app/report/svg_text.h"
@@ -16,17 +17,14 @@ namespace {
 
 using hil::FailureResult;
 
-std::string FileName(const FailureResult& result) {
-  std::string name = fmt::format("{:02}_{}.svg", result.id, result.name);
+std::string FileName(const FailureResult& result, const char* what = "") {
+  std::string name = fmt::format("{:02}_{}{}.svg", result.id, result.name, what);
   std::ranges::replace_if(
       name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '.'; }, '_');
   return name;
 }
 
-std::string PlainValue(double value, const std::string& unit) {
-  return fmt::format("{:.4g}{}", value, unit == "1" ? "" : " " + unit);
-}
-// For a table that is read: no exponent where there need not be one.
+// Two digits tell a pass from a failure; no exponent where there need not be one.
 std::string ShortValue(double value, const std::string& unit) {
   const std::string number =
       std::abs(value) >= 100.0 ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);
@@ -37,7 +35,13 @@ std::string Sentence(std::string text) {
   text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text.ends_with('.') ? text : text + ".";
 }
-std::string Value(double value, const std::string& unit) { return Escape(PlainValue(value, unit)); }
+std::string Value(double value, const std::string& unit) { return Escape(ShortValue(value, unit)); }
+
+/// What the chart shows, without its unit: not every chart shows the metric.
+std::string Plotted(const FailureResult& result) {
+  if (result.plot.bound_is_on_y) return result.metric;
+  return result.plot.y_label.substr(0, result.plot.y_label.find(" ["));
+}
 
 const char* Verdict(const FailurePageEntry& entry) {
   return entry.passed                   ? "passes"
@@ -66,7 +70,7 @@ std::string FailureSvg(const FailureResult& result) {
   // ours in blues and greens, the baseline's in reds and browns
   static constexpr std::array kOurs{"#0072b2", "#56b4e9", "#009e73"},
       kTheirs{"#d55e00", "#b07d00", "#cc79a7"};
-  LineChart chart{.title = fmt::format("{} {}: {}", result.id, result.name, result.metric),
+  LineChart chart{.title = fmt::format("{} {}: {}", result.id, result.name, Plotted(result)),
                   .x_label = result.plot.x_label,
                   .y_label = result.plot.y_label,
                   .log_x = result.plot.log_x,
@@ -80,7 +84,7 @@ std::string FailureSvg(const FailureResult& result) {
          .color = series.ours ? kOurs[ours++ % kOurs.size()] : kTheirs[theirs++ % kTheirs.size()],
          .width_px = series.ours ? 2.2 : 1.6});
   if (result.plot.bound_is_on_y)
-    chart.limits = {{.value = result.bound, .label = "bound " + Value(result.bound, result.unit)}};
+    chart.limits = {{.value = result.bound, .label = "bound " + ShortValue(result.bound, result.unit)}};
   return Svg(chart);
 }
 
@@ -104,10 +108,14 @@ tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntr
   for (const FailurePageEntry& entry : entries) {
     if (!entry.error.empty()) continue;
     const std::string svg = FailureSvg(entry.result);
-    html += fmt::format("<h2>{} {}</h2>\n", entry.result.id, Escape(entry.result.name)) +
-            Figure(svg, fmt::format("{}{}{:.1f} s.", entry.result.note, entry.result.note.empty() ? "" : ". ",
+    const std::string scene = FailureSceneSvg(entry.result.id, entry.result.name);
+    html += fmt::format("<h2>{} {}</h2>\n", entry.result.id, Escape(entry.result.name)) + Figure(scene, "") +
+            Figure(svg, fmt::format("Baseline: {}. {}{}It took {:.1f} s.", entry.result.baseline_name,
+                                    Sentence(entry.result.note), entry.result.note.empty() ? "" : " ",
                                     entry.seconds));
     if (const auto written = WritePage(svg, folder / FileName(entry.result)); !written) return written;
+    if (const auto written = WritePage(scene, folder / FileName(entry.result, "_scene")); !written)
+      return written;
   }
   html += fmt::format("<footer>Osteon {}: <code>{}</code></footer>\n", Escape(head.version),
                       Escape(head.command_line));
@@ -123,7 +131,8 @@ std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const Fai
       "there?*\n\n"
       "Each scenario has a baseline, a plainer method or setting, which must be *seen* to fail, and a bound "
       "that "
-      "ours must keep. Orange and brown are the baseline's lines, blue and green ours.\n\n"
+      "ours must keep. Orange and brown are the baseline's lines, blue and green ours. In the sketches "
+      "black is what the hand does, and dashed what is meant, or was, but is not.\n\n"
       "Written by `{}`: {} on {}{}. {} of {} kept, with their baselines seen to fail.\n\n"
       "| | scenario | metric | bound | baseline | ours | |\n|---|---|---|---|---|---|---|\n",
       head.command_line, head.engine, head.device, head.quick ? ", small scenes" : "", passed,
@@ -139,8 +148,10 @@ std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const Fai
   for (const FailurePageEntry& entry : entries) {
     const FailureResult& r = entry.result;
     if (!entry.error.empty()) continue;
-    page += fmt::format("\n## {} {}\n\nBaseline: {}. {}\n\n![{}: {}, baseline and ours]({}/{})\n", r.id,
-                        r.name, r.baseline_name, Sentence(r.note), r.name, r.metric, pictures, FileName(r));
+    page +=
+        fmt::format("\n## {} {}\n\nBaseline: {}. {}\n\n![{}: the scene, baseline and ours]({}/{})\n", r.id,
+                    r.name, r.baseline_name, Sentence(r.note), r.name, pictures, FileName(r, "_scene"));
+    page += fmt::format("\n![{}: {}, baseline and ours]({}/{})\n", r.name, Plotted(r), pictures, FileName(r));
   }
   return page;
 }

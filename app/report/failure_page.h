@@ -23,11 +23,13 @@ struct FailurePageHead {
   bool quick{false};
 };
 
-/// One scenario's picture: the baseline's lines, ours, and the bound where it is one of y's.
+/// One scenario's chart: the baseline's lines, ours, and the bound where it is one of y's. Its title says
+/// what is plotted: the metric where the bound is y's, else the y axis.
 [[nodiscard]] std::string FailureSvg(const hil::FailureResult& result);
 
-/// failures.html (table and every picture) and a picture each, NN_name.svg, in a folder that exists. Files
-/// appear whole or not at all. @returns an error that names the file.
+/// failures.html (table, every scene and every chart) and for each scenario NN_name.svg, its chart, and
+/// NN_name_scene.svg, its sketch (failure_scenes.h), in a folder that exists. Files appear whole or not at
+/// all. @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntry> entries,
                                                                const FailurePageHead& head,
                                                                const std::filesystem::path& folder);

@@ -137,7 +137,27 @@ std::string PathOf(const std::vector<PlotPoint>& points, std::string_view style)
   return fmt::format("<path d=\"{}\" fill=\"none\" {}/>\n", path, style);
 }
 
-std::string ContourLines(const HeatMap& map, const PlotArea& area) {
+/// What is taken by a label or a mark of a panel [px].
+struct Taken {
+  double left{0.0}, top{0.0}, right{0.0}, bottom{0.0};
+  [[nodiscard]] bool Meets(const Taken& other) const {
+    return left < other.right && other.left < right && top < other.bottom && other.top < bottom;
+  }
+};
+using TakenList = std::vector<Taken>;
+
+bool Meets(const TakenList& taken, const Taken& box) {
+  return std::ranges::any_of(taken, [&box](const Taken& other) { return other.Meets(box); });
+}
+
+/// A number of a contour, about its middle.
+Taken NumberBox(const std::string& text, const PlotPoint& at) {
+  const double half = 0.5 * TextWidth(text, kLabelPx) + 3.0;
+  return {.left = at.x - half, .top = at.y - 8.0, .right = at.x + half, .bottom = at.y + 8.0};
+}
+
+/// Lines of the levels, each with its number where it is free. @param taken  grows by the numbers
+std::string ContourLines(const HeatMap& map, const PlotArea& area, TakenList& taken) {
   std::string out;
   for (const double level : map.contours) {
     std::vector<PlotPoint> longest;
@@ -162,24 +182,31 @@ std::string ContourLines(const HeatMap& map, const PlotArea& area) {
       }
     }
     if (longest.size() < 10) continue;
-    // its number where the line runs most nearly level, away from its ends
+    // its number where the line runs most nearly level, away from its ends and from other labels
+    const std::string number = Number(level, 0);
+    const auto place = [&](std::size_t k) {
+      return PlotPoint{std::clamp(longest[k].x, area.left + 18.0, area.left + area.width - 18.0),
+                       longest[k].y};
+    };
     std::size_t at = longest.size() / 2;
     double flattest = HUGE_VAL;
     for (std::size_t k = longest.size() / 5 + 2; k + 2 + longest.size() / 5 < longest.size(); ++k) {
       const double slope = std::abs(longest[k + 2].y - longest[k - 2].y) /
                            std::max(0.1, std::abs(longest[k + 2].x - longest[k - 2].x));
-      if (slope >= flattest) continue;
+      if (slope >= flattest || Meets(taken, NumberBox(number, place(k)))) continue;
       flattest = slope;
       at = k;
     }
-    const double x = std::clamp(longest[at].x, area.left + 18.0, area.left + area.width - 18.0);
-    out += SvgText(x, longest[at].y + 4.0, Number(level, 0), "middle", "#ffffff", kLabelPx,
+    const Taken box = NumberBox(number, place(at));
+    if (Meets(taken, box)) continue;  // nowhere free: the line alone
+    taken.push_back(box);
+    out += SvgText(place(at).x, place(at).y + 4.0, number, "middle", "#ffffff", kLabelPx,
                    R"(font-weight="600" stroke="#1b1f24" stroke-width="2.6" paint-order="stroke")");
   }
   return out;
 }
 
-std::string Overlays(const HeatMap& map, const PlotArea& area) {
+std::string OverlayLines(const HeatMap& map, const PlotArea& area) {
   std::string out;
   for (const MapLine& drawn : map.lines) {
     std::vector<PlotPoint> points;
@@ -189,31 +216,47 @@ std::string Overlays(const HeatMap& map, const PlotArea& area) {
         PathOf(points, fmt::format(R"(stroke="{}" stroke-width="{}" stroke-linejoin="round"{})", drawn.color,
                                    drawn.width_px, drawn.dashed ? R"( stroke-dasharray="5 3")" : ""));
   }
+  return out;
+}
+
+/// Marks, each with its label right, left, above or below: where the panel has room and nothing else stands.
+/// @param taken  grows by marks and labels
+std::string Marks(const HeatMap& map, const PlotArea& area, TakenList& taken) {
+  std::string out;
+  const auto inside = [&map](const MapMark& mark) {
+    return mark.x >= map.x.min && mark.x <= map.x.max && mark.y >= map.y.min && mark.y <= map.y.max;
+  };
+  for (const MapMark& mark : map.marks)
+    if (inside(mark))
+      taken.push_back({.left = area.X(mark.x) - 6.0,
+                       .top = area.Y(mark.y) - 6.0,
+                       .right = area.X(mark.x) + 6.0,
+                       .bottom = area.Y(mark.y) + 6.0});
   for (const MapMark& mark : map.marks) {
-    if (!(mark.x >= map.x.min && mark.x <= map.x.max && mark.y >= map.y.min && mark.y <= map.y.max)) continue;
+    if (!inside(mark)) continue;
     const double x = area.X(mark.x), y = area.Y(mark.y);
     out += DrawMarker(x, y, mark.marker, mark.color);
-    // right, left or above: where the panel has room and no other mark stands
-    const double width = TextWidth(mark.label, kLabelPx) + 12.0;
-    const auto free = [&](double from, double to) {
-      return from > area.left && to < area.left + area.width &&
-             std::none_of(map.marks.begin(), map.marks.end(), [&](const MapMark& other) {
-               const double at = area.X(other.x);
-               return &other != &mark && at > from - 6.0 && at < to + 6.0 &&
-                      std::abs(area.Y(other.y) - y) < 14.0;
-             });
-    };
-    const bool right = free(x, x + width), left = !right && free(x - width, x);
-    const double middle = std::clamp(x, area.left + 0.5 * width, area.left + area.width - 0.5 * width);
-    out += SvgText(right  ? x + 9.0
-                   : left ? x - 9.0
-                          : middle,
-                   right || left ? y + 4.0 : y - 9.0, mark.label,
-                   right  ? "start"
-                   : left ? "end"
-                          : "middle",
-                   kTextColor, kLabelPx,
-                   R"(font-weight="600" stroke="#ffffff" stroke-width="3" paint-order="stroke")");
+    if (mark.label.empty()) continue;
+    // bold runs about a tenth wider
+    const double width = 1.1 * TextWidth(mark.label, kLabelPx);
+    for (const auto& [dx, dy] : {std::pair{9.0, 4.0},
+                                 {-9.0 - width, 4.0},
+                                 {-0.5 * width, -9.0},
+                                 {-0.5 * width, 17.0},
+                                 {9.0, -9.0},
+                                 {-9.0 - width, -9.0},
+                                 {9.0, 17.0},
+                                 {-9.0 - width, 17.0},
+                                 {-0.5 * width, 31.0}}) {
+      const Taken box{.left = x + dx, .top = y + dy - 10.0, .right = x + dx + width, .bottom = y + dy + 2.0};
+      if (box.left < area.left + 2.0 || box.right > area.left + area.width - 2.0 ||
+          box.top < area.top + 2.0 || box.bottom > area.top + area.height - 2.0 || Meets(taken, box))
+        continue;
+      taken.push_back(box);
+      out += SvgText(box.left, y + dy, mark.label, "start", kTextColor, kLabelPx,
+                     R"(font-weight="600" stroke="#ffffff" stroke-width="3" paint-order="stroke")");
+      break;
+    }
   }
   return out;
 }
@@ -249,7 +292,9 @@ std::string DrawPanel(const HeatMap& map, const HeatScale& scale, const PlotArea
                              kFontPx, R"(font-weight="600")");
   body += fmt::format("<clipPath id=\"{}\">{}</clipPath>\n<g clip-path=\"url(#{})\">\n", id,
                       SvgRect(area.left, area.top, area.width, area.height, "#000000"), id);
-  body += Field(map, scale, area) + ContourLines(map, area) + Overlays(map, area) + "</g>\n";
+  TakenList taken;
+  const std::string marks = Marks(map, area, taken), contours = ContourLines(map, area, taken);
+  body += Field(map, scale, area) + contours + OverlayLines(map, area) + marks + "</g>\n";
   body += SvgRect(area.left, area.top, area.width, area.height, "none",
                   fmt::format(R"(stroke="{}" stroke-width="1")", kAxisColor));
   body += DrawTickTexts(area, x_ticks, y_ticks);

@@ -13,7 +13,7 @@ namespace osteon::app {
 namespace {
 
 constexpr const char* kNothing = "#dfe2e6";
-constexpr double kScaleWidth = 16.0, kGap = 34.0, kAxisStrip = 66.0;
+constexpr double kScaleWidth = 16.0, kGap = 12.0, kAxisStrip = 100.0;
 
 std::string Cells(const LevelMap& map, const LevelScale& scale, const PlotArea& area) {
   std::string out = SvgRect(area.left, area.top, area.width, area.height, kNothing);

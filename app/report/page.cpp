@@ -35,11 +35,14 @@ figcaption { color: #59636e; font-size: 13.5px; margin-top: 6px; max-width: 92ch
 table { border-collapse: collapse; width: 100%; margin-top: 10px; }
 th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid #eceff2; vertical-align: top; }
 th { color: #59636e; font-weight: 500; font-size: 13.5px; }
-td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
+td.n { white-space: nowrap; }
+.wide { overflow-x: auto; }
 pre { background: #f5f7f9; border-radius: 6px; padding: 12px 14px; font-size: 12.5px; line-height: 1.45;
   white-space: pre-wrap; overflow-wrap: anywhere; }
 footer { margin-top: 44px; color: #59636e; font-size: 13px; }
-@media (max-width: 700px) { .summary { columns: 1; } .pair { grid-template-columns: 1fr; } main { padding: 20px 16px; } }
+@media (max-width: 700px) { .summary { columns: 1; } .pair { grid-template-columns: 1fr; } main { padding: 20px 16px; }
+  table { display: block; overflow-x: auto; } figure { overflow-x: auto; } figure svg { max-width: none; } }
 @page { size: A4; margin: 14mm; }
 @media print { main { width: auto; padding: 0; } body { font-size: 10.5pt; } h2 { break-after: avoid; margin-top: 24px; }
   .verdict { border: 1px solid currentColor; } pre { font-size: 8pt; } }

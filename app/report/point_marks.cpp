@@ -11,7 +11,7 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kLabelPx = 10.5;
+constexpr double kLabelPx = 11.5;
 
 std::string Shape(std::string_view path, std::string_view color, double opacity, bool filled) {
   return fmt::format(R"(<path d="{}" fill="{}" stroke="{}" stroke-width="{}" opacity="{:.2f}"/>)"
@@ -46,6 +46,11 @@ std::string DrawMarker(double x, double y, Marker marker, std::string_view color
                    opacity, true);
     case Marker::kDown:
       return Shape(fmt::format("M{}L{}L{}Z", at(0, 5.4), at(5, -3.8), at(-5, -3.8)), color, opacity, true);
+    case Marker::kOpenUp:
+      return fmt::format(
+          R"(<path d="M{}L{}L{}Z" fill="#ffffff" stroke="{}" stroke-width="1.8" opacity="{:.2f}"/>)"
+          "\n",
+          at(0, -5.8), at(5, 3.8), at(-5, 3.8), color, opacity);
     case Marker::kCross:
       return Shape(fmt::format("M{}L{}M{}L{}", at(-3.8, -3.8), at(3.8, 3.8), at(-3.8, 3.8), at(3.8, -3.8)),
                    color, opacity, false);

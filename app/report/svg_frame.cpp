@@ -91,10 +91,19 @@ std::string DrawAxisLabels(const PlotArea& area, std::string_view x_label, doubl
         SvgText(area.left + area.width / 2, x_label_y, Fit(x_label, area.width + 40), "middle", kTextColor);
   if (!y_label.empty()) {
     const double y = area.top + area.height / 2;
-    out += SvgText(y_label_x, y, Fit(y_label, area.height + 24), "middle", kTextColor, kFontPx,
-                   fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(y_label_x), Pixels(y)));
+    const std::vector<std::string> lines = AxisLabelLines(y_label, area.height);
+    double x = y_label_x - kLabelLinePx * (static_cast<double>(lines.size()) - 1.0);
+    for (const std::string& line : lines) {
+      out += SvgText(x, y, line, "middle", kTextColor, kFontPx,
+                     fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(x), Pixels(y)));
+      x += kLabelLinePx;
+    }
   }
   return out;
+}
+
+std::vector<std::string> AxisLabelLines(std::string_view y_label, double height_px) {
+  return Wrap(y_label, height_px + 24.0);
 }
 
 double WidestLabel(const Ticks& ticks) {
@@ -122,10 +131,13 @@ LegendBlock DrawLegend(double x, double y, double width_px, std::string_view tit
   LegendBlock block;
   double cursor = x, baseline = y + 15.0;
   if (!title.empty()) {
-    const std::string shown = Fit(title, width_px, kTitlePx);
-    block.svg += SvgText(x, baseline, shown, "start", kTextColor, kTitlePx, R"(font-weight="600")");
     // bold runs about a tenth wider than the estimate's regular weight
-    cursor += 1.1 * TextWidth(shown, kTitlePx) + 1.5 * kGap;
+    const std::vector<std::string> lines = Wrap(title, width_px / 1.1, kTitlePx);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      if (i > 0) baseline += kLegendRowPx;
+      block.svg += SvgText(x, baseline, lines[i], "start", kTextColor, kTitlePx, R"(font-weight="600")");
+    }
+    cursor += 1.1 * TextWidth(lines.back(), kTitlePx) + 1.5 * kGap;
   }
   for (const LegendEntry& entry : entries) {
     const std::string text = Fit(entry.text, width_px - kMark);
@@ -147,6 +159,22 @@ LegendBlock DrawLegend(double x, double y, double width_px, std::string_view tit
   }
   block.height_px = title.empty() && entries.empty() ? 0.0 : baseline - y + 8.0;
   return block;
+}
+
+std::vector<std::string> Wrap(std::string_view text, double width_px, double size_px) {
+  std::vector<std::string> lines(1);
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
+    std::string& line = lines.back();
+    const std::string longer = line.empty() ? std::string(word) : line + " " + std::string(word);
+    if (line.empty() || TextWidth(longer, size_px) <= width_px)
+      line = longer;
+    else
+      lines.emplace_back(word);
+  }
+  for (std::string& line : lines) line = Fit(line, width_px, size_px);
+  return lines;
 }
 
 std::string Fit(std::string_view text, double width_px, double size_px) {

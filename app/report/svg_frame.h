@@ -38,17 +38,21 @@ struct PlotArea {
 
 /// Grid lines and the frame around the area, below the data.
 [[nodiscard]] std::string DrawGrid(const PlotArea& area, const Ticks& x, const Ticks& y);
-/// Texts of the ticks, and the axis labels; above the data. `y_label_x` is the middle of the turned y label.
+/// Texts of the ticks, and the axis labels; above the data. `y_label_x` is the middle of the turned y label,
+/// of its last line where it wraps (AxisLabelLines).
 [[nodiscard]] std::string DrawTickTexts(const PlotArea& area, const Ticks& x, const Ticks& y);
 [[nodiscard]] std::string DrawAxisLabels(const PlotArea& area, std::string_view x_label, double x_label_y,
                                          std::string_view y_label, double y_label_x);
+/// The lines that a y label has beside an area of that height.
+[[nodiscard]] std::vector<std::string> AxisLabelLines(std::string_view y_label, double height_px);
+inline constexpr double kLabelLinePx = 15.0;  ///< from one line of a wrapped text to the next
 /// Width of the widest of the labels [px].
 [[nodiscard]] double WidestLabel(const Ticks& ticks);
 /// Drops labels (not marks) of x ticks that would come closer than a digit to their neighbour.
 void SpreadLabels(const PlotArea& area, Ticks& x);
 
 /// How a single point is drawn (point_marks.h).
-enum class Marker { kNone, kCircle, kRing, kSquare, kTriangle, kDiamond, kDown, kCross };
+enum class Marker { kNone, kCircle, kRing, kSquare, kTriangle, kDiamond, kDown, kCross, kOpenUp };
 
 /// What a legend shows: a line, a dashed line, a filled square or a marker alone, and a text.
 struct LegendEntry {
@@ -64,10 +68,13 @@ struct LegendBlock {
   double height_px{0.0};
 };
 
-/// Title and legend from (x, y) down, within `width_px`; entries wrap into rows. A text too wide for a row of
-/// its own is cut with an ellipsis.
+/// Title and legend from (x, y) down, within `width_px`; the title wraps into lines and the entries into
+/// rows. An entry too wide for a row of its own is cut with an ellipsis.
 [[nodiscard]] LegendBlock DrawLegend(double x, double y, double width_px, std::string_view title,
                                      const std::vector<LegendEntry>& entries);
+
+/// `text` in lines of at most `width_px`, broken at spaces; a word that is wider by itself is cut (Fit).
+[[nodiscard]] std::vector<std::string> Wrap(std::string_view text, double width_px, double size_px = kFontPx);
 
 /// `text`, cut with an ellipsis where it is wider than `width_px`.
 [[nodiscard]] std::string Fit(std::string_view text, double width_px, double size_px = kFontPx);

@@ -94,9 +94,10 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
   }
   if (!any) return {};
   return fmt::format(R"(<path d="{}" fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round" )"
-                     R"(stroke-linecap="round"{}/>)"
+                     R"(stroke-linecap="round"{}{}/>)"
                      "\n",
                      path, color, Pixels(series.width_px),
+                     series.dash.empty() ? "" : fmt::format(R"( stroke-dasharray="{}")", series.dash),
                      series.opacity < 1.0 ? fmt::format(R"( opacity="{:.2f}")", series.opacity) : "");
 }
 
@@ -107,7 +108,7 @@ bool Drawable(const PlotArea& area, double x, double y) {
 
 /// Error bars and markers of every series, the pale ones first; then the names that find a place.
 std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::vector<std::string>& colors) {
-  constexpr std::size_t kMostPieces = 500;  // of a line that names keep clear of
+  constexpr std::size_t kMaxPieces = 500;  // of a line that names keep clear of
   std::string out;
   if (std::ranges::none_of(panel.series, [](const Series& series) { return series.marker != Marker::kNone; }))
     return out;
@@ -120,7 +121,7 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
       labels.Block(area.X(limit.value) - kFontPx - 5, area.top, kFontPx + 7, area.height);
   for (const Series& series : panel.series)
     for (std::size_t i = 1;
-         series.width_px > 0.0 && i < std::min({series.x.size(), series.y.size(), kMostPieces}); ++i)
+         series.width_px > 0.0 && i < std::min({series.x.size(), series.y.size(), kMaxPieces}); ++i)
       if (Drawable(area, series.x[i - 1], series.y[i - 1]) && Drawable(area, series.x[i], series.y[i]))
         labels.BlockLine(area.X(series.x[i - 1]), area.Y(series.y[i - 1]), area.X(series.x[i]),
                          area.Y(series.y[i]));
@@ -160,11 +161,39 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
   return out;
 }
 
-std::string DrawXLimits(const PlotArea& area, const std::vector<LimitLine>& limits) {
+/// Where the name of a vertical line at `x` begins (it runs upward): the lowest place at which no curve and
+/// no limit passes through it; at the bottom where there is none.
+double NameBeside(const PlotArea& area, const LineChart& panel, double x, double length_px) {
+  std::vector<PlotPoint> taken;  // every few pixels of what is drawn there
+  const double left = x - kFontPx - 7.0;
+  for (const LimitLine& limit : panel.limits) taken.push_back({x, area.Y(limit.value)});
+  for (const Series& series : panel.series)
+    for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
+      if (!Drawable(area, series.x[i], series.y[i])) continue;
+      const PlotPoint to{area.X(series.x[i]), area.Y(series.y[i])};
+      const bool joined = i > 0 && series.width_px > 0.0 && Drawable(area, series.x[i - 1], series.y[i - 1]);
+      const PlotPoint from = joined ? PlotPoint{area.X(series.x[i - 1]), area.Y(series.y[i - 1])} : to;
+      const int pieces = 1 + static_cast<int>(std::hypot(to.x - from.x, to.y - from.y) / 3.0);
+      for (int k = 0; k <= pieces; ++k) {
+        const double t = static_cast<double>(k) / pieces;
+        const PlotPoint at{std::lerp(from.x, to.x, t), std::lerp(from.y, to.y, t)};
+        if (at.x > left - 4.0 && at.x < x) taken.push_back(at);
+      }
+    }
+  const double bottom = area.top + area.height - 6.0;
+  for (double y = bottom; y - length_px > area.top; y -= 4.0)
+    if (std::ranges::none_of(taken,
+                             [&](const PlotPoint& p) { return p.y < y + 5.0 && p.y > y - length_px - 5.0; }))
+      return y;
+  return bottom;
+}
+
+std::string DrawXLimits(const PlotArea& area, const LineChart& panel) {
   std::string out;
-  for (const LimitLine& limit : limits) {
+  for (const LimitLine& limit : panel.x_limits) {
     if (!(limit.value > area.x.min && limit.value < area.x.max)) continue;
-    const double x = area.X(limit.value), y = area.top + area.height - 6.0;
+    const double x = area.X(limit.value);
+    const double y = NameBeside(area, panel, x, TextWidth(limit.label, kFontPx - 1.5));
     out += SvgLine(x, area.top, x, area.top + area.height, kLimitColor, 1.4, "7 4");
     out += SvgText(x - 5, y, limit.label, "start", kLimitColor, kFontPx - 1.5,
                    fmt::format(R"x(transform="rotate(-90 {} {})")x", Pixels(x - 5), Pixels(y)));
@@ -207,7 +236,7 @@ namespace {
 LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
   const Range x = CommonX(panels);
   std::vector<PanelPlan> plans;
-  double left = 0.0, right = 16.0;
+  double left = 0.0, right = 16.0, label_lines = 1.0;
 
   // margins that serve every panel
   for (const LineChart& panel : panels) {
@@ -221,11 +250,14 @@ LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
     plan.y_ticks =
         panel.log_y ? LogTicks(plan.area.y, max_ticks + 1) : LinearTicks(plan.area.y, max_ticks + 1);
     left = std::max(left, WidestLabel(plan.y_ticks));
+    label_lines = std::max(label_lines,
+                           static_cast<double>(AxisLabelLines(panel.y_label, panel.plot_height_px).size()));
     for (const LimitLine& limit : panel.limits)
       right = std::max(right, TextWidth(limit.label, kFontPx) + 12.0);
     plans.push_back(std::move(plan));
   }
-  left += 14.0 + kLabelStrip;
+  const double y_label_x = 14.0 + kLabelLinePx * (label_lines - 1.0);
+  left += y_label_x + kLabelStrip;
   right = std::min(right, width_px / 3);
   Ticks x_ticks = !panels.empty() && panels.front().log_x ? LogTicks(x, 10) : LinearTicks(x, 10);
   if (!x_ticks.labels.empty()) right = std::max(right, TextWidth(x_ticks.labels.back(), kFontPx) / 2 + 4.0);
@@ -243,11 +275,12 @@ LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
       const Series& series = panel.series[s];
       plan.colors.push_back(series.color.empty() ? kPalette[s % kPalette.size()] : series.color);
       if (!series.name.empty() && panel.legend)
-        plan.legend.push_back(
-            {.text = series.name,
-             .color = plan.colors.back(),
-             .mark = series.width_px > 0.0 ? LegendEntry::Mark::kLine : LegendEntry::Mark::kNone,
-             .marker = series.marker});
+        plan.legend.push_back({.text = series.name,
+                               .color = plan.colors.back(),
+                               .mark = !(series.width_px > 0.0) ? LegendEntry::Mark::kNone
+                                       : series.dash.empty()    ? LegendEntry::Mark::kLine
+                                                                : LegendEntry::Mark::kDash,
+                               .marker = series.marker});
       plan.data |= std::any_of(series.y.begin(), series.y.end(), [](double y) { return std::isfinite(y); });
     }
     std::vector<std::string> named;
@@ -279,7 +312,7 @@ LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
     for (std::size_t s = 0; s < panel.series.size(); ++s)
       body += DrawSeries(plan.area, panel.series[s], plan.colors[s]);
     body += DrawLimits(plan.area, panel.limits);
-    body += DrawXLimits(plan.area, panel.x_limits);
+    body += DrawXLimits(plan.area, panel);
     body += DrawPoints(plan.area, panel, plan.colors);
     if (!plan.data)
       body += SvgText(left + plan.area.width / 2, plan.area.top + plan.area.height / 2, "no data", "middle",
@@ -290,7 +323,7 @@ LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
     SpreadLabels(plan.area, shown);
     body += DrawTickTexts(plan.area, shown, plan.y_ticks);
     const double bottom = plan.area.top + plan.area.height;
-    body += DrawAxisLabels(plan.area, last ? panel.x_label : "", bottom + 38, panel.y_label, 14.0);
+    body += DrawAxisLabels(plan.area, last ? panel.x_label : "", bottom + 38, panel.y_label, y_label_x);
     cursor = bottom + (last ? 46.0 : 16.0);
   }
   return {.svg = body, .height_px = cursor};

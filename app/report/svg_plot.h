@@ -29,6 +29,7 @@ struct Series {
   std::vector<double> y_low{}, y_high{};  ///< ends of error bars; empty, or of x's length
   std::vector<std::string> labels{};      ///< beside the points; empty, or of x's length
   double opacity{1.0};                    ///< of line and points; labels of pale ones are left out first
+  std::string dash{};                     ///< of the line, as SVG's stroke-dasharray; empty: drawn through
 };
 
 /// A horizontal line that a curve must not cross.
@@ -52,7 +53,8 @@ struct LineChart {
   bool log_x{false}, log_y{false};   ///< what is not positive is left out; log_x of the first panel counts
   std::vector<Series> series{};
   std::vector<LimitLine> limits{};
-  std::vector<LimitLine> x_limits{};  ///< vertical, their names along them within the plot
+  std::vector<LimitLine>
+      x_limits{};  ///< vertical, their names along them, clear of the curves if they can be
   std::vector<NamedSpan> spans{};
   bool legend{true};
   double plot_height_px{230.0};  ///< of the area between the axes

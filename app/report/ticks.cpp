@@ -25,7 +25,7 @@ bool Usable(Range range) {
 }
 
 std::string PowerLabel(double value) {
-  if (value >= 1e-3 && value < 1e6)
+  if (value >= 1e-3 && value < 1e8)
     return Number(value, value >= 1.0 ? 0 : static_cast<int>(std::ceil(-std::log10(value) - 1e-9)));
   return fmt::format("{:.0e}", value);
 }

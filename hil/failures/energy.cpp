@@ -116,7 +116,7 @@ FailureResult RunEnergy(const FailureSetting& setting) {
   ours.cut.name = "ours: cut";
   ours.drive_and_feed.ours = ours.cut.ours = true;
   result.plot = {.x_label = "cycle",
-                 .y_label = "energy [J]",
+                 .y_label = "work and cutting energy [J]",
                  .series = {std::move(baseline.drive_and_feed), std::move(baseline.cut),
                             std::move(ours.drive_and_feed), std::move(ours.cut)}};
   return result;

@@ -89,7 +89,7 @@ Spread SpreadOf(const std::array<Run, kRates_hz.size()>& runs) {
 FailureResult RunFrameRate(const FailureSetting& setting) {
   FailureResult result{.id = 22,
                        .name = "frame rate",
-                       .metric = "largest difference in force or volume between .25 and 2 kHz",
+                       .metric = "largest difference in force or volume between 0.25 and 2 kHz",
                        .unit = "1",
                        .baseline_name = "removal up to the device's pose",
                        .bound = 0.02};

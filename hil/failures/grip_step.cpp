@@ -42,7 +42,7 @@ FailureSeries Drawn(const char* name, const GripRide& gripped, bool ours) {
 FailureResult RunGripStep(const FailureSetting& setting) {
   FailureResult result{.id = 16,
                        .name = "grip",
-                       .metric = "force between 5 and 40 Hz, from .5 s after the grip stiffens on",
+                       .metric = "force between 5 and 40 Hz, from 0.5 s after the grip stiffens on",
                        .unit = "N",
                        .baseline_name = "m_v = 2 kg, b_v = 10 N s/m, fixed",
                        .bound = 0.5};
@@ -52,7 +52,7 @@ FailureResult RunGripStep(const FailureSetting& setting) {
   };
   std::vector<Case> cases{{{"6000 N/m, 13 N s/m, 1.1 kg", 6000.0, 13.0, 1.1}, false}};
   if (setting.full())
-    cases.insert(cases.end(), {{{"6000 N/m, 2 N s/m, .3 kg", 6000.0, 2.0, 0.3}, false},
+    cases.insert(cases.end(), {{{"6000 N/m, 2 N s/m, 0.3 kg", 6000.0, 2.0, 0.3}, false},
                                {{"6000 N/m, 2 N s/m, 4 kg", 6000.0, 2.0, 4.0}, false},
                                {{"10000 N/m, 13 N s/m, 1.1 kg", 10000.0, 13.0, 1.1}, false}});
   for (const GridHand& hand : NamedHands())
@@ -81,7 +81,7 @@ FailureResult RunGripStep(const FailureSetting& setting) {
     faulted |= ours.fault;
     if (i + 1 == cases.size())
       result.plot = {.x_label = "time since the clamp of 50 kN/m closed [s]",
-                     .y_label = "force between 5 and 40 Hz, effective over .2 s [N]",
+                     .y_label = "force between 5 and 40 Hz, effective over 0.2 s [N]",
                      .log_y = true,
                      .series = {Drawn("fixed", fixed, false), Drawn("ours", ours, true)},
                      .bound_is_on_y = true};
@@ -92,7 +92,7 @@ FailureResult RunGripStep(const FailureSetting& setting) {
   result.note = fmt::format(
       "{} grips, the baseline's least shown; with ours \"{}\" is the worst, right after the step the force "
       "reaches {:.1f} "
-      "N in .2 s, the index {:.2f} at most and {:.2f} at the end",
+      "N in 0.2 s, the index {:.2f} at most and {:.2f} at the end",
       cases.size(), worst, most_N, index, end_index);
   return result;
 }

@@ -173,7 +173,7 @@ FailureResult RunSaturation(const FailureSetting& setting) {
   FailureSeries clipped{.name = "torques clipped alone", .y = worst.clipped_deg};
   for (std::size_t i = 0; i < ours.y.size(); ++i) ours.x.push_back(static_cast<double>(i) * kDt_s);
   clipped.x = ours.x;
-  result.plot = {.x_label = "time [s]; pressed until .7 s, drawn back until 1.2 s",
+  result.plot = {.x_label = "time [s]; pressed until 0.7 s, drawn back until 1.2 s",
                  .y_label = "angle to the force that was to be [deg]",
                  .series = {clipped, ours},
                  .bound_is_on_y = true};

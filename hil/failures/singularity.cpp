@@ -142,7 +142,7 @@ FailureResult RunSingularity(const FailureSetting& setting) {
                        .baseline_name = "pseudo-inverse of the Jacobian",
                        .bound = 1.0};
   std::vector<Case> cases{ElbowCase("elbow, pushed 60 mm beyond its reach", 0.06, Vector3::Zero()),
-                          ElbowCase("elbow, .1 mm short of its reach", -1e-4, Vector3::Zero()), CandleCase(),
+                          ElbowCase("elbow, 0.1 mm short of its reach", -1e-4, Vector3::Zero()), CandleCase(),
                           WristCase(0.0), WristCase(1e-3)};
   if (setting.full()) {
     cases.push_back(ElbowCase("elbow, 5 mm short of its reach", -5e-3, Vector3::Zero()));

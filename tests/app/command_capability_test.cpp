@@ -45,6 +45,20 @@ TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
   EXPECT_NE(run.out.find("Verdict                        good"), std::string::npos) << run.out;
   EXPECT_EQ(json.at("verdict").at("level"), "good");
 
+  // plan and side view: the best base lies on the same side of the site
+  const std::string svg = ReadText(folder.path() / "cap" / "base.svg");
+  std::vector<double> from_site;
+  for (std::size_t site = svg.find(">site<"), best = svg.find(">best<"); best != std::string::npos;
+       site = svg.find(">site<", site + 1), best = svg.find(">best<", best + 1)) {
+    const auto left = [&svg](std::size_t end) {
+      return std::stod(svg.substr(svg.rfind("<text x=", end) + 9));
+    };
+    from_site.push_back(left(best) - left(site));
+  }
+  ASSERT_EQ(from_site.size(), 2u);
+  EXPECT_LT(from_site[0], 0.0);
+  EXPECT_LT(from_site[1], 0.0);
+
   // put into the cell's file, it loads, and the arm begins there
   std::string cell = config::CellText("demo");
   const std::string yaml = ReadText(folder.path() / "cap" / "base.yaml");

@@ -46,7 +46,8 @@ TEST(FailuresCommand, WritesTableJsonPageAndPictures) {
   const std::string page = ReadAll(folder.path() / "report" / "failures.html");
   EXPECT_NE(page.find("22 frame rate"), std::string::npos);
   EXPECT_NE(page.find("</html>"), std::string::npos);
-  for (const char* picture : {"19_breakthrough.svg", "22_frame_rate.svg"}) {
+  for (const char* picture :
+       {"19_breakthrough.svg", "19_breakthrough_scene.svg", "22_frame_rate.svg", "22_frame_rate_scene.svg"}) {
     const std::string svg = ReadAll(folder.path() / "report" / picture);
     EXPECT_TRUE(svg.starts_with("<svg xmlns=")) << picture;
     EXPECT_NE(svg.find("ours"), std::string::npos) << picture;
@@ -57,6 +58,7 @@ TEST(FailuresCommand, WritesTableJsonPageAndPictures) {
   EXPECT_NE(markdown.find("| 22 | frame rate |"), std::string::npos) << markdown;
   EXPECT_NE(markdown.find("## 19 breakthrough"), std::string::npos) << markdown;
   EXPECT_NE(markdown.find("](report/19_breakthrough.svg)"), std::string::npos) << markdown;
+  EXPECT_NE(markdown.find("](report/19_breakthrough_scene.svg)"), std::string::npos) << markdown;
 }
 
 TEST(FailuresCommand, SaysWhatItDoesNotTake) {

@@ -206,6 +206,7 @@ TEST(ChartSpeedAccuracy, WritesItsFilesAndPoints) {
                                  "--method", "voxel", "--out", "chart"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   ExpectFiles(folder.path() / "chart", "speed_accuracy");
+  EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "chart" / "speed_accuracy_depth.svg"));
   const nlohmann::json json = ReadJson(folder.path() / "chart" / "speed_accuracy.json");
   EXPECT_EQ(json.at("schema"), "osteon.chart.speed-accuracy/1");
   ASSERT_EQ(json.at("points").size(), 4u);

@@ -61,6 +61,18 @@ TEST(Tune, WritesTheKeysOfItsContractAndGainsThatTheCellAccepts) {
   EXPECT_EQ(same, before);
 }
 
+TEST(Tune, LegendOfTheWallsHasEachNameOnceAndSaysWhatWasNotLookedAt) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(RunCommand(folder.path(), kSmall).exit_code, 0);
+  std::ifstream file(folder.path() / "t" / "tune_width.svg");
+  const std::string svg{std::istreambuf_iterator<char>(file), {}};
+  for (const std::string name : {">simulated<", ">with commands lost and late<", ">at least so much:"}) {
+    const std::size_t at = svg.find(name);
+    ASSERT_NE(at, std::string::npos) << name;
+    EXPECT_EQ(svg.find(name, at + 1), std::string::npos) << name << " twice";
+  }
+}
+
 TEST(Tune, SaysThatNothingStandsWhatIsTooMuch) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(

@@ -82,25 +82,54 @@ std::string MarkupError(std::string_view markup) {
   return open.empty() ? "" : open.back() + " is not closed";
 }
 
-std::string TextOutside(std::string_view svg) {
+std::vector<TextBox> TextBoxes(std::string_view svg) {
   const std::string text(svg);
-  const double width = std::stod(AttributeOf(svg, "svg", "width")),
-               height = std::stod(AttributeOf(svg, "svg", "height"));
   static const std::regex element(
       "<text x=\"([^\"]*)\" y=\"([^\"]*)\" text-anchor=\"([a-z]*)\" fill=\"[^\"]*\" "
       "font-size=\"([^\"]*)\"([^>]*)>([^<]*)<");
+  std::vector<TextBox> boxes;
   for (std::sregex_iterator it(text.begin(), text.end(), element), end; it != end; ++it) {
     const double x = std::stod((*it)[1]), y = std::stod((*it)[2]), size = std::stod((*it)[4]);
-    const std::string anchor = (*it)[3], content = (*it)[6];
-    const double length = TextWidth(content, size);
+    const std::string anchor = (*it)[3];
+    static const std::regex entity("&[^;]*;");
+    TextBox box{.text = std::regex_replace((*it)[6].str(), entity, "'"), .size_px = size};
+    const double length = TextWidth(box.text, size);
     const double from = anchor == "start" ? 0.0 : anchor == "middle" ? -length / 2 : -length;
-    const bool turned = (*it)[5].str().find("rotate(-90") != std::string::npos;
-    const double slack = 1.0;  // coordinates are rounded to a tenth, widths are estimates
-    const bool inside =
-        turned ? y + from > -slack && y + from + length < height + slack && x > 0.7 * size && x < width
-               : x + from > -slack && x + from + length < width + slack && y > 0.7 * size && y < height;
-    if (!inside) return content;
+    // capitals are 0.7 of the size high
+    if ((*it)[5].str().find("rotate(-90") != std::string::npos) {
+      box.left = x - 0.7 * size;
+      box.right = x;
+      // turned upward: the text runs from y to y - length
+      box.top = y - from - length;
+      box.bottom = y - from;
+    } else {
+      box.left = x + from;
+      box.right = x + from + length;
+      box.top = y - 0.7 * size;
+      box.bottom = y;
+    }
+    boxes.push_back(box);
   }
+  return boxes;
+}
+
+std::string TextOutside(std::string_view svg) {
+  const double width = std::stod(AttributeOf(svg, "svg", "width")),
+               height = std::stod(AttributeOf(svg, "svg", "height"));
+  const double slack = 1.0;  // coordinates are rounded to a tenth, widths are estimates
+  for (const TextBox& box : TextBoxes(svg))
+    if (box.left < -slack || box.right > width + slack || box.top < -slack || box.bottom > height + slack)
+      return box.text;
+  return {};
+}
+
+std::string TextsOverlapping(std::string_view svg) {
+  const std::vector<TextBox> boxes = TextBoxes(svg);
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (boxes[i].left < boxes[j].right && boxes[j].left < boxes[i].right &&
+          boxes[i].top < boxes[j].bottom && boxes[j].top < boxes[i].bottom)
+        return boxes[j].text + " | " + boxes[i].text;
   return {};
 }
 

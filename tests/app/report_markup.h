@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace osteon::app {
 
@@ -10,6 +11,17 @@ namespace osteon::app {
 /// raw text of
 /// `<style>`.
 [[nodiscard]] std::string MarkupError(std::string_view markup);
+
+/// Where a <text> of a drawing is estimated to lie [px], y downward.
+struct TextBox {
+  std::string text{};  ///< an apostrophe for each escaped character
+  double size_px{0.0};
+  double left{0.0}, top{0.0}, right{0.0}, bottom{0.0};
+};
+[[nodiscard]] std::vector<TextBox> TextBoxes(std::string_view svg);
+
+/// First two <text> of a drawing that are estimated to overlap, "one | other"; empty where none do.
+[[nodiscard]] std::string TextsOverlapping(std::string_view svg);
 
 /// First <text> of a drawing that is estimated to reach out of its viewBox; empty where there is none.
 [[nodiscard]] std::string TextOutside(std::string_view svg);

@@ -23,6 +23,7 @@
 #include <fmt/format.h>
 
 #include "app/report/svg_plot.h"
+#include "app/report/svg_text.h"
 #include "simulation/packing/disjoint_packing.h"
 #include "simulation/packing/packing_builder.h"
 #include "simulation/packing/packing_quality.h"
@@ -187,9 +188,10 @@ std::string Chart(const std::vector<Row>& rows) {
                          .y_label = y_label,
                          .y_from_zero = false,
                          .log_x = true,
-                         .log_y = log_y};
+                         .log_y = log_y,
+                         .legend = false};
     for (const std::string& name : names) {
-      app::Series series{.name = name};
+      app::Series series{.name = name, .marker = app::Marker::kCircle};
       for (const Row& row : rows) {
         if (row.method != name) continue;
         series.x.push_back(x(row));
@@ -204,18 +206,15 @@ std::string Chart(const std::vector<Row>& rows) {
   const auto coverage = [](const Row& row) { return row.quality.coverage; };
   const auto gap = [](const Row& row) { return row.quality.surface_gap_mean_m * 1e3; };
   const std::string by_count = "spheres", by_time = "time [s]";
-  const app::LineChart over_count[] = {
-      panel("coverage", by_count, "share of the volume", spheres, coverage, false),
-      panel("mean surface gap", by_count, "[mm]", spheres, gap, true)};
-  const app::LineChart over_time[] = {
-      panel("coverage", by_time, "share of the volume", seconds, coverage, false),
-      panel("mean surface gap", by_time, "[mm]", seconds, gap, true)};
-  const std::string left = app::Svg(over_count, 620.0), right = app::Svg(over_time, 620.0);
-  return fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"1260\" height=\"720\" viewBox=\"0 0 1260 720\">\n"
-      "<rect width=\"1260\" height=\"720\" fill=\"white\"/>\n{}\n<g transform=\"translate(640 0)\">{}</g>\n"
-      "</svg>\n",
-      left, right);
+  const std::vector<app::LineChart> panels{
+      panel("Coverage over spheres", by_count, "share of the volume", spheres, coverage, false),
+      panel("Coverage over time", by_time, "share of the volume", seconds, coverage, false),
+      panel("Gap over spheres", by_count, "mean surface gap [mm]", spheres, gap, true),
+      panel("Gap over time", by_time, "mean surface gap [mm]", seconds, gap, true)};
+  std::vector<app::LegendEntry> legend;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    legend.push_back({.text = names[i], .color = app::kPalette[i % app::kPalette.size()]});
+  return app::SvgGrid(panels, 2, "", legend, 830.0);
 }
 
 void Write(const std::filesystem::path& path, const std::string& text) {
