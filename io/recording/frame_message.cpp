@@ -5,9 +5,20 @@ namespace osteon::io {
 
 using simulation::FrameRecord;
 
+namespace {
+
+// Emptied, with the memory of the one before: a recording of hours has a hundred million.
+Frame& ReusedFrame() {
+  static thread_local Frame message;
+  message.Clear();
+  return message;
+}
+
+}  // namespace
+
 void Encode(const FrameRecord& record, std::string& bytes) {
   const simulation::ContactModel& model = record.model;
-  Frame message;
+  Frame& message = ReusedFrame();
   message.set_frame(model.frame);
   message.set_stamp_ns(record.stamp);
   message.set_duration_ns(record.duration_ns);
@@ -44,7 +55,7 @@ void Encode(const FrameRecord& record, std::string& bytes) {
 }
 
 std::string Decode(std::span<const char> bytes, FrameRecord& record) {
-  Frame message;
+  Frame& message = ReusedFrame();
   if (!Parse(bytes, message)) return "not an osteon.Frame";
   if (!Frame::Status_IsValid(message.status()))
     return "status " + std::to_string(message.status()) + ", accepted 0 … 3";

@@ -9,6 +9,7 @@ namespace osteon::io::mcap {
 namespace {
 
 constexpr std::uint64_t kMaxSize = 64u << 20;  // bytes of a chunk's records
+constexpr int kLevel = 3;                      // libzstd's own default
 
 struct FreeContext {
   void operator()(LZ4F_dctx* context) const { LZ4F_freeDecompressionContext(context); }
@@ -66,6 +67,36 @@ tl::expected<std::string, std::string> Decompress(std::string_view compression, 
     return tl::unexpected("chunk unpacks to " + std::to_string(*written) + " bytes, announced are " +
                           std::to_string(size));
   return out;
+}
+
+std::string DecompressTorn(std::string_view compression, std::span<const char> bytes, std::uint64_t size) {
+  if (compression.empty()) return std::string(bytes.begin(), bytes.end()).substr(0, size);
+  if (compression != "zstd" || size > kMaxSize) return {};
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), &ZSTD_freeDCtx);
+  if (!context) return {};
+  std::string out(size, '\0');
+  ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
+  ZSTD_outBuffer unpacked{out.data(), out.size(), 0};
+  // each call takes what it can; the last one neither takes nor gives
+  for (std::size_t taken = 0, given = 0;; taken = in.pos, given = unpacked.pos) {
+    if (ZSTD_isError(ZSTD_decompressStream(context.get(), &unpacked, &in)) != 0) break;
+    if (in.pos == taken && unpacked.pos == given) break;
+  }
+  out.resize(unpacked.pos);
+  return out;
+}
+
+void ZstdCompressor::Free::operator()(ZSTD_CCtx_s* context) const { ZSTD_freeCCtx(context); }
+
+ZstdCompressor::ZstdCompressor() : context_(ZSTD_createCCtx()) {}
+
+std::string_view ZstdCompressor::Compress(std::string_view records) {
+  if (!context_) return {};
+  compressed_.resize(ZSTD_compressBound(records.size()));
+  const std::size_t size = ZSTD_compressCCtx(context_.get(), compressed_.data(), compressed_.size(),
+                                             records.data(), records.size(), kLevel);
+  if (ZSTD_isError(size) != 0 || size >= records.size()) return {};
+  return std::string_view(compressed_).substr(0, size);
 }
 
 }  // namespace osteon::io::mcap

@@ -55,7 +55,7 @@ tl::expected<bool, std::string> McapReader::Next(McapMessage& message) {
       if (!torn_) damage_.push_back({records_offset_, records_.size() - at_, reason});
       records_.resize(at_);
     }
-    if (torn_ && at_ > 0) offset_ = records_offset_ + mcap::kRecordHead + kChunkHead + at_;
+    if (torn_ && at_ > 0 && torn_records_ > 0) offset_ = torn_records_ + at_;
     torn_ = false;
     records_.clear();
     at_ = 0;
@@ -176,8 +176,7 @@ std::string McapReader::OnChunk(std::span<const char> content) {
   return {};
 }
 
-// The chunk that was being written when the process died: what is there of it. Of a compressed one nothing
-// is.
+// The chunk that was being written when the process died: what is there of it.
 void McapReader::OnTornChunk() {
   std::string content;
   const std::uint64_t start = offset_ + mcap::kRecordHead;
@@ -185,13 +184,16 @@ void McapReader::OnTornChunk() {
   Cursor cursor(content);
   cursor.Int<std::uint64_t>();
   cursor.Int<std::uint64_t>();
-  cursor.Int<std::uint64_t>();
+  const auto unpacked_size = cursor.Int<std::uint64_t>();
   cursor.Int<std::uint32_t>();
-  if (!cursor.String().empty()) return;
+  const std::string_view compression = cursor.String();
   const auto size = cursor.Int<std::uint64_t>();
-  records_ = View(cursor.rest().first(std::min<std::uint64_t>(size, cursor.rest().size())));
+  if (!cursor.ok()) return;
+  records_ = mcap::DecompressTorn(
+      compression, cursor.rest().first(std::min<std::uint64_t>(size, cursor.rest().size())), unpacked_size);
   at_ = 0;
   records_offset_ = offset_;
+  torn_records_ = compression.empty() ? start + kChunkHead : 0;
   in_chunk_ = torn_ = true;
 }
 

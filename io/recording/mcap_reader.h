@@ -41,7 +41,8 @@ struct McapDamage {
 /// Files of any writer are understood: chunks that are not compressed, or by zstd or lz4; channels with a
 /// schema or without. Records beyond schemas, channels and messages are skipped. No byte is trusted: a length
 /// that is not there ends the file (it is torn), never the program. Of a chunk that is cut off the complete
-/// messages are still given, unchecked, where it is not compressed.
+/// messages are still given, unchecked; of one that is compressed as far as it can be unpacked
+/// (mcap_compression.h).
 class McapReader {
  public:
   enum class OnDamage {
@@ -60,7 +61,8 @@ class McapReader {
   [[nodiscard]] bool complete() const { return complete_ && offset_ == size_; }
   /// After the end: the closing magic was there; bytes up to file_bytes() are behind it.
   [[nodiscard]] bool closed() const { return closed_; }
-  /// Up to the end, or up to the first byte that is of no use: the rest of a torn file.
+  /// Up to the end, or up to the first byte that is of no use: the rest of a torn file. A compressed chunk
+  /// that is cut off counts as the rest, although messages of it may be given.
   [[nodiscard]] std::uint64_t read_bytes() const { return offset_; }
   [[nodiscard]] std::uint64_t file_bytes() const { return size_; }
   /// Where the last message's record, or the chunk that holds it, begins.
@@ -111,6 +113,7 @@ class McapReader {
   std::string records_;
   std::uint64_t records_offset_{0};  // in the file, of the record that holds them
   std::uint64_t at_{0}, last_at_{0};
+  std::uint64_t torn_records_{0};  // in the file, where a torn chunk is not compressed; else 0
   bool in_chunk_{false}, torn_{false};
 };
 

@@ -45,13 +45,14 @@ std::FILE* OpenLocked(const std::filesystem::path& path) {
 }  // namespace
 
 tl::expected<McapWriter, std::string> McapWriter::Create(const std::filesystem::path& path,
-                                                         std::string_view library, std::size_t chunk_bytes) {
+                                                         std::string_view library,
+                                                         const McapWriterParams& params) {
   std::FILE* file = OpenLocked(path);
   if (file == nullptr)
     return tl::unexpected(errno == EWOULDBLOCK
                               ? path.string() + ": another process records into it, accepted another name"
                               : Explain(path, "cannot create the recording", errno));
-  McapWriter writer(path, file, chunk_bytes);
+  McapWriter writer(path, file, params);
   std::string header;
   AppendString(header, "");  // no profile: plain protobuf channels
   AppendString(header, library);
@@ -116,39 +117,28 @@ void McapWriter::Write(std::uint16_t channel_id, std::int64_t stamp_ns, std::str
   AppendInt(chunk_, time);
   AppendInt(chunk_, time);
   chunk_.append(bytes);
-  if (chunk_.size() > chunk_bytes_) EndChunk();
+  if (chunk_.size() > params_.chunk_bytes) EndChunk();
 }
 
 void McapWriter::EndChunk() {
   if (chunk_.empty()) return;
   const std::uint64_t start = size_, messages = chunk_times_.messages;
+  const std::string_view compressed = params_.compress ? compressor_.Compress(chunk_) : std::string_view();
+  const std::string_view compression = compressed.empty() ? "" : "zstd";
+  const std::string_view stored = compressed.empty() ? std::string_view(chunk_) : compressed;
   std::string content, record;
   AppendInt(content, chunk_times_.first_ns);
   AppendInt(content, chunk_times_.last_ns);
   AppendInt(content, std::uint64_t{chunk_.size()});
   AppendInt(content, Crc(0, chunk_));
-  AppendString(content, "");  // not compressed
-  AppendInt(content, std::uint64_t{chunk_.size()});
-  content += chunk_;
+  AppendString(content, compression);
+  AppendInt(content, std::uint64_t{stored.size()});
+  content += stored;
   AppendRecord(record, mcap::kChunk, content);
   Put(record);
-  const std::uint64_t length = record.size();
-
-  // where in the chunk each channel's messages are
-  const std::uint64_t indexes_start = size_;
+  const std::uint64_t length = record.size(), indexes_start = size_;
   std::string index_offsets;
-  for (std::size_t id = 0; id < channels_.size(); ++id) {
-    if (channels_[id].chunk_index.empty()) continue;
-    AppendInt(index_offsets, static_cast<std::uint16_t>(id));
-    AppendInt(index_offsets, size_);
-    content.clear();
-    record.clear();
-    AppendInt(content, static_cast<std::uint16_t>(id));
-    AppendString(content, channels_[id].chunk_index);
-    AppendRecord(record, mcap::kMessageIndex, content);
-    Put(record);
-    channels_[id].chunk_index.clear();
-  }
+  PutMessageIndexes(index_offsets);
 
   // where in the file the chunk is, for the summary
   content.clear();
@@ -158,15 +148,32 @@ void McapWriter::EndChunk() {
   AppendInt(content, length);
   AppendString(content, index_offsets);
   AppendInt(content, size_ - indexes_start);
-  AppendString(content, "");
-  AppendInt(content, std::uint64_t{chunk_.size()});  // compressed
-  AppendInt(content, std::uint64_t{chunk_.size()});  // uncompressed
+  AppendString(content, compression);
+  AppendInt(content, std::uint64_t{stored.size()});
+  AppendInt(content, std::uint64_t{chunk_.size()});
   AppendRecord(chunk_indexes_, mcap::kChunkIndex, content);
 
   ++chunks_;
   chunk_.clear();
   chunk_times_ = {};
   if (failed()) lost_ += messages;  // all of them, as far as is known: a part of the chunk may be there
+}
+
+// Where in the chunk each channel's messages are; `offsets` gets where in the file each of these indexes is.
+void McapWriter::PutMessageIndexes(std::string& offsets) {
+  std::string content, record;
+  for (std::size_t id = 0; id < channels_.size(); ++id) {
+    if (channels_[id].chunk_index.empty()) continue;
+    AppendInt(offsets, static_cast<std::uint16_t>(id));
+    AppendInt(offsets, size_);
+    content.clear();
+    record.clear();
+    AppendInt(content, static_cast<std::uint16_t>(id));
+    AppendString(content, channels_[id].chunk_index);
+    AppendRecord(record, mcap::kMessageIndex, content);
+    Put(record);
+    channels_[id].chunk_index.clear();
+  }
 }
 
 void McapWriter::Put(std::string_view bytes) {

@@ -10,23 +10,29 @@
 
 #include <tl/expected.hpp>
 
+#include "io/recording/mcap_compression.h"
+
 namespace osteon::io {
 
-/// Writes one MCAP file, front to back. The same calls give the same bytes: no clock, no address, no library
-/// version but the string given. After the first failed write nothing more is written, lost messages are
-/// counted, and Finish tells.
+struct McapWriterParams {
+  /// Records that are gathered before they are written: at 1 kHz ticks and frames, some 0.2 s of them.
+  std::size_t chunk_bytes{256u << 10};
+  bool compress{true};  ///< chunks, by zstd
+};
+
+/// Writes one MCAP file, front to back. The same calls give the same bytes with the same libzstd: no clock,
+/// no address, no version but the string given. After the first failed write nothing more is written, lost
+/// messages are counted, and Finish tells.
 class McapWriter {
  public:
-  /// Messages gathered before they are written: at 1 kHz ticks and frames, some 40 ms of them ...
-  static constexpr std::size_t kChunkBytes = 64u << 10;
-  /// ... and never more than this, from the first of them to the last, by their log times.
+  /// Longest chunk, from the first of its messages to the last, by their log times.
   static constexpr std::int64_t kChunkTime_ns = 250'000'000;
 
   /// Creates or overwrites the file, which is locked (flock) as long as it is open: what another process
   /// writes is refused, and left as it is. The error names the path and the system's reason.
   [[nodiscard]] static tl::expected<McapWriter, std::string> Create(const std::filesystem::path& path,
                                                                     std::string_view library,
-                                                                    std::size_t chunk_bytes = kChunkBytes);
+                                                                    const McapWriterParams& params = {});
 
   /// Adds a topic. Of protobuf messages the schema is a serialised FileDescriptorSet that holds
   /// `message_type`.
@@ -75,15 +81,17 @@ class McapWriter {
     void Add(std::uint64_t time_ns);
   };
 
-  McapWriter(const std::filesystem::path& path, std::FILE* file, std::size_t chunk_bytes)
-      : path_(path), file_(file), chunk_bytes_(chunk_bytes) {}
+  McapWriter(const std::filesystem::path& path, std::FILE* file, const McapWriterParams& params)
+      : path_(path), file_(file), params_(params) {}
+  void PutMessageIndexes(std::string& offsets);
   void Put(std::string_view bytes);
   void Fail(int error);
   [[nodiscard]] std::string WhyGone() const;
 
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;
-  std::size_t chunk_bytes_;
+  McapWriterParams params_;
+  mcap::ZstdCompressor compressor_;
   std::vector<Channel> channels_;
   std::string chunk_;  // the records of the chunk being filled
   TimeRange chunk_times_;

@@ -168,10 +168,17 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   return to.has_gains ? Get(from.gains(), to.gains) : std::string();
 }
 
+// Emptied, with the memory of the one before: a recording of hours has a hundred million.
+Tick& ReusedTick() {
+  static thread_local Tick message;
+  message.Clear();
+  return message;
+}
+
 }  // namespace
 
 void Encode(const TickRecord& record, std::string& bytes) {
-  Tick message;
+  Tick& message = ReusedTick();
   message.set_tick(record.tick);
   message.set_stamp_ns(record.stamp);
   message.set_phase(static_cast<Tick::Phase>(record.phase));
@@ -218,7 +225,7 @@ void Encode(const TickRecord& record, std::string& bytes) {
 }
 
 std::string Decode(std::span<const char> bytes, TickRecord& record) {
-  Tick message;
+  Tick& message = ReusedTick();
   if (!Parse(bytes, message)) return "not an osteon.Tick";
   if (!Tick::Phase_IsValid(message.phase()))
     return "phase " + std::to_string(message.phase()) + ", accepted 0 … 4";

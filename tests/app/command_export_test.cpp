@@ -221,7 +221,9 @@ TEST_F(ExportCommandTest, NamesTheByteOfDamageAndWhatHelps) {
   const CommandResult run = RunCommand(folder_.path(), {"export", damaged.string(), "--out", "tables"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find(damaged.string() + ": byte "), std::string::npos) << run.err;
-  EXPECT_NE(run.err.find("does not match its CRC"), std::string::npos) << run.err;
+  EXPECT_TRUE(run.err.find("chunk cannot be unpacked") != std::string::npos ||
+              run.err.find("does not match its CRC") != std::string::npos)
+      << run.err;
   EXPECT_NE(run.err.find("--recover"), std::string::npos) << run.err;
 
   const nlohmann::json json = Export({damaged.string(), "--recover"});

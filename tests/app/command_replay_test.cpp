@@ -214,7 +214,7 @@ TEST_F(ReplayCommandTest, RefusesAConfigurationThatLeadsElsewhere) {
 TEST_F(ReplayCommandTest, ARunInWallTimeIsIdenticalToo) {
   Command demo(folder_.path(), {"demo", "--seconds", "60", "--port", "0", "--out", "wall"});
   const auto path = folder_.path() / "wall/recording.mcap";
-  static_cast<void>(demo.WaitUntil([&] { return SizeOf(path) > 2'000'000; }));
+  static_cast<void>(demo.WaitUntil([&] { return SizeOf(path) > 1'000'000; }));
   demo.Send(SIGINT);
   const int exit_code = demo.Wait().exit_code;
   EXPECT_TRUE(exit_code == 130 || exit_code == 1) << exit_code << ": " << demo.Err();
@@ -228,7 +228,7 @@ TEST_F(ReplayCommandTest, ARunInWallTimeIsIdenticalToo) {
 TEST_F(ReplayCommandTest, AKilledRunIsIdenticalAsFarAsItGot) {
   Command demo(folder_.path(), {"demo", "--virtual-time", "--seconds", "3600", "--out", "killed"});
   const auto path = folder_.path() / "killed/recording.mcap";
-  ASSERT_TRUE(demo.WaitUntil([&] { return SizeOf(path) > 2'000'000; })) << demo.Err();
+  ASSERT_TRUE(demo.WaitUntil([&] { return SizeOf(path) > 1'000'000; })) << demo.Err();
   demo.Send(SIGKILL);
   EXPECT_EQ(demo.Wait().exit_code, 128 + SIGKILL);
   nlohmann::json json = Replay(path);

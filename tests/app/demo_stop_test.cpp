@@ -47,8 +47,8 @@ void ExpectInterrupted(const CommandResult& run, const std::filesystem::path& ou
   EXPECT_NE(io::test::ReadAll(out / "report.html").find("</html>"), std::string::npos);
 }
 
-// About 1.1 kB a tick: a second into the session, the tool on its way.
-constexpr std::uintmax_t kSomeBytes = 1'500'000;
+// About 0.75 kB a tick with its frame: a second into the session, the tool on its way.
+constexpr std::uintmax_t kSomeBytes = 750'000;
 
 // How far the recording of a running demo has grown.
 std::uintmax_t Recorded(const std::filesystem::path& folder) {

@@ -118,7 +118,7 @@ TEST(Output, TwoDemosDoNotWriteIntoOneFolder) {
   const fs::path recording = folder.path() / "demo_out/recording.mcap";
   std::error_code ignored;
   ASSERT_TRUE(first.WaitUntil([&] {
-    return fs::exists(recording) && fs::file_size(recording, ignored) > 200'000;
+    return fs::exists(recording) && fs::file_size(recording, ignored) > 100'000;
   })) << first.Err();
   const CommandResult refused =
       RunCommand(second.path(), Demo({"--out", (folder.path() / "demo_out").string(), "--overwrite"}));

@@ -189,7 +189,7 @@ void WriteRecordings(const std::filesystem::path& root, const io::test::Temporar
 
   // without the schemas' text, which is 10 kB that no reader here looks at
   const auto path = folder.path() / "recording";
-  auto writer = io::McapWriter::Create(path, "osteon", 2000);
+  auto writer = io::McapWriter::Create(path, "osteon", {.chunk_bytes = 2000, .compress = false});
   if (!writer) return;
   std::array<std::uint16_t, 4> channels{};
   for (std::size_t i = 0; i < 4; ++i)

@@ -29,7 +29,7 @@ std::string Hex(const std::string& bytes) {
 TEST(McapWriter, WritesTheBytesOfTheReferenceLibrary) {
   const test::TemporaryFolder folder;
   const auto path = folder.path() / "golden.mcap";
-  auto writer = McapWriter::Create(path, "osteon test", 100);
+  auto writer = McapWriter::Create(path, "osteon test", {.chunk_bytes = 100, .compress = false});
   ASSERT_TRUE(writer) << writer.error();
   const std::uint16_t a = writer->AddChannel("a", "T", "Da");
   const std::uint16_t b = writer->AddChannel("b", "T", "Db");

@@ -49,7 +49,10 @@ class RecoverRecordingTest : public testing::Test {
       (*recorder)->Drain();
     }
     EXPECT_TRUE((*recorder)->Close());
-    whole_ = ReadAll(torn_);
+    compressed_ = ReadAll(torn_);
+    test::WriteUncompressed(torn_, out_);
+    whole_ = ReadAll(out_);
+    std::filesystem::remove(out_);
   }
 
   /// Recovers these bytes, and expects a whole file of what it says that it kept.
@@ -83,7 +86,8 @@ class RecoverRecordingTest : public testing::Test {
 
   test::TemporaryFolder folder_;
   std::filesystem::path torn_{folder_.path() / "torn.mcap"}, out_{folder_.path() / "whole.mcap"};
-  std::string whole_;
+  std::string whole_;       // not compressed, in many chunks: a message's bytes can be found in it
+  std::string compressed_;  // as it was recorded
   Recording kept_;
 };
 
@@ -134,6 +138,49 @@ TEST_F(RecoverRecordingTest, KeepsEveryCompleteMessage) {
   // cut in the middle of a chunk of many messages, nearly half of them are there
   const Recovery recovery = Recover(whole_.substr(0, start + size / 2));
   EXPECT_GT(recovery.unchecked, 10u);
+}
+
+// Of a compressed chunk that is cut off what can be unpacked is kept: all but the block (128 KiB of records)
+// that is not whole, and nothing else is lost.
+TEST_F(RecoverRecordingTest, KeepsTheWholeBlocksOfACompressedChunkThatIsCutOff) {
+  const auto chunks = Chunks(compressed_);
+  ASSERT_GE(chunks.size(), 3u);  // the session, up to the event at tick 250, the rest
+  const auto [start, size] = chunks[1];
+  std::size_t before = 0, most_unchecked = 0;
+  for (std::size_t cut = start; cut < start + size; cut += 2311) {
+    const Recovery recovery = Recover(compressed_.substr(0, cut));
+    EXPECT_GE(recovery.messages, before) << cut;
+    EXPECT_EQ(recovery.tail_bytes, cut - start) << "of the chunk that is cut off";
+    EXPECT_EQ(recovery.missing_ticks, 0u);
+    EXPECT_EQ(recovery.unchecked + 1, recovery.messages) << "all but the session";
+    before = recovery.messages;
+    most_unchecked = std::max<std::size_t>(most_unchecked, recovery.unchecked);
+    for (std::uint64_t i = 0; i < kept_.ticks.size(); ++i) {
+      std::string kept, sent;
+      Encode(kept_.ticks[i], kept);
+      Encode(SomeTick(i), sent);
+      ASSERT_EQ(kept, sent);
+    }
+    const auto read = ReadRecording(torn_);
+    ASSERT_TRUE(read) << read.error();
+    EXPECT_EQ(read->ticks.size(), recovery.ticks) << "a reader sees as much as is recovered";
+  }
+  EXPECT_GT(most_unchecked, 100u) << "128 KiB of records";
+  const Recovery recovery = Recover(compressed_.substr(0, chunks[2].first));
+  EXPECT_EQ(recovery.unchecked, 0u) << "a whole chunk is checked";
+  EXPECT_GT(recovery.ticks, most_unchecked / 2);
+}
+
+TEST_F(RecoverRecordingTest, PassesOverADamagedCompressedChunk) {
+  const auto chunks = Chunks(compressed_);
+  const auto [start, size] = chunks[1];
+  std::string bytes = compressed_;
+  bytes[start + size / 2] = static_cast<char>(bytes[start + size / 2] ^ 1);
+  const Recovery recovery = Recover(bytes);
+  ASSERT_EQ(recovery.damage.size(), 1u);
+  EXPECT_EQ(recovery.damage[0].offset, start);
+  EXPECT_EQ(recovery.ticks + recovery.missing_ticks + kept_.ticks.front().tick, kTicks);
+  EXPECT_EQ(LastTick(), kTicks - 1) << "what comes after it is kept";
 }
 
 TEST_F(RecoverRecordingTest, PassesOverADamagedChunkAndSaysWhere) {

@@ -1,10 +1,15 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
+#include "io/recording/mcap_reader.h"
+#include "io/recording/mcap_writer.h"
 #include "io/recording/messages.h"
 #include "io/recording/recorder.h"
 
@@ -202,6 +207,25 @@ std::string Encoded(const Record& record) {
   std::string bytes;
   Encode(record, bytes);
   return bytes;
+}
+
+/// The messages of a whole recording in chunks that are not compressed, 64 KiB each: for tests that change a
+/// message's bytes in the file, and as recordings were before they were compressed.
+inline void WriteUncompressed(const std::filesystem::path& from, const std::filesystem::path& to) {
+  auto reader = McapReader::Open(from);
+  auto writer =
+      McapWriter::Create(to, reader.value().library(), {.chunk_bytes = 64u << 10, .compress = false});
+  std::map<std::uint16_t, std::uint16_t> channels;
+  McapMessage message;
+  while (reader->Next(message).value()) {
+    const McapChannel& channel = *message.channel;
+    if (!channels.contains(channel.id))
+      channels[channel.id] = writer.value().AddChannel(channel.topic, channel.schema_name, channel.schema);
+    writer->Write(channels[channel.id], static_cast<std::int64_t>(message.log_time_ns),
+                  {message.bytes.data(), message.bytes.size()});
+    if (channel.topic == "session") writer->EndChunk();
+  }
+  if (!writer->Finish()) throw std::runtime_error("cannot write " + to.string());
 }
 
 }  // namespace osteon::io::test
