@@ -7,11 +7,6 @@
 namespace osteon::app {
 namespace {
 
-// Only KROSHU's layout has a <Stop>.
-bool CanStop(const config::ArmLinkConfig& link) {
-  return link.rsi() && link.rsi()->layout == io::RsiLayout::kKroshu;
-}
-
 std::string DiagnosisOf(const io::RsiStatus& status, const io::RsiError& error) {
   if (status.sessions == 0 && error) return "What came was refused as RSI: " + io::Describe(error) + ".";
   if (status.sessions == 0)
@@ -37,10 +32,15 @@ std::string Describe(const config::ArmLinkConfig& link) {
           : "");
 }
 
+// Only KROSHU's layout has a <Stop>.
+bool CanAskToEnd(const config::ArmLinkConfig& link) {
+  return link.rsi() && link.rsi()->layout == io::RsiLayout::kKroshu;
+}
+
 ArmSession::ArmSession(const config::ArmLinkConfig& link)
     : session_(link.fri() ? std::variant<io::FriSession, io::RsiSession>(io::FriSession(*link.fri()))
                           : io::RsiSession(*link.rsi())),
-      can_stop_(CanStop(link)) {}
+      can_stop_(CanAskToEnd(link)) {}
 
 bool ArmSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp,
                         control::ArmState& state) {
@@ -74,7 +74,7 @@ tl::expected<ArmWire, std::string> ArmWire::Open(const config::ArmLinkConfig& li
   auto opened = io::RsiLink::Open(
       {.bind_address = link.host, .arm_address = peer, .port = link.port, .session = *link.rsi()});
   if (!opened) return tl::make_unexpected(opened.error());
-  return ArmWire(std::move(*opened), CanStop(link));
+  return ArmWire(std::move(*opened), CanAskToEnd(link));
 }
 
 control::ArmLink& ArmWire::link() {

@@ -20,6 +20,9 @@ namespace osteon::app {
 /// "FRI 1.15", "RSI im_free, axes, 4 ms". Says so where a lost answer makes the arm jump.
 [[nodiscard]] std::string Describe(const config::ArmLinkConfig& link);
 
+/// Its program can be asked to end the session; false: it has to notice by itself.
+[[nodiscard]] bool CanAskToEnd(const config::ArmLinkConfig& link);
+
 /// So long an arm's program is given to end the session when it is asked to.
 inline constexpr rt::Nanoseconds kEndWithin = 100 * rt::kMillisecond;
 

@@ -20,7 +20,9 @@
 #include "app/simulated_setup.h"
 #include "app/simulation_thread.h"
 #include "app/start_path.h"
+#include "app/stop_records.h"
 #include "app/virtual_devices.h"
+#include "control/rest_time.h"
 #include "control/rt/clock.h"
 #include "hil/injection/impaired_cell.h"
 #include "io/devices/wired_devices.h"
@@ -133,6 +135,27 @@ class StartWatch {
   std::string why_not_;
 };
 
+// So long an arm is still answered and recorded at rest. One whose program can be asked to end is asked at
+// once, before a PLC takes its power.
+double AtRest_s(const CellSetup& setup, const CellRunParams& params) {
+  return CanAskToEnd(setup.config.link) ? 0.0 : params.at_rest_s;
+}
+
+// Why a run ended that nothing but its operator or its time has ended.
+std::string WhyEnded(const CellRunResult& result, double seconds) {
+  if (result.end == control::RunEnd::kSeconds) return fmt::format("{:g} s of rendering were over", seconds);
+  const std::string signal = InterruptName();
+  if (signal == "SIGINT") return "Ctrl-C (SIGINT)";
+  if (signal == "SIGHUP") return "the terminal was closed (SIGHUP)";
+  return signal.empty() ? "a stop was asked for" : "a signal of another program (" + signal + ")";
+}
+
+void RecordEnd(io::Recorder& recorder, rt::Nanoseconds stamp, const CellRunResult& result, double seconds) {
+  if (result.faults.Any()) return;
+  if (result.end == control::RunEnd::kSeconds || result.end == control::RunEnd::kStopFlag)
+    recorder.PushEvent(stamp, kEndEvent + WhyEnded(result, seconds));
+}
+
 tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameRunner& runner, Wires& wires,
                                                   io::Recorder& recorder, const CellRunParams& params) {
   CellRunResult result;
@@ -147,9 +170,10 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     SimulationThread simulation(runner, commands, models, recorder);
     std::atomic<bool> done{false}, stop{false};
     std::atomic<double> rendered_s{0.0};
-    control::RunServoParams servo_params{.deadline_s = 5.0 * setup.config.servo.period_s,
+    control::RunServoParams servo_params{.deadline_s = kArmDeadlinePeriods * setup.config.servo.period_s,
                                          .seconds = params.seconds,
                                          .give_up_s = params.wait_s,
+                                         .at_rest_s = AtRest_s(setup, params),
                                          .recoveries = params.recoveries,
                                          .standing = &start.standing(),
                                          .second = &second,
@@ -202,6 +226,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   result.recovered = servo.recovered;
   safety::FaultSet known;
   RecordFaults(recorder, rt::MonotonicNow(), servo.faults, known);
+  RecordEnd(recorder, rt::MonotonicNow(), result, params.seconds);
   return result;
 }
 
@@ -247,8 +272,11 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   std::int64_t since_progress = 0;
   std::uint64_t active_before = 0;
   bool recovering = false;
-  for (std::int64_t tick = 1;
-       (recovering || loop.phase() != control::Phase::kStopped) && since_progress < patience; ++tick) {
+  control::RestTime rest(static_cast<rt::Nanoseconds>(std::llround(AtRest_s(setup, params) * 1e9)));
+  const auto is_over = [&](rt::Nanoseconds now) {
+    return !recovering && loop.phase() == control::Phase::kStopped && rest.IsOver(loop.state(), now);
+  };
+  for (std::int64_t tick = 1; !is_over((tick - 1) * period) && since_progress < patience; ++tick) {
     const rt::Nanoseconds now = tick * period;
     cell.cell().SetPower((*devices)->power());
     bool accepted = false;
@@ -288,7 +316,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
       known.Clear();
       continue;
     }
-    stopped_by_user = params.stop && params.stop->load();
+    if (loop.phase() != control::Phase::kStopped) stopped_by_user = params.stop && params.stop->load();
     const std::uint64_t active = loop.statistics().active_ticks;
     const bool progress = active > active_before || loop.state() == safety::CellState::kPaused;
     active_before = active;
@@ -307,6 +335,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
                : result.statistics.active_ticks < wanted ? control::RunEnd::kNeverActive
                                                          : control::RunEnd::kSeconds;
   PutWhyNot(result, session.Diagnosis(), (*devices)->Diagnosis(), loop.permits());
+  RecordEnd(recorder, cell.state().stamp, result, params.seconds);
   result.cell_report =
       ToJson(hil::CellHostState{.arm = {.cell = cell.state(), .thread = {}, .wires = cell.counters()},
                                 .devices = (*devices)->counters(),

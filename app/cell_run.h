@@ -25,7 +25,10 @@ struct CellRunParams {
   double frame_s{0.002};  ///< virtual time: from one frame to the next, and from its pose to its model
   int recoveries{0};  ///< so often the loop begins again after the connection to the arm has ended rendering
   double wait_s{30.0};  ///< wall time: without beginning to render; then the run ends
-  int cpu{-1};          ///< wall time: the servo thread is pinned to it; -1: any
+  /// The arm is answered and recorded so long after it has come to rest at the end; not one whose program is
+  /// asked to end then (CanAskToEnd).
+  double at_rest_s{0.5};
+  int cpu{-1};  ///< wall time: the servo thread is pinned to it; -1: any
   /// Wall time: the simulated cell to start as a process of its own; absent: what is at the wires is used.
   std::optional<CellProcessParams> cell{};
   std::filesystem::path recording;  ///< the MCAP file to write
@@ -44,6 +47,9 @@ struct CellRunParams {
   /// Virtual time: told each tick with the contact model that it saw.
   std::function<void(const control::TickRecord&, const simulation::ContactModel&)> ticked{};
 };
+
+/// In wall time a message of the arm is missed after so many of its periods; in virtual time after one.
+inline constexpr double kArmDeadlinePeriods = 5.0;
 
 /// What a run leaves besides its recording.
 struct CellRunResult {

@@ -165,8 +165,7 @@ int RunDemo(const DemoOptions& options) {
     AddReason(wrong, figures.error());
   measuring.Done();
 
-  if (auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s, options.out,
-                              params.recording.stem().string()))
+  if (auto stops = WriteStops(*recording, setup->config, options.out, params.recording.stem().string()))
     summary.stops = std::move(*stops);
   else
     AddReason(wrong, stops.error());

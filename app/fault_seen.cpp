@@ -1,9 +1,12 @@
 #include "app/fault_seen.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
+#include "control/tool_speed_trip.h"
 #include "io/can/drive_fault_text.h"
 #include "io/modbus/plc_client.h"
 #include "safety/watchdog.h"
@@ -53,6 +56,48 @@ std::string Place(const PlainPose& X_WT) {
   return fmt::format("the apex at ({:.1f}, {:.1f}, {:.1f}) mm in W", p_mm.x(), p_mm.y(), p_mm.z());
 }
 
+const char* NameOf(std::uint8_t session_state) {
+  constexpr std::array<const char*, 5> kNames{"IDLE", "MONITORING_WAIT", "MONITORING_READY",
+                                              "COMMANDING_WAIT", "COMMANDING_ACTIVE"};
+  return session_state < kNames.size() ? kNames[session_state] : "unknown";
+}
+
+// "joint A3 measured nan", or empty where all are finite.
+std::string FirstNotFinite(const std::array<double, 7>& values, const char* what) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i])) return fmt::format("joint A{} {} {}", i + 1, what, values[i]);
+  return "";
+}
+
+// Which value it is, of those that a tick was given.
+std::string NotFinite(const TickRecord& tick) {
+  std::string text = FirstNotFinite(tick.q_meas, "measured");
+  if (text.empty() && tick.input.has_ipo) text = FirstNotFinite(tick.input.q_ipo, "of the interpolator");
+  if (text.empty()) text = FirstNotFinite(tick.input.tau_ext, "external torque");
+  if (!text.empty()) return "the arm's " + text;
+  constexpr std::array<const char*, 6> kAxes{"Fx", "Fy", "Fz", "Tx", "Ty", "Tz"};
+  const PlainWrench& F = tick.input.F_sensor_S;
+  const std::array<double, 6> wrench{F.f.x, F.f.y, F.f.z, F.t.x, F.t.y, F.t.z};
+  for (std::size_t i = 0; i < wrench.size(); ++i)
+    if (!std::isfinite(wrench[i])) return fmt::format("the force sensor's {} {}", kAxes[i], wrench[i]);
+  return fmt::format("arm and sensor were finite: the contact model of frame {}", tick.model_frame);
+}
+
+// What is accepted, as a text behind what was found; empty where the cell is not known.
+class Accepted {
+ public:
+  explicit Accepted(const control::ServoParams* servo) : servo_(servo) {}
+
+  /// @param limit  (const control::ServoParams&) -> double, in the unit that was said before
+  template <class Limit>
+  [[nodiscard]] std::string operator()(const Limit& limit) const {
+    return servo_ == nullptr ? std::string() : fmt::format(", accepted {:.4g}", limit(*servo_));
+  }
+
+ private:
+  const control::ServoParams* servo_;
+};
+
 }  // namespace
 
 const TickRecord* FirstWith(safety::Fault fault, std::span<const TickRecord> ticks) {
@@ -61,34 +106,53 @@ const TickRecord* FirstWith(safety::Fault fault, std::span<const TickRecord> tic
   return first == ticks.end() ? nullptr : &*first;
 }
 
-std::string SeenAt(safety::Fault fault, const TickRecord& tick) {
+std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::ServoParams* servo) {
   using safety::Fault;
+  using Servo = control::ServoParams;
+  const Accepted accepted(servo);
   switch (fault) {
+    case Fault::kArmStale:
+      return servo == nullptr
+                 ? ""
+                 : fmt::format("the last is {}; {} deadlines in a row",
+                               Age(tick, tick.input.arm_stamp, "not there yet"), servo->watchdog.arm_misses);
     case Fault::kModelStale:
-      return "the model is " + Age(tick.model_age_s, "not there yet");
+      return "the model is " + Age(tick.model_age_s, "not there yet") +
+             accepted([](const Servo& p) { return 1e3 * p.watchdog.model_stop_s; });
     case Fault::kSensorStale:
-      return "the reading is " + Age(tick.sensor_age_s, "not there yet");
+      return "the reading is " + Age(tick.sensor_age_s, "not there yet") +
+             accepted([](const Servo& p) { return 1e3 * p.watchdog.sensor_stop_s; });
     case Fault::kWrenchRate:
       if (tick.wrench_step_limit_N == 0.0) return "";  // recorded before the step was
       return fmt::format("{:.1f} N in {:g} ms, accepted {:.1f}", tick.wrench_step_N,
                          1e3 * tick.input.period_s, tick.wrench_step_limit_N);
     case Fault::kSensorForce:
-      return fmt::format("{:.0f} N", Vector3(tick.F_operator_T_W.f).norm());
+      return fmt::format("{:.0f} N", Vector3(tick.F_operator_T_W.f).norm()) +
+             accepted([](const Servo& p) { return p.wrench.max_force_N + p.sensor_force.margin_N; });
     case Fault::kToolSpeed:
-      return fmt::format("{:.0f} mm/s", 1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm());
+      return fmt::format("{:.0f} mm/s", 1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm()) +
+             accepted([](const Servo& p) { return 1e3 * control::ToolSpeedTrip_m_per_s(p); });
     case Fault::kWorkspace:
       return Place(tick.X_WT_cmd);
     case Fault::kSession:
-      return tick.input.safety_state == 0 ? fmt::format("session state {}", tick.session_state)
-                                          : fmt::format("safety stop {}", tick.input.safety_state - 1);
+      return tick.input.safety_state == 0
+                 ? fmt::format("session state {} ({})", tick.session_state, NameOf(tick.session_state))
+                 : fmt::format("safety stop {}", tick.input.safety_state - 1);
+    case Fault::kNotFinite:
+      return NotFinite(tick);
     case Fault::kTracking:
-      return fmt::format("{:.1f} mm", Distance_mm(tick.X_WT_cmd, tick.X_WT_meas));
+      return fmt::format("{:.1f} mm", Distance_mm(tick.X_WT_cmd, tick.X_WT_meas)) +
+             accepted([](const Servo& p) { return 1e3 * p.max_tracking_error_m; });
     case Fault::kPeriod:
-      return fmt::format("{:g} ms", 1e3 * tick.input.period_s);
+      return fmt::format("{:g} ms", 1e3 * tick.input.period_s) +
+             accepted([](const Servo& p) { return 1e3 * p.period_s; });
     case Fault::kInterlock:
       return Interlock(tick);
     case Fault::kSpindle:
       return Spindle(tick);
+    case Fault::kToolInBone:
+      return fmt::format("{:.1f} mm", 1e3 * tick.tool_in_bone_m) +
+             accepted([](const Servo& p) { return 1e3 * p.on_force_limit.max_tool_in_bone_m; });
     case Fault::kArmSpeed:
       return fmt::format("{:.0f} mm/s in the last message", 1e3 * tick.tool_speed_meas_m_per_s);
     case Fault::kSpindleLimit:

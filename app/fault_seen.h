@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 
+#include "control/servo_params.h"
 #include "control/tick_record.h"
 #include "safety/fault.h"
 
@@ -15,6 +16,10 @@ namespace osteon::app {
 /// What was seen when a fault was latched, with its figures, e.g. "RUN_PERMITTED (974) is 0; the PLC's word:
 /// 8 ms old", where a tick's record tells it; else empty.
 /// @param tick  the first one that has the fault
-[[nodiscard]] std::string SeenAt(safety::Fault fault, const control::TickRecord& tick);
+/// @param servo  the cell's: then what is accepted is said as well, "the reading is 101 ms old, accepted
+/// 100";
+///   null: not known
+[[nodiscard]] std::string SeenAt(safety::Fault fault, const control::TickRecord& tick,
+                                 const control::ServoParams* servo = nullptr);
 
 }  // namespace osteon::app

@@ -134,8 +134,8 @@ int RunOperate(const OperateOptions& asked) {
   measuring.Begin("measure the cut");
   RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
   measuring.Done();
-  if (auto stops = WriteStops(*recording, setup->config.servo.twist.max_speed_m_per_s,
-                              options.record.parent_path(), options.record.stem().string()))
+  if (auto stops =
+          WriteStops(*recording, setup->config, options.record.parent_path(), options.record.stem().string()))
     summary.stops = std::move(*stops);
   else
     AddReason(wrong, stops.error());

@@ -144,6 +144,7 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
                .virtual_time = true,
                .frame_s = scenario.frame_s,
                .recoveries = scenario.recoveries,
+               .at_rest_s = 0.0,  // a trace ends where the arm rests
                .recording = folder.path() / "recording.mcap",
                .stop = params.stop,
                .pauses = pauses.signals(),

@@ -10,6 +10,7 @@
 
 #include "app/arm_wire.h"
 #include "app/cell_ports.h"
+#include "app/cell_screen.h"
 #include "app/cell_trace.h"
 #include "app/interrupt.h"
 #include "app/json_text.h"
@@ -130,14 +131,14 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
     if (trace) params.arm.cycles = &trace->cycles();
     hil::CellHost host(params, MakeSimulatedCell(cell, options.seconds));
     PrintWires(cell);
-    auto session = control::SessionState::kIdle;
+    CellScreen screen(cell);
+    const rt::Nanoseconds begun = rt::MonotonicNow();
     while (!Interrupted().load()) {
       std::this_thread::sleep_for(kLook);
       state = host.State();
       if (trace) trace->Write();
-      if (state.arm.cell.session == session) continue;
-      session = state.arm.cell.session;
-      fmt::print("osteon cell: {}\n", NameOf(session));
+      for (const std::string& line : screen.Lines(state, rt::ToSeconds(rt::MonotonicNow() - begun)))
+        fmt::print("osteon cell: {}\n", line);
       std::fflush(stdout);
     }
     state = host.State();

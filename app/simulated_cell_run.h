@@ -21,7 +21,7 @@ struct SimulatedCellOptions {
 };
 
 /// `osteon cell`: the simulated cell alone, on its real protocols, until Ctrl-C. Says on stdout what is
-/// where, and each new state of the arm's session.
+/// where, each new state of the arm's session and what it waits for (CellScreen).
 /// @returns the process's exit code: 0 ended by Ctrl-C or SIGTERM; 1 the JSON could not be written; 2
 /// something was wrong with the input, or a port is taken.
 [[nodiscard]] int RunSimulatedCell(const SimulatedCellOptions& options);

@@ -11,7 +11,9 @@
 #include "app/fault_seen.h"
 #include "app/interrupt.h"
 #include "app/json_text.h"
+#include "app/pause_events.h"
 #include "app/setup_warnings.h"
+#include "hil/fri_stop.h"
 #include "io/can/drive_fault_text.h"
 #include "simulation/files/output_file.h"
 #include "simulation/metrics/cut_metrics.h"
@@ -37,7 +39,8 @@ double RateOf(const std::vector<rt::Nanoseconds>& stamps) {
 }
 
 // When each fault first showed, from the ticks.
-std::vector<FaultRow> FaultRows(safety::FaultSet faults, const io::Recording& recording) {
+std::vector<FaultRow> FaultRows(safety::FaultSet faults, const io::Recording& recording,
+                                const control::ServoParams& servo) {
   std::vector<FaultRow> rows;
   ForEachFault(faults, [&](safety::Fault fault, const safety::FaultText& text) {
     const control::TickRecord* first = FirstWith(fault, recording.ticks);
@@ -45,7 +48,7 @@ std::vector<FaultRow> FaultRows(safety::FaultSet faults, const io::Recording& re
         rows.emplace_back(FaultRow{.name = text.name, .time_s = std::nan(""), .reaction = text.reaction});
     if (!first) return;
     row.time_s = rt::ToSeconds(first->stamp - recording.ticks.front().stamp);
-    row.seen = SeenAt(fault, *first);
+    row.seen = SeenAt(fault, *first, &servo);
   });
   return rows;
 }
@@ -59,6 +62,10 @@ std::vector<EventRow> EventRows(const std::vector<simulation::SceneEvent>& event
                     .time_s = rt::ToSeconds(event.stamp - start),
                     .value = 1e3 * event.value,  // all are lengths
                     .unit = "mm"});
+  PauseEvents pauses;
+  for (const control::TickRecord& tick : recording.ticks) pauses.Add(tick);
+  rows.insert(rows.end(), pauses.rows().begin(), pauses.rows().end());
+  std::ranges::stable_sort(rows, {}, &EventRow::time_s);
   return rows;
 }
 
@@ -302,7 +309,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
                                             -Vector3(setup.bone.cup.axis));
   s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
   s.state_hash = fmt::format("{:016x}", simulation::HashState(result.after));
-  s.faults = FaultRows(result.faults, recording);
+  s.faults = FaultRows(result.faults, recording, setup.config.servo);
   s.drive_faults = DriveFaultRows(recording.ticks);
   s.events = EventRows(result.events, recording);
   s.least_wall_m = result.least_wall_m;
@@ -312,6 +319,8 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.cell_report = result.cell_report;
   const nlohmann::json cell = nlohmann::json::parse(result.cell_report, nullptr, false);
   if (cell.is_object() && cell.contains("arm")) s.arm_stop = cell["arm"].value("stop", "");
+  // a PLC takes the power off an arm that has come to rest: then that is no reason of anything
+  if (s.arm_stop == hil::kNoPower && !result.faults.Has(safety::Fault::kSession)) s.arm_stop.clear();
   if (!recording.ticks.empty()) s.link = recording.ticks.back().input;
   s.recovered = result.recovered;
   s.config_checksum = ConfigChecksum(setup.config_source);
@@ -355,8 +364,11 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   for (const RezonedRow& row : s.rezoned) rows.push_back({fmt::format("At {:.2f} s", row.time_s), row.text});
   std::string events;
   for (const EventRow& event : s.events)
-    events += fmt::format("{}{} at {:.2f} s ({:.2f} {})", events.empty() ? "" : "; ", event.name,
-                          event.time_s, event.value, event.unit);
+    events += fmt::format("{}{} at {:.2f} s ({:.2f} {}{})", events.empty() ? "" : "; ", event.name,
+                          event.time_s, event.value, event.unit,
+                          event.name == kPauseEvent    ? " until it rested"
+                          : event.name == kResumeEvent ? " paused"
+                                                       : "");
   if (!events.empty()) rows.push_back({"Events", events});
   if (s.least_wall_m)
     rows.push_back({"Thinnest wall left", *s.least_wall_m > 0.0
@@ -370,7 +382,7 @@ std::vector<SummaryRow> Rows(const RunSummary& s) {
   for (const DriveFaultRow& row : s.drive_faults)
     drive += fmt::format("{}at {:.2f} s {}", drive.empty() ? "" : "; ", row.time_s, row.text);
   if (!drive.empty()) rows.push_back({"Faults of the drive", drive});
-  for (const std::filesystem::path& page : s.stops) rows.push_back({"What led to the stop", page.string()});
+  for (const WrittenStop& stop : s.stops) rows.push_back({stop.heading, stop.page.string()});
   rows.push_back(
       {"Recording", s.recording + (s.recording_error.empty() ? "" : ", not whole: " + s.recording_error)});
   return rows;
@@ -499,7 +511,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                               {"frame_us_before", row.seen_us},
                               {"predicted_frame_us", row.zones.frame_us}});
   nlohmann::json stops = nlohmann::json::array();
-  for (const std::filesystem::path& page : s.stops) stops.push_back(page.string());
+  for (const WrittenStop& stop : s.stops) stops.push_back(stop.page.string());
   out["stops"] = stops;
   out["least_wall_mm"] = s.least_wall_m ? nlohmann::json(*s.least_wall_m * 1e3) : nlohmann::json(nullptr);
   if (s.wakeup.count > 0) {

@@ -13,6 +13,7 @@
 #include "app/plan.h"
 #include "app/planned_cell.h"
 #include "app/report/report.h"
+#include "app/stop_records.h"
 #include "app/verdict.h"
 #include "io/recording/recording_reader.h"
 
@@ -25,7 +26,8 @@ struct DurationFigures {
 };
 [[nodiscard]] DurationFigures Quantiles(std::vector<double> seconds);
 
-/// Something that happened in the scene, as simulation::SceneEvent, at its time since the run's start.
+/// Something that happened in the scene, as simulation::SceneEvent, or an operator's pause or its end, at its
+/// time since the run's start.
 struct EventRow {
   std::string name;
   double time_s{0.0};
@@ -104,17 +106,17 @@ struct RunSummary {
   double least_depth_left_m{0.0};        ///< to the reamer's depth limit; infinite where there is none
   std::vector<FaultRow> faults;
   std::vector<DriveFaultRow> drive_faults;
-  std::vector<EventRow> events;                ///< of the scene, in their order
+  std::vector<EventRow> events;                ///< of the scene and of pauses, in their order
   std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
   std::optional<double> least_wall_m;    ///< thinnest wall beside the cut, 0: through; nothing: none watched
   std::vector<std::string> assumptions;  ///< figures of the materials without a source
-  std::vector<std::filesystem::path> stops;  ///< a page each, of what led to it
-  std::string config_checksum;               ///< of the files that the cell was loaded from
-  int recovered{0};                          ///< times that rendering began again
-  std::string cell_report;                   ///< what the simulated cell says of itself, osteon.cell/1
-  control::TickInput link;                   ///< of the last tick: what became of messages and answers
-  std::string arm_stop;  ///< why the simulated arm ended the session; empty where it did not
+  std::vector<WrittenStop> stops;        ///< a page each
+  std::string config_checksum;           ///< of the files that the cell was loaded from
+  int recovered{0};                      ///< times that rendering began again
+  std::string cell_report;               ///< what the simulated cell says of itself, osteon.cell/1
+  control::TickInput link;               ///< of the last tick: what became of messages and answers
+  std::string arm_stop;                  ///< why the simulated arm ended the session; empty where it did not
 };
 
 /// Everything that is read from the recording and the carved state; `section` is filled by the report.

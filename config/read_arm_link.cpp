@@ -36,6 +36,10 @@ void ReadLinkQuality(Reader section, hil::FriServerParams& fri) {
   quality.end_after_lost_per_s = section.Whole("end_lost_count", 1, 1000);
   quality.good_timeout_s = section.Number("good_timeout_s", 0.1, 600);
   if (section.Has("ask_again")) fri.request_again_after_loss = section.Bool("ask_again");
+  if (section.Has("session_end"))
+    fri.session_end = section.Choice("session_end", {"silence", "idle_messages"}) == 0
+                          ? hil::SessionEnd::kSilence
+                          : hil::SessionEnd::kIdleMessages;
 }
 
 // What hil::LinkQuality would refuse, at the line that is to blame.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "control/loop_repeat.h"
+#include "control/rest_time.h"
 
 namespace osteon::control {
 namespace {
@@ -26,6 +27,7 @@ void Validate(const RunServoParams& params) {
   require("deadline_s", params.deadline_s, 1e-4, 1.0);
   require("seconds", params.seconds, 0.0, 1e6);
   require("give_up_s", params.give_up_s, 0.01, 1e6);
+  require("at_rest_s", params.at_rest_s, 0.0, 60.0);
   rt::Validate(params.thread);
 }
 
@@ -44,6 +46,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
   rt::Nanoseconds give_up_at = rt::MonotonicNow() + give_up;
   rt::Nanoseconds active_since = -1, last_active = -1;
   bool ending = false, waits_again = false;
+  RestTime rest(ToNanoseconds(params.at_rest_s));
   const auto end = [&](RunEnd why) {
     if (ending) return;
     ending = true;
@@ -122,7 +125,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     if ((active_since < 0 || waits_again) && woken > give_up_at) end(RunEnd::kNeverActive);
     if (loop.phase() == Phase::kStopped) {
       end(RunEnd::kStopFlag);
-      break;
+      if (rest.IsOver(loop.state(), woken)) break;
     }
     if (ending && woken > give_up_at) break;
   }

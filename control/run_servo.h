@@ -20,6 +20,7 @@ struct RunServoParams {
   double deadline_s{0.005};  ///< wait for an arm message; each one missed counts toward arm stale
   double seconds{10.0};      ///< of rendering; then an orderly stop. 0: until stopped
   double give_up_s{30.0};    ///< without beginning to render, and without coming to rest after the end
+  double at_rest_s{0.0};     ///< once the arm rests: so long it is still answered and recorded (RestTime)
   /// Of the calling thread. What a tick takes of the stack is some 20 KiB; the rest is for what it calls.
   rt::RealtimeThreadParams thread{
       .priority = 80, .lock_memory = true, .keep_cpus_awake = true, .prefault_stack_bytes = 256 * 1024};

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "control/servo_loop.h"
+#include "control/tool_speed_trip.h"
 #include "control/twist_parts.h"
 
 namespace osteon::control {
@@ -12,7 +13,6 @@ using safety::Fault;
 
 // Slower is standing, as a tool: joints that swing about a tool at rest are the arm's own affair.
 constexpr double kToolStands_m_per_s = 5e-3, kToolStands_rad_per_s = 0.5;
-constexpr double kSpeedSlack = 1.5;  // beyond the limit the brake has not held the hand: a fault
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void ServoLoop::RenderImpedance(const CellReadings& readings, const simulation::
   acting_.Add(safety::Limit::kZones, zones.share < 1.0);
   const safety::Workspace::Result inside = workspace_.Limit(X_WT_meas_.translation(), slow.V.v, dt_s);
   const double speed_m_per_s = V_WT_.v.norm();
-  if (speed_m_per_s > kSpeedSlack * params_.twist.max_speed_m_per_s) faults_.Latch(Fault::kToolSpeed);
+  if (speed_m_per_s > ToolSpeedTrip_m_per_s(params_)) faults_.Latch(Fault::kToolSpeed);
   if (workspace_.Violated(X_WT_meas_.translation()) || zones.outside) faults_.Latch(Fault::kWorkspace);
 
   // the equilibrium of the arm's own spring goes along

@@ -8,6 +8,7 @@
 
 #include "control/rt/prefetch.h"
 #include "control/tick_input.h"
+#include "control/tool_speed_trip.h"
 #include "control/twist_parts.h"
 
 namespace osteon::control {
@@ -16,8 +17,6 @@ namespace {
 using safety::CellEvent, safety::CellState, safety::Fault;
 
 constexpr double kMostOperatorTorque_Nm = 100.0;  // beyond it a reading counts as this much
-constexpr double kSpeedSlack =
-    1.1;  // a pull-back through the joints may leave the straight line by second order
 constexpr double kSightMemory_s =
     0.1;  // many frames, or the speed limit would follow each one's age up and down
 constexpr double kMaxPeriods = 10.0;  // between two messages, that a velocity is taken over
@@ -390,7 +389,7 @@ void ServoLoop::Render(const CellReadings& readings, const simulation::ContactMo
 
   // what came out
   const double speed_m_per_s = (X_WT.translation() - X_before.translation()).norm() / dt_s;
-  if (speed_m_per_s > kSpeedSlack * params_.twist.max_speed_m_per_s) faults_.Latch(Fault::kToolSpeed);
+  if (speed_m_per_s > ToolSpeedTrip_m_per_s(params_)) faults_.Latch(Fault::kToolSpeed);
   if (workspace_.Violated(X_WT.translation())) faults_.Latch(Fault::kWorkspace);
   if (faults_.Any()) Take(CellEvent::kFault);
 

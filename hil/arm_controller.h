@@ -65,6 +65,10 @@ class ArmController {
   /// back the stop is acknowledged and the program begins anew.
   virtual void SetPower(bool on) = 0;
 
+  /// The robot's program ends. @returns true where the arm says so: its messages to come are the last ones,
+  /// until Message() is empty. False: it falls silent.
+  [[nodiscard]] virtual bool EndSession() { return false; }
+
   [[nodiscard]] virtual ArmMotion motion() const = 0;
   [[nodiscard]] virtual ArmStatus status() const = 0;
   [[nodiscard]] virtual double period_s() const = 0;

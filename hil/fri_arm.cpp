@@ -26,7 +26,7 @@ void FriArm::Move(bool client_had_its_time, const Wrench& F_T_B) {
   // where no client was there yet, whoever stands at the pad starts the program again
   if (server_.stop().reason == StopReason::kQualityTimeout && server_.counters().answered == 0) {
     server_.Open();
-    if (!power_) server_.EmergencyStop(0);
+    if (!power_) server_.PowerOff();
   }
   const Matrix3 R_BT = (arm_.FlangePose(body_->q()) * X_FT_).linear();
   ArmDrive drive;
@@ -52,7 +52,15 @@ void FriArm::SetPower(bool on) {
   if (on)
     server_.Acknowledge();
   else
-    server_.EmergencyStop(0);
+    server_.PowerOff();
+}
+
+bool FriArm::EndSession() {
+  constexpr double kUntilIdle_s = 0.05;  // a public log has 0.083 s in MONITORING_READY
+  if (server_.session_end() == SessionEnd::kSilence || server_.state() == control::SessionState::kIdle)
+    return false;
+  server_.CloseAfter(kUntilIdle_s);
+  return true;
 }
 
 ArmMotion FriArm::motion() const {

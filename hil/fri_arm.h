@@ -19,6 +19,7 @@ class FriArm final : public ArmController {
   void Move(bool client_had_its_time, const Wrench& F_T_B) override;
   [[nodiscard]] std::span<const std::uint8_t> Message(const Wrench& F_T_T, rt::Nanoseconds now) override;
   void SetPower(bool on) override;
+  [[nodiscard]] bool EndSession() override;
   [[nodiscard]] ArmMotion motion() const override;
   [[nodiscard]] ArmStatus status() const override;
   [[nodiscard]] double period_s() const override { return server_.period_s(); }

@@ -16,6 +16,7 @@ using control::SessionState;
 using kinematics::JointVector;
 
 constexpr int kGood = 2;
+constexpr int kIdleMessages = 10;  // how many an arm sends is not published
 constexpr int kWrenchSize = 6;
 
 void Require(bool accepted, std::string_view name, double found, std::string_view range) {
@@ -110,22 +111,25 @@ void FriServer::Open() {
   state_ = SessionState::kMonitoringWait;
   was_good_ = has_pending_ = turn_answered_ = turn_excused_ = false;
   program_asks_ = true;
-  cycles_in_session_ = good_cycles_ = mirrored_ = cycles_in_turn_ = closing_cycles_ = 0;
+  cycles_in_session_ = good_cycles_ = mirrored_ = cycles_in_turn_ = closing_cycles_ = idle_messages_ = 0;
   stop_ = {};
   Acknowledge();
 }
 
-void FriServer::Close() {
+void FriServer::CloseAfter(double seconds) {
+  Require(seconds >= 0.0 && seconds <= 3600.0, "seconds until the session closes", seconds, "0 … 3600");
   if (state_ == SessionState::kIdle || closing_cycles_ > 0) return;
   program_asks_ = false;
   if (Commanding()) LeaveCommanding();
-  closing_cycles_ = std::max(1, static_cast<int>(std::lround(params_.close_s / period_s())));
+  closing_cycles_ = std::max(1, static_cast<int>(std::lround(seconds / period_s())));
 }
 
 void FriServer::EmergencyStop(int level) {
   Require(level >= 0 && level <= 2, "stop level", level, "0 … 2");
   SafetyStop(Report(StopReason::kEmergencyStop, 0, level, 2), level);
 }
+
+void FriServer::PowerOff() { SafetyStop(Report(StopReason::kPowerOff, 0, 0.0, 0.0), 0); }
 
 void FriServer::Acknowledge() {
   if (drives_.safety() == 0) return;
@@ -230,7 +234,10 @@ void FriServer::EndCycle(bool client_had_its_time) {
 }
 
 std::span<const std::uint8_t> FriServer::BeginCycle(const ArmMeasurement& measured, rt::Nanoseconds stamp) {
-  if (state_ == SessionState::kIdle) return {};
+  if (state_ == SessionState::kIdle && idle_messages_-- <= 0) {
+    idle_messages_ = 0;
+    return {};
+  }
   ++counters_.sent;
   FriMonitoring m;
   m.sequence = ++sequence_;
@@ -298,16 +305,21 @@ void FriServer::WalkMonitoring() {
   was_good_ |= good;
   if (!was_good_ && cycles_in_session_ * period_s() >= params_.quality.good_timeout_s) {
     stop_ = Report(StopReason::kQualityTimeout, 0, 0.0, params_.quality.good_timeout_s);
-    state_ = SessionState::kIdle;
+    EndSession();
     return;
   }
   state_ = good ? SessionState::kMonitoringReady : SessionState::kMonitoringWait;
   if (closing_cycles_ > 0 && --closing_cycles_ == 0) {
-    state_ = SessionState::kIdle;
+    EndSession();
     return;
   }
   good_cycles_ = good && drives_.ready() ? good_cycles_ + 1 : 0;
   if (program_asks_ && good_cycles_ > params_.request_after_good_cycles) AskForCommanding();
+}
+
+void FriServer::EndSession() {
+  state_ = SessionState::kIdle;
+  idle_messages_ = params_.session_end == SessionEnd::kIdleMessages ? kIdleMessages : 0;
 }
 
 void FriServer::AskForCommanding() {

@@ -16,6 +16,14 @@
 
 namespace osteon::hil {
 
+/// What a client gets to see of a session that the arm ends.
+enum class SessionEnd : std::uint8_t {
+  kSilence,  ///< no message any more
+  /// A few messages first that name the state IDLE, from MONITORING_READY on, as a public log of an arm has
+  /// it: github.com/lbr-stack/lbr_fri_ros2_stack, issue 251.
+  kIdleMessages,
+};
+
 /// The arm's side of a session.
 struct FriServerParams {
   io::FriVersion version{io::FriVersion::k1_15};
@@ -36,8 +44,9 @@ struct FriServerParams {
       0.1};  ///< largest joint error at which trackingPerformance reads 0; 0 error reads 1
   double max_axis_delta_rad{
       0.1};  ///< in impedance control: how far from the measured position a joint may be commanded; assumed
-  double drive_start_s{0.5};              ///< drives, from the acknowledgement of a stop to ACTIVE; assumed
-  double close_s{5.0};                    ///< from Close() to IDLE
+  double drive_start_s{0.5};  ///< drives, from the acknowledgement of a stop to ACTIVE; assumed
+  double close_s{5.0};        ///< from Close() to IDLE
+  SessionEnd session_end{SessionEnd::kSilence};
   double external_torque_cutoff_hz{0.0};  ///< low pass of the estimated external torque; 0: none
   kinematics::JointVector external_torque_offset_Nm{
       kinematics::JointVector::Zero()};  ///< what the estimate reads with nobody touching, e.g. a wrong
@@ -81,8 +90,8 @@ struct ArmMeasurement {
 ///                          └──────── losses, safety stop ──────── COMMANDING_ACTIVE ◀─────┘
 ///
 /// A cycle, once each send period: Receive() for each datagram that came, EndCycle(), advance the arm toward
-/// q_commanded(), BeginCycle(). In IDLE the arm sends nothing. The state that a message names is the one that
-/// its answer is judged by.
+/// q_commanded(), BeginCycle(). In IDLE the arm sends nothing, but for the messages of
+/// SessionEnd::kIdleMessages. The state that a message names is the one that its answer is judged by.
 ///
 /// **Commanding begins** where quality is GOOD, the drives are active, no safety stop lasts, and the control
 /// mode has what the program asks for: WRENCH needs Cartesian impedance, TORQUE joint impedance, POSITION any
@@ -105,10 +114,15 @@ class FriServer {
   /// Opens the session, as the robot program does. Counters go on.
   void Open();
   /// Ends it: commanding at once, the session after close_s.
-  void Close();
+  void Close() { CloseAfter(params_.close_s); }
+  /// The same after another time, as where the program is cancelled at the pad; >= 0.
+  void CloseAfter(double seconds);
+  [[nodiscard]] SessionEnd session_end() const { return params_.session_end; }
 
   /// A safety stop from outside, e.g. the emergency stop. @param level 0 … 2
   void EmergencyStop(int level);
+  /// The drives lose their power: a stop 0.
+  void PowerOff();
   /// The stop's acknowledgement, and the program's restart.
   void Acknowledge();
   /// What the program sets between two motions. False, and nothing happens, while commanding.
@@ -152,6 +166,7 @@ class FriServer {
   void CountIgnored();
   [[nodiscard]] bool HasWhatModeNeeds() const;
   void WalkMonitoring();
+  void EndSession();
   void AskForCommanding();
   void WalkCommandingWait();
   void Follow();
@@ -175,6 +190,7 @@ class FriServer {
   FriOutputs outputs_;
   bool program_asks_{true};
   int closing_cycles_{0};  // left until IDLE; 0: not closing
+  int idle_messages_{0};   // left to send in IDLE
   int cycles_in_session_{0};
   bool was_good_{false};
   int good_cycles_{0};

@@ -49,6 +49,8 @@ std::string Describe(const StopReport& stop) {
     case StopReason::kAxisDelta:
       return fmt::format("illegal axis delta: A{} commanded {:.4f} rad from where it is, accepted {:.4f}",
                          stop.joint, stop.found, stop.accepted);
+    case StopReason::kPowerOff:
+      return kNoPower;
   }
   return "unknown";
 }

@@ -19,6 +19,7 @@ enum class StopReason : std::uint8_t {
   kJointLimit,
   kJointStep,
   kAxisDelta,  ///< compliant, and commanded too far from where the arm is: "illegal axis delta"
+  kPowerOff,   ///< the drives lost their power, which a PLC switches
 };
 
 /// What stopped the arm, with the figures that did.
@@ -29,6 +30,9 @@ struct StopReport {
   double found{0.0};          ///< rad, answers, values or a mode's number, by reason
   double accepted{0.0};       ///< the bound, in the same unit
 };
+
+/// What is said of any arm whose drives have lost their power.
+inline constexpr const char* kNoPower = "the drives have no power";
 
 /// One line for a screen, e.g. "joint step: A4 moved 0.0120 rad in one command, accepted 0.0014".
 [[nodiscard]] std::string Describe(const StopReport& stop);

@@ -83,6 +83,8 @@ class SimulatedCell {
   [[nodiscard]] const CellState& state() const { return state_; }
   /// See ArmController.
   void SetPower(bool on) { arm_->SetPower(on); }
+  /// See ArmController.
+  [[nodiscard]] bool EndSession() { return arm_->EndSession(); }
 
   /// The arm's side of an FRI session, for what the robot's program and its operator do.
   /// @throws std::bad_cast where the arm speaks RSI.

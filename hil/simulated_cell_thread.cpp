@@ -29,7 +29,11 @@ void SimulatedCellThread::Run() {
   const rt::Nanoseconds tolerance = period / 2;
   rt::Nanoseconds due = rt::MonotonicNow() + period;  // of the next message
   rt::Nanoseconds sent = due - period;                // the last message
-  while (!stop_.load(std::memory_order_relaxed)) {
+  for (bool ends = false;;) {
+    if (!ends && stop_.load(std::memory_order_relaxed)) {
+      if (!cell_.EndSession()) break;
+      ends = true;
+    }
     // until the next message is due, and until the client has had a whole period, unless its answer is here
     rt::Nanoseconds target = due;
     WaitUntil(target, statistics);
@@ -62,6 +66,7 @@ void SimulatedCellThread::Run() {
     statistics.wires = wires_.counters();
     published_.Store(statistics);
     if (params_.cycles) params_.cycles->Push(statistics.cell);
+    if (ends && datagram.empty()) break;
   }
 }
 

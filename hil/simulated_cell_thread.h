@@ -56,7 +56,8 @@ class SimulatedCellThread {
   SimulatedCellThread(const SimulatedCellThread&) = delete;
   SimulatedCellThread& operator=(const SimulatedCellThread&) = delete;
 
-  /// Ends the thread after its present period; the socket closes. Safe to call twice.
+  /// Ends the thread after its present period, or after the messages by which the arm ends its session
+  /// (SessionEnd); the socket closes. Safe to call twice.
   void Stop();
 
   /// The newest load on the force sensor; one reader thread.

@@ -10,6 +10,7 @@
 
 #include "app/report/svg_plot.h"
 #include "control/ports.h"
+#include "safety/cell_state.h"
 
 namespace osteon::app {
 namespace {
@@ -18,23 +19,23 @@ using control::Phase;
 using control::TickRecord;
 using simulation::FrameRecord;
 
-rt::Nanoseconds Start(std::span<const TickRecord> ticks, std::span<const FrameRecord> frames) {
-  if (!ticks.empty()) return ticks.front().stamp;
-  return frames.empty() ? 0 : frames.front().stamp;
+bool IsPaused(const TickRecord& tick) {
+  return tick.cell_state == static_cast<std::uint8_t>(safety::CellState::kPaused);
 }
 
 /// Names the parts of the run in which the loop did not render.
-std::vector<NamedSpan> PhaseSpans(std::span<const TickRecord> ticks) {
+std::vector<NamedSpan> PhaseSpans(std::span<const TickRecord> ticks, const TimeAxis& time) {
   std::vector<NamedSpan> spans;
-  const rt::Nanoseconds start = Start(ticks, {});
   for (std::size_t i = 0; i < ticks.size();) {
     std::size_t end = i;
-    while (end < ticks.size() && ticks[end].phase == ticks[i].phase) ++end;
-    const double from_s = rt::ToSeconds(ticks[i].stamp - start);
-    const double to_s = rt::ToSeconds(ticks[std::min(end, ticks.size() - 1)].stamp - start);
+    while (end < ticks.size() && ticks[end].phase == ticks[i].phase &&
+           IsPaused(ticks[end]) == IsPaused(ticks[i]))
+      ++end;
+    const double from_s = time.At(ticks[i].stamp);
+    const double to_s = time.At(ticks[std::min(end, ticks.size() - 1)].stamp);
     switch (ticks[i].phase) {
       case Phase::kWaiting:
-        spans.push_back({from_s, to_s, "waiting for the arm", "#e6eef5"});
+        spans.push_back({from_s, to_s, IsPaused(ticks[i]) ? "paused" : "waiting for the arm", "#e6eef5"});
         break;
       case Phase::kHaptic:
         break;
@@ -69,16 +70,14 @@ bool Computed(const TickRecord& tick) {
          tick.input.received == static_cast<std::uint8_t>(control::ReceiveResult::kOk);
 }
 
-std::vector<double> Times(std::span<const TickRecord> ticks) {
-  std::vector<double> t_s;
-  for (const TickRecord& tick : ticks) t_s.push_back(rt::ToSeconds(tick.stamp - Start(ticks, {})));
-  return t_s;
+std::vector<LimitLine> Mark(const TimeAxis& time) {
+  return time.mark.empty() ? std::vector<LimitLine>{} : std::vector<LimitLine>{{0.0, time.mark}};
 }
 
 }  // namespace
 
-std::string ForceChart(std::span<const TickRecord> ticks, double force_limit_N) {
-  const std::vector<double> t_s = Times(ticks);
+std::string ForceChart(std::span<const TickRecord> ticks, double force_limit_N, const TimeAxis& time) {
+  const std::vector<double> t_s = time.Of(ticks);
   Series coupling{.name = "rendered coupling force", .x = t_s};
   Series axial{.name = "its part along the tool (resisting)", .x = t_s, .width_px = 1.1};
   Series hand{.name = "hand's force (sensor)", .x = t_s, .width_px = 1.1};
@@ -94,11 +93,12 @@ std::string ForceChart(std::span<const TickRecord> ticks, double force_limit_N) 
     axial.y.push_back(-F_T_W.f.dot(feed_W));
     hand.y.push_back(Wrench(tick.F_operator_T_W).f.norm());
   }
-  LineChart chart{.x_label = "time [s]",
+  LineChart chart{.x_label = time.label,
                   .y_label = "force [N]",
                   .series = {std::move(hand), std::move(coupling), std::move(axial)},
                   .limits = {{force_limit_N, fmt::format("limit {:g} N", force_limit_N)}},
-                  .spans = PhaseSpans(ticks),
+                  .x_limits = Mark(time),
+                  .spans = PhaseSpans(ticks, time),
                   .plot_height_px = 270.0};
   chart.series[0].color = "#009e73";
   chart.series[1].color = "#0072b2";
@@ -116,7 +116,7 @@ std::string ForceChart(std::span<const TickRecord> ticks, double force_limit_N) 
     held.y.push_back(100.0 * tick.arm_share);
   }
   LineChart shares{.title = "Share of the coupling's wrench",
-                   .x_label = "time [s]",
+                   .x_label = time.label,
                    .y_label = "share [%]",
                    .y = Range{0.0, 105.0},
                    .series = {std::move(held), std::move(rendered)},
@@ -126,12 +126,13 @@ std::string ForceChart(std::span<const TickRecord> ticks, double force_limit_N) 
 }
 
 std::string ProgressChart(std::span<const TickRecord> ticks, std::span<const FrameRecord> frames) {
-  const rt::Nanoseconds start = Start(ticks, frames);
+  TimeAxis time = FromFirst(ticks);
+  if (ticks.empty() && !frames.empty()) time.zero = frames.front().stamp;
   Series depth{.name = "", .color = "#0072b2", .width_px = 1.8};
   Series volume{.name = "", .color = "#d55e00", .width_px = 1.8};
   bool touched = false;
   for (const FrameRecord& frame : frames) {
-    const double t_s = rt::ToSeconds(frame.stamp - start);
+    const double t_s = time.At(frame.stamp);
     // the way there says nothing: from first touch on
     touched = touched || Wrench(frame.model.F_T_W).f.norm() > 0.0 || frame.model.removed_volume_m3 > 0.0;
     depth.x.push_back(t_s);
@@ -144,7 +145,7 @@ std::string ProgressChart(std::span<const TickRecord> ticks, std::span<const Fra
                .x_label = "",
                .y_label = "depth [mm]",
                .series = {std::move(depth)},
-               .spans = PhaseSpans(ticks),
+               .spans = PhaseSpans(ticks, time),
                .plot_height_px = 170.0};
   panels[1] = {.title = "Removed volume",
                .x_label = "time [s]",
@@ -152,7 +153,7 @@ std::string ProgressChart(std::span<const TickRecord> ticks, std::span<const Fra
                .series = {std::move(volume)},
                .plot_height_px = 170.0};
   if (!ticks.empty()) {
-    const double end_s = rt::ToSeconds(ticks.back().stamp - start);
+    const double end_s = time.At(ticks.back().stamp);
     if (end_s > 0.0)
       for (LineChart& panel : panels) panel.x = Range{0.0, end_s + 1e-3};
   }
@@ -160,8 +161,8 @@ std::string ProgressChart(std::span<const TickRecord> ticks, std::span<const Fra
 }
 
 std::string MotionChart(std::span<const TickRecord> ticks, double speed_limit_m_per_s,
-                        double max_tool_in_bone_m) {
-  const std::vector<double> t_s = Times(ticks);
+                        double max_tool_in_bone_m, const TimeAxis& time) {
+  const std::vector<double> t_s = time.Of(ticks);
   Series speed{.name = "", .x = t_s, .y = {}, .color = "#0072b2", .width_px = 1.1};
   Series depth{.name = "", .x = t_s, .y = {}, .color = "#d55e00", .width_px = 1.1};
   Series age{.name = "", .x = t_s, .y = {}, .color = "#009e73", .width_px = 1.1};
@@ -178,7 +179,8 @@ std::string MotionChart(std::span<const TickRecord> ticks, double speed_limit_m_
                .x_label = "",
                .y_label = "speed [mm/s]",
                .series = {std::move(speed)},
-               .spans = PhaseSpans(ticks),
+               .x_limits = Mark(time),
+               .spans = PhaseSpans(ticks, time),
                .plot_height_px = 150.0};
   panels[1] = {.title = "Commanded tool beyond its collision-free pose",
                .x_label = "",
@@ -188,7 +190,7 @@ std::string MotionChart(std::span<const TickRecord> ticks, double speed_limit_m_
   if (std::isfinite(max_tool_in_bone_m))
     panels[1].limits = {{1e3 * max_tool_in_bone_m, fmt::format("limit {:.3g} mm", 1e3 * max_tool_in_bone_m)}};
   panels[2] = {.title = "Age of the contact model",
-               .x_label = "time [s]",
+               .x_label = time.label,
                .y_label = "age [ms]",
                .series = {std::move(age)},
                .plot_height_px = 130.0};

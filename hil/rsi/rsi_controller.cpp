@@ -6,6 +6,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "hil/fri_stop.h"
+
 namespace osteon::hil {
 namespace {
 
@@ -99,7 +101,7 @@ std::string Describe(const RsiStopReport& stop) {
     case RsiStopReason::kOutOfReach:
       return "out of reach: no posture for the corrected pose";
     case RsiStopReason::kPowerOff:
-      return "the drives have no power";
+      return kNoPower;
   }
   return "unknown";
 }

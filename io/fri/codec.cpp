@@ -86,10 +86,11 @@ std::optional<FriFamily> TellFamily(std::span<const std::uint8_t> datagram) OSTE
   return FamilyOfFields(bare);
 }
 
-CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> datagram,
-                            MonitoringMessage& message) OSTEON_RT {
-  // the bytes; where they make no sense, maybe they do to another version
-  WireMonitoring wire;
+namespace {
+
+// The bytes; where they make no sense, maybe they do to another version.
+CodecError ReadWire(FriFamily family, std::span<const std::uint8_t> datagram,
+                    WireMonitoring& wire) OSTEON_RT {
   std::span<const std::uint8_t> body;
   CodecError parsed = Open(family, datagram, body);
   if (parsed == CodecError::kNone) parsed = Parse(body, wire);
@@ -98,7 +99,24 @@ CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> data
   if (parsed != CodecError::kNone) return parsed;
   const FriFamily bare = family == FriFamily::k2_7 ? FriFamily::k2_5 : family;
   if (FamilyOfFields(wire).value_or(bare) != bare) return CodecError::kOtherVersion;
-  if (!wire.connection) return CodecError::kMissingField;
+  return wire.connection ? CodecError::kNone : CodecError::kMissingField;
+}
+
+}  // namespace
+
+std::optional<control::JointArray> JointsNotFinite(FriFamily family,
+                                                   std::span<const std::uint8_t> datagram) OSTEON_RT {
+  WireMonitoring wire;
+  if (ReadWire(family, datagram, wire) != CodecError::kNone) return std::nullopt;
+  const auto& q = wire.monitor.q_meas;
+  if (!q || q->count != q->value.size() || AllFinite(q->value)) return std::nullopt;
+  return q->value;
+}
+
+CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> datagram,
+                            MonitoringMessage& message) OSTEON_RT {
+  WireMonitoring wire;
+  if (const CodecError error = ReadWire(family, datagram, wire); error != CodecError::kNone) return error;
 
   WireCheck check;
   MonitoringMessage m;

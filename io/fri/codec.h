@@ -41,6 +41,11 @@ enum class CodecError : std::uint8_t {
 [[nodiscard]] CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> datagram,
                                           MonitoringMessage& message) OSTEON_RT;
 
+/// The measured joints [rad] of a message that was refused since one of them is NaN or infinite: which, and
+/// what it is. Nothing where it is not they.
+[[nodiscard]] std::optional<control::JointArray> JointsNotFinite(
+    FriFamily family, std::span<const std::uint8_t> datagram) OSTEON_RT;
+
 /// Which family a monitoring message comes from, by its frame and by the fields that only one has. Empty
 /// where it is none, or has none of those fields (an arm that tells nothing but its session state).
 [[nodiscard]] std::optional<FriFamily> TellFamily(std::span<const std::uint8_t> datagram) OSTEON_RT;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include "io/fri/fri_session.h"
@@ -24,6 +25,12 @@ const char* Name(ControlMode mode) {
       break;
   }
   return "no control";
+}
+
+const char* Name(SessionState state) {
+  constexpr std::array<const char*, 5> kNames{"IDLE", "MONITORING_WAIT", "MONITORING_READY",
+                                              "COMMANDING_WAIT", "COMMANDING_ACTIVE"};
+  return kNames[static_cast<std::size_t>(state)];
 }
 
 }  // namespace
@@ -53,6 +60,15 @@ std::string FriSession::Diagnosis() const {
   if (!std::all_of(last_.drives.begin(), last_.drives.end(),
                    [](FriDriveState drive) { return drive == FriDriveState::kActive; }))
     say("Not all drives are active: the arm does not move.");
+  if (last_.session == SessionState::kIdle) {
+    say("The arm's session is IDLE" +
+        (session_before_ == SessionState::kIdle ? std::string()
+                                                : std::string(", it was ") + Name(session_before_)) +
+        ": its program has ended it, or was cancelled; start the program again.");
+    return text;
+  }
+  if (session_before_ >= SessionState::kCommandingWait && last_.session < SessionState::kCommandingWait)
+    say(std::string("The arm has left ") + Name(session_before_) + " for " + Name(last_.session) + ".");
   if (last_.session < SessionState::kCommandingWait && last_.quality < FriQuality::kGood)
     say("The connection is " + std::string(last_.quality == FriQuality::kPoor ? "POOR" : "FAIR") +
         ", commanding needs GOOD: answers are missing or late.");

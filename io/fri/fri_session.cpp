@@ -69,6 +69,14 @@ FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
       ++counters_.other_version;
       other_family_ = TellFamily(datagram);
     }
+    // an arm that does not know where it is: the loop has to see which joint, and stops
+    if (const auto q = has_last_ && error == CodecError::kNotFinite ? JointsNotFinite(family_, datagram)
+                                                                    : std::nullopt) {
+      state.stamp = stamp;
+      state.q_meas = *q;
+      PutCounters(state);
+      return FriAccept::kAccepted;
+    }
   } else {
     result = CheckSequence(message);
   }
@@ -76,6 +84,7 @@ FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
   if (result == FriAccept::kAccepted) {
     CheckReflected(message);
     CheckActivation(message);
+    if (has_last_ && message.session != last_.session) session_before_ = last_.session;
     last_ = message;
     has_last_ = pending_ = true;
     state.stamp = stamp;

@@ -13,7 +13,8 @@ namespace osteon::io {
 
 /// What became of a datagram.
 enum class FriAccept : std::uint8_t {
-  kAccepted,   ///< newer than all before: the state is its content
+  kAccepted,   ///< newer than all before: the state is its content. Or a joint was measured as NaN or
+               ///< infinite: the state has the joints, nothing else of it counts, and it is not answered
   kDuplicate,  ///< seen before
   kReordered,  ///< overtaken by a newer one
   kRejected,   ///< not a valid message; last_error() says why
@@ -130,6 +131,7 @@ class FriSession {
   FriSessionParams params_;
   FriFamily family_;
   MonitoringMessage last_;
+  control::SessionState session_before_{control::SessionState::kIdle};  // before the one of last_
   bool has_last_{false};
   std::uint64_t seen_{0};  // bit i: counter last_.sequence - i has arrived
   std::uint32_t due_{0};   // messages of the arm since our last answer, lost ones included

@@ -14,6 +14,9 @@ using control::SessionState;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::int64_t kWindow = 64;  // messages that seen_ remembers
 constexpr std::size_t kAxes = kRsiAxes;
+// So many messages tell the period that they come at; a period that is another one is so far off at least.
+constexpr std::uint32_t kPeriodMessages = 10;
+constexpr double kOtherPeriod = 2.0;
 
 void Require(bool accepted, const std::string& name, double found, const char* range) {
   if (!accepted)
@@ -74,6 +77,8 @@ RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
   switch (order) {
     case Order::kFirst:
       Begin(message);
+      begun_ = stamp;
+      period_ms_ = params_.cycle_ms;
       break;
     case Order::kNext:
       FollowSum(ahead, message.delay.value_or(status_.delay + ahead - 1));
@@ -115,7 +120,7 @@ RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
     state.drives_active = true;  // RSI runs in motion alone
     state.control_mode = control::ControlMode::kPosition;
     state.command_mode = control::CommandMode::kPosition;
-    state.period_s = 1e-3 * params_.cycle_ms;
+    state.period_s = Period_s(stamp);
     state.q_meas = state.q_ipo = state.tau_ext = {};
     for (std::size_t i = 0; i < kAxes; ++i) {
       state.q_meas[i] = (*message.axes_measured)[i] * kDegree;
@@ -152,6 +157,17 @@ RsiSession::Order RsiSession::CheckSequence(std::uint64_t ipoc, rt::Nanoseconds 
   seen_ |= bit;
   if (counters_.lost > 0) --counters_.lost;
   return Order::kLate;
+}
+
+double RsiSession::Period_s(rt::Nanoseconds stamp) OSTEON_RT {
+  const auto settled = static_cast<std::uint32_t>(params_.settle_messages);
+  if (in_session_ == std::max(settled, kPeriodMessages) + 1) {
+    const double mean_ms = 1e3 * rt::ToSeconds(stamp - begun_) / (in_session_ - 1);
+    const bool other = mean_ms >= kOtherPeriod * params_.cycle_ms ||
+                       (mean_ms > 0.0 && mean_ms <= params_.cycle_ms / kOtherPeriod);
+    if (other) period_ms_ = std::max(1.0, std::round(mean_ms));
+  }
+  return 1e-3 * period_ms_;
 }
 
 bool RsiSession::TooLate(const RsiRobotMessage& first) const OSTEON_RT {

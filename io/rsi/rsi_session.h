@@ -77,6 +77,10 @@ struct RsiStatus {
 /// The first command that names the activation (control::ArmState) has to be within entry_step_deg of
 /// q_start; until then the arm is held there.
 ///
+/// RSI's messages do not say their period. They are timed from the session's first on: where they come at
+/// half the configured cycle or less, or at twice or more, ArmState::period_s is what they come at, in whole
+/// milliseconds, from the hand-over on (of at least ten intervals).
+///
 /// A command that is not finite, or whose correction is beyond its range, is not sent: the last one is held
 /// and counted. A session ends where IPOC falls far back, leaps by more than the Timeout, or nothing came for
 /// as long. One that begins with Delay > late_at_start has been running without us, so that its start pose is
@@ -123,6 +127,7 @@ class RsiSession {
   // @param ahead  set with kNext: cycles since the message before
   Order CheckSequence(std::uint64_t ipoc, rt::Nanoseconds stamp, std::uint32_t& ahead) OSTEON_RT;
   bool TooLate(const RsiRobotMessage& first) const OSTEON_RT;
+  double Period_s(rt::Nanoseconds stamp) OSTEON_RT;
   void Begin(const RsiRobotMessage& message) OSTEON_RT;
   void FollowSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT;
   bool MayMove(const control::ArmCommand& command) OSTEON_RT;
@@ -141,10 +146,11 @@ class RsiSession {
   RsiAxes start_deg_{};
   std::uint64_t last_ipoc_{0};
   std::uint8_t ipoc_digits_{0};
-  rt::Nanoseconds last_stamp_{0};
-  std::uint64_t seen_{0};        // bit i: IPOC last_ipoc_ - i steps has arrived
-  std::uint32_t in_session_{0};  // messages accepted
-  std::uint32_t activation_{0};  // of control::ArmState
+  rt::Nanoseconds last_stamp_{0}, begun_{0};  // of the last message, of the session's first
+  double period_ms_{0.0};                     // of this session's messages
+  std::uint64_t seen_{0};                     // bit i: IPOC last_ipoc_ - i steps has arrived
+  std::uint32_t in_session_{0};               // messages accepted
+  std::uint32_t activation_{0};               // of control::ArmState
   bool holding_{false};
   bool has_last_{false};
   bool joined_late_{false};

@@ -1,5 +1,8 @@
 #include "app/fault_seen.h"
 
+#include <cmath>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "io/can/reamer_drive.h"
@@ -57,7 +60,7 @@ TEST(FaultSeen, HasTheFiguresOfTheOthers) {
   tick.wrench_step_limit_N = 13.5;
   EXPECT_EQ(SeenAt(Fault::kWrenchRate, tick), "17.4 N in 1 ms, accepted 13.5");
   tick.session_state = 2;
-  EXPECT_EQ(SeenAt(Fault::kSession, tick), "session state 2");
+  EXPECT_EQ(SeenAt(Fault::kSession, tick), "session state 2 (MONITORING_READY)");
   tick.input.safety_state = 2;
   EXPECT_EQ(SeenAt(Fault::kSession, tick), "safety stop 1");
   tick.input.spindle_stamp = rt::kSecond - 5 * rt::kMillisecond;
@@ -87,6 +90,36 @@ TEST(FaultSeen, TellsTheDrivesFaultsApartByNameAndNumber) {
   tick.input.drive_faults = io::kDriveHeartbeatLost;
   EXPECT_EQ(SeenAt(Fault::kSpindle, tick),
             "a fault: heartbeat lost: none came in time (bit 0); its status: 5 ms old");
+}
+
+TEST(FaultSeen, SaysWhatIsAcceptedWhereTheCellIsKnown) {
+  control::ServoParams servo;
+  servo.period_s = 0.004;
+  TickRecord tick = At(rt::kSecond);
+  tick.sensor_age_s = 0.101;
+  EXPECT_EQ(SeenAt(Fault::kSensorStale, tick, &servo), "the reading is 101 ms old, accepted 100");
+  tick.input.period_s = 0.040;
+  EXPECT_EQ(SeenAt(Fault::kPeriod, tick, &servo), "40 ms, accepted 4");
+  tick.input.arm_stamp = rt::kSecond - 25 * rt::kMillisecond;
+  EXPECT_EQ(SeenAt(Fault::kArmStale, tick, &servo), "the last is 25 ms old; 5 deadlines in a row");
+  servo.on_force_limit.max_tool_in_bone_m = 0.004;
+  tick.tool_in_bone_m = 0.0042;
+  EXPECT_EQ(SeenAt(Fault::kToolInBone, tick, &servo), "4.2 mm, accepted 4");
+}
+
+TEST(FaultSeen, NamesTheValueThatIsNotFinite) {
+  TickRecord tick = At(rt::kSecond);
+  tick.q_meas[2] = std::nan("");
+  EXPECT_EQ(SeenAt(Fault::kNotFinite, tick), "the arm's joint A3 measured nan");
+  tick.q_meas[2] = 0.0;
+  tick.input.tau_ext[6] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(SeenAt(Fault::kNotFinite, tick), "the arm's joint A7 external torque inf");
+  tick.input.tau_ext[6] = 0.0;
+  tick.input.F_sensor_S.t.y = std::nan("");
+  EXPECT_EQ(SeenAt(Fault::kNotFinite, tick), "the force sensor's Ty nan");
+  tick.input.F_sensor_S.t.y = 0.0;
+  tick.model_frame = 17;
+  EXPECT_EQ(SeenAt(Fault::kNotFinite, tick), "arm and sensor were finite: the contact model of frame 17");
 }
 
 }  // namespace

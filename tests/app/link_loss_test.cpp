@@ -32,7 +32,7 @@ TEST(LinkLoss, HalfAPercentEachWayIsHeldAndCountedExactly) {
   EXPECT_TRUE(run.summary.faults.empty());
   EXPECT_EQ(run.summary.ended, "completed");
   EXPECT_LE(run.summary.peak_force_N, run.summary.force_limit_N);
-  EXPECT_EQ(run.cell["arm"]["stop"], "");
+  EXPECT_EQ(run.summary.arm_stop, "");
   const nlohmann::json& in = run.cell["wires"]["arm_to_controller"];
   const nlohmann::json& out = run.cell["wires"]["arm_from_controller"];
   EXPECT_GT(in["lost"].get<unsigned>(), 20u);

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "app/replay.h"
+#include "app/stop_records.h"
 #include "safety/cell_state.h"
 #include "tests/app/virtual_ride.h"
 
@@ -59,6 +62,34 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   EXPECT_NEAR(static_cast<double>(paused), 1000.0, 200.0) << "ticks of 1 ms between the two askings";
   EXPECT_GT(after, 500u) << "it went on";
   ExpectNoJump(*recording, 2e-3);
+
+  // and what the run says of it
+  const RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
+  ASSERT_EQ(summary.events.size(), 2u);
+  EXPECT_EQ(summary.events[0].name, "pause");
+  EXPECT_LT(summary.events[0].value, 0.5) << "seconds until it rested";
+  EXPECT_EQ(summary.events[1].name, "resume");
+  EXPECT_NEAR(summary.events[1].value, 1.0, 0.2) << "seconds paused";
+  const nlohmann::json json = nlohmann::json::parse(ToJson(summary, "osteon.run/1"));
+  EXPECT_EQ(json["events"][0]["name"], "pause");
+  EXPECT_EQ(json["events"][0]["unit"], "s");
+  const std::vector<SummaryRow> rows = Rows(summary);
+  const auto events = std::ranges::find(rows, "Events", &SummaryRow::key);
+  ASSERT_NE(events, rows.end());
+  EXPECT_NE(events->value.find(" s until it rested); resume at "), std::string::npos) << events->value;
+
+  // the page of the pause, and of the end half a second later, with nothing of the PLC's power
+  const auto stops = WriteStops(*recording, setup->config, folder.path(), "r");
+  ASSERT_TRUE(stops) << stops.error();
+  ASSERT_EQ(stops->size(), 2u);
+  EXPECT_EQ(stops->front().heading, "How the pause began");
+  EXPECT_EQ(stops->back().heading, "How the run ended");
+  for (const WrittenStop& stop : *stops)
+    EXPECT_NE(io::test::ReadAll(stop.page).find("; 0.5 s of that are shown."), std::string::npos)
+        << stop.page;
+  EXPECT_NE(io::test::ReadAll(stops->back().page).find("How the run ended: 4 s of rendering were over"),
+            std::string::npos);
+  EXPECT_EQ(summary.arm_stop, "");
 
   const ReplayResult replayed = Replay(*recording, setup->config);
   EXPECT_TRUE(replayed.identical) << replayed.why_not

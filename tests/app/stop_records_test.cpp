@@ -6,8 +6,11 @@
 
 #include "app/faults_command.h"
 #include "app/states_command.h"
+#include "config/load.h"
+#include "control/ports.h"
 #include "safety/cell_state.h"
 #include "tests/app/command.h"
+#include "tests/app/report_markup.h"
 
 namespace osteon::app {
 namespace {
@@ -15,6 +18,10 @@ namespace {
 using control::Phase;
 using control::TickRecord;
 using safety::Fault;
+
+config::CellConfig Cell() {
+  return config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/thin_plate.yaml");
+}
 
 constexpr std::uint32_t Bit(Fault fault) { return static_cast<std::uint32_t>(fault); }
 
@@ -60,6 +67,40 @@ TEST(StopRecords, HoldFiveSecondsBeforeAndHalfASecondAtRest) {
   EXPECT_EQ(stops[1].begin, 5900u) << "what came before, the last stop included";
   EXPECT_EQ(stops[1].end, ticks.size());
   EXPECT_EQ(stops[1].Why(), "asked for");
+  EXPECT_EQ(stops[0].rest, 8600u);
+  EXPECT_STREQ(stops[0].Heading(), "What led to the stop");
+  EXPECT_STREQ(stops[1].Heading(), "How the run ended");
+}
+
+// A pause holds in a phase of waiting: that is rest as well, until it goes on.
+TEST(StopRecords, APauseIsShownAtRestForHalfASecond) {
+  for (const int paused : {2000, 300}) {
+    std::vector<TickRecord> ticks;
+    Add(ticks, 1000, Phase::kHaptic);
+    Add(ticks, 80, Phase::kStopping);
+    Add(ticks, paused, Phase::kWaiting);
+    Add(ticks, 1000, Phase::kHaptic);
+    ticks[1000].input.pause = true;
+    const std::vector<StopRecord> stops = FindStops(ticks);
+    ASSERT_EQ(stops.size(), 1u);
+    EXPECT_EQ(stops[0].rest, 1080u);
+    EXPECT_EQ(stops[0].end, paused == 300 ? 1380u : 1080u + 501u);
+    EXPECT_STREQ(stops[0].Heading(), "How the pause began");
+    EXPECT_TRUE(stops[0].IsPause());
+  }
+}
+
+// An arm that is not under control rests once it is measured to stand.
+TEST(StopRecords, AStopZeroIsOverWhereTheArmStands) {
+  std::vector<TickRecord> ticks;
+  Add(ticks, 1000, Phase::kHaptic);
+  Add(ticks, 1500, Phase::kStopped, Bit(Fault::kSession));
+  for (std::size_t i = 1000; i < 1400; ++i)
+    ticks[i].cell_state = static_cast<std::uint8_t>(safety::CellState::kStop0);
+  const std::vector<StopRecord> stops = FindStops(ticks);
+  ASSERT_EQ(stops.size(), 1u);
+  EXPECT_EQ(stops[0].rest, 1400u);
+  EXPECT_EQ(stops[0].end, 1400u + 501u);
 }
 
 TEST(StopRecords, APauseIsSaidToBeOne) {
@@ -84,28 +125,64 @@ TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
   io::Recording recording;
   recording.ticks = TwoStops();
   recording.session.force_limit_N = 150.0;
-  const auto pages = WriteStops(recording, 0.25, folder.path(), "ride");
+  recording.events = {
+      {0, "fault: motion not permitted"}, {1, "end: 4 s of rendering were over"}, {2, "depth"}};
+  const auto pages = WriteStops(recording, Cell(), folder.path(), "ride");
   ASSERT_TRUE(pages) << pages.error();
   ASSERT_EQ(pages->size(), 2u);
-  const std::string page = io::test::ReadAll(pages->front());
+  const std::string page = io::test::ReadAll(pages->front().page);
   for (const char* part :
-       {"Stop no. 1: arm left COMMANDING_ACTIVE; motion not permitted", "8.500 s into the recording",
-        "the PLC withdrew its permission", "limit 150 N", "</html>"})
+       {"Stop no. 1: arm left COMMANDING_ACTIVE; motion not permitted",
+        "8.500 s into the recording, tick 8500",
+        "Shown are 5.0 s before it and 0.6 s after. The arm was at rest from 0.100 s on; 0.5 s of that are "
+        "shown.",
+        "<h2>What led to the stop</h2>", "Age of the PLC", "State of the arm",
+        "time since the stop began [s]", "the PLC withdrew its permission", "limit 150 N", "</html>"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
+  EXPECT_EQ(pages->front().heading, "What led to the stop");
+  EXPECT_EQ(MarkupError(page), "");
+
+  // the run's own end is no stop of that kind
+  const std::string end = io::test::ReadAll(pages->back().page);
+  for (const char* part : {"<h1>How the run ended: 4 s of rendering were over</h1>",
+                           "<h2>How the run ended</h2>", "No fault: 4 s of rendering were over.",
+                           "at rest from 0.050 s on; 0.0 s of that are shown: there the recording ends."})
+    EXPECT_NE(end.find(part), std::string::npos) << part;
+  EXPECT_EQ(end.find("What led to the stop"), std::string::npos);
+  EXPECT_EQ(pages->back().heading, "How the run ended");
   const std::string table = io::test::ReadAll(folder.path() / "ride_stop_1_ticks.csv");
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 9101 - 3500);
 
   recording.ticks.resize(9000);
-  ASSERT_TRUE(WriteStops(recording, 0.25, folder.path(), "ride"));
+  ASSERT_TRUE(WriteStops(recording, Cell(), folder.path(), "ride"));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_1.html"));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_2.html")) << "nobody asked to remove it";
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_2_ticks.csv"));
 }
 
+// What is not shown is said, with its reason.
+TEST(StopRecords, AnArmThatIsNotSeenAtRestIsSaidToBe) {
+  const TemporaryFolder folder;
+  const auto page_of = [&](std::vector<TickRecord> ticks) {
+    io::Recording recording;
+    recording.ticks = std::move(ticks);
+    const auto pages = WriteStops(recording, Cell(), folder.path(), "ride");
+    return pages && pages->size() == 1 ? io::test::ReadAll(pages->front().page) : std::string();
+  };
+  std::vector<TickRecord> ticks;
+  Add(ticks, 100, Phase::kHaptic);
+  Add(ticks, 50, Phase::kStopping, Bit(Fault::kWorkspace));
+  EXPECT_NE(page_of(ticks).find("ends while the arm was not at rest yet"), std::string::npos);
+  ticks.back().input.received = static_cast<std::uint8_t>(control::ReceiveResult::kTimeout);
+  EXPECT_NE(page_of(ticks).find("it sent no message any more"), std::string::npos);
+  Add(ticks, 200, Phase::kStopped, Bit(Fault::kWorkspace));
+  EXPECT_NE(page_of(ticks).find("0.2 s of that are shown: there the recording ends"), std::string::npos);
+}
+
 TEST(StopRecords, AFolderThatIsNotThereIsNamed) {
   io::Recording recording;
   recording.ticks = TwoStops();
-  const auto pages = WriteStops(recording, 0.25, "/nowhere", "ride");
+  const auto pages = WriteStops(recording, Cell(), "/nowhere", "ride");
   ASSERT_FALSE(pages);
   EXPECT_NE(pages.error().find("/nowhere/ride_stop_1_ticks.csv"), std::string::npos) << pages.error();
 }

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "config/load.h"
+#include "tests/config/cell_text.h"
 
 // What a cell may say of its link: both ends hear it.
 
@@ -64,6 +65,17 @@ TEST_F(FriKeys, ReachLinkAndSimulatedArm) {
   EXPECT_EQ(cell.link.fri()->torque_order, io::FriTorqueOrder::kXyz);
   EXPECT_FALSE(cell.simulated.fri.torques_zyx);
   EXPECT_EQ(cell.simulated.fri.receive_multiplier, 2);
+}
+
+TEST_F(FriKeys, SayHowTheSimulatedArmEndsItsSession) {
+  const std::string text = CellText("thin_plate"), key = "  good_timeout_s: 10";
+  EXPECT_EQ(LoadText(text).simulated.fri.session_end, hil::SessionEnd::kSilence);
+  const auto with = [&](const std::string& value) {
+    return With(text, key, "  session_end: " + value + "\n" + key);
+  };
+  EXPECT_EQ(LoadText(with("silence")).simulated.fri.session_end, hil::SessionEnd::kSilence);
+  EXPECT_EQ(LoadText(with("idle_messages")).simulated.fri.session_end, hil::SessionEnd::kIdleMessages);
+  EXPECT_THROW(LoadText(with("wave")), ConfigError);
 }
 
 TEST_F(FriKeys, EveryVersionHasItsName) {

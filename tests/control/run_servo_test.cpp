@@ -1,10 +1,14 @@
 #include "control/run_servo.h"
 
+#include <algorithm>
+
 #include <atomic>
 #include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "control/rest_time.h"
 
 #include "control/rt/clock.h"
 #include "servo_bench.h"
@@ -119,6 +123,39 @@ TEST(RunServo, RunsItsSecondsThenStopsInOrderAndAnswersEveryMessage) {
   // left
   EXPECT_NEAR(1e9 / static_cast<double>(result.period.Quantile(0.5)), 1000.0, 5.0);
   EXPECT_EQ(rig.commands.Load().stamp, rig.loop.tool_command().stamp);
+}
+
+// What a recording shows of the arm at rest.
+TEST(RunServo, AnArmAtRestIsAnsweredAndRecordedForItsTime) {
+  for (const double rest_s : {0.0, 0.1}) {
+    Rig rig;
+    FakeArm arm;
+    const RunServoResult result = rig.Run(arm, {.seconds = 0.2, .at_rest_s = rest_s});
+    EXPECT_EQ(result.end, RunEnd::kSeconds);
+    EXPECT_EQ(result.faults.bits(), 0u);
+    EXPECT_EQ(arm.sent, arm.received);
+    const auto at_rest = std::count_if(rig.recorder.records.begin(), rig.recorder.records.end(),
+                                       [](const TickRecord& tick) { return tick.phase == Phase::kStopped; });
+    // by its stamps, a message a millisecond; the clock that the time is taken by may be late, never early
+    EXPECT_GE(at_rest, 1 + static_cast<int>(1e3 * rest_s) - 1);
+    if (rest_s == 0.0) EXPECT_EQ(at_rest, 1);
+  }
+}
+
+TEST(RestTime, BeginsWhereNothingIsOutOfControlAndGivesUpOnAnArmThatIsNotSeenToStand) {
+  using safety::CellState;
+  RestTime seen(100);
+  EXPECT_FALSE(seen.IsOver(CellState::kStop0, 1000)) << "not yet measured to stand";
+  EXPECT_FALSE(seen.IsOver(CellState::kStop0, 1150));
+  EXPECT_FALSE(seen.IsOver(CellState::kFault, 1200));
+  EXPECT_FALSE(seen.IsOver(CellState::kFault, 1299));
+  EXPECT_TRUE(seen.IsOver(CellState::kFault, 1300));
+  RestTime silent(100);
+  EXPECT_FALSE(silent.IsOver(CellState::kStop0, 1000));
+  EXPECT_FALSE(silent.IsOver(CellState::kStop0, 1399));
+  EXPECT_TRUE(silent.IsOver(CellState::kStop0, 1400));
+  RestTime none(0);
+  EXPECT_TRUE(none.IsOver(CellState::kStop0, 1000));
 }
 
 // Rehearsals, counted.

@@ -84,6 +84,26 @@ TEST(FriServer, ClosingTakesFiveSeconds) {
   EXPECT_TRUE(s.WalkTo(SessionState::kCommandingActive));
 }
 
+// As a public log of an arm has it; by default it falls silent.
+TEST(FriServer, ASessionMayEndWithMessagesThatSayIdle) {
+  for (const SessionEnd end : {SessionEnd::kSilence, SessionEnd::kIdleMessages}) {
+    Session s({.session_end = end});
+    ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
+    s.server.CloseAfter(0.05);
+    EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
+    int ready = 0, idle = 0;
+    for (s.Cycle(); !s.message.empty() && ready + idle < 1000; s.Cycle())
+      ++(static_cast<SessionState>(UintAt(s.message, {4, 1})) == SessionState::kIdle ? idle : ready);
+    EXPECT_EQ(ready, 49);
+    EXPECT_EQ(idle, end == SessionEnd::kIdleMessages ? 10 : 0);
+    EXPECT_EQ(s.server.state(), SessionState::kIdle);
+    s.server.Open();
+    s.Send();
+    EXPECT_TRUE(s.WalkTo(SessionState::kCommandingActive))
+        << "a session that is opened again says nothing of it";
+  }
+}
+
 TEST(FriServer, ExternalTorqueIsAnEstimate) {
   FriServerParams params{.external_torque_cutoff_hz = 10.0};
   params.external_torque_offset_Nm[2] = 0.25;

@@ -20,8 +20,9 @@ class ClientSocket : public io::test::LoopbackSocket {
 };
 
 // A cell that no delay of a busy machine can end: these tests look at what crosses the socket, not at time.
-SimulatedCell PatientCell() {
+SimulatedCell PatientCell(SessionEnd session_end = SessionEnd::kSilence) {
   SimulatedCellParams params;
+  params.fri.session_end = session_end;
   params.arm = kinematics::Iiwa14();
   params.fri.quality.end_after_lost_in_a_row = 1000000;
   params.fri.quality.end_after_lost_per_s = 1000000;
@@ -51,6 +52,33 @@ TEST(SimulatedCellThread, ReachesCommandingActiveOverUdp) {
   EXPECT_EQ(s.cell.counters.answered + s.cell.counters.lost + s.cell.counters.excused, s.cell.cycle - 1);
   EXPECT_EQ(s.cell.counters.malformed, 0u);
   EXPECT_EQ(s.cell.stop.reason, StopReason::kNone);
+}
+
+TEST(SimulatedCellThread, AnArmThatSaysSoEndsItsSessionFromReadyToIdle) {
+  for (const SessionEnd end : {SessionEnd::kSilence, SessionEnd::kIdleMessages}) {
+    ClientSocket socket;
+    SimulatedCellThread cell({.client_port = socket.port()}, PatientCell(end));
+    TestClient client;
+    SessionState seen = SessionState::kIdle;
+    const auto take = [&](const Bytes& message) {
+      seen = static_cast<SessionState>(UintAt(message, {4, 1}));
+      socket.SendTo(cell.port(), client.Answer(message));
+    };
+    for (int i = 0; i < 5000 && seen != SessionState::kCommandingActive; ++i) take(socket.Receive());
+    ASSERT_EQ(seen, SessionState::kCommandingActive);
+    cell.Stop();  // what it sent until then waits in the socket
+    std::vector<SessionState> states;
+    for (auto message = socket.LoopbackSocket::Receive(0); message;
+         message = socket.LoopbackSocket::Receive(0)) {
+      const auto state = static_cast<SessionState>(UintAt(*message, {4, 1}));
+      if (states.empty() || states.back() != state) states.push_back(state);
+    }
+    ASSERT_FALSE(states.empty());
+    EXPECT_EQ(states.back(),
+              end == SessionEnd::kIdleMessages ? SessionState::kIdle : SessionState::kCommandingActive);
+    if (end == SessionEnd::kIdleMessages)
+      EXPECT_EQ(states.at(states.size() - 2), SessionState::kMonitoringReady);
+  }
 }
 
 TEST(SimulatedCellThread, HostileDatagramsOfTheClientAreCounted) {

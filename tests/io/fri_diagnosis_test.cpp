@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -69,6 +70,56 @@ TEST_F(FriSessionTest, DiagnosisNamesWhatKeepsTheArmFromMoving) {
   EXPECT_TRUE(contains(with(fri::MONITORING_READY,
                             [](auto& m) { m.mutable_robotinfo()->set_drivestate(2, fri::TRANSITIONING); }),
                        "Not all drives"));
+}
+
+// As a public log has it: MONITORING_WAIT, MONITORING_READY, and 83 ms later IDLE. The quality of an arm that
+// has ended its session says nothing of the network.
+TEST_F(FriSessionTest, ASessionThatTheArmEndedIsNoPoorConnection) {
+  ASSERT_EQ(Take(1, fri::MONITORING_WAIT), FriAccept::kAccepted);
+  ASSERT_EQ(Take(2, fri::MONITORING_READY), FriAccept::kAccepted);
+  fri::FRIMonitoringMessage idle = Monitoring(3, fri::IDLE);
+  idle.mutable_connectioninfo()->set_quality(fri::POOR);
+  ASSERT_EQ(session_.Accept(Bytes(idle), ++now_, state_), FriAccept::kAccepted);
+  EXPECT_EQ(session_.Diagnosis(),
+            "The arm's session is IDLE, it was MONITORING_READY: its program has ended it, or was cancelled; "
+            "start the program again.");
+  idle.mutable_header()->set_sequencecounter(4);
+  ASSERT_EQ(session_.Accept(Bytes(idle), ++now_, state_), FriAccept::kAccepted);
+  EXPECT_NE(session_.Diagnosis().find("it was MONITORING_READY"), std::string::npos) << "still";
+}
+
+TEST_F(FriSessionTest, AnArmThatLeftCommandingIsSaidToHave) {
+  ASSERT_EQ(Take(1, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
+  ASSERT_EQ(Take(2, fri::MONITORING_READY), FriAccept::kAccepted);
+  EXPECT_EQ(session_.Diagnosis(),
+            "The arm has left COMMANDING_ACTIVE for MONITORING_READY. The robot program has not asked for "
+            "commanding.");
+}
+
+// A message with such a joint is no silence of the arm's: the loop sees the joint, and nothing else of it.
+TEST_F(FriSessionTest, AJointThatIsNotANumberReachesTheLoopAndIsNotAnswered) {
+  ASSERT_EQ(Take(1, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
+  (void)Answer(state_.q_ipo);
+  fri::FRIMonitoringMessage bad = Monitoring(2, fri::MONITORING_READY);
+  bad.mutable_monitordata()->mutable_measuredjointposition()->set_value(2, std::nan(""));
+  EXPECT_EQ(session_.Accept(Bytes(bad), 77'000, state_), FriAccept::kAccepted);
+  EXPECT_TRUE(std::isnan(state_.q_meas[2]));
+  EXPECT_FALSE(std::isnan(state_.q_meas[1]));
+  EXPECT_EQ(state_.stamp, 77'000);
+  EXPECT_EQ(state_.session, control::SessionState::kCommandingActive) << "of the message before";
+  EXPECT_EQ(state_.rejected, 1u);
+  EXPECT_EQ(session_.last_error(), CodecError::kNotFinite);
+  EXPECT_TRUE(
+      session_.Answer(control::ArmCommand{.q = state_.q_ipo, .activation = state_.activation}).empty());
+  // and the session goes on
+  ASSERT_EQ(Take(3, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
+  EXPECT_EQ(state_.lost, 1u);
+
+  // anything else that is not a number stays a refusal
+  fri::FRIMonitoringMessage torque = Monitoring(4, fri::COMMANDING_ACTIVE);
+  torque.mutable_monitordata()->mutable_measuredtorque()->set_value(2, std::nan(""));
+  EXPECT_EQ(session_.Accept(Bytes(torque), 78'000, state_), FriAccept::kRejected);
+  EXPECT_NE(state_.stamp, 78'000);
 }
 
 }  // namespace

@@ -75,6 +75,27 @@ TEST_F(RsiSessionTest, StateIsTheMessage) {
   EXPECT_EQ(state_.q_meas[6], 0.0);
 }
 
+// RSI's messages do not say their period: it is timed, and another one than configured is told as it is.
+TEST_F(RsiSessionTest, APeriodThatIsNotTheConfiguredOneIsToldAsItComes) {
+  struct Case {
+    int configured_ms, comes_ms;
+    double told_s;
+  };
+  for (const auto& [configured_ms, comes_ms, told_s] :
+       {Case{4, 40, 0.040}, Case{12, 4, 0.004}, Case{4, 12, 0.012}, Case{4, 4, 0.004}, Case{12, 12, 0.012},
+        Case{4, 7, 0.004}, Case{12, 7, 0.012}}) {
+    RsiSession session({.cycle_ms = configured_ms, .settle_messages = 10});
+    rt::Nanoseconds now = rt::kSecond;
+    for (int i = 0; i < 30; ++i) {
+      now += comes_ms * rt::kMillisecond;
+      ASSERT_EQ(session.Accept(test::Bytes(Robot(1000 + 4 * static_cast<std::uint64_t>(i))), now, state_),
+                RsiAccept::kAccepted);
+      const double expected_s = i < 10 ? 1e-3 * configured_ms : told_s;
+      EXPECT_EQ(state_.period_s, expected_s) << configured_ms << " " << comes_ms << ", message " << i;
+    }
+  }
+}
+
 TEST_F(RsiSessionTest, AnswersEachMessageOnceWithItsIpoc) {
   EXPECT_TRUE(std::isnan(Answer(10.0))) << "never speaks first";
   ASSERT_EQ(Take(1000), RsiAccept::kAccepted);

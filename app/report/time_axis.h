@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "control/tick_record.h"
+
+namespace osteon::app {
+
+/// Where the time of a chart begins.
+struct TimeAxis {
+  rt::Nanoseconds zero{0};        ///< the stamp that stands at 0; what came before is negative
+  std::string label{"time [s]"};  ///< below the axis
+  std::string mark{};             ///< written along a vertical line at 0; empty: no line
+
+  /// [s]
+  [[nodiscard]] double At(rt::Nanoseconds stamp) const { return rt::ToSeconds(stamp - zero); }
+  /// [s], of each tick.
+  [[nodiscard]] std::vector<double> Of(std::span<const control::TickRecord> ticks) const {
+    std::vector<double> times_s;
+    times_s.reserve(ticks.size());
+    for (const control::TickRecord& tick : ticks) times_s.push_back(At(tick.stamp));
+    return times_s;
+  }
+};
+
+/// From the first tick on.
+[[nodiscard]] inline TimeAxis FromFirst(std::span<const control::TickRecord> ticks) {
+  return {.zero = ticks.empty() ? 0 : ticks.front().stamp};
+}
+
+}  // namespace osteon::app

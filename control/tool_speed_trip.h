@@ -1,0 +1,15 @@
+#pragma once
+
+#include "control/rt/marker.h"
+#include "control/servo_params.h"
+
+namespace osteon::control {
+
+/// Speed of the apex beyond which Fault::kToolSpeed is latched [m/s]. Of a commanded tool 1.1 times the
+/// limit: a pull-back through the joints may leave the straight line by second order. Of a measured one
+/// (impedance) 1.5 times: there the brake has not held the hand.
+[[nodiscard]] inline double ToolSpeedTrip_m_per_s(const ServoParams& params) OSTEON_RT {
+  return (params.law == Law::kImpedance ? 1.5 : 1.1) * params.twist.max_speed_m_per_s;
+}
+
+}  // namespace osteon::control

@@ -1,0 +1,119 @@
+// An exception inside a run, between the start of its threads and their end: the arm moves, and has to come
+// to rest in order all the same. A whole cell on its real protocols, in this process.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <stdexcept>
+
+#include "app/cell_ports.h"
+#include "app/cell_run.h"
+#include "app/simulated_setup.h"
+#include "hil/plane_engine.h"
+#include "io/recording/recording_reader.h"
+#include "tests/io/temporary_folder.h"
+
+namespace osteon::app {
+namespace {
+
+using control::Phase;
+
+// A machine that is late must not end these runs before the exception does.
+void MakePatient(config::CellConfig& cell) {
+  hil::QualityPolicyParams& quality = cell.simulated.fri.quality;
+  quality.end_after_lost_in_a_row = quality.end_after_lost_per_s = quality.good_max_lost_per_s = 1'000'000;
+  safety::WatchdogParams& most = cell.servo.watchdog;
+  most.arm_misses = 1000;
+  most.sensor_stop_s = most.spindle_stop_s = most.interlock_stop_s = 3.0;
+}
+
+// A plane that throws once it has been asked so often.
+class ThrowingEngine : public simulation::CuttingEngine {
+ public:
+  ThrowingEngine(const config::CellConfig& cell, int throws_at)
+      : plane_(cell.tool.tool, cell.X_WG.translation(), cell.X_WG.linear().col(2), cell.cutting),
+        throws_at_(throws_at) {}
+  simulation::ContactModel Step(const simulation::FrameInput& input) override {
+    if (++steps_ == throws_at_) throw std::runtime_error("the engine's own defect");
+    return plane_.Step(input);
+  }
+  [[nodiscard]] simulation::CarvedState Snapshot() const override { return plane_.Snapshot(); }
+  void Restore(const simulation::CarvedState& state) override { plane_.Restore(state); }
+  [[nodiscard]] std::string name() const override { return plane_.name(); }
+  [[nodiscard]] std::string device() const override { return plane_.device(); }
+
+ private:
+  hil::PlaneEngine plane_;
+  int throws_at_, steps_{0};
+};
+
+struct Ride {
+  CellRunResult result;
+  io::Recording recording;
+  hil::CellHostState cell;
+};
+
+// @param throws_at  frame of the simulation that throws; -1: none
+Ride RideWith(int throws_at, std::function<void(double)> progress) {
+  Ride ride;
+  auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
+  EXPECT_TRUE(setup) << setup.error();
+  EXPECT_TRUE(UseSimulated(setup->config, 0));
+  MakePatient(setup->config);
+  ThrowingEngine engine(setup->config, throws_at);
+  const io::test::TemporaryFolder folder;
+  hil::CellHost host(HostParams(setup->config), MakeSimulatedCell(setup->config, 60.0));
+  const CellRunParams params{
+      .seconds = 30.0, .recording = folder.path() / "r.mcap", .progress = std::move(progress)};
+  auto result = RunCell(*setup, engine, params);
+  EXPECT_TRUE(result) << result.error().what;
+  host.Stop();
+  ride.cell = host.State();
+  auto recording = io::ReadRecording(params.recording);
+  EXPECT_TRUE(recording) << recording.error();
+  if (!result || !recording) return ride;
+  ride.result = std::move(*result);
+  ride.recording = std::move(*recording);
+  return ride;
+}
+
+void ExpectAnOrderlyStop(const Ride& ride) {
+  ASSERT_FALSE(ride.recording.ticks.empty());
+  EXPECT_TRUE(ride.recording.complete);
+  EXPECT_EQ(ride.recording.ticks.back().phase, Phase::kStopped);
+  const auto in = [&](Phase phase) {
+    return std::count_if(ride.recording.ticks.begin(), ride.recording.ticks.end(),
+                         [phase](const control::TickRecord& tick) { return tick.phase == phase; });
+  };
+  EXPECT_GT(in(Phase::kHaptic), 100) << "it had begun";
+  EXPECT_GT(in(Phase::kStopping), 0) << "it braked";
+  EXPECT_GT(in(Phase::kStopped), 100) << "and was recorded at rest";
+  EXPECT_LT(Vector3(ride.cell.arm.cell.v_WT_meas_m_per_s).norm(), 1e-3);
+  EXPECT_LT(ride.recording.ticks.back().tick, 20'000u) << "it did not wait for its seconds";
+}
+
+TEST(ExceptionRun, OneOfTheThreadThatWatchesStopsTheArmInOrder) {
+  int thrown = 0;
+  const Ride ride = RideWith(-1, [&](double rendered_s) {
+    if (rendered_s < 0.5) return;
+    ++thrown;
+    throw std::runtime_error("nobody draws this");
+  });
+  EXPECT_EQ(ride.result.internal_error, "nobody draws this");
+  EXPECT_EQ(thrown, 1) << "who has thrown is not asked again";
+  EXPECT_EQ(ride.result.end, control::RunEnd::kStopFlag);
+  EXPECT_EQ(ride.result.faults.bits(), 0u);
+  ExpectAnOrderlyStop(ride);
+}
+
+TEST(ExceptionRun, OneOfTheSimulationLetsItsModelGrowOldAndStopsTheArm) {
+  const Ride ride = RideWith(700, {});
+  EXPECT_EQ(ride.result.internal_error, "simulation: the engine's own defect");
+  EXPECT_EQ(ride.result.end, control::RunEnd::kFault);
+  EXPECT_TRUE(ride.result.faults.Has(safety::Fault::kModelStale));
+  ExpectAnOrderlyStop(ride);
+}
+
+}  // namespace
+}  // namespace osteon::app
