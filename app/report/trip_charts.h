@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/report/time_axis.h"
+#include "control/ports.h"
 #include "control/servo_params.h"
 #include "control/tick_record.h"
 #include "safety/fault.h"
