@@ -54,9 +54,9 @@ OSTEON_CONST double kTurnWorth_m = OSTEON_DECIMAL(5, 1000000);
 /// Share of the contact tolerance that a turn may use: the rest is for going along whatever holds it.
 OSTEON_CONST double kTurnToleranceShare = OSTEON_DECIMAL(35, 100);
 
-/// Share of what a frame may go (max_slide_m) that its slide may take while the rate law cuts. The rest is the
-/// advance's: a tool that is led across bone fast, in frames that come late, would only slide else, and bone
-/// would stay that its force has the energy to remove.
+/// Share of what a frame may go (max_slide_m) that its slide may take while the rate law cuts. The rest is
+/// the advance's: a tool that is led across bone fast, in frames that come late, would only slide else, and
+/// bone would stay that its force has the energy to remove.
 OSTEON_CONST double kSlideShare = OSTEON_DECIMAL(8, 10);
 
 /// The gap that a pair holds at, where `room` is left between it and what faces it: both yield until the
@@ -101,7 +101,8 @@ OSTEON_FUNCTION bool SlidesTurning(bool stopped, double way, double straight_way
 // the quotients are what the decimal fractions are
 static_assert(kSameTouch_m == 1e-8 && kLargestLensVolume == 0.5e-9 && kLeastBallRadius == 1e-6 &&
               kOnAxis == 1e-3 && kMiddleWorth_m == 0.05e-3 && kFaceCosine == 0.866 && kHoldSlack == 1e-6 &&
-              kMinPivot == 1e-13 && kTurnWorth_m == 5e-6 && kTurnToleranceShare == 0.35 && kSlideShare == 0.8);
+              kMinPivot == 1e-13 && kTurnWorth_m == 5e-6 && kTurnToleranceShare == 0.35 &&
+              kSlideShare == 0.8);
 }  // namespace osteon::simulation
 #endif
 #undef OSTEON_DECIMAL

@@ -98,8 +98,7 @@ void CheckAtMost(const char* what, Value found, std::int64_t most) {
 }  // namespace
 
 double MostSlide(const CuttingParams& params, const FrameInput& input) {
-  const bool advances =
-      params.law == RemovalLaw::kRate && input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
+  const bool advances = params.law == RemovalLaw::kRate && input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
   return params.max_slide_m * (advances ? kSlideShare : 1.0);
 }
 

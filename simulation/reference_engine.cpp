@@ -142,8 +142,8 @@ double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& t
   return first;
 }
 
-ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolPoints& to,
-                                             double tolerance_m, double most_m) const {
+ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m,
+                                             double most_m) const {
   const double longest = LongestWay(from, to);
   const double limit = longest > most_m ? most_m / longest : 1.0;
   const double met = FirstContact(from, to, tolerance_m);

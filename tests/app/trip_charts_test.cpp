@@ -116,7 +116,7 @@ TEST(TripCharts, ShowEachQuantityThatStopsACellWithItsLimit) {
     std::string plain = chart;
     for (std::size_t at = 0; (at = plain.find("'", at)) != std::string::npos;) plain.replace(at, 1, "&#39;");
     for (const std::string& part : {std::string(c.quantity), std::string(c.limit), std::string("−"),
-                                   std::string("time since the stop began [s]"), std::string(">stop<")})
+                                    std::string("time since the stop began [s]"), std::string(">stop<")})
       EXPECT_NE(plain.find(part), std::string::npos) << part;
   }
 }

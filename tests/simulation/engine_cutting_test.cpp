@@ -143,8 +143,8 @@ TEST_P(EngineCutting, WithTheImmediateLawTheToolEndsEveryFrameWhereItWasTold) {
   }
 }
 
-// Led to and fro with 100 mm/s, pressed with the same force: in frames of 6 ms the slide has more to go than a
-// frame may, and yet the energy of the spindle goes into the cut as in frames of 1 ms.
+// Led to and fro with 100 mm/s, pressed with the same force: in frames of 6 ms the slide has more to go than
+// a frame may, and yet the energy of the spindle goes into the cut as in frames of 1 ms.
 TEST_P(EngineCutting, AToolLedAcrossBoneCutsAsMuchInLateFrames) {
   std::vector<double> removed_m3;
   for (const int ms : {1, 6}) {
