@@ -73,7 +73,7 @@ TEST(CellProcess, ARunFindsAKrOverRsiInAnotherProcess) {
     const CommandResult run =
         RunCommand(folder.path(), {"run", "kr_16_thin_plate", "--port", Port(), "--seconds", "2", "--record",
                                    "r.mcap", "--json", "run.json"});
-    const bool saw_active = Says(cell, "COMMANDING_ACTIVE");
+    const bool saw_active = Says(cell, "RSI is answered, the arm follows the corrections");
     cell.Send(SIGTERM);
     EXPECT_EQ(cell.Wait().exit_code, 0);
     EXPECT_NE(run.err.find("osteon run: RSI im_free, axes, 4 ms on 127.0.0.1:" + Port()), std::string::npos)
