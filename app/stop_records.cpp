@@ -23,6 +23,10 @@ constexpr rt::Nanoseconds kBefore = 5 * rt::kSecond, kAfter = rt::kSecond / 2;
 
 bool Moves(Phase phase) { return phase == Phase::kAligning || phase == Phase::kHaptic; }
 bool Ends(Phase phase) { return phase == Phase::kStopping || phase == Phase::kStopped; }
+// A tool that hardly moves is braked within a tick: then the pause is the first tick that is not motion.
+bool IsPaused(const TickRecord& tick) {
+  return tick.cell_state == static_cast<std::uint8_t>(safety::CellState::kPaused);
+}
 // Neither braking nor without control: a stop 0 is over once the arm is measured to stand.
 bool Rests(const TickRecord& tick) {
   return tick.phase != Phase::kStopping &&
@@ -93,7 +97,7 @@ StopRecord StopFrom(std::span<const TickRecord> ticks, std::size_t i) {
                   .end = i,
                   .faults = {},
                   .asked = ticks[i].input.stop,
-                  .paused = ticks[i].input.pause};
+                  .paused = ticks[i].input.pause || IsPaused(ticks[i])};
   while (stop.begin > 0 && ticks[i].stamp - ticks[stop.begin - 1].stamp <= kBefore) --stop.begin;
   while (stop.rest < ticks.size() && !Rests(ticks[stop.rest])) ++stop.rest;
   const rt::Nanoseconds until = ticks[std::min(stop.rest, ticks.size() - 1)].stamp + kAfter;
@@ -134,7 +138,8 @@ std::string EndReason(std::span<const io::RecordedEvent> events) {
 std::vector<StopRecord> FindStops(std::span<const TickRecord> ticks) {
   std::vector<StopRecord> stops;
   for (std::size_t i = 1; i < ticks.size(); ++i)
-    if (Ends(ticks[i].phase) && Moves(ticks[i - 1].phase)) stops.push_back(StopFrom(ticks, i));
+    if (Moves(ticks[i - 1].phase) && (Ends(ticks[i].phase) || IsPaused(ticks[i])))
+      stops.push_back(StopFrom(ticks, i));
   return stops;
 }
 

@@ -37,7 +37,8 @@ inline constexpr const char* kEndEvent = "end: ";
 /// From that event: "4 s of rendering were over"; a text of its own where there is none.
 [[nodiscard]] std::string EndReason(std::span<const io::RecordedEvent> events);
 
-/// Every stop, in their order: where the loop went from moving (aligning, haptic) to stopping or stopped.
+/// Every stop, in their order: where the loop went from moving (aligning, haptic) to stopping, stopped or
+/// paused.
 [[nodiscard]] std::vector<StopRecord> FindStops(std::span<const control::TickRecord> ticks);
 
 /// A stop's page, and what it is called beside its path.

@@ -112,6 +112,21 @@ TEST(StopRecords, APauseIsSaidToBeOne) {
   EXPECT_EQ(FindStops(ticks).at(0).Why(), "a pause was asked for");
 }
 
+// Braked within a tick: no tick is in the phase of stopping.
+TEST(StopRecords, APauseOfAToolThatHardlyMovesIsOneAsWell) {
+  std::vector<TickRecord> ticks;
+  Add(ticks, 100, Phase::kHaptic);
+  Add(ticks, 700, Phase::kWaiting);
+  EXPECT_TRUE(FindStops(ticks).empty());
+  for (std::size_t i = 100; i < ticks.size(); ++i)
+    ticks[i].cell_state = static_cast<std::uint8_t>(safety::CellState::kPaused);
+  const std::vector<StopRecord> stops = FindStops(ticks);
+  ASSERT_EQ(stops.size(), 1u);
+  EXPECT_TRUE(stops[0].IsPause());
+  EXPECT_EQ(stops[0].rest, 100u);
+  EXPECT_EQ(stops[0].end, 601u);
+}
+
 TEST(StopRecords, ARunThatNeverMovedHasNone) {
   std::vector<TickRecord> ticks;
   EXPECT_TRUE(FindStops(ticks).empty());
