@@ -254,6 +254,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
 
   // rates and latencies, from the ticks answered in COMMANDING_ACTIVE
   std::vector<rt::Nanoseconds> stamps;
+  rt::Nanoseconds stopped_at{0};  // the last of them before the arm rests at the end
   std::vector<double> wakeup, compute, frame;
   std::uint64_t rendering = 0, stale = 0, sensor_late = 0;
   for (const control::TickRecord& tick : recording.ticks) {
@@ -273,6 +274,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
     s.least_wrench_share = std::min(s.least_wrench_share, tick.wrench_scale);
     s.least_arm_share = std::min(s.least_arm_share, tick.arm_share);
     stamps.push_back(tick.stamp);
+    if (tick.phase != control::Phase::kStopped) stopped_at = tick.stamp;
     wakeup.push_back(rt::ToSeconds(tick.wakeup_ns));
     compute.push_back(rt::ToSeconds(tick.compute_ns));
   }
@@ -281,7 +283,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
     s.sensor_late_share = static_cast<double>(sensor_late) / static_cast<double>(rendering);
   }
   s.servo_rate_hz = RateOf(stamps);
-  s.seconds = stamps.size() < 2 ? 0.0 : rt::ToSeconds(stamps.back() - stamps.front());
+  s.seconds = stamps.empty() ? 0.0 : std::max(0.0, rt::ToSeconds(stopped_at - stamps.front()));
   std::vector<rt::Nanoseconds> frame_stamps;
   for (const simulation::FrameRecord& record : recording.frames) {
     frame_stamps.push_back(record.stamp);

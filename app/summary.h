@@ -74,7 +74,7 @@ struct RunSummary {
   bool without_plc{false};         ///< the cell has none that would have to permit motion
   rt::RealtimeGrant servo_thread;  ///< wall time: what the system granted it
   std::size_t balls{0}, points{0};
-  double seconds{0.0};  ///< in COMMANDING_ACTIVE
+  double seconds{0.0};  ///< in COMMANDING_ACTIVE, without the rest at the end
   std::uint64_t ticks{0}, frames{0}, dropped{0};
   double servo_rate_hz{0.0};       ///< 1 / median period of the arm's messages in COMMANDING_ACTIVE
   double simulation_rate_hz{0.0};  ///< 1 / median interval between frames
