@@ -202,7 +202,7 @@ TEST(SimulatedCell, WithoutPowerTheDrivesStopAndComeBackWithIt) {
   cell.SetPower(false);
   run(2);
   EXPECT_NE(cell.state().session, SessionState::kCommandingActive);
-  EXPECT_EQ(cell.state().stop.reason, StopReason::kEmergencyStop);
+  EXPECT_EQ(cell.state().stop.reason, StopReason::kPowerOff);
 }
 
 // A session that does not become GOOD within ten seconds closes. Where nobody was there at all, the program
@@ -215,7 +215,7 @@ TEST(SimulatedCell, WaitsForAClientLongerThanASessionDoes) {
   cell.SetPower(false);  // as a PLC that nobody asks has it
   for (int k = 0; k < 25'000; ++k) cell.Step(++now_ms * rt::kMillisecond);
   EXPECT_EQ(cell.state().session, SessionState::kMonitoringWait);
-  EXPECT_EQ(cell.state().stop.reason, StopReason::kEmergencyStop) << "started again, still without power";
+  EXPECT_EQ(cell.state().stop.reason, StopReason::kPowerOff) << "started again, still without power";
   cell.SetPower(true);
   const auto answer = [&](int cycles, int every) {
     for (int k = 0; k < cycles; ++k)
