@@ -82,7 +82,12 @@ std::vector<Case> Cases() {
       {Fault::kJointLimit, "Joint positions", "limit -100 %", [](TickRecord& t) { t.q_cmd[3] = 1.9; }},
       {Fault::kJointLimit, "Joint speeds", "limit 100 %", [](TickRecord& t) { t.q_cmd[3] = 1e-3; }},
       {Fault::kInverseKinematics, "Joint positions", "limit 100 %", [](TickRecord& t) { t.q_cmd[3] = 1.9; }},
-      {Fault::kWorkspace, "Distance to the nearest bound", "limit 0 mm", moved(0.2)},
+      {Fault::kWorkspace, "Distance to the nearest bound", "limit 0 mm",
+       [](TickRecord& t) {
+         Pose X = Pose::Identity();
+         X.translation().z() = -0.2;  // towards the plane
+         t.X_WT_cmd = X;
+       }},
       {Fault::kSensorForce, "Force of the hand", "limit 250 N",
        [](TickRecord& t) { t.F_operator_T_W.f = Vector3(100.0, 0.0, 0.0); }},
       {Fault::kWrenchRate, "in a tick", "limit (1.5 K v_max)", [](TickRecord& t) { t.wrench_step_N = 12.0; }},
