@@ -2,31 +2,18 @@
 
 #include <fmt/format.h>
 
+#include "io/fri/session_name.h"
+
 namespace osteon::app {
 namespace {
 
 using control::SessionState;
+using io::FriName;
 
 // So long nothing comes before it is said what is waited for.
 constexpr double kPatience_s = 1.0;
 
-const char* FriName(SessionState state) {
-  switch (state) {
-    case SessionState::kIdle:
-      return "IDLE";
-    case SessionState::kMonitoringWait:
-      return "MONITORING_WAIT";
-    case SessionState::kMonitoringReady:
-      return "MONITORING_READY";
-    case SessionState::kCommandingWait:
-      return "COMMANDING_WAIT";
-    case SessionState::kCommandingActive:
-      return "COMMANDING_ACTIVE";
-  }
-  return "unknown";
-}
-
-// What hil::RsiArm's states stand for.
+// A state of hil::RsiArm, as what RSI does in it.
 const char* RsiText(SessionState state) {
   switch (state) {
     case SessionState::kIdle:
@@ -91,7 +78,7 @@ std::string CellScreen::SessionLine(const hil::CellHostState& state) const {
   return before + now + (why.empty() ? "" : ": " + why);
 }
 
-// What is missing while nobody answers.
+// The cause of nobody's answering, as far as the arm and the PLC know it.
 std::string CellScreen::Silence(const hil::CellHostState& state, bool comes_back) const {
   const hil::CellState& arm = state.arm.cell;
   std::string text;

@@ -17,7 +17,7 @@ class CellScreen {
  public:
   explicit CellScreen(const config::CellConfig& cell);
 
-  /// What is new since the call before, a line each. @param now_s  since the cell began
+  /// A line for each thing that is new since the call before. @param now_s  since the cell began
   [[nodiscard]] std::vector<std::string> Lines(const hil::CellHostState& state, double now_s);
 
  private:

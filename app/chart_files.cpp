@@ -91,6 +91,8 @@ tl::expected<void, std::string> WriteChart(const ChartFiles& chart, const std::f
       {".svg", &chart.svg}, {".csv", &chart.csv}, {".json", &chart.json}, {".html", &html}};
   for (const auto& [extension, text] : texts)
     if (const auto written = WriteText(path(extension), *text); !written) return written;
+  if (!chart.json_copy.empty())
+    if (const auto written = WriteText(chart.json_copy, chart.json); !written) return written;
   return WritePng(*picture, path(".png"));
 }
 

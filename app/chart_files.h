@@ -35,6 +35,7 @@ struct ChartFiles {
   std::string caption;
   std::string csv;
   std::string json;
+  std::filesystem::path json_copy;              ///< a further copy of the JSON; empty: none
   std::vector<std::vector<std::string>> table;  ///< the first row names the columns; the first column is text
   std::vector<std::string> notes;               ///< paragraphs below the chart
 };

@@ -24,7 +24,7 @@ constexpr const char* kUniform = "ours, all of the bone alike";
 constexpr const char* kBrute = "the same without culling";
 constexpr std::array<std::size_t, 9> kCounts{1'000,   3'000,     10'000,    30'000,    100'000,
                                              300'000, 1'000'000, 3'000'000, 10'000'000};
-constexpr std::size_t kBruteFrames = 60, kLeastFrames = 20;
+constexpr std::size_t kBruteFrames = 60, kMinFrames = 20;
 
 void Say(const std::string& text) { fmt::print(stderr, "osteon chart scaling: {}\n", text); }
 
@@ -60,7 +60,14 @@ class Scaling {
             .progress = {}};
   }
 
-  void Add(const char* series, const simulation::FrameWorkload& work, const FrameTiming& timing) {
+  // Left out where there are too few frames for a median; a signal may have ended it after none at all.
+  // @returns whether it is in
+  bool Add(const char* series, std::size_t count, const simulation::FrameWorkload& work,
+           const FrameTiming& timing) {
+    if (timing.frames < kMinFrames) {
+      LeaveOut(series, count, "it was ended before there were enough frames");
+      return false;
+    }
     result_.device = timing.device;
     result_.tool_spheres = work.cutting_balls;
     result_.points.push_back({.series = series,
@@ -69,10 +76,8 @@ class Scaling {
                               .timing = timing});
     Say(fmt::format("{}: {} spheres: {:.1f} us a frame", series, work.bone.balls.size(),
                     timing.frame_us.p50_us));
+    return true;
   }
-
-  // Enough frames for a median; a signal may have ended it after none at all.
-  static bool Timed(const FrameTiming& timing) { return timing.frames >= kLeastFrames; }
 
   void LeaveOut(const char* series, std::size_t count, const std::string& why) {
     result_.left_out.push_back(fmt::format("{}, {} spheres: {}", series, count, why));
@@ -94,19 +99,14 @@ class Scaling {
     }
     const auto timed = TimeFrames(work, Params("ours", options_.frames), &*seated);
     if (!timed) return tl::unexpected(timed.error());
-    if (!Timed(timed->front())) {
-      LeaveOut(series, count, "it was ended before there were enough frames");
-      return {};
-    }
-    Add(series, work, timed->front());
-    if (uniform) return {};
+    if (!Add(series, count, work, timed->front()) || uniform) return {};
 
     // without culling a frame's time goes with the number: don't begin what will not end
     const double expected_s = brute_us_per_sphere_ * 1e-6 * static_cast<double>(work.bone.balls.size()) *
-                              static_cast<double>(kLeastFrames);
+                              static_cast<double>(kMinFrames);
     if (brute_refused_) return {};
     if (expected_s > options_.most_seconds) {
-      LeaveOut(kBrute, count, fmt::format("{} frames would take {:.0f} s", kLeastFrames, expected_s));
+      LeaveOut(kBrute, count, fmt::format("{} frames would take {:.0f} s", kMinFrames, expected_s));
       return {};
     }
     const auto brute = TimeFrames(work, Params("brute", kBruteFrames), &*seated);
@@ -115,11 +115,7 @@ class Scaling {
       LeaveOut(kBrute, count, brute.error());
       return {};
     }
-    if (!Timed(brute->front())) {
-      LeaveOut(kBrute, count, "it was ended before there were enough frames");
-      return {};
-    }
-    Add(kBrute, work, brute->front());
+    if (!Add(kBrute, count, work, brute->front())) return {};
     brute_us_per_sphere_ = brute->front().frame_us.p50_us / static_cast<double>(work.bone.balls.size());
     return {};
   }
@@ -182,13 +178,11 @@ int Run(const ScalingOptions& options) {
                          .caption = "After figure 4 of Kaluschke et al., IEEE VR 2019.",
                          .csv = Csv(*result),
                          .json = json,
+                         .json_copy = options.json,
                          .table = TableOf(*result),
                          .notes = notes};
   if (const auto written = WriteChart(chart, options.out); !written)
     return Fail("chart scaling", written.error(), kFailed);
-  if (!options.json.empty())
-    if (const auto written = WriteText(options.json, json); !written)
-      return Fail("chart scaling", written.error(), kFailed);
   PrintVerdict(verdict, 28);
   for (const auto& row : chart.table)
     fmt::print("{:<28} {:>12} {:>10} {:>12} {:>12}\n", row[0], row[1], row[4].substr(0, 12), row[5], row[6]);

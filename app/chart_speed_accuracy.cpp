@@ -233,6 +233,7 @@ int Run(const SpeedAccuracyOptions& options) {
                          .caption = fmt::format("{}; {}", result->device, result->machine),
                          .csv = Csv(*result),
                          .json = json,
+                         .json_copy = options.json,
                          .table = TableOf(*result),
                          .notes = notes};
   if (const auto written = WriteChart(chart, options.out); !written)
@@ -240,9 +241,6 @@ int Run(const SpeedAccuracyOptions& options) {
   if (const auto written = WriteText(options.out / "speed_accuracy_depth.svg", DepthOverTimeSvg(*result));
       !written)
     return Fail("chart speed-accuracy", written.error(), kFailed);
-  if (!options.json.empty())
-    if (const auto written = WriteText(options.json, json); !written)
-      return Fail("chart speed-accuracy", written.error(), kFailed);
   PrintVerdict(verdict, 10);
   for (const auto& row : chart.table) fmt::print("{}\n", fmt::join(row, "  "));
   fmt::print("{}\n", (options.out / "speed_accuracy.html").string());

@@ -8,6 +8,7 @@
 
 #include "control/tool_speed_trip.h"
 #include "io/can/drive_fault_text.h"
+#include "io/fri/session_name.h"
 #include "io/modbus/plc_client.h"
 #include "safety/watchdog.h"
 
@@ -56,12 +57,6 @@ std::string Place(const PlainPose& X_WT) {
   return fmt::format("the apex at ({:.1f}, {:.1f}, {:.1f}) mm in W", p_mm.x(), p_mm.y(), p_mm.z());
 }
 
-const char* NameOf(std::uint8_t session_state) {
-  constexpr std::array<const char*, 5> kNames{"IDLE", "MONITORING_WAIT", "MONITORING_READY",
-                                              "COMMANDING_WAIT", "COMMANDING_ACTIVE"};
-  return session_state < kNames.size() ? kNames[session_state] : "unknown";
-}
-
 // "joint A3 measured nan", or empty where all are finite.
 std::string FirstNotFinite(const std::array<double, 7>& values, const char* what) {
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -83,7 +78,7 @@ std::string NotFinite(const TickRecord& tick) {
   return fmt::format("arm and sensor were finite: the contact model of frame {}", tick.model_frame);
 }
 
-// What is accepted, as a text behind what was found; empty where the cell is not known.
+// The accepted value, as a text behind what was found; empty where the cell is not known.
 class Accepted {
  public:
   explicit Accepted(const control::ServoParams* servo) : servo_(servo) {}
@@ -136,7 +131,8 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
       return Place(tick.X_WT_cmd);
     case Fault::kSession:
       return tick.input.safety_state == 0
-                 ? fmt::format("session state {} ({})", tick.session_state, NameOf(tick.session_state))
+                 ? fmt::format("session state {} ({})", tick.session_state,
+                               io::FriName(static_cast<control::SessionState>(tick.session_state)))
                  : fmt::format("safety stop {}", tick.input.safety_state - 1);
     case Fault::kNotFinite:
       return NotFinite(tick);

@@ -1,12 +1,12 @@
 #include "app/pause_events.h"
 
-#include "safety/cell_state.h"
+#include "control/tick_state.h"
 
 namespace osteon::app {
 
 void PauseEvents::Add(const control::TickRecord& tick) {
   if (!start_) start_ = tick.stamp;
-  const bool paused = tick.cell_state == static_cast<std::uint8_t>(safety::CellState::kPaused);
+  const bool paused = control::IsPaused(tick);
   const auto row = [&](const char* name, rt::Nanoseconds at, rt::Nanoseconds lasted) {
     rows_.push_back(
         {.name = name, .time_s = rt::ToSeconds(at - *start_), .value = rt::ToSeconds(lasted), .unit = "s"});

@@ -35,7 +35,7 @@ nlohmann::json GroupJson(const simulation::FrameGroup& group) {
           {"frame_us_p999", group.p999_us}};
 }
 
-// Of the frames that predicted times come from, that another program may interrupt.
+// Share of the frames that predicted times come from, that another program may interrupt.
 constexpr double kSomeInterrupted = 0.2;
 
 struct FrameCounts {

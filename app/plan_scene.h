@@ -17,7 +17,7 @@
 
 namespace osteon::app {
 
-/// What is planned for: a scene, or a mesh in the place of one, and a tool and an arm that work on it.
+/// A scene to plan for, or a mesh in the place of one, and a tool and an arm that work on it.
 struct PlanChoice {
   std::string scene;         ///< YAML file, or a name under scenes/; a mesh file (.stl, .obj, .ply)
   std::string mesh_scene{};  ///< whose place a mesh takes; empty: the acetabulum's

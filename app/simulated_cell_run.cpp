@@ -17,28 +17,13 @@
 #include "app/output.h"
 #include "app/simulated_setup.h"
 #include "app/summary.h"
+#include "io/fri/session_name.h"
 
 namespace osteon::app {
 namespace {
 
 // The arm must not go on without its client for long before it says how it fared: see ToJson's "stop".
 constexpr std::chrono::milliseconds kLook{2};
-
-const char* NameOf(control::SessionState state) {
-  switch (state) {
-    case control::SessionState::kIdle:
-      return "IDLE";
-    case control::SessionState::kMonitoringWait:
-      return "MONITORING_WAIT";
-    case control::SessionState::kMonitoringReady:
-      return "MONITORING_READY";
-    case control::SessionState::kCommandingWait:
-      return "COMMANDING_WAIT";
-    case control::SessionState::kCommandingActive:
-      return "COMMANDING_ACTIVE";
-  }
-  return "unknown";
-}
 
 nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
   return {{"pushed", n.pushed},         {"passed", n.passed},       {"lost", n.lost},
@@ -67,7 +52,7 @@ std::string ToJson(const hil::CellHostState& state) {
   const nlohmann::ordered_json json{
       {"schema", "osteon.cell/1"},
       {"arm",
-       {{"session", NameOf(arm.session)},
+       {{"session", io::FriName(arm.session)},
         {"realtime_priority", state.arm.thread.realtime},
         {"cpu", state.arm.thread.cpu >= 0 ? nlohmann::ordered_json(state.arm.thread.cpu)
                                           : nlohmann::ordered_json(nullptr)},

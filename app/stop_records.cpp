@@ -12,6 +12,7 @@
 #include "app/report/stop_page.h"
 #include "app/run_files.h"
 #include "app/trip_limits.h"
+#include "control/tick_state.h"
 
 namespace osteon::app {
 namespace {
@@ -23,17 +24,10 @@ constexpr rt::Nanoseconds kBefore = 5 * rt::kSecond, kAfter = rt::kSecond / 2;
 
 bool Moves(Phase phase) { return phase == Phase::kAligning || phase == Phase::kHaptic; }
 bool Ends(Phase phase) { return phase == Phase::kStopping || phase == Phase::kStopped; }
-// A tool that hardly moves is braked within a tick: then the pause is the first tick that is not motion.
-bool IsPaused(const TickRecord& tick) {
-  return tick.cell_state == static_cast<std::uint8_t>(safety::CellState::kPaused);
-}
 // Neither braking nor without control: a stop 0 is over once the arm is measured to stand.
 bool Rests(const TickRecord& tick) {
   return tick.phase != Phase::kStopping &&
          tick.cell_state != static_cast<std::uint8_t>(safety::CellState::kStop0);
-}
-bool HasMessage(const TickRecord& tick) {
-  return tick.input.received == static_cast<std::uint8_t>(control::ReceiveResult::kOk);
 }
 
 std::vector<StopFaultRow> FaultRows(const StopRecord& stop, std::span<const TickRecord> ticks,
@@ -55,8 +49,9 @@ std::vector<StopFaultRow> FaultRows(const StopRecord& stop, std::span<const Tick
 std::string RestText(std::span<const TickRecord> all, const StopRecord& stop) {
   const TickRecord& last = all[stop.end - 1];
   if (stop.rest >= stop.end)
-    return HasMessage(last) ? "The recording ends while the arm was not at rest yet."
-                            : "Whether the arm came to rest is not known: it sent no message any more.";
+    return control::HasMessage(last)
+               ? "The recording ends while the arm was not at rest yet."
+               : "Whether the arm came to rest is not known: it sent no message any more.";
   const rt::Nanoseconds rested = last.stamp - all[stop.rest].stamp;
   std::string text =
       fmt::format("The arm was at rest from {:.3f} s on; {:.1f} s of that are shown",
@@ -97,7 +92,7 @@ StopRecord StopFrom(std::span<const TickRecord> ticks, std::size_t i) {
                   .end = i,
                   .faults = {},
                   .asked = ticks[i].input.stop,
-                  .paused = ticks[i].input.pause || IsPaused(ticks[i])};
+                  .paused = ticks[i].input.pause || control::IsPaused(ticks[i])};
   while (stop.begin > 0 && ticks[i].stamp - ticks[stop.begin - 1].stamp <= kBefore) --stop.begin;
   while (stop.rest < ticks.size() && !Rests(ticks[stop.rest])) ++stop.rest;
   const rt::Nanoseconds until = ticks[std::min(stop.rest, ticks.size() - 1)].stamp + kAfter;
@@ -137,8 +132,9 @@ std::string EndReason(std::span<const io::RecordedEvent> events) {
 
 std::vector<StopRecord> FindStops(std::span<const TickRecord> ticks) {
   std::vector<StopRecord> stops;
+  // a tool that hardly moves is braked within a tick: then the pause is the first tick that is not motion
   for (std::size_t i = 1; i < ticks.size(); ++i)
-    if (Moves(ticks[i - 1].phase) && (Ends(ticks[i].phase) || IsPaused(ticks[i])))
+    if (Moves(ticks[i - 1].phase) && (Ends(ticks[i].phase) || control::IsPaused(ticks[i])))
       stops.push_back(StopFrom(ticks, i));
   return stops;
 }

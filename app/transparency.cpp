@@ -336,6 +336,7 @@ int RunTransparency(const TransparencyOptions& options) {
                   "lag) and as damping in contact (stiffness times lag).",
        .csv = ToCsv(result),
        .json = json,
+       .json_copy = options.json,
        .table = Table(result),
        .notes = {fmt::format("Simulated arm as the cell has it. Mass and drag are fitted up to {:g} Hz; the "
                              "residual is the rms of |Z - asked| / |asked| there, worst of x y z: {:.1f} %.",
@@ -343,9 +344,6 @@ int RunTransparency(const TransparencyOptions& options) {
                  options.command_line}},
       options.out);
   if (!written) return Fail("transparency", written.error(), kFailed);
-  if (!options.json.empty())
-    if (const auto copy = WriteText(options.json, json); !copy)
-      return Fail("transparency", copy.error(), kFailed);
   Print(result);
   return verdict.level == VerdictLevel::kBad ? kFailed : 0;
 }

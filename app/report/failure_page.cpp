@@ -37,7 +37,7 @@ std::string Sentence(std::string text) {
 }
 std::string Value(double value, const std::string& unit) { return Escape(ShortValue(value, unit)); }
 
-/// What the chart shows, without its unit: not every chart shows the metric.
+/// The chart's quantity, without its unit: not every chart shows the metric.
 std::string Plotted(const FailureResult& result) {
   if (result.plot.bound_is_on_y) return result.metric;
   return result.plot.y_label.substr(0, result.plot.y_label.find(" ["));

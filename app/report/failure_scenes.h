@@ -6,7 +6,7 @@
 
 #include "app/report/scene_sketch.h"
 
-// What happens in a scenario of hil/failures, as a sketch: the baseline on the left, ours on the right.
+// A scenario of hil/failures as a sketch of what happens: the baseline on the left, ours on the right.
 //
 //     baseline                      ours
 //       ○ frame n                     ○ proxy

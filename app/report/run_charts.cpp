@@ -10,7 +10,7 @@
 
 #include "app/report/svg_plot.h"
 #include "control/ports.h"
-#include "safety/cell_state.h"
+#include "control/tick_state.h"
 
 namespace osteon::app {
 namespace {
@@ -19,23 +19,20 @@ using control::Phase;
 using control::TickRecord;
 using simulation::FrameRecord;
 
-bool IsPaused(const TickRecord& tick) {
-  return tick.cell_state == static_cast<std::uint8_t>(safety::CellState::kPaused);
-}
-
 /// Names the parts of the run in which the loop did not render.
 std::vector<NamedSpan> PhaseSpans(std::span<const TickRecord> ticks, const TimeAxis& time) {
   std::vector<NamedSpan> spans;
   for (std::size_t i = 0; i < ticks.size();) {
     std::size_t end = i;
     while (end < ticks.size() && ticks[end].phase == ticks[i].phase &&
-           IsPaused(ticks[end]) == IsPaused(ticks[i]))
+           control::IsPaused(ticks[end]) == control::IsPaused(ticks[i]))
       ++end;
     const double from_s = time.At(ticks[i].stamp);
     const double to_s = time.At(ticks[std::min(end, ticks.size() - 1)].stamp);
     switch (ticks[i].phase) {
       case Phase::kWaiting:
-        spans.push_back({from_s, to_s, IsPaused(ticks[i]) ? "paused" : "waiting for the arm", "#e6eef5"});
+        spans.push_back(
+            {from_s, to_s, control::IsPaused(ticks[i]) ? "paused" : "waiting for the arm", "#e6eef5"});
         break;
       case Phase::kHaptic:
         break;
@@ -65,10 +62,7 @@ std::string LatencyHistogram(std::string title, std::vector<double> values) {
 }
 
 /// Without a message of the arm nothing is computed, and nothing sent: its zeros are no force.
-bool Computed(const TickRecord& tick) {
-  return tick.phase == Phase::kWaiting ||
-         tick.input.received == static_cast<std::uint8_t>(control::ReceiveResult::kOk);
-}
+bool Computed(const TickRecord& tick) { return tick.phase == Phase::kWaiting || control::HasMessage(tick); }
 
 std::vector<LimitLine> Mark(const TimeAxis& time) {
   return time.mark.empty() ? std::vector<LimitLine>{} : std::vector<LimitLine>{{0.0, time.mark}};
@@ -168,8 +162,8 @@ std::string MotionChart(std::span<const TickRecord> ticks, double speed_limit_m_
   Series age{.name = "", .x = t_s, .y = {}, .color = "#009e73", .width_px = 1.1};
   for (const TickRecord& tick : ticks) {
     speed.y.push_back(1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm());
-    const bool answered = tick.input.received == static_cast<std::uint8_t>(control::ReceiveResult::kOk);
-    depth.y.push_back(answered ? 1e3 * tick.tool_in_bone_m : std::numeric_limits<double>::quiet_NaN());
+    depth.y.push_back(control::HasMessage(tick) ? 1e3 * tick.tool_in_bone_m
+                                                : std::numeric_limits<double>::quiet_NaN());
     // before the first frame there is no model to be old
     age.y.push_back(tick.model_frame == 0 ? std::numeric_limits<double>::quiet_NaN()
                                           : 1e3 * tick.model_age_s);

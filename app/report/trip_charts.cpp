@@ -12,6 +12,7 @@
 #include "app/report/svg_plot.h"
 #include "control/arm_follower.h"
 #include "control/ports.h"
+#include "control/tick_state.h"
 #include "control/tool_speed_trip.h"
 #include "safety/limits.h"
 #include "safety/watchdog.h"
@@ -65,6 +66,7 @@ class Panels {
     return Svg(panels_);
   }
 
+  [[nodiscard]] std::size_t size() const { return ticks_.size(); }
   [[nodiscard]] const TickRecord& operator[](std::size_t i) const { return ticks_[i]; }
   /// The tick before; the first has none and is its own.
   [[nodiscard]] const TickRecord& Before(std::size_t i) const { return ticks_[i == 0 ? 0 : i - 1]; }
@@ -82,10 +84,6 @@ LimitLine Limit(double value, const char* unit) {
 
 // [ms]; nothing where there is none yet.
 double Age_ms(double age_s) { return age_s < safety::kNoAge_s ? 1e3 * age_s : kNothing; }
-
-bool Answered(const TickRecord& tick) {
-  return tick.input.received == static_cast<std::uint8_t>(control::ReceiveResult::kOk);
-}
 
 void AddAges(Fault fault, const TripLimits& limits, Panels& panels) {
   const safety::WatchdogParams& most = limits.servo.watchdog;
@@ -190,14 +188,16 @@ void AddJointLimits(const TripLimits& limits, Panels& panels) {
       },
       panels);
   if (!limits.gravity_Nm || !limits.servo.arm_body) return;
+  std::vector<control::JointArray> gravity_Nm;  // once a tick, for all joints
+  for (std::size_t i = 0; i < panels.size(); ++i) gravity_Nm.push_back(limits.gravity_Nm(panels[i].q_cmd));
   AddJoints(
       "Joint torques from outside, as they would be a message later: of what gravity leaves", false,
       limits.servo,
       [&](std::size_t i, std::size_t joint) {
         const double tau_Nm = panels[i].input.tau_ext[joint],
                      before_Nm = panels.Before(i).input.tau_ext[joint];
-        const double room_Nm = limits.servo.arm_body->joints[joint].limits.torque_Nm -
-                               std::abs(limits.gravity_Nm(panels[i].q_cmd)[joint]);
+        const double room_Nm =
+            limits.servo.arm_body->joints[joint].limits.torque_Nm - std::abs(gravity_Nm[i][joint]);
         return room_Nm > 0.0 ? 100.0 * (std::abs(tau_Nm) + std::abs(tau_Nm - before_Nm)) / room_Nm : kNothing;
       },
       panels);
@@ -269,7 +269,7 @@ void AddForces(Fault fault, const control::ServoParams& servo, Panels& panels) {
   if (fault == Fault::kToolInBone)
     panels.One("Commanded tool beyond its collision-free pose", "in bone [mm]",
                Limit(1e3 * servo.on_force_limit.max_tool_in_bone_m, "mm"), [&](std::size_t i) {
-                 return Answered(panels[i]) ? 1e3 * panels[i].tool_in_bone_m : kNothing;
+                 return control::HasMessage(panels[i]) ? 1e3 * panels[i].tool_in_bone_m : kNothing;
                });
   if (fault == Fault::kSensorFault) {
     panels.Begin("The force sensor trusts its reading: 1 yes, 0 no", "", {{1.0, "needed"}});

@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <array>
 #include <string>
 
 #include "io/fri/fri_session.h"
+#include "io/fri/session_name.h"
 
 // What FriSession::Diagnosis says. Apart from the tick: it makes text.
 
@@ -25,12 +25,6 @@ const char* Name(ControlMode mode) {
       break;
   }
   return "no control";
-}
-
-const char* Name(SessionState state) {
-  constexpr std::array<const char*, 5> kNames{"IDLE", "MONITORING_WAIT", "MONITORING_READY",
-                                              "COMMANDING_WAIT", "COMMANDING_ACTIVE"};
-  return kNames[static_cast<std::size_t>(state)];
 }
 
 }  // namespace
@@ -63,12 +57,12 @@ std::string FriSession::Diagnosis() const {
   if (last_.session == SessionState::kIdle) {
     say("The arm's session is IDLE" +
         (session_before_ == SessionState::kIdle ? std::string()
-                                                : std::string(", it was ") + Name(session_before_)) +
+                                                : std::string(", it was ") + FriName(session_before_)) +
         ": its program has ended it, or was cancelled; start the program again.");
     return text;
   }
   if (session_before_ >= SessionState::kCommandingWait && last_.session < SessionState::kCommandingWait)
-    say(std::string("The arm has left ") + Name(session_before_) + " for " + Name(last_.session) + ".");
+    say(std::string("The arm has left ") + FriName(session_before_) + " for " + FriName(last_.session) + ".");
   if (last_.session < SessionState::kCommandingWait && last_.quality < FriQuality::kGood)
     say("The connection is " + std::string(last_.quality == FriQuality::kPoor ? "POOR" : "FAIR") +
         ", commanding needs GOOD: answers are missing or late.");

@@ -27,11 +27,11 @@ void ForgoChecksums(std::string& bytes) {
 }
 
 // Four bytes of a zstd frame may hold 128 KiB of one byte, no more.
-constexpr std::size_t kMostPacked = 32768;
+constexpr std::size_t kMaxPacked = 32768;
 
 void ClaimAccepted(const io::Recording& recording, std::size_t size) {
   Claim(recording.read_bytes <= size, "no more is read than there is");
-  Claim(recording.ticks.size() + recording.frames.size() + recording.events.size() <= kMostPacked * size,
+  Claim(recording.ticks.size() + recording.frames.size() + recording.events.size() <= kMaxPacked * size,
         "a message takes a byte of what the file unpacks to, and more");
   for (const control::TickRecord& tick : recording.ticks)
     Claim(tick.session_state <= 4, "a session's state exists");
@@ -55,7 +55,7 @@ void ClaimRecovers(const std::filesystem::path& path, const std::filesystem::pat
   Claim(again->ticks.size() == recovery->ticks && again->frames.size() == recovery->frames &&
             again->events.size() == recovery->events,
         "and has the messages that were counted");
-  Claim(recovery->messages <= kMostPacked * size, "a message takes a byte of what the file unpacks to");
+  Claim(recovery->messages <= kMaxPacked * size, "a message takes a byte of what the file unpacks to");
 }
 
 }  // namespace
