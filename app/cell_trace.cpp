@@ -1,5 +1,6 @@
 #include "app/cell_trace.h"
 
+#include <algorithm>
 #include <charconv>
 #include <iterator>
 #include <string_view>
@@ -8,6 +9,8 @@
 
 namespace osteon::app {
 namespace {
+
+constexpr double kRest_m_per_s = 0.002, kRest_rad_per_s = 0.02;
 
 constexpr const char* kHeader =
     "stamp_ns,session,apex_x_m,apex_y_m,apex_z_m,speed_m_per_s,turn_rad_per_s,hand_N";
@@ -23,6 +26,18 @@ bool Take(std::string_view& row, Number& number) {
 }
 
 }  // namespace
+
+bool Moves(const CellCycle& cycle) {
+  return cycle.speed_m_per_s > kRest_m_per_s || cycle.turn_rad_per_s > kRest_rad_per_s;
+}
+
+rt::Nanoseconds RestedFor(const std::vector<CellCycle>& cycles, rt::Nanoseconds since) {
+  if (cycles.empty()) return 0;
+  for (auto cycle = cycles.rbegin(); cycle != cycles.rend() && cycle->stamp > since; ++cycle)
+    if (Moves(*cycle) || cycle->session == control::SessionState::kCommandingActive)
+      return cycles.back().stamp - cycle->stamp;
+  return std::max<rt::Nanoseconds>(0, cycles.back().stamp - since);
+}
 
 tl::expected<std::unique_ptr<CellTraceWriter>, std::string> CellTraceWriter::Open(
     const std::filesystem::path& file) {

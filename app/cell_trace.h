@@ -23,6 +23,13 @@ struct CellCycle {
   double hand_N{0.0};  ///< what the hand exerts
 };
 
+/// Whether the tool moves faster than an arm at rest may: 2 mm/s, 0.02 rad/s.
+[[nodiscard]] bool Moves(const CellCycle& cycle);
+
+/// How long the arm has been at rest at the end of `cycles`, counted from `since` at the earliest. An arm
+/// that is commanded (COMMANDING_ACTIVE) is not at rest, however slow it is: what stops it is still to come.
+[[nodiscard]] rt::Nanoseconds RestedFor(const std::vector<CellCycle>& cycles, rt::Nanoseconds since);
+
 /// Writes each cycle of a simulated arm into a CSV file, while it runs.
 class CellTraceWriter {
  public:

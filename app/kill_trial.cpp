@@ -32,8 +32,8 @@ constexpr seconds kReady{60}, kContact{120}, kRest{10}, kEnd{30};  // generous: 
 // Full contact: the hand's whole push meets a tool that hardly moves, for so long.
 constexpr double kFullShare = 0.97, kPressedIn_m_per_s = 0.01;
 constexpr rt::Nanoseconds kFullFor = 100 * rt::kMillisecond;
-// Rest: slower than this. It is watched for so long, in which the PLC misses the heartbeats (0.25 s).
-constexpr double kRest_m_per_s = 0.002, kRest_rad_per_s = 0.02;
+constexpr double kRest_m_per_s = 0.002;  // of a commanded tool
+// The rest is watched for so long, in which the PLC misses the heartbeats (0.25 s).
 constexpr rt::Nanoseconds kRestFor = 800 * rt::kMillisecond;
 constexpr double kStands_rad_per_s = 0.5;  // of the spindle
 
@@ -182,22 +182,10 @@ class Trial {
     return false;
   }
 
-  static bool Moves(const CellCycle& cycle) {
-    return cycle.speed_m_per_s > kRest_m_per_s || cycle.turn_rad_per_s > kRest_rad_per_s;
-  }
-
-  // How long it has rested since the kill; an arm that is commanded still does not rest.
+  // How long it has rested since the kill.
   rt::Nanoseconds RestsFor() {
     trace_.Look();
-    const auto& cycles = trace_.cycles();
-    if (cycles.empty() || cycles.back().session == control::SessionState::kCommandingActive) return 0;
-    rt::Nanoseconds since = killed_;
-    for (auto cycle = cycles.rbegin(); cycle != cycles.rend() && cycle->stamp > killed_; ++cycle)
-      if (Moves(*cycle)) {
-        since = cycle->stamp;
-        break;
-      }
-    return cycles.back().stamp - since;
+    return RestedFor(trace_.cycles(), killed_);
   }
 
   void TakeArm(KillResult& result) {

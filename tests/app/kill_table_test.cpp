@@ -73,6 +73,30 @@ TEST(KillTable, TellsADeathFromAnotherFaultThatCameFirst) {
       << "what is wrong stays wrong";
 }
 
+// A tool that presses on bone hardly moves while its arm is still commanded: the stop comes afterwards.
+TEST(CellTrace, AnArmThatIsCommandedDoesNotRestHoweverSlowItIs) {
+  const auto cycle = [](int ms, control::SessionState session, double speed_m_per_s) {
+    CellCycle cycle;
+    cycle.stamp = ms * rt::kMillisecond;
+    cycle.session = session;
+    cycle.speed_m_per_s = speed_m_per_s;
+    return cycle;
+  };
+  using enum control::SessionState;
+  constexpr rt::Nanoseconds since = 100 * rt::kMillisecond;
+  std::vector<CellCycle> cycles;
+  EXPECT_EQ(RestedFor(cycles, since), 0);
+  for (int ms = 0; ms < 2300; ++ms) cycles.push_back(cycle(ms, kCommandingActive, 0.0));
+  EXPECT_EQ(RestedFor(cycles, since), 0);
+  cycles.push_back(cycle(2300, kMonitoringReady, 0.0));
+  EXPECT_EQ(RestedFor(cycles, since), rt::kMillisecond) << "not since the kill";
+  for (int ms = 2301; ms < 2500; ++ms) cycles.push_back(cycle(ms, kMonitoringReady, 0.003));
+  EXPECT_EQ(RestedFor(cycles, since), 0);
+  for (int ms = 2500; ms < 3400; ++ms) cycles.push_back(cycle(ms, kMonitoringReady, 0.001));
+  EXPECT_EQ(RestedFor(cycles, since), 900 * rt::kMillisecond);
+  EXPECT_EQ(RestedFor(cycles, 3000 * rt::kMillisecond), 399 * rt::kMillisecond);
+}
+
 // What one process writes another reads while it grows: every cycle once, none by halves.
 TEST(CellTrace, IsReadWhileItIsWritten) {
   const io::test::TemporaryFolder folder;
