@@ -104,7 +104,8 @@ std::string WidthSvg(const TuneResult& r) {
       {&r.human, fmt::format("grips up to {:g} N/m", r.task.human_grip_N_per_m)},
       {&r.stiffest, fmt::format("up to {:g} N/m", r.task.stiffest_grip_N_per_m)}};
   for (std::size_t k = 0; k < std::size(groups); ++k) {
-    const auto& [boundaries, name] = groups[k];
+    const auto* boundaries = groups[k].first;
+    const auto& name = groups[k].second;
     const std::string color = kPalette[k];
     const auto curve = [&](double TuneBoundary::*what, const std::string& shown, Marker marker) {
       chart.series.push_back(Curve(*boundaries, what, 1e-3, shown, color, marker, r.most_wall_N_per_m));

@@ -299,8 +299,10 @@ void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string
     change(other);
     return is_possible(other);
   };
-  for (const auto& [pose, section] :
+  for (const auto& place :
        {std::pair{&CellConfig::X_WB, "base_in_world"}, {&CellConfig::X_WG, "bone_in_world"}}) {
+    const auto pose = place.first;
+    const char* section = place.second;
     const Vector3 p = (cell.*pose).translation() / kMillimetre_m;
     if (LooksLikeMetres(cell.*pose) &&
         possible_with([&](CellConfig& other) { (other.*pose).translation() *= 1e3; }))
