@@ -176,7 +176,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL OnLoaderError(VkDebugUtilsMessageSeverityFlagBits
 
 /// Makes the instance; where that fails, what the loader has said of each manifest and library goes along.
 void Open(SharedInstance& made, vk::InstanceCreateInfo create, std::vector<const char*> extensions) {
-  std::string said;
+  std::string& said = made.loader_errors;
   vk::DebugUtilsMessengerCreateInfoEXT listen({}, vk::DebugUtilsMessageSeverityFlagBitsEXT::eError,
                                               vk::DebugUtilsMessageTypeFlagBitsEXT::eGeneral, OnLoaderError,
                                               &said);

@@ -22,6 +22,7 @@ namespace osteon::gpu {
 struct SharedInstance {
   vk::raii::Context loader;
   std::atomic<int> messages{0};  ///< of the validation layers, about all devices; they go to stderr
+  std::string loader_errors;  ///< that the loader reported while the instance was made; outlives the instance
   std::optional<vk::raii::Instance> instance;
   std::optional<vk::raii::DebugUtilsMessengerEXT> messenger;  ///< where the layers are there
 };
