@@ -341,7 +341,8 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
                                 .devices = (*devices)->counters(),
                                 .plc = (*devices)->plc(),
                                 .plc_counters = {},
-                                .tool_speed_rad_per_s = (*devices)->tool_speed_rad_per_s()});
+                                .tool_speed_rad_per_s = (*devices)->tool_speed_rad_per_s()},
+             setup.config.link);
   return result;
 }
 

@@ -13,8 +13,9 @@ using io::FriName;
 // So long nothing comes before it is said what is waited for.
 constexpr double kPatience_s = 1.0;
 
-// A state of hil::RsiArm, as what RSI does in it.
-const char* RsiText(SessionState state) {
+}  // namespace
+
+const char* RsiStateText(SessionState state) {
   switch (state) {
     case SessionState::kIdle:
       return "RSI is off";
@@ -28,8 +29,6 @@ const char* RsiText(SessionState state) {
   }
   return "unknown";
 }
-
-}  // namespace
 
 CellScreen::CellScreen(const config::CellConfig& cell)
     : rsi_(cell.link.rsi() != nullptr),
@@ -69,7 +68,7 @@ std::vector<std::string> CellScreen::Lines(const hil::CellHostState& state, doub
 // MONITORING_WAIT: 5 answers in a row lost, …".
 std::string CellScreen::SessionLine(const hil::CellHostState& state) const {
   const hil::CellState& arm = state.arm.cell;
-  const std::string now = rsi_ ? RsiText(arm.session) : FriName(arm.session);
+  const std::string now = rsi_ ? RsiStateText(arm.session) : FriName(arm.session);
   if (arm.session > session_) return now;
   std::string why = hil::DescribeStop(arm);
   if (why == hil::kNoPower && has_plc_)

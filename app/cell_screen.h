@@ -8,6 +8,9 @@
 
 namespace osteon::app {
 
+/// What RSI does in a state of hil::RsiArm: "RSI is on, no answer yet".
+[[nodiscard]] const char* RsiStateText(control::SessionState state);
+
 /// What `osteon cell` says while it runs, beyond where its wires are: each new state of the arm's session and
 /// why the last one was left, and, once a second has passed in which nothing came, what it waits for: an arm
 /// controller that answers, a PLC master.

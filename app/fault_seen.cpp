@@ -93,6 +93,16 @@ class Accepted {
   const control::ServoParams* servo_;
 };
 
+// Messages from the arm's wire that no state was made of, as a text behind what was found.
+std::string Rejected(const TickRecord& tick) {
+  return tick.input.rejected == 0
+             ? std::string()
+             : fmt::format(
+                   "; {} messages of this run were refused (damaged, a value that is not finite, another "
+                   "sender or version)",
+                   tick.input.rejected);
+}
+
 }  // namespace
 
 const TickRecord* FirstWith(safety::Fault fault, std::span<const TickRecord> ticks) {
@@ -107,10 +117,10 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
   const Accepted accepted(servo);
   switch (fault) {
     case Fault::kArmStale:
-      return servo == nullptr
-                 ? ""
-                 : fmt::format("the last is {}; {} deadlines in a row",
-                               Age(tick, tick.input.arm_stamp, "not there yet"), servo->watchdog.arm_misses);
+      return servo == nullptr ? ""
+                              : fmt::format("the last is {}; {} deadlines in a row{}",
+                                            Age(tick, tick.input.arm_stamp, "not there yet"),
+                                            servo->watchdog.arm_misses, Rejected(tick));
     case Fault::kModelStale:
       return "the model is " + Age(tick.model_age_s, "not there yet") +
              accepted([](const Servo& p) { return 1e3 * p.watchdog.model_stop_s; });

@@ -35,7 +35,7 @@ nlohmann::json GroupJson(const simulation::FrameGroup& group) {
           {"frame_us_p999", group.p999_us}};
 }
 
-// Share of the frames that predicted times come from, that another program may interrupt.
+// Share of the frames that predicted times come from, in which a thread may wait for a processor.
 constexpr double kSomeInterrupted = 0.2;
 
 struct FrameCounts {
@@ -74,7 +74,9 @@ Verdict Judge(const FidelityPlan& plan, const std::optional<PlanCheck>& check) {
   if (static_cast<double>(interrupted) > kSomeInterrupted * static_cast<double>(frames))
     verdict.Add(
         VerdictLevel::kLook,
-        fmt::format("other programs interrupted {} of the {} frames that the predicted times come from",
+        fmt::format("in {} of the {} frames that the predicted times come from, a thread waited for a "
+                    "processor: other programs ran, or a software driver has more threads than there are "
+                    "processors",
                     interrupted, frames));
   return verdict;
 }

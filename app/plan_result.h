@@ -11,7 +11,7 @@
 namespace osteon::app {
 
 /// Bad where a check measured something else than was promised; to be looked at where error or rate were
-/// given up, or where other programs interrupted the frames that the predicted times come from.
+/// given up, or where threads waited for a processor in frames that the predicted times come from.
 [[nodiscard]] Verdict Judge(const FidelityPlan& plan, const std::optional<PlanCheck>& check);
 
 /// What `osteon plan --json` writes: schema osteon.plan/1; the verdict is not in it.

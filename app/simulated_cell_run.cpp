@@ -46,13 +46,15 @@ void PrintWires(const config::CellConfig& cell) {
 
 }  // namespace
 
-std::string ToJson(const hil::CellHostState& state) {
+std::string ToJson(const hil::CellHostState& state, const config::ArmLinkConfig& link) {
   const hil::CellState& arm = state.arm.cell;
   const hil::FriCounters& c = arm.counters;
   const nlohmann::ordered_json json{
       {"schema", "osteon.cell/1"},
       {"arm",
        {{"session", io::FriName(arm.session)},
+        {"rsi",
+         link.rsi() ? nlohmann::ordered_json(RsiStateText(arm.session)) : nlohmann::ordered_json(nullptr)},
         {"realtime_priority", state.arm.thread.realtime},
         {"cpu", state.arm.thread.cpu >= 0 ? nlohmann::ordered_json(state.arm.thread.cpu)
                                           : nlohmann::ordered_json(nullptr)},
@@ -137,7 +139,7 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
       return 1;
     }
   if (options.json.empty()) return 0;
-  if (const auto written = WriteText(options.json, ToJson(state)); !written) {
+  if (const auto written = WriteText(options.json, ToJson(state, cell.link)); !written) {
     fmt::print(stderr, "osteon cell: {}\n", written.error());
     return 1;
   }

@@ -26,7 +26,8 @@ struct SimulatedCellOptions {
 /// something was wrong with the input, or a port is taken.
 [[nodiscard]] int RunSimulatedCell(const SimulatedCellOptions& options);
 
-/// One JSON object, schema osteon.cell/1.
-[[nodiscard]] std::string ToJson(const hil::CellHostState& state);
+/// One JSON object, schema osteon.cell/1. Of an arm on RSI `arm.rsi` says in words what `arm.session` is
+/// there; of one on FRI it is null.
+[[nodiscard]] std::string ToJson(const hil::CellHostState& state, const config::ArmLinkConfig& link);
 
 }  // namespace osteon::app

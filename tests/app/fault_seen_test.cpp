@@ -102,6 +102,11 @@ TEST(FaultSeen, SaysWhatIsAcceptedWhereTheCellIsKnown) {
   EXPECT_EQ(SeenAt(Fault::kPeriod, tick, &servo), "40 ms, accepted 4");
   tick.input.arm_stamp = rt::kSecond - 25 * rt::kMillisecond;
   EXPECT_EQ(SeenAt(Fault::kArmStale, tick, &servo), "the last is 25 ms old; 5 deadlines in a row");
+  tick.input.rejected = 7;
+  EXPECT_EQ(
+      SeenAt(Fault::kArmStale, tick, &servo),
+      "the last is 25 ms old; 5 deadlines in a row; 7 messages of this run were refused (damaged, a value "
+      "that is not finite, another sender or version)");
   servo.on_force_limit.max_tool_in_bone_m = 0.004;
   tick.tool_in_bone_m = 0.0042;
   EXPECT_EQ(SeenAt(Fault::kToolInBone, tick, &servo), "4.2 mm, accepted 4");

@@ -36,6 +36,7 @@ TEST(RsiRun, TheShippedCellDrillsThroughItsPlateWithoutAFault) {
   EXPECT_GT(run.summary.peak_force_N, 20.0);
   EXPECT_LE(run.summary.peak_force_N, run.summary.force_limit_N);
   EXPECT_EQ(run.cell["arm"]["session"], "COMMANDING_ACTIVE");
+  EXPECT_EQ(run.cell["arm"]["rsi"], "RSI is answered, the arm follows the corrections");
   EXPECT_EQ(run.cell["arm"]["stop"], "") << "the im_free layout can not ask for the end";
   EXPECT_EQ(run.summary.arm_stop, "");
   EXPECT_EQ(run.cell["arm"]["delay"], 0);
