@@ -30,11 +30,15 @@ constexpr double kPressing_N = 20.0;  // along the tool: what is less says littl
 
 // How much of the axial force a run's tool asked for across its axis: the greatest ratio while it pressed.
 tl::expected<double, std::string> LateralRatio(const std::filesystem::path& file) {
-  const auto recording = io::ReadRecording(file);
-  if (!recording) return tl::unexpected(recording.error());
+  auto stream = io::RecordingStream::Open(file);
+  if (!stream) return tl::unexpected(stream.error());
   double ratio = -1.0;
-  for (const control::TickRecord& tick : recording->ticks) {
-    const Vector3 f = tick.F_coupling_T_W.f, feed = Pose(tick.X_WT_cmd).linear().col(2);
+  for (;;) {
+    const auto topic = stream->Next();
+    if (!topic) return tl::unexpected(topic.error());
+    if (*topic == io::RecordedTopic::kOther) break;
+    if (*topic != io::RecordedTopic::kTick) continue;
+    const Vector3 f = stream->tick.F_coupling_T_W.f, feed = Pose(stream->tick.X_WT_cmd).linear().col(2);
     const double axial_N = std::abs(f.dot(feed));
     if (axial_N >= kPressing_N) ratio = std::max(ratio, (f - f.dot(feed) * feed).norm() / axial_N);
   }

@@ -13,6 +13,7 @@
 #include "app/output.h"
 #include "app/phase_progress.h"
 #include "app/recorded_motion.h"
+#include "app/run_accumulator.h"
 #include "app/run_files.h"
 #include "app/run_progress.h"
 #include "app/setup_warnings.h"
@@ -46,7 +47,7 @@ std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
 
 // The tool's motion into a file that can be played again; an empty string, or what is wrong.
 std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const RunSummary& summary,
-                       const io::Recording& recording) {
+                       const std::filesystem::path& recording) {
   const auto motion =
       RecordedMotion(recording, setup.X_WG,
                      {.made_by = "osteon " OSTEON_VERSION
@@ -61,6 +62,66 @@ std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const
   if (!motion) return motion.error();
   const auto written = WriteText(options.save_motion, simulation::MotionText(*motion));
   return written ? std::string() : written.error();
+}
+
+ReportInput ReportOf(const DemoOptions& options, const CellSetup& setup, const CellRunResult& result,
+                     const RunAccumulator& run, const RunSummary& summary) {
+  return {
+      .title = "Osteon demo: " + summary.scene,
+      .subtitle = summary.engine + " on " + summary.device + (options.virtual_time ? ", virtual time" : ""),
+      .verdict = summary.verdict.ForReport(),
+      .summary = Rows(summary),
+      .run = run.curves,
+      .X_GP = run.path.X_GP(),
+      .bone = result.rezoned.empty() ? setup.bone : result.rezoned.back().bone,
+      .after = result.after,
+      .tool = setup.config.tool.tool,
+      .solid = setup.solid.get(),
+      .force_limit_N = summary.force_limit_N,
+      .tool_speed_limit_m_per_s = setup.config.servo.twist.max_speed_m_per_s,
+      .max_tool_in_bone_m = setup.config.servo.on_force_limit.max_tool_in_bone_m,
+      .faults = summary.faults,
+      .config_text = setup.config_text,
+      .command_line = options.command_line,
+      .version = OSTEON_VERSION};
+}
+
+// Everything that is shown comes from the recording. @returns the exit code
+int TellResult(const DemoOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
+               const CellRunParams& params, const CellRunResult& result) {
+  PhaseProgress measuring("osteon demo", 3, false);
+  measuring.Begin("read the recording");
+  StopPages stops({.folder = options.out,
+                   .stem = params.recording.stem().string(),
+                   .cell = setup.config});
+  auto run = ReadRun(params.recording, setup, stops);
+  std::string wrong = WhyNotRecorded(result, run ? "" : run.error());
+  if (!run) run = RunAccumulator(setup);  // what the run itself counted is told all the same
+  measuring.Begin("measure the cut");
+  RunSummary summary = Summarise(setup, engine, params, result, *run);
+  measuring.Begin("draw the report");
+  const std::filesystem::path page = options.out / "report.html";
+  if (const auto figures = WriteReport(ReportOf(options, setup, result, *run, summary), page))
+    summary.section = *figures;
+  else
+    AddReason(wrong, figures.error());
+  measuring.Done();
+  if (auto pages = stops.Finish())
+    summary.stops = std::move(*pages);
+  else
+    AddReason(wrong, pages.error());
+
+  const std::string json = ToJson(summary, "osteon.demo/1");
+  for (const std::filesystem::path& file : {options.out / "summary.json", options.json}) {
+    if (file.empty()) continue;
+    if (const auto written = WriteText(file, json); !written) AddReason(wrong, written.error());
+  }
+  if (!options.save_motion.empty()) AddReason(wrong, SaveMotion(options, setup, summary, params.recording));
+  PrintTable(summary, "Osteon demo");
+  fmt::print("  {:<30} {}\n", "Report", page.string());
+  if (!result.internal_error.empty())
+    return Fail("demo", "internal error: " + result.internal_error, kInternalError);
+  return wrong.empty() ? ExitCode(result) : Fail("demo", wrong, kFailed);
 }
 
 }  // namespace
@@ -131,56 +192,7 @@ int RunDemo(const DemoOptions& options) {
   progress.Done();
   if (!result) return Fail("demo", result.error().what, result.error().begun ? kFailed : kBadInput);
 
-  // everything that is shown comes from the recording
-  auto recording = io::ReadRecording(params.recording);
-  std::string wrong = WhyNotRecorded(*result, recording ? "" : recording.error());
-  if (!recording) recording = io::Recording{};  // what the run itself counted is told all the same
-  PhaseProgress measuring("osteon demo", 2, false);
-  measuring.Begin("measure the cut");
-  RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
-  measuring.Begin("draw the report");
-  const ReportInput report{
-      .title = "Osteon demo: " + summary.scene,
-      .subtitle = summary.engine + " on " + summary.device + (options.virtual_time ? ", virtual time" : ""),
-      .verdict = summary.verdict.ForReport(),
-      .summary = Rows(summary),
-      .ticks = recording->ticks,
-      .frames = recording->frames,
-      .bone = result->rezoned.empty() ? setup->bone : result->rezoned.back().bone,
-      .after = result->after,
-      .tool = setup->config.tool.tool,
-      .solid = setup->solid.get(),
-      .X_WG = setup->X_WG,
-      .force_limit_N = summary.force_limit_N,
-      .tool_speed_limit_m_per_s = setup->config.servo.twist.max_speed_m_per_s,
-      .max_tool_in_bone_m = setup->config.servo.on_force_limit.max_tool_in_bone_m,
-      .faults = summary.faults,
-      .config_text = setup->config_text,
-      .command_line = options.command_line,
-      .version = OSTEON_VERSION};
-  const std::filesystem::path page = options.out / "report.html";
-  if (const auto figures = WriteReport(report, page))
-    summary.section = *figures;
-  else
-    AddReason(wrong, figures.error());
-  measuring.Done();
-
-  if (auto stops = WriteStops(*recording, setup->config, options.out, params.recording.stem().string()))
-    summary.stops = std::move(*stops);
-  else
-    AddReason(wrong, stops.error());
-
-  const std::string json = ToJson(summary, "osteon.demo/1");
-  for (const std::filesystem::path& file : {options.out / "summary.json", options.json}) {
-    if (file.empty()) continue;
-    if (const auto written = WriteText(file, json); !written) AddReason(wrong, written.error());
-  }
-  if (!options.save_motion.empty()) AddReason(wrong, SaveMotion(options, *setup, summary, *recording));
-  PrintTable(summary, "Osteon demo");
-  fmt::print("  {:<30} {}\n", "Report", page.string());
-  if (!result->internal_error.empty())
-    return Fail("demo", "internal error: " + result->internal_error, kInternalError);
-  return wrong.empty() ? ExitCode(*result) : Fail("demo", wrong, kFailed);
+  return TellResult(options, *setup, **engine, params, *result);
 }
 
 }  // namespace osteon::app

@@ -121,26 +121,25 @@ std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& p, bool 
   return limits;
 }
 
-std::vector<ActedLimit> ActedLimits(const std::vector<control::TickRecord>& ticks, double period_s) {
-  safety::LimitCounts counts;
-  std::array<double, safety::kLimitCount> first_s{};
-  for (const control::TickRecord& tick : ticks) {
-    const safety::LimitSet acting(tick.limits);
-    for (std::size_t i = 0; i < safety::kLimitCount; ++i) {
-      const auto limit = static_cast<safety::Limit>(i);
-      if (acting.Has(limit) && counts.Of(limit).ticks == 0)
-        first_s[i] = rt::ToSeconds(tick.stamp - ticks.front().stamp);
-    }
-    counts.Count(acting);
+void ActedLimits::Add(const control::TickRecord& tick) {
+  if (!start_) start_ = tick.stamp;
+  const safety::LimitSet acting(tick.limits);
+  for (std::size_t i = 0; i < safety::kLimitCount; ++i) {
+    const auto limit = static_cast<safety::Limit>(i);
+    if (acting.Has(limit) && counts_.Of(limit).ticks == 0) first_s_[i] = rt::ToSeconds(tick.stamp - *start_);
   }
+  counts_.Count(acting);
+}
+
+std::vector<ActedLimit> ActedLimits::Rows(double period_s) const {
   std::vector<ActedLimit> acted;
   for (std::size_t i = 0; i < safety::kLimitCount; ++i) {
-    const safety::LimitCount& count = counts.Of(static_cast<safety::Limit>(i));
+    const safety::LimitCount& count = counts_.Of(static_cast<safety::Limit>(i));
     if (count.ticks == 0) continue;
     acted.push_back({.name = std::string(safety::kLimitNames[i]),
                      .ticks = count.ticks,
                      .events = count.events,
-                     .first_s = first_s[i],
+                     .first_s = first_s_[i],
                      .longest_s = period_s * static_cast<double>(count.longest)});
   }
   return acted;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,7 @@
 
 #include "control/servo_params.h"
 #include "control/tick_record.h"
+#include "safety/acting_limits.h"
 
 namespace osteon::app {
 
@@ -34,9 +37,18 @@ struct ActedLimit {
   double longest_s{0.0};  ///< of one event
 };
 
-/// Those that acted, in the order of their numbers. @param period_s of a tick
-[[nodiscard]] std::vector<ActedLimit> ActedLimits(const std::vector<control::TickRecord>& ticks,
-                                                  double period_s);
+/// Which limits acted in a run, gathered tick by tick.
+class ActedLimits {
+ public:
+  void Add(const control::TickRecord& tick);
+  /// Those that acted, in the order of their numbers. @param period_s  of a tick
+  [[nodiscard]] std::vector<ActedLimit> Rows(double period_s) const;
+
+ private:
+  safety::LimitCounts counts_;
+  std::array<double, safety::kLimitCount> first_s_{};
+  std::optional<rt::Nanoseconds> start_;  // the first tick's stamp
+};
 
 /// {effective: [{name, value, unit, from}], acted: [{name, ticks, events, first_s, longest_s}]}; a value that
 /// is infinite is null.

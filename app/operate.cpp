@@ -14,6 +14,7 @@
 #include "app/interrupt.h"
 #include "app/output.h"
 #include "app/phase_progress.h"
+#include "app/run_accumulator.h"
 #include "app/run_files.h"
 #include "app/run_progress.h"
 #include "app/setup_warnings.h"
@@ -59,6 +60,33 @@ std::string MakeRoom(const OperateOptions& options) {
   std::vector<std::filesystem::path> pages = FilesOfRun(options.record);
   std::erase(pages, options.record);
   return RemoveFiles(pages);
+}
+
+// What is shown comes from the recording. @returns the exit code
+int TellResult(const OperateOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
+               const CellRunParams& params, const CellRunResult& result) {
+  PhaseProgress measuring("osteon run", 2, false);
+  measuring.Begin("read the recording");
+  StopPages stops({.folder = options.record.parent_path(),
+                   .stem = options.record.stem().string(),
+                   .cell = setup.config});
+  auto run = ReadRun(params.recording, setup, stops);
+  std::string wrong = WhyNotRecorded(result, run ? "" : run.error());
+  if (!run) run = RunAccumulator(setup);  // what the run itself counted is told all the same
+  measuring.Begin("measure the cut");
+  RunSummary summary = Summarise(setup, engine, params, result, *run);
+  measuring.Done();
+  if (auto pages = stops.Finish())
+    summary.stops = std::move(*pages);
+  else
+    AddReason(wrong, pages.error());
+  if (!options.json.empty())
+    if (const auto written = WriteText(options.json, ToJson(summary, "osteon.run/1")); !written)
+      AddReason(wrong, written.error());
+  PrintTable(summary, "Osteon run");
+  if (!result.internal_error.empty())
+    return Fail("run", "internal error: " + result.internal_error, kInternalError);
+  return wrong.empty() ? ExitCode(result) : Fail("run", wrong, kFailed);
 }
 
 }  // namespace
@@ -127,25 +155,7 @@ int RunOperate(const OperateOptions& asked) {
   progress.Done();
   if (!result) return Fail("run", result.error().what, result.error().begun ? kFailed : kBadInput);
 
-  auto recording = io::ReadRecording(params.recording);
-  std::string wrong = WhyNotRecorded(*result, recording ? "" : recording.error());
-  if (!recording) recording = io::Recording{};  // what the run itself counted is told all the same
-  PhaseProgress measuring("osteon run", 1, false);
-  measuring.Begin("measure the cut");
-  RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
-  measuring.Done();
-  if (auto stops =
-          WriteStops(*recording, setup->config, options.record.parent_path(), options.record.stem().string()))
-    summary.stops = std::move(*stops);
-  else
-    AddReason(wrong, stops.error());
-  if (!options.json.empty())
-    if (const auto written = WriteText(options.json, ToJson(summary, "osteon.run/1")); !written)
-      AddReason(wrong, written.error());
-  PrintTable(summary, "Osteon run");
-  if (!result->internal_error.empty())
-    return Fail("run", "internal error: " + result->internal_error, kInternalError);
-  return wrong.empty() ? ExitCode(*result) : Fail("run", wrong, kFailed);
+  return TellResult(options, *setup, **engine, params, *result);
 }
 
 }  // namespace osteon::app

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "app/summary.h"
+#include "app/event_row.h"
 #include "control/tick_record.h"
 
 namespace osteon::app {

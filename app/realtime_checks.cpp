@@ -162,8 +162,8 @@ bool Serves(const DurationFigures& late, double period_s) {
 DurationFigures TimerLatency(double seconds, bool& realtime,
                              const std::function<void(double at_s)>& progress) {
   const auto wakeups = static_cast<std::size_t>(std::max(1.0, std::round(seconds * 1e3)));
-  std::vector<double> late;
-  late.reserve(wakeups);
+  std::vector<rt::Nanoseconds> late;
+  late.reserve(wakeups);  // the sleeper counts nothing: a counter allocates
   std::atomic<bool> done{false};
   std::thread sleeper([&] {
     realtime = rt::SetUpRealtimeThread({.priority = realtime ? 80 : 0, .keep_cpus_awake = true}).realtime;
@@ -172,7 +172,7 @@ DurationFigures TimerLatency(double seconds, bool& realtime,
       due += rt::kMillisecond;
       rt::SleepUntil(due);
       const rt::Nanoseconds woken = rt::MonotonicNow();
-      late.push_back(rt::ToSeconds(woken - due));
+      late.push_back(woken - due);
       due = std::max(due, woken - rt::kMillisecond);  // one stall is one late wake-up, not a burst of them
     }
     done.store(true);
@@ -183,7 +183,9 @@ DurationFigures TimerLatency(double seconds, bool& realtime,
     if (progress) progress(std::min(seconds, rt::ToSeconds(rt::MonotonicNow() - begun)));
   }
   sleeper.join();
-  return Quantiles(std::move(late));
+  DurationCounts counts;
+  for (const rt::Nanoseconds each : late) counts.Add(each);
+  return Quantiles(counts);
 }
 
 void ExamineRealtime(std::vector<Check>& checks, double seconds,

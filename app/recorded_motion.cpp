@@ -1,25 +1,35 @@
 #include "app/recorded_motion.h"
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "app/report/duration_counts.h"
+#include "io/recording/recording_reader.h"
+
 namespace osteon::app {
 
-tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const io::Recording& recording,
+tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const std::filesystem::path& recording,
                                                                  const Pose& X_WG,
                                                                  simulation::MotionOrigin origin) {
+  auto stream = io::RecordingStream::Open(recording);
+  if (!stream) return tl::make_unexpected(stream.error());
   const Pose X_GW = X_WG.inverse();
   std::vector<simulation::MotionSample> samples;
-  std::vector<double> steps_s;
+  DurationCounts steps;
   rt::Nanoseconds start = 0, last = 0;
-  for (const control::TickRecord& tick : recording.ticks) {
-    if (tick.phase != control::Phase::kHaptic && tick.phase != control::Phase::kStopping) continue;
+  for (;;) {
+    const auto topic = stream->Next();
+    if (!topic) return tl::make_unexpected(topic.error());
+    if (*topic == io::RecordedTopic::kOther) break;
+    const control::TickRecord& tick = stream->tick;
+    if (*topic != io::RecordedTopic::kTick ||
+        (tick.phase != control::Phase::kHaptic && tick.phase != control::Phase::kStopping))
+      continue;
     if (samples.empty()) start = tick.stamp;
     if (!samples.empty() && tick.stamp <= last) continue;  // a wall clock's tick without a message of its own
-    if (!samples.empty()) steps_s.push_back(rt::ToSeconds(tick.stamp - last));
+    if (!samples.empty()) steps.Add(tick.stamp - last);
     last = tick.stamp;
     const Pose X_GT = X_GW * Pose(tick.X_WT_cmd);
     samples.push_back({.time_s = rt::ToSeconds(tick.stamp - start),
@@ -30,9 +40,7 @@ tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const io::Recor
   if (samples.size() < 2)
     return tl::make_unexpected(
         fmt::format("motion: found {} ticks that rendered, accepted at least 2", samples.size()));
-  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::nth_element(steps_s.begin(), middle, steps_s.end());
-
+  const double step_s = rt::ToSeconds(steps.At(steps.count() / 2));
   simulation::FittedMotion fitted = simulation::FitMotion(samples);
   if (fitted.samples.size() > simulation::kMostMotionRows)
     return tl::make_unexpected(
@@ -41,7 +49,7 @@ tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const io::Recor
   origin.error =
       fmt::format("{:.2f} um and {:.2f} urad at most, between {} samples and the {} recorded at {:.0f} Hz",
                   fitted.position_error_m * 1e6, fitted.rotation_error_rad * 1e6, fitted.samples.size(),
-                  samples.size(), 1.0 / *middle);
+                  samples.size(), 1.0 / step_s);
   return simulation::ToolMotion{.origin = std::move(origin), .samples = std::move(fitted.samples)};
 }
 

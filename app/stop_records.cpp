@@ -1,7 +1,7 @@
 #include "app/stop_records.h"
 
-#include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -30,11 +30,10 @@ bool Rests(const TickRecord& tick) {
          tick.cell_state != static_cast<std::uint8_t>(safety::CellState::kStop0);
 }
 
-std::vector<StopFaultRow> FaultRows(const StopRecord& stop, std::span<const TickRecord> ticks,
-                                    const control::ServoParams& servo) {
+std::vector<StopFaultRow> FaultRows(const StopRecord& stop, const control::ServoParams& servo) {
   std::vector<StopFaultRow> rows;
   ForEachFault(stop.faults, [&](safety::Fault fault, const safety::FaultText& text) {
-    const TickRecord* first = FirstWith(fault, ticks);
+    const TickRecord* first = FirstWith(fault, stop.ticks);
     const std::string seen = first ? SeenAt(fault, *first, &servo) : "";
     rows.push_back({.fault = fault,
                     .name = text.name,
@@ -46,65 +45,45 @@ std::vector<StopFaultRow> FaultRows(const StopRecord& stop, std::span<const Tick
 }
 
 // So long of it was recorded at rest, or why less than half a second was.
-std::string RestText(std::span<const TickRecord> all, const StopRecord& stop) {
-  const TickRecord& last = all[stop.end - 1];
-  if (stop.rest >= stop.end)
-    return control::HasMessage(last)
-               ? "The recording ends while the arm was not at rest yet."
-               : "Whether the arm came to rest is not known: it sent no message any more.";
-  const rt::Nanoseconds rested = last.stamp - all[stop.rest].stamp;
+std::string RestText(const StopRecord& stop) {
+  const TickRecord& last = stop.ticks.back();
+  if (stop.rest >= stop.ticks.size()) {
+    if (!control::HasMessage(last))
+      return "Whether the arm came to rest is not known: it sent no message any more.";
+    return stop.cut_off ? "The recording ends while the arm was not at rest yet."
+                        : "The arm did not come to rest in this time.";
+  }
+  const TickRecord& rest = stop.ticks[stop.rest];
+  const rt::Nanoseconds rested = last.stamp - rest.stamp;
   std::string text =
       fmt::format("The arm was at rest from {:.3f} s on; {:.1f} s of that are shown",
-                  rt::ToSeconds(all[stop.rest].stamp - all[stop.stop].stamp), rt::ToSeconds(rested));
+                  rt::ToSeconds(rest.stamp - stop.ticks[stop.stop].stamp), rt::ToSeconds(rested));
   if (rested < kAfter - rt::kSecond / 50)
-    text += stop.end < all.size() ? ": then it moved again" : ": there the recording ends";
+    text += stop.cut_off ? ": there the recording ends" : ": then it moved again";
   return text + ".";
 }
 
-StopPageInput PageOf(const io::Recording& recording, const StopRecord& stop, std::size_t number,
-                     const TripLimits& limits) {
-  const std::span<const TickRecord> all(recording.ticks);
-  const std::span<const TickRecord> ticks = all.subspan(stop.begin, stop.end - stop.begin);
-  const TickRecord& at = all[stop.stop];
-  const bool orderly = stop.asked && !stop.faults.Any();
-  const std::string why = orderly ? EndReason(recording.events) : stop.Why();
+// @param end_reason  of the run
+StopPageInput PageOf(const StopRecord& stop, std::size_t number, const std::string& end_reason,
+                     double force_limit_N, const TripLimits& limits) {
+  const TickRecord& at = stop.ticks[stop.stop];
+  const std::string why = stop.IsOrderly() ? end_reason : stop.Why();
   return {
-      .title = orderly ? fmt::format("How the run ended: {}", why)
-                       : fmt::format("{} no. {}: {}", stop.IsPause() ? "Pause, stop" : "Stop", number, why),
+      .title = stop.IsOrderly()
+                   ? fmt::format("How the run ended: {}", why)
+                   : fmt::format("{} no. {}: {}", stop.IsPause() ? "Pause, stop" : "Stop", number, why),
       .heading = stop.Heading(),
       .where = fmt::format("0 s is the tick at which the stop began: {:.3f} s into the recording, tick {}. "
                            "Shown are {:.1f} s before it and {:.1f} s after. {}",
-                           rt::ToSeconds(at.stamp - all.front().stamp), at.tick,
-                           rt::ToSeconds(at.stamp - ticks.front().stamp),
-                           rt::ToSeconds(ticks.back().stamp - at.stamp), RestText(all, stop)),
+                           rt::ToSeconds(at.stamp - stop.first_stamp), at.tick,
+                           rt::ToSeconds(at.stamp - stop.ticks.front().stamp),
+                           rt::ToSeconds(stop.ticks.back().stamp - at.stamp), RestText(stop)),
       .no_fault_text = stop.asked || stop.paused ? fmt::format("No fault: {}.", why) : "No fault.",
-      .faults = FaultRows(stop, ticks, limits.servo),
-      .ticks = ticks,
+      .faults = FaultRows(stop, limits.servo),
+      .ticks = stop.ticks,
       .time = {.zero = at.stamp, .label = "time since the stop began [s]", .mark = "stop"},
-      .force_limit_N = recording.session.force_limit_N,
+      .force_limit_N = force_limit_N,
       .limits = limits};
-}
-
-StopRecord StopFrom(std::span<const TickRecord> ticks, std::size_t i) {
-  StopRecord stop{.begin = i,
-                  .stop = i,
-                  .rest = i,
-                  .end = i,
-                  .faults = {},
-                  .asked = ticks[i].input.stop,
-                  .paused = ticks[i].input.pause || control::IsPaused(ticks[i])};
-  while (stop.begin > 0 && ticks[i].stamp - ticks[stop.begin - 1].stamp <= kBefore) --stop.begin;
-  while (stop.rest < ticks.size() && !Rests(ticks[stop.rest])) ++stop.rest;
-  const rt::Nanoseconds until = ticks[std::min(stop.rest, ticks.size() - 1)].stamp + kAfter;
-  std::uint32_t bits = 0;
-  while (stop.end < ticks.size() && !Moves(ticks[stop.end].phase) && ticks[stop.end].stamp <= until) {
-    if (Ends(ticks[stop.end].phase)) bits |= ticks[stop.end].faults;
-    ++stop.end;
-  }
-  ForEachFault([&](safety::Fault fault, const safety::FaultText&) {
-    if ((bits & static_cast<std::uint32_t>(fault)) != 0) stop.faults.Latch(fault);
-  });
-  return stop;
 }
 
 }  // namespace
@@ -121,46 +100,95 @@ std::string StopRecord::Why() const {
 
 const char* StopRecord::Heading() const {
   if (IsPause()) return "How the pause began";
-  return asked && !faults.Any() ? "How the run ended" : "What led to the stop";
+  return IsOrderly() ? "How the run ended" : "What led to the stop";
 }
 
-std::string EndReason(std::span<const io::RecordedEvent> events) {
-  for (auto event = events.rbegin(); event != events.rend(); ++event)
-    if (event->text.starts_with(kEndEvent)) return event->text.substr(std::string_view(kEndEvent).size());
-  return "a stop was asked for";
-}
-
-std::vector<StopRecord> FindStops(std::span<const TickRecord> ticks) {
-  std::vector<StopRecord> stops;
+std::optional<StopRecord> StopFinder::Add(const TickRecord& tick) {
+  std::optional<StopRecord> ended;
+  if (stop_ && !AppendToStop(tick)) ended = std::exchange(stop_, std::nullopt);
+  if (!first_stamp_) first_stamp_ = tick.stamp;
   // a tool that hardly moves is braked within a tick: then the pause is the first tick that is not motion
-  for (std::size_t i = 1; i < ticks.size(); ++i)
-    if (Moves(ticks[i - 1].phase) && (Ends(ticks[i].phase) || control::IsPaused(ticks[i])))
-      stops.push_back(StopFrom(ticks, i));
-  return stops;
+  const bool begins =
+      !last_.empty() && Moves(last_.back().phase) && (Ends(tick.phase) || control::IsPaused(tick));
+  last_.push_back(tick);
+  while (tick.stamp - last_.front().stamp > kBefore || last_.size() > kMaxTicks) last_.pop_front();
+  if (begins) {
+    const std::size_t before = last_.size() - 1;
+    stop_ = StopRecord{.ticks = {last_.begin(), last_.end() - 1},
+                       .stop = before,
+                       .rest = before,
+                       .first_stamp = *first_stamp_,
+                       .faults = {},
+                       .asked = tick.input.stop,
+                       .paused = tick.input.pause || control::IsPaused(tick)};
+    until_.reset();
+    AppendToStop(tick);
+  }
+  return ended;
 }
 
-tl::expected<std::vector<WrittenStop>, std::string> WriteStops(const io::Recording& recording,
-                                                               const config::CellConfig& cell,
-                                                               const std::filesystem::path& folder,
-                                                               const std::string& stem) {
-  const std::vector<StopRecord> stops = FindStops(recording.ticks);
-  const TripLimits limits = TripLimitsOf(cell, recording.session.stamp == 0);
-  std::vector<WrittenStop> written;
-  for (std::size_t n = 1; n <= stops.size(); ++n) {
-    const StopRecord& stop = stops[n - 1];
-    const std::span<const TickRecord> ticks(recording.ticks);
-    const std::filesystem::path table = StopTable(folder, stem, n);
-    if (auto done =
-            ExportTicks(ticks.subspan(stop.begin, stop.end - stop.begin), recording.session.stamp, table);
-        !done)
-      return tl::make_unexpected(done.error());
-    StopPageInput page = PageOf(recording, stop, n, limits);
-    page.where += " Every tick is in " + table.filename().string() + ".";
-    if (auto done = WritePage(MakeStopPage(page), StopPage(folder, stem, n)); !done)
-      return tl::make_unexpected(done.error());
-    written.push_back({.page = StopPage(folder, stem, n), .heading = stop.Heading()});
+// False where the tick is no part of the stop under way.
+bool StopFinder::AppendToStop(const TickRecord& tick) {
+  if (Moves(tick.phase) || (until_ && tick.stamp > *until_)) return false;
+  if (stop_->ticks.size() - stop_->stop >= kMaxTicks) return false;
+  stop_->ticks.push_back(tick);
+  if (!until_) {
+    if (Rests(tick))
+      until_ = tick.stamp + kAfter;
+    else
+      stop_->rest = stop_->ticks.size();
   }
-  return written;
+  if (!Ends(tick.phase)) return true;
+  ForEachFault([&](safety::Fault fault, const safety::FaultText&) {
+    if ((tick.faults & static_cast<std::uint32_t>(fault)) != 0) stop_->faults.Latch(fault);
+  });
+  return true;
+}
+
+std::optional<StopRecord> StopFinder::Finish() {
+  if (stop_) stop_->cut_off = true;
+  return std::exchange(stop_, std::nullopt);
+}
+
+void StopPages::Add(const io::SessionInfo& session, const TickRecord& tick) {
+  force_limit_N_ = session.force_limit_N;
+  session_stamp_ = session.stamp;
+  Take(finder_.Add(tick));
+}
+
+void StopPages::Add(const io::RecordedEvent& event) {
+  if (event.text.starts_with(kEndEvent)) end_reason_ = event.text.substr(std::string_view(kEndEvent).size());
+}
+
+tl::expected<std::vector<WrittenStop>, std::string> StopPages::Finish() {
+  Take(finder_.Finish());
+  if (orderly_) Write(*std::exchange(orderly_, std::nullopt));
+  if (!error_.empty()) return tl::make_unexpected(error_);
+  return written_;
+}
+
+void StopPages::Take(std::optional<StopRecord> stop) {
+  if (!stop) return;
+  if (orderly_) Write(*std::exchange(orderly_, std::nullopt));
+  if (stop->IsOrderly())
+    orderly_ = std::move(stop);
+  else
+    Write(*stop);
+}
+
+void StopPages::Write(const StopRecord& stop) {
+  if (!error_.empty()) return;
+  const std::size_t number = written_.size() + 1;
+  const std::filesystem::path table = StopTable(params_.folder, params_.stem, number);
+  const std::filesystem::path file = StopPage(params_.folder, params_.stem, number);
+  const TripLimits limits = TripLimitsOf(params_.cell, session_stamp_ == 0);
+  StopPageInput page = PageOf(stop, number, end_reason_, force_limit_N_, limits);
+  page.where += " Every tick is in " + table.filename().string() + ".";
+  if (auto done = ExportTicks(stop.ticks, session_stamp_, table); !done)
+    error_ = done.error();
+  else if (auto shown = WritePage(MakeStopPage(page), file); !shown)
+    error_ = shown.error();
+  written_.push_back({.page = file, .heading = stop.Heading()});
 }
 
 }  // namespace osteon::app

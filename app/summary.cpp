@@ -11,67 +11,52 @@
 #include "app/fault_seen.h"
 #include "app/interrupt.h"
 #include "app/json_text.h"
-#include "app/pause_events.h"
 #include "app/setup_warnings.h"
 #include "hil/fri_stop.h"
-#include "io/can/drive_fault_text.h"
 #include "simulation/files/output_file.h"
 #include "simulation/metrics/cut_metrics.h"
-#include "simulation/tools/swept_tool.h"
 
 namespace osteon::app {
 namespace {
 
 constexpr double kSweepCell_m = 0.4e-3, kSweepCellsARadius = 25.0;  // of the grid that counts the sweep
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double RateOf(const std::vector<rt::Nanoseconds>& stamps) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(rt::ToSeconds(stamps[i] - stamps[i - 1]));
-  const double step_s = Median(std::move(steps));
+// 1 / the median.
+double RateOf(const DurationCounts& steps) {
+  const double step_s = steps.count() > 0 ? rt::ToSeconds(steps.At(steps.count() / 2)) : 0.0;
   return step_s > 0.0 ? 1.0 / step_s : 0.0;
 }
 
 // When each fault first showed, from the ticks.
-std::vector<FaultRow> FaultRows(safety::FaultSet faults, const io::Recording& recording,
+std::vector<FaultRow> FaultRows(safety::FaultSet faults, const RunAccumulator& run,
                                 const control::ServoParams& servo) {
   std::vector<FaultRow> rows;
   ForEachFault(faults, [&](safety::Fault fault, const safety::FaultText& text) {
-    const control::TickRecord* first = FirstWith(fault, recording.ticks);
     FaultRow& row =
         rows.emplace_back(FaultRow{.name = text.name, .time_s = std::nan(""), .reaction = text.reaction});
-    if (!first) return;
-    row.time_s = rt::ToSeconds(first->stamp - recording.ticks.front().stamp);
-    row.seen = SeenAt(fault, *first, &servo);
+    const auto first = run.first_with.find(fault);
+    if (first == run.first_with.end()) return;
+    row.time_s = rt::ToSeconds(first->second.stamp - *run.curves.first_tick);
+    row.seen = SeenAt(fault, first->second, &servo);
   });
   return rows;
 }
 
 std::vector<EventRow> EventRows(const std::vector<simulation::SceneEvent>& events,
-                                const io::Recording& recording) {
+                                const std::vector<EventRow>& pauses, rt::Nanoseconds start) {
   std::vector<EventRow> rows;
-  const rt::Nanoseconds start = recording.ticks.empty() ? 0 : recording.ticks.front().stamp;
   for (const simulation::SceneEvent& event : events)
     rows.push_back({.name = event.name,
                     .time_s = rt::ToSeconds(event.stamp - start),
                     .value = 1e3 * event.value,  // all are lengths
                     .unit = "mm"});
-  PauseEvents pauses;
-  for (const control::TickRecord& tick : recording.ticks) pauses.Add(tick);
-  rows.insert(rows.end(), pauses.rows().begin(), pauses.rows().end());
+  rows.insert(rows.end(), pauses.begin(), pauses.end());
   std::ranges::stable_sort(rows, {}, &EventRow::time_s);
   return rows;
 }
 
-std::vector<RezonedRow> RezonedRows(const std::vector<Rezoned>& rezoned, const io::Recording& recording) {
+std::vector<RezonedRow> RezonedRows(const std::vector<Rezoned>& rezoned, rt::Nanoseconds start) {
   std::vector<RezonedRow> rows;
-  const rt::Nanoseconds start = recording.ticks.empty() ? 0 : recording.ticks.front().stamp;
   for (const Rezoned& change : rezoned)
     rows.push_back({.time_s = rt::ToSeconds(change.stamp - start),
                     .balls = change.bone.balls.size(),
@@ -79,6 +64,56 @@ std::vector<RezonedRow> RezonedRows(const std::vector<Rezoned>& rezoned, const i
                     .seen_us = change.seen_us,
                     .text = RezonedText(change)});
   return rows;
+}
+
+// What the ticks and frames say.
+void SummariseRecording(const RunAccumulator& run, bool timed, RunSummary& s) {
+  const ActiveTicks& active = run.active;
+  s.ticks = run.ticks;
+  s.frames = run.frames;
+  s.cut_ticks = active.cut;
+  s.arm_cut_ticks = active.arm_cut;
+  s.least_wrench_share = active.min_wrench_share;
+  s.least_arm_share = active.min_arm_share;
+  s.age_governor_ticks = active.age_governor;
+  s.passivity_ticks = active.passivity;
+  s.tank_ticks = active.tank;
+  s.most_age_damping = active.max_age_damping;
+  s.least_age_share = active.min_age_share;
+  if (active.rendering > 0) {
+    s.stale_share = static_cast<double>(active.stale) / static_cast<double>(active.rendering);
+    s.sensor_late_share = static_cast<double>(active.sensor_late) / static_cast<double>(active.rendering);
+  }
+  s.servo_rate_hz = RateOf(active.step);
+  s.seconds = active.first ? rt::ToSeconds(active.stopped_at - *active.first) : 0.0;
+  s.simulation_rate_hz = RateOf(run.frame_step);
+  s.link = run.last_input;
+  if (!timed) return;
+  s.wakeup = Quantiles(active.wakeup);
+  s.compute = Quantiles(active.compute);
+  s.frame = Quantiles(run.curves.frame);
+}
+
+// What the tool did to the bone.
+void SummariseCut(const CellSetup& setup, const simulation::CarvedState& after, const RunAccumulator& run,
+                  RunSummary& s) {
+  const simulation::Tool& tool = setup.config.tool.tool;
+  s.removed_volume_m3 = after.removed_volume_m3;
+  s.removed_mass_kg = after.removed_mass_kg;
+  s.cutting_work_J = after.cutting_work_J;
+  if (setup.solid) {  // of a loaded packing only the balls are known
+    s.swept_volume_m3 =
+        simulation::SweptVolume(*setup.solid, tool, run.path.X_GP(),
+                                std::min(kSweepCell_m, tool.balls.front().radius_m / kSweepCellsARadius));
+    s.swept_path_tolerance_m = run.path.tolerance_m();
+  }
+  const simulation::ApexDepth depth(setup.bone, tool);
+  s.cup_depth_m = run.cup_depth_m;
+  s.reamed_depth_m = run.reamed.depth_m();
+  const auto floor_m = simulation::FirstHit(simulation::LiveBalls(after), setup.bone.cup.center_m,
+                                            -Vector3(setup.bone.cup.axis));
+  s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
+  s.state_hash = fmt::format("{:016x}", simulation::HashState(after));
 }
 
 nlohmann::json ToJson(const DurationFigures& d) {
@@ -133,14 +168,19 @@ std::string Text(const DurationFigures& d) {
   return fmt::format("{:.0f} / {:.0f} / {:.0f} µs", d.p50_s * 1e6, d.p99_s * 1e6, d.max_s * 1e6);
 }
 
+// By how much a path was thinned, where it was.
+std::string Thinned(double tolerance_m) {
+  return tolerance_m > 0.0 ? fmt::format(", its path within {:.3g} µm", 1e6 * tolerance_m) : "";
+}
+
 // What the tool did to the bone.
 void AddCut(const RunSummary& s, std::vector<SummaryRow>& rows) {
   // without the solid (a loaded packing) what was swept is not known
   const double swept_share = s.swept_volume_m3 > 0.0 ? s.removed_volume_m3 / s.swept_volume_m3 - 1.0 : 0.0;
-  const std::string swept =
-      s.swept_volume_m3 > 0.0
-          ? fmt::format("; swept {:.0f} mm³ ({:+.1f} %)", s.swept_volume_m3 * 1e9, 100.0 * swept_share)
-          : "";
+  const std::string swept = s.swept_volume_m3 > 0.0
+                                ? fmt::format("; swept {:.0f} mm³ ({:+.1f} %{})", s.swept_volume_m3 * 1e9,
+                                              100.0 * swept_share, Thinned(s.swept_path_tolerance_m))
+                                : "";
   rows.push_back({"Bone removed", fmt::format("{:.0f} mm³, {:.2f} g{}", s.removed_volume_m3 * 1e9,
                                               s.removed_mass_kg * 1e3, swept)});
   rows.push_back(
@@ -176,51 +216,27 @@ const char* EndText(control::RunEnd end) {
   return "";
 }
 
-std::vector<DriveFaultRow> DriveFaultRows(std::span<const control::TickRecord> ticks) {
-  std::vector<DriveFaultRow> rows;
-  std::uint8_t before = 0;
-  for (const control::TickRecord& tick : ticks) {
-    const control::TickInput& in = tick.input;
-    const auto more = static_cast<std::uint8_t>(in.drive_faults & ~before);
-    const bool cleared = before != 0 && in.drive_faults == 0;
-    before = in.drive_faults;
-    if (more == 0 && !cleared) continue;
-    rows.push_back({.time_s = rt::ToSeconds(tick.stamp - ticks.front().stamp),
-                    .latched = more,
-                    .nmt_state = in.drive_nmt_state,
-                    .emergency_code = in.drive_emergency_code,
-                    .error_code = in.drive_error_code,
-                    .text = cleared
-                                ? "reset"
-                                : io::DescribeDriveFaults({more, in.drive_nmt_state, in.drive_emergency_code,
-                                                           in.drive_error_code})});
-  }
-  return rows;
-}
-
-DurationFigures Quantiles(std::vector<double> seconds) {
-  if (seconds.empty()) return {};
-  std::sort(seconds.begin(), seconds.end());
+DurationFigures Quantiles(const DurationCounts& durations) {
+  const std::uint64_t count = durations.count();
+  if (count == 0) return {};
   const auto at = [&](double share) {
-    return seconds[std::min(seconds.size() - 1,
-                            static_cast<std::size_t>(share * static_cast<double>(seconds.size())))];
+    return rt::ToSeconds(
+        durations.At(std::min(count - 1, static_cast<std::uint64_t>(share * static_cast<double>(count)))));
   };
-  return {.count = seconds.size(),
+  return {.count = count,
           .p50_s = at(0.5),
           .p99_s = at(0.99),
           .p999_s = at(0.999),
-          .max_s = seconds.back()};
+          .max_s = rt::ToSeconds(durations.At(count - 1))};
 }
 
 RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& engine,
-                     const CellRunParams& params, const CellRunResult& result,
-                     const io::Recording& recording) {
-  const simulation::Tool& tool = setup.config.tool.tool;
+                     const CellRunParams& params, const CellRunResult& result, const RunAccumulator& run) {
   RunSummary s;
   s.engine = engine.name();
   s.device = engine.device();
   s.scene = setup.bone.name;
-  s.tool = tool.name;
+  s.tool = setup.config.tool.tool.name;
   s.recording = params.recording.string();
   s.recording_error = result.recording_error;
   s.ended = EndText(result.end);
@@ -236,8 +252,6 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.balls = setup.bone.balls.size();
   s.points = setup.bone.points.size();
   s.rendered = result.statistics.active_ticks > 0;
-  s.ticks = recording.ticks.size();
-  s.frames = recording.frames.size();
   s.dropped = result.recording.dropped_ticks + result.recording.dropped_frames;
   s.peak_force_N = result.statistics.peak_coupling_force_N;
   s.peak_torque_Nm = result.statistics.peak_coupling_torque_Nm;
@@ -249,81 +263,23 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.least_tank_J = std::isfinite(result.statistics.least_tank_J) ? result.statistics.least_tank_J : 0.0;
   s.force_limit_N = control::ForceLimit_N(setup.config.servo);
   s.limits = EffectiveLimits(setup.config.servo);
-  s.acted_limits = ActedLimits(recording.ticks, setup.config.servo.period_s);
+  s.acted_limits = run.limits.Rows(setup.config.servo.period_s);
   s.least_depth_left_m = result.statistics.least_depth_left_m;
-
-  // rates and latencies, from the ticks answered in COMMANDING_ACTIVE
-  std::vector<rt::Nanoseconds> stamps;
-  rt::Nanoseconds stopped_at{0};  // the last of them before the arm rests at the end
-  std::vector<double> wakeup, compute, frame;
-  std::uint64_t rendering = 0, stale = 0, sensor_late = 0;
-  for (const control::TickRecord& tick : recording.ticks) {
-    if (tick.session_state != static_cast<std::uint8_t>(control::SessionState::kCommandingActive)) continue;
-    if (tick.wrench_scale < 1.0) ++s.cut_ticks;
-    if (tick.arm_share < 1.0) ++s.arm_cut_ticks;
-    if (tick.age_damping_factor > 1.0 || tick.age_wrench_share < 1.0) ++s.age_governor_ticks;
-    if (tick.passivity_damping_Ns_per_m > 0.0) ++s.passivity_ticks;
-    if (tick.tank_share < 1.0) ++s.tank_ticks;
-    if (tick.phase == control::Phase::kHaptic) {
-      ++rendering;
-      if (tick.model_age_s > setup.config.servo.coupling.fresh_s) ++stale;
-      if (tick.sensor_age_s > setup.config.servo.watchdog.sensor_full_s) ++sensor_late;
-    }
-    s.most_age_damping = std::max(s.most_age_damping, tick.age_damping_factor);
-    s.least_age_share = std::min(s.least_age_share, tick.age_wrench_share);
-    s.least_wrench_share = std::min(s.least_wrench_share, tick.wrench_scale);
-    s.least_arm_share = std::min(s.least_arm_share, tick.arm_share);
-    stamps.push_back(tick.stamp);
-    if (tick.phase != control::Phase::kStopped) stopped_at = tick.stamp;
-    wakeup.push_back(rt::ToSeconds(tick.wakeup_ns));
-    compute.push_back(rt::ToSeconds(tick.compute_ns));
-  }
-  if (rendering > 0) {
-    s.stale_share = static_cast<double>(stale) / static_cast<double>(rendering);
-    s.sensor_late_share = static_cast<double>(sensor_late) / static_cast<double>(rendering);
-  }
-  s.servo_rate_hz = RateOf(stamps);
-  s.seconds = stamps.empty() ? 0.0 : std::max(0.0, rt::ToSeconds(stopped_at - stamps.front()));
-  std::vector<rt::Nanoseconds> frame_stamps;
-  for (const simulation::FrameRecord& record : recording.frames) {
-    frame_stamps.push_back(record.stamp);
-    frame.push_back(rt::ToSeconds(record.duration_ns));
-  }
-  s.simulation_rate_hz = RateOf(frame_stamps);
-  if (!params.virtual_time) {
-    s.wakeup = Quantiles(std::move(wakeup));
-    s.compute = Quantiles(std::move(compute));
-    s.frame = Quantiles(std::move(frame));
-  }
-
-  // the cut
-  s.removed_volume_m3 = result.after.removed_volume_m3;
-  s.removed_mass_kg = result.after.removed_mass_kg;
-  s.cutting_work_J = result.after.cutting_work_J;
-  if (setup.solid)  // of a loaded packing only the balls are known
-    s.swept_volume_m3 =
-        simulation::SweptVolume(*setup.solid, tool, simulation::ProxyPath(recording.frames, setup.X_WG),
-                                std::min(kSweepCell_m, tool.balls.front().radius_m / kSweepCellsARadius));
-  const simulation::ApexDepth depth(setup.bone, tool);
-  if (!recording.frames.empty()) s.cup_depth_m = recording.frames.back().cup_depth_m;
-  s.reamed_depth_m = simulation::ReamedDepth(setup.bone, tool, recording.frames, setup.X_WG);
-  const auto floor_m = simulation::FirstHit(simulation::LiveBalls(result.after), setup.bone.cup.center_m,
-                                            -Vector3(setup.bone.cup.axis));
-  s.cavity_depth_m = floor_m ? *floor_m - depth.floor_m() : -1.0;
-  s.state_hash = fmt::format("{:016x}", simulation::HashState(result.after));
-  s.faults = FaultRows(result.faults, recording, setup.config.servo);
-  s.drive_faults = DriveFaultRows(recording.ticks);
-  s.events = EventRows(result.events, recording);
+  SummariseRecording(run, !params.virtual_time, s);
+  SummariseCut(setup, result.after, run, s);
+  const rt::Nanoseconds start = run.curves.first_tick.value_or(0);
+  s.faults = FaultRows(result.faults, run, setup.config.servo);
+  s.drive_faults = run.drive_faults.rows();
+  s.events = EventRows(result.events, run.pauses.rows(), start);
   s.least_wall_m = result.least_wall_m;
   s.planned = setup.planned;
-  s.rezoned = RezonedRows(result.rezoned, recording);
+  s.rezoned = RezonedRows(result.rezoned, start);
   s.assumptions = simulation::Assumptions(setup.bone.materials);
   s.cell_report = result.cell_report;
   const nlohmann::json cell = nlohmann::json::parse(result.cell_report, nullptr, false);
   if (cell.is_object() && cell.contains("arm")) s.arm_stop = cell["arm"].value("stop", "");
   // a PLC takes the power off an arm that has come to rest: then that is no reason of anything
   if (s.arm_stop == hil::kNoPower && !result.faults.Has(safety::Fault::kSession)) s.arm_stop.clear();
-  if (!recording.ticks.empty()) s.link = recording.ticks.back().input;
   s.recovered = result.recovered;
   s.config_checksum = ConfigChecksum(setup.config_source);
   s.verdict = JudgeRun(s);
@@ -485,6 +441,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"removed_volume_mm3", s.removed_volume_m3 * 1e9},
       {"removed_mass_g", s.removed_mass_kg * 1e3},
       {"swept_volume_mm3", s.swept_volume_m3 * 1e9},
+      {"swept_path_tolerance_um", s.swept_path_tolerance_m * 1e6},
       {"cutting_work_J", s.cutting_work_J},
       {"cup_depth_mm", s.cup_depth_m * 1e3},
       {"reamed_depth_mm", s.reamed_depth_m * 1e3},

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -10,12 +9,13 @@
 
 #include "app/cell_run.h"
 #include "app/limit_rows.h"
+#include "app/event_row.h"
 #include "app/plan.h"
 #include "app/planned_cell.h"
 #include "app/report/report.h"
+#include "app/run_accumulator.h"
 #include "app/stop_records.h"
 #include "app/verdict.h"
-#include "io/recording/recording_reader.h"
 
 namespace osteon::app {
 
@@ -24,16 +24,7 @@ struct DurationFigures {
   std::size_t count{0};
   double p50_s{0.0}, p99_s{0.0}, p999_s{0.0}, max_s{0.0};
 };
-[[nodiscard]] DurationFigures Quantiles(std::vector<double> seconds);
-
-/// Something that happened in the scene, as simulation::SceneEvent, or an operator's pause or its end, at its
-/// time since the run's start.
-struct EventRow {
-  std::string name;
-  double time_s{0.0};
-  double value{0.0};  ///< in `unit`
-  std::string unit;
-};
+[[nodiscard]] DurationFigures Quantiles(const DurationCounts& durations);
 
 /// Zones that were coarsened, at their time since the run's start.
 struct RezonedRow {
@@ -43,19 +34,6 @@ struct RezonedRow {
   double seen_us{0.0};  ///< the frames before
   std::string text;
 };
-
-/// What the reamer's drive reported, at its time since the run's start: faults that were latched then.
-struct DriveFaultRow {
-  double time_s{0.0};
-  std::uint8_t latched{0};          ///< io::DriveFault bits; 0: the drive was reset
-  std::uint8_t nmt_state{0};        ///< CiA 301
-  std::uint16_t emergency_code{0};  ///< CiA 301; 0: none
-  std::uint16_t error_code{0};      ///< 603F, CiA 402; 0: none
-  std::string text;                 ///< with the codes' meaning
-};
-
-/// From the ticks: a row whenever something more was latched, and when it was cleared.
-[[nodiscard]] std::vector<DriveFaultRow> DriveFaultRows(std::span<const control::TickRecord> ticks);
 
 /// How a run ended, in a word or three.
 [[nodiscard]] const char* EndText(control::RunEnd end);
@@ -95,7 +73,9 @@ struct RunSummary {
   bool rendered{false};  ///< ever: else there is no cut to speak of
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
   double swept_volume_m3{0.0};  ///< of the solid, by the proxy's cutting surface; a grid's count, no engine's
-  double cup_depth_m{0.0};      ///< deepest proxy apex below the cup's first floor; negative: it stayed above
+  double swept_path_tolerance_m{
+      0.0};                    ///< by which the proxy's path was thinned; 0: each frame's pose is in it
+  double cup_depth_m{0.0};     ///< deepest proxy apex below the cup's first floor; negative: it stayed above
   double reamed_depth_m{0.0};  ///< how far the apex went into the bone while it cut (simulation::ReamedDepth)
   double cavity_depth_m{0.0};  ///< floor of the carved balls below the first floor; < 0: carved through
   ReportFigures section;
@@ -119,10 +99,11 @@ struct RunSummary {
   std::string arm_stop;                  ///< why the simulated arm ended the session; empty where it did not
 };
 
-/// Everything that is read from the recording and the carved state; `section` is filled by the report.
+/// Everything that is known from the recording (`run`: ReadRun) and the carved state; `section` and `stops`
+/// are filled by who writes them.
 [[nodiscard]] RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& engine,
                                    const CellRunParams& params, const CellRunResult& result,
-                                   const io::Recording& recording);
+                                   const RunAccumulator& run);
 
 /// Rows for the terminal and the report.
 [[nodiscard]] std::vector<SummaryRow> Rows(const RunSummary& summary);

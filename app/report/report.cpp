@@ -91,8 +91,8 @@ std::string ErrorChart(const Section& section) {
 }
 
 std::string Timing(const ReportInput& input) {
-  const std::string wakeup = WakeupHistogram(input.ticks), compute = ComputeHistogram(input.ticks);
-  const std::string frame = FrameTimeHistogram(input.frames);
+  const std::string wakeup = WakeupHistogram(input.run), compute = ComputeHistogram(input.run);
+  const std::string frame = FrameTimeHistogram(input.run);
   std::string out = "<h2>Timing</h2>\n";
   if (wakeup.empty() && compute.empty() && frame.empty())
     return out + "<p>Virtual time: not measured. Ticks and frames ran in lockstep, without a clock.</p>\n";
@@ -118,7 +118,6 @@ std::string Assumed(const simulation::Bone& bone) {
 
 tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   Report report;
-  const std::vector<Pose> X_GP = ProxyPath(input.frames, input.X_WG);
 
   // pictures
   const MaterialMap materials(input.bone.points, input.solid);
@@ -130,9 +129,10 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   if (!after) return tl::unexpected(after.error());
 
   // section
-  const Section section = ComputeSection(input.bone, input.after, input.tool, X_GP, {.solid = input.solid});
+  const Section section =
+      ComputeSection(input.bone, input.after, input.tool, input.X_GP, {.solid = input.solid});
   report.figures.cavity_section = section.error;
-  report.figures.cavity_direction = CavityErrorByDirection(input.bone, input.after, input.tool, X_GP);
+  report.figures.cavity_direction = CavityErrorByDirection(input.bone, input.after, input.tool, input.X_GP);
 
   std::string& html = report.html;
   html = PageBegin(input.title);
@@ -158,10 +158,10 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
                    "Positive: the cavity is larger than the swept tool. Only where bone was cut; at the rim "
                    "the balls that made up the edge are gone.");
   html += ErrorTable(report.figures);
-  html += "<h2>Force</h2>\n" + Figure(ForceChart(input.ticks, input.force_limit_N), "");
-  html += "<h2>Progress</h2>\n" + Figure(ProgressChart(input.ticks, input.frames), "");
+  html += "<h2>Force</h2>\n" + Figure(ForceChart(input.run, input.force_limit_N), "");
+  html += "<h2>Progress</h2>\n" + Figure(ProgressChart(input.run), "");
   html += "<h2>Motion</h2>\n" +
-          Figure(MotionChart(input.ticks, input.tool_speed_limit_m_per_s, input.max_tool_in_bone_m), "");
+          Figure(MotionChart(input.run, input.tool_speed_limit_m_per_s, input.max_tool_in_bone_m), "");
   html += Timing(input);
   html += Assumed(input.bone);
   if (!input.command_line.empty())

@@ -11,11 +11,10 @@
 
 #include "app/report/page.h"
 #include "app/report/render.h"
+#include "app/report/run_curves.h"
 #include "app/report/section.h"
-#include "control/tick_record.h"
 #include "simulation/bone.h"
 #include "simulation/cutting_engine.h"
-#include "simulation/frame_record.h"
 #include "simulation/tool.h"
 
 namespace osteon::app {
@@ -39,14 +38,13 @@ struct ReportInput {
   std::string subtitle{};  ///< e.g. engine, device, date
   ReportVerdict verdict{};
   std::vector<SummaryRow> summary{};  ///< as the terminal shows it
-  std::span<const control::TickRecord> ticks{};
-  std::span<const simulation::FrameRecord> frames{};
-  const simulation::Bone& bone;  ///< as it was before
+  const RunCurves& run;               ///< its ticks and frames
+  std::span<const Pose> X_GP{};       ///< the proxy's path
+  const simulation::Bone& bone;       ///< as it was before
   const simulation::CarvedState& after;
   const simulation::Tool& tool;
   const simulation::Solid* solid{
       nullptr};  ///< what the bone was packed from, for crisp materials; may be null
-  Pose X_WG{Pose::Identity()};
   double force_limit_N{200.0};
   double tool_speed_limit_m_per_s{0.0};                                ///< 0: no line drawn
   double max_tool_in_bone_m{std::numeric_limits<double>::infinity()};  ///< infinite: no line drawn

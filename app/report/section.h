@@ -24,7 +24,6 @@
 namespace osteon::app {
 
 using simulation::CuttingHead;
-using simulation::ProxyPath;
 using simulation::SweptTool;
 
 /// The plane, in G. p_G = origin + x u + y v.

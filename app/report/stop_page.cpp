@@ -33,12 +33,14 @@ std::string TripFigures(const StopPageInput& input) {
 
 std::string MakeStopPage(const StopPageInput& input) {
   const control::ServoParams& servo = input.limits.servo;
+  RunCurves curves;
+  for (const control::TickRecord& tick : input.ticks) curves.Add(tick);
   std::string page = PageBegin(input.title);
   page += fmt::format("<h1>{}</h1>\n<p>{}</p>\n", Escape(input.title), Escape(input.where));
   page += fmt::format("<h2>{}</h2>\n", Escape(input.heading)) + FaultTable(input) + TripFigures(input);
   page += "<h2>Forces and motion</h2>\n";
-  page += Figure(ForceChart(input.ticks, input.force_limit_N, input.time), "Forces on the tool.");
-  page += Figure(MotionChart(input.ticks, servo.twist.max_speed_m_per_s,
+  page += Figure(ForceChart(curves, input.force_limit_N, input.time), "Forces on the tool.");
+  page += Figure(MotionChart(curves, servo.twist.max_speed_m_per_s,
                              servo.on_force_limit.max_tool_in_bone_m, input.time),
                  "Tool speed, how deep the tool is in bone, and the contact model's age.");
   return page + kPageEnd;

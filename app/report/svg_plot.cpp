@@ -219,6 +219,35 @@ std::string DrawLimits(const PlotArea& area, std::vector<LimitLine> limits) {
   return out;
 }
 
+/// A value of a histogram and how often it occurred.
+struct CountedValue {
+  double value;
+  std::uint64_t times;
+};
+
+/// The finite ones, ascending.
+std::vector<CountedValue> Counted(const Histogram& histogram) {
+  std::vector<CountedValue> counted;
+  for (std::size_t i = 0; i < histogram.values.size(); ++i)
+    if (std::isfinite(histogram.values[i]))
+      counted.push_back({histogram.values[i], histogram.times.empty() ? 1 : histogram.times[i]});
+  std::sort(counted.begin(), counted.end(),
+            [](const CountedValue& a, const CountedValue& b) { return a.value < b.value; });
+  return counted;
+}
+
+/// As Percentile (ticks.h), of values that are not empty.
+double PercentileOf(const std::vector<CountedValue>& values, double p) {
+  std::uint64_t total = 0, before = 0;
+  for (const CountedValue& each : values) total += each.times;
+  const double rank = std::max(1.0, std::ceil(p * static_cast<double>(total)));
+  for (const CountedValue& each : values) {
+    before += each.times;
+    if (static_cast<double>(before) >= rank) return each.value;
+  }
+  return values.back().value;
+}
+
 struct PanelPlan {
   PlotArea area;
   Ticks y_ticks;
@@ -361,12 +390,10 @@ std::string SvgGrid(std::span<const LineChart> panels, int columns, const std::s
 }
 
 std::string Svg(const Histogram& histogram, double width_px) {
-  std::vector<double> values;
-  for (const double value : histogram.values)
-    if (std::isfinite(value)) values.push_back(value);
+  const std::vector<CountedValue> values = Counted(histogram);
   Extent extent;
-  for (const double value : values)
-    if (!histogram.log_x || value > 0.0) extent.Add(value);
+  for (const CountedValue& each : values)
+    if (!histogram.log_x || each.value > 0.0) extent.Add(each.value);
   const bool log_x = histogram.log_x && extent.Any();
 
   // bins
@@ -378,14 +405,14 @@ std::string Svg(const Histogram& histogram, double width_px) {
     area.x = NiceRange(area.x, 6);
   }
   const int bins = std::max(1, histogram.bins);
-  std::vector<std::size_t> counts(static_cast<std::size_t>(bins), 0);
+  std::vector<std::uint64_t> counts(static_cast<std::size_t>(bins), 0);
   const PlotArea unit{.width = static_cast<double>(bins), .x = area.x, .log_x = log_x};
-  for (const double value : values) {
+  for (const auto& [value, times] : values) {
     const double at = log_x && !(value > 0.0) ? 0.0 : unit.X(value);
-    ++counts[static_cast<std::size_t>(std::clamp(static_cast<int>(at), 0, bins - 1))];
+    counts[static_cast<std::size_t>(std::clamp(static_cast<int>(at), 0, bins - 1))] += times;
   }
   const double highest =
-      static_cast<double>(std::max<std::size_t>(1, *std::max_element(counts.begin(), counts.end())));
+      static_cast<double>(std::max<std::uint64_t>(1, *std::max_element(counts.begin(), counts.end())));
   area.y = histogram.log_y ? Range{0.7, std::max(highest * 1.4, 10.0)} : NiceRange({0.0, highest}, 5);
   const Ticks y_ticks = histogram.log_y ? LogTicks(area.y, 8) : LinearTicks(area.y, 6);
 
@@ -398,7 +425,7 @@ std::string Svg(const Histogram& histogram, double width_px) {
   std::vector<PercentileLine> markers;
   if (histogram.percentiles && !values.empty()) {
     const auto add = [&](const char* name, double p, const char* color) {
-      const double at = Percentile(values, p);
+      const double at = PercentileOf(values, p);
       legend.push_back({.text = fmt::format("{} {} {}", name, Number(at), histogram.unit),
                         .color = color,
                         .mark = LegendEntry::Mark::kDash});

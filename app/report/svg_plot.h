@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -74,10 +75,11 @@ struct LineChart {
 
 struct Histogram {
   std::string title{};
-  std::string x_label{};         ///< with unit
-  std::vector<double> values{};  ///< what is not finite is left out and not counted
-  bool log_x{false};             ///< what is not positive goes into the lowest bin
-  bool log_y{false};             ///< so that a single outlier among thousands is seen
+  std::string x_label{};               ///< with unit
+  std::vector<double> values{};        ///< what is not finite is left out and not counted
+  std::vector<std::uint64_t> times{};  ///< that each value occurred; empty: once, else of values' length
+  bool log_x{false};                   ///< what is not positive goes into the lowest bin
+  bool log_y{false};                   ///< so that a single outlier among thousands is seen
   int bins{60};
   std::string y_label{"count"};
   std::string unit{};      ///< of the percentiles in the legend

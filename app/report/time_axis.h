@@ -25,9 +25,4 @@ struct TimeAxis {
   }
 };
 
-/// From the first tick on.
-[[nodiscard]] inline TimeAxis FromFirst(std::span<const control::TickRecord> ticks) {
-  return {.zero = ticks.empty() ? 0 : ticks.front().stamp};
-}
-
 }  // namespace osteon::app

@@ -65,40 +65,39 @@ double ApexDepth::Of(const Pose& X_GP) const {
   return head_radius_m_ - along - floor_m_;
 }
 
-double ReamedDepth(const Bone& bone, const Tool& tool, std::span<const FrameRecord> frames,
-                   const Pose& X_WG) {
-  constexpr double kStep_m = 0.25e-3, kMinShare = 0.005, kMinArea_m2 = 0.2e-6;
-  const ApexDepth depth(bone, tool);
+ReamedDepth::ReamedDepth(const Bone& bone, const Tool& tool, const Pose& X_WG)
+    : apex_(bone, tool), X_GW_(X_WG.inverse()) {
+  constexpr double kMinShare = 0.005, kMinArea_m2 = 0.2e-6;
   const double radius_m = Head(tool).radius_m;
-  const double min_area_m2 = std::max(kMinArea_m2, kMinShare * std::numbers::pi * radius_m * radius_m);
-  double reamed_m = 0.0, deepest_m = 0.0;
-  double from_m = 0.0, from_m3 = 0.0;  // depth and removed volume where the step began
-  bool touched = false, cuts = false;
-  const auto end_step = [&](double removed_m3) {
-    cuts = removed_m3 - from_m3 >= min_area_m2 * (deepest_m - from_m);
-    if (cuts) reamed_m += deepest_m - from_m;
-    from_m = deepest_m;
-    from_m3 = removed_m3;
-  };
-  double removed_m3 = 0.0;
-  for (const FrameRecord& frame : frames) {
-    if (frame.model.frame == 0 || frame.model.status != EngineStatus::kOk) continue;
-    const double here_m = depth.Of(X_WG.inverse() * Pose(frame.model.X_WP));
-    if (!std::isfinite(here_m)) continue;
-    removed_m3 = frame.model.removed_volume_m3;
-    if (!touched) {
-      touched = Vector3(frame.model.F_T_W.f).norm() > 0.0;
-      from_m = deepest_m = here_m;
-      from_m3 = removed_m3;
-      continue;
-    }
-    deepest_m = std::max(deepest_m, here_m);
-    if (deepest_m - from_m >= kStep_m) end_step(removed_m3);
+  min_area_m2_ = std::max(kMinArea_m2, kMinShare * std::numbers::pi * radius_m * radius_m);
+}
+
+void ReamedDepth::Add(const FrameRecord& frame) {
+  constexpr double kStep_m = 0.25e-3;
+  if (frame.model.frame == 0 || frame.model.status != EngineStatus::kOk) return;
+  const double here_m = apex_.Of(X_GW_ * Pose(frame.model.X_WP));
+  if (!std::isfinite(here_m)) return;
+  removed_m3_ = frame.model.removed_volume_m3;
+  if (!touched_) {
+    touched_ = Vector3(frame.model.F_T_W.f).norm() > 0.0;
+    from_m_ = deepest_m_ = here_m;
+    from_m3_ = removed_m3_;
+    return;
   }
+  deepest_m_ = std::max(deepest_m_, here_m);
+  if (deepest_m_ - from_m_ < kStep_m) return;
+  cuts_ = Cuts();
+  if (cuts_) reamed_m_ += deepest_m_ - from_m_;
+  from_m_ = deepest_m_;
+  from_m3_ = removed_m3_;
+}
+
+// Whether enough bone went in the step under way.
+bool ReamedDepth::Cuts() const { return removed_m3_ - from_m3_ >= min_area_m2_ * (deepest_m_ - from_m_); }
+
+double ReamedDepth::depth_m() const {
   // what is left is shorter than a step, and as the step before it was
-  if (deepest_m > from_m && (cuts || removed_m3 - from_m3 >= min_area_m2 * (deepest_m - from_m)))
-    reamed_m += deepest_m - from_m;
-  return reamed_m;
+  return deepest_m_ > from_m_ && (cuts_ || Cuts()) ? reamed_m_ + (deepest_m_ - from_m_) : reamed_m_;
 }
 
 double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP, double cell_m,

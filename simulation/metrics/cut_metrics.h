@@ -39,13 +39,30 @@ class ApexDepth {
   double floor_m_;
 };
 
-/// How far the tool's apex went into the bone along the cup's axis, from the frame of its first touch on [m].
+/// How far the tool's apex went into the bone along the cup's axis, from the frame of its first touch on,
+/// gathered frame by frame.
 ///
 /// Only new depth counts in which bone went: in steps of 0.25 mm, those in which the removed volume over the
 /// depth is at least 0.5 % of the head's cross-section (and 0.2 mm²). A tool that slides past the bone, or
 /// that is through it, does not ream.
-[[nodiscard]] double ReamedDepth(const Bone& bone, const Tool& tool, std::span<const FrameRecord> frames,
-                                 const Pose& X_WG);
+class ReamedDepth {
+ public:
+  ReamedDepth(const Bone& bone, const Tool& tool, const Pose& X_WG);
+  /// Frames in which the engine reported an error, or that are no frame (number 0), are left out.
+  void Add(const FrameRecord& frame);
+  /// So far.
+  [[nodiscard]] double depth_m() const;
+
+ private:
+  [[nodiscard]] bool Cuts() const;
+
+  ApexDepth apex_;
+  Pose X_GW_;
+  double min_area_m2_;
+  double reamed_m_{0.0}, deepest_m_{0.0}, removed_m3_{0.0};
+  double from_m_{0.0}, from_m3_{0.0};  // depth and removed volume where the step began
+  bool touched_{false}, cuts_{false};
+};
 
 /// Volume of the solid that the tool's cutting balls sweep along a path of proxy poses: the solid's cells of
 /// a regular grid whose centre lies within a ball's radius of its centre's path. Independent of balls and

@@ -57,15 +57,4 @@ Eigen::AlignedBox3d SweptTool::Bounds() const {
   return box;
 }
 
-std::vector<Pose> ProxyPath(std::span<const FrameRecord> frames, const Pose& X_WG) {
-  const Pose X_GW = X_WG.inverse();
-  std::vector<Pose> path;
-  for (const FrameRecord& frame : frames) {
-    if (frame.model.frame == 0 || frame.model.status != EngineStatus::kOk) continue;
-    const Pose X_GP = X_GW * Pose(frame.model.X_WP);
-    if (X_GP.matrix().allFinite()) path.push_back(X_GP);
-  }
-  return path;
-}
-
 }  // namespace osteon::simulation

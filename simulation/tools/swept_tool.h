@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "kinematics/spatial.h"
-#include "simulation/frame_record.h"
 #include "simulation/tool.h"
 
 namespace osteon::simulation {
@@ -48,9 +47,5 @@ class SweptTool {
   std::vector<Capsule> capsules_;
   std::vector<Chunk> chunks_;
 };
-
-/// The proxy's path in G from the frames of a run. Frames in which the engine reported an error, or that are
-/// no frame (number 0), are left out.
-[[nodiscard]] std::vector<Pose> ProxyPath(std::span<const FrameRecord> frames, const Pose& X_WG);
 
 }  // namespace osteon::simulation

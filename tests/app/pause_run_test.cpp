@@ -64,7 +64,10 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   ExpectNoJump(*recording, 2e-3);
 
   // and what the run says of it
-  const RunSummary summary = Summarise(*setup, **engine, params, *result, *recording);
+  StopPages pages({.folder = folder.path(), .stem = "r", .cell = setup->config});
+  const auto run = ReadRun(params.recording, *setup, pages);
+  ASSERT_TRUE(run) << run.error();
+  const RunSummary summary = Summarise(*setup, **engine, params, *result, *run);
   ASSERT_EQ(summary.events.size(), 2u);
   EXPECT_EQ(summary.events[0].name, "pause");
   EXPECT_LT(summary.events[0].value, 0.5) << "seconds until it rested";
@@ -79,7 +82,7 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   EXPECT_NE(events->value.find(" s until it rested); resume at "), std::string::npos) << events->value;
 
   // the page of the pause, and of the end half a second later, with nothing of the PLC's power
-  const auto stops = WriteStops(*recording, setup->config, folder.path(), "r");
+  const auto stops = pages.Finish();
   ASSERT_TRUE(stops) << stops.error();
   ASSERT_EQ(stops->size(), 2u);
   EXPECT_EQ(stops->front().heading, "How the pause began");

@@ -202,7 +202,7 @@ TEST(CavityError, OpenWhereTheCutWentThrough) {
 
 TEST(Section, CupCutByTheRuleIsNearTheSweptTool) {
   const SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
-  const auto path = ProxyPath(run.frames, Pose::Identity());
+  const auto path = PathOf(run);
   const Section section = ComputeSection(run.bone, run.after, run.tool, path);
   EXPECT_GT(section.error.samples, 100);
   // the rule leaves no overlap: what remains is outside the sweep, but for the grid's chords (step^2 / 8r = 2
@@ -218,12 +218,12 @@ TEST(Section, CupCutByTheRuleIsNearTheSweptTool) {
 TEST(Section, PoseOfThePackingMovesNothing) {
   SyntheticRun run =
       MakeSyntheticRun({.spacing_m = 1.5e-3, .cap_m = 1.4e-3, .point_spacing_m = 1.5e-3, .frames = 100});
-  const auto here = ProxyPath(run.frames, Pose::Identity());
+  const auto here = PathOf(run);
   Pose X_WG = Pose::Identity();
   X_WG.linear() = ExpRotation({0.3, -1.1, 0.7});
   X_WG.translation() = Vector3(0.4, -0.2, 0.9);
   for (simulation::FrameRecord& frame : run.frames) frame.model.X_WP = X_WG * Pose(frame.model.X_WP);
-  const auto there = ProxyPath(run.frames, X_WG);
+  const auto there = PathOf(run, X_WG);
   ASSERT_EQ(here.size(), there.size());
   for (std::size_t i = 0; i < here.size(); ++i) EXPECT_TRUE(here[i].isApprox(there[i], 1e-12));
 }
@@ -271,8 +271,7 @@ TEST(Section, DetailOfACutThatTheToolLeftIsWhereTheCutIs) {
 TEST(Section, SvgIsWellFormed) {
   const SyntheticRun run =
       MakeSyntheticRun({.spacing_m = 1.5e-3, .cap_m = 1.4e-3, .point_spacing_m = 1.2e-3, .frames = 100});
-  const Section section =
-      ComputeSection(run.bone, run.after, run.tool, ProxyPath(run.frames, Pose::Identity()));
+  const Section section = ComputeSection(run.bone, run.after, run.tool, PathOf(run));
   const std::string svg = SectionSvg(section, run.bone);
   EXPECT_EQ(MarkupError(svg), "");
   EXPECT_EQ(TextOutside(svg), "");

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "simulation/tools/proxy_path.h"
+
 namespace osteon::app {
 namespace {
 
@@ -145,6 +147,12 @@ SyntheticRun MakeSyntheticRun(const SyntheticParams& params) {
   }
   for (simulation::FrameRecord& frame : run.frames) frame.stamp += 5'000'000'000;
   return run;
+}
+
+std::vector<Pose> PathOf(const SyntheticRun& run, const Pose& X_WG) {
+  simulation::ProxyPath path(run.tool, X_WG);
+  for (const simulation::FrameRecord& frame : run.frames) path.Add(frame);
+  return {path.X_GP().begin(), path.X_GP().end()};
 }
 
 }  // namespace osteon::app

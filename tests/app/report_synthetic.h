@@ -35,6 +35,9 @@ struct SyntheticParams {
 /// and a whirlwind.
 [[nodiscard]] SyntheticRun MakeSyntheticRun(const SyntheticParams& params = {});
 
+/// The proxy's path of its frames.
+[[nodiscard]] std::vector<Pose> PathOf(const SyntheticRun& run, const Pose& X_WG = Pose::Identity());
+
 /// Shrinks or deletes every ball that a sphere of radius r, moving from a to b, overlaps: the rule p/2.
 void Carve(std::vector<simulation::Ball>& balls, const Vector3& a, const Vector3& b, double radius_m);
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <list>
 #include <regex>
 #include <sstream>
 
@@ -19,11 +20,21 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
+RunCurves CurvesOf(const SyntheticRun& run) {
+  RunCurves curves;
+  for (const control::TickRecord& tick : run.ticks) curves.Add(tick);
+  for (const simulation::FrameRecord& frame : run.frames) curves.Add(frame);
+  return curves;
+}
+
+// What an input views lives as long as the program.
 ReportInput InputOf(const SyntheticRun& run) {
+  static std::list<RunCurves> curves;
+  static std::list<std::vector<Pose>> paths;
   return {.subtitle = "reference engine",
           .summary = {{"ticks", "2000"}, {"peak force", "126.0 N"}, {"removed volume", "2400 mm³"}},
-          .ticks = run.ticks,
-          .frames = run.frames,
+          .run = curves.emplace_back(CurvesOf(run)),
+          .X_GP = paths.emplace_back(PathOf(run)),
           .bone = run.bone,
           .after = run.after,
           .tool = run.tool,
@@ -118,11 +129,11 @@ TEST(Report, ATickWithoutTheArmsMessageIsNoForceOfZero) {
   control::TickRecord& silent = run.ticks.at(run.ticks.size() / 2);
   ASSERT_GT(Wrench(silent.F_coupling_T_W).f.norm(), 10.0);
   silent.input.received = static_cast<std::uint8_t>(control::ReceiveResult::kTimeout);
-  const std::string chart = ForceChart(run.ticks, 200.0);
+  const std::string chart = ForceChart(CurvesOf(run), 200.0);
   silent.F_coupling_T_W = silent.F_operator_T_W = {};
-  EXPECT_EQ(ForceChart(run.ticks, 200.0), chart);
+  EXPECT_EQ(ForceChart(CurvesOf(run), 200.0), chart);
   silent.input.received = static_cast<std::uint8_t>(control::ReceiveResult::kOk);
-  EXPECT_NE(ForceChart(run.ticks, 200.0), chart) << "a force of 0 that was rendered is drawn";
+  EXPECT_NE(ForceChart(CurvesOf(run), 200.0), chart) << "a force of 0 that was rendered is drawn";
 }
 
 TEST(Report, ListsTheFiguresWithoutASource) {

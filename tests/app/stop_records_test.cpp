@@ -39,6 +39,29 @@ void Add(std::vector<TickRecord>& ticks, int count, Phase phase, std::uint32_t f
   }
 }
 
+std::vector<StopRecord> FindStops(const std::vector<TickRecord>& ticks) {
+  StopFinder finder;
+  std::vector<StopRecord> stops;
+  const auto take = [&stops](std::optional<StopRecord> stop) {
+    if (stop) stops.push_back(std::move(*stop));
+  };
+  for (const TickRecord& tick : ticks) take(finder.Add(tick));
+  take(finder.Finish());
+  return stops;
+}
+
+tl::expected<std::vector<WrittenStop>, std::string> WriteStops(
+    const std::vector<TickRecord>& ticks, const std::filesystem::path& folder,
+    const std::vector<io::RecordedEvent>& events = {}) {
+  const config::CellConfig cell = Cell();
+  StopPages pages({.folder = folder, .stem = "ride", .cell = cell});
+  io::SessionInfo session;
+  session.force_limit_N = 150.0;
+  for (const TickRecord& tick : ticks) pages.Add(session, tick);
+  for (const io::RecordedEvent& event : events) pages.Add(event);
+  return pages.Finish();
+}
+
 // A fault after eight seconds, a recovery, a short ride, and the run's end.
 std::vector<TickRecord> TwoStops() {
   std::vector<TickRecord> ticks;
@@ -58,16 +81,20 @@ TEST(StopRecords, HoldFiveSecondsBeforeAndHalfASecondAtRest) {
   const std::vector<TickRecord> ticks = TwoStops();
   const std::vector<StopRecord> stops = FindStops(ticks);
   ASSERT_EQ(stops.size(), 2u);
-  EXPECT_EQ(stops[0].stop, 8500u);
-  EXPECT_EQ(stops[0].begin, 3500u);
-  EXPECT_EQ(stops[0].end, 8600u + 501u) << "at rest from tick 8600 on";
+  // ticks are numbered from 0
+  EXPECT_EQ(stops[0].ticks[stops[0].stop].tick, 8500u);
+  EXPECT_EQ(stops[0].ticks.front().tick, 3500u);
+  EXPECT_EQ(stops[0].ticks.back().tick, 8600u + 500u) << "at rest from tick 8600 on";
+  EXPECT_EQ(stops[0].ticks.size(), 9101u - 3500u);
   EXPECT_EQ(stops[0].Why(), "arm left COMMANDING_ACTIVE; motion not permitted");
   EXPECT_FALSE(stops[0].asked);
-  EXPECT_EQ(stops[1].stop, 10900u);
-  EXPECT_EQ(stops[1].begin, 5900u) << "what came before, the last stop included";
-  EXPECT_EQ(stops[1].end, ticks.size());
+  EXPECT_EQ(stops[1].ticks[stops[1].stop].tick, 10900u);
+  EXPECT_EQ(stops[1].ticks.front().tick, 5900u) << "what came before, the last stop included";
+  EXPECT_EQ(stops[1].ticks.back().tick, ticks.back().tick);
   EXPECT_EQ(stops[1].Why(), "asked for");
-  EXPECT_EQ(stops[0].rest, 8600u);
+  EXPECT_EQ(stops[0].ticks[stops[0].rest].tick, 8600u);
+  EXPECT_FALSE(stops[0].cut_off);
+  EXPECT_TRUE(stops[1].cut_off);
   EXPECT_STREQ(stops[0].Heading(), "What led to the stop");
   EXPECT_STREQ(stops[1].Heading(), "How the run ended");
 }
@@ -83,8 +110,8 @@ TEST(StopRecords, APauseIsShownAtRestForHalfASecond) {
     ticks[1000].input.pause = true;
     const std::vector<StopRecord> stops = FindStops(ticks);
     ASSERT_EQ(stops.size(), 1u);
-    EXPECT_EQ(stops[0].rest, 1080u);
-    EXPECT_EQ(stops[0].end, paused == 300 ? 1380u : 1080u + 501u);
+    EXPECT_EQ(stops[0].ticks[stops[0].rest].tick, 1080u);
+    EXPECT_EQ(stops[0].ticks.back().tick, paused == 300 ? 1379u : 1080u + 500u);
     EXPECT_STREQ(stops[0].Heading(), "How the pause began");
     EXPECT_TRUE(stops[0].IsPause());
   }
@@ -99,8 +126,20 @@ TEST(StopRecords, AStopZeroIsOverWhereTheArmStands) {
     ticks[i].cell_state = static_cast<std::uint8_t>(safety::CellState::kStop0);
   const std::vector<StopRecord> stops = FindStops(ticks);
   ASSERT_EQ(stops.size(), 1u);
-  EXPECT_EQ(stops[0].rest, 1400u);
-  EXPECT_EQ(stops[0].end, 1400u + 501u);
+  EXPECT_EQ(stops[0].ticks[stops[0].rest].tick, 1400u);
+  EXPECT_EQ(stops[0].ticks.back().tick, 1400u + 500u);
+}
+
+// A loop that never comes to rest must not fill the memory.
+TEST(StopRecords, HoldNoMoreTicksThanTheyMay) {
+  std::vector<TickRecord> ticks;
+  Add(ticks, 30'000, Phase::kHaptic);
+  for (TickRecord& tick : ticks) tick.stamp = 0;  // all within five seconds
+  Add(ticks, 30'000, Phase::kStopping);
+  const std::vector<StopRecord> stops = FindStops(ticks);
+  ASSERT_EQ(stops.size(), 1u);
+  EXPECT_EQ(stops[0].ticks[stops[0].stop].tick, 30'000u);
+  EXPECT_LE(stops[0].ticks.size(), 2 * StopFinder::kMaxTicks);
 }
 
 TEST(StopRecords, APauseIsSaidToBeOne) {
@@ -123,8 +162,8 @@ TEST(StopRecords, APauseOfAToolThatHardlyMovesIsOneAsWell) {
   const std::vector<StopRecord> stops = FindStops(ticks);
   ASSERT_EQ(stops.size(), 1u);
   EXPECT_TRUE(stops[0].IsPause());
-  EXPECT_EQ(stops[0].rest, 100u);
-  EXPECT_EQ(stops[0].end, 601u);
+  EXPECT_EQ(stops[0].ticks[stops[0].rest].tick, 100u);
+  EXPECT_EQ(stops[0].ticks.back().tick, 600u);
 }
 
 TEST(StopRecords, ARunThatNeverMovedHasNone) {
@@ -137,12 +176,10 @@ TEST(StopRecords, ARunThatNeverMovedHasNone) {
 
 TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
   const TemporaryFolder folder;
-  io::Recording recording;
-  recording.ticks = TwoStops();
-  recording.session.force_limit_N = 150.0;
-  recording.events = {
-      {0, "fault: motion not permitted"}, {1, "end: 4 s of rendering were over"}, {2, "depth"}};
-  const auto pages = WriteStops(recording, Cell(), folder.path(), "ride");
+  std::vector<TickRecord> ticks = TwoStops();
+  const auto pages = WriteStops(
+      ticks, folder.path(),
+      {{0, "fault: motion not permitted"}, {1, "end: 4 s of rendering were over"}, {2, "depth"}});
   ASSERT_TRUE(pages) << pages.error();
   ASSERT_EQ(pages->size(), 2u);
   const std::string page = io::test::ReadAll(pages->front().page);
@@ -168,8 +205,8 @@ TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
   const std::string table = io::test::ReadAll(folder.path() / "ride_stop_1_ticks.csv");
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 9101 - 3500);
 
-  recording.ticks.resize(9000);
-  ASSERT_TRUE(WriteStops(recording, Cell(), folder.path(), "ride"));
+  ticks.resize(9000);
+  ASSERT_TRUE(WriteStops(ticks, folder.path()));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_1.html"));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_2.html")) << "nobody asked to remove it";
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_2_ticks.csv"));
@@ -178,10 +215,8 @@ TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
 // What is not shown is said, with its reason.
 TEST(StopRecords, AnArmThatIsNotSeenAtRestIsSaidToBe) {
   const TemporaryFolder folder;
-  const auto page_of = [&](std::vector<TickRecord> ticks) {
-    io::Recording recording;
-    recording.ticks = std::move(ticks);
-    const auto pages = WriteStops(recording, Cell(), folder.path(), "ride");
+  const auto page_of = [&](const std::vector<TickRecord>& ticks) {
+    const auto pages = WriteStops(ticks, folder.path());
     return pages && pages->size() == 1 ? io::test::ReadAll(pages->front().page) : std::string();
   };
   std::vector<TickRecord> ticks;
@@ -195,9 +230,7 @@ TEST(StopRecords, AnArmThatIsNotSeenAtRestIsSaidToBe) {
 }
 
 TEST(StopRecords, AFolderThatIsNotThereIsNamed) {
-  io::Recording recording;
-  recording.ticks = TwoStops();
-  const auto pages = WriteStops(recording, Cell(), "/nowhere", "ride");
+  const auto pages = WriteStops(TwoStops(), "/nowhere");
   ASSERT_FALSE(pages);
   EXPECT_NE(pages.error().find("/nowhere/ride_stop_1_ticks.csv"), std::string::npos) << pages.error();
 }

@@ -21,12 +21,19 @@ namespace {
 using io::test::ReadAll;
 using io::test::TemporaryFolder;
 
+DurationCounts CountsOf(const std::vector<rt::Nanoseconds>& durations) {
+  DurationCounts counts;
+  for (const rt::Nanoseconds duration : durations) counts.Add(duration);
+  return counts;
+}
+
 TEST(Quantiles, AreThoseOfTheSortedList) {
   // 0, 1, … 999 ms in any order: the share p has p·1000 values below it
-  std::vector<double> seconds(1000);
-  for (std::size_t i = 0; i < seconds.size(); ++i) seconds[i] = 1e-3 * static_cast<double>(i);
-  std::shuffle(seconds.begin(), seconds.end(), std::mt19937(7));
-  const DurationFigures figures = Quantiles(seconds);
+  std::vector<rt::Nanoseconds> durations(1000);
+  for (std::size_t i = 0; i < durations.size(); ++i)
+    durations[i] = static_cast<rt::Nanoseconds>(i) * rt::kMillisecond;
+  std::shuffle(durations.begin(), durations.end(), std::mt19937(7));
+  const DurationFigures figures = Quantiles(CountsOf(durations));
   EXPECT_EQ(figures.count, 1000u);
   EXPECT_DOUBLE_EQ(figures.p50_s, 0.500);
   EXPECT_DOUBLE_EQ(figures.p99_s, 0.990);
@@ -37,10 +44,10 @@ TEST(Quantiles, AreThoseOfTheSortedList) {
 TEST(Quantiles, OfFewValuesStayWithinThem) {
   EXPECT_EQ(Quantiles({}).count, 0u);
   EXPECT_EQ(Quantiles({}).max_s, 0.0);
-  const DurationFigures one = Quantiles({0.25});
+  const DurationFigures one = Quantiles(CountsOf({250 * rt::kMillisecond}));
   EXPECT_EQ(one.p50_s, 0.25);
   EXPECT_EQ(one.p999_s, 0.25);
-  const DurationFigures two = Quantiles({3.0, 1.0});
+  const DurationFigures two = Quantiles(CountsOf({3 * rt::kSecond, rt::kSecond}));
   EXPECT_LE(two.p50_s, two.p99_s);
   EXPECT_EQ(two.max_s, 3.0);
 }
@@ -58,7 +65,9 @@ TEST(DriveFaultRows, AreWhatWasLatchedWhenAndWhatClearedIt) {
     ticks[i].input.drive_faults = i < 2100 ? 1u << 2 : 1u << 2 | 1u << 0;
     ticks[i].input.drive_emergency_code = 0x4310;
   }
-  const std::vector<DriveFaultRow> rows = DriveFaultRows(ticks);
+  DriveFaultRows gathered;
+  for (const control::TickRecord& tick : ticks) gathered.Add(tick);
+  const std::vector<DriveFaultRow>& rows = gathered.rows();
   ASSERT_EQ(rows.size(), 4u);
   EXPECT_NEAR(rows[0].time_s, 0.3, 1e-9);
   EXPECT_EQ(rows[0].latched, 1u << 3);
@@ -327,7 +336,9 @@ TEST(SummaryRows, SayWhichLimitsActedWhenAndForHowLong) {
   }
   RunSummary summary;
   EXPECT_EQ(RowOf(summary, "Limits that acted"), "none");
-  summary.acted_limits = ActedLimits(ticks, 1e-3);
+  ActedLimits acted_limits;
+  for (const control::TickRecord& tick : ticks) acted_limits.Add(tick);
+  summary.acted_limits = acted_limits.Rows(1e-3);
   EXPECT_EQ(RowOf(summary, "Limits that acted"),
             "power from 0.02 s (14 ticks, 0.010 s at most); depth from 0.10 s (1 ticks, 0.001 s at most)");
   const nlohmann::json acted =

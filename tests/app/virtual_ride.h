@@ -9,11 +9,20 @@
 
 #include "app/cell_run.h"
 #include "app/cell_setup.h"
+#include "app/run_accumulator.h"
 #include "app/summary.h"
 #include "io/recording/recording_reader.h"
 #include "tests/io/temporary_folder.h"
 
 namespace osteon::app {
+
+/// A recording in memory, gathered as a run's end gathers it from the file.
+inline RunAccumulator Gathered(const CellSetup& setup, const io::Recording& recording) {
+  RunAccumulator run(setup);
+  for (const control::TickRecord& tick : recording.ticks) run.Add(tick);
+  for (const simulation::FrameRecord& frame : recording.frames) run.Add(frame);
+  return run;
+}
 
 /// A run of a shipped cell in virtual time, in this process, and what it left.
 struct VirtualRide {
@@ -41,7 +50,7 @@ VirtualRide RideVirtually(const std::string& name, double seconds, const Change&
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
   VirtualRide ride;
-  ride.summary = Summarise(*setup, **engine, params, *result, *recording);
+  ride.summary = Summarise(*setup, **engine, params, *result, Gathered(*setup, *recording));
   ride.recording = std::move(*recording);
   ride.cell = nlohmann::json::parse(ride.summary.cell_report);
   ride.result = std::move(*result);

@@ -76,13 +76,14 @@ Ride RideOf(const std::string& name, double error_m, double seconds, bool slow) 
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
   Ride ride;
-  ride.summary = Summarise(setup, **engine, params, *result, *recording);
+  const RunAccumulator run = Gathered(setup, *recording);
+  ride.summary = Summarise(setup, **engine, params, *result, run);
   const auto& last = result->rezoned;
   ride.promised_m = last.empty() ? setup.planned->plan.promised_m : last.back().zones.promised_m;
   const simulation::CutAccuracy cut = simulation::MeasureCut(
       *setup.solid, simulation::BallUnion(last.empty() ? setup.bone.balls : last.back().bone.balls),
       simulation::BallUnion(simulation::LiveBalls(result->after)),
-      simulation::SweptTool(setup.config.tool.tool, simulation::ProxyPath(recording->frames, setup.X_WG)),
+      simulation::SweptTool(setup.config.tool.tool, run.path.X_GP()),
       {.probe_radii_m = {}, .surface_cells = 12'000, .probe_samples = 1});
   ride.error_m = cut.depth_error_m + cut.MeanLeft_m();
   ride.result = std::move(*result);

@@ -172,19 +172,23 @@ std::vector<FrameRecord> Plunge(double from_m, double to_m, double bone_from_m, 
   return frames;
 }
 
+double ReamedBy(const Tool& tool, const std::vector<FrameRecord>& frames) {
+  ReamedDepth reamed(Bone{}, tool, Pose::Identity());
+  for (const FrameRecord& frame : frames) reamed.Add(frame);
+  return reamed.depth_m();
+}
+
 TEST(ReamedDepth, IsWhatTheApexWentIntoBone) {
   const double R = 0.022;
   const Tool tool = MakeReamer(R, 0.008, 0.1, 0.9, Vector3::Zero());
   const double area_m2 = 0.3 * M_PI * R * R;
   // all of a cut of 5 mm below a way of 3 mm through the air
-  EXPECT_NEAR(ReamedDepth(Bone{}, tool, Plunge(0.0, 0.008, 0.003, 0.008, area_m2), Pose::Identity()), 0.005,
-              1e-5);
+  EXPECT_NEAR(ReamedBy(tool, Plunge(0.0, 0.008, 0.003, 0.008, area_m2)), 0.005, 1e-5);
   // through a plate of 5 mm, and on for 20 mm: to a step
-  EXPECT_NEAR(ReamedDepth(Bone{}, tool, Plunge(0.0, 0.028, 0.003, 0.008, area_m2), Pose::Identity()), 0.005,
-              0.26e-3);
+  EXPECT_NEAR(ReamedBy(tool, Plunge(0.0, 0.028, 0.003, 0.008, area_m2)), 0.005, 0.26e-3);
   // past the bone: 2 mm³ along 38 mm
-  EXPECT_EQ(ReamedDepth(Bone{}, tool, Plunge(0.0, 0.041, 0.003, 0.041, 2e-9 / 0.038), Pose::Identity()), 0.0);
-  EXPECT_EQ(ReamedDepth(Bone{}, tool, {}, Pose::Identity()), 0.0);
+  EXPECT_EQ(ReamedBy(tool, Plunge(0.0, 0.041, 0.003, 0.041, 2e-9 / 0.038)), 0.0);
+  EXPECT_EQ(ReamedBy(tool, {}), 0.0);
 }
 
 }  // namespace

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/tick_record.h"
+
+namespace osteon::app {
+
+/// What the reamer's drive reported, at its time since the run's start: faults that were latched then.
+struct DriveFaultRow {
+  double time_s{0.0};
+  std::uint8_t latched{0};          ///< io::DriveFault bits; 0: the drive was reset
+  std::uint8_t nmt_state{0};        ///< CiA 301
+  std::uint16_t emergency_code{0};  ///< CiA 301; 0: none
+  std::uint16_t error_code{0};      ///< 603F, CiA 402; 0: none
+  std::string text;                 ///< with the codes' meaning
+};
+
+/// From the ticks: a row whenever something more was latched, and when it was cleared.
+class DriveFaultRows {
+ public:
+  void Add(const control::TickRecord& tick);
+  [[nodiscard]] const std::vector<DriveFaultRow>& rows() const { return rows_; }
+
+ private:
+  std::vector<DriveFaultRow> rows_;
+  std::optional<rt::Nanoseconds> start_;  // the first tick's stamp
+  std::uint8_t before_{0};
+};
+
+}  // namespace osteon::app

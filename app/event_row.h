@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+namespace osteon::app {
+
+/// Something that happened in the scene, as simulation::SceneEvent, or an operator's pause or its end, at its
+/// time since the run's start.
+struct EventRow {
+  std::string name;
+  double time_s{0.0};
+  double value{0.0};  ///< in `unit`
+  std::string unit;
+};
+
+}  // namespace osteon::app
