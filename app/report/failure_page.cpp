@@ -122,21 +122,53 @@ tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntr
   return WritePage(html + kPageEnd, folder / "failures.html");
 }
 
+std::string WrapMarkdown(std::string_view paragraph) {
+  constexpr std::size_t kWidth = 120;
+  const auto width_of = [](std::string_view word) {  // characters of UTF-8
+    return static_cast<std::size_t>(
+        std::ranges::count_if(word, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  };
+  const auto first_word_of = [](std::string_view text) {  // `code with spaces` is one
+    bool code = false;
+    const auto end = std::ranges::find_if(text, [&code](char c) {
+      code = code != (c == '`');
+      return c == ' ' && !code;
+    });
+    return text.substr(0, static_cast<std::size_t>(end - text.begin()));
+  };
+  std::string wrapped;
+  std::size_t column = 0;
+  while (!paragraph.empty()) {
+    const std::string_view word = first_word_of(paragraph);
+    paragraph.remove_prefix(std::min(paragraph.size(), word.size() + 1));
+    const std::size_t width = width_of(word);
+    if (column > 0) {
+      const bool fits = column + 1 + width <= kWidth;
+      wrapped += fits ? ' ' : '\n';
+      column = fits ? column + 1 : 0;
+    }
+    wrapped += word;
+    column += width;
+  }
+  return wrapped;
+}
+
 std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const FailurePageHead& head,
                             const std::string& pictures) {
   const auto passed = std::ranges::count_if(entries, &FailurePageEntry::passed);
   std::string page = fmt::format(
       "# Where methods fail\n\n"
       "*In which scenes does haptic cutting go wrong, what does that look like, and what does ours do "
-      "there?*\n\n"
-      "Each scenario has a baseline, a plainer method or setting, which must be *seen* to fail, and a bound "
-      "that "
-      "ours must keep. Orange and brown are the baseline's lines, blue and green ours. In the sketches "
-      "black is what the hand does, and dashed what is meant, or was, but is not.\n\n"
-      "Written by `{}`: {} on {}{}. {} of {} kept, with their baselines seen to fail.\n\n"
+      "there?*\n\n{}\n\n{}\n\n"
       "| | scenario | metric | bound | baseline | ours | |\n|---|---|---|---|---|---|---|\n",
-      head.command_line, head.engine, head.device, head.quick ? ", small scenes" : "", passed,
-      entries.size());
+      WrapMarkdown("Each scenario has a baseline, a plainer method or setting, which must be *seen* to fail, "
+                   "and a bound "
+                   "that ours must keep. Orange and brown are the baseline's lines, blue and green ours. In "
+                   "the sketches "
+                   "black is what the hand does, and dashed what is meant, or was, but is not."),
+      WrapMarkdown(fmt::format(
+          "{} of {} kept, with their baselines seen to fail. Written by `{}`: {} on {}{}.", passed,
+          entries.size(), head.command_line, head.engine, head.device, head.quick ? ", small scenes" : "")));
   for (const FailurePageEntry& entry : entries) {
     const FailureResult& r = entry.result;
     page += entry.error.empty()
@@ -148,10 +180,12 @@ std::string FailureMarkdown(std::span<const FailurePageEntry> entries, const Fai
   for (const FailurePageEntry& entry : entries) {
     const FailureResult& r = entry.result;
     if (!entry.error.empty()) continue;
-    page +=
-        fmt::format("\n## {} {}\n\nBaseline: {}. {}\n\n![{}: the scene, baseline and ours]({}/{})\n", r.id,
-                    r.name, r.baseline_name, Sentence(r.note), r.name, pictures, FileName(r, "_scene"));
-    page += fmt::format("\n![{}: {}, baseline and ours]({}/{})\n", r.name, Plotted(r), pictures, FileName(r));
+    page += fmt::format("\n## {} {}\n\n{}\n\n![{}: the scene, baseline and ours]({}/{})\n\n", r.id, r.name,
+                        WrapMarkdown(fmt::format("Baseline: {}. {}", r.baseline_name, Sentence(r.note))),
+                        r.name, pictures, FileName(r, "_scene"));
+    page += WrapMarkdown(fmt::format("![{}: {}, baseline and ours]({}/{})", r.name, Plotted(r), pictures,
+                                     FileName(r))) +
+            "\n";
   }
   return page;
 }

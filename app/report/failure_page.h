@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include <tl/expected.hpp>
 
@@ -33,6 +34,9 @@ struct FailurePageHead {
 [[nodiscard]] tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntry> entries,
                                                                const FailurePageHead& head,
                                                                const std::filesystem::path& folder);
+
+/// A paragraph of Markdown in lines of 120 characters at most, broken at single spaces outside of `code`.
+[[nodiscard]] std::string WrapMarkdown(std::string_view paragraph);
 
 /// The same as a Markdown page, whose pictures lie in a folder that it names from its own.
 [[nodiscard]] std::string FailureMarkdown(std::span<const FailurePageEntry> entries,

@@ -71,6 +71,15 @@ TEST(FailureChart, CutsNoText) {
   EXPECT_EQ(TextsOverlapping(svg), "");
 }
 
+TEST(FailureTable, ParagraphsAreInLinesOf120Characters) {
+  EXPECT_EQ(WrapMarkdown(""), "");
+  EXPECT_EQ(WrapMarkdown("short"), "short");
+  const std::string word(59, 'a'), micro = std::string(58, 'b') + "\xC2\xB5";
+  EXPECT_EQ(WrapMarkdown(word + " " + micro + " c"), word + " " + micro + "\nc") << "59 + 1 + 59 characters";
+  EXPECT_EQ(WrapMarkdown(word + " " + word + " `ls -l`"), word + " " + word + "\n`ls -l`");
+  EXPECT_EQ(WrapMarkdown(std::string(130, 'd') + " e"), std::string(130, 'd') + "\ne") << "a word is not cut";
+}
+
 TEST(FailureTable, NumbersAreShort) {
   const FailurePageEntry entry{.result = Example(), .passed = true, .seconds = 1.0};
   const std::string page = FailureMarkdown({&entry, 1}, {}, "pictures");
