@@ -12,6 +12,7 @@
 #include "app/report/run_charts.h"
 #include "app/run_accumulator.h"
 #include "app/summary.h"
+#include "config/load.h"
 #include "control/ports.h"
 #include "io/recording/recorder.h"
 #include "simulation/tools/swept_tool.h"
@@ -102,6 +103,7 @@ class Source {
 
 CellSetup SetupOfLongRun() {
   CellSetup setup;
+  setup.config = config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/thin_plate.yaml");
   setup.config.tool.tool = simulation::MakeReamer(0.025, 0.008, 0.1, 0.9, Vector3::Zero());
   return setup;
 }

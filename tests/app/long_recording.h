@@ -12,7 +12,7 @@
 
 namespace osteon::app {
 
-/// A reamer and no bone: all that reading a recording needs of a cell.
+/// A shipped cell with a reamer, and no bone: all that reading a recording needs of a cell.
 [[nodiscard]] CellSetup SetupOfLongRun();
 
 /// Ticks and frames at 1 kHz, by a clock of its own: a hand that wanders, presses and trembles, durations
