@@ -35,9 +35,29 @@ DocRun Torn() {
   return run;
 }
 
+// The tutorial's cell: the demo's with another force limit.
+DocRun OwnCell() {
+  DocRun run =
+      As("demo --virtual-time --seconds 0.5 --cell config/cells/my_cell.yaml --tool reamer:54 --out my_out",
+         {"my_out/report.html"});
+  run.before = [](const std::filesystem::path& folder) {
+    std::string cell = ReadAll(folder / "config/cells/demo.yaml");
+    const std::string limit = "max_force_N: 200";
+    if (const std::size_t at = cell.find(limit); at != std::string::npos)
+      cell.replace(at, limit.size(), "max_force_N: 80");
+    WriteAll(folder / "config/cells/my_cell.yaml", cell);
+  };
+  return run;
+}
+
 const std::map<std::string, DocRun>& Runs() {
   static const std::map<std::string, DocRun> runs{
       {"osteon demo", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
+      {"osteon demo --virtual-time", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
+      {"osteon demo --virtual-time --cell config/cells/my_cell.yaml --tool reamer:54 --out my_out",
+       OwnCell()},
+      {"osteon demo --virtual-time --cell config/cells/silent.yaml --out silent_out",
+       By("Regress.TheWholeSuitePasses")},  // its scenario sensor_silent
 
       {"osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50",
        As("bench frame --spheres 20000 --tool-spheres 20 --compare brute --frames 20")},

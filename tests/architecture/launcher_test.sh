@@ -14,7 +14,7 @@ COMMIT_STEP=$(sed -n 's/^add_custom_target(osteon_commit .*COMMENT "\(.*\)"$/\1/
 export COMMIT_STEP # what every build does, and the launcher says nothing of
 mkdir "$checkout" "$fakes" "$work/elsewhere"
 cp "$here/../../osteon" "$checkout/"
-printf '[run]  comment\ncompiler  # why\nlibrary-dev\n\n[test]\noracle-dev\n\n[optional]\nextra-dev\n' >"$checkout/packages.txt"
+printf '[run]  comment\ncompiler  # why\nlibrary-dev\n\n[test]\noracle-dev\n\n[optional]\nextra-dev\n\n[docs]\nsite-maker\n' >"$checkout/packages.txt"
 printf 'ID=debian\nVERSION_ID="12"\nPRETTY_NAME="Debian GNU/Linux 12"\n' >"$work/debian"
 export OSTEON_OS_RELEASE=$work/debian
 
@@ -29,7 +29,7 @@ echo "apt-get $*" >>"$FAKES/calls"; echo "Setting up"
 [[ ! -e /proc/$$/fd/9 ]] || echo "lock held" >>"$FAKES/calls"
 if [[ -e $FAKES/apt_broken ]]; then echo "E: no network"; exit 100; fi
 if [[ -e $FAKES/no_extra && $* == *extra-dev* ]]; then echo "E: Unable to locate package extra-dev"; exit 100; fi
-if [[ " $* " == *" install "* ]]; then printf '%s\n' "${@##-*}" | grep -E '^(compiler|library-dev|oracle-dev|extra-dev)$' >>"$FAKES/installed"; fi
+if [[ " $* " == *" install "* ]]; then printf '%s\n' "${@##-*}" | grep -E '^(compiler|library-dev|oracle-dev|extra-dev|site-maker)$' >>"$FAKES/installed"; fi
 F
 fake sudo <<'F'
 #!/usr/bin/env bash
@@ -75,6 +75,12 @@ F
 fake ctest <<'F'
 #!/usr/bin/env bash
 echo "ctest $*, $CTEST_PARALLEL_LEVEL at once" >>"$FAKES/calls"; [[ ! -e /proc/$$/fd/9 ]] || echo "lock held"; echo "100% tests passed"; exit "${RC:-0}"
+F
+fake mkdocs <<'F'
+#!/usr/bin/env bash
+echo "mkdocs $*" >>"$FAKES/calls"
+[[ ! -e /proc/$$/fd/9 ]] || echo "lock held" >>"$FAKES/calls"
+[[ ! -e $FAKES/bad_page ]] || { echo "WARNING  -  a link to 'x.md', which is not found in the documentation files."; exit 1; }
 F
 
 failures=0
@@ -141,6 +147,20 @@ CTEST_PARALLEL_LEVEL=7 run "$checkout/osteon" test
 expect 'a number that was given stays' has "$(calls)" ', 7 at once'
 run "$checkout/osteon" demo
 expect 'the demo keeps the tests'\'' configuration' equal "$(calls | cut -d' ' -f1)" ninja
+
+run "$checkout/osteon" docs
+expect 'the site brings its packages' has "$(calls)" 'install --no-install-recommends site-maker'
+expect 'the site is made of its configuration' has "$(calls)" "mkdocs build --strict --clean --config-file $checkout/mkdocs.yml"
+expect 'its first page is named' equal "$out" "$checkout/build/site/index.html"
+expect 'nothing is compiled for it' lacks "$(calls)" ninja
+run "$checkout/osteon" docs extra
+expect 'the site takes no arguments' equal "$rc" 2
+expect 'and says which it was given' has "$err" "found 'extra'"
+touch "$fakes/bad_page"
+run "$checkout/osteon" docs
+expect 'a page that is not right exits 2' equal "$rc" 2
+expect 'and the reason is shown' has "$err" 'not found in the documentation files'
+rm "$fakes/bad_page"
 
 touch "$fakes/broken"
 run "$checkout/osteon" demo
