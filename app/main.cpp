@@ -213,6 +213,7 @@ int Run(int argc, char** argv) {
       ->capture_default_str();
   app.footer(
       "The launcher ./osteon adds:\n  test [ctest arguments]      builds and runs every test\n"
+      "  docs                        builds the documents as a site\n"
       "  clean                       removes what was built\n\n"
       "Examples:\n  osteon demo\n  osteon demo --help\n  osteon run --help\n  osteon pack --help\n  osteon "
       "bench frame\n  osteon "
