@@ -209,7 +209,8 @@ int Run(const SpeedAccuracyOptions& options) {
                   result->machine),
       "Four tasks: a ball of 5 mm plunges 5 mm into a block, and slides 6 mm along it; a reamer of 25 mm "
       "goes 3 mm "
-      "deeper in its cup; a burr of 1.5 mm drills a channel of 9 mm. Then the same tool is pressed .5 mm off "
+      "deeper in its cup; a burr of 1.5 mm drills a channel of 9 mm. Then the same tool is pressed 0.5 mm "
+      "off "
       "its own "
       "way with the spindle still, and the force is compared with the spring's, which is exact there. Points "
       "are "

@@ -232,7 +232,7 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const std::str
   if (r.Stands())
     html +=
         "<h2>Stiffer hands, with the vibration index</h2>\n<p>The grip closes on a tool that moves with 40 "
-        "mm/s. Force of the hand between 5 and 40 Hz, effective over .2 s, the greatest; drag as a "
+        "mm/s. Force of the hand between 5 and 40 Hz, effective over 0.2 s, the greatest; drag as a "
         "multiple of the recommended, the greatest and the mean from 1 s on, to 10 s.</p>\n" +
         CarriedTable(r);
   if (r.Stands()) html += "<pre>" + Escape(GainsYaml(r, options.command_line)) + "</pre>\n";

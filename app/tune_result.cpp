@@ -241,7 +241,7 @@ std::string BoundaryCsv(const TuneResult& r) {
 
 std::string CarriedTable(const TuneResult& r) {
   std::string table =
-      "<table>\n<tr><th>hand</th><th>worst contact</th><th>force from .5 s on [N]</th><th>from 1 s on "
+      "<table>\n<tr><th>hand</th><th>worst contact</th><th>force from 0.5 s on [N]</th><th>from 1 s on "
       "[N]</th>"
       "<th>drag, most</th><th>drag, mean</th></tr>\n";
   for (const TuneCarried& c : r.carried)

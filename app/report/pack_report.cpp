@@ -38,7 +38,8 @@ std::string RadiusLegend(double least_mm, double greatest_mm) {
                          c.y(), c.z());
   }
   std::string out = fmt::format(
-      "<svg width=\"420\" height=\"44\" viewBox=\"0 0 420 44\" xmlns=\"http://www.w3.org/2000/svg\" "
+      "<svg width=\"420\" height=\"44\" viewBox=\"0 0 420 44\" "
+      "style=\"max-width:100%;height:auto\" xmlns=\"http://www.w3.org/2000/svg\" "
       "font-family=\"{}\" font-size=\"12\" fill=\"{}\"><defs><linearGradient "
       "id=\"radii\">{}</linearGradient></defs>"
       "<rect x=\"60\" y=\"4\" width=\"300\" height=\"14\" fill=\"url(#radii)\"/>",

@@ -51,9 +51,13 @@ std::vector<LegendEntry> Legend(const Section& section, const simulation::Bone& 
   }
   if (section.materials.empty())
     legend.push_back({.text = "bone", .color = kBoneTint, .mark = LegendEntry::Mark::kFill});
+  if (section.swept.empty()) {  // nothing was cut: both outlines are the same
+    legend.push_back({.text = "outline of the spheres", .color = kTextColor});
+    return legend;
+  }
   legend.push_back({.text = "before", .color = kMutedColor, .mark = LegendEntry::Mark::kDash});
   legend.push_back({.text = "after", .color = kTextColor});
-  if (!section.swept.empty()) legend.push_back({.text = "swept by the tool", .color = kPalette[1]});
+  legend.push_back({.text = "swept by the tool", .color = kPalette[1]});
   return legend;
 }
 

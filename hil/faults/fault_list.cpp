@@ -236,7 +236,7 @@ void AddArm(std::vector<FaultCase>& cases) {
   {
     const Expected stops = Stops(Of({Fault::kTracking, Fault::kArmSpeed}), kAtOnce);
     cases.push_back({.name = "measured joints jump",
-                     .injected = "A1 by .2 rad",
+                     .injected = "A1 by 0.2 rad",
                      .inject = [](RigInputs& in, int, FaultRig&) { in.arm.q_meas[0] += 0.2; },
                      .waiting = kWaits,
                      .aligning = stops,

@@ -268,6 +268,18 @@ TEST(Section, DetailOfACutThatTheToolLeftIsWhereTheCutIs) {
   EXPECT_LT((middle - Vector2(0, 0)).norm(), 0.0075) << "on the cavity, not about the tool's last place";
 }
 
+// A packing's page shows spheres that no tool has met.
+TEST(Section, OfWhatWasNotCutHasNoBeforeAndAfter) {
+  const SyntheticRun run =
+      MakeSyntheticRun({.spacing_m = 1.5e-3, .cap_m = 1.4e-3, .point_spacing_m = 1.5e-3, .frames = 100});
+  const std::string cut = SectionSvg(ComputeSection(run.bone, run.after, run.tool, PathOf(run)), run.bone);
+  EXPECT_NE(cut.find(">before<"), std::string::npos);
+  EXPECT_NE(cut.find(">swept by the tool<"), std::string::npos);
+  const std::string whole = SectionSvg(ComputeSection(run.bone, {}, {}, {}), run.bone);
+  EXPECT_EQ(whole.find(">before<"), std::string::npos);
+  EXPECT_NE(whole.find(">outline of the spheres<"), std::string::npos);
+}
+
 TEST(Section, SvgIsWellFormed) {
   const SyntheticRun run =
       MakeSyntheticRun({.spacing_m = 1.5e-3, .cap_m = 1.4e-3, .point_spacing_m = 1.2e-3, .frames = 100});
