@@ -8,7 +8,8 @@ FaultText Describe(Fault fault) {
       return {"none", "nothing", "runs", "nothing to clear"};
     case Fault::kArmStale:
       return {"arm message stale", "no message of the arm within its deadline, several times in a row",
-              "holds the last command, then Stop 1", "check cable and controller, begin a new run"};
+              "holds the last command; the arm is not under control (Stop 0)",
+              "check cable and controller, begin a new run"};
     case Fault::kModelStale:
       return {"contact model stale", "no frame of the simulation for longer than the watchdog allows",
               "holds the tool, then Stop 1", "check the simulation's load and device, begin a new run"};
