@@ -24,13 +24,13 @@
 
 namespace osteon::control {
 
-/// Where rendering begins. An arm that is handed over elsewhere goes there first.
+/// Where rendering begins. An arm that is handed over elsewhere moves there first.
 struct StartParams {
   kinematics::JointVectorN<7> q{
       kinematics::JointVectorN<7>::Zero()};  ///< [rad]; of a six-axis arm the first six
   JointPathParams path;
-  double there_rad{2e-3};  ///< every joint this near counts as there; > 0
-  /// A hand that pushes harder than this makes the arm rest on its path until it lets go; > 0 [N].
+  double there_rad{2e-3};  ///< tolerance of each joint at the start; > 0
+  /// If the hand pushes harder than this, the arm rests on its path until it lets go; > 0 [N].
   double pause_force_N{40.0};
 };
 
@@ -41,7 +41,7 @@ enum class Law : std::uint8_t {
   kImpedance,   ///< the arm carries itself (FRI's wrench or torque overlay): the coupling is added to it
 };
 
-/// Everything that the servo loop can be told. Every field has a usable default but the arm's limits
+/// All parameters of the servo loop. Every field has a usable default except the arm's limits
 /// (joints.limits).
 struct ServoParams {
   Law law{Law::kAdmittance};
