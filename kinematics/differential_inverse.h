@@ -35,8 +35,9 @@ struct DifferentialInverseParams {
   std::array<JointLimits, static_cast<std::size_t>(N)> limits{};
   double position_margin_rad{0.0174532925199433};  ///< distance kept from the position limits (1 deg); >= 0
   double speed_share{0.9};                         ///< usable share of the velocity limits, (0, 1]
-  double acceleration_share{1.0};  ///< usable share of the acceleration limits for a change, > 0; braking
-  ///< before a limit or the end of the reach uses the limits themselves
+  /// Usable share of the acceleration limits for a change, > 0. Braking before a limit or the end of the
+  /// reach uses the limits themselves.
+  double acceleration_share{1.0};
   double turning_length_m{0.3};  ///< a rotation of 1 rad weighs as much as this translation; > 0
   /// Singular values below this count as vanishing where the reach ends (|c_k| from 0.05 m/rad on). For an
   /// iiwa 0.07 m is an elbow bent by less than about 27 deg: the last 25 mm of its reach.
