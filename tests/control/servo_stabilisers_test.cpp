@@ -1,4 +1,4 @@
-// The stabilisers in the servo loop: what acts, what is recorded and counted, and that what does not act
+// The stabilisers in the servo loop: which ones act, what is recorded and counted, and that an inactive one
 // leaves no trace.
 
 #include <algorithm>
