@@ -151,8 +151,7 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
   const AxisDamping D = with_arm(1.0);
   const double ratio = AgeRatio(coupling, R_WT, D, ages, params_.tool_radius_m);
   if (ratio > 1.0) {
-    // the law's damping must supply the arm's share too, on the axis where the law's part of the sum is
-    // smallest
+    // the law's damping must supply the arm's share too, on the axis where the law has the smallest part
     double most_sum_over_law = 1.0;
     for (int i = 0; i < 3; ++i)
       most_sum_over_law = std::max(

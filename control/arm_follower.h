@@ -18,8 +18,7 @@ namespace osteon::control {
 /// Motion of the tool that is requested in a tick.
 struct FollowWish {
   Twist V_WT;  ///< of the tool at To, in W
-  /// Factor on the speed with which the elbow goes to its preferred place, until it has reached it: 0 … 1; 0
-  /// holds the elbow.
+  /// Scales the elbow's speed toward its preferred place until it has been there, 0 … 1; 0 holds the elbow.
   double elbow_share{0.0};
   double max_elbow_speed_m_per_s{std::numeric_limits<double>::infinity()};
   bool elbow_moves{false};  ///< false: the elbow is held on its circle, however the tool moves
@@ -112,12 +111,12 @@ class ArmFollower {
   Pose X_WT_{Pose::Identity()};
 };
 
-/// The cell's workspace; where the reamer's depth limit acts, with its bound as a zone of the apex.
+/// The cell's workspace; if the reamer's depth limit acts, with its bound as a zone of the apex.
 [[nodiscard]] safety::WorkspaceParams WorkspaceOf(const ServoParams& params);
 
-/// What the differential inverse is told. A radian weighs as the virtual tool's radius of gyration: what a
-/// vanishing direction takes from the twist is then what a smooth stop would take from a body of that mass
-/// and inertia. @tparam N number of joints, 6 or 7
+/// Parameters of the differential inverse. A radian weighs as the virtual tool's radius of gyration: a
+/// vanishing direction then takes from the twist what a smooth stop would take from a body of that mass and
+/// inertia. @tparam N number of joints, 6 or 7
 template <int N>
 [[nodiscard]] kinematics::DifferentialInverseParams<N> MotionParams(const ServoParams& params);
 
@@ -126,8 +125,7 @@ template <int N>
 [[nodiscard]] std::unique_ptr<ArmFollower> MakeFollower(const ServoParams& params,
                                                         const kinematics::LbrArm& arm, const Pose& X_WB,
                                                         const Pose& X_FT, double arm_angle_rad);
-/// An arm without a redundant joint and with no known torques: of ServoParams, posture, posture_load and
-/// arm_body do not count.
+/// An arm without a redundant joint and with unknown torques: ignores posture, posture_load and arm_body.
 [[nodiscard]] std::unique_ptr<ArmFollower> MakeFollower(const ServoParams& params,
                                                         const kinematics::OrthoParallelArm& arm,
                                                         const Pose& X_WB, const Pose& X_FT);

@@ -12,8 +12,7 @@ namespace {
 
 Wrench Difference(const Wrench& a, const Wrench& b) { return {.f = a.f - b.f, .t = a.t - b.t}; }
 
-// The part of a reading that is neither the tool's weight nor the known bias, both of which HandWrench
-// removes.
+// The part of a reading without the tool's weight and the known bias, both of which HandWrench removes.
 Wrench Unknown(const ForceSensorParams& sensor, const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
   return Difference(Difference(F_S, ToolWeight(sensor, X_WF)), sensor.bias_S);
 }

@@ -8,8 +8,7 @@
 
 namespace osteon::control {
 
-/// A second-order filter of vectors, by component. Its state is zero at the start, as if the input had been
-/// zero.
+/// A second-order filter of vectors, by component. It starts at zero, as if the input had been zero.
 ///
 ///     y = b0 x + s1,   s1' = b1 x - a1 y + s2,   s2' = b2 x - a2 y        (transposed direct form II)
 class Biquad {

@@ -7,8 +7,8 @@
 
 #include "kinematics/spatial.h"
 
-// Calibration of the flange's payload and tool centre point, from poses of the arm at rest. Set-up code, not
-// for the tick.
+// Calibration of the flange's payload and tool centre point, from poses at rest. Set-up code, not for the
+// tick.
 
 namespace osteon::control {
 

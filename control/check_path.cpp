@@ -50,8 +50,7 @@ std::string EndError(const kinematics::ChainParams<N>& chain, const kinematics::
   return {};
 }
 
-// Distances of every ball from every obstacle at one posture: those of ball b start at b * obstacles, planes
-// first.
+// Distances of all balls from all obstacles at one posture: ball b's start at b * obstacles, planes first.
 template <int N>
 class Distances {
  public:

@@ -11,8 +11,7 @@ struct ForceSensorParams {
   double tool_mass_kg{0.0};        ///< load on the sensor's tool side
   PlainVector3 tool_center_F_m{};  ///< centre of that mass
   PlainWrench bias_S{};            ///< reading without load
-  /// Inertia about that centre, along F's axes [kg m^2]; zero if unknown: its torque then stays in the
-  /// reading.
+  /// Inertia about that centre, along F's axes [kg m^2]; zero if unknown: its torque then stays in.
   PlainInertia tool_inertia_F{};
   /// Share of the force on the tool's own inertia that is compensated, 0 … 1; 0: none. tool_inertia.h
   /// explains its bound.

@@ -3,8 +3,8 @@
 #include "control/rt/marker.h"
 #include "kinematics/spatial.h"
 
-// The law for an arm in its controller's own impedance control: a wrench is added to the arm's, and nothing
-// is integrated.
+// The law for an arm in its controller's own impedance control: adds a wrench to the arm's, integrates
+// nothing.
 
 namespace osteon::control {
 

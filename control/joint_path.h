@@ -64,8 +64,7 @@ class JointPath {
   /// @throws std::invalid_argument naming parameter or joint, what was found and what is accepted.
   JointPath(const JointPathParams& params, const kinematics::ChainParams<N>& chain, const Vector3& p_FT_m);
 
-  /// Starts a new path from an arm at rest. Evaluates kSamples postures of the arm, some 0.1 ms: once, not in
-  /// every tick.
+  /// Starts a new path from an arm at rest. Evaluates kSamples postures, some 0.1 ms: not for every tick.
   /// @returns false, with nothing changed, if an end is not finite or beyond the arm's position limits.
   [[nodiscard]] bool Begin(const Joints& q_from, const Joints& q_goal) OSTEON_RT;
 

@@ -7,7 +7,7 @@
 
 namespace osteon::control {
 
-/// Computes a recorded tick again on another loop, which has had all ticks before it. `model`: the tick's
+/// Computes a recorded tick again on another loop that has had all ticks before it. `model`: the tick's
 /// input.
 TickRecord TickAgain(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
                      ArmCommand& command) OSTEON_RT;
@@ -46,8 +46,7 @@ class LoopRepeat {
 /// Repeats a stored tick, if any, and reports a difference to the first loop.
 void RepeatIfDue(ServoLoop& first, LoopRepeat& repeat) OSTEON_RT;
 
-/// Warms the caches shortly before a message: repeats the tick before, then the message's path through the
-/// link.
+/// Warms the caches shortly before a message: repeats the tick before, then runs the link's message path.
 void RehearseTick(ServoLoop& first, LoopRepeat& repeat, ArmLink& link, const ArmCommand& command) OSTEON_RT;
 
 }  // namespace osteon::control

@@ -37,8 +37,7 @@ void Validate(const ReferenceParams& params);
 /// the vibration has been less than R / margin for calm_s, upward once there is neither vibration nor
 /// damping.
 ///
-/// The test cannot tell a jolt that would have died by itself from a loop that was calmed: both make it
-/// watchful.
+/// The test cannot tell a jolt that would have died by itself from a calmed loop: both make it watchful.
 class VibrationReference {
  public:
   /// @throws std::invalid_argument as Validate.
@@ -55,7 +54,7 @@ class VibrationReference {
   [[nodiscard]] double allowed2() const OSTEON_RT { return params_.margin * params_.margin * reference2_; }
   /// Whether a test is under way, which needs much drag.
   [[nodiscard]] bool testing() const OSTEON_RT { return testing_; }
-  /// Whether the last test has found the hand's own vibration, with nothing suspicious since its beats are
+  /// Whether the last test found the hand's own vibration, and nothing is suspected since its beats are
   /// known.
   [[nodiscard]] bool released() const OSTEON_RT { return released_; }
 

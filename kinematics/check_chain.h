@@ -8,8 +8,7 @@
 
 namespace osteon::kinematics {
 
-/// Checks one joint and its link. @param number counted from 1, as in A1 …; @param masses whether it must
-/// have a mass.
+/// Checks a joint and its link. @param number from 1, as in A1 …; @param masses whether it must have a mass.
 /// @throws std::invalid_argument "joint 3: axis: found a length of 0.9, accepted 1"
 void CheckJoint(const RevoluteJoint& joint, int number, bool masses);
 

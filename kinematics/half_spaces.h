@@ -28,7 +28,7 @@ struct HalfSpaceProjection {
 ///
 /// Exact and bounded: a dual active-set method finds the planes that the point lies on, and the point is then
 /// solved from these planes alone. If rounding hides them (planes almost parallel), every set of one, two or
-/// three planes is tried (92 for eight planes), and the nearest point that keeps all planes wins. Equal
+/// three planes is tried (92 for eight planes), and the nearest point that satisfies all planes wins. Equal
 /// inputs give equal outputs. If the intersection is empty (opposite walls closer than the tool) all planes
 /// yield by the least common amount,
 ///

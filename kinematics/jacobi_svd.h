@@ -17,8 +17,7 @@ struct JacobianDirections {
 /// Singular values and directions by one-sided Jacobi rotations: pairs of rows of U^T J are rotated against
 /// each other until all are orthogonal. Small singular values are as accurate as large ones. Directions with
 /// a sigma below 1e-14 of the largest are completed to a basis. `near`, the left directions of a similar
-/// Jacobian (the tick before), saves most of the sweeps; any orthogonal matrix gives the same singular
-/// values.
+/// Jacobian (the tick before), saves most of the sweeps; any orthogonal matrix gives the same values.
 ///
 /// Source: Hestenes, Inversion of Matrices by Biorthogonalization, J. SIAM 6, 1958; Demmel and Veselić,
 /// Jacobi's Method Is More Accurate than QR, SIAM J. Matrix Anal. 13, 1992.

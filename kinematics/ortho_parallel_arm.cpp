@@ -164,8 +164,7 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
   return result;
 }
 
-// Sets a posture of the main axes with a positive wrist tilt, and the flipped one: A4 and A6 half a turn
-// away.
+// Sets a posture with positive wrist tilt, and the flipped one, with A4 and A6 half a turn away.
 void OrthoParallelArm::SetPair(const std::array<double, 6>& theta, OrthoParallelSolution& straight,
                                OrthoParallelSolution& flipped) const OSTEON_RT {
   straight.exists = flipped.exists = true;

@@ -36,8 +36,7 @@ struct OrthoParallelSolutions {
   [[nodiscard]] bool reachable() const noexcept { return out_of_reach_m == 0.0; }
 };
 
-/// A six-axis arm with ortho-parallel basis and spherical wrist, and its closed-form inverse.
-/// Allocation-free.
+/// A six-axis arm with ortho-parallel basis and spherical wrist; closed-form inverse. Allocation-free.
 class OrthoParallelArm {
  public:
   static constexpr int kJoints = 6;

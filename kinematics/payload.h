@@ -17,8 +17,7 @@ namespace osteon::kinematics {
 /// Joins two bodies given in one frame. Zero if neither has mass.
 [[nodiscard]] LinkInertia Joined(const LinkInertia& a, const LinkInertia& b);
 
-/// Adds a body, given in the flange's frame F, to the arm's last link. An arm with unknown masses stays
-/// unchanged.
+/// Adds a body, given in the flange's frame F, to the arm's last link. No effect if the masses are unknown.
 /// @throws std::invalid_argument if the body is not a valid one, naming the value found and what is accepted.
 template <int N>
 [[nodiscard]] ChainParams<N> WithPayload(const ChainParams<N>& chain, const LinkInertia& payload_F);

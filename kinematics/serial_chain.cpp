@@ -72,8 +72,7 @@ SerialChain<N>::SerialChain(const ChainParams<N>& params, const Vector3& gravity
     step.cos_alpha = z_before.dot(z_P);
     step.sin_alpha = x_before.dot(z_before.cross(z_P));
 
-    // x along z_i × z_(i+1), with the sign that gives the smaller offset; without offset if the axes are
-    // parallel
+    // x along z_i × z_(i+1), with the sign that gives the smaller offset; no offset for parallel axes
     const Vector3 unturned = R_PJ.transpose() * x_before;
     Vector3 x = unturned;
     if (i + 1 < N) {

@@ -70,8 +70,7 @@ class SerialChain {
 
   /// Torques of the drives for a motion: tau = M qdd + C qd + g, without friction [N·m]. By RNEA.
   [[nodiscard]] Joints InverseDynamics(const Joints& q, const Joints& qd, const Joints& qdd) const OSTEON_RT;
-  /// The same while the wrench F_ext acts on the flange from outside, at its origin, in B: J^T F_ext is
-  /// subtracted.
+  /// The same less J^T F_ext, while the wrench F_ext acts on the flange from outside, at its origin, in B.
   [[nodiscard]] Joints InverseDynamics(const Joints& q, const Joints& qd, const Joints& qdd,
                                        const Wrench& F_ext_B) const OSTEON_RT;
   /// Torques that hold the arm at rest: g.
@@ -114,8 +113,7 @@ class SerialChain {
     double offset_rad{0.0};
   };
 
-  // A link in K(i), about its origin. The second moments are those of position, integral r r^T dm, not of
-  // inertia.
+  // A link in K(i), about its origin. Second moments are those of position, integral r r^T dm, not inertia.
   struct Body {
     double mass_kg{0.0};
     Vector3 first_moment_kg_m{Vector3::Zero()};

@@ -10,8 +10,7 @@
 
 namespace osteon::kinematics {
 
-/// Sine (or length [m]) below which a direction does not determine the angle about its axis: that joint is
-/// free.
+/// Sine (or length [m]) below which a direction does not determine the angle about its axis: a free joint.
 inline constexpr double kFreeJoint = 1e-12;
 
 /// The triangle of two links and the line between their far ends.

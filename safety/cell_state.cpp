@@ -137,8 +137,7 @@ static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) 
   if (from == kAligning) return event == Event::kBeginThere && to.action == Action::kBeginRendering;
   return Renders(to.state) && (event == Event::kSpindleTurns || event == Event::kSpindleStill);
 }));
-// A fault ends every motion: by braking if the arm takes commands, otherwise by holding a command without
-// effect.
+// A fault ends every motion: by braking if the arm takes commands, else by holding a void command.
 static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
   const bool moves = IsMotion(from) || from == kStop2;
   if (moves && event == Event::kFault) return to == CellTransition{kStop1, Action::kBrake};

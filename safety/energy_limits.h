@@ -14,8 +14,7 @@ struct EnergyLimitParams {
   double max_stored_J{std::numeric_limits<double>::infinity()};   ///< in the coupling's spring; > 0
   double max_power_W{std::numeric_limits<double>::infinity()};    ///< from the coupling to the hand; > 0
   double max_kinetic_J{std::numeric_limits<double>::infinity()};  ///< of the tool in motion; > 0
-  /// Mass that moves with the tool, as felt by a hand in its way: includes the arm's inertia at the tool; >
-  /// 0.
+  /// Mass that moves with the tool, as a hand in its way feels it, with the arm's inertia at the tool; > 0.
   double moving_mass_kg{10.0};
 };
 

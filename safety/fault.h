@@ -4,8 +4,7 @@
 
 namespace osteon::safety {
 
-/// Faults are latched bits: once set, a fault stays until the cell is cleared. Each comment gives the cell's
-/// reaction.
+/// Faults are latched bits: a fault stays set until the cell is cleared. Comments give the cell's reaction.
 enum class Fault : std::uint32_t {
   kNone = 0,
   kArmStale = 1u << 0,           ///< no arm message within its deadline: hold; Stop 1
@@ -69,8 +68,7 @@ struct FaultText {
 /// request for motion is withdrawn; 2 the same under power (a pause, no fault).
 enum class StopCategory : std::uint8_t { kStop0 = 0, kStop1 = 1, kStop2 = 2 };
 
-/// Stop category of a fault. A fault of category 0 found while the arm still takes commands is braked as
-/// well.
+/// Stop category of a fault. A fault of category 0 is braked as well if the arm still takes commands.
 [[nodiscard]] constexpr StopCategory StopOf(Fault fault) noexcept {
   switch (fault) {
     case Fault::kArmStale:
@@ -83,8 +81,7 @@ enum class StopCategory : std::uint8_t { kStop0 = 0, kStop1 = 1, kStop2 = 2 };
   }
 }
 
-/// Whether a recovery may clear the fault within the session: only faults caused by the connection to the
-/// arm.
+/// Whether a recovery may clear the fault within the session: only faults of the connection to the arm.
 [[nodiscard]] constexpr bool AllowsRecovery(Fault fault) noexcept {
   return fault == Fault::kSession || fault == Fault::kArmStale;
 }

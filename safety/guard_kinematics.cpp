@@ -45,8 +45,7 @@ GuardKinematics::GuardKinematics(const kinematics::ChainParams<7>& chain, const 
     origin_W_[i] = p_W;
     axis_W_[i] = R_W * joint.axis_J / length;
   }
-  // a description may put the joint anywhere on its axis: the elbow is the point of it nearest to the axis of
-  // A3
+  // a description may put the joint anywhere on its axis: the elbow is its point nearest to the axis of A3
   const Vector3 &a = axis_W_[kElbow], &b = axis_W_[kElbow - 1], normal = a.cross(b);
   const Vector3 between = origin_W_[kElbow - 1] - origin_W_[kElbow];
   const double along_m =

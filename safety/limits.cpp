@@ -12,8 +12,7 @@ namespace {
 // Rounding in norm, quotient and product may each add half an ulp; this keeps the result below the limit.
 constexpr double kRoundDown = 1.0 - 1e-15;
 
-// |v| without overflow for components up to the largest double (the result may be infinite, which scales to
-// zero).
+// |v| without overflow for components up to the largest double (may be infinite, which scales to zero).
 double SafeNorm(const Vector3& v) {
   const double largest = v.cwiseAbs().maxCoeff();
   return largest > 1e100 ? largest * (v / largest).norm() : v.norm();

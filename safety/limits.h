@@ -128,8 +128,7 @@ struct LimitedTwist {
   double share{1.0};  ///< 0 … 1; 0 if the twist was not finite
 };
 
-/// Scales the whole twist so that |v| <= max_speed and |w| <= max_turn; a twist that is not finite becomes
-/// zero.
+/// Scales the whole twist so that |v| <= max_speed and |w| <= max_turn; zero for one that is not finite.
 [[nodiscard]] LimitedTwist LimitTwist(const Twist& V, const TwistLimitParams& params) OSTEON_RT;
 
 using kinematics::BrakingSpeed;

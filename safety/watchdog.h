@@ -9,8 +9,7 @@ namespace osteon::safety {
 /// Age that stands for "no value" [s]. Finite, so that it can be recorded.
 inline constexpr double kNoAge_s = 1e6;
 
-/// Age of a value [s], 0 … kNoAge_s. A stamp that is negative, or more than 1 ms ahead of now, is invalid:
-/// kNoAge_s.
+/// Age of a value [s], 0 … kNoAge_s, which also stands for a stamp < 0 or more than 1 ms ahead of now.
 [[nodiscard]] double AgeSeconds(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT;
 
 /// The same for a stamp that is 0 if there is no value.

@@ -80,8 +80,7 @@ class Workspace {
   [[nodiscard]] double StopTime(const Vector3& v_WT, double dt_s) const OSTEON_RT {
     return dt_s + 0.5 * v_WT.norm() / params_.deceleration_m_per_s2;
   }
-  /// Reduces a velocity so that its stop ends inside: turned along the bounds if possible, otherwise scaled
-  /// as a whole.
+  /// Reduces a velocity so that its stop ends inside: turned along the bounds if possible, else scaled.
   [[nodiscard]] Vector3 StoppingInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT;
   /// The velocity nearest to v_WT that ends inside after look_s.
   [[nodiscard]] Vector3 TurnedInside(const Vector3& p_WT, const Vector3& v_WT, double look_s) const OSTEON_RT;

@@ -18,8 +18,7 @@ class DurationHistogram {
   static constexpr int kPerOctave = 128;
   static constexpr int kBins = kOctaves * kPerOctave;
 
-  /// Adds a value. Negative values count as 0, values beyond the range as its end; max() keeps the true
-  /// value.
+  /// Adds a value. Negative values count as 0, values beyond the range as its end; max() stays exact.
   void Add(Nanoseconds value) OSTEON_RT {
     value = std::max<Nanoseconds>(value, 0);
     ++bins_[static_cast<std::size_t>(BinOf(value))];

@@ -6,8 +6,7 @@
 #include <cstddef>
 #include <new>
 
-// Counts every entry into glibc's heap, and every mutex lock. Compiled out under sanitizers, which replace
-// the heap.
+// Counts every entry into glibc's heap, and every mutex lock. Compiled out under sanitizers.
 #if defined(OSTEON_SANITIZED)
 #define OSTEON_COUNTS_HEAP 0
 #else

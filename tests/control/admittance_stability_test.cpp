@@ -114,8 +114,7 @@ INSTANTIATE_TEST_SUITE_P(Design, GreatestWallOfAFirmHand,
                                          WallRow{"measured_pose", WallOn::kMeasured, 0, 1, 2.4, 0.01}),
                          [](const auto& test) { return test.param.name; });
 
-// Stability is not monotone in stiffness: a bisection over the whole range could end in the upper stable
-// region.
+// Stability is not monotone in stiffness: a bisection could end in the upper stable region.
 TEST(AdmittanceStability, LocalWallIsUnstableUpTo1100kNAndThenStableAgain) {
   AdmittanceLoopParams loop;
   for (const double k : {0.2e6, 0.5e6, 1.0e6}) {
@@ -128,8 +127,8 @@ TEST(AdmittanceStability, LocalWallIsUnstableUpTo1100kNAndThenStableAgain) {
   }
 }
 
-// The human side: the drag that a grip needs, with a firm hand's damping and mass, and for a clamp without
-// either.
+// The human side: the drag that a grip needs, with a firm hand's damping and mass, and with neither (a
+// clamp).
 TEST(AdmittanceStability, GripsAskForTheDesignsDrag) {
   const auto least = [](double k, double b, double m) {
     AdmittanceLoopParams loop;

@@ -150,8 +150,7 @@ TEST(AgeGovernor, PlanesOfATickAskForNothingButTheirTurning) {
   EXPECT_EQ(AgeRatio(coupling, Matrix3::Identity(), D, {.planes_s = 0.02}, 0.025), 0.0)
       << "three normals cover every direction";
   coupling.active_planes = 1;
-  // 100 N / 25 mm = 4 kN/m in two directions, 20 ms: 81.6 N s/m; both are equal, so the bound is 2^(1/16) too
-  // high
+  // 100 N / 25 mm = 4 kN/m in two equal directions, 20 ms: 81.6 N s/m; the bound is 2^(1/16) too high
   EXPECT_NEAR(AgeRatio(coupling, Matrix3::Identity(), D, {.planes_s = 0.02}, 0.025) / std::pow(2.0, 1.0 / 16),
               1.02 * 0.02 * 4e3 * (1.0 / 20.0 + 0.025 * 0.025 / 1.5), 1e-9);
 }

@@ -21,8 +21,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kReach_m = 0.42 + 0.4 + 0.126;  // of a straight iiwa 14, from its shoulder
 const kinematics::ChainParams<7> kChain = kinematics::ChainFrom(kinematics::Iiwa14());
 
-// The arm stretched out horizontally, 0.36 m above its base's foot, toward A1's angle: the flange moves on a
-// circle.
+// The arm stretched out horizontally, 0.36 m above its base's foot: A1 moves the flange on a circle.
 JointVector StraightOut(double a1_rad, double a2_rad = kPi / 2.0) {
   JointVector q = JointVector::Zero();
   q[0] = a1_rad;

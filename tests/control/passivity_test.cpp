@@ -22,8 +22,7 @@ PortTick At(double z_m, double v_m_per_s, double force_N, double potential_J) {
   return port;
 }
 
-// The shipped law swings on a spring at a lever, with all six axes moving: a spring generates no energy, for
-// any duration.
+// The shipped law swings on a spring at a lever, in all six axes: a spring generates no energy at any time.
 TEST(Passivity, OfASpringTheTrapezoidFindsNothingMadeAndHeldForcesFindWhatTheyMake) {
   PassivityParams params{.acts = false, .allowance_J = 0.0};
   PassivityController trapezoid(params, PortWork::kTrapezoid, kT, 1e6),
@@ -84,8 +83,7 @@ TEST(Passivity, TakesBackWhatWasMadeInOneTickWhereBoundsAllow) {
   EXPECT_NEAR(controller.energy_J(), 0.5 * 10.1 * 0.1e-3, 1e-12) << "and what was made since";
 }
 
-// A tank that pays for returning planes: energy that it has paid does not count as generated, any excess
-// does.
+// A tank pays for returning planes: energy that it paid does not count as generated, any excess does.
 TEST(Passivity, EnergyThatATankHasPaidForMayComeOut) {
   for (const double paid_J : {0.0, 2e-3}) {
     PassivityController controller({.allowance_J = 0.0}, PortWork::kTrapezoid, kT, 1e6);

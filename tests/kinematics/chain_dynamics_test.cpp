@@ -80,8 +80,7 @@ TEST(ChainDynamics, GravityAndCoriolisEqualKdl) {
   EXPECT_LT(GravityCoriolisError(RandomChain<6>(random), 500, random), kRelative);
 }
 
-// Both libraries: MuJoCo computes in other frames and with spatial accelerations, and shares no code with
-// KDL.
+// Two independent libraries: MuJoCo computes in other frames, with spatial accelerations.
 template <int N>
 struct MassErrors {
   double kdl{0.0}, mujoco{0.0}, mujoco_inverse{0.0}, mujoco_forward{0.0};

@@ -40,8 +40,7 @@ double Worst(const Planes& planes, int count, const Vector3& x) {
   return worst;
 }
 
-// Dykstra's alternating projections converge to the nearest point of the intersection; an unrelated
-// algorithm.
+// Dykstra's alternating projections, an unrelated algorithm, converge to the intersection's nearest point.
 Vector3 Dykstra(const Planes& planes, int count, int sweeps) {
   Vector3 x = Vector3::Zero();
   std::array<Vector3, kMaxHalfSpaces> correction;
@@ -55,8 +54,7 @@ Vector3 Dykstra(const Planes& planes, int count, int sweeps) {
   return x;
 }
 
-// Necessary and sufficient conditions for the nearest point of a convex set; 1e-9 is the solver's tolerance
-// [m].
+// Necessary and sufficient conditions for the nearest point; 1e-9 is the solver's own tolerance [m].
 void ExpectOptimal(const Planes& planes, int count, const HalfSpaceProjection& result) {
   EXPECT_EQ(result.violation, 0.0);
   EXPECT_LE(Worst(planes, count, result.point), 1e-9);

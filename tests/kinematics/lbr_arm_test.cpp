@@ -234,8 +234,7 @@ TEST_F(LbrArmTest, PostureBeyondALimitIsNeverGiven) {
     limit.lower_rad = -limit.upper_rad;
     const LbrArm arm(tight);
     JointVector found = q;
-    // a bent joint has the same magnitude in all eight; a turning joint beyond 90 deg has a solution on the
-    // other side
+    // a bent joint has the same size in all eight; a turning one beyond 90 deg has another solution
     const bool bent = i == 1 || i == 3 || i == 5;
     EXPECT_EQ(arm.Inverse(X_BF, arm_.ArmAngle(q), q, found), !bent) << "joint " << i + 1;
     if (!bent) {

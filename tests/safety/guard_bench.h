@@ -6,8 +6,8 @@
 
 namespace osteon::safety {
 
-/// A guard monitor and an arm that follows at once, in virtual time: each millisecond a message, then its
-/// answer.
+/// A guard monitor and an arm that follows at once, in virtual time: a message and its answer per
+/// millisecond.
 class GuardBench {
  public:
   static GuardParams Params() {

@@ -71,8 +71,7 @@ TEST(Zone, TheSignOfTheDistanceSaysOnWhichSideAPointIs) {
     }
 }
 
-// From outside a kept-out set the distance is Euclidean: no point of the set is nearer, and the set begins
-// there.
+// The distance to a kept-out set is Euclidean: no point of the set is nearer, and the set begins there.
 TEST(Zone, FromASetThatIsKeptOutTheDistanceIsEuclids) {
   Draw draw;
   for (const ZoneShape shape : kShapes)
