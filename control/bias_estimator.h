@@ -12,15 +12,15 @@ struct BiasParams {
   bool acts{true};         ///< false: no bias is removed
   double rest_s{0.5};      ///< a rest of this duration is accepted; also the time constant of the mean
   double spread_N{1.5};    ///< a reading farther from the mean is not at rest: somebody touches the tool
-  double spread_Nm{0.15};  ///< the same of the torque
+  double spread_Nm{0.15};  ///< the same for the torque
   double most_N{10.0};     ///< largest bias that is accepted
-  double most_Nm{2.0};     ///< the same of the torque
+  double most_Nm{2.0};     ///< the same for the torque
   /// Bounds the creep of a free tool in case the estimate was a hand's push and the hand lets go. Together
   /// with the law's drag this bounds the accepted bias: CreepBound. > 0
   double max_creep_m_per_s{0.05};
-  double max_creep_rad_per_s{0.25};  ///< the same of the turn
+  double max_creep_rad_per_s{0.25};  ///< the same for the rotation
   double still_m{1e-4};              ///< the flange may move this far during a rest,
-  double still_rad{1e-3};            ///< and turn by this much
+  double still_rad{1e-3};            ///< and rotate this far
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.

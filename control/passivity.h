@@ -65,7 +65,7 @@ class PassivityController {
   /// @throws std::invalid_argument as Validate. @param most_Ns_per_m  > 0
   PassivityController(const PassivityParams& params, PortWork work, double period_s, double most_Ns_per_m);
 
-  /// One tick. @returns the damping to add to F; zero where it does not act.
+  /// One tick. @returns the damping to add to F; zero while inactive.
   [[nodiscard]] Wrench Step(const PortTick& port) OSTEON_RT;
 
   /// Returns to the state after construction.

@@ -96,7 +96,7 @@ class ArmLink {
   /// Waits for the arm's next message, at most until the deadline. Hostile bytes are counted (`rejected`) and
   /// skipped.
   virtual ReceiveResult Receive(ArmState& state, rt::Nanoseconds deadline) OSTEON_RT = 0;
-  /// Answers the message last received. False where the system could not send.
+  /// Answers the message last received. False if the system could not send.
   virtual bool Send(const ArmCommand& command) OSTEON_RT = 0;
 
   /// Sleeps until `time` or until a message has arrived; returns true for a message.

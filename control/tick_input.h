@@ -10,7 +10,7 @@
 namespace osteon::control {
 
 /// Collects all of a tick's arguments that its record does not hold elsewhere.
-/// @param stop  an orderly stop had been asked for
+/// @param stop  an orderly stop was requested
 [[nodiscard]] TickInput InputOf(const ArmState& state, ReceiveResult received, const CellReadings& readings,
                                 const simulation::ContactModel& model, rt::Nanoseconds now,
                                 bool stop) OSTEON_RT;

@@ -30,9 +30,9 @@ struct TickInput {
   std::uint8_t quality{0}, safety_state{0}, operation_mode{0}, control_mode{0}, command_mode{0};
   bool drives_active{false}, holding{false}, has_ipo{false};
   std::uint8_t received{0};          ///< ReceiveResult
-  bool stop{false};                  ///< an orderly stop had been asked for
-  bool recover{false};               ///< a recovery was asked for since the tick before
-  bool pause{false}, resume{false};  ///< the same of a pause and of its end
+  bool stop{false};                  ///< an orderly stop was requested
+  bool recover{false};               ///< a recovery was requested since the tick before
+  bool pause{false}, resume{false};  ///< likewise for a pause and its end
   bool repeat_differed{false};       ///< the repetition of the tick before gave a different result
   bool recorder_stalled{false};      ///< the recorder stood still, or refused the tick before
   std::uint8_t model_status{0};      ///< simulation::EngineStatus

@@ -94,7 +94,7 @@ class VibrationIndex {
 
   /// One tick. @param F  wrench of the hand, at a fixed point of the tool, in any slowly turning frame
   /// @param spindle_rad_per_s  speed of the tool; 0 if it stands
-  /// @returns the index, 0 … 1; unchanged where F is not finite.
+  /// @returns the index, 0 … 1; unchanged if F is not finite.
   double Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT;
 
   /// Returns to the state after construction.

@@ -142,7 +142,8 @@ struct CouplingOutput {
 ///
 /// @param X_WT  tool pose; its rotation orthonormal  @param V_WT  velocity of T at To, in W
 /// @param now   on the clock of model.pose_stamp; not decreasing
-/// @returns finite values for every model, whatever its bits. A model that is not credible renders nothing.
+/// @returns finite values for every model, with any bit pattern. A model that is not credible renders
+///   nothing.
 [[nodiscard]] CouplingOutput EvaluateCoupling(const CouplingParams& params,
                                               const simulation::ContactModel& model, const Pose& X_WT,
                                               const Twist& V_WT, rt::Nanoseconds now, bool spindle_on,
