@@ -16,9 +16,9 @@ struct EnergyTankParams {
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const EnergyTankParams& params);
 
-/// Store of energy that pays for changes of the coupling which no motion has put in: planes, material or
-/// gains that change in time. Let U_0 be what the planes and gains of the tick before store at this tick's
-/// pose, and U_1 the same for this tick:
+/// Store that pays for the coupling's energy that no motion has put in, when planes, material or gains change
+/// in time. Let U_0 be the energy that the planes and gains of the tick before store at this tick's pose, and
+/// U_1 the same for this tick's planes and gains:
 ///
 ///     U_1 > U_0:  the tank pays U_1 - U_0;  if it holds less, the rest is not rendered:
 ///                 share s = (U_0 + tank) / U_1
