@@ -122,7 +122,7 @@ bool NextTwist(const AdmittanceParams& params, const Pose& X_WT, const Twist& V_
 Pose Move(const Pose& X_WT, const Twist& V_WT, double dt_s) OSTEON_RT {
   Pose X_next = Pose::Identity();
   X_next.translation() = X_WT.translation() + dt_s * V_WT.v;
-  // the quaternion's normalisation takes out what rounding adds to the rotation tick by tick
+  // the quaternion's normalisation removes the rounding error that accumulates in the rotation
   const Matrix3 R = ExpRotation(dt_s * V_WT.w) * X_WT.linear();
   X_next.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
   return X_next;

@@ -9,9 +9,9 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMargin = 1.02;      // of the bound
-constexpr double kLeastPivot = 1e-9;  // of the normals' Gram matrix: below, a normal is the others' own
-constexpr double kDone = 1e-4;        // of a factor: so near to 1 it is 1
+constexpr double kMargin = 1.02;      // on the bound
+constexpr double kLeastPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
+constexpr double kDone = 1e-4;        // a factor this near to 1 counts as 1
 constexpr int kMostRows = 4;          // 3 normals; 1 normal and 2 tangents; 2 normals and 2 times 1 tangent
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -26,7 +26,7 @@ struct Rows {
   }
 };
 
-// The direction that a force along u at arm_W works on, at the damping's centre and over its root.
+// The direction in which a force along u at arm_W works, at the damping's centre and divided by its root.
 Vector6 Seen(const Vector3& u_W, const Vector3& arm_W, const Matrix3& R_WT,
              const AxisDamping& root) OSTEON_RT {
   Vector6 a;
@@ -41,7 +41,7 @@ double Largest(const Rows& rows) OSTEON_RT {
   Eigen::Matrix4d gram;
   gram.noalias() = rows.d.transpose().lazyProduct(rows.d);
   const double trace = gram.trace();
-  if (!(trace > 1.0)) return trace;  // all of them together ask for less
+  if (!(trace > 1.0)) return trace;  // the bound for all of them together is small enough
   gram /= trace;
   for (int i = 0; i < 4; ++i) gram = (gram.lazyProduct(gram)).eval();
   return trace * std::sqrt(std::sqrt(std::sqrt(std::sqrt(gram.trace()))));
@@ -69,7 +69,7 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
                          .Nms_per_rad = D.Nms_per_rad.cwiseSqrt(),
                          .centre_T_m = D.centre_T_m};
 
-  // the normals made orthogonal one by one, each with its lever: A (N^T N)^-1 A^T = sum e e^T
+  // Gram-Schmidt of the normals, each with its lever: A (N^T N)^-1 A^T = sum e e^T
   std::array<Vector3, 3> normal;
   std::array<Vector6, 3> e;
   int rank = 0;
@@ -99,7 +99,7 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
     for (int i = 0; i < rank; ++i)
       rows.Add(e[static_cast<std::size_t>(i)], kMargin * ages.pose_s * stiffness_N_per_m);
 
-  // across the normals the surface turns
+  // the surface turns across the normals
   if (rank < 3) {
     std::array<Vector3, 2> tangent;
     if (rank == 1) {
@@ -108,7 +108,7 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
     } else {
       tangent[0] = normal[0].cross(normal[1]);
     }
-    // a plane more than that (walls that press from both sides) counts at the levers of these
+    // further planes (walls that press from both sides) count at the levers of these
     double all_N = 0.0, counted_N = 0.0;
     for (int j = 0; j < coupling.active_planes; ++j) {
       const double force_N = coupling.active[static_cast<std::size_t>(j)].force_N;
@@ -151,8 +151,7 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
   const AxisDamping D = with_arm(1.0);
   const double ratio = AgeRatio(coupling, R_WT, D, ages, params_.tool_radius_m);
   if (ratio > 1.0) {
-    // the law's part of the damping has to do for the arm's as well, on the axis where it is the least of
-    // both
+    // the law's damping must supply the arm's share too, on the axis where the law has the smallest part
     double most_sum_over_law = 1.0;
     for (int i = 0; i < 3; ++i)
       most_sum_over_law = std::max(
@@ -163,7 +162,7 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
       if (left > 1.0) share = 1.0 / left;
     }
   }
-  // at once where it is asked for, slowly back
+  // immediate rise, slow release
   const auto back = [&](double value) {
     const double next = value + release_ * (1.0 - value);
     return std::abs(next - 1.0) < kDone ? 1.0 : next;

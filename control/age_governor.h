@@ -8,75 +8,75 @@ namespace osteon::control {
 
 /// Tuning of AgeGovernor. Every field has a usable default.
 struct AgeGovernorParams {
-  bool acts{true};  ///< false: neither damping nor coupling is touched, and the figures stay 1
-  /// Times the law's damping, at most; >= 1. What this does not cover is taken from the coupling.
+  bool acts{true};  ///< false: damping and coupling stay unchanged, and the factors stay 1
+  /// Largest factor on the law's damping; >= 1. If this is not enough, the coupling is scaled down.
   double most_damping{20.0};
-  double release_s{0.2};        ///< time constant with which it lets go; it acts at once
-  double tool_radius_m{0.025};  ///< R: the tool's, where it touches
-  /// Impedance law: the arm's own damping that is counted on, in every direction; 0: none.
+  double release_s{0.2};        ///< time constant of the release; the rise is immediate
+  double tool_radius_m{0.025};  ///< R: radius of the tool where it touches
+  /// Impedance law: the arm's own damping that may be relied on, in every direction; 0: none.
   double arm_damping_Ns_per_m{0.0}, arm_damping_Nms_per_rad{0.0};
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const AgeGovernorParams& params);
 
-/// A damping by axis of T, at a point C of it; > 0.
+/// Damping by axis of T, at a point C of the tool; > 0.
 struct AxisDamping {
   Vector3 Ns_per_m{Vector3::Ones()};
   Vector3 Nms_per_rad{Vector3::Ones()};
   Vector3 centre_T_m{Vector3::Zero()};  ///< C, from T's origin
 };
 
-/// How old what acts is.
+/// Ages of the inputs of the coupling.
 struct StiffnessAges {
-  double pose_s{0.0};    ///< of the pose that the planes are evaluated at
+  double pose_s{0.0};    ///< of the pose at which the planes are evaluated
   double planes_s{0.0};  ///< of the planes
 };
 
-/// How much damping the coupling's stiffness asks for by its age, as a multiple of D:
+/// Damping that the coupling's aged stiffness requires, as a multiple of D:
 ///
 ///     ratio >= largest lambda with det(1.02 sum a_i K_i - lambda D) = 0
 ///
-/// so that ratio D - 1.02 sum a_i K_i >= 0 over all six axes, lever arms included. Two stiffnesses are old:
+/// so that ratio D - 1.02 sum a_i K_i >= 0 over all six axes, lever arms included. Two stiffnesses are aged:
 ///
 ///     K_1 = k A (N^T N)^-1 A^T         of the planes, N = [n_j], A = [n_j; r_j x n_j]; age of the pose
-///     K_2 = sum f_j/R B_j P B_j^T      of their turning, P = 1 - N (N^T N)^-1 N^T; age of the planes
+///     K_2 = sum f_j/R B_j P B_j^T      of their rotation, P = 1 - N (N^T N)^-1 N^T; age of the planes
 ///
-/// K_2: along a curved surface the normal of a tool of radius R turns by dx/R, and the force with it; planes
-/// of a frame do not. It counts at the tool's centre (r + R n) and only across the normals: where planes
-/// stand, they say themselves how the surface goes on. f/R counts as k at most. That the surface gives way
-/// under force (advance) is left out: K (K advance/f) a, in the demo's frames at most 300 N/m at their 3 ms,
-/// against 4 800 N/m of turning.
+/// K_2: along a curved surface the normal of a tool of radius R turns by dx/R, and the force with it; the
+/// planes of a frame do not turn. K_2 acts at the tool's centre (r + R n) and only across the normals: where
+/// there are planes, they describe the surface themselves. f/R counts as at most k. The surface giving way
+/// under force (advance) is neglected: K (K advance/f) a is at most 300 N/m in the demo's frames at their 3
+/// ms, compared with 4 800 N/m of K_2.
 ///
-/// Source: AgeReserve of hil/stability and control.md of the design. At most four directions are involved;
-/// the bound is the sixteenth root of the trace of the sixteenth power of their Gram matrix: never below
-/// the eigenvalue, and 9 % above it at most.
+/// Source: AgeReserve of hil/stability and control.md of the design. At most four directions are involved.
+/// The bound is the sixteenth root of the trace of the sixteenth power of their Gram matrix: never below the
+/// eigenvalue, and at most 9 % above it.
 /// @param R_WT  of the tool  @param radius_m  R > 0
-/// @returns a bound >= 0; where it is below 1 it may be coarser.
+/// @returns a bound >= 0; below 1 the bound may be coarser.
 [[nodiscard]] double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisDamping& D,
                               const StiffnessAges& ages, double radius_m) OSTEON_RT;
 
-/// Keeps D > a K, which no age below a can make unstable, whatever the inertia: raises the law's damping
-/// while what acts is old, and where that does not do takes the rest from the coupling.
+/// Keeps D > a K, which is stable for every age up to a and every inertia. Raises the law's damping while the
+/// coupling's inputs are old, and scales the coupling down where that is not enough.
 ///
 ///     ratio r = AgeRatio:   damping × min(r, most_damping),   coupling × min(1, most_damping / r)
 ///
-/// With the admittance law planes are evaluated in the tick at a pose that has no age, so the stiffness of
-/// the planes themselves asks for nothing (20 N/mm at 20 ms would ask for 400 N s/m). With the impedance law
-/// it counts from the measured pose.
+/// Under the admittance law the planes are evaluated at a pose without age, so the stiffness of the planes
+/// themselves requires no damping (20 N/mm at 20 ms would require 400 N s/m). Under the impedance law it
+/// counts from the measured pose.
 ///
-/// What it can not do: it knows nothing of a hand, of the arm's lag, or of planes that are wrong. Where it
-/// takes from the coupling the force has a ceiling, and who pushes harder sinks in.
+/// Limits of the method: it takes no account of the hand, of the arm's lag, or of wrong planes. Where it
+/// scales the coupling down the force has a ceiling, and a hand that pushes harder sinks in.
 class AgeGovernor {
  public:
   /// @throws std::invalid_argument as Validate.
   AgeGovernor(const AgeGovernorParams& params, double period_s);
 
-  /// One tick. @param law  the law's own damping, >= 0; with the arm's > 0
+  /// One tick. @param law  the law's own damping, >= 0; together with the arm's > 0
   void Step(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisDamping& law,
             const StiffnessAges& ages) OSTEON_RT;
 
-  /// As it was constructed.
+  /// Returns to the state after construction.
   void Reset() OSTEON_RT;
 
   [[nodiscard]] double damping_factor() const OSTEON_RT { return damping_factor_; }  ///< >= 1
@@ -85,7 +85,7 @@ class AgeGovernor {
 
  private:
   AgeGovernorParams params_;
-  double release_;  ///< share of the way back that a tick goes
+  double release_;  ///< fraction of the remaining release in a tick
   double damping_factor_{1.0}, wrench_share_{1.0};
 };
 

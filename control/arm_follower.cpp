@@ -25,18 +25,18 @@ namespace {
 
 using safety::Fault;
 
-constexpr double kElbowRate_per_s = 40.0;  // toward the wanted arm angle, where it is near
+constexpr double kElbowRate_per_s = 40.0;  // gain toward the wanted arm angle, near it
 constexpr double kElbowThere_rad = 1e-6;
 constexpr double kMoving_m_per_s = 0.02,
-                 kMoving_rad_per_s = 0.1;  // of the tool: the elbow has its full speed
-constexpr double kStands = 1e-6;           // of that: rounding
-constexpr int kBrakingHalvings = 10;       // of what is left of a motion beside the braking before a bound
-constexpr int kZoneTries = 4;              // shares of a step; the first leaves only its curvature
-constexpr double kZoneSlack = 0.999;       // so that the next one holds
+                 kMoving_rad_per_s = 0.1;  // tool speed from which the elbow has its full speed
+constexpr double kStands = 1e-6;           // as a share of that: rounding
+constexpr int kBrakingHalvings = 10;       // bisections when motion is added to the braking
+constexpr int kZoneTries = 4;         // trial shares of a step; the first leaves only the curvature's error
+constexpr double kZoneSlack = 0.999;  // factor so that the next trial holds
 
 double WrapAngle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
-// What an LBR has beyond its six: an elbow that may be elsewhere while the tool stays, and known torques.
+// The additions of an LBR over six axes: an elbow that can move while the tool stays, and known torques.
 struct Redundancy {
   Redundancy(const ServoParams& params, const Pose& X_WB, const Pose& X_FT, double wanted_arm_angle_rad)
       : arm_angle_rad(wanted_arm_angle_rad) {
@@ -55,9 +55,9 @@ struct Redundancy {
 
   double arm_angle_rad;  // wanted
   std::optional<kinematics::SerialChain<7>> body;
-  std::optional<safety::JointTorqueLimit<7>> torques;  // where there is a body
+  std::optional<safety::JointTorqueLimit<7>> torques;  // if there is a body
   kinematics::WantedLoad<7> load;                      // torque limits: of the drives
-  bool arrived{false};                                 // it has been at the wanted arm angle
+  bool arrived{false};                                 // the wanted arm angle has been reached once
 };
 struct NoRedundancy {};
 
@@ -163,7 +163,7 @@ class JointFollower final : public ArmFollower {
 
   static Joints ToJoints(const JointArray& q) { return Eigen::Map<const Joints>(q.data()); }
   [[nodiscard]] Pose PoseOf(const Joints& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
-  // Of the apex, at q_: several ask for it in a tick.
+  // Jacobian of the apex at q_, cached: several callers use it in a tick.
   [[nodiscard]] const kinematics::JacobianN<kN>& Jacobian() const OSTEON_RT {
     if (jacobian_q_ != q_) {
       jacobian_ = arm_.JacobianAt(q_, X_FT_.translation());
@@ -171,7 +171,7 @@ class JointFollower final : public ArmFollower {
     }
     return jacobian_;
   }
-  // What holds the arm at q_, the same. @pre its masses are known
+  // Torques that hold the arm at q_, cached as well. @pre its masses are known
   [[nodiscard]] const Joints& Gravity() const OSTEON_RT {
     if constexpr (kRedundant) {
       if (gravity_q_ != q_) {
@@ -186,7 +186,7 @@ class JointFollower final : public ArmFollower {
                          kinematics::MotionOutput<kN>& moves) const OSTEON_RT;
   [[nodiscard]] Joints WantedElbow(const FollowWish& wish) OSTEON_RT;
 
-  // Where the points with bounds of their own are in W, by ZonePoint, and the flange that they are of.
+  // Positions in W of the points with zones, by ZonePoint, and the flange pose that they come from.
   struct Points {
     std::array<Vector3, 3> p_W{};
     Pose X_BF{Pose::Identity()};
@@ -247,7 +247,7 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
     return followed;
   }
   if (moves.limit != kinematics::MotionLimit::kNone) BrakeBeforeBounds(wanted, moves);
-  // what was just limited is checked by what knows nothing of it
+  // an independent check of the limited motion
   const auto guard = guard_.Limit(q_, dt_s * moves.qd, dt_s);
   if (guard.jump || guard.violated) {
     followed.fault = Fault::kJointLimit;
@@ -270,7 +270,7 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
     elbow_share = ElbowShare(points_, to, wish.max_elbow_speed_m_per_s);
     if (elbow_share < 1.0) to = PointsOf(q_ + elbow_share * guard.step);
     zone_share = ZoneShare(q_, elbow_share * guard.step, points_, to, kCarried);
-    if (elbow_share == 1.0 && zone_share == 1.0) {  // what the next tick begins from
+    if (elbow_share == 1.0 && zone_share == 1.0) {  // the next tick begins from these points
       points_ = to;
       points_q_ = q_ + guard.step;
     }
@@ -287,10 +287,11 @@ Followed JointFollower<Arm>::Follow(const FollowWish& wish) OSTEON_RT {
   return followed;
 }
 
-// The wish brakes before the apex's bounds, but of a change that the joints' accelerations cut they cut the
-// braking as well, whatever else it was for: a hand that pushes hard along a bound would take the arm over
-// it. So the braking comes first: to the motion before, braked as the bounds ask for, as much of the other is
-// added as they allow. Both keep to the accelerations, as long as the braking by itself does.
+// Brakes before the apex's bounds when the joints' accelerations interfere. The requested twist brakes for
+// the bounds, but when the acceleration limits cut a change they cut its braking part as well: a hand that
+// pushes hard along a bound would take the arm over it. So the braking comes first: the previous motion,
+// braked as the bounds require, plus as much of the requested motion as they allow. Both keep to the
+// accelerations, as long as the braking alone does.
 template <class Arm>
 void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wanted,
                                            kinematics::MotionOutput<kN>& moves) const OSTEON_RT {
@@ -306,7 +307,7 @@ void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wa
   braking.qd_null = wanted.qd_before;
   braking.at_once = true;
   kinematics::MotionOutput<kN> brakes = motion_.Step(braking);
-  // 0 … 1: how much of the way from one motion that is allowed to one that is not
+  // Moves `more` toward `allowed` until it is allowed: bisection over the share of the difference.
   const auto add = [&](const kinematics::MotionOutput<kN>& allowed, kinematics::MotionOutput<kN>& more) {
     double share = 0.0, most = 1.0;
     for (int i = 0; i < kBrakingHalvings; ++i) {
@@ -317,7 +318,8 @@ void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wa
     more.V_BT = {.v = allowed.V_BT.v + share * (more.V_BT.v - allowed.V_BT.v),
                  .w = allowed.V_BT.w + share * (more.V_BT.w - allowed.V_BT.w)};
   };
-  if (!allows(brakes.V_BT.v)) add({}, brakes);  // near a singular posture: slower, along the joints' own line
+  if (!allows(brakes.V_BT.v))
+    add({}, brakes);  // near a singular posture: slower, along the braking joint motion
   add(brakes, moves);
 }
 
@@ -337,7 +339,8 @@ double JointFollower<Arm>::ElbowShare(const Points& from, const Points& to,
   return way_m > most_m ? most_m / way_m : 1.0;
 }
 
-// Of a step of the joints: each share is tried, as the points' ways are curved. No step at all may always be.
+// Share of a joint step that keeps to the zones. Each trial is evaluated, as the points' paths are curved. A
+// step of zero is always allowed.
 template <class Arm>
 double JointFollower<Arm>::ZoneShare(const Joints& q, const Joints& step, const Points& from,
                                      const Points& to, std::span<const ZonePoint> points) const OSTEON_RT {
@@ -355,17 +358,17 @@ double JointFollower<Arm>::ZoneShare(const Joints& q, const Joints& step, const 
   return 0.0;
 }
 
-// Where the joints should go for the elbow's sake, as a velocity whose part in the null space counts.
+// Preferred joint velocities for the elbow's sake; only their null-space part has an effect.
 template <class Arm>
 typename Arm::Joints JointFollower<Arm>::WantedElbow([[maybe_unused]] const FollowWish& wish) OSTEON_RT {
   Joints qd = Joints::Zero();
   if constexpr (kRedundant) {
     const double dt_s = params_.period_s;
-    // what limits will leave of the twist, by the tick before: an elbow held for a tool that can't move would
-    // move
+    // twist that the limits will leave, estimated from the tick before: an elbow held for a tool that cannot
+    // move would itself move
     const Twist V_likely_WT = Scaled(wish.V_WT, motion_share_);
 
-    // the arm angle: held, and turned to the wanted one
+    // the arm angle is held, and turned toward the wanted one
     const double arm_angle_rad = arm_.ArmAngle(q_);
     const double error_rad = WrapAngle(elbow_.arm_angle_rad - arm_angle_rad);
     elbow_.arrived |= std::abs(error_rad) < kElbowThere_rad;
@@ -379,12 +382,12 @@ typename Arm::Joints JointFollower<Arm>::WantedElbow([[maybe_unused]] const Foll
       load =
           kinematics::TowardsLoad<7>(params_.posture, *elbow_.body, elbow_.load, q_, null_direction_, held);
     }
-    // an angle at which the arm does not hold the load is not worth holding
+    // an arm angle at which the arm cannot hold the load is not worth holding
     const double worth = 1.0 - load.depth * load.depth;
     const double turn = worth * share * std::clamp(kElbowRate_per_s * error_rad, -most, most);
     Joints q_there;
     if (turn == 0.0 && V_likely_WT.v.isZero(0.0) && V_likely_WT.w.isZero(0.0))
-      return qd;  // not by rounding either
+      return qd;  // avoids a motion by rounding
     if (arm_.Inverse(X_BW_ * Move(X_WT_, V_likely_WT, dt_s) * X_TF_, arm_angle_rad + dt_s * turn, q_,
                      q_there) &&
         (q_there - q_).cwiseAbs().maxCoeff() < params_.joints.jump_rad)
@@ -404,7 +407,7 @@ bool JointFollower<Arm>::BrakeJoints() OSTEON_RT {
   --stop_ticks_;
   q_step_ *= static_cast<double>(stop_ticks_) / (stop_ticks_ + 1);
   q_step_ = guard_.Limit(q_, q_step_, params_.period_s).step;
-  // the ramp takes its time: a bound may be nearer
+  // the ramp takes time, and a bound may be nearer
   q_step_ *= ZoneShare(q_, q_step_, PointsOf(q_), PointsOf(q_ + q_step_), kAll);
   q_ += q_step_;
   X_WT_ = PoseOf(q_);

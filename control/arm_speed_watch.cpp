@@ -7,7 +7,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMostBetween_s = 0.1;  // a clock that jumps is no long way that was allowed
+constexpr double kMostBetween_s = 0.1;  // limits the way allowed after a jump of the clock
 
 void Require(bool accepted, const char* name, double found, const char* range) {
   if (!accepted)

@@ -17,7 +17,8 @@ Vector3 Within(const Vector3& v, double most) {
 
 AxisLock::AxisLock(const AdmittanceParams& params, double period_s)
     : centre_T_m_(params.centre_T_m),
-      return_s_(std::max(kReturn_s, period_s)),  // a longer period comes back in one tick, not beyond
+      return_s_(std::max(kReturn_s,
+                         period_s)),  // with a longer period the tool returns in one tick, without overshoot
       any_(std::any_of(params.locked.begin(), params.locked.end(), [](bool locked) { return locked; })) {
   for (int i = 0; i < 3; ++i) {
     position_[i] = params.locked[static_cast<std::size_t>(i)] ? 1.0 : 0.0;
@@ -31,7 +32,7 @@ Twist AxisLock::Correction(const Pose& X_WT) OSTEON_RT {
   if (!any_) return {};
   const Pose X_WC = X_WT * Eigen::Translation3d(centre_T_m_);
 
-  // the reference keeps its locked axes and goes where the tool is on the others
+  // the reference keeps its locked axes and follows the tool on the free ones
   const Vector3 turn_C =
       turn_.cwiseProduct(LogRotation(X_WC.linear().transpose() * X_WC_.linear()));  // from tool to reference
   if (!turn_.isOnes(0.0)) X_WC_.linear() = X_WC.linear() * ExpRotation(turn_C);

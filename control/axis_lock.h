@@ -6,27 +6,27 @@
 
 namespace osteon::control {
 
-/// Draws the tool back onto the line, plane or pose that its locked axes leave it (AdmittanceParams::locked).
+/// Returns the tool to the line, plane or pose that its locked axes leave it (AdmittanceParams::locked).
 ///
-/// The law gives a locked axis no velocity; what the inverse kinematics and the joints' limits leave of it
-/// would add up over a long way. So a reference pose goes along, on the free axes as far as the tool has
-/// moved, on the locked ones not at all. What the tool is off by there comes back as
+/// The law gives a locked axis no velocity, but residuals of the inverse kinematics and of the joint limits
+/// would add up over a long path. A reference pose therefore moves with the tool on the free axes and stands
+/// still on the locked axes. The deviation e on the locked axes is returned as
 ///
-///     v_i = e_i / 10 ms,   |v| <= 20 mm/s, |w| <= .1 rad/s         by locked axis of T at the centre
+///     v_i = e_i / 10 ms,   |v| <= 20 mm/s, |w| <= 0.1 rad/s         by locked axis of T at the centre
 ///
-/// It acts on the commanded motion alone, so that the arm's lag is not in its loop: a factor 1 - dt / 10 ms a
-/// tick. With all turns locked the reference stays on one exact line (or plane) of the world, however long;
-/// where some are free the axes turn with the tool.
+/// It acts on the commanded motion only, so the arm's lag is not in its loop: a factor 1 - dt / 10 ms per
+/// tick. With all rotations locked the reference stays exactly on one line (or plane) of the world, over any
+/// distance; where some are free, the axes turn with the tool.
 class AxisLock {
  public:
   /// @param period_s  of Correction, > 0
   AxisLock(const AdmittanceParams& params, double period_s);
 
   [[nodiscard]] bool any() const OSTEON_RT { return any_; }
-  /// What the tool is held to from here on.
+  /// Sets the reference pose.
   void Reset(const Pose& X_WT) OSTEON_RT;
-  /// Velocity of the locked axes that draws the tool back, at the centre, in T; zero on free axes. The
-  /// reference goes along.
+  /// Returns the velocity of the locked axes that leads the tool back, at the centre, in T; zero on free
+  /// axes. Moves the reference along.
   /// @param X_WT  commanded
   [[nodiscard]] Twist Correction(const Pose& X_WT) OSTEON_RT;
 

@@ -12,8 +12,7 @@ namespace {
 
 Wrench Difference(const Wrench& a, const Wrench& b) { return {.f = a.f - b.f, .t = a.t - b.t}; }
 
-// What of a reading is neither the tool's weight nor the bias that is known: HandWrench takes both out
-// itself.
+// The part of a reading without the tool's weight and the known bias, both of which HandWrench removes.
 Wrench Unknown(const ForceSensorParams& sensor, const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
   return Difference(Difference(F_S, ToolWeight(sensor, X_WF)), sensor.bias_S);
 }
@@ -72,14 +71,14 @@ void BiasEstimator::Rest(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
     return;
   }
   const Wrench beyond = Difference(Unknown(sensor_, F_S, X_WF), mean_);
-  // a mean of a few readings says little about what is far from it
+  // wider tolerance at first: a mean of a few readings is uncertain
   const double room = rested_s_ < 0.1 * params_.rest_s ? 2.0 : 1.0;
   if (beyond.f.norm() > room * params_.spread_N || beyond.t.norm() > room * params_.spread_Nm) {
     Begin(F_S, X_WF);
     return;
   }
   rested_s_ += period_s_;
-  // plain mean at first, then one that forgets
+  // a plain mean at first, then an exponential one
   const double share = period_s_ / std::min(rested_s_ + period_s_, std::max(params_.rest_s, period_s_));
   mean_ = {.f = mean_.f + share * beyond.f, .t = mean_.t + share * beyond.t};
   if (rested_s_ < params_.rest_s) return;

@@ -8,15 +8,14 @@
 
 namespace osteon::control {
 
-/// A second-order filter of vectors, each component by itself. Zero at the start, as its input is taken to
-/// have been.
+/// A second-order filter of vectors, by component. It starts at zero, as if the input had been zero.
 ///
 ///     y = b0 x + s1,   s1' = b1 x - a1 y + s2,   s2' = b2 x - a2 y        (transposed direct form II)
 class Biquad {
  public:
-  /// Half of a Butterworth filter: its poles lie on a circle, `q` is their quality (2nd order: 1/sqrt 2; 4th:
-  /// .5412 and 1.3066), the edge is where it should be by pre-warping.
-  /// @param edge_hz  0 … half the rate, neither
+  /// One stage of a Butterworth filter. `q` is the quality of its pole pair (2nd order: 1/sqrt 2; 4th order:
+  /// 0.5412 and 1.3066); pre-warping keeps the edge at its frequency.
+  /// @param edge_hz  between 0 and half the rate, both excluded
   [[nodiscard]] static Biquad LowPass(double edge_hz, double q, double period_s) {
     const Prototype p(edge_hz, q, period_s);
     return {p.k2 / p.a0, 2.0 * p.k2 / p.a0, p.k2 / p.a0, p};

@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::size_t kLeastPoses = 4;
 constexpr double kLeastMass_kg = 1e-3;
-// Smallest singular value over the largest: directions that differ by less can not be told apart by readings
-// with some percent of noise. A turn of 20 deg either way about two axes gives about .06 (payload), .1
+// Smallest singular value over the largest: directions that differ by less cannot be told apart by readings
+// with some percent of noise. Rotations of 20 deg either way about two axes give about 0.06 (payload), 0.1
 // (pivot).
 constexpr double kLeastSpread = 0.05;
 
@@ -34,7 +34,7 @@ tl::unexpected<std::string> TooFew(std::size_t count) {
 tl::expected<PayloadFit, std::string> FitPayload(std::span<const RestPose> poses) {
   if (poses.size() < kLeastPoses) return TooFew(poses.size());
   const auto rows = static_cast<Eigen::Index>(3 * poses.size());
-  // forces: unknown m, b_f;  torques: unknown m c, b_t
+  // unknowns of the forces: m, b_f; of the torques: m c, b_t
   Eigen::MatrixXd A_f(rows, 4), A_t(rows, 6), directions(static_cast<Eigen::Index>(poses.size()), 3);
   Eigen::VectorXd f(rows), t(rows);
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -50,7 +50,7 @@ tl::expected<PayloadFit, std::string> FitPayload(std::span<const RestPose> poses
     f.segment<3>(row) = poses[i].F_S.f;
     t.segment<3>(row) = poses[i].F_S.t;
   }
-  // gravity's directions about their mean have to span two dimensions of S
+  // the directions of gravity about their mean have to span two dimensions of S
   const Eigen::MatrixXd about_mean = directions.rowwise() - directions.colwise().mean();
   const Eigen::Vector3d spread =
       about_mean.jacobiSvd().singularValues() / std::sqrt(static_cast<double>(poses.size()));

@@ -36,7 +36,7 @@ void CheckSurroundings(const PathSurroundings& around) {
     require(sphere.radius_m >= 0.0 && sphere.center_W_m.allFinite(), "spheres of radius_m >= 0");
 }
 
-// What is wrong with an end, or nothing.
+// Describes what is wrong with an end of the path; empty if nothing is.
 template <int N>
 std::string EndError(const kinematics::ChainParams<N>& chain, const kinematics::JointVectorN<N>& q,
                      double margin_rad, const char* which) {
@@ -50,7 +50,7 @@ std::string EndError(const kinematics::ChainParams<N>& chain, const kinematics::
   return {};
 }
 
-// Distances of every ball from everything, at one posture: those of ball b from b * things on, planes first.
+// Distances of all balls from all obstacles at one posture: ball b's start at b * obstacles, planes first.
 template <int N>
 class Distances {
  public:
@@ -122,7 +122,7 @@ tl::expected<PathClearance, std::string> CheckPath(const kinematics::ChainParams
     if (goal[i] < 0.0) return tl::unexpected(Met(distances, i, 1.0, goal[i], 0.0));
   }
 
-  // the furthest that any ball goes in the whole path
+  // bound of any ball's travel over the whole path
   double ball_m = 0.0;
   for (const PathBall& ball : around.balls) ball_m = std::max(ball_m, ball.center_m.norm());
   const double travel_m = way.cwiseAbs().dot((kinematics::ReachBeyond(chain).array() + ball_m).matrix());

@@ -10,18 +10,18 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kLeastPivot = 1e-9;  // of the normals' Gram matrix: below, a normal is the others' own
+constexpr double kLeastPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
 
 using Active = std::array<ActivePlane, CouplingOutput::kMostActive>;
 
-// What planes that press hold after a small step, all of them pressing on.
+// Energy of the pressing planes after a small step, if all of them keep pressing.
 struct Held {
   double potential_J{0.0};
-  double work_J{0.0};  // of the force there along the step
+  double work_J{0.0};  // of the force after the step, along the step
 };
 
 //     U' = U - F·dx + s/2,   F'·dx = F·dx - s,   s = k (J dx)^T (N^T N)^-1 (J dx)
-// by normals made orthogonal one by one.
+// by Gram-Schmidt of the normals.
 Held After(const Active& active, int count, double potential_J, double fade, const Twist& dx) OSTEON_RT {
   std::array<Vector3, 3> normal;
   std::array<double, 3> way_m{};
@@ -30,7 +30,7 @@ Held After(const Active& active, int count, double potential_J, double fade, con
   for (int j = 0; j < count; ++j) {
     const ActivePlane& plane = active[static_cast<std::size_t>(j)];
     double out_m = plane.n_W.dot(dx.v + dx.w.cross(plane.arm_W));
-    if (count == 1) out_m = std::min(out_m, plane.force_N / (fade * plane.stiffness_N_per_m));  // let go of
+    if (count == 1) out_m = std::min(out_m, plane.force_N / (fade * plane.stiffness_N_per_m));  // released
     work_J += plane.force_N * out_m;
     if (rank == 3) continue;
     Vector3 n = plane.n_W;
@@ -95,18 +95,18 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
   if (!params_.acts) return 1.0;
   const double before_J = tank_J_;
 
-  // what the planes of the tick before hold here, and what they would have done at the end of the step
+  // energy of the previous tick's planes at this pose, and the work that they would have done over the step
   const Twist dx = begun_ ? SmallStep(X_before_, X_WT) : Twist{};
   const Wrench spring = SpringOf(coupling);
   const double work_J = Power(spring, dx);
   Held old = After(active_, active_planes_, potential_J_, fade_, dx);
-  if (!coupling.new_planes && coupling.fade > 0.0) {  // planes that are touched now were there before
+  if (!coupling.new_planes && coupling.fade > 0.0) {  // planes that are touched now existed before
     const double faded = std::min(1.0, fade_ / coupling.fade);
     old.potential_J = std::max(old.potential_J, faded * coupling.potential_J);
     old.work_J = faded * work_J;
   }
 
-  // what there is, against what those of this tick would hold, with the gains of either
+  // available energy, and the energy that this tick's planes would store, each with its own gains
   const double there_J = gain_ * share_ * (old.potential_J + 0.5 * old.work_J) + tank_J_;
   const double wanted_J = gain * (coupling.potential_J + 0.5 * work_J);
   const double share = std::min(1.0, share_ + period_s_ / params_.ramp_s);
@@ -121,7 +121,7 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
     tank_J_ = 0.0;
   }
 
-  // what a hand-over adds does half of its work in either of the steps before and after it
+  // the force of a hand-over does half of its work in the step before it and half in the step after it
   const Wrench& added = coupling.F_hand_over_T_W;
   const double added_J = gain * share_ * Power(added, dx);
   tank_J_ -= 0.5 * Power(hand_over_T_W_, dx);

@@ -9,52 +9,53 @@ namespace osteon::control {
 /// Tuning of EnergyTank. Every field has a usable default.
 struct EnergyTankParams {
   bool acts{true};     ///< false: every hand-over is rendered at once, and the tank stays full
-  double cap_J{1.0};   ///< full, and so at the beginning; should hold F_max^2 / 2K (200 N at 20 N/mm: 1 J)
-  double ramp_s{0.1};  ///< fastest return of the coupling from nothing to full
+  double cap_J{1.0};   ///< capacity and initial energy; should hold F_max^2 / 2K (200 N at 20 N/mm: 1 J)
+  double ramp_s{0.1};  ///< shortest time in which the coupling returns from nothing to full
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const EnergyTankParams& params);
 
-/// Pays for energy that no motion has put into the coupling: that of planes, material or gains that change in
-/// time. With U_0 what the planes and gains of the tick before hold at this tick's pose, and U_1 those of
-/// this tick:
+/// Store that pays for the coupling's energy that no motion has put in, when planes, material or gains change
+/// in time. Let U_0 be the energy that the planes and gains of the tick before store at this tick's pose, and
+/// U_1 the same for this tick's planes and gains:
 ///
-///     U_1 > U_0:  the tank pays U_1 - U_0;  what it has not got is not rendered:
+///     U_1 > U_0:  the tank pays U_1 - U_0;  if it holds less, the rest is not rendered:
 ///                 share s = (U_0 + tank) / U_1
-///     U_1 < U_0:  what the planes gave way by goes into the tank, up to the cap; so does what the
-///                 coupling's damping took
+///     U_1 < U_0:  the energy that the planes lost goes into the tank, up to the cap; so does the energy
+///                 that the coupling's damping took
 ///
-/// so that over any time the coupling gives out no more than what was put in and the cap. The work of what a
-/// hand-over adds to the planes' force (hand_over.h) is paid for, or fills, as it is done; of a hand-over
-/// that the tank can not pay for, only hand_over_share() may be rendered. To either U belongs F·dx / 2 of the
-/// step that led here: the integrator's own share of a force that jumps. U_0 comes from the planes that
-/// pressed: exact for those, up to 1e-3 J at .25 m/s where a plane is touched within the very tick that a
-/// frame comes in or a plane is on its way back. Otherwise a force that rises within a frame is the motion's
-/// own and costs nothing; bone that recedes fills. The coupling's fade and the governor's share are gains; a
-/// fall fills, their return costs. From s < 1 it comes back as the tank fills, by 1/ramp_s at most, and at
-/// once where contact ends, which costs nothing.
+/// Over any time the coupling therefore gives out at most what was put in, plus the cap. The work of the
+/// force that a hand-over adds to the planes' force (hand_over.h) is paid, or fills the tank, as it is done;
+/// if the tank cannot pay for all of a hand-over, only hand_over_share() of it may be rendered. Each U
+/// includes F·dx / 2 of the step that led here: the integrator's own share of a force that jumps. U_0 comes
+/// from the planes that pressed. It is exact for those, and off by at most 1e-3 J at 0.25 m/s if a plane is
+/// touched in the very tick in which a frame arrives or a plane is on its way back. Otherwise a force that
+/// rises within a frame is due to the motion and costs nothing; bone that recedes fills the tank. The
+/// coupling's fade and the governor's share are gains: their fall fills the tank, their return costs. The
+/// share returns from s < 1 as the tank fills, by at most 1/ramp_s, and at once when contact ends, which
+/// costs nothing.
 ///
-/// It acts before any energy is out, but knows only of changes at a known time: what comes of a force that is
-/// old, held or limited is the passivity controller's. Too small a tank can not pay for what frames
-/// ordinarily differ by, and softens a wall that is stable. Source: control.md of the design; the idea is
-/// Franken and others, IEEE Trans. Robotics 27, 2011 (from memory).
+/// The tank acts before any energy is out, but only covers changes at a known time: the effects of a force
+/// that is old, held or limited are the passivity controller's. A tank that is too small cannot pay for the
+/// usual differences between frames, and softens a wall that is stable. Source: control.md of the design; the
+/// idea is Franken and others, IEEE Trans. Robotics 27, 2011 (from memory).
 class EnergyTank {
  public:
   /// @throws std::invalid_argument as Validate.
   EnergyTank(const EnergyTankParams& params, double period_s);
 
-  /// One tick. @param gain  that the coupling is rendered with beside its fade, 0 … 1
+  /// One tick. @param gain  other gain on the coupling beside its fade, 0 … 1
   /// @returns the share s of the coupling that may be rendered, 0 … 1
   double Step(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT, double gain) OSTEON_RT;
 
-  /// As it was constructed.
+  /// Returns to the state after construction.
   void Reset() OSTEON_RT;
 
   [[nodiscard]] double energy_J() const OSTEON_RT { return tank_J_; }
   [[nodiscard]] double paid_J() const OSTEON_RT { return paid_J_; }  ///< in the last tick
   [[nodiscard]] double share() const OSTEON_RT { return share_; }
-  /// Of CouplingOutput::F_hand_over_T_W, what may be rendered, 0 … 1: usually all.
+  /// Share of CouplingOutput::F_hand_over_T_W that may be rendered, 0 … 1: usually 1.
   [[nodiscard]] double hand_over_share() const OSTEON_RT { return hand_over_share_; }
   [[nodiscard]] bool acted() const OSTEON_RT { return share_ < 1.0; }
 

@@ -31,7 +31,7 @@ bool GainRamp::Step(bool pressed) OSTEON_RT {
   VisitGains(now_, [&](const char*, const char*, const char*, double& value) {
     const bool rising_spring = &value == &now_.max_stiffness_N_per_m && to[i] > value;
     if (value != to[i] && !(rising_spring && pressed)) {
-      // what rounding has left of the last step is not worth another one
+      // the last step includes the rest left by rounding
       value = std::abs(to[i] - value) <= (1.0 + 1e-6) * most_[i]
                   ? to[i]
                   : value + std::copysign(most_[i], to[i] - value);

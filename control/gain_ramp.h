@@ -7,17 +7,17 @@
 
 namespace osteon::control {
 
-/// From the gains that act to others, so that the change makes no energy.
+/// Changes the acting gains to others without creating energy.
 ///
-/// Each gain goes straight to its target within kRampSeconds, with two rules:
+/// Each gain moves linearly to its target within kRampSeconds, with two rules:
 ///
 /// - The coupling's stiffness **rises only while nothing presses** (no plane is penetrated). A spring that is
-///   compressed by d and gets stiffer by dK holds dK d^2 / 2 more than was put in; at d = 0 that is nothing,
-///   and one that gets softer holds less. So whatever is done to a spring by this rule, never more comes out
-///   of it than went in (test StiffnessNeverMakesEnergy).
+/// compressed by d and gets stiffer by dK stores dK d^2 / 2 more than was put in; at d = 0 this is zero, and
+/// a spring that gets softer stores less. Under this rule a spring never returns more energy than was put in
+/// (test StiffnessNeverMakesEnergy).
 /// - Mass and inertia change as AfterMassChange says, which the loop applies: kinetic energy never grows.
 ///
-/// Damping, its share and the dead zones store nothing.
+/// Damping, its share and the dead zones store no energy.
 class GainRamp {
  public:
   static constexpr double kRampSeconds = 1.0;
@@ -25,7 +25,7 @@ class GainRamp {
   /// @param period_s  of Step, > 0
   GainRamp(const Gains& begin, double period_s) : now_(begin), target_(begin), period_s_(period_s) {}
 
-  /// Where to go from now on. @pre valid gains
+  /// Sets the gains to go to from now on. @pre valid gains
   void Aim(const Gains& target) OSTEON_RT;
   /// One tick. @param pressed  the coupling's planes were penetrated in the tick before
   /// @returns whether any gain has changed
@@ -35,7 +35,7 @@ class GainRamp {
 
  private:
   Gains now_, target_;
-  std::array<double, kGainCount> most_{};  ///< change of each a tick
+  std::array<double, kGainCount> most_{};  ///< largest change of each gain in a tick
   double period_s_;
   bool moves_{false};
 };

@@ -7,7 +7,7 @@
 
 namespace osteon::control {
 
-/// What may be changed while the loop renders. Plain data; the defaults are the laws'.
+/// Gains that may change while the loop renders. Plain data; the defaults are the laws'.
 struct Gains {
   PlainVector3 mass_kg, inertia_kg_m2;  ///< of the virtual tool, by axis of T at its centre
   PlainVector3 damping_Ns_per_m, damping_Nms_per_rad;
@@ -15,7 +15,7 @@ struct Gains {
   double max_stiffness_N_per_m{0.0}, coupling_damping_Ns_per_m{0.0}, damping_share{0.0};
 };
 
-/// Every number of them with its name, unit and value, in a fixed order: visit(name, axis, unit, value&).
+/// Visits every gain with its name, unit and value, in a fixed order: visit(name, axis, unit, value&).
 template <class AnyGains, class Visit>
 void VisitGains(AnyGains& gains, Visit&& visit) {
   const auto triple = [&](const char* name, const char* unit, auto& v) {
@@ -35,9 +35,9 @@ void VisitGains(AnyGains& gains, Visit&& visit) {
 }
 inline constexpr std::size_t kGainCount = 17;
 
-/// The gains among the laws' parameters.
+/// Reads the gains from the laws' parameters.
 [[nodiscard]] Gains GainsOf(const AdmittanceParams& admittance, const CouplingParams& coupling) OSTEON_RT;
-/// Puts them back; the other parameters stay.
+/// Writes the gains into the laws' parameters; the other parameters stay.
 void Lay(const Gains& gains, AdmittanceParams& admittance, CouplingParams& coupling) OSTEON_RT;
 
 /// @throws std::invalid_argument naming the field, the value and what is accepted, as the laws' own Validate.

@@ -9,7 +9,7 @@ constexpr double kLeastForce_N = 1e-9;  // below it a force has no direction
 
 Wrench Scaled(const Wrench& F, double share) OSTEON_RT { return {.f = share * F.f, .t = share * F.t}; }
 
-// The hand-over of a spring whose planes let go since: smaller by as much.
+// Scales a hand-over down with a spring whose planes have since let go.
 HandOver AtForce(HandOver hand_over, double spring_N) OSTEON_RT {
   if (spring_N >= hand_over.spring_N) return hand_over;
   hand_over.F_T_W = Scaled(hand_over.F_T_W, spring_N / hand_over.spring_N);
@@ -17,12 +17,12 @@ HandOver AtForce(HandOver hand_over, double spring_N) OSTEON_RT {
   return hand_over;
 }
 
-// The first wrench's direction and line of action with the second's size.
+// Gives the first wrench, with its direction and line of action, the size of the second.
 Wrench WithSizeOf(Wrench before, const Wrench& after) OSTEON_RT {
   const double after_N = after.f.norm();
   const double against_N = std::min(0.0, before.f.dot(after.f) / after_N);
   before.f -=
-      against_N / after_N * after.f;  // rounding, or motion: a force that has turned round is not kept
+      against_N / after_N * after.f;  // by rounding or motion: a force that has turned round is not kept
   const double before_N = before.f.norm();
   if (before_N <= kLeastForce_N) return after;
   const double share = std::min(1.0, after_N / before_N), rest = std::max(0.0, 1.0 - before_N / after_N);
@@ -40,7 +40,7 @@ void BeginHandOver(HandOver& hand_over, const HandOverRate& rate, const Wrench& 
   const Wrench left{.f = held.f - after.f, .t = held.t - after.t};
   const double left_N = left.f.norm();
   if (left_N <= kLeastForce_N) return;
-  // frames that come while it turns do not slow it down
+  // frames that arrive during a turn do not slow it down
   hand_over = {.F_T_W = left,
                .spring_N = after.f.norm(),
                .turn_N_per_s = std::max({turning_N_per_s, left_N / rate.return_s, rate.least_turn_N_per_s})};

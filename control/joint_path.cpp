@@ -10,12 +10,12 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMostSlope = 15.0 / 8.0;                // of s, at the middle
-constexpr double kMostCurvature = 5.773502691896257645;  // 10 / sqrt(3), of s
+constexpr double kMostSlope = 15.0 / 8.0;                // maximum of s', in the middle
+constexpr double kMostCurvature = 5.773502691896257645;  // 10 / sqrt(3), maximum of |s''|
 
 double Slope(double u) OSTEON_RT { return 30.0 * u * u * (1.0 - u) * (1.0 - u); }
 
-// s(u), from the nearer end: small there in both senses, so that it arrives without a step.
+// s(u), computed from the nearer end, where it is accurate: the path arrives without a step.
 double Share(double u) OSTEON_RT {
   const auto from_zero = [](double x) { return x * x * x * (10.0 - x * (15.0 - 6.0 * x)); };
   return u < 0.5 ? from_zero(u) : 1.0 - from_zero(1.0 - u);
@@ -122,14 +122,14 @@ JointPathOutput<N> JointPath<N>::Step(double dt_s, bool permitted) OSTEON_RT {
   JointPathOutput<N> out;
   out.rate = clock_.rate();
   if (!(t_s_ < duration_s_)) {
-    out.q = q_goal_;  // to the bit
+    out.q = q_goal_;  // exact
     out.progress = progress_ = 1.0;
     out.done = true;
     return out;
   }
   const double u = t_s_ / duration_s_;
   const Joints way = q_goal_ - q_from_;
-  progress_ = std::max(progress_, Share(u));  // rounding
+  progress_ = std::max(progress_, Share(u));  // against rounding
   out.progress = progress_;
   out.q = q_from_ + progress_ * way;
   out.qd = (Slope(u) * clock_.rate() / duration_s_) * way;

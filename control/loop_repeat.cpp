@@ -7,7 +7,7 @@
 namespace osteon::control {
 namespace {
 
-// Of doubles without a gap between them. As bits: a NaN is the same as itself.
+// Compares doubles that are stored without gaps, as bits: a NaN equals itself.
 template <class T>
 bool Same(const T& a, const T& b) OSTEON_RT {
   static_assert(sizeof(T) % sizeof(double) == 0);
@@ -19,7 +19,7 @@ bool Same(const T& a, const T& b) OSTEON_RT {
 TickRecord TickAgain(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
                      ArmCommand& command) OSTEON_RT {
   const TickInput& in = recorded.input;
-  if (recorded.cell_state != kNoCellState)  // recorded before there was one: it could begin at any time
+  if (recorded.cell_state != kNoCellState)  // an older recording: the loop could begin at any time
     loop.AllowBegin(safety::MotionPermits(recorded.permits).Has(safety::MotionPermit::kWayLookedAt));
   if (in.stop) loop.RequestStop();
   if (in.recover) loop.RequestRecovery();

@@ -7,31 +7,32 @@
 
 namespace osteon::control {
 
-/// The recorded tick by another loop that has had all ticks before it. `model`: what it was given.
+/// Computes a recorded tick again on another loop that has had all ticks before it. `model`: the tick's
+/// input.
 TickRecord TickAgain(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
                      ArmCommand& command) OSTEON_RT;
 
-/// Each tick a second time: another loop, made with the same parameters, is given what the record says that
-/// the first was given (as `osteon replay` does), shortly before the next message. Two ends in one:
+/// Computes each tick a second time, shortly before the next message: another loop with the same parameters
+/// gets the inputs that the record holds for the first (as `osteon replay` does). This has two purposes:
 ///
-/// - Bit for bit the same has to come out. A difference is one of the computer's (memory, heat) or a value
-///   that this program takes from where it should not; what both have wrong it does not see.
-/// - The next tick finds its code, tables and branches near, and is answered in half the time: a millisecond
-///   is long enough for a processor that others use as well to lose them.
+/// - The result has to be equal bit for bit. A difference is a fault of the computer (memory, heat) or a
+/// value that the program reads from a wrong place. An error common to both loops is not detected.
+/// - The caches are warm: the next tick finds its code, tables and branches there and is answered in half the
+/// time. A millisecond is long enough for a shared processor to lose them.
 ///
-/// Sees each tick from the first on. One thread.
+/// Must be given every tick from the first on. One thread.
 class LoopRepeat {
  public:
-  /// @param second  has had no tick; nobody else's from here on
+  /// @param second  has had no tick; used by nobody else from here on
   explicit LoopRepeat(ServoLoop& second) : second_(second) {}
 
-  /// A tick of the first loop, as it is recorded, and the contact model that it was given.
+  /// Stores a tick of the first loop, as recorded, with the contact model that it was given.
   void Saw(const TickRecord& record, const simulation::ContactModel& model) OSTEON_RT;
 
-  /// A tick was seen, and is not repeated yet.
+  /// Whether a stored tick has not been repeated yet.
   [[nodiscard]] bool due() const OSTEON_RT { return due_; }
 
-  /// Computes it again. False: something came out otherwise.
+  /// Repeats the stored tick. False if the result differs.
   [[nodiscard]] bool Repeat() OSTEON_RT;
 
  private:
@@ -42,11 +43,10 @@ class LoopRepeat {
   bool due_{false};
 };
 
-/// Repeats the tick that is due, if one is, and tells the first loop of a difference.
+/// Repeats a stored tick, if any, and reports a difference to the first loop.
 void RepeatIfDue(ServoLoop& first, LoopRepeat& repeat) OSTEON_RT;
 
-/// What is done shortly before a message: the tick before once more, then the message's way, so that the next
-/// tick finds all of it near.
+/// Warms the caches shortly before a message: repeats the tick before, then runs the link's message path.
 void RehearseTick(ServoLoop& first, LoopRepeat& repeat, ArmLink& link, const ArmCommand& command) OSTEON_RT;
 
 }  // namespace osteon::control

@@ -8,13 +8,13 @@
 
 namespace osteon::control {
 
-/// How many periods lie between two of the arm's messages: one, and one more for each message between them
-/// that was lost on its way or overtaken before it was read. Counts, not clocks: jitter makes no motion
-/// faster or slower. A link's own number (IPOC of RSI) may step by more than one, so that it says nothing
-/// here.
+/// Counts the periods between two of the arm's messages: one, and one more for each message between them that
+/// was lost in transit or overtaken before it was read. It uses counters instead of clocks, so that jitter
+/// makes no motion faster or slower. A link's own sequence number (IPOC of RSI) may step by more than one and
+/// cannot be used.
 class MessageGap {
  public:
-  /// Once a message. @returns periods since the one before, >= 1; 1 for the first
+  /// Call once per message. @returns periods since the message before, >= 1; 1 for the first
   double Step(const ArmState& state) OSTEON_RT {
     const double skipped = known_ ? Counted(state.lost, lost_) + Counted(state.late, late_) : 0.0;
     known_ = true;
@@ -25,7 +25,7 @@ class MessageGap {
   void Reset() OSTEON_RT { known_ = false; }
 
  private:
-  // How far a counter went on; it goes back where a message that counted as lost comes late.
+  // Increase of a counter; a counter falls when a message that counted as lost comes late.
   static double Counted(std::uint32_t now, std::uint32_t before) OSTEON_RT {
     return std::max(0.0, static_cast<double>(static_cast<std::int32_t>(now - before)));
   }

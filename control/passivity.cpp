@@ -9,8 +9,8 @@
 namespace osteon::control {
 namespace {
 
-// Off by this a touch is no energy made: the force of a tick before it is 0, K v^2 T^2 / 2 at 60 N/mm and .25
-// m/s.
+// Tolerated error at a touch: the force of the tick before is 0, which gives K v^2 T^2 / 2 at 60 N/mm and
+// 0.25 m/s.
 constexpr double kTouch_J = 2e-3;
 
 }  // namespace
@@ -55,7 +55,7 @@ void PassivityController::ScaleRendered(double share) OSTEON_RT {
 }
 
 Wrench PassivityController::Step(const PortTick& port) OSTEON_RT {
-  // what was done since the tick before
+  // energy exchanged since the tick before
   if (port.contact && !touched_) energy_J_ = -std::min(kTouch_J, params_.allowance_J);
   touched_ = port.contact;
   step_before_ = {};
@@ -78,7 +78,7 @@ Wrench PassivityController::Step(const PortTick& port) OSTEON_RT {
   energy_J_ -= port.paid_J;
   energy_J_ = std::max(energy_J_, -(port.potential_J + params_.allowance_J));
 
-  // and what takes it back
+  // damping that takes it back
   const double lever2 = params_.lever_m * params_.lever_m;
   const double speed2 = port.V_WT.v.squaredNorm() + lever2 * port.V_WT.w.squaredNorm();
   if (!params_.acts || !(energy_J_ > 0.0) ||

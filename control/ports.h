@@ -8,14 +8,14 @@
 #include "control/tick_record.h"
 #include "kinematics/spatial.h"
 
-// What the servo loop needs of the world. io implements it; virtual time brings its own.
+// The servo loop's interfaces to arm, devices and recorder. io implements them; virtual time has its own.
 
 namespace osteon::control {
 
 inline constexpr int kJoints = 7;
 using JointArray = std::array<double, kJoints>;
 
-/// FRI session states; the numbers are the wire's.
+/// FRI session states, numbered as on the wire.
 enum class SessionState : std::uint8_t {
   kIdle = 0,
   kMonitoringWait = 1,
@@ -24,7 +24,7 @@ enum class SessionState : std::uint8_t {
   kCommandingActive = 4,
 };
 
-/// How the arm's own controller works; the numbers are FRI's.
+/// Control mode of the arm's own controller, numbered as in FRI.
 enum class ControlMode : std::uint8_t {
   kPosition = 0,
   kCartesianImpedance = 1,
@@ -32,24 +32,24 @@ enum class ControlMode : std::uint8_t {
   kNone = 3,  ///< e.g. brakes applied
 };
 
-/// What the arm's program asks the client for; the numbers are FRI's.
+/// Command mode that the arm's program asks of the client, numbered as in FRI.
 enum class CommandMode : std::uint8_t {
   kNone = 0,
   kPosition = 1,
-  kWrench = 2,         ///< and a wrench along with the position; the arm in Cartesian impedance
-  kTorque = 3,         ///< and joint torques; the arm in joint impedance
-  kCartesianPose = 4,  ///< not commanded by us: the link holds the arm where it is
+  kWrench = 2,         ///< a wrench along with the position; the arm in Cartesian impedance
+  kTorque = 3,         ///< joint torques along with the position; the arm in joint impedance
+  kCartesianPose = 4,  ///< not supported: the link holds the arm where it is
 };
 
 /// One message from the arm.
 struct ArmState {
-  rt::Nanoseconds stamp{0};  ///< when it arrived here
+  rt::Nanoseconds stamp{0};  ///< local time of arrival
   std::uint32_t sequence{0};
   SessionState session{SessionState::kIdle};
   std::uint8_t quality{0};         ///< 0 poor … 3 excellent
   std::uint8_t safety_state{0};    ///< 0 normal, 1 … 3 stop level 0 … 2
   std::uint8_t operation_mode{0};  ///< 0 T1, 1 T2, 2 automatic
-  bool drives_active{false};       ///< those of all joints
+  bool drives_active{false};       ///< of all joints
   ControlMode control_mode{ControlMode::kPosition};
   CommandMode command_mode{CommandMode::kNone};
   double period_s{0.001};
@@ -58,31 +58,31 @@ struct ArmState {
   bool has_ipo{false};
   JointArray tau_ext{};  ///< [N·m] external torque, the arm's estimate
 
-  /// Counts the times that COMMANDING_ACTIVE began: what a command must name to be followed.
+  /// Number of times that COMMANDING_ACTIVE began: a command must name it to be followed.
   std::uint32_t activation{0};
-  /// COMMANDING_ACTIVE, and no command has named this activation yet: the link holds the interpolator's
+  /// COMMANDING_ACTIVE, but no command has named this activation yet: the link holds the interpolator's
   /// position.
   bool holding{false};
 
   // Messages so far.
   std::uint32_t lost{0};           ///< never came
   std::uint32_t duplicate{0};      ///< came twice
-  std::uint32_t late{0};           ///< came in order, but were not read before the next was there
-  std::uint32_t reordered{0};      ///< overtaken by a newer one on their way
+  std::uint32_t late{0};           ///< in order, but not read before the next arrived
+  std::uint32_t reordered{0};      ///< overtaken by a newer one in transit
   std::uint32_t rejected{0};       ///< hostile, damaged, of another sender or of another version
-  std::uint32_t other_version{0};  ///< of those: of another version of the protocol
+  std::uint32_t other_version{0};  ///< part of `rejected`: another version of the protocol
   // Answers so far, as the arm's messages reflect them.
   std::uint32_t answers_lost{0};     ///< the arm took a later one without having seen this
-  std::uint32_t answers_foreign{0};  ///< the arm reflects what we never sent: somebody else answers it too
+  std::uint32_t answers_foreign{0};  ///< reflected by the arm, never sent by us: another client answers it
 };
 
-/// What the loop answers: where the joints should be. In states in which the arm moves by itself, the link
-/// mirrors instead.
+/// The loop's answer: where the joints should be. In states in which the arm moves by itself, the link
+/// mirrors its position instead.
 struct ArmCommand {
   JointArray q{};  ///< [rad]
-  /// ArmState::activation as the loop knows it: it has seen that the arm is handed over, and begins at the
-  /// interpolator's position. Commands for another one are held back, so that a loop that missed the arm's
-  /// leaving and coming back does not make it jump.
+  /// ArmState::activation as the loop knows it: the loop has seen that the arm is handed over, and begins at
+  /// the interpolator's position. The link withholds commands for another activation, so that a loop that
+  /// missed the arm's leaving and return does not make it jump.
   std::uint32_t activation{0};
   PlainWrench F{};   ///< kWrench: on the arm's motion centre, in its frame
   JointArray tau{};  ///< [N·m] kTorque
@@ -96,16 +96,16 @@ class ArmLink {
   /// Waits for the arm's next message, at most until the deadline. Hostile bytes are counted (`rejected`) and
   /// skipped.
   virtual ReceiveResult Receive(ArmState& state, rt::Nanoseconds deadline) OSTEON_RT = 0;
-  /// Answers the message last received. False where the system could not send.
+  /// Answers the message last received. False if the system could not send.
   virtual bool Send(const ArmCommand& command) OSTEON_RT = 0;
 
-  /// Sleeps until `time`, or until a message is there: true.
+  /// Sleeps until `time` or until a message has arrived; returns true for a message.
   virtual bool Await(rt::Nanoseconds time) OSTEON_RT {
     rt::SleepUntil(time);
     return false;
   }
-  /// Takes the message last received, and an answer to it, once more through the protocol and the system, on
-  /// sockets of its own, so that the next one finds that way near. Nothing goes to the arm.
+  /// Passes the message last received, and an answer to it, once more through the protocol and the system, on
+  /// separate sockets, so that this path is warm for the next message. Nothing goes to the arm.
   virtual void Rehearse(const ArmCommand& /*command*/) OSTEON_RT {}
 };
 
@@ -120,35 +120,35 @@ struct ForceReading {
 struct SpindleReading {
   rt::Nanoseconds stamp{0};     ///< 0: none yet
   double speed_rad_per_s{0.0};  ///< of the tool
-  double torque_Nm{0.0};        ///< at the tool; friction and what accelerates it are in it
-  bool ready{false};            ///< configured, and its status comes
-  bool fault{false};            ///< of the drive or of its connection; latched there
-  // Why: io::DescribeDriveFaults has the texts.
+  double torque_Nm{0.0};  ///< at the tool; includes friction and the torque that accelerates the spindle
+  bool ready{false};      ///< configured, and its status arrives
+  bool fault{false};      ///< of the drive or of its connection; latched there
+  // Causes of the fault: io::DescribeDriveFaults has the texts.
   std::uint8_t faults{0};           ///< io::DriveFault bits
   std::uint8_t nmt_state{0};        ///< of its last heartbeat (CiA 301)
   std::uint16_t emergency_code{0};  ///< of its EMCY (CiA 301); 0: none
   std::uint16_t error_code{0};      ///< object 603F (CiA 402); 0: none
 };
 
-/// What the cell's PLC says.
+/// One reading of the cell's PLC.
 struct InterlockReading {
   rt::Nanoseconds stamp{0};       ///< 0: none yet
-  bool permitted{false};          ///< motion; false as well where the PLC is silent or stands still
+  bool permitted{false};          ///< motion; also false while the PLC is silent or stands still
   bool enabled{false};            ///< the enabling switch is in its middle position
   bool spindle_permitted{false};  ///< foot pedal, and motion permitted
   std::uint8_t reason{0};         ///< why not permitted: io::PlcVerdict; 0: permitted
 };
 
-/// What the cell's devices beside the arm say.
+/// Readings of the cell's devices beside the arm.
 struct CellReadings {
   ForceReading force{};
   SpindleReading spindle{};
   InterlockReading interlock{};
 };
 
-/// What the loop asks of them.
+/// Commands to these devices.
 struct CellCommands {
-  bool motion_requested{false};  ///< of the PLC
+  bool motion_requested{false};  ///< from the PLC
   double spindle_rad_per_s{0.0};
   bool quick_stop{false};  ///< of the spindle, along its steepest ramp
   /// Latched faults of the drive may be reset: before the first motion, and in a recovery.
@@ -159,7 +159,7 @@ struct CellCommands {
 class CellDevices {
  public:
   virtual ~CellDevices() = default;
-  /// Hands the commands on and takes the newest readings; never waits.
+  /// Passes the commands on and takes the newest readings; never waits.
   [[nodiscard]] virtual CellReadings Exchange(const CellCommands& commands,
                                               rt::Nanoseconds now) OSTEON_RT = 0;
 };
@@ -167,9 +167,9 @@ class CellDevices {
 class TickRecorder {
  public:
   virtual ~TickRecorder() = default;
-  /// False where the recorder is behind; the tick goes on.
+  /// Takes a record. False if the recorder is behind; the tick goes on.
   virtual bool Push(const TickRecord& record) OSTEON_RT = 0;
-  /// So many ticks wait in it that some will soon be lost. From the tick's thread.
+  /// Whether so many ticks wait in it that some will soon be lost. Called from the tick's thread.
   [[nodiscard]] virtual bool Stalled() const OSTEON_RT { return false; }
 };
 

@@ -11,7 +11,7 @@
 namespace osteon::control {
 namespace {
 
-// Before the message that is due: when the tick before is repeated, and from when on it would be in the way.
+// Times before the next message: when the tick before is repeated, and when it is too late for that.
 constexpr rt::Nanoseconds kRepeatsBefore = 200'000, kTooLateBefore = 60'000;
 
 rt::Nanoseconds ToNanoseconds(double seconds) {
@@ -59,9 +59,9 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
   ArmCommand command;
   std::optional<LoopRepeat> repeat;
   if (params.second != nullptr) repeat.emplace(*params.second);
-  rt::Nanoseconds due = 0;  // the next message; 0: not known
+  rt::Nanoseconds due = 0;  // time of the next message; 0: unknown
   for (;;) {
-    // the tick before once more
+    // repeat the tick before
     if (repeat && due > 0 && !link.Await(due - kRepeatsBefore) && rt::MonotonicNow() < due - kTooLateBefore)
       RehearseTick(loop, *repeat, link, command);
 
@@ -75,7 +75,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     const rt::Nanoseconds answered = rt::MonotonicNow();
     commands.Store(loop.tool_command());
     if (repeat) {
-      RepeatIfDue(loop, *repeat);  // where it had no time before the message
+      RepeatIfDue(loop, *repeat);  // if there was no time before the message
       repeat->Saw(record, model);
     }
     due = received == ReceiveResult::kOk ? state.stamp + ToNanoseconds(state.period_s) : 0;
@@ -84,7 +84,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
         state.session != SessionState::kIdle)
       params.standing->Store({.known = true, .q = state.q_meas});
 
-    // what it took; only a message that came has a wake-up
+    // durations; only a message that arrived has a wake-up
     ++result.ticks;
     record.compute_ns = answered - woken;
     if (received == ReceiveResult::kOk) {
@@ -103,7 +103,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     if (!recorded) ++result.unrecorded;
     if (!recorded || recorder.Stalled()) loop.ReportRecorder();
 
-    // when to end; a loop that stopped by itself has a fault
+    // end conditions; a loop that stopped by itself has a fault
     if (received == ReceiveResult::kClosed) {
       end(RunEnd::kLinkClosed);
       break;
@@ -118,7 +118,7 @@ RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
     }
     if (loop.faults().Any()) end(RunEnd::kFault);
     if (!ending && (loop.phase() == Phase::kAligning || loop.state() == safety::CellState::kPaused))
-      give_up_at = woken + give_up;  // it comes closer, or somebody means it
+      give_up_at = woken + give_up;  // aligning makes progress, and a pause is intended
     if (params.seconds > 0.0 && active_since >= 0 && woken - active_since >= ToNanoseconds(params.seconds))
       end(RunEnd::kSeconds);
     if (loop.phase() == Phase::kHaptic) waits_again = false;

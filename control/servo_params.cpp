@@ -55,8 +55,8 @@ void Validate(const ServoParams& params) {
 }
 
 StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT {
-  // within a tick the damping may take all of the motion, on the lightest axis, and no more: with its centre
-  // at a lever, that turns along
+  // within a tick the damping may take at most all of the motion, on the lightest axis; with a centre off the
+  // origin, the axis at the end of that lever counts
   const double lever_m = params.stabilisers.passivity.lever_m;
   const double least_kg =
       std::min(law.mass_kg.minCoeff(), law.inertia_kg_m2.minCoeff() / (lever_m * lever_m));
@@ -79,7 +79,7 @@ StabilisedLaw LawOf(const ServoParams& params) {
   };
   require("damping_Ns_per_m", i.damping_Ns_per_m, governor.arm_damping_Ns_per_m);
   require("damping_Nms_per_rad", i.damping_Nms_per_rad, governor.arm_damping_Nms_per_rad);
-  // the wrench counts a period after the pose, and lasts one
+  // the wrench takes effect a period after the pose, and lasts a period
   return {.damping = {.Ns_per_m = i.damping_Ns_per_m, .Nms_per_rad = i.damping_Nms_per_rad},
           .pose_age_s = 1.5 * params.period_s + i.twist_filter_s,
           .work = PortWork::kHeld,

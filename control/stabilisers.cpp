@@ -25,7 +25,7 @@ void Stabilisers::Follow(const StabilisedLaw& law) OSTEON_RT {
   passivity_.SetMaxDamping(law.most_damping_Ns_per_m);
 }
 
-// A wrench of the coupling without what the tank can not pay for of a hand-over.
+// Subtracts from a coupling wrench the part of a hand-over that the tank cannot pay for.
 Wrench Stabilisers::Paid(const CouplingOutput& coupling, const Wrench& F_T_W) const OSTEON_RT {
   const double unpaid = 1.0 - tank_.hand_over_share();
   if (unpaid == 0.0) return F_T_W;

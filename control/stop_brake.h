@@ -7,17 +7,17 @@
 namespace osteon::control {
 
 /// The brake of a stop under the impedance law: damping and braking toward standstill, at a share of their
-/// gains. What it sends acts through the arm's delay, so that gains which hold a tool with a hand on it shake
-/// a light one. The share is halved each time that the tool is found to move against the motion it had
-/// last, and grows no more until the next stop; the arm's own spring and damping stop what is left.
+/// gains. Its wrench acts through the arm's delay, so gains that hold a tool with a hand on it shake a tool
+/// without one. The share is halved each time the tool is found to move against its last motion, and grows no
+/// more until the next stop; the arm's own spring and damping stop the rest.
 class StopBrake {
  public:
-  /// A stop begins.
+  /// Begins a stop.
   void Reset() OSTEON_RT;
-  /// Once a tick of the stop. @param V_WT  measured velocity of T at To, in W
+  /// Call once per tick of the stop. @param V_WT  measured velocity of T at To, in W
   /// @returns the wrench on the tool at To, in W, not limited
   [[nodiscard]] Wrench Step(const ImpedanceParams& params, const Matrix3& R_WT, const Twist& V_WT) OSTEON_RT;
-  /// Share of the gains that acts, 0 … 1.
+  /// Acting share of the gains, 0 … 1.
   [[nodiscard]] double share() const OSTEON_RT { return share_; }
 
  private:

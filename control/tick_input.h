@@ -5,20 +5,20 @@
 #include "control/tick_record.h"
 #include "simulation/contact_model.h"
 
-// What a tick was given, into its record and back: a replay gives the loop the same again.
+// Writes the inputs of a tick into its record and reads them back, so that a replay gives the loop the same.
 
 namespace osteon::control {
 
-/// Everything of a tick's arguments that is not in its record by another name.
-/// @param stop  an orderly stop had been asked for
+/// Collects all of a tick's arguments that its record does not hold elsewhere.
+/// @param stop  an orderly stop was requested
 [[nodiscard]] TickInput InputOf(const ArmState& state, ReceiveResult received, const CellReadings& readings,
                                 const simulation::ContactModel& model, rt::Nanoseconds now,
                                 bool stop) OSTEON_RT;
 
-/// The arm's message as the tick had it.
+/// Restores the arm's message of a tick.
 [[nodiscard]] ArmState ArmStateOf(const TickRecord& tick) OSTEON_RT;
 
-/// What the devices said, as the tick had it.
+/// Restores the devices' readings of a tick.
 [[nodiscard]] CellReadings CellReadingsOf(const TickInput& input) OSTEON_RT;
 
 }  // namespace osteon::control

@@ -9,19 +9,19 @@
 
 namespace osteon::control {
 
-/// What the loop is doing, in short: safety::CellState says it in full.
+/// What the loop does, in short; safety::CellState has the details.
 enum class Phase : std::uint8_t {
   kWaiting,   ///< the arm is not yet handed over, or the cell is paused
   kHaptic,    ///< rendering
   kStopping,  ///< ordered stop under way
   kStopped,   ///< at rest, holding
-  kAligning,  ///< moving to where the run starts, while the enabling switch is held
+  kAligning,  ///< moving to the start of the run, while the enabling switch is held
 };
 
-/// What a tick was given, beyond what its record holds anyway (q_meas, session_state, model_frame): with the
-/// frames of the simulation all that another loop needs to do the same again, bit for bit. Plain data.
+/// Inputs of a tick that its record does not hold elsewhere (q_meas, session_state, model_frame). Together
+/// with the frames of the simulation they let another loop compute the tick again, bit for bit. Plain data.
 struct TickInput {
-  rt::Nanoseconds now{0};        ///< what the tick was told; 0: recorded before inputs were
+  rt::Nanoseconds now{0};        ///< time given to the tick; 0: the recording is older than this field
   rt::Nanoseconds arm_stamp{0};  ///< ArmState::stamp
   // Of ArmState.
   std::uint32_t sequence{0}, activation{0};
@@ -30,17 +30,17 @@ struct TickInput {
   std::uint8_t quality{0}, safety_state{0}, operation_mode{0}, control_mode{0}, command_mode{0};
   bool drives_active{false}, holding{false}, has_ipo{false};
   std::uint8_t received{0};          ///< ReceiveResult
-  bool stop{false};                  ///< an orderly stop had been asked for
-  bool recover{false};               ///< a recovery was asked for since the tick before
-  bool pause{false}, resume{false};  ///< the same of a pause and of its end
-  bool repeat_differed{false};       ///< the tick before came out otherwise when it was computed again
+  bool stop{false};                  ///< an orderly stop was requested
+  bool recover{false};               ///< a recovery was requested since the tick before
+  bool pause{false}, resume{false};  ///< likewise for a pause and its end
+  bool repeat_differed{false};       ///< the repetition of the tick before gave a different result
   bool recorder_stalled{false};      ///< the recorder stood still, or refused the tick before
   std::uint8_t model_status{0};      ///< simulation::EngineStatus
   double period_s{0.0};              ///< of ArmState
   std::array<double, 7> q_ipo{};     ///< [rad]
   std::array<double, 7> tau_ext{};   ///< [N·m]
   rt::Nanoseconds sensor_stamp{0};   ///< of the force reading
-  PlainWrench F_sensor_S;            ///< the reading as it came; F_operator_T_W is what was taken of it
+  PlainWrench F_sensor_S;            ///< the reading as it came; F_operator_T_W is computed from it
   bool sensor_trusted{true};
   // Of SpindleReading and InterlockReading.
   rt::Nanoseconds spindle_stamp{0};
@@ -52,17 +52,17 @@ struct TickInput {
   bool permitted{false}, enabled{false}, spindle_permitted{false};
   std::uint8_t interlock_reason{0};
   rt::Nanoseconds model_pose_stamp{0};
-  bool has_gains{false};  ///< other gains were asked for since the tick before, and taken:
+  bool has_gains{false};  ///< new gains were requested since the tick before, and accepted:
   Gains gains{};
 };
 
-/// TickRecord::cell_state of a tick that was recorded before there was one.
+/// Value of TickRecord::cell_state in recordings older than the field.
 inline constexpr std::uint8_t kNoCellState = 255;
 
 /// One tick of the servo loop as it is recorded. Plain data.
 struct TickRecord {
   std::uint64_t tick{0};
-  rt::Nanoseconds stamp{0};  ///< time of the arm message that this tick answers; of the tick where none came
+  rt::Nanoseconds stamp{0};  ///< time of the arm message that this tick answers; without one, of the tick
   Phase phase{Phase::kWaiting};
   std::uint8_t session_state{0};   ///< FRI session state, 0 … 4
   std::uint32_t faults{0};         ///< safety::FaultSet bits
@@ -70,37 +70,37 @@ struct TickRecord {
   std::array<double, 7> q_cmd{};   ///< [rad]
   PlainPose X_WT_cmd, X_WT_meas;   ///< tool in world, commanded and measured
   PlainVector3 v_WT_cmd_m_per_s;   ///< velocity of the tool's apex
-  /// Of the measured apex since the message before, while the loop commands the arm; else 0.
+  /// Speed of the measured apex since the message before, while the loop commands the arm; else 0.
   double tool_speed_meas_m_per_s{0.0};
-  PlainWrench F_operator_T_W;  ///< what the hand exerts, from the sensor, on T, in W
-  /// Rendered: after every limit, as integrated. In the tick of a fault: what would have been, within the
-  /// limits.
+  PlainWrench F_operator_T_W;  ///< exerted by the hand, from the sensor, on T, in W
+  /// Rendered: after every limit, as integrated. In the tick of a fault: what would have been rendered,
+  /// within the limits.
   PlainWrench F_coupling_T_W;
-  double wrench_step_N{0.0};        ///< by which the coupling's force grew or turned (safety::WrenchRateTrip)
-  double wrench_step_limit_N{0.0};  ///< and by which it may in a tick
-  double wrench_scale{1.0};         ///< share of the coupling wrench that the limits let through, 0 … 1
-  double arm_share{1.0};            ///< of it that the arm's torques can hold in this posture, 0 … 1
-  double tool_in_bone_m{0.0};       ///< from the tool to its collision-free pose, while rendering
+  double wrench_step_N{0.0};        ///< growth or turn of the coupling's force (safety::WrenchRateTrip)
+  double wrench_step_limit_N{0.0};  ///< its limit for a tick
+  double wrench_scale{1.0};         ///< share of the coupling wrench that the limits passed, 0 … 1
+  double arm_share{1.0};            ///< share of it that the arm's torques can hold in this posture, 0 … 1
+  double tool_in_bone_m{0.0};       ///< distance of the tool from its collision-free pose, while rendering
   double vibration_index{0.0};      ///< 0 … 1
   /// Effective value up to which vibration counts as the hand's own.
   double vibration_reference_N{0.0};
-  double mass_factor{1.0};                 ///< by which it multiplied the virtual tool's inertia,
-  double damping_factor{1.0};              ///< and its drag
-  double age_damping_factor{1.0};          ///< by which the age governor multiplied the law's damping,
-  double age_wrench_share{1.0};            ///< and the coupling
-  double passivity_energy_J{0.0};          ///< that the planes have given to the tool: E > 0 was made
-  double passivity_damping_Ns_per_m{0.0};  ///< that takes it back; 0: did not act
+  double mass_factor{1.0};                 ///< factor of the vibration index on the virtual tool's inertia,
+  double damping_factor{1.0};              ///< and on its drag
+  double age_damping_factor{1.0};          ///< factor of the age governor on the law's damping,
+  double age_wrench_share{1.0};            ///< and on the coupling
+  double passivity_energy_J{0.0};          ///< that the planes have given to the tool: E > 0 was generated
+  double passivity_damping_Ns_per_m{0.0};  ///< damping that takes E back; 0: inactive
   double tank_J{0.0};                      ///< while rendering
-  double tank_share{1.0};                  ///< of the coupling that the tank could pay for
-  std::uint32_t limits{0};                 ///< safety::LimitSet: what acted in this tick
+  double tank_share{1.0};                  ///< share of the coupling that the tank could pay for
+  std::uint32_t limits{0};                 ///< safety::LimitSet: the limits that acted in this tick
   std::uint8_t cell_state{kNoCellState};   ///< safety::CellState
-  std::uint32_t permits{0};                ///< safety::MotionPermits, as last looked at: while nothing moves
-  PlainWrench F_bias_S;                    ///< taken out of the sensor's readings
+  std::uint32_t permits{0};                ///< safety::MotionPermits, as last evaluated: while nothing moves
+  PlainWrench F_bias_S;                    ///< subtracted from the sensor's readings
   double model_age_s{0.0};                 ///< of the contact model's pose
   double sensor_age_s{0.0};
   std::uint64_t model_frame{0};
   double spindle_rad_per_s{0.0};
-  std::uint32_t activation_cmd{0};  ///< of the arm, that the command is for
+  std::uint32_t activation_cmd{0};  ///< activation of the arm that the command is for
   PlainWrench F_cmd_T;              ///< wrench overlay, on T at To, in T; zero in position mode
   std::array<double, 7> tau_cmd{};  ///< torque overlay [N·m]
   rt::Nanoseconds wakeup_ns{0};     ///< from the arm's message to the loop's wake-up; 0 in virtual time

@@ -12,15 +12,16 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMostOfRate = 0.4;         // a filter's edge, of the rate
+constexpr double kMostOfRate = 0.4;         // largest edge of a filter, as a share of the rate
 constexpr double kQ2 = 0.7071067811865476;  // Butterworth of order 2
-constexpr double kQDead = 0.5;              // critically damped: a jolt does not ring through it
-constexpr double kTurns = 0.15;  // of a half-wave's peak: on the other side this much is the next one
-constexpr double kPassed = 0.8;  // of a peak: it is over
-constexpr double kDies = 0.5, kGrows = 10.0;          // of the peak before
-constexpr double kAlertFalls = 2.0;                   // times longer than it rises
-constexpr double kSlower = 1.1, kFaster = 1.25;       // than the band's edges still counts
-constexpr double kBelowBand = 0.5, kAboveBand = 1.5;  // harmonics this far outside still come through
+constexpr double kQDead = 0.5;              // critically damped: a jolt does not make it ring
+constexpr double kTurns =
+    0.15;  // share of a half-wave's peak: this much of the other sign begins the next half-wave
+constexpr double kPassed = 0.8;                       // share of a peak: below it the peak has passed
+constexpr double kDies = 0.5, kGrows = 10.0;          // bounds of a peak over the peak before
+constexpr double kAlertFalls = 2.0;                   // times longer than the rise
+constexpr double kSlower = 1.1, kFaster = 1.25;       // tolerance at the band's edges
+constexpr double kBelowBand = 0.5, kAboveBand = 1.5;  // harmonics this far outside still pass the filters
 
 const VibrationParams& Validated(const VibrationParams& params) {
   Validate(params);
@@ -28,7 +29,7 @@ const VibrationParams& Validated(const VibrationParams& params) {
 }
 
 HalfWaves Waves(const VibrationParams& params, double period_s) {
-  // half a period is known to a tick at each end
+  // a half period is measured to a tick at each end
   return {0.5 / (kFaster * params.high_hz) - period_s, kSlower * 0.5 / params.low_hz + period_s};
 }
 
@@ -65,7 +66,7 @@ double HalfWaves::Step(double x, double dt_s) OSTEON_RT {
   const double size = std::abs(x);
   since_peak_s_ += dt_s;
   since_last_s_ += dt_s;
-  if (x * sign_ < 0.0 && size > kTurns * peak_) {  // noise about zero is no half-wave
+  if (x * sign_ < 0.0 && size > kTurns * peak_) {  // noise about zero is not a half-wave
     sign_ = -sign_;
     last_ = peak_;
     since_last_s_ = since_peak_s_;
@@ -76,7 +77,7 @@ double HalfWaves::Step(double x, double dt_s) OSTEON_RT {
     peak_ = size;
     since_peak_s_ = 0.0;
     judged_ = false;
-  } else if (since_peak_s_ > longest_s_) {  // it has swung out
+  } else if (since_peak_s_ > longest_s_) {  // the oscillation has ended
     peak_ = size;
     since_peak_s_ = 0.0;
     last_ = 0.0;
@@ -119,7 +120,7 @@ void VibrationIndex::Reset() OSTEON_RT {
   reference_.Reset();
 }
 
-// What comes at the harmonics is taken out of the band: each line's amplitudes follow what is left over.
+// Removes the spindle's harmonics from the band; each line's amplitudes adapt to the remainder.
 Vector3 VibrationIndex::WithoutSpindle(Lines& lines, const Vector3& x) const OSTEON_RT {
   Vector3 rest = x;
   const auto count = static_cast<std::size_t>(to_ - from_);
@@ -132,11 +133,11 @@ Vector3 VibrationIndex::WithoutSpindle(Lines& lines, const Vector3& x) const OST
   return rest;
 }
 
-// The spindle's angle, and which of its harmonics are in the band.
+// Advances the spindle's angle, and finds the harmonics in the band.
 void VibrationIndex::Turn(double spindle_rad_per_s) OSTEON_RT {
   const double hz = std::abs(spindle_rad_per_s) / (2.0 * std::numbers::pi);
   int from = 0, to = 0;
-  // closer together than a notch is wide they would take all of the band
+  // harmonics closer together than a notch's width would remove the whole band
   if (params_.notch_hz > 0.0 && hz > params_.notch_hz && hz < kAboveBand * params_.high_hz) {
     from = std::max(1, static_cast<int>(std::ceil(kBelowBand * params_.low_hz / hz)));
     to = std::max(from, 1 + static_cast<int>(kAboveBand * params_.high_hz / hz));
@@ -175,7 +176,7 @@ void VibrationIndex::Filter(Channel& channel, const Vector3& x) OSTEON_RT {
 double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT {
   if (!safety::IsFinite(F) || !std::isfinite(spindle_rad_per_s)) return index();
   const Vector3 at_lever_N = F.t / params_.lever_m;
-  if (!begun_) {  // the filters start at rest, and so at the wrench that there is
+  if (!begun_) {  // the filters start at rest, at the present wrench
     force_.first = F.f;
     torque_.first = at_lever_N;
     begun_ = true;
@@ -197,7 +198,8 @@ double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT
   };
   const double swings2 = force_.swings2 + torque_.swings2, band2 = force_.band2 + torque_.band2;
   const double goal = wanted(swings2), alert = wanted(band2);
-  const double least2 = params_.share_low / (1.0 - params_.share_low) * floor2;  // less is never seen
+  const double least2 =
+      params_.share_low / (1.0 - params_.share_low) * floor2;  // energies below it never raise the index
   reference_.Step(swings2, goal, seen_, least2, period_s_);
   toward(seen_, reference_.testing() ? 1.0 : goal,
          reference_.released() ? params_.release_s : params_.decay_ratio * params_.rise_s);

@@ -12,38 +12,38 @@ namespace osteon::control {
 
 /// Tuning of VibrationIndex. Every field has a usable default.
 struct VibrationParams {
-  bool acts{true};       ///< false: the index is computed and recorded, and moves nothing
-  double low_hz{5.0};    ///< the band in which a hand and the arm's lag oscillate: above what a hand wants,
-  double high_hz{40.0};  ///< and below what a lagging arm can do; > low_hz
-  double slow_hz{1.5};   ///< from here to low_hz lies what a hand does on purpose; < low_hz
+  bool acts{true};       ///< false: the index is computed and recorded, but changes nothing
+  double low_hz{5.0};    ///< the band in which a hand and the arm's lag oscillate: above intended motion,
+  double high_hz{40.0};  ///< and below the fastest oscillation of a lagging arm; > low_hz
+  double slow_hz{1.5};   ///< intended motion lies between this and low_hz; < low_hz
   double lever_m{0.1};   ///< torques count as the force at this lever
-  double floor_N{0.15};  ///< vibration of this effective value makes a share of one half by itself
-  double slow_memory_s{0.2};    ///< of the slow energy: it must not vanish where a motion turns
-  double share_low{0.3};        ///< up to this share of the energy the index wants to be 0,
-  double share_high{0.8};       ///< and from this one on 1; > share_low
-  double alert_index{0.25};     ///< most index for a jolt that has not swung back yet; 0 … 1
-  double alert_memory_s{0.03};  ///< of the band's whole energy, which alerts
+  double floor_N{0.15};  ///< vibration of this effective value alone makes a share of one half
+  double slow_memory_s{0.2};    ///< memory of the slow energy, which must not vanish where a motion turns
+  double share_low{0.3};        ///< up to this share of the energy the index tends to 0,
+  double share_high{0.8};       ///< and from this share on to 1; > share_low
+  double alert_index{0.25};     ///< largest index for a jolt that has not swung back yet; 0 … 1
+  double alert_memory_s{0.03};  ///< memory of the band's whole energy, which raises the alert
   double rise_s{0.02};          ///< time constant of the index upward
-  double decay_ratio{60.0};     ///< downward it takes so many times longer; >= 1
-  double most_damping{100.0};   ///< times the law's damping, at index 1; >= 1
-  double most_mass{1.2};        ///< times the law's mass and inertia, at index 1; >= 1
+  double decay_ratio{60.0};     ///< ratio of the time constants downward and upward; >= 1
+  double most_damping{100.0};   ///< factor on the law's damping at index 1; >= 1
+  double most_mass{1.2};        ///< factor on the law's mass and inertia at index 1; >= 1
   double notch_hz{1.5};         ///< width of each notch; 0: none
   double release_s{
       0.1};  ///< time constant of the index downward where no test has found the loop to oscillate
-  ReferenceParams reference{};  ///< of what is the hand's own
+  ReferenceParams reference{};  ///< of the hand's own vibration
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const VibrationParams& params);
 
-/// Amplitude of what swings to and fro in a signal: the peak of a half-wave that follows another one, of the
-/// other sign, in half a period of the band, and is neither half as large nor ten times. A single jolt has no
-/// second half-wave, one that dies out has a smaller one, and a slow wave takes longer.
+/// Amplitude of the oscillation in a signal: the peak of a half-wave that follows another of the opposite
+/// sign within half a period of the band, with between half and ten times its size. A single jolt has no
+/// second half-wave, a decaying oscillation has a smaller one, and a slow wave takes longer.
 class HalfWaves {
  public:
   HalfWaves(double shortest_s, double longest_s) : shortest_s_(shortest_s), longest_s_(longest_s) {}
 
-  /// @returns the amplitude; 0 while nothing swings.
+  /// @returns the amplitude; 0 while nothing oscillates.
   double Step(double x, double dt_s) OSTEON_RT;
 
  private:
@@ -55,15 +55,15 @@ class HalfWaves {
   double amplitude_{0.0};
 };
 
-/// How much of what the sensor feels is vibration, and what the virtual tool should be to calm it.
+/// Measures how much of the hand's wrench is vibration, and derives the inertia and drag that damp it.
 ///
-/// A grip that stiffens makes an admittance-controlled arm oscillate through the arm's own lag: neither the
-/// contact model nor an observer of the virtual side's energy sees that. The sensor does:
+/// A grip that stiffens makes an admittance-controlled arm oscillate through the arm's own lag. Neither the
+/// contact model nor an observer of the virtual side's energy sees this; the sensor does:
 ///
 ///     x_b, x_s  the hand's wrench (f, t / lever) between low and high, and between slow and low
-///     E_b = sum over the six axes of a^2 / 2,  a the amplitude of what swings in x_b (HalfWaves)
+///     E_b = sum over the six axes of a^2 / 2,  a the amplitude of the oscillation in x_b (HalfWaves)
 ///     E_s = mean of |x_s|^2 over the last slow_memory_s,   E_a = mean of |x_b|^2 over alert_memory_s
-///     E+ = max(0, E - (margin R)^2),  R the reference: what is the hand's own (VibrationReference)
+///     E+ = max(0, E - (margin R)^2),  R the reference: the hand's own vibration (VibrationReference)
 ///     share(E) = E+ / (E+ + E_s + floor^2)
 ///     w(E) = (share(E) - share_low) / (share_high - share_low), within 0 … 1
 ///     S' = (w(E_b) - S) / rise_s upward, / (decay_ratio rise_s) downward;
@@ -71,40 +71,40 @@ class HalfWaves {
 ///     A' = (alert_index w(E_a) - A) / rise_s upward, / (2 rise_s) downward
 ///     index I = max(S, A):   damping × (1 + I (most_damping - 1)),  mass × (1 + I (most_mass - 1))
 ///
-/// Every push that begins, and every touch, has much energy in the band for some 20 ms: the drag that it
-/// would raise stayed for a second. Hence two half-waves, which cost a period of delay, in which a stiff
-/// clamp's oscillation grows fiftyfold. So a jolt alerts: some drag at once, which is gone 50 ms later where
-/// nothing swings back.
+/// Every push that begins, and every touch, has much energy in the band for some 20 ms, and drag raised by it
+/// would stay for a second. The index therefore asks for two half-waves, which costs a period of delay, in
+/// which a stiff clamp's oscillation grows fiftyfold. So a jolt raises an alert: some drag at once, which is
+/// gone 50 ms later if nothing swings back.
 ///
-/// With a turning spindle the cut's own forces come at multiples of its speed: the first kHarmonics of those
-/// in the band are taken out by notches (an adaptive canceller, which follows the speed; Widrow and others,
-/// Proc. IEEE 63, 1975). They learn within 1 / (pi notch_hz): a cut that begins with much ripple may be seen
-/// that long. What oscillates within half a notch's width of such a multiple is not seen.
+/// With a turning spindle the cut's own forces come at multiples of its speed. Notches remove the first
+/// kHarmonics of those in the band (an adaptive canceller that follows the speed; Widrow and others, Proc.
+/// IEEE 63, 1975). They adapt within 1 / (pi notch_hz): a cut that begins with much ripple may count as
+/// vibration for that long. An oscillation within half a notch's width of such a multiple is not seen.
 ///
-/// The index only limits an oscillation; it takes one to rise, and where the law itself is unstable it
-/// settles where the oscillation neither grows nor dies, at about floor_N. Source: control.md of the design;
-/// the idea is Dimeas and Aspragathos, IEEE Trans. Haptics 9, 2016 (from memory).
+/// The index only limits an oscillation: an oscillation has to exist for it to rise, and where the law itself
+/// is unstable the index settles where the oscillation neither grows nor dies, at about floor_N. Source:
+/// control.md of the design; the idea is Dimeas and Aspragathos, IEEE Trans. Haptics 9, 2016 (from memory).
 class VibrationIndex {
  public:
   static constexpr int kHarmonics = 8;
 
   /// @throws std::invalid_argument as Validate. @param period_s > 0; a band beyond 40 % of the rate is cut
-  /// off there.
+  ///   off there.
   VibrationIndex(const VibrationParams& params, double period_s);
 
-  /// One tick. @param F  what the hand exerts, at a fixed point of the tool; its frame does not matter as
-  /// long as it turns slowly @param spindle_rad_per_s  of the tool; 0 where it stands
-  /// @returns the index, 0 … 1; unchanged where F is not finite.
+  /// One tick. @param F  wrench of the hand, at a fixed point of the tool, in any slowly turning frame
+  /// @param spindle_rad_per_s  speed of the tool; 0 if it stands
+  /// @returns the index, 0 … 1; unchanged if F is not finite.
   double Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT;
 
-  /// As it was constructed.
+  /// Returns to the state after construction.
   void Reset() OSTEON_RT;
 
   [[nodiscard]] double index() const OSTEON_RT { return std::max(seen_, alert_); }
-  /// Factors on the law's damping and on its mass and inertia; 1 where it does not act.
+  /// Factors on the law's damping and on its mass and inertia; 1 while inactive.
   [[nodiscard]] double damping_factor() const OSTEON_RT;
   [[nodiscard]] double mass_factor() const OSTEON_RT;
-  /// Effective value up to which, times the margin, vibration is the hand's own.
+  /// Effective value up to which, times the margin, vibration counts as the hand's own.
   [[nodiscard]] double reference_N() const OSTEON_RT { return reference_.reference_N(); }
 
  private:
@@ -135,8 +135,8 @@ class VibrationIndex {
   int from_{0}, to_{0};    ///< harmonics in the band: from_ … to_ - 1; none where equal
   std::array<double, kHarmonics> cos_{}, sin_{};
   VibrationReference reference_;
-  double seen_{0.0};   ///< index for what swings
-  double alert_{0.0};  ///< and for what may begin to
+  double seen_{0.0};   ///< index for oscillation
+  double alert_{0.0};  ///< index for a possible beginning of one
 };
 
 }  // namespace osteon::control

@@ -8,12 +8,12 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kBeats = 2.0;     // a tremor's energy is so many times what it will be in a moment
-constexpr double kLightens = 3.0;  // a light tool gives back so many times a tremor's energy
-constexpr double kTrust_s = 6.0;   // suspicion is forgotten so slowly: what swings comes and goes
+constexpr double kBeats = 2.0;     // a tremor's energy may fall by this factor within a moment
+constexpr double kLightens = 3.0;  // a light tool returns a tremor's energy times this
+constexpr double kTrust_s = 6.0;   // memory of suspicion: oscillation comes and goes
 constexpr double kLight = 0.01;    // index
 constexpr double kSettle_s = 0.15, kBeat_s = 1.0;
-constexpr double kSure = 0.9;  // of what the index may want: more than a loop needs that is being held
+constexpr double kSure = 0.9;  // of the index' suspicion: more than a damped loop reaches
 
 const ReferenceParams& Validated(const ReferenceParams& params) {
   Validate(params);
@@ -50,7 +50,7 @@ void VibrationReference::Reset() OSTEON_RT {
 
 double VibrationReference::reference_N() const OSTEON_RT { return std::sqrt(reference2_); }
 
-// What is left of it, at the end of a test.
+// Judges the remaining energy at the end of a test.
 void VibrationReference::Judge() OSTEON_RT {
   if (tested_s_ < params_.test_s) return;
   if (!watchful_) {
@@ -88,7 +88,7 @@ void VibrationReference::Step(double swings2, double suspicion, double index, do
   } else if (!watchful_) {
     reference2_ = std::max(reference2_, std::min(swings2, most2_));
   }
-  // what swings comes and goes at the threshold
+  // oscillation comes and goes at the threshold
   const bool suspected = suspicion > (watchful_ ? kSure : 0.0);
   suspected_s_ += suspected ? dt_s : -dt_s / kTrust_s * suspected_s_;
   before2_ = std::max(swings2, before2_ - dt_s / kTrust_s * before2_);

@@ -16,7 +16,7 @@ using simulation::Contact;
 using simulation::ContactModel;
 using simulation::kMaxContacts;
 
-// Beyond these a value is noise from a broken sender, not a bone in a cell.
+// Bounds of plausible values: beyond them a value comes from a broken sender, not from a bone in a cell.
 constexpr double kMostPosition_m = 10.0;
 constexpr double kMostStiffness_N_per_m = 1e7;
 constexpr double kMostAdvance_m_per_s = 1.0;
@@ -48,7 +48,7 @@ ModelStatus Judge(const ContactModel& model) {
   return ModelStatus::kOk;
 }
 
-// Time spent cutting up to a stamp: the newest sample not after it, or the oldest there is.
+// Time spent cutting up to a stamp: the newest sample that is not after it, or else the oldest sample.
 double CutUpTo(const CouplingState& state, rt::Nanoseconds stamp) {
   double cut_s = state.cut_s;
   for (int back = 1; back <= CouplingState::kHistory; ++back) {
@@ -61,7 +61,7 @@ double CutUpTo(const CouplingState& state, rt::Nanoseconds stamp) {
   return cut_s;
 }
 
-// Books the time since the last tick as cutting or not, and keeps it for the frames to come.
+// Counts the time since the last tick as cutting or not, and stores it for the frames to come.
 double AdvanceTime(CouplingState& state, rt::Nanoseconds now) {
   const double dt_s = state.last < 0 ? 0.0 : std::min(safety::AgeSeconds(now, state.last), kLongestTick_s);
   state.last = now;
@@ -75,7 +75,7 @@ bool AnyHeldBack(const CouplingState& state) {
   return std::any_of(state.held_back_m.begin(), state.held_back_m.end(), [](double h) { return h > 0.0; });
 }
 
-// The spring's wrench of the frame so far, at a pose: its planes as far as they have receded and come back.
+// Spring wrench of the previous frame's planes at a pose, with their present recession and return.
 Wrench SpringOfFrame(const CouplingState& state, const Pose& X_WT) {
   std::array<HalfSpace, kMaxHalfSpaces> planes;
   std::array<Vector3, kMaxContacts> arm_W;
@@ -96,7 +96,7 @@ Wrench SpringOfFrame(const CouplingState& state, const Pose& X_WT) {
   return spring;
 }
 
-// Keeps the planes of a frame for the hand-over to the next one.
+// Stores the planes of a frame for the hand-over to the next one.
 void StorePlanes(const CouplingParams& params, const ContactModel& model, CouplingState& state) {
   state.plane_count = model.contact_count;
   for (std::size_t i = 0; i < static_cast<std::size_t>(model.contact_count); ++i) {
@@ -108,7 +108,7 @@ void StorePlanes(const CouplingParams& params, const ContactModel& model, Coupli
   }
 }
 
-// Lets the planes that are held back go their way of one tick.
+// Advances the return of the planes that are held back by one tick.
 void ComeBack(CouplingState& state, double dt_s, std::array<HalfSpace, kMaxHalfSpaces>& planes) {
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const double way_m = std::min(state.held_back_m[i], state.return_m_per_s * dt_s);
@@ -141,7 +141,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
   CouplingOutput out;
   const double dt_s = AdvanceTime(state, now);
 
-  // how much of this model still counts
+  // weight of this model by its age
   out.status = Judge(model);
   out.age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
   const double most_fade =
@@ -157,13 +157,13 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
     return out;
   }
 
-  // where the planes are now: the frame's, receded
+  // present positions of the planes: the frame's, receded
   const bool new_frame = model.frame != state.frame || model.pose_stamp != state.pose_stamp;
   const double cut_since_pose_s =
       new_frame ? std::min(state.cut_s - CutUpTo(state, model.pose_stamp), params.fresh_s) : 0.0;
   state.frame = model.frame;
   state.pose_stamp = model.pose_stamp;
-  Wrench before;  // the spring by the planes so far, at this pose
+  Wrench before;  // spring of the previous planes at this pose
   if (new_frame) {
     if (state.has_proxy) before = ApplyHandOver(state.hand_over, SpringOfFrame(state, X_WT));
     StorePlanes(params, model, state);
@@ -224,7 +224,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
   }
   out.potential_J = 0.5 * state.fade * spring.f.dot(proxy.point);
 
-  // another frame's planes turn it over some ticks
+  // the planes of a new frame turn the force over several ticks
   if (new_frame)
     BeginHandOver(state.hand_over,
                   {.return_s = params.return_s,
@@ -234,7 +234,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
   spring = StepHandOver(state.hand_over, of_planes, dt_s);
   out.hand_over_s = TimeLeft_s(state.hand_over);
 
-  // damping along the resultant, within a share of the spring; then the age
+  // damping along the resultant, limited to a share of the spring; then the fade by age
   const double spring_N = spring.f.norm();
   double scale = 0.0;
   if (spring_N > 0.0) {
@@ -253,7 +253,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel
     state.pressed[i] = presses && spindle_on;
   }
 
-  // axial torque of the cut, for this tick's force
+  // axial torque of the cut, scaled to this tick's force
   const double frame_N = Vector3(model.F_T_W.f).norm();
   const double force_N = scale * spring_N;
   if (spindle_on && force_N > 0.0 && frame_N > 0.0)

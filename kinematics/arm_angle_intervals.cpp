@@ -23,8 +23,8 @@ Wave operator-(const Wave& a) { return {-a.c, -a.s, -a.k}; }
 Wave operator+(const Wave& a, const Wave& b) { return {a.c + b.c, a.s + b.s, a.k + b.k}; }
 Wave operator*(double factor, const Wave& a) { return {factor * a.c, factor * a.s, factor * a.k}; }
 
-// A vector of the elbow's plane that turns with the arm angle: along the axis a, the elbow's side e, the
-// normal m.
+// A vector of the elbow's plane, as a function of the arm angle: components along the axis a, the elbow's
+// direction e and the normal m.
 struct TurningVector {
   double a, e, m;
 };
@@ -70,7 +70,7 @@ std::array<MovingJoint, 7> JointsOf(const ElbowTriangle& t, const ElbowCircle& c
   joint[4] = turning(dot(x_4, R_BF.col(2)), dot(m, R_BF.col(2)));
   joint[5] = bending(dot(f, R_BF.col(2)));
   joint[6] = turning(-dot(f, R_BF.col(0)), dot(f, R_BF.col(1)));
-  // upper arm vertical, or wrist straight, whatever the arm angle: what is left turns with it
+  // upper arm vertical, or wrist straight, at every arm angle: the next turning joint takes the rotation
   if (joint[0].x.Vanishes() && joint[0].y.Vanishes()) {
     const Vector3 y_2(-std::sin(seed[0]), std::cos(seed[0]), 0.0);
     joint[0] = fixed(seed[0]);
@@ -139,7 +139,7 @@ ArmAngleIntervals FindArmAngleIntervals(const LbrArm& arm, const Pose& X_BF, int
                sign6 = (configuration & 4) != 0 ? -1.0 : 1.0;
   const std::array<double, 7> sign{sign2, sign2, sign2 * sign4, sign4, sign4 * sign6, sign6, sign6};
 
-  // where a joint may pass a limit
+  // the arm angles at which a joint may pass a limit
   Ends ends;
   for (std::size_t i = 0; i < 7; ++i) {
     const MovingJoint& joint = joints[i];
@@ -155,7 +155,7 @@ ArmAngleIntervals FindArmAngleIntervals(const LbrArm& arm, const Pose& X_BF, int
   }
   std::sort(ends.at.begin(), ends.at.begin() + ends.count);
 
-  // an arc belongs where its middle does; neighbours that belong make one interval
+  // an arc belongs to an interval if its middle is within the limits; neighbouring arcs are merged
   const auto within = [&](double psi_rad) { return Within(joints, sign, params.limits, psi_rad); };
   if (ends.count == 0) {
     if (within(0.0)) result.interval[static_cast<std::size_t>(result.count++)] = {-kPi, kPi};
@@ -173,7 +173,7 @@ ArmAngleIntervals FindArmAngleIntervals(const LbrArm& arm, const Pose& X_BF, int
     else
       result.interval[static_cast<std::size_t>(result.count++)] = {from, to};
   }
-  // the last arc and the first are neighbours as well
+  // the last arc and the first are neighbours too
   if (result.count == 0) return result;
   ArmAngleInterval& begin = result.interval[0];
   ArmAngleInterval& end = result.interval[static_cast<std::size_t>(result.count - 1)];

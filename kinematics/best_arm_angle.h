@@ -9,29 +9,29 @@
 
 namespace osteon::kinematics {
 
-/// How finely the circle of the elbow is searched.
+/// Resolution of the search over the elbow's circle.
 struct ArmAngleSearchParams {
-  int steps{36};               ///< of the whole circle, >= 4: a hill narrower than a step may be missed
-  double tolerance_rad{1e-3};  ///< to which the best angle is then refined
+  int steps{36};               ///< on the whole circle, >= 4: a maximum narrower than a step may be missed
+  double tolerance_rad{1e-3};  ///< of the refinement of the best angle
 };
 
 /// The best posture of a self-motion.
 struct BestArmAngle {
-  bool found{false};  ///< false: out of reach, or at every arm angle some joint is beyond its limits
+  bool found{false};  ///< false: out of reach, or a joint is beyond its limits at every arm angle
   double value{0.0};
   double arm_angle_rad{0.0};
   JointVector q{JointVector::Zero()};
 };
 
-/// The posture with the greatest value among all that put the flange at X_BF within the joint limits: over
-/// the arm angle and the eight configurations. With a force capability as the value, the torque-optimal arm
-/// angle.
+/// Finds the posture with the greatest value among all that put the flange at X_BF within the joint limits:
+/// over the arm angle and the eight configurations. With a force capability as the value, this is the
+/// torque-optimal arm angle.
 ///
-/// The circle is sampled at `steps` angles; where no sample is within the limits, the middles of all
-/// intervals are (FindArmAngleIntervals), so that nothing reachable is missed. The best is refined by golden
-/// section between its neighbours, within its interval. A capability is the least of smooth functions, so the
-/// result is a local maximum, and the global one where no hill is narrower than a step. Deterministic; does
-/// not allocate.
+/// The circle is sampled at `steps` angles. If no sample is within the limits, the middles of all intervals
+/// are sampled instead (FindArmAngleIntervals), so that every reachable pose has a result. The best sample is
+/// refined by golden section between its neighbours, within its interval. A capability is the minimum of
+/// smooth functions, so the result is a local maximum, and the global one if no maximum is narrower than a
+/// step. Deterministic; does not allocate.
 /// @param value  double(const JointVector& q), finite
 template <class Value>
 [[nodiscard]] BestArmAngle FindBestArmAngle(const LbrArm& arm, const Pose& X_BF, const Value& value,
@@ -67,7 +67,7 @@ template <class Value>
   }
   if (!best.found) return best;
 
-  // between the neighbours, within the interval that holds it
+  // between the neighbours, within the interval that contains the best angle
   double low = best.arm_angle_rad - kTurn / steps, high = best.arm_angle_rad + kTurn / steps;
   const ArmAngleIntervals intervals = FindArmAngleIntervals(arm, X_BF, configuration);
   for (int i = 0; i < intervals.count; ++i) {

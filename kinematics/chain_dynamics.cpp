@@ -5,7 +5,7 @@
 #include "kinematics/serial_chain.h"
 #include "kinematics/sin_cos.h"
 
-// Inverse dynamics, link by link in the links' own frames, where what is fixed needs no turning.
+// Inverse dynamics, link by link in the links' own frames, in which constants need no rotation.
 
 namespace osteon::kinematics {
 namespace {
@@ -19,10 +19,10 @@ template <class V>
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The first half, in both.
+// The first half, in both halves.
 [[gnu::always_inline]] inline Pair Low(Pair v) { return Pair{v[0], v[0]}; }
 
-// The first half as the second, beside 0.
+// The first half in the second; 0 in the first.
 [[gnu::always_inline]] inline Pair High(Pair v) { return Pair{0.0, v[0]}; }
 
 }  // namespace
@@ -33,8 +33,8 @@ template <class V>
 //     A = [wd] + [w][w] = [wd] + w w^T - |w|^2 1
 //
 // serves three times: for the next link's origin, for the force m a + A h, and with the second moments S for
-// the torque about the origin, which is the integral of r × (a + A r) dm: h × a + skew part of A S. What
-// turns together is kept together, one in each half of a Pair: w with wd, force with torque.
+// the torque about the origin, which is the integral of r × (a + A r) dm: h × a + skew part of A S.
+// Quantities that rotate together share a Pair, one in each half: w with wd, force with torque.
 template <int N>
 JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, const Joints& qdd,
                                             const Vector3& a_base) const noexcept {
@@ -76,7 +76,7 @@ JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, c
   return Gather(turn, loads, qdd);
 }
 
-// Inwards: what each joint has to carry of all links further out.
+// Inwards: the load on each joint from all links further out.
 template <int N>
 JointVectorN<N> SerialChain<N>::Gather(const SinCosN<kPadded>& turn,
                                        const std::array<Triple<Pair>, static_cast<std::size_t>(N)>& loads,
@@ -97,7 +97,7 @@ JointVectorN<N> SerialChain<N>::Gather(const SinCosN<kPadded>& turn,
   return tau;
 }
 
-// At rest: one acceleration for all, seen from every link.
+// At rest: one acceleration for all links, expressed in each link's frame.
 template <int N>
 JointVectorN<N> SerialChain<N>::Gravity(const Joints& q) const noexcept {
   assert(params_.has_masses);

@@ -31,12 +31,12 @@ Matrix3 Cross(const Vector3& v) {
   return {v.x[half], v.y[half], v.z[half]};
 }
 
-// What a link with all that hangs on it, joints free, asks for at its origin:
+// Articulated inertia of a link with all links behind it, joints free: the load at its origin is
 //
 //     torque = J wd + H a + torque0        force = H^T wd + M a + force0
 //
-// J and M turn alike, as the halves of pairs; so do torque0 and force0. H is kept as its symmetric part and
-// the vector of its skew one, which turn as such.
+// J and M rotate alike, as the halves of pairs; so do torque0 and force0. H is stored as its symmetric part
+// and the vector of its skew part, which rotate as such.
 struct Articulated {
   Symmetric<Pair> JM;
   Symmetric<double> H;
@@ -50,7 +50,7 @@ struct Articulated {
              {H.xz - H_skew.y, H.yz + H_skew.x, H.zz}}};
   }
 
-  // Adds a body that hangs on this one, from the child's frame: turned, then moved by p. With the rotated
+  // Adds a body attached to this one, given in the child's frame: rotated, then moved by p. With the rotated
   // blocks H' = H + [p] M and J' = J + [p] G^T + G [p]^T, where G = H + 1/2 [p] M.
   [[gnu::always_inline]] void Add(Articulated child, const FrameTurn& T, const Triple<double>& p) {
     child.JM.ToParent(T);
@@ -94,8 +94,8 @@ struct Articulated {
 
 }  // namespace
 
-// Accelerations are those of the link's origin and of the link's turning, not spatial ones: the bias of a
-// body is w × J w and w × (w × h), and that of a joint w × z qd and w × (w × p).
+// Accelerations are those of the link's origin and of its rotation, not spatial ones: the bias of a body is w
+// × J w and w × (w × h), and that of a joint w × z qd and w × (w × p).
 template <int N>
 JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& qd,
                                                 const Joints& tau) const noexcept {
@@ -104,10 +104,10 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
   std::array<Articulated, static_cast<std::size_t>(N)> bodies;
   std::array<Triple<double>, static_cast<std::size_t>(N)> wd_bias, a_bias;
   std::array<Triple<Pair>, static_cast<std::size_t>(N)>
-      U;  // what a turn of the joint asks for: torque, force
+      U;  // torque and force for a unit acceleration of the joint
   std::array<double, static_cast<std::size_t>(N)> u, D;
 
-  // outwards: turning, bias of bodies and joints
+  // outwards: angular velocity, bias of bodies and joints
   Triple<double> w{};
   for (std::size_t i = 0; i < N; ++i) {
     const Step& step = steps_[i];
@@ -133,7 +133,7 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
     bodies[i].bias = {Pair{torque.x, force.x}, Pair{torque.y, force.y}, Pair{torque.z, force.z}};
   }
 
-  // inwards: what remains of a body once its joint gives way
+  // inwards: the part of a body's inertia that remains once its joint gives way
   for (std::size_t i = N; i-- > 0;) {
     Articulated& body = bodies[i];
     const Symmetric<Pair>& in = body.JM;
@@ -196,8 +196,8 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
   return ForwardDynamics(q, qd, tau + TorquesOf(Place(q), F_ext_B));
 }
 
-// C = sum over the links k of J_k^T (I_k Jd_k + B_k J_k), with spatial vectors (turning, then velocity at the
-// base's origin) and all in B, and B_k = 1/2 ((v ×*) I + (I v) ×̄* - I (v ×)).
+// C = sum over the links k of J_k^T (I_k Jd_k + B_k J_k), with spatial vectors (rotation, then velocity at
+// the base's origin), all in B, and B_k = 1/2 ((v ×*) I + (I v) ×̄* - I (v ×)).
 template <int N>
 JointMatrixN<N> SerialChain<N>::CoriolisMatrix(const Joints& q, const Joints& qd) const noexcept {
   assert(params_.has_masses);

@@ -6,7 +6,7 @@
 #include "kinematics/frame_turn.h"
 #include "kinematics/serial_chain.h"
 
-// Mass matrix and what the hand feels of it.
+// Mass matrix, and the inertia that the hand feels.
 
 namespace osteon::kinematics {
 namespace {
@@ -17,7 +17,7 @@ struct Composite {
   Triple<double> h{};
   Symmetric<double> S;
 
-  // The same body in the frame before: turned, then moved.
+  // Expresses the body in the frame before: rotated, then moved.
   [[gnu::always_inline]] void ToParent(const FrameTurn& T, const Vector3& p) {
     S.ToParent(T);
     const Triple<double> t = T.ToParent(h);
@@ -31,7 +31,7 @@ struct Composite {
   }
 };
 
-// Forces and torques that unit accelerations of the joints ask for, two joints at a time, in one frame.
+// Forces and torques for unit accelerations of the joints, two joints at a time, in one frame.
 struct Columns {
   Triple<Pair> f{}, t{};
 
@@ -46,9 +46,9 @@ struct Columns {
 
 }  // namespace
 
-// Composite rigid bodies, inwards. Turning joint i alone with 1 rad/s^2 asks of link i, at its origin, the
-// force z × h and the torque I z, which then are carried along to every joint further in: M(j, i) is the
-// torque about z there.
+// Composite rigid bodies, inwards. Turning joint i alone with 1 rad/s^2 requires of link i, at its origin,
+// the force z × h and the torque I z. These are carried to every joint further in: M(j, i) is the torque
+// about z there.
 template <int N>
 JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints& q) const noexcept {
   assert(params_.has_masses);

@@ -5,7 +5,7 @@
 
 #include "kinematics/spatial.h"
 
-// A serial arm of revolute joints, as data: what a robot description says, in SI. Nothing here computes.
+// A serial arm of revolute joints, as data: the content of a robot description, in SI.
 //
 // Frames: link frame i sits on joint i and turns with it; link 0 is the base B, fixed. At joint position q
 //
@@ -23,7 +23,7 @@ using JointMatrixN = Eigen::Matrix<double, N, N>;
 /// Acceleration of free fall in the world, whose z points up.
 inline const Vector3 kGravity_W_m_per_s2{0.0, 0.0, -9.81};
 
-/// What one joint may do. Positions as absolute bounds, since a KR's are not symmetric about zero.
+/// Limits of one joint. Positions as absolute bounds, because those of a KR are not symmetric about zero.
 struct JointLimits {
   double lower_rad{-std::numbers::pi};
   double upper_rad{std::numbers::pi};
@@ -48,7 +48,7 @@ struct JointFriction {
   double smoothing_rad_per_s{0.01};  ///< > 0
 };
 
-/// A joint and the link that it turns.
+/// A joint and the link behind it.
 struct RevoluteJoint {
   Pose X_PJ{Pose::Identity()};       ///< link frame at q = 0, in the frame of the link before
   Vector3 axis_J{Vector3::UnitZ()};  ///< unit
@@ -64,7 +64,7 @@ template <int N>
 struct ChainParams {
   std::array<RevoluteJoint, static_cast<std::size_t>(N)> joints;
   Pose X_LF{Pose::Identity()};  ///< flange in the last link's frame
-  bool has_masses{false};       ///< false: kinematics and limits only, no dynamics may be asked for
+  bool has_masses{false};       ///< false: kinematics and limits only, the dynamics must not be called
 };
 
 }  // namespace osteon::kinematics

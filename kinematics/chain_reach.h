@@ -5,13 +5,13 @@
 
 namespace osteon::kinematics {
 
-/// How far from each joint's axis the flange's origin can be, at most, whatever the others do: the lengths of
-/// the chain beyond it [m].
+/// Largest distance of the flange's origin from each joint's axis, over all postures: the sum of the chain's
+/// lengths beyond the joint [m].
 ///
 ///     R_i = |p_(i+1)| + … + |p_N| + |p_LF|
 ///
-/// A point that is c from the flange's origin then moves by R_i + c per radian of joint i at most; so does
-/// one on a link before it that is c from the link's origin.
+/// A point at a distance c from the flange's origin then moves by at most R_i + c per radian of joint i;
+/// likewise a point on an earlier link at a distance c from that link's origin.
 template <int N>
 [[nodiscard]] JointVectorN<N> ReachBeyond(const ChainParams<N>& chain) OSTEON_RT {
   JointVectorN<N> reach_m;

@@ -4,25 +4,24 @@
 
 #include "kinematics/chain_params.h"
 
-// What a chain's values are refused for, where it is set up.
+// Checks of a chain's values at set-up.
 
 namespace osteon::kinematics {
 
-/// One joint and its link. @param number counted from 1, as in A1 …; @param masses whether it must have a
-/// mass.
+/// Checks a joint and its link. @param number from 1, as in A1 …; @param masses whether it must have a mass.
 /// @throws std::invalid_argument "joint 3: axis: found a length of 0.9, accepted 1"
 void CheckJoint(const RevoluteJoint& joint, int number, bool masses);
 
-/// A rigid body: mass not negative, inertia symmetric and one that a body can have (no principal moment
+/// Checks a rigid body: mass not negative; inertia symmetric and physically possible (no principal moment
 /// greater than the sum of the other two).
-/// @param of  whose it is, as it begins the text
+/// @param of  owner of the body, at the beginning of the error's text
 /// @throws std::invalid_argument naming the value found and what is accepted.
 void CheckInertia(const LinkInertia& body, const std::string& of);
 
-/// A pose whose rotation is one. @throws std::invalid_argument as above.
+/// Checks that a pose has a proper rotation. @throws std::invalid_argument as above.
 void CheckPose(const Pose& X, const std::string& of);
 
-/// All of a chain.
+/// Checks a whole chain.
 template <int N>
 void CheckChain(const ChainParams<N>& chain) {
   for (int i = 0; i < N; ++i) CheckJoint(chain.joints[static_cast<std::size_t>(i)], i + 1, chain.has_masses);

@@ -15,18 +15,18 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kFlat = 1e-9;             // part of a joint in the null space below which it has none
-constexpr double kUnresolved = 1e-9;       // share of the largest singular value: v and n are then any two
-constexpr double kReturning_m = 0.05;      // curvature [m/rad] from which on a direction comes back by itself
-constexpr double kDampedUpTo = 4.0;        // least dampings: beyond, the singular value is inverted as it is
-constexpr double kReturnTicks = 10.0;      // in which an arm that got too near a singular posture is back
-constexpr double kRelief_rad_per_s = 4.0;  // null motion that makes way, of a joint that is all of it
-constexpr double kMostRelief_rad_per_s = 100.0;  // more than any box leaves
+constexpr double kFlat = 1e-9;             // joint component of the null direction that counts as zero
+constexpr double kUnresolved = 1e-9;       // of the largest singular value: below it v and n are not distinct
+constexpr double kReturning_m = 0.05;      // curvature [m/rad] from which on a direction returns by itself
+constexpr double kDampedUpTo = 4.0;        // times the least damping: a larger singular value is undamped
+constexpr double kReturnTicks = 10.0;      // ticks in which an arm too near a singular posture returns
+constexpr double kRelief_rad_per_s = 4.0;  // speed of the yielding null motion per unit of n_i
+constexpr double kMostRelief_rad_per_s = 100.0;  // above any box's limit
 constexpr double kTiny = 1e-12;
-constexpr double kRoundDown = 1.0 - 1e-12;  // of a speed limit: products of it must not round beyond
-constexpr double kActs = 1e-9;              // a share taken below this is rounding
+constexpr double kRoundDown = 1.0 - 1e-12;  // on a speed limit: products must not round beyond it
+constexpr double kActs = 1e-9;              // a smaller reduction is rounding
 
-// Acceleration of the tool at the joint velocity y without joint acceleration, J' y, which is also the second
+// Acceleration of the tool at joint velocity y with no joint acceleration, J' y, which is also the second
 // order of its displacement: with w_i, v_i the columns of J and W_i the sum of w_j y_j over the joints before
 // i,  v' = sum (2 W_i + w_i y_i) x v_i y_i   and   w' = sum W_i x w_i y_i.
 template <int N>
@@ -129,7 +129,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
     return out;
   }
 
-  // the six directions, a radian as long as the turning length
+  // the six directions, with rotations scaled by the turning length
   JacobianN<N> J = in.J;
   J.template bottomRows<3>() *= length_m;
   const auto scaled = [length_m](Vector6 twist) {
@@ -142,7 +142,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   out.U = svd.U;
   const Vector6 u_min = scaled(svd.U.col(5));
   if constexpr (N > 6) {
-    // singular to the last bit: of the two directions without motion, the one that bends the most is v
+    // exactly singular: of the two directions without motion, the one with the larger curvature becomes v
     if (sigma[5] < kUnresolved * sigma[0]) {
       const JointVectorN<N> v = directions.col(5), n = directions.col(6);
       const double vv = u_min.dot(Curvature<N>(in.J, v)), nn = u_min.dot(Curvature<N>(in.J, n));
@@ -156,8 +156,8 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   out.sigma_min_m = sigma[5];
   out.sigma_gradient_m = SingularValueGradient<N>(in.J, u_min, directions.col(5));
 
-  // The tool's way is curved where joints turn, by half a tick of J' qd: the twist whose tick has the wanted
-  // one as its mean. With qd as it will be where nothing limits it.
+  // The tool's path is curved when joints turn, by half a tick of J' qd: correct the twist so that its mean
+  // over the tick is the wanted one, with qd as it will be without limits.
   JointVectorN<N> qd_free = in.qd_before;
   for (int k = 0; k < 6; ++k) {
     if (sigma[k] < params_.singular_zone_m) continue;
@@ -211,7 +211,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   return out;
 }
 
-// The wanted null motion along n, in size and change.
+// Joint speed of the wanted null motion along n, limited in size and change.
 template <int N>
 double DifferentialInverse<N>::WantedNullSpeed(const JointVectorN<N>& n,
                                                const MotionInput<N>& in) const OSTEON_RT {
@@ -223,7 +223,7 @@ double DifferentialInverse<N>::WantedNullSpeed(const JointVectorN<N>& n,
   return std::clamp(std::clamp(n.dot(in.qd_null), -most, most), before - change, before + change);
 }
 
-// Joint speed along the unit direction v, for the part a of the twist, where sigma is in the zone.
+// Joint speed along the unit direction v for the component a of the twist, where sigma is in the zone.
 template <int N>
 typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
     const JointVectorN<N>& v, double sigma_m, double curvature_m, double a_m_per_s, double twist_m_per_s,
@@ -241,9 +241,9 @@ typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
   const double zone_m = neutral_m + bends * (params_.singular_zone_m - neutral_m);
   if (sigma_m >= zone_m) return {.speed = a_m_per_s / sigma_m, .lambda = 0.0};
   const double edge = sigma_m / zone_m;
-  const double depth = std::max(1.0 - edge * edge, kTiny);  // 0 at the zone's edge, where nothing may jump
+  const double depth = std::max(1.0 - edge * edge, kTiny);  // 0 at the zone's edge, for continuity
 
-  // damped; on the way back the less, the more the direction bends, and with its second order
+  // damped; on the way back less, the more the direction bends, and including its second order
   const bool returns = a_m_per_s * curvature_m > 0.0;
   const double deep = std::max(0.0, 1.0 - sigma_m / neutral_m) * params_.least_damping_m;
   const double least = deep * deep * (returns ? 1.0 - bends : 1.0);
@@ -254,15 +254,15 @@ typename DifferentialInverse<N>::Vanishing DifferentialInverse<N>::SpeedAlong(
     y = 2.0 * a_m_per_s / (stiff + std::sqrt(stiff * stiff + second));
   }
 
-  // the joints' acceleration, their speed, and the end of the reach
-  if (share_before > 0.0) {  // against what it was before limits scaled the whole
+  // bounds: the joints' acceleration, their speed, and the end of the reach
+  if (share_before > 0.0) {  // compare with the speed before limits scaled the whole
     const double before = before_rad_per_s / share_before;
     const double change = acceleration * dt_s / (depth * share_before);
     y = std::clamp(y, before - change, before + change);
   }
   y = std::clamp(y, -speed / depth, speed / depth);
   if (std::abs(curvature_m) > kTiny) {
-    const double away = std::copysign(1.0, curvature_m);  // of y, where it makes sigma larger
+    const double away = std::copysign(1.0, curvature_m);  // sign of y that makes sigma larger
     const double distance = sigma_m / std::abs(curvature_m) - params_.singular_margin_rad;
     const double least_away = distance > 0.0 ? -BrakingSpeed(distance, braking, dt_s) / depth
                                              : std::min(-distance / (kReturnTicks * dt_s),
@@ -290,10 +290,10 @@ typename DifferentialInverse<N>::Box DifferentialInverse<N>::BoxAt(const JointVe
   return box;
 }
 
-// How fast the null space may make way. A joint that the task asks too much of is relieved by its part n_i,
-// and where that passes through zero the relief is at its best: more is not to be had, and a full share of it
-// asked for would throw the arm from one side of that posture to the other. So, for each such joint, in
-// proportion to n_i, and the less so the less it is asked too much of.
+// Limits the speed at which the null motion yields. A joint that the task overloads is relieved by its
+// component n_i. Where n_i passes through zero the relief is largest; demanding the full share there would
+// throw the arm from one side of that posture to the other. The limit is therefore proportional to n_i of
+// each such joint, and weaker the less the joint is overloaded.
 template <int N>
 double DifferentialInverse<N>::MostRelief(const Box& box, const JointVectorN<N>& task,
                                           const JointVectorN<N>& n, double r_wanted) const OSTEON_RT {
@@ -306,10 +306,10 @@ double DifferentialInverse<N>::MostRelief(const Box& box, const JointVectorN<N>&
   return std::max(most, std::abs(r_wanted));
 }
 
-// The largest s in [0, 1] for which some r keeps low <= s task + r n <= high. Each joint bounds r by two
-// lines in s; with L(s) the highest of the lower ones and U(s) the lowest of the upper ones, L <= U at s = 0,
-// and U - L is concave: stepping from an s that is too large to where the two lines that collide there meet
-// never passes the answer, and each step drops a pair.
+// Finds the largest s in [0, 1] for which some r keeps low <= s task + r n <= high. Each joint bounds r by
+// two lines in s; with L(s) the highest of the lower lines and U(s) the lowest of the upper ones, L <= U at s
+// = 0, and U - L is concave. Stepping from an s that is too large to where the two lines that collide there
+// meet never passes the answer, and each step removes a pair.
 template <int N>
 void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>& task,
                                           const JointVectorN<N>& n, double r_wanted,
@@ -347,12 +347,12 @@ void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>&
     most_r = upper.at_0 + upper.slope * s;
     if (least_r <= most_r) break;
     const double meet = (upper.at_0 - lower.at_0) / (lower.slope - upper.slope);
-    // of the two that collide, the one that its limit leaves less is named
+    // of the two colliding joints, name the one with less room
     const auto room = [&](int i) {
       return i < 0 ? std::numeric_limits<double>::infinity() : task[i] > 0.0 ? box.high[i] : -box.low[i];
     };
     note(room(lower.joint) <= room(upper.joint) ? lower.joint : upper.joint);
-    if (!(meet < s)) {  // rounding: they touch
+    if (!(meet < s)) {  // rounding: the lines touch
       least_r = most_r = 0.5 * (least_r + most_r);
       break;
     }
@@ -376,7 +376,7 @@ void DifferentialInverse<N>::LimitChange(const Box& box, const JointVectorN<N>& 
     alpha = most / std::abs(change[i]);
     joint = i;
   }
-  // as much as position and speed ask for, whatever the acceleration
+  // at least the change that position and speed limits require, whatever the acceleration
   for (int i = 0; i < N; ++i) {
     const double bound = std::clamp(qd_before[i], box.low[i], box.high[i]);
     if (bound == qd_before[i] || change[i] == 0.0) continue;

@@ -9,16 +9,16 @@
 
 // One tick of motion: from the tool's wanted twist to joint velocities that every joint can follow.
 //
-//     J = U diag(sigma) V^T,   a_k = u_k·V_BT          the twist, seen along the six directions of J
+//     J = U diag(sigma) V^T,   a_k = u_k·V_BT          the twist along the six directions of J
 //     task  t = sum y_k v_k,   y_k = a_k / sigma_k     damped where sigma_k vanishes, and only along that u_k
-//     qd = s t + r n                                   n the null space (7 joints), s the task's one factor
+//     qd = s t + r n                                   n the null space (7 joints), s one factor for the task
 //     qd = qd_before + alpha (qd - qd_before)          the accelerations
 //
-// No joint is ever clipped alone: that would turn the tool.
+// No joint is ever clipped alone: that would turn the tool's direction.
 
 namespace osteon::kinematics {
 
-/// What held the motion back; where several did, the one that took the most.
+/// The limit that reduced the motion; of several, the one that reduced it the most.
 enum class MotionLimit : std::uint8_t {
   kNone,
   kSingularity,   ///< the tool lost its motion along a direction that the arm is about to lose
@@ -27,32 +27,33 @@ enum class MotionLimit : std::uint8_t {
   kAcceleration,  ///< a joint is at its acceleration limit: the twist's change is smaller
 };
 
-/// Name as it stands in tables.
+/// Name of a limit, for tables.
 [[nodiscard]] const char* Name(MotionLimit limit) noexcept;
 
 template <int N>
 struct DifferentialInverseParams {
   std::array<JointLimits, static_cast<std::size_t>(N)> limits{};
-  double position_margin_rad{0.0174532925199433};  ///< kept from the position limits (1 deg); >= 0
-  double speed_share{0.9};                         ///< of the velocity limits that may be used, (0, 1]
-  double acceleration_share{1.0};  ///< of the acceleration limits that a change may use, > 0; braking before
-                                   ///< a limit or the end of the reach counts on the limits themselves
-  double turning_length_m{0.3};    ///< a turn of 1 rad weighs as much as this way; > 0
-  /// Where the reach ends (|c_k| from .05 m/rad on), singular values below this count as vanishing. For an
-  /// iiwa .07 m is an elbow bent by less than about 27 deg: the last 25 mm of its reach.
+  double position_margin_rad{0.0174532925199433};  ///< distance kept from the position limits (1 deg); >= 0
+  double speed_share{0.9};                         ///< usable share of the velocity limits, (0, 1]
+  /// Usable share of the acceleration limits for a change, > 0. Braking before a limit or the end of the
+  /// reach uses the limits themselves.
+  double acceleration_share{1.0};
+  double turning_length_m{0.3};  ///< a rotation of 1 rad weighs as much as this translation; > 0
+  /// Singular values below this count as vanishing where the reach ends (|c_k| from 0.05 m/rad on). For an
+  /// iiwa 0.07 m is an elbow bent by less than about 27 deg: the last 25 mm of its reach.
   double singular_zone_m{0.07};
-  /// Where no motion along the direction brings it back (a straight wrist), lambda at sigma = 0; singular
-  /// values below four times this count as vanishing there. Small, since the tool's way is kept outside;
-  /// .002 m is a wrist that misses straight by about 2 deg. > 0.
+  /// Lambda at sigma = 0 where no motion along the direction brings it back (a straight wrist); singular
+  /// values below four times this count as vanishing there. Small, because the tool's path is kept outside;
+  /// 0.002 m is a wrist within about 2 deg of straight. > 0.
   double least_damping_m{0.002};
-  /// How far from the singular posture a motion against the end of the reach stops, as a joint angle; >= 0.
-  /// A thousandth of a radian at an iiwa's elbow is .1 um of reach.
+  /// Joint angle from the singular posture at which a motion toward the end of the reach stops; >= 0. A
+  /// thousandth of a radian at an iiwa's elbow is 0.1 um of reach.
   double singular_margin_rad{2e-3};
-  /// Share of the joints' speed that a vanishing direction may use, (0, 1]: the rest is left to the others.
+  /// Share of the joints' speed that a vanishing direction may use, (0, 1]: the rest is for the others.
   double singular_speed_share{0.5};
-  double null_speed_rad_per_s{0.5};  ///< most of the wanted null motion (norm over the joints); >= 0
-  /// Of the joints' acceleration that a change of the wanted null motion may use, (0, 1]: an objective that
-  /// comes or goes is no jump.
+  double null_speed_rad_per_s{0.5};  ///< limit of the wanted null motion (norm over the joints); >= 0
+  /// Share of the joints' acceleration that a change of the wanted null motion may use, (0, 1]: prevents
+  /// jumps when an objective appears or ends.
   double null_acceleration_share{0.5};
 };
 
@@ -63,57 +64,57 @@ struct MotionInput {
   JointVectorN<N> q{JointVectorN<N>::Zero()};
   JointVectorN<N> qd_before{JointVectorN<N>::Zero()};  ///< of the tick before [rad/s]
   double share_before{1.0};                            ///< its MotionOutput::share
-  /// Joint velocity that the null space should follow [rad/s], as far as its parameters allow: its part in
-  /// the null space is used, so a gradient will do. Without effect for 6 joints.
+  /// Joint velocity that the null space should follow [rad/s], within its parameters. Only its null-space
+  /// part is used, so a gradient will do. Without effect for 6 joints.
   JointVectorN<N> qd_null{JointVectorN<N>::Zero()};
   double dt_s{0.001};   ///< > 0
-  bool at_once{false};  ///< the change is to be whole, whatever accelerations it takes
-  /// MotionOutput::U of the tick before, or any orthogonal matrix: the nearer, the faster.
+  bool at_once{false};  ///< make the whole change, ignoring acceleration limits
+  /// MotionOutput::U of the tick before, or any orthogonal matrix: the closer, the faster.
   Eigen::Matrix<double, 6, 6> U_before{Eigen::Matrix<double, 6, 6>::Identity()};
 };
 
 template <int N>
 struct MotionOutput {
   JointVectorN<N> qd{JointVectorN<N>::Zero()};  ///< [rad/s], to be held for the tick
-  Twist V_BT;                                   ///< what the tool does: its mean velocity over the tick, in B
-  double share{1.0};         ///< s: of the task that position and velocity limits left, 0 … 1
-  double change_share{1.0};  ///< alpha: of the change that acceleration limits left, 0 … 1
-  double lost_m_per_s{0.0};  ///< length of the task that vanishing directions lost
-  double sigma_min_m{0.0};   ///< smallest singular value, turns weighed by the turning length
+  Twist V_BT;                                   ///< resulting mean velocity of the tool over the tick, in B
+  double share{1.0};         ///< s: share of the task that position and velocity limits left, 0 … 1
+  double change_share{1.0};  ///< alpha: share of the change that acceleration limits left, 0 … 1
+  double lost_m_per_s{0.0};  ///< length of the task that was lost in vanishing directions
+  double sigma_min_m{0.0};   ///< smallest singular value, rotations weighted by the turning length
   double damping_m{0.0};     ///< the largest lambda of a_k sigma / (sigma^2 + lambda^2)
-  JointVectorN<N> sigma_gradient_m{JointVectorN<N>::Zero()};  ///< of sigma_min by q [m/rad]
+  JointVectorN<N> sigma_gradient_m{JointVectorN<N>::Zero()};  ///< gradient of sigma_min by q [m/rad]
   JointVectorN<N> null_direction{JointVectorN<N>::Zero()};    ///< n, unit, either sign; zero for 6 joints
   MotionLimit limit{MotionLimit::kNone};
   int joint{-1};      ///< the joint that set the limit, 0 … N-1; -1: none
-  bool finite{true};  ///< false: the input was not, qd is zero
+  bool finite{true};  ///< false: the input was not finite, and qd is zero
   Eigen::Matrix<double, 6, 6> U{Eigen::Matrix<double, 6, 6>::Identity()};  ///< J's left directions
 };
 
-/// Differential inverse kinematics for arms of 6 or 7 joints, with limits. No state: the caller carries the
+/// Differential inverse kinematics for arms of 6 or 7 joints, with limits. Stateless: the caller keeps the
 /// velocity of the tick before.
 ///
-/// **Singular directions.** Where sigma_k is in its zone, the joint speed y_k along v_k is bounded instead
-/// of growing as 1/sigma_k: damped least squares that damps the vanishing direction alone, with the least
-/// lambda that keeps the bound, lambda^2 = sigma_k (|a_k / y_k| - sigma_k). The bound is
+/// **Singular directions.** Where sigma_k is in its zone, the joint speed y_k along v_k is bounded instead of
+/// growing as 1/sigma_k: damped least squares on the vanishing direction alone, with the least lambda that
+/// keeps the bound, lambda^2 = sigma_k (|a_k / y_k| - sigma_k). The bound is
 ///
-///     |y_k| <= (joint speed along v_k) / w          w = 1 - (sigma_k / zone)^2: none at the zone's edge
+///     |y_k| <= (joint speed along v_k) / w          w = 1 - (sigma_k / zone)^2: no bound at the zone's edge
 ///     |y_k| <= braking speed over sigma_k / |c_k|   where y_k makes sigma_k smaller: the reach ends smoothly
 ///     |y_k - y_k before| <= (joint acceleration along v_k) dt / w
 ///
-/// with c_k = d sigma_k / d y_k. Where y_k makes sigma_k larger (the way back), the second order counts as
-/// well, sigma y dt + c (y dt)^2 / 2 = a dt: finite where sigma = 0, so that an arm that was pushed straight
-/// comes back at once, where plain damping would hold it for as long as it was pushed.
+/// with c_k = d sigma_k / d y_k. Where y_k makes sigma_k larger (the way back), the second order is included,
+/// sigma y dt + c (y dt)^2 / 2 = a dt, which is finite at sigma = 0. An arm that was pushed straight
+/// therefore comes back at once; plain damping would hold it for as long as it was pushed.
 ///
-/// **Limits.** s is the largest share of the task for which some motion of the null space keeps every joint
-/// within its speed and, toward a position limit at distance d,
+/// **Limits.** s is the largest share of the task for which some null motion keeps every joint within its
+/// speed and, toward a position limit at distance d,
 ///
 ///     |qd_i| <= d / (tau + dt)      tau = max over all joints of speed / acceleration
 ///
-/// which is always slow enough to brake, one tick's motion included, and makes all joints slow down together:
-/// the last joint to have a say does not stop the others short. r is then the wanted null motion, or the
-/// nearest to it that allows s: the null space makes way for the task and never takes from it. It makes way
-/// at most so fast that it comes to rest where the joint that it relieves has no better posture. Acceleration
-/// yields to position where both can not be kept.
+/// This is always slow enough to brake, one tick's motion included, and makes all joints slow down together,
+/// so that the last joint with a limit does not stop the others short. r is then the wanted null motion, or
+/// the nearest to it that allows s: the null motion yields to the task and never takes from it. Its speed in
+/// doing so is limited, so that it comes to rest where no posture relieves the limiting joint better.
+/// Position takes precedence over acceleration if both cannot be kept.
 ///
 /// Sources: Nakamura and Hanafusa, Inverse Kinematic Solutions With Singularity Robustness, ASME J. Dyn. Sys.
 /// 108, 1986; Maciejewski and Klein, Numerical Filtering for the Operation of Robotic Manipulators Through

@@ -3,33 +3,33 @@
 #include "control/rt/marker.h"
 #include "kinematics/chain_params.h"
 
-// What force an arm can hold at a posture, by the torques of its joints alone. A wrench F that the arm exerts
-// at a point of its flange asks of joint i, at rest,
+// Force that an arm can hold at a posture, by its joint torques. A wrench F that the arm exerts at a point of
+// its flange requires of joint i, at rest,
 //
 //     tau_i = g_i + b_i,   b = J^T F,   |tau_i| <= tau_max_i
 //
 // so each joint gives two half-spaces in wrench space, r+_i = tau_max_i - g_i and r-_i = tau_max_i + g_i away
-// from the origin:  b_i <= r+_i,  -b_i <= r-_i.  A set of wrenches is held whole where the support function
-// of the set along each half-space's normal stays within it: the least over a cone, a circle or a ball has a
-// closed form per joint, and nothing is sampled.
+// from the origin:  b_i <= r+_i,  -b_i <= r-_i.  A whole set of wrenches is held if the set's support
+// function along each half-space's normal stays within it. The minimum over a cone, a circle or a ball has a
+// closed form per joint, so nothing is sampled.
 
 namespace osteon::kinematics {
 
-/// Where no joint torque resists (a singular posture, along the lost direction) the arm's structure carries
-/// the load and this model says nothing: forces and torques are capped here, far above what any arm is for.
+/// Caps of force and torque, far above what any arm is for. Where no joint torque resists (a singular
+/// posture, along the lost direction) the arm's structure carries the load and this model does not apply.
 inline constexpr double kForceCap_N = 1e4;
 inline constexpr double kTorqueCap_Nm = 1e4;
 
-/// Whether gravity may relieve a drive.
+/// Whether gravity counts as relief of a drive.
 enum class GravityHelp {
   kCounted,     ///< r± = tau_max -+ g: exact, as far as the masses are known
-  kNotCounted,  ///< r+ = r- = tau_max - |g|: the same whichever way the force points; never more than exact
+  kNotCounted,  ///< r+ = r- = tau_max - |g|: the same for either sign of the force; at most the exact value
 };
 
-/// A largest force, torque or factor, and what ends it.
+/// A largest force, torque or factor, and the joint that limits it.
 struct CapabilityLimit {
   double value{0.0};  ///< >= 0, finite
-  int joint{-1};      ///< index of the joint at its torque limit; -1: none, the cap
+  int joint{-1};      ///< index of the joint at its torque limit; -1: the cap limits
 };
 
 /// A set of loads at the tool: every force a along the axis with a from 0 to axial_N, plus any force across
@@ -40,13 +40,13 @@ struct ToolLoad {
   double torque_Nm{0.0};  ///< >= 0
 };
 
-/// The force capability of one posture. All results are for an arm at rest; nothing allocates or throws.
-/// Where the arm can't hold itself (|g_i| > tau_max_i), or an input is not finite, every result is zero.
+/// The force capability of one posture. All results are for an arm at rest; nothing allocates or throws. If
+/// the arm cannot hold itself (|g_i| > tau_max_i), or an input is not finite, every result is zero.
 template <int N>
 class ForceCapability {
  public:
-  /// @param J  Jacobian of the point that the wrenches act on (6 x N, rows v then w); its frame is the one
-  ///   that all directions and wrenches below are expressed in
+  /// @param J  Jacobian of the point that the wrenches act on (6 x N, rows v then w); all directions and
+  ///   wrenches below are expressed in its frame
   /// @param gravity_Nm  torques that hold the arm with its payload, tau = g(q)
   /// @param torque_limit_Nm  tau_max, >= 0
   ForceCapability(const JacobianN<N>& J, const JointVectorN<N>& gravity_Nm,
@@ -54,32 +54,32 @@ class ForceCapability {
 
   [[nodiscard]] bool holds_itself() const OSTEON_RT { return holds_itself_; }
 
-  /// Largest f with f·u held, while any torque up to torque_Nm comes with it. u unit.
+  /// Largest f such that f u is held together with any torque up to torque_Nm. u unit.
   ///
-  ///     f = min_i (r_i - torque |Jw_i|) / |Jv_i·u|,   r_i the side that u loads
+  ///     f = min_i (r_i - torque |Jw_i|) / |Jv_i·u|,   r_i on the side that u loads
   [[nodiscard]] CapabilityLimit Force(const Vector3& u, double torque_Nm = 0.0) const OSTEON_RT;
 
-  /// Largest s with s F held; s |F.f| <= kForceCap_N and s |F.t| <= kTorqueCap_Nm. Zero for F = 0.
+  /// Largest s such that s F is held; s |F.f| <= kForceCap_N and s |F.t| <= kTorqueCap_Nm. Zero for F = 0.
   [[nodiscard]] CapabilityLimit Factor(const Wrench& F) const OSTEON_RT;
 
-  /// Guaranteed force: the least of Force over all directions within half_angle_rad (0 … pi) of the axis
+  /// Guaranteed force: the minimum of Force over all directions within half_angle_rad (0 … pi) of the axis
   /// (unit). With pi, the radius of the largest ball of forces.
   ///
   ///     h±_i = max over the cone of ±Jv_i·u
-  ///          = |Jv_i|                                     where ±Jv_i lies in the cone
-  ///            ±Jv_i·a cos + |Jv_i - (Jv_i·a) a| sin      elsewhere
+  ///          = |Jv_i|                                     if ±Jv_i lies in the cone
+  ///            ±Jv_i·a cos + |Jv_i - (Jv_i·a) a| sin      otherwise
   ///     f = min over i and sign of (r±_i - torque |Jw_i|) / h±_i,   h > 0
   [[nodiscard]] CapabilityLimit ForceInCone(const Vector3& axis, double half_angle_rad,
                                             double torque_Nm = 0.0) const OSTEON_RT;
 
-  /// Guaranteed lateral force: the least of Force over the circle of directions across the axis (unit), while
-  /// axial_N (signed) acts along it.
+  /// Guaranteed lateral force: the minimum of Force over the circle of directions across the axis (unit),
+  /// while axial_N (signed) acts along it.
   ///
   ///     f = min over i and sign of (r±_i -+ axial Jv_i·a - torque |Jw_i|) / |Jv_i - (Jv_i·a) a|
   [[nodiscard]] CapabilityLimit LateralForce(const Vector3& axis, double axial_N = 0.0,
                                              double torque_Nm = 0.0) const OSTEON_RT;
 
-  /// Largest k with k times the whole set of loads held: 1 or more where the arm can do what is asked.
+  /// Largest k such that k times the whole set of loads is held: 1 or more if the arm can hold the set.
   ///
   ///     b±_i = max(0, ±axial Jv_i·a) + lateral |Jv_i - (Jv_i·a) a| + torque |Jw_i|
   ///     k = min over i and sign of r±_i / b±_i

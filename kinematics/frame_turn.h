@@ -13,12 +13,12 @@ struct Triple {
   [[gnu::always_inline]] Triple operator+(const Triple& o) const { return {x + o.x, y + o.y, z + o.z}; }
 };
 
-/// The turn Rx(alpha) Rz(theta) from a joint's frame to the one before: eight products a vector instead of
-/// nine and a matrix to make. For one vector (Scalar double) or two at once (Pair).
+/// The rotation Rx(alpha) Rz(theta) from a joint's frame to the one before: eight products per vector,
+/// instead of nine and the cost of making a matrix. For one vector (Scalar double) or two at once (Pair).
 struct FrameTurn {
   double cos_alpha, sin_alpha, cos_theta, sin_theta;
 
-  /// What a vector in the parent's axes is in the child's.
+  /// Transforms a vector from the parent's axes to the child's.
   template <class Scalar>
   [[gnu::always_inline]] Triple<Scalar> ToChild(const Triple<Scalar>& v) const {
     const Scalar y = cos_alpha * v.y + sin_alpha * v.z;
@@ -26,7 +26,7 @@ struct FrameTurn {
             cos_alpha * v.z - sin_alpha * v.y};
   }
 
-  /// What a vector in the child's axes is in the parent's.
+  /// Transforms a vector from the child's axes to the parent's.
   template <class Scalar>
   [[gnu::always_inline]] Triple<Scalar> ToParent(const Triple<Scalar>& v) const {
     const Scalar y = sin_theta * v.x + cos_theta * v.y;
@@ -50,14 +50,14 @@ template <class Scalar>
 struct Symmetric {
   Scalar xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
 
-  /// The same in the parent's axes: R A R^T, turned in one plane after the other.
+  /// Transforms the matrix to the parent's axes: R A R^T, one plane rotation after the other.
   [[gnu::always_inline]] void ToParent(const FrameTurn& T) {
     Turn(T.cos_theta, T.sin_theta, xx, yy, xy, xz, yz);
     Turn(T.cos_alpha, T.sin_alpha, yy, zz, yz, xy, xz);
   }
 
  private:
-  // In the plane of two axes a, b, the third being c.
+  // Rotates in the plane of the axes a, b; c is the third.
   [[gnu::always_inline]] static void Turn(double cos, double sin, Scalar& aa, Scalar& bb, Scalar& ab,
                                           Scalar& ac, Scalar& bc) {
     const double cs = cos * sin, ss = sin * sin;

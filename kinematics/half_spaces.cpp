@@ -6,14 +6,13 @@
 namespace osteon {
 namespace {
 
-constexpr int kLargestSet = 4;        // three planes fix a point, a fourth its slack
-constexpr double kTolerance = 1e-12;  // of a plane's offset [m] and of a multiplier [m]
-constexpr double kFeasible = 1e-9;    // a solved point may lie this far outside [m]
-constexpr double kLeastVolume =
-    1e-9;                             // of a Gram determinant of unit normals: below, the planes are parallel
-constexpr double kFlatShare = 1e-12;  // of a normal: that much of another plane is none
-constexpr int kMostRounds = 24;       // three planes of eight are found in two to six
-constexpr double kSlackWeight = 1e-6;  // square of the slack's compliance against the point's
+constexpr int kLargestSet = 4;         // three planes fix a point, a fourth its slack
+constexpr double kTolerance = 1e-12;   // of a plane's offset [m] and of a multiplier [m]
+constexpr double kFeasible = 1e-9;     // a solved point may lie this far outside [m]
+constexpr double kLeastVolume = 1e-9;  // Gram determinant of unit normals below which planes are parallel
+constexpr double kFlatShare = 1e-12;   // a smaller remainder of a normal counts as zero
+constexpr int kMostRounds = 24;        // three planes of eight are found in two to six
+constexpr double kSlackWeight = 1e-6;  // square of the slack's compliance over the point's
 
 using Planes = std::array<HalfSpace, kMaxHalfSpaces>;
 using SetVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kLargestSet, 1>;
@@ -26,9 +25,9 @@ struct Set {
   int size{0};
 };
 
-// Multipliers of the nearest point on all planes of the set: Gram matrix times multipliers = offsets (or, of
-// a direction, its parts along the normals), by elimination in place (the matrix is positive definite: no
-// pivoting). False where the planes are parallel.
+// Multipliers of the nearest point on all planes of the set: Gram matrix times multipliers = offsets (or, for
+// a direction, its components along the normals). Elimination in place, without pivoting because the matrix
+// is positive definite. False if the planes are parallel.
 bool SolveSet(const Planes& planes, const Set& set, double slack, SetVector& multiplier,
               const Vector3* direction = nullptr) {
   SetMatrix gram(set.size, set.size);
@@ -64,10 +63,10 @@ double WorstViolation(const Planes& planes, int count, const Vector3& x) {
   return worst;
 }
 
-// The dual active-set method: from the free minimum, x = 0, a violated plane at a time is brought in, and one
-// that would pull is let go. Each round ends at the nearest point of a set of planes, further out than the
-// round before, so that no set comes twice. On success `active` are the planes that the nearest point lies
-// on. False where no point keeps all planes, or rounding makes it look so.
+// The dual active-set method. From the free minimum, x = 0, violated planes are added one at a time, and a
+// plane that would pull is dropped. Each round ends at the nearest point of a set of planes, further out than
+// the round before, so that no set comes twice. On success `active` are the planes that the nearest point
+// lies on. False if no point keeps all planes, or rounding makes it look so.
 // Source: Goldfarb and Idnani, A Numerically Stable Dual Method for Solving Strictly Convex Quadratic
 // Programs, Math. Programming 27, 1983.
 bool FindActive(const Planes& planes, int count, Set& active) {
@@ -86,7 +85,7 @@ bool FindActive(const Planes& planes, int count, Set& active) {
     const HalfSpace& in = planes[worst];
     double pull_in = 0.0;
     for (;;) {
-      // the active planes' share of the new normal, and what is left of it
+      // the active planes' part of the new normal, and the remainder
       SetVector share;
       if (!SolveSet(planes, active, 0.0, share, &in.n)) return false;
       Vector3 z = in.n;
@@ -105,7 +104,7 @@ bool FindActive(const Planes& planes, int count, Set& active) {
         step = (in.offset - in.n.dot(x)) / room;
         leaves = -1;
       } else if (leaves < 0) {
-        return false;  // nothing to let go, nowhere to go
+        return false;  // no plane to drop, and no direction to move
       }
       if (moves) x += step * z;
       for (int i = 0; i < active.size; ++i) pull[static_cast<std::size_t>(i)] -= step * share[i];
@@ -124,7 +123,7 @@ bool FindActive(const Planes& planes, int count, Set& active) {
   return false;
 }
 
-// The nearest point of a set of planes as the answer, where it is one: no plane pulls and none is violated.
+// Accepts the nearest point of a set of planes as the answer if no plane pulls and none is violated.
 bool Accept(const Planes& planes, int count, const Set& set, double slack, double& best_cost,
             HalfSpaceProjection& best) {
   SetVector multiplier;
@@ -145,7 +144,7 @@ bool Accept(const Planes& planes, int count, const Set& set, double slack, doubl
 }
 
 // Solves   min |x|^2 + s^2 / slack   subject to   n_i·x + s >= offset_i   over every set of at most
-// largest_set planes; with slack = 0 there is no s. False where no set gives a point.
+// largest_set planes; with slack = 0 there is no s. False if no set gives a point.
 bool Solve(const Planes& planes, int count, double slack, int largest_set, HalfSpaceProjection& best) {
   double best_cost = std::numeric_limits<double>::infinity();
   // by size, then in index order: next_set counts up like an odometer whose digits only grow to the right
@@ -177,9 +176,9 @@ HalfSpaceProjection ClosestInHalfSpaces(const Planes& planes, int count) noexcep
   Set active;
   double cost = std::numeric_limits<double>::infinity();
   if (FindActive(planes, count, active) && Accept(planes, count, active, 0.0, cost, best)) return best;
-  // planes so nearly parallel that rounding decides, or no point at all: every set
+  // planes so nearly parallel that rounding decides, or an empty intersection: try every set
   if (Solve(planes, count, 0.0, 3, best)) return best;
-  // empty (or so nearly parallel that only a point far away would do): share one slack among the planes
+  // empty (or so nearly parallel that only a distant point would do): share one slack among the planes
   if (Solve(planes, count, kSlackWeight, kLargestSet, best)) return best;
   best.violation = violation;
   return best;

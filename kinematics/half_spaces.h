@@ -16,21 +16,21 @@ struct HalfSpace {
 
 struct HalfSpaceProjection {
   Vector3 point{Vector3::Zero()};  ///< the closest point to the origin in the intersection
-  /// point = sum of multiplier[i] n_i; >= 0; at most four not 0
+  /// point = sum of multiplier[i] n_i; >= 0; at most four are nonzero
   std::array<double, kMaxHalfSpaces> multiplier{};
-  double violation{0.0};  ///< how far the point lies outside the worst half-space; 0 where feasible
+  double violation{0.0};  ///< how far the point lies outside the worst half-space; 0 if feasible
 };
 
-/// Closest point to the origin in the intersection of up to eight half-spaces: the constrained proxy of a
-/// god-object.
+/// Finds the point closest to the origin in the intersection of up to eight half-spaces: the constrained
+/// proxy of a god-object.
 ///
 ///     min |x|^2   subject to   n_i·x >= offset_i
 ///
-/// Exact and bounded: a dual active-set method finds the planes that the point lies on, from which it is
-/// solved anew. Where rounding hides them (planes almost parallel), every set of one, two or three planes is
-/// tried (92 for eight planes), and the nearest point that keeps all planes wins. Equal inputs give equal
-/// outputs. Where the intersection is empty (opposite walls closer than the tool) the planes give way
-/// together by the least common amount,
+/// Exact and bounded: a dual active-set method finds the planes that the point lies on, and the point is then
+/// solved from these planes alone. If rounding hides them (planes almost parallel), every set of one, two or
+/// three planes is tried (92 for eight planes), and the nearest point that satisfies all planes wins. Equal
+/// inputs give equal outputs. If the intersection is empty (opposite walls closer than the tool) all planes
+/// yield by the least common amount,
 ///
 ///     min |x|^2 + 1e6 s^2   subject to   n_i·x + s >= offset_i
 ///

@@ -9,14 +9,14 @@
 namespace osteon::kinematics {
 namespace {
 
-constexpr int kMostSweeps = 30;         // cold five or six, warm one or two
-constexpr double kOrthogonal = 4e-15;   // cosine between two rows, from which on they count as orthogonal
-constexpr double kSmallTurn = 1e-4;     // tangent: t^4 is below a double's last bit
-constexpr double kNoDirection = 1e-14;  // of the largest singular value
-constexpr double kStillOrthogonal = 0x1p-40;  // what rounding may have done to `near` over many ticks
+constexpr int kMostSweeps = 30;               // cold start five or six, warm start one or two
+constexpr double kOrthogonal = 4e-15;         // cosine below which two rows count as orthogonal
+constexpr double kSmallTurn = 1e-4;           // tangent: t^4 is below a double's last bit
+constexpr double kNoDirection = 1e-14;        // of the largest singular value
+constexpr double kStillOrthogonal = 0x1p-40;  // possible rounding error of `near` after many ticks
 
-// The columns of V from `from` on, so that all are an orthonormal basis: the unit vector of which the least
-// is in the others so far, and what is left of it, twice for rounding's sake.
+// Completes the columns of V from `from` on to an orthonormal basis: each from the unit vector with the
+// smallest component in the other columns, orthogonalised twice against rounding.
 template <int N>
 void Complete(Eigen::Matrix<double, N, N>& V, int from) {
   for (int k = from; k < N; ++k) {
@@ -35,13 +35,13 @@ void Complete(Eigen::Matrix<double, N, N>& V, int from) {
   }
 }
 
-// Turn that makes two columns orthogonal: a their dot product, b the difference of their squares.
+// Rotation that makes two columns orthogonal: a their dot product, b the difference of their squares.
 struct Turn {
   double c, s, tangent;
 };
 Turn TurnOf(double a, double b) {
-  const double small = a / b;          // of a small turn, t = a / b (1 - (a / b)^2 + …)
-  if (std::abs(small) < kSmallTurn) {  // a warm start's turns are: no roots
+  const double small = a / b;          // for small angles t = a / b (1 - (a / b)^2 + …)
+  if (std::abs(small) < kSmallTurn) {  // usual after a warm start: no square roots
     const double t = small - small * small * small, c = 1.0 - 0.5 * t * t;
     return {.c = c, .s = c * t, .tangent = t};
   }
@@ -51,7 +51,7 @@ Turn TurnOf(double a, double b) {
   return {.c = c, .s = c * t, .tangent = t};
 }
 
-// Gram and Schmidt: `near` to the last bit.
+// Gram-Schmidt: restores the orthogonality of `near` to rounding.
 void MakeOrthonormal(Eigen::Matrix<double, 6, 6>& U) {
   for (int k = 0; k < 6; ++k) {
     for (int j = 0; j < k; ++j) U.col(k) -= U.col(j).dot(U.col(k)) * U.col(j);
@@ -98,7 +98,7 @@ JacobianDirections<N> DirectionsOf(const Eigen::Matrix<double, 6, N>& J,
       }
   }
 
-  // descending, equal ones in their order
+  // descending; equal values keep their order
   std::array<int, 6> order{0, 1, 2, 3, 4, 5};
   for (std::size_t i = 1; i < 6; ++i)
     for (std::size_t k = i; k > 0 && squares[order[k]] > squares[order[k - 1]]; --k)

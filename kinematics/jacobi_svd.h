@@ -11,14 +11,13 @@ struct JacobianDirections {
   Eigen::Matrix<double, 6, 6> U{Eigen::Matrix<double, 6, 6>::Identity()};  ///< columns: left directions
   Eigen::Matrix<double, 6, 1> sigma{Eigen::Matrix<double, 6, 1>::Zero()};  ///< descending, >= 0
   Eigen::Matrix<double, N, N> V{Eigen::Matrix<double, N, N>::Identity()};  ///< right; beyond 6: null space
-  int sweeps{0};                                                           ///< that it took
+  int sweeps{0};                                                           ///< number of sweeps done
 };
 
-/// Singular values and directions by one-sided Jacobi rotations: pairs of the rows of U^T J are turned
-/// against each other until all are orthogonal. Small singular values come out as exactly as large ones.
-/// Directions whose sigma is below 1e-14 of the largest are completed to a basis. The caller's `near`, the
-/// left directions of a Jacobian that was nearly the same (the tick before), saves most of the sweeps; any
-/// orthogonal matrix gives the same singular values.
+/// Singular values and directions by one-sided Jacobi rotations: pairs of rows of U^T J are rotated against
+/// each other until all are orthogonal. Small singular values are as accurate as large ones. Directions with
+/// a sigma below 1e-14 of the largest are completed to a basis. `near`, the left directions of a similar
+/// Jacobian (the tick before), saves most of the sweeps; any orthogonal matrix gives the same values.
 ///
 /// Source: Hestenes, Inversion of Matrices by Biorthogonalization, J. SIAM 6, 1958; Demmel and Veselić,
 /// Jacobi's Method Is More Accurate than QR, SIAM J. Matrix Anal. 13, 1992.

@@ -58,7 +58,7 @@ double LbrArm::ArmAngle(const JointVector& q) const OSTEON_RT {
   const Vector3 x_2(c1 * c2, s1 * c2, -s2), y_2(-s1, c1, 0.0), u(c1 * s2, s1 * s2, c2);
   const Vector3 x_3 = c3 * x_2 + s3 * y_2, y_3 = c3 * y_2 - s3 * x_2;
 
-  // the normal of the elbow's plane is the elbow's axis, whichever way it bends
+  // the normal of the elbow's plane is the elbow's axis, for either sign of the bend
   const Vector3 f = std::cos(q[3]) * u - std::sin(q[3]) * x_3;
   const Vector3 p_SW = params_.shoulder_to_elbow_m * u + params_.elbow_to_wrist_m * f;
   const double reach = p_SW.norm();
@@ -83,14 +83,14 @@ const LbrSolution* LbrSolutions::Nearest(const JointVector& seed) const OSTEON_R
 LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVector& seed) const OSTEON_RT {
   LbrSolutions result;
 
-  // wrist from the shoulder, and the triangle that it makes with the elbow
+  // wrist relative to the shoulder, and its triangle with the elbow
   const ElbowTriangle triangle = TriangleTo(params_, ShoulderToWrist(params_, X_BF));
   result.out_of_reach_m = triangle.out_of_reach_m;
   if (!std::isfinite(X_BF.linear().sum() + arm_angle_rad))
     result.out_of_reach_m = std::numeric_limits<double>::quiet_NaN();
   if (!result.reachable()) return result;
 
-  // its place on the circle: upper arm u, forearm f, normal m, outward direction d
+  // the elbow on its circle: upper arm u, forearm f, normal m, outward direction d
   const ElbowCircle circle = CircleAround(triangle.axis);
   const double cos_psi = std::cos(arm_angle_rad), sin_psi = std::sin(arm_angle_rad);
   const Vector3 e = cos_psi * circle.up + sin_psi * circle.side;
@@ -118,7 +118,7 @@ LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVe
   const WristAngles wrist = WristTo(m.cross(f), m, f, X_BF.linear(), seed[4]);
   q.tail<3>() << wrist.turn, wrist.tilt, wrist.twist;
 
-  // the same joints where a neighbour is flipped, and by how much each is beyond its limits either way
+  // the same joints with a neighbour flipped, and how far each is beyond its limits in both cases
   std::array<JointVector, 2> q_of{q, {}};
   std::array<std::array<double, 7>, 2> beyond_of{};
   for (int i = 0; i < 7; ++i) q_of[1][i] = i % 2 == 1 ? -q[i] : q[i] - std::copysign(kPi, q[i]);

@@ -17,9 +17,9 @@ using Jacobian = JacobianN<7>;        ///< rows: v (3) then w (3)
 /// One posture that reaches a pose.
 struct LbrSolution {
   JointVector q{JointVector::Zero()};  ///< [rad], each within -pi … pi
-  double beyond_rad{0.0};  ///< by how much the worst joint is outside its limits; 0 where all are within
-  int worst_joint{-1};     ///< 0 … 6, the joint with beyond_rad; -1 where all are within
-  std::uint8_t beyond{0};  ///< bit i: joint i is outside its limits
+  double beyond_rad{0.0};              ///< how far the worst joint is outside its limits; 0 if all are within
+  int worst_joint{-1};                 ///< 0 … 6, the joint with beyond_rad; -1 if all are within
+  std::uint8_t beyond{0};              ///< bit i: joint i is outside its limits
 
   [[nodiscard]] bool valid() const noexcept { return beyond == 0; }
 };
@@ -30,23 +30,23 @@ struct LbrSolutions {
 
   /// By configuration number (LbrArm::Configuration). Set where reachable().
   std::array<LbrSolution, kConfigurations> configuration;
-  /// How far the wrist's centre is from what the arm's two links reach: > 0 too far from the shoulder, < 0
-  /// too near, 0 reachable, NaN where the pose or the angle is not finite.
+  /// Distance of the wrist's centre from the range of the arm's two links: > 0 too far from the shoulder, < 0
+  /// too near, 0 reachable, NaN if the pose or the angle is not finite.
   double out_of_reach_m{0.0};
 
   [[nodiscard]] bool reachable() const noexcept { return out_of_reach_m == 0.0; }
 
-  /// The valid solution nearest to `seed` (sum of squared joint differences; of equals the lower number);
-  /// nullptr where there is none or the seed is not finite.
+  /// The valid solution nearest to `seed` (by the sum of squared joint differences; on a tie the lower
+  /// number); nullptr if there is none or the seed is not finite.
   [[nodiscard]] const LbrSolution* Nearest(const JointVector& seed) const OSTEON_RT;
 };
 
 /// Kinematics of an LBR iiwa. Allocation-free.
 ///
-/// Joints A1 … A7 turn about z, y, z, -y, z, y, z; zero is the arm stretched upwards (LbrParams has the
+/// Joints A1 … A7 turn about z, y, z, -y, z, y, z; at zero the arm is stretched upwards (LbrParams has the
 /// product). A1 A2 A3 meet in the shoulder, A4 is the elbow, A5 A6 A7 meet in the wrist. With shoulder and
-/// wrist held, the elbow can still travel on a circle about the line between them: the arm angle says where
-/// on the circle it is.
+/// wrist held, the elbow can still move on a circle about the line between them: the arm angle is its
+/// position on the circle.
 class LbrArm {
  public:
   static constexpr int kJoints = 7;
@@ -62,7 +62,7 @@ class LbrArm {
 
   /// Geometric Jacobian of the flange's origin, in B: V_BF = J qd, rows v then w.
   [[nodiscard]] Jacobian FlangeJacobian(const JointVector& q) const OSTEON_RT;
-  /// The same of a point of the flange, such as the origin of a tool on it. @param p_F  in the flange's frame
+  /// The same for a point of the flange, such as the origin of a tool. @param p_F  in the flange's frame
   [[nodiscard]] Jacobian JacobianAt(const JointVector& q, const Vector3& p_F) const OSTEON_RT;
 
   /// Configuration number 0 … 7: bit 0 where q2 < 0, bit 1 where q4 < 0, bit 2 where q6 < 0.
@@ -70,7 +70,7 @@ class LbrArm {
     return (q[1] < 0.0 ? 1 : 0) + (q[3] < 0.0 ? 2 : 0) + (q[5] < 0.0 ? 4 : 0);
   }
 
-  /// Flange, and the elbow's centre in B [m]: where the axis of A4 crosses the arm.
+  /// The flange's pose, and the elbow's centre in B [m], where the axis of A4 crosses the arm.
   struct ArmPoints {
     Pose X_BF;
     Vector3 p_BElbow;
@@ -80,31 +80,30 @@ class LbrArm {
     return {.X_BF = posture.X_BF, .p_BElbow = posture.p_BL[3]};
   }
 
-  /// Arm angle [rad], -pi … pi: where the elbow is on its circle, as the right-handed angle about the line
-  /// from shoulder to wrist, counted from the circle's highest point. So it is 0 where q3 = 0 and the elbow
-  /// is up, pi where it hangs. Where the line is vertical it is counted from +x of B. It is read from the
-  /// elbow's axis, so that it stays defined and exact while the arm straightens (q4 = 0 counts as q4 > 0).
+  /// Arm angle [rad], -pi … pi: the elbow's position on its circle, as the right-handed angle about the line
+  /// from shoulder to wrist, from the circle's highest point. It is 0 where q3 = 0 and the elbow is up, pi
+  /// where the elbow hangs. If the line is vertical the angle starts at +x of B. It is computed from the
+  /// elbow's axis, so it stays defined and exact while the arm straightens (q4 = 0 counts as q4 > 0).
   [[nodiscard]] double ArmAngle(const JointVector& q) const OSTEON_RT;
 
   /// Closed-form inverse: every posture that puts the flange at X_BF with the given arm angle.
   ///
-  /// A bent joint flips with its neighbours turned by pi, which keeps every link in place: so the eight share
-  /// one set of seven arctangents. Sines and cosines come from components, never from an angle, and each
-  /// joint is found against the axes of those before it: the pose is kept to rounding however near a
-  /// singularity, where only the share of two joints in their sum is uncertain.
-  /// @param seed where a singularity leaves a joint free (A1 with the upper arm vertical, A5 with the wrist
-  ///   straight), it stays at its value here in one, half a turn away in the other of the two configurations
-  ///   that then are one.
+  /// When a bent joint is flipped and its neighbours turn by pi, every link stays in place, so the eight
+  /// postures share one set of seven arctangents. Sines and cosines come from components, never from an
+  /// angle, and each joint is computed relative to the axes of the joints before it: the pose is exact to
+  /// rounding arbitrarily near a singularity, where only the split between two joints is uncertain.
+  /// @param seed value of a joint that a singularity leaves free (A1 with the upper arm vertical, A5 with the
+  ///   wrist straight): the joint has this value in one, and half a turn away in the other, of the two
+  ///   configurations that then coincide.
   ///
   /// Source: Shimizu et al., Analytical Inverse Kinematic Computation for 7-DOF Redundant Manipulators With
   /// Joint Limits, IEEE Trans. Robotics 24 (5), 2008; the reference direction is the vertical's instead of
-  /// the q3 = 0 arm's, so that the angle fixes the elbow's place whatever the signs of q2 and q4.
+  /// that of the arm with q3 = 0, so that the angle fixes the elbow's place for all signs of q2 and q4.
   [[nodiscard]] LbrSolutions Solve(const Pose& X_BF, double arm_angle_rad,
                                    const JointVector& seed = JointVector::Zero()) const OSTEON_RT;
 
-  /// Solve(X_BF, arm_angle_rad, seed).Nearest(seed) into q. False where there is none: out of reach, all
-  /// beyond a limit, or an input that is not finite; q is then unchanged. `q` may be the same object as
-  /// `seed`.
+  /// Solve(X_BF, arm_angle_rad, seed).Nearest(seed) into q. False, with q unchanged, if there is none: out of
+  /// reach, all beyond a limit, or an input that is not finite. `q` may be the same object as `seed`.
   [[nodiscard]] bool Inverse(const Pose& X_BF, double arm_angle_rad, const JointVector& seed,
                              JointVector& q) const OSTEON_RT;
 

@@ -8,7 +8,7 @@
 #include "kinematics/spatial.h"
 #include "kinematics/two_links.h"
 
-// Where an LBR's elbow can be for a given wrist: what the inverse and the intervals of the arm angle share.
+// Geometry of an LBR's elbow for a given wrist, shared by the inverse and by the intervals of the arm angle.
 //
 //           E            the triangle shoulder S, elbow E, wrist W is rigid; it turns about SW by the arm
 //        u / \ f         angle psi. In its plane: axis a along SW, e toward the elbow; m = a x e its normal.
@@ -18,14 +18,14 @@
 
 namespace osteon::kinematics {
 
-/// The circle's frame: `axis` along shoulder to wrist, `up` to the circle's highest point (+x of B where the
-/// axis is vertical), `side` = axis x up.
+/// The circle's frame: `axis` from shoulder to wrist, `up` to the circle's highest point (+x of B if the axis
+/// is vertical), `side` = axis x up.
 struct ElbowCircle {
   Vector3 axis, up, side;
 };
 
 inline ElbowCircle CircleAround(const Vector3& axis) OSTEON_RT {
-  constexpr double kVertical = 1e-9;  // sine below which the line has no highest point around it
+  constexpr double kVertical = 1e-9;  // sine below which the circle has no highest point
   const double h = std::sqrt(axis.x() * axis.x() + axis.y() * axis.y());
   if (h < kVertical) {
     const Vector3 up = (Vector3::UnitX() - axis.x() * axis).normalized();
@@ -40,7 +40,7 @@ inline ElbowCircle CircleAround(const Vector3& axis) OSTEON_RT {
 /// Triangle of the two links and the line between shoulder and wrist.
 struct ElbowTriangle {
   Vector3 axis;                       ///< from shoulder to wrist, unit
-  double out_of_reach_m;              ///< as LbrSolutions::out_of_reach_m; the rest is set where it is 0
+  double out_of_reach_m;              ///< as LbrSolutions::out_of_reach_m; if 0 the rest is set
   double cos_shoulder, sin_shoulder;  ///< alpha, 0 … pi
   double cos_elbow, sin_elbow;        ///< |q4|, 0 … pi
 };
@@ -66,7 +66,7 @@ inline ElbowTriangle TriangleTo(const LbrParams& params, const Vector3& p_SW) OS
   return t;
 }
 
-/// Wrist of an LBR seen from its shoulder, in B.
+/// Position of an LBR's wrist relative to its shoulder, in B.
 inline Vector3 ShoulderToWrist(const LbrParams& params, const Pose& X_BF) OSTEON_RT {
   Vector3 p_SW = X_BF.translation() - params.wrist_to_flange_m * X_BF.linear().col(2);
   p_SW.z() -= params.base_to_shoulder_m;

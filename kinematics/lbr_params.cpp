@@ -29,7 +29,7 @@ struct Line {
   Vector3 point, direction;
 };
 
-// A length to whole picometres: the sum of a description's origins, less the rounding that summing them adds.
+// Rounds a length to whole picometres: removes the rounding error of summing a description's origins.
 double Length(double sum_m) { return std::round(sum_m * 1e12) / 1e12; }
 
 double AngleBetween(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
@@ -40,7 +40,7 @@ LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
   const Vector3 x = Vector3::UnitX(), y = Vector3::UnitY(), z = Vector3::UnitZ();
   const std::array<Vector3, 7> expected{z, y, z, -y, z, y, z};
 
-  // every axis has its direction, and the turning ones are the line above B's origin
+  // check the direction of every axis, and that the turning axes are the line above B's origin
   Pose X_BL = Pose::Identity();
   std::array<Line, 7> axis;
   for (std::size_t i = 0; i < 7; ++i) {
@@ -52,14 +52,14 @@ LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
     if (!(tilt_rad <= kOff_rad))
       Refuse("axis of " + name + " at zero is " + Text(axis[i].direction) + ", accepted " + Text(expected[i]),
              tilt_rad, "rad", kOff_rad);
-    // a turning axis is z of B itself; a bending one crosses it
+    // a turning axis is z of B itself; a bending axis crosses it
     const double beside_m = expected[i].z() != 0.0 ? std::hypot(axis[i].point.x(), axis[i].point.y())
                                                    : std::abs(axis[i].point.x());
     if (!(beside_m <= kOff_m))
       Refuse("axis of " + name + " passes beside the line from base to flange", beside_m, "m", kOff_m);
   }
 
-  // the flange is on that line, aligned with B
+  // check that the flange is on that line, aligned with B
   const Pose X_BF = X_BL * chain.X_LF;
   const double beside_m = std::hypot(X_BF.translation().x(), X_BF.translation().y());
   if (!(beside_m <= kOff_m))
@@ -88,7 +88,7 @@ LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
 ChainParams<7> ChainFrom(const LbrParams& params) {
   const Vector3 y = Vector3::UnitY(), z = Vector3::UnitZ();
   const std::array<Vector3, 7> axes{z, y, z, -y, z, y, z};
-  // shoulder, elbow and wrist: where the bending joints are, and the turning ones with them
+  // heights of shoulder, elbow and wrist: the bending joints there, and the turning ones with them
   const std::array<double, 7> above_m{0.0, params.base_to_shoulder_m, 0.0, params.shoulder_to_elbow_m,
                                       0.0, params.elbow_to_wrist_m,   0.0};
   ChainParams<7> chain;

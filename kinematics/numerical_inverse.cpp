@@ -14,8 +14,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kLeastFactor = 1e-6;    // of the damping on the cost
 constexpr double kLeastDamping = 1e-14;  // keeps the matrix positive definite at a singularity [m^2]
-constexpr double kMostDamping = 1e3;  // a thousand arms squared: the step is steepest descent, and tiny [m^2]
-constexpr double kFlat = 1e-9;        // gradient over error below which nothing gets nearer [m/rad]
+constexpr double kMostDamping = 1e3;     // a thousand arms squared: steepest descent with a tiny step [m^2]
+constexpr double kFlat = 1e-9;           // gradient over error below which there is no progress [m/rad]
 
 // Point of the Halton sequence in the unit cube.
 double Halton(int index, int dimension) {
@@ -29,7 +29,7 @@ double Halton(int index, int dimension) {
   return value;
 }
 
-// Where an iteration is.
+// State of an iteration.
 template <int N>
 struct Place {
   JointVectorN<N> q;
@@ -55,7 +55,7 @@ JointVectorN<N> IntoLimits(const ChainParams<N>& params, JointVectorN<N> q) {
   return q;
 }
 
-// One attempt; counts its iterations.
+// Runs one attempt and counts its iterations.
 template <int N>
 InverseStop Iterate(const SerialChain<N>& chain, const Pose& X_BD, const NumericalInverseParams& params,
                     Place<N>& at, int& iterations) {
@@ -65,7 +65,7 @@ InverseStop Iterate(const SerialChain<N>& chain, const Pose& X_BD, const Numeric
         at.error.template tail<3>().norm() <= params.tolerance_rad * params.length_m)
       return InverseStop::kReached;
 
-    // the free joints' step: a held one's row and column are those of the identity
+    // step of the free joints: a held joint's row and column are those of the identity
     JacobianN<N> J = chain.Jacobian(at.posture);
     J.template bottomRows<3>() *= params.length_m;
     JointVectorN<N> downhill = J.transpose() * at.error;
@@ -82,7 +82,7 @@ InverseStop Iterate(const SerialChain<N>& chain, const Pose& X_BD, const Numeric
     const InverseStop stuck = held ? InverseStop::kHeldByLimits : InverseStop::kLocalMinimum;
     if (downhill.norm() <= kFlat * std::sqrt(at.cost)) return stuck;
 
-    // more damping until it gets nearer
+    // more damping until the error falls
     const JointMatrixN<N> normal = J.transpose() * J;
     while (true) {
       JointMatrixN<N> damped = normal;

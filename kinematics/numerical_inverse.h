@@ -3,26 +3,26 @@
 #include "control/rt/marker.h"
 #include "kinematics/serial_chain.h"
 
-// Inverse kinematics by iteration, for an arm of 6 or 7 joints whose axes allow no closed form: a wrist whose
-// axes do not meet, links with lateral offsets. LbrArm and OrthoParallelArm serve all others: they give every
-// solution, say by how much a pose is out of reach, and are a hundred times quicker.
+// Iterative inverse kinematics for an arm of 6 or 7 joints whose axes allow no closed form: a wrist whose
+// axes do not meet, links with lateral offsets. For all others use LbrArm and OrthoParallelArm: they give
+// every solution, tell by how much a pose is out of reach, and are a hundred times faster.
 
 namespace osteon::kinematics {
 
 struct NumericalInverseParams {
-  double tolerance_m{1e-9};    ///< reached where the position's and
+  double tolerance_m{1e-9};    ///< a pose is reached if the position's and
   double tolerance_rad{1e-9};  ///< the orientation's error are below these
-  double length_m{0.5};        ///< weighs orientation against position: 1 rad counts as so many metres; > 0
+  double length_m{0.5};        ///< weighs orientation against position: 1 rad counts as this length; > 0
   int max_iterations{60};      ///< of one attempt
-  int max_restarts{40};        ///< further attempts from elsewhere where the one from the seed fails
+  int max_restarts{40};        ///< further attempts from other points if the one from the seed fails
 };
 
 /// Why the iteration ended.
 enum class InverseStop {
   kReached,
-  kHeldByLimits,   ///< no nearer without a joint leaving its limits
-  kLocalMinimum,   ///< no nearer from here: out of reach, or an elbow on the wrong side
-  kMaxIterations,  ///< still getting nearer
+  kHeldByLimits,   ///< no closer without a joint leaving its limits
+  kLocalMinimum,   ///< no closer from here: out of reach, or an elbow on the wrong side
+  kMaxIterations,  ///< still approaching
   kNotFinite,      ///< pose or seed
 };
 
@@ -30,7 +30,7 @@ enum class InverseStop {
 
 template <int N>
 struct NumericalInverseResult {
-  JointVectorN<N> q{JointVectorN<N>::Zero()};  ///< [rad], within the limits: the nearest that was found
+  JointVectorN<N> q{JointVectorN<N>::Zero()};  ///< [rad], within the limits: the closest that was found
   InverseStop stop{InverseStop::kNotFinite};   ///< of the attempt that gave q
   double error_m{0.0};
   double error_rad{0.0};
@@ -46,12 +46,12 @@ struct NumericalInverseResult {
 ///     (J^T J + mu I) dq = J^T e,   mu = factor cost
 ///
 /// with e = (p_FD, length log R_FD) and J the geometric Jacobian, rotations scaled alike. Position and
-/// rotation are kept apart: then J^T e is the exact gradient however large the error (the logarithm's own
-/// derivative leaves its vector as it is), and a minimum is known for one. A joint at a limit that the
-/// gradient presses against is held, the step of the others is cut off at theirs. The damping fades with the
-/// error, so that the end is quadratic, and rises where a step fails. Attempts after the first begin at
+/// rotation are kept apart: J^T e is then the exact gradient for any size of the error (the logarithm's own
+/// derivative leaves its vector unchanged), and a minimum can be recognised. A joint at a limit that the
+/// gradient presses against is held; the step of the other joints is cut off at their limits. The damping
+/// falls with the error, so that the end is quadratic, and rises when a step fails. Further attempts begin at
 /// points of a Halton sequence within the limits. Bounded by (1 + max_restarts) max_iterations steps, some
-/// milliseconds: for set-up, not for a tick, though it allocates nothing. Deterministic.
+/// milliseconds: for set-up, not for a tick, although it does not allocate. Deterministic.
 /// @param seed where to begin; moved into the limits.
 /// Source: Sugihara, Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method, IEEE
 /// Trans. Robotics 27 (5), 2011, for the damping; Kanzow, Yamashita, Fukushima, J. Comput. Appl. Math. 172,

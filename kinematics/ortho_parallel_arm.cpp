@@ -18,8 +18,7 @@ constexpr double kPi = std::numbers::pi, kTurn = 2.0 * kPi;
   throw std::invalid_argument("arm: " + name + ": found " + std::to_string(found) + ", accepted " + accepted);
 }
 
-// One value of a joint, named within its limits where that is possible, and by how much it is beyond (<= 0:
-// not).
+// A joint value, chosen within the limits if an equivalent is, and how far it is beyond them (<= 0: within).
 struct Fitted {
   double q, beyond;
 };
@@ -33,7 +32,7 @@ Fitted Fit(double q, const JointLimits& limit) {
   return beyond_other < beyond ? Fitted{other, beyond_other} : Fitted{q, beyond};
 }
 
-// The name of q nearest to seed that the limits allow; q itself is one.
+// The equivalent of q nearest to seed that the limits allow; q itself is a candidate.
 double NearestName(double q, const JointLimits& limit, double seed) {
   double best = q;
   for (const double name : {q - 2.0 * kTurn, q - kTurn, q + kTurn, q + 2.0 * kTurn})
@@ -42,7 +41,7 @@ double NearestName(double q, const JointLimits& limit, double seed) {
   return best;
 }
 
-// An angle by its cosine and sine.
+// An angle, by its cosine and sine.
 struct Angle {
   double c, s;
 };
@@ -106,7 +105,7 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
     return result;
   }
 
-  // within |b| of A1 no arm plane holds the wrist
+  // no arm plane contains a wrist within |b| of A1
   const double from_axis = std::hypot(wrist.x(), wrist.y()), b = params_.b_m;
   if (from_axis < std::abs(b) - kFreeJoint) {
     result.out_of_reach_m = from_axis - std::abs(b);
@@ -119,7 +118,7 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
 
   result.out_of_reach_m = std::numeric_limits<double>::infinity();
   for (unsigned side = 0; side < 2; ++side) {
-    // the plane with the wrist in front of A1, or behind it
+    // the arm plane with the wrist in front of A1, or behind it
     const double x_1 = side == 0 ? front : -front, square_m2 = from_axis * from_axis;
     std::array<double, 6> theta{};
     Angle turn;
@@ -131,7 +130,7 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
       theta[0] = Value(turn);
     }
 
-    // in it the two links reach from A2 to the wrist
+    // within this plane the two links reach from A2 to the wrist
     const double x = x_1 - params_.a1_m, z = wrist.z() - params_.c1_m, reach = std::hypot(x, z);
     const TwoLinks links = TwoLinksTo(params_.c2_m, fore_m_, reach);
     if (std::abs(links.out_of_reach_m) < std::abs(result.out_of_reach_m))
@@ -152,7 +151,7 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
       }
       theta[2] = (bent_back == 0 ? elbow_rad : -elbow_rad) - fore_rad_;
 
-      // the axes that the forearm carries; the wrist is what is left from them to the flange
+      // axes of the forearm; the wrist supplies the remaining rotation to the flange
       const Angle pitch = Sum(Sum(tilt, gamma), {params_.c3_m / fore_m_, -params_.a2_m / fore_m_});
       const Vector3 x_c(turn.c * pitch.c, turn.s * pitch.c, -pitch.s), y_c(-turn.s, turn.c, 0.0);
       const Vector3 z_c(turn.c * pitch.s, turn.s * pitch.s, pitch.c);
@@ -165,7 +164,7 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
   return result;
 }
 
-// One place of the arm with the wrist's tilt positive, and flipped: its neighbours half a turn away.
+// Sets a posture with positive wrist tilt, and the flipped one, with A4 and A6 half a turn away.
 void OrthoParallelArm::SetPair(const std::array<double, 6>& theta, OrthoParallelSolution& straight,
                                OrthoParallelSolution& flipped) const OSTEON_RT {
   straight.exists = flipped.exists = true;

@@ -10,15 +10,15 @@
 
 namespace osteon::kinematics {
 
-/// One posture that reaches a pose, or would if its side of the base reached that far.
+/// One posture for a pose.
 struct OrthoParallelSolution {
-  /// [rad]. Of a joint's names for one place (2 pi apart) one within its limits, nearest to zero; where none
-  /// is, the least beyond.
+  /// [rad]. Of a joint's equivalent values (2 pi apart), the one within its limits nearest to zero; if none
+  /// is within, the one least beyond.
   JointVectorN<6> q{JointVectorN<6>::Zero()};
-  double beyond_rad{0.0};  ///< by how much the worst joint is outside its limits; 0 where all are within
-  int worst_joint{-1};     ///< 0 … 5, the joint with beyond_rad; -1 where all are within
+  double beyond_rad{0.0};  ///< how far the worst joint is outside its limits; 0 if all are within
+  int worst_joint{-1};     ///< 0 … 5, the joint with beyond_rad; -1 if all are within
   std::uint8_t beyond{0};  ///< bit i: joint i is outside its limits
-  bool exists{false};      ///< false: this side does not reach the wrist; nothing else is set
+  bool exists{false};      ///< false: this side of the base does not reach the wrist; nothing else is set
 
   [[nodiscard]] bool valid() const noexcept { return exists && beyond == 0; }
 };
@@ -29,14 +29,14 @@ struct OrthoParallelSolutions {
 
   /// By configuration number (OrthoParallelArm::Configuration).
   std::array<OrthoParallelSolution, kConfigurations> configuration;
-  /// How far the wrist's centre is from the nearest place that it can reach: > 0 too far, < 0 too near, 0
-  /// reachable, NaN where the pose is not finite. Exact where b = 0.
+  /// Distance of the wrist's centre from the nearest place that it can reach: > 0 too far, < 0 too near, 0
+  /// reachable, NaN if the pose is not finite. Exact for b = 0.
   double out_of_reach_m{0.0};
 
   [[nodiscard]] bool reachable() const noexcept { return out_of_reach_m == 0.0; }
 };
 
-/// A six-axis arm with ortho-parallel basis and spherical wrist, its inverse in closed form. Allocation-free.
+/// A six-axis arm with ortho-parallel basis and spherical wrist; closed-form inverse. Allocation-free.
 class OrthoParallelArm {
  public:
   static constexpr int kJoints = 6;
@@ -52,7 +52,7 @@ class OrthoParallelArm {
   /// Geometric Jacobian of the flange's point p_F [m, in F]: rows v (3) then w (3), in B.
   [[nodiscard]] JacobianN<6> JacobianAt(const Joints& q, const Vector3& p_F) const OSTEON_RT;
 
-  /// Flange, and the elbow in B [m]: where the axis of A3 crosses the arm's plane.
+  /// The flange's pose, and the elbow in B [m], where the axis of A3 crosses the arm's plane.
   struct ArmPoints {
     Pose X_BF;
     Vector3 p_BElbow;
@@ -62,11 +62,11 @@ class OrthoParallelArm {
     return {.X_BF = posture.X_BF, .p_BElbow = posture.p_BL[2]};
   }
 
-  /// Configuration number 0 … 7: bit 0 where the wrist is behind A1 (overhead, KUKA's S bit 0), bit 1 where
-  /// the forearm bends back (theta3 + atan(a2/c3) < 0), bit 2 where theta5 < 0.
+  /// Configuration number 0 … 7: bit 0 if the wrist is behind A1 (overhead, KUKA's S bit 0), bit 1 if the
+  /// forearm bends back (theta3 + atan(a2/c3) < 0), bit 2 if theta5 < 0.
   [[nodiscard]] int Configuration(const Joints& q) const OSTEON_RT;
 
-  /// Every posture that puts the flange at X_BF: four places of the arm, each with two of the wrist.
+  /// Every posture that puts the flange at X_BF: four postures of the main axes, each with two of the wrist.
   ///
   /// In the plane of the arm the two links are a triangle: with gamma = theta3 + atan(a2/c3), k =
   /// hypot(a2, c3) and the wrist at (x, z) from A2,
@@ -74,18 +74,18 @@ class OrthoParallelArm {
   ///     16 area^2 = ((c2 + k)^2 - s^2) (s^2 - (c2 - k)^2),  s^2 = x^2 + z^2     gives sin(gamma)
   ///     exp(i theta2) = (z + i x) (c2 + k exp(-i gamma)) / s^2
   ///
-  /// Sines and cosines come from components as in LbrArm::Solve: the pose is kept to rounding beside a
-  /// singularity. The flipped wrist is the other turned by pi.
-  /// @param seed where a singularity leaves a joint free (A1 with the wrist above it, A4 with the wrist
-  ///   straight), it stays at its value here (A4: or half a turn away in the flipped wrist).
+  /// Sines and cosines come from components as in LbrArm::Solve: the pose is exact to rounding next to a
+  /// singularity. The flipped wrist is the other one turned by pi.
+  /// @param seed value of a joint that a singularity leaves free (A1 with the wrist above it, A4 with the
+  ///   wrist straight; in the flipped wrist A4 is half a turn away).
   /// Source: Brandstötter et al. 2014 (ortho_parallel_params.h); the complex form and the half-angle products
   /// instead of its arccosines, which lose half the digits where the arm is straight.
   [[nodiscard]] OrthoParallelSolutions Solve(const Pose& X_BF,
                                              const Joints& seed = Joints::Zero()) const OSTEON_RT;
 
-  /// Joint positions nearest to `seed` (sum of squared joint differences) of all valid solutions and all
-  /// their names 2 pi apart that the limits allow. False where there is none or the seed is not finite; q is
-  /// then unchanged. `q` may be the same object as `seed`.
+  /// Finds the joint positions nearest to `seed` (by the sum of squared joint differences) of all valid
+  /// solutions and all their equivalents 2 pi apart that the limits allow. False, with q unchanged, if there
+  /// are none or the seed is not finite. `q` may be the same object as `seed`.
   [[nodiscard]] bool Nearest(const OrthoParallelSolutions& solutions, const Joints& seed,
                              Joints& q) const OSTEON_RT;
 

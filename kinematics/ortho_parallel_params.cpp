@@ -12,7 +12,7 @@ constexpr double kOff_m = 1e-9;
 constexpr double kOff_rad = 1e-9;
 
 void Require(const std::string& what, double off, const char* unit, double accepted) {
-  if (off <= accepted) return;  // not a number is refused
+  if (off <= accepted) return;  // refuses NaN
   std::ostringstream text;
   text << "arm is not ortho-parallel with a spherical wrist: " << what << ", found " << off << ' ' << unit
        << " off, accepted " << accepted << ' ' << unit;
@@ -28,11 +28,11 @@ double Distance(const Line& line, const Vector3& point) {
   return line.direction.cross(point - line.point).norm();
 }
 
-// Sine of the angle between two lines; cosine where they should be square.
+// Sine of the angle between two lines.
 double Sine(const Vector3& a, const Vector3& b) { return a.cross(b).norm(); }
 double Sign(double value) { return value < 0.0 ? -1.0 : 1.0; }
 
-// Point of line a nearest to line b; the lines are square to each other or nearly.
+// Point of line a nearest to line b; the lines are perpendicular or nearly so.
 Vector3 NearestOn(const Line& a, const Line& b) {
   const Vector3 between = b.point - a.point;
   const double cosine = a.direction.dot(b.direction);
@@ -90,7 +90,7 @@ OrthoParallelParams OrthoParallelParamsFrom(const ChainParams<6>& chain) {
   Require("flange is beside A6", Distance(axis[5], X_BF.translation()), "m", kOff_m);
   Require("flange does not look along A6", Sine(axis[5].direction, X_BF.linear().col(2)), "rad", kOff_rad);
 
-  // the arm's plane: from A2 to A3, and on to the wrist along A4
+  // lengths in the arm's plane: from A2 to A3, and on to the wrist along A4
   OrthoParallelParams params;
   std::array<double, 6> theta{};  // at q = 0
   params.a1_m = axis[1].point.x();

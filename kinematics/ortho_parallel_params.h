@@ -8,8 +8,8 @@
 namespace osteon::kinematics {
 
 /// Geometry and limits of a six-axis arm with ortho-parallel basis and spherical wrist (KUKA KR and most
-/// others of industry): A1 upright, A2 and A3 parallel to each other and across it, A4 A5 A6 meet in the
-/// wrist. With theta_i = sign_i q_i - offset_i
+/// other industrial arms): A1 vertical, A2 and A3 parallel to each other and perpendicular to it, A4 A5 A6
+/// meet in the wrist. With theta_i = sign_i q_i - offset_i
 ///
 ///     X_BF = Rz(theta1) T(a1, b, c1) Ry(theta2) Tz(c2) Ry(theta3) T(a2, 0, c3) Rz(theta4) Ry(theta5)
 ///            Rz(theta6) Tz(c4)
@@ -19,7 +19,7 @@ namespace osteon::kinematics {
 /// Austrian Robotics Workshop 2014. No defaults: a robot's file gives them.
 struct OrthoParallelParams {
   double a1_m{0.0};  ///< A2 in front of A1
-  double a2_m{0.0};  ///< A4 in front of A3, mostly < 0: above it where the forearm points forward
+  double a2_m{0.0};  ///< A4 in front of A3, mostly < 0: above A3 when the forearm points forward
   double b_m{0.0};   ///< the arm's plane beside A1
   double c1_m{0.0};  ///< A2 above the base
   double c2_m{0.0};  ///< A2 to A3, > 0
@@ -27,17 +27,17 @@ struct OrthoParallelParams {
   double c4_m{0.0};  ///< wrist to flange
   std::array<double, 6> offset_rad{};
   std::array<double, 6> sign{1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  ///< each 1 or -1
-  /// Positions within -2 pi … 2 pi: a joint may have several names for one place.
+  /// Positions within -2 pi … 2 pi: a joint position may have several equivalent values.
   std::array<JointLimits, 6> limits{};
 };
 
-/// The same arm joint by joint: link frames at the joints, turned by the offsets. No masses.
+/// Describes the same arm joint by joint: link frames at the joints, turned by the offsets. No masses.
 [[nodiscard]] ChainParams<6> ChainFrom(const OrthoParallelParams& params);
 
-/// The seven lengths, offsets and signs of an arm given joint by joint, where its axes at zero prove that it
-/// is one: A1 is z of B, A2 and A3 lie along y of B (either way round), A4 A5 A6 meet in a point, A4 is
-/// across A3, A5 across A4 and A6, and the flange looks along A6. Accepted: 1e-9 m and 1e-9 rad, as
-/// LbrParamsFrom. Where the wrist's zero could be named in two ways, |theta4| <= 90 deg.
+/// Derives the seven lengths, offsets and signs from an arm described joint by joint, after checking its axes
+/// at zero: A1 is z of B, A2 and A3 lie along y of B (either sign), A4 A5 A6 meet in a point, A4 is
+/// perpendicular to A3, A5 to A4 and A6, and the flange looks along A6. Accepted: 1e-9 m and 1e-9 rad, as in
+/// LbrParamsFrom. If the wrist's zero has two descriptions, the one with |theta4| <= 90 deg.
 /// @throws std::invalid_argument naming the joint, what is off and by how much.
 [[nodiscard]] OrthoParallelParams OrthoParallelParamsFrom(const ChainParams<6>& chain);
 

@@ -2,7 +2,7 @@
 
 namespace osteon::kinematics {
 
-/// Two doubles that go through an operation together: every x86-64 and AArch64 has such registers.
+/// Two doubles processed together in one vector register, which every x86-64 and AArch64 has.
 using Pair [[gnu::vector_size(16)]] = double;
 
 }  // namespace osteon::kinematics

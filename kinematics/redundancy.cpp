@@ -23,7 +23,7 @@ JointVectorN<N> AwayFromLimits(const PosturePreferenceParams& params,
 template <int N>
 JointVectorN<N> AwayFromSingularity(const PosturePreferenceParams& params, double sigma_min_m,
                                     const JointVectorN<N>& sigma_gradient_m) OSTEON_RT {
-  constexpr double kFlat_m = 1e-3;  // gradient below which there is hardly a way up: no unit vector of noise
+  constexpr double kFlat_m = 1e-3;  // smaller gradients are not normalised: avoids a unit vector of noise
   const double depth = std::clamp(1.0 - sigma_min_m / params.singular_zone_m, 0.0, 1.0);
   const double slope = std::max(sigma_gradient_m.norm(), kFlat_m);
   return (params.singular_speed_rad_per_s * depth * depth / slope) * sigma_gradient_m;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kParallel = 1e-14;  // sine below which two axes count as parallel: rounding of a description
 
-// Unit vector at right angles to a unit vector.
+// Unit vector perpendicular to a unit vector.
 Vector3 AnyNormal(const Vector3& z) {
   Eigen::Index least;
   z.cwiseAbs().minCoeff(&least);
@@ -24,7 +24,7 @@ Matrix3 FrameOf(const Vector3& x, const Vector3& z) {
   return R;
 }
 
-// A frame on its way along the chain: its axes and origin, in B.
+// A frame that moves along the chain: its axes and origin, in B.
 struct Walker {
   Vector3 x, y, z, p;
 
@@ -39,7 +39,7 @@ struct Walker {
   }
 };
 
-// Of the point of the flange that now is at p_B.
+// Fills the Jacobian of the point of the flange that is now at p_B.
 template <int N>
 [[gnu::always_inline]] inline void FillJacobian(const typename SerialChain<N>::Posture& posture,
                                                 const Vector3& p_B, JacobianN<N>& J) {
@@ -72,8 +72,7 @@ SerialChain<N>::SerialChain(const ChainParams<N>& params, const Vector3& gravity
     step.cos_alpha = z_before.dot(z_P);
     step.sin_alpha = x_before.dot(z_before.cross(z_P));
 
-    // x along z_i × z_(i+1), of the two ways the one with the lesser offset; where that says nothing, no
-    // offset
+    // x along z_i × z_(i+1), with the sign that gives the smaller offset; no offset for parallel axes
     const Vector3 unturned = R_PJ.transpose() * x_before;
     Vector3 x = unturned;
     if (i + 1 < N) {
@@ -174,8 +173,8 @@ JacobianN<N> SerialChain<N>::JacobianDot(const Posture& posture, const Joints& q
   return JacobianDotAt(posture, qd, posture.X_BF.translation());
 }
 
-// A column is (z × (p - p_i), z): with the axis turning at w and the joint's origin moving at v, both those
-// of the link, its rate is (zd × (p - p_i) + z × (v_p - v), zd), where zd = w × z.
+// A column is (z × (p - p_i), z). With w the angular velocity of the link and v the velocity of the joint's
+// origin, its rate is (zd × (p - p_i) + z × (v_p - v), zd), where zd = w × z.
 template <int N>
 JacobianN<N> SerialChain<N>::JacobianDotAt(const Posture& posture, const Joints& qd,
                                            const Vector3& p_B) const noexcept {
@@ -211,7 +210,7 @@ JointVectorN<N> SerialChain<N>::TorquesOf(const Posture& posture, const Wrench& 
   return tau;
 }
 
-// What is defined in this file; the dynamics are instantiated where they are.
+// Instantiates the functions defined in this file; the dynamics are instantiated in their own files.
 template class SerialChain<6>;
 template class SerialChain<7>;
 

@@ -13,19 +13,19 @@ namespace osteon::kinematics {
 /// Kinematics and dynamics of a serial arm of N revolute joints, N = 6 or 7.
 ///
 ///     Place     X_B1 ... X_BN, X_BF           poses of the joint frames and of the flange
-///     Jacobian  V_BF = J qd                   rows v (3) then w (3), in B, of the flange's origin or its point
-///     dynamics  tau = M qdd + C qd + g - J^T F_ext        M with the rotors' inertia; friction apart
+///     Jacobian  V_BF = J qd                   rows v (3) then w (3), in B, of the flange's origin or a point
+///     dynamics  tau = M qdd + C qd + g - J^T F_ext        M with the rotors' inertia; friction separate
 ///
-/// Speed comes from the frames in which it computes. Beside the described frame L_i each joint has a frame
-/// K_i with the same origin, z along the joint's axis and x along z_i × z_(i+1), so that
+/// The choice of frames makes it fast. Besides the described frame L_i each joint has a frame K_i with the
+/// same origin, z along the joint's axis and x along z_i × z_(i+1), so that
 ///
 ///     X_K(i-1)K(i) = Translation(p_i) Rx(alpha_i) Rz(q_i + offset_i)
 ///
-/// for any arm: turning a frame mixes two columns at a time, and what is fixed is multiplied out once, here.
-/// No virtual calls, no allocation, no state: one object may serve any number of threads. Same arguments,
-/// same bits. Sources: Craig, Introduction to Robotics (the frames; origins stay where they were described,
-/// so that almost parallel axes lose nothing); Featherstone, Rigid Body Dynamics Algorithms, 2008 (RNEA,
-/// CRBA, ABA).
+/// for any arm: rotating a frame mixes two columns at a time, and all constant products are computed once, at
+/// construction. No virtual calls, no allocation, no state: one object may serve any number of threads. Same
+/// arguments, same bits. Sources: Craig, Introduction to Robotics (the frames; origins stay where they were
+/// described, so that almost parallel axes lose nothing); Featherstone, Rigid Body Dynamics Algorithms, 2008
+/// (RNEA, CRBA, ABA).
 template <int N>
 class SerialChain {
  public:
@@ -37,7 +37,7 @@ class SerialChain {
 
   [[nodiscard]] const ChainParams<N>& params() const noexcept { return params_; }
 
-  /// Where everything is at one q, in B: what Jacobians start from. Plain values.
+  /// Axes and origins of all frames at one q, in B: the input of the Jacobians. Plain values.
   struct Posture {
     std::array<Matrix3, static_cast<std::size_t>(N)> R_BK;  ///< col(2): the joint's axis
     std::array<Vector3, static_cast<std::size_t>(N)> p_BL;  ///< origin of the link frame, on the joint's axis
@@ -50,7 +50,7 @@ class SerialChain {
   /// Forward kinematics of every joint frame at joint positions q [rad].
   void Place(const Joints& q, Posture& posture) const OSTEON_RT;
   [[nodiscard]] Posture Place(const Joints& q) const OSTEON_RT;
-  /// X_BF alone: quicker than a whole posture.
+  /// X_BF alone: faster than a whole posture.
   [[nodiscard]] Pose FlangePose(const Joints& q) const OSTEON_RT;
   /// X_BL of link i = 0 … N-1 (of joint A1 … ), as described.
   [[nodiscard]] Pose LinkPose(const Posture& posture, int i) const OSTEON_RT;
@@ -58,11 +58,11 @@ class SerialChain {
   /// Geometric Jacobian of the flange's origin: V_BF = J qd.
   void Jacobian(const Posture& posture, JacobianN<N>& J) const OSTEON_RT;
   [[nodiscard]] JacobianN<N> Jacobian(const Posture& posture) const OSTEON_RT;
-  /// The same of the point of the flange that now is at p_B.
+  /// The same for the point of the flange that is now at p_B.
   [[nodiscard]] JacobianN<N> JacobianAt(const Posture& posture, const Vector3& p_B) const OSTEON_RT;
   /// dJ/dt of the flange's origin at joint velocities qd [rad/s].
   [[nodiscard]] JacobianN<N> JacobianDot(const Posture& posture, const Joints& qd) const OSTEON_RT;
-  /// dJ/dt of the point of the flange that now is at p_B, and moves with it.
+  /// dJ/dt of the point of the flange that is now at p_B and moves with it.
   [[nodiscard]] JacobianN<N> JacobianDotAt(const Posture& posture, const Joints& qd,
                                            const Vector3& p_B) const OSTEON_RT;
 
@@ -70,18 +70,18 @@ class SerialChain {
 
   /// Torques of the drives for a motion: tau = M qdd + C qd + g, without friction [N·m]. By RNEA.
   [[nodiscard]] Joints InverseDynamics(const Joints& q, const Joints& qd, const Joints& qdd) const OSTEON_RT;
-  /// The same while the wrench F_ext acts on the flange from outside, at its origin, in B: less J^T F_ext.
+  /// The same less J^T F_ext, while the wrench F_ext acts on the flange from outside, at its origin, in B.
   [[nodiscard]] Joints InverseDynamics(const Joints& q, const Joints& qd, const Joints& qdd,
                                        const Wrench& F_ext_B) const OSTEON_RT;
   /// Torques that hold the arm at rest: g.
   [[nodiscard]] Joints Gravity(const Joints& q) const OSTEON_RT;
   /// Centrifugal and Coriolis torques: C qd.
   [[nodiscard]] Joints Coriolis(const Joints& q, const Joints& qd) const OSTEON_RT;
-  /// The matrix C of the Christoffel symbols, or one that has their properties: C qd is Coriolis(q, qd), and
-  /// dM/dt - 2 C is skew. Source: Echeandia and Wensing, Numerical Methods to Compute the Coriolis Matrix and
-  /// Christoffel Symbols for Rigid-Body Systems, J. Comput. Nonlinear Dyn. 16 (9), 2021.
+  /// The Coriolis matrix of the Christoffel symbols, or another with its properties: C qd is Coriolis(q, qd),
+  /// and dM/dt - 2 C is skew. Source: Echeandia and Wensing, Numerical Methods to Compute the Coriolis Matrix
+  /// and Christoffel Symbols for Rigid-Body Systems, J. Comput. Nonlinear Dyn. 16 (9), 2021.
   [[nodiscard]] JointMatrixN<N> CoriolisMatrix(const Joints& q, const Joints& qd) const OSTEON_RT;
-  /// What the drives' friction takes: viscous qd + coulomb tanh(qd / smoothing).
+  /// Friction torques of the drives: viscous qd + coulomb tanh(qd / smoothing).
   [[nodiscard]] Joints Friction(const Joints& qd) const OSTEON_RT;
 
   /// Joint-space inertia M with the rotors' on its diagonal: symmetric, positive definite. By CRBA.
@@ -91,18 +91,17 @@ class SerialChain {
   [[nodiscard]] Joints ForwardDynamics(const Joints& q, const Joints& qd, const Joints& tau,
                                        const Wrench& F_ext_B) const OSTEON_RT;
 
-  /// Inertia that a hand on the flange feels, Lambda = (J M^-1 J^T)^-1, of the flange's origin or the point
-  /// of the flange at p_B; rows and columns v then w, in B. Grows without bound towards a singularity, where
-  /// it is not finite: ask Mobility there.
+  /// Inertia felt by a hand on the flange, Lambda = (J M^-1 J^T)^-1, at the flange's origin or the point of
+  /// the flange at p_B; rows and columns v then w, in B. Grows without bound towards a singularity and is not
+  /// finite there: use Mobility instead.
   [[nodiscard]] Eigen::Matrix<double, 6, 6> OperationalInertia(const Joints& q) const OSTEON_RT;
   [[nodiscard]] Eigen::Matrix<double, 6, 6> OperationalInertia(const Joints& q,
                                                                const Vector3& p_B) const OSTEON_RT;
   /// Its inverse J M^-1 J^T: acceleration of the flange for a wrench on it. Finite everywhere.
   [[nodiscard]] Eigen::Matrix<double, 6, 6> Mobility(const Joints& q) const OSTEON_RT;
   [[nodiscard]] Eigen::Matrix<double, 6, 6> Mobility(const Joints& q, const Vector3& p_B) const OSTEON_RT;
-  /// Mass [kg] that a force along the unit vector u_B feels at the flange's origin: 1 / (u^T J M^-1 J^T u).
-  /// At a singularity it is finite in every direction but those in which the arm cannot move at all:
-  /// infinity.
+  /// Mass [kg] felt by a force along the unit vector u_B at the flange's origin: 1 / (u^T J M^-1 J^T u). At a
+  /// singularity it is infinite only in directions in which the arm cannot move at all.
   [[nodiscard]] double FeltMass(const Joints& q, const Vector3& u_B) const OSTEON_RT;
   [[nodiscard]] double FeltMass(const Joints& q, const Vector3& u_B, const Vector3& p_B) const OSTEON_RT;
 
@@ -114,8 +113,7 @@ class SerialChain {
     double offset_rad{0.0};
   };
 
-  // A link in K(i), about its origin. The second moments are those of position, not of inertia: integral r
-  // r^T dm.
+  // A link in K(i), about its origin. Second moments are those of position, integral r r^T dm, not inertia.
   struct Body {
     double mass_kg{0.0};
     Vector3 first_moment_kg_m{Vector3::Zero()};
@@ -125,16 +123,16 @@ class SerialChain {
 
   static constexpr std::size_t kPadded = N + N % 2;  // joints, rounded up to pairs
 
-  // Goes along the chain; visit(i, x, y, z, p) gets each K(i)'s axes and origin, in B. @returns X_BF.
+  // Runs along the chain; visit(i, x, y, z, p) gets each K(i)'s axes and origin, in B. @returns X_BF.
   template <class Visit>
   Pose Walk(const Joints& q, const Visit& visit) const noexcept;
-  // Of the angles that turn each K(i): q plus its offset.
+  // Sines and cosines of the angles that turn each K(i): q plus its offset.
   SinCosN<kPadded> Turns(const Joints& q) const noexcept {
     std::array<double, kPadded> angle{};
     for (std::size_t i = 0; i < N; ++i) angle[i] = q[static_cast<int>(i)] + steps_[i].offset_rad;
     return SinCos(angle);
   }
-  // J^T F, of the flange's origin.
+  // J^T F, for the flange's origin.
   Joints TorquesOf(const Posture& posture, const Wrench& F_B) const noexcept;
   // J M^-1 J^T.
   Eigen::Matrix<double, 6, 6> MobilityOf(const Joints& q, const JacobianN<N>& J) const noexcept;

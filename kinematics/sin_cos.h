@@ -11,14 +11,14 @@
 
 // Sine and cosine of all joints of an arm at once.
 //
-// Two angles go through each operation (vectors of two doubles, which every x86-64 and AArch64 has), without
-// a branch: seven joints take about a quarter of the time of seven calls of the C library, whose result
-// moreover depends on the processor, since it takes another path where there are fused multiply-adds. This
-// one gives the same bits wherever doubles round as IEEE 754 says.
+// Two angles go through each operation together (vectors of two doubles, which every x86-64 and AArch64 has),
+// without a branch: seven joints take about a quarter of the time of seven calls of the C library. The
+// library's result also depends on the processor, because it takes another path if there are fused
+// multiply-adds. These functions give the same bits wherever doubles round as IEEE 754 says.
 //
 // Method and coefficients: fdlibm's __kernel_sin, __kernel_cos and the first steps of __ieee754_rem_pio2 (Sun
-// Microsystems, 1993): x = k pi/2 + r, |r| <= pi/4, with pi/2 in two parts of which the first has 33 bits, so
-// that its product with k is exact; then a polynomial of degree 13 and one of degree 14 in r.
+// Microsystems, 1993): x = k pi/2 + r, |r| <= pi/4, with pi/2 in two parts, the first with 33 bits so that
+// its product with k is exact; then a polynomial of degree 13 and one of degree 14 in r.
 
 namespace osteon::kinematics {
 
@@ -27,16 +27,16 @@ struct SinCosN {
   std::array<double, N> sin, cos;
 };
 
-/// Sine and cosine of each angle [rad]; error below 2^-52 (test). Beyond 1e5 rad, and where an angle is not
-/// finite, the C library's.
+/// Sine and cosine of each angle [rad]; error below 2^-52 (test). Uses the C library beyond 1e5 rad and for
+/// an angle that is not finite.
 template <std::size_t N>
 [[nodiscard]] inline SinCosN<N> SinCos(const std::array<double, N>& angle_rad) OSTEON_RT {
   static_assert(N % 2 == 0, "angles go in pairs: pad with a 0");
   using Bits [[gnu::vector_size(16)]] = std::int64_t;
   constexpr double kTwoOverPi = 6.36619772367581382433e-01;
   constexpr double kPi2High = 1.57079632673412561417e+00, kPi2Low = 6.07710050650619224932e-11;
-  constexpr double kRound = 6755399441055744.0;  // 1.5 * 2^52: adding it leaves the nearest whole number
-  constexpr double kLargest_rad = 1e5;           // k < 2^20 there, with room
+  constexpr double kRound = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to the nearest integer
+  constexpr double kLargest_rad = 1e5;           // k < 2^20 there, with a margin
 
   SinCosN<N> out;
   bool large = false;
@@ -44,7 +44,7 @@ template <std::size_t N>
     const Pair x{angle_rad[i], angle_rad[i + 1]};
     large |= !(std::abs(x[0]) <= kLargest_rad) | !(std::abs(x[1]) <= kLargest_rad);
 
-    // quadrant k and the rest r
+    // quadrant k and remainder r
     const Pair rounded = x * kTwoOverPi + kRound;
     const Pair k = rounded - kRound;
     const Pair r = (x - k * kPi2High) - k * kPi2Low;

@@ -34,7 +34,7 @@ struct Wrench {
   Vector3 t{Vector3::Zero()};  ///< torque [N·m]
 };
 
-/// A Vector3 that is trivially copyable (Eigen's is not), for what crosses a thread or reaches a disk.
+/// A Vector3 that is trivially copyable (Eigen's is not), for data that crosses a thread or goes to disk.
 struct PlainVector3 {
   double x{0.0}, y{0.0}, z{0.0};
 

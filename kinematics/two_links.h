@@ -6,24 +6,23 @@
 #include "control/rt/marker.h"
 #include "kinematics/spatial.h"
 
-// What the closed-form inverses share: two links that meet in an elbow, and a wrist whose three axes meet.
+// Shared by the closed-form inverses: two links that meet in an elbow, and a wrist whose three axes meet.
 
 namespace osteon::kinematics {
 
-/// Sine (or length [m]) below which a direction says nothing about the angle around the axis that it is
-/// measured from: that joint is free.
+/// Sine (or length [m]) below which a direction does not determine the angle about its axis: a free joint.
 inline constexpr double kFreeJoint = 1e-12;
 
 /// The triangle of two links and the line between their far ends.
 struct TwoLinks {
-  double out_of_reach_m{0.0};  ///< > 0 too far, < 0 too near, else 0 (not a number as the reach)
+  double out_of_reach_m{0.0};  ///< > 0 too far, < 0 too near, else 0 (NaN if the reach is)
   double cos_elbow{1.0},
       sin_elbow{0.0};         ///< how far the elbow is bent, 0 … pi: set where out_of_reach_m is 0
   double four_areas_m2{0.0};  ///< of the triangle
 };
 
-/// By Heron's product, which keeps the sine's relative accuracy where the links are straight or folded; the
-/// cosine rule's arccosine would lose half the digits.
+/// Solves the triangle by Heron's product, which keeps the sine's relative accuracy if the links are straight
+/// or folded; the cosine rule's arccosine would lose half the digits.
 inline TwoLinks TwoLinksTo(double upper_m, double fore_m, double reach_m) OSTEON_RT {
   constexpr double kSlack_m = 1e-12;  // rounding of a stretched arm's own forward kinematics
   const double most = upper_m + fore_m, difference = upper_m - fore_m, least = std::abs(difference);
@@ -32,8 +31,8 @@ inline TwoLinks TwoLinksTo(double upper_m, double fore_m, double reach_m) OSTEON
                          : reach_m < least - kSlack_m ? reach_m - least
                                                       : reach_m - reach_m;
   if (links.out_of_reach_m != 0.0) return links;
-  // within rounding of straight it is straight: the reach decides the elbow to 1e-7 rad only, which would
-  // turn the free joint of a wrist that is straight as well; the wrist moves by 1e-15 m
+  // a reach within rounding of straight counts as straight: it determines the elbow to 1e-7 rad only, which
+  // would turn the free joint of a wrist that is straight as well; the wrist moves by 1e-15 m
   const double from_most = (most - reach_m) * (most + reach_m);
   const double short_of_most = from_most < 4e-15 * most * most ? 0.0 : from_most;
   const double above_least = std::max(0.0, (reach_m - difference) * (reach_m + difference));
@@ -49,9 +48,10 @@ struct WristAngles {
   double turn, tilt, twist;
 };
 
-/// What turns the frame of axes x, y, z into R, all in one frame. The twist is found against the axes as
-/// turned by what rounds in turn, so that the product keeps R to rounding however straight the wrist.
-/// @param free_turn the turn where the wrist is straight.
+/// Finds the angles that turn the frame of axes x, y, z into R, all expressed in one frame. The twist is
+/// measured from the axes after the rounded turn, so that the product keeps R to rounding for every wrist,
+/// however straight.
+/// @param free_turn the turn to use if the wrist is straight.
 inline WristAngles WristTo(const Vector3& x, const Vector3& y, const Vector3& z, const Matrix3& R,
                            double free_turn) OSTEON_RT {
   const double along_x = x.dot(R.col(2)), along_y = y.dot(R.col(2)), along_z = z.dot(R.col(2));

@@ -8,33 +8,33 @@
 
 namespace osteon::safety {
 
-/// What may take something from the motion or from the wrench in a tick. The numbers are recorded.
+/// Limits that may reduce the motion or the wrench in a tick. The numbers are recorded.
 enum class Limit : std::uint8_t {
-  kWrench = 0,        ///< the coupling's force or torque, by any bound of it
-  kArmTorque = 1,     ///< of that, or of what is sent: what the arm's joints hold
-  kStoredEnergy = 2,  ///< of that: what the coupling's spring may store
-  kPower = 3,         ///< of that: what it may give to the hand
-  kToolSpeed = 4,     ///< tool's speed or turn, by any bound of it
+  kWrench = 0,        ///< any bound on the coupling's force or torque
+  kArmTorque = 1,     ///< what the arm's joints can hold, of the coupling or of the wrench that is sent
+  kStoredEnergy = 2,  ///< energy stored by the coupling's spring
+  kPower = 3,         ///< power from the coupling to the hand
+  kToolSpeed = 4,     ///< any bound on the tool's speed or rotation
   kWorkspace = 5,     ///< the apex's bounds
-  kZones = 6,         ///< flange's or elbow's
+  kZones = 6,         ///< the zones of flange or elbow
   kJoints = 7,        ///< joint position, speed or step, reach, a singular posture
   kElbowSpeed = 8,
   kDepth = 9,       ///< the reamer's depth limit resisted
   kModelAge = 10,   ///< the contact model's age slowed the tool
-  kSensorAge = 11,  ///< the sensor's age took of the hand's force
+  kSensorAge = 11,  ///< the sensor's age reduced the hand's force
   kAgeGovernor = 12,
   kPassivity = 13,
   kTank = 14,
   kBoneEntry = 15,  ///< the coupling at its force limit: the tool's speed into bone
 };
 inline constexpr std::size_t kLimitCount = 16;
-/// By number, as in summaries: `tool_speed`.
+/// Names by number, as in summaries: `tool_speed`.
 inline constexpr std::array<std::string_view, kLimitCount> kLimitNames{
     "wrench",       "arm_torque", "stored_energy", "power",     "tool_speed", "workspace",
     "zones",        "joints",     "elbow_speed",   "depth",     "model_age",  "sensor_age",
     "age_governor", "passivity",  "tank",          "bone_entry"};
 
-/// Those that act.
+/// The set of acting limits.
 class LimitSet {
  public:
   constexpr LimitSet() = default;
@@ -54,7 +54,7 @@ class LimitSet {
 /// How often a limit acted.
 struct LimitCount {
   std::uint64_t ticks{0};
-  std::uint64_t events{0};   ///< runs of such ticks
+  std::uint64_t events{0};   ///< runs of consecutive ticks
   std::uint64_t longest{0};  ///< ticks of the longest run
 };
 
@@ -80,7 +80,7 @@ class LimitCounts {
 
  private:
   std::array<LimitCount, kLimitCount> counts_{};
-  std::array<std::uint64_t, kLimitCount> run_{};  // the run under way
+  std::array<std::uint64_t, kLimitCount> run_{};  // length of the current run
   LimitSet before_;
 };
 

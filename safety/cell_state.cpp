@@ -18,7 +18,7 @@ struct Rule {
   CellAction action;
 };
 
-// Every transition that there is. What is not here stays: same state, goes on.
+// Every transition of the table. All other events leave the state unchanged, with kGoOn.
 constexpr Rule kRules[] = {
     {kOff, Event::kArmLost, kFault, Action::kHold},
     {kOff, Event::kFault, kFault, Action::kHold},
@@ -107,7 +107,7 @@ constexpr CellTable MakeTable() {
 }
 constexpr CellTable kTable = MakeTable();
 
-// each(state, event, transition) holds for every cell of the table.
+// Whether each(state, event, transition) holds for every cell of the table.
 template <class Holds>
 constexpr bool Everywhere(Holds&& holds) {
   for (std::size_t s = 0; s < kTable.size(); ++s)
@@ -124,19 +124,20 @@ constexpr bool NoRuleTwice() {
 }
 static_assert(NoRuleTwice());
 
-// Motion is entered by the two events that stand for every condition, and begins from rest.
+// Motion is entered only by the two events that stand for all conditions, and begins from rest.
 static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
   if (!IsMotion(to.state) || IsMotion(from)) return true;
   return (event == Event::kBeginAway && to.action == Action::kBeginPath && to.state == kAligning) ||
          (event == Event::kBeginThere && to.action == Action::kBeginRendering && to.state == kHaptic);
 }));
-// Between states of motion only the same leads from the way to rendering; the spindle leads between its two.
+// Between states of motion, only kBeginThere leads from aligning to rendering; the spindle leads between
+// haptic and cutting.
 static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
   if (!IsMotion(from) || !IsMotion(to.state) || from == to.state) return true;
   if (from == kAligning) return event == Event::kBeginThere && to.action == Action::kBeginRendering;
   return Renders(to.state) && (event == Event::kSpindleTurns || event == Event::kSpindleStill);
 }));
-// A fault ends every motion: by braking where the arm takes commands, else by holding what counts no more.
+// A fault ends every motion: by braking if the arm takes commands, else by holding a void command.
 static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
   const bool moves = IsMotion(from) || from == kStop2;
   if (moves && event == Event::kFault) return to == CellTransition{kStop1, Action::kBrake};
@@ -144,23 +145,23 @@ static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) 
     return to == CellTransition{kStop0, Action::kHold};
   return true;
 }));
-// So does who asks for a stop or a pause.
+// A requested stop or pause ends every motion too.
 static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
   if (!IsMotion(from)) return true;
   if (event == Event::kStopAsked) return to == CellTransition{kStop1, Action::kBrake};
   if (event == Event::kPauseAsked) return to == CellTransition{kStop2, Action::kBrake};
   return true;
 }));
-// A stop gets worse or ends at rest; it never becomes motion, nor a weaker stop.
+// A stop gets worse or ends at rest; it never turns into motion or a weaker stop.
 static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
   if (!IsStop(from) || to.state == from) return true;
-  if (IsStop(to.state)) return At(to.state) < At(from);  // stop 0 is the hardest
+  if (IsStop(to.state)) return At(to.state) < At(from);  // stop 0 is the most severe
   if (from == kStop0 && event == Event::kRecover) return to.state == kRecovery;
   return event == Event::kRest        ? to.state == (from == kStop2 ? kPaused : kOff)
          : event == Event::kRestFault ? to.state == kFault
                                       : false;
 }));
-// Where a fault is latched only a recovery leads on, and only it clears faults.
+// From a latched fault only a recovery leads on, and only a recovery clears faults.
 static_assert(Everywhere([](CellState from, CellEvent event, CellTransition to) {
   if (to.action == Action::kClearFaults) return event == Event::kRecover && to.state == kRecovery;
   return from != kFault || to.state == kFault;

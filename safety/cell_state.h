@@ -5,59 +5,59 @@
 
 #include "control/rt/marker.h"
 
-// The cell's state machine as data: one table of state × event → state, action. The servo loop lives by it,
-// docs/states.md is written from it.
+// The cell's state machine as data: one table of state × event → state, action. The servo loop runs on it,
+// and docs/states.md is written from it.
 
 namespace osteon::safety {
 
-/// What the cell is doing. The numbers are the recording's.
+/// What the cell does. The numbers are recorded.
 enum class CellState : std::uint8_t {
-  kOff = 0,       ///< no arm that says where it is, or the run was ended in order
+  kOff = 0,       ///< no arm reports its position, or the run was ended in order
   kChecking = 1,  ///< the arm moves by itself; not every condition of motion holds (motion_permit.h)
-  kReady = 2,     ///< every condition holds but that the arm is handed over
-  kAligning = 3,  ///< moves to where rendering begins
+  kReady = 2,     ///< every condition holds except that the arm is handed over
+  kAligning = 3,  ///< moves to the start of rendering
   kHaptic = 4,    ///< renders, the spindle still
   kCutting = 5,   ///< renders, the spindle turns
-  kPaused = 6,    ///< at rest under power until it is asked to go on
-  kStop0 = 7,     ///< the arm is not under control: nothing that is commanded counts
+  kPaused = 6,    ///< at rest under power until the operator resumes
+  kStop0 = 7,     ///< the arm is not under control: no command has an effect
   kStop1 = 8,     ///< brakes to rest; the request for motion is withdrawn
   kStop2 = 9,     ///< brakes to rest, stays under power and supervised
   kFault = 10,    ///< at rest, with a fault latched
-  kRecovery = 11  ///< a recovery was asked for: waits for the arm and for every condition
+  kRecovery = 11  ///< a recovery was requested: waits for the arm and for every condition
 };
 inline constexpr int kCellStates = 12;
 
-/// What a state machine is told, the worst first: of several in a tick the first counts first.
+/// Events of the state machine, most severe first: if several occur in a tick, the first one counts first.
 enum class CellEvent : std::uint8_t {
-  kArmLost,       ///< the arm can not be commanded: silent, closed, of another period or command mode
+  kArmLost,       ///< the arm cannot be commanded: silent, closed, of another period or command mode
   kFault,         ///< a fault is latched, and the arm takes commands
   kArmLeft,       ///< a message says that the arm is not in COMMANDING_ACTIVE
-  kStopAsked,     ///< an orderly end
-  kPauseAsked,    ///< an operator's pause
+  kStopAsked,     ///< an orderly end was requested
+  kPauseAsked,    ///< the operator requested a pause
   kRestFault,     ///< at rest, with a fault latched
   kRest,          ///< at rest, without one
-  kArmIdle,       ///< the arm does not say where it is
-  kArmSeen,       ///< it does
-  kNotInOrder,    ///< a condition of motion is missing, beside the handing over
-  kInOrder,       ///< none is
+  kArmIdle,       ///< the arm does not report its position
+  kArmSeen,       ///< the arm reports its position
+  kNotInOrder,    ///< a condition of motion is missing, other than the handing over
+  kInOrder,       ///< no condition is missing, other than the handing over
   kBeginAway,     ///< every condition of motion holds; rendering begins elsewhere
   kBeginThere,    ///< every condition of motion holds; rendering begins here
   kSpindleTurns,  ///< the spindle turns
-  kSpindleStill,  ///< it does not
-  kRecover,       ///< a recovery was asked for, and each latched fault allows one
+  kSpindleStill,  ///< the spindle stands
+  kRecover,       ///< a recovery was requested, and each latched fault allows one
   kResume,        ///< the operator ends the pause
 };
 inline constexpr int kCellEvents = 17;
 
-/// What is done on a transition. What a state does from tick to tick is its own (Describe).
+/// Action on a transition. Describe has what a state does from tick to tick.
 enum class CellAction : std::uint8_t {
-  kGoOn,            ///< nothing beside what the state does
-  kFollowArm,       ///< commands what the arm commands itself
-  kHold,            ///< what is commanded stands
-  kBrake,           ///< brakes what is commanded to rest
-  kBeginPath,       ///< to where rendering begins, from the joints that are commanded
-  kBeginRendering,  ///< from the joints that are commanded, at rest, the coupling faded out
-  kClearFaults,     ///< the latched faults are cleared
+  kGoOn,            ///< nothing beyond what the state does
+  kFollowArm,       ///< commands the arm's own position
+  kHold,            ///< keeps the command constant
+  kBrake,           ///< brakes the commanded motion to rest
+  kBeginPath,       ///< starts the path to the start of rendering, from the commanded joints
+  kBeginRendering,  ///< from the commanded joints, at rest, the coupling faded out
+  kClearFaults,     ///< clears the latched faults
 };
 
 struct CellTransition {
@@ -66,30 +66,30 @@ struct CellTransition {
   friend constexpr bool operator==(const CellTransition&, const CellTransition&) = default;
 };
 
-/// By state and event.
+/// Transitions by state and event.
 using CellTable = std::array<std::array<CellTransition, kCellEvents>, kCellStates>;
 extern const CellTable kCellTable;
 
-/// What follows.
+/// The transition for an event in a state.
 [[nodiscard]] CellTransition Next(CellState state, CellEvent event) OSTEON_RT;
 
-/// The arm is moved, or may be in the next tick: aligning, haptic, cutting.
+/// Whether the arm moves, or may move in the next tick: aligning, haptic, cutting.
 [[nodiscard]] constexpr bool IsMotion(CellState state) noexcept {
   return state == CellState::kAligning || state == CellState::kHaptic || state == CellState::kCutting;
 }
-/// The coupling is rendered: haptic, cutting.
+/// Whether the coupling is rendered: haptic, cutting.
 [[nodiscard]] constexpr bool Renders(CellState state) noexcept {
   return state == CellState::kHaptic || state == CellState::kCutting;
 }
-/// What is commanded is being braked: stop 1, stop 2.
+/// Whether the commanded motion is being braked: stop 1, stop 2.
 [[nodiscard]] constexpr bool Brakes(CellState state) noexcept {
   return state == CellState::kStop1 || state == CellState::kStop2;
 }
-/// A stop under way, of any category.
+/// Whether a stop of any category is under way.
 [[nodiscard]] constexpr bool IsStop(CellState state) noexcept {
   return state == CellState::kStop0 || Brakes(state);
 }
-/// The arm is waited for, and followed as long as it moves by itself.
+/// Whether the loop waits for the arm, and follows it as long as it moves by itself.
 [[nodiscard]] constexpr bool Waits(CellState state) noexcept {
   return state == CellState::kOff || state == CellState::kChecking || state == CellState::kReady ||
          state == CellState::kRecovery;
@@ -98,7 +98,7 @@ extern const CellTable kCellTable;
 struct CellStateText {
   const char* name;   ///< "stop 1"
   const char* does;   ///< from tick to tick
-  const char* leave;  ///< how a user gets on from there
+  const char* leave;  ///< how the user leaves this state
 };
 /// Texts for screens, reports and the documentation; not for the tick.
 [[nodiscard]] CellStateText Describe(CellState state);

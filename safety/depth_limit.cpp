@@ -10,7 +10,7 @@ namespace osteon::safety {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMostDampingShare = 0.25;  // of the spring's force: as a contact's
+constexpr double kMostDampingShare = 0.25;  // of the spring's force, as for a contact
 
 DepthLimitParams Validated(const DepthLimitParams& params) {
   if (params.acts) Validate(params);
@@ -40,7 +40,7 @@ Vector3 DepthLimit::Step(const Vector3& p_WT, const Vector3& v_WT, double stiffn
   if (!params_.acts) return Vector3::Zero();
   const ZoneBounds bounds(params_.bound, p_WT);
   distance_m_ = bounds.distance_m();
-  // a place that is not known is no reason to go on
+  // an unknown position must not let the cut go on
   if (!(distance_m_ > params_.spindle_stop_m)) retract_ = true;
   if (distance_m_ >= params_.soft_m) retract_ = false;
 

@@ -14,35 +14,34 @@ struct EnergyLimitParams {
   double max_stored_J{std::numeric_limits<double>::infinity()};   ///< in the coupling's spring; > 0
   double max_power_W{std::numeric_limits<double>::infinity()};    ///< from the coupling to the hand; > 0
   double max_kinetic_J{std::numeric_limits<double>::infinity()};  ///< of the tool in motion; > 0
-  /// What moves with the tool, as a hand in its way would feel it: the arm's inertia at the tool included; >
-  /// 0.
+  /// Mass that moves with the tool, as a hand in its way feels it, with the arm's inertia at the tool; > 0.
   double moving_mass_kg{10.0};
 };
 
 /// @throws std::invalid_argument naming the field, the value and what is accepted.
 void Validate(const EnergyLimitParams& params);
 
-/// The force at which a spring holds that energy: f^2 / 2K = E.
+/// Force at which a spring stores this energy: f^2 / 2K = E.
 [[nodiscard]] inline double ForceOfEnergy(double energy_J, double stiffness_N_per_m) OSTEON_RT {
   return std::sqrt(2.0 * stiffness_N_per_m * energy_J);
 }
 
-/// The speed at which a mass has that energy: m v^2 / 2 = E.
+/// Speed at which a mass has this energy: m v^2 / 2 = E.
 [[nodiscard]] inline double SpeedOfEnergy(double energy_J, double mass_kg) OSTEON_RT {
   return std::sqrt(2.0 * energy_J / mass_kg);
 }
 
-/// Share of a wrench on the tool, 0 … 1, that gives no more than that power while the tool moves so; one that
-/// takes power is left alone. @param F_T, V_T of the same point in the same axes
+/// Share of a wrench on the tool, 0 … 1, that gives at most this power at this twist; 1 for a wrench that
+/// takes power. @param F_T, V_T of the same point in the same axes
 [[nodiscard]] inline double PowerShare(const Wrench& F_T, const Twist& V_T, double max_power_W) OSTEON_RT {
   const double power_W = F_T.f.dot(V_T.v) + F_T.t.dot(V_T.w);
   return power_W > max_power_W ? max_power_W / power_W : 1.0;
 }
 
-/// The same of a wrench that itself makes a part of the motion, as in an admittance law: of a share s of it
-/// the power is s (p_0 + s (p_1 - p_0)).
-/// @param power_without_W  p_0: of the whole wrench on the motion without it
-/// @param power_with_W  p_1 >= p_0: on the motion with all of it
+/// The same for a wrench that itself causes a part of the motion, as in an admittance law: a share s of it
+/// has the power s (p_0 + s (p_1 - p_0)).
+/// @param power_without_W  p_0: power of the whole wrench on the motion without it
+/// @param power_with_W  p_1 >= p_0: power of the whole wrench on the motion with all of it
 [[nodiscard]] inline double PowerShare(double power_without_W, double power_with_W,
                                        double max_power_W) OSTEON_RT {
   if (!(power_with_W > max_power_W)) return 1.0;

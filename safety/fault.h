@@ -4,8 +4,7 @@
 
 namespace osteon::safety {
 
-/// Faults are latched bits: once set, a fault stays until the cell is cleared. Each says what the cell does
-/// then.
+/// Faults are latched bits: a fault stays set until the cell is cleared. Comments give the cell's reaction.
 enum class Fault : std::uint32_t {
   kNone = 0,
   kArmStale = 1u << 0,           ///< no arm message within its deadline: hold; Stop 1
@@ -21,17 +20,17 @@ enum class Fault : std::uint32_t {
   kDevice = 1u << 10,            ///< the simulation's device is lost: Stop 1
   kNotFinite = 1u << 11,         ///< a value from outside is not finite: Stop 1
   kTracking = 1u << 12,          ///< measured pose too far from the commanded one: Stop 1
-  kPeriod = 1u << 13,            ///< the arm's period is not the one that the loop steps by: hold
+  kPeriod = 1u << 13,            ///< the arm's period is not the loop's period: hold
   kInterlock = 1u << 14,         ///< the PLC does not permit motion, or is silent: Stop 1
   kSpindle = 1u << 15,           ///< the spindle's drive has a fault, or is silent: Stop 1
   kSensorFault = 1u << 16,       ///< the force sensor is beyond its range or broken: Stop 1
-  kCommandMode = 1u << 17,       ///< the arm takes another kind of command than the law gives: hold
+  kCommandMode = 1u << 17,       ///< the arm takes another kind of command than the law sends: hold
   kSpindleLimit = 1u << 18,      ///< the spindle's torque or speed is beyond its limit: Stop 1
-  kRepeatDiffers = 1u << 19,     ///< a tick that was computed twice did not come out the same: Stop 1
+  kRepeatDiffers = 1u << 19,     ///< computing a tick twice gave two results: Stop 1
   kRecorder = 1u << 20,          ///< the recorder stands still, or has no room: Stop 1
   kToolInBone = 1u << 21,        ///< commanded tool too far from the bone's proxy: Stop 1
-  kArmSpeed = 1u << 22,          ///< the arm is measured to be faster than its limit allows: Stop 1
-  kForceLimit = 1u << 23,  ///< the coupling stayed at its limit, and the cell chose to stop then: Stop 1
+  kArmSpeed = 1u << 22,          ///< the measured arm is faster than its limit allows: Stop 1
+  kForceLimit = 1u << 23,        ///< the coupling stayed at its limit, in a cell set to stop then: Stop 1
 };
 
 /// The set of latched faults.
@@ -56,7 +55,7 @@ inline constexpr int kFaultCount = 24;
 
 struct FaultText {
   const char* name;      ///< as in the summary, e.g. "contact model stale"
-  const char* cause;     ///< what was seen
+  const char* cause;     ///< what was observed
   const char* reaction;  ///< what the cell does
   const char* clearing;  ///< how an operator clears it
 };
@@ -64,13 +63,12 @@ struct FaultText {
 /// Text for one fault; for screens and reports, not for the tick.
 [[nodiscard]] FaultText Describe(Fault fault);
 
-/// Stop categories, after IEC 60204-1 as far as a controller without power of its own can: 0 the arm is not
-/// under control, nothing that is commanded counts; 1 what is commanded brakes to rest, the request for
-/// motion is withdrawn; 2 the same under power (a pause, no fault).
+/// Stop categories, after IEC 60204-1 as far as a controller that does not switch the power can follow it: 0
+/// the arm is not under control, no command has an effect; 1 the commanded motion brakes to rest and the
+/// request for motion is withdrawn; 2 the same under power (a pause, no fault).
 enum class StopCategory : std::uint8_t { kStop0 = 0, kStop1 = 1, kStop2 = 2 };
 
-/// How a fault ends motion. One of category 0 that is seen while the arm still takes commands is braked as
-/// well.
+/// Stop category of a fault. A fault of category 0 is braked as well if the arm still takes commands.
 [[nodiscard]] constexpr StopCategory StopOf(Fault fault) noexcept {
   switch (fault) {
     case Fault::kArmStale:
@@ -83,12 +81,11 @@ enum class StopCategory : std::uint8_t { kStop0 = 0, kStop1 = 1, kStop2 = 2 };
   }
 }
 
-/// A recovery may clear it within the session: what the connection to the arm brought about, and nothing
-/// else.
+/// Whether a recovery may clear the fault within the session: only faults of the connection to the arm.
 [[nodiscard]] constexpr bool AllowsRecovery(Fault fault) noexcept {
   return fault == Fault::kSession || fault == Fault::kArmStale;
 }
-/// The same of a set: there is a fault, and each allows it.
+/// The same for a set: it has a fault, and each of its faults allows recovery.
 [[nodiscard]] constexpr bool AllowsRecovery(FaultSet faults) noexcept {
   for (int bit = 0; bit < kFaultCount; ++bit)
     if (const auto fault = static_cast<Fault>(1u << bit); faults.Has(fault) && !AllowsRecovery(fault))

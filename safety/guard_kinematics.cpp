@@ -7,7 +7,7 @@
 namespace osteon::safety {
 namespace {
 
-constexpr double kUnitTolerance = 1e-6;  // by how much an axis or a rotation may miss its length
+constexpr double kUnitTolerance = 1e-6;  // tolerance of the length of an axis or a rotation's column
 constexpr std::size_t kElbow = 3;        // A4
 
 void RequirePose(const Pose& X, const std::string& name) {
@@ -18,7 +18,7 @@ void RequirePose(const Pose& X, const std::string& name) {
     throw std::invalid_argument("guard: " + name + ": accepted a finite position and a rotation");
 }
 
-// Rodrigues' formula: v, turned about the unit vector a.
+// Rodrigues' formula: rotates v about the unit vector a.
 Vector3 Rotate(const Vector3& a, double cosine, double sine, const Vector3& v) OSTEON_RT {
   return cosine * v + sine * a.cross(v) + (1.0 - cosine) * a.dot(v) * a;
 }
@@ -45,8 +45,7 @@ GuardKinematics::GuardKinematics(const kinematics::ChainParams<7>& chain, const 
     origin_W_[i] = p_W;
     axis_W_[i] = R_W * joint.axis_J / length;
   }
-  // a description may put the joint anywhere on its axis: the elbow is where the axis of A3 comes nearest to
-  // it
+  // a description may put the joint anywhere on its axis: the elbow is its point nearest to the axis of A3
   const Vector3 &a = axis_W_[kElbow], &b = axis_W_[kElbow - 1], normal = a.cross(b);
   const Vector3 between = origin_W_[kElbow - 1] - origin_W_[kElbow];
   const double along_m =
@@ -83,7 +82,7 @@ GuardKinematics::Placement GuardKinematics::Place(const Joints& q) const OSTEON_
   Placement placement;
   placement.p_WT = TurnPoint(turns, kJoints, p_WT_);
   placement.p_WFlange = TurnPoint(turns, kJoints, p_WFlange_);
-  placement.p_WElbow = TurnPoint(turns, kElbow, p_WElbow_);  // its own joint leaves it where it is
+  placement.p_WElbow = TurnPoint(turns, kElbow, p_WElbow_);  // A4 itself leaves it in place
   for (int axis = 0; axis < 3; ++axis)
     placement.R_WT.col(axis) = TurnDirection(turns, kJoints, R_WT_.col(axis));
   return placement;

@@ -7,13 +7,13 @@
 
 namespace osteon::safety {
 
-/// Forward kinematics of a seven-axis arm, for the guard alone. It computes nothing with the code that the
-/// controller moves the arm by (kinematics::SerialChain, kinematics::LbrArm): both have the arm's description
-/// in common and Eigen, no more.
+/// Forward kinematics of a seven-axis arm, for the guard alone. Shares no code with the kinematics that the
+/// controller moves the arm by (kinematics::SerialChain, kinematics::LbrArm); only the arm's description and
+/// Eigen are common to both.
 ///
 /// A product of exponentials: at q = 0 joint i turns about the line through o_i along the unit vector a_i,
-/// both in W. A point of the link behind joint i is where the turns of the joints i, i-1 … 1, in this order,
-/// take the place that it has at q = 0:
+/// both in W. The position of a point of the link behind joint i is its position at q = 0, rotated by the
+/// joints i, i-1 … 1, in this order:
 ///
 ///     p(q) = T_1(q_1) … T_i(q_i) p(0)     T(q) p = o + v cos q + (a × v) sin q + a (a·v) (1 - cos q)
 ///                                         v = p - o   (Rodrigues)
@@ -28,7 +28,7 @@ class GuardKinematics {
   /// @throws std::invalid_argument naming what was found and what is accepted.
   GuardKinematics(const kinematics::ChainParams<7>& chain, const Pose& X_WB, const Pose& X_FT);
 
-  /// Where the points are that the guard looks at, in W [m], and how the tool is turned.
+  /// Positions in W of the points that the guard checks [m], and the tool's orientation.
   struct Placement {
     Vector3 p_WT;       ///< the tool's apex
     Vector3 p_WFlange;  ///< the centre of the flange
@@ -37,12 +37,12 @@ class GuardKinematics {
   };
   [[nodiscard]] Placement Place(const Joints& q) const OSTEON_RT;
 
-  /// Velocity of a point of the flange and of the flange itself, by rad/s of each joint, in W.
+  /// Velocities per rad/s of each joint, in W: of a point that moves with the flange, and of the flange.
   struct JointMotions {
     std::array<Vector3, kJoints> v;  ///< of the point [m]
     std::array<Vector3, kJoints> w;  ///< the joint's axis, unit
   };
-  /// @param p_WP where the point is at q
+  /// @param p_WP position of the point at q
   [[nodiscard]] JointMotions Motions(const Joints& q, const Vector3& p_WP) const OSTEON_RT;
 
  private:
@@ -51,11 +51,11 @@ class GuardKinematics {
   };
   using Turns = std::array<Turn, kJoints>;
   static Turns TurnsOf(const Joints& q) OSTEON_RT;
-  // Where the turns of the first `count` joints take a direction, and a place.
+  // Rotates a direction, or a point, by the first `count` joints.
   [[nodiscard]] Vector3 TurnDirection(const Turns& turns, std::size_t count, Vector3 v_W) const OSTEON_RT;
   [[nodiscard]] Vector3 TurnPoint(const Turns& turns, std::size_t count, Vector3 p_W) const OSTEON_RT;
 
-  // all at q = 0, in W
+  // at q = 0, in W
   std::array<Vector3, kJoints> axis_W_, origin_W_;
   Vector3 p_WT_, p_WFlange_, p_WElbow_;
   Matrix3 R_WT_;

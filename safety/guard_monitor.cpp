@@ -10,12 +10,12 @@
 namespace osteon::safety {
 namespace {
 
-constexpr std::uint32_t kMostPeriods = 10;  // between two commands, that a speed is taken over
+constexpr std::uint32_t kMostPeriods = 10;  // longest time between two commands over which a speed is taken
 constexpr std::int32_t kSessionStep = 64;   // a counter further away belongs to another session
-constexpr double kRest_rad_per_s = 1e-3;    // slower than this the arm stands
-constexpr double kRest_N = 1e-3;            // less than this is added: nothing
-constexpr double kNormalTolerance = 1e-6;   // by how much a direction may miss its length
-constexpr double kDamping = 1e-4;  // of the hand's force near singular postures, where it is underestimated
+constexpr double kRest_rad_per_s = 1e-3;    // the arm stands if slower than this
+constexpr double kRest_N = 1e-3;            // a smaller added wrench or torque counts as zero
+constexpr double kNormalTolerance = 1e-6;   // tolerance of the length of a direction
+constexpr double kDamping = 1e-4;  // of the hand's force near singular postures, underestimated there
 
 std::int32_t Ahead(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b); }
 
@@ -88,7 +88,7 @@ GuardDecision GuardMonitor::Arm(const GuardArmMessage& message, rt::Nanoseconds 
     before_message_ = message.sequence - 1;
     been_inside_ = false;
     been_in_zone_.fill(false);
-    // what it is inside of where it is handed over counts
+    // zones that contain the arm when it is handed over count from now on
     static_cast<void>(JudgePlace(arm_.Place(q_before_)));
     on_way_in_ = !AtStart(q_before_);
     rests_ = true;
@@ -101,7 +101,7 @@ GuardDecision GuardMonitor::Arm(const GuardArmMessage& message, rt::Nanoseconds 
   return GuardDecision::kPass;
 }
 
-// The force that would put these torques on the joints, by damped least squares: J^T F = tau.
+// Estimates the force behind these torques on the joints by damped least squares: J^T F = tau.
 void GuardMonitor::TakeHandForce(const GuardArmMessage& message) OSTEON_RT {
   if (message.session != GuardSession::kActive || !message.tau_ext) {
     hand_force_messages_ = 0;
@@ -129,7 +129,7 @@ GuardDecision GuardMonitor::Unreadable(GuardFinding why) OSTEON_RT {
   return GuardDecision::kWithhold;
 }
 
-// Counts what is not; what the arm can not have asked for is latched.
+// Counts an answer that is not fresh; latches one that the arm cannot have asked for.
 bool GuardMonitor::IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT {
   if (!has_arm_ || arm_message_.session == GuardSession::kIdle) {
     ++counters_.late;
@@ -222,7 +222,7 @@ GuardReason GuardMonitor::Judge(const GuardCommand& command) OSTEON_RT {
 }
 
 void GuardMonitor::Look(rt::Nanoseconds now) OSTEON_RT {
-  // from when it was looked at, not from when it arrived: what the guard kept waiting, nobody could answer
+  // time from the check, not from the arrival: nobody could answer a message while the guard held it
   if (unanswered_ && !unanswered_since_) unanswered_since_ = now;
   if (!commanding_ || !unanswered_since_) return;
   const double silent_s = rt::ToSeconds(now - *unanswered_since_);

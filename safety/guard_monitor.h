@@ -13,34 +13,34 @@
 
 namespace osteon::safety {
 
-/// What the guard holds a controller to. Every field has a usable default but the arm and where it stands.
+/// Limits to which the guard holds a controller. Every field has a usable default but the arm and its place.
 struct GuardParams {
   kinematics::ChainParams<7> arm{};  ///< geometry, and the joints' limits
   Pose X_WB{Pose::Identity()};       ///< its base in world
   Pose X_FT{Pose::Identity()};       ///< tool in the flange's frame
   double period_s{0.001};            ///< of the arm's messages; > 0
-  int receive_multiplier{1};         ///< the controller answers every so many of them; >= 1
+  int receive_multiplier{1};         ///< the controller answers every n-th message; >= 1
   double joint_speed_share{0.9};     ///< of the joints' velocity limits, (0, 1]
   double max_speed_m_per_s{0.25};    ///< of the apex; > 0
   double max_turn_rad_per_s{1.5};    ///< of the tool; > 0
-  /// Where the controller takes the arm first: until it has been there, every joint within there_rad, since
-  /// it was handed over, max_way_in counts where it is the faster one. Absent: there is no such way.
+  /// Posture to which the controller takes the arm first. From the handing over until every joint has been
+  /// within there_rad of it, max_way_in applies if it is the faster limit. Absent: there is no such path.
   std::optional<std::array<double, 7>> q_start{};
   double there_rad{2e-3};             ///< > 0
   double max_way_in_m_per_s{0.25};    ///< of the apex; > 0
   double max_tracking_error_m{0.03};  ///< between commanded and measured apex; > 0
-  double mirror_rad{0.02};            ///< from the interpolator's position, while the arm waits; > 0
-  WorkspaceParams workspace{};        ///< its sphere and its plane
-  double workspace_margin_m{0.002};   ///< so far beyond them; >= 0
+  double mirror_rad{0.02};            ///< distance from the interpolator's position while the arm waits; > 0
+  WorkspaceParams workspace{};        ///< only its sphere and its plane
+  double workspace_margin_m{0.002};   ///< tolerance beyond them; >= 0
   double max_force_N{200.0};          ///< of a wrench that the controller adds; > 0
   double max_torque_Nm{20.0};         ///< > 0
   double max_hand_force_N{250.0};     ///< by the arm's own estimate of its external torques ...
   int hand_force_count{5};            ///< ... in so many messages in a row; >= 1
-  /// How far beyond the controller's own limits on motion and hand the guard steps in, so that a controlled
-  /// stop comes first: 0.25 is a quarter. Never beyond the arm's own limits, nor on forces that are rendered.
+  /// How far beyond the controller's own limits on motion and hand the guard intervenes, so that a controlled
+  /// stop comes first: 0.25 is a quarter. Does not apply to the arm's own limits or to rendered forces.
   double margin{0.25};
   double answer_age_s{0.005};  ///< an answer to an older message of the arm is late; > 0
-  double silence_s{0.05};      ///< an arm that is commanded gets no answer for so long: withdrawn; > 0
+  double silence_s{0.05};      ///< a commanded arm without an answer for so long: withdrawn; > 0
 };
 
 enum class GuardSession : std::uint8_t {
@@ -52,89 +52,90 @@ enum class GuardSession : std::uint8_t {
 
 using GuardJoints = std::array<double, 7>;
 
-/// What counts of a message of the arm.
+/// The content of an arm message that the guard uses.
 struct GuardArmMessage {
   std::uint32_t sequence{0};
   GuardSession session{GuardSession::kIdle};
   GuardJoints q_meas{};                  ///< [rad]
   std::optional<GuardJoints> q_ipo{};    ///< [rad] the arm's interpolator; in kWaiting and kActive
   std::optional<GuardJoints> tau_ext{};  ///< [N·m] external, the arm's estimate
-  bool compliant{false};                 ///< it carries itself (WRENCH, TORQUE): positions set its springs
+  bool compliant{false};                 ///< impedance control (WRENCH, TORQUE): positions set its springs
 };
 
-/// What counts of an answer of the controller. From outside: any value.
+/// The content of a controller's answer that the guard uses. Untrusted: any value.
 struct GuardCommand {
   std::uint32_t sequence{0}, reflected{0};
   std::optional<GuardJoints> q{};                 ///< [rad]
   std::optional<std::array<double, 6>> wrench{};  ///< force [N], torque [N·m] in any order
   std::optional<GuardJoints> tau{};               ///< [N·m]
-  bool cartesian{false};                          ///< commands a Cartesian pose as well
+  bool cartesian{false};                          ///< also commands a Cartesian pose
 };
 
 enum class GuardDecision : std::uint8_t {
-  kPass,      ///< on to the other side
-  kDrop,      ///< not fresh: seen before, or overtaken. Nothing is latched
-  kWithhold,  ///< the controller's request is withdrawn; latched
+  kPass,      ///< forward to the other side
+  kDrop,      ///< not fresh: a duplicate, or overtaken. Nothing is latched
+  kWithhold,  ///< the motion request is withdrawn; latched
 };
 
 struct GuardCounters {
   std::uint64_t passed{0};       ///< answers that may go on to the arm
-  std::uint64_t late{0};         ///< to another message than the newest, or to one that is too old
-  std::uint64_t duplicate{0};    ///< to a message that was answered
-  std::uint64_t withheld{0};     ///< that broke a rule, and all after it
+  std::uint64_t late{0};         ///< answers to an older message than the newest, or too old
+  std::uint64_t duplicate{0};    ///< answers to a message that was already answered
+  std::uint64_t withheld{0};     ///< answers that broke a rule, and all after them
   std::uint64_t arm_dropped{0};  ///< messages of the arm that were duplicates or overtaken
 };
 
-/// Holds what crosses between arm and controller against the cell's limits. It calls no function of the servo
-/// loop, of kinematics/ or of the rest of safety/, and shares their parameters alone: GuardKinematics where
-/// the loop has closed forms and serial chains, GuardZoneMargin_m where it has ZoneBounds, differences of
-/// commands where it has velocities. tests/safety/guard_faults_test.cpp plants faults in what the loop calls.
+/// Checks the traffic between arm and controller against the cell's limits. Calls no function of the servo
+/// loop, of kinematics/ or of the rest of safety/, and shares only their parameters: GuardKinematics instead
+/// of closed forms and serial chains, GuardZoneMargin_m instead of ZoneBounds, differences of commands
+/// instead of velocities. tests/safety/guard_faults_test.cpp plants faults in the loop's functions.
 ///
-/// A command of an arm that follows is passed where, with n the arm's messages since the last that was
-/// passed,
+/// A command to an arm that follows is passed if, with n the number of arm messages since the last passed
+/// command,
 ///
 ///     q                     finite, within the joints' position limits
 ///     |q_i - before_i|      <= min(1, share (1 + margin)) v_i n period
-///     |p_T - before|        <= v_max (1 + margin) n period, of the apex; the tool's turn likewise
+///     |p_T - before|        <= v_max (1 + margin) n period, of the apex; the tool's rotation likewise
 ///     |p_T - measured|      <= max_tracking_error (1 + margin)
-///     apex, flange, elbow   in their zones + workspace_margin; a zone counts once the arm, since it
-///                           was handed over, has been inside
+///     apex, flange, elbow   in their zones + workspace_margin; a zone counts once the arm has been inside
+///                           since it was handed over
 ///     p_T                   in sphere and plane + workspace_margin; the sphere counts likewise
 ///     |f|, |t|              <= max_force, max_torque, of a wrench
-///     |tau_i|               <= |Jv_i| max_force + |Jw_i| max_torque, of torques: no wrench within the
-///                           limits asks for more
+///     |tau_i|               <= |Jv_i| max_force + |Jw_i| max_torque, of torques: the most that a wrench
+///                           within the limits needs
 ///     reflected             the newest message of the arm, not older than answer_age, not answered yet
 ///
-/// Of a compliant arm a command that goes toward the measured joints only takes force out of its springs: no
-/// bound on the tool's speed, only on the joints'.
+/// For a compliant arm, a command that moves toward the measured joints only relaxes its springs: only the
+/// joints' speed is bounded, not the tool's.
 ///
-/// A command that repeats the last one is judged by force, tracking and freshness alone: an arm that stands
-/// outside may stay there. Beside commands: the hand's force by the arm's torques, and the controller's
-/// silence.
+/// A command that repeats the last one is checked for force, tracking and freshness alone: an arm that stands
+/// outside may stay there. Besides commands the monitor checks the hand's force, by the arm's torques, and
+/// the controller's silence.
 ///
-/// Pure: times come with the calls. The first finding is latched; from then on no command is passed. No
-/// allocation; one thread at a time.
+/// Reads no clock: times come with the calls. The first finding is latched; from then on no command is
+/// passed. No allocation; one thread at a time.
 class GuardMonitor {
  public:
   /// @throws std::invalid_argument naming the parameter, what was found and what is accepted.
   explicit GuardMonitor(const GuardParams& params);
 
-  /// A message of the arm. kPass, or kDrop where it is not newer than what came before.
+  /// Takes a message of the arm. kPass, or kDrop if it is not newer than the one before.
   GuardDecision Arm(const GuardArmMessage& message, rt::Nanoseconds arrival) OSTEON_RT;
-  /// An answer of the controller, at `now`. What was not passed must not reach the arm.
+  /// Checks an answer of the controller at the time `now`. Unless passed, it must not reach the arm.
   GuardDecision Command(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
-  /// A datagram of the controller that is no command: latched.
+  /// Latches a datagram of the controller that is not a command.
   GuardDecision Unreadable(GuardFinding why) OSTEON_RT;
-  /// Looks whether the controller is silent. To be called a few times within silence_s.
+  /// Checks whether the controller is silent. To be called a few times within silence_s.
   void Look(rt::Nanoseconds now) OSTEON_RT;
-  /// What comes next is another arm's, or this one's after a restart.
+  /// Resets the session: the next messages are another arm's, or this arm's after a restart.
   void StartOver() OSTEON_RT;
 
   [[nodiscard]] bool latched() const OSTEON_RT { return reason_.finding != GuardFinding::kNone; }
-  /// The motion request stands: nothing is latched, and no controller has left the arm alone. One that fell
-  /// silent after it had brought the arm to rest, an ordinary end, may come back; that is not latched.
+  /// Whether the motion request stands: nothing is latched, and the controller has not left the arm alone. A
+  /// controller that fell silent after it had brought the arm to rest, an ordinary end, may come back; its
+  /// silence is not latched.
   [[nodiscard]] bool permits() const OSTEON_RT { return !latched() && !left_alone_; }
-  /// The arm is being commanded, by what it said at most 0.1 s ago.
+  /// Whether the arm is being commanded, by a message at most 0.1 s old.
   [[nodiscard]] bool ArmIsCommanded(rt::Nanoseconds now) const OSTEON_RT {
     return has_arm_ && arm_message_.session >= GuardSession::kWaiting &&
            now - arm_arrival_ < 100 * rt::kMillisecond;
@@ -149,7 +150,7 @@ class GuardMonitor {
   [[nodiscard]] static Joints ToJoints(const GuardJoints& q) OSTEON_RT {
     return Eigen::Map<const Joints>(q.data());
   }
-  // 1 … 7: the first that is not finite; 0: all are.
+  // 1 … 7: the first joint that is not finite; 0: all are finite.
   [[nodiscard]] static int FirstNotFinite(const Joints& q) OSTEON_RT {
     for (int i = 0; i < 7; ++i)
       if (!std::isfinite(q[i])) return i + 1;
@@ -166,7 +167,7 @@ class GuardMonitor {
   bool IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
   [[nodiscard]] GuardReason Judge(const GuardCommand& command) OSTEON_RT;
   [[nodiscard]] bool AtStart(const Joints& q) const OSTEON_RT;
-  // Each joint goes from the last command toward where it was measured, and no further.
+  // Each joint moves from the last command toward its measured position, at most up to it.
   [[nodiscard]] bool Relaxes(const Joints& q) const OSTEON_RT;
   void Latch(const GuardReason& reason) OSTEON_RT;
 
@@ -180,19 +181,19 @@ class GuardMonitor {
   bool has_arm_{false};
   int hand_force_messages_{0};
 
-  bool answered_{false};  // the newest message of this session has an answer, or one before it
+  bool answered_{false};  // the newest message of this session or an earlier one has an answer
   std::uint32_t answered_message_{0}, command_sequence_{0};
-  bool commanding_{false};  // the last answer that was passed was to an arm that waits or follows
-  bool rests_{true};        // and the arm was told to stand
-  bool unanswered_{false};  // a message that the controller has got
+  bool commanding_{false};  // the last passed answer was to an arm that waits or follows
+  bool rests_{true};        // and told the arm to stand still
+  bool unanswered_{false};  // a message was delivered to the controller
   std::optional<rt::Nanoseconds> unanswered_since_;
   bool left_alone_{false};
 
-  Joints q_before_{Joints::Zero()};             // what the arm was told last
-  std::uint32_t before_message_{0};             // in answer to which message
-  bool on_way_in_{false};                       // to the start
-  bool been_inside_{false};                     // the workspace's sphere, since the arm was handed over
-  std::array<bool, kMaxZones> been_in_zone_{};  // the same of each zone
+  Joints q_before_{Joints::Zero()};             // last command
+  std::uint32_t before_message_{0};             // message that it answered
+  bool on_way_in_{false};                       // the arm is still on its way to the start
+  bool been_inside_{false};                     // in the workspace's sphere, since the arm was handed over
+  std::array<bool, kMaxZones> been_in_zone_{};  // likewise for each zone
 };
 
 }  // namespace osteon::safety

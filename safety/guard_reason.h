@@ -7,11 +7,11 @@
 
 namespace osteon::safety {
 
-/// What the guard has found.
+/// Findings of the guard.
 enum class GuardFinding : std::uint8_t {
   kNone = 0,
-  kUnreadable,     ///< a datagram of the controller is no command of the cell's FRI version
-  kChecksum,       ///< the same: its CRC-32 is not that of its message
+  kUnreadable,     ///< a datagram of the controller is not a command of the cell's FRI version
+  kChecksum,       ///< as kUnreadable: its CRC-32 does not match its message
   kNeverSent,      ///< answers a message that the arm has not sent
   kSequence,       ///< its counter stands still or goes back
   kNoPosition,     ///< an arm that is commanded gets no joint position
@@ -28,7 +28,7 @@ enum class GuardFinding : std::uint8_t {
   kZone,       ///< apex, flange or elbow outside one of the zones; `joint`: which zone, from 1
   kForce,      ///< of the wrench that the controller adds
   kTorque,
-  kJointTorque,  ///< more than any wrench within the limits asks for
+  kJointTorque,  ///< more than any wrench within the limits needs
   kHandForce,    ///< by the arm's own estimate
   kSilence,      ///< of the controller, while the arm moved
 };
@@ -37,12 +37,12 @@ inline constexpr int kGuardFindings = 22;
 /// A finding, with the figures in SI.
 struct GuardReason {
   GuardFinding finding{GuardFinding::kNone};
-  int joint{0};  ///< 1 … 7 where it is about one
+  int joint{0};  ///< 1 … 7 if it concerns one
   double found{0.0};
-  double least{0.0}, most{0.0};  ///< what would have been accepted, where there is such a range
+  double least{0.0}, most{0.0};  ///< accepted range, if there is one
 };
 
-/// The finding where `found` is not 0 … `most`, NaN included; kNone otherwise.
+/// Returns the finding if `found` is outside 0 … `most` or NaN; kNone otherwise.
 [[nodiscard]] inline GuardReason AtMost(GuardFinding finding, double found, double most,
                                         int joint = 0) OSTEON_RT {
   if (found <= most) return {};

@@ -1,4 +1,4 @@
-// What GuardMonitor holds a command to, by itself: joints, tool, and what is added to the motion.
+// GuardMonitor's checks of a single command: joints, tool, and the wrench or torques added to the motion.
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace osteon::safety {
 namespace {
 
-constexpr double kRounding = 1.0 + 1e-9;  // of differences between positions
+constexpr double kRounding = 1.0 + 1e-9;  // tolerance of differences between positions
 
 }  // namespace
 
@@ -45,7 +45,7 @@ GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
   if (q == q_before_) return {};
   if (place.finding != GuardFinding::kNone) return place;
 
-  // how fast
+  // speed
   if (arm_message_.compliant && Relaxes(q)) return {};
   const GuardKinematics::Placement before = arm_.Place(q_before_);
   on_way_in_ &= !AtStart(q_before_);
@@ -59,7 +59,7 @@ GuardReason GuardMonitor::JudgeTool(const Joints& q, double time_s) OSTEON_RT {
   return AtMost(GuardFinding::kToolTurn, turn_rad / time_s, more * params_.max_turn_rad_per_s);
 }
 
-// Where it is. Sphere and zones count once the way from elsewhere has led into them.
+// Checks the position. Sphere and zones count once the path from elsewhere has led into them.
 GuardReason GuardMonitor::JudgePlace(const GuardKinematics::Placement& arm) OSTEON_RT {
   const WorkspaceParams& w = params_.workspace;
   const Vector3& p_WT = arm.p_WT;

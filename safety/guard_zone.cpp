@@ -10,10 +10,10 @@
 namespace osteon::safety {
 namespace {
 
-constexpr double kRotationTolerance = 1e-6;  // by how much a rotation may miss one
+constexpr double kRotationTolerance = 1e-6;  // tolerance of a rotation matrix
 
-// Distance to the surface of a set whose faces stand at right angles, by the gaps to them: a gap is positive
-// where the point is beyond that face. NaN stays NaN: std::max(x, 0.0) hands it on.
+// Distance to the surface of a set with perpendicular faces, from the gaps to them: a gap is positive if the
+// point is beyond that face. NaN stays NaN: std::max(x, 0.0) passes it on.
 double DistanceFromGaps(std::initializer_list<double> gaps_m) OSTEON_RT {
   double beyond_m2 = 0.0, nearest_m = -std::numeric_limits<double>::infinity();
   for (const double gap_m : gaps_m) {
@@ -24,7 +24,7 @@ double DistanceFromGaps(std::initializer_list<double> gaps_m) OSTEON_RT {
   return std::sqrt(beyond_m2) + std::min(nearest_m, 0.0);
 }
 
-// To the surface of the set; negative within.
+// Signed distance to the surface of the set; negative within.
 double SignedDistance_m(const ZoneParams& zone, const Vector3& p_WP) OSTEON_RT {
   const Vector3 way_W = p_WP - zone.p_W_m;
   const double x_m = zone.R_W.col(0).dot(way_W), y_m = zone.R_W.col(1).dot(way_W),
@@ -43,7 +43,7 @@ double SignedDistance_m(const ZoneParams& zone, const Vector3& p_WP) OSTEON_RT {
       return DistanceFromGaps({std::fabs(x_m) - zone.half_edge_m.x(), std::fabs(y_m) - zone.half_edge_m.y(),
                                std::fabs(z_m) - zone.half_edge_m.z()});
   }
-  return std::numeric_limits<double>::quiet_NaN();  // no such shape
+  return std::numeric_limits<double>::quiet_NaN();  // unknown shape
 }
 
 }  // namespace

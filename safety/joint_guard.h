@@ -10,13 +10,13 @@ namespace osteon::safety {
 struct JointGuardParams {
   /// The arm's own; lower < upper, velocity, acceleration > 0. Of a six-axis arm the first six count.
   std::array<kinematics::JointLimits, 7> limits{};
-  double position_margin_rad{0.0174532925199433};  ///< kept from either position limit (1 deg); >= 0
-  double speed_share{0.9};                         ///< of the velocity limit that a command may use, (0, 1]
-  double jump_rad{0.1};  ///< a step of one joint beyond this is no motion but another branch; > 0
+  double position_margin_rad{0.0174532925199433};  ///< distance kept from each position limit (1 deg); >= 0
+  double speed_share{0.9};                         ///< usable share of the velocity limit, (0, 1]
+  double jump_rad{0.1};  ///< a larger step of one joint is no motion but a change of branch; > 0
 };
 
 /// Keeps a joint step within position, speed and step limits by scaling the whole step: the arm goes slower
-/// on the same path; a single joint is never clipped, which would turn the tool's direction.
+/// on the same path. Clipping a single joint would turn the tool's direction.
 ///
 /// Toward a position limit joint i may move at BrakingSpeed(distance, acceleration_i): one cycle's motion v
 /// dt and the braking after it both fit before the limit.

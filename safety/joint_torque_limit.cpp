@@ -8,7 +8,7 @@
 namespace osteon::safety {
 namespace {
 
-// Rounding in quotient and product may each add half an ulp; this takes the result below the limit.
+// Rounding in quotient and product may each add half an ulp; this keeps the result below the limit.
 constexpr double kRoundDown = 1.0 - 1e-15;
 
 }  // namespace

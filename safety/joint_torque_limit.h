@@ -5,8 +5,8 @@
 
 namespace osteon::safety {
 
-/// What an arm's joints hold beside the arm itself, each by its own torque. Gravity's help is not counted on:
-/// what it takes is taken off either side.
+/// What an arm's joints can hold in addition to the arm itself, by joint torque. Gravity may help in one
+/// direction, but that is not relied on: its torque is subtracted on both sides.
 ///
 ///     room_i = max(0, tau_max_i - |g_i|)
 ///
@@ -17,19 +17,19 @@ class JointTorqueLimit {
   using Joints = kinematics::JointVectorN<N>;
 
   /// @param most_Nm  tau_max, the arm's own
-  /// @throws std::invalid_argument where one is not positive, naming the joint.
+  /// @throws std::invalid_argument if a torque is not positive, naming the joint.
   explicit JointTorqueLimit(const Joints& most_Nm);
 
-  /// 0 … 1: the share of torques that the joints hold; all of them by one factor, so that what they are for
-  /// keeps its direction. 0 where one is not finite.
+  /// Share of the torques that the joints can hold, 0 … 1: one factor for all, so that their effect keeps its
+  /// direction. 0 if a torque is not finite.
   [[nodiscard]] double Share(const Joints& gravity_Nm, const Joints& tau_Nm) const OSTEON_RT;
 
-  /// True where what acts on the joints from outside will be beyond what they hold one message from now,
-  /// going on as it came:
+  /// True if the external torques on the joints, extrapolated linearly, will exceed what the joints can hold
+  /// one message from now:
   ///
   ///     |tau_i| + |tau_i - tau_i before| > room_i
   ///
-  /// Once a message, with the arm's estimate; one that is not finite says nothing, and is forgotten.
+  /// Call once per message, with the arm's estimate; an estimate that is not finite is ignored and not kept.
   [[nodiscard]] bool Check(const Joints& gravity_Nm, const Joints& tau_external_Nm) OSTEON_RT;
 
  private:

@@ -9,11 +9,10 @@
 namespace osteon::safety {
 namespace {
 
-// Rounding in norm, quotient and product may each add half an ulp; this takes the result below the limit.
+// Rounding in norm, quotient and product may each add half an ulp; this keeps the result below the limit.
 constexpr double kRoundDown = 1.0 - 1e-15;
 
-// |v| without overflow for components up to the largest double (where it may be infinite, which scales to
-// zero).
+// |v| without overflow for components up to the largest double (may be infinite, which scales to zero).
 double SafeNorm(const Vector3& v) {
   const double largest = v.cwiseAbs().maxCoeff();
   return largest > 1e100 ? largest * (v / largest).norm() : v.norm();
@@ -77,7 +76,7 @@ bool WrenchRateTrip::Check(const Vector3& f_N, double dt_s) OSTEON_RT {
   const double before_squared = before_N_.squaredNorm();
   const double s = before_squared > 0.0 ? std::clamp(f_N.dot(before_N_) / before_squared, 0.0, 1.0) : 0.0;
   growth_N_ = SafeNorm(f_N - s * before_N_);
-  // what comes next is judged against a force of sane size, or one huge value would make the squares overflow
+  // the next force is compared with one of plausible size: one huge value would make the squares overflow
   before_N_ = ScaleWrench({.f = f_N, .t = Vector3::Zero()}, 1e6, 1.0).F.f;
   return !(growth_N_ <= max_rate_N_per_s_ * dt_s);
 }

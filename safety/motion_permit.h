@@ -4,24 +4,24 @@
 
 namespace osteon::safety {
 
-/// What has to hold before anything is moved: all of it, in the same tick. The bits are the recording's.
+/// Conditions that have to hold, all in the same tick, before anything is moved. The bits are recorded.
 enum class MotionPermit : std::uint32_t {
   kArmFresh = 1u << 0,          ///< this tick has a message of the arm, with finite joints
   kHandedOver = 1u << 1,        ///< COMMANDING_ACTIVE, and no safety stop: the enabling switch is held
-  kRunPermitted = 1u << 2,      ///< by the PLC, freshly, the switch held; without a PLC always
-  kSensorFresh = 1u << 3,       ///< the force sensor's reading is to be trusted and young enough
-  kModelFresh = 1u << 4,        ///< so is the contact model
-  kPosePlausible = 1u << 5,     ///< the arm is measured where it would be commanded
-  kNoResidualWrench = 1u << 6,  ///< the coupling begins at nothing and fades in to what the cell may give
-  kSpindleReady = 1u << 7,      ///< its drive is in order, freshly; of a cell without one always
-  kWayLookedAt = 1u << 8,       ///< whoever looks at the way to the start has not forbidden it
-  /// Before the first motion: the force sensor's reading at rest is its zero, not a hand that rests on the
+  kRunPermitted = 1u << 2,      ///< fresh permission by the PLC, the switch held; always true without a PLC
+  kSensorFresh = 1u << 3,       ///< the force sensor's reading is trusted and young enough
+  kModelFresh = 1u << 4,        ///< the contact model is young enough
+  kPosePlausible = 1u << 5,     ///< the measured arm is where it would be commanded
+  kNoResidualWrench = 1u << 6,  ///< the coupling begins at zero and fades in up to the cell's limits
+  kSpindleReady = 1u << 7,      ///< its drive is in order, with fresh status; always true without a drive
+  kWayLookedAt = 1u << 8,       ///< the check of the path to the start has not forbidden it
+  /// Before the first motion: the force sensor's reading at rest is its zero, not a hand resting on the
   /// handle.
   kHandOff = 1u << 9,
 };
 inline constexpr int kMotionPermits = 10;
 
-/// Those that hold.
+/// The set of conditions that hold.
 class MotionPermits {
  public:
   static constexpr std::uint32_t kAll = (1u << kMotionPermits) - 1u;
@@ -36,7 +36,7 @@ class MotionPermits {
     return (bits_ & static_cast<std::uint32_t>(permit)) != 0;
   }
   [[nodiscard]] constexpr bool All() const noexcept { return bits_ == kAll; }
-  /// Every one but that the arm is handed over.
+  /// Whether every condition holds, except perhaps that the arm is handed over.
   [[nodiscard]] constexpr bool InOrder() const noexcept {
     return (bits_ | static_cast<std::uint32_t>(MotionPermit::kHandedOver)) == kAll;
   }
@@ -46,7 +46,7 @@ class MotionPermits {
   std::uint32_t bits_{0};
 };
 
-/// What is missing where it does not hold, e.g. "a fresh force reading". For screens, not for the tick.
+/// Text for a missing condition, e.g. "a fresh force reading". For screens, not for the tick.
 [[nodiscard]] const char* Missing(MotionPermit permit);
 
 }  // namespace osteon::safety

@@ -7,14 +7,14 @@ namespace osteon::safety {
 /// Bounds the energy that the coupling's spring can give back, however deep the tool is pressed into bone.
 ///
 ///     k   = f·d / |d|^2            stiffness along the spring's displacement d
-///     d_E = sqrt(2 E / k)          displacement at which the spring holds the bound E
+///     d_E = sqrt(2 E / k)          displacement at which the spring stores the bound E
 ///     d_s = clamp(d_s, |d| - d_E, |d|)
 ///     rendered force = f (|d| - d_s) / |d|
 ///
-/// Going in beyond d_E the rest position d_s slips along with the tool, as dry friction would: the force
-/// stays at sqrt(2 E k). Coming out d_s stays, and the force falls to nothing within d_E: what is given back
-/// is E at most. A limit on the force alone does not do that: a force that stays at its limit over a way of
-/// 0.1 m gives back all of that way.
+/// When the tool goes in beyond d_E, the rest position d_s slips along with it, as with dry friction: the
+/// force stays at sqrt(2 E k). When the tool comes out d_s stays, and the force falls to zero within d_E: at
+/// most E is given back. A limit on the force alone would not do: a force that stays at its limit over 0.1 m
+/// gives back all of that work.
 class StoredEnergyLimit {
  public:
   /// @param max_stored_J > 0; infinite: no bound
@@ -24,7 +24,7 @@ class StoredEnergyLimit {
   /// @returns the share of the spring's wrench to render, 0 … 1
   [[nodiscard]] double Step(double displacement_m, double energy_J) OSTEON_RT;
 
-  /// The tool takes up rendering: no slip.
+  /// To be called when rendering starts: no slip.
   void Reset() OSTEON_RT { slip_m_ = 0.0; }
 
  private:

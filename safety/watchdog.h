@@ -6,14 +6,13 @@
 
 namespace osteon::safety {
 
-/// Age that stands for "there is none" [s]. Finite, so that it can be recorded.
+/// Age that stands for "no value" [s]. Finite, so that it can be recorded.
 inline constexpr double kNoAge_s = 1e6;
 
-/// Age of a value [s], 0 … kNoAge_s. A stamp that is negative, or more than 1 ms ahead of now, is nobody's:
-/// kNoAge_s.
+/// Age of a value [s], 0 … kNoAge_s, which also stands for a stamp < 0 or more than 1 ms ahead of now.
 [[nodiscard]] double AgeSeconds(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT;
 
-/// The same of a stamp of which 0 says that there is none.
+/// The same for a stamp that is 0 if there is no value.
 [[nodiscard]] double StampAge(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT;
 
 /// 1 up to full_s, then linearly down to 0 at gone_s.
@@ -22,33 +21,33 @@ inline constexpr double kNoAge_s = 1e6;
 struct WatchdogParams {
   double model_stop_s{0.250};      ///< contact model older: Stop 1
   double sensor_full_s{0.020};     ///< operator's force counts in full up to this age
-  double sensor_stop_s{0.100};     ///< faded to nothing, and Stop 1
-  double spindle_stop_s{0.100};    ///< the drive's status older: Stop 1
-  double interlock_stop_s{0.100};  ///< the PLC's word older: Stop 1
+  double sensor_stop_s{0.100};     ///< at this age the force is faded out: Stop 1
+  double spindle_stop_s{0.100};    ///< the drive's status is older: Stop 1
+  double interlock_stop_s{0.100};  ///< the PLC's status is older: Stop 1
   int arm_misses{5};               ///< arm messages missed in a row: Stop 1
 };
 
-/// Ages of what the loop lives on [s]; 0 where the cell has no such thing.
+/// Ages of the loop's inputs [s]; 0 if the cell has no such source.
 struct Ages {
   double model_s{0.0}, sensor_s{0.0}, spindle_s{0.0}, interlock_s{0.0};
 };
 
-/// Watches the ages of what the loop lives on. After the start each source has its full time to show up.
+/// Monitors the ages of the loop's inputs. After the start each source has its full time to deliver.
 class Watchdog {
  public:
   /// @throws std::invalid_argument where a time is not positive or in the wrong order.
   explicit Watchdog(const WatchdogParams& params);
 
-  /// Rendering starts.
+  /// To be called when rendering starts.
   void Start(rt::Nanoseconds now) OSTEON_RT { start_ = now; }
-  /// Faults of the ages; call once a rendering tick.
+  /// Faults of the ages; call once per rendering tick.
   [[nodiscard]] FaultSet Check(rt::Nanoseconds now, const Ages& ages) const OSTEON_RT;
-  /// Share of the operator's force that its age lets through.
+  /// Share of the operator's force at this age.
   [[nodiscard]] double SensorShare(double sensor_age_s) const OSTEON_RT {
     return AgeShare(sensor_age_s, params_.sensor_full_s, params_.sensor_stop_s);
   }
 
-  /// An arm message did not come by its deadline. True from the arm_misses-th in a row on.
+  /// To be called when an arm message missed its deadline. True from the arm_misses-th in a row on.
   bool MissArm() OSTEON_RT;
   void MeetArm() OSTEON_RT { misses_ = 0; }
 

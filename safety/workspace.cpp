@@ -11,10 +11,10 @@
 namespace osteon::safety {
 namespace {
 
-constexpr int kCorrections = 6;      // of a velocity whose stop would end outside; of one flat bound one does
-constexpr double kInside_m = 1e-12;  // how far inside they let it end: more than this computation rounds
-constexpr int kHalvings = 12;        // of a stop's time, and of a share where corrections did not do
-// Of what a velocity that Limit has left comes to by way of the joints.
+constexpr int kCorrections = 6;      // of a velocity whose stop would end outside; one flat bound needs one
+constexpr double kInside_m = 1e-12;  // how far inside a corrected stop ends: beyond rounding
+constexpr int kHalvings = 12;        // bisections of a stop's time, or of a share if corrections fail
+// Tolerances of a velocity from Limit after its passage through the joints.
 constexpr double kRounding_m_per_s = 1e-8, kRounding_m = 1e-10;
 
 }  // namespace
@@ -72,7 +72,7 @@ Workspace::Result Workspace::Limit(const Vector3& p_WT, const Vector3& v_WT, dou
       result.acted = true;
     }
   }
-  // what is left over: other bounds' corrections, curvature, and a stop that goes straight on at a slant
+  // remaining excess: corrections for other bounds, curvature, and a straight stop at a slant
   if (StopsInside(p_WT, result.v_WT, dt_s)) return result;
   return {.v_WT = StoppingInside(p_WT, result.v_WT, dt_s), .acted = true};
 }
@@ -81,7 +81,7 @@ Vector3 Workspace::StoppingInside(const Vector3& p_WT, const Vector3& v_WT, doub
   double fails_s = dt_s, stops_s = StopTime(v_WT, dt_s);
   Vector3 turned_WT = TurnedInside(p_WT, v_WT, stops_s);
   if (StopsInside(p_WT, turned_WT, dt_s)) {
-    for (int i = 0; i < kHalvings; ++i) {  // what is slower than v needs less time: as fast as may be
+    for (int i = 0; i < kHalvings; ++i) {  // a velocity slower than v needs less time: find the fastest
       const double look_s = 0.5 * (fails_s + stops_s);
       const Vector3 faster_WT = TurnedInside(p_WT, v_WT, look_s);
       const bool stops = StopsInside(p_WT, faster_WT, dt_s);
@@ -98,9 +98,9 @@ Vector3 Workspace::StoppingInside(const Vector3& p_WT, const Vector3& v_WT, doub
   return stops * v_WT;
 }
 
-// Each bound that the way would end past takes what leads there from the velocity, along its normal at that
-// end. Never all of it, as a share would, whose rest then comes back within a few ticks, over and over while
-// a hand pushes.
+// Removes from the velocity, for each bound that the stop would end past, the component along the bound's
+// normal at that end. Scaling the whole velocity instead would cause chatter while a hand pushes, because the
+// removed rest returns within a few ticks.
 Vector3 Workspace::TurnedInside(const Vector3& p_WT, const Vector3& v_WT, double look_s) const OSTEON_RT {
   Vector3 turned_WT = v_WT;
   bool ends_inside = false;
@@ -136,7 +136,7 @@ bool Workspace::Allows(const Vector3& p_WT, const Vector3& v_WT, double dt_s) co
   return StopsInside(p_WT, v_WT, dt_s, kRounding_m);
 }
 
-// Of a set that is kept out, the half-space on this side of its nearest place counts.
+// For a set that is kept out, the half-space at its nearest place counts.
 bool Workspace::StopsInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s,
                             double slack_m) const OSTEON_RT {
   const Vector3 way = StopTime(v_WT, dt_s) * v_WT;
@@ -147,13 +147,13 @@ bool Workspace::StopsInside(const Vector3& p_WT, const Vector3& v_WT, double dt_
         const double left_m = zone.side == ZoneSide::kKeepIn
                                   ? ZoneBounds(zone, p_WT + way).distance_m()
                                   : distance_m - bounds.all().front().toward_W.dot(way);
-        return left_m >= std::min(0.0, distance_m) - slack_m;  // one that is outside may come back
+        return left_m >= std::min(0.0, distance_m) - slack_m;  // a point outside may still come back
       });
 }
 
-// The distance to the bound of a set that is kept in is concave along the way: a share of the way comes no
-// nearer than the same share of the difference. That of a set that is kept out is convex: no nearer than the
-// same share of what its slope says.
+// The distance to the bound of a keep-in set is concave along a displacement: a share of it comes nearer by
+// at most the same share of the difference. The distance to a keep-out set is convex: it comes nearer by at
+// most the same share of its slope's prediction.
 double Workspace::Share(ZonePoint point, const Vector3& p_WP, const Vector3& p_next_WP,
                         double dt_s) const OSTEON_RT {
   if (!IsFinite(p_WP) || !IsFinite(p_next_WP)) return 0.0;

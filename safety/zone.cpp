@@ -10,15 +10,15 @@
 namespace osteon::safety {
 namespace {
 
-constexpr double kTiny_m = 1e-12;  // nearer to a centre than this every direction is as good
+constexpr double kTiny_m = 1e-12;  // nearer to a centre than this, any direction will do
 
-// Unit vector of v, or that one where v has none.
+// Unit vector of v, or `otherwise` if v has no direction.
 Vector3 DirectionOr(const Vector3& v, const Vector3& otherwise) OSTEON_RT {
   const double length = v.norm();
   return length > kTiny_m ? Vector3(v / length) : otherwise;
 }
 
-// The nearest point of a capsule's axis, or of a sphere's centre.
+// The nearest point of a capsule's axis; of a sphere, its centre.
 Vector3 NearestOfAxis(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT {
   if (zone.shape == ZoneShape::kSphere) return Vector3::Zero();
   return {0.0, 0.0, std::clamp(p_Z.z(), -zone.half_length_m, zone.half_length_m)};
@@ -29,8 +29,8 @@ struct Outside {
   double distance_m;
 };
 
-// Of a point seen from a set that has these gaps to its faces (positive: outside of that face) along these
-// directions: the way to the set's nearest place, and, from inside, the way back from the nearest face.
+// Direction and distance of a point to the nearest place of a set, from its gaps to the set's faces
+// (positive: outside of that face) along these directions; from inside, to the nearest face.
 template <std::size_t N>
 Outside FromGaps(const std::array<double, N>& gap_m, const std::array<Vector3, N>& out_Z) OSTEON_RT {
   Vector3 beyond = Vector3::Zero();

@@ -7,22 +7,22 @@
 #include "control/rt/marker.h"
 #include "kinematics/spatial.h"
 
-// Convex sets of the room, and points of the arm that are kept in or out of them.
+// Convex sets in space, and points of the arm that are kept in or out of them.
 
 namespace osteon::safety {
 
 enum class ZoneShape : std::uint8_t { kHalfSpace, kSphere, kBox, kCylinder, kCapsule };
 enum class ZoneSide : std::uint8_t { kKeepIn, kKeepOut };
-/// What is kept: the tool's apex, the centre of the flange, the centre of the elbow (of a six-axis arm the
-/// axis of A3).
+/// The constrained point: the tool's apex, the centre of the flange, or the centre of the elbow (for a
+/// six-axis arm the axis of A3).
 enum class ZonePoint : std::uint8_t { kApex, kFlange, kElbow };
 
-/// A convex set and who has to heed it. Fields that the shape does not name do not count.
+/// A convex set and the point that has to keep to it. Fields that the shape does not name are ignored.
 struct ZoneParams {
   ZoneShape shape{ZoneShape::kHalfSpace};
   ZoneSide side{ZoneSide::kKeepIn};
   ZonePoint point{ZonePoint::kApex};
-  /// Half-space: a point of its face; the others: their centre.
+  /// Half-space: a point of its face; other shapes: their centre.
   Vector3 p_W_m{Vector3::Zero()};
   /// Box: the directions of its edges, by column. Cylinder and capsule: their axis is column 2; half-space:
   /// column 2 points into it.
@@ -35,18 +35,17 @@ struct ZoneParams {
 /// @throws std::invalid_argument naming the field, the value and what is accepted.
 void Validate(const ZoneParams& zone);
 
-/// ZoneParams::R_W whose column 2 is a unit vector; how it turns about that does not count.
+/// A ZoneParams::R_W whose column 2 is the given unit vector, with any rotation about it.
 [[nodiscard]] Matrix3 RotationAlong(const Vector3& axis_W);
 
-/// One face that a point may come to: how far it is, and where.
+/// One face near a point: its direction and distance.
 struct ZoneBound {
-  Vector3 toward_W{Vector3::Zero()};  ///< unit, from where the point may be to where it may not
-  double distance_m{0.0};             ///< along it; negative where the point is past it
+  Vector3 toward_W{Vector3::Zero()};  ///< unit, from the allowed side to the forbidden side
+  double distance_m{0.0};             ///< along toward_W; negative if the point is past the face
 };
 
-/// The faces of a zone that a point at p_WP has before it: each of a box's six or a cylinder's three that it
-/// is kept in, the nearest place of any set that it is kept out of. A zone is kept where no distance is
-/// negative.
+/// The faces of a zone for a point at p_WP: for keep-in, each of a box's six or a cylinder's three faces; for
+/// keep-out, the nearest place of the set. The zone is kept if no distance is negative.
 class ZoneBounds {
  public:
   static constexpr std::size_t kMost = 6;
@@ -55,7 +54,7 @@ class ZoneBounds {
   ZoneBounds(const ZoneParams& zone, const Vector3& p_WP) OSTEON_RT;
 
   [[nodiscard]] std::span<const ZoneBound> all() const OSTEON_RT { return {bounds_.data(), count_}; }
-  /// To the nearest of them [m]; its decrease along any way is at most the way's length.
+  /// Distance to the nearest face [m]; over any path it decreases by at most the path's length.
   [[nodiscard]] double distance_m() const OSTEON_RT;
 
  private:

@@ -17,7 +17,7 @@ inline constexpr Nanoseconds kSecond = 1'000'000'000;
 /// CLOCK_MONOTONIC.
 [[nodiscard]] Nanoseconds MonotonicNow() OSTEON_RT;
 
-/// Sleeps until the given time of CLOCK_MONOTONIC; returns at once where it has passed.
+/// Sleeps until the given time of CLOCK_MONOTONIC; returns at once if that time has passed.
 void SleepUntil(Nanoseconds time) OSTEON_RT;
 
 }  // namespace osteon::rt

@@ -10,15 +10,15 @@
 
 namespace osteon::rt {
 
-/// Histogram of durations with log-spaced bins: 128 to an octave, so that a value read back is within 0.4 %
-/// of one that was added. 1 ns to 17 s, fixed size, no allocation. One thread at a time.
+/// Histogram of durations with log-spaced bins, 128 to an octave: a value read back is within 0.4 % of the
+/// value added. Covers 1 ns to 17 s in a fixed size, without allocation. One thread at a time.
 class DurationHistogram {
  public:
   static constexpr int kOctaves = 28;
   static constexpr int kPerOctave = 128;
   static constexpr int kBins = kOctaves * kPerOctave;
 
-  /// Negative values count as 0, beyond the range as its end; max() keeps the true value.
+  /// Adds a value. Negative values count as 0, values beyond the range as its end; max() stays exact.
   void Add(Nanoseconds value) OSTEON_RT {
     value = std::max<Nanoseconds>(value, 0);
     ++bins_[static_cast<std::size_t>(BinOf(value))];
@@ -30,8 +30,8 @@ class DurationHistogram {
   [[nodiscard]] Nanoseconds max() const OSTEON_RT { return max_; }
   [[nodiscard]] const std::array<std::uint64_t, kBins>& bins() const OSTEON_RT { return bins_; }
 
-  /// The value below which the given share of all values lies: the middle of its bin, never above max(). 0
-  /// where empty.
+  /// Returns the value below which the given share of all values lies: the middle of its bin, at most max().
+  /// 0 if empty.
   /// @param share  0 … 1, e.g. 0.999
   [[nodiscard]] Nanoseconds Quantile(double share) const OSTEON_RT {
     const double rank = share * static_cast<double>(count_);
@@ -44,9 +44,9 @@ class DurationHistogram {
     return max_;
   }
 
-  /// Smallest value of a bin [ns]; of kBins: the end of the range.
+  /// Smallest value of a bin [ns]; for kBins, the end of the range.
   [[nodiscard]] static constexpr Nanoseconds LowerEdge(int bin) OSTEON_RT {
-    if (bin < kPerOctave) return bin;  // the first octaves are narrower than their bins: one value a bin
+    if (bin < kPerOctave) return bin;  // the first octaves are narrower than kPerOctave: one value per bin
     const int octave = bin / kPerOctave, part = bin % kPerOctave;
     return static_cast<Nanoseconds>(kPerOctave + part) << (octave - 1);
   }

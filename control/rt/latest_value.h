@@ -14,10 +14,10 @@ namespace osteon::rt {
 ///
 ///     writer: back ──exchange──▶ middle ◀──exchange── front : reader
 ///
-/// The writer never waits and overwrites what was not read; the reader always gets the newest complete value.
-/// The three slots' roles live in one atomic byte: bits 0-1 the middle slot, bit 2 "middle is newer than
-/// front". Memory order: Store's exchange releases the slot it wrote and acquires the one it gets back;
-/// Load's the same.
+/// The writer never waits and overwrites a value that was not read; the reader always gets the newest
+/// complete value. One atomic byte holds the roles of the three slots: bits 0-1 are the middle slot, bit 2
+/// says "middle is newer than front". Memory order: the exchange in Store releases the slot that was written
+/// and acquires the slot that it gets back; the same holds for Load.
 template <class T>
 class LatestValue {
   static_assert(std::is_trivially_copyable_v<T>, "a torn-free hand-over is promised for plain data only");
@@ -28,13 +28,13 @@ class LatestValue {
   LatestValue(const LatestValue&) = delete;
   LatestValue& operator=(const LatestValue&) = delete;
 
-  /// Writer thread only.
+  /// Stores the newest value. Writer thread only.
   void Store(const T& value) OSTEON_RT {
     slots_[back_].value = value;
     back_ = middle_.exchange(static_cast<std::uint8_t>(back_ | kFresh), std::memory_order_acq_rel) & kIndex;
   }
 
-  /// Reader thread only. The newest stored value, or the initial one.
+  /// Returns the newest stored value, or the initial value. Reader thread only.
   [[nodiscard]] const T& Load() OSTEON_RT {
     if (middle_.load(std::memory_order_relaxed) & kFresh)
       front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;
@@ -48,8 +48,8 @@ class LatestValue {
   };
   std::array<Slot, 3> slots_{};
   alignas(64) std::atomic<std::uint8_t> middle_{1};
-  alignas(64) std::uint8_t back_{0};   // writer's
-  alignas(64) std::uint8_t front_{2};  // reader's
+  alignas(64) std::uint8_t back_{0};   // used by the writer
+  alignas(64) std::uint8_t front_{2};  // used by the reader
 };
 
 }  // namespace osteon::rt

@@ -6,15 +6,14 @@
 #include <cstddef>
 #include <new>
 
-// Counts every way into glibc's heap, and every mutex lock. Compiled out under sanitizers, which bring their
-// own.
+// Counts every entry into glibc's heap, and every mutex lock. Compiled out under sanitizers.
 #if defined(OSTEON_SANITIZED)
 #define OSTEON_COUNTS_HEAP 0
 #else
 #define OSTEON_COUNTS_HEAP 1
 #endif
 
-// NOLINTBEGIN(bugprone-reserved-identifier): glibc's own names for what is wrapped here
+// NOLINTBEGIN(bugprone-reserved-identifier): glibc's own names of the wrapped functions
 extern "C" {
 void* __libc_memalign(std::size_t, std::size_t);
 void* __libc_malloc(std::size_t);

@@ -2,8 +2,8 @@
 
 namespace osteon::rt {
 
-/// Counts heap calls and mutex locks of this thread while alive. For tests and benches: the executable must
-/// link osteon::rt_guard, which interposes glibc's malloc family and pthread_mutex_lock.
+/// Counts heap calls and mutex locks of the calling thread during its lifetime. For tests and benches: the
+/// executable must link osteon::rt_guard, which interposes glibc's malloc family and pthread_mutex_lock.
 class NoAllocScope {
  public:
   NoAllocScope();
@@ -11,7 +11,7 @@ class NoAllocScope {
   NoAllocScope(const NoAllocScope&) = delete;
   NoAllocScope& operator=(const NoAllocScope&) = delete;
 
-  /// Whether calls are counted here at all: a sanitizer has a heap of its own.
+  /// Whether calls can be counted in this build: a sanitizer replaces the heap by its own.
   [[nodiscard]] static bool Counts();
 
   [[nodiscard]] int heap_calls() const;

@@ -6,8 +6,8 @@
 
 namespace osteon::rt {
 
-/// Asks the processor for an object's cache lines, without waiting for them and without reading: nothing
-/// changes, whoever writes there meanwhile. What it points to is not asked for.
+/// Asks the processor to load an object's cache lines, without waiting and without reading: nothing changes,
+/// even if another thread writes there meanwhile. Memory that the object points to is not loaded.
 template <class T>
 void Prefetch(const T& object) OSTEON_RT {
   constexpr std::size_t kCacheLine = 64;

@@ -16,8 +16,8 @@
 namespace osteon::rt {
 namespace {
 
-constexpr std::size_t kMostPrefault = 1 << 20;  // a thread's stack has 8 MiB, where nobody has set it smaller
-constexpr std::size_t kPage = 4096;             // the smallest there is
+constexpr std::size_t kMostPrefault = 1 << 20;  // a thread's stack has 8 MiB by default
+constexpr std::size_t kPage = 4096;             // the smallest page size
 constexpr unsigned kCapIpcLock = 14;            // linux/capability.h
 
 static_assert(kMostCpu == CPU_SETSIZE - 1);
@@ -41,7 +41,7 @@ bool Pin(int cpu) noexcept {
   return pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0;
 }
 
-// Whether this process may lock whatever it likes, so that locking can't make an allocation fail.
+// Whether this process may lock memory without limit, so that locking cannot make an allocation fail.
 bool LocksWithoutLimit() noexcept {
   rlimit limit{};
   if (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY) return true;
@@ -54,7 +54,7 @@ bool LocksWithoutLimit() noexcept {
   return (capabilities >> kCapIpcLock & 1) != 0;
 }
 
-// On fault: the stacks of all threads and a graphics driver's reserves are address space, not memory.
+// On fault: the stacks of all threads and a graphics driver's reserves are address space, not used memory.
 bool LockMemory() noexcept {
   return LocksWithoutLimit() && mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0;
 }
@@ -64,8 +64,8 @@ bool LockMemory() noexcept {
   for (std::size_t i = 0; i < bytes; i += kPage) room[i] = 0;
 }
 
-// The CPUs that the system lets this process have, be they in its present mask or not: a core that is kept
-// out of the scheduler's hands (isolcpus) is not. Found by trying, as there is no other way to ask.
+// The CPUs that the system lets this process use, whether or not they are in its present mask: a core
+// isolated from the scheduler (isolcpus) is not in it. Found by trying each, as there is no other way to ask.
 std::vector<int> CpusOfThisProcess(const cpu_set_t& present) {
   std::vector<int> cpus;
   const long count = sysconf(_SC_NPROCESSORS_CONF);
@@ -103,7 +103,7 @@ bool KeepCpusAwake() noexcept {
     const int file = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
     if (file < 0) return false;
     const std::int32_t most_us = 0;
-    if (write(file, &most_us, sizeof most_us) == sizeof most_us) return true;  // holds while it is open
+    if (write(file, &most_us, sizeof most_us) == sizeof most_us) return true;  // holds while the file is open
     close(file);
     return false;
   }();
@@ -117,7 +117,7 @@ RealtimeGrant SetUpRealtimeThread(const RealtimeThreadParams& params) noexcept {
   grant.cpus_awake = params.keep_cpus_awake && KeepCpusAwake();
   if (params.prefault_stack_bytes > 0)
     TouchStack(params.prefault_stack_bytes < kMostPrefault ? params.prefault_stack_bytes : kMostPrefault);
-  // last: what comes before may take its time
+  // last: the calls before it may take long
   const sched_param priority{.sched_priority = params.priority};
   grant.realtime = params.priority > 0 && pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
   return grant;

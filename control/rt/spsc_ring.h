@@ -9,21 +9,20 @@
 
 namespace osteon::rt {
 
-/// Queue of plain values from one writer thread to one reader thread; bounded, allocated once, no lock.
-/// A full ring refuses the value and counts it: the tick never waits for a disk.
-/// Memory order: the writer releases head_ after the value is in place, the reader releases tail_ after it is
-/// read.
+/// Queue of plain values from one writer thread to one reader thread: bounded, allocated once, without a
+/// lock. A full ring refuses the value and counts it, so that the tick never waits for a disk. Memory order:
+/// the writer releases head_ once the value is in place, the reader releases tail_ once it has read.
 template <class T>
 class SpscRing {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  /// Holds capacity values (at least one).
+  /// Makes a ring for `capacity` values (at least one).
   explicit SpscRing(std::size_t capacity) : slots_(capacity + 1) {}
   SpscRing(const SpscRing&) = delete;
   SpscRing& operator=(const SpscRing&) = delete;
 
-  /// Writer thread only. False, and counted, where the ring is full.
+  /// Appends a value. Writer thread only. If the ring is full, counts the loss and returns false.
   bool Push(const T& value) OSTEON_RT {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     const std::size_t next = Next(head);
@@ -36,7 +35,7 @@ class SpscRing {
     return true;
   }
 
-  /// Reader thread only. False where the ring is empty.
+  /// Takes the oldest value. Reader thread only. False if the ring is empty.
   bool Pop(T& value) OSTEON_RT {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == head_.load(std::memory_order_acquire)) return false;
@@ -45,8 +44,7 @@ class SpscRing {
     return true;
   }
 
-  /// Values that wait to be read; writer thread. As many at most as it holds, and those that were read
-  /// meanwhile.
+  /// Number of values that wait to be read. Writer thread only; values read meanwhile may still be counted.
   [[nodiscard]] std::size_t waiting() const OSTEON_RT {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     const std::size_t tail = tail_.load(std::memory_order_relaxed);

@@ -9,7 +9,7 @@
 #include "tests/control/rt/checked_no_alloc_scope.h"
 
 // The virtual tool with its centre away from the tool's origin: full matrices there, locked axes, and changes
-// of mass axis by axis.
+// of mass by axis.
 
 namespace osteon::control {
 namespace {
@@ -48,7 +48,7 @@ Vector6d Stacked(const Vector3& first, const Vector3& second) {
   return both;
 }
 
-// Apart from the code under test: what C does of a twist of To, column by column from v + w × c.
+// Independent of the code under test: the motion of C for a twist of To, column by column from v + w × c.
 Matrix6 FullMatrix(const Vector3& linear, const Vector3& angular, const Vector3& c) {
   Matrix6 A;
   for (int i = 0; i < 3; ++i) {
@@ -69,7 +69,7 @@ double Energy(const AdmittanceParams& params, const Matrix3& R_WT, const Twist& 
   return 0.5 * V_T.dot(MassMatrix(params) * V_T);
 }
 
-// Oracle: dense matrices and Eigen's pivoted LU; any factors on mass and damping.
+// Oracle: dense matrices and Eigen's pivoted LU; arbitrary factors on mass and damping.
 TEST(AdmittanceCentre, IsTheDenseSolutionOfTheFullMatrices) {
   Draw draw(11);
   for (int run = 0; run < 500; ++run) {
@@ -89,19 +89,19 @@ TEST(AdmittanceCentre, IsTheDenseSolutionOfTheFullMatrices) {
     Twist next;
     ASSERT_TRUE(NextTwist(params, X_WT, V, F, kDt_s, next));
 
-    // the body came here by V: its centre's velocity is what it was there
+    // V belongs to the step before: the velocity of the centre is kept from there
     const Vector3 c_W = R * own.centre_T_m, c_before_W = ExpRotation(-kDt_s * V.w) * c_W;
     const Vector3 v_W = V.v + V.w.cross(c_before_W) - V.w.cross(c_W);
     const Vector6d V_T = Stacked(R.transpose() * v_W, R.transpose() * V.w);
     const Vector6d F_T = Stacked(R.transpose() * F.f, R.transpose() * F.t);
     const Vector6d wanted = (M + kDt_s * D).fullPivLu().solve(M * V_T + kDt_s * F_T);
     const Vector6d found = Stacked(R.transpose() * next.v, R.transpose() * next.w);
-    // conditioned by the lever and the ratio of the masses, some 1e4
+    // the lever and the ratio of the masses give a condition number of some 1e4
     EXPECT_LT((found - wanted).norm(), 1e-11 * wanted.norm()) << "run " << run;
   }
 }
 
-// At To itself the numbers are those of the law by axis, to the last bit.
+// At To itself the result equals that of the law by axis, bit for bit.
 TEST(AdmittanceCentre, AtTheOriginIsTheLawByAxisBitForBit) {
   Draw draw(12);
   for (int run = 0; run < 200; ++run) {
@@ -129,8 +129,8 @@ TEST(AdmittanceCentre, AtTheOriginIsTheLawByAxisBitForBit) {
   }
 }
 
-// A rigid body: pushed at its centre it does not turn, and weighs what the axis says; pushed at To, a lever L
-// away, it gives way by turning as well, 1 / m_felt = 1/m + L^2 / I.
+// A rigid body: pushed at its centre it does not turn and has the axis' mass. Pushed at To, a lever L away,
+// it also turns: 1 / m_felt = 1/m + L^2 / I.
 TEST(AdmittanceCentre, TheHandleFeelsTheAxisMassAndTheApexTheLever) {
   AdmittanceParams params;
   params.mass_kg = {2.0, 3.0, 7.0};
@@ -155,7 +155,7 @@ TEST(AdmittanceCentre, TheHandleFeelsTheAxisMassAndTheApexTheLever) {
   EXPECT_NEAR(1.0 / felt_kg, 1.0 / 2.0 + 0.25 * 0.25 / 0.3, 1e-8) << "turns about y";
 }
 
-// A body that turns about its centre stays there: To goes round and needs no force, and no energy is made.
+// A body that turns about its centre stays there: To circles without a force, and no energy is generated.
 TEST(AdmittanceCentre, AFreeBodyKeepsItsEnergyAndItsCentreWhileItTurns) {
   AdmittanceParams params;
   params.mass_kg.setConstant(3.0);
@@ -165,7 +165,7 @@ TEST(AdmittanceCentre, AFreeBodyKeepsItsEnergyAndItsCentreWhileItTurns) {
   params.centre_T_m = {0.05, 0.0, -0.25};
   const Vector3 w(0.4, 1.2, -0.3);
   AdmittanceState state{.X_WT = Turned({0.2, 0.1, 0.0}), .V_WT = {}};
-  // as if it had turned before: c is that of the step that begins
+  // as if it had turned before: the velocity of To belongs to c before the step
   state.V_WT = {.v = -w.cross(ExpRotation(-kDt_s * w) * (state.X_WT.linear() * params.centre_T_m)), .w = w};
   const Vector3 centre = state.X_WT * params.centre_T_m;
   double energy = 0.5 * 0.15 * w.squaredNorm();
@@ -180,11 +180,11 @@ TEST(AdmittanceCentre, AFreeBodyKeepsItsEnergyAndItsCentreWhileItTurns) {
     state = {.X_WT = Move(state.X_WT, V, kDt_s), .V_WT = V};
   }
   EXPECT_NEAR(energy, first, 1e-6 * first) << "the drag is 1e-9";
-  // Move takes To straight where the centre's arc bends: w^2 c dt^2 / 2 a tick, always across
+  // Move takes To along a straight line where the centre's arc bends: w^2 c dt^2 / 2 per tick, always across
   EXPECT_LT((state.X_WT * params.centre_T_m - centre).norm(), 1e-3);
 }
 
-// The claim of the header: by axis at C, so in the norm of the energy as a whole, whatever the step.
+// The header's claim: the bound holds by axis at C, and so in the energy norm, for any step.
 TEST(AdmittanceCentre, TheEnergyIsBoundedForAnyStep) {
   Draw draw(13);
   for (const double dt_s : {1e-4, 1e-3, 0.1, 10.0}) {
@@ -223,7 +223,7 @@ TEST(AdmittanceCentre, ALockedAxisHasNoVelocityFeelsNoForceAndNoOtherAxisFeelsIt
       EXPECT_TRUE(NextTwist(params, X_WT, V, F, kDt_s, next));
       return next;
     };
-    // a force across and any torque change nothing
+    // a force across the free axis and any torque change nothing
     const Twist plain = next_of({.f = along, .t = Vector3::Zero()});
     const Twist pressed = next_of({.f = along + 80.0 * R.col(0) - 150.0 * R.col(1), .t = draw.Box(20.0)});
     EXPECT_EQ(plain.w, Vector3::Zero());

@@ -69,7 +69,7 @@ TEST(AdmittanceLaw, RotationStaysOrthonormalOverAnHourOfTurning) {
   EXPECT_LT((X_WT.linear() * X_WT.linear().transpose() - Matrix3::Identity()).norm(), 1e-14);
 }
 
-// Oracle: a constant turn about one axis is one turn by the summed angle.
+// Oracle: a constant rotation about one axis is one rotation by the summed angle.
 TEST(AdmittanceLaw, MoveIntegratesAConstantTurnExactly) {
   Pose X_WT = Pose::Identity();
   const Vector3 w(0.3, -0.2, 0.5);

@@ -1,5 +1,5 @@
 // Model B of the design's stability page: a hand that holds an admittance-controlled arm. The rows are the
-// design's; what is held against them is hil/stability, which steps the shipped law and the shipped arm.
+// design's. They are compared with hil/stability, which steps the shipped law and the shipped arm.
 
 #include <cmath>
 #include <ostream>
@@ -38,7 +38,7 @@ TEST_P(ModelB, SpectralRadiusIsTheDesignsToItsDigits) {
       << "seven digits are given";
 }
 
-// The same step run in time, over many turns of the mode.
+// The same step run in time, over many periods of the mode.
 TEST_P(ModelB, GrowthInTimeIsTheSpectralRadius) {
   const AdmittanceLoop loop(LoopOf(GetParam()));
   const double log_rho = std::log(GetParam().rho);
@@ -47,12 +47,12 @@ TEST_P(ModelB, GrowthInTimeIsTheSpectralRadius) {
   EXPECT_NEAR(grown, log_rho, 0.05 * std::abs(log_rho) + 2e-5);
 }
 
-// The parts themselves: the coupling on a plane, the law, the arm's servo with its own delay line.
+// The shipped parts: the coupling on a plane, the law, the arm's servo with its own delay line.
 TEST_P(ModelB, ShippedPartsGrowAsPredicted) {
   const double log_rho = std::log(GetParam().rho);
   AdmittanceRunParams run{.loop = LoopOf(GetParam())};
   run.kick_m_per_s = 1e-9;  // leaves room to grow within the wall's linear range
-  // so many e-folds are seen, and are above rounding, which a wall that is pressed has more of
+  // this many e-folds show the growth above rounding, which is larger while a wall is pressed
   const double folds = GetParam().wall.stiffness_N_per_m > 0.0 ? 12.0 : 20.0;
   run.seconds = 1e-3 * std::round(folds / std::abs(log_rho));
   EXPECT_NEAR(SimulatedGrowth(run), log_rho, 0.05 * std::abs(log_rho) + 2e-5);
@@ -104,7 +104,7 @@ TEST_P(GreatestWallOfAFirmHand, IsSeenWithinOnePercentWhenTheShippedPartsRun) {
   EXPECT_NEAR(seen.value, predicted, 0.01 * predicted);
 }
 
-// The design's figures come from scans of its own; the one with 5 samples of sensor delay is the roughest.
+// The design's figures come from its own scans; the row with 5 samples of sensor delay is the least accurate.
 INSTANTIATE_TEST_SUITE_P(Design, GreatestWallOfAFirmHand,
                          testing::Values(WallRow{"local", WallOn::kCommanded, 0, 1, 192, 0.0105},
                                          WallRow{"sensor_3_late", WallOn::kCommanded, 0, 3, 101, 0.01},
@@ -114,7 +114,7 @@ INSTANTIATE_TEST_SUITE_P(Design, GreatestWallOfAFirmHand,
                                          WallRow{"measured_pose", WallOn::kMeasured, 0, 1, 2.4, 0.01}),
                          [](const auto& test) { return test.param.name; });
 
-// Stability is not monotone in stiffness: a bisection over the whole range could have ended up here.
+// Stability is not monotone in stiffness: a bisection could end in the upper stable region.
 TEST(AdmittanceStability, LocalWallIsUnstableUpTo1100kNAndThenStableAgain) {
   AdmittanceLoopParams loop;
   for (const double k : {0.2e6, 0.5e6, 1.0e6}) {
@@ -127,8 +127,8 @@ TEST(AdmittanceStability, LocalWallIsUnstableUpTo1100kNAndThenStableAgain) {
   }
 }
 
-// The human side: what drag a grip asks for, with a firm hand's damping and mass; and a clamp that has
-// neither.
+// The human side: the drag that a grip needs, with a firm hand's damping and mass, and with neither (a
+// clamp).
 TEST(AdmittanceStability, GripsAskForTheDesignsDrag) {
   const auto least = [](double k, double b, double m) {
     AdmittanceLoopParams loop;
@@ -149,7 +149,7 @@ TEST(AdmittanceStability, WallOf150kNIsStableInTheTickAndUnstableAsAForce5MsOld)
   EXPECT_GT(SimulatedGrowth(run), 0.0);
 }
 
-// A faster inner loop needs more virtual mass: an ideal arm misleads.
+// A faster inner loop needs more virtual mass: assuming an ideal arm is misleading.
 TEST(AdmittanceStability, FasterArmNeedsMoreVirtualMass) {
   const auto least_mass = [](double bandwidth_hz) {
     AdmittanceLoopParams loop;
@@ -165,7 +165,7 @@ TEST(AdmittanceStability, FasterArmNeedsMoreVirtualMass) {
   EXPECT_GT(least_mass(15.0), 0.15) << "the light tool of the table is too light";
 }
 
-// The coupling's own damping is in prediction and run alike.
+// Prediction and run both include the coupling's own damping.
 TEST(AdmittanceStability, DampedWallIsSeenWherePredicted) {
   AdmittanceLoopParams loop;
   loop.wall.damping_Ns_per_m = 5.0;

@@ -30,7 +30,7 @@ class RandomContact {
     std::normal_distribution<double> normal;
     return Vector3::NullaryExpr([&] { return normal(bits_); }).normalized();
   }
-  /// 1 to 3 planes of one stiffness, levers up to .15 m, forces to 200 N.
+  /// 1 to 3 planes of one stiffness, levers up to 0.15 m, forces to 200 N.
   CouplingOutput Coupling() {
     CouplingOutput out;
     out.fade = Uniform(0.1, 1.0);
@@ -53,7 +53,7 @@ class RandomContact {
   std::mt19937_64 bits_;
 };
 
-// The design's matrices by Eigen, with no step in common with the shipped closed form.
+// The design's matrices by Eigen, sharing no step with the shipped closed form.
 Matrix6 AgedStiffness(const CouplingOutput& c, const StiffnessAges& ages, double radius_m) {
   const int m = c.active_planes;
   Eigen::MatrixXd N(3, m), A(6, m);
@@ -77,7 +77,7 @@ Matrix6 AgedStiffness(const CouplingOutput& c, const StiffnessAges& ages, double
   return K;
 }
 
-// D in W at To, of a law whose axes are the tool's at its centre.
+// D in W at To, for a law whose axes are the tool's at its centre.
 Matrix6 DampingInWorld(const AxisDamping& D, const Matrix3& R_WT, double factor) {
   const Vector3& c = D.centre_T_m;
   Matrix6 at_centre = Matrix6::Identity(), turn = Matrix6::Zero();
@@ -109,12 +109,12 @@ TEST(AgeGovernor, DampingLessAgeTimesStiffnessIsPositiveWhateverTheContact) {
     const Matrix6 K = governor.wrench_share() * AgedStiffness(coupling, ages, params.tool_radius_m);
     const double most =
         GeneralisedEigenvalues(1.02 * K, DampingInWorld(D, R_WT, governor.damping_factor()))[5];
-    ASSERT_LE(most, 1.0 + 1e-6) << "contact " << i;  // conditioning of N^T N costs the oracle its digits
+    ASSERT_LE(most, 1.0 + 1e-6) << "contact " << i;  // the oracle loses digits by the conditioning of N^T N
     if (governor.wrench_share() < 1.0)
       ++by_share;
     else
       ++(governor.damping_factor() > 1.0 ? by_damping : idle);
-    // the trace of the 16th power is 9 % off at most, and it does not act for less
+    // the bound is at most 9 % above the eigenvalue, and the governor does not act for less
     if (governor.acted()) {
       ASSERT_GE(most, 1.0 / 1.1) << "contact " << i;
     }
@@ -125,7 +125,7 @@ TEST(AgeGovernor, DampingLessAgeTimesStiffnessIsPositiveWhateverTheContact) {
 }
 
 // control.md of the design: k at a lever L with b and b_r allows k_max = 1/(a (1/b + L^2/b_r)); 3636 N/m with
-// L = .15 m, b_r = .5, a = 5 ms and b = 100, and 20 000 with none.
+// L = 0.15 m, b_r = 0.5, a = 5 ms and b = 100, and 20 000 without a lever.
 TEST(AgeGovernor, LeverArmAllowsTheDesignsStiffness) {
   const AxisDamping D{.Ns_per_m = Vector3::Constant(100.0), .Nms_per_rad = Vector3::Constant(0.5)};
   for (const auto& [lever_m, most] : {std::pair{0.15, 3636.0}, std::pair{0.0, 20e3}}) {
@@ -150,7 +150,7 @@ TEST(AgeGovernor, PlanesOfATickAskForNothingButTheirTurning) {
   EXPECT_EQ(AgeRatio(coupling, Matrix3::Identity(), D, {.planes_s = 0.02}, 0.025), 0.0)
       << "three normals cover every direction";
   coupling.active_planes = 1;
-  // 100 N / 25 mm = 4 kN/m in two directions, 20 ms: 81.6 N s/m; both are equal, so 2^(1/16) too much
+  // 100 N / 25 mm = 4 kN/m in two equal directions, 20 ms: 81.6 N s/m; the bound is 2^(1/16) too high
   EXPECT_NEAR(AgeRatio(coupling, Matrix3::Identity(), D, {.planes_s = 0.02}, 0.025) / std::pow(2.0, 1.0 / 16),
               1.02 * 0.02 * 4e3 * (1.0 / 20.0 + 0.025 * 0.025 / 1.5), 1e-9);
 }
@@ -195,9 +195,9 @@ TEST(AgeGovernor, CountsTheArmsDampingWhereItIsToldTo) {
   EXPECT_NEAR(10.0 * short_of_it.damping_factor() + 50.0, 1.02 * 3.5e-3 * 20e3, 1e-9);
 }
 
-// A ball of 25 mm pressed with 150 N into a bowl of 50 mm, by a hand that holds it lightly across: what the
-// planes say of the bowl is the newest frame's, age_s old and held for hold_s.
-// @returns how far it is from the bottom at most, in the last half second of two [m]; it begins 1 mm off.
+// A ball of 25 mm pressed with 150 N into a bowl of 50 mm, by a hand that holds it lightly across. The planes
+// describe the bowl at the newest frame, age_s old and held for hold_s.
+// @returns largest distance from the bottom in the last half of two seconds [m]; it begins 1 mm off.
 double SwingInABowl(bool governed, double age_s, double hold_s) {
   constexpr double kRadius_m = 0.025, kBowl_m = 0.05, kPush_N = 150.0, kStiffness = 20e3;
   const double floor_m = kBowl_m - kRadius_m;  // of the ball's centre, T's origin, below the bowl's
@@ -255,7 +255,7 @@ TEST(AgeGovernor, ABallInABowlOfOldPlanesComesToRestWithItAndClimbsTheWallWithou
     EXPECT_GT(without, 2e-3) << age_s << " held " << hold_s;
     EXPECT_LT(with, 0.5e-3) << age_s << " held " << hold_s;
   }
-  // a frame of now and then, fresh: neither has anything to do
+  // with fresh frames there is nothing to do
   EXPECT_LT(SwingInABowl(false, 0.0, 0.001), 0.5e-3);
 }
 
@@ -275,7 +275,7 @@ TEST(AgeGovernor, RefusesParametersOutOfRange) {
   EXPECT_THROW(AgeGovernor({.release_s = std::nan("")}, kT), std::invalid_argument);
 }
 
-// Gains that change while the loop renders change what the governor has to work with.
+// Gains that change while the loop renders change the damping that the governor scales.
 TEST(AgeGovernor, FollowsTheLawsOwnDamping) {
   const auto with = [](double Ns_per_m) {
     return StabilisedLaw{

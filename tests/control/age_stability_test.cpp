@@ -1,4 +1,4 @@
-// The bound for any age: M x'' + D x' + K x(t - a(t)) = 0 is stable where D - a_max K > 0.
+// The bound for any age: M x'' + D x' + K x(t - a(t)) = 0 is stable if D - a_max K > 0.
 
 #include <array>
 #include <cmath>
@@ -16,8 +16,8 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// Semi-implicit steps of dt, as the shipped law's, with the force of a pose that is 0 … most samples old, a
-// new age drawn each time: the age seen by K runs to (most + 1) dt, as a force is held for a step.
+// Semi-implicit steps of dt, as in the shipped law, with the force of a pose that is 0 … most samples old;
+// each step draws a new age. K sees ages up to (most + 1) dt, as a force is held for a step.
 // @returns log of the growth from the second third to the last.
 template <int N, typename Age>
 double Growth(const Eigen::Matrix<double, N, N>& M, const Eigen::Matrix<double, N, N>& D,
@@ -65,7 +65,7 @@ int Growing(double factor) {
   return growing;
 }
 
-// In closed form, for one stiff direction among soft ones: it alone decides.
+// Closed form for one stiff direction among soft ones: it alone decides.
 TEST(AgeBound, ReserveIsTheDampingLessAgeTimesStiffnessWhereItIsLeast) {
   Matrix6 K = 100.0 * Matrix6::Identity();
   K(2, 2) = 2000.0;
@@ -77,7 +77,7 @@ TEST(AgeBound, NoneOf1000RandomSystemsGrowsWithDampingAboveAgeTimesStiffness) { 
 
 TEST(AgeBound, MostOf1000RandomSystemsGrowWithAFifthOfIt) { EXPECT_GT(Growing(0.2), 900); }
 
-// A constant age at its greatest is not a special case of random ones.
+// A constant age at the maximum is not covered by random ages.
 TEST(AgeBound, HoldsForTheGreatestAgeAllTheTime) {
   std::mt19937_64 bits(7);
   for (int i = 0; i < 50; ++i) {
@@ -86,7 +86,7 @@ TEST(AgeBound, HoldsForTheGreatestAgeAllTheTime) {
   }
 }
 
-// A contact at a lever, 5 ms old: the bound, and how near the boundary is to it.
+// A contact at a lever, 5 ms old: the bound, and its distance from the true boundary.
 TEST(AgeBound, LeverArmTakesTheStiffnessTheDesignSays) {
   constexpr double kLever_m = 0.15, kLinear = 100.0, kTurning = 0.5, kAge_s = 5e-3;
   const double bound = LeverStiffness(kLever_m, kLinear, kTurning, kAge_s);
@@ -95,7 +95,7 @@ TEST(AgeBound, LeverArmTakesTheStiffnessTheDesignSays) {
   EXPECT_GE(LeverStiffness(kLever_m, kLinear, kLinear * kLever_m * kLever_m, kAge_s), 0.5 * 20e3 - 1e-6)
       << "b_r = b L^2 keeps half of it";
 
-  // continuous time, as near as steps of 10 us come; a tool of 3 kg and .03 kg m^2
+  // nearly continuous time: steps of 10 us; a tool of 3 kg and 0.03 kg m^2
   constexpr double kStep_s = 10e-6;
   const int most = static_cast<int>(std::lround(kAge_s / kStep_s)) - 1;
   const Eigen::Vector2d M(3.0, 0.03), D(kLinear, kTurning), arm(1.0, kLever_m);

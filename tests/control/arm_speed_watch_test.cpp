@@ -9,14 +9,14 @@
 #include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/control/servo_bench.h"
 
-// How fast the arm is measured to be: the watch alone, and in the loop.
+// Monitoring of the measured arm speed: the watch alone, and in the loop.
 
 namespace osteon::control {
 namespace {
 
 using safety::CellState, safety::Fault;
 
-constexpr double kPeriod_s = 0.004, kLimit_m_per_s = 0.1;  // a KR's, and the one of its shipped cell
+constexpr double kPeriod_s = 0.004, kLimit_m_per_s = 0.1;  // a KR's period, and the limit of its shipped cell
 constexpr rt::Nanoseconds kPeriod = 4 * rt::kMillisecond;
 
 // An arm whose tool moves along x.
@@ -51,7 +51,7 @@ TEST(ArmSpeedWatch, HalfAsFastAgainIsAllowedForGoodAndTwiceIsNotForLong) {
   Arm arm;
   double x_m = 0.0;
   for (int i = 0; i < 10'000; ++i) ASSERT_FALSE(arm.Message(x_m += 1.5 * kLimit_m_per_s * kPeriod_s));
-  int messages = 0;  // each is half the limit's way too far: 0.2 mm
+  int messages = 0;  // each exceeds the allowance by half the limit's distance: 0.2 mm
   while (!arm.Message(x_m += 2.0 * kLimit_m_per_s * kPeriod_s)) ASSERT_LE(++messages, 6);
   EXPECT_GE(messages, 4);
 }
@@ -64,7 +64,7 @@ TEST(ArmSpeedWatch, MessagesThatNeverCameOrWereOvertakenHaveTheirTime) {
     for (int i = 0; i < 500; ++i) {
       const std::uint32_t missing = i % 7 == 3 ? 5 : 0;
       (late ? arm.state.late : arm.state.lost) += missing;
-      // all at once: the time of arrival says nothing
+      // all at once: the times of arrival carry no information
       ASSERT_FALSE(arm.Message(x_m += (1 + missing) * kLimit_m_per_s * kPeriod_s)) << i;
       ASSERT_NEAR(arm.watch.speed_m_per_s(), kLimit_m_per_s, 1e-9);
     }
@@ -117,7 +117,7 @@ TEST(ArmSpeedWatch, DoesNotAllocate) {
   }
 }
 
-// A hand that pushes for long enough that the tool flies at its limit.
+// A hand that pushes until the tool moves at its limit.
 TEST(ArmSpeedInTheLoop, TheMeasuredPeakIsReportedAndNothingTripsAtTheLimit) {
   ServoBench bench(ServoBench::Params(), 1.0);
   bench.Activate();
@@ -134,12 +134,12 @@ TEST(ArmSpeedInTheLoop, TheMeasuredPeakIsReportedAndNothingTripsAtTheLimit) {
   EXPECT_EQ(most_m_per_s, seen.peak_measured_tool_speed_m_per_s);
 }
 
-// Of an arm that the loop commands, in every state that it does so in.
+// An arm that the loop commands, in every state in which it does so.
 TEST(ArmSpeedInTheLoop, AnArmThatIsThrownBackIsAStop) {
   enum class In { kRendering, kStop, kPause, kPaused };
   for (const In where : {In::kRendering, In::kStop, In::kPause, In::kPaused}) {
     SCOPED_TRACE(static_cast<int>(where));
-    ServoBench bench(ServoBench::Params(), 1.0);  // nothing is near: a stop takes its time
+    ServoBench bench(ServoBench::Params(), 1.0);  // no bone nearby: a stop takes its full time
     bench.Activate();
     bench.push_N = 40.0;
     bench.Run(200);

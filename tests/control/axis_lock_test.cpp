@@ -6,8 +6,7 @@
 
 #include "servo_bench.h"
 
-// Axes that are locked: the reference that the tool is drawn back to, and the whole loop that drills along
-// one.
+// Locked axes: the reference that the tool returns to, and the whole loop drilling along one axis.
 
 namespace osteon::control {
 namespace {
@@ -21,7 +20,7 @@ AdmittanceParams Along(int axis) {
   return params;
 }
 
-// An inverse that leaves a little, always to the same side: what adds up, and what is left of it.
+// An inverse with small errors that always go to the same side: without the lock they would add up to 2 mm.
 TEST(AxisLock, WhatAddsUpOverALongWayIsDrawnBackToOneLine) {
   AdmittanceParams params = Along(2);
   params.centre_T_m = {0.0, 0.05, -0.2};
@@ -64,7 +63,7 @@ TEST(AxisLock, ComesBackSlowlyFromFarAwayAndLeavesFreeAxesAlone) {
   EXPECT_EQ(none.Correction(X_WT).v, Vector3::Zero());
 }
 
-// Free turns: the reference turns along, and only the locked place is held.
+// Free rotations: the reference turns along, and only the locked position is held.
 TEST(AxisLock, ATurnThatIsFreeIsNotDrawnBack) {
   AdmittanceParams params;
   params.locked = {true, true, true, false, false, false};
@@ -83,7 +82,7 @@ TEST(AxisLock, ATurnThatIsFreeIsNotDrawnBack) {
   EXPECT_LT((X_WT * params.centre_T_m - centre).norm(), 10e-6);
 }
 
-// The whole loop: joints, limits, a plane that is met askew, a hand that pulls to the side and twists.
+// The whole loop: joints, limits, a plane met at a slant, a hand that pulls to the side and twists.
 TEST(AxisLock, TheLoopDrillsAlongOneAxisWhateverPullsAside) {
   ServoParams params = ServoBench::Params();
   params.admittance.locked = {true, true, false, true, true, true};
@@ -107,11 +106,11 @@ TEST(AxisLock, TheLoopDrillsAlongOneAxisWhateverPullsAside) {
   EXPECT_LT(most_rad, 1e-4);
 }
 
-// A bound that it would slide along otherwise.
+// A bound along which the tool would slide without the lock.
 TEST(AxisLock, AtTheWorkspacesBoundItStopsOnItsLine) {
   ServoParams params = ServoBench::Params();
   params.admittance.locked = {true, true, false, true, true, true};
-  // the bound is met at 45 deg
+  // the axis meets the bound at 45 deg
   const Matrix3 R = ServoBench::StartPose().linear();
   params.workspace.plane_normal_W = (-R.col(2) + R.col(0)).normalized();
   params.workspace.plane_offset_m =

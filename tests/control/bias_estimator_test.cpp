@@ -34,7 +34,7 @@ Wrench Sum(const Wrench& a, const Wrench& b) { return {.f = a.f + b.f, .t = a.t 
 
 const Wrench kBias{.f = {3.0, -4.0, 0.0}, .t = {0.2, 0.1, -0.3}};
 
-// Rests for so long with a bias, noise and a hand.
+// Rests for a time with a bias, noise and a hand.
 void Hang(BiasEstimator& estimator, double seconds, const Wrench& bias, double noise_N = 0.0,
           double turn_rad = 0.3) {
   std::mt19937 random(1);
@@ -49,7 +49,7 @@ void Hang(BiasEstimator& estimator, double seconds, const Wrench& bias, double n
   }
 }
 
-// The hand's wrench is the sensor's less the tool's weight: both laws, each the other's oracle.
+// The hand's wrench is the sensor's reading less the tool's weight: each law is the other's oracle.
 TEST(BiasEstimator, TheToolsWeightIsWhatTheHandsWrenchTakesOut) {
   const Pose X_WF = Flange(1.1);
   const Wrench F = HandWrench(kSensor, ToolWeight(kSensor, X_WF), X_WF, X_WF * Vector3(0.0, 0.0, 0.3));
@@ -57,7 +57,7 @@ TEST(BiasEstimator, TheToolsWeightIsWhatTheHandsWrenchTakesOut) {
   EXPECT_LT(F.t.norm(), 1e-14);
 }
 
-// A bias that was calibrated is taken out by HandWrench; the estimate is what has come since.
+// HandWrench removes a calibrated bias; the estimate contains only the change since.
 TEST(BiasEstimator, ACalibratedBiasIsNotTakenTwice) {
   ForceSensorParams calibrated = kSensor;
   calibrated.bias_S = kBias;
@@ -78,7 +78,7 @@ TEST(BiasEstimator, ACalibratedBiasIsNotTakenTwice) {
 TEST(BiasEstimator, ABiasAtRestIsTakenToWithinTheMeanOfTheNoise) {
   BiasEstimator estimator({}, kSensor, kDt_s);
   Hang(estimator, 1.0, kBias, 0.1);
-  // rest_s of samples, each axis: .1 / sqrt(500), four of those
+  // a mean over rest_s of samples by axis: 0.1 / sqrt(500), with four standard deviations
   EXPECT_LT((estimator.bias().f - kBias.f).norm(), 4.0 * std::sqrt(3.0) * 0.1 / std::sqrt(500.0));
   EXPECT_LT((estimator.bias().t - kBias.t).norm(), 4.0 * std::sqrt(3.0) * 0.005 / std::sqrt(500.0));
 }
@@ -92,7 +92,7 @@ TEST(BiasEstimator, TooShortARestSaysNothing) {
 TEST(BiasEstimator, WhatMovesOrIsTouchedIsNoRest) {
   BiasEstimator moved({}, kSensor, kDt_s);
   for (int i = 0; i < 2000; ++i)
-    moved.Rest(Sum(kBias, ToolWeight(kSensor, Flange(1e-5 * i))), Flange(1e-5 * i));  // .01 rad/s
+    moved.Rest(Sum(kBias, ToolWeight(kSensor, Flange(1e-5 * i))), Flange(1e-5 * i));  // 0.01 rad/s
   EXPECT_EQ(moved.bias().f, Vector3::Zero());
 
   BiasEstimator touched({}, kSensor, kDt_s);

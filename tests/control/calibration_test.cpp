@@ -31,7 +31,7 @@ struct Load {
   Wrench bias{.f = {1.5, -4.0, 7.0}, .t = {0.1, -0.2, 0.05}};
 };
 
-// What a sensor reads of a body at rest, by the moment of its weight: written apart from the fit.
+// Sensor readings for a body at rest, by the moment of its weight: written independently of the fit.
 std::vector<RestPose> Readings(const Load& load, double noise_N = 0.0, double noise_Nm = 0.0) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -66,7 +66,7 @@ TEST(FitPayload, WhatItFoundMakesTheLoopSeeNoHand) {
   const Load load;
   const auto fit = FitPayload(Readings(load));
   ASSERT_TRUE(fit);
-  // S on the flange: the loop's own compensation, at poses that the fit has not seen
+  // S is on the flange: use the loop's own compensation at poses that the fit has not seen
   const ForceSensorParams sensor{.tool_mass_kg = fit->mass_kg, .tool_center_F_m = fit->center_S_m};
   for (const Matrix3& R : {Turn(10, 20, 30), Turn(-90, 0, 0)}) {
     Pose X_WF = Pose::Identity();

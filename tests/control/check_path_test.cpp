@@ -21,7 +21,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kReach_m = 0.42 + 0.4 + 0.126;  // of a straight iiwa 14, from its shoulder
 const kinematics::ChainParams<7> kChain = kinematics::ChainFrom(kinematics::Iiwa14());
 
-// The arm straight out, .36 m above its base's foot, to where A1 points: the flange goes on a circle.
+// The arm stretched out horizontally, 0.36 m above its base's foot: A1 moves the flange on a circle.
 JointVector StraightOut(double a1_rad, double a2_rad = kPi / 2.0) {
   JointVector q = JointVector::Zero();
   q[0] = a1_rad;
@@ -51,7 +51,7 @@ TEST(CheckPath, SaysWhereAnArcMeetsASphere) {
   around.spheres = {{.center_W_m = {kReach_m, 0.0, 0.36}, .radius_m = 0.05}};
   const auto found = CheckPath<7>(kChain, StraightOut(-1.0), StraightOut(1.0), around);
   ASSERT_FALSE(found);
-  // the chord of .05 + .01 + .01 is met at A1 = -2 asin(.07 / 2 / .946) = -.074: 46 % of the path
+  // the chord of 0.05 + 0.01 + 0.01 is met at A1 = -2 asin(0.07 / 2 / 0.946) = -0.074: 46 % of the path
   EXPECT_THAT(found.error(), HasSubstr("at 46 % of the path: found the flange "));
   EXPECT_THAT(found.error(), HasSubstr(" mm clear of the bone, accepted 10.0 mm clear of it"));
 }
@@ -59,11 +59,11 @@ TEST(CheckPath, SaysWhereAnArcMeetsASphere) {
 TEST(CheckPath, KeepsAboveThePlane) {
   PathSurroundings around = FlangeAlone();
   around.planes = {{.name = "the table", .normal_W = Vector3::UnitZ(), .offset_m = 0.1}};
-  // down to .36 + .946 cos(1.9) = .054 in the middle of nothing: the end is beneath
+  // down to 0.36 + 0.946 cos(1.9) = 0.054, with no bone near: the end is beneath
   auto found = CheckPath<7>(kChain, StraightOut(0.0), StraightOut(0.0, 1.9), around);
   ASSERT_FALSE(found);
   EXPECT_THAT(found.error(), HasSubstr("at 100 % of the path: found the flange 55.8 mm beneath the table"));
-  // and on the way, from one side to the other with A2 through the lowest place
+  // and on the path, from one side to the other with A2 through the lowest point
   JointVector from = StraightOut(0.0, 1.2), goal = StraightOut(0.0, 1.2);
   from[3] = -2.0;
   goal[3] = 2.0;
@@ -78,7 +78,7 @@ TEST(CheckPath, AnArmThatBeginsBeneathThePlaneMayOnlyRise) {
   PathSurroundings around = FlangeAlone();
   around.planes = {{.name = "the table", .normal_W = Vector3::UnitZ(), .offset_m = 0.0}};
   EXPECT_TRUE(CheckPath<7>(kChain, StraightOut(0.0, 2.0), StraightOut(0.0, 1.0), around));
-  // heights .36 + .42 cos(A2) + .526 cos(A2 - A4): -.034 at first, .017 at last, and lower in between
+  // heights 0.36 + 0.42 cos(A2) + 0.526 cos(A2 - A4): -0.034 at first, 0.017 at last, and lower in between
   JointVector goal = StraightOut(0.0, 1.2);
   goal[3] = -1.6;
   const auto found = CheckPath<7>(kChain, StraightOut(0.0, 2.0), goal, around);
@@ -110,8 +110,8 @@ TEST(CheckPath, RefusesEndsBeyondTheLimits) {
   EXPECT_FALSE(CheckPath<7>(kChain, goal, StraightOut(0.0), FlangeAlone()));
 }
 
-// The rule again, by dense sampling of the closed-form arm: 3e3 places, each a few tenths of a millimetre
-// from the next. What is accepted misses no bound by more than the resolution; what is refused does break it.
+// The same rule by dense sampling of the closed-form arm: 3e3 places, each a few tenths of a millimetre from
+// the next. An accepted path breaks no bound by more than the resolution; a refused path does break one.
 TEST(CheckPath, AgreesWithDenseSampling) {
   const kinematics::LbrArm arm(kinematics::Iiwa14());
   std::mt19937_64 random(31);
@@ -165,7 +165,7 @@ TEST(CheckPath, BallsOnLinksAreWhereTheLinksAre) {
   PathSurroundings around;
   around.balls = {{.name = "the elbow", .link = 3, .radius_m = 0.08}};
   around.planes = {{.name = "the table", .offset_m = 0.0}};
-  // the elbow of an arm straight out, on the shoulder's height
+  // the elbow of an arm stretched out horizontally, at the height of the shoulder
   const auto found = CheckPath<7>(kChain, StraightOut(0.0), StraightOut(1.0), around);
   ASSERT_TRUE(found) << found.error();
   EXPECT_NEAR(found->least_m, 0.36 - 0.08, 1e-9);

@@ -17,7 +17,7 @@ namespace {
 constexpr double kT = 1e-3;
 constexpr double kSoft = 2e3, kStiff = 20e3;
 
-// A wall at z = 0 whose planes anyone may change, a tank, and the shipped law.
+// A wall at z = 0 with changing planes, a tank, and the shipped law.
 struct Bench {
   CouplingParams params;
   CouplingState state;
@@ -26,7 +26,7 @@ struct Bench {
   AdmittanceState tool;
   AdmittanceParams law;
   int tick{1000};
-  double made_J{0.0};  ///< given to the tool so far: trapezoids
+  double made_J{0.0};  ///< given to the tool so far, by trapezoids
   CouplingOutput coupling;
   Vector3 f_W{Vector3::Zero()};
 
@@ -63,8 +63,9 @@ struct Bench {
   Vector3 p_W_{Vector3::Zero()};
 };
 
-// Soft on the way in, ten times as stiff on the way out; a bounce of a tool that weighs 20 N.
-// @returns energy that the wall has given in all [J]
+// A wall that is soft on the way in and ten times as stiff on the way out; a tool that weighs 20 N bounces on
+// it.
+// @returns total energy that the wall has given [J]
 double Pumped(bool acts, int ticks, double* least_J = nullptr) {
   Bench bench({.acts = acts});
   bench.tool.X_WT.translation().z() = 5e-3;
@@ -83,7 +84,7 @@ TEST(EnergyTank, AWallThatIsSoftWhenEnteredAndStiffWhenLeftGivesNoMoreThanTheTan
   RecordProperty("made_without_J", std::to_string(without));
   RecordProperty("made_with_J", std::to_string(with));
   EXPECT_GT(without, 5.0) << "thrown more than 25 cm high";
-  // the cap; the spring's own energy at the end; and what a plane that is touched in a frame's tick errs by
+  // the cap, the spring's own energy at the end, and the error of a plane that is touched in a frame's tick
   EXPECT_LT(with, 1.0 + 0.05);
   EXPECT_EQ(least_J, 0.0) << "it was emptied";
 }
@@ -102,8 +103,7 @@ TEST(EnergyTank, OnceEmptyTheSamePumpingMakesNothing) {
   EXPECT_LT(most_J, 1.05);
 }
 
-// Whatever planes come: 200 random walls a second, at random heights and stiffnesses, under a hand that
-// swings.
+// Random planes: 200 walls a second at random heights and stiffnesses, under a hand that swings.
 TEST(EnergyTank, NeverGivesOutMoreThanWentInAndTheCap) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 bits(seed);
@@ -122,7 +122,7 @@ TEST(EnergyTank, NeverGivesOutMoreThanWentInAndTheCap) {
       with.Tick(push);
       without.Tick(push);
       most_J = std::max(most_J, with.made_J);
-      // held by a hand, or it would be lost
+      // damped by a hand, or the tool would be lost
       with.tool.V_WT.v *= 0.995;
       without.tool.V_WT.v *= 0.995;
     }
@@ -137,7 +137,7 @@ TEST(EnergyTank, AHandOverItCanPayForIsRenderedAtOnceAndTheForceGoesOnWhereItCan
     Bench bench({.cap_J = cap_J});
     bench.Frame(kSoft);
     bench.Tick(0.0);                            // touches
-    bench.tool.X_WT.translation().z() = -5e-3;  // 10 N, by whoever put it there
+    bench.tool.X_WT.translation().z() = -5e-3;  // 10 N, set directly
     bench.Tick(10.0);
     bench.tool.V_WT = {};
     const double before_N = bench.f_W.z();
@@ -151,7 +151,7 @@ TEST(EnergyTank, AHandOverItCanPayForIsRenderedAtOnceAndTheForceGoesOnWhereItCan
   EXPECT_NEAR(hand_over(0.0), 1.0, 0.01) << "no step";
 }
 
-// It comes back no faster than the trip on the force's rate allows: 1.5 K v_max.
+// The share returns no faster than the trip on the force's rate allows: 1.5 K v_max.
 TEST(EnergyTank, ReturnsWithoutAStep) {
   Bench bench({.cap_J = 1.0});
   bench.Frame(kSoft);
@@ -160,7 +160,7 @@ TEST(EnergyTank, ReturnsWithoutAStep) {
   safety::WrenchRateTrip trip(kStiff, 0.25);
   for (int i = 0; i < 3; ++i) bench.Tick(18.0);
   bench.tool.V_WT = {};
-  // emptied: the tool held where it is, planes going to and fro
+  // empty the tank: the tool is held while planes alternate
   for (int i = 0; i < 8; ++i) {
     bench.Frame(i % 2 == 0 ? kStiff : kSoft);
     bench.Tick(18.0);
@@ -177,8 +177,8 @@ TEST(EnergyTank, ReturnsWithoutAStep) {
   }
 }
 
-// A wall that is pressed with 60 N while its frames differ by 20 um, as a real engine's do: a tank of 1 J
-// does not show, one of a tenth of a millijoule softens a wall that is stable.
+// A wall pressed with 60 N while its frames differ by 20 um, as a real engine's do. A tank of 1 J has no
+// visible effect, one of 0.1 mJ softens a wall that is stable.
 TEST(EnergyTank, TooSmallATankSpoilsAStableWall) {
   const auto depth_error = [](double cap_J, double* least_share) {
     Bench bench({.cap_J = cap_J});
@@ -206,8 +206,8 @@ TEST(EnergyTank, TooSmallATankSpoilsAStableWall) {
   RecordProperty("off_um_at_.1_mJ", std::to_string(1e6 * small_m));
 }
 
-// Closed ways in all six axes over planes that rest: U is a potential, so nothing is paid, and the tank stays
-// as it was but for what is let go of at a plane's edge.
+// Closed paths in all six axes over planes at rest: U is a potential, so nothing is paid, and the tank keeps
+// its energy except for losses at a plane's edge.
 TEST(EnergyTank, PlanesThatRestCostNothing) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 bits(seed);
@@ -237,13 +237,12 @@ TEST(EnergyTank, PlanesThatRestCostNothing) {
       Pose X_WT = Pose::Identity();
       X_WT.translation() = 0.5e-3 * std::sin(phase) * way;
       X_WT.linear() = ExpRotation(0.02 * (1.0 - std::cos(phase)) * turn);
-      model.frame = static_cast<std::uint64_t>(i + 1);  // the same planes again and again, each a new frame
+      model.frame = static_cast<std::uint64_t>(i + 1);  // the same planes, but a new frame each time
       const rt::Nanoseconds now = (i + 1000) * rt::kMillisecond;
       model.pose_stamp = now;
       const CouplingOutput coupling = EvaluateCoupling(params, model, X_WT, {}, now, false, state);
       ASSERT_EQ(tank.Step(coupling, X_WT, {}, 1.0), 1.0);
-      if (i == 0)
-        begun_J = tank.energy_J();  // planes that are there all at once, with the tool in them, cost
+      if (i == 0) begun_J = tank.energy_J();  // planes that appear with the tool already in them cost energy
       least_J = std::min(least_J, tank.energy_J());
     }
     EXPECT_GT(least_J, begun_J - 2e-3) << "seed " << seed << ": of some 70 mJ that go in and out";

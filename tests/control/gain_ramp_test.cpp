@@ -54,8 +54,8 @@ TEST(GainRamp, ASpringGetsStifferOnlyWhileNothingPresses) {
 }
 
 // Random motion in and out of a wall, random requests at any time. Between two ticks the spring has the
-// stiffness of the tick, and gives back the work of a spring, exactly (trapezoids); at each tick the ramp may
-// change it. Whatever the hand does, it never gets more out of the wall than it put in.
+// stiffness of the tick and does a spring's work exactly (trapezoids); at each tick the ramp may change the
+// stiffness. The hand never gets more out of the wall than it put in.
 TEST(GainRamp, StiffnessNeverMakesEnergy) {
   for (int seed = 1; seed <= 40; ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
@@ -90,7 +90,7 @@ TEST(GainRamp, StiffnessNeverMakesEnergy) {
   }
 }
 
-// The same of the mass: a body that coasts while its gains change at random.
+// The same for the mass: a body that coasts while its gains change at random.
 TEST(GainRamp, KineticEnergyNeverGrowsByAnyChange) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(0.1, 1.0);

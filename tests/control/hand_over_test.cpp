@@ -12,14 +12,14 @@
 #include "safety/limits.h"
 #include "tests/control/rt/checked_no_alloc_scope.h"
 
-// The coupling's force over frames whose planes come, go and turn, as they do on curved bone.
+// The coupling's force over frames whose planes appear, vanish and turn, as on curved bone.
 
 namespace osteon::control {
 namespace {
 
 using simulation::ContactModel;
 
-constexpr double kK = 60e3, kSpeed_m_per_s = 0.15, kDt_s = 1e-3;  // the shipped drilling cells'
+constexpr double kK = 60e3, kSpeed_m_per_s = 0.15, kDt_s = 1e-3;  // of the shipped drilling cells
 constexpr int kReturnTicks = 8;
 
 Pose At(const Vector3& p_WT) {
@@ -65,8 +65,8 @@ struct Bench {
   }
 };
 
-// What was recorded on a femoral head: flat planes under the drill, then one that leans by 11 degrees through
-// the same place. (.3, -1.8, 89.5) N became (-4.4, -17.0, 87.0) within a tick, against 13.5 N.
+// Recorded on a femoral head: flat planes under the drill, then one plane through the same place that leans
+// by 11 degrees. (0.3, -1.8, 89.5) N became (-4.4, -17.0, 87.0) within a tick, against a trip at 13.5 N.
 TEST(HandOver, APlaneThatLeansInTheNextFrameTurnsTheForceWithinItsTimeAndNotAtOnce) {
   Bench bench;
   bench.NewFrame();
@@ -105,7 +105,7 @@ TEST(HandOver, AForceThatFallsFallsAtOnce) {
   AddPlane(bench.model, Tilted(0.5, 0.3), Vector3::Zero());
   const double size_N = 90.0 * std::cos(0.5);
   EXPECT_LE(bench.Tick(At({0.0, 0.0, -1.5e-3})).F_T_W.f.norm(), size_N) << "the new planes' force, at once";
-  // the tool is drawn back while it still turns
+  // the tool is pulled back while the force still turns
   for (const double depth_m : {0.8e-3, 0.3e-3, 0.05e-3}) {
     const CouplingOutput out = bench.Tick(At({0.0, 0.0, -depth_m}));
     EXPECT_LE(out.F_T_W.f.norm(), kK * depth_m * std::cos(0.5) * (1.0 + 1e-9));
@@ -127,7 +127,7 @@ TEST(HandOver, ATurnThatIsSmallIsDoneInItsTick) {
   EXPECT_EQ(out.hand_over_s, 0.0) << "the age governor counts no more age";
 }
 
-// The contact point goes with the direction: a held direction about a new point would turn the tool.
+// The contact point moves with the direction: the old direction about a new point would turn the tool.
 TEST(HandOver, TheTorqueIsOfTheLineThatTheForceActsAlong) {
   Bench bench;
   bench.NewFrame();
@@ -149,8 +149,8 @@ TEST(HandOver, TheTorqueIsOfTheLineThatTheForceActsAlong) {
   }
 }
 
-/// Planes as frames of a convex bone under a tool bring them: about the axis within a cone, close to where
-/// the proxy is; some vanish, some come, all lean otherwise.
+/// Planes as in the frames of a convex bone under a tool: about the axis within a cone, close to the proxy;
+/// some vanish, some appear, all lean differently.
 class ChangingPlanes {
  public:
   explicit ChangingPlanes(std::uint64_t seed) : bits_(seed) {}
@@ -179,7 +179,7 @@ TEST(HandOver, NoChangeOfPlanesIsAStepWhateverTheSetDoes) {
       bench.NewFrame();
       AddPlane(bench.model, Vector3::UnitZ(), Vector3::Zero());
       const Pose X_WT = At({0.0, 0.0, -1.5e-3});
-      for (int i = 0; i < 60; ++i) {  // the first contact is none of a hand-over
+      for (int i = 0; i < 60; ++i) {  // the first contact is not a hand-over
         bench.model.contacts[0].p_W_m = Vector3(0.0, 0.0, -1.5e-3 + 25e-6 * i);
         ++bench.model.frame;
         static_cast<void>(bench.Tick(X_WT));
@@ -205,7 +205,7 @@ TEST(HandOver, NoChangeOfPlanesIsAStepWhateverTheSetDoes) {
   EXPECT_GT(most_N, 2.0) << "they do change";
 }
 
-// 10 N along the motion, .1 mm a tick: 1 mJ each. The planes themselves hold nothing here.
+// 10 N along the motion, 0.1 mm per tick: 1 mJ each. The planes themselves store nothing here.
 TEST(HandOver, TheTankPaysForItsWorkAndAnEmptyTankLetsNothingThrough) {
   constexpr double kCap_J = 5e-3;
   EnergyTank tank({.cap_J = kCap_J}, kDt_s);
@@ -226,7 +226,7 @@ TEST(HandOver, TheTankPaysForItsWorkAndAnEmptyTankLetsNothingThrough) {
   EXPECT_GT(done_J, 0.9 * kCap_J);
   EXPECT_LE(done_J, kCap_J + 1e-9);
   EXPECT_LT(tank.hand_over_share(), 1e-3);
-  // against the motion it fills
+  // a hand-over force against the motion fills the tank
   out.F_hand_over_T_W.f = out.F_contact_T_W.f = Vector3(-10.0, 0.0, 0.0);
   static_cast<void>(tank.Step(out, At({13e-4, 0.0, 0.0}), V_WT, 1.0));
   EXPECT_GT(tank.energy_J(), 0.4e-3);

@@ -43,7 +43,7 @@ TEST_P(ModelA, GrowthOnBothSidesOfTheBoundaryIsTheSpectralRadius) {
   }
 }
 
-// The rule of thumb holds where damping of the wall is not what decides.
+// The rule of thumb holds unless the wall's damping decides.
 TEST_P(ModelA, RuleOfThumbIsNearWithoutWallDamping) {
   const Row& row = GetParam();
   const double rule = (row.b + row.B) / (0.5e-3 + 1e-3 * row.d);
@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(Design, ModelA,
                                          Row{"heavy_damped_wall", 5, 20, 50, 5, 12472, 12727}),
                          [](const auto& test) { return test.param.name; });
 
-// Stable alone is not passive: a hand can still excite it.
+// Stability is not passivity: a hand can still excite the loop.
 TEST(ModelA, PassivityAsksForMoreThanStability) {
   ImpedanceLoopParams wall{.wall_stiffness_N_per_m = 700.0, .delay = 2};
   EXPECT_LT(ImpedanceLoop(wall).SpectralRadius(), 1.0);

@@ -1,5 +1,5 @@
-// The tool's own inertia, felt by the sensor and made up for: positive feedback through the virtual mass. The
-// loop's matrix steps the shipped law, arm and StepMotion.
+// Compensation of the tool's own inertia in the sensor's reading: positive feedback through the virtual mass.
+// The loop's matrix steps the shipped law, arm and StepMotion.
 
 #include <cmath>
 
@@ -21,7 +21,7 @@ AdmittanceLoopParams Loop(const GridHand& hand, double tool_kg, double share, do
   return params;
 }
 
-// The greatest share that is stable.
+// The largest stable share.
 double GreatestShare(const GridHand& hand, double tool_kg, double hz = 15.0) {
   return FirstCrossing(
              [&](double share) {
@@ -38,8 +38,8 @@ TEST(InertiaStability, WithoutAShareItIsTheLoopOfAHeavierHand) {
               AdmittanceLoop(heavier).SpectralRadius(), 1e-12);
 }
 
-// Beyond 1 + m_v / m_t the virtual tool weighs less than nothing. The arm's lag, which the sensor's side of
-// the loop has as well, puts the crossing somewhat higher; a hand hardly moves it.
+// Beyond 1 + m_v / m_t the virtual tool has negative mass. The arm's lag, which also acts on the sensor's
+// side of the loop, puts the crossing somewhat higher; a hand hardly moves it.
 TEST(InertiaStability, TheGreatestShareIsWhereTheVirtualMassIsUsedUp) {
   for (const double tool_kg : {0.5, 1.2, 2.5}) {
     const double used_up = 1.0 + 3.0 / tool_kg;
@@ -62,8 +62,8 @@ TEST(InertiaStability, AShareBeyondItGrowsInTimeAndOneBelowDecays) {
   EXPECT_GT(growth(1.05 * bound), 1e-5);
 }
 
-// What decides for a cell is not that, but the hands: the filters' lag is a negative drag, which the virtual
-// tool's has to pay for. Every hand up to 3 kN/m, a tool of 1.2 kg on a virtual one of 3 kg.
+// In a cell the hands decide, not that limit: the filters' lag is a negative drag, which the virtual tool's
+// drag has to compensate. Every hand up to 3 kN/m, a tool of 1.2 kg on a virtual tool of 3 kg.
 TEST(InertiaStability, EveryHandStandsSevenTenthsAtThirtyNewtonSecondsPerMeterAndNotTheWhole) {
   const auto unstable_hands = [](double share, double damping_Ns_per_m) {
     int count = 0;

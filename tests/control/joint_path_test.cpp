@@ -37,12 +37,12 @@ JointVector RandomPosture(std::mt19937_64& random, double share = 1.0) {
   return q;
 }
 
-// Drives the path to its end and holds every tick against what the parameters promise. Speeds and
-// accelerations are differences of the positions alone, the tool's way is the closed-form arm's: nothing that
-// the path says of itself. A mean over a tick is never more than the greatest value in it; 1e-6 is for
-// rounding, which the second difference divides by dt^2 (1e-16 / 1e-6).
+// Drives the path to its end and compares every tick with the parameters. Speeds and accelerations are
+// differences of the positions, and the tool's path is the closed-form arm's: nothing relies on the path's
+// own output. A mean over a tick is at most the maximum within it; 1e-6 allows for rounding, which the second
+// difference divides by dt^2 (1e-16 / 1e-6).
 struct Peaks {
-  double speed{0.0}, acceleration{0.0}, tool{0.0};  ///< as shares of what is allowed
+  double speed{0.0}, acceleration{0.0}, tool{0.0};  ///< as shares of the limits
   int ticks{0}, stood{0};
 };
 template <typename Permitted>
@@ -73,8 +73,8 @@ void Drive(JointPath<7>& path, const JointPathParams& params, const JointVector&
       peaks.speed = std::max(peaks.speed, speed);
       peaks.acceleration = std::max(peaks.acceleration, acceleration);
     }
-    // its own velocity: the mean of the tick lies between those at its ends, or, where it is greatest within
-    // the tick, a dt^2 of jerk beside them (1e3 rad/s^3)
+    // the path's own velocity: the tick's mean lies between the velocities at its ends or, with the maximum
+    // within the tick, a dt^2 of jerk outside (1e3 rad/s^3)
     const double mean = line.dot(step) / dt_s, ends = line.dot(out.qd + qd_before) / 2.0;
     ASSERT_LE(std::abs(mean - ends), std::abs(line.dot(out.qd - qd_before)) / 2.0 + 1e3 * dt_s * dt_s)
         << "tick " << tick;
@@ -107,7 +107,7 @@ TEST(JointPath, AThousandPairsKeepEveryLimitAndTheLine) {
   JointPath<7> path = MakePath(params);
   double least_peak = 1.0;
   for (int pair = 0; pair < 1000; ++pair) {
-    // from short ways to the whole range
+    // from short paths to the whole range
     const JointVector from = RandomPosture(random);
     const JointVector goal = from + std::pow(10.0, -(pair % 4)) * (RandomPosture(random) - from);
     Peaks peaks;
@@ -115,7 +115,7 @@ TEST(JointPath, AThousandPairsKeepEveryLimitAndTheLine) {
         path, params, from, goal, [](int) { return true; }, peaks, kLongTick_s);
     if (HasFatalFailure()) FAIL() << "pair " << pair;
     EXPECT_LE(peaks.ticks * kLongTick_s, path.duration_s() + params.pause_s / 3.0 + 2 * kLongTick_s);
-    // a short way is over before the clock has its full rate
+    // a short path ends before the clock reaches its full rate
     if (path.duration_s() > 5.0) least_peak = std::min(least_peak, std::max(peaks.speed, peaks.tool));
   }
   EXPECT_GT(least_peak, 0.75)
@@ -145,7 +145,7 @@ TEST(JointPath, PausesAtRandomTimesKeepEveryLimitAndTheLine) {
   }
 }
 
-// A short way is the accelerations': there a pause must not ask for more than the way itself leaves.
+// The accelerations limit a short path: a pause must not require more than the path leaves.
 TEST(JointPath, AShortWayPausedAtEveryPlaceKeepsItsAccelerations) {
   const JointPathParams params{.speed_share = 1.0, .acceleration_share = 0.3};
   JointPath<7> path = MakePath(params);

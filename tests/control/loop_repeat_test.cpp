@@ -11,7 +11,7 @@
 #include "servo_bench.h"
 #include "tests/control/rt/checked_no_alloc_scope.h"
 
-// A tick that is computed twice.
+// Each tick computed twice.
 
 namespace osteon::control {
 namespace {
@@ -21,7 +21,7 @@ ServoLoop Loop(const ServoParams& params) {
           ServoBench::Arm().ArmAngle(ServoBench::StartJoints())};
 }
 
-// What a run has: a hand, messages that are missing, other gains, a pause, an arm that leaves and comes back.
+// Events of a run: a hand, missing messages, new gains, a pause, an arm that leaves and returns.
 void Happen(ServoBench& bench, int tick) {
   bench.push_N = 60.0 * std::sin(0.01 * tick);
   bench.sensor_lives = tick < 700 || tick > 712;
@@ -87,7 +87,7 @@ TEST(LoopRepeat, TheLastBitOfAnythingThatComesOutCounts) {
   }
 }
 
-// Something in the first loop's memory changes by one bit.
+// One bit of the first loop's memory changes.
 TEST(LoopRepeat, AParameterThatDiffersByOneBitIsSeenOnceItCounts) {
   ServoParams other = ServoBench::Params();
   other.admittance.mass_kg.x() = std::nextafter(other.admittance.mass_kg.x(), 10.0);

@@ -22,8 +22,7 @@ PortTick At(double z_m, double v_m_per_s, double force_N, double potential_J) {
   return port;
 }
 
-// The shipped law swings on a spring at a lever, all six axes moving; of a spring nothing is made, however
-// long.
+// The shipped law swings on a spring at a lever, in all six axes: a spring generates no energy at any time.
 TEST(Passivity, OfASpringTheTrapezoidFindsNothingMadeAndHeldForcesFindWhatTheyMake) {
   PassivityParams params{.acts = false, .allowance_J = 0.0};
   PassivityController trapezoid(params, PortWork::kTrapezoid, kT, 1e6),
@@ -38,7 +37,7 @@ TEST(Passivity, OfASpringTheTrapezoidFindsNothingMadeAndHeldForcesFindWhatTheyMa
     const Vector3 d = tool.X_WT.translation();
     const Vector3 turn = LogRotation(tool.X_WT.linear());
     const Wrench F{.f = -kK * (d + Vector3(0, 0, 3e-3)), .t = -20.0 * turn + Vector3(0.02, 0, 0)};
-    // potential so large that nothing is forgotten
+    // a potential so large that nothing is forgotten
     const PortTick port{
         .F_T_W = F, .potential_J = 1e3, .contact = true, .X_WT = tool.X_WT, .V_WT = tool.V_WT};
     static_cast<void>(trapezoid.Step(port));
@@ -48,7 +47,7 @@ TEST(Passivity, OfASpringTheTrapezoidFindsNothingMadeAndHeldForcesFindWhatTheyMa
     held_J = std::max(held_J, held.energy_J());
     ASSERT_TRUE(StepAdmittance(law, F, kT, tool));
   }
-  // it begins stretched by 1 mm: 10 mJ and the torque's, to be given back once and for all
+  // it begins stretched by 1 mm: 10 mJ and the torque's energy, given back only once
   EXPECT_LT(most_J, 0.0101);
   EXPECT_GT(held_J, 0.1) << "K v^2 T^2 / 2 a tick";
 }
@@ -63,7 +62,7 @@ TEST(Passivity, WhatWasDissipatedLongAgoDoesNotHideWhatIsMadeNow) {
     ASSERT_GE(controller.energy_J(), -0.27 - 1e-12);
   }
   EXPECT_NEAR(controller.energy_J(), -0.27, 1e-12) << "what the spring holds, and the allowance";
-  // 100 N that push it out: after .27 J, 2.7 mm, it has given more than it ever held
+  // 100 N push it out: after 0.27 J, 2.7 mm, it has given more than it ever stored
   double out_m = 0.0;
   while (!controller.acted() && out_m < 0.1) {
     z += 20e-3 * kT;
@@ -79,12 +78,12 @@ TEST(Passivity, TakesBackWhatWasMadeInOneTickWhereBoundsAllow) {
   const Wrench F = controller.Step(At(0.1e-3, 0.1, 10.0, 0.0));  // 1 mJ made
   EXPECT_NEAR(controller.energy_J(), 1e-3, 1e-12);
   EXPECT_NEAR(-F.f.z() * 0.1 * kT, 1e-3, 1e-12) << "power of the damping, over a tick";
-  // the tool moves on as it did: it is taken
+  // the tool keeps its motion: the damping takes the energy
   static_cast<void>(controller.Step(At(0.2e-3, 0.1, 0.1, 0.0)));
   EXPECT_NEAR(controller.energy_J(), 0.5 * 10.1 * 0.1e-3, 1e-12) << "and what was made since";
 }
 
-// A tank that pays for planes which come back: what it has paid is no energy made, what comes beyond is.
+// A tank pays for returning planes: energy that it paid does not count as generated, any excess does.
 TEST(Passivity, EnergyThatATankHasPaidForMayComeOut) {
   for (const double paid_J : {0.0, 2e-3}) {
     PassivityController controller({.allowance_J = 0.0}, PortWork::kTrapezoid, kT, 1e6);
@@ -107,7 +106,7 @@ TEST(Passivity, DoesNotActNearRestAndKeepsTheEnergyForLater) {
   EXPECT_NEAR(controller.energy_J(), 4e-4, 1e-12);
   static_cast<void>(controller.Step(At(8e-6, 0.006, 100.0, 0.0)));
   EXPECT_TRUE(controller.acted());
-  // contact ends: at 0 again
+  // contact ends: E starts again at 0
   static_cast<void>(controller.Step(At(1e-3, 0.1, 0.0, 0.0)));
   EXPECT_EQ(controller.energy_J(), 0.0);
   EXPECT_FALSE(controller.acted());

@@ -1,4 +1,4 @@
-// The design's wall: a force that is 5 ms old, softer than what would be stable and stiffer, on the shipped
+// The design's wall with a force that is 5 ms old, softer and stiffer than the stable limit, on the shipped
 // steps of law, arm and stabilisers.
 
 #include <cmath>
@@ -16,7 +16,7 @@
 namespace osteon::hil {
 namespace {
 
-// A light hand. With these the wall's limit is the design's, 3.3 kN/m (the first test).
+// A light hand, for which the wall's limit is the design's, 3.3 kN/m (the first test).
 AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
   AdmittanceLoopParams loop;
   loop.hand = {"light", 100.0, 4.0, 0.3};
@@ -28,12 +28,11 @@ AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
 
 struct Ripple {
   double rms_N{0.0};   ///< of the wall's force, about its mean, in the second half
-  double peak_N{0.0};  ///< of it, in all
+  double peak_N{0.0};  ///< of the wall's force, over the whole run
   int acted{0};        ///< ticks
 };
 
-// Pressed on with 40 N from 2 mm above, for 4 s. The planes are as the pose 5 ms ago had them: a force of
-// then.
+// Pressed with 40 N from 2 mm above, for 4 s. The planes, and so the force, belong to the pose 5 ms ago.
 Ripple Press(const AdmittanceLoopParams& p, bool acts) {
   constexpr double kPress_N = 40.0;
   const double T = p.period_s, w = 2.0 * std::numbers::pi * p.arm.bandwidth_hz;

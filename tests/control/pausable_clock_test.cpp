@@ -14,7 +14,7 @@ namespace {
 constexpr double kDt_s = 0.001;
 constexpr double kPause_s = 0.5;
 
-// From rest: two parabolas of 1/3 pause each, so half of 2/3 pause passes on the clock.
+// From rest: two parabolas of 1/3 pause each, so that half of 2/3 pause passes on the clock.
 TEST(PausableClock, ComesUpAndRestsInTwoThirdsOfThePause) {
   PausableClock clock(kPause_s);
   double own_s = 0.0;
@@ -35,7 +35,7 @@ TEST(PausableClock, ComesUpAndRestsInTwoThirdsOfThePause) {
   EXPECT_NEAR(own_s, kPause_s / 3.0, 1e-12);
 }
 
-// Steps are integrated exactly: their length makes no difference.
+// Steps are integrated exactly: their length does not matter.
 TEST(PausableClock, TheLengthOfAStepMakesNoDifference) {
   PausableClock fine(kPause_s), coarse(kPause_s);
   std::mt19937_64 random(11);

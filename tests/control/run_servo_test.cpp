@@ -16,7 +16,7 @@
 namespace osteon::control {
 namespace {
 
-// An arm as a port: paces the loop by sleeping, goes active after some messages, follows at once.
+// An arm behind the port: paces the loop by sleeping, becomes active after some messages, follows at once.
 class FakeArm : public ArmLink {
  public:
   explicit FakeArm(int active_after = 3, int closes_after = 1 << 30)
@@ -58,7 +58,7 @@ class FakeArm : public ArmLink {
   rt::Nanoseconds next_;
 };
 
-// Pushes, and serves as the simulation as well: a fresh model of free space at each reading.
+// A pushing hand, which is the simulation as well: a fresh model of free space at each reading.
 class FakeWorld : public CellDevices {
  public:
   explicit FakeWorld(rt::LatestValue<simulation::ContactModel>& models) : models_(models) {}
@@ -119,13 +119,13 @@ TEST(RunServo, RunsItsSecondsThenStopsInOrderAndAnswersEveryMessage) {
   EXPECT_EQ(rig.recorder.records.back().phase, Phase::kStopped);
   EXPECT_EQ(result.wakeup.count(), static_cast<std::uint64_t>(arm.received));
   EXPECT_EQ(result.period.count(), result.statistics.active_ticks - 1);
-  // the fake arm's stamps are exactly 1 ms apart, however late the machine wakes up: the histogram's bin is
-  // left
+  // the fake arm's stamps are exactly 1 ms apart, however late the machine wakes up: only the histogram's bin
+  // remains as an error
   EXPECT_NEAR(1e9 / static_cast<double>(result.period.Quantile(0.5)), 1000.0, 5.0);
   EXPECT_EQ(rig.commands.Load().stamp, rig.loop.tool_command().stamp);
 }
 
-// What a recording shows of the arm at rest.
+// A recording of the arm at rest.
 TEST(RunServo, AnArmAtRestIsAnsweredAndRecordedForItsTime) {
   for (const double rest_s : {0.0, 0.1}) {
     Rig rig;
@@ -136,7 +136,7 @@ TEST(RunServo, AnArmAtRestIsAnsweredAndRecordedForItsTime) {
     EXPECT_EQ(arm.sent, arm.received);
     const auto at_rest = std::count_if(rig.recorder.records.begin(), rig.recorder.records.end(),
                                        [](const TickRecord& tick) { return tick.phase == Phase::kStopped; });
-    // a message a millisecond, fewer where the machine is late
+    // one message per millisecond, fewer if the machine is late
     EXPECT_GE(at_rest, rest_s > 0.0 ? 20 : 1);
     if (rest_s == 0.0) EXPECT_EQ(at_rest, 1);
   }
@@ -158,7 +158,7 @@ TEST(RestTime, BeginsWhereNothingIsOutOfControlAndGivesUpOnAnArmThatIsNotSeenToS
   EXPECT_TRUE(none.IsOver(CellState::kStop0, 1000));
 }
 
-// Rehearsals, counted.
+// Counts rehearsals.
 class RehearsedArm : public FakeArm {
  public:
   void Rehearse(const ArmCommand&) OSTEON_RT override { ++rehearsed; }
@@ -190,7 +190,7 @@ TEST(RunServo, ATickThatComesOutOtherwiseTheSecondTimeEndsTheRun) {
   EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
 }
 
-// A recorder that stands still stops the cell in the tick after it was seen, and the tick's second
+// A recorder that stands still stops the cell in the tick after the finding, and the tick's second
 // computation has the same inputs.
 TEST(RunServo, ARecorderThatStandsStillEndsTheRun) {
   constexpr std::size_t kSeen = 300;
@@ -211,7 +211,7 @@ TEST(RunServo, ARecorderThatStandsStillEndsTheRun) {
   EXPECT_EQ(recorder.records[kSeen].faults, static_cast<std::uint32_t>(safety::Fault::kRecorder));
 }
 
-// What it has no room for stops it as well.
+// A full recorder stops it as well.
 TEST(RunServo, ATickThatIsRefusedEndsTheRun) {
   struct Full : FakeRecorder {
     bool Push(const TickRecord& record) OSTEON_RT override {

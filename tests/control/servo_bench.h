@@ -7,9 +7,8 @@
 
 namespace osteon::control {
 
-/// Virtual time round a servo loop: an arm that is where it was told to be a tick later, a simulation that
-/// knows one plane ahead of the tool (from reach_m away) and reports it late, and a hand that pushes with a
-/// given wrench.
+/// A servo loop in virtual time, with an arm that follows its command a tick later, a simulation with one
+/// plane ahead of the tool (from reach_m away) that reports late, and a hand that pushes with a given wrench.
 class ServoBench {
  public:
   static constexpr rt::Nanoseconds kTick = rt::kMillisecond;
@@ -47,7 +46,7 @@ class ServoBench {
     plane_W = StartPose().translation() + plane_ahead_m * feed_W;
   }
 
-  /// One tick. The arm's joints follow the command of the tick before.
+  /// One tick. The arm's joints follow the previous tick's command.
   TickRecord Tick(ReceiveResult received = ReceiveResult::kOk) {
     now += kTick;
     if (received == ReceiveResult::kOk) {
@@ -75,12 +74,12 @@ class ServoBench {
     return record;
   }
 
-  /// Where the arm has the tool.
+  /// Tool pose by the arm's joints.
   [[nodiscard]] Pose ToolNow() const {
     return arm_.FlangePose(Eigen::Map<const kinematics::JointVector>(arm.q_meas.data())) * FlangeToTool();
   }
 
-  /// A wrench on the tool as a sensor without mounting reads it: at the flange, in its frame.
+  /// Reading of a force sensor without mounting for a wrench on the tool: at the flange, in its frame.
   static Wrench OnTheSensor(const Wrench& F_T_W, const Pose& X_WT) {
     const Pose X_WF = X_WT * FlangeToTool().inverse();
     const Vector3 lever_W = X_WT.translation() - X_WF.translation();
@@ -107,7 +106,7 @@ class ServoBench {
   Vector3 side_W_N{Vector3::Zero()};
   bool sensor_lives{true}, simulation_lives{true};
   double reach_m{10.0};          ///< of the simulation's planes beyond the tool
-  bool arm_moves{true};          ///< where it is told to; else it stays
+  bool arm_moves{true};          ///< false: the arm stays in place whatever is commanded
   bool one_frame_behind{false};  ///< a frame arrives when the next one begins
   Vector3 feed_W, plane_W;
 
@@ -115,7 +114,7 @@ class ServoBench {
   kinematics::LbrArm arm_{Arm()};
   bool answered_{false};
 
-  // A frame of the command of the tick before.
+  // A frame for the previous tick's command.
   void Simulate() {
     simulation::ContactModel frame;
     frame.frame = static_cast<std::uint64_t>(ticks + 1);

@@ -1,4 +1,4 @@
-// The bar: no coupling wrench is rendered that the arm's torques can't hold in its posture.
+// Requirement: no coupling wrench is rendered that the arm's torques cannot hold in its posture.
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@ namespace {
 
 using kinematics::JointVectorN;
 
-// The bench's arm with 4 kg in the middle of each long link and a tool of 2 kg, its A2 with a torque of
-// choice: it carries the push's lever about the shoulder.
+// The bench's arm with 4 kg in the middle of each long link, a tool of 2 kg and a chosen torque limit of A2,
+// which carries the push's lever about the shoulder.
 constexpr double kStrong_Nm = 320.0, kWeak_Nm = 110.0;
 kinematics::ChainParams<7> Body(double shoulder_Nm) {
   const kinematics::LbrParams lbr = kinematics::Iiwa14();
@@ -44,8 +44,8 @@ ServoParams Params(std::optional<kinematics::ChainParams<7>> body) {
   return params;
 }
 
-// The torque of the drives over their limit, worst of all, while the arm at q exerts F at the tool: dynamics
-// of the chain at rest, with the wrench's reaction on the flange.
+// Largest ratio of drive torque to its limit while the arm at q exerts F at the tool: dynamics of the chain
+// at rest, with the wrench's reaction on the flange.
 double WorstUse(const kinematics::ChainParams<7>& body, const JointArray& joints, const TickRecord& record) {
   const kinematics::SerialChain<7> chain(body);
   const JointVectorN<7> q = Eigen::Map<const JointVectorN<7>>(joints.data()), zero = JointVectorN<7>::Zero();
@@ -60,7 +60,7 @@ double WorstUse(const kinematics::ChainParams<7>& body, const JointArray& joints
 }
 
 struct Pressed {
-  double worst_use{0.0};  ///< of a torque limit, over the run
+  double worst_use{0.0};  ///< largest share of a torque limit, over the run
   double off_direction{0.0};
   int cut_ticks{0}, ticks{0};
   TickRecord last;
@@ -75,7 +75,7 @@ Pressed Press(const ServoParams& params, const kinematics::ChainParams<7>& body)
   Pressed pressed;
   for (int i = 0; i < 1500; ++i) {
     const JointArray posture =
-        bench.command.q;  // in which the tick computes: its motion comes after the wrench
+        bench.command.q;  // posture of the tick's computation: its motion comes after the wrench
     pressed.last = bench.Tick();
     if (pressed.last.phase != Phase::kHaptic) continue;
     ++pressed.ticks;
@@ -123,8 +123,8 @@ TEST(ServoCapability, DoesNotAllocate) {
   }
 }
 
-// A hand leads the tool to and fro beside the plane, with an elbow that holds just what is wanted. What the
-// posture holds at last, and how far the tool's way differs from that of an arm without the preference.
+// A hand leads the tool to and fro beside the plane, with an elbow that just holds the wanted load. Compares
+// the load held at the end, and the tool's path with that of an arm without the preference.
 struct Led {
   double begun{0.0}, ended{0.0};
   std::vector<Vector3> way;

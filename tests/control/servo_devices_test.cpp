@@ -2,14 +2,14 @@
 
 #include "servo_bench.h"
 
-// Force sensor, spindle and PLC, as the loop depends on them.
+// The loop's dependence on force sensor, spindle and PLC.
 
 namespace osteon::control {
 namespace {
 
 using safety::Fault;
 
-// A cell with a drive and a PLC, both in order and permitting, unless a test says otherwise.
+// A cell with a drive and a PLC, both in order and permitting unless a test changes them.
 class ServoDevices : public ::testing::Test {
  protected:
   static ServoParams Params() {
@@ -39,7 +39,7 @@ class ServoDevices : public ::testing::Test {
     Run(600);
     ASSERT_EQ(bench.loop.phase(), Phase::kHaptic);
   }
-  // A Stop 1: at rest soon, by nothing but braking.
+  // Expects a Stop 1: at rest soon, only by braking.
   void ExpectStop(Fault fault) {
     Tick();
     EXPECT_NE(bench.loop.phase(), Phase::kHaptic);
@@ -97,7 +97,7 @@ TEST_F(ServoDevices, AStandingPermissionOfAPlcThatWentSilentIsNone) {
   EXPECT_EQ(bench.loop.phase(), Phase::kWaiting);
 }
 
-// A drive that is found in fault is reset before anything moves, and then by a recovery alone.
+// A drive found in fault is reset before anything moves, and later only by a recovery.
 TEST_F(ServoDevices, ADrivesFaultsMayBeClearedBeforeTheFirstMotionAndInARecovery) {
   EXPECT_TRUE(bench.loop.cell_commands().clear_faults);
   spindle.fault = true;

@@ -23,8 +23,8 @@ ServoParams Limited(OnForceLimit reaction) {
   return params;
 }
 
-// Into the plane, and then with 120 N for two seconds. @returns greatest depth beyond where the limit is
-// reached [m]
+// Pushes into the plane, then with 120 N for two seconds. @returns greatest depth beyond the point where the
+// limit is reached [m]
 double BeyondTheLimit(ServoBench& bench) {
   const double at_limit_m = kLimit_N / ServoBench::Params().coupling.max_stiffness_N_per_m;
   bench.Run(5);
@@ -73,16 +73,15 @@ TEST(ServoForceLimit, ATooDeepToolStopsWhateverTheReaction) {
   }
 }
 
-// Work that a coupling gives over ticks, from the outside: its force as recorded, on the way that the tool
-// was commanded.
+// Work of a coupling over ticks, computed independently: its recorded force on the commanded motion of the
+// tool.
 class Work {
  public:
-  // The record's force acts where the tool was a tick before, and moves it to where it is now.
+  // The record's force acts at the tool's previous pose and moves it to the present one.
   void Add(const TickRecord& record) {
     const Wrench F = record.F_coupling_T_W;
     if (begun_) {
-      sum_J_ +=
-          0.5 * (Power(F_before_, step_) + Power(F, step_));  // the mean of both ends of the step before
+      sum_J_ += 0.5 * (Power(F_before_, step_) + Power(F, step_));  // mean of both ends of the previous step
       least_J_ = std::min(least_J_, sum_J_);
       step_ = SmallStep(X_before_, Pose(record.X_WT_cmd));
     }
@@ -90,7 +89,7 @@ class Work {
     begun_ = true;
     X_before_ = record.X_WT_cmd;
   }
-  // Of the last tick: its force, on the step that it made.
+  // Work of the last tick's force on the step that it caused.
   [[nodiscard]] double step_J() const { return Power(F_before_, step_); }
   [[nodiscard]] double GivenBack_J() const { return sum_J_ - least_J_; }
 
@@ -136,7 +135,7 @@ TEST(ServoPowerLimit, NoTickGivesMorePowerThanTheLimit) {
     Work work;
     double most_W = 0.0;
     for (int i = 0; i < 3000; ++i) {
-      // pressed, and let go at once, again and again
+      // pressed and released suddenly, repeatedly
       bench.push_N = i % 600 < 400 ? std::min(150.0, 1.0 * (i % 600)) : -20.0;
       work.Add(bench.Tick());
       most_W = std::max(most_W, work.step_J() / 1e-3);

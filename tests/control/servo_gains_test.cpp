@@ -26,8 +26,8 @@ struct Pressed {
   std::vector<simulation::ContactModel> models;
 };
 
-// Pressed onto the plane with 60 N; after two seconds softer, after four the first gains again, from another
-// thread.
+// Pressed onto the plane with 60 N; another thread sets softer gains after two seconds, and the first gains
+// again after four.
 Pressed Press() {
   ServoParams params = ServoBench::Params();
   params.admittance.damping_Ns_per_m.setConstant(100.0);
@@ -61,7 +61,7 @@ TEST(ServoGains, AChangeWhilePressedIsNoStepAndTripsNothing) {
   EXPECT_EQ(run.ticks[2000].input.gains.max_stiffness_N_per_m, 8e3);
   EXPECT_FALSE(run.ticks[2001].input.has_gains) << "in the tick that took them";
 
-  // where the spring carries the push: d = F / K
+  // at rest the spring carries the push: d = F / K
   const ServoBench bench;
   const auto depth = [&](std::size_t tick) {
     return bench.feed_W.dot(Pose(run.ticks[tick].X_WT_cmd).translation() - bench.plane_W);
@@ -91,7 +91,7 @@ TEST(ServoGains, TheSameTwiceAndAgainFromWhatWasRecorded) {
   }
 }
 
-// A tool that coasts gets heavier: what it has of energy does not grow by it.
+// A coasting tool gets heavier: its energy does not grow.
 TEST(ServoGains, ACoastingToolThatGetsHeavierSlowsDown) {
   ServoParams params = ServoBench::Params();
   params.admittance.damping_Ns_per_m.setConstant(1e-3);

@@ -1,4 +1,4 @@
-// What the loop makes of values that are missing, late, of the future or of the past.
+// How the loop treats values that are missing, late, of the future or of the past.
 
 #include <limits>
 
@@ -11,14 +11,14 @@ namespace {
 
 using safety::Fault;
 
-// The simulation takes the first pose that it is told as free: it must be the tool's, not the world's origin.
+// The simulation takes its first pose as free: that must be the tool's pose, not the world's origin.
 TEST(ServoInput, NoPoseIsToldToTheSimulationBeforeTheArmHasToldOne) {
   ServoBench bench;
   for (int i = 0; i < 10; ++i) bench.Tick(ReceiveResult::kTimeout);
   EXPECT_EQ(bench.loop.tool_command().stamp, 0) << "no message yet";
   const JointArray q = bench.arm.q_meas;
   bench.arm.session = SessionState::kIdle;
-  bench.arm.q_meas = {};  // an idle arm need not say where it is
+  bench.arm.q_meas = {};  // an idle arm need not report its position
   bench.arm.has_ipo = false;
   bench.Tick();
   EXPECT_EQ(bench.loop.tool_command().stamp, 0) << "idle";
@@ -29,12 +29,13 @@ TEST(ServoInput, NoPoseIsToldToTheSimulationBeforeTheArmHasToldOne) {
   EXPECT_LT((Pose(record.X_WT_cmd).matrix() - ServoBench::StartPose().matrix()).norm(), 1e-9);
 }
 
-// The planes of a frame reach a quarter of a millimetre beyond the tool (CuttingParams). Bone farther away is
-// news of the next frame, when the tool may be in it: the step must stay below the trip on the wrench's rate.
+// The planes of a frame reach a quarter of a millimetre beyond the tool (CuttingParams). Bone farther away
+// appears in the next frame, when the tool may be inside it: the step must stay below the trip on the
+// wrench's rate.
 TEST(ServoInput, BoneThatNoFrameKnewOfYetIsMetWithoutAFault) {
   for (const bool one_frame_behind : {false, true})
     for (const int frame_ticks : {1, 2, 3, 5, 8}) {
-      // contact at every place in a frame's time
+      // contact at every time within a frame
       for (double ahead_m = 0.020; ahead_m < 0.0221; ahead_m += 0.0001) {
         ServoBench bench(ServoBench::Params(), ahead_m);
         bench.reach_m = simulation::CuttingParams{}.normal_enlargement_m;
@@ -52,7 +53,7 @@ TEST(ServoInput, BoneThatNoFrameKnewOfYetIsMetWithoutAFault) {
     }
 }
 
-// Every speed is a step by the period: an arm that asks five times as often would be moved five times as
+// Every speed becomes a step by the period: an arm with five times the message rate would move five times as
 // fast.
 TEST(ServoInput, AnArmOfAnotherPeriodThanTheCellsIsNotMoved) {
   for (const double period_s : {0.001, 0.010, 0.0, std::numeric_limits<double>::quiet_NaN()}) {
@@ -77,7 +78,7 @@ TEST(ServoInput, ATickWithoutAMessageIsRecordedAtItsOwnTime) {
   EXPECT_EQ(bench.Tick(ReceiveResult::kTimeout).stamp, bench.now) << "not the stamp of the message before";
 }
 
-// Time of the simulation's clock that is ahead of ours, behind it, or none at all.
+// Times that are ahead of the loop's clock, behind it, or missing.
 TEST(ServoInput, AModelOrReadingOfAnotherTimeIsNotFresh) {
   for (const rt::Nanoseconds offset :
        {2 * rt::kMillisecond, 70 * rt::kMillisecond, 3600 * rt::kSecond, -80 * rt::kMillisecond,
@@ -110,7 +111,7 @@ TEST(ServoInput, AModelOrReadingOfAnotherTimeIsNotFresh) {
   }
 }
 
-// An older frame after a newer one counts as old as it is; nothing jumps, since it describes the same bone.
+// An older frame after a newer one counts with its own age; nothing jumps, since it describes the same bone.
 TEST(ServoInput, AnOlderFrameAfterANewerOneIsUsedAtItsAge) {
   ServoBench bench;
   bench.Activate();
@@ -136,7 +137,7 @@ TEST(ServoInput, AnOlderFrameAfterANewerOneIsUsedAtItsAge) {
   }
 }
 
-// A clock that is set back or forward moves nothing by more than a tick does.
+// A clock that is set back or forward causes no motion larger than a tick's.
 TEST(ServoInput, AJumpOfTheClockMakesNoJumpOfTheForceUpwards) {
   for (const rt::Nanoseconds jump : {-10 * rt::kSecond, -2 * rt::kMillisecond, 10 * rt::kSecond}) {
     ServoBench bench;

@@ -1,4 +1,4 @@
-// The bar: no coupling wrench above the limit is ever integrated or sent, whatever comes in.
+// Requirement: no coupling wrench above the limit is ever integrated or sent, for any input.
 
 #include <cmath>
 #include <cstring>
@@ -13,7 +13,7 @@
 namespace osteon::control {
 namespace {
 
-// Draws that look like a bone's, a broken sender's and an adversary's.
+// Random inputs that look like a bone's, a broken sender's and an adversary's.
 class Adversary {
  public:
   explicit Adversary(std::uint64_t seed) : random_(seed) {}
@@ -38,7 +38,7 @@ class Adversary {
   }
   Vector3 Direction() { return Vector3(Unit(), Unit(), Unit() + 1e-9).normalized(); }
 
-  // Planes within some mm of the tool, of any direction and stiffness: credible, so nothing refuses them.
+  // Planes within some mm of the tool, with any direction and stiffness: credible, so nothing refuses them.
   void SpoilCredibly(simulation::ContactModel& model, const Pose& X_WT) {
     model.contact_count = static_cast<std::int32_t>(Bits() % 9);
     for (simulation::Contact& c : model.contacts) {
@@ -101,7 +101,7 @@ TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedWhateverComesIn) {
       before = record.q_cmd;
       if (record.wrench_scale < 1.0) ++limited;
 
-      // what the next tick gets
+      // input of the next tick
       adversary.SpoilCredibly(bench.model, bench.loop.tool_command().X_WT);
       ++bench.model.frame;
       bench.model.pose_stamp = bench.now;
@@ -117,7 +117,7 @@ TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedWhateverComesIn) {
   EXPECT_GT(limited + faulted, 250) << "the draws must reach the limits to prove anything";
 }
 
-// 240 N are below the sensor's trip: the limiter alone must hold the line.
+// 240 N are below the sensor's trip: the limiter alone must keep the limit.
 TEST(ServoLimit, AHandStrongerThanTheLimitMeetsTheLimitWithItsDirection) {
   ServoParams params = ServoBench::Params();
   params.max_tracking_error_m = 1.0;

@@ -18,7 +18,7 @@ using safety::Fault;
 
 JointVector Joints(const std::array<double, 7>& q) { return Eigen::Map<const JointVector>(q.data()); }
 
-// Speed of the commanded joints as a share of their limits, the largest.
+// Largest speed of the commanded joints as a share of their limits.
 double JointSpeedShare(const std::array<double, 7>& before, const std::array<double, 7>& after) {
   double share = 0.0;
   for (std::size_t i = 0; i < 7; ++i)
@@ -128,7 +128,7 @@ TEST(ServoLoop, PushedTowardsAJointLimitItSlowsDownAndStaysInside) {
   EXPECT_GT(before, start_a4 + 0.15 - params.joints.position_margin_rad - 2e-3) << "and gets there";
   EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kJoints).ticks, 0u);
 
-  // the virtual tool's velocity went with it: nothing has wound up behind the limit
+  // the virtual tool's velocity followed the limit: no wind-up
   EXPECT_LT(Vector3(bench.Tick().v_WT_cmd_m_per_s).norm(), 0.01);
   bench.side_W_N *= -1.0;
   bench.Run(3);
@@ -194,7 +194,7 @@ TEST(ServoLoop, AStalledSimulationSlowsThenHoldsThenStopsTheTool) {
   bench.push_N = 120.0;
   bench.Run(3000);
   bench.simulation_lives = false;
-  bench.push_N = 60.0;  // the hand gives way: a spring that went on would throw it back
+  bench.push_N = 60.0;  // the hand yields: an undiminished spring would throw it back
   const Vector3 contact = Pose(bench.loop.tool_command().X_WT).translation();
   double before_N = 1e9, returned_J = 0.0;
   Vector3 held = contact, p_before = contact;
@@ -223,7 +223,7 @@ TEST(ServoLoop, AStalledSimulationSlowsThenHoldsThenStopsTheTool) {
   EXPECT_LE(returned_J, 0.36) << "no more than the spring had stored: F^2 / 2K";
 }
 
-// Row 10 of the failures: a pause in contact; what the hand gets back, and how it goes on.
+// Row 10 of the failures: a pause in contact; the energy returned to the hand, and the resumption.
 TEST(ServoLoop, AfterAStallTheForceComesBackWithoutAJump) {
   for (const int stall_ticks : {20, 60, 120, 200}) {
     ServoBench bench;

@@ -25,13 +25,13 @@ Joints StartJoints() {
 OrthoParallelArm Arm() {
   kinematics::OrthoParallelParams params = kinematics::Kr16Params();
   for (kinematics::JointLimits& limit : params.limits)
-    limit.acceleration_rad_per_s2 = limit.velocity_rad_per_s / 0.3;  // as the robot's file assumes
+    limit.acceleration_rad_per_s2 = limit.velocity_rad_per_s / 0.3;  // the robot file's assumption
   return OrthoParallelArm(params);
 }
 
 Pose PoseAt(const Joints& q) {
   static const OrthoParallelArm arm =
-      Arm();  // made once: making one allocates, and the bench runs with the tick
+      Arm();  // made once: construction allocates, and the bench runs in the tick
   return arm.FlangePose(q) * ServoBench::FlangeToTool();
 }
 
@@ -49,7 +49,7 @@ ServoParams Params() {
   return params;
 }
 
-// An arm that is where it was told to be a tick later, and a plane ahead of the tool, told without delay.
+// An arm that follows its command a tick later, and a plane ahead of the tool, reported without delay.
 class SixAxisBench {
  public:
   explicit SixAxisBench(const ServoParams& params = Params(), const Joints& q = StartJoints())

@@ -1,5 +1,4 @@
-// The stabilisers in the servo loop: what acts, what is recorded and counted, and that what does not act
-// leaves no trace.
+// The stabilisers in the servo loop: which ones act, and what is recorded; inactive ones leave no trace.
 
 #include <algorithm>
 #include <stdexcept>

@@ -3,14 +3,14 @@
 #include "servo_bench.h"
 #include "tests/kinematics/iiwa14.h"
 
-// The way to where rendering begins.
+// The path to the start of rendering.
 
 namespace osteon::control {
 namespace {
 
 using kinematics::JointVector;
 
-// An arm that is handed over .3 rad from its start, in some joints.
+// An arm that is handed over 0.3 rad from its start, in some joints.
 class ServoStart : public ::testing::Test {
  protected:
   static JointVector Goal() {
@@ -71,7 +71,7 @@ TEST_F(ServoStart, WithTheSwitchReleasedItRestsOnItsWayAndGoesOnLater) {
   Run(5);
   bench.Activate();
   Run(600);
-  held = false;  // the PLC permits on: the switch counts by itself
+  held = false;  // the PLC still permits: the switch counts on its own
   Run(600);
   const double rests = ToGo();
   EXPECT_GT(rests, 0.05);

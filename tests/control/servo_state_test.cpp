@@ -1,5 +1,5 @@
-// The cell's state as the servo loop lives it: every condition of motion, pauses, recoveries, and rest after
-// a fault in each state.
+// The cell's state in the servo loop: every condition of motion, pauses, recoveries, and rest after a fault
+// in each state.
 
 #include <cmath>
 #include <functional>
@@ -17,7 +17,7 @@ using safety::CellState;
 using safety::Fault;
 using safety::MotionPermit;
 
-// A cell with everything: drive, PLC, and where wanted a way to the start.
+// A cell with drive and PLC and, if wanted, a path to the start.
 class ServoState : public ::testing::Test {
  protected:
   enum class Way { kNone, kToStart };
@@ -88,7 +88,7 @@ TEST_F(ServoState, GoesFromOffOverCheckingAndReadyToHapticAndCutting) {
   cell.Tick();
   EXPECT_EQ(cell.state(), CellState::kChecking);
   cell.interlock.permitted = true;
-  cell.Run(3);  // the first frame of a pose that is known
+  cell.Run(3);  // the first frame of a known pose
   EXPECT_EQ(cell.state(), CellState::kReady);
   cell.interlock.permitted = false;
   cell.Tick();
@@ -111,7 +111,7 @@ TEST_F(ServoState, GoesFromOffOverCheckingAndReadyToHapticAndCutting) {
   EXPECT_EQ(cell.bench.loop.phase(), Phase::kStopped);
 }
 
-// Each condition alone keeps the arm from moving, is named, and is all that was missing.
+// Each missing condition alone keeps the arm from moving and is named, and restoring it is enough.
 TEST_F(ServoState, NothingMovesWithoutEachOfTheConditions) {
   struct Missing {
     MotionPermit permit;
@@ -168,7 +168,7 @@ TEST_F(ServoState, NothingMovesWithoutEachOfTheConditions) {
   }
 }
 
-// Oracle: v^2 / 2a, as of a stop; then nothing moves, and it goes on from exactly there.
+// Oracle: v^2 / 2a, as for a stop; then nothing moves, and motion resumes from exactly there.
 TEST_F(ServoState, APauseBrakesHoldsAndGoesOnWithoutAJump) {
   Cell cell;
   cell.Render(60.0, 40);
@@ -284,13 +284,13 @@ TEST_F(ServoState, APauseOnTheWayToTheStartGoesOnToTheStart) {
   EXPECT_NEAR(before[0], ServoBench::StartJoints()[0] + 0.3, 1e-9);
 }
 
-// At the path's end everything has to hold once more.
+// At the path's end every condition has to hold again.
 TEST_F(ServoState, AtTheStartNothingIsRenderedWithoutTheConditions) {
   Cell cell(Way::kToStart);
   cell.Run(5);
   cell.bench.Activate();
   cell.Run(10);
-  cell.bench.simulation_lives = false;  // on the way nothing is rendered, and nothing asks for a model
+  cell.bench.simulation_lives = false;  // on the path nothing is rendered, so no model is needed
   cell.Run(20'000);
   EXPECT_EQ(cell.state(), CellState::kAligning);
   EXPECT_NEAR(cell.bench.command.q[0], ServoBench::StartJoints()[0] + 0.3, 1e-9);
@@ -338,7 +338,7 @@ TEST_F(ServoState, AStop0IsOverOnceTheArmIsMeasuredToStand) {
   Cell cell;
   cell.Render();
   cell.bench.arm.session = SessionState::kMonitoringReady;
-  for (int i = 0; i < 50; ++i) {  // it coasts
+  for (int i = 0; i < 50; ++i) {  // the arm coasts
     cell.bench.command.q[0] = cell.bench.arm.q_meas[0] + 1e-4;
     cell.Tick();
     EXPECT_EQ(cell.state(), CellState::kStop0);
@@ -349,7 +349,7 @@ TEST_F(ServoState, AStop0IsOverOnceTheArmIsMeasuredToStand) {
   EXPECT_TRUE(cell.bench.loop.faults().Has(Fault::kSession));
 }
 
-// In every state, whatever led there: a fault, and what is commanded comes to rest and stays there.
+// A fault in any state, reached in any way: the command comes to rest and stays there.
 TEST_F(ServoState, InEveryStateAFaultLeadsToRest) {
   struct LedTo {
     CellState state;
@@ -433,7 +433,7 @@ TEST_F(ServoState, InEveryStateAFaultLeadsToRest) {
     led.lead(cell);
     ASSERT_EQ(cell.state(), led.state) << name;
     JointArray before = cell.bench.command.q;
-    // a measured joint that is no number, for a tick
+    // a measured joint that is NaN, for one tick
     ArmState broken = cell.bench.arm;
     broken.q_meas[3] = std::numeric_limits<double>::quiet_NaN();
     cell.bench.loop.Tick(broken, ReceiveResult::kOk, cell.bench.readings, cell.bench.model, cell.bench.now,

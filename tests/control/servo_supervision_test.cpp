@@ -1,5 +1,5 @@
-// What is watched in which state: the hand at rest, on the way to the start, in a stop; an arm that carries
-// itself where messages are lost and where a hand leans on it.
+// Supervision by state: the hand at rest, on the path to the start, in a stop; and an arm in impedance
+// control with lost messages or a leaning hand.
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ using safety::CellState;
 using safety::Fault;
 using safety::MotionPermit;
 
-// --- the hand that rests on the handle
+// --- a hand resting on the handle
 
 TEST(RestingHand, InARecoveryItIsNoBias) {
   ServoBench bench(ServoBench::Params(), 10.0);
@@ -38,7 +38,7 @@ TEST(RestingHand, InARecoveryItIsNoBias) {
   bench.Run(20);
   ASSERT_EQ(bench.loop.phase(), Phase::kHaptic);
   bench.push_N = 0.0;
-  bench.Run(1500);  // what the push has given goes by the drag
+  bench.Run(1500);  // the drag takes the speed that the push has given
   EXPECT_LT(Vector3(bench.Tick().v_WT_cmd_m_per_s).norm(), 1e-4)
       << "nobody holds the tool: it does not creep";
 }
@@ -89,7 +89,7 @@ TEST(RestingHand, WhatIsBelievedMovesAFreeToolNoFasterThanACreep) {
   EXPECT_LE(fastest_m_per_s, 0.05);
 }
 
-// --- on the way to the start
+// --- on the path to the start
 
 class StartPathSupervision : public ::testing::Test {
  protected:
@@ -205,9 +205,9 @@ TEST(ArmTorques, ANumberThatIsNoneIsAFaultAndNoTripSwitchedOff) {
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
 }
 
-// --- an arm that carries itself
+// --- an arm in impedance control
 
-// The hand leads the arm about A1, and the loop sees where it is.
+// The hand leads the arm about A1, and the loop follows its measured position.
 class LedArm : public ::testing::Test {
  protected:
   static ServoParams Params() {
@@ -288,7 +288,7 @@ TEST_F(LedArm, AHandThatLeansOnAPausedArmIsNoFault) {
   ASSERT_EQ(bench.loop.state(), CellState::kPaused);
   const JointVector held = Eigen::Map<const JointVector>(bench.arm.q_meas.data());
   speed_rad_per_s = 0.1;
-  for (int i = 0; i < 1200; ++i) Lead();  // 0.12 rad: 80 mm and more
+  for (int i = 0; i < 1200; ++i) Lead();  // 0.12 rad: at least 80 mm
   EXPECT_FALSE(bench.loop.faults().Any());
   EXPECT_EQ(bench.loop.state(), CellState::kPaused);
   speed_rad_per_s = 0.0;

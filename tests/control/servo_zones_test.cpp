@@ -32,7 +32,7 @@ JointArray StartArray() {
   return q;
 }
 
-// A wall at a distance before a point, which comes no further along `way`.
+// A half-space that ends at a distance before_m ahead of a point, in the direction of `way`.
 ZoneParams Wall(ZonePoint point, const Vector3& p_W, const Vector3& way, double before_m) {
   return {.shape = ZoneShape::kHalfSpace,
           .side = ZoneSide::kKeepIn,
@@ -41,7 +41,7 @@ ZoneParams Wall(ZonePoint point, const Vector3& p_W, const Vector3& way, double 
           .R_W = safety::RotationAlong(-way)};
 }
 
-// Pushed about by a hand that tips the tool as well, for as long as it takes.
+// A hand pushes and tips the tool at random.
 TEST(ServoZones, FlangeAndElbowStayInTheirs) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -82,7 +82,7 @@ Vector3 Place(ZonePoint point, const JointArray& q) {
       .translation();
 }
 
-// A wall 20 mm beside one of the arm's points, +y of it.
+// A wall 20 mm from one of the arm's points, in +y.
 ServoParams Beside(ZonePoint point) {
   ServoParams params = ServoBench::Params();
   params.workspace.sphere_radius_m = 0.5;
@@ -94,13 +94,13 @@ double Past(ZonePoint point, const JointArray& q) {
   return (Place(point, q) - Place(point, StartArray())).y() - 0.02;
 }
 
-// Stopped at any moment along the tool's path, turning as well, all three end inside.
+// A stop at any moment of the tool's path, with rotation: all three points end inside.
 TEST(ServoZones, AStopEndsInsideThem) {
   for (const ZonePoint point : {ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow})
     for (int moment = 40; moment < 400; moment += 40) {
       ServoParams params = Beside(point);
       params.stop_deceleration_rad_per_s2 =
-          2.0;  // a turn takes longer to stop than the way to the wall lasts
+          2.0;  // the rotation stops later than the distance to the wall allows
       ServoBench bench(params, 10.0);
       bench.Run(3);
       bench.Activate();
@@ -114,7 +114,7 @@ TEST(ServoZones, AStopEndsInsideThem) {
     }
 }
 
-// The same of a stop along the joints, whose ramp takes its time however near the wall is.
+// The same for a stop along the joints, whose ramp takes its full time however near the wall is.
 TEST(ServoZones, AStopAlongTheJointsEndsInsideThem) {
   for (const ZonePoint point : {ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow}) {
     ServoParams params = Beside(point);
@@ -136,7 +136,7 @@ TEST(ServoZones, AStopAlongTheJointsEndsInsideThem) {
   }
 }
 
-// Nor past the depth limit, whose bound is no zone of the cell's.
+// Such a stop also ends before the depth limit, whose bound is not one of the cell's zones.
 TEST(ServoZones, AStopAlongTheJointsEndsBeforeTheDepthLimit) {
   ServoParams params = Beside(ZonePoint::kApex);
   params.depth = {.acts = true, .bound = params.workspace.zones.front()};
@@ -173,13 +173,13 @@ TEST(ServoZones, ADepthLimitResistsThenStopsTheSpindleThenHolds) {
     return (Vector3(Pose(record.X_WT_cmd).translation()) - ServoBench::StartPose().translation()).dot(feed_W);
   };
   TickRecord record;
-  const auto press = [&](double from_N, double to_N) {  // slowly: nothing swings
+  const auto press = [&](double from_N, double to_N) {  // slowly, to avoid oscillation
     for (int i = 0; i <= 3000; ++i) {
       bench.push_N = from_N + (to_N - from_N) * std::min(1.0, i / 2000.0);
       record = bench.Tick();
     }
   };
-  press(0.0, 30.0);  // 10 kN/m hold that at 3 mm in
+  press(0.0, 30.0);  // 10 kN/m hold this at 3 mm
   EXPECT_NEAR(depth_m(record), 0.009, 0.2e-3);
   EXPECT_EQ(bench.loop.cell_commands().spindle_rad_per_s, 20.0);
   EXPECT_TRUE(safety::LimitSet(record.limits).Has(Limit::kDepth));
@@ -261,9 +261,9 @@ TEST(ServoLimits, TheElbowHasASpeedOfItsOwn) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// A spring that throws the tool back gives the hand no more power than it may: the rendered wrench's work on
-// the commanded tool in each tick, from the poses before and after it and not from a velocity that a limit
-// has looked at.
+// A spring that throws the tool back gives the hand at most the permitted power. Measured as the rendered
+// wrench's work on the commanded tool in each tick, from the poses before and after it instead of a velocity
+// that a limit has seen.
 TEST(ServoLimits, PowerIntoTheHandIsBounded) {
   const auto most_W = [](double limit_W) {
     ServoParams params = ServoBench::Params();
@@ -273,7 +273,7 @@ TEST(ServoLimits, PowerIntoTheHandIsBounded) {
     bench.Activate();
     bench.push_N = 150.0;
     bench.Run(2000);
-    bench.push_N = 0.0;  // let go
+    bench.push_N = 0.0;  // released
     double most = 0.0;
     Pose before = bench.loop.tool_command().X_WT;
     for (int tick = 0; tick < 300; ++tick) {
@@ -289,7 +289,7 @@ TEST(ServoLimits, PowerIntoTheHandIsBounded) {
     return most;
   };
   EXPECT_GT(most_W(std::numeric_limits<double>::infinity()), 20.0) << "there is something to bound";
-  // within a thousandth: the arm's joints round what the tool was to do
+  // within a thousandth: the joints round the tool's motion
   EXPECT_LE(most_W(12.0), 12.0 * 1.001);
   EXPECT_LE(most_W(5.0), 5.0 * 1.001);
 }

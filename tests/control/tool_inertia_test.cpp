@@ -9,14 +9,14 @@
 #include "servo_bench.h"
 #include "tests/control/rt/checked_no_alloc_scope.h"
 
-// What a force sensor feels of the tool's own mass, and what is taken out of that.
+// The force on the tool's own mass in a sensor's reading, and its compensation.
 
 namespace osteon::control {
 namespace {
 
 constexpr double kDt_s = 0.001;
 
-// A tool of four point masses: Newton's law for each, and nothing else, is the oracle.
+// A tool of four point masses: Newton's law for each is the only oracle.
 struct Point {
   double kg;
   Vector3 p_F_m;
@@ -63,7 +63,7 @@ TEST(ToolInertia, IsNewtonsLawForEveryPointOfTheTool) {
   EXPECT_LT((found.t - wanted.t).norm(), 1e-13 * wanted.t.norm());
 }
 
-// Of a swing of known acceleration; slow beside the filters' corner, and late by their lag.
+// A swing of known acceleration: slow relative to the filters' corner, and late by their lag.
 TEST(ToolInertia, TheMotionIsThatOfThePosesLateByItsFilters) {
   const double hz = 1.0, w = 2.0 * std::numbers::pi * hz, filter_hz = 40.0;
   const auto pose = [&](double t) {
@@ -95,7 +95,7 @@ TEST(ToolInertia, RefusesSharesBeyondTheWhole) {
   EXPECT_THROW(Validate(sensor), std::invalid_argument);
 }
 
-// An arm that glides on while messages get lost: the longer way between two is no jolt.
+// An arm that moves on while messages get lost: the longer distance between two messages is no jolt.
 TEST(ToolInertia, ALostMessageIsNoJolt) {
   ServoParams params = ServoBench::Params();
   params.sensor = Sensor();
@@ -115,7 +115,7 @@ TEST(ToolInertia, ALostMessageIsNoJolt) {
       continue;
     }
     kinematics::JointVector q = ServoBench::StartJoints();
-    q[0] += 0.08 * kDt_s * i;  // some .05 m/s at the tool
+    q[0] += 0.08 * kDt_s * i;  // some 0.05 m/s at the tool
     Eigen::Map<kinematics::JointVector>(state.q_meas.data()) = q;
     const rt::Nanoseconds now = rt::kSecond + i * rt::kMillisecond;
     state.stamp = now;

@@ -19,7 +19,7 @@ constexpr double kDt_s = 1e-3;
 
 double Sine(double hz, double t_s) { return std::sin(2.0 * std::numbers::pi * hz * t_s); }
 
-// The index after so long of a force along one direction.
+// The index after some time of a force along one direction.
 double After(double seconds, const std::function<double(double t_s)>& force_N, double spindle_rad_per_s = 0.0,
              const VibrationParams& params = {}) {
   VibrationIndex index(params, kDt_s);
@@ -29,7 +29,7 @@ double After(double seconds, const std::function<double(double t_s)>& force_N, d
   return index.index();
 }
 
-// Largest index at any time.
+// Largest index over the whole time.
 double Largest(double seconds, const std::function<double(double t_s)>& force_N,
                double spindle_rad_per_s = 0.0) {
   VibrationIndex index({}, kDt_s);
@@ -40,7 +40,7 @@ double Largest(double seconds, const std::function<double(double t_s)>& force_N,
   return largest;
 }
 
-// A filter's gain at a frequency, by the sine that comes out of it. Oracle: Butterworth's |H|^2 = 1 / (1 +
+// Gain of a filter at a frequency, from the sine at its output. Oracle: Butterworth's |H|^2 = 1 / (1 +
 // (f/f_c)^2n), with the frequencies warped by tan(pi f T).
 TEST(Biquad, HasButterworthsGain) {
   const auto gain = [](Biquad a, Biquad b, double hz) {
@@ -80,7 +80,7 @@ TEST(VibrationIndex, AJoltAlertsAndIsForgotten) {
   EXPECT_LT(After(1.3, jolt), 0.01);
 }
 
-// Half-waves of growing, steady and dying signals.
+// Half-waves of growing, steady and decaying signals.
 TEST(HalfWaves, SwingsAreToAndFroAndLast) {
   const auto amplitude = [](const std::function<double(double t_s)>& x) {
     HalfWaves waves(0.01, 0.11);
@@ -126,7 +126,7 @@ TEST(VibrationIndex, TheSpindlesHarmonicsAreNotVibration) {
     return f;
   };
   const double turning = 2.0 * std::numbers::pi * hz;
-  // the notches learn within .2 s, and what was seen until then is forgotten in 1.2 s
+  // the notches adapt within 0.2 s, and the index from before is forgotten in 1.2 s
   EXPECT_LT(After(6.0, cut, turning), 0.02);
   EXPECT_GT(Largest(6.0, cut, 0.0), 0.5) << "without the spindle's speed they are";
   // 10.4 Hz is halfway between the second harmonic and the third
@@ -140,12 +140,12 @@ TEST(VibrationIndex, DecaysSixtyTimesSlowerThanItRises) {
   const auto step = [&index](double f) {
     return index.Step({.f = f * Vector3::UnitX(), .t = Vector3::Zero()}, 0.0);
   };
-  // it dies as soon as the tool is damped: the loop's own
+  // it dies as soon as the tool is damped: the loop's own oscillation
   for (int i = 0; i < 1500; ++i) step(index.index() < 0.6 && i < 500 ? 5.0 * Sine(12.0, i * kDt_s) : 0.0);
   ASSERT_GT(index.index(), 0.5);
   EXPECT_NEAR(index.damping_factor(), 1.0 + index.index() * (params.most_damping - 1.0), 1e-12);
   EXPECT_NEAR(index.mass_factor(), 1.0 + index.index() * (params.most_mass - 1.0), 1e-12);
-  for (int i = 0; i < 1000; ++i) step(0.0);  // the energies are gone
+  for (int i = 0; i < 1000; ++i) step(0.0);  // the energies are forgotten
   const double before = index.index();
   for (int i = 0; i < 1000; ++i) step(0.0);
   EXPECT_NEAR(index.index() / before, std::exp(-1.0 / (params.decay_ratio * params.rise_s)), 1e-3)
@@ -201,7 +201,7 @@ TEST(VibrationIndex, DoesNotAllocate) {
     index.Step({.f = Sine(12.0, i * kDt_s) * Vector3::UnitX(), .t = Vector3::UnitY()}, 26.0);
 }
 
-// Kinetic energy is never made of a change of mass.
+// A change of mass never creates kinetic energy.
 TEST(AdmittanceLaw, AChangeOfMassMakesNoEnergy) {
   const Twist V{.v = {0.1, -0.2, 0.05}, .w = {0.3, 0.1, -0.2}};
   const AdmittanceParams params;

@@ -12,8 +12,8 @@
 #include "control/vibration_index.h"
 #include "tests/control/rt/checked_no_alloc_scope.h"
 
-// The index on what it has an effect on: a hand's tremor that stays whatever the drag, and an oscillation
-// that grows below a drag and dies above it.
+// The index in closed loop: a hand's tremor that stays at any drag, and an oscillation that grows below a
+// certain drag and dies above it.
 
 namespace osteon::control {
 namespace {
@@ -21,16 +21,16 @@ namespace {
 constexpr double kDt_s = 1e-3;
 constexpr double kTau = 2.0 * std::numbers::pi;
 
-// Peak of 1 along one axis, three lines that beat.
+// Three beating lines along one axis, with a peak of 1.
 double Beating(double t_s) {
   return (std::sin(kTau * 8.3 * t_s) + std::sin(kTau * 9.7 * t_s + 1.0) + std::sin(kTau * 11.1 * t_s + 2.0)) /
          3.0;
 }
 
-// Amplitude of an oscillation at 12 Hz; the noise starts it, and keeps it from dying out altogether.
+// Amplitude of an oscillation at 12 Hz; the noise starts it and keeps it from dying out completely.
 struct Oscillation {
-  double needs{5.0};        // times the law's drag; below it grows
-  double rate_per_s{15.0};  // e-folds, either way
+  double needs{5.0};        // times the law's drag; below it the oscillation grows
+  double rate_per_s{15.0};  // e-folds, growing or decaying
   double amplitude_N{0.02};
   double Step(double t_s, double damping_factor) {
     amplitude_N *= std::exp(kDt_s * (damping_factor < needs ? rate_per_s : -rate_per_s));
@@ -70,7 +70,7 @@ TEST(VibrationReference, ATremorMakesTheToolHeavyOnceAndIsThenKnown) {
   }
 }
 
-// Beyond what is not suspected only now and then: it is suspected little by little.
+// Just above the threshold the tremor is suspected only now and then: the suspicion accumulates.
 TEST(VibrationReference, ATremorJustBeyondWhatIsNotSuspectedIsKnownAfterSeconds) {
   Ride run;
   run.Go(10.0, [](double t) { return 0.5 * Beating(t); });

@@ -40,7 +40,7 @@ Pose At(const Vector3& p_WT) {
   return X_WT;
 }
 
-// Evaluates with the coupling ramped in and the model as old as said.
+// Evaluates with the coupling ramped in and a model of a given age.
 struct Bench {
   CouplingParams params;
   CouplingState state;
@@ -118,7 +118,7 @@ TEST(VirtualCoupling, DampingTakesPowerStaysWithinItsShareAndNeverPulls) {
   }
 }
 
-// Any start, static plane, no hand: what goes in comes out slower.
+// Any start, static plane, no hand: the tool comes out slower than it went in.
 TEST(VirtualCoupling, WithTheLawAStaticWallNeverReturnsMoreEnergyThanItGot) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> speed(0.005, 0.25), angle(-1.2, 1.2);
@@ -146,7 +146,7 @@ TEST(VirtualCoupling, WithTheLawAStaticWallNeverReturnsMoreEnergyThanItGot) {
   }
 }
 
-// A fresh contact at the speed limit, hand pushing on: the trip that guards against steps stays quiet.
+// A fresh contact at the speed limit with a pushing hand: the trip that guards against steps must not act.
 TEST(VirtualCoupling, AFreshContactAtFullSpeedDoesNotTripTheRate) {
   Bench bench;
   safety::WrenchRateTrip trip(kK, 0.25);
@@ -202,7 +202,7 @@ TEST(VirtualCoupling, WithoutForceAPlaneStays) {
   Bench bench;
   ContactModel model = Plane({0.0, 0.0, 1.0}, 0.01);
   model.pose_stamp = bench.now;
-  for (int i = 0; i < 10; ++i) {  // hovering
+  for (int i = 0; i < 10; ++i) {  // in free space
     bench.now += kMillisecond;
     const CouplingOutput hovering =
         EvaluateCoupling(bench.params, model, At({0.0, 0.0, 1e-3}), {}, bench.now, true, bench.state);
@@ -215,7 +215,7 @@ TEST(VirtualCoupling, WithoutForceAPlaneStays) {
 }
 
 // Bone that gives way at 1 mm/s under a tool that follows it at constant depth; a simulation that reports
-// every 4 ms what was true 3 ms ago. The exact force is constant.
+// every 4 ms the state of 3 ms ago. The exact force is constant.
 TEST(VirtualCoupling, FramesHandOverWithoutAStep) {
   Bench bench;
   const double advance = 1e-3, depth_m = 4e-3;
@@ -234,7 +234,7 @@ TEST(VirtualCoupling, FramesHandOverWithoutAStep) {
     }
     const Pose X_WT = At({0.0, 0.0, surface_m(bench.now) - depth_m});
     const CouplingOutput out = EvaluateCoupling(bench.params, model, X_WT, {}, bench.now, true, bench.state);
-    if (i < 70) continue;  // until the history of cutting reaches back beyond the delay
+    if (i < 70) continue;  // until the history of cutting covers the delay
     low_N = std::min(low_N, out.F_T_W.f.z());
     high_N = std::max(high_N, out.F_T_W.f.z());
   }
@@ -242,7 +242,7 @@ TEST(VirtualCoupling, FramesHandOverWithoutAStep) {
   EXPECT_NEAR(high_N, kK * depth_m, 1e-6) << "without the recession in between: 0.14 N of saw-tooth";
 }
 
-// The bone that was thought to give way stalls: the new frame's plane stands .35 mm before the last one's.
+// Bone that was predicted to give way stalls: the new frame's plane is 0.35 mm ahead of the last one's.
 TEST(VirtualCoupling, APlaneThatANewFrameFindsBeforeTheProxyComesBackWithinItsTimeAndNotAtOnce) {
   Bench bench;
   ContactModel model = Plane({0.0, 0.0, 1.0});
@@ -267,7 +267,7 @@ TEST(VirtualCoupling, AFramesSurpriseIsWhatTheLastTicksToolWouldHaveFeltNotThisT
   ContactModel free_air = Plane({0.0, 0.0, 1.0});
   free_air.contact_count = 0;
   Pose before = At({0.0, 0.0, 0.0}), after = At({0.0, 0.0, -0.2e-3});
-  // a turn in the same tick that takes the touching point, on a lever of .1 m, another .1 mm into the bone
+  // a rotation in the same tick moves the touching point, on a lever of 0.1 m, another 0.1 mm into the bone
   after.linear() = Eigen::AngleAxisd(1e-3, Vector3::UnitY()).toRotationMatrix();
   bench.Tick(free_air, before);
   ContactModel model = Plane({0.0, 0.0, 1.0});
@@ -286,7 +286,7 @@ TEST(VirtualCoupling, BoneThatANewFrameFindsGoneIsGoneAtOnce) {
   EXPECT_NEAR(bench.Tick(model, X_WT).F_T_W.f.z(), 12.0, 1e-9);
 }
 
-// Walls closer than the tool: no proxy keeps both, and each frame says so anew.
+// Walls closer than the tool: no proxy keeps both, in any frame.
 TEST(VirtualCoupling, BetweenWallsTooCloseForItNoFrameMovesTheTool) {
   Bench bench;
   ContactModel model = Plane({1.0, 0.0, 0.0});
@@ -347,7 +347,7 @@ TEST(VirtualCoupling, AModelThatIsNotCredibleRendersNothingAndSaysWhy) {
             ModelStatus::kDeviceLost);
 }
 
-// Every bit pattern, not only those that a bug is likely to make.
+// Every bit pattern, not only plausible errors.
 TEST(VirtualCoupling, IsFiniteForModelsOfRandomBits) {
   std::mt19937_64 random(8);
   CouplingState state;

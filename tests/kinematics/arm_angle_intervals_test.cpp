@@ -10,7 +10,7 @@
 #include "tests/kinematics/iiwa14.h"
 #include "tests/kinematics/near_singular.h"
 
-// The oracle is LbrArm::Solve at many arm angles: it knows nothing of roots and waves.
+// The oracle is LbrArm::Solve at many arm angles, which uses no roots or waves.
 
 namespace osteon::kinematics {
 namespace {
@@ -31,7 +31,7 @@ double DistanceToEnds(const ArmAngleIntervals& found, double psi_rad) {
   return least;
 }
 
-// Least distance of a joint to one of its limits.
+// Smallest distance of a joint to one of its limits.
 double DistanceToLimits(const LbrParams& params, const JointVector& q) {
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 7; ++i) {
@@ -41,8 +41,8 @@ double DistanceToLimits(const LbrParams& params, const JointVector& q) {
   return least;
 }
 
-// 2000 poses, of which every tenth near a singularity, in all eight configurations, 90 arm angles each:
-// inside and valid are the same, but where rounding of an end (1e-8 near a vertical) may decide.
+// 2000 poses, every tenth near a singularity, in all eight configurations, at 90 arm angles each: inside an
+// interval means valid, except where rounding of an end (1e-8 near a vertical) may decide.
 TEST(ArmAngleIntervals, SayWhatDenseSamplingSays) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 7);
@@ -72,9 +72,9 @@ TEST(ArmAngleIntervals, SayWhatDenseSamplingSays) {
   EXPECT_GT(several, 100) << "circles with more than one interval must be among them";
 }
 
-// At an end some joint is at its limit, a little further it is beyond, a little before it is not. Exact: 1e-9
-// where a joint moves as fast as the arm angle; its distance to the limit is judged, which no steep joint
-// hides.
+// At an end some joint is at its limit, slightly outside it is beyond, slightly inside it is not. Exact to
+// 1e-9 for a joint as fast as the arm angle; the joint's distance to its limit is checked, which holds for
+// fast joints too.
 TEST(ArmAngleIntervals, EndWhereAJointMeetsItsLimit) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 8);
@@ -95,7 +95,7 @@ TEST(ArmAngleIntervals, EndWhereAJointMeetsItsLimit) {
           found.interval[static_cast<std::size_t>((i + found.count - 1) % found.count)].to_rad;
       const double gap = a.from_rad - before + (i == 0 ? 2.0 * kPi : 0.0);
       ASSERT_TRUE(gap > 0.0 || (found.count == 1 && gap == 0.0));
-      if (gap < 1e-4 || a.to_rad - a.from_rad < 1e-4) continue;  // no room to look to either side
+      if (gap < 1e-4 || a.to_rad - a.from_rad < 1e-4) continue;  // too narrow to check both sides
       for (const auto& [end, outwards] : {std::pair{a.from_rad, -1.0}, std::pair{before, 1.0}}) {
         ++ends;
         const JointVector q_end = At(arm.Solve(X_BF, end), k).q;
@@ -112,7 +112,7 @@ TEST(ArmAngleIntervals, EndWhereAJointMeetsItsLimit) {
   EXPECT_GT(ends, 2000);
 }
 
-// Straight up with no elbow to turn, and the flange level: A1, A3, A5 and A7 are one joint. At every arm
+// Straight up with the flange level, the elbow cannot turn: A1, A3, A5 and A7 are one joint. At every arm
 // angle A1 and A5 stay at zero, A3 is the arm angle, A7 its opposite.
 TEST(ArmAngleIntervals, FreeJointsOfAStraightArmKeepTheirSeed) {
   const LbrArm arm(Iiwa14());
@@ -141,7 +141,7 @@ TEST(ArmAngleIntervals, WithoutLimitsTheElbowGoesAllTheWayRound) {
   }
 }
 
-// Limits that do not lie about zero, as wide as a half turn and as narrow as 20 deg: more ends than an LBR's.
+// Limits that are not symmetric about zero, from 20 deg to a half turn wide: more ends than an LBR's.
 TEST(ArmAngleIntervals, LimitsMayLieAnywhere) {
   LbrPostures draw(Iiwa14(), 10);
   int checked = 0, valid = 0;

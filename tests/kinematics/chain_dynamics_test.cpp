@@ -13,13 +13,13 @@
 namespace osteon::kinematics {
 namespace {
 
-constexpr double kRelative = 1e-9;  // of the largest torque: asked for; rounding gives 1e-13
+constexpr double kRelative = 1e-9;  // required, as a share of the largest torque; rounding gives 1e-13
 
-// The worst share by which torques differ from KDL's over random states, with a wrench on the flange in every
-// other.
+// Largest relative difference of torques from KDL's over random states, every other one with a wrench on the
+// flange.
 template <int N>
 double InverseDynamicsError(const ChainParams<N>& params, int states, std::mt19937_64& random) {
-  const Vector3 gravity_B(1.0, -2.0, -9.0);  // of an arm that is mounted askew
+  const Vector3 gravity_B(1.0, -2.0, -9.0);  // of an arm that is mounted at an angle
   const SerialChain<N> arm(params, gravity_B);
   const KDL::Chain chain = KdlChain(params);
   KDL::ChainIdSolver_RNE inverse(chain, KDL::Vector(gravity_B.x(), gravity_B.y(), gravity_B.z()));
@@ -80,7 +80,7 @@ TEST(ChainDynamics, GravityAndCoriolisEqualKdl) {
   EXPECT_LT(GravityCoriolisError(RandomChain<6>(random), 500, random), kRelative);
 }
 
-// Both libraries: MuJoCo computes in other frames and with spatial accelerations, KDL with none of its code.
+// Two independent libraries: MuJoCo computes in other frames, with spatial accelerations.
 template <int N>
 struct MassErrors {
   double kdl{0.0}, mujoco{0.0}, mujoco_inverse{0.0}, mujoco_forward{0.0};
@@ -131,7 +131,7 @@ TEST(ChainDynamics, MassMatrixAndMotionEqualKdlAndMujoco) {
   }
 }
 
-// An inverse pair, of two methods that share no recursion.
+// An inverse pair of two methods that share no recursion.
 template <int N>
 double InversePairError(const ChainParams<N>& params, int states, std::mt19937_64& random) {
   const SerialChain<N> arm(params);
@@ -156,7 +156,7 @@ TEST(ChainDynamics, ForwardDynamicsUndoesInverseDynamics) {
   }
 }
 
-// The power balance that control laws lean on. Ṁ by central differences, h = 1e-5: error h^2/6 and 1e-16/h
+// The power balance that control laws rely on. Ṁ by central differences, h = 1e-5: error h^2/6 and 1e-16/h
 // times M of a few kg m^2, below 1e-8.
 TEST(ChainDynamics, CoriolisMatrixMakesTheMassMatrixRateSkew) {
   std::mt19937_64 random{25};
@@ -175,7 +175,7 @@ TEST(ChainDynamics, CoriolisMatrixMakesTheMassMatrixRateSkew) {
   }
 }
 
-// The arm falls freely for a second from a raised posture: what it loses in height it has as motion. The
+// The arm falls freely for a second from a raised posture: potential energy becomes kinetic energy. The
 // classical Runge-Kutta method is of fourth order: half the step, a sixteenth of the error.
 TEST(ChainDynamics, FreeMotionKeepsItsEnergyToTheIntegratorsOrder) {
   const ChainParams<7> params = Iiwa14Chain();
@@ -227,7 +227,7 @@ TEST(ChainDynamics, FrictionOpposesMotionAndSaturates) {
 }
 
 // A hand's wrench on a resting arm in free space: the flange starts with the acceleration that the mobility
-// says.
+// predicts.
 TEST(ChainDynamics, MobilityIsTheAccelerationForAWrench) {
   std::mt19937_64 random{26};
   const SerialChain<7> arm(RandomChain<7>(random), Vector3::Zero());
@@ -247,7 +247,7 @@ TEST(ChainDynamics, MobilityIsTheAccelerationForAWrench) {
   }
 }
 
-// Stretched upwards the iiwa can push along z with nothing but its structure, and sideways as ever.
+// Stretched upwards, the iiwa resists along z only with its structure, and sideways as usual.
 TEST(ChainDynamics, FeltMassIsFiniteAtASingularityWhereTheArmCanMove) {
   const SerialChain<7> arm(Iiwa14Chain());
   const JointVectorN<7> up = JointVectorN<7>::Zero();
@@ -256,8 +256,8 @@ TEST(ChainDynamics, FeltMassIsFiniteAtASingularityWhereTheArmCanMove) {
   EXPECT_GT(arm.FeltMass(up, Vector3::UnitZ()), 1e12);
 }
 
-// Tool and link as one body or as two: the torques of the whole are those of the bare arm and of the payload,
-// whose weight and inertia act on the flange as a wrench.
+// Tool and link as one body or as two: the torques of the whole are those of the bare arm plus those of the
+// payload, whose weight and inertia act on the flange as a wrench.
 TEST(ChainDynamics, PayloadActsOnTheFlangeAsItsWeightAndInertia) {
   std::mt19937_64 random{27};
   for (int n = 0; n < 50; ++n) {

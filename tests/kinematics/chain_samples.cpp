@@ -8,7 +8,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct LinkRow {
-  double y, z;  // of the joint, in the link before [m]
+  double y, z;  // of the joint, in the previous link [m]
   Vector3 axis;
   double range_deg, velocity_deg_per_s, acceleration, torque;
   double mass;
@@ -181,7 +181,7 @@ ChainParams<6> Kr6R900() {
     chain.joints[i].limits.lower_rad = rows[i].lower_deg * kDegree;
     chain.joints[i].limits.upper_rad = rows[i].upper_deg * kDegree;
   }
-  // tool0: z out of the flange, which in the zero posture looks along x
+  // tool0: z points out of the flange, which in the zero posture is along x
   chain.X_LF.translation() = Vector3(.09, 0, 0);
   chain.X_LF.linear() = Eigen::AngleAxisd(std::numbers::pi / 2.0, y).toRotationMatrix();
   return chain;
@@ -197,7 +197,7 @@ ChainParams<N> RandomChain(std::mt19937_64& random) {
     joint.axis_J = RandomVector(random, 1.0).normalized();
     joint.link.mass_kg = 5.0 * share(random);
     joint.link.p_LLcm_m = RandomVector(random, 0.15);
-    // a box's inertia, turned
+    // a rotated box's inertia
     const double m = joint.link.mass_kg, a = 0.2 * share(random), b = 0.2 * share(random),
                  c = 0.2 * share(random);
     const Matrix3 R = RandomRotation(random);
@@ -221,7 +221,7 @@ KDL::Chain KdlChain(const ChainParams<N>& params) {
     const KDL::RigidBodyInertia inertia(
         joint.link.mass_kg, ToKdl(joint.link.p_LLcm_m),
         KDL::RotationalInertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
-    // the axis is given in the frame of the segment before
+    // the axis is given in the frame of the previous segment
     chain.addSegment(KDL::Segment(KDL::Joint(ToKdl(Vector3(joint.X_PJ.translation())),
                                              ToKdl(Vector3(joint.X_PJ.linear() * joint.axis_J)),
                                              KDL::Joint::RotAxis, 1.0, 0.0, joint.rotor_inertia_kg_m2),

@@ -6,23 +6,23 @@
 
 #include "kinematics/chain_params.h"
 
-// Arms to test with, and the same arms as KDL has them.
+// Arms for tests, and the same arms as KDL chains.
 
 namespace osteon::kinematics {
 
-/// LBR iiwa 14 R820 as lbr_description gives it: joint origins off the axes, axes along z, y, z, -y, z, y, z.
+/// LBR iiwa 14 R820 as in lbr_description: joint origins off the axes, axes along z, y, z, -y, z, y, z.
 [[nodiscard]] ChainParams<7> Iiwa14Chain();
 
 /// KR 6 R900-2 from the joint origins of kuka_experimental's kr6r900sixx description. No masses.
 [[nodiscard]] ChainParams<6> Kr6R900();
 
-/// Any arm: origins within 0.3 m, turned any way, axes any way, masses of a body with the arm's sizes,
-/// rotors, friction, and a flange of any pose.
+/// A random arm: origins within 0.3 m, any rotations and axes, masses of bodies of the arm's size, rotors,
+/// friction, and any flange pose.
 template <int N>
 [[nodiscard]] ChainParams<N> RandomChain(std::mt19937_64& random);
 
-/// @returns the chain's joints as KDL's segments, and its flange as a last one without a joint. KDL wants a
-/// link's inertia at the segment's tip, which here is the joint itself: the described frame.
+/// @returns the chain's joints as KDL's segments, and its flange as a last segment without a joint. KDL wants
+///   a link's inertia at the segment's tip, which here is the joint itself: the described frame.
 template <int N>
 [[nodiscard]] KDL::Chain KdlChain(const ChainParams<N>& params);
 

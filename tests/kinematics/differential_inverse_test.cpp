@@ -63,7 +63,7 @@ Vector6 Stacked(const Twist& V) {
   return all;
 }
 
-// The arm, ticked: the flange is the tool.
+// An arm simulated tick by tick, with the flange as the tool.
 template <int N>
 struct Ride {
   explicit Ride(const DifferentialInverseParams<N>& params, const JointVectorN<N>& start)
@@ -95,7 +95,7 @@ class DifferentialInverseTest : public ::testing::Test {
  protected:
   double Unit() { return unit_(random_); }
   Vector3 UnitVector() { return {Unit(), Unit(), Unit()}; }
-  // Within 70 % of the limits, with elbow and wrist bent: no singular direction near.
+  // Within 70 % of the limits, with elbow and wrist bent: far from singular directions.
   JointVectorN<7> RegularPosture() {
     while (true) {
       JointVectorN<7> q;
@@ -109,15 +109,15 @@ class DifferentialInverseTest : public ::testing::Test {
   std::uniform_real_distribution<double> unit_{-1.0, 1.0};
 };
 
-// The pose after a tick against the exponential of the twist. What is left is the third order of the joints'
-// step and the change of qd from the tick before: |qd|^3 dt^3 ~ (.5e-3)^3 = 1e-10.
+// The pose after a tick compared with the exponential of the twist. The difference is the third order of the
+// joints' step and the change of qd from the tick before: |qd|^3 dt^3 ~ (0.5e-3)^3 = 1e-10.
 TEST_F(DifferentialInverseTest, AwayFromLimitsTheToolMovesAsWantedToThirdOrder) {
   for (int n = 0; n < 200; ++n) {
     DifferentialInverseParams<7> params = Params();
     params.acceleration_share = 1e6;
     Ride<7> ride(params, RegularPosture());
     const Twist V{.v = 0.05 * UnitVector(), .w = 0.1 * UnitVector()};
-    ride.Tick(V);  // gets to speed
+    ride.Tick(V);  // reaches the speed
     const Pose X = FlangePose(ride.q);
     const MotionOutput<7> out = ride.Tick(V);
     EXPECT_EQ(out.limit, MotionLimit::kNone);
@@ -130,9 +130,10 @@ TEST_F(DifferentialInverseTest, AwayFromLimitsTheToolMovesAsWantedToThirdOrder) 
   }
 }
 
-// Share against a search over the null motion with another decomposition of the Jacobian, joints near limits.
+// The share compared with a search over the null motion by another decomposition of the Jacobian, joints near
+// limits.
 TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatTheNullSpaceCanMakeWayFor) {
-  constexpr double kShort_s = 1e-7;  // no tick's curvature between the twist and J qd
+  constexpr double kShort_s = 1e-7;  // no curvature within a tick between the twist and J qd
   DifferentialInverseParams<7> free = Params();
   free.acceleration_share = 1e12;
   const DifferentialInverse<7> inverse(free);
@@ -174,7 +175,7 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatTheNullSpaceCa
       }
       return least <= most ? most : -1.0;
     };
-    // and how fast the null space may make way
+    // and the largest speed of the yielding null motion
     const double r_wanted = std::clamp(null.dot(in.qd_null), -0.5, 0.5);
     double relief = 100.0;
     for (int i = 0; i < 7; ++i) {
@@ -188,12 +189,12 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatTheNullSpaceCa
 
     const MotionOutput<7> out = inverse.Step(in);
     EXPECT_GE(out.share, best - 1e-6) << n;
-    EXPECT_LE(out.share, best + 5e-3) << n;  // the search's step of r, times the null part per task part
+    EXPECT_LE(out.share, best + 5e-3) << n;  // the search's step of r, times the null part over the task part
     for (int i = 0; i < 7; ++i) {
       EXPECT_GE(out.qd[i], low[i] - 1e-6);
       EXPECT_LE(out.qd[i], high[i] + 1e-6);
     }
-    // what is kept of the twist has its direction
+    // the remaining twist keeps its direction
     EXPECT_LT((in.J * out.qd - out.share * Stacked(in.V_BT)).norm(), 1e-6);
     if (out.share < 1.0) ++limited;
     if (out.limit == MotionLimit::kPosition) ++by_position;
@@ -223,8 +224,8 @@ TEST_F(DifferentialInverseTest, NullMotionIsInvisibleAtTheToolAndIsDoneWhereTher
   }
 }
 
-// Six joints, so nothing makes way: toward A2's limit at .1 m/s, the tool's direction to 1e-6 (its curvature
-// is taken out to second order), slower and slower, never back, never beyond.
+// With six joints there is no null motion: toward A2's limit at 0.1 m/s the tool keeps its direction to 1e-6
+// (its curvature is corrected to second order), ever slower, never back, never beyond.
 TEST_F(DifferentialInverseTest, ApproachToAJointLimitKeepsTheDirectionAndIsMonotone) {
   JointVectorN<6> start;
   start << 0.3, 1.6, -0.9, 0.4, 0.9, 0.2;
@@ -262,7 +263,7 @@ struct ElbowPush {
   double seconds;
 };
 
-// The wrist pushed away from the shoulder for as long as it may be, then pulled back.
+// The wrist is pushed away from the shoulder for a time, then pulled back.
 class ElbowTest : public ::testing::TestWithParam<ElbowPush> {};
 INSTANTIATE_TEST_SUITE_P(, ElbowTest,
                          ::testing::Values(ElbowPush{0.02, 3.0}, ElbowPush{0.1, 1.0}, ElbowPush{0.1, 10.0},
@@ -285,10 +286,10 @@ TEST_P(ElbowTest, PushedStraightItStopsSmoothlyAndComesBackAtOnce) {
   double last_a4 = 0.0;
   double reach_turn = 0.0;
   for (int i = 0; i < out_ticks + 1000; ++i) {
-    // the wanted speed turns within 50 ms, as a hand's does
+    // the wanted speed reverses within 50 ms, as a hand's does
     const double goal = i < out_ticks ? GetParam().speed_m_per_s : -GetParam().speed_m_per_s;
     V += std::clamp(goal - V, -GetParam().speed_m_per_s / 50, GetParam().speed_m_per_s / 50);
-    // the flange moved as a whole, along the line from the shoulder to the wrist
+    // the flange moves without rotation, along the line from the shoulder to the wrist
     const MotionOutput<7> out =
         ride.Tick({.v = V * from_shoulder(ride.q).normalized(), .w = Vector3::Zero()});
     ASSERT_TRUE(out.finite);
@@ -315,11 +316,11 @@ TEST_P(ElbowTest, PushedStraightItStopsSmoothlyAndComesBackAtOnce) {
   // with the joints' acceleration alone, 1 mm back takes A4 some 130 ms from rest
   EXPECT_GT(back_after, 0);
   EXPECT_LT(back_after, 400) << "however long it was pushed";
-  // 11.36 rad/s^2 of A4 over .42 m + .4 m of arm are 9 m/s^2 at most: 9 mm/s a tick
+  // 11.36 rad/s^2 of A4 over 0.42 m + 0.4 m of arm are at most 9 m/s^2: 9 mm/s per tick
   EXPECT_LT(roughest, 9e-3);
 }
 
-// The candle: A2, A4 and A6 straight, singular to the last bit, at rest. Any pull must get it going.
+// The candle: A2, A4 and A6 straight, exactly singular, at rest. Any pull must start a motion.
 TEST_F(DifferentialInverseTest, AnArmThatIsExactlyStraightCanBePulledBackAndRestsUntilThen) {
   Ride<7> ride(Params(), JointVectorN<7>::Zero());
   const double height = FlangePose(ride.q).translation().z();
@@ -331,8 +332,8 @@ TEST_F(DifferentialInverseTest, AnArmThatIsExactlyStraightCanBePulledBackAndRest
   EXPECT_LE(ride.peak_acceleration, 1.0 + 1e-9);
 }
 
-// Past a straight wrist at a distance: the flange's axis is turned by A6 through zero while A4 and A7 are
-// offset sideways by a `miss`, the angle by which it misses the singular posture.
+// Passing a straight wrist at a distance: A6 turns the flange's axis through zero while A4 and A7 are offset
+// sideways by a `miss`, the angle to the singular posture.
 class WristTest : public ::testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(, WristTest, ::testing::Values(0.0, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.05));
 
@@ -340,9 +341,9 @@ TEST_P(WristTest, TurnedThroughStraightTheJointsKeepTheirSpeedAndTheToolItsWay) 
   JointVectorN<6> start;
   start << 0.2, 0.6, -1.2, 0.0, -0.4, 0.1;
   start[3] =
-      std::asin(GetParam() / std::sin(0.4));  // A5 tilts the plane in which A6 turns, so it misses by this
+      std::asin(GetParam() / std::sin(0.4));  // A5 tilts the plane in which A6 turns: this gives the miss
   Ride<6> ride(SixParams(), start);
-  // the axis about which A6 would turn the flange were A5 at zero: through the singular posture exactly
+  // the axis of A6's rotation with A5 at zero: it leads exactly through the singular posture
   JointVectorN<6> exact = start;
   exact[3] = 0.0;
   const Vector3 axis = Jacobian(exact).block<3, 1>(3, 4);

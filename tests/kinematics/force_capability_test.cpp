@@ -13,8 +13,8 @@
 #include "tests/kinematics/chain_samples.h"
 #include "tests/kinematics/iiwa14.h"
 
-// The closed forms against what they stand for: torques of single wrenches, by matrix products, over random
-// arms and dense samples of directions.
+// The closed forms compared with their definition: torques of single wrenches, by matrix products, over
+// random arms and dense samples of directions.
 
 namespace osteon::kinematics {
 namespace {
@@ -48,7 +48,7 @@ ForceCapability<N> Exact(const Drawn<N>& d) {
   return {d.J, d.g, d.tau_max, GravityHelp::kCounted};
 }
 
-// How far the most loaded drive is from its limit while the arm holds F [N·m]; negative beyond.
+// Distance of the most loaded drive from its limit while the arm holds F [N·m]; negative beyond.
 template <int N>
 double Room(const Drawn<N>& d, const Wrench& F) {
   Eigen::Matrix<double, 6, 1> wrench;
@@ -57,7 +57,7 @@ double Room(const Drawn<N>& d, const Wrench& F) {
   return (d.tau_max - tau.cwiseAbs()).minCoeff();
 }
 
-// Directions at an angle from the axis, all round.
+// Direction at an angle from the axis, by a turn about it.
 Vector3 Around(const Vector3& axis, double angle, double turn) {
   const Vector3 side = axis.unitOrthogonal(), other = axis.cross(side);
   return std::cos(angle) * axis + std::sin(angle) * (std::cos(turn) * side + std::sin(turn) * other);
@@ -92,7 +92,7 @@ TYPED_TEST(ForceCapabilityOf, LargestWrenchPutsOneDriveAtItsLimitAndNoneBeyond) 
   }
 }
 
-// The grid of the cone is 1 deg apart, so its least lies within 1 - cos of that of the true least's scale.
+// The cone's grid is 1 deg apart, so its minimum is within 1 - cos of that of the true minimum's scale.
 TYPED_TEST(ForceCapabilityOf, ConeGivesTheLeastOverItsDirections) {
   constexpr int N = TypeParam::value;
   constexpr double kStep = kPi / 180.0;
@@ -140,7 +140,7 @@ TYPED_TEST(ForceCapabilityOf, FactorOfALoadHoldsItsWholeSetAndNoMore) {
     const Drawn<N> d = Draw<N>(random);
     const ToolLoad load{.axial_N = n % 2 == 0 ? 200.0 : -150.0, .lateral_N = 40.0, .torque_Nm = 6.0};
     const CapabilityLimit k = Exact(d).Factor(d.axis, load);
-    // the set's worst for each half-space lies at these ends: the most loaded drive is at its limit
+    // the worst of the set for each half-space lies at these ends: the most loaded drive is at its limit
     double least = HUGE_VAL;
     for (int i = 0; i < N; ++i)
       for (const double sign : {1.0, -1.0})
@@ -152,7 +152,7 @@ TYPED_TEST(ForceCapabilityOf, FactorOfALoadHoldsItsWholeSetAndNoMore) {
           least = std::min(least, Room(d, worst));
         }
     ASSERT_NEAR(least, 0.0, 320.0 * kRounding);
-    // and any other member is held
+    // every other member is held
     for (int m = 0; m < 50; ++m) {
       const Vector3 t = Vector3(unit(random), unit(random), unit(random)).normalized();
       const Vector3 across = Around(d.axis, 0.5 * kPi, kPi * unit(random));
@@ -181,7 +181,7 @@ TYPED_TEST(ForceCapabilityOf, ABoundOnTheTorqueIsHeldWhateverTheTorque) {
       ASSERT_NEAR(least, 0.0, 320.0 * kRounding);
     }
     ASSERT_LE(f, Exact(d).Force(d.axis).value);
-    // the same bound over the cone and the circle: never more than along their members
+    // with the same torque, cone and circle are bounded likewise: at most the value along their members
     ASSERT_LE(Exact(d).ForceInCone(d.axis, 0.3, 20.0).value, f * (1.0 + kRounding));
     ASSERT_LE(Exact(d).LateralForce(d.axis, 0.0, 20.0).value, Exact(d).LateralForce(d.axis).value);
   }
@@ -290,7 +290,7 @@ TEST(ForceCapability, DoesNotAllocate) {
   EXPECT_GT(sum, 0.0);
 }
 
-// The iiwa 14, its joints anywhere within their limits, and a tool that goes on along the flange's axis.
+// The iiwa 14 with its joints anywhere within their limits, and a tool along the flange's axis.
 class Iiwa14Force : public ::testing::Test {
  protected:
   JointVectorN<7> AnyPosture() {
@@ -302,7 +302,7 @@ class Iiwa14Force : public ::testing::Test {
     }
     return q;
   }
-  // of a tool of length_m, and its axis
+  // capability at the apex of a tool of length_m, and the tool's axis
   ForceCapability<7> At(const JointVectorN<7>& q, double length_m, GravityHelp help, Vector3& axis_B) const {
     const SerialChain<7>::Posture posture = chain_.Place(q);
     axis_B = posture.X_BF.linear().col(2);
@@ -317,7 +317,7 @@ class Iiwa14Force : public ::testing::Test {
 };
 
 // A6 turns about an axis across the tool, (0.126 + L) from its apex: 40 N·m leave 177, 123, 94 N. Every other
-// joint holds more, wherever the arm is. Without gravity: the masses beyond A6 take their part of its torque.
+// joint holds more, in any posture. Without gravity, because the masses beyond A6 take a part of its torque.
 TEST_F(Iiwa14Force, A6LimitsTheLateralForceToItsTorqueOverItsLever) {
   const SerialChain<7> weightless(body_, Vector3::Zero());
   for (const double length_m : {0.10, 0.20, 0.30})
@@ -332,7 +332,7 @@ TEST_F(Iiwa14Force, A6LimitsTheLateralForceToItsTorqueOverItsLever) {
     }
 }
 
-// Axially most postures hold twice the cell's ceiling. Without counting on gravity's help it is a percent
+// Axially most postures hold twice the cell's ceiling. Without relying on gravity's help it is a percent
 // less: the drives at the shoulder carry some 60 N·m of the arm's own weight.
 TEST_F(Iiwa14Force, AxialForceIs400NewtonInAlmostEveryPosture) {
   constexpr int kPostures = 20'000;
@@ -348,7 +348,7 @@ TEST_F(Iiwa14Force, AxialForceIs400NewtonInAlmostEveryPosture) {
   EXPECT_LT(cautious, exact);
 }
 
-// Every arm angle of a fine grid, every configuration: none holds more than the one that was found.
+// Every arm angle of a fine grid, in every configuration: none holds more than the result.
 TEST_F(Iiwa14Force, TheBestArmAngleIsTheBestOfItsSelfMotion) {
   const LbrArm arm(Iiwa14());
   constexpr int kFine = 3600;
@@ -363,7 +363,7 @@ TEST_F(Iiwa14Force, TheBestArmAngleIsTheBestOfItsSelfMotion) {
     const BestArmAngle best = FindBestArmAngle(arm, X_BF, force);
     ASSERT_TRUE(best.found);
     ++poses;
-    // it is a posture of the pose, within the limits, with the value that it says
+    // it is a posture of the pose, within the limits, with the stated value
     ASSERT_LT((arm.FlangePose(best.q).matrix() - X_BF.matrix()).norm(), 1e-9);
     ASSERT_NEAR(std::remainder(arm.ArmAngle(best.q) - best.arm_angle_rad, 2.0 * kPi), 0.0, 1e-6);
     ASSERT_EQ(force(best.q), best.value);
@@ -371,14 +371,14 @@ TEST_F(Iiwa14Force, TheBestArmAngleIsTheBestOfItsSelfMotion) {
     for (int k = 0; k < kFine; ++k)
       for (const LbrSolution& solution : arm.Solve(X_BF, 2.0 * kPi * k / kFine).configuration)
         if (solution.valid()) most = std::max(most, force(solution.q));
-    // 2 %: a hill narrower than 10 deg may hide between the samples
+    // 2 %: a maximum narrower than 10 deg may hide between the samples
     ASSERT_GE(best.value, 0.98 * most) << "pose " << n;
     if (best.value > 1.1 * force(q_own)) ++better_than_own;
   }
   EXPECT_GT(better_than_own, poses / 2) << "the arm angle must matter, or nothing is proven";
 }
 
-// One joint's limits leave a self-motion of a third of a degree: no sample of the circle meets it.
+// One joint's limits leave a self-motion of a third of a degree, which no sample of the circle meets.
 TEST_F(Iiwa14Force, ANarrowSelfMotionIsFound) {
   LbrParams params = Iiwa14();
   JointVectorN<7> q;

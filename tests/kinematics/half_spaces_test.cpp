@@ -16,7 +16,7 @@ class HalfSpacesTest : public ::testing::Test {
  protected:
   Vector3 RandomUnit() { return Vector3(normal_(random_), normal_(random_), normal_(random_)).normalized(); }
 
-  // Planes that all hold at `inside`, some tight there: never empty.
+  // Planes that all contain `inside`, some tightly: the intersection is never empty.
   Planes AroundPoint(const Vector3& inside, int count) {
     Planes planes;
     for (int i = 0; i < count; ++i) {
@@ -40,8 +40,7 @@ double Worst(const Planes& planes, int count, const Vector3& x) {
   return worst;
 }
 
-// Dykstra's alternating projections converge to the nearest point of the intersection; an algorithm of
-// another family.
+// Dykstra's alternating projections, an unrelated algorithm, converge to the intersection's nearest point.
 Vector3 Dykstra(const Planes& planes, int count, int sweeps) {
   Vector3 x = Vector3::Zero();
   std::array<Vector3, kMaxHalfSpaces> correction;
@@ -55,7 +54,7 @@ Vector3 Dykstra(const Planes& planes, int count, int sweeps) {
   return x;
 }
 
-// Necessary and sufficient for the nearest point of a convex set; 1e-9 is the solver's own tolerance [m].
+// Necessary and sufficient conditions for the nearest point; 1e-9 is the solver's own tolerance [m].
 void ExpectOptimal(const Planes& planes, int count, const HalfSpaceProjection& result) {
   EXPECT_EQ(result.violation, 0.0);
   EXPECT_LE(Worst(planes, count, result.point), 1e-9);
@@ -121,7 +120,7 @@ TEST_F(HalfSpacesTest, CornerIsFoundExactly) {
   EXPECT_NEAR(result.multiplier[2], 3e-3, 1e-15);
 }
 
-// The same plane many times, and planes a little behind it: the foremost wins, whichever index it has.
+// The same plane many times, and planes slightly behind it: the foremost decides, at any index.
 TEST_F(HalfSpacesTest, ParallelPlanesActAsTheForemost) {
   for (int foremost = 0; foremost < kMaxHalfSpaces; ++foremost) {
     Planes planes;
@@ -134,7 +133,7 @@ TEST_F(HalfSpacesTest, ParallelPlanesActAsTheForemost) {
   }
 }
 
-// x >= 3 mm and x <= 1 mm: in the middle, 1 mm outside each; y is still pushed to where it must be.
+// x >= 3 mm and x <= 1 mm: the point is in the middle, 1 mm outside each; y still satisfies its plane.
 TEST_F(HalfSpacesTest, OppositeWallsThatOverlapCentreThePoint) {
   Planes planes;
   planes[0] = {Vector3::UnitX(), 3e-3};
@@ -148,8 +147,8 @@ TEST_F(HalfSpacesTest, OppositeWallsThatOverlapCentreThePoint) {
       << "the slack is common: y may lag by 1 mm too";
 }
 
-// Random empty sets: no point of a dense search around the result is outside by less. The result trades 1e-6
-// of violation against distance, hence the margin.
+// Random empty sets: no point of a dense search around the result has a smaller violation. The result trades
+// 1e-6 of violation against distance, hence the margin.
 TEST_F(HalfSpacesTest, EmptySetGivesTheLeastViolation) {
   int empty = 0;
   for (int n = 0; n < 300; ++n) {
@@ -169,8 +168,7 @@ TEST_F(HalfSpacesTest, EmptySetGivesTheLeastViolation) {
   EXPECT_GT(empty, 50);
 }
 
-// Almost parallel, almost opposite, zero and tiny offsets: whatever comes out is finite and says how far it
-// is outside.
+// Almost parallel, almost opposite, zero and tiny offsets: every result is finite and reports its violation.
 TEST_F(HalfSpacesTest, DegenerateSetsStayFinite) {
   for (int n = 0; n < 5'000; ++n) {
     Planes planes;

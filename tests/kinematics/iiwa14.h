@@ -7,8 +7,7 @@
 
 namespace osteon::kinematics {
 
-/// The iiwa 14 R820: lengths of lbr_description; limits of KUKA's data sheet; accelerations as Drake uses
-/// them.
+/// The iiwa 14 R820: lengths of lbr_description, limits of KUKA's data sheet, accelerations as used in Drake.
 inline const LbrParams& Iiwa14() {
   constexpr double rad = std::numbers::pi / 180.0;
   static const LbrParams arm{.base_to_shoulder_m = 0.360,

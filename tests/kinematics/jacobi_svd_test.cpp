@@ -19,7 +19,7 @@ class RandomJacobians {
   Jacobian Next() {
     return Jacobian::NullaryExpr([this] { return normal_(random_); });
   }
-  // With these singular values.
+  // A random Jacobian with these singular values.
   Jacobian With(const Eigen::Matrix<double, 6, 1>& sigma) {
     const Eigen::JacobiSVD<Jacobian> svd(Next(), Eigen::ComputeFullU | Eigen::ComputeFullV);
     return svd.matrixU() * sigma.asDiagonal() * svd.matrixV().template leftCols<6>().transpose();
@@ -30,7 +30,7 @@ class RandomJacobians {
   std::normal_distribution<double> normal_;
 };
 
-// What makes it a decomposition; rounding of 6 x 7 sums of products of order one.
+// The defining properties of a decomposition; tolerance for rounding of 6 x 7 sums of products of order one.
 template <int N>
 void ExpectDecomposes(const Eigen::Matrix<double, 6, N>& J, const JacobianDirections<N>& d,
                       double tolerance) {
@@ -60,7 +60,7 @@ TEST(JacobiSvd, SingularValuesAreThoseOfAnotherAlgorithm) {
   }
 }
 
-// Near a singular posture the small ones decide: each as exact as the large ones, down to none at all.
+// Near a singular posture the small values decide: each is as accurate as the large ones, down to zero.
 TEST(JacobiSvd, SmallSingularValuesAreExact) {
   RandomJacobians<7> random;
   for (double least : {1e-3, 1e-6, 1e-9, 1e-12, 0.0}) {
@@ -87,7 +87,7 @@ TEST(JacobiSvd, RankIsNotAskedFor) {
   }
 }
 
-// The tick before is a good guess: a millisecond's turn (some mrad) takes a third of the sweeps.
+// The previous tick is a good guess: a millisecond's rotation (some mrad) takes a third of the sweeps.
 TEST(JacobiSvd, TheTickBeforeSavesSweeps) {
   RandomJacobians<7> random;
   int cold = 0, warm = 0;
@@ -103,7 +103,7 @@ TEST(JacobiSvd, TheTickBeforeSavesSweeps) {
   EXPECT_LT(2 * warm, cold) << warm << " sweeps, " << cold << " without";
 }
 
-// A million ticks' rounding does not spoil the directions that are handed on.
+// A million ticks' rounding does not spoil the directions that are passed on.
 TEST(JacobiSvd, HandedOnDirectionsStayOrthogonal) {
   RandomJacobians<7> random;
   auto J = random.Next();

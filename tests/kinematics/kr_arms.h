@@ -49,7 +49,7 @@ inline OrthoParallelParams Kr16Params() {
                                                               {-350, 350, 615}}});
 }
 
-/// An arm with every length and offset in use, and its plane beside A1.
+/// An arm that uses every length and offset, with its plane beside A1.
 inline OrthoParallelParams CrookedArmParams() {
   OrthoParallelParams params = Kr16Params();
   params.a1_m = -0.1;

@@ -17,8 +17,8 @@ namespace {
 
 constexpr int kPostures = 10'000;
 
-// The iiwa 14 as robot descriptions give it: a joint's origin in the frame of the joint before, and its axis.
-// It shares nothing with LbrArm's four lengths: the origins are off the axes and sum up only along the chain.
+// The iiwa 14 as in robot descriptions: a joint's origin in the frame of the previous joint, and its axis.
+// Shares nothing with LbrArm's four lengths: the origins are off the axes and sum up only along the chain.
 KDL::Chain DescribedArm() {
   struct Row {
     double y, z;
@@ -50,8 +50,8 @@ class LbrArmTest : public ::testing::Test {
     return q;
   }
 
-  // Random, with A2, A4 and A6 bent, and the wrist not above the shoulder: there the inverse is well
-  // conditioned.
+  // Random, with A2, A4 and A6 bent, and the wrist not above the shoulder: the inverse is well conditioned
+  // there.
   JointVector RegularPosture() {
     while (true) {
       const JointVector q = RandomPosture();
@@ -67,7 +67,7 @@ class LbrArmTest : public ::testing::Test {
   std::uniform_real_distribution<double> unit_{-1.0, 1.0};
 };
 
-// 1e-12: some thirty products of numbers around 1, each rounded to 1e-16, with room.
+// 1e-12: some thirty products of numbers around 1, each rounded to 1e-16, with a margin.
 TEST_F(LbrArmTest, PoseAndJacobianEqualThoseOfTheDescribedChain) {
   const KDL::Chain chain = DescribedArm();
   KDL::ChainFkSolverPos_recursive forward(chain);
@@ -121,7 +121,7 @@ TEST_F(LbrArmTest, JacobianIsTheDerivativeOfThePose) {
   }
 }
 
-// 1e-10: an elbow bent by .05 rad amplifies the rounding of the reach 20 times, the wrist's likewise.
+// 1e-10: an elbow bent by 0.05 rad amplifies the rounding of the reach 20 times, as does the wrist.
 TEST_F(LbrArmTest, InverseUndoesForward) {
   for (int n = 0; n < kPostures; ++n) {
     const JointVector q = RegularPosture();
@@ -134,7 +134,7 @@ TEST_F(LbrArmTest, InverseUndoesForward) {
   }
 }
 
-// Any seed: another of the eight may be nearer; it must give the same pose and the same elbow.
+// For any seed another of the eight may be nearer; it must give the same pose and the same elbow.
 TEST_F(LbrArmTest, EverySolutionGivesThePoseAndTheArmAngleAskedFor) {
   int other_configuration = 0;
   for (int n = 0; n < kPostures; ++n) {
@@ -153,8 +153,8 @@ TEST_F(LbrArmTest, EverySolutionGivesThePoseAndTheArmAngleAskedFor) {
   EXPECT_GT(other_configuration, kPostures / 10);
 }
 
-// The eight solutions, made by hand: a bent joint flips with its neighbours turned by pi, which keeps every
-// link in place.
+// The eight solutions, made by hand: a bent joint flips and its neighbours turn by pi, which keeps every link
+// in place.
 TEST_F(LbrArmTest, InverseFindsAllEightConfigurations) {
   LbrParams params = Iiwa14();
   for (JointLimits& limit : params.limits) limit = {};  // ± pi
@@ -184,8 +184,8 @@ TEST_F(LbrArmTest, ArmAngleIsZeroWithTheElbowUpAndPiWhereItHangs) {
   EXPECT_EQ(arm_.ArmAngle(JointVector::Zero()), 0.0);
 }
 
-// The elbow travels on a circle: another arm angle turns shoulder to elbow about shoulder to wrist by the
-// difference.
+// The elbow moves on a circle: a change of the arm angle turns shoulder-to-elbow about shoulder-to-wrist by
+// the difference.
 TEST_F(LbrArmTest, ArmAngleTurnsTheElbowRightHandedAboutTheShoulderWristLine) {
   const LbrParams& params = arm_.params();
   const auto elbow = [&](const JointVector& q) {
@@ -234,8 +234,7 @@ TEST_F(LbrArmTest, PostureBeyondALimitIsNeverGiven) {
     limit.lower_rad = -limit.upper_rad;
     const LbrArm arm(tight);
     JointVector found = q;
-    // a bent joint has the same size in all eight; a turning one beyond 90 deg has a solution on the other
-    // side
+    // a bent joint has the same size in all eight; a turning one beyond 90 deg has another solution
     const bool bent = i == 1 || i == 3 || i == 5;
     EXPECT_EQ(arm.Inverse(X_BF, arm_.ArmAngle(q), q, found), !bent) << "joint " << i + 1;
     if (!bent) {
@@ -245,7 +244,7 @@ TEST_F(LbrArmTest, PostureBeyondALimitIsNeverGiven) {
   }
 }
 
-// In a singular posture one joint is free: it stays where it was, and the pose is still exact.
+// In a singular posture one joint is free: it keeps its position, and the pose is still exact.
 TEST_F(LbrArmTest, SingularPosturesKeepTheFreeJoint) {
   const auto posture = [](double q2, double q4, double q6) {
     return (JointVector() << 0.2, q2, 0.3, q4, -0.4, q6, 0.1).finished();

@@ -10,7 +10,7 @@
 namespace osteon::kinematics {
 namespace {
 
-// The iiwa 14 as robot descriptions give it: origins off the axes, in the frame of the joint before.
+// The iiwa 14 as in robot descriptions: origins off the axes, in the frame of the previous joint.
 ChainParams<7> DescribedArm() {
   const Vector3 y = Vector3::UnitY(), z = Vector3::UnitZ();
   const std::array<Vector3, 7> origin{
@@ -49,10 +49,10 @@ TEST(LbrParams, LengthsFollowFromTheAxesOfADescription) {
   }
 }
 
-// Denavit and Hartenberg turn each link's frame so that every joint is about its z: the same arm.
+// Denavit-Hartenberg frames, in which every joint turns about its z: the same arm.
 TEST(LbrParams, FramesOfTheLinksDoNotMatter) {
   ChainParams<7> chain = DescribedArm();
-  Matrix3 R_before = Matrix3::Identity();  // of the link before, new frame in old
+  Matrix3 R_before = Matrix3::Identity();  // of the previous link, new frame in old
   for (RevoluteJoint& joint : chain.joints) {
     const Matrix3 R = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), joint.axis_J).toRotationMatrix();
     joint.X_PJ = Pose(R_before.transpose()) * joint.X_PJ * Pose(R);
@@ -78,7 +78,7 @@ TEST(LbrParams, AnAxisThatMissesIsNamedWithItsOffset) {
     chain.joints[i].axis_J = Eigen::AngleAxisd(0.002, Vector3::UnitX()) * chain.joints[i].axis_J;
     EXPECT_NE(MessageOf(chain).find(name + " at zero"), std::string::npos) << MessageOf(chain);
     EXPECT_NE(MessageOf(chain).find("found 0.002 rad off"), std::string::npos) << MessageOf(chain);
-    // the other way round
+    // reversed
     chain = DescribedArm();
     chain.joints[i].axis_J *= -1.0;
     EXPECT_NE(MessageOf(chain).find(name), std::string::npos) << MessageOf(chain);

@@ -11,8 +11,8 @@
 #include "tests/kinematics/iiwa14.h"
 #include "tests/kinematics/near_singular.h"
 
-// All eight postures of a pose and an arm angle. What they are held against is the forward kinematics, which
-// lbr_arm_test.cpp holds against KDL.
+// All eight postures of a pose and an arm angle, compared with the forward kinematics, which lbr_arm_test.cpp
+// compares with KDL.
 
 namespace osteon::kinematics {
 namespace {
@@ -30,10 +30,9 @@ const LbrSolution& Of(const LbrSolutions& solutions, int configuration) {
   return solutions.configuration[static_cast<std::size_t>(configuration)];
 }
 
-// Pose: 1e-13 m and rad, some hundred roundings of numbers around 1, near a singularity as elsewhere.
-// Joints: what rounds in the pose moves them by 1/sigma_min as much; 1e-9 / sigma_min leaves room for the
-// angle's reference, whose vertical is the further from well defined the nearer the wrist is above the
-// shoulder.
+// Pose: 1e-13 m and rad, some hundred roundings of numbers around 1, the same near a singularity. Joints: the
+// pose's rounding moves them by up to 1/sigma_min times as much; 1e-9 / sigma_min allows for the angle's
+// reference, the vertical, which is ill defined when the wrist is nearly above the shoulder.
 TEST(LbrSolutions, AMillionPosesAreReachedByAllEightAndTheirOwnPostureIsAmongThem) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 20240611);
@@ -72,7 +71,7 @@ TEST(LbrSolutions, EachCarriesTheSignsOfItsNumber) {
   }
 }
 
-// The elbow is where the angle says in all eight: the angle is geometry, not a convention of the joints.
+// The elbow is at the given angle in all eight: the angle is geometry, not a convention of the joints.
 TEST(LbrSolutions, AllEightHaveTheArmAngleAskedFor) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 2);
@@ -81,7 +80,7 @@ TEST(LbrSolutions, AllEightHaveTheArmAngleAskedFor) {
     const double psi = kPi * postures.Unit();
     const LbrSolutions solutions = arm.Solve(arm.FlangePose(q), psi);
     for (const LbrSolution& solution : solutions.configuration)
-      // 1e-8: the vertical's reference loses six digits where the wrist is above the shoulder to 1e-6
+      // 1e-8: the reference loses six digits where the wrist is within 1e-6 of above the shoulder
       EXPECT_LT(std::abs(std::remainder(arm.ArmAngle(solution.q) - psi, 2.0 * kPi)), 1e-8);
   }
 }
@@ -124,7 +123,7 @@ TEST(LbrSolutions, NearestIsTheNearestOfTheValid) {
   EXPECT_GT(without, 1000);
 }
 
-// The wrist put outside the shell between |d_se - d_ew| and d_se + d_ew by a known distance, any direction.
+// The wrist is outside the shell between |d_se - d_ew| and d_se + d_ew by a known distance, in any direction.
 TEST(LbrSolutions, UnreachablePoseSaysByHowMuch) {
   const LbrArm arm(Iiwa14());
   const LbrParams& params = arm.params();
@@ -161,9 +160,9 @@ TEST(LbrSolutions, WhatIsNotFiniteIsNotReachable) {
   }
 }
 
-// Exactly singular: the posture itself is among the eight where the seed holds the free joint, and every seed
-// gives the pose. 1e-12: what is that near is taken for singular. A straight elbow is found to 2e-7: its sine
-// is the root of the reach's rounding.
+// Exactly singular: the posture itself is among the eight if the seed has the free joint's value, and every
+// seed gives the pose. 1e-12: a posture this near counts as singular. A straight elbow is found to 2e-7: its
+// sine is the root of the reach's rounding.
 TEST(LbrSolutions, SingularPosturesAreReachedWithEverySeed) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 5);
@@ -185,7 +184,7 @@ TEST(LbrSolutions, SingularPosturesAreReachedWithEverySeed) {
   }
 }
 
-// An elbow that straightens and bends again: neither the angle nor the joints but A4 notice.
+// An elbow straightens and bends again: the angle, and all joints but A4, stay the same.
 TEST(LbrSolutions, ArmAngleGoesStraightThroughAStraightElbow) {
   const LbrArm arm(Iiwa14());
   JointVector q = (JointVector() << 0.3, 0.7, -0.4, 0.0, 0.5, 0.9, -0.2).finished();
@@ -198,7 +197,8 @@ TEST(LbrSolutions, ArmAngleGoesStraightThroughAStraightElbow) {
   }
 }
 
-// Links of equal length fold until the wrist is in the shoulder: no direction there, but every posture folds.
+// Links of equal length fold until the wrist is in the shoulder: no direction is defined there, but every
+// posture folds.
 TEST(LbrSolutions, FoldedArmReachesItsShoulder) {
   LbrParams params = Iiwa14();
   params.elbow_to_wrist_m = params.shoulder_to_elbow_m;

@@ -10,7 +10,7 @@
 namespace osteon::kinematics {
 namespace {
 
-// Numbers as MJCF wants them, without a loss.
+// Numbers for MJCF at full precision.
 template <class Derived>
 std::string Text(const Eigen::MatrixBase<Derived>& v) {
   std::ostringstream text;
@@ -24,7 +24,7 @@ std::string Quat(const Matrix3& R) {
   return Text(Eigen::Vector4d(turn.w(), turn.x(), turn.y(), turn.z()));
 }
 
-// MuJoCo would diagonalise a full inertia itself, but to 1e-7 only: the moments and their axes,
+// MuJoCo would diagonalise a full inertia itself, but only to 1e-7. Returns the moments and their axes,
 // right-handed.
 Vector3 PrincipalMoments(const Matrix3& I, Matrix3& axes) {
   const Eigen::SelfAdjointEigenSolver<Matrix3> solver(I);

@@ -8,13 +8,13 @@
 
 namespace osteon::kinematics {
 
-/// A chain as MuJoCo has it: an oracle for its dynamics that shares no code with KDL.
+/// A chain in MuJoCo: an oracle for its dynamics that shares no code with KDL.
 template <int N>
 class MujocoArm {
  public:
-  /// Writes the chain as MJCF and has MuJoCo compile it: each link a body at X_PJ with the joint's axis
-  /// through its origin, mass and inertia (by its principal moments) as they are, the rotor as the joint's
-  /// armature; no shapes, so no contacts.
+  /// Writes the chain as MJCF for MuJoCo to compile: each link a body at X_PJ with the joint's axis through
+  /// its origin, its mass and inertia (by principal moments), and the rotor as the joint's armature; no
+  /// shapes, so no contacts.
   MujocoArm(const ChainParams<N>& params, const Vector3& gravity_B);
 
   [[nodiscard]] JointVectorN<N> InverseDynamics(const JointVectorN<N>& q, const JointVectorN<N>& qd,

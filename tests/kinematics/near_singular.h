@@ -8,9 +8,9 @@
 
 namespace osteon::kinematics {
 
-/// Random postures of an LBR within its limits, of which every tenth is near a singularity on purpose:
-/// 1e-6 to 1e-2 rad (evenly by logarithm, either sign) from elbow straight, wrist straight, upper arm
-/// vertical, all three, or the wrist above the shoulder.
+/// Random postures of an LBR within its limits. Every tenth is placed near a singularity: 1e-6 to 1e-2 rad
+/// (log-uniform, either sign) from elbow straight, wrist straight, upper arm vertical, all three, or the
+/// wrist above the shoulder.
 class LbrPostures {
  public:
   LbrPostures(const LbrParams& params, std::uint64_t seed) : params_(params), random_(seed) {}
@@ -51,7 +51,7 @@ class LbrPostures {
   /// In -1 … 1.
   double Unit() { return 2.0 * unit_(random_) - 1.0; }
 
-  /// Of size 1e-6 … 1e-2, evenly by logarithm.
+  /// Magnitude 1e-6 … 1e-2, log-uniform.
   double Small() {
     const double size = std::pow(10.0, -6.0 + 4.0 * unit_(random_));
     return unit_(random_) < 0.5 ? -size : size;

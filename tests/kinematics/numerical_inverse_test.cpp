@@ -17,14 +17,14 @@
 namespace osteon::kinematics {
 namespace {
 
-// A six-axis arm whose wrist has an offset, as painting robots have.
+// A six-axis arm whose wrist has an offset, as in painting robots.
 ChainParams<6> OffsetWrist() {
   ChainParams<6> chain = ChainFrom(Kr6R900Params());
   chain.joints[4].X_PJ.translation().x() = 0.05;
   return chain;
 }
 
-// Seven joints with an offset at each, as a Franka's or a Sawyer's.
+// Seven joints with an offset at each, as in a Franka or a Sawyer arm.
 ChainParams<7> OffsetArm() {
   const Vector3 y = Vector3::UnitY(), z = Vector3::UnitZ();
   const std::array<Vector3, 7> axis{z, y, z, -y, z, y, z};
@@ -59,7 +59,7 @@ bool KeepsLimits(const ChainParams<N>& params, const JointVectorN<N>& q) {
   return true;
 }
 
-// What it says of its result is so: limits, errors, and what `reached` promises.
+// The result's own statements are true: limits, errors, and the tolerances of `reached`.
 template <int N>
 void ExpectTrueToItsWord(const SerialChain<N>& chain, const Pose& X_BF,
                          const NumericalInverseResult<N>& result, const NumericalInverseParams& params) {
@@ -73,7 +73,7 @@ void ExpectTrueToItsWord(const SerialChain<N>& chain, const Pose& X_BF,
   EXPECT_LE(result.iterations, (1 + params.max_restarts) * params.max_iterations);
 }
 
-// Any pose that some posture within the limits reaches, from any seed: 99 of 100, measured 2999 of 3000.
+// Any pose of a posture within the limits, from any seed: 99 of 100 required, 2999 of 3000 measured.
 template <int N>
 void ExpectReachesFromAnySeed(const ChainParams<N>& params) {
   const SerialChain<N> chain(params);
@@ -91,7 +91,7 @@ void ExpectReachesFromAnySeed(const ChainParams<N>& params) {
 TEST(NumericalInverse, ReachesWithAnOffsetWrist) { ExpectReachesFromAnySeed<6>(OffsetWrist()); }
 TEST(NumericalInverse, ReachesWithOffsetLinks) { ExpectReachesFromAnySeed<7>(OffsetArm()); }
 
-// From 0.1 rad away it needs no second attempt, and few steps: the end is quadratic, 1e-1, 1e-2, 1e-4, 1e-8.
+// From 0.1 rad away it needs no second attempt and few steps: the end is quadratic, 1e-1, 1e-2, 1e-4, 1e-8.
 TEST(NumericalInverse, FromNearbyItTakesAFewSteps) {
   const SerialChain<7> chain(OffsetArm());
   std::mt19937_64 random(12);
@@ -110,7 +110,7 @@ TEST(NumericalInverse, FromNearbyItTakesAFewSteps) {
   EXPECT_LT(steps, 6 * 1000);
 }
 
-// On an LBR, what it finds is what the closed form gives at that arm angle.
+// On an LBR, the result equals the closed form at its arm angle.
 TEST(NumericalInverse, AgreesWithTheClosedFormOfAnLbr) {
   const LbrArm arm(Iiwa14());
   ChainParams<7> params = OffsetArm();
@@ -127,7 +127,7 @@ TEST(NumericalInverse, AgreesWithTheClosedFormOfAnLbr) {
     const LbrSolutions solutions = arm.Solve(X_BF, arm.ArmAngle(result.q));
     const LbrSolution& own =
         solutions.configuration[static_cast<std::size_t>(LbrArm::Configuration(result.q))];
-    // the pose's 1e-9 over the smallest singular value; not near a singularity that is 1e-6 at most
+    // the pose's 1e-9 over the smallest singular value: at most 1e-6 away from a singularity
     const bool regular =
         std::abs(result.q[1]) > 0.1 && std::abs(result.q[3]) > 0.1 && std::abs(result.q[5]) > 0.1;
     if (!regular) continue;
@@ -137,8 +137,8 @@ TEST(NumericalInverse, AgreesWithTheClosedFormOfAnLbr) {
   EXPECT_GT(compared, 200);
 }
 
-// Half a metre out of reach: it says so, and has stretched towards it, as far as the closed form says is
-// missing.
+// Half a metre out of reach: it reports this, and has stretched toward the pose as far as the closed form
+// predicts.
 TEST(NumericalInverse, OutOfReachItStopsAtTheNearest) {
   const OrthoParallelArm closed(Kr6R900Params());
   const SerialChain<6> chain(ChainFrom(Kr6R900Params()));
@@ -158,7 +158,7 @@ TEST(NumericalInverse, HeldByALimitItSaysSo) {
   const JointVectorN<6> q = (JointVectorN<6>() << 0.3, -1.2, 0.9, -0.4, 0.8, 0.9).finished();
   const Pose X_BF = SerialChain<6>(params).FlangePose(q);
   for (RevoluteJoint& joint : params.joints) joint.limits = {.lower_rad = -1.5, .upper_rad = 1.5};
-  params.joints[0].limits.upper_rad = 0.2;  // turned away from the pose
+  params.joints[0].limits.upper_rad = 0.2;  // A1 cannot turn to the pose
   const SerialChain<6> chain(params);
   NumericalInverseParams once;
   once.max_restarts = 0;

@@ -13,8 +13,8 @@
 #include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/kinematics/kr_arms.h"
 
-// All eight postures of a pose, held against the forward kinematics of the chain made of the same parameters,
-// which ortho_parallel_params_test.cpp holds against KDL and a robot description.
+// All eight postures of a pose, compared with the forward kinematics of the chain made of the same
+// parameters, which ortho_parallel_params_test.cpp compares with KDL and a robot description.
 
 namespace osteon::kinematics {
 namespace {
@@ -24,15 +24,15 @@ constexpr double kPi = std::numbers::pi, kTurn = 2.0 * kPi;
 
 double PoseError(const Pose& a, const Pose& b) { return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff(); }
 
-// Largest difference of two postures, a turn more or less counting as none.
+// Largest difference of two postures, modulo full turns.
 double Off(const Joints& a, const Joints& b) {
   double worst = 0.0;
   for (int i = 0; i < 6; ++i) worst = std::max(worst, std::abs(std::remainder(a[i] - b[i], kTurn)));
   return worst;
 }
 
-// Random postures within the limits, of which every tenth is 1e-6 to 1e-2 rad from a singularity: wrist
-// straight, elbow straight, wrist above A1, all three.
+// Random postures within the limits. Every tenth is 1e-6 to 1e-2 rad from a singularity: wrist straight,
+// elbow straight, wrist above A1, all three.
 class Postures {
  public:
   Postures(const OrthoParallelParams& params, std::uint64_t seed) : params_(params), random_(seed) {}
@@ -64,7 +64,7 @@ class Postures {
     const auto joint = static_cast<std::size_t>(i);
     q[i] = params_.sign[joint] * (theta + params_.offset_rad[joint]);
   }
-  // a1 + c2 sin(theta2) + k sin(theta2 + gamma) = small, for theta2
+  // solves a1 + c2 sin(theta2) + k sin(theta2 + gamma) = small for theta2
   void PutWristAboveA1(Joints& q) {
     const double gamma =
         params_.sign[2] * q[2] - params_.offset_rad[2] + std::atan2(params_.a2_m, params_.c3_m);
@@ -87,8 +87,8 @@ class Postures {
   int count_{0};
 };
 
-// Pose to 1e-13 as an LBR's; joints to 1e-9 / sigma_min. What is called valid has some name within the limits
-// for every joint, and what is not has a joint with none.
+// Pose to 1e-13 as for an LBR; joints to 1e-9 / sigma_min. A valid solution has an equivalent within the
+// limits for every joint, an invalid one has a joint without.
 void CheckPoses(const OrthoParallelParams& params, int poses) {
   const OrthoParallelArm arm(params);
   const SerialChain<6> chain(ChainFrom(params));
@@ -158,7 +158,7 @@ TEST(OrthoParallelArm, EachSolutionCarriesItsNumber) {
   }
 }
 
-// A6 turns almost twice round: its name beyond half a turn is given back where it is the seed's.
+// A6 turns almost twice round: a value beyond half a turn is returned if it is the seed's.
 TEST(OrthoParallelArm, EveryPostureIsItsOwnNearest) {
   for (const OrthoParallelParams& params : {Kr6R900Params(), Kr16Params()}) {
     const OrthoParallelArm arm(params);
@@ -170,7 +170,7 @@ TEST(OrthoParallelArm, EveryPostureIsItsOwnNearest) {
       if (std::abs(q[5]) > kPi) ++beyond_half_a_turn;
       Joints found;
       ASSERT_TRUE(arm.Inverse(chain.FlangePose(q), q, found)) << q.transpose();
-      // 1e-2: three singularities within 1e-6 at once leave that much to rounding; a turn is 600 times that
+      // 1e-2: three singularities within 1e-6 at once lose that much to rounding; a turn is 600 times that
       EXPECT_LT(PoseError(chain.FlangePose(found), chain.FlangePose(q)), 1e-13);
       EXPECT_LT((found - q).cwiseAbs().maxCoeff(), 1e-2) << q.transpose();
     }
@@ -178,7 +178,7 @@ TEST(OrthoParallelArm, EveryPostureIsItsOwnNearest) {
   }
 }
 
-// Every name of every solution by brute force.
+// All equivalents of every solution, by brute force.
 TEST(OrthoParallelArm, NearestIsTheNearestOfAllNames) {
   const OrthoParallelParams params = Kr16Params();
   const OrthoParallelArm arm(params);
@@ -190,7 +190,7 @@ TEST(OrthoParallelArm, NearestIsTheNearestOfAllNames) {
     double least = std::numeric_limits<double>::infinity();
     for (const OrthoParallelSolution& solution : solutions.configuration) {
       if (!solution.exists) continue;
-      double distance = 0.0;  // joints are independent: the nearest name of each
+      double distance = 0.0;  // joints are independent: the nearest equivalent of each
       for (int i = 0; i < 6; ++i) {
         const JointLimits& limit = params.limits[static_cast<std::size_t>(i)];
         double nearest = std::numeric_limits<double>::infinity();
@@ -274,8 +274,8 @@ TEST(OrthoParallelArm, WhatIsNotFiniteIsNotReachable) {
   EXPECT_EQ(q, Joints::Constant(42.0));
 }
 
-// Exactly singular: the posture itself where the seed holds the free joint, the pose with any seed. 2e-12:
-// what is within 1e-12 is taken for singular. A straight elbow is found to 2e-7: the root of the reach's
+// Exactly singular: the posture itself if the seed has the free joint's value, the pose with any seed. 2e-12:
+// within 1e-12 a posture counts as singular. A straight elbow is found to 2e-7: the root of the reach's
 // rounding.
 TEST(OrthoParallelArm, SingularPosturesAreReachedWithEverySeed) {
   OrthoParallelParams params = Kr16Params();
@@ -292,7 +292,7 @@ TEST(OrthoParallelArm, SingularPosturesAreReachedWithEverySeed) {
     const bool straight_elbow = n % 3 == 1;
     if (n % 3 != 1) q[4] = 0.0;
     if (straight_elbow) q[2] = -std::atan2(params.a2_m, params.c3_m), ++elbow;
-    if (n % 3 == 2) {  // wrist above A1, as near as rounding goes
+    if (n % 3 == 2) {  // wrist above A1, to rounding
       const double gamma = q[2] + std::atan2(params.a2_m, params.c3_m),
                    k = std::hypot(params.a2_m, params.c3_m);
       const double sine = k * std::sin(gamma), cosine = params.c2_m + k * std::cos(gamma);
@@ -320,7 +320,7 @@ TEST(OrthoParallelArm, SaysWhichJointIsBeyondAndByHowMuch) {
   for (int i = 0; i < 6; ++i) {
     OrthoParallelParams tight = Kr6R900Params();
     JointLimits& limit = tight.limits[static_cast<std::size_t>(i)];
-    limit.lower_rad = std::max(limit.lower_rad, -2.9);  // no other name
+    limit.lower_rad = std::max(limit.lower_rad, -2.9);  // no equivalent within the limits
     limit.upper_rad = q[i] - 0.05;
     const OrthoParallelArm arm(tight);
     const OrthoParallelSolution own =

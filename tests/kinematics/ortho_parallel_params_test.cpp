@@ -25,7 +25,7 @@ Joints RandomPosture(std::mt19937_64& random) {
   return q;
 }
 
-// The KR 6 R900-2 as a robot description gives it: stretched forward at zero, all frames aligned with B, the
+// The KR 6 R900-2 as in a robot description: stretched forward at zero, all frames aligned with B, the
 // flange's z forward.
 ChainParams<6> DescribedKr6() {
   const std::array<Vector3, 6> origin{Vector3(0, 0, .400), Vector3(.025, 0, 0), Vector3(.455, 0, 0),
@@ -64,7 +64,7 @@ TEST(OrthoParallelParams, ChainIsTheProductOfItsDefinition) {
   }
 }
 
-// Two sources, one arm: lengths, offsets and signs against joint origins and axes, through KDL.
+// One arm from two sources: lengths, offsets and signs compared with joint origins and axes, through KDL.
 TEST(OrthoParallelParams, ChainIsTheDescribedArm) {
   const ChainParams<6> described = DescribedKr6();
   KDL::Chain kdl;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kMargin_rad = 0.02;
 
-// The potential of which AwayFromLimits is minus the gradient.
+// The potential whose negative gradient is AwayFromLimits.
 double LimitPotential(const PosturePreferenceParams& params, const JointVectorN<7>& q) {
   double sum = 0.0;
   for (int i = 0; i < 7; ++i) {
@@ -39,7 +39,7 @@ TEST(Redundancy, AwayFromLimitsIsTheGradientOfItsPotentialAndZeroInMidRange) {
     for (int i = 0; i < 7; ++i) q[i] = (unit(random) > 0.0 ? 0.99 : 0.4) * unit(random) * 2.0;
     const JointVectorN<7> qd = AwayFromLimits<7>(params, Iiwa14().limits, kMargin_rad, q);
     for (int i = 0; i < 7; ++i) {
-      constexpr double h = 1e-5;  // of a quadratic gradient: error h^2 / zone^2, some 1e-9
+      constexpr double h = 1e-5;  // for a quadratic gradient: error h^2 / zone^2, some 1e-9
       JointVectorN<7> more = q, less = q;
       more[i] += h;
       less[i] -= h;
@@ -75,8 +75,8 @@ TEST(Redundancy, AwayFromSingularityGoesUpTheGradientWithABoundedSpeedThatStarts
       << "no direction is made of noise";
 }
 
-// An iiwa with weak A3 and A4 that presses 200 N along a tool of 0.2 m, and 35 N across it: where its elbow
-// is decides what it holds.
+// An iiwa with weak A3 and A4 that presses 200 N along a tool of 0.2 m, and 35 N across it: the place of its
+// elbow decides what it holds.
 struct Pressing {
   Pressing() {
     ChainParams<7> params = Iiwa14Chain();
@@ -120,7 +120,7 @@ TEST(Redundancy, TheElbowGoesUpToWhereTheArmHoldsMost) {
     MotionOutput<7> out;
     for (int tick = 0; tick < 15'000; ++tick) {
       in.J = lbr.FlangeJacobian(in.q);
-      // what a tick's third order leaves is led back, so that all of it is one self-motion
+      // the tick's third-order error is led back, so that the whole motion is one self-motion
       const Pose X_now = lbr.FlangePose(in.q);
       in.V_BT = {.v = 10.0 * (X_BF.translation() - X_now.translation()),
                  .w = 10.0 * (X_now.linear() * LogRotation(X_now.linear().transpose() * X_BF.linear()))};
@@ -137,7 +137,7 @@ TEST(Redundancy, TheElbowGoesUpToWhereTheArmHoldsMost) {
       ++at_zone;  // the preference fades out below the zone
       continue;
     }
-    // else a top: 8 % allows for the averaging over ±.02 rad beside an edge
+    // otherwise a maximum: 8 % allows for the averaging over ±0.02 rad beside an edge
     double around = held;
     for (const double turn : {-0.1, -0.05, 0.05, 0.1}) {
       JointVector neighbour;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kPostures = 100'000;
 constexpr double kRounding =
-    1e-12;  // some hundred products of numbers around 1, each rounded to 1e-16, with room
+    1e-12;  // some hundred products of numbers around 1, each rounded to 1e-16, with a margin
 
 double Difference(const Pose& X, const KDL::Frame& frame) {
   double worst = 0.0;
@@ -26,7 +26,7 @@ double Difference(const Pose& X, const KDL::Frame& frame) {
   return worst;
 }
 
-// The worst difference of pose and Jacobian from KDL's over random postures.
+// Largest difference of pose and Jacobian from KDL's over random postures.
 struct Worst {
   double pose{0.0}, link{0.0}, jacobian{0.0};
 };
@@ -86,8 +86,8 @@ TEST(SerialChain, AnyArmsPoseAndJacobianEqualThoseOfKdl) {
   EXPECT_LT(worst.jacobian, kRounding);
 }
 
-// Axes that are parallel, opposite, or off by less and less: the common normal that a frame's x follows goes
-// from well defined to not at all, and nothing of it may be seen.
+// Axes that are parallel, opposite, or off by less and less: the common normal that defines a frame's x
+// becomes undefined, with no effect on the results.
 TEST(SerialChain, AlmostParallelAxesLoseNoAccuracy) {
   std::mt19937_64 random{8};
   for (const double tilt : {0.0, 1e-16, 1e-13, 1e-9, 1e-5, 1e-2})
@@ -109,7 +109,7 @@ TEST(SerialChain, IiwaStandsUprightAtTheCatalogueHeight) {
   EXPECT_TRUE(X_BF.linear().isIdentity(1e-15));
 }
 
-// Any point of the flange: its velocity is that of the flange's origin and the turn about it.
+// Any point of the flange: its velocity is that of the flange's origin plus the rotation about it.
 TEST(SerialChain, JacobianOfAPointFollowsFromTheFlanges) {
   std::mt19937_64 random{9};
   const SerialChain<7> arm(RandomChain<7>(random));
@@ -125,8 +125,8 @@ TEST(SerialChain, JacobianOfAPointFollowsFromTheFlanges) {
   }
 }
 
-// Central differences along qd with h = 1e-5 s: truncation h^2/6 times third derivatives, of 100 at speeds up
-// to 2 rad/s and seven joints; rounding 1e-16/h; both below 1e-8.
+// Central differences along qd with h = 1e-5 s: truncation h^2/6 times third derivatives of 100 (up to 2
+// rad/s, seven joints); rounding 1e-16/h; both below 1e-8.
 template <int N>
 double JacobianDotError(const ChainParams<N>& params, std::mt19937_64& random) {
   const SerialChain<N> arm(params);

@@ -25,8 +25,8 @@ double WorstError(double range_rad, int count, std::mt19937_64& random) {
   return worst;
 }
 
-// Against the C library's extended precision. Half an ulp of a result near 1 is 2^-54; the rest's rounding
-// adds as much, the polynomials a little.
+// Compared with the C library's extended precision. Half an ulp of a result near 1 is 2^-54; the rounding of
+// the remainder adds as much, the polynomials a little.
 TEST(SinCos, EqualsExtendedPrecisionToTheLastPlaces) {
   std::mt19937_64 random{1};
   const double ulp = std::numeric_limits<double>::epsilon();
@@ -45,7 +45,7 @@ TEST(SinCos, IsExactAtZeroAndOddAndEven) {
   EXPECT_EQ(zero.cos[1], zero.cos[2]);
 }
 
-// Every multiple of a quarter turn, where quadrants meet, and the doubles beside it.
+// Every multiple of a quarter turn, where quadrants meet, and values beside it.
 TEST(SinCos, KeepsItsSignsAcrossTheQuadrants) {
   for (int k = -12; k <= 12; ++k)
     for (const double off : {-1e-9, 0.0, 1e-9}) {

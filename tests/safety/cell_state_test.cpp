@@ -16,9 +16,9 @@ namespace {
 constexpr CellState StateOf(int i) { return static_cast<CellState>(i); }
 constexpr CellEvent EventOf(int i) { return static_cast<CellEvent>(i); }
 
-// The table once more, by hand, as a person reads it: a row a state, a column an event, `.` stays and goes
-// on. The next state's letter, and what is done: f follows the arm, h holds, b brakes, p begins the path, r
-// begins to render, c clears the faults, - goes on.
+// The table again, written by hand: a row per state, a column per event, `.` stays and goes on. A cell has
+// the next state's letter and the action: f follows the arm, h holds, b brakes, p begins the path, r begins
+// to render, c clears the faults, - goes on.
 //   O off  C checking  R ready  A aligning  H haptic  X cutting  P paused  0 1 2 stops  F fault  Y recovery
 struct Row {
   CellState state;
@@ -69,7 +69,7 @@ TEST(CellState, EveryCellOfTheTableIsWhatWasMeant) {
   }
 }
 
-// States that are reached from a state by these events, in any order and number.
+// States that are reachable from a state by these events, in any order and number.
 template <class Counts>
 std::set<CellState> Reached(CellState from, Counts&& counts) {
   std::set<CellState> reached{from};
@@ -93,7 +93,7 @@ TEST(CellState, NoSequenceOfEventsWithoutEveryPermissionMovesAnArmThatRests) {
 }
 
 TEST(CellState, AFaultEndsInRestWhateverElseIsSeenOrAskedFor) {
-  // every second event a fault, as the loop forms it in every tick that latched one
+  // every second event is a fault, as the loop forms it in every tick that latched one
   for (int s = 0; s < kCellStates; ++s)
     for (int before = 0; before < kCellEvents; ++before) {
       const CellState at = Next(StateOf(s), EventOf(before)).state;

@@ -45,14 +45,14 @@ TEST(DepthLimit, StopsTheSpindleUntilTheToolIsRetracted) {
   EXPECT_TRUE(stops_at(std::numeric_limits<double>::quiet_NaN())) << "nobody knows how deep";
 }
 
-// Work of the resistance over any way in and out: it keeps some and gives none.
+// Work of the resistance over any motion in and out: it dissipates some energy and generates none.
 TEST(DepthLimit, MakesNoEnergy) {
   DepthLimit limit(Floor());
   double given_J = 0.0, z = 6e-3;
   for (int i = 0; i < 20'000; ++i) {
     const double v = 0.02 * std::sin(1e-3 * i * 7.0) + 0.01 * std::sin(1e-3 * i * 31.0);
     const double f = limit.Step({0, 0, z}, {0, 0, v}).z(), z_next = z + kDt_s * v;
-    // its force at both ends: of a spring alone the work is then exact
+    // forces at both ends: the work of a spring alone is then exact
     const double f_next = DepthLimit(Floor()).Step({0, 0, z_next}, kStill).z();
     given_J += 0.5 * (f + f_next) * (z_next - z);
     z = z_next;
@@ -61,7 +61,7 @@ TEST(DepthLimit, MakesNoEnergy) {
   EXPECT_LE(given_J, -stored_J + 1e-9);
 }
 
-// Pushed with 300 N, beyond what the resistance gives, the apex comes to the bound and not beyond.
+// Pushed with 300 N, more than the resistance, the apex comes to the bound and not beyond.
 TEST(DepthLimit, ItsBoundHoldsAgainstAnyHand) {
   WorkspaceParams params{.sphere_radius_m = 1.0};
   params.zones.push_back(ZoneOf(Floor()));

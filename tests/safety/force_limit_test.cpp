@@ -1,5 +1,4 @@
-// What bounds a coupling at its force limit: the energy that it can give back, and how the tool goes on into
-// bone.
+// Bounds of a coupling at its force limit: the energy that it can give back, and the tool's motion into bone.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +16,7 @@ namespace {
 
 constexpr double kStiffness_N_per_m = 20e3;
 
-// A spring of one dimension, led to a displacement: the force that is rendered there.
+// The rendered force of a one-dimensional spring at a displacement.
 double Force(StoredEnergyLimit& limit, double d_m) {
   return limit.Step(d_m, 0.5 * kStiffness_N_per_m * d_m * d_m) * kStiffness_N_per_m * d_m;
 }
@@ -81,7 +80,7 @@ ForceLimitInput At(double depth_m, double share, double advance_m_per_s = 0.0) {
 }
 
 TEST(ForceLimitReaction, BoundsTheWayBeyondTheLimitToItsZone) {
-  // into bone along -z, the limit reached at 4 mm
+  // into bone along -z; the force limit is reached at 4 mm
   ForceLimitReaction reaction({.slow_zone_m = 0.5e-3}, 3.0, 1e-3);
   double depth_m = 0.0;
   Vector3 v = Vector3::Zero();

@@ -6,8 +6,8 @@
 
 namespace osteon::safety {
 
-/// A monitor with an arm that follows at once, in virtual time: a message a millisecond, then the answer to
-/// it.
+/// A guard monitor and an arm that follows at once, in virtual time: a message and its answer per
+/// millisecond.
 class GuardBench {
  public:
   static GuardParams Params() {
@@ -19,7 +19,7 @@ class GuardBench {
     return params;
   }
   static GuardJoints StartJoints() { return {0.1, 0.6, -0.2, -1.3, 0.3, 0.9, -0.4}; }
-  /// Of the tool, by the other kinematics of the house.
+  /// Tool pose, by kinematics that the guard does not use.
   static Pose ToolPose(const GuardJoints& q) {
     static const kinematics::LbrArm arm(kinematics::Iiwa14());
     Pose X_FT = Pose::Identity();
@@ -38,7 +38,7 @@ class GuardBench {
     if (session >= GuardSession::kWaiting) arm.q_ipo = StartJoints();
     return monitor.Arm(arm, now);
   }
-  /// The answer to it, .3 ms later.
+  /// The answer to the message, 0.3 ms later.
   GuardDecision Answer(GuardCommand command) {
     command.sequence = ++sequence;
     command.reflected = arm.sequence;
@@ -47,7 +47,7 @@ class GuardBench {
     return decision;
   }
   GuardDecision Answer(const GuardJoints& q) { return Answer(GuardCommand{.q = q}); }
-  /// Until the arm follows; all of it has to pass.
+  /// Runs until the arm follows; every message and answer has to pass.
   bool WalkToActive() {
     bool passes = true;
     for (int i = 0; i < 10; ++i) {

@@ -1,7 +1,7 @@
-// The guard beside a controller whose code is wrong. The controller keeps its limits by what the servo loop
-// keeps them by: LbrArm, which is a SerialChain, and Workspace, which is ZoneBounds. Both are linked here
-// from copies of the sources in which plant_faults.cmake has planted a fault for each function; the guard
-// that shared one of them would be wrong in the same way, and let the command pass.
+// The guard with a controller whose code is wrong. The controller keeps its limits with the servo loop's
+// code: LbrArm, which uses SerialChain, and Workspace, which uses ZoneBounds. Both are linked here from
+// copies of the sources, in which plant_faults.cmake has planted a fault for each function. A guard that
+// shared one of these functions would be wrong in the same way and let the command pass.
 
 #include <ostream>
 #include <random>
@@ -18,24 +18,23 @@ using kinematics::JointVector;
 using planted::Fault;
 
 constexpr int kEpisodes = 40;
-constexpr int kMinCaught = 2;  // a fault that shows in some directions only, and holds the arm back in others
+constexpr int kMinCaught = 2;  // some faults show in some directions only, and hold the arm back in others
 constexpr int kTicks = 600;
-constexpr double kSpeed_m_per_s =
-    0.15;  // of the controller, whose guard has the same limit and a quarter more
+constexpr double kSpeed_m_per_s = 0.15;  // of the controller; the guard has the same limit plus a quarter
 constexpr double kTurn_rad_per_s = 1.0;
-constexpr double kReach_m = 0.06;   // of the workspace's sphere: it is come to within the ticks
-constexpr double kStart_m = 0.012;  // from where it begins to the bound of a zone
+constexpr double kReach_m = 0.06;   // of the workspace's sphere, within reach in these ticks
+constexpr double kStart_m = 0.012;  // distance from the start to the bound of a zone
 
 const Pose& ToolOnFlange() {
   static const Pose X_FT = [] {
     Pose X = Pose::Identity();
-    X.translation() = Vector3(0.06, 0.0, 0.2);  // off the axis of A7, so that it counts where that stands
+    X.translation() = Vector3(0.06, 0.0, 0.2);  // off the axis of A7, so that A7's angle matters
     return X;
   }();
   return X_FT;
 }
 
-// While one lives, the fault acts.
+// The fault acts during the lifetime of the object.
 class Plant {
  public:
   explicit Plant(Fault fault) { planted::fault = fault; }
@@ -52,8 +51,8 @@ std::array<Vector3, 3> PointsAt(const kinematics::LbrArm& arm, const JointVector
   return {points.X_BF * Vector3(ToolOnFlange().translation()), points.X_BF.translation(), points.p_BElbow};
 }
 
-// Goes along a direction of the joints as fast as the tool may, and brakes before the bounds of its points as
-// the loop does (Workspace::Share). It has no supervision of its own.
+// Moves along a direction in joint space at the tool's speed limit, and brakes before the bounds of its
+// points as the loop does (Workspace::Share). It has no supervision of its own.
 class Controller {
  public:
   Controller(const GuardParams& limits, const JointVector& direction)
@@ -69,7 +68,7 @@ class Controller {
                                 std::abs(direction_[i]));
     JointVector step = rate * limits_.period_s * direction_;
     const std::array<Vector3, 3> here = PointsAt(arm_, q);
-    for (int tries = 0; tries < 3; ++tries) {  // the points' ways are curved
+    for (int tries = 0; tries < 3; ++tries) {  // the points' paths are curved
       const std::array<Vector3, 3> there = PointsAt(arm_, q + step);
       double share = 1.0;
       for (std::size_t i = 0; i < here.size(); ++i)
@@ -92,7 +91,7 @@ class Controller {
 struct Row {
   Fault fault;
   const char* name;
-  std::optional<ZoneShape> shape{};  // a fault of zones: the one that it is of
+  std::optional<ZoneShape> shape{};  // the shape, for a fault of zones
   ZoneSide side{ZoneSide::kKeepIn};
 };
 void PrintTo(const Row& row, std::ostream* out) { *out << row.name; }
@@ -136,7 +135,7 @@ class GuardFaults : public testing::TestWithParam<Row> {
     return Vector3(normal(random_), normal(random_), normal(random_)).normalized();
   }
 
-  // The limits of a cell whose start is well inside of them. The kinematics that places them is sound.
+  // Limits of a cell whose start is well inside them, placed by correct kinematics.
   GuardParams Limits() {
     GuardParams limits{.arm = kinematics::ChainFrom(kinematics::Iiwa14())};
     limits.X_FT = ToolOnFlange();
@@ -147,7 +146,7 @@ class GuardFaults : public testing::TestWithParam<Row> {
     return limits;
   }
 
-  // A zone of any of the three points, and the joints' direction that takes the point to its bound.
+  // Adds a zone for one of the three points. Returns the joint direction that leads the point to its bound.
   JointVector AddZone(const Row& row, GuardParams& limits) {
     const auto at = static_cast<std::size_t>(std::uniform_int_distribution(0, 2)(random_));
     ZoneParams zone{.shape = *row.shape, .side = row.side, .point = static_cast<ZonePoint>(at)};
@@ -160,14 +159,14 @@ class GuardFaults : public testing::TestWithParam<Row> {
     const Vector3 p = PointsAt(arm_, q_)[at];
     Vector3 toward = AnyDirection();
     if (row.side == ZoneSide::kKeepIn) {
-      // it stands at the middle, or, of a half-space, so far within
+      // the point is at the middle, or for a half-space kStart_m within
       if (zone.shape == ZoneShape::kHalfSpace) toward = -zone.R_W.col(2);
       zone.p_W_m = zone.shape == ZoneShape::kHalfSpace ? Vector3(p + kStart_m * toward) : p;
     } else if (zone.shape == ZoneShape::kHalfSpace) {
       toward = zone.R_W.col(2);
       zone.p_W_m = p + kStart_m * toward;
     } else {
-      // the set's surface is between its middle and the ball about it
+      // the set's surface lies between its middle and its bounding sphere
       zone.p_W_m = p + (zone.half_edge_m.norm() + zone.radius_m + kStart_m) * toward;
     }
     limits.workspace.zones = {zone};
@@ -175,7 +174,7 @@ class GuardFaults : public testing::TestWithParam<Row> {
     return JointsToward(at, toward);
   }
 
-  // By differences, of the sound arm.
+  // By finite differences, with the correct arm.
   JointVector JointsToward(std::size_t point, const Vector3& way) {
     constexpr double kStep_rad = 1e-6;
     JointVector direction;
@@ -192,7 +191,7 @@ class GuardFaults : public testing::TestWithParam<Row> {
     return direction;
   }
 
-  // How many of the episodes the guard ended.
+  // Number of episodes that the guard ended.
   int Caught(const Row& row, Fault fault) {
     int caught = 0;
     for (int episode = 0; episode < kEpisodes; ++episode) {
@@ -226,7 +225,7 @@ TEST_P(GuardFaults, AreCaught) {
   EXPECT_GE(Caught(GetParam(), GetParam().fault), kMinCaught) << "of " << kEpisodes << " episodes";
 }
 
-// The same controller with sound code: what the guard finds is the fault, not the way.
+// The same controller with correct code: the guard must find nothing.
 TEST_P(GuardFaults, AreAllThatIsFound) { EXPECT_EQ(Caught(GetParam(), Fault::kNone), 0); }
 
 INSTANTIATE_TEST_SUITE_P(Kinematics, GuardFaults, testing::ValuesIn(kKinematics),
@@ -234,8 +233,8 @@ INSTANTIATE_TEST_SUITE_P(Kinematics, GuardFaults, testing::ValuesIn(kKinematics)
 INSTANTIATE_TEST_SUITE_P(Zones, GuardFaults, testing::ValuesIn(kZones),
                          [](const auto& row) { return row.param.name; });
 
-// Torques of the largest force that is allowed, along where each joint has its lever. True where one is
-// caught.
+// Sends torques of the largest allowed force in the directions in which each joint has its lever. True if a
+// command is caught.
 bool CatchesTorques(Fault fault) {
   bool caught = false;
   for (int joint = 0; joint < 7; ++joint) {
@@ -264,7 +263,7 @@ TEST(GuardJacobian, TorquesByLeversThatAreTooLongAreCaught) {
   EXPECT_FALSE(CatchesTorques(Fault::kNone));
 }
 
-// The hand's force is found from the arm's torques whatever the controller's Jacobian is.
+// The hand's force is found from the arm's torques independently of the controller's Jacobian.
 TEST(GuardJacobian, TheHandIsMeasuredWithoutTheControllersJacobian) {
   for (const Fault fault :
        {Fault::kNone, Fault::kJacobianSign, Fault::kJacobianOffset, Fault::kJacobianAxis, Fault::kJointSign})

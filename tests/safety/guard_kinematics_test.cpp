@@ -12,9 +12,8 @@
 #include "safety/guard_monitor.h"
 #include "tests/kinematics/chain_samples.h"
 
-// This program links neither osteon::kinematics nor osteon::safety: that it can be linked shows that the
-// guard calls nothing of them. Its kinematics is compared with KDL, and with poses that were worked out by
-// hand.
+// This program links neither osteon::kinematics nor osteon::safety, which proves that the guard calls nothing
+// of them. Its kinematics is compared with KDL and with poses worked out by hand.
 
 namespace osteon::safety {
 namespace {
@@ -23,14 +22,14 @@ using kinematics::ChainParams, kinematics::Iiwa14Chain, kinematics::KdlChain, ki
     kinematics::RandomJoints;
 using Joints = GuardKinematics::Joints;
 
-constexpr double kRounding = 1e-12;  // some hundred products of numbers around 1, with room
+constexpr double kRounding = 1e-12;  // some hundred products of numbers around 1, with a margin
 
 Pose AnyPose(std::mt19937_64& random) { return RandomChain<7>(random).X_LF; }
 
 Vector3 ToVector(const KDL::Vector& v) { return {v.x(), v.y(), v.z()}; }
 
-// The place of the line through p along a that is nearest to the line through q along b, both unit: by the
-// two equations that the way between the two places is at right angles to both.
+// The point of the line through p along a that is nearest to the line through q along b, both unit: from the
+// two equations that the connecting vector is perpendicular to both.
 Vector3 NearestOfLine(const Vector3& p, const Vector3& a, const Vector3& q, const Vector3& b) {
   Eigen::Matrix2d equations;
   equations << 1.0, -a.dot(b), a.dot(b), -1.0;
@@ -38,8 +37,7 @@ Vector3 NearestOfLine(const Vector3& p, const Vector3& a, const Vector3& q, cons
   return p + along[0] * a;
 }
 
-// The worst difference from KDL over random postures: of places, of the tool's rotation, of the joints'
-// motions.
+// Largest difference from KDL over random postures: positions, the tool's rotation, the joints' motions.
 double BesideKdl(const ChainParams<7>& chain, const Pose& X_WB, const Pose& X_FT, int postures,
                  std::mt19937_64& random) {
   const GuardKinematics arm(chain, X_WB, X_FT);
@@ -96,8 +94,8 @@ TEST(GuardKinematics, OfAnyArmIsKdls) {
     EXPECT_LT(BesideKdl(RandomChain<7>(random), AnyPose(random), AnyPose(random), 50, random), kRounding);
 }
 
-// An iiwa 14: shoulder at 360 mm, elbow 420 mm on, wrist 400 mm on, flange 126 mm on; here with a tool of 100
-// mm.
+// An iiwa 14: shoulder at 360 mm, elbow 420 mm farther, wrist 400 mm farther, flange 126 mm farther; here
+// with a tool of 100 mm.
 TEST(GuardKinematics, OfAnIiwaIsAsWorkedOutByHand) {
   ChainParams<7> chain = Iiwa14Chain();
   Pose X_FT = Pose::Identity();
@@ -129,7 +127,7 @@ TEST(GuardKinematics, OfAnIiwaIsAsWorkedOutByHand) {
   expect(q, 0.78 * z, 1.18 * z + 0.126 * x, 1.18 * z + 0.226 * x, x);
   q[4] = right;  // and A5 about z: along y
   expect(q, 0.78 * z, 1.18 * z + 0.126 * y, 1.18 * z + 0.226 * y, y);
-  q[6] = right;  // A7 about the hand's own axis: the tool's x, which had pointed to -z, is turned to x
+  q[6] = right;  // A7 about the hand's own axis turns the tool's x from -z to x
   expect(q, 0.78 * z, 1.18 * z + 0.126 * y, 1.18 * z + 0.226 * y, y);
   EXPECT_LT((arm.Place(q).R_WT.col(0) - (-x)).norm(), 1e-12) << arm.Place(q).R_WT.col(0).transpose();
 }
@@ -150,7 +148,7 @@ TEST(GuardKinematics, RefusesAnArmThatIsNone) {
   refuses([&](ChainParams<7>&, Pose&, Pose& X_FT) { X_FT.linear().setZero(); });
 }
 
-// All of the guard, linked without what it supervises.
+// The whole guard, linked without the code that it supervises.
 TEST(GuardAlone, JudgesAnArmWithoutTheControllersCode) {
   GuardParams params{.arm = Iiwa14Chain()};
   const GuardJoints start{0.1, 0.6, -0.2, -1.3, 0.3, 0.9, -0.4};

@@ -19,7 +19,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(),
 
 GuardFinding Found(const GuardBench& bench) { return bench.monitor.reason().finding; }
 
-// One wild answer to an arm that follows, and what has to be found.
+// Sends one wild answer to an arm that follows, and expects the finding.
 void ExpectWithheld(const GuardCommand& command, GuardFinding finding,
                     const GuardParams& params = GuardBench::Params()) {
   GuardBench bench(params);
@@ -28,7 +28,7 @@ void ExpectWithheld(const GuardCommand& command, GuardFinding finding,
   EXPECT_EQ(bench.Answer(command), GuardDecision::kWithhold) << Describe(bench.monitor.reason());
   EXPECT_EQ(Found(bench), finding) << Describe(bench.monitor.reason());
   EXPECT_FALSE(bench.monitor.permits());
-  // latched: not even the best command passes
+  // latched: not even a harmless command passes
   bench.Message(GuardSession::kActive);
   EXPECT_EQ(bench.Answer(GuardBench::StartJoints()), GuardDecision::kWithhold);
   EXPECT_EQ(Found(bench), finding);
@@ -43,13 +43,13 @@ GuardCommand Moved(int joint, double by_rad) {
 TEST(GuardMonitor, LetsAMotionWithinTheLimitsPassWhole) {
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
-  // all joints swing, the apex at some 200 mm/s at most
+  // all joints swing; the apex reaches some 200 mm/s
   for (int i = 0; i < 20'000; ++i) {
     ASSERT_EQ(bench.Message(GuardSession::kActive), GuardDecision::kPass);
     GuardJoints q = GuardBench::StartJoints();
     for (std::size_t j = 0; j < 7; ++j)
       q[j] += 0.03 * (1.0 - std::cos(2e-3 * i * (1.0 + 0.1 * static_cast<double>(j))));
-    if (i % 7 == 3 || i % 101 < 3) continue;  // answers that were lost
+    if (i % 7 == 3 || i % 101 < 3) continue;  // lost answers
     ASSERT_EQ(bench.Answer(q), GuardDecision::kPass) << i << ": " << Describe(bench.monitor.reason());
   }
   EXPECT_TRUE(bench.monitor.permits());
@@ -86,7 +86,7 @@ TEST(GuardMonitor, HoldsEachJointToItsSpeedAndItsRange) {
 
 TEST(GuardMonitor, HoldsTheToolToItsSpeedAndItsTurn) {
   const GuardParams params = GuardBench::Params();
-  // A1 turns the whole arm: the apex goes as fast as it is far from that axis
+  // A1 turns the whole arm: the apex' speed is proportional to its distance from that axis
   const Vector3 p = GuardBench::Start().translation();
   const double most_rad =
       (1.0 + params.margin) * params.max_speed_m_per_s * params.period_s / std::hypot(p.x(), p.y());
@@ -101,7 +101,7 @@ TEST(GuardMonitor, HoldsTheToolToItsSpeedAndItsTurn) {
                  GuardFinding::kToolTurn);
 }
 
-// A command that creeps is stopped at the bound, wherever that is.
+// A creeping command is stopped at the bound, wherever that is.
 TEST(GuardMonitor, EndsACreepAtTheWorkspaceAndAtThePlane) {
   for (const int joint : {0, 1}) {
     GuardBench bench;
@@ -144,7 +144,8 @@ TEST(GuardMonitor, EndsACreepAtTheZonesOfFlangeAndElbow) {
   }
 }
 
-// Where it is handed over counts, though the first command is past the bound already, within the margin.
+// The posture at the handing over counts, although the first command is past the bound already, within the
+// margin.
 TEST(GuardMonitor, EndsACreepOutOfAZoneThatTheArmWasHandedOverIn) {
   GuardParams params = GuardBench::Params();
   params.workspace.zones = {
@@ -164,7 +165,7 @@ TEST(GuardMonitor, EndsACreepOutOfAZoneThatTheArmWasHandedOverIn) {
 
 TEST(GuardMonitor, LetsAnArmThatStandsOutsideComeInButNotOutAgain) {
   GuardParams params = GuardBench::Params();
-  params.workspace.sphere_center_W_m.y() += 0.25;  // .1 m beyond the sphere
+  params.workspace.sphere_center_W_m.y() += 0.25;  // 0.1 m beyond the sphere
   GuardBench bench(params);
   ASSERT_TRUE(bench.WalkToActive());
   GuardJoints q = GuardBench::StartJoints();
@@ -182,8 +183,8 @@ TEST(GuardMonitor, LetsAnArmThatStandsOutsideComeInButNotOutAgain) {
   EXPECT_EQ(Found(bench), GuardFinding::kWorkspace);
 }
 
-// What carries itself sags when it is handed over; its springs are then set to where it is, as fast as joints
-// may.
+// A compliant arm sags when it is handed over; its springs are then set to the measured posture, as fast as
+// the joints may move.
 TEST(GuardMonitor, LetsACompliantArmRelaxAndNothingElse) {
   const auto judge = [](bool compliant, double measured_rad, double step_rad) {
     GuardBench bench;
@@ -252,7 +253,7 @@ TEST(GuardMonitor, HoldsForcesToTheCellsLimitWithoutAnyMargin) {
   ExpectWithheld(command, GuardFinding::kForce);
   command.wrench = {0.0, 0.0, 0.0, 15.0, 15.0, 0.0};
   ExpectWithheld(command, GuardFinding::kTorque);
-  // torques that no wrench within the limits asks for: at A7 20 N·m, and what force has no lever there
+  // torques that no wrench within the limits needs: at A7 20 N·m, because force has no lever there
   command.wrench.reset();
   command.tau = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 20.1};
   ExpectWithheld(command, GuardFinding::kJointTorque);
@@ -322,7 +323,7 @@ TEST(GuardMonitor, WithdrawsWhereTheControllerFallsSilentWhileTheArmMoves) {
     bench.Message(GuardSession::kActive);
     ASSERT_EQ(bench.Answer(Moved(0, 1e-4 * i)), GuardDecision::kPass);
   }
-  // the arm gives up commanding after 20 messages without an answer, as arms do
+  // the arm ends commanding after 20 messages without an answer, as real arms do
   for (int i = 1; i <= 51; ++i) {
     bench.Message(i < 20 ? GuardSession::kActive : GuardSession::kMonitoring);
     bench.monitor.Look(bench.now);
@@ -356,7 +357,7 @@ TEST(GuardMonitor, WhatTheGuardItselfKeptWaitingIsNotHeldAgainstTheController) {
   ASSERT_TRUE(bench.WalkToActive());
   bench.Message(GuardSession::kActive);
   ASSERT_EQ(bench.Answer(Moved(0, 1e-4)), GuardDecision::kPass);
-  bench.Message(GuardSession::kActive);  // arrived, and then the guard slept
+  bench.Message(GuardSession::kActive);  // the message arrived, and then the guard slept
   bench.now += 100 * rt::kMillisecond;
   bench.monitor.Look(bench.now);
   EXPECT_TRUE(bench.monitor.permits());
@@ -364,7 +365,7 @@ TEST(GuardMonitor, WhatTheGuardItselfKeptWaitingIsNotHeldAgainstTheController) {
   EXPECT_EQ(Found(bench), GuardFinding::kSilence);
 }
 
-// An arm that falls silent is not the controller's silence.
+// An arm that falls silent does not count as the controller's silence.
 TEST(GuardMonitor, AnArmThatFallsSilentIsNotHeldAgainstTheController) {
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());

@@ -1,6 +1,6 @@
-// The guard against controllers that do anything: whatever sequence comes, no command that passes is beyond a
-// limit. The oracle has the arm's closed-form kinematics and its own arithmetic; it sees what passed, and
-// when.
+// The guard with controllers that do anything: for any sequence, no command that passes is beyond a limit.
+// The oracle has the arm's closed-form kinematics and its own arithmetic; it sees only the passed commands
+// and their times.
 
 #include <cmath>
 #include <limits>
@@ -16,7 +16,7 @@ namespace {
 constexpr double kSlack =
     1.0 + 1e-6;  // two kinematics of one arm differ by rounding: 1e-15 m in steps of 1e-9 m
 
-// What an arm took.
+// The commands that an arm received.
 class Oracle {
  public:
   Oracle() : before_(GuardBench::StartJoints()) {}
@@ -65,7 +65,7 @@ double Wild(std::mt19937_64& random) {
                               6.283185307179586,
                               -0.0};
   if (random() % 2 == 0) return kSome[random() % std::size(kSome)];
-  // of any size from a tenth of a microradian up
+  // any size from a tenth of a microradian up
   const double size = std::pow(10.0, std::uniform_real_distribution<double>(-7.0, 2.0)(random));
   return random() % 2 ? size : -size;
 }
@@ -79,12 +79,12 @@ TEST(GuardWild, NoCommandBeyondALimitPassesWhateverComes) {
     Oracle oracle;
     oracle.Begin(bench.arm.sequence + 1);
     GuardJoints q = GuardBench::StartJoints();
-    // a direction that the controller drifts into, nominal or too fast
+    // a direction in which the controller drifts, at nominal speed or too fast
     GuardJoints drift{};
     const double speed = std::pow(10.0, std::uniform_real_distribution<double>(-6.0, -2.5)(random));
     for (double& joint : drift) joint = speed * std::uniform_real_distribution<double>(-1.0, 1.0)(random);
     for (int tick = 0; tick < 300; ++tick) {
-      if (random() % 150 == 0) bench.arm.q_meas[random() % 7] += 0.01 * Wild(random);  // the arm lies as well
+      if (random() % 150 == 0) bench.arm.q_meas[random() % 7] += 0.01 * Wild(random);  // a wrong reading
       bench.Message(GuardSession::kActive);
       bench.monitor.Look(bench.now);
       if (random() % 20 == 0) continue;  // silence

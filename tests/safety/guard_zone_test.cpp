@@ -56,7 +56,7 @@ TEST(GuardZone, WhatIsKeptOutIsTheOppositeOfWhatIsKeptIn) {
     }
 }
 
-// A set that is turned and moved is that set where the point is turned and moved back.
+// Moving and rotating a set is equivalent to moving and rotating the point the opposite way.
 TEST(GuardZone, TurnsAndMovesWithItsParameters) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> within(-0.5, 0.5);
@@ -71,8 +71,8 @@ TEST(GuardZone, TurnsAndMovesWithItsParameters) {
     }
 }
 
-// A true distance: it changes by the whole length of a step along its gradient, and by no more along any
-// other. From outside, the point that is so far along it is on the surface.
+// The distance is Euclidean: it changes by the full length of a step along its gradient, and by at most that
+// along any other. From outside, the point at that distance along it is on the surface.
 TEST(GuardZone, DistancesFromOutsideAreEuclids) {
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> within(-0.6, 0.6);
@@ -94,7 +94,7 @@ TEST(GuardZone, DistancesFromOutsideAreEuclids) {
     }
 }
 
-// Nothing that is no number is inside.
+// A point that is not finite is never inside.
 TEST(GuardZone, APlaceThatIsNoNumberIsNeverInside) {
   for (const ZoneShape shape : kShapes)
     for (int i = 0; i < 3; ++i)

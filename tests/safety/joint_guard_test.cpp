@@ -57,7 +57,7 @@ TEST(JointGuard, ApproachToAPositionLimitIsMonotoneAndEndsBeforeIt) {
   }
 }
 
-// A KR's A2 goes -190 … 45 deg: each way ends at its own limit.
+// A KR's A2 has the range -190 … 45 deg: each direction ends at its own limit.
 TEST(JointGuard, EitherSideHasItsOwnLimit) {
   JointGuardParams params = Params();
   params.limits[1].lower_rad = -3.3;

@@ -14,20 +14,20 @@ Joints Most() {
   most << 320, 320, 176, 176, 110, 40, 40;
   return most;
 }
-// 90 N·m of the second joint's are gravity's, of either sign.
+// Gravity takes 90 N·m of the second joint, with either sign.
 Joints Gravity(double sign) { return sign * 90.0 * Joints::Unit(1); }
 
 TEST(JointTorqueLimit, LetsThroughWhatEveryJointHoldsBesideGravityAndScalesTheRestAsAWhole) {
   const JointTorqueLimit<7> limit(Most());
   for (const double sign : {-1.0, 1.0}) {
     Joints tau = Joints::Constant(10.0);
-    tau[1] = 230.0;  // 320 - 90, to the last bit
+    tau[1] = 230.0;  // 320 - 90, exactly
     EXPECT_EQ(limit.Share(Gravity(sign), tau), 1.0);
     tau[1] = -460.0;
     const double share = limit.Share(Gravity(sign), tau);
     EXPECT_NEAR(share, 0.5, 1e-12);
     EXPECT_LE(std::abs(share * tau[1]) + 90.0, 320.0);
-    tau[6] = 400.0;  // the seventh holds a tenth
+    tau[6] = 400.0;  // the seventh joint can hold a tenth of this
     EXPECT_NEAR(limit.Share(Gravity(sign), tau), 0.1, 1e-12);
   }
   EXPECT_EQ(limit.Share(Gravity(4.0), Joints::Ones()), 0.0)
@@ -38,7 +38,7 @@ TEST(JointTorqueLimit, LetsThroughWhatEveryJointHoldsBesideGravityAndScalesTheRe
 TEST(JointTorqueLimit, TripsAMessageBeforeATorqueThatGoesOnAsItCameIsBeyond) {
   JointTorqueLimit<7> limit(Most());
   int message = 0;
-  for (; message < 100; ++message)  // of the sixth: 40
+  for (; message < 100; ++message)  // the sixth joint holds 40
     if (limit.Check(Joints::Zero(), -3.0 * message * Joints::Unit(5))) break;
   EXPECT_EQ(message, 13) << "39 is held, 42 would not be";
 }

@@ -74,7 +74,7 @@ TEST(WrenchLimiter, WhatIsNotFiniteBecomesZero) {
   EXPECT_LE(WrenchLimiter({}).Limit({.f = {kHuge, kHuge, kHuge}, .t = {}}).F.f.norm(), 200.0);
 }
 
-// An arm of seven joints, each with a lever of its own; joint 6 alone is weak.
+// An arm of seven joints with different levers; only joint 6 is weak.
 struct DrawnArm {
   kinematics::JacobianN<7> J;
   kinematics::JointVectorN<7> g, tau_max;

@@ -54,7 +54,7 @@ TEST(Workspace, TheToolSlidesAlongABound) {
   EXPECT_FALSE(workspace.Limit({0.5, 0.0, 0.4}, {0.1, 0.0, 0.1}, kDt_s).acted) << "inwards is free";
 }
 
-// A random walk of random wishes, edge between the sphere and the plane included.
+// A random walk with random requests, including the edge between the sphere and the plane.
 TEST(Workspace, NoSequenceOfWishesLeavesIt) {
   const Workspace workspace(kParams);
   std::mt19937_64 random(2);

@@ -6,7 +6,7 @@
 
 #include "safety/workspace.h"
 
-// The apex among zones, whatever is wished for and however late the arm does it.
+// The apex among zones, for any request and any delay of the arm.
 
 namespace osteon::safety {
 namespace {
@@ -21,7 +21,7 @@ class Draw {
   int Whole(int low, int high) { return std::uniform_int_distribution(low, high)(random_); }
   Vector3 In(double most) { return {Within(-most, most), Within(-most, most), Within(-most, most)}; }
 
-  // A room around the origin with things in it, none of which holds the origin.
+  // A room around the origin with obstacles, none of which contains the origin.
   WorkspaceParams Room() {
     WorkspaceParams room{.sphere_radius_m = Within(0.05, 0.3),
                          .plane_normal_W = In(1.0).normalized(),
@@ -58,9 +58,9 @@ TEST(WorkspaceZones, NoSequenceOfWishesLeavesAnyRoom) {
   }
 }
 
-// From any state that the limiter lets come about a stop at the stop's deceleration ends inside, though
-// nothing limits it any more; also where the stop begins ticks after it was asked for, with the limiter at
-// work until then.
+// From any state that the limiter allows, a stop at the stop's deceleration ends inside although nothing
+// limits it any more. This also holds if the stop begins ticks after its request, with the limiter at work
+// until then.
 TEST(WorkspaceZones, AStopFromAnywhereEndsInside) {
   Draw draw(12);
   for (int i = 0; i < kRooms; ++i) {
@@ -80,7 +80,8 @@ TEST(WorkspaceZones, AStopFromAnywhereEndsInside) {
   }
 }
 
-// An arm that does everything some ticks late, and smoothed, has no more than the corner that it cuts.
+// An arm that lags by some ticks and smooths the motion exceeds the bounds at most by the corner that it
+// cuts.
 TEST(WorkspaceZones, AnArmThatLagsStaysInside) {
   Draw draw(13);
   for (int i = 0; i < kRooms; ++i) {
@@ -100,8 +101,8 @@ TEST(WorkspaceZones, AnArmThatLagsStaysInside) {
   }
 }
 
-// Toward a plane at a slant, and then along it: what leads along is never touched, however the plane stands
-// and whatever rounding makes of a place on it. Nor is anything taken off at once.
+// Toward a plane at a slant, and then along it: the component along the plane is never reduced, for any plane
+// and any rounding of a position on it. Nor is anything removed suddenly.
 TEST(WorkspaceZones, PushedAtASlantTheToolSlides) {
   Draw draw(14);
   for (int i = 0; i < kRooms; ++i) {
@@ -117,14 +118,14 @@ TEST(WorkspaceZones, PushedAtASlantTheToolSlides) {
       ASSERT_LT((next - next.dot(inward) * inward - along).norm(), 1e-9) << "room " << i << ", tick " << tick;
       ASSERT_LT((next - v).norm(), 1.001 * kStop_m_per_s2 * kDt_s) << "room " << i << ", tick " << tick;
       v = next;
-      p += kDt_s * v + draw.In(1e-8);  // as the joints' rounding leaves it
+      p += kDt_s * v + draw.In(1e-8);  // with the joints' rounding
     }
     EXPECT_LT(std::abs(room.Distance(p)), 1e-6);
   }
 }
 
-// Along the inside of a ball, pushed with as much outwards: it goes around, and as far as the push points
-// along.
+// Along the inside of a ball, with as much push outwards as along it: the tool goes around, and stops where
+// the push has no component along the bound.
 TEST(WorkspaceZones, PushedAlongARoundBoundTheToolGoesAround) {
   const Workspace room({.sphere_radius_m = 0.1, .deceleration_m_per_s2 = kStop_m_per_s2});
   Vector3 p = Vector3::Zero(), v(0.1, 0.1, 0.0);

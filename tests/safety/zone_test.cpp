@@ -47,7 +47,7 @@ bool Inside(const ZoneParams& zone, const Vector3& p_WP) {
     case ZoneShape::kCylinder:
       return std::hypot(p.x(), p.y()) <= zone.radius_m && std::abs(p.z()) <= zone.half_length_m;
     case ZoneShape::kCapsule:
-      for (int i = 0; i <= 2000; ++i) {  // of balls, along its axis
+      for (int i = 0; i <= 2000; ++i) {  // balls along its axis
         const double z = zone.half_length_m * (i / 1000.0 - 1.0);
         if ((p - Vector3(0, 0, z)).norm() <= zone.radius_m) return true;
       }
@@ -71,8 +71,7 @@ TEST(Zone, TheSignOfTheDistanceSaysOnWhichSideAPointIs) {
     }
 }
 
-// From outside a kept-out set the distance is the true one: nothing of the set is nearer, and the set begins
-// there.
+// The distance to a kept-out set is Euclidean: no point of the set is nearer, and the set begins there.
 TEST(Zone, FromASetThatIsKeptOutTheDistanceIsEuclids) {
   Draw draw;
   for (const ZoneShape shape : kShapes)
@@ -90,7 +89,7 @@ TEST(Zone, FromASetThatIsKeptOutTheDistanceIsEuclids) {
     }
 }
 
-// What the limits count on: a step changes no distance by more than its length.
+// The limits rely on this: a step changes no distance by more than the step's length.
 TEST(Zone, NoDistanceChangesFasterThanThePointMoves) {
   Draw draw;
   for (const ZoneShape shape : kShapes)

@@ -8,8 +8,8 @@
 
 namespace osteon::rt {
 
-/// A NoAllocScope whose end fails the test where this thread has called the heap or locked a mutex meanwhile,
-/// so that no test can forget to look. Tests name this one, never NoAllocScope itself
+/// A NoAllocScope that fails the test at its end if this thread has called the heap or locked a mutex
+/// meanwhile, so that no test can forget the check. Tests use this class, never NoAllocScope itself
 /// (architecture.NoAllocScopes). The executable links osteon::rt_guard; under a sanitizer nothing is counted.
 class CheckedNoAllocScope {
  public:
@@ -24,7 +24,7 @@ class CheckedNoAllocScope {
   CheckedNoAllocScope(const CheckedNoAllocScope&) = delete;
   CheckedNoAllocScope& operator=(const CheckedNoAllocScope&) = delete;
 
-  /// Ends the scope before the block does. Whatever follows is not counted.
+  /// Ends the scope early. Later calls are not counted.
   void End() {
     if (!scope_) return;
     const int heap_calls = scope_->heap_calls(), locks = scope_->locks();

@@ -12,7 +12,7 @@
 namespace osteon::rt {
 namespace {
 
-// Large enough that a copy takes many instructions: a torn one would show.
+// Large enough that a copy takes many instructions: a torn copy would show.
 struct Large {
   std::array<std::uint64_t, 200> words{};
 };
@@ -57,10 +57,10 @@ TEST(LatestValue, WhatIsReadIsWholeNeverOlderAndInTheEndTheLast) {
   EXPECT_EQ(before, kLast) << "what was stored before the reader last looked is seen";
 }
 
-// Small, so that the two ends meet in the hand-over and not in copies.
+// A small value, so that the two threads meet in the hand-over instead of in copies.
 TEST(LatestValue, TenMillionExchangesTearNothingAndNoneGoesBack) {
 #if defined(OSTEON_SANITIZED)
-  constexpr std::uint64_t kLast = 500'000;  // each access costs ten there
+  constexpr std::uint64_t kLast = 500'000;  // each access is ten times slower there
 #else
   constexpr std::uint64_t kLast = 10'000'000;
 #endif

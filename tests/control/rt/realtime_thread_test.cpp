@@ -31,7 +31,7 @@ std::vector<int> AllowedCpus() {
   return cpus;
 }
 
-// Where the calling thread is seen to run while it gives way now and then.
+// The CPUs on which the calling thread is seen while it yields now and then.
 std::set<int> SeenOn() {
   std::set<int> seen;
   for (int i = 0; i < 50; ++i) {
@@ -41,7 +41,7 @@ std::set<int> SeenOn() {
   return seen;
 }
 
-// In a thread of its own, so that nothing of it stays with the test's process.
+// Runs the body in its own thread, so that the test's process keeps none of its settings.
 template <class Body>
 void InThread(Body body) {
   std::thread(body).join();
@@ -75,7 +75,7 @@ TEST(RealtimeThread, RunsOnItsCpuAloneAndTheOthersStayOff) {
     EXPECT_FALSE(other.contains(cpu));
     EXPECT_EQ(other_may, std::vector<int>(cpus.begin(), cpus.end() - 1));
     EXPECT_FALSE(SeenOn().contains(cpu)) << "nor does the thread that reserved it run there";
-    // a thread that was kept off still gets it where it asks: the cell's process inherits the mask of ours
+    // a thread that was kept off still gets the CPU on request: the cell's process inherits our mask
     ASSERT_EQ(ReserveCpu(cpu), "");
     EXPECT_EQ(SetUpRealtimeThread({.priority = 0, .cpu = cpu}).cpu, cpu);
   });
@@ -128,7 +128,7 @@ long Faults() {
   for (std::size_t i = 0; i < bytes; i += 1024) room[i] = 1;
 }
 
-// What a thread's first deep call costs, once with its stack touched and once without.
+// Page faults of a thread's first deep call, with its stack touched and without.
 TEST(RealtimeThread, ATouchedStackHasNoPageFaultsLeft) {
 #if defined(OSTEON_SANITIZED)
   GTEST_SKIP() << "under a sanitizer: its shadow memory has faults of its own";
@@ -169,7 +169,7 @@ TEST(RealtimeThread, LocksMemoryOnlyWhereNothingCanFailOfIt) {
   munlockall();
 }
 
-// What is said to be granted is held: a file that is open on the kernel's request, once and not again.
+// A granted request is held: a file stays open for the kernel's request, opened only once.
 TEST(RealtimeThread, KeepsTheCpusAwakeWhereItSaysSo) {
   const auto held = [] {
     int count = 0;
