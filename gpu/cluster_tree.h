@@ -10,9 +10,9 @@
 
 namespace osteon::gpu {
 
-/// Boxes around runs of 64 balls or points of a list that lies along a space-filling curve, and boxes around
-/// eight of the boxes below, up to one. Built once: bone only shrinks inside itself, so a box that held it
-/// holds it for ever.
+/// Boxes around clusters of 64 balls or points of a list along a space-filling curve, and boxes around eight
+/// boxes of the level below, up to one root. Built once: bone only shrinks inside itself, so every box stays
+/// valid.
 ///
 ///     level 2        [                 0                 ]
 ///     level 1        [ 0 ][ 1 ] …            8 children each
@@ -25,8 +25,8 @@ class ClusterTree {
 
   [[nodiscard]] std::size_t cluster_count() const { return levels_.empty() ? 0 : levels_.front().size(); }
 
-  /// Calls visit(cluster) for every cluster whose box a ball of `radius_mm` may meet on its way from a to b,
-  /// in rising order. Conservative: a box that is near the way, but not met, may be among them.
+  /// Calls visit(cluster) in ascending order for every cluster whose box a ball of `radius_mm` may meet on
+  /// its way from a to b. Conservative: boxes that are near the way but not met may be included.
   template <class Visit>
   void Meet(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float radius_mm, Visit visit) const {
     if (levels_.empty()) return;
@@ -53,7 +53,7 @@ class ClusterTree {
     Eigen::Vector3f middle_;
     float radius_mm_, half_mm_;
   };
-  /// Whether the sweep may meet the box of one cluster.
+  /// True where the sweep may meet the box of one cluster.
   [[nodiscard]] bool Meets(const Sweep& sweep, uint cluster) const {
     return sweep.Meets(levels_.front()[cluster]);
   }

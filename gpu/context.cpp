@@ -47,7 +47,7 @@ int Rank(vk::PhysicalDeviceType type) {
 
 std::optional<std::uint32_t> ComputeFamily(const vk::raii::PhysicalDevice& device) {
   const auto families = device.getQueueFamilyProperties();
-  // one that does nothing but compute takes a submit in half the time
+  // a queue family for compute alone takes half the time for a submit
   std::optional<std::uint32_t> found;
   for (std::uint32_t i = 0; i < families.size(); ++i) {
     const vk::QueueFlags flags = families[i].queueFlags;
@@ -139,9 +139,9 @@ std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance
   return devices;
 }
 
-// The layers take a buffer as one: they miss a barrier where a dispatch reads its number of workgroups from
-// the frame behind a pass that has written other words of it. Those words are written by pick_points and what
-// comes before it alone, and the barrier behind that pass names indirect reads.
+// The layers treat a buffer as a whole. They miss a barrier where a dispatch reads its number of workgroups
+// from the frame after a pass that wrote other words of it. Only pick_points and earlier passes write those
+// words, and the barrier after pick_points includes indirect reads.
 bool IsOtherWordsOfFrame(const VkDebugUtilsMessengerCallbackDataEXT& data) {
   return data.pMessageIdName != nullptr && std::strstr(data.pMessageIdName, "SYNC-HAZARD-READ-AFTER-WRITE") &&
          std::strstr(data.pMessage, "for indirect VkBuffer") && data.objectCount > 0 &&
@@ -158,7 +158,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL OnValidation(VkDebugUtilsMessageSeverityFlagBitsE
   return VK_FALSE;
 }
 
-/// Vulkan could not be opened, and the loader has said why.
+/// Vulkan could not be opened, and the loader has reported why.
 class OpeningError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -169,12 +169,12 @@ VKAPI_ATTR VkBool32 VKAPI_CALL OnLoaderError(VkDebugUtilsMessageSeverityFlagBits
                                              const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   std::string& said = *static_cast<std::string*>(user);
   const std::string_view message(data->pMessage);
-  if (message.find("Found no drivers") != message.npos) return VK_FALSE;  // what is said already
+  if (message.find("Found no drivers") != message.npos) return VK_FALSE;  // the returned error says so
   if (said.find(message) == said.npos) said.append(said.empty() ? " " : "; ").append(message);
   return VK_FALSE;
 }
 
-/// Makes the instance; where that fails, what the loader has said of each manifest and library goes along.
+/// Makes the instance; an error includes the loader's messages about each manifest and library.
 void Open(SharedInstance& made, vk::InstanceCreateInfo create, std::vector<const char*> extensions) {
   std::string& said = made.loader_errors;
   vk::DebugUtilsMessengerCreateInfoEXT listen({}, vk::DebugUtilsMessageSeverityFlagBitsEXT::eError,
@@ -219,8 +219,8 @@ std::shared_ptr<SharedInstance> MakeInstance(bool validation) {
   return made;
 }
 
-// The process's, and never given back: a driver that is unloaded while the process ends takes with it what
-// its globals hold. Where one can't be made (no driver, no layers) the next caller tries again.
+// The process's instance, never released: unloading a driver at the process's end would destroy data that its
+// globals still use. Where it cannot be made (no driver, no layers) the next caller tries again.
 std::shared_ptr<SharedInstance> OpenInstance(bool validation) {
   if (validation) {
     static const auto& layered = *new std::shared_ptr<SharedInstance>(MakeInstance(true));
@@ -246,7 +246,7 @@ std::string OpeningFailure(const std::exception& error) {
     return "validation layers are not installed (package vulkan-validationlayers)";
   if (dynamic_cast<const OpeningError*>(&error)) return error.what();
   if (dynamic_cast<const vk::IncompatibleDriverError*>(&error)) return kNoDriver;
-  // the loader's library itself: vulkan_raii says so by an error of its own
+  // the loader's library itself is missing: vulkan_raii throws its own error then
   if (std::strstr(error.what(), "Failed to load vulkan library")) return kNoDriver;
   return std::string("Vulkan could not be opened: ") + error.what();
 }
@@ -311,7 +311,7 @@ void NameForLayers(const Context& context, const Buffer& buffer, const char* nam
 std::vector<std::uint32_t> MemoryTypes(const vk::PhysicalDeviceMemoryProperties& memory,
                                        const vk::MemoryRequirements& needs, Placement placement) {
   using Property = vk::MemoryPropertyFlagBits;
-  // what the placement asks for, best first; the last is always there
+  // the placement's preferences, best first; the last one always exists
   const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
   const std::vector<vk::MemoryPropertyFlags> wishes =
       placement == Placement::kDevice ? std::vector<vk::MemoryPropertyFlags>{Property::eDeviceLocal, {}}

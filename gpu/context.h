@@ -17,28 +17,28 @@
 
 namespace osteon::gpu {
 
-/// What a process has of Vulkan but once, since drivers do not take any number of openings (one gives up
-/// after 29), or twice: without the validation layers and under them.
+/// The process's Vulkan instance, of which there is one without the validation layers and one with them. It
+/// is made only once because drivers limit the number of instances (one fails after 29).
 struct SharedInstance {
   vk::raii::Context loader;
-  std::atomic<int> messages{0};  ///< of the validation layers, about all devices; they go to stderr
-  std::string loader_errors;  ///< that the loader reported while the instance was made; outlives the instance
+  std::atomic<int> messages{0};  ///< number of validation messages, about all devices; text goes to stderr
+  std::string loader_errors;  ///< reported by the loader while the instance was made; outlives the instance
   std::optional<vk::raii::Instance> instance;
-  std::optional<vk::raii::DebugUtilsMessengerEXT> messenger;  ///< where the layers are there
+  std::optional<vk::raii::DebugUtilsMessengerEXT> messenger;  ///< only with the layers
 };
 
-/// Subgroups of a device: invocations of a workgroup that run in step.
+/// Subgroups of a device: invocations of a workgroup that execute together.
 struct Subgroups {
-  std::uint32_t size{0};  ///< what a pass gets that asks for none
+  std::uint32_t size{0};  ///< size for a pass that requests none
   bool can_choose{false};
-  std::uint32_t min_size{0}, max_size{0};  ///< where a pass can choose, powers of two
-  bool can_be_full{false};                 ///< a pass can ask that none of its invocations be left out
+  std::uint32_t min_size{0}, max_size{0};  ///< range of sizes that a pass can request, powers of two
+  bool can_be_full{false};                 ///< a pass can require that all its invocations are active
 };
 
 /// Device and one compute queue.
 struct Context {
-  std::shared_ptr<SharedInstance> shared;  ///< lives as long as any device of it, and to the process's end
-  bool validation{false};                  ///< under the layers
+  std::shared_ptr<SharedInstance> shared;  ///< kept until the process's end
+  bool validation{false};                  ///< with the validation layers
   std::optional<vk::raii::PhysicalDevice> physical;
   std::optional<vk::raii::Device> device;
   std::optional<vk::raii::Queue> queue;
@@ -51,11 +51,11 @@ struct Context {
 [[nodiscard]] tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::string& name,
                                                                               bool validation);
 
-/// Why Vulkan could not be opened, for the user: what to install where loader, driver or layers are missing,
-/// else what Vulkan said.
+/// Reason why Vulkan could not be opened, for the user: what to install where loader, driver or layers are
+/// missing, otherwise Vulkan's own message.
 [[nodiscard]] std::string OpeningFailure(const std::exception& error);
 
-/// A buffer with memory of its own.
+/// A buffer with its own memory.
 struct Buffer {
   vk::raii::DeviceMemory memory{nullptr};
   vk::raii::Buffer buffer{nullptr};
@@ -64,22 +64,22 @@ struct Buffer {
   bool device_local{false};
 };
 
-/// Where a buffer lies: on the device; in host memory, to write to it or to read from it; or on the device
-/// where the host can write to it, if there is such memory.
+/// Location of a buffer: on the device; in host memory for writing or for reading; or on the device in memory
+/// that the host can write to, if there is any.
 enum class Placement { kDevice, kUpload, kReadBack, kShared };
 
-/// The name, for the validation layers' messages, of the buffer that holds a frame.
+/// Name of the buffer that holds a frame, in the validation layers' messages.
 inline constexpr const char* kFrameBufferName = "frame";
-/// Names a buffer in their messages; nothing without the layers.
+/// Names a buffer in the layers' messages; does nothing without the layers.
 void NameForLayers(const Context& context, const Buffer& buffer, const char* name);
 
-/// The types of memory that a buffer can lie in, those that its placement asks for first; types whose heap is
-/// smaller than the buffer are left out (a window into a card's memory often has 256 MB).
+/// Memory types that a buffer can use, in order of the placement's preference. Types whose heap is smaller
+/// than the buffer are left out (a host-visible window into a card's memory often has 256 MB).
 [[nodiscard]] std::vector<std::uint32_t> MemoryTypes(const vk::PhysicalDeviceMemoryProperties& memory,
                                                      const vk::MemoryRequirements& needs,
                                                      Placement placement);
 
-/// The first of the types for which `allocate(type)` does not throw vk::OutOfDeviceMemoryError or
+/// Returns the first of the types for which `allocate(type)` does not throw vk::OutOfDeviceMemoryError or
 /// vk::OutOfHostMemoryError. @throws vk::OutOfDeviceMemoryError where there is none.
 template <class Allocate>
 std::uint32_t AllocateFromFirst(const std::vector<std::uint32_t>& types, Allocate allocate) {
@@ -87,7 +87,7 @@ std::uint32_t AllocateFromFirst(const std::vector<std::uint32_t>& types, Allocat
     try {
       allocate(type);
       return type;
-    } catch (const vk::OutOfDeviceMemoryError&) {  // the next one, then
+    } catch (const vk::OutOfDeviceMemoryError&) {  // try the next one
     } catch (const vk::OutOfHostMemoryError&) {
     }
   }

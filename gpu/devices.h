@@ -9,16 +9,16 @@ namespace osteon::gpu {
 
 /// One Vulkan device of this machine.
 struct DeviceInfo {
-  std::string name;          ///< as the driver says, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string name;          ///< as the driver reports it, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)"
   std::string kind;          ///< "discrete", "integrated", "virtual", "cpu" or "other"
   std::string api_version;   ///< e.g. "1.3.239"
   std::string driver;        ///< e.g. "llvmpipe Mesa 22.3.6"
   double memory_bytes{0.0};  ///< of its largest device-local heap
-  std::string refusal;       ///< why the cutting engine can't run on it; empty where it can
+  std::string refusal;       ///< why the cutting engine cannot use it; empty where it can
 };
 
-/// All Vulkan devices, the one that is taken by default first (discrete before integrated, virtual and cpu).
-/// An error where there is no loader or no driver, with what to install.
+/// Lists all Vulkan devices, the default one first (discrete before integrated, virtual and cpu). An error
+/// where there is no loader or no driver, with what to install.
 [[nodiscard]] tl::expected<std::vector<DeviceInfo>, std::string> ListDevices();
 
 }  // namespace osteon::gpu

@@ -18,9 +18,9 @@ namespace {
 constexpr const char* kTasks = "/proc/self/task";
 constexpr int kMostLooks = 15;
 constexpr std::chrono::milliseconds kLook{2};
-constexpr const char* kRasterizer = "llvmpipe-";  // name of a rasterizer's thread, less its number
+constexpr const char* kRasterizer = "llvmpipe-";  // prefix of a rasterizer thread's name, before its number
 
-// Of this process, sorted; none where the system does not say.
+// This process's thread ids, sorted; none where the system does not list them.
 std::vector<int> Threads() {
   std::vector<int> ids;
   std::error_code error;
@@ -45,7 +45,7 @@ std::string NameOf(int id) {
 DriverThreads::DriverThreads() : before_(Threads()) {}
 
 DriverThreads::Begun DriverThreads::Look() const {
-  // a thread that was given no name has its creator's
+  // a thread without its own name has its creator's
   const std::string own = NameOf(static_cast<int>(gettid()));
   std::vector<int> ids;
   const std::vector<int> now = Threads();
@@ -62,7 +62,7 @@ DriverThreads::Begun DriverThreads::Look() const {
 }
 
 int DriverThreads::Spread() const {
-  // a rasterizer names itself, once it runs: on a busy machine some time after the device is open
+  // a rasterizer names itself once it runs: on a busy machine some time after the device is open
   Begun begun = Look();
   for (int look = 0; look < kMostLooks && begun.unnamed != begun.rasterizers; ++look) {
     std::this_thread::sleep_for(kLook);

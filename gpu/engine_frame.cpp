@@ -6,17 +6,17 @@
 
 namespace osteon::gpu {
 
-// Tool balls of a cluster that one workgroup looks at four times for each of its balls: beyond, llvmpipe
-// would end its loops.
+// Largest number of a cluster's tool balls for one workgroup, which visits each four times for each of its
+// balls: beyond it, llvmpipe would end its loops.
 constexpr uint kMostRefsOfAWorkgroup = 1'800;
 
-// The tool's balls at the proxy and at the tool's pose, for the device and for what follows.
+// Stores the tool's balls at the proxy and at the tool's pose, for the device and for later steps.
 void VulkanEngine::Impl::Place(const Pose& pose) {
   X_GT = pose;
   const std::size_t count = tool.balls.size();
   start_m.resize(count);
   goal_m.resize(count);
-  // written in one piece and never read back: a device's memory is slow to read, and may give an older value
+  // written once and never read back: a device's memory is slow to read, and may return an older value
   placed.resize(4 * count);
   for (std::size_t t = 0; t < count; ++t) {
     start_m[t] = memory.X_GP * tool.balls[t].center_T_m;
@@ -57,7 +57,7 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
       kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / least_radius_m));
   f.path_mm = static_cast<float>(way_m * kMillimetres);
   if (lists.made && !brute_force) MeasureDrift(f);
-  // slide and advance together: at most max_slide, but for the immediate law, which goes all the way
+  // slide and advance together: at most max_slide; the immediate law goes all the way
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
   f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
   f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
@@ -79,10 +79,10 @@ Frame VulkanEngine::Impl::Prepare(const simulation::FrameInput& input) {
   return f;
 }
 
-// Entries of a list that one invocation looks at, each with as many tool balls at most: one on a GPU. A
-// processor does what all of a workgroup's lanes share once for each workgroup: few, long ones, but some for
-// each core. And llvmpipe ends all loops of an invocation after 65 535 turns together, of which no pass takes
-// more than thirty a pair.
+// Number of list entries for one invocation, each with at most `span` tool balls: one on a GPU. A processor
+// computes shared values once for each workgroup, so it gets few, long workgroups, but some for each core.
+// llvmpipe ends all loops of an invocation after 65 535 iterations together; no pass needs more than thirty
+// iterations a pair.
 uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t span) const {
   constexpr std::size_t kMostPairs = 2'000, kMostEntries = 4096, kWorkgroups = 4;
   const std::size_t lanes = program->lanes();
@@ -95,17 +95,17 @@ uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t span) const {
 
 Groups VulkanEngine::Impl::Work(std::size_t entries, uint chunk, uint rows) const {
   const std::size_t share = std::size_t{program->lanes()} * chunk;
-  const std::size_t least = program->for_gpu() ? 1 : 0;  // one whose last workgroup goes on
+  const std::size_t least = program->for_gpu() ? 1 : 0;  // the last workgroup continues, so there must be one
   return {.x = program->WithinLimit(std::max(least, (entries + share - 1) / share)), .y = rows, .z = 1};
 }
 
-// The balls of the lists go back, with the chunk that the frame has.
+// Prepares writing back the lists' balls, with the frame's chunk.
 void VulkanEngine::Impl::SetFlush(Frame& f) const {
   f.flush_count = lists.made ? lists.balls : 0;
   f.flush_work = Work(f.flush_count, f.chunk, 1);
 }
 
-// The balls of the lists back to where Snapshot reads them.
+// Writes the lists' balls back to the buffers that Snapshot reads.
 bool VulkanEngine::Impl::Flush() const {
   Frame f = still;
   f.chunk = Chunk(lists.balls, 1);
@@ -114,7 +114,7 @@ bool VulkanEngine::Impl::Flush() const {
   return program->Run(f, FrameMode::kFlush, frame_timeout_ns);
 }
 
-// What the frame before has split.
+// Prepares the upload of the children that the frame before has split.
 void VulkanEngine::Impl::SetUploads(Frame& f) const {
   if (!pool) return;
   const std::vector<SplitUpload>& uploads = pool->uploads();
@@ -124,7 +124,7 @@ void VulkanEngine::Impl::SetUploads(Frame& f) const {
       .x = program->WithinLimit((uploads.size() + program->lanes() - 1) / program->lanes()), .y = 1, .z = 1};
 }
 
-// The frame's requests, with what its cutting balls have swept.
+// Passes the frame's requests and the capsules of its cutting balls to the split pool.
 void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSolution& solution) {
   capsules.clear();
   for (std::size_t t = 0; t < tool.cutter_count; ++t) {
@@ -142,7 +142,7 @@ void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSol
   pool->EndFrame({program->host<SplitRequest>(kBindRequests), count}, capsules, Blocks());
 }
 
-// How far the tool's balls are from where the lists were made.
+// Measures the displacement of the tool's balls since the lists were built.
 void VulkanEngine::Impl::MeasureDrift(Frame& f) const {
   f.cutting_drift_start_mm = FarthestFrom(lists.built_m, start_m, true);
   f.cutting_drift_goal_mm = FarthestFrom(lists.built_m, goal_m, true);
@@ -154,7 +154,7 @@ void VulkanEngine::Impl::MeasureDrift(Frame& f) const {
   f.shaft_words_goal_mm = FarthestFrom(lists.words_m, goal_m, false);
 }
 
-// Of the tool's balls of a kind, the way of the one that is farthest from where it was [mm].
+// Largest distance of a tool ball of a kind from its former position [mm].
 float VulkanEngine::Impl::FarthestFrom(const std::vector<Vector3>& was_m, const std::vector<Vector3>& is_m,
                                        bool cuts) const {
   double most = 0.0;
@@ -164,7 +164,7 @@ float VulkanEngine::Impl::FarthestFrom(const std::vector<Vector3>& was_m, const 
   return static_cast<float>(kMillimetres * std::sqrt(most));
 }
 
-// The clusters that the tool can meet, with its reach, on its way or where it stands.
+// Finds the clusters that the tool can meet, within its reach, on its way or at its pose.
 void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   const bool whole_way = mode == FrameMode::kListsAtContact;
   const auto sweep = [&](const Vector3& start, const Vector3& goal, double radius_m, float reach_mm) {
@@ -190,7 +190,7 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   };
   work->Clear();
   find(ball_tree, f.ball_reach_mm, false, ball_items);
-  // a block lies where its parent does
+  // a block is in its parent's place
   for (std::size_t i = 0, clusters = pool ? ball_items.size() : 0; i < clusters; ++i) {
     const Item parents = ball_items[i];
     for (const uint block : pool->BlocksIn(parents.cluster))
@@ -204,7 +204,7 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   std::copy(ball_items.begin(), ball_items.end(), items);
   std::copy(point_items.begin(), point_items.end(), items + ball_clusters);
   std::copy(work->refs().begin(), work->refs().end(), program->host<uint>(kBindToolRefs));
-  // of one entry, and of one cluster
+  // largest number of tool balls of one entry, and of one cluster
   uint longest = 1;
   for (const auto* list : {&ball_items, &point_items})
     for (const Item& item : *list) longest = std::max(longest, item.count);
@@ -216,7 +216,7 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   f.point_work = {.x = program->WithinLimit(point_items.size()), .y = parts, .z = 1};
 }
 
-// False where the device is lost.
+// Runs a frame. False where the device is lost.
 bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   Frame f = prepared;
   f.lists_at_contact = mode == FrameMode::kListsAtContact ? 1 : 0;
@@ -243,7 +243,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     FindWork(f, mode);
     SetUploads(f);
     SetFlush(f);
-    // one at least where the last one goes on
+    // at least one workgroup where the last one continues
     const uint least = program->for_gpu() ? 1 : 0;
     f.pair_work = {.x = least, .y = 2, .z = 1};
     f.all_work = {.x = least, .y = 3, .z = 1};

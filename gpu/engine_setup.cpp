@@ -6,7 +6,8 @@
 
 namespace osteon::gpu {
 
-// Buffers for this bone and tool; an error text where they are too large.
+// Opens the device and makes the buffers for this bone and tool; returns an error text where they are too
+// large.
 std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const simulation::Bone& bone,
                                      const VulkanParams& vulkan) {
   ball_count = bone.balls.size();
@@ -34,7 +35,7 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
     return refusal;
   program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
   if (program->compiled()) {
-    program.reset();  // with its device
+    program.reset();  // together with its device
     auto again = OpenContext(vulkan.device, vulkan.validation);
     if (!again) return again.error();
     program = std::make_unique<FrameProgram>(std::move(*again), sizes, vulkan);
@@ -70,7 +71,7 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   data.resize(AllBalls(), vec4{0, 0, 0, 0});
   WriteBalls(*program, data.data(), data.size());
 
-  // whole units of volume, as fine as 32 bits tell
+  // integer units of volume, as fine as 32 bits allow
   double largest_mm3 = 1e-3;
   for (const simulation::MassPoint& point : bone.points)
     largest_mm3 = std::max(largest_mm3, point.volume_m3 * 1e9);
@@ -87,7 +88,7 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   program->Write(kBindPoints, data.data(), data.size() * sizeof(vec4));
   program->Write(kBindPointStates, states.data(), states.size() * sizeof(uint));
   program->Write(kBindPointUnits, units.data(), units.size() * sizeof(uint));
-  for (vec4& point : data) point.w = 0.0f;  // a point has no extent
+  for (vec4& point : data) point.w = 0.0f;  // a point has no radius
   point_tree = ClusterTree(data);
 
   // a span of each kind's balls, for brute force
@@ -115,7 +116,7 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   still.layer_mm = static_cast<float>(params.engaged_layer_m * kMillimetres);
   still.cutting_margin_mm = static_cast<float>(kMillimetres * kCuttingMargin_m);
   still.shaft_margin_mm = static_cast<float>(kMillimetres * kShaftMargin_m);
-  // the largest summands: a touching point as far out as the tool reaches, a whole mass point in the engaged
+  // the largest summands: a touching point at the tool's farthest reach, a whole mass point in the engaged
   // layer
   double reach_mm = 1.0, largest_mm3 = 1e-3;
   for (const ToolLayout::Item& ball : tool.balls)
@@ -137,7 +138,7 @@ void VulkanEngine::Impl::FillStill(const simulation::Bone& bone) {
   still.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;
 }
 
-// Brute force: everything in the lists, for good.
+// Brute force: lists everything, permanently.
 void VulkanEngine::Impl::ListEverything() {
   std::vector<vec4> copies(ball_count);
   ReadBalls(*program, copies.data(), ball_count);

@@ -4,11 +4,11 @@
 
 namespace osteon::gpu {
 
-// What the device has found near the tool at first contact, a share s of the way: the same as
-// simulation::FindCandidates makes, and the sums of the faces.
+// Reads the pairs that the device found near the tool at first contact, at fraction s of the way, as
+// simulation::FindCandidates makes them, and the sums of the faces.
 void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
   candidates.count = done.candidate_count;
-  candidates.held_count = 0;  // what holds is known already
+  candidates.held_count = 0;  // the device has solved the hold already
   for (std::size_t c = 0; c < candidates.count; ++c) {
     const Candidate& found = done.candidates[c];
     const std::size_t t = found.tool_ball;
@@ -41,7 +41,7 @@ void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
     face.n = Vector3(weight(0, 1) + weight(1, 1), weight(0, 2) + weight(1, 2), weight(0, 3) + weight(1, 3));
     face.center_T = place_vector(0) + place_vector(1);
     face.radius = place(0, 3) + place(1, 3);
-    if (tool.cutter_count == 1) {  // the same for all
+    if (tool.cutter_count == 1) {  // the same tool ball for all
       face.center_T += cutters * tool.balls[0].center_T_m;
       face.radius += cutters * tool.balls[0].radius_m;
     }
@@ -56,7 +56,7 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) {
   simulation::ContactHold held;
   held.hold.count = static_cast<int>(done.hold_count);
   for (std::size_t k = 0; k < done.hold_count; ++k) {
-    held.hold.plane[k] = done.hold_candidate[k];  // the same list as FindCandidates makes
+    held.hold.plane[k] = done.hold_candidate[k];  // the same indices as in FindCandidates
     held.hold.multiplier_m[k] = done.exact.hold[k] / kMillimetres;
     candidates.pairs[done.hold_candidate[k]].n = Direction(done.exact.hold_n[k]);
   }

@@ -102,7 +102,7 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
   bone_bits_ = overrides.bone_ball_bits != 0 ? overrides.bone_ball_bits : BoneBits(sizes.balls);
   max_workgroups_ = context_->physical->getProperties().limits.maxComputeWorkGroupCount[0];
   if (overrides.max_workgroups != 0) max_workgroups_ = std::min(max_workgroups_, overrides.max_workgroups);
-  // what splits balls is in buffers of its own, which no sum guards
+  // data of split balls are in separate buffers, which the report's checksum does not cover
   policy_ = params.fence != FencePolicy::kAuto ? params.fence
             : !gpu_                            ? FencePolicy::kWait
             : sizes.blocks > 0                 ? FencePolicy::kPoll
@@ -139,7 +139,7 @@ void FrameProgram::MakeBuffers() {
     frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
     return;
   }
-  // the host writes where the passes read, if it can; what they find is reported to where it reads quickly
+  // the host writes to the passes' memory where it can; the report is in memory that the host reads fast
   frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kShared);
   copies_in_ = !frame_in_.device_local;
   if (copies_in_) buffers_[kBindFrame] = MakeBuffer(*context_, sizeof(Frame), Placement::kDevice);
@@ -221,7 +221,7 @@ void FrameProgram::MakePipelines() {
     const vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo size(subgroup_size_);
     vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
                                             &specialization);
-    // without the feature a driver may leave invocations of a subgroup out, and the passes do
+    // without this feature a driver may leave invocations of a subgroup inactive, and the passes support that
     if (context_->subgroups.can_be_full && own.lanes % subgroup_size_ == 0)
       stage.flags = vk::PipelineShaderStageCreateFlagBits::eRequireFullSubgroups;
     if (asks_subgroup_size_) stage.pNext = &size;
@@ -233,7 +233,7 @@ void FrameProgram::MakePipelines() {
   const std::size_t pairs = offsetof(Frame, pair_work), all = offsetof(Frame, all_work);
   std::vector<std::size_t> rest = {add("near_field", kSpirv_near_field, wide, pairs, Then::kReads)};
   if (!gpu_) {
-    // the solution is one subgroup's work; on a GPU that of the near field's last workgroup
+    // one subgroup computes the solution; on a GPU that of the near field's last workgroup
     Constants alone = constants;
     alone.lanes = subgroup_size_;
     rest.push_back(add("solve", kSpirv_solve, alone, kOne, Then::kReads));
@@ -347,7 +347,8 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
   return c;
 }
 
-// The lists' sizes are the host's to know where they were made before: once for each time they are made.
+// Records the passes over lists with constant sizes: the host knows them after the lists were built. Once for
+// each time they are built.
 void FrameProgram::RecordLists(const Frame& frame) {
   const std::array<Groups, 3> groups{frame.pair_work, frame.all_work, frame.clear_work};
   if (std::memcmp(&groups, &recorded_, sizeof(groups)) == 0) return;
@@ -358,7 +359,7 @@ void FrameProgram::RecordLists(const Frame& frame) {
 
 bool FrameProgram::AwaitFence(std::uint64_t timeout_ns) {
   if (policy_ != FencePolicy::kWait) {
-    // a GPU answers within tens of microseconds: asking is quicker than being woken
+    // a GPU answers within tens of microseconds: polling is faster than being woken
     for (int i = 0; i < 20'000; ++i)
       if (fence_.getStatus() == vk::Result::eSuccess) return true;
   }
@@ -383,7 +384,7 @@ bool FrameProgram::AwaitReport(std::uint64_t timeout_ns) {
 
 bool FrameProgram::Run(const Frame& frame, FrameMode mode, std::uint64_t timeout_ns) try {
   last_mode_ = mode;
-  // the last frame's, which is over where its report was awaited, but for the fence
+  // Wait for the last frame: its report may have arrived before its fence.
   if (!AwaitFence(timeout_ns)) return false;
   Frame asked = frame;
   asked.sequence = ++sequence_;
@@ -401,7 +402,7 @@ bool FrameProgram::Run(const Frame& frame, FrameMode mode, std::uint64_t timeout
 bool FrameProgram::IsIdle(std::uint64_t timeout_ns) const try {
   return context_->device->waitForFences(*fence_, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
 } catch (const std::exception&) {
-  return true;  // the device is gone, and with it its work
+  return true;  // a lost device has no more work
 }
 
 std::vector<PassTime> FrameProgram::PassTimes() const {

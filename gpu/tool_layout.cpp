@@ -13,7 +13,7 @@ Eigen::AlignedBox3d BoxOf(const ToolLayout& layout, std::span<const uint> member
   return box;
 }
 
-// Halves along the longest side until a group is small enough.
+// Halves the members along the longest side until a group is small enough.
 void AddGroups(ToolLayout& layout, std::span<uint> members) {
   if (members.empty()) return;
   const Eigen::AlignedBox3d box = BoxOf(layout, members);

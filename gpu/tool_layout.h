@@ -8,21 +8,21 @@
 
 namespace osteon::gpu {
 
-inline constexpr std::size_t kToolGroup = 16;  ///< tool balls of one bounding ball, at most
+inline constexpr std::size_t kToolGroup = 16;  ///< most tool balls in one bounding ball
 
-/// A tool as the device has it: the balls that cut first, each kind in the tool's order; and groups of
-/// neighbours, each with a ball around it, for what the host looks for. Lengths in metres here.
+/// A tool as the device has it: cutting balls first, each kind in the tool's order; and groups of neighbours
+/// with a bounding ball each, for the host's search. Lengths in metres here.
 struct ToolLayout {
   struct Item {
     Vector3 center_T_m;
     double radius_m;
   };
   std::vector<Item> balls;
-  std::vector<uint> number;  ///< of each in the tool's own list
+  std::vector<uint> number;  ///< each ball's index in the tool's own list
   std::size_t cutter_count{0};
-  std::vector<std::vector<uint>> groups;  ///< of balls by their place in `balls`; none holds both kinds
-  std::vector<Item> group_bounds;         ///< around the group's balls, radii included
-  std::vector<uint> group_of;             ///< each ball's
+  std::vector<std::vector<uint>> groups;  ///< indices into `balls`; no group holds both kinds
+  std::vector<Item> group_bounds;         ///< bounding ball of each group's balls
+  std::vector<uint> group_of;             ///< the group of each ball
 
   [[nodiscard]] bool Cuts(std::size_t ball) const { return ball < cutter_count; }
 };

@@ -58,7 +58,7 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
 
 VulkanEngine::VulkanEngine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 VulkanEngine::~VulkanEngine() {
-  // a device that did not finish in time may still be at work: what it works on must outlive it
+  // a device that did not finish in time may still be working: the memory that it uses must outlive it
   if (impl_ && impl_->lost && impl_->program && !impl_->program->IsIdle(kLostTimeout_ns))
     (void)impl_->program.release();
 }
@@ -84,8 +84,8 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
   const auto beyond = [&](float cutting_mm, float shaft_mm) {
     return cutting_mm > still.cutting_margin_mm || shaft_mm > still.shaft_margin_mm;
   };
-  // lists serve as long as first contact is near where they were made; where that is likely is known, and the
-  // device finds out
+  // Lists serve while first contact is near where they were built. The host guesses where that is likely, and
+  // the device checks it.
   FrameMode mode = FrameMode::kLists;
   const bool was_split = pool && !pool->uploads().empty();
   if (was_free &&
@@ -129,7 +129,7 @@ simulation::CarvedState VulkanEngine::Snapshot() const {
   return state;
 }
 
-// Balls and points from the device.
+// Reads balls and points from the device.
 void VulkanEngine::Impl::ReadState(simulation::CarvedState& state) const {
   if (!Flush()) throw vk::DeviceLostError("the balls of the lists did not go back in time");
   if (pool) {

@@ -12,49 +12,50 @@
 
 namespace osteon::gpu {
 
-/// How the end of a frame is noticed.
+/// How the host detects the end of a frame.
 enum class FencePolicy : std::uint8_t {
-  kAuto,    ///< the report where a GPU is (poll where balls are split), wait where the processor plays one
-  kReport,  ///< look for the frame's report in memory, before the fence
-  kPoll,    ///< ask for the fence
-  kWait,    ///< be woken by it
+  kAuto,    ///< on a GPU kReport (kPoll where balls are split), on a processor kWait
+  kReport,  ///< poll the frame's report in memory, before the fence
+  kPoll,    ///< poll the fence
+  kWait,    ///< wait for the fence
 };
 
-/// For which kind of device the passes are built: see "On a GPU" in the README.
+/// The kind of device that the passes are built for: see "On a GPU" in the README.
 enum class PassVariant : std::uint8_t {
   kAuto,       ///< for the device's own kind
-  kProcessor,  ///< few lanes and long chunks, the solution in a pass of its own, waits for the fence
-  kGpu,        ///< many lanes, the last workgroup solves and reports, sums meet in shared memory
+  kProcessor,  ///< few lanes and long chunks, the solution in a separate pass, waits for the fence
+  kGpu,        ///< many lanes, the last workgroup solves and reports, sums are combined in shared memory
 };
 
-/// What the engine otherwise takes from the device and the bone. Tests run with it on one device what another
+/// Values that otherwise follow from the device and the bone. With them, tests run on one device what another
 /// device or a larger bone would run.
 struct VulkanOverrides {
   PassVariant variant{PassVariant::kAuto};
-  std::uint32_t subgroup_size{0};   ///< 0: the device's own; others need VK_EXT_subgroup_size_control
-  std::uint32_t max_workgroups{0};  ///< of a pass, along x; 0: as many as the device takes
+  std::uint32_t subgroup_size{0};   ///< 0: the device's own; other sizes need VK_EXT_subgroup_size_control
+  std::uint32_t max_workgroups{0};  ///< of a pass, along x; 0: the device's limit
   std::uint32_t bone_ball_bits{0};  ///< of a bone ball's index in keys, 24 … 28; 0: as many as the bone needs
 };
 
 struct VulkanParams {
-  std::string device;       ///< part of a device's name; empty: the best there is
+  std::string device;       ///< part of a device's name; empty: the default device
   bool validation{false};   ///< run under the validation layers, synchronisation included
-  bool time_passes{false};  ///< timestamps between the passes; software drivers wait at each
+  bool time_passes{false};  ///< timestamps between the passes; software drivers wait at each one
   FencePolicy fence{FencePolicy::kAuto};
-  bool brute_force{false};  ///< every pair in every pass: what culling is measured against
-  /// Balls, or mass points, that may be within the tool's reach at once: beyond, a frame is kOverloaded.
+  bool brute_force{false};  ///< every pair in every pass: the baseline for culling
+  /// Largest number of balls, or of mass points, within the tool's reach at once. Beyond it a frame is
+  /// kOverloaded.
   std::size_t list_capacity{4'000'000};
-  /// A frame that takes longer counts as a lost device. The first one may take 120 s, since software drivers
-  /// compile in it. The servo loop stops on the model's age long before.
+  /// A frame that takes longer counts as a lost device. The first frame may take 120 s, since software
+  /// drivers compile in it. The servo loop stops on the model's age long before.
   double frame_timeout_s{20.0};
   VulkanOverrides overrides{};
 };
 
-/// What the last frame looked at.
+/// Size of the last frame's work.
 struct FrameStats {
   std::size_t active_balls{0};   ///< bone balls within reach of the tool
   std::size_t active_points{0};  ///< mass points within reach of its cutting balls
-  bool lists_made{false};        ///< whether these lists were made anew
+  bool lists_made{false};        ///< true where the last frame rebuilt the lists
 };
 
 /// Device time of one pass of the last frame.
@@ -68,38 +69,38 @@ struct PassTime {
 ///     contact ─▶ planes ─▶ solve ─▶ slide, engage ─▶ remove, clear     with lists of earlier frames
 ///     path contact ─▶ pick balls, points ─▶ planes ─▶ …                with lists made anew
 ///
-/// Balls and points lie in clusters of 64 along a space-filling curve, each with the box that it had at the
-/// start. The host finds the clusters that the tool's way can meet in a tree of those boxes; the device lists
-/// the balls and points in them that the tool can touch, with the tool balls that can touch each, and the
-/// passes run over those lists alone. They serve until the tool has moved by a margin that is built into
-/// them. A box stays valid for ever because bone only shrinks inside itself. Sums are whole numbers (fixed
-/// point): equal inputs give equal bits, whatever the order of execution. What every pass computes is told by
-/// simulation::ReferenceEngine, its oracle.
+/// Balls and points are in clusters of 64 along a space-filling curve, each with its box at the start. The
+/// host finds the clusters that the tool's way can meet in a tree of those boxes. The device lists the balls
+/// and points in them that the tool can touch, each with the tool balls that can touch it, and the passes run
+/// over these lists alone. Lists have a margin and serve until the tool has moved by it. Boxes stay valid
+/// because bone only shrinks inside itself. Sums are integers (fixed point): equal inputs give equal bits,
+/// whatever the order of execution. simulation::ReferenceEngine, the oracle, documents what every pass
+/// computes.
 class VulkanEngine final : public simulation::CuttingEngine {
  public:
-  /// An error text where the device is unknown, memory does not suffice, or bone and tool are beyond the
-  /// engine's sizes.
+  /// Creates the engine. An error text where the device is unknown, memory does not suffice, or bone and tool
+  /// exceed the engine's sizes.
   [[nodiscard]] static tl::expected<std::unique_ptr<VulkanEngine>, std::string> Create(
       const simulation::Bone& bone, const simulation::Tool& tool, const Pose& X_WG,
       const simulation::CuttingParams& params, const VulkanParams& vulkan);
   ~VulkanEngine() override;
 
   simulation::ContactModel Step(const simulation::FrameInput& input) override;
-  /// Of a lost device the books alone, without balls and points: they lay on it. Where the device is lost
-  /// here, the next Step says so.
+  /// For a lost device only the books, without balls and points, which are lost with it. Where the device is
+  /// lost during this call, the next Step reports it.
   [[nodiscard]] simulation::CarvedState Snapshot() const override;
-  /// @throws std::invalid_argument where the state is not of this bone and tool; std::runtime_error where the
-  ///   device is lost.
+  /// @throws std::invalid_argument where the state belongs to another bone or tool; std::runtime_error where
+  ///   the device is lost.
   void Restore(const simulation::CarvedState& state) override;
   [[nodiscard]] std::string name() const override { return "vulkan"; }
   [[nodiscard]] std::string device() const override;
 
-  /// Device time by pass of the last frame; empty where they were not asked for, or the device has none.
+  /// Device time by pass of the last frame; empty where time_passes is off, or the device has no timestamps.
   [[nodiscard]] std::vector<PassTime> LastPassTimes() const;
 
   [[nodiscard]] FrameStats LastFrameStats() const;
 
-  /// What the validation layers have said so far of this process's engines; 0 without them.
+  /// Number of validation messages so far about this process's engines; 0 without the layers.
   [[nodiscard]] int validation_messages() const;
 
  private:

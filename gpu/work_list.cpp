@@ -28,7 +28,8 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
     if (counts_[cluster].all == 0) clusters_.push_back(cluster);
     ++counts_[cluster].all;
   };
-  // where a group can be, its balls are looked at one by one; in rising order, so that every cluster's are
+  // where a group may meet a cluster, each of its balls is tested; in ascending order, so that every
+  // cluster's list ascends
   for (const BallSweep& group : groups) {
     if (group.radius_mm >= 0.0f)
       tree.Meet(group.a, group.b, group.radius_mm, [&](uint cluster) {
@@ -69,7 +70,8 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
       continue;
     }
     items.push_back({.cluster = cluster, .first = place, .cutters = count.cutters, .count = count.all});
-    place += std::exchange(count.all, place);  // from here on: where its next ball goes
+    place += std::exchange(count.all, place);  // from here on: index of the cluster's next ball in the tool
+                                               // refs
   }
   if (!overflow)
     for (const Hit& hit : hits_) refs_[counts_[hit.cluster].all++] = hit.ball;

@@ -9,21 +9,21 @@
 
 namespace osteon::gpu {
 
-/// A ball of that radius on its way from a to b [mm]; none where the radius is negative.
+/// A ball's way from a to b [mm]; no ball where the radius is negative.
 struct BallSweep {
   Eigen::Vector3f a{Eigen::Vector3f::Zero()}, b{Eigen::Vector3f::Zero()};
   float radius_mm{-1.0f};
 };
 
-/// Clusters that the tool can meet in a frame, each with the tool balls that can: what the host hands the
-/// passes that make the lists. Buffers are sized once.
+/// Clusters that the tool can meet in a frame, each with the tool balls that can meet it: the host's input
+/// for the passes that build the lists. Buffers are sized once.
 ///
 ///     items       cluster 7: refs 1000 …    cluster 9: refs 1003     …
 ///     tool refs   0 1 2 … 999 │ 0 4 917 │ 0 │ …   (all tool balls first: where room is short, they stand
 ///                                                 for any)
 class WorkList {
  public:
-  /// @param ref_capacity  of the device's buffer of tool refs; the tool balls' count at least
+  /// @param ref_capacity  of the device's buffer of tool refs; at least the number of tool balls
   WorkList(std::size_t largest_cluster_count, const ToolLayout& tool, std::size_t ref_capacity);
 
   void Clear() { refs_.resize(tool_->balls.size()); }
@@ -42,13 +42,13 @@ class WorkList {
   std::size_t ref_capacity_;
   std::vector<uint> refs_;
   std::vector<uint> near_;        // clusters, group after group
-  std::vector<std::size_t> end_;  // of each group's in near_
+  std::vector<std::size_t> end_;  // end of each group's clusters in near_
   std::vector<Hit> hits_;
   struct Count {
     uint cutters{0}, all{0};
   };
   std::vector<Count> counts_;   // of hits by cluster; 0 between calls
-  std::vector<uint> clusters_;  // hit, in the order of their first hit
+  std::vector<uint> clusters_;  // hit clusters, in the order of their first hit
 };
 
 }  // namespace osteon::gpu

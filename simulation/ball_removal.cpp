@@ -23,7 +23,7 @@ void BallRemoval::Remove(std::span<const Capsule> capsules, std::vector<BallStat
     return;
   }
   const SplitParams& params = splitter_->params();
-  std::size_t free = params.pool_blocks - blocks_in_use();  // blocks emptied in this frame are not among them
+  std::size_t free = params.pool_blocks - blocks_in_use();  // without the blocks emptied in this frame
   std::size_t may_split =
       params.blocks_per_frame > 0 ? params.blocks_per_frame : std::numeric_limits<std::size_t>::max();
   std::vector<WaitingBall> waited;

@@ -12,24 +12,24 @@
 
 namespace osteon::simulation {
 
-/// Pass 3 over balls: what a frame's capsules take away from a packing, and how balls are split.
+/// Pass 3 over balls: removes a frame's capsules from a packing, and splits balls.
 ///
-/// The list of balls is the caller's: first the bone's own, the *parents*, then a pool of blocks of K
+/// The caller owns the list of balls: first the bone's own balls, the *parents*, then a pool of blocks of K
 /// children each.
 ///
 ///     parent ──first touch, larger than r_split──▶ block of K children (the parent itself is gone then)
 ///            ──no block left──────────────────────▶ shrinks whole, counted in `refused`
 ///     block  ──its children are all gone──────────▶ free again, from the next frame on
 ///
-/// Each parent is a work item of its own: it reads and writes itself and its block. The only thing they share
-/// is the count of free blocks, and that goes to those that ask in the order of their numbers. So the result
-/// does not depend on scheduling. Which block a parent gets has no influence on anything but the order in the
+/// Each parent is an independent work item that reads and writes only itself and its block. Parents share
+/// only the count of free blocks, which are given out in the order of the parents' numbers. The result
+/// therefore does not depend on scheduling. The choice of a parent's block affects only the order in the
 /// list.
 ///
-/// A frame may split so many balls at most (SplitParams::blocks_per_frame). The others get their block but
-/// wait: they are shrunk like any ball, the block keeps the capsules that have hit them, and their children
-/// are made later from the ball as it was, with all of these. Children so made may reach where the shrunken
-/// ball did not any more; never out of the ball as it was, nor into what was swept.
+/// A frame splits at most SplitParams::blocks_per_frame balls. The others get their block but wait: they
+/// shrink like any ball while the block stores the capsules that hit them. A later frame makes their children
+/// from the ball as it was and cuts them with all these capsules. Such children may fill space that the
+/// shrunken ball had left, but never space outside the original ball or inside the sweep.
 ///
 /// Invariants: a child lies in its parent; nothing overlaps a capsule once it was applied; without waiting,
 /// the union never grows.
@@ -39,22 +39,23 @@ class BallRemoval {
   /// @param parents  the uncut balls
   BallRemoval(std::span<const BallState> parents, const SplitParams& params);
 
-  /// Applies one frame's capsules, in their order. @pre `balls` is the list of the frames before; grows as
-  /// blocks come into use.
+  /// Applies one frame's capsules, in their order.
+  /// @pre `balls` is the list that the previous frames left; it grows as blocks come into use.
   void Remove(std::span<const Capsule> capsules, std::vector<BallState>& balls);
 
-  /// Frames' requests for a block that found none: balls that shrank whole although they should be split.
+  /// Number of requests for a block that found none, one a frame and ball. Such balls shrank whole although
+  /// they should have been split.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
   [[nodiscard]] std::size_t blocks_in_use() const { return blocks_ - free_.size(); }
-  /// Most blocks that were in use at a time.
+  /// Largest number of blocks that were in use at a time.
   [[nodiscard]] std::size_t most_blocks() const { return blocks_; }
 
-  /// Writes balls and blocks to a state, blocks in the order of their parents.
+  /// Writes balls and blocks to a state. Blocks are in the order of their parents.
   void Save(const std::vector<BallState>& balls, CarvedState& state) const;
-  /// Where a ball of the list lies in a state that Save writes and Load reads; nothing for a child of a block
-  /// that is free.
+  /// Index of a ball of the list in a state that Save writes and Load reads; nothing for a child in a free
+  /// block.
   [[nodiscard]] std::optional<std::uint32_t> SavedIndex(std::uint32_t ball) const;
-  /// @throws std::invalid_argument where the state is not of this packing or not of these parameters.
+  /// @throws std::invalid_argument where the state belongs to another packing or other parameters.
   void Load(const CarvedState& state, std::vector<BallState>& balls);
 
  private:
@@ -66,12 +67,12 @@ class BallRemoval {
   void FreeBlock(std::uint32_t parent);
 
   std::size_t parents_;
-  std::optional<BallSplitter> splitter_;  ///< nothing: balls are not split
+  std::optional<BallSplitter> splitter_;  ///< nothing where balls are not split
   static constexpr std::int32_t kNone = -1;
-  std::vector<std::int32_t> block_;   ///< of each parent, kNone where it has none
-  std::size_t blocks_{0};             ///< that were ever in use
-  std::set<std::uint32_t> free_;      ///< of these
-  std::vector<WaitingBall> waiting_;  ///< ascending
+  std::vector<std::int32_t> block_;   ///< block of each parent, kNone where it has none
+  std::size_t blocks_{0};             ///< number of blocks that were ever in use
+  std::set<std::uint32_t> free_;      ///< those of them that are free now
+  std::vector<WaitingBall> waiting_;  ///< in ascending order of parents
   std::uint64_t refused_{0};
 };
 

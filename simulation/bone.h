@@ -15,8 +15,8 @@ struct Ball {
 };
 
 /// One point of the mass cloud, in G: it stands for `volume_m3` of `material` around it. Removed volume and
-/// mass are sums over the points that a cutting surface has swept (overlapping balls have no share of mass of
-/// their own).
+/// mass are sums over the points that a cutting surface has swept, because overlapping balls have no mass of
+/// their own.
 struct MassPoint {
   PlainVector3 p_m;
   double volume_m3{0.0};

@@ -11,22 +11,22 @@ namespace osteon::simulation {
 namespace {
 
 double LensOf(const CuttingParams& params, const NearPair& pair) {
-  // of the overlap alone: the pair's reduced radius is much the same for all
+  // from the overlap alone: the pair's reduced radius is nearly the same for all pairs
   const double over = std::max(0.0, params.normal_enlargement_m - pair.gap_m);
   return over * over;
 }
 
-// A face: the planes that hold within one cone, and what is reported of them.
+// A face: the holding planes within one cone, and the quantities reported for them.
 struct Face {
   Vector3 hold{Vector3::Zero()};          ///< sum of multiplier n
   double multiplier{0.0};                 ///< the sum of multipliers
-  double cutting{0.0};                    ///< the part of it that balls that cut hold
-  Vector3 raw_center_T{Vector3::Zero()};  ///< of the holding pairs themselves, multiplier-weighted
+  double cutting{0.0};                    ///< the cutting balls' part of it
+  Vector3 raw_center_T{Vector3::Zero()};  ///< of the holding pairs themselves, weighted by multiplier
   double raw_radius{0.0}, lens{0.0};
   int known{-1};  ///< number in the memory; -1: new
 };
 
-// The planes that hold, by face: that of the frame before whose cone they are in, else a new one.
+// Groups the holding planes by face: a face of the frame before if they are in its cone, otherwise a new one.
 struct Faces {
   std::array<Face, kMaxFaces> face{};
   std::size_t count{0};
@@ -34,7 +34,7 @@ struct Faces {
 Faces FindFaces(const CuttingParams& params, const Candidates& candidates, const HoldPoint& hold,
                 const ContactMemory& memory) {
   Faces faces;
-  // strongest first, so that a new face forms around what holds most
+  // strongest first, so that a new face forms around the plane that holds most
   std::array<int, 4> order{0, 1, 2, 3};
   std::stable_sort(order.begin(), order.begin() + hold.count, [&](int a, int b) {
     return hold.multiplier_m[static_cast<std::size_t>(a)] > hold.multiplier_m[static_cast<std::size_t>(b)];
@@ -79,11 +79,11 @@ ContactBin FindBin(const Vector3& u_T, bool cutting) {
   const int axis = size.x() >= size.y() && size.x() >= size.z() ? 0 : size.y() >= size.z() ? 1 : 2;
   const int face = 2 * axis + (u_T[axis] < 0.0 ? 1 : 0);
   if (!cutting) return {.number = kCuttingBins + face, .off_middle = 1.0 - size[axis]};
-  // thirds of the cube's face: one compare each, so that both engines agree
+  // thirds of the cube's face: one comparison each, so that both engines agree
   const auto third = [&](double x) { return 3.0 * x < -size[axis] ? 0 : 3.0 * x > size[axis] ? 2 : 1; };
   const double b = u_T[(axis + 1) % 3], c = u_T[(axis + 2) % 3];
   const int i = third(b), j = third(c);
-  // the middle of a third: two thirds of the way to the edge
+  // the third's centre: two thirds of the way from the face's centre to its edge
   const double along = size[axis] + 2.0 / 3.0 * ((i - 1) * b + (j - 1) * c);
   const double length = std::sqrt(1.0 + 4.0 / 9.0 * ((i != 1) + (j != 1)));
   return {.number = 9 * face + 3 * i + j, .off_middle = 1.0 - along / length};
@@ -164,7 +164,7 @@ ContactHold HoldTool(const Candidates& candidates, const ContactInput& input, bo
   const double size = slip.norm();
   if (size <= 0.0) return held;
   held.friction_m = -std::min(1.0, input.friction * held.most_m / size) * slip;
-  // the way back may lead into another plane, by micrometres: out again
+  // the friction's step back may lead into another plane by micrometres: move out again
   for (std::size_t i = 0; i < candidates.count; ++i) planes[i].offset -= planes[i].n.dot(held.point_m());
   held.friction_m += FindHoldPoint(std::span(planes.data(), candidates.count)).point_m;
   return held;
@@ -182,10 +182,10 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
       solution.shaft[static_cast<std::size_t>(solution.shaft_count++)] = {.n = pair.n, .gap_m = pair.gap_m};
   }
 
-  // faces: what holds, along the mean normal of the balls around
+  // faces: what holds the tool, along the mean normal of the balls around
   const Faces faces = FindFaces(params, candidates, hold, memory);
-  // Each takes its share of the friction along: its direction tilts, and both lift off together.
-  Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: where all hold the tool, from its pose
+  // Each face takes its share of the friction: its direction tilts, and both vanish together.
+  Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: displacement from the tool's pose
   solution.contact_count = 0;
   ContactMemory next;
   const double free_share = held.normal_m > 0.0 ? held.most_m / held.normal_m : 1.0;
@@ -230,7 +230,7 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
     contact.gap_m = -contact.n.dot(at);
   }
 
-  // the rest, nearest first: planes that the servo loop may meet before the next frame
+  // the other pairs, nearest first: planes that the servo loop may meet before the next frame
   std::array<std::size_t, kContactBins + kRememberedPairs> order{};
   std::array<double, kContactBins + kRememberedPairs> room{}, gap{};
   for (std::size_t i = 0; i < candidates.count; ++i) {
@@ -253,12 +253,12 @@ void ReportContacts(const CuttingParams& params, const NearField& near, const Ca
     const NearPair& pair = candidates.pairs[i];
     bool covered = false;
     for (int c = 0; c < solution.contact_count; ++c) {
-      // but where a shaft touches, what the edge cuts gives way and the shaft does not
+      // but keep a shaft's plane: bone at the cutting edge gives way, bone at the shaft does not
       const SolvedContact& contact = solution.contacts[static_cast<std::size_t>(c)];
       covered = covered || (contact.n.dot(pair.n) > kFaceCosine && (pair.cutting || !contact.cutting));
     }
     if (covered) continue;
-    // never in the way of where the contacts hold the tool
+    // never in the way to where the contacts hold the tool
     solution.contacts[static_cast<std::size_t>(solution.contact_count++)] = {
         .n = pair.n,
         .p_T_m = pair.center_T_m - pair.tool_radius_m * (input.R_GT.transpose() * pair.n),

@@ -14,20 +14,20 @@ struct ContactPair {
 };
 
 inline constexpr int kRememberedPairs = 8;
-/// Faces of the bone that press the tool at once and have a mean normal of their own.
+/// Largest number of faces of the bone that press the tool at once, each with its own mean normal.
 inline constexpr int kMaxFaces = 4;
 
-/// What the contact law carries from frame to frame. A bin keeps one pair, but a tool rests on up to three,
-/// often in one bin: those that held it stay candidates. Without them the proxy would hop from one to the
-/// next.
+/// State of the contact law that passes from frame to frame. A bin keeps one pair, but a tool rests on up to
+/// three, often in one bin. The pairs that held the tool therefore stay candidates; without them the proxy
+/// would hop from one pair to the next.
 struct ContactMemory {
   std::array<ContactPair, kRememberedPairs>
-      pairs{};  ///< the first pair_count: what held, then what nearly did
+      pairs{};  ///< the first pair_count: pairs that held the tool, then those that nearly did
   std::int32_t pair_count{0};
-  std::int32_t held_count{0};                      ///< of these, that held
+  std::int32_t held_count{0};                      ///< how many of these pairs held
   std::array<PlainVector3, kMaxFaces> face_n_G{};  ///< unit; the direction in which each face pressed
   std::int32_t face_count{0};
-  double friction{0.0};  ///< mu of what was touched, by engaged area
+  double friction{0.0};  ///< mu of the touched materials, weighted by engaged area
 };
 
 }  // namespace osteon::simulation

@@ -1,6 +1,6 @@
 // Constants and small formulas of the cutting model that both engines use: one text for C++ (simulation/) and
-// GLSL (gpu/shaders/). The algorithms around them are each engine's own. Lengths in metres; the shaders,
-// which compute in millimetres, convert.
+// GLSL (gpu/shaders/). Each engine has its own algorithms around them. Lengths in metres; the shaders compute
+// in millimetres and convert.
 #ifndef OSTEON_SIMULATION_CUTTING_CONSTANTS_H
 #define OSTEON_SIMULATION_CUTTING_CONSTANTS_H
 
@@ -12,93 +12,97 @@ namespace osteon::simulation {
 #define OSTEON_CONST const
 #define OSTEON_FUNCTION
 #endif
-// A decimal fraction to double precision: GLSL's suffix for it is none in C++, and a quotient of whole
-// numbers is rounded as the decimal fraction would be.
+// A decimal fraction in double precision. GLSL's suffix for doubles does not exist in C++, and a quotient of
+// whole numbers is rounded like the decimal fraction.
 #define OSTEON_DECIMAL(whole, scale) (double(whole) / double(scale))
 
-/// Tool balls that touch within this way of the tool touch at the same time [m]: a ball that was cut lies so
-/// near to what has cut it, since it is stored in floats, and rounding would choose.
+/// Tool balls whose first contacts lie within this length of the tool's way count as touching at the same
+/// time [m]. A cut ball lies this close to the ball that cut it, since it is stored in floats; without the
+/// tolerance, rounding would choose between them.
 OSTEON_CONST double kSameTouch_m = OSTEON_DECIMAL(1, 100000000);
 
-/// Lens volumes count up to this [m^3] in a normal: overlaps beyond it are no contacts any more, and the
-/// shaders' sums stay within their range.
+/// Upper limit of a lens volume in a normal [m^3]. Larger overlaps are no contacts any more, and the limit
+/// keeps the shaders' sums within their range.
 OSTEON_CONST double kLargestLensVolume = OSTEON_DECIMAL(5, 10) / 1000000000;
 
 /// Balls smaller than this are gone [m].
 OSTEON_CONST double kLeastBallRadius = OSTEON_DECIMAL(1, 1000000);
-/// Closer to a capsule's axis than this share of its radius, a centre's direction from it is checked.
+/// Closer to a capsule's axis than this share of the capsule's radius, the direction from axis to centre
+/// needs a correction.
 OSTEON_CONST double kOnAxis = OSTEON_DECIMAL(1, 1000);
 
-/// What a bin's pair may be farther away and yet be taken, for a direction nearer to the bin's middle: times
-/// 1 - cosine [m]. A wall that was cut touches with hundreds of balls at once, equally far but for rounding;
-/// the direction then decides.
+/// A bin's pair may be farther away by this length times (1 - cosine) if its direction is nearer to the bin's
+/// centre [m]. A cut wall touches with hundreds of balls at once, all equally far but for rounding; the
+/// direction then decides.
 OSTEON_CONST double kMiddleWorth_m = OSTEON_DECIMAL(5, 100000);
 
-/// Half angle of the cone about a face's normal in which pairs belong to it (cosine of 30 degrees).
+/// Pairs belong to a face within a cone of 30 degrees half angle about its normal (its cosine).
 OSTEON_CONST double kFaceCosine = OSTEON_DECIMAL(866, 1000);
-/// Two pairs face each other across a gap where the angle between their normals is above 143 degrees.
+/// Two pairs face each other across a gap where the angle between their normals exceeds 143 degrees.
 OSTEON_CONST double kOppositeCosine = OSTEON_DECIMAL(-8, 10);
 
-/// Square of the slack's compliance against the point's: a hold of 10 mm yields by 10 nm.
+/// Ratio of the slack's squared compliance to the point's: a hold of 10 mm yields by 10 nm.
 OSTEON_CONST double kHoldSlack = OSTEON_DECIMAL(1, 1000000);
-/// A plane is kept to within this [m]: floats tell places of 30 mm to 4 nm.
+/// Tolerance to which a plane is kept [m]: floats resolve positions of 30 mm to 4 nm.
 OSTEON_CONST double kViolated_m = OSTEON_DECIMAL(1, 100000000);
-/// Of the Gram matrix of unit normals: below, they are parallel.
+/// Smallest pivot of the Gram matrix of unit normals. Below it the normals count as parallel.
 OSTEON_CONST double kMinPivot = OSTEON_DECIMAL(1, 100000000) / 100000;
-/// Some ten are usual; rounding alone could make sets of planes come back.
+/// Limit on the rounds of the search, which usually needs about ten. Rounding alone could make sets of planes
+/// recur for ever.
 OSTEON_CONST int kMaxHoldRounds = 200;
 
-/// A turn is worth this much of a way: a tool that rests turns with the hand, whatever its micrometres of
-/// slide.
+/// A turn counts as this length of travel: a resting tool then turns with the hand, whatever its micrometres
+/// of slide.
 OSTEON_CONST double kTurnWorth_m = OSTEON_DECIMAL(5, 1000000);
 /// Share of the contact tolerance that a turn may use: the rest is for going along whatever holds it.
 OSTEON_CONST double kTurnToleranceShare = OSTEON_DECIMAL(35, 100);
 
-/// Share of what a frame may go (max_slide_m) that its slide may take while the rate law cuts. The rest is
-/// the advance's: a tool that is led across bone fast, in frames that come late, would only slide else, and
-/// bone would stay that its force has the energy to remove.
+/// Share of a frame's allowed travel (max_slide_m) that the slide may take while the rate law cuts. The
+/// advance keeps the rest. Otherwise a tool that moves fast across bone in late frames would only slide, and
+/// bone would stay although the force has the energy to remove it.
 OSTEON_CONST double kSlideShare = OSTEON_DECIMAL(8, 10);
 
-/// The gap that a pair holds at, where `room` is left between it and what faces it: both yield until the
-/// tolerance is left, by three quarters of it at most.
+/// Gap at which a pair holds, where `room` is left between the pair and the one that faces it. Both yield
+/// until the tolerance is left, each by at most three quarters of it.
 OSTEON_FUNCTION double YieldingGap(double gap, double room, double tolerance) {
   double most = 0.75 * tolerance, half_lack = 0.5 * (tolerance - room);
   return gap + (half_lack < most ? half_lack : most);
 }
 
-/// Of multipliers that add up to `normal`, how much is worth a force: of those that balance one another only
-/// as much as the slack is worth at the coupling's stiffness.
+/// Largest part of `normal`, the sum of the multipliers, that counts as force. Multipliers that balance each
+/// other count only as far as the slack is worth at the coupling's stiffness.
 OSTEON_FUNCTION double ForceMultiplierCap(double normal, double point_length, double slack) {
   double worth = 2.0 * (point_length + slack);
   return worth < normal ? worth : normal;
 }
 
-/// How much a face's width asks for the direction in which the planes hold, against the face's mean normal.
-/// @param narrow  length of the mean normal before it is made unit: 1 for one direction, .966 for all in the
-///   face's cone
+/// Weight that a face's width gives to the direction of the holding planes, against the face's mean normal.
+/// @param narrow  length of the mean normal before normalisation: 1 for a single direction, 0.966 for
+///   directions all over the face's cone
 OSTEON_FUNCTION double WidthExactness(double narrow) {
   return (OSTEON_DECIMAL(983, 1000) - narrow) / OSTEON_DECIMAL(13, 1000);
 }
-/// How much the direction in which the planes hold counts against the mean normal of a face, 0 … 1: nothing
-/// where one face presses with a narrow patch of balls, whose single normals are rough; all where several
-/// faces press, since steep ones hold with more than their resultant and errors of their means would grow
-/// with it, and where a face is wide (a reamer in its cup), since then the mean only tells which cone it was
-/// taken over.
-/// @param share  of the face that holds most;  @param width  WidthExactness of the face
+/// Weight of the holding planes' direction against a face's mean normal, 0 … 1.
+///
+/// It is 0 where one face presses with a narrow patch of balls, because single normals are rough there. It is
+/// 1 where several faces press: steep faces hold with more than their resultant, and errors of their means
+/// would grow with that force. It is 1 too where a face is wide (a reamer in its cup), because the mean then
+/// only shows the cone that it was taken over.
+/// @param share  share of the face that holds most;  @param width  WidthExactness of the face
 OSTEON_FUNCTION double Exactness(double share, double width) {
   double several = 4.0 * (1.0 - share), most = several < width ? width : several;
   return most < 0.0 ? 0.0 : most > 1.0 ? 1.0 : most;
 }
 
-/// Whether the tool slides with its turn rather than straight: unless bone stops it so early that it goes
-/// less than half as far.
-/// @param way, straight_way  that it goes with the turn and without;  @param turn_worth  kTurnWorth_m
+/// True where the tool slides with its turn rather than straight: unless bone stops the turning tool before
+/// half the straight way.
+/// @param way, straight_way  travel with the turn and without it;  @param turn_worth  kTurnWorth_m
 OSTEON_FUNCTION bool SlidesTurning(bool stopped, double way, double straight_way, double turn_worth) {
   return !stopped || way + turn_worth > 0.5 * straight_way;
 }
 
 #ifdef __cplusplus
-// the quotients are what the decimal fractions are
+// the quotients equal the decimal fractions
 static_assert(kSameTouch_m == 1e-8 && kLargestLensVolume == 0.5e-9 && kLeastBallRadius == 1e-6 &&
               kOnAxis == 1e-3 && kMiddleWorth_m == 0.05e-3 && kFaceCosine == 0.866 && kHoldSlack == 1e-6 &&
               kMinPivot == 1e-13 && kTurnWorth_m == 5e-6 && kTurnToleranceShare == 0.35 &&

@@ -7,13 +7,13 @@
 #include "kinematics/spatial.h"
 #include "simulation/cutting_constants.h"
 
-// The closed forms of the cutting model, one pair at a time, in double precision. The shaders hold their
-// twins (gpu/shaders: exact.glsl, near_field.comp, remove_clear.comp). Source: Kaluschke et al., IEEE VR
-// 2019, equations 3 to 5, corrected; each function says what was wrong.
+// The closed forms of the cutting model, one pair at a time, in double precision. The shaders have the same
+// functions (gpu/shaders: exact.glsl, near_field.comp, remove_clear.comp). Source: Kaluschke et al., IEEE VR
+// 2019, equations 3 to 5, corrected; each function names its correction.
 
 namespace osteon::simulation {
 
-/// "No contact on this path": larger than any fraction.
+/// Marks a path without contact: larger than any fraction.
 inline constexpr double kNoContact = 2.0;
 
 /// Pass 1. Fraction of a tool ball's path at which it first touches a bone ball (equation 3).
@@ -25,12 +25,11 @@ inline constexpr double kNoContact = 2.0;
 /// @param m  the tool ball's path
 /// @param R  sum of both radii
 /// @returns s in [0, 1], or kNoContact. Balls that overlap already: 0 where the path leads inwards (D·m > 0),
-/// no contact
-///   where it leads out. The paper takes positive roots alone and so drops every overlapping pair: the tool
-///   tunnels.
+///   no contact where it leads out. The paper takes positive roots alone and so drops every overlapping pair:
+///   the tool tunnels.
 [[nodiscard]] inline double FirstContactFraction(const Vector3& D, const Vector3& m, double R) {
   const double Dm = D.dot(m);
-  if (Dm <= 0.0) return kNoContact;  // parts, or does not move
+  if (Dm <= 0.0) return kNoContact;  // moves away, or does not move
   const double gap = D.squaredNorm() - R * R;
   if (gap <= 0.0) return 0.0;
   const double discriminant = Dm * Dm - m.squaredNorm() * gap;
@@ -39,7 +38,7 @@ inline constexpr double kNoContact = 2.0;
   return s <= 1.0 ? s : kNoContact;
 }
 
-/// Pass 2. Volume that two balls share (equation 4, with the two squares that its print has lost).
+/// Pass 2. Volume that two balls share (equation 4, with two squares that are missing in print).
 ///
 ///     V = pi (r1+r2-d)^2 (d^2 + 2d(r1+r2) - 3(r1-r2)^2) / (12 d)     |r1-r2| < d < r1+r2
 ///     V = 4/3 pi min(r1,r2)^3 for d <= |r1-r2| ;  0 for d >= r1+r2
@@ -59,14 +58,14 @@ inline constexpr double kNoContact = 2.0;
   return a + std::clamp((p - a).dot(m) / mm, 0.0, 1.0) * m;
 }
 
-/// Pass 3. Shrinks a bone ball to the largest ball that lies inside it and outside a capsule (equation 5,
-/// with the vector read as the penetration; printed, its units do not agree).
+/// Pass 3. Shrinks a bone ball to the largest ball inside it and outside a capsule (equation 5, with the
+/// vector read as the penetration; as printed, its units do not agree).
 ///
 ///     p = r_b + r_t - |c_b - q| ;   p >= 2 r_b: gone ;   else  c_b += u p/2,  r_b -= p/2
 ///
-/// with q the closest point of the capsule's axis and u from q to c_b; on the axis any perpendicular
-/// direction serves and a fixed one is taken. Invariant: |c' - c| = r - r', so the new ball lies inside the
-/// old one.
+/// with q the closest point of the capsule's axis and u from q to c_b. On the axis any perpendicular
+/// direction is right, and a fixed one is taken. Invariant: |c' - c| = r - r', so the new ball lies inside
+/// the old one.
 /// @param c, r  the bone ball; r = 0: gone
 /// @param a, b  the capsule's axis;  r_t its radius
 /// @returns whether the ball changed.
@@ -83,12 +82,13 @@ inline bool ShrinkBall(Vector3& c, double& r, const Vector3& a, const Vector3& b
   Vector3 u = away;
   const Vector3 m = b - a;
   const double mm = m.squaredNorm(), along = (c - a).dot(m);
-  // beside the axis u is perpendicular to it; so close to it, what rounding has left along it would count
+  // Beside the axis u is perpendicular to it. This close to the axis, remove the component along it that
+  // rounding left.
   if (distance < kOnAxis * r_t && along > 0.0 && along < mm) u -= u.dot(m) / mm * m;
   if (u.norm() > kOnAxis * distance) {
     u.normalize();
   } else {
-    // on the axis: the axis of the world that is least along the segment, made perpendicular to it
+    // On the axis: the world axis with the least component along the segment, made perpendicular to it.
     const Vector3 pick = std::abs(m.x()) <= std::abs(m.y()) && std::abs(m.x()) <= std::abs(m.z())
                              ? Vector3::UnitX()
                          : std::abs(m.y()) <= std::abs(m.z()) ? Vector3::UnitY()

@@ -33,8 +33,8 @@ double CuttingForce(const CuttingParams& params, const FrameSolution& solution) 
   return std::min(params.stiffness_N_per_m * solution.cutting_m, params.max_force_N);
 }
 
-// Contacts and wrench from the contact law.
-// @param engaged  the material of which most is engaged; nothing where none is
+// Adds contacts and wrench of the contact law.
+// @param engaged  the material with the largest engaged area; nothing where none is engaged
 void AddContacts(const CuttingParams& params, const std::vector<Material>& materials, const MaterialMap& map,
                  std::optional<MaterialIndex> engaged, const Pose& X_WG, const Pose& X_WT, bool cutting,
                  double dt_s, const FrameSolution& solution, ContactModel& model) {
@@ -49,7 +49,7 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
     const Vector3 n_W = X_WG.linear() * from.n, arm_W = X_WT.linear() * from.p_T_m;
     if (cutting && from.cutting)
       contact.advance_m_per_s = model.advance_m_per_s * std::max(0.0, from.n.dot(solution.n));
-    // what this frame has cut away is gone already, but never more than stood in the way
+    // the bone cut in this frame is already gone, but never more than stood in the way
     contact.gap_m = from.gap_m;
     if (from.gap_m < 0.0 && cutting)
       contact.gap_m = std::min(0.0, from.gap_m + contact.advance_m_per_s * dt_s);
@@ -67,8 +67,9 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
   model.F_T_W = F_T_W;
 }
 
-// Friction of what the tool touches, for the next frame: by engaged area; where nothing is engaged, of the
-// contact that holds most, or of the nearest one; of the first material where nothing is near.
+// Friction of the touched materials, for the next frame: weighted by engaged area. Where nothing is engaged,
+// that of the contact that holds most, or of the nearest one; that of the first material where nothing is
+// near.
 double FrictionOf(const std::vector<Material>& materials, const FrameSolution& solution,
                   const ContactModel& model) {
   const double area_m2 = Sum(solution.engaged_area_m2);
@@ -88,7 +89,7 @@ bool IsPose(const Pose& X) {
          X.linear().determinant() > 0.0;
 }
 
-// @throws std::invalid_argument where a count or index of a state is not below or at its limit.
+// @throws std::invalid_argument where a count or index of a state is negative or above its limit.
 template <class Value>
 void CheckAtMost(const char* what, Value found, std::int64_t most) {
   if (static_cast<std::int64_t>(found) >= 0 && static_cast<std::int64_t>(found) <= most) return;
@@ -133,7 +134,7 @@ FrameAdvance AdvanceOfFrame(const CuttingParams& params, const std::vector<Mater
   const double work_J =
       CuttingForce(params, solution) * std::abs(spindle_rad_per_s) * CuttingArm(materials, solution) * dt_s;
   if (params.law == RemovalLaw::kImmediate) return {.advance_m = x, .edge_work_J = work_J};
-  // scraps without mass hold nothing
+  // remnants without mass do not hold the tool
   const double most_m = std::max(0.0, params.max_slide_m - solution.slide_m);
   if (work_per_m <= 0.0) return {.advance_m = std::min(x, most_m), .edge_work_J = 0.0};
   const double paid_J = std::max(0.0, work_J - debt_J * std::min(1.0, dt_s / kDebtSeconds));
@@ -162,7 +163,7 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   const Pose X_GT = X_WG.inverse() * X_WT;
   const Matrix3 R_WG = X_WG.linear();
 
-  // proxy: the turn goes as far along its way as the two paths went
+  // proxy: the turn proceeds by the same fractions as the two paths
   const double turned =
       solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.turn_fraction;
   const Eigen::Quaterniond q_P(memory.X_GP.linear()), q_T(X_GT.linear());
@@ -188,8 +189,8 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
     engaged = static_cast<MaterialIndex>(std::ranges::max_element(solution.engaged_area_m2) -
                                          solution.engaged_area_m2.begin());
   const bool cutting = input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
-  // the frame's mean: while the bone gives way the force falls, and the edge does less than at the frame's
-  // start
+  // the frame's mean: the force falls while the bone gives way, so the edge does less work than at the
+  // frame's start
   if (cutting)
     model.spindle_torque_Nm = solution.edge_work_J / (std::abs(input.spindle_rad_per_s) * input.dt_s);
   if (cutting) model.advance_m_per_s = solution.advance_m / input.dt_s;

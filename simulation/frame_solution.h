@@ -8,8 +8,8 @@
 #include "simulation/material_map.h"
 #include "simulation/tool_path.h"
 
-// What both engines share: how a frame is prepared from poses, and how its solution becomes a ContactModel.
-// What lies between (the passes over balls and points) each engine does in its own way.
+// Steps that both engines share: how a frame is prepared from poses, and how its solution becomes a
+// ContactModel. Each engine has its own passes over balls and points in between.
 
 namespace osteon::simulation {
 
@@ -20,76 +20,75 @@ struct SolvedContact {
   Vector3 n{Vector3::Zero()};      ///< unit, from bone to tool, in G; tilted by friction
   Vector3 p_T_m{Vector3::Zero()};  ///< touching point on the tool, in T
   double gap_m{0.0};               ///< negative inside
-  double multiplier_m{0.0};        ///< its share of the proxy's displacement, along n
+  double multiplier_m{0.0};        ///< contact's share of the proxy's displacement, along n
   double weight{0.0};              ///< square of the overlap with the enlarged tool [m^2]
   bool cutting{true};
 };
 
-/// A plane that touches a ball that does not cut, where the proxy may not advance.
+/// A plane at a ball that does not cut. The proxy may not advance into it.
 struct ShaftPlane {
   Vector3 n{Vector3::Zero()};
   double gap_m{0.0};  ///< at first contact
 };
 
-/// What the passes of a frame have found, in G.
+/// Results of a frame's passes, in G.
 struct FrameSolution {
-  double contact_fraction{1.0};  ///< first contact on the path from the proxy to the tool
-  double slide_fraction{1.0};    ///< of the way from there to the constrained target
-  double turn_fraction{1.0};     ///< of the turn from there to the tool's pose
-  double slide_m{0.0};           ///< length of that part, of the tool point that moves farthest
+  double contact_fraction{1.0};  ///< first contact, on the path from the proxy to the tool's pose
+  double slide_fraction{1.0};    ///< slide, on the way from first contact to the constrained target
+  double turn_fraction{1.0};     ///< turn, from first contact to the tool's pose
+  double slide_m{0.0};           ///< length of the slide, of the tool point that moves farthest
   std::array<SolvedContact, kMaxContacts> contacts{};
   int contact_count{0};
   std::array<ShaftPlane, kMaxShaftPlanes> shaft{};
   int shaft_count{0};
   Vector3 shift{
       Vector3::Zero()};  ///< from first contact to the target of a tool that does not turn any further
-  Vector3 delta{Vector3::Zero()};                       ///< from the tool's pose to the constrained target
-  Vector3 n{Vector3::Zero()};                           ///< direction of the cutting planes' resultant
-  double cutting_m{0.0};                                ///< length of the cutting planes' share of delta
-  double advance_m{0.0};                                ///< how far the bone gave way along -n
-  double edge_work_J{0.0};                              ///< of the edge in this frame
-  Vector3 step{Vector3::Zero()};                        ///< of the slid proxy into the bone that gives way
+  Vector3 delta{Vector3::Zero()};  ///< from the tool's pose to the constrained target
+  Vector3 n{Vector3::Zero()};      ///< direction of the cutting planes' resultant
+  double cutting_m{0.0};           ///< length of the cutting planes' share of delta
+  double advance_m{0.0};           ///< how far the bone gave way along -n
+  double edge_work_J{0.0};         ///< work of the edge in this frame
+  Vector3 step{Vector3::Zero()};   ///< advance of the slid proxy into the bone that gives way
   std::array<double, kMaxMaterials> engaged_area_m2{};  ///< projected on n, by material
   std::array<double, kMaxMaterials>
-      engaged_moment_m3{};                         ///< the same, times the distance to the spindle's axis
-  Vector3 origin_contact{Vector3::Zero()};         ///< T's origin at first contact
-  Vector3 origin_slid{Vector3::Zero()};            ///< after sliding
-  Vector3 origin_end{Vector3::Zero()};             ///< after the advance: the new proxy
+      engaged_moment_m3{};                  ///< the same area times its distance from the spindle's axis
+  Vector3 origin_contact{Vector3::Zero()};  ///< T's origin at first contact
+  Vector3 origin_slid{Vector3::Zero()};     ///< after sliding
+  Vector3 origin_end{Vector3::Zero()};      ///< after the advance: the new proxy
   std::array<double, kMaxMaterials> removed_m3{};  ///< cleared in this frame, by material
 };
 
-/// How far a frame's slide may go: max_slide_m, or kSlideShare of it where the rate law cuts as well [m].
+/// Longest slide of a frame: max_slide_m, or kSlideShare of it where the rate law cuts as well [m].
 [[nodiscard]] double MostSlide(const CuttingParams& params, const FrameInput& input);
 
-/// What the slid proxy goes on by where the bone gives way: along -n by the advance. With the immediate law a
-/// cutting tool goes all the way to its pose, be it that its slide was cut short or that n is a mean over
-/// many balls; but where balls that do not cut hold it alone.
+/// Step of the slid proxy where the bone gives way: the advance along -n. With the immediate law a cutting
+/// tool goes all the way to its pose, even if its slide was cut short or n is only a mean over many balls.
+/// The exception is a tool that only balls without a cutting edge hold.
 [[nodiscard]] Vector3 StepOfAdvance(const CuttingParams& params, const FrameInput& input,
                                     const FrameSolution& solution, const Vector3& origin_goal);
 
-/// The slid proxy after its step, held back by the planes of the balls that do not cut.
+/// Position of the slid proxy after its step, held back by the planes of the balls that do not cut.
 [[nodiscard]] Vector3 EndOfAdvance(const FrameSolution& solution);
 
-/// What a frame's cutting does.
+/// Result of AdvanceOfFrame.
 struct FrameAdvance {
   double advance_m{0.0};
-  double edge_work_J{0.0};  ///< of the cutting edge in this frame
+  double edge_work_J{0.0};  ///< work of the cutting edge in this frame
 };
-/// How far the bone gives way in a frame, by energy balance:
+/// Computes how far the bone gives way in a frame, by energy balance:
 ///
 ///     power = F w sum(mu_c r dA) / sum(dA)        work per advance = sum(u_c dA)
 ///
-/// with dA the engaged area projected on the plane normal to n (only that projection sweeps volume), F = K x
-/// at most max_force. With x the penetration the law x' = -c K x has the exact solution used here, so that
-/// the result does not depend on the frame rate; the advance never exceeds the penetration. `debt_J` is work
-/// that was done but not paid for (points cleared in excess of the balance); it is paid back over
-/// kDebtSeconds.
+/// with dA the engaged area projected on the plane normal to n (only that projection sweeps volume), and F =
+/// K x, at most max_force. For the penetration x the law x' = -c K x has the exact solution used here. The
+/// result therefore does not depend on the frame rate, and the advance never exceeds the penetration.
+/// `debt_J` is work of points cleared in excess of the balance; it is paid back over kDebtSeconds.
 [[nodiscard]] FrameAdvance AdvanceOfFrame(const CuttingParams& params, const std::vector<Material>& materials,
                                           const FrameSolution& solution, double spindle_rad_per_s,
                                           double dt_s, double debt_J);
 inline constexpr double kDebtSeconds = 0.1;
 
-/// What an engine carries from frame to frame besides balls and points.
+/// State of an engine from frame to frame, besides balls and points.
 struct FrameMemory {
   ContactMemory contact;
   Pose X_GP{Pose::Identity()};  ///< proxy in G
@@ -98,29 +97,29 @@ struct FrameMemory {
   std::uint64_t frame{0};
 };
 
-/// Books what a frame has cleared, by material: volume, mass, cutting work, and the debt that the edge's own
-/// work leaves.
+/// Books a frame's cleared volume by material: total volume, mass, cutting work, and the debt that remains
+/// after the edge's own work.
 void BookRemoved(const CuttingParams& params, const std::vector<Material>& materials,
                  const std::array<double, kMaxMaterials>& removed_m3, double edge_work_J,
                  FrameMemory& memory);
 
-/// Books the solution in `memory` (proxy, volumes, debt) and writes the frame's ContactModel. The contacts of
-/// balls that cut have the material of which most is engaged; the others, and all where nothing is engaged,
-/// have the material that `map` tells at their place on the bone.
+/// Books the solution in `memory` (proxy, volumes, debt) and computes the frame's ContactModel. Contacts of
+/// cutting balls get the material with the largest engaged area. Other contacts, and all contacts where
+/// nothing is engaged, get the material that `map` has at their place on the bone.
 [[nodiscard]] ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials,
                                        const MaterialMap& map, const Pose& X_WG, const FrameInput& input,
                                        const FrameSolution& solution, FrameMemory& memory);
 
-/// Takes part number k of n, which is done, into the whole.
+/// Adds the finished part k of n to the whole frame's model.
 void CombineParts(ContactModel& whole, const ContactModel& part, int k, int n);
 
-/// A frame in n parts, each a frame of its own with its share of the time: a turn so large that one chord
-/// would leave its arc (SubframeCount). `frame(part)` does one; the last one's model stands for all, but
-/// first contact is a fraction of the whole way.
+/// Computes a frame in n parts, each a frame with its share of the time. A turn needs several parts where one
+/// chord would leave its arc (SubframeCount). `frame(part)` computes one part. The last part's model stands
+/// for the whole, but first contact is a fraction of the whole way.
 ///
-/// Where a part is refused after others were done, the frame ends with those: what they cut is cut, so the
-/// whole is no refused frame, which would have changed nothing. The next frame begins where they ended. Only
-/// a lost device is told at once.
+/// Where a part is refused after others were done, the frame ends with those and the next frame begins there.
+/// Their cuts stay, so the whole is not reported as refused, which would mean an unchanged bone. Only a lost
+/// device is reported at once.
 template <class Frame>
 [[nodiscard]] ContactModel StepInParts(const FrameInput& input, const Pose& X_WP, int n, FrameMemory& memory,
                                        Frame frame) {
@@ -145,7 +144,7 @@ template <class Frame>
 void ToState(const FrameMemory& memory, CarvedState& state);
 [[nodiscard]] FrameMemory ToMemory(const CarvedState& state);
 
-/// Looks at the part of a state that is not balls and points before an engine takes it.
+/// Checks the part of a state that is not balls and points, before an engine restores it.
 /// @throws std::invalid_argument naming what was found and what is accepted: counts beyond their arrays,
 ///   pairs of balls that bone and tool do not have, a proxy that is no pose, numbers that are not finite.
 void CheckMemory(const CarvedState& state, std::size_t tool_balls);

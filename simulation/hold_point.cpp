@@ -17,8 +17,9 @@ struct Set {
   double Violation(const HalfSpace& h) const { return h.offset - h.n.dot(point) - slack; }
 };
 
-// Multipliers of the nearest point (x, s) on all planes of the set: elimination of the Gram matrix, which is
-// positive definite. False where the planes are parallel or one would pull.
+// Solves for the multipliers of the nearest point (x, s) on all planes of the set: elimination of the Gram
+// matrix, which is positive definite. False where the planes are parallel or a multiplier is not positive
+// (the plane would pull).
 bool Solve(std::span<const HalfSpace> planes, Set& set) {
   std::array<std::array<double, kMostHolding>, kMostHolding> gram{};
   std::array<double, kMostHolding> value{};
@@ -50,8 +51,9 @@ bool Solve(std::span<const HalfSpace> planes, Set& set) {
   return true;
 }
 
-// The set among `held` and `entering` that contains the latter and whose point keeps the others too. Exactly
-// one does; where rounding leaves none, the one that violates least.
+// Finds the subset of `held` plus `entering` whose point keeps the other planes, too; it always contains
+// `entering`. Exactly one such subset exists; where rounding leaves none, the one with the smallest violation
+// is taken.
 Set Exchange(std::span<const HalfSpace> planes, const Set& held, std::size_t entering) {
   Set best;
   double best_violation = std::numeric_limits<double>::infinity();
@@ -95,7 +97,7 @@ HoldPoint FindHoldPoint(std::span<const HalfSpace> planes, std::span<const std::
     if (entering == planes.size()) break;
     const Set next = Exchange(planes, held, entering);
     if (next.size == 0) break;
-    // a plane that holds already can only come back by rounding
+    // only rounding can make a plane enter that holds already
     const auto end = held.plane.begin() + held.size;
     const bool again = std::find(held.plane.begin(), end, entering) != end;
     held = next;

@@ -12,19 +12,19 @@ using MaterialIndex = std::uint8_t;
 /// Longest list of materials that a bone may have.
 inline constexpr int kMaxMaterials = 8;
 
-/// Where a figure comes from; or, where no source was found for it, on what it was assumed.
+/// Source of a figure, or the reason for its assumed value where no source was found.
 struct FigureSource {
   std::string text;
   bool assumed{true};
 };
 
-/// What the cutting model needs to know of a tissue, each figure with its source.
+/// Figures of a tissue for the cutting model, each with its source.
 struct Material {
   std::string name;
   double density_kg_per_m3{1000.0};
-  double specific_cutting_energy_J_per_m3{1e9};  ///< u_c, work of the edge per volume removed
+  double specific_cutting_energy_J_per_m3{1e9};  ///< u_c, work of the edge per removed volume
   double cutting_force_ratio{0.8};               ///< mu_c, cutting force over normal force
-  double friction{0.2};                          ///< mu of a still tool on it
+  double friction{0.2};                          ///< mu between the tissue and a tool that does not turn
 
   FigureSource density_source{}, cutting_energy_source{}, cutting_force_source{}, friction_source{};
 };
@@ -33,10 +33,10 @@ struct Material {
 ///   materials of different names, positive finite figures, friction of 0 … 2.
 void CheckMaterials(const std::vector<Material>& materials);
 
-/// One line for each figure that has no source: "cancellous: friction .3 (as cortical bone)".
+/// One line for each figure that has no source: "cancellous: friction 0.3 (as cortical bone)".
 [[nodiscard]] std::vector<std::string> Assumptions(const std::vector<Material>& materials);
 
-/// "cartilage", "cortical", "cancellous", "marrow", in the order of BoneTissue: the same as
+/// "cartilage", "cortical", "cancellous", "marrow", in the order of BoneTissue and as in
 /// config/materials/bone.yaml.
 [[nodiscard]] std::vector<Material> DefaultBoneMaterials();
 

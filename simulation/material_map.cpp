@@ -10,7 +10,7 @@ namespace osteon::simulation {
 namespace {
 
 constexpr double kPointsPerCell = 4.0;
-// A flat cloud fills a box without volume: along its longest side there are this many cells at most.
+// Limit of cells along the longest side: a flat cloud fills a box without volume.
 constexpr double kMaxCellsAlong = 256.0;
 
 }  // namespace
@@ -29,7 +29,7 @@ MaterialMap::MaterialMap(const Bone& bone) {
   for (int axis = 0; axis < 3; ++axis)
     size_[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(std::floor(sizes[axis] / side_m_)) + 1;
 
-  // a counting sort by cell, which keeps the bone's order within each
+  // counting sort by cell, which keeps the bone's order within each cell
   first_.assign(static_cast<std::size_t>(size_[0] * size_[1] * size_[2]) + 1, 0);
   for (const MassPoint& point : bone.points) ++first_[Place(CellOf(point.p_m)) + 1];
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
@@ -71,7 +71,7 @@ MaterialIndex MaterialMap::At(const Vector3& p_m) const {
       material = points_[i].material;
     }
   };
-  // Shells of cells around the place's own: all points of shell n are n - 1 sides away at least.
+  // Shells of cells around the place's own cell: all points of shell n are at least n - 1 sides away.
   const std::int64_t last = *std::ranges::max_element(size_);
   for (std::int64_t shell = 0; shell <= last; ++shell) {
     const double reach_m = static_cast<double>(shell - 1) * side_m_;

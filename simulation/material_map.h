@@ -8,17 +8,17 @@
 
 namespace osteon::simulation {
 
-/// The material at a place of a bone: that of the nearest mass point of the uncut bone, cleared or not. Both
-/// engines look up their contacts here, so that they agree.
+/// Material at a place of a bone: that of the nearest mass point of the uncut bone, whether cleared or not.
+/// Both engines look up their contacts here, so that they agree.
 ///
-/// A uniform grid over the points, four to a cell on average, 16 bytes a point. A bone whose points are all
-/// of one material keeps none of them. A look-up on the bone's surface visits 27 cells.
+/// A uniform grid over the points, four to a cell on average, 16 bytes a point. Where all points have one
+/// material, the grid stores none. A look-up on the bone's surface visits 27 cells.
 class MaterialMap {
  public:
   explicit MaterialMap(const Bone& bone);
 
-  /// Material at a place in G; of points that are equally near always the same one's. 0 where the bone has no
-  /// mass points.
+  /// Material at a place in G. Among equally near points the choice is always the same. 0 where the bone has
+  /// no mass points.
   [[nodiscard]] MaterialIndex At(const Vector3& p_m) const;
 
  private:
@@ -31,12 +31,12 @@ class MaterialMap {
   [[nodiscard]] CellIndex CellOf(const Vector3& p_m) const;
   [[nodiscard]] std::size_t Place(const CellIndex& cell) const;
 
-  MaterialIndex only_{0};  ///< of all points; the grid is empty then
+  MaterialIndex only_{0};  ///< material of all points; the grid is empty then
   Vector3 origin_m_{Vector3::Zero()};
   double side_m_{0.0};
   CellIndex size_{0, 0, 0};
-  std::vector<std::uint32_t> first_;  ///< of each cell's points; one more at the end
-  std::vector<Point> points_;         ///< cell by cell
+  std::vector<std::uint32_t> first_;  ///< first point of each cell; one more entry at the end
+  std::vector<Point> points_;         ///< sorted by cell
 };
 
 }  // namespace osteon::simulation

@@ -10,15 +10,15 @@
 
 namespace osteon::simulation {
 
-/// Threads to use where 0 was asked for: one a core.
+/// Number of threads: one a core where 0 was asked for.
 [[nodiscard]] inline int ThreadCount(int asked) {
   return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-/// Calls `body(begin, end)` for chunks that together cover [0, count), on so many threads; returns when all
-/// are done. Which thread takes which chunk is not determined: a body that writes only to its own elements
-/// makes a result that is, whatever the number of threads. The chunks' borders do not depend on it either.
-/// @throws what a body throws first; the remaining chunks are then left out.
+/// Calls `body(begin, end)` for chunks that together cover [0, count), on at most `threads` threads; returns
+/// when all are done. Which thread takes which chunk is not determined, but the chunks' borders are. A body
+/// that writes only to its own elements therefore gives the same result with any number of threads.
+/// @throws the first exception of a body; the remaining chunks are skipped.
 template <typename Body>
 void ParallelFor(std::size_t count, int threads, const Body& body, std::size_t chunk = 256) {
   const std::size_t chunks = (count + chunk - 1) / chunk;

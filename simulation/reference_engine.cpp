@@ -31,7 +31,7 @@ std::vector<MassPoint> StoredPoints(std::vector<MassPoint> points) {
   return points;
 }
 
-// Of the tool point that goes farthest.
+// Path length of the tool point that moves farthest.
 double LongestWay(const ToolPoints& from, const ToolPoints& to) {
   double longest = 0.0;
   for (std::size_t t = 0; t < to.size(); ++t) longest = std::max(longest, (to[t] - from[t]).norm());
@@ -79,7 +79,7 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   const ToolPoints contact = Between(start, goal, solution.contact_fraction);
   solution.origin_contact = contact.back();
 
-  // pass 2: what is near the tool there; the closest target that keeps its planes; and the way to it
+  // pass 2: the pairs near the tool there, the closest target that keeps their planes, and the way to it
   const ContactInput asked{.R_GT = X_GT.linear(),
                            .motion_G_m = goal.back() - contact.back(),
                            .turn_G = (1.0 - solution.contact_fraction) *
@@ -98,7 +98,7 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   const Slid full =
       Slide(contact, target, (turning ? kTurnToleranceShare : 1.0) * params_.contact_tolerance_m, most_m);
   const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m, most_m) : full;
-  // where bone keeps the tool from turning, it still goes along
+  // where bone keeps the tool from turning, it still moves straight
   const bool turns = SlidesTurning(full.stopped, full.way_m, unturned.way_m, kTurnWorth_m);
   const Slid& chosen = turns ? full : unturned;
   solution.slide_fraction = chosen.fraction;
@@ -107,7 +107,7 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   const ToolPoints slid = Between(contact, turns ? target : straight, chosen.fraction);
   solution.origin_slid = slid.back();
 
-  // pass 3: how far bone gives way, and what goes with it
+  // pass 3: how far bone gives way, and the removal
   MeasureEngagement(contact, X_GT.linear().col(2), solution);
   const FrameAdvance advance =
       AdvanceOfFrame(params_, materials_, solution, input.spindle_rad_per_s, input.dt_s, memory_.debt_J);
@@ -130,7 +130,8 @@ ContactModel ReferenceEngine::Frame(const FrameInput& input) {
   return model;
 }
 
-// Smallest fraction over all pairs. Pairs that overlap by less than the tolerance may overlap up to it.
+// Smallest fraction over all pairs. Pairs that overlap by less than the tolerance may move to an overlap of
+// that size.
 double ReferenceEngine::FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const {
   double first = kNoContact;
   for (const BallState& ball : balls_) {
@@ -154,7 +155,7 @@ ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolP
 NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints& goal,
                                          const Matrix3& R_GT) const {
   NearField near;
-  const Matrix3 bin_axes = R_GT.cast<float>().cast<double>();  // as a device has them
+  const Matrix3 bin_axes = R_GT.cast<float>().cast<double>();  // in the device's precision
   const ContactMemory& memory = memory_.contact;
   const auto pair_of = [&](std::size_t b, std::size_t t) {
     const Vector3 from_bone = at[t] - balls_[b].center_m;
@@ -193,13 +194,13 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
     if (known.bone_ball < balls_.size() && known.tool_ball < tool_.balls.size())
       near.remembered[static_cast<std::size_t>(k)] = pair_of(known.bone_ball, known.tool_ball);
   }
-  // what was left behind holds no more
+  // pairs that the tool has left behind hold it no more
   for (NearPair& pair : near.remembered)
     pair.present = pair.present && pair.gap_m < params_.normal_enlargement_m;
   return near;
 }
 
-// Area of the cutting surface that lies in bone: volume of the mass points within a layer of it over the
+// Measures the area of the cutting surface in bone: volume of the mass points within a layer of it, over the
 // layer's depth.
 void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G,
                                         FrameSolution& solution) const {
@@ -225,8 +226,8 @@ void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spi
   }
 }
 
-// The tool ball that touches first on this way, the first in the tool's order of those that do at the same
-// time; past the last one where none does. @param first  the fraction of first contact
+// Index of the tool ball that touches first on this way; among those that touch at the same time, the first
+// in the tool's order. The number of balls where none touches. @param first  the fraction of first contact
 std::size_t ReferenceEngine::TouchingBall(const ToolPoints& from, const ToolPoints& to, double first) const {
   const double last = std::min(1.0, first + kSameTouch_m / LongestWay(from, to));
   for (std::size_t t = 0; t < tool_.balls.size(); ++t)
@@ -239,7 +240,7 @@ std::size_t ReferenceEngine::TouchingBall(const ToolPoints& from, const ToolPoin
   return tool_.balls.size();
 }
 
-// What the cutting balls sweep on both pieces of the proxy's way, one ball after the other.
+// Adds the cutting balls' capsules on both pieces of the proxy's way, one ball after the other.
 void ReferenceEngine::AddCapsules(const ToolPoints& contact, const ToolPoints& slid, const ToolPoints& end,
                                   std::size_t only, std::vector<Capsule>& capsules) const {
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
@@ -268,7 +269,7 @@ CarvedState ReferenceEngine::Snapshot() const {
   removal_.Save(balls_, state);
   state.cleared = cleared_;
   ToState(memory_, state);
-  // what held the tool, by its place in the state: blocks have other numbers there
+  // indices of the pairs that held the tool, by their place in the state, where blocks have other numbers
   ContactMemory& contact = state.contact;
   const std::int32_t count = std::exchange(contact.pair_count, 0),
                      held = std::exchange(contact.held_count, 0);

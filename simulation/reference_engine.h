@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 
 /// The oracle: the cutting model in double precision by plain loops over every pair, without any culling.
-/// What it does, pass by pass, is what every other engine must reproduce:
+/// Every other engine must reproduce these passes:
 ///
 ///     1  first contact    P ──▶ T, every tool ball against every bone ball
 ///     2  normals, slide   lens-weighted planes around the tool there, then the closest target that
@@ -21,8 +21,8 @@ namespace osteon::simulation {
 class ReferenceEngine final : public CuttingEngine {
  public:
   /// @param X_WG  pose of the bone in the world
-  /// @throws std::invalid_argument where the bone has more than kMaxMaterials materials, the tool no ball, or
-  /// params.split is not accepted.
+  /// @throws std::invalid_argument where the bone has more than kMaxMaterials materials, the tool has no
+  ///   ball, or params.split is not accepted.
   ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG, const CuttingParams& params);
 
   ContactModel Step(const FrameInput& input) override;
@@ -34,9 +34,9 @@ class ReferenceEngine final : public CuttingEngine {
  private:
   ContactModel Frame(const FrameInput& input);
   double FirstContact(const ToolPoints& from, const ToolPoints& to, double tolerance_m) const;
-  /// As much of a way as the tolerance and max_slide_m leave.
+  /// The part of a way that contacts and max_slide_m allow.
   struct Slid {
-    double fraction, way_m;  ///< way: of the point that goes farthest
+    double fraction, way_m;  ///< way_m: of the point that moves farthest
     bool stopped;            ///< by a ball
   };
   Slid Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m, double most_m) const;
@@ -54,7 +54,7 @@ class ReferenceEngine final : public CuttingEngine {
   std::vector<MassPoint> points_;
   Pose X_WG_;
   CuttingParams params_;
-  std::vector<BallState> balls_;  ///< the bone's, then the children of those that were split
+  std::vector<BallState> balls_;  ///< the bone's own, then the children of split balls
   BallRemoval removal_;
   std::vector<std::uint8_t> cleared_;
   FrameMemory memory_;

@@ -64,8 +64,9 @@ bool SceneWatch::IsOpening(const OrientedPoint& sample) const {
   return out > 0.0 && sample.normal.dot(off_axis) < 0.0;
 }
 
-// The wall's point nearest to c, near a sample: along the tangent plane as far as c is off its normal, back
-// to the surface, and again, while that comes nearer and stays on a wall that c looks at.
+// Refines a sample to the wall's point nearest to c. Each step moves along the tangent plane by c's offset
+// from the normal, then back to the surface. It repeats while the point comes nearer and stays on a wall that
+// faces away from c.
 OrientedPoint SceneWatch::Refined(const Vector3& c_m, OrientedPoint at) const {
   for (int i = 0; i < kRefinements; ++i) {
     const Vector3 way = c_m - at.p_m;
@@ -139,7 +140,7 @@ std::optional<SceneWatch::Wall> SceneWatch::ThinnestWall(const Pose& X_GP) const
   if (walls_.size() == 0) return thinnest;
   for (const ToolBall& ball : cutting_) {
     const Vector3 c = X_GP * Vector3(ball.center_m);
-    // a sample may be a spacing away from the foot that it leads to
+    // a sample may be a spacing away from the foot that its refinement leads to
     const std::optional<double> bound = thinnest ? thinnest->thickness_m : least_wall_m_;
     const double limit_m = bound ? std::max(0.0, *bound) + ball.radius_m + params_.wall_spacing_m
                                  : std::numeric_limits<double>::infinity();
@@ -147,7 +148,7 @@ std::optional<SceneWatch::Wall> SceneWatch::ThinnestWall(const Pose& X_GP) const
     if (!sample) continue;
     const OrientedPoint foot = Refined(c, *sample);
     const double way_m = (foot.p_m - c).norm(), thickness_m = way_m - ball.radius_m;
-    // from outside of the bone, past its edge, there is air on the way
+    // from outside the bone, beyond its edge, the line to the foot passes through air
     const Vector3 middle = foot.p_m + 0.5 * thickness_m / way_m * (c - foot.p_m);
     if (thickness_m > 0.0 && solid_->SignedDistance(middle) > 0.0) continue;
     if (!bound || thickness_m < *bound) thinnest = Wall{thickness_m, foot.p_m};

@@ -14,61 +14,62 @@
 
 namespace osteon::simulation {
 
-/// A region of tissue that the tool should not reach, or that it is to reach.
+/// A region of tissue that the tool should avoid, or should reach.
 struct RegionWatch {
   std::string name;      ///< the event is "NAME reached"
-  std::string material;  ///< of the bone: the region is all of it
+  std::string material;  ///< of the bone: the region is all tissue of this material
 };
 
-/// What is to be noticed of a scene.
+/// Which events of a scene to watch for.
 struct SceneEventParams {
   std::vector<RegionWatch> regions{};
   double least_wall_m{0.0};       ///< a wall thinner than this is an event; 0: walls are not watched
-  double opening_widening{1.5};   ///< the opening reaches so many radii of the site from its axis
-  double wall_spacing_m{0.5e-3};  ///< of the surface's samples
+  double opening_widening{1.5};   ///< the opening reaches this many radii of the site from its axis
+  double wall_spacing_m{0.5e-3};  ///< spacing of the surface's samples
 };
 
-/// Something that happened in a frame, once in a run.
+/// An event of a frame. Each occurs once in a run.
 struct SceneEvent {
   std::string name;          ///< "pulp reached", "wall too thin", "breakthrough"
   rt::Nanoseconds stamp{0};  ///< of the frame
   double value{0.0};         ///< SI: see SceneWatch
   std::string unit{"m"};
-  PlainVector3 p_G_m;  ///< where
+  PlainVector3 p_G_m;  ///< the event's place
 };
 
-/// Looks at the proxy after each frame and says what the cut has come to. Only frames that removed bone
-/// count.
+/// Checks the proxy after each frame for the scene's events. Only frames that removed bone count.
 ///
 /// **A region is reached** once a cutting ball's surface meets it: signed distance of the ball's centre to
-/// the region minus the radius <= 0. Exact where the solid knows that distance (Solid::RegionDistance);
-/// elsewhere the region's mass points stand for it, and it is reached once the first of them is cut. Value:
-/// the depth of the place below the site's centre, along the site's axis.
+/// the region minus the radius <= 0. This is exact where the solid knows that distance
+/// (Solid::RegionDistance). Elsewhere the region's mass points stand for it, and it is reached once the first
+/// of them is cut. Value: the depth of the place below the site's centre, along the site's axis.
 ///
-/// **A wall** is what is left between the cut and a surface that is not the opening: from a cutting ball to
-/// the nearest such point of the surface that it looks at from within, with bone between the two, minus its
-/// radius. The first frame in which nothing is left is the event "breakthrough". Samples of the surface say
-/// where to look, the solid's own nearest points refine that: the foot is exact on a plane, and to second
-/// order in the spacing elsewhere. The opening is what looks out the way the site does (normal within 60
-/// degrees of its axis); up to `opening_widening` radii from the axis all but what looks the other way
-/// (within 60 degrees: a floor); beyond them what looks out and towards the axis, such as a cusp's inner
-/// slope. Value: the wall's thickness, 0 once it is through; of a breakthrough, the depth of the place as for
-/// a region.
+/// **A wall** is the bone left between the cut and a surface that is not the opening. Its thickness is the
+/// distance from a cutting ball's centre to the nearest such point of the surface that faces away from the
+/// ball, with bone between the two, minus the ball's radius. The first frame in which nothing is left is the
+/// event "breakthrough". Samples of the surface give the start of the search, and the solid's own nearest
+/// points refine it: the foot is exact on a plane, and to second order in the spacing elsewhere. Value: the
+/// wall's thickness, 0 once it is through; for a breakthrough, the depth of the place as for a region.
 ///
-/// A query or two of the solid a frame: for the simulation's thread, not for the tick.
+/// **The opening** is the surface whose normal is within 60 degrees of the site's axis. Up to
+/// `opening_widening` radii from the axis it is all surface but what faces the other way (within 60 degrees:
+/// a floor). Beyond that it also includes what faces out and towards the axis, such as a cusp's inner slope.
+///
+/// One or two queries of the solid a frame: call it from the simulation's thread, not in the tick.
 class SceneWatch {
  public:
-  /// @param solid  what the bone was packed from; must outlive the watch. Null where that is not known (a
-  ///   saved packing): its points stand for every region, and walls are not watched
+  /// @param solid  the solid that the bone was packed from; must outlive the watch. Null where it is not
+  ///   known (a saved packing): mass points stand for every region, and walls are not watched
   /// @throws std::invalid_argument where the bone has no such material, or a figure is out of range.
   SceneWatch(const Solid* solid, const Bone& bone, const Tool& tool, const SceneEventParams& params);
 
-  /// One frame. @param removed_volume_m3  since the start, as in ContactModel
-  /// @returns the events that began in it, mostly none.
+  /// Checks one frame.
+  /// @param removed_volume_m3  since the start, as in ContactModel
+  /// @returns the events that began in this frame, mostly none.
   [[nodiscard]] std::vector<SceneEvent> Step(const Pose& X_GP, double removed_volume_m3,
                                              rt::Nanoseconds stamp);
 
-  /// Thickness of the thinnest wall so far, 0 where the cut is through; nothing where none was seen.
+  /// Thickness of the thinnest wall so far, 0 where the cut is through; nothing where no wall was seen.
   [[nodiscard]] std::optional<double> least_wall_m() const {
     return least_wall_m_ ? std::optional(std::max(0.0, *least_wall_m_)) : std::nullopt;
   }
@@ -77,7 +78,7 @@ class SceneWatch {
   struct Region {
     std::string name;
     MaterialIndex material;
-    std::optional<SampleIndex> points;  // where the solid does not know the distance
+    std::optional<SampleIndex> points;  // where the solid has no distance to the region
     bool reached{false};
   };
   struct Wall {

@@ -15,7 +15,7 @@
 namespace osteon::simulation {
 namespace {
 
-/// The materials must be those that the scene's indices stand for.
+/// Checks that the materials have the names of the scene's indices.
 void CheckNames(const std::vector<Material>& materials, const std::vector<std::string>& names) {
   if (materials.size() != names.size())
     throw std::invalid_argument(fmt::format("bone: materials: found {}, accepted exactly {}: {}",
@@ -50,13 +50,13 @@ Cup Checked(Cup cup) {
   return cup;
 }
 
-/// Share of the directions into the cup's lower half in which bone begins between these distances from the
-/// centre.
+/// Share of the directions into the cup's lower half in which bone begins between these two distances from
+/// the centre.
 double ShareWithBoneBetween(const Solid& solid, const Cup& cup, double near_m, double far_m) {
   const Vector3 z = cup.axis, x = z.unitOrthogonal(), y = z.cross(x);
   constexpr int kDirections = 200;
   int found = 0;
-  for (int i = 0; i < kDirections; ++i) {  // a Fibonacci spiral: equal areas
+  for (int i = 0; i < kDirections; ++i) {  // Fibonacci spiral: equal areas
     const double height = -(i + 0.5) / kDirections, angle = std::numbers::phi * 2.0 * std::numbers::pi * i;
     const double width = std::sqrt(1.0 - height * height);
     const Vector3 direction = width * (std::cos(angle) * x + std::sin(angle) * y) + height * z;
@@ -68,15 +68,15 @@ double ShareWithBoneBetween(const Solid& solid, const Cup& cup, double near_m, d
   return static_cast<double>(found) / kDirections;
 }
 
-/// Whether the site's circle lies on the surface, the outside above it.
+/// True where the site's circle lies on the surface, with the outside above it.
 bool IsEntry(const Solid& solid, const Cup& site) {
   const Vector3 center = site.center_m, up = site.radius_m * Vector3(site.axis);
   return std::abs(solid.SignedDistance(center)) <= 0.25 * site.radius_m &&
          solid.SignedDistance(center + up) > 0.0 && solid.SignedDistance(center - up) < 0.0;
 }
 
-/// Share of the site's circle from which the surface has fallen away by more than a quarter of its radius:
-/// all of it on a ball of less than 1.9 times that radius, none on a plane or in a hollow.
+/// Share of the site's circle at which the surface has fallen away by more than a quarter of its radius: all
+/// of it on a ball of less than 1.9 times that radius, none on a plane or in a hollow.
 double ShareFallenAway(const Solid& solid, const Cup& site) {
   const Vector3 center = site.center_m, z = site.axis, x = z.unitOrthogonal(), y = z.cross(x);
   constexpr int kDirections = 48;
@@ -94,7 +94,7 @@ Cup SiteFromAbove(const SiteParams& site, const Solid& solid) {
   CheckRangeMm("site: radius", site.radius_m, 0.0005, 0.100);
   const Eigen::AlignedBox3d box = solid.Bounds();
   constexpr double kStill_m = 1e-9;
-  // sphere tracing: signed distances grow no faster than the way
+  // sphere tracing: a signed distance changes no faster than the place
   Vector3 p(site.x_m, site.y_m, box.max().z() + 1e-3);
   for (double distance_m = 1.0; p.z() > box.min().z();) {
     distance_m = solid.SignedDistance(p);
@@ -132,7 +132,7 @@ TissueMap TissueOf(const MeshSceneTissue& tissue, const std::vector<MeshRegion>&
   return map;
 }
 
-/// Whatever regions the mesh turns out to have.
+/// Checks the tissues for any regions that the mesh may have.
 void CheckTissue(const MeshSceneTissue& tissue, std::size_t material_count) {
   std::vector<MeshRegion> all(tissue.regions.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i].name = tissue.regions[i].name;
@@ -148,7 +148,7 @@ MeshSceneTissue AsSceneTissue(const MeshTissue& tissue) {
           .lining_radii = map.lining->lining_radii, .layers = map.lining->layers, .core = map.lining->core}};
 }
 
-/// The names of a bone's materials, the first three of which are those of BoneTissue.
+/// Names of a bone's materials; the first three must be those of BoneTissue.
 std::vector<std::string> BoneNames(const std::vector<Material>& materials) {
   std::vector<std::string> names = MaterialNames(AcetabulumShape{});
   if (materials.size() < names.size())
@@ -201,7 +201,7 @@ SceneSolid MakeSceneSolid(const SceneParams& scene) {
 
 tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& path, double scale,
                                                    const Cup& site, const SceneParams& scene) {
-  // before the mesh, which takes longer
+  // before loading the mesh, which takes longer
   CheckTissue(scene.mesh_tissue, scene.material_names.size());
   static_cast<void>(Checked(site));
   const auto loaded = LoadMesh(path, {.scale = scale});

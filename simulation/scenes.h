@@ -21,15 +21,15 @@ namespace osteon::simulation {
 /// A solid that can be generated.
 using SceneShape = std::variant<AcetabulumShape, MolarShape, FemurShape, BlockShape, FemoralHeadShape>;
 
-/// The names of the materials that a shape speaks of, in the order of its indices; none for a block, whose
-/// layers carry indices of their own.
+/// Names of the materials that a shape's indices refer to, in their order; none for a block, whose layers
+/// have their own indices.
 [[nodiscard]] std::vector<std::string> MaterialNames(const SceneShape& shape);
 
 /// @throws std::invalid_argument naming the size, its value and what is accepted.
 void CheckShape(const SceneShape& shape);
 
-/// Where a generated solid is cut: a circle on its upper surface, seen along G's z axis. An acetabulum's site
-/// is its cup, whatever this says.
+/// Where a generated solid is cut: a circle on its upper surface, seen along G's z axis. For an acetabulum
+/// the site is always its cup, and this is ignored.
 struct SiteParams {
   double x_m{0.0}, y_m{0.0};
   double radius_m{0.005};
@@ -39,15 +39,14 @@ struct SiteParams {
 struct ZoneParams {
   enum class Kind : std::uint8_t { kCup, kPath, kSurface, kEverywhere };
   Kind kind{Kind::kCup};
-  double radius_m{0.0};           ///< of the path's tool, or of the region of the surface around the site
+  double radius_m{0.0};           ///< of the path's tool, or of the surface's region around the site
   std::vector<Vector3> path_C_m;  ///< of the tool's centre, in the site's frame C
 };
 
-/// What a mesh in a scene's place is made of: tissue of the solid, of the regions in it by their names, and
-/// of a cup's lining.
+/// Tissues of a mesh in a scene: of the solid, of its named regions, and of a cup's lining.
 struct MeshSceneTissue {
   struct Region {
-    std::string name;  ///< of the mesh's region, upper and lower case alike; "*": of any
+    std::string name;  ///< of the mesh's region, in upper or lower case; "*": any region
     ShellTissue tissue;
   };
   struct Lining {
@@ -56,57 +55,59 @@ struct MeshSceneTissue {
     MaterialIndex core{0};
   };
   ShellTissue solid;
-  std::vector<Region> regions;  ///< the first that fits counts; a region that none fits is the solid's tissue
+  std::vector<Region> regions;  ///< the first match counts; a region without a match has the solid's tissue
   std::optional<Lining> lining;
 };
 
-/// What is asked of a scene's model; what it takes is planned (docs/planning.md).
+/// Requested accuracy and rate of a scene's model. The planner chooses the packing for them
+/// (docs/planning.md).
 struct FidelityRequest {
-  double error_m{0.1e-3};  ///< mean depth that a cut may be off its sweep
+  double error_m{0.1e-3};  ///< mean depth error of a cut against its sweep
   double rate_hz{250.0};   ///< frames a second
 };
 
-/// A scene: what to make, of what, and how fine.
+/// A scene: which solid, of which materials, and how fine.
 struct SceneParams {
-  std::string name{"block"};  ///< of a block; the other shapes have their own
+  std::string name{"block"};  ///< name of a block; the other shapes have their own
   SceneShape shape;
   SiteParams site;
   ZoneParams zone;
   MeshSceneTissue mesh_tissue;
-  std::vector<std::string> material_names;  ///< what the indices of shape and mesh tissue stand for
-  std::vector<Material> materials;          ///< of these names, in their order
+  std::vector<std::string> material_names;  ///< names for the indices of shape and mesh tissue
+  std::vector<Material> materials;          ///< one for each of these names, in their order
   PackingParams packing;
-  std::optional<FidelityRequest> fidelity;  ///< nothing: it is packed as it says
+  std::optional<FidelityRequest> fidelity;  ///< nothing: `packing` is used as it is
   MassPointParams points;
   SceneEventParams events;
 };
 
-/// A solid, and where it is cut.
+/// A solid and the site where it is cut.
 struct SceneSolid {
   std::string name;
   std::shared_ptr<const Solid> solid;
   Cup site;  ///< in G
 };
 
-/// The scene's generated solid. The site's centre is where its line first meets the solid from above.
+/// Makes the scene's generated solid. The site's centre is where its vertical line first meets the solid from
+/// above.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] SceneSolid MakeSceneSolid(const SceneParams& scene);
 
-/// The solid of a mesh file (see LoadMesh), `scale` millimetres to one of its units, in the scene's place; G
-/// is the file's frame, scaled.
+/// Loads the solid of a mesh file (see LoadMesh) in place of the scene's generated solid. One unit of the
+/// file is `scale` millimetres; G is the file's frame, scaled.
 ///
 /// The site must be on the mesh, as a cup or as an entry. A cup: in at least a quarter of the directions into
 /// its lower half, bone begins between 70 and 130 % of its radius. An entry: its centre is within a quarter
 /// of its radius of the surface, and the surface lies between one radius above and one below it along the
-/// axis; on a convex surface only where the zone of the scene is no cup.
+/// axis. On a convex surface an entry is accepted only where the scene's zone is no cup.
 /// @param site  in G; its axis need not be of unit length
 /// @throws std::invalid_argument as MakeSceneSolid does.
 [[nodiscard]] tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& path,
                                                                  double scale, const Cup& site,
                                                                  const SceneParams& scene);
 
-/// The same for a mesh that was read before; the file's name stands for it in names and messages. Without a
-/// site there is no lining, and nothing that must be on the mesh; the site's radius is then 0.
+/// The same for a mesh that was read before; the path serves only for names and messages. Without a site
+/// there is no lining and no check of the site's place; the site's radius is then 0.
 [[nodiscard]] tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded,
                                                                 const std::filesystem::path& path,
                                                                 const std::optional<Cup>& site,
@@ -117,18 +118,18 @@ struct SceneSolid {
 [[nodiscard]] std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const Cup& site, const Solid& solid);
 
 /// Fills the solid with balls and mass points, as fine as the scene asks.
-/// @param split  the engine is going to split balls that a tool touches (SplitParams): then these are the few
-///   large ones that SplitPackingFor makes of the scene's packing
+/// @param split  the engine is going to split balls that a tool touches (SplitParams): the packing then has
+///   few large balls, as SplitPackingFor derives it from the scene's packing
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted; also where the
-/// materials are not those that are named, or the solid takes more than 100 million cells.
+///   materials do not have the scene's names, or the solid takes more than 100 million cells.
 [[nodiscard]] Bone PackScene(const SceneSolid& solid, const SceneParams& scene, bool split = false);
 
-/// The scene's bone of balls and mass points that were made otherwise: materials and site are its own.
-/// @throws std::invalid_argument where the materials are not those that are named.
+/// Makes the scene's bone from given balls and mass points, with the scene's materials and site.
+/// @throws std::invalid_argument where the materials do not have the scene's names.
 [[nodiscard]] Bone SceneBone(const SceneSolid& solid, const SceneParams& scene, std::vector<Ball> balls,
                              std::vector<MassPoint> points);
 
-/// The generated acetabulum by itself.
+/// Parameters of a generated acetabulum without a scene.
 struct AcetabulumParams {
   AcetabulumShape shape;
   PackingParams packing;
@@ -140,7 +141,7 @@ struct AcetabulumParams {
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] Bone MakeAcetabulum(const AcetabulumParams& params);
 
-/// A bone with a cup from a mesh.
+/// Parameters of a bone with a cup from a mesh.
 struct MeshBoneParams {
   MeshTissue tissue;
   PackingParams packing;
@@ -148,7 +149,7 @@ struct MeshBoneParams {
   std::vector<Material> materials{DefaultBoneMaterials()};
 };
 
-/// A mesh file in millimetres, packed below its cup; the bone takes the file's name.
+/// Packs a mesh file in millimetres below its cup; the bone takes the file's name.
 /// @throws std::invalid_argument as PackScene does.
 [[nodiscard]] tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path,
                                                              const Cup& cup, const MeshBoneParams& params);

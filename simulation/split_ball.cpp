@@ -11,8 +11,8 @@
 namespace osteon::simulation {
 namespace {
 
-/// Two capsules whose joint lies this near to the straight way are one [m]: what single precision makes of a
-/// straight way, 30 mm from the origin. So much may then overlap.
+/// Largest distance of two capsules' joint from the straight line for joining them into one [m]: single
+/// precision's error on a straight way 30 mm from the origin. This much may then overlap.
 constexpr double kCollinear_m = 2e-8;
 
 const SplitParams& Checked(const SplitParams& p) {
@@ -31,7 +31,7 @@ double Penetration(const BallState& ball, const Capsule& capsule) {
   return ball.radius_m + capsule.radius_m - (ball.center_m - q).norm();
 }
 
-/// Appends a capsule, or lengthens the last one where this goes straight on from it.
+/// Appends a capsule, or lengthens the last one where `next` continues straight on.
 void Append(const Capsule& next, std::vector<Capsule>& list) {
   if (!list.empty()) {
     Capsule& last = list.back();
@@ -45,7 +45,7 @@ void Append(const Capsule& next, std::vector<Capsule>& list) {
   list.push_back(next);
 }
 
-/// The largest ball in both of two balls.
+/// Shrinks `other` to the largest ball within both balls.
 void ShrinkInto(const BallState& ball, BallState& other) {
   const Vector3 way = ball.center_m - other.center_m;
   const double distance = way.norm(), out = distance + other.radius_m - ball.radius_m;
@@ -72,7 +72,7 @@ BallState FromFloats(const float* four) {
 BallState Stored(const BallState& ball) {
   float four[4];
   PutFloats(ball.center_m, ball.radius_m, four);
-  // GCC 12.2 takes the rounding away at -O3 where it sees both ways
+  // GCC 12.2 at -O3 optimises the rounding away where it sees both conversions
   const volatile float* rounded = four;
   const float read[4] = {rounded[0], rounded[1], rounded[2], rounded[3]};
   return FromFloats(read);
@@ -96,7 +96,7 @@ bool BallSplitter::IsTooLarge(const BallState& ball, std::span<const Capsule> ca
   bool touched = false;
   for (const Capsule& capsule : capsules) {
     const double p = Penetration(ball, capsule);
-    if (p >= 2.0 * ball.radius_m) return false;  // it goes as a whole
+    if (p >= 2.0 * ball.radius_m) return false;  // removed as a whole
     touched = touched || p > 0.0;
   }
   return touched;

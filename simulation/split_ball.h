@@ -16,72 +16,73 @@ struct BallState {
   double radius_m{0.0};
 };
 
-/// The ball as a carved state keeps it: float32 millimetres. So both engines and every saved state go on from
-/// the same bone; what each frame does with it is double precision. Idempotent.
+/// Rounds a ball as a carved state stores it: float32 millimetres. Both engines and every saved state then
+/// continue from the same bone; each frame computes in double precision. Idempotent.
 [[nodiscard]] BallState Stored(const BallState& ball);
 
-/// What one cutting ball sweeps on a straight piece of its way, in G.
+/// Volume that one cutting ball sweeps on a straight piece of its way, in G.
 struct Capsule {
   Vector3 a{Vector3::Zero()}, b{Vector3::Zero()};
   double radius_m{0.0};
 };
 
-/// ShrinkBall by each capsule, in their order.
+/// Applies ShrinkBall for each capsule, in their order.
 void Shrink(BallState& ball, std::span<const Capsule> capsules);
 
-/// A ball that has a block for its children but not yet these.
+/// A ball that has a block for its children, but whose children are not made yet.
 struct WaitingBall {
   std::uint32_t parent{0};
-  BallState root{};             ///< what the children are made from
-  std::vector<Capsule> cuts{};  ///< that have hit the root since; MostCuts() of them at most
+  BallState root{};             ///< the ball that the children are made from
+  std::vector<Capsule> cuts{};  ///< capsules that have hit the root since; at most MostCuts()
 };
 
-/// How one ball is split and its children are cut: what engines share. Knows the uncut packing; what changes
-/// is the caller's.
+/// Splits one ball and cuts its children: shared by both engines. It stores the uncut packing; the caller
+/// stores everything that changes.
 class BallSplitter {
  public:
   /// @throws std::invalid_argument naming the value of `params` that is not accepted.
   BallSplitter(std::vector<Ball> uncut, const SplitParams& params);
 
   [[nodiscard]] const SplitParams& params() const { return params_; }
-  /// Children of a ball.
+  /// Number of children of a ball.
   [[nodiscard]] std::size_t slots() const { return static_cast<std::size_t>(params_.children); }
-  /// A block's room less the root, two slots a capsule.
+  /// Number of capsules that a block has room for beside the root, two slots each.
   [[nodiscard]] std::size_t MostCuts() const { return (slots() - 1) / 2; }
-  /// Children below this are dropped [m].
+  /// Radius below which children are dropped [m].
   [[nodiscard]] double LeastChild(std::uint32_t parent) const {
     return params_.least_child_share * uncut_[parent].radius_m;
   }
 
-  /// Whether the capsules touch a ball that is so large that it should be split, and none takes it as a
+  /// True where the capsules touch a ball that is large enough to be split, and no capsule removes it as a
   /// whole.
   [[nodiscard]] bool IsTooLarge(const BallState& ball, std::span<const Capsule> capsules) const;
 
-  /// Each child as large as it may be within the template's and within the root, cut by what has hit it.
+  /// Makes the children: each as large as the template and the root allow, then cut by the stored capsules.
   void MakeChildren(const WaitingBall& waiting, std::span<BallState> children) const;
+  /// Cuts the children by the capsules.
   /// @returns whether any child is left.
   bool CutChildren(std::uint32_t parent, std::span<const Capsule> capsules,
                    std::span<BallState> children) const;
-  /// Notes the capsules that hit the root. Where there are too many, what is left of the ball stands for
-  /// them.
+  /// Stores the capsules that hit the root. Where there are too many, the rest of the ball becomes the new
+  /// root instead.
   void Keep(std::span<const Capsule> capsules, const BallState& shrunk, WaitingBall& waiting) const;
 
-  /// A block as CarvedState::split_slots has it: slots() × 4 floats [mm].
+  /// Writes a block as in CarvedState::split_slots: slots() × 4 floats [mm].
   void Save(const WaitingBall& waiting, std::span<float> block) const;
   static void Save(std::span<const BallState> children, std::span<float> block);
   [[nodiscard]] static WaitingBall LoadWaiting(std::uint32_t parent, std::uint32_t cuts,
                                                std::span<const float> block);
   static void Load(std::span<const float> block, std::span<BallState> children);
 
-  /// @throws std::invalid_argument where the state's split balls are not of this packing and these
-  /// parameters.
+  /// @throws std::invalid_argument where the state's split balls belong to another packing or other
+  ///   parameters.
   void CheckState(const CarvedState& state) const;
 
  private:
   SplitParams params_;
   SplitTemplate template_;
   std::vector<Ball> uncut_;
-  std::vector<std::uint16_t> shape_;  ///< of each ball, in the template
+  std::vector<std::uint16_t> shape_;  ///< shape of each ball, an index into the template
 };
 
 }  // namespace osteon::simulation

@@ -16,12 +16,12 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kReach =
-    0.6;  // of the centres: smaller ones lose more to a cut, larger ones leave the rim bare
+constexpr double kReach = 0.6;  // largest distance of the centres: a smaller one loses more to a cut, a
+                                // larger one leaves the rim bare
 constexpr double kCapRadius = 0.25, kCapAngle = 35.0 / 180.0 * std::numbers::pi;
 const double kGoldenAngle = std::numbers::pi * (3.0 - std::sqrt(5.0));
 
-/// Point i of n that spread evenly over the sphere's cap from the pole down to z = lowest: a spiral.
+/// Point i of n spread evenly over the sphere's cap from the pole down to z = lowest: a spiral.
 Vector3 OnSpiral(std::uint32_t i, std::uint32_t n, double lowest) {
   const double z = 1.0 - (1.0 - lowest) * (i + 0.5) / n, across = std::sqrt(1.0 - z * z);
   return {across * std::cos(kGoldenAngle * i), across * std::sin(kGoldenAngle * i), z};
@@ -35,13 +35,13 @@ std::vector<Vector3> LatticeInBall(double radius, double count) {
   for (int k = -n; k <= n; ++k)
     for (int j = -n; j <= n; ++j)
       for (int i = -n; i <= n; ++i) {
-        const Vector3 p = side * Vector3(i + 0.31, j + 0.17, k + 0.43);  // off every symmetry
+        const Vector3 p = side * Vector3(i + 0.31, j + 0.17, k + 0.43);  // offset that breaks every symmetry
         if (p.norm() <= radius) points.push_back(p);
       }
   return points;
 }
 
-/// Lloyd's relaxation from scrambled places: each centre goes to the mean of what is nearest to it.
+/// Lloyd's relaxation from random places: each centre moves to the mean of the points nearest to it.
 std::vector<Vector3> SpreadInBall(int count, double radius) {
   const std::vector<Vector3> space = LatticeInBall(radius, 60.0 * count);
   std::vector<Vector3> centers;
@@ -69,7 +69,7 @@ std::vector<Vector3> SpreadInBall(int count, double radius) {
   return centers;
 }
 
-/// Uniform over all rotations: Shoemake, Uniform Random Rotations, Graphics Gems III, 1992.
+/// Uniformly distributed rotation: Shoemake, Uniform Random Rotations, Graphics Gems III, 1992.
 Matrix3 RandomRotation(std::uint32_t index) {
   std::uint64_t state = index;
   const double u = Uniform(MixBits(state += kSplitMixStep)), v = Uniform(MixBits(state += kSplitMixStep)),
@@ -117,7 +117,7 @@ std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double least
   constexpr std::uint32_t kLooks = 48;
   constexpr double kJustOutside = 1.001, kTouch_m = 1e-9;
   constexpr double kOneSided =
-      0.3;  // mean length of the bare directions' sum below which they point everywhere
+      0.3;  // below this mean length of the bare directions' sum, they point everywhere
   std::vector<Ball> solid;
   std::copy_if(balls.begin(), balls.end(), std::back_inserter(solid),
                [](const Ball& b) { return b.radius_m > 0.0; });

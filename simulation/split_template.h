@@ -15,9 +15,9 @@ struct SplitChild {
   double radius{0.0};
 };
 
-/// What a ball is replaced by when a tool first touches it: overlapping children inside it, from a table.
+/// Table of the overlapping children that replace a ball when a tool first touches it.
 ///
-///     buried balls: K centres spread evenly over |x| <= .6       exposed balls: 3 K / 8 small ones below the
+///     buried balls: K centres spread evenly over |x| <= 0.6      exposed balls: 3 K / 8 small ones below the
 ///     (Lloyd), each child as large as fits in, 1 - |x|           pole, the others as on the left
 ///              ______                                                     pole
 ///            /  o   o \                                                 o-o-o-o
@@ -25,10 +25,10 @@ struct SplitChild {
 ///            \  o   o /     neighbours differ                        |  o (o) o  |    where no other ball
 ///              ------                                                 \    o    /     covers this one
 ///
-/// Large overlapping children lose least to a cut; at the rim of a cut, where it leaves the bone, only small
-/// ones fill the edge. Which shape a ball takes follows from the uncut packing, never from the cut or from
-/// time: a ball has one way to be split. Values are floats, radii less a millionth, so that single precision
-/// keeps children inside their parents.
+/// Large overlapping children lose least to a cut. At the rim of a cut, where it leaves the bone, only small
+/// children fill the edge. A ball's shape follows from the uncut packing alone, never from the cut or from
+/// time, so a ball is always split in the same way. Values are floats, and radii are reduced by a millionth,
+/// so that single precision keeps children inside their parents.
 class SplitTemplate {
  public:
   static constexpr std::uint32_t kRotations = 64, kPoles = 256, kShapes = kRotations + kPoles;
@@ -42,7 +42,7 @@ class SplitTemplate {
     return table_[static_cast<std::size_t>(shape) * static_cast<std::size_t>(children_) +
                   static_cast<std::size_t>(k)];
   }
-  /// Shape by shape.
+  /// All shapes, one after the other.
   [[nodiscard]] const std::vector<SplitChild>& table() const { return table_; }
 
  private:
@@ -50,9 +50,10 @@ class SplitTemplate {
   std::vector<SplitChild> table_;
 };
 
-/// The shape of each ball of a packing: the pole nearest to the mean direction in which no other ball covers
-/// its surface, or a rotation by its index where there is none. Smaller balls than least_radius_m, which are
-/// not going to be split, take rotations unseen. The same for any number of threads (0: one a core).
+/// Computes the shape of each ball of a packing: the pole nearest to the mean direction in which no other
+/// ball covers its surface, or a rotation by its index where there is no such direction. Balls smaller than
+/// least_radius_m are never split and get rotations without a search. The same for any number of threads (0:
+/// one a core).
 [[nodiscard]] std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double least_radius_m,
                                                      int threads = 0);
 

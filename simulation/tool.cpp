@@ -19,7 +19,7 @@ Tool MakeReamer(double head_radius_m, double shaft_radius_m, double shaft_length
   tool.name = "hemispherical reamer " + std::to_string(std::lround(head_radius_m * 2000.0)) + " mm";
   tool.balls.push_back(
       {.center_m = Vector3(0, 0, -head_radius_m), .radius_m = head_radius_m, .cutting = true});
-  // shaft balls overlap by half, the first one inside the head, so that no bone slips between two of them
+  // shaft balls overlap by half, the first one inside the head, so that no bone passes between two of them
   const int count = static_cast<int>(std::ceil(shaft_length_m / shaft_radius_m));
   for (int i = 1; i <= count; ++i)
     tool.balls.push_back({.center_m = Vector3(0, 0, -2.0 * head_radius_m - (i - 1) * shaft_radius_m),
@@ -58,7 +58,7 @@ double EffectiveCuttingRadius(const Tool& tool) {
     rings.emplace_back(std::max(0.0, middle_m - ball.radius_m), middle_m + ball.radius_m);
   }
   std::sort(rings.begin(), rings.end());
-  double moment = 0.0, area = 0.0, done_m = 0.0;  // over pi
+  double moment = 0.0, area = 0.0, done_m = 0.0;  // divided by pi
   for (auto [inner_m, outer_m] : rings) {
     inner_m = std::max(inner_m, done_m);
     if (outer_m <= inner_m) continue;

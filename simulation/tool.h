@@ -17,8 +17,9 @@ struct ToolBall {
 
 /// A tool. T has its origin at the apex and +z along the feed; the spindle turns about T's z axis.
 ///
-/// The balls are what meets bone; the first is the head (CuttingHead) where the tool cuts. Mass, centre of
-/// mass and inertia are those of the real tool with its holder, which the balls do not show (tool_mass.h).
+/// The balls are what meets bone; the first ball of a tool that cuts is its head (CuttingHead). Mass, centre
+/// of mass and inertia are those of the real tool with its holder, which the balls do not include
+/// (tool_mass.h).
 struct Tool {
   std::string name;
   std::vector<ToolBall> balls;
@@ -27,19 +28,21 @@ struct Tool {
   PlainInertia inertia_kg_m2{};     ///< about the centre of mass, axes of T; zero: a point mass
 };
 
-/// Hemispherical reamer: one analytic ball for the head, its apex at T's origin, and a row of balls along -z
-/// for the shaft. Its inertia is a point mass's; MakeReamer(ReamerParams) in tool_kinds.h knows better.
+/// Makes a hemispherical reamer: one analytic ball for the head, its apex at T's origin, and a row of balls
+/// along -z for the shaft. Its inertia is that of a point mass; MakeReamer(ReamerParams) in tool_kinds.h
+/// computes it from the shape.
 /// @param center_of_mass_m  of head and shaft together, in T
 /// @throws std::invalid_argument where a size or the mass is not positive, the shaft is wider than the head,
-/// or the centre of mass is not finite.
+///   or the centre of mass is not finite.
 [[nodiscard]] Tool MakeReamer(double head_radius_m, double shaft_radius_m, double shaft_length_m,
                               double mass_kg, const Vector3& center_of_mass_m);
 
-/// The largest cutting ball, null where the tool has none. Of several that are as large to within a
-/// thousandth (the row of balls along a drill's flutes), the one that is farthest ahead.
+/// The largest cutting ball, null where the tool has none. Among balls of equal radius to within a thousandth
+/// (the row of balls along a drill's flutes), the one farthest ahead.
 [[nodiscard]] const ToolBall* CuttingHead(const Tool& tool);
 
-/// How far its cutting balls reach from the spindle's axis: half the width of a hole that the tool drills.
+/// Largest distance of the cutting balls' surfaces from the spindle's axis: half the width of a hole that the
+/// tool drills.
 [[nodiscard]] double CuttingReach(const Tool& tool);
 
 /// Mean distance from the spindle's axis of a face that the whole tool cuts across, by area:
@@ -49,10 +52,10 @@ struct Tool {
 /// 2/3 of the reach where the tool cuts up to its axis. Zero without a cutting ball.
 [[nodiscard]] double EffectiveCuttingRadius(const Tool& tool);
 
-/// Which balls of a tool are meant.
+/// Selects balls of a tool.
 enum class ToolPart : std::uint8_t { kAll, kCutting, kTouching };
 
-/// Box around balls of a tool, in T; empty where there are none.
+/// Box around the selected balls of a tool, in T; empty where there are none.
 [[nodiscard]] Eigen::AlignedBox3d ToolBounds(const Tool& tool, ToolPart part = ToolPart::kAll);
 
 }  // namespace osteon::simulation

@@ -1,4 +1,4 @@
-// The key by which the nearest pair of a bin is found: the least of all wins. One text for C++ and GLSL.
+// Key for finding the nearest pair of a bin: the smallest key wins. One text for C++ and GLSL.
 //
 //     63                38 37              14 13            0
 //     score's units (26)   bone ball (24)     tool ball (14)
@@ -20,7 +20,7 @@ namespace osteon::gpu {
 
 OSTEON_CONST uint kScoreBits = 26, kMinBoneBits = 24, kMaxBoneBits = 28;
 
-// A pair's score (its gap, and what its direction costs) in whole units that rise with it:
+// A pair's score (gap plus direction cost) in integer units that increase with it:
 //
 //     -33 … -0.97 mm    2^-15 mm a unit: the tool lies that deep in bone
 //     -0.97 … 0.97 mm   2^-25 mm a unit
@@ -38,7 +38,7 @@ OSTEON_SCORE_UNITS(float)
 OSTEON_SCORE_UNITS(double)
 #undef OSTEON_SCORE_UNITS
 
-// The units that a key of so many bits for the bone ball keeps.
+// The units that remain in a key with `bone_bits` bits for the bone ball.
 OSTEON_FUNCTION uint KeptUnits(uint units, uint bone_bits) { return units >> (bone_bits - kMinBoneBits); }
 
 OSTEON_FUNCTION uint64_t BinKey(uint units, uint bone_ball, uint tool_ball, uint bone_bits) {
@@ -58,7 +58,7 @@ OSTEON_FUNCTION uint UnitsOfHalf(uint upper_half, uint bone_bits) {
 #ifdef __cplusplus
 static_assert(kScoreBits + kMinBoneBits + kToolBits == 64 && kMinBoneBits + kToolBits >= 32);
 
-// Bits for the bone balls of a list of so many.
+// Number of bits for the indices of `balls` bone balls.
 [[nodiscard]] constexpr uint BoneBits(std::size_t balls) {
   uint bits = kMinBoneBits;
   while (bits < kMaxBoneBits && (balls - 1) >> bits != 0 && balls > 0) ++bits;

@@ -9,20 +9,20 @@
 #include "layout.h"
 #include "bin_key.h"
 
-// Few lanes and long chunks on a processor, which reads what all lanes share once for each eight of them; many lanes and one
-// entry each on a GPU.
+// A processor gets few lanes and long chunks, because it reads shared values once for each eight lanes. A GPU gets many lanes
+// with one entry each.
 layout(local_size_x_id = 3) in;
 layout(constant_id = 3) const uint kLanes = 64;
-layout(constant_id = 1) const bool kOneCutter = false;  // tool ball 0 alone cuts: no spans to read
+layout(constant_id = 1) const bool kOneCutter = false;  // only tool ball 0 cuts: its list needs no packed pairs
 layout(constant_id = 4) const bool kSplit = false;      // large balls are split
-layout(constant_id = 5) const bool kContactSphere = false;  // the tool ball that touches first cuts alone
+layout(constant_id = 5) const bool kContactSphere = false;  // only the tool ball that touches first cuts
 layout(constant_id = 6) const uint kMaterials = kMaxMaterials;
 layout(constant_id = 7) const bool kOnGpu = false;
-layout(constant_id = 8) const uint kToolRest = 2;  // of the tool's texels, the first of what floats leave
-layout(constant_id = 9) const uint kBoneBits = kMinBoneBits;  // for a bone ball in a key
+layout(constant_id = 8) const uint kToolRest = 2;  // index of the first remainder (double minus float) among the tool's texels
+layout(constant_id = 9) const uint kBoneBits = kMinBoneBits;  // bits of a bone ball's index in a key
 
 layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
-layout(scalar, binding = kBindFrame) coherent buffer FreshFrameBuffer { Frame fresh; };  // what others wrote in this pass
+layout(scalar, binding = kBindFrame) coherent buffer FreshFrameBuffer { Frame fresh; };  // reads what others wrote in this pass
 layout(scalar, binding = kBindFrame) coherent readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
 layout(scalar, binding = kBindFrame) readonly buffer FrameHalfBuffer { uint frame_halves[]; };
 layout(scalar, binding = kBindReport) buffer ReportBuffer { uvec4 report_words[]; };
@@ -49,7 +49,7 @@ layout(binding = kBindEntryTexels) uniform usamplerBuffer entry_texels;
 layout(binding = kBindPointEntryTexels) uniform usamplerBuffer point_entry_texels;
 layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
 
-// Adds a whole number of each invocation of the subgroup to a sum. Called by all of them.
+// Adds an integer of each invocation of the subgroup to a sum. All its invocations must call it.
 #define ADD_TO(sum, whole)                              \
   {                                                     \
     int high_part = subgroupAdd((whole) >> 16);         \
@@ -60,7 +60,7 @@ layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
     }                                                   \
   }
 
-// Adds a whole number of each invocation of the subgroup, 2^62 at most together. Called by all of them.
+// Adds an integer of each invocation of the subgroup, at most 2^62 together. All its invocations must call it.
 #define ADD_FINE(sum, whole)                                                                     \
   {                                                                                              \
     int64_t own = (whole);                                                                       \
@@ -71,7 +71,8 @@ layout(scalar, binding = kBindSpans) buffer SpanBuffer { uint spans[]; };
     if (subgroupElect() && all != 0L) atomicAdd(sum, all);                                       \
   }
 
-// The same on a GPU, 2^49 at most each, for a workgroup: its subgroups' shares, which ADD_GROUP adds up behind a barrier.
+// The same on a GPU, at most 2^49 each, for a workgroup: stores each subgroup's share, which GroupTotal adds up after a
+// barrier.
 const uint kMostSums = 16u;
 shared int64_t group_share[kMostSums][64];
 #define SHARE(place, whole)                                                                     \
@@ -87,8 +88,8 @@ int64_t GroupTotal(uint place) {
   return total;
 }
 
-// Whether this workgroup is the last of the pass to come here: what the others have written can be read then, by `fresh`. Called
-// by all of them. A dispatch less costs a GPU 2 us less.
+// True in the last workgroup of the pass to arrive here; it can read the other workgroups' results through `fresh`. All its
+// invocations must call it. A GPU saves 2 us for each dispatch that this replaces.
 shared bool is_last_group;
 bool IsLastGroup() {
   groupMemoryBarrier();
@@ -96,31 +97,31 @@ bool IsLastGroup() {
   if (gl_LocalInvocationIndex == 0u) {
     memoryBarrierBuffer();
     is_last_group = atomicAdd(frame.groups_done, 1u) + 1u == gl_NumWorkGroups.x * gl_NumWorkGroups.y;
-    if (is_last_group) fresh.groups_done = 0u;  // for the next such pass
+    if (is_last_group) fresh.groups_done = 0u;  // reset for the next such pass
   }
   barrier();
   if (is_last_group) memoryBarrierBuffer();
   return is_last_group;
 }
 
-// The unit vector along v; zero for zero, as Eigen's normalized() has it.
+// The unit vector along v; zero for zero, like Eigen's normalized().
 dvec3 Unit(dvec3 v) {
   double squared = dot(v, v);
   return squared > 0.0lf ? (1.0lf / sqrt(squared)) * v : dvec3(0.0lf);
 }
 
-// This invocation's number among those of its subgroup that are at work, and how many these are: a driver may dispatch fewer
-// than gl_SubgroupSize. Called by all of a subgroup.
+// Rank of this invocation among the active ones of its subgroup, and their number: a driver may dispatch fewer than
+// gl_SubgroupSize. All invocations of a subgroup must call both.
 uint SubgroupRank() { return subgroupBallotExclusiveBitCount(subgroupBallot(true)); }
 uint SubgroupWorkers() { return subgroupBallotBitCount(subgroupBallot(true)); }
 
 #include "exact.glsl"
 float ContactFraction() { return float(ExactFraction()); }
 
-// The frame is void: the tool at first contact is too far from where the lists were made (the host runs it again and has
-// them made), or the lists are too short.
+// True where the frame is void: at first contact the tool is too far from where the lists were built (the host then runs the
+// frame again with new lists), or the lists are too short.
 bool IsVoid() {
-  // all that is read first: what stands behind && and || is asked for only when the left side is known
+  // Load before branching: && and || serialise the loads.
   float s = ContactFraction();
   vec2 start = vec2(frame.cutting_drift_start_mm, frame.shaft_drift_start_mm),
        goal = vec2(frame.cutting_drift_goal_mm, frame.shaft_drift_goal_mm),
@@ -130,8 +131,9 @@ bool IsVoid() {
   return (at_contact == 0u && far) || too_many != 0u;
 }
 
-// A pass has rows of workgroups, each for a list, and a list's entries go round by kLanes. A software driver hands each of its
-// threads one block of workgroups: so each has a share of every row, and of what lies near the tool.
+// A pass has rows of workgroups, one for each list; invocations go through a list's entries in strides. A software driver gives
+// each of its threads one block of workgroups, so rows are interleaved: each thread gets a share of every row and of the work
+// near the tool.
 uint GroupNumber() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
 uint Row() { return GroupNumber() % gl_NumWorkGroups.y; }
 // This invocation's share of a list: for (uint slot = FirstEntry(); slot < count; slot += EntryStep())
@@ -141,9 +143,9 @@ uint EntryStep() { return gl_NumWorkGroups.x * kLanes; }
 // Tool ball t: centre at the proxy (w: radius) and at the tool's pose.
 vec4 Start(uint t) { return texelFetch(tool_texels, int(2u * t)); }
 vec3 Goal(uint t) { return texelFetch(tool_texels, int(2u * t + 1u)).xyz; }
-uvec4 SpanWords(uint k) { return texelFetch(span_texels, int(k / 4u)); }  // those from k on, a multiple of 4
+uvec4 SpanWords(uint k) { return texelFetch(span_texels, int(k / 4u)); }  // the four packed pairs from k on, a multiple of 4
 uint SpanWord(uint k) { return SpanWords(k)[k % 4u]; }
-// The gap of a ball and a tool ball, as a word has it: rounded down.
+// Gap between a ball and a tool ball in units of a packed pair, rounded down.
 uint GapOfWord(vec4 ball, vec4 at) {
   return uint(clamp((distance(ball.xyz, at.xyz) - at.w - ball.w) / kSpanGapUnit, 0.0, float(kLargestSpanGap)));
 }

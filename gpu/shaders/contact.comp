@@ -1,14 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass 1 over the lists of the frames before: while the tool stays near where they were made, first contact is with one of
-// them. Row 0: live balls and the balls that cut; row 1: pairs with those that do not.
+// Pass 1 over the lists of earlier frames: while the tool stays near where they were built, first contact is with one of their
+// entries. Row 0: listed balls with the cutting balls; row 1: pairs with balls that do not cut.
 #include "common.glsl"
 #include "first_contact.glsl"
 #include "pairs.glsl"
 
 void main() {
   uint row = Row();
-  // what others have found already bounds the way that is of interest
+  // contacts that other invocations found already shorten the way to search
   double s = FromKey(frame.contact_key);
   float first = AtLeast(s), rounding = frame.rounding_mm;
   if (kOneCutter) {

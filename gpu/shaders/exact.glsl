@@ -1,19 +1,19 @@
-// What hangs on less than floats tell, in double precision: which pair is met first, which is nearest, how far the tool goes,
-// what a ball loses. A float test with room for its own rounding (frame.rounding_mm) comes first and turns nearly all pairs
-// away, so that few are looked at twice. Twins of simulation/cutting_math.h and reference_engine.cpp.
+// Decisions that need double precision: which pair is met first, which is nearest, how far the tool goes, how much a ball
+// shrinks. A float test with a margin for its rounding (frame.rounding_mm) comes first and rejects nearly all pairs, so that
+// few are tested twice. Equivalent to simulation/cutting_math.h and reference_engine.cpp.
 
-// Fractions of a way as keys, and back.
+// Converts fractions of a way to keys and back.
 uint64_t ToKey(double s) { return packUint2x32(unpackDouble2x32(s)); }
 double FromKey(uint64_t key) { return packDouble2x32(unpackUint2x32(key)); }
 
-// A float that is not less.
+// A float that is not less than s.
 float AtLeast(double s) { return float(s) * 1.0000003; }
 
-// All four in double precision, and back. Not at once: NVIDIA's driver 580.159 gives the floats' own bits then.
+// Converts all four components. In two steps: NVIDIA's driver 580.159 returns the floats' own bits for a single conversion.
 dvec4 Exactly(vec4 v) { return dvec4(dvec3(v.xyz), double(v.w)); }
 vec4 InFloats(dvec4 v) { return vec4(vec3(v.xyz), float(v.w)); }
 
-// Tool ball t: what floats leave of its numbers makes them whole.
+// Tool ball t in double precision: floats plus their remainders.
 dvec4 ExactStart(uint t) {
   return Exactly(texelFetch(tool_texels, int(2u * t))) + Exactly(texelFetch(tool_texels, int(kToolRest + 2u * t)));
 }
@@ -27,7 +27,7 @@ dvec4 ExactAtContact(uint t, double s) {
   return dvec4(start.xyz + s * (ExactGoal(t) - start.xyz), start.w);
 }
 
-// To whole numbers, as additions round them: |x| < 2^51.
+// Rounds to integers, as additions do: |x| < 2^51.
 dvec2 Rounded(dvec2 x) {
   precise dvec2 up = x + 6755399441055744.0lf, whole = up - 6755399441055744.0lf;
   return whole;
@@ -44,14 +44,14 @@ double ExactFirstContact(dvec3 D, dvec3 m, double R) {
   return misses ? 2.0lf : s;
 }
 
-// The slide that is done: with the turn, or straight where bone keeps the tool from turning (twin of
+// The slide to perform: with the turn, or straight where bone keeps the tool from turning (equivalent to
 // ReferenceEngine::Frame).
 const double kTurnWorth_mm = 1e3 * kTurnWorth_m;
 struct Slide {
   bool turns;
-  double share;   // of the way to the target
-  double way_mm;  // of the tool point that goes farthest
-  dvec3 move;     // what there is from the tool's pose to the target, or straight from first contact to it
+  double share;  // fraction of the way to the target
+  double way_mm;  // travel of the tool point that moves farthest
+  dvec3 move;  // from the tool's pose to the target; straight: from first contact to the target
 };
 Slide ChosenSlide() {
   double met = FromKey(frame.slide_key), limit = frame.exact.slide_limit, full = min(limit, met);
@@ -62,7 +62,7 @@ Slide ChosenSlide() {
   bool turns = turning == 0u || SlidesTurning(met < limit, full_way, straight_way, kTurnWorth_mm);
   return Slide(turns, turns ? full : straight, turns ? full_way : straight_way, turns ? delta : shift);
 }
-// Where a tool ball is after the slide, from where it was at contact.
+// Position of a tool ball after the slide, from its position at first contact.
 dvec3 AfterSlide(Slide slide, dvec3 at_contact, dvec3 goal) {
   dvec3 target = (slide.turns ? goal : at_contact) + slide.move;
   return at_contact + slide.share * (target - at_contact);

@@ -1,5 +1,5 @@
-// Pass 1, one pair (equation 3, corrected; twin of simulation/cutting_math.h FirstContactFraction), in floats: never later than
-// the contact is, by what `rounding` makes of the balls' places.
+// Pass 1, one pair (equation 3, corrected; equivalent to simulation/cutting_math.h FirstContactFraction), in floats. The result
+// is never later than the contact, for errors of the balls' positions up to `rounding`.
 float EarliestContact(vec3 D, vec3 m, float R, float rounding) {
   R += rounding;
   float Dm = dot(D, m) + rounding * R;

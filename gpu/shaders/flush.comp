@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Before lists are made anew, or the state is read: the list's copies of the balls go back to where they are from.
+// Writes the list's copies of the balls back to the ball buffers, before lists are rebuilt or the state is read.
 #include "common.glsl"
 
 void main() {

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Before lists are made anew, after flush.comp: what the host has made of balls that are split takes its place.
+// Writes the host's children of split balls to the ball buffers, after flush.comp and before lists are rebuilt.
 #include "common.glsl"
 
 void main() {

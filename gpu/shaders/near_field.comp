@@ -1,11 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass 2, first half (twin of ReferenceEngine::FindNearField): the nearest pair in each bin of direction, as the least of
-// whole-number keys, and lens-weighted sums (equation 4, corrected) around the normals of the faces that pressed the frame
-// before. Row 0: live balls and the balls that cut; row 1: pairs with those that do not.
+// Pass 2, first half (equivalent to ReferenceEngine::FindNearField): the nearest pair in each bin of direction, as the smallest
+// integer key, and lens-weighted sums (equation 4, corrected) around the normals of the faces that pressed in the frame before.
+// Row 0: listed balls with the cutting balls; row 1: pairs with balls that do not cut.
 //
-// Software drivers skip no branch, so what few pairs need (a sum, a key) stands behind the loop over them, which all lanes leave
-// as soon as one of them has such a pair. On a GPU a workgroup's keys and sums meet before they go on, and the last one solves.
+// Software drivers execute both sides of a branch. Work that few pairs need (a sum, a key) therefore follows the loop over the
+// pairs, which all lanes leave as soon as one of them has such a pair. On a GPU a workgroup combines its keys and sums first,
+// and the last workgroup solves.
 #include "common.glsl"
 #include "pairs.glsl"
 #include "solve.glsl"
@@ -13,9 +14,9 @@
 const double kPi = 3.14159265358979323846lf;
 const double kLargestLens_mm3 = 1e9 * kLargestLensVolume;
 const double kMiddleWorth_mm = 1e3 * kMiddleWorth_m;
-const float kDirectionRounding = 1e-5;   // of floats, in a cosine: so near to a bin's edge they do not tell the side
+const float kDirectionRounding = 1e-5;  // of a cosine in floats: this near to a bin's edge they cannot decide the side
 
-// Twin of simulation::LensVolume, up to the largest that counts.
+// Equivalent to simulation::LensVolume, up to the largest volume that counts.
 double LensVolume(double r1, double r2, double d) {
   double dr = r1 - r2, least = min(r1, r2), over = r1 + r2 - d;
   double lens = kPi / 12.0lf * over * over * (d * d + 2.0lf * d * (r1 + r2) - 3.0lf * dr * dr) / max(d, 1e-20lf);
@@ -23,7 +24,8 @@ double LensVolume(double r1, double r2, double d) {
   return over <= 0.0lf ? 0.0lf : min(v, kLargestLens_mm3);
 }
 
-// Twin of simulation::FindBin; u in T. In floats, with how far the direction is from another bin, about; and exactly.
+// Equivalent to simulation::FindBin; u in T. In floats, with the approximate distance of the direction from another bin; and in
+// double precision.
 struct Bin {
   uint number;
   float off_middle, inside;
@@ -32,14 +34,14 @@ Bin FindBin(vec3 u, bool cutting) {
   vec3 size = abs(u);
   bool x = size.x >= size.y && size.x >= size.z, y = !x && size.y >= size.z;
   uint axis = x ? 0u : y ? 1u : 2u;
-  vec3 v = x ? u : y ? u.yzx : u.zxy;  // the axis first, then the next ones around
+  vec3 v = x ? u : y ? u.yzx : u.zxy;  // the main axis first, then the next ones in cyclic order
   uint face = 2u * axis + (v.x < 0.0 ? 1u : 0u);
   float edge = abs(v.x), to_face = edge - max(abs(v.y), abs(v.z));
   uint a = 3.0 * v.y < -edge ? 0u : 3.0 * v.y > edge ? 2u : 1u;
   uint b = 3.0 * v.z < -edge ? 0u : 3.0 * v.z > edge ? 2u : 1u;
   float to_third = min(abs(3.0 * abs(v.y) - edge), abs(3.0 * abs(v.z) - edge));
   float along = edge + 2.0 / 3.0 * ((float(a) - 1.0) * v.y + (float(b) - 1.0) * v.z);
-  // 1 / sqrt(1 + 4/9 of the thirds that are off the middle)
+  // 1 / sqrt(1 + 4/9 times the number of thirds off the centre)
   float per_length = a == 1u && b == 1u ? 1.0 : a == 1u || b == 1u ? 0.83205029 : 0.72760688;
   return cutting ? Bin(9u * face + 3u * a + b, 1.0 - along * per_length, min(to_face, to_third))
                  : Bin(kCuttingBinCount + face, 1.0 - edge, to_face);
@@ -58,7 +60,7 @@ ExactBin FindExactBin(dvec3 u, bool cutting) {
   uint a = 3.0lf * v.y < -edge ? 0u : 3.0lf * v.y > edge ? 2u : 1u;
   uint b = 3.0lf * v.z < -edge ? 0u : 3.0lf * v.z > edge ? 2u : 1u;
   double along = edge + 2.0lf / 3.0lf * ((double(a) - 1.0lf) * v.y + (double(b) - 1.0lf) * v.z);
-  // 1 / sqrt(1 + 4/9 of the thirds that are off the middle)
+  // 1 / sqrt(1 + 4/9 times the number of thirds off the centre)
   double per_length = a == 1u && b == 1u   ? 1.0lf
                       : a == 1u || b == 1u ? 0.83205029433784368302lf
                                            : 0.72760687510899891329lf;
@@ -66,19 +68,19 @@ ExactBin FindExactBin(dvec3 u, bool cutting) {
                  : ExactBin(kCuttingBinCount + face, 1.0lf - edge);
 }
 
-// What all pairs of an invocation share.
+// Values shared by all pairs of an invocation.
 struct Near {
-  vec3 axis_x, axis_y, axis_z, origin;  // T at the tool's pose
+  vec3 axis_x, axis_y, axis_z, origin;  // frame T at the tool's pose
   vec3 face_0, face_1, face_2, face_3;
   float enlargement, face_point_scale, rounding;
-  // exactly
+  // in double precision
   double exact_enlargement, face_scale;
   dvec3 exact_x, exact_y, exact_z, exact_face_0, exact_face_1, exact_face_2, exact_face_3;
 };
 
 vec3 InTool(Near near, vec3 v) { return vec3(dot(v, near.axis_x), dot(v, near.axis_y), dot(v, near.axis_z)); }
 
-// What every pair is asked: whether it may be the nearest of its bin, or in a face's cone.
+// Result of the float test of a pair: whether it may be the nearest of its bin, or in a face's cone.
 struct Pair {
   bool nearest, in_face;
 };
@@ -91,13 +93,13 @@ Pair Touch(Near near, vec4 ball, vec4 at, bool cutting) {
   float score = gap + float(kMiddleWorth_mm) * bin.off_middle - near.rounding;
   uint units = KeptUnits(ScoreUnits(score), kBoneBits);
   float most = max(max(dot(n, near.face_0), dot(n, near.face_1)), max(dot(n, near.face_2), dot(n, near.face_3)));
-  // the least key so far, or an older one: the upper half of its 64 bits begins with the units
+  // the smallest key so far, or an older one: the upper half of its 64 bits begins with the units
   return Pair(is_near && (bin.inside < kDirectionRounding ||
                           units <= UnitsOfHalf(frame_halves[2u * bin.number + 1u], kBoneBits)),
               is_near && most > float(kFaceCosine) - kDirectionRounding);
 }
 
-// The same pair exactly.
+// The same pair in double precision.
 struct ExactPair {
   dvec3 n;
   double d, gap;
@@ -107,9 +109,10 @@ ExactPair LookAt(vec4 ball, dvec4 at) {
   double d = length(from_bone);
   return ExactPair((1.0lf / max(d, 1e-20lf)) * from_bone, d, d - at.w - double(ball.w));
 }
-// Where no branch is skipped, keys are taken in a loop of their own, behind the one that finds them.
+// Where both sides of a branch are executed, keys are written in a separate loop after the one that finds them.
 const bool kKeysApart = !kOnGpu;
-// On a GPU an invocation's last key waits for those of its workgroup, since all that go to one place take turns.
+// On a GPU an invocation keeps its last key until the workgroup combines its keys, since atomic operations on one address are
+// serialised.
 struct Waiting {
   uint bin;
   uint64_t key;
@@ -119,7 +122,7 @@ void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
   ExactBin bin =
       FindExactBin(dvec3(dot(exact.n, near.exact_x), dot(exact.n, near.exact_y), dot(exact.n, near.exact_z)), cutting);
   uint units = ScoreUnits(exact.gap + kMiddleWorth_mm * bin.off_middle);
-  // others may have been found since this one was
+  // other invocations may have found nearer pairs since
   if (kKeysApart && KeptUnits(units, kBoneBits) > UnitsOfHalf(frame_halves[2u * bin.number + 1u], kBoneBits)) return;
   uint64_t key = BinKey(units, bone, t, kBoneBits);
   if (!kOnGpu) {
@@ -131,7 +134,7 @@ void TakeKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
     waiting = Waiting(bin.number, key);
   }
 }
-// The least of a workgroup alone, which tells the others by its units; by all of them.
+// Smallest key of a workgroup: the units decide first. Called by all its invocations.
 shared uint least_units[kBins];
 void TakeLeast() {
   if (gl_LocalInvocationID.x < kBins) least_units[gl_LocalInvocationID.x] = 0xffffffffu;
@@ -143,8 +146,8 @@ void TakeLeast() {
   if (waits && units == least_units[waiting.bin]) atomicMin(frame.bin_keys[waiting.bin], waiting.key);
 }
 
-// Sums of one face over this invocation's pairs, in whole units: weight and weight·n (doubles hold whole numbers up to 2^53),
-// weight·centre and weight·radius. Of 256 pairs, since no summand reaches 2^44 or 2^23.
+// Sums of one face over this invocation's pairs, as integers: weight and weight·n (doubles hold integers up to 2^53),
+// weight·centre and weight·radius. At most 256 pairs, since every summand is below 2^44 or 2^23.
 const uint kMostSummands = 256u;
 struct Part {
   dvec4 n;
@@ -156,10 +159,11 @@ struct Parts {
 const Part kNone = Part(dvec4(0.0lf), ivec4(0));
 const Parts kNoParts = Parts(kNone, kNone, kNone, kNone);
 
-// A face that did not press, on a GPU: the same for all, so that its branch is skipped.
+// A face that did not press; on a GPU only, where the branch is uniform and can be skipped.
 bool IsIdle(vec3 face) { return kOnGpu && face == vec3(0.0); }
 
-// `lens`: 0 for a pair that does not count; `alone`: the only cutter's, whose centre is known.
+// Adds a pair to a face's sums. `lens`: 0 for a pair that does not count; `alone`: the only cutting ball's pair, whose centre
+// is known.
 void Gather(inout Part part, Near near, dvec3 face, dvec3 n, double lens, vec4 center, bool alone) {
   double inside = max(0.0lf, dot(n, face) - kFaceCosine);
   double w = lens * inside * inside;
@@ -196,9 +200,10 @@ void AddParts(Parts parts, bool shaft, bool alone) {
   FLUSH(parts.part_3, 3)
 }
 
-// The same on a GPU, by all of a workgroup: few of it have anything, which is noted in shared memory and added up, so that there is
-// one atomic addition for all. (To one place they come one after the other: 8 us where each subgroup adds its own.)
-const uint kNotes = 64u;  // at a time
+// The same on a GPU, called by a whole workgroup. Few of its invocations have a contribution; these are noted in shared memory
+// and added up, so that one atomic addition serves all. (Atomic additions of each subgroup to one address are serialised and
+// take 8 us.)
+const uint kNotes = 64u;  // capacity at a time
 shared double part_notes[kNotes][4u * kFaces];
 shared uint note_count;
 shared double part_totals[16][4u * kFaces];
@@ -206,7 +211,7 @@ void NoteAll(uint place, dvec4 a, dvec4 b, dvec4 c, dvec4 d) {
   double all[4u * kFaces] = double[](a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, c.w, d.x, d.y, d.z, d.w);
   for (uint i = 0u; i < 4u * kFaces; ++i) part_notes[place][i] = all[i];
 }
-// Of column lane % 16, to the first 16 invocations. Whole numbers: their order does not matter.
+// Total of column lane % 16, in the first 16 invocations. Integers: their order does not matter.
 double NotesTotal(uint count) {
   uint lane = gl_LocalInvocationID.x, column = lane % 16u, row = lane / 16u;
   double sum = 0.0lf;
@@ -247,7 +252,7 @@ void AddPartsOfGroup(Parts parts, bool shaft, bool alone) {
   }
 }
 
-// A pair marked: that may be the nearest of its bin.
+// Notes a pair; marked where it may be the nearest of its bin.
 void NoteIf(Pair pair, uint slot, uint t) {
   if (pair.nearest || pair.in_face) Note(slot, t, pair.nearest);
 }
@@ -271,7 +276,7 @@ void main() {
   near.rounding = frame.rounding_mm;
   near.exact_enlargement = frame.exact.enlargement;
   near.face_scale = kFiner * double(frame.face_scale);
-  near.exact_x = dvec3(near.axis_x);  // the axes of bins are those that floats tell
+  near.exact_x = dvec3(near.axis_x);  // the bins' axes are defined by the floats
   near.exact_y = dvec3(near.axis_y);
   near.exact_z = dvec3(near.axis_z);
   near.exact_face_0 = frame.exact.face_n[0];

@@ -1,35 +1,36 @@
-// Pairs of a ball and a tool ball in the lists. A span's words tell how far each pair was apart where the words were made; the
-// tool has moved by no more than the drift since, and bone only shrinks: pairs too far are passed over without a look at them.
+// Pairs of a ball and a tool ball in the lists. A packed pair has the gap when it was measured. The tool has moved by at most
+// the displacement since, and bone only shrinks, so pairs that are too far are skipped without reading the balls.
 
-// How far a tool ball of the kind is, at fraction s of the frame's way, from where the words were made.
+// Displacement of the tool balls of a kind since their packed pairs were measured, at fraction s of the frame's way.
 float Drift(bool cutting, float s) {
-  if (frame.lists_at_contact != 0u) return 0.0;  // only what comes after first contact asks
+  if (frame.lists_at_contact != 0u) return 0.0;  // only steps after first contact use it
   return cutting ? mix(frame.cutting_words_start_mm, frame.cutting_words_goal_mm, s)
                  : mix(frame.shaft_words_start_mm, frame.shaft_words_goal_mm, s);
 }
 
-// The largest gap in a word of a pair that may now be nearer than `gap_mm`.
-const float kSpanRounding_mm = 1e-3;  // of floats, many times over
+// Largest packed gap of a pair that may now be nearer than `gap_mm`.
+const float kSpanRounding_mm = 1e-3;  // many times the rounding of floats
 uint WordGap(float gap_mm) {
   return uint(clamp((gap_mm + kSpanRounding_mm) / kSpanGapUnit + 1.0, 0.0, float(kLargestSpanGap)));
 }
 
-// Lists of pairs: of live balls, of those near balls that do not cut, of live points. With one cutter the first needs no words.
+// Lists of pairs: of listed balls, of balls near tool balls that do not cut, of listed points. With one cutting ball the first
+// needs no packed pairs.
 const uint kCutting = 0u, kShaft = 1u, kPoint = 2u;
-// Of the first two those that a workgroup takes, of which `shaft_row` are the second's.
+// Range of the first two lists for a workgroup; row `shaft_row` takes the second.
 uint FirstList(uint row, uint shaft_row) { return kOneCutter || row == shaft_row ? kShaft : kCutting; }
 uint LastList(uint row, uint shaft_row) { return row == shaft_row ? kShaft : kCutting; }
 
-// An invocation's way through the pairs of its share of a list.
+// Iterator over the pairs of an invocation's share of a list.
 struct Walk {
   uint list;
-  uint next, end;  // entries not looked at yet
-  uint before;     // entries of another list in the same texels
-  uint slot;       // where the ball or point lies that it is at
-  uint k, last;         // its words that were not looked at yet
-  uvec4 words;     // those before k
-  uint left;       // which of these are still to come
-  uint word;       // of the pair it is at
+  uint next, end;  // entries not visited yet
+  uint before;  // entries of another list in the same texels
+  uint slot;  // slot of the current ball or point
+  uint k, last;  // its packed pairs not read yet
+  uvec4 words;  // the four packed pairs before k
+  uint left;  // bits of those still to come
+  uint word;  // the current packed pair
 };
 uint EntriesBefore(uint list) { return list == kShaft ? frame.live_capacity : 0u; }
 Walk BeginWalk(uint list, bool any) {
@@ -41,8 +42,8 @@ uvec4 Entry(uint list, uint place) {
   return texelFetch(entry_texels, int(place));
 }
 
-// On to the next pair whose word tells a gap of `farthest` at most; false at the end. One turn of the loop is an entry or four
-// words: software drivers go on until all lanes have found one, and what is then done with the pairs is done for all at once.
+// Advances to the next pair with a packed gap of at most `farthest`; false at the end. One turn of the loop is an entry or four
+// packed pairs. Software drivers continue until all lanes have found a pair, and the pairs are then processed together.
 bool NextPair(inout Walk walk, uint farthest) {
   while (walk.left == 0u && (walk.k < walk.last || walk.next < walk.end)) {
     if (walk.k >= walk.last && walk.next < walk.end) {
@@ -65,22 +66,22 @@ bool NextPair(inout Walk walk, uint farthest) {
   return found;
 }
 
-// What floats have found in an invocation's share of a list, to be looked at exactly behind the loop that finds it. On a processor
-// there is room for many, so that all lanes have one to look at.
+// Candidates of the float test in an invocation's share of a list, to be tested in double precision after the loop that finds
+// them. A processor has room for many, so that all lanes have one to test.
 const uint kRoom = kOnGpu ? 1u : 64u;
 const uint kMark = 1u << kToolBits;
 struct Found {
   uint count;
-  uint slot[kRoom], what[kRoom];  // entry or ball; tool ball, and kMark where more is to be asked
+  uint slot[kRoom], what[kRoom];  // entry or ball; tool ball, with kMark where more has to be tested
 } found;
-uint InRoom(uint i) { return kRoom == 1u ? 0u : i; }  // a known place stays in a register
+uint InRoom(uint i) { return kRoom == 1u ? 0u : i; }  // a constant index stays in a register
 void Note(uint slot, uint t, bool mark) {
   found.slot[InRoom(found.count)] = slot;
   found.what[InRoom(found.count)] = t | (mark ? kMark : 0u);
   ++found.count;
 }
 bool IsMarked(uint i) { return (found.what[InRoom(i)] & kMark) != 0u; }
-// Whether a marked one comes from i on; i is it then.
+// Moves i to the next marked candidate; false where there is none.
 bool NextMarked(inout uint i) {
   while (i < found.count && !IsMarked(i)) ++i;
   return i < found.count;

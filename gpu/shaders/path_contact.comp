@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass 1 where the lists have to be made: first contact on the tool's way with any ball of the clusters that the host has
-// found on it, a workgroup each if the device takes so many. The smallest fraction over all pairs, as bits: doubles of one
-// sign order like their bits, so that atomicMin is exact and independent of scheduling.
+// Pass 1 where the lists have to be built: first contact on the tool's way with any ball of the clusters that the host found on
+// it, one workgroup for each cluster if the device allows that many. The smallest fraction over all pairs, as bits: for one
+// sign, doubles order like their bits, so atomicMin is exact and independent of scheduling.
 #include "common.glsl"
 #include "first_contact.glsl"
 
@@ -19,7 +19,7 @@ void main() {
         uint t = tool_refs[ref];
         vec4 start = Start(t);
         float earliest = EarliestContact(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w, rounding);
-        // a loop, since software drivers execute a branch that nobody takes
+        // a loop, since software drivers execute a branch even if no lane takes it
         for (uint may = earliest < first ? 0 : 1; may < 1; ++may) {
           dvec4 from = ExactStart(t);
           s = min(s, ExactFirstContact(dvec3(ball.xyz) - from.xyz, ExactGoal(t) - from.xyz, from.w + double(ball.w)));

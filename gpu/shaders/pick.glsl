@@ -1,11 +1,12 @@
-// Lists of what the tool can meet: at the proxy, where first contact is to be found among them, or at first contact, where
-// the whole way there has been searched. A list's order is scheduling's; nothing that is made from it depends on the order.
+// Lists of the balls and points that the tool can meet: built at the proxy, when first contact is then searched in them, or at
+// first contact, when the whole way there has been searched. A list's order depends on scheduling; no result depends on the
+// order.
 
-// Of the tool balls tool_refs[first … end - 1] those that come within `reach` of a ball (p, r) at first contact: counted, then
-// written as words of a span.
+// Finds the tool balls of tool_refs[first … end - 1] that come within `reach` of a ball (p, r) at first contact: counts them,
+// then writes their packed pairs.
 struct Span {
   uint first, count;
-  uint least;  // gap in its words
+  uint least;  // smallest gap of its packed pairs
 };
 Span FindSpan(uint first, uint end, vec3 p, float r, float reach, float s, bool cut, bool live) {
   Span span = Span(0u, 0u, 0u);
@@ -28,7 +29,7 @@ Span FindSpan(uint first, uint end, vec3 p, float r, float reach, float s, bool 
   }
   if (span.count == 0u) return span;
   atomicMax(frame.longest_span, span.count);
-  uint room = (span.count + 3u) & ~3u;  // words are read by four
+  uint room = (span.count + 3u) & ~3u;  // packed pairs are read by four
   uint place = atomicAdd(frame.span_count, room);
   if (place + room > frame.span_capacity) {
     frame.too_many = 1u;
@@ -49,7 +50,7 @@ Span FindSpan(uint first, uint end, vec3 p, float r, float reach, float s, bool 
   return span;
 }
 
-// One more entry in a list of `count`: its slot, and the workgroups that reach it.
+// Takes the next slot of a list of length `count`, and adds the workgroup that covers it.
 #define NEXT_SLOT(slot, count)                             \
   uint slot = atomicAdd(count, 1u);                        \
   if (slot % (kLanes * frame.chunk) == 0u) {               \
@@ -59,5 +60,5 @@ Span FindSpan(uint first, uint end, vec3 p, float r, float reach, float s, bool 
     atomicMax(frame.clear_work.x, groups);                 \
   }
 
-// Where on the frame's way the lists are made.
+// Fraction of the frame's way at which the lists are built.
 float ListFraction() { return frame.lists_at_contact != 0u ? ContactFraction() : 0.0; }

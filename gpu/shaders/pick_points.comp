@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Lists the mass points within reach of the cutting balls, cleared ones left out.
+// Lists the mass points within reach of the cutting balls, without cleared ones.
 #include "common.glsl"
 #include "pick.glsl"
 

@@ -1,14 +1,14 @@
-// Pass 3, first half: how far bone gives way in this frame (twin of simulation::AdvanceOfFrame, StepOfAdvance and EndOfAdvance). Every
-// invocation works it out for itself: cheaper than a pass of its own.
+// Pass 3, first half: how far bone gives way in this frame (equivalent to simulation::AdvanceOfFrame, StepOfAdvance and
+// EndOfAdvance). Every invocation computes it for itself, which is cheaper than a separate pass.
 struct Advance {
   double advance_mm, edge_work_Nmm;
   dvec3 step_mm;
 };
 
-// 1 - exp(-y) for y >= 0: the series for a small part of y, doubled.
+// 1 - exp(-y) for y >= 0: the series for a small part of y, then repeated doubling.
 double OneLessExp(double y) {
   uint doublings = 0u;
-  for (; y > 0.01lf && doublings < 13u; ++doublings) y *= 0.5lf;  // beyond 40 it is 1
+  for (; y > 0.01lf && doublings < 13u; ++doublings) y *= 0.5lf;  // for y beyond 40 the result is 1
   y = min(y, 0.01lf);
   // (multiplied: a division takes as long as the rest)
   const double third = 1.0lf / 3.0lf, fifth = 0.2lf, sixth = 1.0lf / 6.0lf;
@@ -18,7 +18,7 @@ double OneLessExp(double y) {
 }
 
 Advance AdvanceOfFrame(double at_contact, Slide slide) {
-  // what is read is asked for at once
+  // load all values at once
   double x = frame.exact.cutting, advance = 0.0lf, edge_work = 0.0lf;
   double spindle_rad_per_s = abs(frame.exact.spindle_rad_per_s), dt_s = frame.exact.dt_s;
   double stiffness = frame.exact.stiffness, most_force = frame.exact.max_force, most_slide = frame.exact.max_slide;
@@ -52,10 +52,10 @@ Advance AdvanceOfFrame(double at_contact, Slide slide) {
   }
   dvec3 origin = start + at_contact * (goal - start);
   dvec3 slide_mm = AfterSlide(slide, origin, goal) - origin;
-  // the immediate law goes all the way to the tool's pose, but where balls that do not cut hold alone
+  // the immediate law goes all the way to the tool's pose, unless only balls that do not cut hold the tool
   bool all_the_way = immediate && turns && (advance > 0.0lf || delta == dvec3(0.0lf));
   dvec3 step_mm = all_the_way ? goal - origin - slide_mm : -advance * n;
-  // balls that do not cut hold it back
+  // balls that do not cut hold the proxy back
   for (uint c = first_shaft; c < shaft_end; ++c) {
     Candidate shaft = frame.candidates[c];
     dvec3 from_bone = dvec3(shaft.n_x, shaft.n_y, shaft.n_z);

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The gaps in the lists' words, measured anew where the frame begins: the more the tool has drifted since, the more pairs must be
-// looked at that are too far. Row 0: live balls and the balls that cut; row 1: points; row 2: pairs with those that do not.
+// Measures the gaps of the lists' packed pairs anew at the proxy: with the tool's displacement grows the number of pairs that
+// are tested although they are too far. Row 0: listed balls with the cutting balls; row 1: points; row 2: pairs with balls that
+// do not cut.
 #include "common.glsl"
 #include "pairs.glsl"
 

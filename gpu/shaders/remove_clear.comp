@@ -1,12 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass 3: every cutting ball's capsules (first contact to slid, slid to end of the advance) take their share of each live ball
-// (row 0; equation 5, corrected; twin of simulation::ShrinkBall), one invocation a ball, and clear the mass points in them
-// (row 1), each once and booked in whole units of volume: the result does not depend on scheduling. The list's copies are the
-// balls from here on, until flush.comp writes them back. On a GPU the last workgroup reports the frame.
+// Pass 3. Row 0: shrinks each listed ball by every cutting ball's capsules (first contact to slid, slid to end of the advance),
+// one invocation a ball (equation 5, corrected; equivalent to simulation::ShrinkBall). Row 1: clears the mass points in the
+// capsules, each once and booked in integer units of volume, so the result does not depend on scheduling. From here on the
+// list's copies are the valid balls, until flush.comp writes them back. On a GPU the last workgroup reports the frame.
 //
-// Software drivers skip no branch: what few balls and points need stands behind the loop over them, which each lane leaves at one
-// that needs it.
+// Software drivers execute both sides of a branch: work that few balls and points need follows the loop over them, which each
+// lane leaves at the first one that needs it.
 #include "common.glsl"
 #include "pairs.glsl"
 #include "rate_law.glsl"
@@ -15,7 +15,7 @@ shared uint report_sum;
 
 const double kLeastBallRadius_mm = 1e3 * kLeastBallRadius;
 
-// One piece of a cutting ball's path, as floats tell it: whether it may touch.
+// One piece of a cutting ball's path in floats, to test whether it may touch.
 struct Rough {
   vec3 a, m;  // from a to a + m
   float per_mm2;  // 1 / m²; 0 where nothing moves
@@ -30,7 +30,7 @@ float SquaredDistance(Rough c, vec3 p) {
   return dot(away, away);
 }
 
-// The same exactly.
+// The same in double precision.
 struct Capsule {
   dvec3 a, m;
   double per_mm2, r;
@@ -46,7 +46,7 @@ dvec3 Away(Capsule c, dvec3 p) {
 }
 bool Inside(Capsule c, dvec3 p) { return length(Away(c, p)) < c.r; }
 
-// The direction in which a ball gives way whose centre lies on the axis: what rounding has left would count.
+// Direction in which a ball moves whose centre lies on the axis; the remainder of rounding must not decide it.
 dvec3 OnAxis(Capsule c, dvec3 p, dvec3 away, double d) {
   dvec3 u = away;
   double along = dot(p - c.a, c.m) * c.per_mm2;
@@ -59,8 +59,8 @@ dvec3 OnAxis(Capsule c, dvec3 p, dvec3 away, double d) {
 
 bool Swallows(Capsule c, dvec4 ball) { return ball.w + c.r - length(Away(c, ball.xyz)) >= 2.0lf * ball.w; }
 
-// A ball after one capsule. `on_axis`: its centre lies there; without `all_cases` that is left to a second call, behind the loop
-// over many balls, since software drivers execute a branch that nobody takes.
+// A ball after one capsule. `on_axis` is set where its centre lies on the axis. Without `all_cases` that case is left to a
+// second call after the loop over many balls, since software drivers execute a branch even if no lane takes it.
 dvec4 Shrunk(dvec4 ball, Capsule c, bool all_cases, inout bool on_axis) {
   dvec3 away = Away(c, ball.xyz);
   double d = length(away), p = ball.w > 0.0lf ? max(0.0lf, ball.w + c.r - d) : 0.0lf, half_p = 0.5lf * p;
@@ -72,15 +72,15 @@ dvec4 Shrunk(dvec4 ball, Capsule c, bool all_cases, inout bool on_axis) {
   return gone ? dvec4(ball.xyz, 0.0lf) : dvec4(ball.xyz + half_p * u, ball.w - half_p);
 }
 
-// The way of the frame.
+// The frame's way of the tool.
 struct Way {
   double at_contact;
   Slide slid_by;
   dvec3 step_mm;
   float rounding;
-  uint farthest;  // in a word of a pair that may meet on it
-  uint cutter;    // with kContactSphere the only one
-  // as floats tell it
+  uint farthest;  // largest packed gap of a pair that may meet on it
+  uint cutter;  // with kContactSphere, the only cutting ball
+  // in floats
   float rough_contact, rough_share;
   vec3 rough_move, rough_step;
 };
@@ -99,7 +99,7 @@ dvec4 Shrunk(dvec4 ball, Pieces pieces, bool all_cases, out bool on_axis) {
   return Shrunk(Shrunk(ball, pieces.slide, all_cases, on_axis), pieces.give, all_cases, on_axis);
 }
 bool Inside(Pieces pieces, dvec3 p) { return Inside(pieces.slide, p) || Inside(pieces.give, p); }
-// The nearer of both: its squared distance.
+// The same in floats.
 struct RoughPieces {
   Rough slide, give;
   float r;
@@ -110,13 +110,13 @@ RoughPieces RoughPiecesOf(Way way, uint t) {
        slid = mix(contact.xyz, target, way.rough_share);
   return RoughPieces(MakeRough(contact.xyz, slid), MakeRough(slid, slid + way.rough_step), contact.w);
 }
-// Whether they may touch a ball, or a point of radius 0.
+// True where they may touch a ball, or a point of radius 0.
 bool MayTouch(Way way, RoughPieces pieces, vec3 p, float radius) {
   float reach = pieces.r + radius + way.rounding;
   return min(SquaredDistance(pieces.slide, p), SquaredDistance(pieces.give, p)) < reach * reach;
 }
 
-// A ball after the frame, by the words of its entry: in their order, both pieces of one tool ball's way before the next one's.
+// A ball after the frame, by its entry's packed pairs in order: both pieces of one tool ball's way before those of the next.
 vec4 Shrink(Way way, uint slot, vec4 ball) {
   Live entry = LiveEntry(slot);
   uint last = entry.first + (ball.w > 0.0 && entry.more <= way.farthest ? entry.count : 0u);
@@ -134,7 +134,7 @@ vec4 Shrink(Way way, uint slot, vec4 ball) {
   return ball;
 }
 
-// Whether one piece of the way swallows the ball as it was.
+// True where one piece of the way removes the whole original ball.
 bool IsSwallowed(Way way, uint slot, dvec4 whole) {
   bool swallowed = false;
   Live entry = LiveEntry(slot);
@@ -147,7 +147,7 @@ bool IsSwallowed(Way way, uint slot, dvec4 whole) {
   return swallowed;
 }
 
-// The ball's new state to where it lies; a large one is noted for the host to split, a small child dropped.
+// Stores the ball's new state. A large ball is noted for the host to split, a small child is dropped.
 void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
   if (ball.w == whole.w) return;
   if (kSplit) {
@@ -166,7 +166,7 @@ void Keep(Way way, uint slot, vec4 whole, vec4 ball) {
   live_balls[slot] = ball;
 }
 
-// The way of the only cutting ball, over this invocation's balls.
+// Removes with the only cutting ball, over this invocation's balls.
 void RemoveOnce(Way way, RoughPieces rough, Pieces only, uint end) {
   uint slot = FirstEntry();
   while (slot < end) {
@@ -191,7 +191,7 @@ void RemoveOnce(Way way, RoughPieces rough, Pieces only, uint end) {
   }
 }
 
-// The way of all cutting balls, over this invocation's balls: a ball's tool balls come in their order, one after the other.
+// Removes with all cutting balls, over this invocation's balls: the tool balls of a ball in order, one after the other.
 void RemovePairs(Way way, bool go) {
   const uint kNoSlot = 0xffffffffu;
   Walk walk = BeginWalk(kCutting, go);
@@ -236,12 +236,12 @@ void Clear(uint slot, vec4 point) {
   atomicAdd(frame.exact.removed[material], uint64_t(point_units[i]));
 }
 
-// What a workgroup is to do, of the balls (row 0) or points (row 1) that are near.
+// A workgroup's share of the listed balls (row 0) or points (row 1).
 void Remove(Way way) {
   uint row = Row();
   bool go = frame.is_void == 0u && frame.spindle_rad_per_s != 0.0;
   if (kContactSphere) go = go && way.cutter < frame.cutter_count;  // a shaft cuts nothing
-  // the only cutter's, where there is but one
+  // the only cutting ball's, where there is one
   Pieces only = PiecesOf(way, 0u);
   RoughPieces rough = RoughPiecesOf(way, 0u);
 
@@ -287,13 +287,13 @@ void Remove(Way way) {
     }
     if (!touched || !Inside(PiecesOf(way, ToolOf(walk.word)), dvec3(point.xyz))) continue;
     Clear(walk.slot, point);
-    walk.left = 0u;  // once is enough
+    walk.left = 0u;  // once cleared is enough
     walk.k = walk.last;
   }
 }
 
-// The frame to where the host reads it: a copy command takes four times as long on a GPU. The host asks for the number and then
-// compares the sum, so the words may arrive in any order.
+// Writes the frame to where the host reads it; a copy command takes four times as long on a GPU. The host polls the number and
+// then compares the checksum, so the words may arrive in any order.
 void ReportFrame() {
   const uint count = kFrameBytes / 16u;
   if (gl_LocalInvocationID.x == 0u) report_sum = 0u;

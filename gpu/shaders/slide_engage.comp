@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Rows 0 (balls that cut) and 2 (those that do not), the slide: pass 1 again, from first contact to the constrained target.
-// Pairs that overlap by less than the tolerance may overlap up to it, or a tool would stick to every ball that stands out of a
-// smooth wall. Row 1, engaged area: volume of the mass points within a layer of the cutting surface over the layer's depth,
-// projected on the plane normal to the force (twin of ReferenceEngine::MeasureEngagement).
+// Rows 0 (cutting balls) and 2 (balls that do not cut), the slide: pass 1 again, from first contact to the constrained target.
+// Pairs that overlap by less than the tolerance may move to an overlap of that size; otherwise a tool would catch on every ball
+// that protrudes from a smooth wall. Row 1, engaged area: volume of the mass points within a layer of the cutting surface over
+// the layer's depth, projected on the plane normal to the force (equivalent to ReferenceEngine::MeasureEngagement).
 #include "common.glsl"
 #include "first_contact.glsl"
 #include "pairs.glsl"
@@ -15,7 +15,7 @@
     ADD_FINE(frame.exact.engaged[2 * number + 1], int64_t(sum_##number.y)) \
   }
 
-// The way of the frame's slide, with the turn and straight; first contact on it, exactly and as a float that is not less.
+// The frame's slide, with the turn and straight, and its first contact, in double precision and as a float that is not less.
 struct Met {
   bool turning;
   float turn_tolerance, tolerance, rounding;
@@ -25,7 +25,7 @@ struct Met {
   double s, straight;
   float first, first_straight;
 };
-// Whether the pair may be met before what was found so far.
+// True where the pair may be met before the first contact found so far.
 bool May(Met met, vec4 ball, vec4 at, vec3 goal) {
   vec3 D = ball.xyz - at.xyz;
   float R = at.w + ball.w;
@@ -51,7 +51,7 @@ void Meet(inout Met met, vec4 ball, dvec4 at, dvec3 goal) {
 // Rows 0 and 2, the slide.
 void FindSlide(uint row, bool go, double exact_s) {
   float at_contact = float(exact_s), rounding = frame.rounding_mm;
-  vec4 only = AtContact(0, at_contact);  // the only cutter, where there is but one
+  vec4 only = AtContact(0, at_contact);  // the only cutting ball, where there is one
   dvec4 exact_only = ExactAtContact(0, exact_s);
   // with a turn, which may use a share of the tolerance; and straight
   Met met;
@@ -83,7 +83,7 @@ void FindSlide(uint row, bool go, double exact_s) {
       if (may) Meet(met, ball, exact_only, exact_goal);
     }
   }
-  // no tool ball goes farther than the slide may be
+  // upper limit of a tool ball's travel
   float way = float(max(frame.exact.slide_limit * frame.exact.way, frame.exact.straight_limit * frame.exact.straight_way));
   for (uint list = FirstList(row, 2u); list <= LastList(row, 2u); ++list) {
     uint farthest = WordGap(Drift(list == kCutting, at_contact) + way);
@@ -112,9 +112,9 @@ void main() {
   bool go = frame.is_void == 0u;
   double exact_s = ExactFraction();
   float at_contact = float(exact_s), rounding = frame.rounding_mm;
-  vec4 only = AtContact(0, at_contact);  // the only cutter, where there is but one
+  vec4 only = AtContact(0, at_contact);  // the only cutting ball, where there is one
   dvec4 exact_only = ExactAtContact(0, exact_s);
-  // a GPU skips what another row does
+  // a GPU skips the work of other rows
   if (!kOnGpu || row != 1u) FindSlide(row, go, exact_s);
   if (kOnGpu && row != 1u) return;
 
@@ -124,11 +124,11 @@ void main() {
         origin = start + exact_s * (frame.exact.goal - start);
   float layer = frame.layer_mm;
   uint slot = FirstEntry(), end = row == 1u && go && frame.delta.w > 0.0 ? frame.live_point_count : 0u;
-  // whole numbers below 2^53: their sums are exact
+  // integers below 2^53: their sums are exact
   dvec2 sum_0 = dvec2(0.0lf), sum_1 = sum_0, sum_2 = sum_0, sum_3 = sum_0, sum_4 = sum_0, sum_5 = sum_0, sum_6 = sum_0,
         sum_7 = sum_0;
   while (slot < end) {
-    // the nearest tool ball of each point that may be in the layer; marked where floats do not tell which it is
+    // the nearest tool ball of each point that may be in the layer; marked where floats cannot decide which one it is
     found.count = 0u;
     for (; found.count < kRoom && slot < end; slot += EntryStep()) {
       vec4 point = LivePoint(slot);
@@ -148,7 +148,7 @@ void main() {
         next = min(next, max(gap, nearest));
         nearest = min(nearest, gap);
       }
-      if (point.w > 0.0 && nearest < layer + rounding)  // negative: cleared
+      if (point.w > 0.0 && nearest < layer + rounding)  // a negative volume marks a cleared point
         Note(slot, of, next - nearest < 2.0 * rounding || nearest < 2.0 * rounding - layer);
     }
     for (uint i = 0u; !kOneCutter && NextMarked(i); ++i) {

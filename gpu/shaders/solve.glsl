@@ -1,16 +1,16 @@
-// Pass 2, second half, one workgroup's work (twin of simulation/contact_law.cpp and hold_point.cpp): the pairs that may hold the
-// tool, the point in which their planes hold it, friction, and the resultant of the faces that cut. In double precision: a few
-// dozen planes, whose active set hangs on small differences.
+// Pass 2, second half, in one workgroup (equivalent to simulation/contact_law.cpp and hold_point.cpp): the pairs that may hold
+// the tool, the point at which their planes hold it, friction, and the resultant of the cutting faces. In double precision: a
+// few dozen planes, whose active set depends on small differences.
 //
-// On a GPU this is a chain of waits: so what is read is asked for at once, what few invocations need is done by others beside what
-// the chain needs, and there is one division where there were three.
+// On a GPU this is a chain of latencies. Values are therefore loaded together, work for few invocations runs beside the chain,
+// and one division replaces three.
 
 const uint kNoPlane = kCandidates;
 const double kViolated_mm = 1e3 * kViolated_m;
 const uint kNoFace = 2u * kFaces;
 
-// The planes by the bin of their pair, then those of the remembered pairs. Those that are there, in that order, are
-// there[0 … there_count - 1].
+// The planes by the bin of their pair, then those of the remembered pairs. The existing planes, in that order, are there[0 …
+// there_count - 1].
 shared bool plane_there[kCandidates];
 shared uint there[kCandidates], there_count;
 shared dvec3 plane_n[kCandidates + 1];
@@ -18,10 +18,10 @@ shared double plane_gap[kCandidates], yielding_gap[kCandidates];
 shared dvec3 plane_motion[kCandidates];
 shared double tool_radius[kCandidates];
 shared uint bone_ball[kCandidates], tool_ball[kCandidates];
-shared uint bin_of[kRemembered];     // of a remembered pair, where a bin has the same
-shared double opposite_gap[kLanes];  // of a plane's others, by those who look at them
-shared uint start_plane[4];       // that held the frame before
-// of the hold with the turn, and of that without
+shared uint bin_of[kRemembered];  // bin with the same pair as a remembered one
+shared double opposite_gap[kLanes];  // smallest gap of the planes opposite to a plane, by the invocations that search them
+shared uint start_plane[4];  // planes that held the tool in the frame before
+// for the hold with the turn, and for that without
 shared double plane_offset[2][kCandidates + 1];
 
 // ---- where planes hold a point
@@ -39,8 +39,8 @@ double Violation(uint hold, Held held, uint i, dvec3 shift) {
   return plane_offset[hold][i] - dot(plane_n[i], shift + held.point) - held.slack;
 }
 
-// Multipliers of the nearest point on all planes of a set, by elimination of the Gram matrix; those that are none have a row
-// of the unit matrix. False where the planes are parallel or one would pull.
+// Multipliers of the nearest point on all planes of a set, by elimination of the Gram matrix; empty places have a row of the
+// unit matrix. False where the planes are parallel or a multiplier is not positive.
 bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
   bvec4 is = notEqual(p, uvec4(kNoPlane));
   dvec3 a = plane_n[p.x], b = plane_n[p.y], c = plane_n[p.z], d = plane_n[p.w];
@@ -53,7 +53,7 @@ bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
   dvec4 row_3 = dvec4(row_0.w, row_1.w, row_2.w, dot(d, d) + slack.w + pad.w);
   dvec4 v = dvec4(plane_offset[hold][p.x] - dot(a, shift), plane_offset[hold][p.y] - dot(b, shift),
                   plane_offset[hold][p.z] - dot(c, shift), plane_offset[hold][p.w] - dot(d, shift)) * real;
-  // one division a pivot: they are what takes long
+  // one division for each pivot, since divisions are slow
   dvec4 per;
   bool good = row_0.x > kMinPivot;
   per.x = 1.0lf / row_0.x;
@@ -94,7 +94,7 @@ bool SolveSet(uint hold, uvec4 p, dvec3 shift, out Held set) {
          (!is.w || set.m.w > 0.0lf);
 }
 
-// The planes of `held` that the mask names, and the one that enters.
+// The planes of `held` selected by the mask, plus the entering one.
 uvec4 Chosen(Held held, uint mask, uint entering) {
   uvec4 p = uvec4((mask & 1u) != 0u ? held.plane.x : kNoPlane, (mask & 2u) != 0u ? held.plane.y : kNoPlane,
                   (mask & 4u) != 0u ? held.plane.z : kNoPlane, entering);
@@ -106,7 +106,7 @@ uvec4 Chosen(Held held, uint mask, uint entering) {
   return p;
 }
 
-// Planes in the order x, y, z, w without gaps, so that masks and the host's order agree.
+// Moves the planes to x, y, z, w without gaps, so that masks and the host's order agree.
 Held Packed(Held set) {
   for (uint pass = 0; pass < 3; ++pass) {
     if (set.plane.x == kNoPlane) {
@@ -125,13 +125,14 @@ Held Packed(Held set) {
   return set;
 }
 
-// What a lane has, on all of the subgroup.
+// Broadcasts one lane's set to the whole subgroup.
 Held OfLane(Held own, uint lane) {
   return Held(subgroupBroadcast(own.plane, lane), subgroupBroadcast(own.m, lane), subgroupBroadcast(own.size, lane),
               subgroupBroadcast(own.point, lane), subgroupBroadcast(own.slack, lane));
 }
 
-// Twin of simulation::FindHoldPoint, about `shift` instead of the tool's pose: one subgroup's work, the same on every lane.
+// Equivalent to simulation::FindHoldPoint, about `shift` instead of the tool's pose: run by one subgroup, with the same result
+// on every lane.
 Held FindHold(uint hold, dvec3 shift, bool start) {
   uint lane = gl_SubgroupInvocationID, rank = SubgroupRank(), workers = SubgroupWorkers();
   Held held = Held(uvec4(kNoPlane), dvec4(0.0lf), 0u, dvec3(0.0lf), 0.0lf);
@@ -141,7 +142,7 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
     if (SolveSet(hold, planes, shift, likely) && likely.size > 0u) held = Packed(likely);
   }
   for (uint round = 0; round < uint(kMaxHoldRounds); ++round) {
-    // the most violated plane, of equal ones the first
+    // the most violated plane; among equal ones the first
     float worst = 0.0;
     uint entering = kNoPlane;
     for (uint k = rank; k < there_count; k += workers) {
@@ -151,12 +152,12 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
       worst = float(violation);
       entering = i;
     }
-    // (reductions of whole numbers, which GPUs have)
+    // (integer reductions, which GPUs have in hardware)
     float most = uintBitsToFloat(subgroupMax(floatBitsToUint(worst)));
-    // a bound, since software drivers go on without a lane at work
+    // clamp, since software drivers continue with inactive lanes
     entering = min(subgroupMin(worst == most ? entering : kNoPlane), kNoPlane);
     if (entering == kNoPlane) break;
-    // of the sets of it and those that hold, the one whose point keeps the others
+    // among the subsets of the holding planes, each with the entering one: the one whose point keeps the others
     float least = 1e30;
     uint chosen = 16u;
     Held own = held;
@@ -185,20 +186,20 @@ Held FindHold(uint hold, dvec3 shift, bool start) {
   return held;
 }
 
-// Where planes hold the tool, what friction takes back, and how much of the multipliers is worth a force (twin of
+// Where planes hold the tool, how far friction takes it back, and how much of the multipliers counts as force (equivalent to
 // simulation::HoldTool).
 struct Hold {
   Held held;
   double normal, most;
   dvec3 friction;
 };
-shared Hold holds[2];  // with the turn, without
+shared Hold holds[2];  // with the turn; without
 
 void HoldTool(uint number, dvec3 origin_motion, double s, float friction) {
   bool turning = number == 0u;
   Hold hold;
   hold.friction = dvec3(0.0lf);
-  // then friction, if there is any; a loop, so that the code of FindHold is there but once
+  // then friction, if there is any; a loop, so that FindHold's code is instantiated once
   dvec3 shift = dvec3(0.0lf);
   for (uint pass = 0; pass < 2; ++pass) {
     Held found = FindHold(number, shift, pass == 0u);
@@ -222,7 +223,7 @@ void HoldTool(uint number, dvec3 origin_motion, double s, float friction) {
     double size = length(slip);
     if (size <= 0.0lf) break;
     hold.friction = -min(1.0lf, double(friction) * hold.most / size) * slip;
-    // the way back may lead into another plane, by micrometres: out again
+    // friction's step back may lead into another plane by micrometres: move out again
     shift = found.point + hold.friction;
   }
   if (subgroupElect()) holds[number] = hold;
@@ -230,8 +231,8 @@ void HoldTool(uint number, dvec3 origin_motion, double s, float friction) {
 
 // ---- candidates
 
-// Takes the pair of a bin, or a remembered one, if it is one: live, and near the tool at first contact. What it reads of buffers
-// depends on no branch.
+// Loads the candidate of a bin, or a remembered pair, if it exists: not gone, and near the tool at first contact. Its buffer
+// loads do not depend on branches.
 void Take(uint source, double s, double enlargement) {
   bool binned = source < kBins;
   uint k = binned ? 0u : source - kBins;
@@ -265,9 +266,9 @@ void Take(uint source, double s, double enlargement) {
 
 shared uint there_bits[3];
 shared dvec3 resultant_of[2 * kFaces];
-shared double longest_of[64];   // of each subgroup
+shared double longest_of[64];  // one for each subgroup
 
-// Where a plane stands among those that are there.
+// Index of a plane among the existing ones.
 uint Place(uint c) {
   uint place = 0u;
   for (uint w = 0; w < 3; ++w) {
@@ -277,8 +278,8 @@ uint Place(uint c) {
   return place;
 }
 
-// The faces of the frame before: the mean normal of the balls around each, with its weight and how far it is to be left for the
-// exact one, since the balls lie widely. Known before what holds is.
+// The faces of the frame before: the mean normal of the balls around each, its weight, and the weight of the exact direction
+// instead, because the balls are spread widely. Computed before the hold is known.
 struct OldFace {
   dvec3 n, mean;
   bool is;
@@ -296,10 +297,10 @@ void FindOldFaces() {
   }
 }
 
-// The faces' resultant, along these normals: one subgroup's work, an invocation a face. Of `held` nothing is asked for by a number
-// that is not known, which would be memory's.
+// The faces' resultant, along these normals: run by one subgroup, one invocation a face. Never index `held` dynamically: it
+// must stay in registers.
 void FindResultant(Held held, double normal, double hold_most) {
-  // strongest first, so that a new face forms around what holds most
+  // strongest first, so that a new face forms around the plane that holds most
   uvec4 plane = held.plane;
   dvec4 m = held.m;
   for (uint pass = 0; pass < 3; ++pass) {
@@ -318,7 +319,7 @@ void FindResultant(Held held, double normal, double hold_most) {
   }
   dvec3 n_0 = plane_n[plane.x], n_1 = plane_n[plane.y], n_2 = plane_n[plane.z], n_3 = plane_n[plane.w];
   bvec4 is = lessThan(uvec4(0u, 1u, 2u, 3u), uvec4(held.size));
-  // the face of the frame before that each plane belongs to; one that belongs to none begins a face of its own
+  // assign each plane to a face of the frame before; a plane without one begins a new face
   uvec4 face = uvec4(is.x ? kFaces : kNoFace, is.y ? kFaces + 1u : kNoFace, is.z ? kFaces + 2u : kNoFace,
                      is.w ? kFaces + 3u : kNoFace);
   dvec4 nearest = dvec4(kFaceCosine);
@@ -332,7 +333,7 @@ void FindResultant(Held held, double normal, double hold_most) {
     if (is.w && nearer.w) face.w = f;
     nearest = max(nearest, cosine);
   }
-  // or it joins one that began before: each of those, of what has joined it so far
+  // or let it join a new face: compare with the sum of the planes that have joined each so far
   if (is.y && any(greaterThanEqual(face.yzw, uvec3(kFaces)))) {
     uint of[4] = uint[](face.x, face.y, face.z, face.w);
     dvec3 n[4] = dvec3[](n_0, n_1, n_2, n_3);
@@ -348,7 +349,7 @@ void FindResultant(Held held, double normal, double hold_most) {
     face = uvec4(of[0], of[1], of[2], of[3]);
   }
   double per_normal = normal > 0.0lf ? 1.0lf / normal : 0.0lf, free_share = normal > 0.0lf ? hold_most * per_normal : 1.0lf;
-  // of each plane's face the multipliers together
+  // sum of the multipliers of each plane's face
   dvec4 own = dvec4(dot(m, dvec4(equal(face, uvec4(face.x)))), dot(m, dvec4(equal(face, uvec4(face.y)))),
                     dot(m, dvec4(equal(face, uvec4(face.z)))), dot(m, dvec4(equal(face, uvec4(face.w)))));
   dvec4 counted = own * dvec4(is);
@@ -372,17 +373,17 @@ void FindResultant(Held held, double normal, double hold_most) {
   }
 }
 
-// By all of a workgroup.
+// Called by all invocations of a workgroup.
 void Solve() {
   uint lane = gl_LocalInvocationID.x;
   bool is_void = IsVoid();
   double s = ExactFraction(), tolerance = frame.exact.tolerance;
   bool advances = frame.immediate == 0u && frame.exact.spindle_rad_per_s != 0.0lf && frame.exact.dt_s > 0.0lf;
   double most = frame.exact.max_slide * (advances ? kSlideShare : 1.0lf);
-  dvec3 motion = frame.exact.goal - (frame.exact.start + s * (frame.exact.goal - frame.exact.start));  // of T's origin
+  dvec3 motion = frame.exact.goal - (frame.exact.start + s * (frame.exact.goal - frame.exact.start));  // motion of T's origin
   uint hold_count = frame.turning != 0u ? 2u : 1u, held_count = frame.held_count;
   float friction_share = frame.friction;
-  FindOldFaces();  // by the last invocations, which have no pair to wait for
+  FindOldFaces();  // run by the last invocations, which have no pair to wait for
   for (uint source = lane; source < kCandidates; source += kLanes) Take(source, s, frame.exact.enlargement);
   for (uint k = lane; k < kRemembered; k += kLanes) bin_of[k] = kNoPlane;
   if (lane < 4u) start_plane[lane] = kNoPlane;
@@ -392,7 +393,7 @@ void Solve() {
     plane_offset[0][kNoPlane] = plane_offset[1][kNoPlane] = 0.0lf;
   }
   barrier();
-  // a remembered pair that a bin has too counts once
+  // a remembered pair that is also in a bin counts once
   for (uint i = lane; i < kRemembered * kBins; i += kLanes) {
     uint k = i / kBins, bin = i % kBins;
     if (plane_there[kBins + k] && plane_there[bin] && bone_ball[bin] == bone_ball[kBins + k] &&
@@ -411,8 +412,8 @@ void Solve() {
     if ((there_bits[c / 32u] >> (c % 32u) & 1u) != 0u) there[Place(c)] = c;
   if (lane == 0u) there_count = Place(kCandidates);
   barrier();
-  // where another faces it and less than the tolerance is left between them, both yield; as many look at a plane's others as
-  // there are for each
+  // Where two planes face each other with less than the tolerance between them, both yield. The available invocations share the
+  // search for a plane's opposite ones.
   uint count = there_count, each = max(1u, kLanes / max(1u, count)), planes = kLanes / each;
   for (uint begin = 0u; begin < count; begin += planes) {
     uint k = begin + lane / each, c = there[min(k, kCandidates - 1u)];
@@ -446,7 +447,7 @@ void Solve() {
   Hold hold = holds[0], unturned = holds[hold_count - 1u];
   Held held = hold.held;
   dvec3 friction = hold.friction, delta = held.point + friction;
-  // one subgroup goes on, the others see to what only the next pass needs
+  // one subgroup continues; the others compute what only the next pass needs
   if (gl_SubgroupID == 0u) FindResultant(held, hold.normal, hold.most);
   if (lane == kLanes - 1u && !is_void) {
     frame.candidate_count = there_count;
@@ -467,7 +468,7 @@ void Solve() {
     frame.exact.straight_limit = straight > most ? most / straight : 1.0lf;
     frame.turns = 1u;
   }
-  // the way to the target of the tool point that moves farthest
+  // travel to the target of the tool point that moves farthest
   double longest = length(motion + delta);
   uint end_tool = hold_count == 2u ? frame.tool_count : 0u;
   for (uint t = kLanes - 1u - lane; t < end_tool; t += kLanes) {
@@ -486,7 +487,7 @@ void Solve() {
   double size = length(cutting), per_size = size > 0.0lf ? 1.0lf / size : 0.0lf;
   frame.exact.way = longest;
   frame.exact.slide_limit = longest > most ? most / longest : 1.0lf;
-  // what is found where no later pass has work to do
+  // results where no later pass has work to do
   frame.exact.slid_share = frame.exact.slide_limit;
   frame.exact.delta = delta;
   frame.exact.cutting = size;

@@ -1,18 +1,18 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Where the tool ball that touches first cuts alone: which it is, of those that touch at the same time the first in the tool's own
-// order (twin of ReferenceEngine::TouchingBall). First contact is known, and the lists hold whatever touches there. Row 0: live
-// balls and the balls that cut; row 1: pairs with those that do not.
+// Finds the tool ball that touches first, where it alone cuts; among those that touch at the same time, the first in the tool's
+// own order (equivalent to ReferenceEngine::TouchingBall). First contact is known, and the lists hold whatever touches there.
+// Row 0: listed balls with the cutting balls; row 1: pairs with balls that do not cut.
 #include "common.glsl"
 #include "first_contact.glsl"
 #include "pairs.glsl"
 
 const double kSameTouch_mm = 1e3 * kSameTouch_m;
 
-// Least for the first in the tool's own order.
+// Smallest for the first in the tool's own order.
 uint KeyOf(uint t) { return uint(texelFetch(tool_texels, int(2u * t + 1u)).w) << kToolBits | t; }
 
-// Whether the pair is met at fraction `last` of the way, or before; in floats it may be.
+// Float test: true where the pair may be met at fraction `last` of the way or before.
 bool MayTouch(vec4 ball, uint t, float last, float rounding) {
   vec4 start = Start(t);
   return ball.w > 0.0 && EarliestContact(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w, rounding) <= last;

@@ -5,14 +5,14 @@
 
 namespace osteon::simulation {
 
-/// How much of an arm is modelled. Each has what the one before leaves out.
+/// How much of an arm is modelled. Each level adds to the one before.
 enum class ArmFidelity : std::uint8_t {
-  kKinematic,  ///< it is where it was told to be
-  kServo,      ///< it lags and has dead time; nothing deflects it
-  kDynamic,    ///< masses, friction, torque limits, impedance, a mounting that gives
+  kKinematic,  ///< the arm is where it was told to be
+  kServo,      ///< lag and dead time; nothing deflects the arm
+  kDynamic,    ///< masses, friction, torque limits, impedance, a mounting that gives way
 };
 
-/// "kinematic", "servo", "dynamic": the words of a cell's simulated_arm: level.
+/// "kinematic", "servo", "dynamic": the values of a cell's simulated_arm: level.
 [[nodiscard]] constexpr std::string_view ArmFidelityName(ArmFidelity level) {
   switch (level) {
     case ArmFidelity::kKinematic:
@@ -25,22 +25,22 @@ enum class ArmFidelity : std::uint8_t {
   return "unknown";
 }
 
-/// What bounds where an arm really is.
+/// Figures that bound the arm's true position.
 struct ArmFigures {
   double bandwidth_hz{15.0}, damping_ratio{1.0};  ///< of its position servo
   double dead_time_s{0.003};
-  double stiffness_N_per_m{0.0};  ///< of what it stands on; 0: rigid
+  double stiffness_N_per_m{0.0};  ///< of the arm's mounting; 0: rigid
   double feed_m_per_s{5e-3};      ///< of the tool in contact
-  double force_N{100.0};          ///< that it holds against
+  double force_N{100.0};          ///< contact force on the arm
 };
 
-/// How far a level leaves the tool from where it really is [m]:
+/// Distance between the tool's position at a level and the real one [m]:
 ///
 ///     kinematic    v (dead time + 2 z / w) + F / K
 ///     servo        F / K
 ///     dynamic      nothing
 ///
-/// w = 2 π bandwidth: a servo's steady lag behind a ramp, and what the mounting gives.
+/// w = 2 π bandwidth. The terms are a servo's steady lag behind a ramp, and the mounting's deflection.
 [[nodiscard]] constexpr double ArmError(ArmFidelity level, const ArmFigures& arm) {
   constexpr double kTwoPi = 6.283185307179586;
   const double give_m = arm.stiffness_N_per_m > 0.0 ? arm.force_N / arm.stiffness_N_per_m : 0.0;

@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
-// A frame counts as interrupted where its threads waited for a processor for more than both.
+// A frame counts as interrupted where its threads waited for a processor for more than both of these.
 constexpr double kLeastWait_us = 20.0, kLeastWaitShare = 0.05;
 
 }  // namespace
@@ -58,7 +58,7 @@ FrameCost FitFrameCost(std::span<const FrameGroup> groups) {
     cost.base_us = (a1 * bb - b1 * ab) / det;
     cost.ball_us = (aa * b1 - ab * a1) / det;
   }
-  // on a bound: the other one alone
+  // at a bound: fit the other coefficient alone
   if (cost.ball_us <= 0.0) cost = {.base_us = a1 / aa, .ball_us = 0.0};
   if (cost.base_us < 0.0) cost = {.base_us = 0.0, .ball_us = b1 / bb};
   std::ranges::sort(tails);

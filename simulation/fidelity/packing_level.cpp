@@ -11,14 +11,15 @@ namespace osteon::simulation {
 namespace {
 
 constexpr double kLeastOverSpacing = 1.2, kMostOverSpacing = 2.4, kMostInto = 1.5;
-constexpr double kGap = 0.04 / 1.5, kGapGrowth = 0.08, kGreatestGap = 0.5 / 1.5;  // of the spacing
+constexpr double kGap = 0.04 / 1.5, kGapGrowth = 0.08, kGreatestGap = 0.5 / 1.5;  // over the spacing
 constexpr double kSplitRadius = 0.9, kSplitSurface = 1.2 / 2.5, kSplitGap = 0.06, kSplitCoarser = 1.5 / 2.5;
 constexpr double kLeastSplit = 0.4 / 2.5;
-// Where the spacing doubles, split balls leave gaps: that has to be deeper than what a touched ball reaches.
-constexpr double kSplitFineDepth = 1.5;  // of a ball
-constexpr double kCornerShare = 0.5;     // of the spacing
+// Where the spacing doubles, split balls leave gaps. The doubling must be deeper than the reach of a touched
+// ball.
+constexpr double kSplitFineDepth = 1.5;  // over a ball's radius
+constexpr double kCornerShare = 0.5;     // over the spacing
 constexpr int kChildren = 24;
-constexpr double kHoles = 0.56;  // a body-centred lattice has none from here on
+constexpr double kHoles = 0.56;  // smallest radius over spacing of a body-centred lattice without holes
 constexpr double kFinest_m = 0.02e-3, kCoarsest_m = 20e-3;
 constexpr double kMostOfTool = 0.6, kMostOfReamer = 0.2, kMostSplitOfTool = 0.75, kMostSplitOfDepth = 0.85;
 
@@ -135,7 +136,7 @@ double ExpectedChildren(const PackingLevel& level, const CutShape& cut) {
   if (level.kind != PackingKind::kSplit) return 0.0;
   const double a = level.fine.spacing_m;
   double touched_1_per_m2 = 2.0 * level.fine.radius_m * 2.0 / (a * a * a);
-  if (cut.along_surface)  // all of the surface's own balls as well
+  if (cut.along_surface)  // all balls of the surface as well
     touched_1_per_m2 += 0.25 / (level.fine.surface_gap_m * kSplitSurface * a);
   return level.fine.children * touched_1_per_m2 * cut.area_m2;
 }
@@ -156,7 +157,7 @@ DepthVolumes::DepthVolumes(const Solid& solid, const CutZone& zone) {
   for (const simulation::Cell& cell :
        DivideGraded(solid, EverywhereZone(), {.finest_m = side, .coarser_from_m = {}}, CellsWanted::kSolid)) {
     const double distance = cell.signed_distance_m;
-    // as many centres lie within half a cell's diagonal of a surface as this layer has room for
+    // within half a cell's diagonal of a surface lie as many centres as this layer has room for
     const bool at_surface = std::abs(distance) <= cell.reach_m();
     if (distance >= 0.0 && !at_surface) continue;
     cells_.push_back({.depth_m = zone.DepthAt(cell.center()),
@@ -178,7 +179,7 @@ double DepthVolumes::ExpectedBalls(const PackingLevel& level) const {
   double balls = 0.0;
   for (const Cell& cell : cells_) {
     if (level.kind == PackingKind::kSplit) {
-      // twice as far apart at each of two depths; surface balls grow with the depth (split_packing.cpp)
+      // the spacing doubles at each of two depths; surface balls grow with the depth (split_packing.cpp)
       const double below_m = std::max(0.0, cell.depth_m - split.fine_depth_m);
       const int coarser = below_m >= 2.0 * split.coarser_from_m ? 2 : below_m >= split.coarser_from_m ? 1 : 0;
       const double a = std::ldexp(split.spacing_m, coarser);

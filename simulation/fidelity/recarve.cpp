@@ -8,7 +8,7 @@
 namespace osteon::simulation {
 namespace {
 
-// How far a tool's points are carried from one pose to another, at most.
+// Upper bound of the distance that a tool's points move from one pose to another.
 double WayBetween(const Pose& a, const Pose& b, double lever_m) {
   const double turn = Eigen::AngleAxisd(Matrix3(a.linear().transpose() * b.linear())).angle();
   return (b.translation() - a.translation()).norm() + lever_m * turn;
@@ -19,7 +19,7 @@ double WayBetween(const Pose& a, const Pose& b, double lever_m) {
 ProxyTrail::ProxyTrail(double lever_m, double step_m) : lever_m_(lever_m), step_m_(step_m) {}
 
 void ProxyTrail::Add(const Pose& X_GP) {
-  // the last place is replaced until the tool has gone a step away from the one before
+  // the last place is replaced until the tool has moved a step away from the one before
   if (places_.size() >= 2 && WayBetween(places_[places_.size() - 2], X_GP, lever_m_) <= step_m_)
     places_.back() = PlainPose(X_GP);
   else
@@ -27,7 +27,7 @@ void ProxyTrail::Add(const Pose& X_GP) {
 }
 
 bool CarveTrail(CuttingEngine& engine, std::span<const PlainPose> places) {
-  constexpr double kSpindle_rad_per_s = 100.0, kFrame_s = 1e-3;  // any that cuts
+  constexpr double kSpindle_rad_per_s = 100.0, kFrame_s = 1e-3;  // any spindle speed that cuts
   for (const PlainPose& X_GP : places)
     if (engine.Step({.X_WT = X_GP, .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = kFrame_s}).status !=
         EngineStatus::kOk)

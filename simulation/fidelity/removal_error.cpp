@@ -6,31 +6,31 @@
 namespace osteon::simulation {
 namespace {
 
-// Fitted to carved packings (tests/simulation/removal_error_test.cpp); 1/(2 π) is .159.
+// Fitted to carved packings (tests/simulation/removal_error_test.cpp); 1/(2 π) is 0.159.
 constexpr double kAlong = 0.18, kInto = 0.13, kSplit = 0.08, kLeak = 0.16;
 constexpr double kRimAlong = 0.08, kRimInto = 0.14;  // area of the sliver that a rim loses, over r²
 constexpr double kLeastOfCap =
-    0.9;  // packing_builder.cpp: nearer to the surface are only balls that touch it
-constexpr double kChildRadius = 0.36;  // of the spacing: .4 of a ball of .9 a
+    0.9;  // packing_builder.cpp: only balls that touch the surface are nearer to it
+constexpr double kChildRadius = 0.36;  // over the spacing: 0.4 of a ball of 0.9 a
 
 double CentersPerVolume(const PackingFineness& fine) {
   const double a = fine.spacing_m;
   return 2.0 / (a * a * a) * std::max(1, fine.children);
 }
 
-/// Balls that touch a surface from inside, so many that the gap between them is kept.
+/// Number of balls per area that touch a surface from inside and keep the gap between them.
 double SurfaceDensity(const PackingFineness& fine) { return 0.25 / (fine.surface_gap_m * fine.radius_m); }
 
 struct Points {
-  double density_1_per_m2, radius_m;  ///< mean radius that is left
+  double density_1_per_m2, radius_m;  ///< mean radius that balls have left
 };
 
 Points LeftPoints(const PackingFineness& fine, const CutShape& cut) {
   const double n = CentersPerVolume(fine),
                r = fine.children > 0 ? kChildRadius * fine.spacing_m : fine.radius_m;
   if (!cut.along_surface || fine.children > 0) return {.density_1_per_m2 = 2.0 * r * n, .radius_m = 0.5 * r};
-  // lattice: centres from where they begin to where balls end to reach the face; the surface's: all at depth
-  // r
+  // lattice: centres from the beginning of the lattice to the end of the balls' reach; surface balls: all at
+  // depth r
   const double h = cut.depth_m, from = std::max(kLeastOfCap * r, h - r), layer = std::max(0.0, h + r - from);
   const double lattice = n * layer, lattice_r = r - 0.25 * layer;
   const double surface = h < 2.0 * r ? SurfaceDensity(fine) : 0.0, surface_r = r - 0.5 * h;

@@ -1,22 +1,23 @@
 #pragma once
 
-// What a packing of overlapping balls does to a cut, in closed form. Where the tool's face has passed, each
-// ball that it touched is left touching the face at one point; between these points bone is missing:
+// Closed forms for the error that a packing of overlapping balls causes in a cut. Each ball that the tool's
+// face has passed touches the face at one point afterwards; bone is missing between these points:
 //
 //     gap at a distance x from the nearest point    x²/2 (1/r' + 1/R)
-//     mean over a plane with s points to the area   k/s (1/r' + 1/R),   k = 1/(2 π) = .159 at random
+//     mean over a plane with s points to the area   k/s (1/r' + 1/R),   k = 1/(2 π) = 0.159 at random
 //     points to the area                            s = n (a layer of centres)
 //                                                   n = 2/a³ of a body-centred lattice
 //
-// r' is what a ball has left, R the tool's radius. Source of the form: docs/planning.md and the design's
-// experiments on overlapping packings; the constants are fitted, and tests hold them against carved packings.
+// r' is the radius that a ball has left, R the tool's radius. Source of the form: docs/planning.md and the
+// design's experiments on overlapping packings. The constants are fitted, and tests compare them with carved
+// packings.
 
 namespace osteon::simulation {
 
-/// A cut as the closed forms see it.
+/// Shape of a cut, as the closed forms need it.
 struct CutShape {
   double tool_radius_m{0.025};
-  /// The face lies along the surface, `depth_m` below it (a cup that is reamed); otherwise it leads into the
+  /// True: the face lies along the surface, `depth_m` below it (a reamed cup). False: the face leads into the
   /// bone (a hole, a trench).
   bool along_surface{false};
   double depth_m{0.0};
@@ -26,36 +27,36 @@ struct CutShape {
   double wall_m{0.0};   ///< thinnest wall of the bone that is cut; 0: thick
 };
 
-/// How fine a packing is where it is cut.
+/// Fineness of a packing where it is cut.
 struct PackingFineness {
   double spacing_m{1.5e-3};       ///< of the body-centred lattice
-  double radius_m{1.8e-3};        ///< greatest, of balls that the cut can reach
-  double surface_gap_m{0.04e-3};  ///< greatest, between surface and balls, before it is cut
-  int children{0};                ///< of a ball that is split when touched; 0: balls shrink whole
+  double radius_m{1.8e-3};        ///< largest radius of balls that the cut can reach
+  double surface_gap_m{0.04e-3};  ///< largest gap between surface and balls before the cut
+  int children{0};  ///< number of children of a ball that is split when touched; 0: balls shrink whole
 };
 
 /// Parts of the mean depth that is lost beyond the sweep [m].
 struct RemovalError {
-  double face_m{0.0};  ///< between the points that are left
+  double face_m{0.0};  ///< between the points that touch the face
   double rim_m{0.0};   ///< at the edge, where balls of the surface are cut from the side
   [[nodiscard]] double total_m() const { return face_m + rim_m; }
 };
 
-/// Holds within -45 … +20 % while radius <= .6 R, split balls' spacing <= .75 R, and no ball is larger than
-/// half the wall.
+/// Predicts the removal error, within -45 … +20 % while radius <= 0.6 R, split balls' spacing <= 0.75 R, and
+/// no ball is larger than half the wall.
 [[nodiscard]] RemovalError PredictRemovalError(const PackingFineness& fine, const CutShape& cut);
 
-/// Points to the area that a cut leaves, 1/m²: how finely it is made of balls.
+/// Number of points per area that a cut leaves, 1/m²: how finely balls resolve it.
 [[nodiscard]] double TangentDensity(const PackingFineness& fine, const CutShape& cut);
 
-/// How deep a ball of this radius sinks between the points that are left on a cut, in the mean: it rests on
-/// three. None leaks through: a lattice has no holes from radius .56 a on.
+/// Mean depth to which a ball of this radius sinks between the points left on a cut, where it rests on three.
+/// No ball leaks through: a lattice has no holes from radius 0.56 a on.
 ///
 ///     k/s / (probe + r')
 [[nodiscard]] double PredictLeak(const PackingFineness& fine, const CutShape& cut, double probe_radius_m);
 
-/// Effective tangential force over normal force of a ball of radius R that slides over an uncut face
-/// (cogging): its centre goes over caps of radius R + r, l apart, with slopes up to (l/2)/(R + r).
+/// Effective tangential over normal force of a ball of radius R that slides over an uncut face (cogging). Its
+/// centre moves over caps of radius R + r that are l apart, with slopes up to (l/2)/(R + r).
 ///
 ///     l / (√12 (R + r)),   l the mean distance of the surface's balls
 [[nodiscard]] double PredictCogging(const PackingFineness& fine, double tool_radius_m);

@@ -21,13 +21,13 @@ struct Place {
   double area_m2;
 };
 
-/// Places of the union's surface, of the balls of one kind.
+/// Sample places on the surface of the union of the balls of one kind.
 std::vector<Place> SurfaceOf(const std::vector<ToolBall>& balls, bool cutting) {
   constexpr int kPlaces = 200;
   std::vector<Place> places;
   for (std::size_t i = 0; i < balls.size(); ++i) {
     if (balls[i].cutting != cutting) continue;
-    for (int k = 0; k < kPlaces; ++k) {  // a Fibonacci spiral: equal areas
+    for (int k = 0; k < kPlaces; ++k) {  // Fibonacci spiral: equal areas
       const double z = 1.0 - (2.0 * k + 1.0) / kPlaces,
                    angle = std::numbers::phi * 2.0 * std::numbers::pi * k, width = std::sqrt(1.0 - z * z);
       const Vector3 p = Vector3(balls[i].center_m) +

@@ -24,14 +24,14 @@ static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> kMagic{'O', 'S', 'T', 'C', 'A', 'R', 'V', 'E'};
 constexpr std::uint32_t kVersion = 1;
-constexpr double kReach_mm = 1e6;  // what a float still resolves to a tenth of a millimetre
+constexpr double kReach_mm = 1e6;  // a float still resolves this to a tenth of a millimetre
 
 struct CarvedHeader {
   std::array<char, 8> magic{kMagic};
   std::uint32_t version{kVersion};
   std::uint32_t header_size{0};
   std::uint64_t file_size{0};
-  std::uint64_t bone{0};  ///< its fingerprint
+  std::uint64_t bone{0};  ///< fingerprint of the uncut bone
   std::uint64_t balls{0}, points{0}, split_balls{0}, slots{0};
   std::uint64_t frame{0};
   std::array<double, 9> R_GP{};
@@ -39,11 +39,11 @@ struct CarvedHeader {
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0}, cutting_debt_J{0.0};
   std::array<double, 12> face_n_G{};
   double friction{0.0};
-  std::array<std::uint32_t, 16> pairs{};  ///< bone ball, tool ball
+  std::array<std::uint32_t, 16> pairs{};  ///< bone ball, tool ball, alternating
   std::uint32_t pair_count{0}, face_count{0}, held_count{0};
   std::uint32_t has_proxy{0};
   std::uint32_t payload_crc{0};
-  std::uint32_t header_crc{0};  ///< of all that lies before
+  std::uint32_t header_crc{0};  ///< of all bytes before it
 };
 static_assert(sizeof(CarvedHeader) == 392 && offsetof(CarvedHeader, R_GP) == 72 &&
               offsetof(CarvedHeader, has_proxy) == 380);
@@ -51,7 +51,7 @@ static_assert(kMaxFaces == 4 && kRememberedPairs == 8);
 
 std::uint32_t Crc(std::uint32_t crc, const void* data, std::size_t size) {
   const auto* bytes = static_cast<const Bytef*>(data);
-  while (size > 0) {  // zlib takes 32 bits of size
+  while (size > 0) {  // zlib takes sizes of 32 bits
     const auto part = static_cast<uInt>(std::min<std::size_t>(size, 1u << 30));
     crc = static_cast<std::uint32_t>(crc32(crc, bytes, part));
     bytes += part;
@@ -60,7 +60,7 @@ std::uint32_t Crc(std::uint32_t crc, const void* data, std::size_t size) {
   return crc;
 }
 
-/// Two CRCs: over balls, over points. Sizes are in the header themselves.
+/// Two CRCs, over balls and over points. The header holds their numbers.
 std::uint64_t Fingerprint(const Bone& bone) {
   std::uint32_t balls = 0, points = 0;
   for (const Ball& b : bone.balls) {
@@ -77,7 +77,7 @@ std::uint64_t Fingerprint(const Bone& bone) {
 
 std::uint64_t Padded(std::uint64_t points) { return (points + 3) / 4 * 4; }
 
-/// Of a file with these counts; nothing where that would be more than memory could hold.
+/// Size of a file with these counts; nothing where it would exceed any memory.
 std::optional<std::uint64_t> FileSize(const CarvedHeader& h) {
   constexpr std::uint64_t kMost = std::uint64_t{1} << 32;
   if (h.balls > kMost || h.points > kMost || h.split_balls > h.balls || h.slots > 1024) return {};
@@ -163,7 +163,7 @@ class Reader {
     state_.frame = header_.frame;
   }
 
-  /// Balls of the bone, then the slots of blocks.
+  /// Checks the pairs' bone balls: indices of the bone's balls, followed by the slots of blocks.
   void CheckContact() {
     ContactMemory& contact = state_.contact;
     if (header_.pair_count > kRememberedPairs)
@@ -205,7 +205,7 @@ class Reader {
     at += count * sizeof(Value);
   }
 
-  /// x y z r, again and again. Slots of a waiting ball hold capsules in the same pattern.
+  /// Checks repeated x y z r. Slots of a waiting ball hold capsules in the same pattern.
   void CheckFloats(const std::vector<float>& values, std::uint64_t at, const char* where) {
     for (std::size_t i = 0; i < values.size() && !error_; ++i) {
       const bool radius = i % 4 == 3;

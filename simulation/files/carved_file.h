@@ -23,13 +23,13 @@
 namespace osteon::simulation {
 
 /// Saves a state. The file appears whole or not at all; its bytes depend on the arguments alone.
-/// @param bone  the uncut bone that the state is of
-/// @returns an error where the state is not of this bone, or the system refuses to write.
+/// @param bone  the uncut bone of the state
+/// @returns an error where the state belongs to another bone, or the system refuses to write.
 [[nodiscard]] tl::expected<void, FileError> WriteCarvedState(const std::filesystem::path& path,
                                                              const CarvedState& state, const Bone& bone);
 
-/// Reads a state and verifies everything: sizes, checksums, the bone, every value. What comes back can be
-/// given to an engine of this bone and these SplitParams.
+/// Reads a state and verifies everything: sizes, checksums, the bone, every value. An engine of this bone and
+/// these SplitParams can restore the result.
 /// @returns an error naming the byte, what was found there and what is accepted.
 [[nodiscard]] tl::expected<CarvedState, FileError> ReadCarvedState(const std::filesystem::path& path,
                                                                    const Bone& bone);

@@ -11,12 +11,12 @@
 
 namespace osteon::simulation {
 
-/// A regular file's bytes, mapped read-only. The bytes stay as they are while somebody replaces the file
-/// (rename), as OutputFile does; a file that is cut short in place under a reader ends the process, as with
-/// every mapping.
+/// A regular file's bytes, mapped read-only. The bytes stay unchanged while somebody replaces the file by a
+/// rename, as OutputFile does. Truncating the file in place under a reader ends the process, as with every
+/// mapping.
 class MappedFile {
  public:
-  /// Never waits: a pipe or a device is refused, not opened and read.
+  /// Opens a file without ever waiting: a pipe or a device is refused unread.
   [[nodiscard]] static tl::expected<MappedFile, FileError> Open(const std::filesystem::path& path);
 
   MappedFile() = default;
@@ -33,7 +33,7 @@ class MappedFile {
   std::span<const std::byte> bytes_;
 };
 
-/// CRC-32 (zlib's) of a file's bytes: says which mesh a packing was made from.
+/// CRC-32 (zlib's) of a file's bytes: identifies the mesh that a packing was made from.
 [[nodiscard]] tl::expected<std::uint32_t, FileError> FileChecksum(const std::filesystem::path& path);
 
 }  // namespace osteon::simulation

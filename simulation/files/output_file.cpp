@@ -22,9 +22,9 @@ FileError Failure(const std::filesystem::path& path, std::optional<std::uint64_t
           .accepted = ""};
 }
 
-// Where a chain of links leads, whether there is anything or not.
+// End of a chain of symbolic links, whether a file exists there or not.
 std::filesystem::path EndOfLinks(std::filesystem::path path) {
-  constexpr int kMaxLinks = 40;  // as the system follows
+  constexpr int kMaxLinks = 40;  // the system's own limit
   std::error_code error;
   for (int links = 0; links < kMaxLinks && std::filesystem::is_symlink(path, error); ++links) {
     const std::filesystem::path to = std::filesystem::read_symlink(path, error);
@@ -34,7 +34,7 @@ std::filesystem::path EndOfLinks(std::filesystem::path path) {
   return path;
 }
 
-// A new file of its own beside another one, with that one's rights. Negative: errno says why.
+// Opens a new temporary file beside another one, with that one's permissions. Negative: see errno.
 int OpenBeside(const std::filesystem::path& target, std::filesystem::path& temporary) {
   static std::atomic<unsigned> count{0};
   int fd = -1;
@@ -100,7 +100,7 @@ void OutputFile::Write(std::span<const std::byte> bytes) {
 }
 
 tl::expected<void, FileError> OutputFile::Commit() {
-  // what a pipe or device cannot be asked for is no failure
+  // a pipe or device does not support fsync: no failure
   if (error_ == 0 && fsync(fd_) != 0 && errno != EINVAL && errno != EROFS) error_ = errno;
   Close();
   if (error_ == 0 && !temporary_.empty()) {

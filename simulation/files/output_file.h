@@ -12,9 +12,9 @@
 
 namespace osteon::simulation {
 
-/// A file that appears whole or not at all: bytes go to a temporary file of its own beside it, which takes
-/// its name and its rights on Commit. A name that stands for a device or a pipe is written to as it is; a
-/// symbolic link is followed, and stays one, whether anything is where it leads or not.
+/// A file that appears whole or not at all. Bytes go to a temporary file beside it, which takes its name and
+/// its permissions on Commit. A device or a pipe is written directly. A symbolic link is followed and stays a
+/// link, even where its target does not exist yet.
 ///
 ///     auto file = OutputFile::Create("bone.osp");
 ///     file->Write(bytes);           // errors are kept until Commit
@@ -23,7 +23,7 @@ class OutputFile {
  public:
   [[nodiscard]] static tl::expected<OutputFile, FileError> Create(const std::filesystem::path& path);
 
-  /// Without Commit the temporary file goes, and what was there before stays.
+  /// Without Commit, deletes the temporary file; an earlier file of this name stays.
   ~OutputFile();
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
@@ -31,8 +31,8 @@ class OutputFile {
   void Write(std::span<const std::byte> bytes);
   void Write(std::string_view text) { Write(std::as_bytes(std::span(text))); }
 
-  /// Brings the bytes to the disk and gives the file its name. @returns the first error there was: disk full,
-  /// no permission.
+  /// Flushes the bytes to the disk and gives the file its name.
+  /// @returns the first error of any step: disk full, no permission.
   [[nodiscard]] tl::expected<void, FileError> Commit();
 
  private:
@@ -40,7 +40,7 @@ class OutputFile {
       : path_(std::move(path)), temporary_(std::move(temporary)), fd_(fd) {}
   void Close();
 
-  std::filesystem::path path_, temporary_;  ///< no temporary: written in place
+  std::filesystem::path path_, temporary_;  ///< temporary_ is empty where the file is written in place
   int fd_{-1};
   int error_{0};  ///< errno of the first failure
   std::uint64_t written_{0};

@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
-// Embree works in float millimetres: files come in these, so their vertices are exact in float.
+// Embree works in float millimetres: mesh files use them, so their vertices are exact in float.
 constexpr double kMm = 1e3;
 
 struct Feature {
@@ -45,7 +45,7 @@ Feature NearestOnTriangle(const Vector3& p, const Vector3& a, const Vector3& b, 
 
 struct MeshBvh::Impl {
   TriangleMesh mesh;
-  double slack_m{0.0};  ///< bound on what rounding to float moves a point by, with room
+  double slack_m{0.0};  ///< bound on a point's displacement by rounding to float, with a margin
   RTCDevice device{nullptr};
   RTCScene scene{nullptr};
 
@@ -60,7 +60,7 @@ struct MeshBvh::Impl {
 
 MeshBvh::MeshBvh(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>()) {
   impl_->mesh = mesh;
-  // one thread: Embree's pool would outlive the set-up, beside a servo loop
+  // one thread: Embree's pool would outlive the set-up and run beside a servo loop
   impl_->device = rtcNewDevice("threads=1");
   if (!impl_->device) throw std::runtime_error("mesh: Embree does not start on this machine");
   impl_->scene = rtcNewScene(impl_->device);
@@ -97,7 +97,7 @@ TriangleHit MeshBvh::Nearest(const Vector3& p_m) const {
     double slack_m;
     TriangleHit hit;
   };
-  // the query point is rounded as well, by its own size
+  // the query point is rounded as well, in proportion to its coordinates
   const double slack =
       impl_->slack_m + 8.0 * std::numeric_limits<float>::epsilon() * p_m.cwiseAbs().maxCoeff();
   Search search{.impl = *impl_, .p = p_m, .slack_m = slack, .hit = {}};
@@ -126,14 +126,14 @@ TriangleHit MeshBvh::Nearest(const Vector3& p_m) const {
 
 std::optional<MeshCrossing> MeshBvh::FindCrossing(double tolerance_m) const {
   struct Search {
-    RTCIntersectContext context;  // first, so that Embree's pointer to it is one to all of this
+    RTCIntersectContext context;  // first, so that Embree's pointer to it points to this struct, too
     const Impl* impl;
     double tolerance_m;
     std::uint32_t edge_triangle;
     std::array<std::uint32_t, 2> edge;
     std::optional<MeshCrossing> crossing;
   };
-  // Embree proposes triangles; double arithmetic decides.
+  // Embree proposes triangles; double precision decides.
   const auto decide = [](const RTCFilterFunctionNArguments* args) {
     auto& s = *reinterpret_cast<Search*>(args->context);
     const std::uint32_t t = RTCHitN_primID(args->hit, args->N, 0);
@@ -147,7 +147,7 @@ std::optional<MeshCrossing> MeshBvh::FindCrossing(double tolerance_m) const {
     const double before = normal.dot(from - a), after = normal.dot(to - a);
     if (!(std::min(std::abs(before), std::abs(after)) > s.tolerance_m) || before * after > 0.0) return;
     const Vector3 at = from + before / (before - after) * (to - from);
-    // how far inside the triangle's border; negative outside
+    // distance inside the triangle's border; negative outside
     double inside = std::numeric_limits<double>::infinity();
     for (const auto& [p, q] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}})
       inside = std::min(inside, normal.cross(q - p).normalized().dot(at - p));
@@ -166,7 +166,7 @@ std::optional<MeshCrossing> MeshBvh::FindCrossing(double tolerance_m) const {
   for (std::uint32_t t = 0; t < impl_->mesh.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t i = impl_->mesh.triangles[t][k], j = impl_->mesh.triangles[t][(k + 1) % 3];
-      if (i > j) continue;  // the neighbour's turn: each edge is walked both ways
+      if (i > j) continue;  // each edge occurs twice, in both directions: use one
       search.edge_triangle = t;
       search.edge = {i, j};
       const Vector3 from = impl_->mesh.vertices_m[i] * kMm, way = (impl_->mesh.vertices_m[j] * kMm) - from;

@@ -8,7 +8,7 @@
 
 namespace osteon::simulation {
 
-/// What of a triangle lies nearest: its face, edge k (from corner k to the next) or corner k.
+/// Nearest feature of a triangle: its face, edge k (from corner k to the next) or corner k.
 enum class TriangleFeature : std::uint8_t { kFace, kEdge0, kEdge1, kEdge2, kCorner0, kCorner1, kCorner2 };
 
 struct TriangleHit {
@@ -25,22 +25,25 @@ struct MeshCrossing {
   std::uint32_t triangle{0};
 };
 
-/// Spatial index over a mesh (Embree, which only the .cpp sees). Distances are computed in double; Embree
-/// only chooses which triangles to look at, with room for its rounding, so answers do not depend on its
+/// Spatial index over a mesh (Embree, included only in the .cpp). Distances are computed in double precision.
+/// Embree only selects the triangles to test, with a margin for its rounding, so results do not depend on its
 /// version or instruction set.
 class MeshBvh {
  public:
-  /// Copies what it needs. @throws std::runtime_error where Embree cannot start. @pre the mesh has triangles.
+  /// Copies the parts of the mesh that it needs.
+  /// @throws std::runtime_error where Embree cannot start.
+  /// @pre the mesh has triangles.
   explicit MeshBvh(const TriangleMesh& mesh);
   ~MeshBvh();
   MeshBvh(const MeshBvh&) = delete;
   MeshBvh& operator=(const MeshBvh&) = delete;
 
-  /// Nearest point of the surface; of equally near triangles, the one that comes first.
+  /// Nearest point of the surface; among equally near triangles, the first one's.
   [[nodiscard]] TriangleHit Nearest(const Vector3& p_m) const;
 
-  /// Some edge that passes through a triangle with which it shares no corner: its ends lie more than
-  /// `tolerance_m` off the triangle's plane on both sides, and the crossing more than that inside its border.
+  /// Finds an edge that passes through a triangle with which it shares no corner: the edge's ends lie more
+  /// than `tolerance_m` off the triangle's plane on both sides, and the crossing lies more than that inside
+  /// its border.
   [[nodiscard]] std::optional<MeshCrossing> FindCrossing(double tolerance_m) const;
 
  private:

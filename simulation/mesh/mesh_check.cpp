@@ -44,7 +44,7 @@ Problem CheckCoordinates(const TriangleMesh& mesh, const std::string& name) {
   return std::nullopt;
 }
 
-/// Each edge joins two triangles, which walk it in opposite directions.
+/// Checks that each edge joins two triangles, which run along it in opposite directions.
 Problem CheckEdges(const TriangleMesh& mesh, const std::vector<MeshEdge>& edges, const std::string& name) {
   struct Finding {
     std::size_t count{0}, first{0}, sides{0};
@@ -86,7 +86,8 @@ Problem CheckEdges(const TriangleMesh& mesh, const std::vector<MeshEdge>& edges,
   return std::nullopt;
 }
 
-/// The triangles around each vertex form one fan. On corners: those of a fan are joined across its edges.
+/// Checks that the triangles around each vertex form one fan. Works on corners: those of a fan are joined
+/// across its edges.
 Problem CheckVertices(const TriangleMesh& mesh, const std::vector<MeshEdge>& edges, const std::string& name) {
   const auto corner = [&mesh](std::uint32_t triangle, std::uint32_t vertex) {
     const auto& t = mesh.triangles[triangle];
@@ -112,7 +113,7 @@ Problem CheckVertices(const TriangleMesh& mesh, const std::vector<MeshEdge>& edg
   return std::nullopt;
 }
 
-/// The whole surface is free of edges through triangles.
+/// Checks that no edge passes through a triangle.
 Problem CheckCrossings(const PartedMesh& parted, const std::string& name) {
   const auto crossing = MeshBvh(parted.mesh).FindCrossing(kCrossingTolerance_m);
   if (!crossing) return std::nullopt;

@@ -25,7 +25,7 @@ struct Signature {
 
 using namespace std::string_view_literals;
 
-/// What else lies in a file that is named as a mesh, by its first bytes.
+/// Other kinds of files that may have a mesh's extension, by their first bytes.
 constexpr std::array<Signature, 20> kSignatures{{
     {"version https://git-lfs", "a pointer of git LFS, not the mesh (git lfs pull fetches it)"},
     {"PK\x03\x04"sv, "a ZIP archive (3MF files and packed exports are such)"},
@@ -51,7 +51,7 @@ constexpr std::array<Signature, 20> kSignatures{{
     {"{", "JSON"},
 }};
 
-/// A file of another kind than its extension says; empty where it may be what it says.
+/// Names the kind of a file whose content contradicts its extension; empty where it may be a mesh.
 std::string_view FindOtherKind(std::string_view content, const std::string& extension) {
   const std::string_view text =
       content.substr(content.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
@@ -96,7 +96,7 @@ tl::expected<RawMesh, MeshError> ReadMeshFile(const std::filesystem::path& path)
   auto raw = extension == ".stl"   ? ReadStl(content, name)
              : extension == ".obj" ? ReadObj(content, name)
                                    : ReadPly(content, name);
-  // Only what is no mesh is looked at as something else: a binary STL's header may begin with any bytes.
+  // Only a file that is no mesh is examined for other kinds: a binary STL's header may begin with any bytes.
   if (raw) return raw;
   if (const std::string_view other = FindOtherKind(content, extension); !other.empty())
     return Refuse(MeshErrorKind::kFormat,

@@ -8,10 +8,12 @@
 namespace osteon::simulation {
 namespace {
 
-// Statements that move no surface. Names behind them go to the end of the line, a '\' there included.
+// Statements that do not change the surface. The name behind them extends to the end of the line, even over a
+// '\' there.
 constexpr std::array<std::string_view, 6> kNames{"mtllib", "usemtl",     "usemap",
                                                  "maplib", "shadow_obj", "trace_obj"};
-// Curves bound nothing; attributes of free forms mean nothing without a 'surf', which is refused.
+// Ignored statements: curves bound nothing, and attributes of free forms mean nothing without a 'surf', which
+// is refused.
 constexpr std::array<std::string_view, 22> kIgnored{
     "vp",   "s",      "mg",   "lod",   "bevel", "c_interp", "d_interp", "ctech", "stech", "deg", "bmat",
     "step", "cstype", "curv", "curv2", "parm",  "trim",     "hole",     "scrv",  "sp",    "end", "con"};
@@ -21,7 +23,7 @@ bool Contains(const std::array<std::string_view, N>& words, std::string_view wor
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// How many of each list there are, and the index that reaches furthest into it.
+/// Number of entries of a list, and the largest index used in it.
 struct IndexedList {
   std::int64_t count{0}, greatest{0};
   int line{0};
@@ -70,7 +72,7 @@ class ObjReader {
       return std::nullopt;
     }
     if (Contains(kNames, key)) return std::nullopt;
-    // Only what stands before a comment goes on in the next line.
+    // Only the part before a comment continues in the next line.
     std::string_view statement = Trimmed(line.substr(0, line.find('#')));
     if (statement.ends_with('\\')) {
       joined_.clear();
@@ -87,7 +89,7 @@ class ObjReader {
     if (words_.empty()) return std::nullopt;
     key = words_[0];
     if (key == "v") return ReadVertex();
-    if (key == "vt" || key == "vn") {  // counted; the values, nan among them, are not used
+    if (key == "vt" || key == "vn") {  // counted; the values, nan included, are not used
       ++lists_[key == "vt" ? 1 : 2].count;
       return std::nullopt;
     }
@@ -174,7 +176,7 @@ class ObjReader {
   PolygonMesh mesh_;
   PartNames parts_;
   std::string part_name_;
-  std::optional<std::uint32_t> part_;  // of the faces that follow; none before the first of them
+  std::optional<std::uint32_t> part_;  // part of the following faces; none before the first of them
 };
 
 }  // namespace

@@ -40,25 +40,25 @@ const PlyType* FindType(std::string_view name) {
 struct PlyProperty {
   std::string name;
   const PlyType* type{nullptr};
-  const PlyType* count_type{nullptr};  ///< of a list
+  const PlyType* count_type{nullptr};  ///< type of a list's count
   int axis{-1};                        ///< 0 … 2: a vertex's x, y, z
-  bool is_corners{false};              ///< a face's list of vertices
+  bool is_corners{false};              ///< a face's list of vertex indices
 };
 
 struct PlyElement {
   std::string name;
   std::size_t count{0};
-  int line{0};  ///< of the header
+  int line{0};  ///< line in the header
   std::vector<PlyProperty> properties;
 };
 
-/// The values of a PLY's body, one after the other, from text or bytes.
+/// Reads the values of a PLY's body, one after the other, from text or bytes.
 class PlyBody {
  public:
   PlyBody(std::string_view content, std::size_t begin, int line, PlyFormat format)
       : content_(content), at_(begin), format_(format), lines_(content.substr(begin), line + 1) {}
 
-  /// Begins a row of an element. A text's row is a line.
+  /// Begins a row of an element. In a text file a row is a line.
   [[nodiscard]] bool NextRow() {
     if (format_ != PlyFormat::kText) return true;
     do {
@@ -69,7 +69,7 @@ class PlyBody {
     word_ = 0;
     return true;
   }
-  /// Passes over a value that is not used; false where the file or the row ends, or the word is no number.
+  /// Skips a value that is not used; false where the file or the row ends, or the word is no number.
   [[nodiscard]] bool Skip(const PlyType& type) {
     if (format_ != PlyFormat::kText) {
       if (content_.size() - at_ < type.bytes) return false;
@@ -80,7 +80,7 @@ class PlyBody {
     ++word_;
     return true;
   }
-  /// The next value; nothing where the file or the row ends, or the word is no number of this type.
+  /// Reads the next value; nothing where the file or the row ends, or the word is no number of this type.
   [[nodiscard]] std::optional<double> Next(const PlyType& type) {
     if (format_ == PlyFormat::kText) {
       if (word_ >= words_.size()) return std::nullopt;
@@ -106,12 +106,12 @@ class PlyBody {
     const int shift = static_cast<int>(8 * (4 - type.bytes));
     return static_cast<std::int32_t>(bits << shift) >> shift;
   }
-  /// The line or byte that is read, for errors found later.
+  /// The current line or byte, for errors found later.
   [[nodiscard]] std::size_t place() const {
     return format_ == PlyFormat::kText ? static_cast<std::size_t>(lines_.line()) : at_;
   }
-  /// What stands behind the last row of the last element: bytes, or lines that are not empty. A line end
-  /// there is none.
+  /// Amount of content behind the last row of the last element, in bytes or in lines that are not empty. A
+  /// single line end does not count.
   [[nodiscard]] std::size_t CountRest() {
     if (format_ != PlyFormat::kText)
       return Trimmed(content_.substr(at_)).empty() && content_.size() - at_ <= 2 ? 0 : content_.size() - at_;
@@ -128,7 +128,7 @@ class PlyBody {
                                  MeshErrorKind kind = MeshErrorKind::kUnreadable) const {
     return DamageAt(name, place(), what, kind);
   }
-  /// At a place() of before.
+  /// An error at an earlier place().
   [[nodiscard]] MeshError DamageAt(const std::string& name, std::size_t place, const std::string& what,
                                    MeshErrorKind kind = MeshErrorKind::kUnreadable) const {
     return format_ == PlyFormat::kText ? DamageAtLine(name, static_cast<int>(place), what, kind)
@@ -137,7 +137,7 @@ class PlyBody {
 
  private:
   std::string_view content_;
-  std::size_t at_;  // of bytes; a text's place is in lines_
+  std::size_t at_;  // byte position; a text file's position is in lines_
   PlyFormat format_;
   LineReader lines_;
   std::vector<std::string_view> words_;
@@ -177,7 +177,7 @@ class PlyReader {
     const auto first = lines.Next();
     if (!first || Trimmed(*first) != "ply")
       return DamageAtLine(name_, 1, fmt::format("found {}, accepted 'ply'", Shown(first.value_or(""))));
-    // Where lines end in CR alone, an LF behind the last of them is the first byte of what follows.
+    // Where lines end in CR alone, an LF behind the header's last CR is the body's first byte.
     const bool ends_in_cr =
         head.substr(first->size()).starts_with('\r') && !head.substr(first->size()).starts_with("\r\n");
     bool has_format = false;
@@ -200,7 +200,7 @@ class PlyReader {
                                     kMaxHeader));
   }
 
-  /// An error of the header's line that is read.
+  /// An error at the header's current line.
   [[nodiscard]] MeshError Refuse(const std::string& what) const {
     return DamageAtLine(name_, header_lines_, what);
   }
@@ -272,7 +272,7 @@ class PlyReader {
       for (const PlyProperty& p : element.properties)
         row += format_ == PlyFormat::kText ? 2 : p.count_type ? p.count_type->bytes : p.type->bytes;
       min_bytes += element.count * row;
-      if (element.count > 0 && element.properties.empty())  // any number of them would take no room
+      if (element.count > 0 && element.properties.empty())  // any number of them would take no bytes
         return Refuse(
             fmt::format("found element {} without properties, accepted one and more", Shown(element.name)));
       const auto has_axis = [&element](int axis) {
@@ -294,7 +294,7 @@ class PlyReader {
       return Refuse(fmt::format("found no {}, accepted elements vertex and face with a list vertex_indices",
                                 has_vertices ? "list vertex_indices of element face" : "element vertex"));
     const std::size_t rest = content_.size() - body_begin_;
-    if (rest + 1 < min_bytes)  // a text may end without a line end
+    if (rest + 1 < min_bytes)  // a text file may end without a line end
       return Refuse(
           fmt::format("found elements announced that take {} bytes and more, and {} bytes behind "
                       "the header, accepted as many as are announced",
@@ -334,7 +334,7 @@ class PlyReader {
         const auto value = body.Next(*property.type);
         if (!value) return too_short();
         if (property.axis >= 0) {
-          const float x = static_cast<float>(*value) + 0.0f;  // -0 and +0 are the same place
+          const float x = static_cast<float>(*value) + 0.0f;  // turns -0 into +0, the same place
           if (!std::isfinite(x))
             return body.Damage(
                 name_,
@@ -359,7 +359,7 @@ class PlyReader {
     return std::nullopt;
   }
 
-  /// Rows behind the last one announced: the count is wrong, or the file is not whole.
+  /// Checks for rows behind the last announced one: a wrong count, or an incomplete file.
   std::optional<MeshError> CheckRest(PlyBody& body) {
     const std::size_t place = body.place();
     const std::size_t rest = body.CountRest();
@@ -376,7 +376,7 @@ class PlyReader {
                                      last.count + rest, name, last.count, last.line));
   }
 
-  /// A name of the header in a message.
+  /// A name of the header for a message.
   static std::string Printable(const std::string& name) {
     const std::string shown = Shown(name);
     return shown.substr(1, shown.size() - 2);

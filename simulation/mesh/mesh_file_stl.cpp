@@ -15,7 +15,7 @@ bool IsWord(std::string_view word, std::string_view expected) {
                     [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
 }
 
-/// A facet's lines, in their order: words that the line begins with, and how many numbers follow.
+/// Lines of a facet, in order: the words at the line's beginning, and how many numbers follow.
 struct FacetLine {
   std::vector<std::string_view> words;
   std::size_t numbers;
@@ -65,7 +65,7 @@ tl::expected<RawMesh, MeshError> ReadText(std::string_view content, const std::s
     if (words.size() != expected.words.size() + expected.numbers) return refuse(expected.accepted);
     for (std::size_t i = 0; i < expected.words.size(); ++i)
       if (!IsWord(words[i], expected.words[i])) return refuse(expected.accepted);
-    if (step == 0) {  // a normal is not used: exporters write nan for triangles without area
+    if (step == 0) {  // the normal is not used: exporters write nan for triangles without area
       corner = 0;
       for (std::size_t i = 2; i < words.size(); ++i)
         if (!IsUnusedNumber(words[i])) return refuse(expected.accepted);
@@ -108,17 +108,17 @@ tl::expected<RawMesh, MeshError> ReadBinary(std::string_view content, const std:
   RawMesh raw;
   raw.triangles.resize(count);
   raw.part_of_triangle.assign(count, 0);
-  if (count > 0) raw.parts.emplace_back();  // the header's text is no name: programs sign there
+  if (count > 0) raw.parts.emplace_back();  // the header is no name: programs write their own there
   for (std::size_t t = 0; t < count; ++t)
     for (std::size_t i = 0; i < 9; ++i) {
-      const std::size_t byte = kHeader + t * kTriangle + (3 + i) * sizeof(float);  // behind the normal
+      const std::size_t byte = kHeader + t * kTriangle + (3 + i) * sizeof(float);  // after the normal
       float x = 0.0f;
       std::memcpy(&x, content.data() + byte, sizeof(x));
       if (!std::isfinite(x))
         return tl::make_unexpected(DamageAtByte(
             name, byte, fmt::format("triangle {}: found coordinate {}, accepted a finite number", t, x),
             MeshErrorKind::kNotFinite));
-      raw.triangles[t][i / 3][i % 3] = x + 0.0f;  // -0 and +0 are the same place
+      raw.triangles[t][i / 3][i % 3] = x + 0.0f;  // turns -0 into +0, the same place
     }
   return raw;
 }
@@ -126,8 +126,8 @@ tl::expected<RawMesh, MeshError> ReadBinary(std::string_view content, const std:
 }  // namespace
 
 tl::expected<RawMesh, MeshError> ReadStl(std::string_view content, const std::string& name) {
-  // A binary file may begin with "solid" as well: its size decides. What is neither is answered as the
-  // text that it is, if it is one.
+  // A binary file may also begin with "solid": the size decides. A file that is neither is reported as text,
+  // if it is text.
   std::uint32_t count = 0;
   if (content.size() >= kHeader) std::memcpy(&count, content.data() + kHeader - sizeof(count), sizeof(count));
   const bool sized_as_binary = content.size() >= kHeader && content.size() - kHeader == count * kTriangle;

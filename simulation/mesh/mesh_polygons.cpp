@@ -8,7 +8,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kMaxConcaveCorners = 1024;  // ears are searched in quadratic time and more
+constexpr std::size_t kMaxConcaveCorners = 1024;  // the search for ears takes at least quadratic time
 
 using Point2 = std::array<double, 2>;
 
@@ -17,12 +17,12 @@ double Area2(const Point2& a, const Point2& b, const Point2& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// One polygon at a time; keeps its memory between polygons.
+/// Cuts one polygon at a time; reuses its memory between polygons.
 class PolygonCutter {
  public:
   PolygonCutter(const PolygonMesh& mesh, RawMesh& raw) : mesh_(mesh), raw_(raw) {}
 
-  /// @returns what is wrong with it, or nothing.
+  /// @returns why the polygon is refused; empty where it is not.
   std::string Cut(const std::uint32_t* corners, std::size_t count, std::uint32_t part) {
     part_ = part;
     ring_.clear();
@@ -57,7 +57,8 @@ class PolygonCutter {
     raw_.part_of_triangle.push_back(part_);
   }
 
-  /// Corners in the plane across the largest component of the mean normal (Newell), counter-clockwise there.
+  /// Projects the corners along the largest component of the mean normal (Newell), so that they run
+  /// counter-clockwise.
   /// @returns false where the polygon has no area.
   bool Project() {
     std::array<double, 3> normal{};
@@ -88,7 +89,7 @@ class PolygonCutter {
     return true;
   }
 
-  /// Whether no other corner lies in the triangle at place k of `left_` or on its edges.
+  /// True where no other corner lies in or on the triangle at place k of `left_`.
   [[nodiscard]] bool IsEar(std::size_t before, std::size_t k, std::size_t after) const {
     const Point2 &a = flat_[left_[before]], &b = flat_[left_[k]], &c = flat_[left_[after]];
     for (std::size_t i = 0; i < left_.size(); ++i) {
@@ -100,7 +101,7 @@ class PolygonCutter {
     return true;
   }
 
-  /// Cuts one ear after the other; one without area only where no other is left.
+  /// Cuts one ear after the other; an ear without area only where no other is left.
   bool CutEars() {
     left_.resize(ring_.size());
     for (std::size_t i = 0; i < left_.size(); ++i) left_[i] = i;
@@ -133,7 +134,7 @@ class PolygonCutter {
   std::vector<std::size_t> left_;
 };
 
-/// Whether the bytes are UTF-8, by its table of well-formed sequences (The Unicode Standard, table 3-7).
+/// True where the bytes are UTF-8, by the table of well-formed sequences (The Unicode Standard, table 3-7).
 bool IsUtf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto first = static_cast<unsigned char>(text[i]);

@@ -11,14 +11,14 @@ namespace osteon::simulation {
 namespace {
 
 constexpr std::size_t kMostShells = 64;
-constexpr std::size_t kSamples = 15;      // odd: they vote
-constexpr double kLeastFullness = 1e-12;  // volume over the cube of the box's diagonal
+constexpr std::size_t kSamples = 15;      // odd, so that a majority decides
+constexpr double kLeastFullness = 1e-12;  // smallest volume over the cube of the box's diagonal
 
 struct Shell {
   std::vector<std::uint32_t> triangles;
   Eigen::AlignedBox3d box;
   double volume_m3{0.0};            // signed
-  std::vector<std::size_t> around;  // shells that it lies in
+  std::vector<std::size_t> around;  // shells around this one
 };
 
 Vector3 Center(const TriangleMesh& mesh, std::uint32_t t) {
@@ -54,7 +54,7 @@ std::vector<Shell> SplitShells(const TriangleMesh& mesh) {
   return shells;
 }
 
-/// How often a shell winds around p: 0 outside, ±1 inside. Solid angles: Van Oosterom, Strackee, IEEE Trans.
+/// Winding number of a shell about p: 0 outside, ±1 inside. Solid angles: Van Oosterom, Strackee, IEEE Trans.
 /// Biomed. Eng. 30, 1983.
 double WindingNumber(const TriangleMesh& mesh, const Shell& shell, const Vector3& p) {
   double sum = 0.0;
@@ -67,8 +67,8 @@ double WindingNumber(const TriangleMesh& mesh, const Shell& shell, const Vector3
   return sum / (2.0 * std::numbers::pi);
 }
 
-/// Whether most of `inner` lies in `outer`: shells may touch within the tolerance of crossings, so that one
-/// point of it decides nothing.
+/// True where most of `inner` lies in `outer`. Shells may touch within the tolerance of crossings, so a
+/// single point decides nothing.
 bool LiesIn(const TriangleMesh& mesh, const Shell& inner, const Shell& outer) {
   const std::size_t samples = std::min(kSamples, inner.triangles.size());
   std::size_t inside = 0;
@@ -144,7 +144,7 @@ tl::expected<LoadedMesh, MeshError> SortShells(PartedMesh parted, MeshReport rep
   LoadedMesh loaded;
   std::vector<bool> bounds(shells.size(), false);
   std::vector<std::vector<bool>> region_bounds;
-  std::vector<std::optional<std::size_t>> region_of(shells.size());  // of a region's shell: its place
+  std::vector<std::optional<std::size_t>> region_of(shells.size());  // index of a shell's region
   for (const std::size_t i : order) {
     const Shell& shell = shells[i];
     if (!shell.around.empty())

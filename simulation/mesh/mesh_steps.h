@@ -19,36 +19,37 @@ namespace osteon::simulation {
 struct PartedMesh {
   TriangleMesh mesh;
   std::vector<std::string> parts;
-  std::vector<std::uint32_t> part_of_triangle;  ///< empty: all of one part
+  std::vector<std::uint32_t> part_of_triangle;  ///< empty: all triangles belong to one part
 };
 
-/// A place, for messages.
+/// Formats a place for messages.
 [[nodiscard]] std::string InMm(const Vector3& p_m);
 
 /// One side of an edge.
 struct MeshEdge {
   std::uint32_t low, high, triangle;
-  bool rising;  ///< the triangle walks it from low to high
+  bool rising;  ///< true where the triangle runs from low to high
   auto operator<=>(const MeshEdge&) const = default;
 };
 [[nodiscard]] std::vector<MeshEdge> SortedEdges(const TriangleMesh& mesh);
 
-/// Welds what lies at exactly the same place, each part on its own, and drops what collapses or is there
+/// Welds vertices at exactly the same place, each part on its own, and drops triangles that collapse or occur
 /// twice.
 /// @param m_per_unit  metres to a unit of the file
 [[nodiscard]] PartedMesh WeldParts(const RawMesh& raw, double m_per_unit, MeshReport& report);
 
-/// Welds ends of open edges within the tolerance of each other (0: at exactly the same place), whatever part
-/// they belong to. @returns how many vertices went.
+/// Welds ends of open edges within the tolerance of each other (0: at exactly the same place), also across
+/// parts.
+/// @returns how many vertices were removed.
 std::size_t WeldOpenEdges(PartedMesh& parted, double tolerance_m, MeshReport& report);
 
-/// Checks all that CheckMesh does, and sorts the shells into what bounds the solid and its regions. A mesh
-/// without regions keeps its vertices and triangles as they are (or all flipped).
+/// Checks everything that CheckMesh does, and sorts the shells into those that bound the solid and its
+/// regions. A mesh without regions keeps its vertices and triangles as they are (or all flipped).
 [[nodiscard]] tl::expected<LoadedMesh, MeshError> AcceptMesh(PartedMesh parted, const MeshReport& report,
                                                              const std::string& name);
 
-/// Finds how the shells nest; fills the report's shells and the regions. `mesh` is manifold, its volume not
-/// negative, and its shells do not cross each other.
+/// Finds how the shells nest; fills the report's shells and the regions.
+/// @pre `mesh` is manifold, its volume is not negative, and its shells do not cross each other.
 [[nodiscard]] tl::expected<LoadedMesh, MeshError> SortShells(PartedMesh parted, MeshReport report,
                                                              const std::string& name);
 
@@ -59,7 +60,7 @@ class DisjointSets {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  /// The lowest member stands for a set.
+  /// Joins two sets. A set's lowest member represents it.
   void Join(std::uint32_t i, std::uint32_t j) {
     i = Find(i);
     j = Find(j);

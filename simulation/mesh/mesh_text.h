@@ -14,11 +14,11 @@
 
 #include "simulation/mesh/triangle_mesh.h"
 
-// Reading of mesh files that are text: lines, words, numbers and refusals that name the line.
+// Reading of text mesh files: lines, words, numbers and error messages that name the line.
 
 namespace osteon::simulation {
 
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // of UTF-8
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // UTF-8
 
 /// Lines of a text, counted from 1. A line ends in LF, CR LF, or CR alone.
 class LineReader {
@@ -43,7 +43,7 @@ class LineReader {
   int line_;
 };
 
-/// The text without blanks before and behind it.
+/// The text without leading and trailing blanks.
 [[nodiscard]] inline std::string_view Trimmed(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\v\f\r\n";
   const std::size_t begin = text.find_first_not_of(kBlanks);
@@ -62,7 +62,8 @@ inline void SplitWords(std::string_view line, std::vector<std::string_view>& wor
   }
 }
 
-/// A number that fills the word; no locale. A real number beyond the range of T is infinite, or zero.
+/// Parses a number that fills the word, independent of the locale. A real number beyond the range of T
+/// becomes infinite, or zero.
 template <typename T>
 [[nodiscard]] std::optional<T> ParseWord(std::string_view word) {
   if (word.starts_with('+')) {
@@ -82,13 +83,13 @@ template <typename T>
   return value;
 }
 
-/// Whether the word is a number or a C library's way to write that there is none ("-nan(ind)", "1.#QNAN"):
-/// what files may hold where the value is not used.
+/// True where the word is a number or a C library's spelling of NaN ("-nan(ind)", "1.#QNAN"): accepted in
+/// values that are not used.
 [[nodiscard]] inline bool IsUnusedNumber(std::string_view word) {
   return ParseWord<double>(word) || word.find(".#") != std::string_view::npos;
 }
 
-/// What a file holds, short enough for a message and printable.
+/// A word of a file for a message: shortened and printable.
 [[nodiscard]] inline std::string Shown(std::string_view word) {
   std::string text(word.substr(0, 30));
   for (char& c : text)
@@ -107,8 +108,8 @@ template <typename T>
   return {.kind = kind, .message = fmt::format("{}: byte {}: {}", name, byte, what)};
 }
 
-/// Reads a coordinate into `value`: finite, also as the float that it becomes. Adding zero turns -0 into +0,
-/// which are the same place.
+/// Reads a coordinate into `value`; the number and its float must be finite. Adding zero turns -0 into +0,
+/// the same place.
 [[nodiscard]] inline std::optional<MeshError> ReadCoordinate(std::string_view word, const std::string& name,
                                                              int line, float& value) {
   const auto number = ParseWord<double>(word);
@@ -120,7 +121,7 @@ template <typename T>
                       number ? MeshErrorKind::kNotFinite : MeshErrorKind::kUnreadable);
 }
 
-/// A byte that no text has, if there is one.
+/// Error for the first byte that no text contains, if there is one.
 [[nodiscard]] inline std::optional<MeshError> FindBinaryByte(std::string_view text, const std::string& name) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto c = static_cast<unsigned char>(text[i]);

@@ -16,12 +16,12 @@ struct PlaceHash {
   }
 };
 
-/// Drops triangles with two corners in one place, and all but the first with the same three corners, walked
-/// in the same sense, of one part.
+/// Drops triangles with two corners in one place. Of triangles of one part with the same corners and winding,
+/// keeps only the first.
 void DropCollapsed(PartedMesh& parted, MeshReport& report) {
   struct Turned {
     std::uint32_t part;
-    std::array<std::uint32_t, 3> corners;  // the lowest first
+    std::array<std::uint32_t, 3> corners;  // rotated so that the lowest is first
     std::size_t triangle;
     auto operator<=>(const Turned&) const = default;
   };
@@ -54,7 +54,7 @@ void DropCollapsed(PartedMesh& parted, MeshReport& report) {
   parted.part_of_triangle.resize(kept);
 }
 
-/// Ends of edges that have one triangle, ascending.
+/// Ends of edges that have only one triangle, ascending.
 std::vector<std::uint32_t> OpenEnds(const TriangleMesh& mesh) {
   const std::vector<MeshEdge> edges = SortedEdges(mesh);
   std::vector<std::uint32_t> ends;
@@ -92,7 +92,7 @@ PartedMesh WeldParts(const RawMesh& raw, double m_per_unit, MeshReport& report) 
 std::size_t WeldOpenEdges(PartedMesh& parted, double tolerance_m, MeshReport& report) {
   TriangleMesh& mesh = parted.mesh;
   const std::vector<std::uint32_t> ends = OpenEnds(mesh);
-  // Along the first axis, partners are neighbours.
+  // Sorted along the first axis, partners are near each other.
   std::vector<std::uint32_t> along = ends;
   std::sort(along.begin(), along.end(), [&mesh](std::uint32_t i, std::uint32_t j) {
     const double x = mesh.vertices_m[i].x(), y = mesh.vertices_m[j].x();

@@ -11,8 +11,9 @@
 namespace osteon::simulation {
 namespace {
 
-/// Kuhn's division of the cube: along each way from corner 0 to corner 7 (bits x, y, z) over two of the other
-/// corners. All six have the orientation that their permutation of the axes has; see `kEven`.
+/// Kuhn's division of the cube: one tetrahedron for each path along edges from corner 0 to corner 7 (bits x,
+/// y, z), over two of the other corners. A tetrahedron's orientation is the parity of its permutation of the
+/// axes, in `kEven`.
 constexpr int kTetrahedra[6][4] = {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7},
                                    {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 4, 6, 7}};
 constexpr bool kEven[6] = {true, true, true, false, false, false};
@@ -68,7 +69,7 @@ class Marching {
                                     static_cast<double>(i / size_[0] % size_[1]),
                                     static_cast<double>(i / (size_[0] * size_[1])));
   }
-  /// Zero counts as outside: every vertex of the grid lies on one side.
+  /// Zero counts as outside, so every vertex of the grid is on one side.
   [[nodiscard]] bool Inside(std::size_t i) const { return values_[i] < 0.0; }
 
   void Cube(std::size_t cube) {
@@ -78,14 +79,14 @@ class Marching {
     for (int t = 0; t < 6; ++t) {
       std::array<int, 4> in{}, out{};
       int ins = 0, outs = 0;
-      // positions within the tetrahedron, in order: an odd rearrangement turns the triangles over
+      // positions within the tetrahedron, in order: an odd permutation flips the triangles
       for (int k = 0; k < 4; ++k)
         if (Inside(Corner(cube, kTetrahedra[t][k])))
           in[ins++] = k;
         else
           out[outs++] = k;
       const auto cut = [&](int a, int b) { return Cut(cube, kTetrahedra[t][a], kTetrahedra[t][b]); };
-      // parity of (in…, out…) as a rearrangement of (0, 1, 2, 3)
+      // parity of (in…, out…) as a permutation of (0, 1, 2, 3)
       bool even = kEven[t];
       std::array<int, 4> order{};
       for (int k = 0; k < ins; ++k) order[k] = in[k];
@@ -111,8 +112,8 @@ class Marching {
     mesh_.triangles.push_back({a, b, c});
   }
 
-  /// The vertex on the edge between two corners of a cube, made when first asked for. The corners of an edge
-  /// differ by a set of axes, which with the lesser corner names the edge.
+  /// Index of the vertex on the edge between two corners of a cube; created at the first call. The corners of
+  /// an edge differ by a set of axes, which identifies the edge together with the lower corner.
   std::uint32_t Cut(std::size_t cube, int a, int b) {
     const int low = a & b, along = a ^ b;
     std::uint32_t& vertex = cuts_[7 * Corner(cube, low) + along - 1];

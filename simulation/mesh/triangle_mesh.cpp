@@ -18,7 +18,7 @@ tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path, 
 
   MeshReport report;
   PartedMesh parted = WeldParts(*raw, 1e-3 * params.scale, report);
-  WeldOpenEdges(parted, 0.0, report);  // a surface that is spread over several groups
+  WeldOpenEdges(parted, 0.0, report);  // joins a surface spread over several groups
   auto accepted = AcceptMesh(parted, report, name);
   if (accepted || accepted.error().kind != MeshErrorKind::kOpen || params.weld_tolerance_m == 0.0)
     return accepted;

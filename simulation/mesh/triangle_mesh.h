@@ -19,7 +19,7 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// Why a mesh was refused.
+/// Reason why a mesh was refused.
 enum class MeshErrorKind : std::uint8_t {
   kMissing,           ///< no such file
   kFormat,            ///< not one of the formats read
@@ -31,9 +31,9 @@ enum class MeshErrorKind : std::uint8_t {
   kOrientation,       ///< neighbouring triangles that face opposite ways
   kNoVolume,          ///< encloses nothing
   kTooLarge,          ///< further than 10 m away, or wider than 1 m: hardly in millimetres
-  kContradictory,     ///< shells that are solid twice over, or hollow in the void
+  kContradictory,     ///< shells that are solid twice over, or hollow in a void
   kSelfIntersecting,  ///< the surface passes through itself
-  kCupOffMesh,        ///< the cup named is not where the bone has one
+  kCupOffMesh,        ///< the given cup is not at a cup of the bone
 };
 
 struct MeshError {
@@ -41,73 +41,73 @@ struct MeshError {
   std::string message;  ///< file, where, what was found, what is accepted
 };
 
-/// What a closed shell does.
+/// Meaning of a closed shell.
 enum class ShellKind : std::uint8_t {
-  kSolid,   ///< bounds solid from outside
-  kCavity,  ///< a hole in it: wound inwards
-  kRegion,  ///< another tissue within the solid: wound outwards, like what is around it
+  kSolid,   ///< outer boundary of the solid
+  kCavity,  ///< hole in the solid: wound inwards
+  kRegion,  ///< another tissue within the solid: wound outwards, like the shell around it
 };
 
 struct MeshShell {
   std::string name;  ///< of the group, object or solid in the file
   std::size_t triangles{0};
-  double volume_m3{0.0};              ///< enclosed, without what lies in it taken away
-  std::optional<std::size_t> parent;  ///< place of the shell around it
+  double volume_m3{0.0};              ///< enclosed, including shells inside it
+  std::optional<std::size_t> parent;  ///< index of the shell around it
   ShellKind kind{ShellKind::kSolid};
 };
 
-/// What loading did to the file's triangles.
+/// Changes that loading made to the file's triangles.
 struct MeshReport {
-  std::size_t dropped_triangles{0};    ///< with two corners in one place
-  std::size_t duplicate_triangles{0};  ///< a second time the same three corners, dropped
+  std::size_t dropped_triangles{0};    ///< triangles with two corners in one place
+  std::size_t duplicate_triangles{0};  ///< further triangles of the same three corners, dropped
   std::size_t welded_vertices{0};      ///< on the two sides of a slit, within the tolerance
   bool flipped{false};                 ///< the whole mesh was inside out
   std::vector<MeshShell> shells;       ///< in the order of their first triangles
 };
 
-/// A closed shell inside the solid that tells one tissue from another and bounds nothing.
+/// A closed shell inside the solid that separates tissues and bounds no solid.
 struct MeshRegion {
   std::string name;
   TriangleMesh mesh;                  ///< its shell, and the cavities within it
-  std::optional<std::size_t> parent;  ///< the region it lies in; none: the solid itself
+  std::optional<std::size_t> parent;  ///< region around it; none: the solid itself
 };
 
 struct LoadedMesh {
-  TriangleMesh mesh;                ///< what bounds the solid: outer shells and cavities
-  std::vector<MeshRegion> regions;  ///< outer ones before those inside them
+  TriangleMesh mesh;                ///< boundary of the solid: outer shells and cavities
+  std::vector<MeshRegion> regions;  ///< outer regions before those inside them
   MeshReport report;
 };
 
-/// How a mesh file is read.
+/// Parameters for reading a mesh file.
 struct MeshParams {
   double scale{1.0};              ///< millimetres to a unit of the file; 1e-6 … 1e6
-  double weld_tolerance_m{1e-6};  ///< 0 … 0.1 mm: how far apart the two sides of a slit may lie
+  double weld_tolerance_m{1e-6};  ///< largest distance of a slit's two sides; 0 … 0.1 mm
 };
 
-/// Reads one or more closed shells from an STL, OBJ or PLY file, by the one reader of its format
-/// (mesh_file.h), with CheckMesh's conditions.
+/// Reads one or more closed shells from an STL, OBJ or PLY file, with the reader of its format (mesh_file.h)
+/// and CheckMesh's conditions.
 ///
-/// Vertices at exactly the same place are welded (STL has no others) within each group of the file, so that
-/// shells that touch stay apart where they have names of their own. What is closed then is left as it is.
-/// Where edges are open, their ends are welded with those of other groups at exactly the same place, and, if
-/// that is not enough, with those within the tolerance. Triangles that lose a corner by this, and copies of
-/// triangles, are dropped. All of it is counted in the report. T-junctions stay open.
+/// Vertices at exactly the same place are welded within each group of the file, since STL has no shared
+/// vertices. Touching shells with different names therefore stay apart. Where this closes the mesh, nothing
+/// more is welded. Where edges are open, their ends are welded with those of other groups at exactly the same
+/// place and, if that is not enough, with those within the tolerance. Triangles that lose a corner, and
+/// copies of triangles, are dropped. The report counts all changes. T-junctions stay open.
 ///
-/// A shell inside another is a cavity where it is wound inwards. Wound outwards it is a region: it bounds
-/// nothing, but what is in it is another tissue. Regions may lie in regions.
-/// @returns or the refusal, with the line or byte of the file, or the place in mm and the triangle (counted
-///   from 0 in the file's order, without those dropped).
+/// A shell inside another is a cavity where it is wound inwards. Wound outwards it is a region: it bounds no
+/// solid, but contains another tissue. Regions may lie in regions.
+/// @returns the mesh, or the refusal with the line or byte of the file, or the place in mm and the triangle
+///   (counted from 0 in the file's order, without those dropped).
 /// @throws std::invalid_argument where the parameters are out of range.
 [[nodiscard]] tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path,
                                                            const MeshParams& params = {});
 
-/// Whether the triangles bound a solid without contradiction; `name` stands for the file in messages.
+/// Checks that the triangles bound a solid without contradiction; messages call the file `name`.
 ///
-/// Each edge joins exactly two triangles, wound alike; vertices are finite, within 10 m, and within 1 m of
-/// each other; shells nest solid, cavity, solid (cavities are wound inwards; regions are for LoadMesh); no
-/// edge pierces another triangle by more than 0.01 mm (real meshes touch themselves by rounding: less is let
-/// pass, and shifts the surface by less than that). A mesh that is inside out as a whole has its triangles
-/// flipped, since only one reading makes sense.
+/// Each edge joins exactly two triangles of the same winding. Vertices are finite, within 10 m, and within 1
+/// m of each other. Shells nest solid, cavity, solid; cavities are wound inwards (regions are for LoadMesh).
+/// No edge pierces another triangle by more than 0.01 mm: real meshes touch themselves by rounding, and less
+/// than this shifts the surface by less. A mesh that is inside out as a whole has its triangles flipped,
+/// since only one reading makes sense.
 [[nodiscard]] tl::expected<MeshReport, MeshError> CheckMesh(TriangleMesh& mesh, const std::string& name);
 
 /// Enclosed volume; negative where the mesh is inside out.

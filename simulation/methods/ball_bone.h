@@ -10,17 +10,17 @@
 
 namespace osteon::simulation {
 
-/// Mass points as balls without a radius, for a LiveTree.
+/// Converts mass points to balls without a radius, for a LiveTree.
 [[nodiscard]] std::vector<Ball> AsBalls(std::span<const MassPoint> points);
-/// Of the mass point nearest to p, within a metre; 0 without one. @param tree  over these points
+/// Material of the mass point nearest to p, within a metre; 0 without one. @param tree  over these points
 [[nodiscard]] MaterialIndex NearestMaterial(std::span<const MassPoint> points, const LiveTree& tree,
                                             const Vector3& p_m);
 
-/// The bone as the methods with balls keep it: balls that shrink, mass points that are cleared once, and
-/// where to find both. In G.
+/// The bone of the methods with balls: balls that shrink, mass points that are cleared once, and trees to
+/// find both. In G.
 class BallBone {
  public:
-  /// @param solid  tells each ball's density; null: the nearest mass point does
+  /// @param solid  gives each ball's density; null: the nearest mass point gives it
   BallBone(const Bone& bone, const Solid* solid);
 
   struct LiveBall {
@@ -32,23 +32,23 @@ class BallBone {
   [[nodiscard]] const std::vector<LiveBall>& balls() const { return balls_; }
   [[nodiscard]] std::vector<Ball> Left() const;
 
-  /// Calls visit(index, ball) for each ball left that may come nearer than `reach_m` to the segment from a to
-  /// b.
+  /// Calls visit(index, ball) for each remaining ball that may come nearer than `reach_m` to the segment from
+  /// a to b.
   template <typename Visit>
   void ForEachBallNear(const Vector3& a, const Vector3& b, double reach_m, const Visit& visit) const {
     ball_tree_.ForEachNear(0.5 * (a + b), reach_m + 0.5 * (b - a).norm(), 0.0,
                            [&](std::uint32_t i) { visit(i, balls_[i]); });
   }
 
-  /// Calls visit(point) for each mass point left between the two distances from p, and some others.
+  /// Calls visit(point) for each remaining mass point between the two distances from p, and for some others.
   template <typename Visit>
   void ForEachPointInShell(const Vector3& p_m, double inner_m, double outer_m, const Visit& visit) const {
     point_tree_.ForEachNear(p_m, outer_m, inner_m, [&](std::uint32_t i) { visit(points_[i]); });
   }
 
-  /// Gives a ball another place and radius; gone without a radius.
+  /// Moves a ball and sets its radius; a ball without a radius is gone.
   void Replace(std::uint32_t index, const Vector3& center_m, double radius_m);
-  /// The corrected equation 5 (ShrinkBall) along a capsule, over all balls; clears the points in it.
+  /// Applies the corrected equation 5 (ShrinkBall) along a capsule to all balls; clears the points in it.
   void Cut(const Vector3& a, const Vector3& b, double radius_m,
            std::array<double, kMaxMaterials>& removed_m3);
   /// Clears the points in a capsule, and adds their volumes.
@@ -56,7 +56,7 @@ class BallBone {
                    std::array<double, kMaxMaterials>& removed_m3);
 
   void Save(CarvedState& state) const;
-  /// @throws std::invalid_argument where the state is not of this bone.
+  /// @throws std::invalid_argument where the state belongs to another bone.
   void Load(const CarvedState& state);
 
  private:

@@ -5,7 +5,7 @@
 
 namespace osteon::simulation {
 
-/// What the methods with balls and mass points share.
+/// Common base of the methods with balls and mass points.
 class BallMethod : public MethodBase {
  public:
   [[nodiscard]] std::unique_ptr<CarvedShape> Shape() const final;
@@ -16,7 +16,7 @@ class BallMethod : public MethodBase {
              const CuttingParams& params)
       : MethodBase(method, bone, tool, X_WG, params), bone_(bone, solid) {}
 
-  /// From the mass points near the cutting balls.
+  /// Measures the engaged area from the mass points near the cutting balls.
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis, MethodFrame& frame) const;
   void SaveBone(CarvedState& state) const final { bone_.Save(state); }
   void LoadBone(const CarvedState& state) final { bone_.Load(state); }

@@ -11,12 +11,11 @@
 
 namespace osteon::simulation {
 
-/// Items of a bone (balls, or points as balls without a radius) found by where they are, and crossed out one
-/// by one as they are cut away.
+/// Spatial index of a bone's items (balls, or points as balls without a radius), from which cut items are
+/// removed one by one.
 ///
-/// A tree of boxes, eight children a node, over the items' order along a Morton curve. Boxes are those of the
-/// start: a ball only shrinks inside itself, so they hold for ever. A node knows how many of its items are
-/// left.
+/// A tree of boxes, eight children a node, over the items' order along a Morton curve. Boxes stay as built: a
+/// ball only shrinks inside itself, so they remain valid. A node counts its remaining items.
 class LiveTree {
  public:
   explicit LiveTree(std::span<const Ball> items);
@@ -25,9 +24,9 @@ class LiveTree {
   void Restore(const std::vector<bool>& left);
   [[nodiscard]] std::size_t size() const { return order_.size(); }
 
-  /// Calls visit(item) for each item that is left and whose box comes nearer to p than `reach_m`, but for
-  /// some of those that lie nearer than `hollow_m` as a whole. Always in the same order. An item may be
-  /// removed during its own visit.
+  /// Calls visit(item) for each remaining item whose box comes nearer to p than `reach_m`; may skip items
+  /// that lie entirely nearer than `hollow_m`. The order is always the same. An item may be removed during
+  /// its own visit.
   template <typename Visit>
   void ForEachNear(const Vector3& p_m, double reach_m, double hollow_m, const Visit& visit) const {
     if (levels_.empty()) return;
@@ -63,7 +62,7 @@ class LiveTree {
   }
 
   std::vector<std::uint32_t> order_;       ///< items along the curve
-  std::vector<std::uint32_t> place_;       ///< of an item in order_
+  std::vector<std::uint32_t> place_;       ///< position of an item in order_
   std::vector<bool> left_;                 ///< by item
   std::vector<std::vector<Node>> levels_;  ///< leaves first, the root's level last
 };

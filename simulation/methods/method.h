@@ -10,9 +10,9 @@
 #include "simulation/solids/solid.h"
 #include "simulation/tool.h"
 
-// The methods that the cutting engine is compared with: each built as its authors say, with every parameter
-// stated in its own header, and with the data structures that a competent implementation has, since speed is
-// compared as well.
+// The methods that the cutting engine is compared with. Each is built as its authors describe it, and states
+// every parameter in its own header. Each has the data structures of a competent implementation, since speed
+// is compared too.
 //
 //     kPaperPrinted    paper_engine.h       Kaluschke et al. 2019, equations 1 to 5 as they are printed
 //     kPaperCorrected  paper_engine.h       the same structure, with the equations made right
@@ -28,34 +28,34 @@ enum class Method : std::uint8_t { kPaperPrinted, kPaperCorrected, kPointshell, 
 inline constexpr std::array kMethods{Method::kPaperPrinted, Method::kPaperCorrected, Method::kPointshell,
                                      Method::kVoxelProxy, Method::kStamps};
 
-/// "paper-printed", "paper", "pointshell", "voxel", "stamps": how commands, charts and tables call them.
+/// "paper-printed", "paper", "pointshell", "voxel", "stamps": names in commands, charts and tables.
 [[nodiscard]] std::string_view MethodName(Method method);
 
-/// What a method needs beyond CuttingParams. Balls and mass points come with the bone: the paper's packings
-/// are disjoint (disjoint_packing.h), stamps take any.
+/// Parameters of a method beyond CuttingParams. Balls and mass points come with the bone: the paper's
+/// packings are disjoint (disjoint_packing.h), stamps take any packing.
 struct MethodParams {
   double voxel_m{0.25e-3};          ///< edge of a voxel (kPointshell, kVoxelProxy), 0.01 … 5 mm
-  double point_spacing_m{0.25e-3};  ///< of the tool's points (kPointshell), 0.01 … 5 mm; VPS: one voxel
+  double point_spacing_m{0.25e-3};  ///< between the tool's points (kPointshell), 0.01 … 5 mm; VPS: one voxel
 };
 
 /// A cutting engine whose remaining bone can be measured.
 ///
-/// As of every engine, Step never throws and refuses what IsUsable refuses; equal inputs give equal bits.
-/// Removed volume and mass come from the method's own books: mass points where it has balls, voxels where it
-/// has those. A snapshot of a voxel method has no balls, and `cleared` is of its voxels.
+/// As with every engine, Step never throws and refuses what IsUsable refuses; equal inputs give equal bits.
+/// Removed volume and mass come from the method's own books: mass points where it has balls, otherwise
+/// voxels. A snapshot of a voxel method has no balls, and `cleared` refers to its voxels.
 class MethodEngine : public CuttingEngine {
  public:
-  /// The bone that is left, as this method knows it. A copy: it stays as it is while the engine goes on.
+  /// The remaining bone as this method represents it. A copy that does not change while the engine goes on.
   [[nodiscard]] virtual std::unique_ptr<CarvedShape> Shape() const = 0;
-  /// Balls or voxels that the bone has at the start.
+  /// Number of balls or voxels that the bone has at the start.
   [[nodiscard]] virtual std::size_t ElementCount() const = 0;
 };
 
+/// Makes a compared method.
 /// @param bone   its balls and mass points; a voxel method without a solid fills the union of the balls
-/// @param solid  what a voxel method fills with voxels; null: see above. Only read here
+/// @param solid  the solid that a voxel method fills with voxels, or null; used only during the call
 /// @throws std::invalid_argument naming what was found and what is accepted: a tool without a cutting ball,
-/// more
-///   than kMaxMaterials materials, sizes outside their ranges, a volume of more than 2^31 voxels.
+///   more than kMaxMaterials materials, sizes outside their ranges, a volume of more than 2^31 voxels.
 [[nodiscard]] std::unique_ptr<MethodEngine> MakeMethod(Method method, const Bone& bone, const Solid* solid,
                                                        const Tool& tool, const Pose& X_WG,
                                                        const CuttingParams& params,

@@ -83,8 +83,8 @@ void MethodBase::Restore(const CarvedState& state) {
   memory_ = ToMemory(state);
 }
 
-// As the reference engine measures it: volume within a layer of the nearest cutting ball's surface, over the
-// layer's depth.
+// Measures as the reference engine does: volume within a layer of the nearest cutting ball's surface, over
+// the layer's depth.
 void MethodBase::AddEngaged(const EngagedItem& item, double layer_m, std::size_t found_by,
                             const ToolPoints& at, const Vector3& spindle_axis, MethodFrame& frame) const {
   for (std::size_t t = 0; t < found_by; ++t)

@@ -8,8 +8,8 @@
 
 namespace osteon::simulation {
 
-/// How much bone a cutting surface lies in, by material: area projected on the plane normal to the force, and
-/// the same times its distance to the spindle's axis (as in FrameSolution).
+/// Cutting surface in bone, by material: area projected on the plane normal to the force, and this area times
+/// its distance to the spindle's axis (as in FrameSolution).
 struct Engagement {
   std::array<double, kMaxMaterials> area_m2{}, moment_m3{};
 };
@@ -21,14 +21,14 @@ struct EngagedItem {
   MaterialIndex material;
 };
 
-/// What a method has found in one frame, in G.
+/// Result of one frame of a method, in G.
 struct MethodFrame {
-  Pose X_GP{Pose::Identity()};   ///< the proxy after it
-  double contact_fraction{1.0};  ///< of the path, up to first contact; methods without a path: 0 in contact
+  Pose X_GP{Pose::Identity()};   ///< the proxy after the frame
+  double contact_fraction{1.0};  ///< first contact on the path; methods without a path: 0 in contact
   bool touches{false};
-  bool touch_cuts{false};              ///< what touches is a cutting ball
+  bool touch_cuts{false};              ///< a cutting ball touches
   Vector3 n{Vector3::Zero()};          ///< unit, from bone to tool; zero where free
-  double depth_m{0.0};                 ///< how far the tool's pose lies beyond the surface, along n
+  double depth_m{0.0};                 ///< distance of the tool's pose beyond the surface, along n
   Vector3 point_m{Vector3::Zero()};    ///< touching point on the tool at the tool's pose
   Vector3 force_N{Vector3::Zero()};    ///< on the tool
   Vector3 torque_Nm{Vector3::Zero()};  ///< about T's origin at the tool's pose
@@ -37,8 +37,8 @@ struct MethodFrame {
   std::array<double, kMaxMaterials> removed_m3{};
 };
 
-/// What every compared method does alike: bad input refused, books, the rate law, the contact model. One
-/// contact at most.
+/// The common part of all compared methods: checks of the input, books, the rate law, the contact model. At
+/// most one contact.
 class MethodBase : public MethodEngine {
  public:
   ContactModel Step(const FrameInput& input) final;
@@ -52,20 +52,21 @@ class MethodBase : public MethodEngine {
   MethodBase(Method method, const Bone& bone, const Tool& tool, const Pose& X_WG,
              const CuttingParams& params);
 
-  /// One frame between the last proxy and the tool's pose; changes the bone.
+  /// Computes one frame between the last proxy and the tool's pose; changes the bone.
   virtual MethodFrame Solve(const Pose& X_GP, const Pose& X_GT, const FrameInput& input) = 0;
   virtual void SaveBone(CarvedState& state) const = 0;
-  /// @throws std::invalid_argument where the state is not of this bone; then nothing has changed.
+  /// @throws std::invalid_argument where the state belongs to another bone; nothing has changed then.
   virtual void LoadBone(const CarvedState& state) = 0;
 
-  /// Counts one item into what the tool, placed at `at`, is engaged with.
+  /// Adds one item to the engaged area of the tool placed at `at`.
   /// @param layer_m   depth of the layer of bone that measures the area
-  /// @param found_by  the cutting ball in whose layer the item was found: the first of several counts it
+  /// @param found_by  the cutting ball in whose layer the item was found; among several, the first counts the
+  ///   item
   void AddEngaged(const EngagedItem& item, double layer_m, std::size_t found_by, const ToolPoints& at,
                   const Vector3& spindle_axis, MethodFrame& frame) const;
   /// Sets advance and edge work of a frame that cuts, by the law of `params` (AdvanceOfFrame).
   void Advance(const FrameInput& input, double slide_m, MethodFrame& frame) const;
-  /// Spring force `stiffness * depth` along n at `point_m`, of at most the greatest force.
+  /// Applies the spring force `stiffness * depth` along n at `point_m`, at most the force limit.
   void PushAlongNormal(const Vector3& origin_T, MethodFrame& frame) const;
 
   const Tool tool_;

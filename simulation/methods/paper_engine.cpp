@@ -33,7 +33,7 @@ MethodFrame PaperEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
 
 // ---- as corrected
 
-// Smallest fraction over all pairs; of equal ones the first tool ball's.
+// Smallest fraction over all pairs; among equal ones the first tool ball's.
 std::optional<PaperEngine::FirstTouch> PaperEngine::FindTouch(const ToolPoints& from, const ToolPoints& to,
                                                               double tolerance_m) const {
   FirstTouch first{.fraction = kNoContact, .tool_ball = 0};
@@ -48,7 +48,7 @@ std::optional<PaperEngine::FirstTouch> PaperEngine::FindTouch(const ToolPoints& 
   return first.fraction <= 1.0 ? std::optional(first) : std::nullopt;
 }
 
-// Lens-weighted over the contact ball and the tool balls that overlap it, all enlarged by e.
+// Lens-weighted normal over the contact ball and the tool balls that overlap it, all enlarged by e.
 Vector3 PaperEngine::Normal(const ToolPoints& at, std::size_t contact_ball) const {
   const double e = params_.normal_enlargement_m, r_c = tool_.balls[contact_ball].radius_m + e;
   Vector3 n = Vector3::Zero();
@@ -79,7 +79,7 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
   const auto touch = FindTouch(start, goal, 0.0);
   if (!touch) return frame;
 
-  // the contact: its plane, and how far beyond it the tool is asked to be
+  // the contact: its plane, and the distance of the requested pose beyond it
   frame.contact_fraction = touch->fraction;
   const std::size_t c = touch->tool_ball;
   const ToolPoints contact = Between(start, goal, touch->fraction);
@@ -90,7 +90,7 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
   frame.point_m = goal[c] - tool_.balls[c].radius_m * frame.n;
   PushAlongNormal(goal.back(), frame);
 
-  // slide along it: pass 1 once more, towards the device's pose put back onto the plane
+  // slide along the plane: pass 1 again, towards the device's pose projected onto the plane
   ToolPoints target = goal;
   for (Vector3& point : target) point += frame.depth_m * frame.n;
   double longest = 0.0;
@@ -98,7 +98,7 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
     longest = std::max(longest, (target[t] - contact[t]).norm());
   const double most_m = MostSlide(params_, input);
   double slide = longest > most_m ? most_m / longest : 1.0;
-  // a turning tool would cut what a tolerance lets in, frame by frame, whatever the law says
+  // with a tolerance, a turning tool would cut that depth in every frame, whatever the law
   const bool cutting = input.spindle_rad_per_s != 0.0;
   if (const auto stop = FindTouch(contact, target, cutting ? 0.0 : params_.contact_tolerance_m))
     slide = std::min(slide, stop->fraction);
@@ -126,7 +126,7 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
 
 // ---- as printed
 
-// The least distance, not the least fraction.
+// Uses the least distance, not the least fraction.
 std::optional<PaperEngine::FirstTouch> PaperEngine::FindPrintedTouch(const ToolPoints& from,
                                                                      const ToolPoints& to) const {
   FirstTouch first{.fraction = kNoContact, .tool_ball = 0};

@@ -13,23 +13,24 @@ namespace osteon::simulation {
 /// As printed:
 ///   1  equation 3, positive roots alone; the least *distance* over all tool spheres. Contact on the path
 ///      only (s <= 1: "along the path"). The proxy stops where the path stops.
-///   2  equation 4; the contact sphere enlarged "by its radius": its radius doubled; other tool spheres
-///      whose centres lie within it count with their own. The normal is reported, but no printed equation
+///   2  equation 4; the contact sphere enlarged "by its radius": its radius is doubled. Other tool spheres
+///      whose centres lie within it count at their own size. The normal is reported, but no printed equation
 ///      uses it. Force: equation 1, k (p_proxy - p_HIP), with ζ = 0 (assumed: no value is given). Torque:
-///      equation 2 at the sphere's centre, about the tool's origin (the cell adds the lever to the centre of mass).
+///      equation 2 at the sphere's centre, about the tool's origin (the cell adds the lever to the centre of
+///      mass).
 ///   3  equation 5 with the contact sphere alone, from where it was to where it would have ended, at once.
-///      No law of removal: CuttingParams::law and ::cutters do not count. The last free pose is then the
+///      There is no removal law: CuttingParams::law and ::cutters are ignored. The last free pose is then the
 ///      device's.
-///   Where the print can't run: m = 0 and d_c = 0 (division by zero) are no contact and no change; a contact
-///   that rests has a root of ±0, so the proxy stops 1 µm short (assumed; without it every second frame
-///   tunnels at rest). A whole turn of the tool within a frame is a chord. There are no books: mass points in
-///   the contact sphere's capsule count as removed.
+///   Where the printed equations fail: m = 0 and d_c = 0 (division by zero) are no contact and no change. A
+///   contact at rest has a root of ±0, so the proxy stops 1 µm short (assumed; otherwise every second frame
+///   tunnels at rest). A whole turn of the tool within a frame is a chord. The paper has no books: mass
+///   points in the contact sphere's capsule count as removed.
 ///
 /// As corrected (cutting.md), structure kept: one contact, one slide.
 ///   1  least fraction; overlapping pairs that move inwards are contact at 0; static overlaps do not divide.
 ///   2  equation 4 with its squares, enlargement e = CuttingParams::normal_enlargement_m for the contact
-///      sphere and tool spheres that overlap it; density weights stay. Force along the normal only, at
-///      the surface point; the proxy slides once along the contact's plane.
+///      sphere and tool spheres that overlap it; density weights stay. Force along the normal only, at the
+///      surface point; the proxy slides once along the contact's plane.
 ///   3  equation 5 with the penetration (ShrinkBall), along the proxy's path, by the cutters and the law of
 ///      CuttingParams.
 class PaperEngine final : public BallMethod {

@@ -5,20 +5,19 @@
 
 #include "kinematics/spatial.h"
 
-// Equations 3 to 5 of Kaluschke et al. (IEEE VR 2019) as they are printed, errors included: what
-// cutting_math.h corrects. Lengths here are in millimetres, since equations 4 and 5 depend on the unit and
-// the paper names none (assumed: at a bone's scale the choice that does least harm; in metres equation 4's
-// sign is that of r_t - r_b alone).
+// Equations 3 to 5 of Kaluschke et al. (IEEE VR 2019) as they are printed, errors included; cutting_math.h
+// has the corrected ones. Lengths here are in millimetres, since equations 4 and 5 depend on the unit and the
+// paper names none. The unit is assumed as the one that does least harm at a bone's scale (in metres,
+// equation 4 has the sign of r_t - r_b alone).
 
 namespace osteon::simulation::printed {
 
-/// Equation 3: the "contact distance", which is a fraction of the path; a root that is not positive is no
+/// Equation 3: the "contact distance", which is a fraction of the path. A root that is not positive is no
 /// contact.
 ///
 ///     d = [ 2 (Δc·m) - sqrt(4 (m·Δc)² - 4 m² (Δc² - R²)) ] / (2 m²)
 ///
-/// @returns the fraction, or a negative number where there is no positive root, none up to the path's end, or
-/// no
+/// @returns the fraction, or a negative number where there is no positive root up to the path's end, or no
 ///   path to divide by. Pairs that overlap have no positive first root and are dropped.
 [[nodiscard]] inline double ContactFraction(const Vector3& dc, const Vector3& m, double R) {
   const double mm = m.squaredNorm(), dm = dc.dot(m);
@@ -28,8 +27,8 @@ namespace osteon::simulation::printed {
   return d > 0.0 && d <= 1.0 ? d : -1.0;
 }
 
-/// Equation 4: two squares are missing, so that it is no volume, and negative where the bone's ball is much
-/// the larger one.
+/// Equation 4: two squares are missing in print, so it is no volume, and it is negative where the bone's ball
+/// is much larger than the tool's.
 ///
 ///     V = π (r_t + r_b - d) (d² + 2 d (r_t + r_b) - 3 (r_b - r_t)) / (12 d)
 [[nodiscard]] inline double LensVolume(double r_t, double r_b, double d) {
@@ -42,8 +41,8 @@ namespace osteon::simulation::printed {
 ///
 ///     c := c - d_c / (2 |d_c|),   r := r - |d_c| / 2
 ///
-/// The centre moves by half a unit whatever was cut, and the nearer the tool's axis, the less is taken; on
-/// the axis itself nothing (there the print divides by zero).
+/// The centre moves by half a unit whatever the cut. The nearer the ball is to the tool's axis, the less is
+/// removed; on the axis itself nothing is (there the print divides by zero).
 inline void Shrink(Vector3& c, double& r, const Vector3& d_c) {
   const double distance = d_c.norm();
   if (distance <= 0.0) return;

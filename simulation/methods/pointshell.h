@@ -6,11 +6,11 @@
 
 namespace osteon::simulation {
 
-/// A tool's surface as points with inward normals, in T, in runs of at most kRun along a Morton curve, each
-/// with a ball around it: a run in the air costs one question.
+/// A tool's surface as points with inward normals, in T. Points are in runs of at most kRun along a Morton
+/// curve, each with a bounding ball, so that a run in the air costs one query.
 struct Pointshell {
   struct Point {
-    Vector3 p_m, n;  ///< n unit, into the tool
+    Vector3 p_m, n;  ///< n: unit, into the tool
     bool cutting;
   };
   struct Run {
@@ -24,9 +24,9 @@ struct Pointshell {
   std::vector<Run> runs;
 };
 
-/// Points over the hull of the tool's balls, one per `spacing_m` squared (Fibonacci spirals).
-/// @throws std::invalid_argument where the spacing is not .01 … 5 mm, or there would be more than 10 million
-/// points.
+/// Makes points over the hull of the tool's balls, one per `spacing_m` squared (Fibonacci spirals).
+/// @throws std::invalid_argument where the spacing is not 0.01 … 5 mm, or there would be more than 10 million
+///   points.
 [[nodiscard]] Pointshell MakePointshell(const Tool& tool, double spacing_m);
 
 }  // namespace osteon::simulation

@@ -6,7 +6,8 @@
 namespace osteon::simulation {
 namespace {
 
-// Thirds of a voxel to a neighbour that shares a face, an edge, a corner (Borgefors 1986).
+// Chamfer distance, in thirds of a voxel, to a neighbour that shares a face, an edge, a corner (Borgefors
+// 1986).
 constexpr int kChamfer[4] = {0, 3, 4, 5};
 
 template <typename Visit>
@@ -110,20 +111,20 @@ MethodFrame PointshellEngine::Solve(const Pose& X_GP, const Pose& X_GT, const Fr
   Pose X = X_GT;
   X.translation() = X_GP.translation();
 
-  // balance of coupling and penalty
+  // solve for the balance of coupling and penalty
   Penalty penalty;
   Vector3 pull_N = Vector3::Zero();
   for (int i = 0; i < kNewtonSteps; ++i) {
     pull_N = K * (X_GT.translation() - X.translation());
     double k = K;
-    if (pull_N.norm() > params_.max_force_N) {  // a force that is held does not grow with the way
+    if (pull_N.norm() > params_.max_force_N) {  // a limited force does not grow with the distance
       pull_N *= params_.max_force_N / pull_N.norm();
       k = 0.0;
     }
     penalty = PenaltyAt(X);
     if (penalty.points == 0) {
       if (X.translation() == X_GT.translation()) break;
-      X.translation() = X_GT.translation();  // nothing holds it: it goes where the hand is
+      X.translation() = X_GT.translation();  // no contact: the proxy follows the hand
       continue;
     }
     const Matrix3 stiffness = std::max(k, 0.01 * K) * Matrix3::Identity() + penalty.stiffness_N_per_m;
@@ -154,7 +155,7 @@ MethodFrame PointshellEngine::Solve(const Pose& X_GP, const Pose& X_GT, const Fr
     if (params_.law == RemovalLaw::kImmediate) {
       proxy = PlaceTool(tool_, X_GT);
     } else {
-      // what the penalty lets in is not cut by that alone
+      // the penalty's own penetration must not cut
       inset_m = penalty.deepest_m;
       for (Vector3& point : proxy) point -= frame.advance_m * frame.n;
     }

@@ -12,23 +12,23 @@ namespace osteon::simulation {
 /// Voxel Sampling", SIGGRAPH 1999; quasi-static coupling after Wan, McNeely, "Quasi-Static Approximation for
 /// 6 Degrees-of-Freedom Haptic Rendering", IEEE Visualization 2003. A penalty at discrete poses.
 ///
-/// Voxmap: each solid voxel knows how many layers deep it lies (chamfer distance 3-4-5 from the air, kept up
-/// to kLayers layers deep and updated around what is deleted). Force of a point in a voxel L layers deep,
-/// tangent plane through the voxel's centre c:
+/// Voxmap: each solid voxel stores its depth in layers (chamfer distance 3-4-5 from the air, kept up to
+/// kLayers layers deep and updated around deleted voxels). Force of a point in a voxel L layers deep, with
+/// the tangent plane through the voxel's centre c:
 ///
 ///     d = n·(c - p) + (L - 1) h,   f = k_p d n   where d > 0,   n the point's inward normal, h the edge
 ///
-/// Of more than kFullPoints such points the sum is divided by their number over kFullPoints (section 5.3
-/// there). Coupling: the proxy is where K (tool - proxy), at most the greatest force, balances the penalty:
-/// kNewtonSteps Newton steps a frame from the proxy of the frame before. What is rendered is the coupling's
-/// force. Rotation follows the hand (assumed: this cell's coupling has no rotational spring); the torque is
-/// that of the points.
-/// Removal: voxels inside the cutting balls, at one pose a frame: kImmediate at the tool's; kRate at the
-/// proxy's moved along -n by the law's advance, the balls' radii less by the deepest point's depth.
+/// With more than kFullPoints such points, the sum is divided by their number over kFullPoints (section 5.3
+/// there). Coupling: at the proxy, K (tool - proxy), at most the force limit, balances the penalty;
+/// kNewtonSteps Newton steps a frame from the previous frame's proxy. The coupling's force is rendered.
+/// Rotation follows the hand (assumed: this cell's coupling has no rotational spring); the torque is that of
+/// the points.
+/// Removal: voxels inside the cutting balls at one pose a frame. kImmediate: at the tool's pose. kRate: at
+/// the proxy moved along -n by the law's advance, with the balls' radii reduced by the deepest point's depth.
 ///
 /// Parameters: voxel edge (MethodParams::voxel_m), points (::point_spacing_m; VPS: one voxel); k_p =
 /// kPointStiffness K (assumed), so that ten points are 20 times as stiff as the coupling; 8 layers (assumed:
-/// the paper keeps the surface's alone); steps 2 (assumed: the papers take one).
+/// the paper keeps only the surface's layer); 2 steps (assumed: the papers take one).
 class PointshellEngine final : public VoxelMethod {
  public:
   /// @throws std::invalid_argument as MakeMethod does.
@@ -53,19 +53,19 @@ class PointshellEngine final : public VoxelMethod {
   struct Penalty {
     Vector3 force_N{Vector3::Zero()}, torque_Nm{Vector3::Zero()};  ///< about T's origin
     Matrix3 stiffness_N_per_m{Matrix3::Zero()};
-    Vector3 point_m{Vector3::Zero()};  ///< force-weighted mean of the touching points
+    Vector3 point_m{Vector3::Zero()};  ///< mean of the touching points, weighted by force
     double deepest_m{0.0};
-    bool cutting{false};  ///< the deepest point cuts
+    bool cutting{false};  ///< the deepest point belongs to a cutting ball
     int points{0};
   };
   [[nodiscard]] Penalty PenaltyAt(const Pose& X_G) const;
-  /// All layers anew.
+  /// Computes all layers from the beginning.
   void FindLayers();
-  /// Lets the layers of changed_ and around become less deep.
+  /// Updates the layers of changed_ and its surroundings, which became less deep.
   void SpreadChanges();
 
   Pointshell shell_;
-  std::vector<std::uint8_t> layer_;  ///< by slot, thirds of a voxel
+  std::vector<std::uint8_t> layer_;  ///< by slot, in thirds of a voxel
   std::deque<VoxelIndex> changed_;
 };
 

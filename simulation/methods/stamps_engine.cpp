@@ -11,8 +11,8 @@ StampsEngine::StampsEngine(const Bone& bone, const Solid* solid, const Tool& too
                            const CuttingParams& params)
     : BallMethod(Method::kStamps, bone, solid, tool, X_WG, params) {}
 
-// The deepest pair, the mean normal around its tool ball, and the way along that which parts the pair. A pair
-// that the normal hardly parts is left to the next push.
+// Finds the deepest pair, the mean normal around its tool ball, and the travel along this normal that
+// separates the pair. The travel is limited; a pair that it does not separate is left to the next push.
 StampsEngine::Overlap StampsEngine::Deepest(const ToolPoints& at) const {
   Overlap deepest;
   Vector3 pair = Vector3::Zero();
@@ -65,7 +65,7 @@ MethodFrame StampsEngine::Solve(const Pose&, const Pose& X_GT, const FrameInput&
     if (i == 0) first = overlap;
     for (Vector3& point : free) point += overlap.depth_m * overlap.n;
   }
-  // back to where it just touches: pushes go too far where many pairs overlap
+  // back to the first contact: pushes go too far where many pairs overlap
   if (free.back() != goal.back() && !Overlaps(free)) {
     ToolPoints blocked = goal;
     for (int i = 0; i < kHalvings; ++i) {

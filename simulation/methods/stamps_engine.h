@@ -4,14 +4,14 @@
 
 namespace osteon::simulation {
 
-/// Our packing, but at discrete poses alone: what the paper's continuous detection is set against ("most
-/// other methods evaluate the material removal at distinct states of the simulation").
+/// Our packing, but at discrete poses alone: the approach that the paper contrasts with its continuous
+/// detection ("most other methods evaluate the material removal at distinct states of the simulation").
 ///
 /// Contact: at the tool's pose, without a path. The deepest pair pushes the tool out along the lens-weighted
-/// normal, up to kPushes times (assumed), until nothing overlaps by more than kFree_m, then back by
-/// kHalvings halvings to where it just touches; the way out is the
-/// penalty's depth, force K times it. Rotation follows the hand. Removal: one stamp a frame by every cutting
-/// ball (ShrinkBall with a capsule of no length): kImmediate at the tool's pose, kRate at the pushed-out pose
+/// normal, up to kPushes times (assumed), until nothing overlaps by more than kFree_m; then kHalvings
+/// halvings bring it back to where it just touches. The distance moved out is the penalty's depth, and K
+/// times it the force. Rotation follows the hand. Removal: one stamp a frame by every cutting ball
+/// (ShrinkBall with a capsule of no length): kImmediate at the tool's pose, kRate at the pushed-out pose
 /// moved along -n by the law's advance.
 class StampsEngine final : public BallMethod {
  public:
@@ -22,7 +22,7 @@ class StampsEngine final : public BallMethod {
   static constexpr int kPushes = 8, kHalvings = 10;
   static constexpr double kFree_m = 1e-6;
   static constexpr double kLeastCosine =
-      0.3;  ///< of a pair's direction and the normal: longer pushes are cut off
+      0.3;  ///< smallest cosine between pair and normal in a push: limits its length
 
  protected:
   MethodFrame Solve(const Pose& X_GP, const Pose& X_GT, const FrameInput& input) override;

@@ -60,10 +60,9 @@ VoxelEngine::March VoxelEngine::MarchTowards(const ToolPoints& from, const ToolP
   return march;
 }
 
-// Over the voxels that stop the tool: where the density around them falls off.
+// Sums the density's gradient over the voxels that stop the tool.
 void VoxelEngine::FindNormal(const ToolPoints& at, March& march) const {
-  constexpr int kMostVoxels =
-      256;  // after a pose deep inside there are far more, and their mean says no more
+  constexpr int kMostVoxels = 256;  // a pose deep inside has far more, and their mean gives nothing more
   Vector3 sum = Vector3::Zero();
   int voxels = 0;
   for (std::size_t t = tool_.balls.size(); t-- > 0;) {
@@ -97,7 +96,7 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
     frame.contact_fraction = first.fraction;
     const Vector3& n1 = first.n;
     if (!n1.isZero()) {
-      // off the plane a little, as far as that is free; then within it
+      // off the plane a little, as far as that is free; then slide within it
       ToolPoints off = proxy;
       Move(off, kStandOff * grid_.voxel_m() * n1);
       if (!Blocked(off)) proxy = off;
@@ -113,7 +112,7 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
         Move(end, along.dot(goal[second.tool_ball] - proxy[second.tool_ball]) * along);
         proxy = Between(proxy, end, MarchTowards(proxy, end).fraction);
       }
-      // back onto the surface: what was put off the plane would be felt, and not be cut
+      // back onto the surface: an offset from the plane would be felt but not cut
       ToolPoints down = proxy;
       Move(down, -2.0 * kStandOff * grid_.voxel_m() * n1);
       proxy = Between(proxy, down, MarchTowards(proxy, down).fraction);
@@ -124,7 +123,7 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
   frame.X_GP.translation() = proxy.back();
 
   const bool cutting = input.spindle_rad_per_s != 0.0;
-  const Vector3 felt = proxy[first.tool_ball] - goal[first.tool_ball];  // with the turn that was held back
+  const Vector3 felt = proxy[first.tool_ball] - goal[first.tool_ball];  // includes the missing turn
   if (first.blocked && felt.norm() > 0.0) {
     frame.touches = true;
     frame.touch_cuts = tool_.balls[first.tool_ball].cutting;

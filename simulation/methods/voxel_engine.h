@@ -4,8 +4,8 @@
 
 namespace osteon::simulation {
 
-/// A voxel volume with a finger-proxy and voxel deletion: what drilling simulators on CHAI3D do (Conti et
-/// al., CHAI 3D, 2003 on: cVoxelObject, cAlgorithmFingerProxy; proxy after Ruspini, Kolarov, Khatib 1997).
+/// A voxel volume with a finger-proxy and voxel deletion, as in drilling simulators on CHAI3D (Conti et al.,
+/// CHAI 3D, 2003 on: cVoxelObject, cAlgorithmFingerProxy; proxy after Ruspini, Kolarov, Khatib 1997).
 ///
 ///     proxy ─▶ marches towards the tool, kStep voxels at a time, until a voxel's centre lies in a tool
 ///              ball; the place is halved kHalvings times
@@ -16,18 +16,18 @@ namespace osteon::simulation {
 ///     tool's pose, kRate at the proxy moved along -n by the law's advance
 ///
 /// Parameters: voxel edge (MethodParams::voxel_m); step 1 voxel (CHAI3D marches voxel by voxel); gradient
-/// over two voxels (assumed: CHAI3D's central differences of binary voxels know 26 directions only);
+/// over two voxels (assumed: CHAI3D's central differences of binary voxels give only 26 directions);
 /// stand-off 1/8 voxel off a plane before sliding (assumed; CHAI3D's epsilon); kMostSteps steps a march,
-/// after which the proxy lags behind. Better than the original: bricks of voxels are skipped where they are
-/// empty, so that a large tool costs its surface and not its volume; binary voxels instead of 8 bits of
-/// density. The tool's turn goes with the march.
+/// after which the proxy lags behind. Improvements on the original: empty bricks of voxels are skipped, so
+/// that a large tool's cost grows with its surface and not its volume; voxels are binary instead of 8 bits of
+/// density. The tool turns along with the march.
 class VoxelEngine final : public VoxelMethod {
  public:
   /// @throws std::invalid_argument as MakeMethod does.
   VoxelEngine(const Bone& bone, const Solid* solid, const Tool& tool, const Pose& X_WG,
               const CuttingParams& params, double voxel_m);
 
-  static constexpr double kStep = 1.0, kStandOff = 0.125;  ///< voxels
+  static constexpr double kStep = 1.0, kStandOff = 0.125;  ///< in voxels
   static constexpr int kHalvings = 8, kGradientReach = 2, kMostSteps = 8192;
 
  protected:
@@ -35,10 +35,10 @@ class VoxelEngine final : public VoxelMethod {
 
  private:
   struct March {
-    double fraction{1.0};  ///< how far it came, of the path
+    double fraction{1.0};  ///< travelled fraction of the path
     bool blocked{false};
-    std::size_t tool_ball{0};    ///< that was stopped
-    Vector3 n{Vector3::Zero()};  ///< there; zero where the density has no gradient
+    std::size_t tool_ball{0};    ///< the ball that was stopped
+    Vector3 n{Vector3::Zero()};  ///< normal there; zero where the density has no gradient
   };
   [[nodiscard]] bool Blocked(const ToolPoints& at) const;
   [[nodiscard]] March MarchTowards(const ToolPoints& from, const ToolPoints& to) const;

@@ -17,8 +17,7 @@ namespace {
 
 constexpr double kMostVoxels = 2147483648.0;
 
-// What a voxel is filled from, where there is no solid: the union of balls, and the nearest mass point's
-// material.
+// Fills voxels where there is no solid: from the union of balls, with the nearest mass point's material.
 class UnionOfBalls {
  public:
   explicit UnionOfBalls(const Bone& bone)
@@ -81,19 +80,20 @@ void VoxelGrid::Fill(const Bone& bone, const Solid* solid) {
   const std::unique_ptr<UnionOfBalls> balls = solid ? nullptr : std::make_unique<UnionOfBalls>(bone);
   const bool one_material = bone.materials.size() < 2;
   const double reach_m =
-      0.5 * std::sqrt(3.0) * (kBrick - 1) * voxel_m_;  // a brick's centre to its farthest voxel
+      0.5 * std::sqrt(3.0) * (kBrick - 1) * voxel_m_;  // from a brick's centre to its farthest voxel
   std::vector<std::vector<MaterialIndex>> materials(brick_material_.size());  // of bricks with several
+                                                                              // materials
   const auto fill = [&](std::size_t begin, std::size_t end) {
     std::vector<MaterialIndex> found(512);
     for (std::size_t b = begin; b < end; ++b) {
       const auto bx = static_cast<std::int32_t>(b % bricks_[0]),
                  by = static_cast<std::int32_t>(b / bricks_[0] % bricks_[1]),
                  bz = static_cast<std::int32_t>(b / bricks_[0] / bricks_[1]);
-      double depth_m = 0.0;  // of the brick's centre, where a solid knows it
+      double depth_m = 0.0;  // depth of the brick's centre, where a solid gives it
       if (solid) {
         const Vector3 low = CenterOf({bx * kBrick, by * kBrick, bz * kBrick});
         depth_m = -solid->SignedDistance(low + Vector3::Constant(0.5 * (kBrick - 1) * voxel_m_));
-        if (depth_m < -reach_m) continue;  // signed distances change no faster than their place
+        if (depth_m < -reach_m) continue;  // a signed distance changes no faster than the place
       }
       bool first = true, several = false;
       for (std::int32_t z = 0; z < kBrick; ++z)

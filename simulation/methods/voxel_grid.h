@@ -14,30 +14,29 @@
 
 namespace osteon::simulation {
 
-/// A voxel's place in the grid.
+/// Indices of a voxel in the grid.
 struct VoxelIndex {
   std::int32_t x, y, z;
 };
 
-/// Bone as voxels: a bit each, in bricks of 8 voxels a side, these in blocks of 8 bricks a side. Bricks and
-/// blocks count what is solid in them, so that a search around a tool touches what lies near its surface, and
+/// Bone as voxels: one bit each, in bricks of 8 voxels a side, which are in blocks of 8 bricks a side. Bricks
+/// and blocks count their solid voxels, so a search around a tool visits only what lies near its surface,
 /// neither the air in its cavity nor the rest of the bone. A voxel is solid where its centre is in the bone.
 /// In G.
 ///
-/// An 80 mm block of .1 mm voxels, 512 million of them, takes 64 MB and as much for the materials and for the
-/// way back.
+/// An 80 mm block of 0.1 mm voxels, 512 million of them, takes 64 MB for the voxels and as much again for the
+/// materials and for the initial voxels.
 class VoxelGrid {
  public:
-  /// Voxelises the solid, or the union of the bone's balls where that is null; materials are then those of
+  /// Voxelises the solid, or the union of the bone's balls where `solid` is null; materials are then those of
   /// the nearest mass point.
-  /// @throws std::invalid_argument where the edge is not .01 … 5 mm, the bone is empty, or there would be
-  /// more than
-  ///   2^31 voxels.
+  /// @throws std::invalid_argument where the edge is not 0.01 … 5 mm, the bone is empty, or there would be
+  ///   more than 2^31 voxels.
   VoxelGrid(const Bone& bone, const Solid* solid, double voxel_m);
 
   [[nodiscard]] double voxel_m() const { return voxel_m_; }
   [[nodiscard]] double voxel_volume_m3() const { return voxel_m_ * voxel_m_ * voxel_m_; }
-  /// Of the voxels' centres.
+  /// Centre of a voxel, in G.
   [[nodiscard]] Vector3 CenterOf(const VoxelIndex& v) const {
     return first_center_m_ + voxel_m_ * Vector3(v.x, v.y, v.z);
   }
@@ -47,7 +46,7 @@ class VoxelGrid {
             static_cast<std::int32_t>(std::floor(q.y() + 0.5)),
             static_cast<std::int32_t>(std::floor(q.z() + 0.5))};
   }
-  /// False outside the grid.
+  /// False outside the grid, too.
   [[nodiscard]] bool IsSolid(const VoxelIndex& v) const {
     return Inside(v) && (words_[WordOf(v)] >> BitOf(v) & 1u) != 0;
   }
@@ -57,27 +56,27 @@ class VoxelGrid {
   /// @pre Inside(v).
   [[nodiscard]] std::size_t SlotOf(const VoxelIndex& v) const { return WordOf(v) * 64 + BitOf(v); }
   [[nodiscard]] std::size_t slots() const { return words_.size() * 64; }
-  /// @pre IsSolid(v), or it was.
+  /// @pre IsSolid(v) now or earlier.
   [[nodiscard]] MaterialIndex MaterialOf(const VoxelIndex& v) const;
   /// @pre IsSolid(v).
   void Delete(const VoxelIndex& v);
-  /// How many there were at the start.
+  /// Number of solid voxels at the start.
   [[nodiscard]] std::size_t first_count() const { return first_count_; }
   [[nodiscard]] const std::array<std::int32_t, 3>& size() const { return size_; }
 
-  /// Calls visit(VoxelIndex, centre's distance from p squared [m²]) for each solid voxel whose centre is
-  /// nearer to p than `reach_m`, and none of those in bricks that lie nearer than `hollow_m` as a whole;
-  /// until a visit returns false. Ascending order. A voxel may be deleted during its own visit.
+  /// Calls visit(VoxelIndex, centre's squared distance from p [m²]) in ascending order for each solid voxel
+  /// whose centre is nearer to p than `reach_m`, except in bricks that lie entirely nearer than `hollow_m`.
+  /// Ends where a visit returns false. A voxel may be deleted during its own visit.
   /// @returns false where a visit did.
   template <typename Visit>
   bool ForEachSolidNear(const Vector3& p_m, double reach_m, double hollow_m, const Visit& visit) const;
 
-  /// Whether some solid voxel's brick comes nearer to p than `reach_m`: a quick bound.
+  /// True where a brick with solid voxels comes nearer to p than `reach_m`: a quick bound.
   [[nodiscard]] bool AnyBrickNear(const Vector3& p_m, double reach_m) const;
 
-  /// Voxels that are gone, of those that there were.
+  /// Writes which of the initial voxels are gone.
   void Save(CarvedState& state) const;
-  /// @throws std::invalid_argument where the state is not of this grid.
+  /// @throws std::invalid_argument where the state belongs to another grid.
   void Load(const CarvedState& state);
 
  private:
@@ -94,7 +93,7 @@ class VoxelGrid {
     return (static_cast<std::size_t>(z) * blocks_[1] + y) * blocks_[0] + x;
   }
 
-  /// Squared distances, in voxels, of q from the nearest and farthest centre of a cube of voxels.
+  /// Squared distances, in voxels, from q to the nearest and the farthest centre of a cube of voxels.
   [[nodiscard]] static std::array<double, 2> Range(const Vector3& q, std::int32_t x, std::int32_t y,
                                                    std::int32_t z, std::int32_t side) {
     double near = 0.0, far = 0.0;
@@ -107,7 +106,8 @@ class VoxelGrid {
     }
     return {near, far};
   }
-  /// Calls visit(bx, by, bz) for each brick that has something and comes within reach, beyond the hollow.
+  /// Calls visit(bx, by, bz) for each brick with solid voxels that comes within reach and is not entirely in
+  /// the hollow.
   template <typename Visit>
   bool ForEachBrick(const Vector3& q, double reach, double hollow, const Visit& visit) const;
 
@@ -121,7 +121,7 @@ class VoxelGrid {
   std::vector<std::uint16_t> brick_count_;
   std::vector<std::uint32_t> block_count_;
   std::vector<MaterialIndex> brick_material_;  ///< kMixed: see mixed_
-  std::vector<std::uint32_t> mixed_at_;        ///< by brick: place in mixed_, in bricks
+  std::vector<std::uint32_t> mixed_at_;        ///< by brick: its place in mixed_, counted in bricks
   std::vector<MaterialIndex> mixed_;
   std::size_t first_count_{0};
   static constexpr MaterialIndex kMixed = 0xff;

@@ -14,11 +14,12 @@ class VoxelShape final : public CarvedShape {
   explicit VoxelShape(const VoxelGrid& grid) : grid_(grid) {}
 
   [[nodiscard]] double Distance(const Vector3& p_G, double at_most_m) const override {
-    // a hair wider, so that no rounding leaves a gap between two cubes
+    // slightly wider, so that rounding leaves no gap between two cubes
     const double half = (0.5 + 1e-9) * grid_.voxel_m(), corner = std::sqrt(3.0) * half;
     const double farthest = at_most_m + corner;
     double nearest = at_most_m;
-    // a cube is never nearer than its centre less half a diagonal: search wider until that proves the nearest
+    // A cube is never nearer than its centre less half a diagonal: widen the search until the nearest is
+    // certain.
     for (double reach = std::min(4.0 * corner, farthest);; reach = std::min(1.5 * reach, farthest)) {
       grid_.ForEachSolidNear(p_G, reach, 0.0, [&](const VoxelIndex& v, double) {
         const Vector3 out = ((p_G - grid_.CenterOf(v)).cwiseAbs() - Vector3::Constant(half)).cwiseMax(0.0);
@@ -39,7 +40,8 @@ std::unique_ptr<CarvedShape> VoxelMethod::Shape() const { return std::make_uniqu
 
 void VoxelMethod::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis,
                                     MethodFrame& frame) const {
-  // as thin as voxels allow: a layer of several costs most of a frame, and counts bone that is not met yet
+  // As thin as voxels allow: a layer of several voxels takes most of a frame's time, and counts bone that the
+  // tool has not met yet.
   const double layer_m = std::min(params_.engaged_layer_m, grid_.voxel_m());
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
     if (!tool_.balls[t].cutting) continue;

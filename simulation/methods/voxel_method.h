@@ -5,8 +5,8 @@
 
 namespace osteon::simulation {
 
-/// What the methods with voxels share. A voxel counts as touched, engaged and inside a tool by its centre:
-/// the felt surface lies half a voxel below the bone's.
+/// Common base of the methods with voxels. A voxel's centre decides whether it is touched, engaged or inside
+/// a tool, so the felt surface lies half a voxel below the bone's.
 class VoxelMethod : public MethodBase {
  public:
   [[nodiscard]] std::unique_ptr<CarvedShape> Shape() const final;
@@ -17,12 +17,11 @@ class VoxelMethod : public MethodBase {
               const CuttingParams& params, double voxel_m)
       : MethodBase(method, bone, tool, X_WG, params), grid_(bone, solid, voxel_m) {}
 
-  /// From the voxels near the cutting balls.
+  /// Measures the engaged area from the voxels near the cutting balls.
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis, MethodFrame& frame) const;
-  /// Deletes the voxels inside the cutting balls, whose radii are smaller by `inset_m`, and books their
-  /// volume.
+  /// Deletes the voxels inside the cutting balls, with radii reduced by `inset_m`, and books their volume.
   void DeleteInside(const ToolPoints& at, double inset_m, MethodFrame& frame);
-  /// Told of each voxel after its deletion.
+  /// Called for each voxel after its deletion.
   virtual void OnDeleted(const VoxelIndex&) {}
   void SaveBone(CarvedState& state) const override { grid_.Save(state); }
   void LoadBone(const CarvedState& state) override { grid_.Load(state); }

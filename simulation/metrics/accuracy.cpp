@@ -11,11 +11,11 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kTouch = 1e-9;      // nearer than this is inside
+constexpr double kTouch = 1e-9;      // nearer than this counts as inside
 constexpr double kProbeStop = 1e-7;  // a probe this near has arrived
-constexpr int kSamplesPerCell = 2;   // two tell how far apart they are: the standard error
+constexpr int kSamplesPerCell = 2;   // the difference of two gives the standard error
 
-/// Fine where the swept volume's surface is, on both sides of it.
+/// A zone that is fine on both sides of the swept volume's surface.
 class SweepZone final : public CutZone {
  public:
   explicit SweepZone(const SweptTool& swept) : swept_(swept) {}
@@ -27,7 +27,7 @@ class SweepZone final : public CutZone {
   const SweptTool& swept_;
 };
 
-/// Cells of side h reach 4 h from the surface, those of 2 h 8 h …
+/// Divides the solid: cells of side h up to 4 h from the swept surface, cells of 2 h up to 8 h …
 std::vector<Cell> CellsAround(const Solid& solid, const SweptTool& swept, double finest_m, int threads) {
   GradeParams grade{.finest_m = finest_m, .coarser_from_m = {}};
   for (int level = 1; level <= 3; ++level)
@@ -35,13 +35,13 @@ std::vector<Cell> CellsAround(const Solid& solid, const SweptTool& swept, double
   return DivideGraded(solid, SweepZone(swept), grade, CellsWanted::kSolid, threads);
 }
 
-/// What the samples of one cell have found.
+/// Results of one cell's samples.
 struct CellFinds {
   std::uint8_t lost{0}, swept{0}, left{0}, at_surface{0};
   double left_depth_m{0.0};
   bool has_place{false};
   Vector3 place_m{Vector3::Zero()}, into_bone{Vector3::Zero()};  // on the exact cut, for probes
-  double tool_radius_m{0.0};                                     // of the cut there
+  double tool_radius_m{0.0};                                     // tool radius of the cut there
 };
 
 class Sampler {
@@ -97,8 +97,8 @@ std::vector<CellFinds> LookEverywhere(const std::vector<Cell>& cells, const Samp
   return finds;
 }
 
-/// How far a probe goes from the exact cut until it touches: sphere tracing, since no step as long as the
-/// clearance meets anything.
+/// Distance that a probe moves from the exact cut until it touches. Sphere tracing: a step as long as the
+/// clearance meets nothing.
 double GapAt(const CarvedShape& shape, const CellFinds& at, double radius_m, double deepest_m) {
   const Vector3 start = at.place_m - radius_m * at.into_bone;
   double gap = 0.0;
@@ -147,7 +147,7 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
   const Eigen::AlignedBox3d box = swept.Bounds().intersection(solid.Bounds());
   if (swept.empty() || box.isEmpty()) throw std::invalid_argument("accuracy: nothing was swept");
 
-  // how large the cut is, coarsely, gives the size of the cells
+  // a coarse measurement of the cut's area gives the size of the cells
   const double coarse_m = box.sizes().maxCoeff() / 40.0;
   std::vector<Cell> cells = CellsAround(solid, swept, coarse_m, params.threads);
   std::vector<CellFinds> finds =

@@ -7,8 +7,8 @@
 
 namespace osteon::simulation {
 
-/// What a method has left of the bone, in G, seen from outside: what a probe feels and the eye sees. The same
-/// question for balls, voxels or a distance field, so that methods can be compared.
+/// The bone that a method has left, in G, as a probe or the eye meets it from outside. One query for balls,
+/// voxels and distance fields, so that methods can be compared.
 class CarvedShape {
  public:
   CarvedShape() = default;
@@ -16,15 +16,15 @@ class CarvedShape {
   CarvedShape(const CarvedShape&) = delete;
   CarvedShape& operator=(const CarvedShape&) = delete;
 
-  /// Distance [m] from p to the nearest material left: 0 inside, `at_most_m` where it is farther. Any number
-  /// of threads may ask. A probe of radius rho is free at p where Distance(p, rho) >= rho.
+  /// Distance [m] from p to the nearest remaining material: 0 inside, `at_most_m` where it is farther.
+  /// Thread-safe. A probe of radius rho is free at p where Distance(p, rho) >= rho.
   [[nodiscard]] virtual double Distance(const Vector3& p_G, double at_most_m) const = 0;
 };
 
-/// The union of balls. Exact; a question costs about the logarithm of their number.
+/// The union of balls. Exact; the cost of a query grows about with the logarithm of their number.
 class BallUnion final : public CarvedShape {
  public:
-  /// Balls without a radius are gone and left out. @pre centres are finite.
+  /// Copies the balls, without those that have no radius (they are gone). @pre centres are finite.
   explicit BallUnion(std::span<const Ball> balls);
 
   [[nodiscard]] double Distance(const Vector3& p_G, double at_most_m) const override;

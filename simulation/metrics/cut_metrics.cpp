@@ -12,7 +12,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr int kBlock = 8;  // cells along each edge of what SweptVolume decides at once
+constexpr int kBlock = 8;  // SweptVolume decides blocks of this many cells along each edge at once
 
 // The largest cutting ball; a tool that does not cut is measured by its first ball.
 ToolBall Head(const Tool& tool) {
@@ -92,11 +92,11 @@ void ReamedDepth::Add(const FrameRecord& frame) {
   from_m3_ = removed_m3_;
 }
 
-// Whether enough bone went in the step under way.
+// True where enough bone was removed in the current step.
 bool ReamedDepth::Cuts() const { return removed_m3_ - from_m3_ >= min_area_m2_ * (deepest_m_ - from_m_); }
 
 double ReamedDepth::depth_m() const {
-  // what is left is shorter than a step, and as the step before it was
+  // the rest is shorter than a step; it counts where the step before it did
   return deepest_m_ > from_m_ && (cuts_ || Cuts()) ? reamed_m_ + (deepest_m_ - from_m_) : reamed_m_;
 }
 
@@ -107,8 +107,8 @@ double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X
   if (swept.empty() || cells.isEmpty()) return 0.0;
   const Eigen::Vector3i count = (cells.sizes() / cell_m).array().ceil().max(1.0).cast<int>();
   const Vector3 step = cells.sizes().array() / count.cast<double>().array();
-  // Both distances grow no faster than the way. So a block of cells whose middle is farther outside than its
-  // corners are from the middle holds nothing, and far inside it holds only cells that count.
+  // Both distances change no faster than the place. A block of cells whose centre is farther outside than its
+  // corners are from the centre therefore holds nothing; far inside, all its cells count.
   const Eigen::Vector3i blocks = (count + Eigen::Vector3i::Constant(kBlock - 1)) / kBlock;
   const double reach_m = 0.5 * (kBlock - 1) * step.norm() * (1.0 + 1e-9);
   const auto block_count = static_cast<std::size_t>(blocks.x()) * static_cast<std::size_t>(blocks.y()) *

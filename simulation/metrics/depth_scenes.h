@@ -10,7 +10,7 @@
 
 namespace osteon::simulation {
 
-/// A hemispherical shell: inner_m <= |p| <= outer_m, z <= 0. The bone of a cup by itself.
+/// A hemispherical shell: inner_m <= |p| <= outer_m, z <= 0. A cup's bone without anything around it.
 class ShellSolid final : public Solid {
  public:
   /// @throws std::invalid_argument unless 1 mm <= inner < outer <= 1 m.
@@ -23,24 +23,24 @@ class ShellSolid final : public Solid {
   double inner_m_, outer_m_;
 };
 
-/// A cut whose exact result is known, to measure removal by. G and the path's frame coincide; the tool's feed
+/// A cut with a known exact result, to measure removal. G and the path's frame coincide; the tool's feed
 /// points down.
 struct DepthScene {
   std::string name;
   std::unique_ptr<Solid> solid;
-  std::unique_ptr<CutZone> zone;  ///< where a packing is fine: around the cut, without knowing its shape
+  std::unique_ptr<CutZone> zone;  ///< region of a fine packing: around the cut, whatever its shape
   Tool tool;
-  std::vector<Vector3> corners_m;  ///< of the tool centre's polyline
+  std::vector<Vector3> corners_m;  ///< of the polyline of the tool's centre
 
-  /// Poses along the polyline, `step_m` apart at most.
+  /// Poses along the polyline, at most `step_m` apart.
   [[nodiscard]] std::vector<Pose> Path(double step_m) const;
 };
 
-/// A cube of 20 mm, its top face z = 0; a ball of 5 mm plunges 5 mm deep and slides 6 mm: a small tool in
-/// balls of its own size.
+/// A cube of 20 mm, its top face at z = 0; a ball of 5 mm plunges 5 mm deep and slides 6 mm. The tool is
+/// small: about as large as the bone's balls.
 [[nodiscard]] DepthScene MakeBlockScene();
 
-/// A shell of 25 to 33 mm; a ball of 25 mm goes 3 mm deeper: a reamer in its cup.
+/// A shell of 25 to 33 mm; a ball of 25 mm goes 3 mm deeper, as a reamer in its cup.
 [[nodiscard]] DepthScene MakeCupScene();
 
 }  // namespace osteon::simulation

@@ -53,8 +53,7 @@ DepthRow MeasureDepth(const DepthScene& scene, const DepthMethod& method, double
 }
 
 DepthMethod RecommendedMethod(const DepthScene& scene) {
-  constexpr double kReamer_m =
-      10e-3;  // a cut by a tool of this radius is flat to balls of a millimetre or two
+  constexpr double kReamer_m = 10e-3;  // to balls of a millimetre or two, the cut of such a tool is flat
   if (CuttingHead(scene.tool)->radius_m >= kReamer_m)
     return {.name = "overlap", .balls = BuildPacking(*scene.solid, *scene.zone, {}), .split = {}};
   return {.name = "graded, split",

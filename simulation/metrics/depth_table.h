@@ -9,39 +9,40 @@
 
 namespace osteon::simulation {
 
-/// One way to represent and to carve a bone.
+/// One way to represent and carve a bone.
 struct DepthMethod {
   std::string name;
   std::vector<Ball> balls;
   SplitParams split;
 };
 
-/// What a method has left of a scene, and how exact that is.
+/// A method's result in a scene, and the accuracy of its cut.
 struct DepthRow {
   std::string scene, method;
-  std::size_t balls{0};     ///< of the uncut packing
-  std::size_t live{0};      ///< after the cut
-  std::size_t touching{0};  ///< of these, those that touch the swept volume
-  std::size_t blocks{0};    ///< of the pool, in use at a time at most
+  std::size_t balls{0};     ///< in the uncut packing
+  std::size_t live{0};      ///< remaining balls after the cut
+  std::size_t touching{0};  ///< remaining balls that touch the swept volume
+  std::size_t blocks{0};    ///< most blocks of the pool in use at a time
   std::uint64_t refused{0};
-  double overlap_m{0.0};   ///< deepest overlap of a live ball with the swept volume, exact
-  CutAccuracy accuracy{};  ///< probes of the tool's radius, half of it, and 1 mm
+  double overlap_m{0.0};   ///< deepest overlap of a remaining ball with the swept volume, exact
+  CutAccuracy accuracy{};  ///< with probes of the tool's radius, half of it, and 1 mm
 };
 
-/// Carves a packing along the scene's path, in steps, by pass 3 alone: what is measured is removal.
-/// @returns the live balls.
+/// Carves a packing along the scene's path, in steps. Only pass 3 runs, because removal alone is measured.
+/// @returns the remaining balls.
 [[nodiscard]] std::vector<Ball> CarveAlong(const DepthScene& scene, const std::vector<Pose>& path,
                                            const DepthMethod& method, DepthRow& row);
 
+/// Carves a packing and measures the result.
 /// @param step_m  of the path;  @param params  its probes are replaced by the scene's
 [[nodiscard]] DepthRow MeasureDepth(const DepthScene& scene, const DepthMethod& method, double step_m,
                                     const AccuracyParams& params);
 
-/// What osteon recommends for each scene: `split` on a graded packing for a tool not much larger than the
-/// balls, heavy overlap without it for a reamer.
+/// The recommended packing for each scene: `split` on a graded packing for a tool not much larger than the
+/// balls, heavy overlap without splitting for a reamer.
 [[nodiscard]] DepthMethod RecommendedMethod(const DepthScene& scene);
 
-/// The paper's: disjoint balls, each as large as fits up to the cap, that shrink.
+/// The paper's packing: disjoint balls, each as large as fits up to the cap, that shrink.
 [[nodiscard]] DepthMethod DisjointMethod(const DepthScene& scene, std::size_t count,
                                          double greatest_radius_m);
 

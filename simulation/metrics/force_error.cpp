@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kLeastShare = 1e-3;  // of the greatest exact force, for a direction to be one
+constexpr double kLeastShare = 1e-3;  // share of the largest exact force below which a direction is not used
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 double Angle_deg(const Vector3& a, const Vector3& b) {

@@ -6,39 +6,39 @@
 
 namespace osteon::simulation {
 
-/// What a frame gave the hand, in W; torque about T's origin.
+/// Force and torque on the hand in a frame, in W; torque about T's origin.
 struct FeltForce {
   Vector3 f_N{Vector3::Zero()};
   Vector3 t_Nm{Vector3::Zero()};
 };
 
-/// How far a felt force is off the exact one, over a path. The normal is the force's direction; frames where
-/// either force is below a thousandth of the exact ones' greatest have none and count for force and torque
-/// alone.
+/// Errors of a felt force against the exact one, over a path. The normal is the force's direction. Frames in
+/// which either force is below a thousandth of the largest exact force have no normal and count only for
+/// force and torque.
 struct ForceErrors {
   double force_rms_N{0.0};
   double force_relative{0.0};  ///< force_rms_N over the rms of the exact force
   double torque_rms_Nm{0.0};
   double normal_rms_deg{0.0}, normal_max_deg{0.0};
-  /// Greatest change from a frame to the next, beyond the exact one's own, by the time between them.
+  /// Largest change between two frames beyond the exact force's own change, divided by the time between them.
   double force_jump_N_per_ms{0.0}, torque_jump_Nm_per_ms{0.0}, normal_jump_deg_per_ms{0.0};
-  bool touched{true};  ///< false: no force where there should have been one, all along
+  bool touched{true};  ///< false: no force on the whole path, although there should be one
 };
 
+/// Compares two forces frame by frame.
 /// @param measured,exact  the same frames, of the same number
 /// @param rate_hz  of the frames
 /// @throws std::invalid_argument where the numbers differ or the rate is not positive.
 [[nodiscard]] ForceErrors CompareForces(std::span<const FeltForce> measured, std::span<const FeltForce> exact,
                                         double rate_hz);
 
-/// Work along a path of tool poses, as the coupling does it on the tool: positive is energy that the hand
-/// gets back.
+/// Work of the coupling on the tool along a path of poses: positive is energy that the hand gets back.
 ///
 ///     W = sum (f_k + f_k+1)/2 · (p_k+1 - p_k) + (t_k + t_k+1)/2 · log(R_k+1 R_k^T)
 struct PathWork {
-  double given_J{0.0};  ///< by the coupling to the hand: the sum of the positive parts
-  double taken_J{0.0};  ///< by the coupling from the hand: the sum of the negative ones, as a positive number
-  /// Of a closed cycle: above zero where it made energy.
+  double given_J{0.0};  ///< from the coupling to the hand: the sum of the positive parts
+  double taken_J{0.0};  ///< from the hand to the coupling: minus the sum of the negative parts
+  /// Above zero where a closed cycle made energy.
   [[nodiscard]] double net_J() const { return given_J - taken_J; }
 };
 

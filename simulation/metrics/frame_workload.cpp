@@ -12,10 +12,10 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kAbove_m = 1e-3;  // of first contact, where the hand begins
+constexpr double kAbove_m = 1e-3;  // height above first contact at which the hand begins
 constexpr std::size_t kDisjointCount = 10'000;
 
-// The paper's: greedy, no larger near the cut than elsewhere.
+// The paper's packing: greedy, with the same radii near the cut and elsewhere.
 std::vector<Ball> DisjointBalls(const Solid& solid, const CutZone& zone, std::size_t count) {
   return BuildDisjointPacking(solid, zone, {.count = count > 0 ? count : kDisjointCount});
 }
@@ -73,7 +73,7 @@ FrameWorkload MakeFrameWorkload(const FrameWorkloadParams& params) {
   work.hand.force_N = params.force_N;
   work.hand.spindle_rad_per_s = params.spindle_rad_per_s;
   work.hand.dt_s = 1.0 / params.rate_hz;
-  // T looks against the cup's axis; the head's centre is on it
+  // T points against the cup's axis; the head's centre is on this axis
   Pose X_CT = Pose::Identity();
   X_CT.linear() = Eigen::DiagonalMatrix<double, 3>(1, -1, -1);
   X_CT.translation() = Vector3(0, 0, above_m) - X_CT.linear() * Vector3(head->center_m);
@@ -90,7 +90,7 @@ FrameInput WorkloadPlayer::Next(const ContactModel& last) {
 
 bool WorkloadPlayer::Ready(const ContactModel& last) const {
   if (!workload_->motion) {
-    const Pose X_WS = workload_->hand.X_WT, X_WP = last.X_WP;  // S: where the hand began
+    const Pose X_WS = workload_->hand.X_WT, X_WP = last.X_WP;  // S: the hand's start
     return last.frame > 0 &&
            (X_WP.translation() - X_WS.translation()).dot(X_WS.linear().col(2)) >= workload_->seat_m;
   }

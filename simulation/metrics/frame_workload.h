@@ -11,8 +11,8 @@
 #include "simulation/tools/motion_player.h"
 #include "simulation/tools/shell_tool.h"
 
-// What one cutting frame is timed on: `osteon bench frame`, `osteon chart scaling` and osteon_frame_bench
-// share it.
+// Workload for timing one cutting frame: shared by `osteon bench frame`, `osteon chart scaling` and
+// osteon_frame_bench.
 
 namespace osteon::simulation {
 
@@ -22,16 +22,17 @@ struct FrameWorkloadParams {
   CuttingParams cutting;
   std::size_t spheres{0};  ///< 0: as many as the scene asks for
   CountedGrade grade{CountedGrade::kFixedZone};
-  bool disjoint{false};  ///< the paper's packing instead: disjoint balls, 10 000 where none are asked for
+  bool disjoint{false};         ///< the paper's packing instead: disjoint balls, 10 000 where `spheres` is 0
   std::size_t tool_spheres{1};  ///< of the head; 1: one analytic ball
   ShellPart shell{ShellPart::kHemisphere};
-  std::optional<ToolMotion> motion;  ///< a recorded one instead of the pressing hand
+  std::optional<ToolMotion> motion;  ///< a recorded motion instead of the pressing hand
   double rate_hz{1000.0};
   double force_N{100.0};                         ///< of the hand
   double spindle_rad_per_s{26.179938779914945};  ///< 250 rpm
 };
 
-/// A cup reamed by a hand that presses with a constant force along its axis; or any scene, and a motion.
+/// A cup reamed by a hand that presses with a constant force along its axis; or any scene with a recorded
+/// motion.
 struct FrameWorkload {
   std::shared_ptr<const Solid> solid;
   Bone bone;
@@ -39,29 +40,30 @@ struct FrameWorkload {
   CuttingParams cutting;
   std::optional<MotionPlayer> motion;
   PressingHandParams hand;
-  double seat_m{0.0};            ///< feed at which the head's centre is at the cup's
-  double cut_zone_m{0.0};        ///< mean distance of the balls' centres in the cut zone
-  double cut_zone_depth_m{0.0};  ///< below the cuttable surface, that this was measured over
+  double seat_m{0.0};            ///< feed at which the centres of head and cup coincide
+  double cut_zone_m{0.0};        ///< mean spacing of the balls' centres in the cut zone
+  double cut_zone_depth_m{0.0};  ///< depth below the cuttable surface over which the spacing was measured
   std::size_t cutting_balls{0};  ///< of the tool
 };
 
 /// The generated acetabulum with its default fineness, reamed by a reamer of 50 mm at 100 N and 250 rpm.
 [[nodiscard]] FrameWorkloadParams CupWorkload();
 
+/// Makes the workload's bone, tool and motion.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] FrameWorkload MakeFrameWorkload(const FrameWorkloadParams& params);
 
-/// Gives one input after the other; a copy goes on by itself from where it was made.
+/// Generates the frames' inputs. A copy continues independently from the state at its making.
 class WorkloadPlayer {
  public:
   /// @param workload  must outlive the player
   explicit WorkloadPlayer(const FrameWorkload& workload);
 
-  /// @param last  the model of the frame before; a new one before the first
+  /// The next input. @param last  the model of the frame before; a new one before the first
   [[nodiscard]] FrameInput Next(const ContactModel& last);
-  /// Where timing may begin: the head's proxy is seated in the cup, or a played tool has met the bone.
+  /// True when timing may begin: the head's proxy is seated in the cup, or a played tool has met the bone.
   [[nodiscard]] bool Ready(const ContactModel& last) const;
-  /// A motion ends; a hand does not.
+  /// True at a motion's end; a pressing hand has no end.
   [[nodiscard]] bool AtEnd() const;
 
  private:
@@ -70,20 +72,20 @@ class WorkloadPlayer {
   std::size_t frame_{0};
 };
 
-/// Runs frames until the player is ready. @returns false where a motion's end, 20 000 frames, a refused frame
-/// or `stop` came first.
-/// @param stop  asked before each frame; may be empty
+/// Runs frames until the player is ready.
+/// @returns false where a motion's end, 20 000 frames, a refused frame or `stop` came first.
+/// @param stop  called before each frame; may be empty
 [[nodiscard]] bool Prepare(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last,
                            const std::function<bool()>& stop = {});
 
-/// Time of one frame by its wall clock [us].
+/// Percentiles of the frames' wall time [us]: median, 95th, 99th, 99.9th, and the maximum.
 struct TimeFigures {
   double p50_us{0.0}, p95_us{0.0}, p99_us{0.0}, p999_us{0.0}, max_us{0.0};
 };
-/// By nearest rank; zeros where there is none.
+/// Percentiles by nearest rank; zeros where there are no times.
 [[nodiscard]] TimeFigures FiguresOf(std::vector<double> times_us);
 
-/// One frame. @returns the wall time of CuttingEngine::Step [us].
+/// Runs one frame. @returns the wall time of CuttingEngine::Step [us].
 double TimedStep(CuttingEngine& engine, const FrameInput& input, ContactModel& model);
 
 }  // namespace osteon::simulation

@@ -4,14 +4,14 @@
 
 namespace osteon::simulation {
 
-/// A hand that presses a spinning tool along its feed with a given force, as an admittance does: the tool
+/// A hand that presses a spinning tool along its feed with a given force, as in an admittance law: the tool
 /// moves along that line alone, with mass M and drag D.
 ///
 ///     M a = F(t) - D v - f·(-feed)      F rises at ramp_N_per_s up to force_N
 ///
-/// Semi-implicit steps: v before h, the drag at the step's end; stable for any drag.
+/// Semi-implicit steps: velocity before position, the drag at the step's end; stable for any drag.
 struct PressingHandParams {
-  Pose X_WT{Pose::Identity()};  ///< where it begins; the feed is T's +z
+  Pose X_WT{Pose::Identity()};  ///< start pose; the feed is T's +z
   double force_N{100.0};
   double ramp_N_per_s{400.0};
   double spindle_rad_per_s{26.179938779914945};  ///< 250 rpm
@@ -25,11 +25,11 @@ class PressingHand {
   /// @throws std::invalid_argument where mass or time step is not positive, or force, ramp or drag negative.
   explicit PressingHand(const PressingHandParams& params);
 
-  /// The next frame's input, from what the last frame gave back.
+  /// Computes the next frame's input from the last frame's force.
   /// @param F_T_W  the coupling's force of the last frame, on T, in W
   [[nodiscard]] FrameInput Next(const Vector3& F_T_W);
 
-  /// How far the tool has come along the feed since the start.
+  /// Distance travelled along the feed since the start.
   [[nodiscard]] double feed_m() const { return feed_m_; }
   [[nodiscard]] double speed_m_per_s() const { return speed_m_per_s_; }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kLeastSamples = 8;
 
-// Less the straight line of least squares: a slow change of the mean would leak into the lowest bins.
+// Subtracts the least-squares line: a slow change of the mean would leak into the lowest bins.
 std::vector<double> WithoutTrend(std::span<const double> signal) {
   const auto count = static_cast<double>(signal.size());
   const double middle = 0.5 * (count - 1.0);
@@ -25,7 +25,7 @@ std::vector<double> WithoutTrend(std::span<const double> signal) {
   return left;
 }
 
-// |X_k|^2; the angle is reduced in whole numbers, so that long signals lose no digits.
+// |X_k|^2. The angle is reduced in whole numbers, so that long signals lose no digits.
 double Power(const std::vector<double>& signal, const std::vector<std::complex<double>>& turn,
              std::size_t bin) {
   std::complex<double> sum;

@@ -8,28 +8,28 @@ namespace osteon::simulation {
 struct Band {
   double low_hz{0.0}, high_hz{0.0};
 };
-/// What a hand can follow, and what it feels as texture.
+/// The band that a hand can follow, and the band that it feels as texture.
 inline constexpr Band kSlowRipple{5.0, 40.0}, kFastRipple{40.0, 500.0};
 
-/// Root mean square of that part of a signal which lies in a band.
+/// Root mean square of a signal's part within a band.
 ///
 ///     w  Hann window, x less its straight line of least squares, X = DFT of w x over all N samples
 ///     rms^2 = 2 / (N sum w^2) sum |X_k|^2    over the bins k rate / N within the band (N / 2, the last, once)
 ///
-/// A sine of amplitude A well within the band gives A / sqrt 2; the window spreads it over three bins, so
-/// that a sine within rate / N of the band's end counts in part. Zero where there are fewer than 8 samples.
-/// Source: Welch, IEEE Trans. Audio Electroacoust. AU-15, 1967 (one segment).
+/// A sine of amplitude A well within the band gives A / sqrt 2. The window spreads it over three bins, so a
+/// sine within rate / N of the band's end counts in part. Zero where there are fewer than 8 samples. Source:
+/// Welch, IEEE Trans. Audio Electroacoust. AU-15, 1967 (one segment).
 /// @param rate_hz  of the samples, > 0
 [[nodiscard]] double BandRms(std::span<const double> signal, double rate_hz, Band band);
 
-/// How much a force trembles along a path that should give a steady one.
+/// Variation of a force along a path on which it should be steady.
 struct Ripple {
   double mean_N{0.0};
   double slow_N{0.0}, fast_N{0.0};  ///< rms in kSlowRipple and kFastRipple
-  /// Both bands together over the mean; 0 where there is no mean.
+  /// Rms of both bands together over the mean; 0 where the mean is 0.
   [[nodiscard]] double relative() const;
 };
-/// @param magnitude_N  of the force, sample by sample
+/// Measures the ripple of a force. @param magnitude_N  of the force, sample by sample
 [[nodiscard]] Ripple MeasureRipple(std::span<const double> magnitude_N, double rate_hz);
 
 }  // namespace osteon::simulation

@@ -10,12 +10,12 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kLead_m = 0.5e-3;                              // above first contact, where a tool begins
-constexpr double kLeastStep_m = 0.02e-3, kMostStep_m = 0.2e-3;  // of a frame
-constexpr double kTilt_rad = 20.0 * std::numbers::pi / 180.0;   // of the offset, from straight ahead
+constexpr double kLead_m = 0.5e-3;  // height above first contact at which a tool begins
+constexpr double kLeastStep_m = 0.02e-3, kMostStep_m = 0.2e-3;  // travel in a frame
+constexpr double kTilt_rad = 20.0 * std::numbers::pi / 180.0;   // angle of the offset from straight ahead
 constexpr double kPressing_s = 0.05, kSettling_s = 0.05, kCircle_s = 0.2;
 
-/// Of the head's centre, in the site's frame C.
+/// Path of the head's centre, in the site's frame C.
 std::vector<Vector3> WayOf(const SceneSolid& solid, const SceneParams& scene, const ToolBall& head) {
   using Kind = ZoneParams::Kind;
   if (scene.zone.kind == Kind::kPath) return scene.zone.path_C_m;
@@ -28,7 +28,7 @@ std::vector<Vector3> WayOf(const SceneSolid& solid, const SceneParams& scene, co
   return {Vector3(0, 0, std::max(meeting_m, floor_m) + kLead_m), Vector3(0, 0, floor_m)};
 }
 
-/// Places `step_m` apart at most.
+/// Points of the path, at most `step_m` apart.
 std::vector<Vector3> Dense(const std::vector<Vector3>& way, double step_m) {
   std::vector<Vector3> places{way.front()};
   for (std::size_t i = 0; i + 1 < way.size(); ++i) {
@@ -63,7 +63,7 @@ CutWorkload MakeSceneWorkload(const SceneSolid& solid, const SceneParams& scene,
   const double step_m =
       std::clamp(length_m / static_cast<double>(params.cut_frames), kLeastStep_m, kMostStep_m);
   const Pose X_GC = CupPose(solid.site);
-  const Matrix3 R_CT = Eigen::DiagonalMatrix<double, 3>(1, -1, -1).toDenseMatrix();  // the feed leads down
+  const Matrix3 R_CT = Eigen::DiagonalMatrix<double, 3>(1, -1, -1).toDenseMatrix();  // the feed points down
   const auto add = [&](const Vector3& center_C, bool cuts) {
     Pose X_CT = Pose::Identity();
     X_CT.linear() = R_CT;

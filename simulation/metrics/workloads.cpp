@@ -15,12 +15,12 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kTilt_rad = 20.0 * std::numbers::pi / 180.0;  // of the offset, from straight down
-constexpr double kPressing_s = 0.05, kSettling_s = 0.05;  // until the offset is whole, and a little longer
-constexpr double kCircle_s = 0.4;                         // a turn of the offset where the tool stays
-constexpr double kLead_m = 0.5e-3;                        // above first contact, where a tool begins
+constexpr double kTilt_rad = 20.0 * std::numbers::pi / 180.0;  // angle of the offset from straight down
+constexpr double kPressing_s = 0.05, kSettling_s = 0.05;  // until the offset is complete, and a little longer
+constexpr double kCircle_s = 0.4;   // duration of the offset's circle where the tool stays in place
+constexpr double kLead_m = 0.5e-3;  // height above first contact at which a tool begins
 
-// The zone of a flat top face, or of a part of it.
+// Cut zone of a flat top face, or of a part of it.
 class TopZone final : public CutZone {
  public:
   [[nodiscard]] double DepthAt(const Vector3& p_m) const override { return -p_m.z(); }
@@ -34,7 +34,7 @@ Tool OneBall(double radius_m) {
   return tool;
 }
 
-// Where the ball's centre goes: a way in, and a way along; points are by the length gone.
+// Path of the ball's centre: a way in, and a way along; points are by the travelled length.
 struct CenterWay {
   Vector3 start_m{Vector3::Zero()}, corner_m{Vector3::Zero()};  ///< straight down from one to the other
   std::function<Vector3(double)> along{};                       ///< from the corner on; empty: none
@@ -42,7 +42,7 @@ struct CenterWay {
   double along_m{0.0};
 };
 
-// Turned about the z axis and moved, by the seed.
+// Random turn about the z axis and displacement, by the seed.
 Pose Jitter(std::uint64_t seed, double reach_m) {
   Pose X = Pose::Identity();
   if (seed == 0) return X;
@@ -66,7 +66,7 @@ class Builder {
     for (std::size_t k = 1; k <= along_steps; ++k) Add(way.along(Share(k, along_steps) * way.along_m), true);
     work_.cut_end = work_.frames.size();
 
-    // back along the way, or a circle of the offset where the way is a hole
+    // back along the path, or a circle of the offset where the path is a hole
     const bool trench = way.along_m > 0.0;
     const double feel_s = trench ? way.along_m / params_.feel_m_per_s : kCircle_s;
     const std::size_t rest = Frames(kPressing_s + kSettling_s), feel = Frames(feel_s);
@@ -78,13 +78,13 @@ class Builder {
       const Vector3 center = trench ? way.along(at_m) : way.corner_m;
       const Vector3 side = trench ? Vector3(way.direction(at_m).cross(Vector3::UnitZ()))
                                   : Vector3(std::cos(turn), std::sin(turn), 0.0);
-      // a trench is pressed to both sides in turn
+      // in a trench, the offset swings to both sides in turn
       const double tilt = trench ? kTilt_rad * std::sin(turn) : kTilt_rad;
       const Vector3 offset = params_.offset_m * (std::sin(tilt) * side - std::cos(tilt) * Vector3::UnitZ());
       Add(center + pressed * offset, false);
       if (work_.frames.size() <= work_.feel_begin) continue;
       const Vector3 force = -work_.cutting.stiffness_N_per_m * offset;
-      // the ball touches on the line of the force through its centre
+      // the ball touches where the line of the force through its centre meets its surface
       const Vector3 p_TC = R_WT() * Vector3(0, 0, -radius_m_);
       work_.exact.push_back({.f_N = force, .t_Nm = p_TC.cross(force)});
     }
@@ -193,7 +193,7 @@ CutWorkload MakeCutWorkload(CutTask task, const CutWorkloadParams& params) {
       radius_m = kBurr_m;
       work.solid = std::make_shared<BoxSolid>(
           BlockShape{.width_m = 0.014, .depth_m = 0.014, .height_m = 0.006, .layers = {}});
-      // a quarter of a circle around (-3, -3) mm, turned and moved
+      // a quarter of a circle around (-3.5, -3.5) mm, turned and moved
       const auto at = [X](double s) {
         const double angle = s / kArc_m;
         return Vector3(X * Vector3(kArc_m * std::cos(angle) - 3.5e-3, kArc_m * std::sin(angle) - 3.5e-3, 0));
@@ -214,7 +214,7 @@ CutWorkload MakeCutWorkload(CutTask task, const CutWorkloadParams& params) {
       radius_m = kReamer_m;
       work.solid = std::make_shared<ShellSolid>(kReamer_m, kReamer_m + kShell_m);
       work.zone = std::make_shared<CupZone>(Cup{.center_m = Vector3(Vector3::Zero()), .radius_m = kReamer_m});
-      // on the cup's axis, or it would not fit: the seed turns nothing here, it moves the depth
+      // The tool fits only on the cup's axis, so the seed turns nothing here but changes the depth.
       const double depth_m = 3e-3 - X.translation().z();
       way = {.start_m = Vector3(0, 0, 0.1e-3), .corner_m = Vector3(0, 0, -depth_m)};
       break;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The greatest of what threads find. Its end value does not depend on their order.
+/// Maximum over the values of several threads. Its final value does not depend on their order.
 class SharedMaximum {
  public:
   explicit SharedMaximum(double start) : value_(start) {}
@@ -93,7 +93,7 @@ bool BallForest::Search(const Tree& tree, const Vector3& p_m, const Limit& limit
     double squared;
     std::size_t level, index;
   };
-  // kArity - 1 siblings wait on each level: 64 is room for more balls than memory has
+  // kArity - 1 siblings wait on each level: 64 entries suffice for more balls than fit into memory
   std::array<Open, 64> stack;
   std::size_t open = 0;
   const auto may_matter = [&limit](const Node& node, double squared) {
@@ -104,7 +104,7 @@ bool BallForest::Search(const Tree& tree, const Vector3& p_m, const Limit& limit
   stack[open++] = {tree.levels[top][0].SquaredDistance(p_m), top, 0};
   while (open > 0) {
     const Open now = stack[--open];
-    // again: the limit may have come down since this was put aside
+    // test again: the limit may have decreased since this node was pushed
     if (!may_matter(tree.levels[now.level][now.index], now.squared)) continue;
     if (now.level == 0) {
       const std::size_t end = std::min(tree.balls.size(), (now.index + 1) * kLeaf);
@@ -117,7 +117,7 @@ bool BallForest::Search(const Tree& tree, const Vector3& p_m, const Limit& limit
     for (std::size_t i = now.index * kArity; i < end; ++i) {
       const double squared = below[i].SquaredDistance(p_m);
       if (!may_matter(below[i], squared)) continue;
-      // the nearest on top
+      // keep the nearest on top
       std::size_t at = open++;
       for (; at > first && stack[at - 1].squared < squared; --at) stack[at] = stack[at - 1];
       stack[at] = {squared, now.level - 1, i};
@@ -149,8 +149,8 @@ double BallForest::GreatestOverlap(int threads) const {
         const Vector3 c = balls[i].center_m;
         const double r = balls[i].radius_m;
         double most = worst.Get();
-        // A pair is found from its smaller ball, so that the many small ones around a large one cost a walk
-        // down a tree each.
+        // A pair is found from its smaller ball, so that each of many small balls around a large one costs
+        // one walk down a tree.
         for (std::size_t larger = 0; larger <= t; ++larger)
           Search(
               trees_[larger], c, [&](const Node& node) { return r + node.radius_m - most; },
@@ -196,9 +196,9 @@ double BallForest::GreatestProtrusion(const Solid& solid, int threads) const {
     ParallelFor((tree.balls.size() + stride - 1) / stride, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) offer(tree.balls[i * stride]);
     });
-    if (stride == 1) continue;  // these were all
-    // Down from a level with work for every thread. Which boxes are passed over depends on the threads'
-    // order, the greatest value does not.
+    if (stride == 1) continue;  // all balls were already offered
+    // Descend from a level with work for every thread. Which boxes are skipped depends on the threads' order;
+    // the maximum does not.
     std::size_t level = tree.levels.size() - 1;
     while (level > 0 && tree.levels[level].size() < 256) --level;
     const auto descend = [&](const auto& self, std::size_t at, std::size_t index) -> void {

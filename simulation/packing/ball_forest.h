@@ -10,17 +10,17 @@
 
 namespace osteon::simulation {
 
-/// Balls of any sizes, to ask how far a point is from their union and which two overlap most.
+/// Spatial index over balls of any sizes, for a point's distance from their union and for the pair that
+/// overlaps most.
 ///
 ///     octave of radius   [.25, .5) mm          [.5, 1) mm       [1, 2) mm …
 ///     tree of boxes          /\                    /\               /\          boxes hold centres; each
-///     around centres        /\/\                  /\/\             /\/\         knows its greatest radius
+///     around centres        /\/\                  /\/\             /\/\         stores its largest radius
 ///     leaves             runs of 8 balls along a Morton curve
 ///
-/// One tree an octave: a box's distance less its greatest radius is then a bound within a factor of two of
-/// every ball in it, however unlike the packing's balls are. Searches are branch and bound, so they are
-/// exact, and heavy overlap costs no more than the few boxes that could hold something worse than the worst
-/// so far.
+/// With one tree an octave, a box's distance less its largest radius bounds every ball in it within a factor
+/// of two, however unlike the packing's balls are. Searches are branch and bound, so they are exact. Heavy
+/// overlap costs only the few boxes that could hold a larger value than the largest so far.
 class BallForest {
  public:
   /// Copies the balls. @pre centres are finite, radii finite and positive.
@@ -30,24 +30,25 @@ class BallForest {
   [[nodiscard]] double Gap(const Vector3& p_m,
                            double at_most_m = std::numeric_limits<double>::infinity()) const;
 
-  /// Greatest r + r' - |c - c'| over all pairs; 0 where none overlap.
+  /// Largest r + r' - |c - c'| over all pairs; 0 where none overlap.
   [[nodiscard]] double GreatestOverlap(int threads) const;
 
-  /// Least |c - c'| / max(r, r') between one of the balls and the others; infinite where there is no other.
+  /// Smallest |c - c'| / max(r, r') between one of the balls and the others; infinite where there is no
+  /// other.
   [[nodiscard]] double Separation(const Ball& one_of_them) const;
 
-  /// Greatest radius + signed distance of the centre; minus infinity without balls.
-  /// Rests on signed distances inside the solid being exact: a box deep inside holds nothing that protrudes.
+  /// Largest radius + signed distance of the centre; minus infinity without balls. Relies on exact signed
+  /// distances inside the solid: a box deep inside holds no ball that protrudes.
   [[nodiscard]] double GreatestProtrusion(const Solid& solid, int threads) const;
 
  private:
   struct Node {
     std::array<double, 3> low_m, high_m;  ///< box of the centres
-    double radius_m;                      ///< greatest
+    double radius_m;                      ///< the largest
     [[nodiscard]] double SquaredDistance(const Vector3& p_m) const;
   };
-  /// Level 0 has a node for each run of kLeaf balls, each further level one for each run of kArity nodes of
-  /// the last.
+  /// Level 0 has a node for each run of kLeaf balls; each further level has one for each run of kArity nodes
+  /// of the level before.
   struct Tree {
     std::vector<Ball> balls;
     std::vector<std::vector<Node>> levels;
@@ -56,7 +57,7 @@ class BallForest {
 
   static Tree MakeTree(std::vector<Ball> balls);
   /// Calls visit(ball, its index) for balls in nodes that may come nearer to p than limit(node), nearest
-  /// first, and stops where it returns true.
+  /// first, and stops where visit returns true.
   template <typename Limit, typename Visit>
   static bool Search(const Tree& tree, const Vector3& p_m, const Limit& limit, const Visit& visit);
 

@@ -10,14 +10,14 @@
 
 namespace osteon::simulation {
 
-/// Balls of widely differing radii, found by their distance to a point.
+/// Spatial index over balls of widely differing radii, for searches by distance to a point.
 ///
-/// One uniform grid an octave of radii, each ball once, in the cell of its centre; a cell is as wide as two
-/// of its octave's largest balls. A grid keeps only cells that hold something (a hash table with linear
+/// One uniform grid for each octave of radii stores each ball once, in the cell of its centre. A cell is as
+/// wide as two of its octave's largest balls. A grid keeps only occupied cells (a hash table with linear
 /// probing), so that ten million balls take about 600 MB.
 ///
-/// Reads may run on any number of threads, as long as none inserts. What they return, order included, depends
-/// on the insertions alone.
+/// Any number of threads may read while none inserts. The results, order included, depend on the insertions
+/// alone.
 class BallGrid {
  public:
   /// @param origin_m  near the balls: cells are counted from here, 2^20 of them in each direction
@@ -26,10 +26,10 @@ class BallGrid {
   void Insert(const Ball& ball);
   [[nodiscard]] const std::vector<Ball>& balls() const { return balls_; }
 
-  /// Appends the balls whose surfaces come nearer than `reach` to p, or contain it.
+  /// Appends the balls whose surfaces come nearer than `reach` to p, and those that contain it.
   void Gather(const Vector3& p_m, double reach_m, std::vector<Ball>& found) const;
 
-  /// Distance from p to the nearest ball's surface, negative inside a ball; `reach` where that is less.
+  /// Distance from p to the nearest ball's surface, negative inside a ball; at most `reach`.
   [[nodiscard]] double Clearance(const Vector3& p_m, double reach_m) const;
 
  private:
@@ -37,14 +37,14 @@ class BallGrid {
   struct Octave {
     int exponent{0};
     double cell_m{0.0};
-    std::vector<std::uint64_t> keys;   ///< of cells; kNoKey where the slot is free; a power of two of them
+    std::vector<std::uint64_t> keys;  ///< of cells, kNoKey where the slot is free; the size is a power of two
     std::vector<std::uint32_t> heads;  ///< last ball of the cell
     std::size_t cells{0};
     std::vector<std::uint32_t> balls;  ///< all of the octave's
   };
   static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
   static constexpr std::uint32_t kNoBall = ~std::uint32_t{0};
-  /// An octave of so few balls is searched one by one.
+  /// Up to this number of balls, an octave is searched one by one.
   static constexpr std::size_t kFewBalls = 48;
 
   [[nodiscard]] std::array<std::int64_t, 3> CellOf(const Octave& octave, const Vector3& p_m) const;
@@ -56,8 +56,8 @@ class BallGrid {
 
   Vector3 origin_m_;
   std::vector<Ball> balls_;
-  std::vector<std::uint32_t> next_;  ///< the ball before it in its cell
-  std::vector<Octave> octaves_;      ///< descending
+  std::vector<std::uint32_t> next_;  ///< the ball before this one in its cell
+  std::vector<Octave> octaves_;      ///< in descending order of radii
 };
 
 }  // namespace osteon::simulation

@@ -11,8 +11,8 @@
 
 namespace osteon::simulation {
 
-/// Finds the cells of a graded division by place: for each level a dense table of bricks, 8 cells a side, and
-/// of those only the ones that hold some cell.
+/// Finds the cells of a graded division by place: for each level a dense table of bricks, 8 cells a side;
+/// only bricks that hold a cell are stored.
 class CellLookup {
  public:
   explicit CellLookup(const std::vector<Cell>& cells) {
@@ -42,10 +42,10 @@ class CellLookup {
   }
 
   [[nodiscard]] int levels() const { return static_cast<int>(levels_.size()); }
-  /// Side of a level's cells; 0 where it has none.
+  /// Side of a level's cells; 0 where the level has none.
   [[nodiscard]] double side_m(int level) const { return levels_[level].side_m; }
 
-  /// Calls visit(index of the cell) for each of a level's cells that meet the box.
+  /// Calls visit(index of the cell) for each of a level's cells that meets the box.
   template <typename Visit>
   void ForEachIn(int level_index, const Vector3& low_m, const Vector3& high_m, const Visit& visit) const {
     const Level& level = levels_[level_index];
@@ -84,7 +84,7 @@ class CellLookup {
 
   struct Level {
     double side_m{0.0};
-    std::array<std::int32_t, 3> first{kFar, kFar, kFar}, last{-kFar, -kFar, -kFar};  ///< bricks
+    std::array<std::int32_t, 3> first{kFar, kFar, kFar}, last{-kFar, -kFar, -kFar};  ///< in bricks
     std::vector<std::uint32_t> bricks;
     std::vector<std::array<std::uint32_t, 1 << (3 * kBits)>> cells;
     static constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::max();

@@ -17,7 +17,7 @@ void ClearanceClimb::Look(const Vector3& p_m, double reach_m) {
   looked_m_ = reach_m;
 }
 
-/// Clearance at p; leaves in bounds_ what comes within `window` of it.
+/// Clearance at p; leaves in bounds_ the obstacles within `window` of it.
 double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
   std::optional<SurfacePoint> surface;
   const double depth = depths_.LowerBound(p_m);
@@ -33,7 +33,8 @@ double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
     // An exact query of the surface takes longer than all the rest: only where it may matter.
     if (!surface && depth < clearance + window_m) surface = solid_.NearestSurface(p_m);
     if (surface) clearance = std::min(clearance, -surface->distance_m);
-    // Balls not seen lie further than this. The second time round they do, by what is asked for.
+    // Balls outside the cache lie farther than this. If that is not far enough, refill the cache; its reach
+    // then suffices.
     const double sure = looked_m_ - (p_m - looked_from_m_).norm();
     if (sure < clearance + window_m) {
       const std::vector<Plane> planes = std::move(planes_);
@@ -60,8 +61,8 @@ double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
   }
 }
 
-/// Adds the tangent planes nearer than `within` to the bounds. Where the surface bulges inwards, a plane met
-/// elsewhere says less than the clearance measured: that counts.
+/// Adds the tangent planes nearer than `within` to the bounds. Where the surface bulges inwards, a plane
+/// found elsewhere gives less than the measured clearance, which is used then.
 void ClearanceClimb::AddPlanes(const Vector3& p_m, double clearance_m, double within_m) {
   for (const Plane& plane : planes_) {
     const double value = std::max(clearance_m, plane.normal.dot(p_m - plane.at_m));
@@ -73,7 +74,7 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double least_m) {
   Vector3 p = p_m;
   double most = 0.7 * scale_m;
   double clearance = Measure(p, 2.0 * most);
-  constexpr int kMostSteps = 40;  // five to ten are usual: balls curve, and the optimum has four of them
+  constexpr int kMostSteps = 40;  // five to ten are usual: balls curve; an optimum touches four obstacles
   for (int i = 0; i < kMostSteps && !bounds_.empty(); ++i) {
     if (clearance >= cap_.At(p)) return Settle(p, clearance);
     const auto [step, hoped] = WalkRidges(bounds_, most);
@@ -87,11 +88,11 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double least_m) {
       p += step;
       clearance = there;
       if (!inner) most *= 2.0;
-      // An optimum within reach that falls short of `least` by far: what is left is curvature.
+      // An optimum within reach that falls far short of `least`: only curvature is left to gain.
       if (inner && there < 0.6 * least_m && gain < 0.1 * least_m) break;
     } else {
       std::swap(bounds_, last_bounds_);
-      AddPlanes(p, clearance, std::numeric_limits<double>::infinity());  // one may be new
+      AddPlanes(p, clearance, std::numeric_limits<double>::infinity());  // one plane may be new
       most = 0.3 * step.norm();
       if (most < 1e-6 * std::abs(clearance)) break;
     }
@@ -99,8 +100,8 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double least_m) {
   return {.center_m = p, .radius_m = clearance};
 }
 
-/// Newton's method for the place where a ball of the cap's radius touches the three nearest obstacles, each
-/// step the shortest that the linearised equations allow. Where it leads nowhere, the ball stays.
+/// Moves a ball of the cap's radius to where it touches the three nearest obstacles, by Newton's method with
+/// the shortest step that the linearised equations allow. Where it does not converge, the ball stays.
 Ball ClearanceClimb::Settle(const Vector3& p_m, double clearance_m) {
   const Ball unsettled{.center_m = p_m, .radius_m = std::min(clearance_m, cap_.At(p_m))};
   Vector3 p = p_m;

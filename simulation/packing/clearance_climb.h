@@ -11,7 +11,7 @@
 
 namespace osteon::simulation {
 
-/// The greatest radius of a ball by where its centre is: r0 + a·d, d the depth below the cut zone.
+/// Largest allowed radius of a ball by the place of its centre: r0 + a·d, d the depth below the cut zone.
 struct RadiusCap {
   const CutZone& zone;
   double radius_m{0.0};
@@ -25,25 +25,25 @@ struct RadiusCap {
 /// Climbs to local maxima of the clearance: the distance to the surface or to the nearest ball, whichever is
 /// less.
 ///
-/// One object a thread. It keeps what it has seen of a neighbourhood between climbs; nothing may be inserted
-/// into the balls meanwhile.
+/// One object a thread. It caches a neighbourhood's balls between climbs, so nothing may be inserted into the
+/// balls meanwhile.
 class ClearanceClimb {
  public:
   ClearanceClimb(const Solid& solid, const DistanceGrid& depths, const BallGrid& balls, const RadiusCap& cap)
       : solid_(solid), depths_(depths), balls_(balls), cap_(cap) {}
 
-  /// Takes up the balls whose surfaces come nearer than `reach` to p, and forgets all else.
+  /// Caches the balls whose surfaces come nearer than `reach` to p, and forgets all others.
   void Look(const Vector3& p_m, double reach_m);
-  /// The balls that the last Look took up.
+  /// The balls that the last Look cached.
   [[nodiscard]] std::span<const Ball> seen() const { return seen_; }
 
-  /// The largest ball around the local maximum that a climb from p ends on. Where the cap leaves room, the
-  /// climb ends as soon as there is enough of it, and the ball settles: it comes to rest against its three
-  /// nearest neighbours.
+  /// Returns the largest ball around the local maximum at which a climb from p ends. Where the clearance
+  /// exceeds the cap, the climb ends as soon as the ball has room, and the ball settles: it comes to rest
+  /// against its three nearest neighbours.
   ///
-  /// The ball overlaps nothing by more than rounding. A climb that cannot come to `least` may be abandoned;
-  /// what it returns is then less.
-  /// @param scale_m  about the radius expected: the first steps' length
+  /// The ball overlaps nothing by more than rounding. A climb that cannot reach `least` may be abandoned; the
+  /// result's radius is then smaller.
+  /// @param scale_m  about the expected radius: the first steps' length
   [[nodiscard]] Ball Climb(const Vector3& p_m, double scale_m, double least_m);
 
   /// Clearance at p, negative outside the solid or within a ball.
@@ -66,8 +66,8 @@ class ClearanceClimb {
   Vector3 looked_from_m_{Vector3::Zero()};
   double looked_m_{0.0};
   std::vector<Ball> seen_;
-  std::vector<double> gaps_m_;  ///< to the balls seen, where the last Measure was
-  std::vector<Plane> planes_;   ///< the surface's tangent planes met so far
+  std::vector<double> gaps_m_;  ///< to the cached balls, at the place of the last Measure
+  std::vector<Plane> planes_;   ///< tangent planes of the surface that were met so far
   std::vector<ClearanceBound> bounds_, last_bounds_;
 };
 

@@ -12,11 +12,11 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kRadiusOverSpacing = 0.8;  // a body-centred lattice has no holes from .56 on
+constexpr double kRadiusOverSpacing = 0.8;  // a body-centred lattice has no holes from 0.56 on
 
 struct LatticeRule {
   double spacing_m{0.0};
-  double least_distance_m{0.0};  ///< of a centre from the surface
+  double least_distance_m{0.0};  ///< from a centre to the surface
   double least_depth_m{0.0};     ///< of a centre below the zone
 };
 
@@ -39,12 +39,12 @@ std::vector<Item> DescendLattice(const Solid& solid, const CutZone& zone, const 
                              CellsWanted::kSolid, threads, kMostBalls, add_leaf);
 }
 
-// The spacing whose packing has nearly the wanted number. Where a face is parallel to the lattice, counts
-// jump by a plane of balls: so guesses that leave the bracket known so far are taken back into its middle,
-// and the best guess counts. `count_at` is paid for once a guess.
+// Finds the spacing whose packing has nearly the wanted number. Where a face is parallel to the lattice,
+// counts jump by a plane of balls. Guesses outside the known bracket are therefore replaced by its middle,
+// and the best guess is returned. `count_at` is called once a guess.
 double FindSpacing(double first_m, std::size_t wanted, const std::function<std::size_t(double)>& count_at) {
   constexpr int kMostRounds = 12;
-  constexpr double kTolerance = 0.004, kExponent = 2.8;  // 3 in the depth of the solid, 2 along its surface
+  constexpr double kTolerance = 0.004, kExponent = 2.8;  // exponent: 3 within the solid, 2 along its surface
   const auto target = static_cast<double>(wanted);
   double spacing = first_m, best = first_m, best_error = HUGE_VAL;
   double too_fine = 0.0, too_coarse = HUGE_VAL;

@@ -12,9 +12,10 @@
 
 namespace osteon::simulation {
 
-/// Balls in a grid, to ask how far a point is from their union. A cell lists the balls within `margin_m` of
-/// it, unless one of them holds all of it: then it is covered, and no list is kept. So the lists are about as
-/// long as the union's surface is wide, however much the balls overlap: 8 bytes an entry, 4 bytes a cell.
+/// Grid index over balls, for a point's distance from their union. A cell lists the balls within `margin_m`
+/// of it. A cell that lies entirely within one ball is marked as covered and keeps no list. The size of the
+/// lists therefore grows with the union's surface, however much the balls overlap: 8 bytes an entry, 4 bytes
+/// a cell.
 class CoverIndex {
  public:
   CoverIndex(const Eigen::AlignedBox3d& box, double cell_m, double margin_m)
@@ -56,10 +57,10 @@ class CoverIndex {
         }
   }
 
-  /// Whether p lies within `gap_m` of some ball. @pre 0 <= gap_m <= margin_m
+  /// True where p lies within `gap_m` of some ball. @pre 0 <= gap_m <= margin_m
   [[nodiscard]] bool Covers(const Vector3& p, double gap_m) const { return Gap(p) <= gap_m; }
 
-  /// Distance from p to the union of the balls, 0 or negative inside; margin_m where none is so near.
+  /// Distance from p to the union of the balls, 0 or negative inside; at most margin_m.
   [[nodiscard]] double Gap(const Vector3& p) const {
     std::array<int, 3> cell{};
     for (int axis = 0; axis < 3; ++axis) {
@@ -93,7 +94,7 @@ class CoverIndex {
   double cell_m_;
   double margin_m_;
   std::array<int, 3> size_{};
-  std::vector<std::uint32_t> first_;  ///< of each cell's list; kNone, kCovered
+  std::vector<std::uint32_t> first_;  ///< first entry of each cell's list, or kNone, kCovered
   std::vector<Entry> entries_;
   std::vector<Ball> balls_;
 };

@@ -20,10 +20,10 @@
 namespace osteon::simulation {
 namespace {
 
-/// Holes wait in classes of radii; the smallest of a class has this times the radius of its largest.
+/// Holes wait in classes of radii. This is the ratio of the smallest to the largest radius in a class.
 constexpr double kClassRatio = 0.95;
 
-/// Kept back from each radius, so that sums of rounded radii do not come out as overlaps.
+/// Subtracted from each radius, so that rounding does not produce overlaps.
 constexpr double kGuard_m = 1e-12;
 
 class Packer {
@@ -56,7 +56,7 @@ class Packer {
  private:
   [[nodiscard]] bool Full() const { return params_.count > 0 && balls_.balls().size() >= params_.count; }
 
-  /// Calls look(search, i, found) for i < count in parallel, and takes up the holes found in order of i.
+  /// Calls look(search, i, found) for i < count in parallel, and stores the holes found in order of i.
   template <typename Look>
   void Search(std::size_t count, const Look& look) {
     constexpr std::size_t kChunk = 16;
@@ -77,16 +77,16 @@ class Packer {
     return static_cast<int>(std::floor(std::log(radius_m) / -std::log(kClassRatio)));
   }
 
-  /// A hole's turn within its class.
+  /// Order of a hole within its class.
   struct Turn {
     int capped_first{0};
-    double key{0.0};  ///< where the cap leaves room, the lower first; elsewhere the larger
+    double key{0.0};  ///< where the cap leaves room, lower ones first; elsewhere larger ones
     std::uint64_t tie{0};
     std::size_t index{0};
     auto operator<=>(const Turn&) const = default;
   };
 
-  /// Takes the holes whose turn it is out of the largest class.
+  /// Takes the next holes from the largest class.
   std::vector<Ball> TakeLargest() {
     const auto largest = std::prev(holes_.end());
     limit_m_ = std::pow(kClassRatio, -(largest->first + 1));
@@ -97,9 +97,8 @@ class Packer {
       for (std::size_t i = begin; i < end; ++i) turns[i] = TurnOf(holes[i], i);
     });
     std::sort(turns.begin(), turns.end());
-    // Capped balls are piled up from below: where each leans on others that rest, they come to lie much
-    // denser than where they grow from everywhere at once (in the hip bone, capped at 2 mm: .56 of the volume
-    // against .44).
+    // Capped balls are piled up from below. Where each rests on placed balls, they lie much denser than where
+    // they grow from everywhere at once (in the hip bone, capped at 2 mm: 0.56 of the volume against 0.44).
     const bool piled = turns.front().capped_first == 0;
     const double top = turns.front().key + limit_m_;
     std::vector<Ball> now;
@@ -118,7 +117,7 @@ class Packer {
     return {capped ? 0 : 1, capped ? hole.center_m.z : -hole.radius_m, tie, index};
   }
 
-  /// One round: fills such of the largest holes as are still free.
+  /// One round: fills those of the largest holes that are still free.
   void FillLargest() {
     const std::vector<Ball> holes = TakeLargest();
     std::vector<char> is_free(holes.size());
@@ -144,7 +143,7 @@ class Packer {
     });
     Search(cut.size(), [&](HoleSearch& search, std::size_t i, std::vector<Ball>& found) {
       const Ball& hole = cut[i];
-      // Most of it taken: what is left lies beside the ball that took it.
+      // Most of the hole is filled: its rest lies beside the ball that fills it.
       if (balls_.Clearance(hole.center_m, hole.radius_m) < -0.5 * hole.radius_m) return;
       found.push_back(search.From(hole.center_m, 0.5 * hole.radius_m, least_m_));
     });
@@ -154,9 +153,9 @@ class Packer {
     return balls_.Clearance(hole.center_m, hole.radius_m) >= hole.radius_m - kGuard_m;
   }
 
-  /// Where balls are counted, holes much smaller than the last one need not be kept. The number of balls
-  /// larger than r goes about as r^-2.4 (measured; 2.47 for Apollonian packings), so that the last radius can
-  /// be told.
+  /// Estimates the smallest radius needed. Where the number of balls is given, holes much smaller than the
+  /// last ball need not be kept. The number of balls larger than r is about proportional to r^-2.4 (measured;
+  /// 2.47 for Apollonian packings), which predicts the last radius.
   void EstimateLeast() {
     if (params_.count == 0) return;
     const double share = static_cast<double>(balls_.balls().size()) / static_cast<double>(params_.count);
@@ -164,7 +163,7 @@ class Packer {
     dropped_m_ = std::max(dropped_m_, least_m_ > params_.least_radius_m ? least_m_ : 0.0);
   }
 
-  /// Searches all of space for holes, such as there are of the largest sizes that may have been missed.
+  /// Searches all of space for missed holes, of the largest sizes that may have been missed.
   /// @returns whether there are any
   bool LookEverywhere() {
     const Eigen::AlignedBox3d box = solid_.Bounds();
@@ -197,13 +196,13 @@ class Packer {
   const RadiusCap cap_;
   const DistanceGrid depths_;
   BallGrid balls_;
-  std::map<int, std::vector<Ball>> holes_;  ///< by class: larger ones last
+  std::map<int, std::vector<Ball>> holes_;  ///< by class, larger ones last
 
   double least_m_;         ///< smaller holes are dropped
   double dropped_m_{0.0};  ///< holes up to this have been dropped
   double limit_m_;         ///< largest radius of the class that was filled last
 
-  std::vector<char> has_holes_;  ///< a cube each of LookEverywhere, for holes of searched_m_
+  std::vector<char> has_holes_;  ///< one for each cube of LookEverywhere, for holes of searched_m_
   double searched_m_{0.0};
 };
 

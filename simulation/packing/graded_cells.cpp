@@ -8,12 +8,12 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kMostCells = 100'000'000;  // 4 GB of them
+constexpr std::size_t kMostCells = 100'000'000;  // 4 GB
 
 }  // namespace
 
 void CheckGrade(const std::string& name, const GradeParams& grade, double min_m, double max_m) {
-  constexpr std::size_t kMostCoarser = 4;  // indices of halves of the finest cells stay far within 32 bits
+  constexpr std::size_t kMostCoarser = 4;  // indices in halves of the finest cells stay far within 32 bits
   CheckRangeMm(name + ": finest side", grade.finest_m, min_m, max_m);
   const std::vector<double>& from = grade.coarser_from_m;
   if (from.size() > kMostCoarser)
@@ -24,7 +24,7 @@ void CheckGrade(const std::string& name, const GradeParams& grade, double min_m,
 }
 
 std::vector<Cell> GradedRoots(const Solid& solid, const GradeParams& params) {
-  // Start above the coarsest level, so that large empty parts go in one question each.
+  // Start above the coarsest level, so that one query each decides large empty parts.
   const Eigen::AlignedBox3d box = solid.Bounds();
   const double least_side = 0.125 * box.sizes().maxCoeff();
   int top = static_cast<int>(params.coarser_from_m.size());

@@ -10,46 +10,47 @@
 
 namespace osteon::simulation {
 
-/// How fine space is divided, by depth below the cut zone.
+/// Fineness of a division of space, by depth below the cut zone.
 struct GradeParams {
   double finest_m{0.001};  ///< side of the finest cells
   std::vector<double>
       coarser_from_m;  ///< least depth of the centre of a cell of side finest·2^k: element k - 1; ascending
 };
 
-/// @throws std::invalid_argument unless min <= finest <= max and the depths ascend, four of them at most.
+/// @throws std::invalid_argument unless min <= finest <= max and the depths ascend, at most four of them.
 void CheckGrade(const std::string& name, const GradeParams& grade, double min_m, double max_m);
 
 /// A cube of a graded division of space. Its corners are multiples of its own side, so that the cells of all
-/// levels, and those of two divisions with related sides, fit together.
+/// levels fit together, also those of two divisions with related sides.
 struct Cell {
-  std::array<std::int32_t, 3> index{};  ///< least corner, in units of the side
+  std::array<std::int32_t, 3> index{};  ///< lowest corner, in units of the side
   int level{0};                         ///< the side is finest·2^level
   double side_m{0.0};
   double signed_distance_m{0.0};  ///< of the centre
 
   [[nodiscard]] Vector3 least_corner() const { return side_m * Vector3(index[0], index[1], index[2]); }
   [[nodiscard]] Vector3 center() const { return least_corner() + Vector3::Constant(0.5 * side_m); }
-  /// Half the diagonal: a centre further than this from the surface has its cell on one side of it.
+  /// Half the diagonal. Where the centre is farther than this from the surface, the whole cell is on one side
+  /// of it.
   [[nodiscard]] double reach_m() const { return 0.8660254037844387 * side_m; }
 };
 
 enum class CellsWanted {
-  kSolid,    ///< all that may hold a point of the solid
-  kSurface,  ///< those that the surface may pass through
+  kSolid,    ///< all cells that may hold a point of the solid
+  kSurface,  ///< all cells that the surface may pass through
 };
 
 /// Divides the solid into cubes that grow with depth below the cut zone: an octree, descended depth first.
 /// The cells and their order do not depend on the number of threads (0: one a core).
-/// @throws std::invalid_argument where that would be more than 100 million cells.
+/// @throws std::invalid_argument where there would be more than 100 million cells.
 [[nodiscard]] std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone,
                                              const GradeParams& params, CellsWanted wanted, int threads = 0);
 
-/// Cubes above the coarsest level that together hold the solid: where a descent begins.
+/// Cubes above the coarsest level that together hold the solid: the start of a descent.
 [[nodiscard]] std::vector<Cell> GradedRoots(const Solid& solid, const GradeParams& params);
 
-/// Numbers for a cell, equal on every machine: the jitter of samples comes from its place and a salt, from
-/// nothing else.
+/// Random numbers of a cell, equal on every machine: samples are jittered by the cell's place and a salt
+/// alone.
 class CellRandom {
  public:
   CellRandom(const Cell& cell, std::uint64_t salt);

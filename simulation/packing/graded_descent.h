@@ -12,13 +12,13 @@
 
 namespace osteon::simulation {
 
-/// Descends the octree of a graded division depth first, on so many threads, and gathers what its leaves
-/// give.
+/// Descends the octree of a graded division depth first, on `threads` threads, and collects the items of its
+/// leaves.
 ///
-/// `add_leaf(cell, items)` is called for each leaf that the pruning of its parents has left over (the cell's
-/// own distance is not known yet) and appends to `items`, which begins empty for each part of the tree. The
-/// parts, and with them the items and their order, do not depend on the number of threads.
-/// @throws std::invalid_argument where that would be more than `most` items.
+/// `add_leaf(cell, items)` is called for each leaf below parents that were not pruned; the leaf's own
+/// distance is not computed yet. It appends to `items`, which begins empty for each part of the tree. The
+/// parts do not depend on the number of threads, so neither do the items and their order.
+/// @throws std::invalid_argument where there would be more than `most` items.
 template <typename Item, typename AddLeaf>
 [[nodiscard]] std::vector<Item> DescendGraded(const Solid& solid, const CutZone& zone,
                                               const GradeParams& params, CellsWanted wanted, int threads,

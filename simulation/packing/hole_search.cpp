@@ -9,14 +9,14 @@
 namespace osteon::simulation {
 namespace {
 
-/// Fibonacci's lattice on the sphere: point i of `count`.
+/// Point i of `count` of Fibonacci's lattice on the sphere.
 Vector3 SpherePoint(int i, int count) {
   const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0)) * i;
   const double z = 1.0 - (2.0 * i + 1.0) / count, r = std::sqrt(1.0 - z * z);
   return {r * std::cos(turn), r * std::sin(turn), z};
 }
 
-/// A rotation that is uniform over the seeds. Source: Shoemake, Graphics Gems III, 1992.
+/// Uniformly distributed rotation. Source: Shoemake, Graphics Gems III, 1992.
 Matrix3 RandomRotation(std::uint64_t bits) {
   const double a = Uniform(bits = Scramble(bits)),
                b = Uniform(bits = Scramble(bits)) * 2.0 * std::numbers::pi;
@@ -39,7 +39,7 @@ struct Lattice {
       std::array<std::pair<double, int>, kCount> by_angle;
       for (int j = 0; j < kCount; ++j) by_angle[j] = {-points[i].dot(points[j]), j};
       std::sort(by_angle.begin(), by_angle.end());
-      for (int k = 0; k < kNeighbors; ++k) neighbors[i][k] = by_angle[k + 1].second;  // itself comes first
+      for (int k = 0; k < kNeighbors; ++k) neighbors[i][k] = by_angle[k + 1].second;  // the first is itself
     }
   }
 };
@@ -61,7 +61,7 @@ void HoleSearch::AroundBall(std::size_t index, double least_m, double most_m, st
   radius_m_.fill(most_m);
   climb_.Look(center, r + 2.0 * most_m);
   for (const Ball& other : climb_.seen())
-    if ((center - Vector3(other.center_m)).squaredNorm() > r * r) BoundByBall(ball, other);  // not by itself
+    if ((center - Vector3(other.center_m)).squaredNorm() > r * r) BoundByBall(ball, other);  // not itself
   if (depths_.LowerBound(center) < r + 2.0 * most_m) BoundBySurface(ball, most_m);
   const bool capped = BoundByCap(ball, most_m);
 
@@ -74,19 +74,20 @@ void HoleSearch::AroundBall(std::size_t index, double least_m, double most_m, st
   for (int j = 0; j < kDirections; ++j) {
     all_capped &= capped_[j] != 0.0;
     if (radius_m_[j] < 0.6 * least_m)
-      continue;  // climbing on from there makes up for the lattice's coarseness
+      continue;  // 0.6, because climbing on from there makes up for the lattice's coarseness
     bool is_maximum = true, at_rim = false;
     for (const int k : lattice.neighbors[j]) {
       is_maximum &= radius_m_[k] < radius_m_[j] || (radius_m_[k] == radius_m_[j] && k > j);
       at_rim |= capped_[k] == 0.0;
     }
-    // Where the cap leaves room, the rim of that room is where a ball leans on something else as well.
+    // Where the cap leaves room, start at the rim of that room, where a ball touches another obstacle as
+    // well.
     if (capped && capped_[j] != 0.0 ? at_rim : is_maximum) climb_from(j);
   }
   if (all_capped) climb_from(0);
 }
 
-/// Bounds the radii by the surface, as it is nearest to a dozen places around the ball.
+/// Bounds the radii by the surface points nearest to a dozen places around the ball.
 void HoleSearch::BoundBySurface(const Ball& ball, double most_m) {
   constexpr int kProbes = 12;
   static const Lattice<kProbes> lattice;
@@ -97,13 +98,14 @@ void HoleSearch::BoundBySurface(const Ball& ball, double most_m) {
   for (const Vector3& u : lattice.points) {
     const Vector3 p = center + away * u;
     const SurfacePoint surface = solid_.NearestSurface(p);
-    if (std::abs(surface.distance_m) < 1e-9) continue;  // too near to tell the normal
+    if (std::abs(surface.distance_m) < 1e-9) continue;  // too near to determine the normal
     const Vector3 n = (p - surface.p_m) / -surface.distance_m;
     if (std::any_of(normals.begin(), normals.begin() + count,
                     [&n](const Vector3& m) { return m.dot(n) > 0.98; }))
       continue;
     normals[count++] = n;
-    // As if a ball lay on the other side: a plane would hide the holes beside a surface that bulges inwards.
+    // Replace the surface by a ball on its other side: a plane would hide the holes beside a surface that
+    // bulges inwards.
     BoundByBall(ball, {.center_m = surface.p_m - 2.0 * r * n, .radius_m = 2.0 * r});
   }
 }
@@ -127,7 +129,7 @@ bool HoleSearch::BoundByCap(const Ball& ball, double most_m) {
   const double cap = cap_.At(center), r = ball.radius_m;
   if (cap - cap_.grade * (r + most_m) > most_m) return false;
   Vector3 slope =
-      Vector3::Zero();  // of the cap; the zone's depth is not smooth everywhere, but a start will do
+      Vector3::Zero();  // of the cap; the zone's depth is not smooth everywhere, but suffices as a start
   if (cap_.grade > 0.0)
     for (int axis = 0; axis < 3; ++axis)
       slope[axis] = (cap_.At(center + 0.1 * r * Vector3::Unit(axis)) - cap) / (0.1 * r);
@@ -160,9 +162,9 @@ Ball HoleSearch::From(const Vector3& p_m, double scale_m, double least_m) {
 
 struct HoleSearch::CubeSearch {
   double least_m;
-  std::size_t first;  ///< of the holes found here
+  std::size_t first;  ///< index of the first hole found here
   std::vector<Ball>& found;
-  std::vector<Ball> near;  ///< a stack: the balls that matter within the cube, then those within its part, …
+  std::vector<Ball> near;  ///< a stack: the relevant balls of the cube, then those of its part, …
 };
 
 void HoleSearch::InCube(const Vector3& center_m, double side_m, double least_m, std::vector<Ball>& found) {
@@ -172,11 +174,11 @@ void HoleSearch::InCube(const Vector3& center_m, double side_m, double least_m, 
 }
 
 /// @param depth_m  a lower bound of the centre's depth in the solid
-/// @param first, last  what of search.near matters here
-/// @param climbed  whether a cube around this one has been climbed from without there being surely a hole
+/// @param first, last  range of the relevant balls in search.near
+/// @param climbed  true where a climb began in a cube around this one although a hole was not certain
 void HoleSearch::Divide(CubeSearch& search, const Vector3& center_m, double side_m, double depth_m,
                         std::size_t first, std::size_t last, bool climbed) {
-  // The clearance within the cube is at most its centre's and half the diagonal.
+  // The clearance within the cube is at most its centre's plus half the diagonal.
   const double reach = std::sqrt(0.75) * side_m, sure = kSure * search.least_m;
   double clearance = sure + reach;
   const auto take = [&](const Ball& ball) {
@@ -200,11 +202,11 @@ void HoleSearch::Divide(CubeSearch& search, const Vector3& center_m, double side
       climbed = true;
       const std::size_t before = search.found.size();
       Report(From(center_m, search.least_m, search.least_m), search.least_m, search.first, search.found);
-      // a climb back to a hole found before: there is room for a second ball here
+      // the climb led back to a known hole: there is room for a second ball here
       if (sure_hole && search.found.size() == before)
         search.found.push_back({.center_m = center_m, .radius_m = std::min(clearance, cap_.At(center_m))});
     }
-    // Otherwise the rest of this cube is looked at again once that ball is in place.
+    // Otherwise the rest of this cube is searched again once that ball is in place.
     if (!sure_hole) {
       const std::size_t end = search.near.size();
       for (int i = 0; i < 8; ++i) {

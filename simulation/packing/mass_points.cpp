@@ -17,30 +17,30 @@ namespace {
 constexpr std::uint64_t kSampleSalt = 16, kOrderSalt = 17;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr double kGreatestHole = 1.5;  // over the separation
-constexpr double kShareReach = 2.3;    // over the separation: a slab's points lie this far apart
+constexpr double kShareReach = 2.3;    // over the separation: points of a slab lie this far apart
 constexpr double kSlab = 0.2;          // over the cell's side
 constexpr double kByZone = 8.0;        // over the cell's side: depth up to which slabs follow the cut zone
 
-/// A point, in the list of those in its cell.
+/// A point, in the linked list of its cell's points.
 struct Site {
   Vector3 p_m;
   std::uint32_t cell, next;
 };
 
-/// Depth in a cell, as a plane: what it is at a point and how it grows.
+/// Depth in a cell as a plane: its value at a point and its gradient.
 struct DepthPlane {
-  bool below_zone;  ///< else below the surface
+  bool below_zone;  ///< false: below the surface
   Vector3 p_m;
   double depth_m;
   Vector3 gradient;
   [[nodiscard]] double At(const Vector3& at_m) const { return depth_m + gradient.dot(at_m - p_m); }
 };
 
-/// What decides which samples a site gets.
+/// Properties of a site that decide which samples it gets.
 struct SiteTraits {
   MaterialIndex material;
   double below_zone_m, below_surface_m;
-  double weight_per_m2;  ///< 1/side^2 of its cell: where spacings meet, shares are in their proportion
+  double weight_per_m2;  ///< 1/side^2 of its cell: where spacings meet, shares are in this proportion
 };
 
 class Builder {
@@ -71,7 +71,7 @@ class Builder {
   }
 
  private:
-  /// Sample i of a cell: at random in the i-th of its n^3 parts.
+  /// Sample i of a cell: a random place in the i-th of its n^3 parts.
   [[nodiscard]] Vector3 SampleOf(const Cell& cell, std::uint64_t cell_bits, int i) const {
     const int n = params_.samples_along_axis;
     Vector3 in_cell(i % n, i / n % n, i / (n * n));
@@ -88,7 +88,7 @@ class Builder {
     for (int i = 0; i < samples_; ++i) samples[i] = SampleOf(cell, bits, i);
   }
 
-  /// Which samples lie in the solid, of the cells that its surface may cross.
+  /// Finds which samples lie in the solid, for the cells that its surface may cross.
   void FindSamplesInside() {
     crossed_.resize(cells_.size(), kNone);
     std::vector<std::uint32_t> crossed;
@@ -107,8 +107,9 @@ class Builder {
     });
   }
 
-  /// Distances are costly on meshes. A sample nearer to the cell's centre, or to that of its octant, than the
-  /// surface is to it is on the same side of the surface.
+  /// Finds which samples are inside the solid with few distance queries, since they are slow on meshes. A
+  /// sample that is nearer to the centre of its cell or octant than that centre to the surface is on the same
+  /// side of the surface.
   void FindInside(const Cell& cell, const std::vector<Vector3>& samples, char* inside) const {
     const Vector3 center = cell.center();
     std::array<double, 8> of_octant{};
@@ -154,13 +155,13 @@ class Builder {
   }
   using Order = std::vector<std::pair<std::uint64_t, std::uint32_t>>;
 
-  /// The k-th sample of a cell to be tried; `bits` are the cell's.
+  /// The k-th sample of a cell to try; `bits` are the cell's.
   [[nodiscard]] int Turn(std::uint64_t bits, int k) const {
-    constexpr std::uint64_t kStride = 37;  // prime, and no factor of any n^3 accepted: visits all samples
+    constexpr std::uint64_t kStride = 37;  // prime, and no factor of any accepted n^3: visits all samples
     return static_cast<int>((bits % samples_ + k * kStride) % samples_);
   }
 
-  /// Whether some site lies nearer to a sample of the cell than `factor` separations.
+  /// True where some site lies nearer to a sample of the cell than `factor` separations.
   [[nodiscard]] bool Refused(const Vector3& p, std::uint32_t cell, double factor) const {
     const auto near_in = [&](std::uint32_t other, double reach) {
       for (std::uint32_t i = first_site_[other]; i != kNone; i = sites_[i].next)
@@ -170,7 +171,7 @@ class Builder {
     const auto reach_of = [&](double side) {
       return factor * 0.5 * kMassPointSeparation * (cells_[cell].side_m + side);
     };
-    if (near_in(cell, reach_of(cells_[cell].side_m))) return true;  // the likeliest
+    if (near_in(cell, reach_of(cells_[cell].side_m))) return true;  // the most likely one
     bool refused = false;
     for (int level = 0; level < lookup_.levels() && !refused; ++level) {
       const double reach = reach_of(lookup_.side_m(level));
@@ -181,8 +182,8 @@ class Builder {
     return refused;
   }
 
-  /// One sample of each cell, in random order: it becomes a site where it keeps its distance from all so far.
-  /// Since each trial may fall anywhere, sites do not line up with the cells.
+  /// Tries one sample of each cell, in random order: it becomes a site where it keeps its distance from all
+  /// sites so far. Since each sample may lie anywhere in its cell, sites do not line up with the cells.
   void DrawOnce(const Order& order, int turn) {
     for (const auto& [bits, cell] : order) {
       const Vector3 p = SampleOf(cells_[cell], BitsOf(cells_[cell]), Turn(bits, turn));
@@ -190,8 +191,8 @@ class Builder {
     }
   }
 
-  /// All samples that lie `factor` separations from all sites so far become sites, cell by cell. Which ones
-  /// the sites before refuse already, nearly all, is found on all threads.
+  /// Makes sites of all samples that lie `factor` separations from all sites so far, cell by cell. All
+  /// threads first exclude the samples that earlier sites refuse, which are nearly all.
   void DrawRest(const Order& order, double factor, bool inside_alone) {
     std::vector<std::vector<std::uint16_t>> open(cells_.size());
     ParallelFor(cells_.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
@@ -209,7 +210,7 @@ class Builder {
           neighbors.push_back({sites_[i].p_m, squared_reach});
         });
         SamplesOf(cells_[cell], samples);
-        std::size_t last = 0;  // what refused the last sample often refuses the next
+        std::size_t last = 0;  // the site that refused the last sample often refuses the next
         for (int k = 0; k < samples_; ++k) {
           const int i = Turn(bits, k);
           if (inside_alone && !Inside(cell, i)) continue;
@@ -240,7 +241,7 @@ class Builder {
     std::sort(order.begin(), order.end());
     first_site_.resize(cells_.size(), kNone);
     sites_.reserve(cells_.size() + cells_.size() / 4);
-    constexpr int kTrials = 4;  // most of the sites
+    constexpr int kTrials = 4;  // these find most of the sites
     for (int turn = 0; turn < kTrials; ++turn) DrawOnce(order, turn);
     DrawRest(order, 1.0, false);
 
@@ -266,13 +267,13 @@ class Builder {
         for (int axis = 0; axis < 3; ++axis)
           plane.gradient[axis] =
               (zone_.DepthAt(plane.p_m + step * Vector3::Unit(axis)) - plane.depth_m) / step;
-        if (!plane.gradient.isZero()) return plane;  // zero: the zone is everywhere
+        if (!plane.gradient.isZero()) return plane;  // zero where the zone is everywhere
       }
     }
     plane.below_zone = false;
     SurfacePoint foot = solid_.NearestSurface(plane.p_m);
     if (std::abs(foot.distance_m) < 1e-3 * cell.side_m) {
-      // too close to tell the normal; most steps away are long enough
+      // too close to determine the normal; most steps of this length lead away far enough
       plane.p_m += 0.2 * cell.side_m * Vector3(0.36, 0.48, 0.8);
       foot = solid_.NearestSurface(plane.p_m);
     }
@@ -281,7 +282,7 @@ class Builder {
     return plane;
   }
 
-  /// Tissue and depths at the sites, and which depth counts in the cells.
+  /// Finds tissue and depths at the sites, and which depth counts in the cells.
   void DescribeSites() {
     planes_.resize(cells_.size());
     ParallelFor(cells_.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
@@ -300,8 +301,8 @@ class Builder {
     });
   }
 
-  /// Counts each sample, in samples of the finest cells, for the site it goes to. Whole numbers: sums do not
-  /// depend on the order in which threads add.
+  /// Counts each sample for the site that it goes to, in units of samples of the finest cells. With whole
+  /// numbers, sums do not depend on the order of threads.
   void ShareVolume() {
     std::vector<std::atomic<std::uint64_t>> shares(sites_.size());
     ParallelFor(cells_.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
@@ -350,7 +351,7 @@ class Builder {
       by_slab_.resize(begins_.back());
       for (const Near& near : near_)
         if (near.slab >= 0) by_slab_[ends_[near.slab]++] = near;
-      // a border between layers within a slab shows at the latest in the next one
+      // a border between layers within a slab shows at the latest in the next slab
       mixed_.assign(slabs_, 0);
       for (int slab = 0; slab < slabs_; ++slab) {
         const int from = begins_[std::max(slab - 1, 0)], to = begins_[std::min(slab + 2, slabs_)];
@@ -366,13 +367,13 @@ class Builder {
       const std::span<const Near> alike(by_slab_.data() + begins_[slab], begins_[slab + 1] - begins_[slab]);
       const auto any = [](const Near&) { return true; };
       const auto far = [&p](const Near& near) { return near.weight_per_m2 * (near.p_m - p).squaredNorm(); };
-      // the material is costly to ask for: only where it decides
+      // a material query is slow: only where it decides
       if (!alike.empty() && !mixed_[slab]) return Nearest(alike, far, any);
       const MaterialIndex material = b_.solid_.MaterialAt(p);
       const auto same = [material](const Near& near) { return near.material == material; };
       std::uint32_t site = Nearest(alike, far, same);
       if (site != kNone) return site;
-      // none in the slab: one of about this depth
+      // none in the slab: choose one of about this depth
       const auto deeper = [&](const Near& near) {
         constexpr double kDepthCounts = 10.0;
         const double off = kDepthCounts * (near.depth_m - depth);
@@ -387,7 +388,7 @@ class Builder {
       Vector3 p_m;
       double depth_m, weight_per_m2;
       std::uint32_t site;
-      int slab;  ///< counted from the cell's first; -1 outside the cell's
+      int slab;  ///< from the cell's first slab; -1 outside the cell's slabs
       MaterialIndex material;
     };
     [[nodiscard]] int Slab(double depth_m) const {
@@ -413,7 +414,7 @@ class Builder {
     int first_slab_{0}, slabs_{0};
     std::vector<Near> near_, by_slab_;
     std::vector<int> begins_, ends_;
-    std::vector<char> mixed_;  ///< whether sites of the slab or the next ones differ in material
+    std::vector<char> mixed_;  ///< true where sites of the slab or its neighbours differ in material
   };
 
   const Solid& solid_;
@@ -422,9 +423,10 @@ class Builder {
   std::vector<Cell> cells_;
   CellLookup lookup_;
   int samples_;
-  std::vector<std::uint32_t> crossed_;  ///< for each cell, its place among those crossed; kNone: it is inside
-  std::vector<char> inside_;            ///< for each sample of those
-  std::vector<DepthPlane> planes_;      ///< for each cell
+  std::vector<std::uint32_t> crossed_;     ///< for each cell, its index among the crossed ones; kNone: all
+                                           ///< inside
+  std::vector<char> inside_;               ///< for each sample of the crossed cells
+  std::vector<DepthPlane> planes_;         ///< for each cell
   std::vector<std::uint32_t> first_site_;  ///< for each cell
   std::vector<Site> sites_;
   std::vector<SiteTraits> traits_;     ///< for each site

@@ -7,9 +7,9 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kLatticeShare = 0.38;  // of a count, to begin with
+constexpr double kLatticeShare = 0.38;  // initial share of a wanted count
 
-/// What a solid asks for at the finest spacing, counted coarsely.
+/// Area and volume of a solid that determine the numbers of samples and balls, counted coarsely.
 struct Demand {
   double area_m2{0.0}, volume_m3{0.0};
   double sampled_area_m2{0.0};    ///< of the surface, a quarter for each coarser level of the samples
@@ -21,8 +21,8 @@ double CoarserBy(const std::vector<double>& from_m, double depth_m, double facto
   return std::pow(factor, static_cast<double>(level));
 }
 
-/// To about 5 %, in cells of a fortieth of the solid. On average as many centres lie within half a cell's
-/// diagonal of a surface as this layer has room for.
+/// Measures the demand to about 5 %, in cells of a fortieth of the solid. On average, within half a cell's
+/// diagonal of a surface lie as many centres as this layer has room for.
 Demand Measure(const Solid& solid, const CutZone& zone, const PackingParams& params) {
   const double side = solid.Bounds().sizes().maxCoeff() / 40.0, volume = side * side * side;
   Demand demand;
@@ -42,12 +42,12 @@ Demand Measure(const Solid& solid, const CutZone& zone, const PackingParams& par
   return demand;
 }
 
-/// Samples for each ball wanted: the more, the better the choice. Millions lie densely anyway.
+/// Samples for each wanted ball: more give a better choice. Millions of balls are dense in any case.
 double SamplesPerBall(std::size_t count) {
   return std::clamp(2e3 / std::sqrt(static_cast<double>(count)), 2.0, 4.0);
 }
 
-/// Depths from which on the cap is twice, four times … what it is at the cut zone.
+/// Depths at which the cap is twice, four times … its value at the cut zone.
 std::vector<double> DoublingDepths(double cap_m, double growth) {
   std::vector<double> from;
   for (int level = 1; level <= 4 && growth > 0.0; ++level) {
@@ -78,19 +78,19 @@ PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone, const Ov
   params.radius_growth = options.grade;
 
   params.lattice.coarser_from_m = DoublingDepths(params.cup_radius_cap_m, options.grade);
-  // Samples grow less, or they are too few to choose from where a count is large.
+  // Samples become coarser at fewer depths, or there would be too few to choose from where a count is large.
   params.samples.coarser_from_m = params.lattice.coarser_from_m;
   if (params.samples.coarser_from_m.size() > 2) params.samples.coarser_from_m.resize(2);
   params.surface_gap_growth = options.grade * params.surface_gap_m / params.cup_radius_cap_m;
   params.greatest_surface_gap_m = 5.0 * params.surface_gap_m;
 
-  // At spacings of half the cap the lattice's balls overlap as heavily as a cut asks for (1.5 mm for balls of
+  // At a spacing of half the cap, the lattice's balls overlap as heavily as a cut needs (1.5 mm for balls of
   // 3 mm).
   params.lattice.finest_m = params.cup_radius_cap_m / (options.count > 0 ? 2.0 : params.radius_over_spacing);
   const Demand demand = Measure(solid, zone, params);
   if (options.count > 0) {
     const auto count = static_cast<double>(options.count);
-    const double widest = params.cup_radius_cap_m / 0.6;  // just short of holes; BuildPacking decides on them
+    const double widest = params.cup_radius_cap_m / 0.6;  // just short of holes; BuildPacking may accept them
     const double fitting = std::cbrt(2.0 * demand.lattice_volume_m3 / (kLatticeShare * count));
     params.lattice.finest_m = std::clamp(fitting, params.lattice.finest_m, widest);
     params.samples.finest_m = std::sqrt(demand.sampled_area_m2 / (SamplesPerBall(options.count) * count));

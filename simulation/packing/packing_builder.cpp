@@ -12,9 +12,10 @@
 namespace osteon::simulation {
 namespace {
 
-/// A lattice may take this share of a wanted count; more where it would have holes otherwise.
+/// Share of a wanted count that a lattice may take; the second value applies where it would have holes
+/// otherwise.
 constexpr double kLatticeShare = 0.4, kLatticeShareWithHoles = 0.75;
-/// Fewer samples than this for each ball wanted from them are too few to choose from.
+/// Fewer samples than this for each ball wanted from them give too little choice.
 constexpr double kLeastSamplesPerBall = 1.5;
 
 void Check(const PackingParams& p) {
@@ -32,8 +33,9 @@ void Check(const PackingParams& p) {
         fmt::format("packing: count: found {}, accepted 0 … {}", p.count, kMostBalls));
 }
 
-/// Body-centred: each cell gives its centre and its least corner, where a ball of the cap's size, or nearly
-/// so, fits in. Nearer to the surface the balls that touch it do the same with fewer.
+/// Makes a body-centred lattice: each cell gives its centre and its lowest corner, where a ball of at least
+/// nearly the cap's size fits. Nearer to the surface, the balls that touch it fill the space with fewer
+/// balls.
 std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const PackingParams& params) {
   const auto add = [&](const Cell& cell, std::vector<Ball>& balls) {
     const auto site = [&](const Vector3& p, double distance_m) {
@@ -51,13 +53,13 @@ std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const Pa
                              add);
 }
 
-/// The lattice, its spacing widened until it leaves enough of a wanted count to the surface.
+/// Makes the lattice, with its spacing widened until it leaves enough of a wanted count to the surface.
 std::vector<Ball> FittingLattice(const Solid& solid, const CutZone& zone, PackingParams& params) {
   const auto count = static_cast<double>(params.count);
   for (;;) {
     std::vector<Ball> balls = LatticeBalls(solid, zone, params);
     const auto found = static_cast<double>(balls.size());
-    // a body-centred lattice has no holes where its balls have .56 of its spacing
+    // a body-centred lattice has no holes where its balls have 0.56 of its spacing
     const bool at_holes = params.cup_radius_cap_m < 0.6 * params.lattice.finest_m;
     const double share = at_holes ? kLatticeShareWithHoles : kLatticeShare;
     if (params.count == 0 || found <= share * count) return balls;
@@ -68,7 +70,7 @@ std::vector<Ball> FittingLattice(const Solid& solid, const CutZone& zone, Packin
   }
 }
 
-/// Tangent balls to choose from along a Morton curve; where `wanted` asks for more, from a finer sample.
+/// Finds tangent balls along a Morton curve to choose from; where `wanted` needs more, from a finer sample.
 std::vector<TangentBall> EnoughTangentBalls(const Solid& solid, const CutZone& zone,
                                             const PackingParams& params, std::size_t wanted) {
   GradeParams samples = params.samples;

@@ -10,52 +10,53 @@
 
 namespace osteon::simulation {
 
-inline constexpr std::size_t kMostBalls = 100'000'000;  ///< of any packing: 7 GB where each has its foot
+inline constexpr std::size_t kMostBalls = 100'000'000;  ///< of any packing: 7 GB where each ball has its foot
 
-/// How fine a packing is. The defaults give about 30 000 balls in the default acetabulum.
+/// Fineness of a packing. The defaults give about 30 000 balls in the default acetabulum.
 struct PackingParams {
-  /// Body-centred lattice: spacing of the finest level, and where each coarser one (doubled) may begin.
+  /// Body-centred lattice: spacing of the finest level, and smallest depth of each coarser level (with
+  /// doubled spacing).
   GradeParams lattice{.finest_m = 1.5e-3, .coarser_from_m = {6.5e-3, 12e-3}};
-  double cup_radius_cap_m{3.0e-3};  ///< of balls that reach up to cup_depth_m below the cup
+  double cup_radius_cap_m{3.0e-3};  ///< for balls that reach up to cup_depth_m below the cup
   double cup_depth_m{4.0e-3};
-  double radius_over_spacing{1.2};  ///< caps the radius of the others; a lattice has no holes from .56 on
-  /// The cap is cup_radius_cap_m plus this times the depth of a ball's centre below the cut zone, 0 … 1,
-  /// instead of what the three values above say.
+  double radius_over_spacing{1.2};  ///< limits the radius of the others; a lattice has no holes from 0.56 on
+  /// Growth of the cap with the depth of a ball's centre below the cut zone, 0 … 1. The cap is then
+  /// cup_radius_cap_m plus this times the depth, and the rules of the three values above do not apply.
   std::optional<double> radius_growth;
   double least_radius_m{0.15e-3};
 
-  /// Greatest gap between the surface and the union of the balls, at the surface samples: near the cup, how
-  /// it grows with depth below the finest level, and its greatest value.
+  /// Largest gap between the surface and the union of the balls, at the surface samples: its value near the
+  /// cup, its growth with depth below the finest level, and its upper limit.
   double surface_gap_m{0.04e-3};
   double surface_gap_growth{0.08};
   double greatest_surface_gap_m{0.5e-3};
   /// Spacing of the surface samples.
   GradeParams samples{.finest_m = 0.25e-3, .coarser_from_m = {5.5e-3, 12e-3}};
 
-  std::size_t count{0};   ///< balls wanted, as good as so many can be; 0: what the tolerances ask for
+  std::size_t count{0};   ///< wanted number of balls, placed as well as possible; 0: set by the tolerances
   std::uint64_t seed{0};  ///< moves the surface samples
   int threads{0};         ///< 0: one a core; the result does not depend on it
 
   /// Spacing of the lattice at this depth below the cut zone.
   [[nodiscard]] double SpacingAt(double depth_m) const;
-  /// Greatest radius of a ball whose centre lies so deep, where the lattice has this spacing.
+  /// Largest radius of a ball whose centre lies at this depth, where the lattice has this spacing.
   [[nodiscard]] double RadiusCapAt(double depth_m, double spacing_m) const;
-  /// Greatest gap at a surface point so deep.
+  /// Largest gap at a surface point of this depth.
   [[nodiscard]] double SurfaceGapAt(double depth_m) const;
 };
 
-/// What a caller asks of an overlapping packing; zeros stand for values that suit the solid.
+/// Wanted properties of an overlapping packing; zero: a value that suits the solid.
 struct OverlapOptions {
-  std::size_t count{0};           ///< balls wanted; 0: what a gap of .04 mm asks for
+  std::size_t count{0};           ///< wanted number of balls; 0: as a gap of 0.04 mm needs
   double least_radius_m{0.0};     ///< no ball is smaller
-  double greatest_radius_m{0.0};  ///< r0: cap on the radius at the cut zone; 0: as large as fits in
-  double grade{0.0};              ///< a: the cap is r0 + a·depth below the cut zone; 0: the same everywhere
+  double greatest_radius_m{0.0};  ///< r0: cap on the radius at the cut zone; 0: as large as fits
+  double grade{0.0};              ///< a: the cap is r0 + a·depth below the cut zone; 0: uniform
   std::uint64_t seed{0};          ///< moves the surface samples
   int threads{0};                 ///< 0: one a core; the result does not depend on it
 };
 
-/// Parameters for BuildPacking that meet the options on this solid: spacings of lattice and samples from its
-/// surface and volume (measured coarsely), the wanted count and the caps.
+/// Parameters for BuildPacking that meet the options on this solid. The spacings of lattice and samples
+/// follow from its surface and volume (measured coarsely), the wanted count and the caps.
 /// @throws std::invalid_argument naming the option, its value and what is accepted.
 [[nodiscard]] PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone,
                                              const OverlapOptions& options);
@@ -63,13 +64,11 @@ struct OverlapOptions {
 /// Fills a solid with overlapping balls, none of which leaves it.
 ///
 /// 1. Lattice: a ball at each point of a body-centred lattice, radius = min(cap, distance to the surface).
-/// The spacing
-///    doubles with depth below the cup. Balls that a reamer may cut are capped: a cut takes the more of a
-///    ball, the larger it is.
-/// 2. Surface: a lattice leaves scallops. Samples of the surface are visited in a scrambled order; where one
-/// lies further
-///    than the tolerance from the union, the largest ball that touches the surface there from inside is
-///    added.
+///    The spacing doubles with depth below the cup. Balls within a reamer's reach are capped, because a cut
+///    removes more of a larger ball.
+/// 2. Surface: a lattice leaves scallops. Samples of the surface are visited in a scrambled order. Where a
+///    sample lies farther than the tolerance from the union, the largest ball that touches the surface there
+///    from inside is added.
 ///
 /// The result depends on the arguments alone. It is sorted along a Morton curve.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.

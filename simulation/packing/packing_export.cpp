@@ -22,7 +22,7 @@ Record InMm(const Ball& ball) {
           static_cast<float>(ball.radius_m * 1e3)};
 }
 
-/// Balls that are brought into shape and written at once.
+/// Number of balls that are formatted and written at once.
 constexpr std::size_t kAtOnce = 1 << 16;
 
 }  // namespace

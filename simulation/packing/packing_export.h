@@ -12,11 +12,12 @@
 
 namespace osteon::simulation {
 
-/// PLY, binary little-endian: element vertex with float x, y, z, radius.
+/// Writes a binary little-endian PLY file: element vertex with float x, y, z, radius.
 [[nodiscard]] tl::expected<void, FileError> WritePly(const std::filesystem::path& path,
                                                      std::span<const Ball> balls);
 
-/// A header line "x_mm,y_mm,z_mm,r_mm", then a line a ball; numbers as short as a float32 allows.
+/// Writes a CSV file: a header line "x_mm,y_mm,z_mm,r_mm", then a line a ball; numbers as short as a float32
+/// allows.
 [[nodiscard]] tl::expected<void, FileError> WriteCsv(const std::filesystem::path& path,
                                                      std::span<const Ball> balls);
 

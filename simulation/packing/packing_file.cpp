@@ -47,7 +47,7 @@ std::string Hex(std::span<const std::byte> bytes) {
   return text;
 }
 
-/// What a file that is no packing seems to be.
+/// Guesses the kind of a file that is no packing.
 std::string Guess(std::span<const std::byte> bytes) {
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()),
                                std::min<std::size_t>(bytes.size(), 16));
@@ -71,7 +71,7 @@ std::string Guess(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-/// Reads from the outside inwards: nothing is looked at before what it rests on was found good.
+/// Reads from the outside inwards: nothing is used before everything it depends on was checked.
 class PackingReader {
  public:
   PackingReader(MappedFile file, const std::filesystem::path& path, int threads)
@@ -164,7 +164,8 @@ class PackingReader {
                   "a material a point");
   }
 
-  /// @param least  the first byte that is free. @returns the first one behind the section
+  /// Checks a section's entry.
+  /// @param least  the first byte that is free. @returns the first byte behind the section
   std::uint64_t CheckEntry(std::size_t i, std::uint64_t least) {
     const SectionEntry& entry = table_[i];
     const std::uint64_t at = sizeof(FileHeader) + i * sizeof(SectionEntry);
@@ -198,7 +199,7 @@ class PackingReader {
     if (entry.count < 1 || entry.count > info->most_records)
       Fail(at + offsetof(SectionEntry, count), where, fmt::format("{} records", entry.count),
            info->most_records == kAnyNumber ? "1 and more" : fmt::format("1 … {}", info->most_records));
-    // divided, not multiplied: a count is whatever the file says
+    // divide instead of multiplying, which could overflow: the count may be any number
     if (entry.bytes / info->record_bytes != entry.count || entry.bytes % info->record_bytes != 0)
       Fail(at + offsetof(SectionEntry, count), where,
            fmt::format("{} records in {} bytes", entry.count, entry.bytes),
@@ -206,7 +207,7 @@ class PackingReader {
     return entry.offset + entry.bytes;
   }
 
-  /// The table was good: now what there is is held against it.
+  /// Checks the file's contents against its table, which was found good.
   void CheckWhole() {
     if (bytes_.size() > header_.file_bytes)
       return Fail(header_.file_bytes, "end of the file",
@@ -245,7 +246,7 @@ class PackingReader {
             &PackingReader::FailPoint);
         break;
       case kPointMaterials:
-        // which indices there may be, the materials say, which come later
+        // the valid indices follow from the materials, which come later
         packing_.point_materials_ = Records<MaterialIndex>(
             entry, [](MaterialIndex) { return true; }, nullptr);
         break;
@@ -271,11 +272,11 @@ class PackingReader {
   }
 
   static bool InReach(float x, float y, float z) {
-    // not short-circuited: no branch a coordinate; NaN is not within
+    // not short-circuited, which avoids a branch for each coordinate; NaN is not within
     return (std::abs(x) <= kReach_mm) & (std::abs(y) <= kReach_mm) & (std::abs(z) <= kReach_mm);
   }
 
-  /// A section's records; checksum and values in one pass over the bytes, in pieces on all threads.
+  /// A section's records; checks checksum and values in one pass over the bytes, in pieces on all threads.
   template <typename Record, typename Good>
   std::span<const Record> Records(const SectionEntry& entry, const Good& good,
                                   void (PackingReader::*fail)(const Record&, const std::string&,
@@ -350,7 +351,7 @@ class PackingReader {
          error.found, error.accepted);
   }
 
-  /// Materials come behind the points that name them.
+  /// Checks the points' material indices; the materials come behind the points.
   void CheckPointMaterials() {
     if (error_ || packing_.point_materials_.empty()) return;
     const auto greatest = std::ranges::max_element(packing_.point_materials_);

@@ -15,35 +15,35 @@
 
 namespace osteon::simulation {
 
-/// A ball as it lies in the file: float32 millimetres relative to the file's origin.
+/// A ball in the file: float32 millimetres relative to the file's origin.
 struct PackedBall {
   float x_mm{0.0f}, y_mm{0.0f}, z_mm{0.0f}, radius_mm{0.0f};
 };
 
-/// A mass point as it lies in the file; its material is in a list of its own.
+/// A mass point in the file; its material is in a separate list.
 struct PackedPoint {
   float x_mm{0.0f}, y_mm{0.0f}, z_mm{0.0f}, volume_mm3{0.0f};
 };
 
-/// What a packing was made of and how. Everything that decided the result belongs here; what did not
-/// (threads, time, folder) does not, so that equal packings are equal files.
+/// Origin of a packing: all inputs that determine it. Other facts (threads, time, folder) are left out, so
+/// that equal packings are equal files.
 struct PackingProvenance {
-  std::string program{};                      ///< with its version
+  std::string program{};                      ///< name and version
   std::string source{};                       ///< file name of the mesh, or the shape
   std::optional<std::uint32_t> source_crc{};  ///< CRC-32 of the mesh file
-  /// In the order given: key ([a-z0-9_], with its unit at the end) and value.
+  /// Key ([a-z0-9_], with its unit at the end) and value of each parameter, in the given order.
   std::vector<std::pair<std::string, std::string>> parameters{};
 
   bool operator==(const PackingProvenance&) const = default;
 };
 
-/// Saves a bone (packing_layout.h; docs/packing.md). The file appears whole or not at all. Each ball saved
-/// lies within the ball given: it neither protrudes nor overlaps any more than that did. A cup of radius 0 is
-/// not saved: no site. The bytes depend on the arguments alone, and a loaded bone saves to the bytes it came
-/// from.
-/// @returns an error where a value has no place in a file: no ball, a coordinate further than 512 mm from the
-///   middle, a radius that is not positive, a material that is not listed, no or more than 8 materials; or
-///   where the system refuses to write.
+/// Saves a bone (packing_layout.h; docs/packing.md). The file appears whole or not at all. Each saved ball
+/// lies within the given ball, so it protrudes and overlaps no more than that. A cup of radius 0 means no
+/// site and is not saved. The bytes depend on the arguments alone, and a loaded bone saves to the bytes that
+/// it came from.
+/// @returns an error where a value cannot be stored: no ball, a coordinate farther than 512 mm from the
+///   middle, a radius that is not positive, an unlisted material, no or more than 8 materials; or where the
+///   system refuses to write.
 [[nodiscard]] tl::expected<void, FileError> WritePackingFile(const std::filesystem::path& path,
                                                              const Bone& bone,
                                                              const PackingProvenance& provenance);
@@ -51,19 +51,19 @@ struct PackingProvenance {
 /// A packing file, mapped and verified. Views point into the mapping and live as long as this does.
 class PackingFile {
  public:
-  /// Verifies everything before anything is believed: sizes, sections, checksums, values. Allocates by the
-  /// size of the file at most. Threads 0: one a core.
+  /// Opens a file and verifies everything before use: sizes, sections, checksums, values. Allocates at most
+  /// in proportion to the file's size. Threads 0: one a core.
   [[nodiscard]] static tl::expected<PackingFile, FileError> Open(const std::filesystem::path& path,
                                                                  int threads = 0);
 
-  /// Of balls and points, in G.
+  /// Origin of balls and points, in G.
   [[nodiscard]] Vector3 origin_mm() const { return origin_mm_; }
   [[nodiscard]] std::span<const PackedBall> balls() const { return balls_; }
   [[nodiscard]] std::span<const PackedPoint> points() const { return points_; }
-  /// One a mass point: index into materials().
+  /// Index into materials() for each mass point.
   [[nodiscard]] std::span<const MaterialIndex> point_materials() const { return point_materials_; }
   [[nodiscard]] const std::vector<Material>& materials() const { return materials_; }
-  /// Where it is to be cut; absent where the packing was made for no place in particular.
+  /// Where the bone is to be cut; absent where the packing was made for no particular site.
   [[nodiscard]] const std::optional<Cup>& site() const { return site_; }
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const PackingProvenance& provenance() const { return provenance_; }

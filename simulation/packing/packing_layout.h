@@ -5,23 +5,23 @@
 #include <cstddef>
 #include <cstdint>
 
-// The bytes of a packing file (.osp), version 1. Little-endian, every section at a multiple of 64 bytes,
-// zeros in between, nothing behind the last; sections in the order of their kinds. docs/packing.md tells it
-// byte by byte.
+// The bytes of a packing file (.osp), version 1. Little-endian. Every section begins at a multiple of 64
+// bytes, with zeros in between and nothing after the last; sections are in the order of their kinds.
+// docs/packing.md describes every byte.
 //
 //     0   FileHeader, 64 bytes       magic, version, size of the file, origin, checksum of header and table
 //    64   SectionEntry, 32 bytes     one a section: kind, checksum, offset, bytes, count
 //         sections                   balls, mass points, their materials, materials, site, provenance
 //
-// Lengths of balls and points are float32 millimetres relative to the origin, as the shaders want them, and
-// multiples of kGrid_mm, so that adding the origin in double and taking it away again changes nothing: a
-// loaded packing saves to the same bytes.
+// Lengths of balls and points are float32 millimetres relative to the origin, as the shaders need them. They
+// are multiples of kGrid_mm, so that adding the origin in double precision and subtracting it again changes
+// nothing: a loaded packing saves to the same bytes.
 
 namespace osteon::simulation::packing_layout {
 
 static_assert(std::endian::native == std::endian::little, "packing files are mapped, not decoded");
 
-/// No text, no 7-bit channel, no changed line end lets it pass unnoticed (PNG's idea).
+/// Reveals damage by a text-mode transfer, a 7-bit channel or changed line ends (PNG's idea).
 inline constexpr std::array<unsigned char, 8> kMagic{0x89, 'O', 'S', 'P', '\r', '\n', 0x1a, '\n'};
 inline constexpr std::uint32_t kByteOrderMark = 0x01020304;
 inline constexpr std::uint32_t kVersion = 1;
@@ -29,17 +29,17 @@ inline constexpr std::size_t kAlignment = 64;
 inline constexpr std::uint32_t kMostSections = 16;
 
 inline constexpr double kGrid_mm = 0x1p-15;  ///< 31 nm; float32 holds its multiples up to 512 mm
-inline constexpr float kReach_mm = 512.0f;   ///< greatest distance from the origin along an axis
+inline constexpr float kReach_mm = 512.0f;   ///< largest distance from the origin along an axis
 inline constexpr float kMostVolume_mm3 = 1e9f;
 inline constexpr std::size_t kMostTextBytes = std::size_t{1} << 20;
 
 enum SectionKind : std::uint32_t {
-  kBalls = 1,           ///< PackedBall each
-  kPoints = 2,          ///< PackedPoint each
-  kPointMaterials = 3,  ///< a byte each: index of a material
-  kMaterials = 4,       ///< text, a byte each
+  kBalls = 1,           ///< one PackedBall each
+  kPoints = 2,          ///< one PackedPoint each
+  kPointMaterials = 3,  ///< one byte each: index of a material
+  kMaterials = 4,       ///< text, counted in bytes
   kSite = 5,            ///< PackedSite, one
-  kProvenance = 6,      ///< text, a byte each
+  kProvenance = 6,      ///< text, counted in bytes
 };
 
 struct FileHeader {
@@ -49,7 +49,7 @@ struct FileHeader {
   std::uint64_t file_bytes{0};
   std::uint32_t sections{0};
   std::uint32_t zero{0};
-  std::array<double, 3> origin_mm{};  ///< of balls and points, in G
+  std::array<double, 3> origin_mm{};  ///< origin of balls and points, in G
   std::uint32_t also_zero{0};
   std::uint32_t crc{0};  ///< of the 60 bytes before it, then of the table
 };
@@ -65,7 +65,7 @@ struct SectionEntry {
 };
 static_assert(sizeof(SectionEntry) == 32 && offsetof(SectionEntry, offset) == 8);
 
-/// The cup, in G: SI, since these are doubles.
+/// The cup, in G. Doubles in SI units, unlike the float32 millimetres of balls and points.
 struct PackedSite {
   std::array<double, 3> center_m{}, axis{};
   double radius_m{0.0};

@@ -35,8 +35,8 @@ void Check(std::span<const Ball> balls, const QualityParams& params) {
   }
 }
 
-/// Jittered samples of the cells of a cubic grid. `keep(cell, sample)` turns a sample into what is wanted, or
-/// says that it is not.
+/// Jittered samples of the cells of a cubic grid. `keep(cell, sample)` converts a sample to the wanted point,
+/// or rejects it.
 struct Samples {
   std::vector<Vector3> points_m;
   double side_m{0.0};
@@ -62,17 +62,18 @@ Samples SampleCells(const Solid& solid, CellsWanted wanted, double side_m, std::
   return samples;
 }
 
-/// About `count` samples: a coarse grid says how large the thing is, in `dimensions`, a finer one gives them.
+/// Takes about `count` samples: a coarse grid measures the size of the solid or surface, in `dimensions`; a
+/// finer grid then gives the samples.
 template <typename Keep>
 Samples SampleAbout(const Solid& solid, CellsWanted wanted, int dimensions, std::size_t count,
                     std::uint64_t salt, int threads, const Keep& keep) {
-  constexpr std::size_t kTrial = 2000;  // says the size within some percent
+  constexpr std::size_t kTrial = 2000;  // measures the size within some percent
   double side = solid.Bounds().sizes().maxCoeff() / 16.0;
   for (;;) {
     Samples samples = SampleCells(solid, wanted, side, salt, threads, keep);
     const std::size_t n = samples.points_m.size();
     if (2 * n > count) return samples;
-    // where few were found their number says little, and a thin solid has them between the cells
+    // a small number of samples is no measure, and a thin solid may lie between the cells' samples
     const double finer =
         n < kTrial ? 0.5 : std::pow(static_cast<double>(n) / static_cast<double>(count), 1.0 / dimensions);
     side *= std::min(finer, 0.8);
@@ -82,7 +83,7 @@ Samples SampleAbout(const Solid& solid, CellsWanted wanted, int dimensions, std:
 Samples SampleVolume(const Solid& solid, const QualityParams& params) {
   return SampleAbout(solid, CellsWanted::kSolid, 3, params.samples, kVolumeSalt + (params.seed << 8),
                      params.threads, [&solid](const Cell& cell, const Vector3& p) {
-                       // most cells lie inside as a whole: no need to ask again
+                       // most cells lie entirely inside: no further query
                        return cell.signed_distance_m < -cell.reach_m() || solid.SignedDistance(p) < 0.0;
                      });
 }

@@ -12,8 +12,8 @@
 namespace osteon::simulation {
 
 struct QualityParams {
-  std::size_t samples{200'000};         ///< in the solid's volume, about; 1000 … 100 million
-  std::size_t surface_samples{50'000};  ///< on its surface, about; 1000 … 10 million
+  std::size_t samples{200'000};         ///< approximate number in the solid's volume; 1000 … 100 million
+  std::size_t surface_samples{50'000};  ///< approximate number on its surface; 1000 … 10 million
   std::uint64_t seed{1};                ///< of the samples' jitter
   int threads{0};                       ///< 0: one a core. The result does not depend on it.
 };
@@ -24,38 +24,38 @@ struct RadiusBin {
   std::size_t spheres{0};
 };
 
-/// How well balls stand for a solid.
+/// Quality of balls as an approximation of a solid.
 struct PackingQuality {
   std::size_t spheres{0};
   double r_min_m{0.0}, r_max_m{0.0};
-  /// Eight bins an octave, [2^(k/8), 2^((k+1)/8)) m, from the smallest ball's to the largest's.
+  /// Eight bins an octave, [2^(k/8), 2^((k+1)/8)) m, from the smallest ball's radius to the largest's.
   std::vector<RadiusBin> radius_histogram;
 
   double coverage{0.0};                 ///< share of the solid's volume that lies in some ball
-  double coverage_standard_error{0.0};  ///< of independent samples; stratified ones are better than this
-  std::size_t volume_samples{0};        ///< how many fell into the solid
+  double coverage_standard_error{0.0};  ///< of independent samples; that of the stratified samples is smaller
+  std::size_t volume_samples{0};        ///< number of samples that fell into the solid
   double solid_volume_m3{0.0};          ///< by these samples
 
   /// Distance from a point of the surface to the union of the balls, 0 within it.
   double surface_gap_mean_m{0.0}, surface_gap_p95_m{0.0}, surface_gap_max_m{0.0};
-  /// Every hundredth of the surface: [0] the least gap, [100] the greatest.
+  /// Percentiles of that distance over the surface: [0] the smallest gap, [100] the largest.
   std::array<double, 101> surface_gap_percentiles_m{};
   std::size_t surface_samples{0};
   double surface_area_m2{0.0};  ///< by these samples
 
-  /// Greatest radius + signed distance of the centre: how far a ball reaches out of the solid. Negative where
-  /// none touches the surface.
+  /// Largest distance by which a ball reaches out of the solid: radius + signed distance of the centre.
+  /// Negative where no ball touches the surface.
   double protrusion_max_m{0.0};
-  /// Greatest r + r' - |c - c'| over all pairs of balls; 0 where no two overlap.
+  /// Largest r + r' - |c - c'| over all pairs of balls; 0 where no two overlap.
   double overlap_max_m{0.0};
 };
 
-/// Measures a packing against the solid it was made for.
+/// Measures a packing against its solid.
 ///
-/// Volume: a jittered sample in each cell of a cubic grid. Surface: the feet of jittered samples that lie
-/// within half a cell of it, which is uniform in area up to the square of cell over radius of curvature; an
-/// edge takes a share of the samples beside it. Greatest values of protrusion and overlap are over all balls,
-/// not over samples. Without balls, coverage is 0, the gaps are infinite and protrusion and overlap are 0.
+/// Volume: a jittered sample in each cell of a cubic grid. Surface: the feet of jittered samples within half
+/// a cell of it. They are uniform in area up to the square of cell over radius of curvature; an edge takes a
+/// share of the samples beside it. The largest protrusion and overlap are over all balls, not over samples.
+/// Without balls, coverage is 0, the gaps are infinite and protrusion and overlap are 0.
 /// @throws std::invalid_argument naming the parameter or the ball, the value found and what is accepted.
 [[nodiscard]] PackingQuality MeasurePacking(const Solid& solid, std::span<const Ball> balls,
                                             const QualityParams& params = {});

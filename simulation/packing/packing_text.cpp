@@ -14,13 +14,13 @@ namespace {
 struct Figure {
   const char* key;
   double Material::*value;
-  const char* source_key;      ///< where the figure comes from, ...
-  const char* assumption_key;  ///< ... or on what it was assumed
+  const char* source_key;      ///< the figure's source, ...
+  const char* assumption_key;  ///< ... or the reason for its assumed value
   FigureSource Material::*source;
-  bool may_be_zero;  ///< else above it
+  bool may_be_zero;  ///< otherwise it must be above 0
   double greatest;
 };
-/// As CheckMaterials has it.
+/// The same limits as in CheckMaterials.
 constexpr double kAny = std::numeric_limits<double>::max();
 constexpr std::array<Figure, 4> kFigures{{
     {"density_kg_per_m3", &Material::density_kg_per_m3, "density_source", "density_assumption",
@@ -45,7 +45,7 @@ std::string Escaped(const std::string& value) {
   return out;
 }
 
-/// A byte that a message may show.
+/// Quotes a text for a message: printable and shortened.
 std::string Shown(std::string_view text) {
   std::string out;
   for (const char c : text.substr(0, 40))
@@ -70,7 +70,8 @@ std::size_t CharacterLength(std::string_view text) {
   return length;
 }
 
-/// Lines "key=value", one after the other. The first error stays; reading on after it gives empty values.
+/// Reads lines "key=value", one after the other. The first error is kept; reading on after it gives empty
+/// values.
 class LineReader {
  public:
   explicit LineReader(std::string_view text) : text_(text) {}
@@ -119,9 +120,9 @@ class LineReader {
     material.*figure.source = {.text = source, .assumed = key == figure.assumption_key};
   }
 
-  /// At the beginning of the line that was read last.
+  /// An error at the beginning of the last line.
   void Fail(const std::string& found, const std::string& accepted) { Keep(line_, "", found, accepted); }
-  /// At the value that was read last.
+  /// An error at the last line's value.
   void FailValue(const std::string& key, const std::string& found, const std::string& accepted) {
     Keep(value_, key, found, accepted);
   }
@@ -180,7 +181,7 @@ tl::expected<std::string, TextError> MaterialsToText(const std::vector<Material>
                           source.assumed ? figure.assumption_key : figure.source_key, Escaped(source.text));
     }
   }
-  // one set of rules: what may be written is what can be read
+  // one set of rules: only a text that can be read is written
   if (const auto read = MaterialsFromText(text); !read) return tl::make_unexpected(read.error());
   return text;
 }

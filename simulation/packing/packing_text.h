@@ -8,19 +8,19 @@
 
 #include "simulation/packing/packing_file.h"
 
-// The two sections of a packing file that are text: UTF-8, lines "key=value" in a fixed order, each ended by
-// a line feed. In values a backslash is written \\ and a line feed \n; no other control character may occur.
+// The two text sections of a packing file: UTF-8, lines "key=value" in a fixed order, each ended by a line
+// feed. In values a backslash is written \\ and a line feed \n; no other control character may occur.
 
 namespace osteon::simulation {
 
-/// What is wrong with a text, and where in it.
+/// An error in a text, and its place.
 struct TextError {
   std::size_t byte{0};
   std::string where, found, accepted;
 };
 
 struct NamedProvenance {
-  std::string name;  ///< of the bone
+  std::string name;  ///< the bone's name
   PackingProvenance provenance;
 };
 

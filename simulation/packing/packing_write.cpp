@@ -19,16 +19,17 @@ using namespace packing_layout;
 
 namespace {
 
-/// Farthest that a coordinate may lie from G's origin: its multiple of the grid stays an exact double.
+/// Largest distance of a coordinate from G's origin, so that its multiple of the grid stays an exact double.
 constexpr double kFarthest_mm = 1e6;
 
-/// What double arithmetic may add to a multiple of the grid on its way to metres and back, in grids: 1e6 mm
-/// is 2^35 grids, a double holds 53 bits.
+/// Limit on the error of a multiple of the grid, in grids, on its way to metres and back in double precision:
+/// 1e6 mm is 2^35 grids, a double holds 53 bits.
 constexpr double kRounding_grids = 1e-4;
 
 double ToGrid(double length_m) { return std::nearbyint(length_m * 1e3 / kGrid_mm); }
 
-/// A multiple of the grid, in millimetres from the origin; zero without a sign, which would not come back.
+/// A multiple of the grid, in millimetres from the origin; minus zero becomes zero, because it would not
+/// survive a reload.
 float FromOrigin(double grids, double origin_mm) {
   return static_cast<float>(grids * kGrid_mm - origin_mm + 0.0);
 }
@@ -81,8 +82,8 @@ class PackingWriter {
     Fail(section + (error.where.empty() ? "" : ": " + error.where), error.found, error.accepted);
   }
 
-  /// The middle of all, on the grid and rounded to whole millimetres: the same for what is loaded again,
-  /// since rounding to the grid comes first.
+  /// Chooses the origin: the middle of all balls and points, on the grid and rounded to whole millimetres. A
+  /// reloaded packing gets the same origin, since rounding to the grid comes first.
   void ChooseOrigin() {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     std::array<double, 3> low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
@@ -118,7 +119,7 @@ class PackingWriter {
             const Ball& ball = bone_.balls[i];
             const Vector3 p = ball.center_m;
             const Vector3 grids(ToGrid(p.x()), ToGrid(p.y()), ToGrid(p.z()));
-            // the ball saved lies within the ball given
+            // the saved ball lies within the given ball
             const double moved = (grids - p * (1e3 / kGrid_mm)).norm();
             const double radius = std::floor(ball.radius_m * 1e3 / kGrid_mm - moved + 2.0 * kRounding_grids);
             balls_[i] = {.x_mm = FromOrigin(grids.x(), origin_mm_[0]),

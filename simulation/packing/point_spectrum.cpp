@@ -30,8 +30,8 @@ void Check(const SpectrumParams& p) {
   refuse("waves per bin", p.waves_per_bin, 1, 10'000);
 }
 
-/// Up to waves_per_bin different wave vectors with lengths in bin b: random directions and lengths, each
-/// rounded to whole waves along the sides. A window has few of them in its lowest bins, or none.
+/// Draws up to waves_per_bin different wave vectors with lengths in bin b: random directions and lengths,
+/// each rounded to whole waves along the sides. A window has few of them in its lowest bins, or none.
 std::vector<Wave> DrawWaves(int b, double spacing_m, const Vector3& sides_m, const SpectrumParams& params) {
   const double width = params.greatest_frequency / params.bins;
   CellRandom random({.index = {b, 0, 0}}, params.seed);
@@ -51,7 +51,7 @@ std::vector<Wave> DrawWaves(int b, double spacing_m, const Vector3& sides_m, con
     }
     const double rounded = k.norm() * spacing_m;
     if (within_taper || rounded < b * width || rounded >= (b + 1) * width) continue;
-    const Wave opposite{-wave[0], -wave[1], -wave[2]};  // has the same power
+    const Wave opposite{-wave[0], -wave[1], -wave[2]};  // it has the same power
     if (std::find(waves.begin(), waves.end(), wave) == waves.end() &&
         std::find(waves.begin(), waves.end(), opposite) == waves.end())
       waves.push_back(wave);
@@ -64,7 +64,7 @@ struct Power {
   std::size_t waves{0};
 };
 
-/// Of each bin, in one window.
+/// Power in each bin, in one window.
 std::vector<Power> WindowPowers(const std::vector<Vector3>& points_m, const Eigen::AlignedBox3d& window,
                                 const SpectrumParams& params) {
   const Vector3 sides = window.sizes();
@@ -137,8 +137,8 @@ std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZon
   std::vector<Room> rooms;
   const std::vector<double>& from = params.cells.coarser_from_m;
   for (const Cell& cell : DivideGraded(solid, zone, params.cells, CellsWanted::kSolid)) {
-    // A cube lies in the ball around it. Cells of this size, and no others, lie between two depths; those
-    // across a border reach over it by half their diagonal, of the coarser ones.
+    // A cube lies in the ball around it. Between two depths there are only cells of this size; cells across a
+    // border extend beyond it by half the diagonal of the coarser ones.
     const double depth = zone.DepthAt(cell.center());
     double free = -cell.signed_distance_m;
     if (cell.level > 0) free = std::min(free, depth - from[cell.level - 1] - cell.reach_m());

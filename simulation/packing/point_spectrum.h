@@ -11,10 +11,10 @@
 
 namespace osteon::simulation {
 
-/// Power of a point set by the length of the wave vector. Independent points have 1 everywhere; blue noise
-/// has next to nothing below its peak, which lies near one wave per mean spacing; a lattice has lines.
+/// Power of a point set by the length of the wave vector. Independent points have 1 everywhere. Blue noise
+/// has almost no power below its peak, which lies near one wave per mean spacing. A lattice has lines.
 struct RadialSpectrum {
-  std::vector<double> frequency_per_mean_spacing;  ///< waves per (volume / points)^(1/3); middles of the bins
+  std::vector<double> frequency_per_mean_spacing;  ///< waves per (volume / points)^(1/3); bin centres
   std::vector<double> power;                       ///< mean over the bin's wave vectors, and over windows
 };
 
@@ -26,35 +26,36 @@ struct SpectrumParams {
   int threads{0};                  ///< 0: one a core. The result does not depend on it.
 };
 
-/// Radially averaged power spectrum of the points in each window, averaged over the windows by their number
-/// of points. Within a window the points must be equally dense; from one to another they need not.
+/// Radially averaged power spectrum of the points in each window, averaged over the windows with their number
+/// of points as weight. Points must be equally dense within a window, but not from window to window.
 ///
 ///     P(k) = |Σ w(x) e^(-2πi k·x)|² / Σ w(x)²,   w = Π (1 - cos 2π(x - low)/side), side of each axis
 ///
-/// The wave vectors have whole numbers of waves along the window's sides, not all of them -1 … 1: there the
-/// taper w has no power of its own. Windows with fewer than 20 points are left out; with none left the
-/// spectrum is empty. @throws std::invalid_argument naming the parameter, its value and what is accepted.
+/// The wave vectors have whole numbers of waves along the window's sides, not all of them -1 … 1; the taper w
+/// has no power of its own there. Windows with fewer than 20 points are left out; with none left the spectrum
+/// is empty.
+/// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] RadialSpectrum ComputeRadialSpectrum(std::span<const Vector3> points_m,
                                                    std::span<const Eigen::AlignedBox3d> windows,
                                                    const SpectrumParams& params = {});
 
-/// Cubes inside the solid, apart from each other, in each of which the mass points are equally dense: the
-/// widest in terms of the spacing first, at most so many, each at least five spacings wide.
+/// Finds separate cubes inside the solid, in each of which the mass points are equally dense: at most `most`,
+/// the widest in terms of the spacing first, each at least five spacings wide.
 [[nodiscard]] std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZone& zone,
                                                               const MassPointParams& params,
                                                               std::size_t most = 32);
 
-/// How far points keep from their neighbours: for each the least distance / mean spacing, the cube root of
-/// the volume that a point stands for where they lie (of a pair: the greater of the two).
+/// Distance of points to their nearest neighbours over the mean spacing. The spacing is the cube root of the
+/// volume that a point stands for (for a pair, the larger of the two).
 struct NeighborDistances {
   double least_over_spacing{0.0};
-  double mean_over_spacing{0.0};  ///< independent points .554; face-centred lattice 1.122
-  /// Share of the points for which it is within [i, i + 1) / 20.
+  double mean_over_spacing{0.0};  ///< independent points 0.554; face-centred lattice 1.122
+  /// Share of the points whose distance over spacing is within [i, i + 1) / 20.
   std::vector<double> histogram;
 };
 
-/// `spacing_m[i]` is that at point i. @throws std::invalid_argument where the lengths differ or one
-/// is not finite and positive.
+/// Measures the neighbour distances; `spacing_m[i]` is the spacing at point i.
+/// @throws std::invalid_argument where the lengths differ or a spacing is not finite and positive.
 [[nodiscard]] NeighborDistances MeasureNeighborDistances(std::span<const Vector3> points_m,
                                                          std::span<const double> spacing_m, int threads = 0);
 

@@ -7,7 +7,8 @@
 namespace osteon::simulation {
 namespace {
 
-/// A hull of up to four points: which of them its point nearest to the origin is made of, and that point.
+/// The point nearest to the origin in a hull of up to four points, and the points that it is a combination
+/// of.
 struct Nearest {
   Vector3 point{Vector3::Zero()};
   std::array<int, 4> of{};
@@ -67,7 +68,7 @@ RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double most_m) {
     if (bounds[k].value_m < bounds[active[0]].value_m) active[0] = k;
   double t = bounds[active[0]].value_m;
 
-  constexpr int kMostTurns = 16;  // most walks take four to six
+  constexpr int kMostTurns = 16;  // most walks need four to six
   for (int turn = 0; turn < kMostTurns; ++turn) {
     std::array<Vector3, 4> gradients;
     for (int i = 0; i < count; ++i) gradients[i] = bounds[active[i]].gradient;
@@ -78,7 +79,7 @@ RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double most_m) {
     for (int i = 0; i < up.count; ++i) active[i] = active[up.of[i]];
     count = up.count;
 
-    // how far until the next one is as near, or until the end of the step
+    // length to where the next obstacle is as near, or to the end of the step
     const double a = rate, b = step.dot(up.point), c = step.squaredNorm() - most_m * most_m;
     double length = (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
     std::size_t next = bounds.size();

@@ -14,15 +14,16 @@ struct ClearanceBound {
 
 struct RidgeWalk {
   Vector3 step_m{Vector3::Zero()};
-  double clearance_m{0.0};  ///< at its end, to first order
+  double clearance_m{0.0};  ///< at the step's end, to first order
 };
 
-/// The step |δ| <= most to the greatest clearance t <= value + gradient·δ for every bound.
+/// Computes the step |δ| <= most to the largest clearance t <= value + gradient·δ for every bound.
 ///
-/// Straight away from the nearest obstacle until a second one is as near, along the ridge between these two
-/// until a third is, then between the three: the direction is always the shortest vector in the hull of the
-/// active gradients (that of steepest ascent), and those it is not made of are dropped. The walk ends where
-/// the hull holds the origin, since no direction leads away from all of them, or at the length allowed.
+/// The walk leads straight away from the nearest obstacle until a second one is as near, then along the ridge
+/// between these two until a third one is, then between the three. Its direction is always that of steepest
+/// ascent: the shortest vector in the hull of the active gradients. Gradients that do not contribute to it
+/// are dropped. The walk ends where the hull holds the origin, since no direction leads away from all of
+/// them, or at the allowed length.
 /// @pre at least one bound.
 [[nodiscard]] RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double most_m);
 

@@ -11,11 +11,11 @@
 namespace osteon::simulation {
 namespace {
 
-// Lattice balls this much nearer to the surface than their cap leave the place to surface balls.
+// Below this share of their cap's radius, lattice balls near the surface are left to surface balls.
 constexpr double kLeastOfCap = 0.6;
 constexpr double kRadiusGrowth = 0.5, kGapGrowth = 0.4, kGreatestGap_m = 2e-3;
 
-/// What lies less than a depth below another zone counts as in it.
+/// A zone extended by a depth: places less than this below the other zone count as in it.
 class FineZone final : public CutZone {
  public:
   FineZone(const CutZone& zone, double fine_depth_m) : zone_(zone), fine_depth_m_(fine_depth_m) {}
@@ -29,8 +29,8 @@ class FineZone final : public CutZone {
   double fine_depth_m_;
 };
 
-/// Two balls a cell of a graded division: a body-centred lattice. Those of coarse cells do not reach into
-/// what is fine.
+/// Two balls for each cell of a graded division: a body-centred lattice. Balls of coarse cells do not reach
+/// into the fine part.
 std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const SplitPackingParams& p) {
   const GradeParams grade{.finest_m = p.spacing_m,
                           .coarser_from_m = {p.coarser_from_m, 2.0 * p.coarser_from_m}};

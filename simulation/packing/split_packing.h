@@ -9,32 +9,32 @@
 
 namespace osteon::simulation {
 
-/// A packing of few, large balls that are going to be split where a tool touches them (SplitParams): for
-/// tools whose radius is not much larger than the balls.
+/// A packing of few, large balls that are split where a tool touches them (SplitParams). For tools whose
+/// radius is not much larger than the balls.
 struct SplitPackingParams {
   double spacing_m{2.5e-3};         ///< of the body-centred lattice in the cut zone
-  double radius_over_spacing{0.9};  ///< of its balls; the lattice has no holes from .56 on
-  /// Depth below the zone down to which all is as fine as in it. A zone that is a surface (a cup, a face)
-  /// asks for as much as is going to be cut below it; one that holds the whole cut (a path) for none.
+  double radius_over_spacing{0.9};  ///< of its balls; the lattice has no holes from 0.56 on
+  /// Depth below the zone down to which the packing is as fine as in it. A zone that is a surface (a cup, a
+  /// face) needs the depth that will be cut below it; a zone that holds the whole cut (a path) needs none.
   double fine_depth_m{0.0};
-  double coarser_from_m{1.5e-3};    ///< depth below that from which the spacing is doubled; twice that, again
+  double coarser_from_m{1.5e-3};  ///< depth below that from which the spacing is doubled; at twice it, again
   double surface_radius_m{1.2e-3};  ///< of the balls that touch the surface in the zone
-  double surface_gap_m{0.2e-3};     ///< greatest gap between the surface and the balls, in the zone
+  double surface_gap_m{0.2e-3};     ///< largest gap between the surface and the balls, in the zone
   std::uint64_t seed{0};            ///< moves the surface samples
   int threads{0};                   ///< 0: one a core; the result does not depend on it
 };
 
-/// Balls on a graded body-centred lattice, and balls that touch the surface from inside. Those are small,
-/// since their children have to fill the rim of a cut; below the zone both grow with the depth.
+/// Builds a graded body-centred lattice of balls, and balls that touch the surface from inside. The latter
+/// are small, since their children have to fill the rim of a cut. Below the zone both grow with the depth.
 ///
 /// Sorted along a Morton curve. The result depends on the arguments alone.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] std::vector<Ball> BuildSplitPacking(const Solid& solid, const CutZone& zone,
                                                   const SplitPackingParams& params);
 
-/// What stands for a packing whose balls are not split where they are: 5/3 of its spacing, as fine as deep
-/// below the zone, the same gap at the surface. A fourth or fifth of the balls where a burr cuts, and a cut
-/// at least as exact.
+/// Parameters of a split packing in place of one whose balls are not split: 5/3 of its spacing, equally deep
+/// below the zone, with the same gap at the surface. It has a fourth or fifth of the balls where a burr cuts,
+/// and its cuts are at least as exact.
 [[nodiscard]] SplitPackingParams SplitPackingFor(const PackingParams& packing);
 
 }  // namespace osteon::simulation

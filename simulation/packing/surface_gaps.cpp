@@ -56,7 +56,7 @@ std::vector<Ball> CoverSurface(std::span<const TangentBall> samples, std::size_t
   struct Entry {
     float measure;
     std::uint32_t sample;
-    bool operator<(const Entry& other) const {  // a heap has its greatest on top: of equals the first
+    bool operator<(const Entry& other) const {  // a heap has its largest on top; among equals the first
       return measure != other.measure ? measure < other.measure : sample > other.sample;
     }
   };
@@ -70,7 +70,7 @@ std::vector<Ball> CoverSurface(std::span<const TangentBall> samples, std::size_t
     heap[i] = {.measure = measure(i), .sample = static_cast<std::uint32_t>(i)};
   std::make_heap(heap.begin(), heap.end());
 
-  // Gaps only shrink: what is on top with its measure still true is the greatest.
+  // Gaps only shrink, so the top entry is the largest if its measure is still current.
   std::vector<Ball> balls;
   while (!heap.empty() && (count == 0 || balls.size() < count)) {
     std::pop_heap(heap.begin(), heap.end());

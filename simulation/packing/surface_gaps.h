@@ -10,24 +10,24 @@
 
 namespace osteon::simulation {
 
-/// How far each of many surface samples is from a union of balls that grows, and which ball to add next.
+/// Distance of many surface samples from a growing union of balls, and the choice of the next ball.
 ///
-/// A binary tree over the samples, which must be sorted along a space-filling curve. Each node knows its
-/// samples' box and greatest gap: a new ball visits only where it can make a gap smaller, in the end a few
+/// A binary tree over the samples, which must be sorted along a space-filling curve. Each node stores its
+/// samples' box and largest gap. A new ball visits only nodes in which it can reduce a gap, in the end a few
 /// leaves.
 class SurfaceGaps {
  public:
   /// @param samples  must outlive this
   SurfaceGaps(std::span<const TangentBall> samples, double first_gap_m);
 
-  /// The ball is part of the union from now on.
+  /// Adds a ball to the union.
   void Add(const Ball& ball);
-  /// Distance from sample i to the union; first_gap_m at first.
+  /// Distance from sample i to the union; first_gap_m at the start.
   [[nodiscard]] float GapAt(std::size_t i) const { return gap_m_[i]; }
 
  private:
   struct Node {
-    Eigen::AlignedBox3f box;  ///< from origin_m_
+    Eigen::AlignedBox3f box;  ///< relative to origin_m_
     float greatest_m{-1.0f};
   };
   void Visit(std::size_t node, const Ball& ball, const Eigen::Vector3f& center);
@@ -40,12 +40,12 @@ class SurfaceGaps {
   std::vector<float> gap_m_;
 };
 
-/// Adds tangent balls one by one, each where the gap now is largest for its tolerance, and returns them in
-/// this order: any first part of it is nearly as good a cover as so many balls can be.
+/// Adds tangent balls one by one, each where the gap is then largest for its tolerance, and returns them in
+/// this order. The first n of them cover the surface nearly as well as n balls can.
 ///
-/// The measure is gap / tolerance · √r: a ball closes a gap g over an area of about 2πgr, so that of two
-/// equal gaps the one with the larger ball comes first. A sharp edge, which balls cannot fill, then does not
-/// use them up.
+/// The measure is gap / tolerance · √r: a ball closes a gap g over an area of about 2πgr, so of two equal
+/// gaps the one with the larger ball comes first. Sharp edges, which balls cannot fill, then do not use up
+/// all balls.
 /// @param count  balls wanted; 0: until no gap is above its tolerance
 [[nodiscard]] std::vector<Ball> CoverSurface(std::span<const TangentBall> samples, std::size_t count);
 

@@ -10,11 +10,11 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kOnSurface_m = 1e-7;   // what a nearest point may be off the surface
-constexpr double kNormalStep_m = 1e-5;  // of the differences that a normal is made of
+constexpr double kOnSurface_m = 1e-7;   // largest distance of a nearest point from the surface
+constexpr double kNormalStep_m = 1e-5;  // step of the differences for a normal
 
-// Collects the surface's points of one cell, halving it while the surface may cross it: distances change by
-// no more than the way.
+// Collects the surface's points of one cell, halving the cell while the surface may cross it: a distance
+// changes no faster than the place.
 void Collect(const Solid& solid, const Vector3& middle, double half_m, double spacing_m,
              std::vector<OrientedPoint>& samples) {
   const SurfacePoint nearest = solid.NearestSurface(middle);
@@ -26,7 +26,7 @@ void Collect(const Solid& solid, const Vector3& middle, double half_m, double sp
     }
     return;
   }
-  // outside, a solid may know no more than a bound: only what is on the surface is a sample
+  // outside, a solid may give only a bound: keep only points that are on the surface
   if (std::abs(solid.SignedDistance(nearest.p_m)) > kOnSurface_m) return;
   samples.push_back({.p_m = nearest.p_m, .normal = SurfaceNormal(solid, nearest.p_m)});
 }
@@ -39,7 +39,7 @@ Vector3 SurfaceNormal(const Solid& solid, const Vector3& p_m) {
     const Vector3 step = kNormalStep_m * Vector3::Unit(axis);
     gradient[axis] = solid.SignedDistance(p_m + step) - solid.SignedDistance(p_m - step);
   }
-  // on an edge whose sides cancel out any direction will do
+  // on an edge whose sides cancel out, any direction is valid
   return gradient.norm() > 1e-3 * kNormalStep_m ? Vector3(gradient.normalized()) : Vector3(Vector3::UnitZ());
 }
 
@@ -49,7 +49,7 @@ std::vector<OrientedPoint> PointsOfSurface(const Solid& solid, double spacing_m)
   const double side_m = box.sizes().maxCoeff();
   CheckRangeMm("surface samples: spacing", spacing_m, side_m / 2000.0, 0.020);
 
-  // a few levels above the samples, so that threads have cells to share
+  // begin a few levels above the samples, so that threads have cells to share
   double cell_m = spacing_m;
   while (cell_m < side_m / 8.0) cell_m *= 2.0;
   const Eigen::Vector3i count = (box.sizes() / cell_m).array().floor().cast<int>() + 1;

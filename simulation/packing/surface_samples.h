@@ -10,16 +10,17 @@
 
 namespace osteon::simulation {
 
-/// A point of a surface and its unit normal, out of the solid.
+/// A point of a surface and its unit normal, pointing out of the solid.
 struct OrientedPoint {
   Vector3 p_m{Vector3::Zero()};
   Vector3 normal{Vector3::UnitZ()};
 };
 
 /// Points of a solid's surface about `spacing_m` apart: for each cell of a grid that the surface may cross,
-/// the surface's point nearest to the cell's middle. A function of its arguments, for any number of threads.
+/// the surface's point nearest to the cell's centre. The result depends on the arguments alone, for any
+/// number of threads.
 /// @throws std::invalid_argument where the spacing is outside 0.05 … 20 mm, or less than 1/2000 of the
-/// solid's box.
+///   solid's box.
 [[nodiscard]] std::vector<OrientedPoint> PointsOfSurface(const Solid& solid, double spacing_m);
 
 /// The outward unit normal at a point of the surface, from the solid's distances just inside.
@@ -30,8 +31,10 @@ class SampleIndex {
  public:
   explicit SampleIndex(std::vector<OrientedPoint> samples);
 
-  /// The nearest sample to c that is nearer than `limit_m`; nothing where there is none. Of equals the first.
-  /// @param only_ahead  only samples whose surface is seen from c from within the solid: (p - c)·normal > 0
+  /// Nearest sample to c within `limit_m`; nothing where there is none. Among equally near samples, the
+  /// first.
+  /// @param only_ahead  only samples whose surface faces away from c, as seen from within the solid: (p -
+  ///   c)·normal > 0
   [[nodiscard]] std::optional<OrientedPoint> Nearest(const Vector3& c_m,
                                                      double limit_m = std::numeric_limits<double>::infinity(),
                                                      bool only_ahead = false) const;
@@ -42,7 +45,7 @@ class SampleIndex {
  private:
   static constexpr std::size_t kChunk = 32;
   std::vector<OrientedPoint> samples_;
-  std::vector<Eigen::AlignedBox3d> boxes_;  // of each chunk
+  std::vector<Eigen::AlignedBox3d> boxes_;  // one for each chunk
 };
 
 }  // namespace osteon::simulation

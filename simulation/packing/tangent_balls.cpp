@@ -17,13 +17,13 @@ struct Foot {
   Vector3 inward;  ///< unit
 };
 
-/// The surface point nearest to a random place in the cell, if it lies in the cell itself: each part of the
-/// surface then has its samples from the one cell it lies in.
+/// The surface point nearest to a random place in the cell, if it lies in this cell: each part of the surface
+/// then gets its samples only from its own cell.
 std::optional<Foot> SampleIn(const Cell& cell, const Solid& solid, std::uint64_t salt) {
   CellRandom random(cell, salt);
   const Vector3 p = cell.least_corner() + cell.side_m * random.NextInUnitCube();
   const SurfacePoint foot = solid.NearestSurface(p);
-  if (std::abs(foot.distance_m) < 1e-9) return {};  // too close to tell the normal
+  if (std::abs(foot.distance_m) < 1e-9) return {};  // too close to determine the normal
   for (int axis = 0; axis < 3; ++axis)
     if (static_cast<std::int32_t>(std::floor(foot.p_m[axis] / cell.side_m)) != cell.index[axis]) return {};
   return Foot{.p_m = foot.p_m, .inward = (p - foot.p_m) / -foot.distance_m};
@@ -38,8 +38,8 @@ class Search {
         // no ball inside is larger
         most_m_(0.5 * solid.Bounds().sizes().minCoeff()) {}
 
-  /// Largest radius of a ball at the foot that the cap at its centre allows. Caps grow by no more than depth
-  /// does, hence by no more than the radius: every smaller ball keeps them too.
+  /// Largest radius of a ball at the foot that the cap at its centre allows. Caps grow no faster than the
+  /// depth, hence no faster than the radius: every smaller ball is within its cap, too.
   [[nodiscard]] double Cap(const Foot& foot, double depth_m) const {
     const double spacing = params_.SpacingAt(depth_m);
     const auto allowed = [&](double radius) {
@@ -54,16 +54,16 @@ class Search {
     return low;
   }
 
-  /// The largest ball at the foot with at most this radius, up to a slack; none under the least radius.
+  /// The largest ball at the foot with at most this radius, to within a slack; none below the least radius.
   ///
   /// Shrinking ball (Ma, Bae, Choi, The Visual Computer 28, 2012): through the foot and the surface point
-  /// nearest to the centre there is one ball tangent at the foot, and none larger is empty. From a guess
-  /// below the cap (a neighbour's radius) the ball grows until one is not empty.
+  /// nearest to the centre there is one ball tangent at the foot, and no larger one is empty. From a guess
+  /// below the cap (a neighbour's radius) the ball grows until it is not empty.
   [[nodiscard]] std::optional<Ball> Largest(const Foot& foot, double cap_m, double guess_m,
                                             double slack_m2) const {
     constexpr int kMostRounds = 40;
     double radius = std::min(cap_m, guess_m);
-    std::optional<Ball> empty;  // the largest known to be
+    std::optional<Ball> empty;  // the largest ball known to be empty
     bool growing = true;
     for (int round = 0; round < kMostRounds && radius >= params_.least_radius_m; ++round) {
       const Vector3 center = foot.p_m + radius * foot.inward;

@@ -10,15 +10,15 @@ namespace osteon::simulation {
 struct TangentBall {
   Vector3 foot_m;
   Ball ball;
-  float tolerance_m{0.0f};  ///< greatest gap that may stay at the foot
+  float tolerance_m{0.0f};  ///< largest gap that may remain at the foot
 };
 
-/// At most one sample in each cell of a division of the surface with these sides, and its ball: no larger
-/// than the cap at its centre, no smaller than the least radius (such samples are left out).
+/// Finds at most one sample in each cell of a division of the surface with these sides, and the sample's
+/// ball: no larger than the cap at its centre, no smaller than the least radius (smaller ones are left out).
 ///
-/// A ball may keep off its foot by a twentieth of h²/r, h the samples' spacing: less than what the gap grows
-/// by between one sample and the next. On a mesh, where the ball that touches an edge has no radius, that
-/// gives the ball of the smooth surface the mesh stands for. No ball leaves the solid.
+/// A ball may be off its foot by a twentieth of h²/r, h the samples' spacing; the gap grows by more than this
+/// between one sample and the next. On a mesh, the ball that touches an edge has no radius; the allowance
+/// then gives the ball of the smooth surface behind the mesh. No ball leaves the solid.
 ///
 /// In the octree's order; the same for any number of threads.
 /// @throws std::invalid_argument where there would be more than 100 million.

@@ -38,8 +38,8 @@ SurfacePoint AcetabulumSolid::NearestSurface(const Vector3& p_m) const {
   if (block_.contains(p_m)) {
     // In the cup, the sphere is nearest: the walls around it are at least as far as the rim.
     if (from_center < R) return {.p_m = on_sphere, .distance_m = R - from_center};
-    // In bone: the sphere or a face. Where the top face's foot lies over the opening, the sphere is nearer
-    // anyway.
+    // In bone: the sphere or a face. Where the foot on the top face lies over the opening, the sphere is
+    // nearer.
     SurfacePoint nearest{.p_m = on_sphere, .distance_m = R - from_center};
     for (int axis = 0; axis < 3; ++axis) {
       for (const double wall : {block_.min()[axis], block_.max()[axis]}) {

@@ -19,14 +19,14 @@ void CheckShape(const AcetabulumShape& shape);
 /// Block minus ball. G has its origin at the cup's centre, on the top face; +z points out of the opening, and
 /// the block fills |x|, |y| <= width/2, -height <= z <= 0.
 ///
-/// Tissue goes by the distance to the cup's sphere, up to the rim: cartilage, subchondral cortical plate,
-/// cancellous bone. The outer faces are saw cuts through cancellous bone: they carry no shell.
+/// The distance to the cup's sphere decides the tissue, up to the rim: cartilage, subchondral cortical plate,
+/// cancellous bone. The outer faces are saw cuts through cancellous bone, so they have no shell.
 class AcetabulumSolid final : public Solid {
  public:
   /// @throws std::invalid_argument as CheckShape does.
   explicit AcetabulumSolid(const AcetabulumShape& shape);
 
-  /// Exact everywhere, outside as well.
+  /// Exact inside and outside.
   [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override;
   [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return block_; }

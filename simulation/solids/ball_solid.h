@@ -5,7 +5,7 @@
 
 namespace osteon::simulation {
 
-/// A ball of one material, with G's origin at its centre: the simplest solid there is, to try a packing on.
+/// A ball of one material, with G's origin at its centre: the simplest solid for testing a packing.
 class BallSolid final : public Solid {
  public:
   /// @throws std::invalid_argument unless the radius is 0.1 … 500 mm.
@@ -13,7 +13,7 @@ class BallSolid final : public Solid {
     CheckRangeMm("ball: radius", radius_m, 0.1e-3, 0.5);
   }
 
-  /// Exact everywhere, outside as well; at the centre any point of the surface is the nearest.
+  /// Exact inside and outside; at the centre any point of the surface is the nearest.
   [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override {
     const double distance_m = p_m.norm();
     const Vector3 out = distance_m > 0.0 ? Vector3(p_m / distance_m) : Vector3(Vector3::UnitX());

@@ -19,10 +19,10 @@ struct BlockShape {
 /// @throws std::invalid_argument naming the size, its value and what is accepted.
 void CheckShape(const BlockShape& shape);
 
-/// A box along the axes of G, in layers along z: from its top face down the layers, below them the core.
+/// A box along the axes of G, with layers along z from its top face down and the core below them.
 ///
-/// What a plate, a sawbone block or a test piece is. The layers go by depth below the top face alone, as if
-/// the block had been sawn out of a wider one: its sides carry no shell.
+/// It represents a plate, a sawbone block or a test piece. The layers depend only on the depth below the top
+/// face, as if the block had been sawn out of a wider one: its sides have no shell.
 class BoxSolid final : public Solid {
  public:
   /// @throws std::invalid_argument where the corners are not finite, a side is not 0.1 mm … 1 m long, or a
@@ -34,7 +34,7 @@ class BoxSolid final : public Solid {
   /// @throws std::invalid_argument as CheckShape does.
   explicit BoxSolid(const BlockShape& shape);
 
-  /// Exact everywhere, outside as well.
+  /// Exact inside and outside.
   [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override;
   [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return box_; }

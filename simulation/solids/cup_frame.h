@@ -4,7 +4,7 @@
 
 namespace osteon::simulation {
 
-/// X_GC: frame C of a cup in G, +z along its axis; the turn about the axis is the shortest from G's z.
+/// X_GC: pose of a cup's frame C in G, +z along its axis, turned from G's z by the shortest rotation.
 [[nodiscard]] inline Pose CupPose(const Cup& cup) {
   Pose X_GC = Pose::Identity();
   X_GC.linear() =

@@ -11,7 +11,7 @@
 
 namespace osteon::simulation {
 
-/// Where a bone is going to be cut. How fine its balls and points are goes by the depth below this zone.
+/// Where a bone is going to be cut. The depth below this zone decides how fine balls and points are.
 class CutZone {
  public:
   CutZone() = default;
@@ -19,18 +19,18 @@ class CutZone {
   CutZone(const CutZone&) = delete;
   CutZone& operator=(const CutZone&) = delete;
 
-  /// Depth of p, in G, below the cuttable surface; negative within what is cut away. 1-Lipschitz.
+  /// Depth of p, in G, below the cuttable surface; negative within the bone that is cut away. 1-Lipschitz.
   [[nodiscard]] virtual double DepthAt(const Vector3& p_m) const = 0;
 };
 
-/// All of the bone alike: the depth is zero everywhere.
+/// The whole bone: the depth is zero everywhere.
 class EverywhereZone final : public CutZone {
  public:
   [[nodiscard]] double DepthAt(const Vector3&) const override { return 0.0; }
 };
 
-/// A cup: the distance to what a reamer of its radius sweeps on its way in, the ray from the cup's centre
-/// along its axis, thickened by the radius.
+/// A cup: the distance to the volume that a reamer of its radius sweeps on its way in (the ray from the cup's
+/// centre along its axis, thickened by the radius).
 class CupZone final : public CutZone {
  public:
   explicit CupZone(const Cup& cup) : cup_(cup) {}
@@ -56,8 +56,8 @@ class PathZone final : public CutZone {
   double radius_m_;
 };
 
-/// A region of the bone's surface: the depth is the distance to the surface, or to the region's ball where
-/// that is more; without a region, to all of the surface.
+/// A region of the bone's surface. The depth is the distance to the surface or to the region's ball,
+/// whichever is larger. Without a region, it is the distance to the whole surface.
 class SurfaceZone final : public CutZone {
  public:
   /// @param solid  must outlive the zone

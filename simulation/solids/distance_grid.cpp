@@ -9,7 +9,7 @@ namespace osteon::simulation {
 namespace {
 
 constexpr double kOutside = -1.0;
-constexpr int kBlock = 6;  // nodes along a block that one query may show to lie outside
+constexpr int kBlock = 6;  // nodes along a block; one query may show that all of it is outside
 
 }  // namespace
 
@@ -48,7 +48,7 @@ double DistanceGrid::LowerBound(const Vector3& p_m) const {
     at[axis] = static_cast<int>(t);
   }
   const double depth = depth_m_[At(at[0], at[1], at[2])];
-  // a picometre for rounding
+  // subtract a picometre for rounding
   return depth - (p_m - Node(at[0], at[1], at[2])).norm() - 1e-12;
 }
 

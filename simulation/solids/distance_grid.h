@@ -7,18 +7,19 @@
 
 namespace osteon::simulation {
 
-/// Distances into a solid at the nodes of a cubic grid: a quick bound for the distance at any point, which
-/// spares most exact queries deep inside, and a first idea of where the solid is thick.
+/// Distances into a solid at the nodes of a cubic grid. They give a fast bound for the distance at any point,
+/// which saves most exact queries deep inside, and a first estimate of where the solid is thick.
 class DistanceGrid {
  public:
-  /// @param nodes_along  about so many nodes along the longest side of the solid's bounds
+  /// @param nodes_along  approximate number of nodes along the longest side of the solid's bounds
   DistanceGrid(const Solid& solid, int nodes_along, int threads);
 
-  /// At most the distance from p to the surface, and negative where that tells nothing: distances change no
-  /// faster than their place.
+  /// Lower bound of the distance from p to the surface, since a distance changes no faster than its place;
+  /// negative where the grid gives no bound.
   [[nodiscard]] double LowerBound(const Vector3& p_m) const;
 
-  /// Nodes inside the solid that lie no nearer to the surface than all 26 around them, in the grid's order.
+  /// Nodes inside the solid at least as far from the surface as all 26 nodes around them, in the grid's
+  /// order.
   [[nodiscard]] std::vector<Vector3> LocalMaxima() const;
 
   [[nodiscard]] double spacing_m() const { return spacing_m_; }
@@ -32,7 +33,7 @@ class DistanceGrid {
   Vector3 low_m_;
   double spacing_m_;
   std::array<int, 3> count_{};
-  std::vector<double> depth_m_;  ///< negated signed distance; -1 where it is surely outside
+  std::vector<double> depth_m_;  ///< negated signed distance; -1 where the node is surely outside
 };
 
 }  // namespace osteon::simulation

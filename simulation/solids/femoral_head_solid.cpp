@@ -10,10 +10,10 @@ namespace osteon::simulation {
 namespace {
 
 constexpr double kMeshStep_m = 1e-3;
-constexpr double kFillet_m = 6e-3;  // over which head and neck are joined
+constexpr double kFillet_m = 6e-3;  // distance over which head and neck are joined
 
-// Below 0 inside: the ball and the rod, joined where they come within the fillet, less what is beyond the
-// cut.
+// Level function, negative inside: the ball and the rod, joined where they are within the fillet, minus the
+// part beyond the cut.
 double HeadAndNeck(const FemoralHeadShape& s, const Vector3& p_m) {
   const Vector3 down(std::sin(s.neck_tilt_rad), 0.0, -std::cos(s.neck_tilt_rad));
   const double along_m = p_m.dot(down);
@@ -44,7 +44,7 @@ LoadedMesh Loaded(const FemoralHeadShape& shape) {
 
 void CheckShape(const FemoralHeadShape& s) {
   CheckRangeMm("femoral head: head radius", s.head_radius_m, 0.010, 0.040);
-  // narrower than the head by the fillet, or there is no head to speak of
+  // narrower than the head by the fillet, or no head would remain
   CheckRangeMm("femoral head: neck radius", s.neck_radius_m, 0.005, s.head_radius_m - 0.5 * kFillet_m);
   CheckRangeMm("femoral head: neck length", s.neck_length_m, s.head_radius_m + 0.005, 0.100);
   if (!(s.neck_tilt_rad >= 0.0 && s.neck_tilt_rad <= 1.05))

@@ -4,25 +4,25 @@
 
 namespace osteon::simulation {
 
-/// Sizes of the generated femoral head with its neck: within what is reported for adults (head 40 to 54 mm,
+/// Sizes of the generated femoral head with its neck: within values reported for adults (head 40 to 54 mm,
 /// neck 26 to 36 mm across), from memory.
 struct FemoralHeadShape {
   double head_radius_m{0.024};
   double neck_radius_m{0.015};
   double neck_length_m{0.045};  ///< from the head's centre to the saw cut across the neck
   double neck_tilt_rad{0.611};  ///< of the neck against straight down, towards +x: 35 degrees
-  double cartilage_m{0.0};      ///< all over; none: worn off
+  double cartilage_m{0.0};      ///< everywhere; none: worn off
   double cortical_m{0.0015};    ///< below it
 };
 
 /// @throws std::invalid_argument naming the size, its value and what is accepted.
 void CheckShape(const FemoralHeadShape& shape);
 
-/// A femoral head on its neck, in G: origin at the head's centre, +z up and out of the head, the neck leads
-/// down and towards +x. All that a tool meets from above is convex.
+/// A femoral head on its neck, in G: origin at the head's centre, +z up and out of the head; the neck leads
+/// down and towards +x. The surface that a tool meets from above is convex.
 ///
 /// Outside: a ball and a rod, joined by a fillet, as a mesh of 1 mm; distances are exact for that mesh.
-/// Inside, tissue goes by depth below the surface, the saw cut's as well.
+/// Inside, the depth below the surface decides the tissue, below the saw cut as well.
 class FemoralHeadSolid final : public Solid {
  public:
   enum Tissue : MaterialIndex { kCartilage = 0, kCortical = 1, kCancellous = 2 };

@@ -11,7 +11,7 @@ namespace osteon::simulation {
 namespace {
 
 FemurSolid::Section SectionAt(const FemurShape& s, double z_m) {
-  // 0 at the saw cut … 1 where the shaft begins, at rest at both ends
+  // 0 at the saw cut … 1 where the shaft begins, with zero slope at both ends
   const double u = std::clamp(-z_m / s.flare_m, 0.0, 1.0), down = u * u * (3.0 - 2.0 * u);
   const auto between = [down](double top, double shaft) { return top + down * (shaft - top); };
   const double radius_m = between(s.top_radius_m, s.shaft_radius_m);
@@ -38,7 +38,7 @@ void CheckShape(const FemurShape& s) {
   CheckRangeMm("femur: medial shift", s.medial_shift_m, 0.0, 0.5 * s.top_radius_m);
   CheckRangeMm("femur: shaft wall", s.shaft_wall_m, kLeast_m, 0.7 * s.shaft_radius_m);
   CheckRangeMm("femur: top wall", s.top_wall_m, kLeast_m, 0.5 * s.top_radius_m);
-  // what is left for lining and marrow, across the narrow side of the shaft
+  // room for lining and marrow, across the narrow side of the shaft
   const double room_m = 2.0 * s.shaft_radius_m / (1.0 + s.oval_ratio) - s.shaft_wall_m;
   CheckRangeMm("femur: shaft lining", s.shaft_lining_m, 0.0, room_m - kLeast_m);
   CheckRangeMm("femur: top marrow radius", s.top_marrow_radius_m, kLeast_m,
@@ -47,7 +47,7 @@ void CheckShape(const FemurShape& s) {
 
 TriangleMesh FemurMesh(const FemurShape& shape) {
   CheckShape(shape);
-  // 96 corners: the widest oval's sides lie within .015 mm of it
+  // 96 corners: the widest oval's sides lie within 0.015 mm of it
   constexpr int kCorners = 96;
   constexpr double kStep_m = 2e-3;
   const int steps = static_cast<int>(std::ceil(shape.length_m / kStep_m));

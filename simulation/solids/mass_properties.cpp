@@ -9,17 +9,17 @@
 namespace osteon::simulation {
 namespace {
 
-/// Inertia from the integral of x xᵀ over the mass.
+/// Inertia from the second moment, the integral of x xᵀ over the mass.
 Matrix3 InertiaOfSecondMoment(const Matrix3& moment) { return moment.trace() * Matrix3::Identity() - moment; }
 
-/// What a mass of 1 at distance d adds (parallel axes).
+/// Inertia that a mass of 1 adds at distance d (parallel axes).
 Matrix3 UnitInertiaAt(const Vector3& d) { return InertiaOfSecondMoment(d * d.transpose()); }
 
 }  // namespace
 
 MassProperties MeshMassProperties(const TriangleMesh& mesh, double density_kg_per_m3) {
   if (mesh.triangles.empty()) return {};
-  // about a point of the mesh: far from the origin, large terms would cancel
+  // relative to a point of the mesh: far from the origin, large terms would cancel
   const Vector3 o = mesh.vertices_m[mesh.triangles.front()[0]];
   double six_volumes = 0.0;
   Vector3 first = Vector3::Zero();
@@ -52,7 +52,7 @@ MassProperties MeshMassProperties(const LoadedMesh& loaded, std::span<const doub
   for (std::size_t i = 0; i < loaded.regions.size(); ++i) {
     const MeshRegion& region = loaded.regions[i];
     const std::size_t around = region.parent ? *region.parent + 1 : 0;
-    // what it has more than the tissue it displaces
+    // with its density in excess of the displaced tissue's
     bodies.push_back(MeshMassProperties(region.mesh, density(i + 1) - density(around)));
     bodies.back().volume_m3 = 0.0;
   }

@@ -8,7 +8,7 @@
 
 namespace osteon::simulation {
 
-/// Volume, mass and its distribution, in G.
+/// Volume, mass, centre of mass and inertia, in G.
 struct MassProperties {
   double volume_m3{0.0};
   double mass_kg{0.0};
@@ -16,27 +16,29 @@ struct MassProperties {
   Matrix3 inertia_kg_m2{Matrix3::Zero()};  ///< about the centre of mass, along G's axes
 };
 
-/// Of a body that fills a closed mesh evenly: exact, a sum over the tetrahedra between the triangles and one
-/// point. For a tetrahedron of volume V with corners v_0 … v_3,
+/// Mass properties of a body that fills a closed mesh evenly: exact, a sum over the tetrahedra between the
+/// triangles and one point. For a tetrahedron of volume V with corners v_0 … v_3,
 ///
 ///     ∫ x dV = V/4 Σ v_i        ∫ x xᵀ dV = V/20 (Σ v_i v_iᵀ + Σ v_i Σ v_iᵀ)
 ///
-/// @param density_kg_per_m3  may be negative, for what is taken away: then mass and inertia are.
+/// @param density_kg_per_m3  may be negative for a removed part: mass and inertia are then negative, too.
 /// Source: Tonon, Explicit Exact Formulas for the 3-D Tetrahedron Inertia Tensor, J. Math. Stat. 1, 2005.
 [[nodiscard]] MassProperties MeshMassProperties(const TriangleMesh& mesh, double density_kg_per_m3);
 
-/// Of a solid with regions of other densities: [0] the solid's, then one for each of loaded.regions; where
-/// there are fewer, the last one stands for the rest. Layers are not told apart.
+/// Mass properties of a solid with regions of other densities. [0] is the solid's density, followed by one
+/// for each of loaded.regions; the last density is used for regions without their own. Layers are ignored.
 /// @throws std::invalid_argument where there is no density.
 [[nodiscard]] MassProperties MeshMassProperties(const LoadedMesh& loaded,
                                                 std::span<const double> densities_kg_per_m3);
 
-/// Of a cloud of mass points: each is an even ball of its volume (as far as that adds to the inertia).
+/// Mass properties of a cloud of mass points. Each counts as an even ball of its volume (for its small part
+/// of the inertia).
 /// @throws std::invalid_argument where a point's material is not in the list.
 [[nodiscard]] MassProperties PointMassProperties(std::span<const MassPoint> points,
                                                  std::span<const Material> materials);
 
-/// Of several bodies together. Volumes are added as they are. Without mass, the centre is the origin.
+/// Mass properties of several bodies together. Volumes are added even where bodies overlap. Without mass, the
+/// centre is the origin.
 [[nodiscard]] MassProperties Combine(std::span<const MassProperties> bodies);
 
 }  // namespace osteon::simulation

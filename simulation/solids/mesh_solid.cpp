@@ -7,7 +7,7 @@
 namespace osteon::simulation {
 namespace {
 
-// Whether some of a tissue may be of this material.
+// True where part of a tissue may consist of this material.
 bool Mentions(const LiningTissue& tissue, MaterialIndex material) {
   return tissue.core == material || std::ranges::any_of(tissue.layers, [material](const TissueLayer& layer) {
            return layer.material == material;

@@ -12,8 +12,8 @@ namespace osteon::simulation {
 
 /// Signed distances to a closed surface: negative inside.
 ///
-/// Sign by the angle-weighted pseudonormal of the nearest face, edge or vertex, which is right for every
-/// closed manifold. Source: Baerentzen, Aanaes, IEEE Trans. Vis. Comput. Graph. 11, 2005.
+/// The angle-weighted pseudonormal of the nearest face, edge or vertex gives the sign; this is correct for
+/// every closed manifold. Source: Baerentzen, Aanaes, IEEE Trans. Vis. Comput. Graph. 11, 2005.
 class MeshDistance {
  public:
   /// @pre CheckMesh accepts the mesh.
@@ -30,8 +30,8 @@ class MeshDistance {
  private:
   MeshBvh bvh_;
   Eigen::AlignedBox3d box_;
-  // Apart, since nearly every search ends on a face and should load no more than that. Only faces' have unit
-  // length.
+  // Separate arrays, because nearly every search ends on a face and should load only the faces' normals. Only
+  // those have unit length.
   std::vector<Vector3> face_normals_;                   ///< by triangle
   std::vector<Vector3> edge_normals_, corner_normals_;  ///< three a triangle
 };
@@ -41,16 +41,16 @@ class MeshSolid final : public Solid {
  public:
   /// @pre CheckMesh accepts the mesh; `tissue` passes CheckTissueMap.
   MeshSolid(const LoadedMesh& loaded, TissueMap tissue);
-  /// A mesh without regions.
+  /// Makes the solid of a mesh without regions.
   explicit MeshSolid(const TriangleMesh& mesh, TissueMap tissue = {});
 
-  /// To the solid's boundary: its outer surface and its cavities. Regions bound nothing.
+  /// Distance to the solid's boundary: its outer surface and its cavities. Regions bound nothing.
   [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override;
-  /// The tissue of the innermost region around p, by the depth below that region's surface; outside them all,
-  /// that of the solid. At most one search for each region whose box holds p, and one more; none where the
-  /// tissue is the same at every depth.
+  /// The tissue of the innermost region around p, by the depth below that region's surface; outside all
+  /// regions, that of the solid. At most one search for each region whose box holds p, and one more; none
+  /// where the tissue is the same at every depth.
   [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
-  /// Of a material that regions, and they alone, are made of throughout: the nearest of their surfaces.
+  /// Nearest point of the regions' surfaces, for a material that fills whole regions and occurs only there.
   [[nodiscard]] std::optional<SurfacePoint> RegionDistance(MaterialIndex material,
                                                            const Vector3& p_m) const override;
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return boundary_.bounds(); }
@@ -60,7 +60,7 @@ class MeshSolid final : public Solid {
   [[nodiscard]] const ShellTissue& Tissue(std::size_t shell) const;
 
   MeshDistance boundary_;
-  std::vector<std::unique_ptr<MeshDistance>> regions_;  ///< outer ones before those inside them
+  std::vector<std::unique_ptr<MeshDistance>> regions_;  ///< outer regions before those inside them
   TissueMap tissue_;
 };
 

@@ -39,20 +39,20 @@ double Occlusal(double x, double y) {
   return z - rim * (0.55 * Bump(y * y, 0.38) + 0.45 * Bump(x * x, 0.38));
 }
 
-/// The body of the tooth: crown, neck and the trunk that the roots leave.
+/// The body of the tooth: crown, neck and the trunk above the roots.
 double Body(const Vector3& p) {
   // half widths along x and y: bulging in the crown, narrow at the neck
   const double u = std::clamp(p.z() / kCrown_mm, -0.6, 1.1);
   const double bulge = u > 0.0 ? std::sin(std::min(u, 1.0) * 2.6) : 0.9 * u;
   const double a = 4.55 + 0.85 * bulge, b = 4.15 + 0.85 * bulge;
-  constexpr double kSquare = 2.6;  // between an ellipse (2) and a rectangle
+  constexpr double kSquare = 2.6;  // exponent: between an ellipse (2) and a rectangle
   const double across = std::pow(std::abs(p.x()) / a, kSquare) + std::pow(std::abs(p.y()) / b, kSquare);
   const double below = p.z() < 0.0 ? std::pow(p.z() / -4.6, 4.0) : 0.0;
   const double side = (std::pow(across + below, 1.0 / kSquare) - 1.0) * std::min(a, b);
   return SmoothMax(side, p.z() - Occlusal(p.x(), p.y()), 1.2);
 }
 
-/// Axis of a root at a share t of its way down; front = +1 or -1. Roots spread and bend backwards.
+/// Axis of a root at a share t of its length; front = +1 or -1. Roots spread and bend backwards.
 Vector3 RootAxis(double front, double t) {
   const double x = front * (2.35 + 1.5 * t) - 1.6 * t * t;
   return {x, 0.0, -kRoot_mm * t};
@@ -61,7 +61,7 @@ Vector3 RootAxis(double front, double t) {
 double Root(const Vector3& p, double front) {
   const double t = std::clamp(-p.z() / kRoot_mm, -0.1, 1.2);
   const Vector3 axis = RootAxis(front, t);
-  // flat: narrow along x, wide along y; a taper, and round at the tip
+  // flat: narrow along x, wide along y; tapered, and round at the tip
   const double a = 1.95 - 0.95 * t, b = 3.7 - 2.0 * t;
   const double dx = (p.x() - axis.x()) / a, dy = p.y() / b;
   const double tip = t > 0.0 ? std::pow(-p.z() / kRoot_mm, 8.0) : 0.0;
@@ -97,7 +97,7 @@ double Pulp(const Vector3& p, double width) {
   };
   for (const Canal& canal : {Canal{1.0, 1.0}, Canal{1.0, -1.0}, Canal{-1.0, 0.0}}) {
     constexpr int kPieces = 6;
-    constexpr double kFrom = 0.08, kTo = 0.87;  // of the root's length
+    constexpr double kFrom = 0.08, kTo = 0.87;  // over the root's length
     const auto at = [&](int i) {
       const double s = static_cast<double>(i) / kPieces, t = kFrom + s * (kTo - kFrom);
       Vector3 place = RootAxis(canal.front, t);
@@ -146,7 +146,7 @@ LoadedMesh MolarMesh(const MolarShape& shape) {
 MolarSolid::MolarSolid(const MolarShape& shape) : shape_(shape), mesh_(MolarMesh(shape), DentineAndPulp()) {}
 
 double MolarSolid::EnamelThickness(double z_m) const {
-  constexpr double kFullAt = 0.6;  // of the crown's height
+  constexpr double kFullAt = 0.6;  // over the crown's height
   const double full_m = kFullAt * kCrown_mm * shape_.length_m / kLength_mm;
   const double u = std::clamp(z_m / full_m, 0.0, 1.0);
   return shape_.enamel_m * u * (2.0 - u);

@@ -9,20 +9,20 @@ namespace osteon::simulation {
 /// has a horn under each cusp and sends two canals into the front root and one into the back root.
 struct MolarShape {
   double length_m{
-      0.0206};  ///< from the highest cusp to the roots' tips; everything but the enamel grows with it
+      0.0206};  ///< from the highest cusp to the roots' tips; all sizes but the enamel's scale with it
   double enamel_m{0.0020};  ///< thickness of the enamel on top; it thins to nothing at the neck
-  double pulp_width{1.0};   ///< of the pulp's chamber, horns and canals; with age they narrow
+  double pulp_width{1.0};   ///< width factor of the pulp's chamber, horns and canals; they narrow with age
 };
 
 /// @throws std::invalid_argument naming the size, its value and what is accepted.
 void CheckShape(const MolarShape& shape);
 
-/// A molar in G: origin in the middle of the neck (where the enamel ends), +z towards the occlusal surface,
-/// x from the back root to the front one, y across the cheek-tongue direction.
+/// A molar in G: origin in the middle of the neck (where the enamel ends), +z towards the occlusal surface, x
+/// from the back root to the front one, y across the cheek-tongue direction.
 ///
-/// Distances are to a mesh of the outer surface (shape_mesh.h), exact for that mesh. The pulp is a nested
-/// region of the mesh, the enamel a layer below the crown's surface, whose thickness goes by the height z of
-/// the surface's nearest point: e u (2 - u), u = z over 60 % of the crown's height, between 0 and 1.
+/// Distances are exact for a mesh of the outer surface (shape_mesh.h). The pulp is a nested region of the
+/// mesh. The enamel is a layer below the crown's surface; its thickness follows from the height z of the
+/// surface's nearest point: e u (2 - u), u = z over 60 % of the crown's height, between 0 and 1.
 class MolarSolid final : public Solid {
  public:
   enum Tissue : MaterialIndex { kEnamel = 0, kDentine = 1, kPulp = 2 };
@@ -48,8 +48,8 @@ class MolarSolid final : public Solid {
   MeshSolid mesh_;
 };
 
-/// The molar's outer surface with its pulp as a region: what MolarSolid measures against, and a mesh file may
-/// be made of.
+/// The molar's outer surface with its pulp as a region. MolarSolid measures distances to this mesh, and it
+/// can be saved as a mesh file.
 /// @throws std::invalid_argument as CheckShape does.
 [[nodiscard]] LoadedMesh MolarMesh(const MolarShape& shape);
 

@@ -17,11 +17,11 @@ struct SurfacePoint {
   double distance_m{0.0};  ///< signed: negative inside the solid, positive outside
 };
 
-/// A closed solid of bone in G. Packings and mass points are built from this and from where it is to be cut
-/// (cut_zone.h).
+/// A closed solid of bone in G. Balls and mass points are made from it and from the zone where it is to be
+/// cut (cut_zone.h).
 ///
-/// Signed distances are negative inside. Inside they are exact (a ball of radius -distance around p lies in
-/// the solid); that a packing never leaves its solid rests on it.
+/// Signed distances are negative inside. Inside they must be exact: a ball of radius -distance around p lies
+/// in the solid. Packings rely on this to stay within their solid.
 class Solid {
  public:
   Solid() = default;
@@ -33,8 +33,8 @@ class Solid {
   [[nodiscard]] virtual MaterialIndex MaterialAt(const Vector3& p_m) const = 0;
   [[nodiscard]] virtual Eigen::AlignedBox3d Bounds() const = 0;
 
-  /// Nearest point of the boundary of what is of this material, with the signed distance to it (negative
-  /// within), where the solid knows that exactly; nothing elsewhere.
+  /// Nearest boundary point of the part that consists of this material, with the signed distance to it
+  /// (negative within), where the solid knows that exactly; nothing elsewhere.
   [[nodiscard]] virtual std::optional<SurfacePoint> RegionDistance(MaterialIndex /*material*/,
                                                                    const Vector3& /*p_m*/) const {
     return std::nullopt;

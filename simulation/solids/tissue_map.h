@@ -14,28 +14,27 @@ struct TissueLayer {
   double thickness_m{0.0};
 };
 
-/// One class of bone by its density: what is less dense than this, and not in a class before it.
+/// One class of bone by its density: bone below this density that is not in an earlier class.
 struct DensityClass {
   double below_kg_per_m3{std::numeric_limits<double>::infinity()};
   MaterialIndex material{0};
 };
 
-/// Density of bone as an image along the inward normal, as a CT profile or a graded foam gives it.
+/// Density of bone as an image along the inward normal, as from a CT profile or a graded foam.
 ///
 ///     rows      depth below the shell's surface: row 0 at the surface, each further one row_step_m deeper
 ///     columns   place along `axis`: the first column at height first_column_m, the last at last_column_m,
 ///               evenly between; one column alone is the density everywhere
 ///
-/// Between the samples the density is bilinear; before the first and behind the last column it is theirs. The
-/// image ends at the depth of its last row, (rows - 1) row_step_m. `classes` turn the density into a
-/// material.
+/// The density is bilinear between samples, and constant before the first and behind the last column. The
+/// image ends at the depth of its last row, (rows - 1) row_step_m. `classes` map the density to a material.
 struct DensityImage {
   int rows{0}, columns{0};
   double row_step_m{0.0};
   std::vector<float> density_kg_per_m3;            ///< rows × columns, row by row
   PlainVector3 axis{Vector3::UnitZ()};             ///< unit, in G
   double first_column_m{0.0}, last_column_m{0.0};  ///< heights along the axis, from G's origin
-  std::vector<DensityClass> classes;  ///< ascending; the last one takes all that is denser as well
+  std::vector<DensityClass> classes;               ///< ascending; the last one includes all higher densities
 
   [[nodiscard]] double DepthOfLastRow_m() const { return (rows - 1) * row_step_m; }
   /// At this depth below the surface and this height along the axis.
@@ -43,20 +42,20 @@ struct DensityImage {
   [[nodiscard]] MaterialIndex MaterialAt(double depth_m, double height_m) const;
 };
 
-/// What one shell of a mesh encloses: from its surface inwards the layers, then the image (whose row 0 lies
-/// at the surface as well: layers cover its beginning), then the core.
+/// Tissue within one shell of a mesh. Inwards from its surface: the layers, then the image, then the core.
+/// The image's row 0 lies at the surface as well, so layers cover its beginning.
 struct ShellTissue {
   std::vector<TissueLayer> layers;
   MaterialIndex core{0};
   std::optional<DensityImage> image;
 
-  /// Whether all of it is `core`, so that no depth is needed.
+  /// True where everything is `core`, so that no depth is needed.
   [[nodiscard]] bool IsUniform() const { return layers.empty() && !image; }
   /// @param depth_m below the shell's surface  @param p_m the place, in G
   [[nodiscard]] MaterialIndex MaterialAt(double depth_m, const Vector3& p_m) const;
 };
 
-/// The lining of a cup: other layers, where the surface of the outermost shell lies within `lining_radii` cup
+/// The lining of a cup: other layers where the surface of the outermost shell lies within `lining_radii` cup
 /// radii of the cup's centre, not above its opening, and faces the centre.
 struct LiningTissue {
   Cup cup;
@@ -69,10 +68,10 @@ struct LiningTissue {
   [[nodiscard]] MaterialIndex MaterialAt(double depth_m) const;
 };
 
-/// Which material lies where in a solid that a mesh bounds.
+/// Material at each place of a solid that a mesh bounds.
 struct TissueMap {
-  /// [0] what the solid's outer surface encloses, then one for each region (LoadedMesh::regions), in their
-  /// order; where there are fewer, the last one stands for the rest.
+  /// [0] is the tissue within the solid's outer surface, followed by one for each region
+  /// (LoadedMesh::regions), in their order; the last one is used for regions without their own.
   std::vector<ShellTissue> shells{ShellTissue{}};
   std::optional<LiningTissue> lining;
 };

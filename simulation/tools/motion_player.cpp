@@ -13,7 +13,8 @@ MotionCurve::MotionCurve(std::span<const MotionSample> samples) {
   for (const MotionSample& s : samples) {
     Knot knot{.time_s = s.time_s, .spindle_rad_per_s = s.spindle_rad_per_s, .value = {}, .second = {}};
     knot.value << s.p_GT_m, s.R_GT.w(), s.R_GT.x(), s.R_GT.y(), s.R_GT.z();
-    // q and -q are one rotation: the one nearer to its predecessor, so that the curve does not turn round
+    // q and -q are the same rotation: take the one nearer to its predecessor, so that the curve does not turn
+    // round
     if (!knots_.empty() && knots_.back().value.tail<4>().dot(knot.value.tail<4>()) < 0.0)
       knot.value.tail<4>() *= -1.0;
     knot.second.setZero();
@@ -81,7 +82,7 @@ FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& 
       if (kept[i]) fitted.samples.push_back(Rounded(recorded[i]));
     const MotionCurve curve(fitted.samples);
     done = true;
-    double worst = 1.0;  // of the present stretch, in tolerances
+    double worst = 1.0;  // in the present stretch, in units of the tolerance
     std::size_t worst_at = count;
     for (std::size_t i = 0; i < count; ++i) {
       const Pose X_GT = curve.X_GT(recorded[i].time_s);
@@ -90,7 +91,7 @@ FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& 
           Eigen::Quaterniond(X_GT.linear()).angularDistance(recorded[i].R_GT.normalized());
       fitted.position_error_m = std::max(fitted.position_error_m, position_m);
       fitted.rotation_error_rad = std::max(fitted.rotation_error_rad, rotation_rad);
-      if (kept[i]) {  // a stretch ends: its worst sample stays
+      if (kept[i]) {  // end of a stretch: keep its worst sample
         if (worst_at < count) {
           kept[worst_at] = true;
           done = false;

@@ -10,14 +10,15 @@
 namespace osteon::simulation {
 
 /// The curve through a motion's samples, twice continuously differentiable: natural cubic splines of the
-/// position's and the quaternion's elements, the quaternion then normalised (consecutive samples taken to the
-/// same half of the sphere). Between samples h apart the error is h^4/384 of the fourth derivative and less.
+/// position's and the quaternion's elements, the quaternion then normalised (consecutive samples are taken to
+/// the same half of the sphere). Between samples h apart the error is at most h^4/384 times the fourth
+/// derivative.
 class MotionCurve {
  public:
   /// @pre at least two samples, whose times ascend strictly
   explicit MotionCurve(std::span<const MotionSample> samples);
 
-  /// Before the first and after the last sample: that sample.
+  /// Pose at a time; before the first and after the last sample, that sample's pose.
   [[nodiscard]] Pose X_GT(double time_s) const;
   [[nodiscard]] double SpindleAt(double time_s) const;
   [[nodiscard]] double duration_s() const { return knots_.back().time_s; }
@@ -32,29 +33,29 @@ class MotionCurve {
   std::vector<Knot> knots_;
 };
 
-/// What a motion was thinned out to, and what that cost.
+/// Result of thinning a motion, with its errors.
 struct FittedMotion {
-  std::vector<MotionSample> samples;  ///< as they come back from a file
-  double position_error_m{0.0};       ///< greatest distance of the curve from a recorded sample
+  std::vector<MotionSample> samples;  ///< rounded as they come back from a file
+  double position_error_m{0.0};       ///< largest distance of the curve from a recorded sample
   double rotation_error_rad{0.0};
 };
 
 struct FitParams {
   double tolerance_m{2e-6};
   double tolerance_rad{2e-5};   ///< 2 um at 100 mm from the apex
-  double longest_step_s{0.05};  ///< between samples that stay
+  double longest_step_s{0.05};  ///< between kept samples
 };
 
-/// The recorded samples that are needed for a curve within the tolerances of all of them: one every
-/// longest_step_s, those at which the spindle's speed changes, and, wherever the curve is further away, the
-/// worst one, until it is not. A function of its arguments.
+/// Selects the recorded samples that a curve needs to stay within the tolerances of all of them: one every
+/// longest_step_s, those at which the spindle's speed changes, and repeatedly the sample with the largest
+/// error above tolerance. The result depends on the arguments alone.
 /// @pre at least two samples, whose times ascend strictly; the first at 0
 [[nodiscard]] FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& params = {});
 
-/// A motion as frames at any rate: what a cutting engine is fed with.
+/// A motion as frames at any rate, as input of a cutting engine.
 class MotionPlayer {
  public:
-  /// @param X_WG  where the bone is
+  /// @param X_WG  pose of the bone
   /// @throws std::invalid_argument where the rate is outside 1 … 100 000 Hz.
   MotionPlayer(const ToolMotion& motion, double rate_hz, const Pose& X_WG = Pose::Identity());
 

@@ -32,15 +32,15 @@ void ProxyPath::Add(const FrameRecord& frame) {
   X_GP_.push_back(X_GP);
   if (X_GP_.size() < max_poses_) return;
   Thin(thinned_ == 0 ? 0 : thinned_ - 1);
-  // each coarser step adds to how far the path is off: 1 + 2 + 4 + … of the first
+  // each doubled tolerance adds to the path's error: 1 + 2 + 4 + … times the first
   while (X_GP_.size() > max_poses_ / 2) {
     step_m_ *= 2.0;
     Thin(0);
   }
 }
 
-// The greatest distance of a corner from its place on the chord from A to B, at the share of the chord that
-// is nearest for the first corner. Poses are affine in a point of the tool: no ball between the corners is
+// Largest distance of a corner from its place on the chord from A to B, at the fraction of the chord that is
+// nearest for the first corner. A pose maps points of the tool affinely, so no ball between the corners is
 // farther off.
 double ProxyPath::OffChord(const Pose& X, const Pose& A, const Pose& B) const {
   const Vector3 a = A * corners_T_.front(), along = B * corners_T_.front() - a;

@@ -8,23 +8,22 @@
 
 namespace osteon::simulation {
 
-/// Distance to a swept volume, and where it is from.
+/// Distance to a swept volume, and the nearest place of its path.
 struct SweptDistance {
   double distance_m;  ///< to the volume's surface; negative inside
-  Vector3
-      axis_G;  ///< centre of the nearest ball on its path; the asking point itself where nothing was swept
+  Vector3 axis_G;  ///< centre of the nearest ball on its path; the query point itself where nothing was swept
 };
 
-/// What a tool's cutting balls sweep along a path of poses: the union of capsules between consecutive poses,
-/// in G.
+/// Volume that a tool's cutting balls sweep along a path of poses: the union of capsules between consecutive
+/// poses, in G.
 class SweptTool {
  public:
-  /// Points of the path that a chord passes within `tolerance_m` are left out. Poses that are not finite are
-  /// skipped.
+  /// Leaves out points of the path that a chord passes within `tolerance_m`, and skips poses that are not
+  /// finite.
   SweptTool(const Tool& tool, std::span<const Pose> X_GP, double tolerance_m = 1e-6);
 
-  /// Signed distance [m] to the union: negative inside. Exact outside; inside, its size is a lower bound of
-  /// the distance to the union's surface. Infinity where nothing was swept.
+  /// Signed distance [m] to the union: negative inside. Exact outside; inside, its absolute value is a lower
+  /// bound of the distance to the union's surface. Infinity where nothing was swept.
   [[nodiscard]] double SignedDistance(const Vector3& p_G) const { return Nearest(p_G).distance_m; }
 
   [[nodiscard]] SweptDistance Nearest(const Vector3& p_G) const;

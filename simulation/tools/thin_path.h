@@ -5,9 +5,9 @@
 
 namespace osteon::simulation {
 
-/// The points of a path that keep it within a tolerance of what it was; both ends stay.
+/// Removes points of a path while the rest stays within a tolerance of it; both ends stay.
 /// @param distance  distance(p, a, b): of a point from the chord between two others
-/// Source: Douglas and Peucker, 1973; with an explicit stack, since a path may have 100 k points.
+/// Source: Douglas and Peucker, 1973; with an explicit stack, since a path may have 100 000 points.
 template <class Point, class Distance>
 [[nodiscard]] std::vector<Point> ThinPath(const std::vector<Point>& path, double tolerance,
                                           Distance distance) {

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The largest ball that touches the surface at the sample from inside: shrinking ball (Ma, Bae, Choi, The
-// Visual Computer 28, 2012).
+// Finds the largest ball that touches the surface at the sample from inside: shrinking ball (Ma, Bae, Choi,
+// The Visual Computer 28, 2012).
 std::optional<ToolBall> TangentBall(const Solid& solid, const SurfaceSample& sample, double largest_m,
                                     double least_m) {
   const Vector3 inward = -sample.normal;
@@ -28,7 +28,7 @@ std::optional<ToolBall> TangentBall(const Solid& solid, const SurfaceSample& sam
     }
     const Vector3 chord = nearest.p_m - sample.p_m;
     const double sagitta = chord.dot(inward);
-    // a foot beside the sample's own tangent plane tells nothing: the sample lies on an edge, or beyond it
+    // a foot beside the sample's own tangent plane gives no radius: the sample lies on an edge, or beyond it
     if (sagitta <= 1e-12) {
       if (clearance < least_m) return std::nullopt;
       radius = std::min(0.5 * radius, clearance);
@@ -39,7 +39,7 @@ std::optional<ToolBall> TangentBall(const Solid& solid, const SurfaceSample& sam
   return std::nullopt;
 }
 
-// The largest ball below an edge that leaves half the gap to it. Clearance is 1-Lipschitz, so that the gap
+// Finds the largest ball below an edge that leaves half the gap to it. Clearance is 1-Lipschitz, so the gap
 // grows with the depth of the centre: bisection.
 std::optional<ToolBall> BallBelowEdge(const Solid& solid, const SurfaceSample& sample, double largest_m,
                                       double least_m) {
@@ -65,7 +65,7 @@ double Gap(const Vector3& p_m, const ToolBall& ball) {
 
 ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
                 const std::vector<ToolBall>& first, const ToolFitParams& params) {
-  // by height: what a ball can serve is then one stretch of the list
+  // sort by height: the samples that a ball can serve are then one stretch of the list
   std::vector<SurfaceSample> sorted(samples.begin(), samples.end());
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const SurfaceSample& a, const SurfaceSample& b) { return a.p_m.z() > b.p_m.z(); });
@@ -107,14 +107,14 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
     if (gap[i] <= sorted[i].gap_m) continue;
     serving.clear();
     const ToolBall* best = nullptr;
-    double best_gap = 0.9 * gap[i];  // where none serves, the one that comes nearest
+    double best_gap = 0.9 * gap[i];  // where no ball serves the sample, the nearest one is used
     for (const ToolBall& ball : candidates) {
       if (ball.cutting != sorted[i].cutting) continue;
       const double left = Gap(sorted[i].p_m, ball);
       if (left <= sorted[i].gap_m) serving.push_back(&ball);
       if (left < best_gap) best = &ball, best_gap = left;
     }
-    // of many, a fair share is looked at: neighbours serve almost the same
+    // of many candidates only a sample is evaluated: neighbours serve almost the same samples
     constexpr std::size_t kLookedAt = 256;
     std::size_t most = 0;
     const std::size_t step = serving.size() / kLookedAt + 1;

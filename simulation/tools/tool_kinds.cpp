@@ -13,7 +13,8 @@
 namespace osteon::simulation {
 namespace {
 
-// Fitted to this share of the accepted gap at the samples; between them there is room for the rest.
+// Balls are fitted to this share of the accepted gap at the samples; the rest is a margin for the surface
+// between them.
 constexpr double kFitShare = 0.85;
 
 void CheckDensity(const std::string& name, double density_kg_per_m3) {
@@ -33,18 +34,18 @@ MassProperties HolderMass(const HolderParams& holder, double front_z_m) {
                                 holder.density_kg_per_m3);
 }
 
-/// An outline that grows from the apex back.
+/// Builds an outline from the apex back.
 class Outline {
  public:
   explicit Outline(const BallParams& balls) : balls_(balls) {}
 
-  /// A straight line to the point (z, r); nothing where it would have no length.
+  /// Adds a straight line to the point (z, r), unless it would have no length.
   Outline& To(double z_m, double r_m, bool cutting) {
     constexpr double kNothing_m = 1e-9;
     if (std::abs(z_m - z_m_) < kNothing_m && std::abs(r_m - r_m_) < kNothing_m) return *this;
     return Add({.back_z_m = z_m, .back_r_m = r_m, .cutting = cutting});
   }
-  /// An arc of a ball around the axis, to z.
+  /// Adds an arc of a ball on the axis, to z.
   Outline& ArcTo(double z_m, double center_z_m, double radius_m, bool cutting) {
     const double dz = z_m - center_z_m;
     return Add({.back_z_m = z_m,
@@ -101,7 +102,7 @@ Tool FitBalls(const std::string& name, const Solid& solid,
     if (fit.worst_ratio > 1.0 || fit.balls.size() * kSamplesPerBall <= count) break;
   }
   if (fit.worst_ratio > 1.0) {
-    double scale = 1.0;  // that the balls suffice for
+    double scale = 1.0;  // factor on the gaps for which the balls suffice
     while (fit.worst_ratio > 1.0 && scale < 1e3) {
       scale *= 1.2;
       for (SurfaceSample& s : samples) s.gap_m *= 1.2;
@@ -172,7 +173,7 @@ BuiltTool MakeBurr(const BurrParams& p) {
   constexpr double kBackSlope = 0.36397023426620234;  // tan 20 deg
   Outline outline(p.balls);
   std::vector<ToolBall> first;
-  // a ball of radius tip_m ahead, and its tangent cone back to the radius back_m: angles at the ball's
+  // a ball of radius tip_m at the tip, and its tangent cone back to the radius back_m: angles at the ball's
   // centre, from -z
   const auto ball_and_cone = [&](double tip_m, double back_m) {
     const double behind_m = p.head_length_m - tip_m;

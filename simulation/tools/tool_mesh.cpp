@@ -14,14 +14,14 @@ namespace osteon::simulation {
 
 std::vector<SurfaceSample> SampleMesh(const TriangleMesh& mesh, const MeshToolParams& params,
                                       std::size_t count, std::uint64_t seed) {
-  std::vector<double> area_until;  // of all triangles up to each
+  std::vector<double> area_until;  // cumulated area of the triangles
   double total = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
     const Vector3& p = mesh.vertices_m[a];
     total += 0.5 * (mesh.vertices_m[b] - p).cross(mesh.vertices_m[c] - p).norm();
     area_until.push_back(total);
   }
-  // places on the surface at even steps of area, in the triangle by the R2 sequence (tool_profile.cpp)
+  // places on the surface at even steps of area; within a triangle by the R2 sequence (tool_profile.cpp)
   constexpr double kA1 = 0.7548776662466927, kA2 = 0.5698402909980532;
   const auto fraction = [](double x) { return x - std::floor(x); };
   const double start = 0.5 + 0.6180339887498949 * static_cast<double>(seed % 1'000'003);

@@ -9,29 +9,29 @@
 
 namespace osteon::simulation {
 
-/// What turns a mesh into a tool.
+/// Parameters that turn a mesh into a tool.
 struct MeshToolParams {
   std::string name{"mesh tool"};
   /// The part of the surface between these two heights z_T cuts, the rest touches.
   double cutting_back_z_m{-1.0}, cutting_front_z_m{0.0};
   double density_kg_per_m3{7900.0};
   BallParams balls{};
-  HolderParams holder{};  ///< from the mesh's hindmost point back
+  HolderParams holder{};  ///< begins at the mesh's hindmost point
 };
 
-/// The mesh's highest point must lie in T's origin's plane to within this.
+/// Largest distance of the mesh's highest point from the plane through T's origin.
 inline constexpr double kApexTolerance_m = 0.1e-3;
 
-/// A tool from a closed mesh in T, by balls that are fitted to its surface (FitTool) at points spread by
-/// area: near a sharp edge of the mesh, where no point lies, the gap may be a fifth larger, in a corner more.
-/// Mass from the mesh (MeshMassProperties) and the holder.
+/// Makes a tool from a closed mesh in T. Balls are fitted to its surface (FitTool) at points spread by area.
+/// Near a sharp edge of the mesh, where no point lies, the gap may be a fifth larger, in a corner more. The
+/// mass comes from the mesh (MeshMassProperties) and the holder.
 /// @pre CheckMesh accepts the mesh.
 /// @throws std::invalid_argument naming the figure and what is accepted: also where the mesh's highest point
-/// is not at z = 0, where nothing of the surface cuts, and where the balls do not suffice for the gaps.
+///   is not at z = 0, where nothing of the surface cuts, and where the balls do not suffice for the gaps.
 [[nodiscard]] BuiltTool MakeMeshTool(const TriangleMesh& mesh, const MeshToolParams& params);
 
 /// Points spread evenly over a mesh's surface by area.
-/// @param seed  another one gives other points
+/// @param seed  selects the points
 [[nodiscard]] std::vector<SurfaceSample> SampleMesh(const TriangleMesh& mesh, const MeshToolParams& params,
                                                     std::size_t count, std::uint64_t seed);
 

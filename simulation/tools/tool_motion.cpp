@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, kColumnCount> kColumnNames{
 
 constexpr std::size_t kMostBytes = std::size_t{16} << 20;
 constexpr double kMostSeconds = 36000.0, kFar_mm = 10000.0, kMostRpm = 500'000.0;
-constexpr double kUnitTolerance = 1e-5;  // a rounding of 1e-7 in four places, and some
+constexpr double kUnitTolerance = 1e-5;  // a rounding of 1e-7 in four values, with a margin
 constexpr double kMostSpeed_m_per_s = 5.0;
 
 constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;  // rad/s
@@ -39,8 +39,8 @@ constexpr std::array<OriginLine, 8> kOriginLines{{{"made by", &MotionOrigin::mad
                                                   {"command", &MotionOrigin::command},
                                                   {"interpolation error", &MotionOrigin::error}}};
 
-// To a multiple of 1 / per_unit. The quotient is the double nearest to that decimal, so that its shortest
-// text has no more places; and no minus zero.
+// Rounds to a multiple of 1 / per_unit. The quotient is the double nearest to that decimal, so its shortest
+// text has no more places; minus zero becomes zero.
 double Rounded(double value, double per_unit) { return std::round(value * per_unit) / per_unit + 0.0; }
 
 std::array<double, kColumnCount> Row(const MotionSample& s) {
@@ -57,7 +57,7 @@ MotionSample Sample(const std::array<double, kColumnCount>& row) {
           .spindle_rad_per_s = row[8] * kRpm};
 }
 
-// What was found, short enough for an error.
+// A found text for an error message, shortened.
 std::string Shown(std::string_view text) {
   std::string shown(text.substr(0, 40));
   for (char& c : shown)
@@ -69,7 +69,7 @@ std::string Shown(std::string_view text) {
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
-  // False at the end. Takes both kinds of line end.
+  // False at the end. Accepts both kinds of line end.
   bool Next(std::string_view& line) {
     if (rest_.empty()) return false;
     const std::size_t end = rest_.find('\n');
@@ -81,7 +81,7 @@ class Lines {
     return true;
   }
   [[nodiscard]] int number() const { return number_; }
-  [[nodiscard]] bool whole() const { return whole_; }  // the last line given ended in a line end
+  [[nodiscard]] bool whole() const { return whole_; }  // true where the last line had a line end
 
  private:
   std::string_view rest_;
@@ -89,7 +89,7 @@ class Lines {
   bool whole_{true};
 };
 
-// An empty string, or what is wrong with the row's text.
+// Parses a row. @returns an empty string, or what is wrong with its text.
 std::string ReadRow(std::string_view line, std::array<double, kColumnCount>& row) {
   const auto count = static_cast<std::size_t>(std::ranges::count(line, ',')) + 1;
   if (count != kColumnCount) return fmt::format("found {} values, accepted 9: {}", count, kColumns);
@@ -115,7 +115,7 @@ std::string ReadRow(std::string_view line, std::array<double, kColumnCount>& row
   return within(8, 0.0, kMostRpm);
 }
 
-// The same for two rows one after the other.
+// Checks two consecutive rows. @returns as CheckSample does.
 std::string CheckStep(const MotionSample& before, const MotionSample& sample) {
   const double step_s = sample.time_s - before.time_s;
   if (!(step_s > 0.0))

@@ -113,7 +113,7 @@ SurfacePoint ToolProfile::NearestSurface(const Vector3& p_m) const {
                           .front_r_m = last.back_r_m,
                           .back_z_m = end_z_m_,
                           .back_r_m = last.back_r_m};
-  Point2 nearest(std::min(q.x(), last.back_r_m), end_z_m_);  // the face at its end
+  Point2 nearest(std::min(q.x(), last.back_r_m), end_z_m_);  // the face at the holder's end
   double least = (q - nearest).norm();
   const auto nearer = [&](const Point2& on) {
     const double distance = (q - on).norm();
@@ -132,7 +132,7 @@ Eigen::AlignedBox3d ToolProfile::Bounds() const {
 
 std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t seed) const {
   constexpr std::size_t kLeast = 64;
-  // squares of the gap's own scale: a scallop's depth goes with the square of the balls' spacing
+  // number of samples by area over gap: a scallop's depth grows with the square of the balls' spacing
   double total = 0.0;
   for (const ProfilePiece& piece : pieces_) total += Area(piece) / piece.gap_m;
   std::vector<SurfaceSample> samples;

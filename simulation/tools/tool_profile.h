@@ -5,8 +5,8 @@
 #include "simulation/solids/solid.h"
 #include "simulation/tools/tool_fit.h"
 
-// The exact outline of a turned tool. Its balls are fitted to it, its mass comes from it, and the error of
-// the balls is measured against it.
+// The exact outline of a turned tool, to which its balls are fitted. Its mass and the error of its balls are
+// computed from it.
 //
 //         r ▲
 //           │        back ┌────────┐ shank
@@ -24,17 +24,17 @@ struct ProfilePiece {
   double sphere_radius_m{0.0};  ///< 0: straight
   double sphere_z_m{0.0};
   bool cutting{true};
-  double gap_m{0.0};        ///< accepted between this surface and the union of the balls
+  double gap_m{0.0};        ///< accepted gap between this surface and the union of the balls
   double metal_ratio{1.0};  ///< share of the cross-section that is metal; below 1 where flutes are cut
 };
 
-/// A solid of revolution about T's z axis: pieces from the apex (z = 0) back, each beginning where the one
-/// before ended. Behind the last piece it goes on for one more diameter, into what holds it, so that balls
-/// need not fill the corner of a face that nothing meets.
+/// A solid of revolution about T's z axis: pieces from the apex (z = 0) back, each beginning where the
+/// previous one ended. Behind the last piece it continues for one more diameter into the holder, so that
+/// balls need not fill the corner of a face that nothing meets.
 class ToolProfile final : public Solid {
  public:
   /// @throws std::invalid_argument where pieces do not join, run forward, have a negative radius, an end off
-  /// its sphere, or enclose nothing.
+  ///   its sphere, or enclose nothing.
   explicit ToolProfile(std::vector<ProfilePiece> pieces);
 
   /// Exact inside and outside.
@@ -49,13 +49,13 @@ class ToolProfile final : public Solid {
 
   /// Evenly spread points of the pieces (a low-discrepancy sequence on each, and rings where they meet).
   /// `count` in all, more on pieces with a finer gap; at least an eighth of it on each.
-  /// @param seed  another one gives other points
+  /// @param seed  selects the points
   [[nodiscard]] std::vector<SurfaceSample> Sample(std::size_t count, std::uint64_t seed) const;
 
  private:
   std::vector<ProfilePiece> pieces_;
   double largest_r_m_{0.0};
-  double end_z_m_{0.0};  ///< of the part in the holder
+  double end_z_m_{0.0};  ///< end of the part in the holder
 };
 
 }  // namespace osteon::simulation

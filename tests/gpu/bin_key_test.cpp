@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-// The keys by which the shaders find the nearest pair of a bin: the same text is compiled here.
+// Tests the keys by which the shaders find the nearest pair of a bin; the shaders' text is compiled here.
 
 namespace osteon::gpu {
 namespace {
@@ -45,7 +45,7 @@ TEST(BinKey, OrdersByScoreThenBallThenToolBall) {
   EXPECT_LT(key(0.0, 1, 1), key(0.0, 1, 2));
 }
 
-// Up to the largest enlargement that a cell may have, and as deep as a tool may be put.
+// Up to the largest enlargement that a cell may have, and as deep as a tool may be placed.
 TEST(BinKey, TellsScoresApartThatAreBeyondAMillimetre) {
   const double step_mm = 1e-4;
   for (const double score : {-30.0, -5.0, -1.5, -0.97, -0.96, -0.1, 0.0, 0.24, 0.96, 0.97, 1.5, 5.0, 30.0})

@@ -3,8 +3,8 @@
 #include "simulation/tools/tool_kinds.h"
 #include "tests/gpu/engine_twins.h"
 
-// Removal by the tool ball that touches first alone: the Vulkan engine chooses the ball that the reference
-// chooses, in each frame, or both would leave other bone.
+// Removal by the ball that touches first alone: the Vulkan engine must choose the same ball as the reference
+// in each frame, or their bones would differ.
 
 namespace osteon::gpu {
 namespace {
@@ -20,7 +20,7 @@ CuttingParams ContactSphere(RemovalLaw law) {
   return {.law = law, .cutters = simulation::Cutters::kContactSphere};
 }
 
-/// What lies within 9 mm of the floor of the default cup: a packing without any symmetry, cheap for the
+/// Balls within 9 mm of the floor of the default cup: a packing without symmetry, small enough for the
 /// reference.
 Bone FloorOfTheCup() {
   Bone bone = DefaultBone();
@@ -31,7 +31,7 @@ Bone FloorOfTheCup() {
   return bone;
 }
 
-/// About the cup's floor, that far into it, with a tilt.
+/// A pose around the cup's floor, `depth_m` into it, with a tilt.
 FrameInput OnTheFloor(double depth_m, const Vector3& aside_m, const Vector3& turn) {
   Pose X_WT = Pose::Identity();
   X_WT.linear() = ExpRotation(turn) * ExpRotation({M_PI, 0, 0});
@@ -39,7 +39,7 @@ FrameInput OnTheFloor(double depth_m, const Vector3& aside_m, const Vector3& tur
   return {.X_WT = X_WT, .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = 1e-3};
 }
 
-// A head of 120 balls, of which some do not cut, pressed in by a hand and turned about all the while.
+// A head of 120 balls, some of which do not cut, pressed in by a hand and turned continuously.
 TEST(ContactSphere, ReamsLikeTheReference) {
   Twins twins(FloorOfTheCup(), Shell(120), ContactSphere(RemovalLaw::kRate));
   for (int i = 0; i < 600; ++i)
@@ -48,7 +48,7 @@ TEST(ContactSphere, ReamsLikeTheReference) {
   twins.ExpectWithinTheBars({.force_N = 5.0, .touching = 300, .balls = 20, .points = 5});
 }
 
-// A drill whose tip is three balls, straight down at once: bone that only the others pass stays.
+// A drill whose tip is three balls, moved straight down at once: bone that only the other balls pass remains.
 TEST(ContactSphere, DrillsLikeTheReferenceAtOnce) {
   Tool drill;
   for (int i = 0; i < 3; ++i)
@@ -64,7 +64,7 @@ TEST(ContactSphere, DrillsLikeTheReferenceAtOnce) {
   twins.ExpectWithinTheBars({.force_N = 0.1, .touching = 200, .balls = 20, .points = 5});
 }
 
-// A turn that is done in parts of a frame: each part has its own first contact, and cuts with that ball.
+// A turn that is computed in parts of a frame: each part has its own first contact, and cuts with that ball.
 TEST(ContactSphere, CutsLikeTheReferenceInThePartsOfAFrame) {
   Twins twins(FloorOfTheCup(), Shell(40), ContactSphere(RemovalLaw::kImmediate));
   for (int i = 0; i < 40; ++i)

@@ -10,7 +10,7 @@
 #include "gpu/vulkan_engine.h"
 #include "simulation/scenes.h"
 
-// The contract's run: 500 frames of reaming in the default acetabulum, as poses that both engines get alike.
+// The contract's run: 500 frames of reaming in the default acetabulum, with the same poses for both engines.
 
 namespace osteon::gpu {
 
@@ -22,13 +22,14 @@ inline simulation::Tool DefaultReamer() {
 }
 
 /// A hand that pushes the tool into the cup: damped admittance along the axis, a slow tilt, and some tenths
-/// of a millimetre sideways. Driven by one engine's force, so that another one can be given the same poses.
+/// of a millimetre sideways. One engine's force drives it, so that another engine can be given the same
+/// poses.
 class Hand {
  public:
-  /// The frame's input, from the force that the frame before gave.
+  /// The frame's input, from the force of the frame before.
   simulation::FrameInput Next(const Vector3& f_W) {
     const double t = frame_++ * kDt;
-    // up to 130 N within .15 s; 600 N s/m keep the loop with 20 N/mm slow enough (33 per second)
+    // up to 130 N within 0.15 s; 600 N s/m keep the loop with 20 N/mm slow enough (33 per second)
     const double push_N = std::min(130.0, 130.0 * t / 0.15);
     depth_m_ += kDt * (push_N - f_W.z()) / 600.0;
     Pose X_WT = Pose::Identity();
@@ -41,8 +42,8 @@ class Hand {
   }
 
   static constexpr double kDt = 1e-3;
-  /// The head of 25 mm rests on the rim of the cup of 24 mm with its centre 7.0 mm above the top face: .05 mm
-  /// more.
+  /// The head of 25 mm rests on the rim of the cup of 24 mm with its centre 7.0 mm above the top face; start
+  /// 0.05 mm higher.
   static constexpr double kStart_m = 7.05e-3;
 
  private:
@@ -50,8 +51,8 @@ class Hand {
   int frame_{0};
 };
 
-/// A hemisphere of many balls, as a fitted tool has them: those of its rim and the pole reach out most. Each
-/// fifth does not cut.
+/// A hemisphere of many balls, as in a fitted tool: those at its rim and its pole extend farthest. Every
+/// fifth ball does not cut.
 inline simulation::Tool Shell(int count) {
   simulation::Tool tool;
   const double radius_m = 6e-3, ball_m = 0.8e-3, golden = std::numbers::pi * (3.0 - std::sqrt(5.0));

@@ -6,8 +6,8 @@
 
 #include "tests/gpu/engine_twins.h"
 
-// What the Vulkan engine promises: the reference's results, the same bits each time, and nothing for the
-// validation layers to say.
+// The Vulkan engine's contract: the reference's results, the same bits in every run, and no validation
+// messages.
 
 namespace osteon::gpu {
 namespace {
@@ -25,7 +25,7 @@ TEST(VulkanEngine, ReamsLikeTheReferenceForTwoThousandFrames) {
   twins.ExpectWithinTheBars({.force_N = 100.0, .touching = 1980, .balls = 500, .points = 500});
 }
 
-// A burr in bone of balls not much smaller than itself: which of them holds it is decided anew all the time.
+// A burr in bone of balls not much smaller than itself: the balls that hold it change all the time.
 TEST(VulkanEngine, BurrsLikeTheReferenceForTwoThousandFrames) {
   simulation::Tool tool;
   tool.balls.push_back({.center_m = Vector3(0, 0, 4e-3), .radius_m = 4e-3, .cutting = true});
@@ -68,7 +68,8 @@ TEST(VulkanEngine, TwoRunsAreBitIdentical) {
   ExpectSameBits(*one, *two, kFrames, [&](int, const ContactModel& m) { return hand.Next(m.F_T_W.f); });
 }
 
-// Sums over thousands of contacts at once: who adds with whom is the scheduler's, the sum must not be.
+// Sums over thousands of contacts at once: the scheduler decides the order of additions, which must not
+// change the sum.
 TEST(VulkanEngine, TwoSeatedRunsAreBitIdentical) {
   const simulation::Bone bone = DefaultBone();
   const simulation::Tool fits = simulation::MakeReamer(0.0238, 0.008, 0.12, 0.9, Vector3::Zero());
@@ -81,7 +82,7 @@ TEST(VulkanEngine, TwoSeatedRunsAreBitIdentical) {
     return FrameInput{
         .X_WT = X_WT, .spindle_rad_per_s = 26.0, .dt_s = i == 0 ? 0.0 : 2e-3, .stamp = i * 2'000'000};
   });
-  // seated: a tenth of the cup's hemisphere, 2 pi R^2, and not a rim or a point of it
+  // seated: a tenth of the cup's hemisphere, 2 pi R^2, not merely a rim or a point of it
   EXPECT_GT(last.engaged_area_m2, 0.1 * 2.0 * std::numbers::pi * 0.024 * 0.024);
 }
 
@@ -91,7 +92,7 @@ TEST(VulkanEngine, ResultsDoNotDependOnTheListsKeptBetweenFrames) {
   Hand hand;
   ExpectSameBits(*keeping, *dropping, kFrames / 2, [&](int i, const ContactModel& model) {
     if (i % 7 == 6)
-      dropping->Restore(dropping->Snapshot());  // a state of its own changes nothing but the lists
+      dropping->Restore(dropping->Snapshot());  // restoring its own state changes only the lists
     return hand.Next(model.F_T_W.f);
   });
 }
@@ -107,7 +108,7 @@ TEST(VulkanEngine, HasNothingForTheValidationLayersToSay) {
   ContactModel model;
   for (int i = 0; i < 120; ++i) model = engine.Step(hand.Next(model.F_T_W.f));
   EXPECT_GT(model.contact_count, 0);
-  // taken out, and laid on its side over the block, so that the shaft is what touches
+  // taken out, and laid on its side over the block, so that the shaft touches
   simulation::CarvedState state = engine.Snapshot();
   state.has_proxy = false;
   engine.Restore(state);

@@ -9,7 +9,7 @@
 #include "tests/gpu/engine_twins.h"
 #include "tests/gpu/strip_bench.h"
 
-// Frames and devices that fail: overload, a lost device, memory that is full, a Vulkan that does not open.
+// Frames and devices that fail: overload, a lost device, full memory, Vulkan that does not open.
 
 namespace osteon::gpu {
 namespace {
@@ -24,7 +24,7 @@ VulkanParams OfCapacity(std::size_t list_capacity) {
   return params;
 }
 
-// A ball of 6 mm reaches some 16 balls of the strip where it touches, and none at its height.
+// A ball of 6 mm reaches about 16 balls of the strip where it touches, and none from its start height.
 TEST(VulkanEngine, SaysOverloadedWhereMoreBoneIsWithinReachThanItsListsHold) {
   const auto engine = Open(Strip(150), Ball(6e-3), OfCapacity(4));
   const auto input = [](double z_m) {
@@ -42,13 +42,13 @@ TEST(VulkanEngine, SaysOverloadedWhereMoreBoneIsWithinReachThanItsListsHold) {
   EXPECT_EQ(simulation::HashState(after), simulation::HashState(before)) << "the frame changed nothing";
   EXPECT_EQ(after.frame, before.frame);
   EXPECT_EQ(Vector3(after.X_GP.p).z(), Vector3(before.X_GP.p).z());
-  // and it goes on where there is less
+  // the engine continues where there is less bone
   const ContactModel free = engine->Step(input(9e-3));
   EXPECT_EQ(free.status, EngineStatus::kOk);
   EXPECT_EQ(free.frame, 2u);
 }
 
-// A bar that turns from beside the strip over it: its first parts cut, a later one reaches too much.
+// A bar that turns over the strip from beside it: its first parts cut, a later part reaches too many balls.
 TEST(VulkanEngine, AFrameInPartsThatHasCutIsNoOverloadedOne) {
   simulation::Tool bar;
   for (int i = 0; i < 12; ++i)
@@ -75,13 +75,13 @@ TEST(VulkanEngine, AFrameInPartsThatHasCutIsNoOverloadedOne) {
   EXPECT_EQ(whole.status, EngineStatus::kOk);
   EXPECT_GT(whole.removed_volume_m3, 0.0) << "the part that cut";
   EXPECT_EQ(whole.frame, 2u);
-  // the next frame begins there, finds too much at once, and changes nothing
+  // the next frame begins there, finds too many balls at once, and changes nothing
   const std::uint64_t hash = simulation::HashState(engine->Snapshot());
   EXPECT_EQ(engine->Step(turned(1.6)).status, EngineStatus::kOverloaded);
   EXPECT_EQ(simulation::HashState(engine->Snapshot()), hash);
 }
 
-// A frame that may take no time is over too late: the same as a device that hangs.
+// A frame timeout of zero always expires, as with a device that hangs.
 VulkanParams Hanging() {
   VulkanParams params;
   params.fence = FencePolicy::kWait;
@@ -106,7 +106,7 @@ TEST(VulkanEngine, SaysDeviceLostOfAFrameThatIsNotOverInTimeAndEverAfter) {
   EXPECT_THROW(engine->Restore(books), std::runtime_error);
 }
 
-// Balls that did not go back from the lists are no snapshot.
+// Without the lists' balls written back there is no snapshot.
 TEST(VulkanEngine, ASnapshotThatIsNotOverInTimeLosesTheDevice) {
   const auto engine = Open(DefaultBone(), DefaultReamer(), Hanging());
   Hand hand;
@@ -119,7 +119,7 @@ TEST(VulkanEngine, ASnapshotThatIsNotOverInTimeLosesTheDevice) {
 
 // ---- memory
 
-// A card with a window of 256 MB into its memory, beside the host's.
+// A card with a host-visible window of 256 MB into its memory, besides the host's memory.
 vk::PhysicalDeviceMemoryProperties Card() {
   using Property = vk::MemoryPropertyFlagBits;
   const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;

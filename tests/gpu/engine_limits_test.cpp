@@ -12,7 +12,7 @@
 #include "tests/gpu/engine_twins.h"
 #include "tests/gpu/strip_bench.h"
 
-// Devices, sizes, and what is refused.
+// Devices, sizes and limits, and refusals beyond them.
 
 namespace osteon::gpu {
 namespace {
@@ -60,7 +60,7 @@ TEST(Devices, AreFoundByAnyPartOfTheirNameInAnyCase) {
   EXPECT_GE(named, 1);
 }
 
-// A driver may take a few dozen instances in a process's life, no more.
+// A driver may allow only a few dozen instances in a process's life.
 TEST(Devices, AreOpenedAndClosedAnyNumberOfTimesOnOneInstance) {
   const auto first = OpenContext("", false);
   ASSERT_TRUE(first.has_value()) << first.error();
@@ -75,7 +75,7 @@ TEST(Devices, AreOpenedAndClosedAnyNumberOfTimesOnOneInstance) {
   EXPECT_FALSE((*first)->shared->messenger.has_value()) << "the layers were not asked for";
 }
 
-// Two workers on one core for a whole run make every frame nearly twice as long, and Linux leaves them there.
+// Two workers on one core make every frame of a run nearly twice as long, and Linux does not separate them.
 TEST(Devices, EachWorkerOfAProcessorHasACoreOfItsOwn) {
   const auto context = OpenContext("", false);
   ASSERT_TRUE(context.has_value()) << context.error();
@@ -83,7 +83,7 @@ TEST(Devices, EachWorkerOfAProcessorHasACoreOfItsOwn) {
   cpu_set_t allowed;
   ASSERT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
   int rasterizers = 0;
-  std::vector<int> cores;  // of threads that have but one
+  std::vector<int> cores;  // of threads that are pinned to one core
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
     std::string name;
     std::getline(std::ifstream(task.path() / "comm"), name);
@@ -155,7 +155,7 @@ TEST(VulkanEngine, CutsWithManyToolBallsAndAsManyMaterialsAsItAccepts) {
     bone.points[i].material = static_cast<simulation::MaterialIndex>(i % 8);
   simulation::ReferenceEngine reference(bone, tool, Pose::Identity(), {});
   const auto vulkan = Open(bone, tool);
-  // off the middle: on a symmetric place two balls touch alike, and rounding would choose
+  // off the middle: at a symmetric place two balls touch equally, and rounding would choose
   for (int i = 0; i < 60; ++i) {
     const simulation::FrameInput input{.X_WT = Down({0.13e-3, 0.07e-3, 0.3e-3 - 0.05e-3 * i}),
                                        .spindle_rad_per_s = kSpindle_rad_per_s};
@@ -199,22 +199,22 @@ TEST(VulkanEngine, WithBallsAndNoPointsOrPointsAndNoBallsWorks) {
 class Sizes : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(, Sizes, testing::Values(1, 2, 63, 64, 65, 127, 129, 200));
 
-// Workgroups and clusters hold 64: the last one is full, or not, or lacks one, or holds one.
+// Workgroups and clusters hold 64: the last one is full, partly filled, lacks one, or holds one.
 TEST_P(Sizes, AgreeWithTheReferenceBallByBall) {
   const simulation::Bone bone = Strip(GetParam());
   simulation::CuttingParams params;
   params.law = simulation::RemovalLaw::kImmediate;
   simulation::ReferenceEngine reference(bone, Ball(4e-3), Pose::Identity(), params);
   const auto vulkan = Open(bone, Ball(4e-3), {}, params);
-  // along the strip, from end to end and beyond, .3 mm deep; beside its middle, where the sectors of contacts
-  // meet
+  // along the strip, from end to end and beyond, 0.3 mm deep; beside its middle, where the sectors of
+  // contacts meet
   const double reach = 0.4e-3 * GetParam() + 2e-3;
-  const int frames = static_cast<int>(2.0 * reach / 0.1e-3);  // slower than the proxy may slide
+  const int frames = static_cast<int>(2.0 * reach / 0.1e-3);  // slower than the proxy's largest slide
   for (int i = 0; i <= frames; ++i) {
     const simulation::FrameInput input{.X_WT = Down({reach * (2.0 * i / frames - 1.0), 0.3e-3, -0.3e-3}),
                                        .spindle_rad_per_s = kSpindle_rad_per_s};
     const ContactModel a = reference.Step(input), b = vulkan->Step(input);
-    // the same tolerance that sliding has: on single balls, which one is met first is decided by rounding
+    // the sliding tolerance: with single balls, rounding decides which one is met first
     ASSERT_EQ(b.status, simulation::EngineStatus::kOk);
     ASSERT_NEAR((Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm(), 0.0, 2e-5) << i;
   }
@@ -222,11 +222,11 @@ TEST_P(Sizes, AgreeWithTheReferenceBallByBall) {
   ASSERT_EQ(one.balls.size(), two.balls.size());
   for (std::size_t i = 0; i < one.balls.size(); ++i) ASSERT_NEAR(one.balls[i], two.balls[i], 2e-2) << i;
   EXPECT_EQ(one.cleared, two.cleared);
-  EXPECT_LT(two.balls[3], 1.0f);  // the first ball, and the last one, were cut
+  EXPECT_LT(two.balls[3], 1.0f);  // the first and the last ball were cut
   EXPECT_LT(two.balls.back(), 1.0f);
 }
 
-// Culling must not change a bit: what it leaves out is out of reach.
+// Culling must not change a bit: the items that it leaves out are out of reach.
 void ExpectCullingChangesNoBit(const simulation::Tool& tool, const simulation::CuttingParams& params = {}) {
   simulation::Bone bone = Strip(150);
   for (simulation::MassPoint& point : bone.points) point.p_m.z = -0.1e-3;
@@ -242,7 +242,7 @@ void ExpectCullingChangesNoBit(const simulation::Tool& tool, const simulation::C
 }
 
 TEST(VulkanEngine, CullingGivesTheSameBitsAsBruteForce) {
-  for (const int balls : {1, 300, 2000})  // 2000: loops longer than llvmpipe lets an invocation's be
+  for (const int balls : {1, 300, 2000})  // 2000: more loop iterations than llvmpipe allows an invocation
     ExpectCullingChangesNoBit(balls == 1 ? Ball(6e-3) : Shell(balls));
 }
 
@@ -267,7 +267,7 @@ TEST(VulkanEngine, CutsLikeTheReferenceWithAToolOfThousandsOfBalls) {
   EXPECT_EQ(one.cleared, two.cleared);
 }
 
-// What is listed at one place must not be missed where the tool has jumped to.
+// Lists built at one place must not hide bone where the tool has jumped to.
 TEST(VulkanEngine, AJumpOfAMetreMeetsTheBoneThatLiesBetween) {
   const auto engine = Open(Strip(40), Ball(4e-3));
   engine->Step({.X_WT = Down({0, 0, 0.5})});

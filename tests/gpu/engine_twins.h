@@ -11,20 +11,20 @@
 #include "simulation/reference_engine.h"
 #include "tests/gpu/contract_bench.h"
 
-// Two engines on the same poses: how far the Vulkan engine is from the reference, and whether two are the
-// same to the last bit.
+// Runs two engines on the same poses and measures how far the Vulkan engine is from the reference, or checks
+// that two engines agree to the last bit.
 
 namespace osteon::gpu {
 
-/// How far apart the engines are, at most, over the frames of a run.
+/// Largest differences between the engines over the frames of a run.
 struct Apart {
   double contact_mm{0.0};  ///< of the place of first contact on the frame's path
   double normal_deg{0.0};  ///< where there is a force of 1 N
   double proxy_mm{0.0}, force_N{0.0}, torque_Nm{0.0}, most_N{0.0};
-  int touching{0}, counts{0};  ///< frames in contact; with another number of contacts
-  int unlike{0};               ///< frames of another status or number, or with a force in one engine alone
+  int touching{0}, counts{0};  ///< frames in contact; those of them with different numbers of contacts
+  int unlike{0};               ///< frames whose status or number differs, or with a force in only one engine
 
-  /// One frame. @param path_m  from the proxy of the frame before to the pose
+  /// Adds one frame. @param path_m  from the previous frame's proxy to the pose
   void Add(double path_m, const simulation::ContactModel& a, const simulation::ContactModel& b) {
     const Vector3 f = a.F_T_W.f, n = a.n_W, m = b.n_W;
     contact_mm = std::max(contact_mm, 1e3 * path_m * std::abs(a.contact_fraction - b.contact_fraction));
@@ -41,10 +41,10 @@ struct Apart {
   }
 };
 
-/// How far apart their carved states are.
+/// Differences between the engines' carved states.
 struct BonesApart {
-  double ball_mm{0.0};  ///< centre or radius, the worst of all balls
-  int exempt{0};        ///< gone in one only, and within 1e-5 mm of the radius where a ball goes in the other
+  double ball_mm{0.0};  ///< of centre or radius, over all balls
+  int exempt{0};  ///< balls gone in only one engine, within 1e-5 mm of the radius at which a ball is dropped
   int points{0}, changed{0}, cleared{0};
 };
 inline BonesApart Compare(const simulation::Bone& uncut, const simulation::CarvedState& a,
@@ -69,7 +69,7 @@ inline BonesApart Compare(const simulation::Bone& uncut, const simulation::Carve
   return apart;
 }
 
-/// The issue's bars.
+/// Tolerances from the issue.
 inline void ExpectWithinTheBars(const Apart& frames, const BonesApart& bones,
                                 const simulation::ContactModel& a, const simulation::ContactModel& b) {
   std::printf(
@@ -85,7 +85,7 @@ inline void ExpectWithinTheBars(const Apart& frames, const BonesApart& bones,
   EXPECT_LE(bones.ball_mm, 1e-4);
   EXPECT_LE(bones.exempt, 3);
   EXPECT_NEAR(b.removed_mass_kg, a.removed_mass_kg, 1e-5 * a.removed_mass_kg);
-  // what hangs on these: the coupling's force on the proxy (20 N/mm), the torque at 150 mm
+  // tolerances that follow from these: the coupling's force on the proxy (20 N/mm), the torque at 150 mm
   EXPECT_LE(frames.proxy_mm, 1e-3);
   EXPECT_LE(frames.force_N, 0.02);
   EXPECT_LE(frames.torque_Nm, 3e-3);
@@ -96,7 +96,7 @@ inline void ExpectWithinTheBars(const Apart& frames, const BonesApart& bones,
   EXPECT_NEAR(b.engaged_area_m2, a.engaged_area_m2, 1e-4 * a.engaged_area_m2);
 }
 
-/// The reference and the Vulkan engine, stepped alike.
+/// The reference and the Vulkan engine, stepped with the same inputs.
 class Twins {
  public:
   Twins(simulation::Bone bone, const simulation::Tool& tool, const simulation::CuttingParams& params = {})
@@ -112,7 +112,7 @@ class Twins {
     frames_.Add(path_m, a_, b_);
     return a_;
   }
-  /// Ends the run: the issue's bars, and that it was worth comparing.
+  /// Ends the run: checks the issue's tolerances, and that the run had enough contact and cutting.
   struct AtLeast {
     double force_N;
     int touching, balls, points;
@@ -134,7 +134,7 @@ class Twins {
   simulation::ContactModel a_, b_;
 };
 
-/// Every number of a model but its padding.
+/// Compares every number of a model, without its padding.
 inline bool Identical(const simulation::ContactModel& a, const simulation::ContactModel& b) {
   const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
   bool equal = same(a.X_WP, b.X_WP) && a.contact_count == b.contact_count && a.status == b.status &&
@@ -153,9 +153,9 @@ inline bool Identical(const simulation::ContactModel& a, const simulation::Conta
   return equal;
 }
 
-/// Steps two engines by `input_of(i, model of the frame before)`: every number of every model, and the carved
-/// states. The tool has to touch and to cut: engines that do nothing are alike, too.
-/// @returns the last model.
+/// Steps two engines by `input_of(i, model of the frame before)` and compares every number of every model,
+/// and the carved states. The tool must touch and cut, because idle engines would agree, too. @returns the
+/// last model.
 template <class InputOf>
 simulation::ContactModel ExpectSameBits(simulation::CuttingEngine& one, simulation::CuttingEngine& two,
                                         int frames, InputOf&& input_of) {

@@ -7,8 +7,8 @@
 #include "tests/gpu/engine_twins.h"
 #include "tests/gpu/strip_bench.h"
 
-// What other devices run, on the device that is here: the passes for a GPU (whose last workgroup solves and
-// reports), every subgroup size, few workgroups, keys for more balls. All give the same bits, or the
+// Variants for other devices, run on the present device: the passes for a GPU (whose last workgroup solves
+// and reports), every subgroup size, few workgroups, keys for more balls. All give the same bits, or the
 // reference's results.
 
 namespace osteon::gpu {
@@ -30,7 +30,7 @@ FrameInput StrokeInput(int i) {
   return {.X_WT = Stroke(i), .spindle_rad_per_s = i % 50 == 49 ? 0.0 : kSpindle_rad_per_s};
 }
 
-// A strip of bone with more than one workgroup's balls, and points in the tool's way.
+// A strip of bone with balls for more than one workgroup, and mass points in the tool's way.
 simulation::Bone LongStrip() {
   simulation::Bone bone = Strip(150);
   for (simulation::MassPoint& point : bone.points) point.p_m.z = -0.1e-3;
@@ -38,7 +38,7 @@ simulation::Bone LongStrip() {
 }
 
 TEST(GpuPasses, GiveTheSameBitsAsThoseForAProcessor) {
-  for (const int balls : {1, 60}) {  // one cutter, whose pairs need no words; cutters and a shaft
+  for (const int balls : {1, 60}) {  // one cutting ball, which needs no packed pairs; several, and a shaft
     const simulation::Tool tool = balls == 1 ? Ball(6e-3) : Shell(balls);
     const auto gpu = Open(LongStrip(), tool, With(kForGpu)),
                processor = Open(LongStrip(), tool, With(kForProcessor));
@@ -79,7 +79,7 @@ TEST(GpuPasses, GiveTheSameBitsHoweverTheirEndIsNoticed) {
   }
 }
 
-// Seated, with thousands of pairs: the sums of all workgroups meet.
+// A seated reamer with thousands of pairs: the sums of all workgroups are combined.
 TEST(GpuPasses, ReamLikeTheReference) {
   const simulation::Bone bone = DefaultBone();
   simulation::ReferenceEngine reference(bone, DefaultReamer(), Pose::Identity(), {});
@@ -101,7 +101,7 @@ TEST(GpuPasses, ReamLikeTheReference) {
 
 TEST(Workgroups, FewerThanAPassAsksForGoRound) {
   CuttingParams params;
-  params.split.on = true;  // children are loaded by workgroups too
+  params.split.on = true;  // workgroups load children, too
   params.split.pool_blocks = 64;
   for (const VulkanOverrides& variant : {kForGpu, kForProcessor}) {
     VulkanOverrides few = variant;
@@ -114,7 +114,7 @@ TEST(Workgroups, FewerThanAPassAsksForGoRound) {
   }
 }
 
-// A bone of 2^28 balls has keys whose units are 2^-23 mm: the same contacts, up to that.
+// Keys for a bone of 2^28 balls have units of 2^-23 mm: the contacts are the same to within that.
 TEST(BoneBallBits, OfTheLargestBoneHoldTheToolLikeTheReference) {
   VulkanOverrides wide;
   wide.bone_ball_bits = 28;
@@ -129,7 +129,8 @@ TEST(BoneBallBits, OfTheLargestBoneHoldTheToolLikeTheReference) {
 
 // ---- subgroup sizes
 
-// llvmpipe's vectors are as wide as its environment says when it is loaded: so each width has a process.
+// llvmpipe reads its vector width from the environment when it is loaded, so each width needs its own
+// process.
 int CutsAtVectorWidth(const char* bits) {
   setenv("LP_NATIVE_VECTOR_WIDTH", bits, 1);
   const auto context = OpenContext("llvmpipe", false);
@@ -163,7 +164,7 @@ int CutsAtVectorWidth(const char* bits) {
 class SubgroupSizeDeathTest : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(, SubgroupSizeDeathTest, testing::Values(128, 256, 512));
 
-// (No device is opened here before, since this is executed in the new process too.)
+// (Opens no device before the fork, since this runs in the new process too.)
 TEST_P(SubgroupSizeDeathTest, HoldsTheToolLikeTheReference) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(std::exit(CutsAtVectorWidth(std::to_string(GetParam()).c_str())), testing::ExitedWithCode(0),

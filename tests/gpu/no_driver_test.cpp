@@ -16,7 +16,7 @@ namespace {
 
 int SayWhatIsWrong() {
   setenv("VK_DRIVER_FILES", "/nonexistent", 1);
-  setenv("VK_ICD_FILENAMES", "/nonexistent", 1);  // the older name of the same
+  setenv("VK_ICD_FILENAMES", "/nonexistent", 1);  // the older name of this variable
   simulation::Bone bone;
   const auto devices = ListDevices();
   const auto engine = VulkanEngine::Create(bone, DefaultReamer(), Pose::Identity(), {}, {});
@@ -32,7 +32,7 @@ TEST(NoDriverDeathTest, IsAnErrorThatSaysWhatToInstall) {
               "engine: no Vulkan driver found; install one \\(mesa-vulkan-drivers");
 }
 
-// A driver that is installed and can't be loaded: its manifest names a library that is not there.
+// A driver that is installed but cannot be loaded: its manifest names a missing library.
 int SayWhichDriverFails() {
   const io::test::TemporaryFolder folder;
   const std::string manifest = (folder.path() / "broken_icd.json").string();

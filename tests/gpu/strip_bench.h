@@ -6,7 +6,7 @@
 #include "simulation/contact_model.h"
 #include "simulation/tool.h"
 
-// A strip of bone and a ball that goes along it: the smallest scene in which all passes have something to do.
+// A strip of bone and a ball that moves along it: the smallest scene in which all passes have work.
 
 namespace osteon::gpu {
 
@@ -23,7 +23,7 @@ inline simulation::Tool Ball(double radius_m) {
   return tool;
 }
 
-/// A strip of balls of 1 mm, .8 mm apart, their tops at z = 0, with a point in the middle of each.
+/// A strip of balls of 1 mm, 0.8 mm apart, their tops at z = 0, with a mass point at the centre of each.
 inline simulation::Bone Strip(int count) {
   simulation::Bone bone;
   bone.materials = {{.name = "soft", .specific_cutting_energy_J_per_m3 = 1e6}};
@@ -35,7 +35,7 @@ inline simulation::Bone Strip(int count) {
   return bone;
 }
 
-// On single balls, which one is met first is decided by rounding; 10 um at 20 N/mm.
+// With single balls, rounding decides which one is met first; tolerance 10 um at 20 N/mm.
 inline bool HoldAlike(const simulation::ContactModel& a, const simulation::ContactModel& b) {
   return b.status == simulation::EngineStatus::kOk &&
          (Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm() <= 1e-5 &&

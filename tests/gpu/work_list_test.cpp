@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMillimetres = 1e3;
 
-// Balls on a sphere of 20 mm, as a spiral: neighbours in the list are no neighbours in space. Every seventh
+// Balls on a sphere of 20 mm, as a spiral: neighbours in the list are not neighbours in space. Every seventh
 // does not cut.
 simulation::Tool Spiral(int count) {
   simulation::Tool tool;
@@ -27,7 +27,7 @@ simulation::Tool Spiral(int count) {
   return tool;
 }
 
-// Balls of up to 1 mm in runs of 64 neighbours, most of them about the sphere.
+// Balls of up to 1 mm in clusters of 64 neighbours, most of them around the sphere.
 std::vector<vec4> Clusters(int count) {
   std::mt19937_64 random(3);
   std::normal_distribution<float> direction;
@@ -58,7 +58,7 @@ Sweeps MakeSweeps(const ToolLayout& layout, const Vector3& way_m, float reach_mm
   return sweeps;
 }
 
-// Distance of a ball's surface from a sweep's, by many places on the way [mm].
+// Distance of a ball's surface from a sweep's, sampled along the way [mm].
 float Gap(const vec4& ball, const BallSweep& sweep) {
   float least = std::numeric_limits<float>::max();
   for (int i = 0; i <= 50; ++i) {
@@ -97,7 +97,7 @@ TEST(WorkList, EveryPairThatCanMeetIsListedInRisingOrderAndFewOthers) {
   const Sweeps sweeps = MakeSweeps(layout, {3e-3, -2e-3, 1e-3}, 0.4f);
   WorkList work(tree.cluster_count(), layout, 100'000);
   std::vector<Item> found;
-  for (int again = 0; again < 2; ++again) {  // nothing of the first time is left
+  for (int again = 0; again < 2; ++again) {  // the second time nothing of the first may remain
     work.Clear();
     work.Add(tree, sweeps.groups, sweeps.balls, found);
   }

@@ -12,14 +12,14 @@
 namespace osteon::simulation {
 namespace {
 
-/// A solid less what a ball sweeps along a segment, the ball larger than the tool by `over_m`.
+/// A solid less the sweep of a ball along a segment, the ball larger than the tool by `over_m`.
 class OvercutShape final : public CarvedShape {
  public:
   OvercutShape(const Solid& solid, const DepthScene& scene, double over_m)
       : solid_(solid), scene_(scene), radius_m_(scene.tool.balls.front().radius_m + over_m) {}
 
-  // distance to a set that is a box less capsules: exact where one of the two is nearest, as here within the
-  // cut's middle; elsewhere a lower bound
+  // distance to a box less capsules: exact where one of the two is nearest, as here within the cut's middle;
+  // elsewhere a lower bound
   [[nodiscard]] double Distance(const Vector3& p, double at_most_m) const override {
     double axis = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i + 1 < scene_.corners_m.size(); ++i)
@@ -43,12 +43,12 @@ TEST(CutAccuracy, AreaAndSweptVolumeAreThoseOfTheClosedForms) {
   const double R = 5e-3, volume = M_PI * (2.0 / 3.0 * R * R * R + 0.5 * R * R * 6e-3);
   EXPECT_NEAR(m.swept_volume_m3, volume, 0.003 * volume);
   const double area = M_PI * (2.0 * R * R + R * 6e-3);
-  EXPECT_NEAR(m.cut_area_m2, area, 0.02 * area);  // the layer is .1 mm thick, its edge at the rim counts half
+  EXPECT_NEAR(m.cut_area_m2, area, 0.02 * area);  // the layer is 0.1 mm thick; its edge counts half
   EXPECT_EQ(m.lost_m3, 0.0);
   EXPECT_EQ(m.left_volume_m3, 0.0);
   EXPECT_EQ(m.left_depth_m, 0.0);
   const CutAccuracy b = MeasureCut(*cup.solid, whole, whole, Swept(cup), {.surface_cells = 20'000});
-  // what a ball that goes h down sweeps beyond the ball of the same size, below z = 0: a disc of h
+  // volume that a ball moving down by h sweeps beyond a ball at its start, below z = 0: a disc of height h
   const double swept = M_PI * 25e-3 * 25e-3 * 3e-3;
   EXPECT_NEAR(b.swept_volume_m3, swept, 0.005 * swept);
 }
@@ -67,7 +67,7 @@ TEST(CutAccuracy, FindsAnErrorThatIsTheSameEverywhere) {
     EXPECT_EQ(m.left_volume_m3, 0.0);
     for (const ProbeGap& probe : m.probes) {
       EXPECT_GT(probe.samples, 1000u);
-      // in a trough that is wider all around, a ball goes on by just so much
+      // in a trough that is wider all around, a ball moves further by exactly `over`
       EXPECT_NEAR(probe.mean_m, over, 0.02 * over) << probe.radius_m;
       EXPECT_NEAR(probe.p95_m, over, 0.02 * over) << probe.radius_m;
     }

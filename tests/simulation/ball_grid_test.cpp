@@ -8,7 +8,7 @@
 namespace osteon::simulation {
 namespace {
 
-/// Balls of radii from 0.05 mm to 20 mm, log-uniform, anywhere in a cube of 200 mm: they may overlap.
+/// Balls of radii from 0.05 mm to 20 mm, log-uniform, anywhere in a cube of 200 mm; they may overlap.
 std::vector<Ball> MixedBalls(int count, std::mt19937_64& random) {
   std::uniform_real_distribution<double> at(-0.1, 0.1), log_radius(std::log(0.05e-3), std::log(20e-3));
   std::vector<Ball> balls(count);

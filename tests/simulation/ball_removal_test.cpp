@@ -98,7 +98,7 @@ TEST(BallRemoval, LeavesNothingInAnyCapsuleAndTheUnionNeverGrows) {
     EXPECT_LT(WorstOverlap(balls, capsules), 1e-12);
     EXPECT_GT(removal.most_blocks(), 20u);
     EXPECT_EQ(removal.refused(), 0u);
-    // every child is in some parent that has become its block, or a parent has only shrunk
+    // every child lies in a parent that became its block; other parents only shrank
     for (std::size_t i = 0; i < balls.size(); ++i) {
       if (balls[i].radius_m <= 0.0) continue;
       double out = 1.0;
@@ -129,7 +129,7 @@ TEST(BallRemoval, SplitsAtFirstTouchOnceAndOnlyLargeBalls) {
   BallRemoval removal(balls, Split());
   const Capsule near{.a = {0, 0, 5e-3}, .b = {0, 0, 4e-3}, .radius_m = 1.9e-3};
   removal.Remove({&near, 1}, balls);
-  EXPECT_EQ(removal.blocks_in_use(), 0u);  // .1 mm away
+  EXPECT_EQ(removal.blocks_in_use(), 0u);  // 0.1 mm away
   const std::vector<Capsule> touch{{.a = {0, 0, 5e-3}, .b = {0, 0, 3.8e-3}, .radius_m = 1.9e-3},
                                    {.a = {10e-3, 0, 5e-3}, .b = {10e-3, 0, 2.1e-3}, .radius_m = 1.9e-3}};
   removal.Remove(touch, balls);
@@ -137,10 +137,10 @@ TEST(BallRemoval, SplitsAtFirstTouchOnceAndOnlyLargeBalls) {
   EXPECT_EQ(balls[0].radius_m, 0.0);
   EXPECT_NEAR(balls[1].radius_m, 0.25e-3, 1e-12);
   const Balls once = balls;
-  removal.Remove(touch, balls);  // swept already: nothing happens, to rounding
+  removal.Remove(touch, balls);  // already swept: nothing changes, but for rounding
   ASSERT_EQ(balls.size(), once.size());
   for (std::size_t i = 0; i < balls.size(); ++i) ASSERT_NEAR(balls[i].radius_m, once[i].radius_m, 1e-15);
-  // a ball that goes as a whole takes no block
+  // a ball that is removed as a whole takes no block
   Balls alone{{.center_m = Vector3(0, 0, 0), .radius_m = 2e-3}};
   BallRemoval other(alone, Split());
   const Capsule all{.a = {0, 0, 5e-3}, .b = {0, 0, 0}, .radius_m = 3e-3};
@@ -162,7 +162,7 @@ TEST(BallRemoval, BlocksOfClearedBallsAreUsedAgainFromTheNextFrameOn) {
   const Capsule touch_second{.a = {20e-3, 0, 9e-3}, .b = {20e-3, 0, 4.4e-3}, .radius_m = 2.5e-3};
   const std::vector<Capsule> both{clear_first, touch_second};
   removal.Remove(both, balls);
-  EXPECT_EQ(removal.refused(), 1u);  // the block is not free before the frame is over
+  EXPECT_EQ(removal.refused(), 1u);  // the block becomes free only after the frame
   EXPECT_NEAR(balls[1].radius_m, 1.95e-3, 1e-12);
   EXPECT_EQ(removal.blocks_in_use(), 0u);
   const Capsule deeper{.a = {20e-3, 0, 9e-3}, .b = {20e-3, 0, 4e-3}, .radius_m = 2.5e-3};
@@ -170,7 +170,7 @@ TEST(BallRemoval, BlocksOfClearedBallsAreUsedAgainFromTheNextFrameOn) {
   EXPECT_EQ(removal.refused(), 1u);
   EXPECT_EQ(removal.blocks_in_use(), 1u);
   EXPECT_EQ(removal.most_blocks(), 1u);
-  // children of a ball that was cut before lie in what that had left of it
+  // children of a ball that was cut before lie in the rest of that ball
   for (std::size_t i = 2; i < balls.size(); ++i) {
     if (balls[i].radius_m > 0.0) {
       EXPECT_LE((balls[i].center_m - Vector3(20e-3, 0, -0.05e-3)).norm() + balls[i].radius_m,
@@ -189,7 +189,7 @@ TEST(BallRemoval, AnExhaustedPoolServesBallsInTheirOrderAndSaysSo) {
   EXPECT_GT(removal.refused(), 10u);
   EXPECT_EQ(removal.blocks_in_use(), 5u);
   EXPECT_LT(WorstOverlap(balls, capsules), 1e-12);
-  // the five are the first that a pool without end splits
+  // the five are the first that an unlimited pool would split
   Balls all = Lattice(6);
   BallRemoval free(all, Split());
   free.Remove(capsules, all);
@@ -200,7 +200,7 @@ TEST(BallRemoval, AnExhaustedPoolServesBallsInTheirOrderAndSaysSo) {
   EXPECT_TRUE(std::equal(few.begin(), few.end(), many.begin()));
 }
 
-// Which block a ball gets depends on what came before; nothing that is saved or left does.
+// A ball's block number depends on the history; saved and remaining balls do not depend on it.
 TEST(BallRemoval, BlockNumbersDoNotShow) {
   const auto touch = [](double x, double down) {
     return Capsule{.a = {x, 0, 9e-3}, .b = {x, 0, 4e-3 - down}, .radius_m = 2.2e-3};
@@ -228,7 +228,7 @@ TEST(BallRemoval, BlockNumbersDoNotShow) {
   EXPECT_EQ(states[0].split_balls, (std::vector<std::uint32_t>{1, 2, 3, 4}));
 }
 
-// split.md: with budgets of 1, 2 and 100 a frame the same result.
+// split.md: budgets of 1, 2 and 100 a frame give the same result.
 TEST(BallRemoval, ABudgetOnlyDelays) {
   std::vector<CarvedState> states;
   std::vector<std::size_t> live;
@@ -251,7 +251,7 @@ TEST(BallRemoval, ABudgetOnlyDelays) {
     }
     EXPECT_EQ(waited, budget == 1 || budget == 2);
     for (int i = 0; i < 200; ++i) removal.Remove({}, balls);
-    EXPECT_LT(WorstOverlap(balls, plunge), 2e-8);  // a capsule that was merged is off by so much at most
+    EXPECT_LT(WorstOverlap(balls, plunge), 2e-8);  // the error of a merged capsule is at most this
     states.push_back(StateOf(removal, balls));
     live.push_back(Live(balls).size());
     EXPECT_EQ(LiveBalls(states.back()).size(), live.back());
@@ -259,14 +259,14 @@ TEST(BallRemoval, ABudgetOnlyDelays) {
   for (std::size_t i = 1; i < states.size(); ++i) {
     EXPECT_EQ(states[i].split_balls, states[0].split_balls);
     EXPECT_EQ(states[i].split_cuts, states[0].split_cuts);
-    // many small steps move a ball along another way than one long capsule: thousandths of a millimetre
+    // many small steps move a ball along another path than one long capsule: thousandths of a millimetre
     EXPECT_NEAR(static_cast<double>(live[i]), static_cast<double>(live[0]),
                 0.05 * static_cast<double>(live[0]));
   }
 }
 
 TEST(BallRemoval, AWaitingBallWithoutRoomForMoreCapsulesStaysSound) {
-  // a tool of 60 balls: its capsules cannot all be kept
+  // a tool of 60 balls: a block has no room for all its capsules
   Balls balls = Lattice(5);
   SplitParams params = Split();
   params.blocks_per_frame = 1;
@@ -290,7 +290,7 @@ TEST(BallRemoval, AWaitingBallWithoutRoomForMoreCapsulesStaysSound) {
   EXPECT_GT(removal.blocks_in_use(), 10u);
 }
 
-// Not tried in split.md: a second, smaller tool in bone that another one has split.
+// Not covered in split.md: a second, smaller tool in bone that another one has split.
 TEST(BallRemoval, ASecondToolCutsWhatTheFirstHasSplit) {
   Balls balls = Lattice(6);
   BallRemoval removal(balls, Split());
@@ -303,8 +303,8 @@ TEST(BallRemoval, ASecondToolCutsWhatTheFirstHasSplit) {
     all.push_back(c);
   }
   EXPECT_LT(WorstOverlap(balls, all), 1e-12);
-  EXPECT_GT(removal.blocks_in_use(), blocks);  // what the first had not touched
-  // and every ball lies in one that was there
+  EXPECT_GT(removal.blocks_in_use(), blocks);  // bone that the first tool had not touched
+  // and every ball lies in one that was there before
   for (const Ball& ball : Live(balls)) {
     double out = 1.0;
     for (const Ball& old : Live(before))

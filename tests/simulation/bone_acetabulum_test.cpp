@@ -9,7 +9,7 @@
 namespace osteon::simulation {
 namespace {
 
-/// Points of the surface, spaced by less than `step` (the default shape).
+/// Points of the default shape's surface, spaced by less than `step`.
 std::vector<Vector3> SampleSurface(double step) {
   std::vector<Vector3> points;
   const int n = static_cast<int>(std::ceil(0.08 / step));
@@ -32,7 +32,7 @@ std::vector<Vector3> SampleSurface(double step) {
   return points;
 }
 
-// Oracle: the least distance to a dense sample of the surface lies above the distance by less than the
+// Oracle: the smallest distance to a dense sample of the surface exceeds the exact distance by less than the
 // sample's step.
 TEST(AcetabulumSolid, DistanceIsThatToTheSampledSurface) {
   const AcetabulumSolid solid{{}};

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kCup_m = 0.024;
 
-/// Half a spherical shell.
+/// Volume of half a spherical shell.
 double HalfShell_m3(double inner_m, double outer_m) {
   return 2.0 / 3.0 * std::numbers::pi * (std::pow(outer_m, 3) - std::pow(inner_m, 3));
 }
@@ -52,7 +52,7 @@ TEST_F(MassPoints, SumToTheVolumeOfTheBone) {
   EXPECT_NEAR(Volume_m3([](const Vector3&, const MassPoint&) { return true; }), exact, 0.005 * exact);
 }
 
-// A shell of 1 mm crosses cells of .75 mm: sampling error, measured at .33 % rms over depths.
+// A shell of 1 mm crosses cells of 0.75 mm: sampling error, measured at 0.33 % rms over depths.
 TEST_F(MassPoints, SumToTheVolumeOfEachMillimetreBelowTheCup) {
   for (int mm = 0; mm < 4; ++mm) {
     const double low = kCup_m + mm * 1e-3, high = low + 1e-3, exact = HalfShell_m3(low, high);
@@ -72,8 +72,7 @@ TEST_F(MassPoints, SumToTheVolumeOfEachTissue) {
   EXPECT_NEAR(volume(kCortical), cortical, 0.01 * cortical);
 }
 
-// What the demo measures: the crescent between the cup and a 50 mm reamer that has gone 3 mm beyond the cup's
-// centre.
+// The demo's measurement: the crescent between the cup and a 50 mm reamer 3 mm beyond the cup's centre.
 TEST_F(MassPoints, SumToTheVolumeThatAReamerSweeps) {
   const double reamer = 0.025, depth = 0.003;
   double exact = 0.0;  // by slices across the axis
@@ -91,7 +90,7 @@ TEST_F(MassPoints, SumToTheVolumeThatAReamerSweeps) {
   EXPECT_NEAR(sum, exact, 0.01 * exact);
 }
 
-// Depths every .04 mm. Independent jitter has .61 %, a quasi-random point a cell .43 %; measured .33 %.
+// Depths every 0.04 mm. Independent jitter has 0.61 %, one quasi-random point a cell 0.43 %; measured 0.33 %.
 TEST_F(MassPoints, KeepTheSumsOfThinShellsEven) {
   double squares = 0.0;
   int shells = 0;
@@ -120,7 +119,7 @@ TEST_F(MassPoints, HaveTheBonesCenterOfMassAndSecondMoments) {
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(second[axis], moments[axis], 0.004 * moments[axis]);
 }
 
-// The spacing asked for goes by the depth of a cell's centre, half a diagonal from the point at most.
+// The wanted spacing depends on the depth of a cell's centre, at most half a diagonal from the point.
 std::vector<double> LeastSpacings(const std::vector<MassPoint>& points, const CutZone& zone,
                                   const GradeParams& cells) {
   std::vector<double> spacings;
@@ -143,7 +142,7 @@ TEST_F(MassPoints, KeepHalfTheMeanSpacingFromEachOther) {
   EXPECT_GE(distances.mean_over_spacing, 0.85);
 }
 
-// No holes: a place in the bone has a point within 1.5 separations, of the coarser cells where two meet.
+// No holes: every place in the bone has a point within 1.5 separations (of the coarser cells at a border).
 TEST_F(MassPoints, LeaveNoHoles) {
   const AcetabulumSolid solid{{}};
   const CupZone zone(solid.cup());
@@ -156,12 +155,12 @@ TEST_F(MassPoints, LeaveNoHoles) {
     const double spacing = depth > 12e-3 - 2.6e-3 ? 3e-3 : depth > 5e-3 - 1.3e-3 ? 1.5e-3 : 0.75e-3;
     double nearest = 1.0;
     for (const MassPoint& point : points_) nearest = std::min(nearest, (p - Vector3(point.p_m)).norm());
-    // samples lie a quarter of a cell apart: places between them may be that much further
+    // samples lie a quarter of a cell apart: places between them may be that much farther
     ASSERT_LE(nearest, (1.5 * kMassPointSeparation + 0.43) * spacing) << p.transpose();
   }
 }
 
-// What blue noise is for: next to nothing below half the peak's frequency.
+// The purpose of blue noise: almost no power below half the peak's frequency.
 TEST_F(MassPoints, AreBlueNoise) {
   std::vector<Vector3> places;
   for (const MassPoint& point : points_) places.push_back(point.p_m);
@@ -174,7 +173,7 @@ TEST_F(MassPoints, AreBlueNoise) {
   EXPECT_GT(at, 0.9);
   EXPECT_LT(at, 1.4);
   EXPECT_GT(spectrum.power[peak], 1.2);
-  EXPECT_LT(spectrum.power[peak], 2.5);  // noise, no lattice
+  EXPECT_LT(spectrum.power[peak], 2.5);  // noise, not a lattice
   for (std::size_t i = 0; i < spectrum.power.size(); ++i) {
     const double f = spectrum.frequency_per_mean_spacing[i];
     if (f < 0.5 * at) {
@@ -196,7 +195,7 @@ TEST(ThinMassPoints, HaveTheVolumeOfSliversOfBone) {
     std::size_t fewest;
     double tolerance;
   };
-  // tolerance: 64 samples a cell, of which few are inside
+  // tolerance: 64 samples a cell, few of which are inside
   const Sliver slivers[] = {{box(20e-3, 20e-3, 0.2e-3), 120, 0.02},
                             {box(0.3e-3, 20e-3, 20e-3), 120, 0.02},
                             {box(0.4e-3, 0.4e-3, 30e-3), 15, 0.04},
@@ -212,10 +211,11 @@ TEST(ThinMassPoints, HaveTheVolumeOfSliversOfBone) {
   }
 }
 
-// A cut anywhere: slabs follow the surface. Layers of a box, from half a slab thick; where faces meet, along
-// a twentieth of the surface, a cell's slabs follow one of them only. (Shares by nearness alone: 15 to 25 %.)
+// A cut may be anywhere: slabs follow the surface. Layers of a box, from half a slab thick. Where faces meet,
+// along a twentieth of the surface, a cell's slabs follow only one of them. (Volumes shared by nearness
+// alone: errors of 15 to 25 %.)
 TEST(UniformMassPoints, KeepTheSumsOfThinLayersBelowEveryFace) {
-  for (const double shift : {0.0, 1.0 / 3.0, 0.5}) {  // of the cells against the faces
+  for (const double shift : {0.0, 1.0 / 3.0, 0.5}) {  // of the cells relative to the faces
     const double half = 0.01, spacing = 0.5e-3, off = shift * spacing;
     const BoxSolid solid(Vector3::Constant(off - half), Vector3::Constant(off + half));
     const std::vector<MassPoint> points =

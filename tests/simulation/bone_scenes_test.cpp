@@ -11,10 +11,10 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A half-open cup: the lower half of a sphere of 20 mm in a block of 60 × 60 × 40 mm, as a mesh; +z out of
-/// it.
+/// A half-open cup: the lower half of a sphere of 20 mm in a block of 60 × 60 × 40 mm, as a mesh; +z points
+/// out of it.
 TriangleMesh MakeCupBlock() {
-  // a grid over the block's top face, pressed down to the sphere inside its rim; the sides hang from its
+  // a grid over the block's top face, projected down to the sphere inside its rim; the sides hang from its
   // border
   const int n = 48;
   const double half = 0.03, radius = 0.02;
@@ -102,7 +102,7 @@ TEST(BoneScenes, AMeshOfACupBecomesTheBoneItBounds) {
   for (const Ball& ball : bone->balls) {
     const Vector3 c = ball.center_m;
     ASSERT_LE(c.cwiseAbs().head<2>().maxCoeff() + ball.radius_m,
-              0.03 + 1e-9);  // file: millimetres, six decimals
+              0.03 + 1e-9);  // in the file: millimetres with six decimals
     ASSERT_GE(c.z() - ball.radius_m, -0.04 - 1e-9);
     ASSERT_LE(c.z() + ball.radius_m, 1e-9);
   }
@@ -129,7 +129,7 @@ TEST(BoneScenes, ACupThatIsNotThereIsRefusedWithWhatWasFound) {
   EXPECT_FALSE(refusal(buried).empty());
 }
 
-// The top of a ball is an entry, and no place for a reamer's scene.
+// The top of a ball is an entry, but not a cup for a reamer's scene.
 TEST(BoneScenes, AConvexSiteIsNoCup) {
   const TemporaryFile file(".obj", ObjText(MakeIcosphere({0, 0, 0}, 0.024, 3)));
   const Cup on_top{.center_m = Vector3(0, 0, 0.024), .axis = Vector3(0, 0, 1), .radius_m = 0.025};
@@ -146,7 +146,7 @@ TEST(BoneScenes, AConvexSiteIsNoCup) {
   scene.zone = {
       .kind = ZoneParams::Kind::kPath, .radius_m = 0.002, .path_C_m = {{0, 0, 0.005}, {0, 0, -0.01}}};
   EXPECT_TRUE(LoadSceneSolid(file.path(), 1.0, on_top, scene)) << "for a scene that drills it is a site";
-  // a plane is an entry for both
+  // a plane is accepted as an entry in both
   const TemporaryFile block(".obj", ObjText(MakeBox({-0.03, -0.03, -0.03}, {0.03, 0.03, 0.024})));
   scene.zone.kind = ZoneParams::Kind::kCup;
   EXPECT_TRUE(LoadSceneSolid(block.path(), 1.0, on_top, scene));

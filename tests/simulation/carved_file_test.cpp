@@ -40,7 +40,8 @@ class CarvedFile : public testing::Test {
     return {std::istreambuf_iterator<char>(file), {}};
   }
   void Put(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
-  /// The file with a value changed and checksums made right again: what the values' own checks are for.
+  /// Changes a value of the file and recomputes the checksums, so that the check of the value itself is
+  /// tested.
   template <typename Value>
   std::string Forged(std::string bytes, std::size_t at, const Value& value) const {
     std::memcpy(bytes.data() + at, &value, sizeof(value));

@@ -4,7 +4,7 @@
 #include "simulation/cutting_engine.h"
 #include "simulation/tool.h"
 
-// A row of balls and a ball that cuts them in halves: a small bone whose carved state has split balls.
+// A row of balls and a ball that cuts them in half: a small bone whose carved state has split balls.
 
 namespace osteon::simulation::test {
 

@@ -11,7 +11,7 @@
 namespace osteon::simulation {
 namespace {
 
-// Against the plain minimum over all balls, for radii over two decades, gone balls among them.
+// Oracle: the minimum over all balls, for radii over two decades, including gone balls.
 TEST(BallUnion, DistanceIsThatToTheNearestBall) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);

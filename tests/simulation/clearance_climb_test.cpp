@@ -15,8 +15,9 @@ Vector3 RandomUnit(std::mt19937_64& random) {
   return Vector3(normal(random), normal(random), normal(random)).normalized();
 }
 
-// Every candidate optimum of the linear programme, by enumeration: the best of those that no bound forbids.
-// Inside the length allowed an optimum has four bounds active; random bounds have no others.
+// Oracle: enumerates every candidate optimum of the linear programme and takes the best one that satisfies
+// all bounds. Within the allowed length an optimum has four active bounds; random bounds have no other
+// optima.
 TEST(RidgeWalk, ReachesTheOptimumThatEnumerationFinds) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> value(0.0, 1.0);
@@ -68,13 +69,13 @@ class InABox : public testing::Test {
   BallGrid balls_{Vector3::Zero()};
 };
 
-// Soddy: between four unit balls that touch each other there is room for one of radius sqrt(3/2) - 1.
+// Soddy: four unit balls that touch each other leave room for a ball of radius sqrt(3/2) - 1.
 TEST_F(InABox, TheHoleBetweenFourTouchingBallsIsSoddys) {
   const double r = 10e-3;
   for (const Vector3& u : {Vector3(1, 1, 1), Vector3(1, -1, -1), Vector3(-1, 1, -1), Vector3(-1, -1, 1)})
     balls_.Insert({.center_m = u * (r / std::sqrt(2.0)), .radius_m = r});
   const Ball hole = ClimbFrom({0.4e-3, -0.7e-3, 0.5e-3}, {.zone = zone_, .radius_m = 1.0});
-  EXPECT_NEAR(hole.radius_m, (std::sqrt(1.5) - 1.0) * r, 1e-6 * r);  // where climbs end
+  EXPECT_NEAR(hole.radius_m, (std::sqrt(1.5) - 1.0) * r, 1e-6 * r);  // tolerance at which climbs end
   EXPECT_LT(Vector3(hole.center_m).norm(), 1e-6 * r);
 }
 
@@ -84,7 +85,7 @@ TEST_F(InABox, TheHoleInACornerTouchesThreeFacesAndTheBall) {
   EXPECT_NEAR(hole.radius_m, (2.0 - std::sqrt(3.0)) * 0.05, 1e-6 * 0.05);
 }
 
-// With more room than the cap leaves, the ball comes to rest: here in the hollow above three balls.
+// Where the cap is smaller than the room, the ball comes to rest: here in the hollow above three balls.
 TEST_F(InABox, ACappedBallRestsOnItsThreeNearest) {
   for (int i = 0; i < 3; ++i) {
     const double angle = 2.0 * std::numbers::pi / 3.0 * i;
@@ -93,11 +94,11 @@ TEST_F(InABox, ACappedBallRestsOnItsThreeNearest) {
   }
   const double cap = 3e-3;
   const Ball hole = ClimbFrom({0.5e-3, -1e-3, 8e-3}, {.zone = zone_, .radius_m = cap});
-  EXPECT_NEAR(hole.radius_m, cap, 1e-9 * cap);  // where Newton's method ends
+  EXPECT_NEAR(hole.radius_m, cap, 1e-9 * cap);  // tolerance at which Newton's method ends
   EXPECT_NEAR((Vector3(hole.center_m) - Vector3(0, 0, std::sqrt(64e-6 - 36e-6))).norm(), 0.0, 1e-8 * cap);
 }
 
-// All of the box at once: the holes in its eight corners beside the ball in its middle, and nothing larger.
+// The whole box at once: the holes in its eight corners beside the ball in its middle, and nothing larger.
 TEST_F(InABox, SearchingACubeFindsEveryHoleAndNoOther) {
   balls_.Insert({.center_m = Vector3::Zero(), .radius_m = 0.05});
   const double hole = (2.0 - std::sqrt(3.0)) * 0.05;
@@ -113,8 +114,8 @@ TEST_F(InABox, SearchingACubeFindsEveryHoleAndNoOther) {
   EXPECT_TRUE(found.empty());
 }
 
-// The directions from which it climbs are turned by chance, and a corner between four of them is missed: in
-// 216 of these 8000. One direction that is left out makes them 267.
+// The directions from which it climbs are turned at random, and a corner between four of them is missed: in
+// 216 of these 8000. With one direction left out, in 267.
 TEST_F(InABox, SearchingAroundABallFindsItsHolesHoweverItsDirectionsAreTurned) {
   balls_.Insert({.center_m = Vector3::Zero(), .radius_m = 0.05});
   const double hole = (2.0 - std::sqrt(3.0)) * 0.05;
@@ -142,7 +143,7 @@ TEST(DistanceGrid, NeverSaysMoreThanTheDistance) {
     ASSERT_GE(slack, 0.0);
     if (solid.SignedDistance(p) < 0.0) nearest = std::min(nearest, slack);
   }
-  EXPECT_LT(nearest, 0.1e-3);  // and it says something
+  EXPECT_LT(nearest, 0.1e-3);  // and the bound is not trivial
 }
 
 }  // namespace

@@ -30,13 +30,13 @@ TEST(FindBin, SharesOutAllDirections) {
     ASSERT_LT(shaft.number, kContactBins);
     ++count[static_cast<std::size_t>(cutting.number)];
     ++count[static_cast<std::size_t>(shaft.number)];
-    // a third of a cube's face reaches 27 degrees from its middle, a whole one 55
+    // a third of a cube's face extends 27 degrees from its centre, a whole face 55
     ASSERT_GE(cutting.off_middle, -1e-12);
     ASSERT_LT(cutting.off_middle, 1.0 - std::cos(27.0 * M_PI / 180.0));
     ASSERT_LT(shaft.off_middle, 1.0 - std::cos(55.0 * M_PI / 180.0));
   }
   for (std::size_t b = 0; b < kCuttingBins; ++b) {
-    // of 1000 in the mean; a face's middle third covers 1.72 of it, a corner's half
+    // 1000 on average; a face's middle third covers 1.72 times that, a corner's half
     EXPECT_GT(count[b], 500) << b;
     EXPECT_LT(count[b], 1950) << b;  // five standard deviations above
   }
@@ -72,7 +72,7 @@ struct Scene {
   ContactMemory memory;
   int count{0};
 
-  /// A pair of a tool ball of 5 mm whose centre is at c_T; all move along with T's origin.
+  /// Adds a pair of a tool ball of 5 mm whose centre is at c_T; all move with T's origin.
   void Add(const Vector3& n, double gap_m, const Vector3& c_T = Vector3::Zero()) {
     const auto i = static_cast<std::uint32_t>(count++);
     near.nearest[i] = {.pair = {i, 0},
@@ -106,7 +106,7 @@ TEST(HoldTool, OnAPlaneIsTheDepthAlongItsNormal) {
   EXPECT_EQ(held.most_m, held.normal_m);
 }
 
-// Coulomb: what would slip by less than mu times the depth does not slip; else it lags by that much.
+// Coulomb: a slip below mu times the depth does not happen; a larger one is reduced by that much.
 TEST(HoldTool, FrictionHoldsInsideTheConeAndLagsByItOutside) {
   for (const double slip_m : {0.2e-3, 0.5e-3, 0.7e-3, 3e-3}) {
     Scene scene;
@@ -132,11 +132,11 @@ TEST(HoldTool, FrictionCountsTheSurfacesSlipOfATurn) {
 TEST(FindCandidates, LetsAToolAlongASlotOfItsOwnWidth) {
   Scene scene;
   scene.input.motion_G_m = Vector3(0, 0.1e-3, 0);
-  // balls of both walls that come up ahead: tangents taken by themselves would stop the tool after 0 mm
+  // balls of both walls ahead: as plain tangent planes they would stop the tool at once
   scene.Add({1, -0.05, 0}, 0.0);
   scene.Add({-1, -0.05, 0}, 0.0);
   EXPECT_EQ(scene.Hold().point_m(), Vector3::Zero());
-  Scene floor = scene;  // a single wall yields nothing
+  Scene floor = scene;  // a single wall does not yield
   floor.near.nearest[1].present = false;
   EXPECT_GT(floor.Hold().point_m().norm(), 1e-6);
 }
@@ -148,8 +148,8 @@ TEST(HoldTool, WedgedIsWorthItsOverlapAndNotWhatBalancesItself) {
   scene.Add(-Vector3::UnitX(), -0.1e-3);
   scene.Add(Vector3::UnitZ(), 0.0);
   const ContactHold held = scene.Hold();
-  EXPECT_GT(held.normal_m, 10.0);  // metres: what the planes' slack takes to balance
-  EXPECT_LT(held.most_m, 2.2e-3);  // twice the millimetre that it is pressed, and the overlap
+  EXPECT_GT(held.normal_m, 10.0);  // metres, at which the planes' slack balances
+  EXPECT_LT(held.most_m, 2.2e-3);  // twice the millimetre that the tool is pressed, plus the overlap
   const FrameSolution solution = scene.Report();
   Vector3 sum = Vector3::Zero();
   double size = 0.0;
@@ -164,7 +164,7 @@ TEST(HoldTool, WedgedIsWorthItsOverlapAndNotWhatBalancesItself) {
 
 // ---- contacts
 
-/// What the servo loop makes of the contacts at the frame's pose.
+/// The servo loop's projection onto the contacts at the frame's pose.
 HalfSpaceProjection AsTheServoLoopDoes(const FrameSolution& solution) {
   std::array<HalfSpace, kMaxHalfSpaces> planes{};
   for (int c = 0; c < solution.contact_count; ++c) {
@@ -187,7 +187,7 @@ TEST(ReportContacts, GiveTheServoLoopTheFramesForce) {
       n.z() = 0.2 + std::abs(n.z());
       scene.Add(n, 0.2e-3 * u(random), 3e-3 * RandomDirection(random));
     }
-    // a mean normal that is not quite the one that holds
+    // a mean normal that differs slightly from the normal that holds
     static_cast<void>(scene.Report());
     for (int f = 0; f < scene.memory.face_count; ++f)
       for (int k = 0; k < 30; ++k)
@@ -212,15 +212,15 @@ TEST(ReportContacts, GiveTheServoLoopTheFramesForce) {
   EXPECT_GT(several, 20);
 }
 
-// A burr's edge and its shaft against one wall: as the edge's plane gives way the shaft's must stand, or the
-// servo loop meets it some frames later, as deep as the edge has gone meanwhile.
+// A burr's edge and its shaft against one wall. As the edge's plane gives way the shaft's must stay;
+// otherwise the servo loop meets it some frames later, at the depth that the edge has reached meanwhile.
 TEST(ReportContacts, AShaftIsReportedBesideAnEdgeThatPressesTheSameWay) {
   Scene scene;
   scene.input.motion_G_m = Vector3(0, 0, -0.2e-3);
   scene.Add({0, 0, 1}, 0.0);
   scene.Add({0.1, 0, 1}, 0.05e-3);
   scene.near.nearest[1].cutting = false;
-  scene.Add({0, 0.1, 1}, 0.05e-3);  // another ball that cuts is the edge's own face
+  scene.Add({0, 0.1, 1}, 0.05e-3);  // another cutting ball belongs to the edge's own face
   const FrameSolution solution = scene.Report();
   ASSERT_EQ(solution.contact_count, 2);
   EXPECT_TRUE(solution.contacts[0].cutting);

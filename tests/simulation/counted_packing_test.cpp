@@ -33,7 +33,7 @@ void ExpectInside(const Solid& solid, const std::vector<Ball>& balls) {
   EXPECT_LT(worst_m, 1e-9);
 }
 
-// Points of the solid, at least `below_m` under its surface, that no ball holds.
+// Share of the solid's points, at least `below_m` under its surface, that no ball holds.
 double ShareOutside(const Solid& solid, const std::vector<Ball>& balls, double below_m) {
   std::uint64_t seed = 0;
   int outside = 0, count = 0;

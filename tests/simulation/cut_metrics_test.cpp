@@ -17,7 +17,7 @@ TEST(FirstHit, IsWhereTheRayEntersTheNearestBall) {
   EXPECT_DOUBLE_EQ(FirstHit(balls, {0, 0, 0}, Vector3::UnitZ()).value(), 4.0);
   EXPECT_DOUBLE_EQ(FirstHit(balls, {0.6, 0, 0}, Vector3::UnitZ()).value(), 5.0 - 0.8);
   EXPECT_DOUBLE_EQ(FirstHit(balls, {0, 1.2, 0}, Vector3::UnitZ()).value(),
-                   10.0 - 1.6);  // past the nearer one
+                   10.0 - 1.6);  // after the nearer ball
   const Vector3 slanting = Vector3(5, 0, 3).normalized();
   EXPECT_NEAR(FirstHit(balls, {0, 0, 0}, slanting).value(), std::sqrt(34.0) - 1.0, 1e-12);
 }
@@ -57,7 +57,7 @@ TEST(ApexDepth, CountsFromTheFirstFloorAlongTheCupsAxis) {
   EXPECT_NEAR(depth.Of(Down({0.1, 0, -0.025})), 0.0, 1e-15);
   EXPECT_NEAR(depth.Of(Down({0.1, 0, -0.027})), 0.002, 1e-15);
   EXPECT_NEAR(depth.Of(Down({0.1, 0, -0.020})), -0.005, 1e-15);
-  // of the head, however the tool is turned about it
+  // the depth of the head counts, however the tool is turned around it
   Pose tilted = Pose::Identity();
   tilted.linear() = ExpRotation({0, 0.3, 0}) * ExpRotation({M_PI, 0, 0});
   tilted.translation() = Vector3(0.1, 0, -0.005) - tilted.linear() * Vector3(0, 0, -0.022);
@@ -69,8 +69,8 @@ TEST(ApexDepth, WithoutAFloorCountsFromTheCupsRadius) {
   EXPECT_EQ(depth.floor_m(), 0.024);
 }
 
-/// Volume that a ball of R, its centre on the cup's axis d below the cup's centre, takes below the cup's
-/// sphere of r: ball minus lens.
+/// Volume that a ball of radius R, its centre on the cup's axis d below the cup's centre, removes below the
+/// cup's sphere of radius r: ball minus lens.
 double BelowTheCup(double R, double r, double d) {
   // lens of two balls from the volumes of its two caps (independent of LensVolume)
   const double x = (d * d + r * r - R * R) / (2 * d);  // of the common plane, from the cup's centre
@@ -112,7 +112,7 @@ TEST(SweptVolume, CountsWhatIsSweptTwiceOnceAndOfTheShaftNothing) {
 }
 
 TEST(SweptVolume, OfACoarsePathIsThatOfItsChords) {
-  // two poses sweep what two hundred on the straight line between them sweep
+  // two poses sweep the same volume as two hundred on the straight line between them
   const AcetabulumSolid solid{AcetabulumShape{}};
   const Tool tool = MakeReamer(0.010, 0.005, 0.1, 0.9, Vector3::Zero());
   const Vector3 a(-0.010, 0, -0.025), b(0.010, 0.004, -0.030);
@@ -124,7 +124,7 @@ TEST(SweptVolume, OfACoarsePathIsThatOfItsChords) {
   EXPECT_NEAR(SweptVolume(solid, tool, fine, 0.5e-3), volume, 1e-3 * volume);
 }
 
-/// Every cell on its own, on one thread: what SweptVolume decides in blocks.
+/// Oracle for SweptVolume's blocks: every cell by itself, on one thread.
 double CellByCell(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP, double cell_m) {
   const SweptTool swept(tool, X_GP);
   const Eigen::AlignedBox3d box = swept.Bounds().intersection(solid.Bounds());
@@ -153,8 +153,8 @@ TEST(SweptVolume, OfBlocksOnManyThreadsIsThatOfItsCells) {
   }
 }
 
-/// Frames of a head that goes down the axis from `from_m` below the cup's centre to `to_m`, `area_m2` of bone
-/// removed for each metre from `bone_from_m` to `bone_to_m`.
+/// Frames of a head that moves down the axis from `from_m` to `to_m` below the cup's centre, with `area_m2`
+/// of bone removed for each metre from `bone_from_m` to `bone_to_m`.
 std::vector<FrameRecord> Plunge(double from_m, double to_m, double bone_from_m, double bone_to_m,
                                 double area_m2) {
   std::vector<FrameRecord> frames;
@@ -182,9 +182,9 @@ TEST(ReamedDepth, IsWhatTheApexWentIntoBone) {
   const double R = 0.022;
   const Tool tool = MakeReamer(R, 0.008, 0.1, 0.9, Vector3::Zero());
   const double area_m2 = 0.3 * M_PI * R * R;
-  // all of a cut of 5 mm below a way of 3 mm through the air
+  // the whole 5 mm of a cut below 3 mm of air
   EXPECT_NEAR(ReamedBy(tool, Plunge(0.0, 0.008, 0.003, 0.008, area_m2)), 0.005, 1e-5);
-  // through a plate of 5 mm, and on for 20 mm: to a step
+  // through a plate of 5 mm, and on for 20 mm: accurate to a step
   EXPECT_NEAR(ReamedBy(tool, Plunge(0.0, 0.028, 0.003, 0.008, area_m2)), 0.005, 0.26e-3);
   // past the bone: 2 mm³ along 38 mm
   EXPECT_EQ(ReamedBy(tool, Plunge(0.0, 0.041, 0.003, 0.041, 2e-9 / 0.038)), 0.0);

@@ -24,7 +24,7 @@ class Random {
 /// First s in [0, 1] with |D - s m| = R, by marching and bisection; nothing where the balls stay apart.
 double MarchToContact(const Vector3& D, const Vector3& m, double R) {
   const auto apart = [&](double s) { return (D - s * m).norm() - R; };
-  // the distance is convex in s: its least value lies at the foot of the perpendicular
+  // the distance is convex in s: its minimum is at the foot of the perpendicular
   const double closest = std::clamp(D.dot(m) / m.squaredNorm(), 0.0, 1.0);
   if (apart(closest) > 0.0) return kNoContact;
   double low = 0.0, high = closest;
@@ -40,7 +40,7 @@ TEST(FirstContact, AgreesWithBisectionForPairsThatAreApart) {
     const Vector3 D = (R + random.In(1e-6, 20e-3)) * random.Direction();
     const Vector3 m = random.In(1e-6, 40e-3) * random.Direction();
     const double expected = MarchToContact(D, m, R), s = FirstContactFraction(D, m, R);
-    // grazing: the root is a square root of what rounds, so the fraction is good to sqrt(eps) only
+    // grazing: the root is a square root of a rounded value, so the fraction is accurate only to sqrt(eps)
     const double miss = (D - std::clamp(D.dot(m) / m.squaredNorm(), 0.0, 1.0) * m).norm() - R;
     if (std::abs(miss) < 1e-12) continue;
     ASSERT_EQ(expected == kNoContact, s == kNoContact) << i;
@@ -49,7 +49,7 @@ TEST(FirstContact, AgreesWithBisectionForPairsThatAreApart) {
       continue;
     }
     ++hits;
-    // the claim is about the place: the balls touch there, to rounding of coordinates of some centimetres
+    // the claim is about the place: the balls touch there, to the rounding of coordinates of some centimetres
     ASSERT_NEAR((D - s * m).norm(), R, 1e-14) << i;
     ASSERT_NEAR((s - expected) * m.norm(), 0.0, 1e-8) << i;
   }
@@ -101,7 +101,7 @@ TEST(FirstContact, OfPartingBallsIsNone) {
 
 // ---- pass 2: lens volume
 
-/// The same by slices across the line of centres (midpoint rule).
+/// Oracle: slices across the line of centres (midpoint rule).
 double LensBySlices(double r1, double r2, double d) {
   constexpr int kSlices = 20'000;
   const double low = std::max(-r1, d - r2), high = std::min(r1, d + r2);
@@ -135,7 +135,8 @@ TEST(LensVolume, OfAContainedBallIsItsVolumeAndOfBallsApartIsNone) {
 }
 
 TEST(LensVolume, IsSmoothAtBothJoins) {
-  // continuous with a continuous slope: within h of a join it leaves its constant value as h^2 at most
+  // continuous with a continuous slope: within h of a join it leaves its constant value by at most the order
+  // of h^2
   for (const double r2 : {0.3, 2.0, 4.5}) {
     const double r1 = 5.0, contained = 4.0 / 3.0 * std::numbers::pi * r2 * r2 * r2;
     for (const double h : {1e-2, 1e-3, 1e-4}) {
@@ -166,7 +167,7 @@ TEST(LensVolume, IsSymmetricPositiveAndFallsWithDistance) {
 }
 
 TEST(LensVolume, ScalesWithTheCubeOfLength) {
-  // the equation as printed has lost two squares: it depends on the unit
+  // two squares are missing in the printed equation: it depends on the unit
   EXPECT_NEAR(LensVolume(5e-3, 2e-3, 4e-3) * 1e9, LensVolume(5.0, 2.0, 4.0), 1e-12);
 }
 
@@ -237,12 +238,12 @@ TEST(ShrinkBall, DeletesWhatTheSweepSwallows) {
   EXPECT_NEAR(left.c.x(), 5.05e-3, 1e-15);
   Vector3 dead_center(6e-3, 0, 0);
   double dead = 0.0;
-  EXPECT_FALSE(ShrinkBall(dead_center, dead, a, b, 7e-3));  // what is gone stays gone and is no change
+  EXPECT_FALSE(ShrinkBall(dead_center, dead, a, b, 7e-3));  // a gone ball stays gone and is no change
 }
 
 TEST(ShrinkBall, LeavesAtACapAlongTheLineFromTheEnd) {
   const Vector3 a = Vector3::Zero(), b(0, 0, 1e-2);
-  const Vector3 u = Vector3(1, 2, 2) / 3.0;  // out of b's hemisphere
+  const Vector3 u = Vector3(1, 2, 2) / 3.0;  // a direction in b's hemisphere
   const Shrunk after = Shrink(b + 5.5e-3 * u, 1e-3, a, b, 5e-3);
   EXPECT_LT((after.c - (b + 5.75e-3 * u)).norm(), 1e-15);
   EXPECT_NEAR(after.r, 0.75e-3, 1e-15);
@@ -261,7 +262,7 @@ TEST(ShrinkBall, OnTheAxisLeavesSidewaysAndTheSameWayEachTime) {
     ASSERT_NEAR(one.c.dot(axis), 0.0, 1e-15);
     ASSERT_GE(DistanceToSegment(one.c, a, b) - one.r - r_t, -1e-14);
   }
-  // a capsule without length: any direction will do, but a finite one
+  // a capsule without length: any finite direction is right
   const Shrunk point = Shrink(Vector3::Zero(), 10e-3, Vector3::Zero(), Vector3::Zero(), 2e-3);
   EXPECT_NEAR(point.c.norm(), 6e-3, 1e-15);
 }
@@ -274,7 +275,7 @@ TEST(ShrinkBall, IsTheLargestBallInsideTheOldOneAndOutsideTheSweep) {
     const Vector3 c = a + random.In(0, 1) * (b - a) + (r_t + random.In(-0.8, 0.9) * r) * random.Direction();
     const Shrunk after = Shrink(c, r, a, b, r_t);
     if (!after.changed || after.r == 0.0) continue;
-    // a candidate centre's largest ball: what is left to the old ball's surface and to the sweep
+    // largest ball at a candidate centre: limited by the old ball's surface and the sweep
     const auto room = [&](const Vector3& x) {
       return std::min(r - (x - c).norm(), DistanceToSegment(x, a, b) - r_t);
     };
@@ -290,8 +291,8 @@ TEST(ShrinkBall, IsTheLargestBallInsideTheOldOneAndOutsideTheSweep) {
         if (room(x) > best) best = room(at = x);
       }
     ASSERT_LE(best, after.r + 1e-12) << i;      // nothing larger is found
-    if (after.r < 0.1 * r) continue;            // a sliver that random points may miss
-    ASSERT_NEAR(best, after.r, 2e-3 * r) << i;  // and the search is good enough to have found it
+    if (after.r < 0.1 * r) continue;            // random points may miss a thin ball
+    ASSERT_NEAR(best, after.r, 2e-3 * r) << i;  // the search is good enough to find it
   }
 }
 

@@ -8,7 +8,8 @@
 
 #include "simulation/fidelity/disjoint_balls.h"
 
-// How exact removal is, by itself: the two scenes with the recommended packings, the paper's beside them.
+// Accuracy of removal alone: the two scenes with the recommended packings, and the paper's packing for
+// comparison.
 
 namespace osteon::simulation {
 namespace {
@@ -44,7 +45,7 @@ TEST(DepthTable, ASplitPackingKeepsTheBlocksBars) {
   EXPECT_LE(row.accuracy.depth_error_m + 2.0 * row.accuracy.depth_error_se_m, 0.06e-3);
   EXPECT_LE(row.accuracy.probes[2].p95_m, 0.03e-3);
   EXPECT_NEAR(coarse.accuracy.depth_error_m, fine.accuracy.depth_error_m, 0.005e-3);
-  // split.md: .749 mm measured elsewhere for the paper's rule on its own packing
+  // split.md: 0.749 mm measured elsewhere for the paper's rule on its own packing
   EXPECT_GT(theirs.accuracy.depth_error_m, 0.5e-3);
   EXPECT_GT(theirs.accuracy.probes[2].p95_m, 0.5e-3);
 }
@@ -56,20 +57,20 @@ TEST(DepthTable, HeavyOverlapKeepsTheCupsBars) {
   ExpectNothingLeft(row);
   ExpectNothingLeft(theirs);
   EXPECT_LE(row.live, 25'000u);
-  // issue 4: .035 mm; and .03 mm for the default method on the cup
+  // issue 4: 0.035 mm; and 0.03 mm for the default method on the cup
   EXPECT_LE(row.accuracy.depth_error_m + 2.0 * row.accuracy.depth_error_se_m, 0.03e-3);
   EXPECT_LE(row.accuracy.probes[2].p95_m, 0.04e-3);
   EXPECT_NEAR(coarse.accuracy.depth_error_m, row.accuracy.depth_error_m, 0.005e-3);
   EXPECT_GT(theirs.accuracy.depth_error_m, 4.0 * row.accuracy.depth_error_m);
-  // what a plan holds its own packing against: rather too few
+  // the prediction that a plan compares its own packing with: rather too few balls
   const double shell_m3 = 2.0 / 3.0 * std::numbers::pi * (std::pow(33e-3, 3) - std::pow(25e-3, 3)),
                predicted = PredictDisjointBalls(theirs.accuracy.depth_error_m, shell_m3);
   EXPECT_LT(predicted, static_cast<double>(theirs.balls));
   EXPECT_GT(predicted, 0.4 * static_cast<double>(theirs.balls));
 }
 
-// cutting.md: with a capped radius the extra depth of disjoint balls is .385 r by theory (solid fraction
-// .77); without overlap nothing is gained by splitting what overlap would cover.
+// cutting.md: with a capped radius the extra depth of disjoint balls is 0.385 r in theory (solid fraction
+// 0.77). Without overlap, splitting gains nothing.
 TEST(DepthTable, SplittingIsWhatMakesTheDifference) {
   const DepthScene scene = MakeBlockScene();
   DepthMethod plain = RecommendedMethod(scene);

@@ -36,7 +36,8 @@ double Gap_m(const Ball& ball, const Vector3& p) {
   return (p - Vector3(ball.center_m)).norm() - ball.radius_m;
 }
 
-/// By plain loops: within the solid, none into another, by more than a picometre of rounding.
+/// Checks by plain loops that balls are within the solid and none overlaps another, to a picometre of
+/// rounding.
 void ExpectDisjointAndInside(const Solid& solid, std::span<const Ball> balls) {
   for (std::size_t i = 0; i < balls.size(); ++i) {
     ASSERT_LE(solid.SignedDistance(balls[i].center_m) + balls[i].radius_m, 1e-12);
@@ -45,8 +46,8 @@ void ExpectDisjointAndInside(const Solid& solid, std::span<const Ball> balls) {
   }
 }
 
-/// The largest ball of those around `probes` random points that is free; from each the way goes a little
-/// uphill, at random. No part of the packer is used.
+/// The largest free ball around `probes` random points; from each point random steps climb towards larger
+/// clearance. Independent of the packer.
 double LargestHole_m(const Solid& solid, std::span<const Ball> balls, int probes) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -91,12 +92,13 @@ TEST(DisjointPacking, LiesInsideAndIsDisjointInEveryShape) {
     }
 }
 
-// In a cube: its inscribed ball, then the eight that touch three faces and that one, r = (2 - sqrt 3) a/2.
+// In a cube: its inscribed ball, then the eight balls that touch three faces and that ball, r = (2 - sqrt 3)
+// a/2.
 TEST(DisjointPacking, StartsWithTheInscribedBallAndFillsTheCornersNext) {
   const std::vector<double> radii = RadiiDescending(
       BuildDisjointPacking(CenteredBox(Vector3(0.1, 0.1, 0.1)), EverywhereZone(), {.count = 9}));
   ASSERT_EQ(radii.size(), 9u);
-  EXPECT_NEAR(radii[0], 0.05, 1e-6 * 0.05);  // where climbs end
+  EXPECT_NEAR(radii[0], 0.05, 1e-6 * 0.05);  // tolerance at which climbs end
   for (int i = 1; i < 9; ++i) EXPECT_NEAR(radii[i], (2.0 - std::sqrt(3.0)) * 0.05, 1e-5 * 0.05);
 }
 
@@ -107,8 +109,8 @@ TEST(DisjointPacking, ABallTakesOneBallAndThenIsFull) {
   EXPECT_NEAR(balls[0].radius_m, 0.02, 1e-6 * 0.02);
 }
 
-// Largest first, within the classes' 5 %: what is left open takes no ball larger than the smallest one
-// placed.
+// Largest first, to within the classes' 5 %: the remaining holes have no room for a ball larger than the
+// smallest one placed.
 TEST(DisjointPacking, LeavesNoHoleLargerThanItsSmallestBall) {
   const AcetabulumSolid solid({});
   for (const std::size_t count : {30, 300, 1500}) {
@@ -195,9 +197,9 @@ TEST(DisjointPacking, RadiiGrowWithDepthAsTheyMay) {
   EXPECT_GT(RadiiDescending(balls).front(), 5e-3);
 }
 
-// The same solid with one radius for all: how dense balls lie that roll to rest is about .56 to .60 without
-// walls (loose random packings: Onoda, Liniger, Phys. Rev. Lett. 64, 1990: .555). The walls of 20 diameters
-// take .03.
+// The same solid with one radius for all. The density of balls that roll to rest is about 0.56 to 0.60
+// without walls (loose random packings: Onoda, Liniger, Phys. Rev. Lett. 64, 1990: 0.555). Walls at 20
+// diameters reduce it by 0.03.
 TEST(DisjointPacking, CappedBallsLieAsDenseAsPouredOnes) {
   const BoxSolid box = CenteredBox(Vector3(0.04, 0.04, 0.04));
   const std::vector<Ball> balls = BuildDisjointPacking(
@@ -205,8 +207,8 @@ TEST(DisjointPacking, CappedBallsLieAsDenseAsPouredOnes) {
   EXPECT_GT(Volume_m3(balls) / Volume_m3(box), 0.52);
 }
 
-// Coverage of a cube. The bounds are this packer's own, less 1 %: a change that makes it worse should be
-// noticed. One ball covers pi/6; ten thousand .90.
+// Coverage of a cube. The bounds are this packer's own results less 1 %, to notice a change for the worse.
+// One ball covers pi/6; ten thousand cover 0.90.
 TEST(DisjointPacking, CoversACubeNoWorseThanItDid) {
   const BoxSolid box = CenteredBox(Vector3(0.1, 0.1, 0.1));
   double last = 0.0;
@@ -240,8 +242,8 @@ TEST(DisjointPacking, RefusesBadParameters) {
   EXPECT_THAT(message({.threads = -1}), HasSubstr("threads: found -1, accepted 0 … 1024"));
 }
 
-// The real thing, where the folder of anatomical meshes is at hand. OpenVDB's fillWithSpheres with 10 000
-// balls covers .776 of this bone; half as many cover more here.
+// A real bone, where the folder of anatomical meshes is available. OpenVDB's fillWithSpheres with 10 000
+// balls covers 0.776 of this bone; half as many balls cover more here.
 TEST(DisjointPacking, CoversTheHipBoneBetterThanOpenVdb) {
   const char* folder = std::getenv("OSTEON_DATA_DIR");
   const std::filesystem::path path = std::filesystem::path(folder ? folder : "") / "hip_bone_left.obj";

@@ -13,16 +13,16 @@
 #include "simulation/solids/box_solid.h"
 #include "simulation/tool.h"
 
-// What the engines' tests share: small scenes whose surfaces are known exactly, and every claim made of both
-// engines. All lengths in metres, G and W coincide.
+// Shared by the engines' tests: small scenes whose surfaces are known exactly, and a suite that runs on both
+// engines. All lengths in metres; G and W coincide.
 
 namespace osteon::simulation {
 
 inline constexpr double kSpindle_rad_per_s = 250.0 * 2.0 * M_PI / 60.0;
 
 /// A box of equal balls on a cubic lattice of half a millimetre. Each of its six faces is touched by a row of
-/// balls .5 mm apart: a tool of R >= 2 mm rests within .125 / (2 (R + r)) < .03 mm of the plane through them
-/// (.006 mm for R = 10 mm).
+/// balls 0.5 mm apart: a tool of R >= 2 mm rests within 0.125 / (2 (R + r)) < 0.03 mm of the plane through
+/// them (0.006 mm for R = 10 mm).
 inline constexpr double kLattice_m = 0.5e-3, kBallRadius_m = 0.75e-3;
 inline void AddBox(const Vector3& low, const Vector3& high, Bone& bone, bool with_points = true) {
   const Vector3 room = high - low - Vector3::Constant(2.0 * kBallRadius_m);
@@ -46,7 +46,7 @@ inline void AddBox(const Vector3& low, const Vector3& high, Bone& bone, bool wit
   bone.points.insert(bone.points.end(), points.begin(), points.end());
 }
 
-/// u_c [J/m^3]: cancellous bone, assumed (cutting.md); and one in which short runs cut deep.
+/// u_c [J/m^3]: cancellous bone, assumed (cutting.md); and a softer bone in which short runs cut deep.
 inline constexpr double kSpongy = 60e6, kSoft = 4e6;
 
 inline Bone EmptyBone(double u_c = kSpongy) {
@@ -60,7 +60,7 @@ inline Bone EmptyBone(double u_c = kSpongy) {
   return bone;
 }
 
-/// Its top face is z = 0.
+/// A slab with its top face at z = 0.
 inline Bone Slab(double width_m, double thickness_m, bool with_points = true, double u_c = kSpongy) {
   Bone bone = EmptyBone(u_c);
   AddBox({-0.5 * width_m, -0.5 * width_m, -thickness_m}, {0.5 * width_m, 0.5 * width_m, 0.0}, bone,
@@ -76,7 +76,7 @@ inline Tool BallTool(double radius_m) {
   return tool;
 }
 
-/// Feed straight down, then turned by a rotation vector; apex at p.
+/// Feed straight down, then turned by a rotation vector; the apex at p.
 inline Pose Down(const Vector3& p, const Vector3& turn = Vector3::Zero()) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation(turn) * ExpRotation({M_PI, 0, 0});

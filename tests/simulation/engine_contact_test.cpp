@@ -5,7 +5,7 @@
 #include "simulation/solids/cup_frame.h"
 #include "tests/simulation/engine_bench.h"
 
-// What a tool meets: contact without cutting. The spindle stands still unless a test says otherwise.
+// Contact without cutting. The spindle stands still unless a test says otherwise.
 
 namespace osteon::simulation {
 namespace {
@@ -13,7 +13,8 @@ namespace {
 using EngineContact = Engine;
 OSTEON_ON_BOTH_ENGINES(EngineContact);
 
-/// Overlap that the slide may leave, and what the lattice lets a tool of 10 mm sink in.
+/// Overlap that the slide may leave, plus the depth to which a tool of 10 mm sinks between the lattice's
+/// balls.
 constexpr double kSurface_m = 0.02e-3 + 0.006e-3;
 /// float32 at some centimetres: 2e-9 m a rounding, a few of them.
 constexpr double kFloat_m = 2e-8;
@@ -54,7 +55,7 @@ TEST_P(EngineContact, PressingIsResistedAlongTheSurfacesNormalByStiffnessTimesDe
     const ContactModel model = Hold(*engine, Down({0.1e-3, 0.2e-3, -depth}), 40);
     EXPECT_NEAR(ApexOf(model).z(), 0.0, kSurface_m) << depth;
     EXPECT_LT(Degrees(model.n_W, Vector3::UnitZ()), 1.0) << depth;
-    // within 1 %, and what the surface's place leaves open
+    // to within 1 %, plus the uncertainty of the surface's place
     EXPECT_NEAR(Vector3(model.F_T_W.f).norm(), 20e3 * depth, 0.01 * 20e3 * depth + 20e3 * kSurface_m);
     EXPECT_LT(Degrees(model.F_T_W.f, Vector3::UnitZ()), 1.0) << depth;
     EXPECT_GE(model.contact_count, 1);
@@ -62,7 +63,7 @@ TEST_P(EngineContact, PressingIsResistedAlongTheSurfacesNormalByStiffnessTimesDe
   }
 }
 
-// "Positive roots only" drops every pair that overlaps already, and the tool tunnels.
+// With positive roots only, every pair that overlaps already is dropped, and the tool tunnels.
 TEST_P(EngineContact, OverlapThatIsThereFromTheStartHoldsTheToolInwardsAndLetsItOut) {
   Bone bone = EmptyBone();
   bone.balls.push_back({.center_m = Vector3(0, 0, -1e-3), .radius_m = 1e-3});
@@ -113,7 +114,7 @@ TEST_P(EngineContact, SlidingOverFlatBoneKeepsASteadyForceAndDoesNotStick) {
   EXPECT_GT(low, 40.0 - 1.0);
   EXPECT_LT(high, 40.0 + 1.0);
   EXPECT_LT(tangential, 0.07 * 40.0);  // failures.md row 7
-  EXPECT_LT(lag, 0.15e-3);             // it goes along; .14 mm is the tangential limit above over K
+  EXPECT_LT(lag, 0.15e-3);             // the tool follows; 0.14 mm is the tangential limit above over K
 }
 
 TEST_P(EngineContact, LeavingIsNeverBlocked) {
@@ -140,7 +141,7 @@ TEST_P(EngineContact, LeavingIsNeverBlocked) {
 TEST_P(EngineContact, NoToolPassesThroughAThinSheet) {
   Bone bone = EmptyBone();
   const double half = 16e-3;
-  // one layer of balls 1.5 mm thick, cut down to 1 mm of radius .5 on a .5 mm lattice
+  // one layer of balls 1.5 mm thick, reduced to 1 mm by a radius of 0.5 mm on a 0.5 mm lattice
   AddBox({-half, -half, -0.75e-3}, {half, half, 0.75e-3}, bone, false);
   for (Ball& ball : bone.balls) ball.radius_m = 0.5e-3;
   std::mt19937 random(4);
@@ -159,7 +160,7 @@ TEST_P(EngineContact, NoToolPassesThroughAThinSheet) {
       ContactModel model;
       for (double s = 0.0; s < length_m; s += speed_m_per_s * dt_s) {
         model = engine->Step(At(Down(start + s * way), 0.0, dt_s));
-        // the ball's centre must stay above the sheet: R off its middle, less the tolerance
+        // the ball's centre must stay above the sheet: R above its middle, less the tolerance
         const double centre_z = ApexOf(model).z() + R;
         if (centre_z < 0.5 * R) {
           ++crossings;
@@ -229,7 +230,7 @@ TEST_P(EngineContact, ShaftTouchesAndDoesNotCut) {
   EXPECT_EQ(HashState(engine->Snapshot()), before);
 }
 
-// Left of x = 0 the tissue is light and slippery, right of it dense and rough.
+// Light and slippery tissue at x < 0, dense and rough tissue at x > 0.
 Bone TwoTissues(double width_m) {
   Bone bone = Slab(width_m, 3e-3);
   bone.materials.push_back(bone.materials.front());
@@ -253,7 +254,7 @@ TEST_P(EngineContact, AShaftsContactHasTheTissueOfItsPlace) {
     ASSERT_GT(model.contact_count, 0);
     EXPECT_EQ(model.contacts[0].material, x > 0.0 ? 1 : 0);
     EXPECT_EQ(model.contacts[0].mu, x > 0.0 ? 0.4 : 0.1);
-    // dragged along y, it is held back by that tissue's friction
+    // dragged along y, the tool is held back by that tissue's friction
     for (int i = 0; i < 60; ++i) model = engine->Step(At(Down({x, 0.05e-3 * i, -1e-3})));
     const Vector3 f = model.F_T_W.f;
     EXPECT_NEAR(-f.y() / f.z(), x > 0.0 ? 0.4 : 0.1, 0.03);
@@ -261,7 +262,7 @@ TEST_P(EngineContact, AShaftsContactHasTheTissueOfItsPlace) {
   }
 }
 
-// The paper weighs each lens by its ball's density: beside denser tissue a plane wall's normal would lean.
+// The paper weights each lens by its ball's density: beside denser tissue a plane wall's normal would lean.
 TEST_P(EngineContact, DenserTissueDoesNotTurnTheNormal) {
   const auto engine = Make(TwoTissues(20e-3), BallTool(6e-3));
   engine->Step(At(Down({0, 0, 1e-3})));
@@ -305,8 +306,8 @@ TEST_P(EngineContact, InACupThePressedToolIsHeldAlongTheCupsNormal) {
     const Pose X_WT = Down(3e-3 * out - Vector3(0, 0, R));
     const ContactModel model = engine->Step(At(X_WT));
     if (i < 4) continue;  // the first frames reach the wall
-    // the force points back to the cup's centre
-    // the packing's wall is rough by .03 mm (p95) where the clearance is 1 mm
+    // The force points back to the cup's centre. The packing's wall has a roughness of 0.03 mm (95th
+    // percentile), at a clearance of 1 mm.
     EXPECT_LT(Degrees(model.n_W, -out), 8.0) << i;
     if (before != Vector3::Zero()) {
       EXPECT_GT(before.dot(Vector3(model.n_W)), 0.9) << i;

@@ -8,7 +8,7 @@
 #include "simulation/frame_solution.h"
 #include "tests/simulation/engine_bench.h"
 
-// What goes with the cut: removal, its rate, its books.
+// Cutting: removal, its rate, its books.
 
 namespace osteon::simulation {
 namespace {
@@ -35,7 +35,7 @@ struct Way {
   double radius_m;
 };
 
-/// The ways of a frame without rotation, from what the engine reports.
+/// A frame's path without rotation, from the engine's report.
 Way WayOf(const ToolBall& ball, const Pose& X_WP_before, const FrameInput& input, const ContactModel& model) {
   const Pose X_WT = input.X_WT, X_WP = model.X_WP;
   const Vector3 before = X_WP_before * Vector3(ball.center_m), goal = X_WT * Vector3(ball.center_m);
@@ -118,8 +118,8 @@ TEST_P(EngineCutting, LeavesNothingInsideTheSweepAndTheUnionNeverGrows) {
   }
 }
 
-// A feed of many slides a frame, aslant: what sliding leaves of the way must not be lost, and no advance
-// along the normal may lead beside the way that was asked for.
+// An oblique feed of many slides a frame: no part of the way may be lost that a slide leaves, and no advance
+// along the normal may lead beside the commanded way.
 TEST_P(EngineCutting, WithTheImmediateLawTheToolEndsEveryFrameWhereItWasTold) {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
@@ -131,9 +131,9 @@ TEST_P(EngineCutting, WithTheImmediateLawTheToolEndsEveryFrameWhereItWasTold) {
       const Vector3 asked = start + static_cast<double>(i) / frames * (goal - start) -
                             Vector3(0, 0, 0.3e-3 / frames);  // each run a little deeper
       const ContactModel model = engine->Step(At(Down(asked), kSpindle_rad_per_s, 4e-3));
-      // the proxy's way is known to some nanometres, in single precision
+      // the proxy's path is known to some nanometres, in single precision
       EXPECT_LT((Pose(model.X_WP).translation() - asked).norm(), 2e-8) << frames << " " << i;
-      // first it slid along the surface, by no more than a frame may
+      // first it slid along the surface, by at most a frame's limit
       const Vector3 contact = before + model.contact_fraction * (asked - before);
       EXPECT_LE((Vector3(model.p_WS_m) - contact).norm(), params.max_slide_m + 2e-8) << frames << " " << i;
       before = asked;
@@ -143,14 +143,14 @@ TEST_P(EngineCutting, WithTheImmediateLawTheToolEndsEveryFrameWhereItWasTold) {
   }
 }
 
-// Led to and fro with 100 mm/s, pressed with the same force: in frames of 6 ms the slide has more to go than
-// a frame may, and yet the energy of the spindle goes into the cut as in frames of 1 ms.
+// Moved to and fro at 100 mm/s, pressed with the same force. In frames of 6 ms the slide would go farther
+// than a frame may, and yet the spindle's energy goes into the cut as in frames of 1 ms.
 TEST_P(EngineCutting, AToolLedAcrossBoneCutsAsMuchInLateFrames) {
   std::vector<double> removed_m3;
   for (const int ms : {1, 6}) {
     const auto engine = Make(Slab(14e-3, 4e-3, true, kSoft), BallTool(2e-3));
     ContactModel model = engine->Step(At(Down({0, 0, 0.2e-3})));
-    double z = 0.0;  // of the tool, so far above the proxy's depth that 40 N press it on
+    double z = 0.0;  // of the tool, above the proxy's depth by the length at which 40 N press it
     for (int i = 0; i < 120 / ms; ++i) {
       const double t = 1e-3 * ms * i, x = 2e-3 * std::asin(std::sin(std::numbers::pi * t / 40e-3)) / 1.57;
       z = Pose(model.X_WP).translation().z() - 2e-3;
@@ -176,7 +176,7 @@ TEST_P(EngineCutting, VolumeOfAPlungeIsTheSphericalCap) {
   EXPECT_NEAR(model.removed_mass_kg, 500.0 * model.removed_volume_m3, 1e-12);
 }
 
-// failures.md row 20: what the drive gives is what the cut costs.
+// failures.md row 20: the drive's work equals the energy of the cut.
 TEST_P(EngineCutting, DrivesWorkIsTheCutsEnergy) {
   const auto engine = Make(Slab(24e-3, 6e-3), BallTool(8e-3));
   const double dt = 2e-3;
@@ -220,7 +220,7 @@ TEST_P(EngineCutting, ForceAndVolumeDoNotDependOnTheFrameRate) {
     runs.push_back(Plunge(*Make(bone, tool), 1.0 / hz));
     std::printf("%4.0f Hz: %.3f N, %.4f mm^3\n", hz, runs.back().force_N, runs.back().volume_m3 * 1e9);
   }
-  // 20 N/mm hold a tool that is led 2.8 mm deep: up to 56 N, of which the cut takes away
+  // 20 N/mm hold a tool that is moved 2.8 mm deep: up to 56 N, less what the cut removes
   EXPECT_GT(runs.back().force_N, 1.0) << "nothing pressed: all rates agree on that";
   EXPECT_GT(runs.back().volume_m3, 1e-9) << "nothing cut";
   for (const Plunged& run : runs) {
@@ -229,7 +229,7 @@ TEST_P(EngineCutting, ForceAndVolumeDoNotDependOnTheFrameRate) {
   }
 }
 
-// failures.md row 20: the tool gets no energy out of touching, cutting and leaving.
+// failures.md row 20: the tool gains no energy from touching, cutting and leaving.
 TEST_P(EngineCutting, ClosedCyclesNeverReturnEnergy) {
   const auto engine = Make(Slab(16e-3, 4e-3), BallTool(6e-3));
   Vector3 p(0, 0, 0.5e-3), f = Vector3::Zero();
@@ -242,12 +242,12 @@ TEST_P(EngineCutting, ClosedCyclesNeverReturnEnergy) {
       const Vector3 next(0.5e-3 * std::sin(phase), 0.3e-3 * std::sin(2 * phase),
                          -0.5e-3 + 1.0e-3 * std::cos(phase));
       const ContactModel model = engine->Step(At(Down(next), cutting ? kSpindle_rad_per_s : 0.0));
-      // on the bone, by the hand: trapezoidal, minus the wrench that the hand feels
+      // work on the bone by the hand: trapezoidal, minus the wrench that the hand feels
       work_J -= 0.5 * (f + Vector3(model.F_T_W.f)).dot(next - p);
       f = model.F_T_W.f;
       p = next;
     }
-    // after each closed cycle; a tenth of a millijoule for the trapezoidal rule
+    // after each closed cycle; tolerance of a tenth of a millijoule for the trapezoidal rule
     least_J = std::min(least_J, work_J);
   }
   EXPECT_GE(least_J, -1e-4);
@@ -255,7 +255,7 @@ TEST_P(EngineCutting, ClosedCyclesNeverReturnEnergy) {
 }
 
 // failures.md row 5: cut a slot, tilt, withdraw; the spindle stands still from the tilt on. The head's centre
-// stays above the surface: a deeper slot, cut sideways, is undercut and truly holds the head.
+// stays above the surface, because a deeper slot, cut sideways, is an undercut that does hold the head.
 TEST_P(EngineCutting, ToolWithdrawsFromItsOwnSlot) {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
@@ -275,7 +275,7 @@ TEST_P(EngineCutting, ToolWithdrawsFromItsOwnSlot) {
   EXPECT_LT((Pose(model.X_WP).translation() - tilted(0.15, 0.0).translation()).norm(), 0.05e-3);
   for (int i = 0; i <= 150; ++i) {
     model = engine->Step(At(tilted(0.15, 0.05e-3 * i)));
-    // the collision-free pose follows at once: .05 mm a frame, and what the tilt had left
+    // the collision-free pose follows at once: 0.05 mm a frame, plus the rest from the tilt
     ASSERT_LT((Pose(model.X_WP).translation() - tilted(0.15, 0.05e-3 * i).translation()).norm(), 0.1e-3) << i;
   }
   EXPECT_EQ(Vector3(model.F_T_W.f).norm(), 0.0);
@@ -292,8 +292,8 @@ TEST_P(EngineCutting, AdvanceFollowsTheEnergyBalance) {
     const ContactModel model = engine->Step(At(Down({0, 0, -4e-3}), kSpindle_rad_per_s));
     const double depth = -Pose(model.X_WP).translation().z();
     if (i > 50 && i % 50 == 0) {
-      // area of the tool's section with the surface, in the mean over the layer of depth e that measures it;
-      // the mean distance of a disc's points to its axis is 2/3 of its radius
+      // area of the tool's section with the surface, averaged over the measuring layer of depth e; the mean
+      // distance of a disc's points from its axis is 2/3 of its radius
       const double area = M_PI * (std::pow(R + 0.25e-3, 2) - std::pow(R - depth, 2));
       const double arm = 2.0 / 3.0 * std::sqrt(area / M_PI);
       EXPECT_NEAR(model.engaged_area_m2, area, 0.12 * area) << i;

@@ -4,7 +4,8 @@
 #include "kinematics/half_spaces.h"
 #include "tests/simulation/engine_bench.h"
 
-// The contact law on both engines: undercuts, own holes, friction, wedges, and frames that no hand makes.
+// The contact law on both engines: undercuts, the tool's own holes, friction, wedges, and frames that no hand
+// causes.
 
 namespace osteon::simulation {
 namespace {
@@ -13,8 +14,8 @@ using EngineLaw = Engine;
 OSTEON_ON_BOTH_ENGINES(EngineLaw);
 
 constexpr double kStiffness = 20e3;
-/// Overlap that the slide may leave, and what the lattice lets a tool of 2 mm sink in (.5^2/8 / (2 + .75)
-/// mm).
+/// Overlap that the slide may leave, plus the depth to which a tool of 2 mm sinks into the lattice (0.5^2/8 /
+/// (2 + 0.75) mm).
 constexpr double kSurface_m = 0.02e-3 + 0.012e-3;
 
 CuttingParams Immediate() {
@@ -33,7 +34,7 @@ TEST_P(EngineLaw, AnUndercutHoldsTheHeadDown) {
   ContactModel model;
   for (int i = 1; i <= 80; ++i)
     model = engine->Step(At(Down({1e-3, 0, -depth + std::min(2e-3, 0.05e-3 * i)})));
-  // 2 mm up against the roof: 40 N down; a roof of cut balls yields some hundredths of a millimetre
+  // 2 mm up against the roof: 40 N down; a roof of cut balls yields by some hundredths of a millimetre
   EXPECT_NEAR(model.F_T_W.f.z, -40.0, 0.05 * 40.0);
   EXPECT_LT(model.n_W.z, -0.9);
   EXPECT_NEAR(Vector3(model.X_WP.p).z(), -depth, 0.1e-3);
@@ -64,7 +65,8 @@ TEST_P(EngineLaw, FrictionHoldsWithinTheConeAndNoMore) {
   const auto engine = Make(bone, BallTool(5e-3));
   engine->Step(At(Down({0, 0, 0.1e-3})));
   for (int i = 0; i < 40; ++i) engine->Step(At(Down({0, 0, -2e-3})));
-  // the lattice's balls lean by .25 / (5 + .75) at most, the cone stands on them: up one and down the next
+  // the lattice's balls lean by at most 0.25 / (5 + 0.75), and the friction cone is relative to them: up one
+  // ball and down the next
   const double kSlopes = 2.0 * 0.25 / 5.75;
   // across and back: the force follows the tool at the coupling's stiffness until the cone's edge
   for (int i = 0; i <= 60; ++i) {
@@ -94,7 +96,7 @@ TEST_P(EngineLaw, ATurningSpindleHasNoFrictionAlongTheFeed) {
   EXPECT_LT(tangential, 0.1 * 40.0);
 }
 
-// The contract with the servo loop: at the frame's pose its planes give the frame's wrench.
+// The contract with the servo loop: at the frame's pose the planes give the frame's wrench.
 TEST_P(EngineLaw, ContactsGiveTheFramesWrench) {
   Bone bone = Slab(14e-3, 2e-3, false);
   AddBox({-7e-3, -7e-3, -2e-3}, {-5e-3, 7e-3, 8e-3}, bone, false);
@@ -144,19 +146,19 @@ TEST_P(EngineLaw, AWedgedToolFeelsATorqueOfItsOverlap) {
   engine->Step(At(Down({0, 0, 0})));
   ContactModel model;
   for (int i = 1; i <= 40; ++i) model = engine->Step(At(Down({0, 0, 0}, {0, 0.1 * i / 40.0, 0})));
-  // turned by .1 rad the rod's ends, 3 mm off its middle, stand .3 mm too deep: some 6 N at levers of 3 mm,
-  // once for each end; not the thousands of newtons that walls of the slack's stiffness would balance
+  // Turned by 0.1 rad the rod's ends, 3 mm off its middle, are 0.3 mm too deep: about 6 N at levers of 3 mm,
+  // once for each end; not the thousands of newtons that walls of the slack's stiffness would balance.
   EXPECT_LT(Vector3(model.F_T_W.t).norm(), 0.5);
   EXPECT_LT(Vector3(model.F_T_W.f).norm(), 30.0);
   EXPECT_LT(LogRotation(Pose(model.X_WP).linear() * Down(Vector3::Zero()).linear().transpose()).norm(), 0.05);
-  // and it can be drawn out along the slot as it is
+  // and it can be withdrawn along the slot in this orientation
   for (int i = 1; i <= 300; ++i) model = engine->Step(At(Down({0, 0.06e-3 * i, 0}, {0, 0.1, 0})));
   EXPECT_NEAR(Vector3(model.X_WP.p).y(), 18e-3, 1e-6);
   EXPECT_EQ(Vector3(model.F_T_W.f).norm(), 0.0);
 }
 
-// Two balls that hold the tool from opposite sides, alike to the last bit: their planes' resultant is zero,
-// and has no direction for friction to act across.
+// Two balls hold the tool from opposite sides, equal to the last bit: the resultant of their planes is zero
+// and gives no direction for friction.
 TEST_P(EngineLaw, AToolWedgedBetweenMirroredBallsStaysFinite) {
   Bone bone = EmptyBone();
   bone.materials[0].friction = 0.3;
@@ -178,10 +180,10 @@ TEST_P(EngineLaw, AToolWedgedBetweenMirroredBallsStaysFinite) {
   }
 }
 
-// A cell may ask for an enlargement of 5 mm: the planes that it reports are of the nearest pairs still.
+// A cell may request an enlargement of 5 mm: the reported planes are still those of the nearest pairs.
 TEST_P(EngineLaw, AnEnlargementBeyondAMillimetreReportsTheNearestBalls) {
   Bone bone = EmptyBone();
-  // the nearest ball comes last in the list, so that no order of balls hides what is not compared
+  // the nearest ball comes last in the list, so that the order of balls cannot hide a missing comparison
   for (const double gap : {4.5e-3, 4.0e-3, 3.5e-3, 2.5e-3, 2.0e-3, 1.5e-3})
     bone.balls.push_back({.center_m = Vector3(0, 0, -1e-3 - gap), .radius_m = 1e-3});
   const auto engine = Make(bone, BallTool(3e-3), {.normal_enlargement_m = 5e-3});
@@ -191,7 +193,7 @@ TEST_P(EngineLaw, AnEnlargementBeyondAMillimetreReportsTheNearestBalls) {
   EXPECT_NEAR(model.contacts[0].gap_m, 1.5e-3, 1e-7);
 }
 
-// Put deep into bone, as by an undo under the tool: what lies deepest in a direction holds it.
+// Placed deep in bone, as by an undo under the tool: in each direction the deepest ball holds it.
 TEST_P(EngineLaw, AToolPutDeepIntoBoneIsHeldByItsDeepestBall) {
   Bone bone = EmptyBone();
   for (const double depth : {1.2e-3, 1.6e-3, 2.0e-3, 3.0e-3})
@@ -208,7 +210,7 @@ TEST_P(EngineLaw, AJumpOfAMetreStopsAtTheBone) {
   engine->Step(At(Down({0, 0, 0.5})));
   const ContactModel model = engine->Step(At(Down({0, 0, -0.5}), 0.0));
   EXPECT_EQ(model.status, EngineStatus::kOk);
-  // float32 over a metre: 6e-5 mm a rounding, and the square root of twice the miss at the start
+  // float32 over a metre: 6e-5 mm of rounding, and the square root of twice the miss at the start
   EXPECT_NEAR(Vector3(model.X_WP.p).z(), 0.0, 0.05e-3);
   EXPECT_NEAR(Vector3(model.F_T_W.f).norm(), 200.0, 1e-9);
   const ContactModel free = engine->Step(At(Down({0.3, 0, 0.4})));
@@ -227,7 +229,7 @@ TEST_P(EngineLaw, RestIsRest) {
   const Vector3 p = model.X_WP.p, f = model.F_T_W.f;
   for (int i = 0; i < 50; ++i) {
     model = engine->Step(At(X_WT));
-    ASSERT_LT((Vector3(model.X_WP.p) - p).norm(), 0.2e-6) << i;  // .2 um; scenario 6 allows 1
+    ASSERT_LT((Vector3(model.X_WP.p) - p).norm(), 0.2e-6) << i;  // 0.2 um; scenario 6 allows 1
     ASSERT_LT((Vector3(model.F_T_W.f) - f).norm(), 0.02) << i;
   }
 }

@@ -28,7 +28,7 @@ struct CutRun {
   std::vector<Pose> proxies;
 };
 
-/// Along the scene's path, as deep as it goes at once.
+/// Cuts along the scene's path, with the immediate law.
 CutRun Cut(CuttingEngine& engine, const DepthScene& scene, double step_m) {
   CutRun run;
   for (const Pose& X : scene.Path(step_m)) {
@@ -63,7 +63,7 @@ TEST_P(EngineSplit, NothingIsLeftInTheProxysPathAndMassIsTheSweptVolumes) {
   double overlap = 0.0;
   for (const Ball& ball : live)
     overlap = std::max(overlap, ball.radius_m - swept.SignedDistance(ball.center_m));
-  // the proxy goes by way of contact and slide, the chord between two frames does not: .25 mm a frame
+  // the proxy moves by way of contact and slide, the chord between two frames does not: 0.25 mm a frame
   EXPECT_LT(overlap, 5e-6);
   const double volume = SweptVolume(*scene.solid, scene.tool, run.proxies, 0.1e-3);
   std::printf("swept %.1f mm^3, removed %.1f mm^3\n", volume * 1e9, run.last.removed_volume_m3 * 1e9);
@@ -110,14 +110,14 @@ TEST_P(EngineSplit, GoesOnFromARestoredStateToTheLastBit) {
   EXPECT_NE(HashState(one->Snapshot()), HashState(middle));
 }
 
-/// The plunge of the scene alone, in small steps: the ways of both engines' proxies are then nearly the same.
+/// Only the scene's plunge, in small steps: the paths of both engines' proxies are then nearly equal.
 std::vector<Pose> Plunge(const DepthScene& scene) {
   std::vector<Pose> path = scene.Path(0.05e-3);
   path.resize(70);
   return path;
 }
 
-// Ball by ball; those that one engine has dropped and the other just not are counted.
+// Compares ball by ball; counts balls that only one engine has dropped.
 void ExpectSplitAlike(const Tool& tool, const CuttingParams& params, std::size_t least_children) {
   const DepthScene scene = MakeBlockScene();
   const Bone bone = Block();
@@ -152,7 +152,7 @@ void ExpectSplitAlike(const Tool& tool, const CuttingParams& params, std::size_t
 }
 TEST(EngineSplitTwins, SplitAlike) { ExpectSplitAlike(MakeBlockScene().tool, Immediate(), 500); }
 
-// What one ball's way touches is split and cut, what the others pass is not.
+// Balls that the cutting ball touches are split and cut; those that only the others pass are not.
 TEST(EngineSplitTwins, SplitAlikeWithTheContactSphereAlone) {
   Tool tool;
   for (int i = 0; i < 3; ++i)
@@ -243,7 +243,7 @@ TEST_P(EngineCutters, TheContactSphereAloneLeavesBoneInTheToolsPath) {
   }
   std::printf("left in the path: all %.2g mm, contact sphere %.3f mm; removed %.1f and %.1f mm^3\n",
               left[0] * 1e3, left[1] * 1e3, removed[0] * 1e9, removed[1] * 1e9);
-  EXPECT_LT(left[0], 5e-6);  // of floats and the proxy's chords; the contact sphere leaves ten times as much
+  EXPECT_LT(left[0], 5e-6);  // rounding and the proxy's chords; the contact sphere leaves ten times as much
   EXPECT_GT(left[1], 0.05e-3);
   EXPECT_LT(removed[1], 0.8 * removed[0]);
 }
@@ -256,12 +256,12 @@ Bone TwoBumps(double x_m) {
   return bone;
 }
 
-/// Which of the two have lost something: one bit each.
+/// Which of the two balls were cut: one bit each.
 int Lost(const CarvedState& state) {
   return (state.balls[3] < 1.0f ? 1 : 0) | (state.balls[7] < 1.0f ? 2 : 0);
 }
 
-// Both tool balls touch at once but for the floats that bone is stored in, which would choose, by the place.
+// Both tool balls touch at once, but for the rounding of the stored bone, which would otherwise choose.
 TEST_P(EngineCutters, OfBallsThatTouchAtOnceTheFirstInTheToolsOrderCuts) {
   for (const double first : {-1.0, 1.0})
     for (const bool first_cuts : {true, false}) {
@@ -274,13 +274,13 @@ TEST_P(EngineCutters, OfBallsThatTouchAtOnceTheFirstInTheToolsOrderCuts) {
         const double x_m = 0.137e-3 * place;
         const auto engine = Make(TwoBumps(x_m), tool, Alone());
         for (int i = 0; i < 3; ++i) engine->Step(At(Down({x_m, 0, 0.3e-3 - 0.2e-3 * i}), kSpindle_rad_per_s));
-        // one that does not cut takes nothing away, and the other may not
+        // a ball that does not cut removes nothing, and the other may not cut
         EXPECT_EQ(Lost(engine->Snapshot()), !first_cuts ? 0 : first < 0.0 ? 1 : 2) << place << " " << first;
       }
     }
 }
 
-// Where nothing is touched nothing cuts, whatever the tool goes by; then the ball that is touched first.
+// Without a touch nothing cuts, whatever the tool passes; then the ball that is touched first cuts.
 TEST_P(EngineCutters, TheBallThatIsMetFirstCutsWhereverItStandsInTheTool) {
   for (const double lower : {-1.0, 1.0}) {
     Tool tool;

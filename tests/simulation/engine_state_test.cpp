@@ -4,7 +4,7 @@
 
 #include "tests/simulation/engine_bench.h"
 
-// What an engine carries from frame to frame, and what it refuses.
+// State of an engine from frame to frame, and states and inputs that it refuses.
 
 namespace osteon::simulation {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 using EngineState = Engine;
 OSTEON_ON_BOTH_ENGINES(EngineState);
 
-/// A frame of a cut that goes down, along, turns a little, and stops the spindle now and then.
+/// A frame of a cut that moves down and along, turns a little, and stops the spindle now and then.
 FrameInput Frame(int i) {
   return At(Down({0.01e-3 * i, 0.2e-3 * std::sin(0.1 * i), 0.2e-3 - 0.02e-3 * i}, {0, 0.001 * i, 0}),
             i % 37 == 36 ? 0.0 : kSpindle_rad_per_s);
@@ -49,13 +49,13 @@ TEST_P(EngineState, GoesOnFromARestoredStateToTheLastBit) {
   for (int i = 0; i < 60; ++i) one->Step(Frame(i));
   const CarvedState middle = one->Snapshot();
   EXPECT_GT(middle.removed_volume_m3, 0.0);
-  two->Restore(middle);  // the other goes on as it is
+  two->Restore(middle);  // the other continues without an interruption
   for (int i = 60; i < 120; ++i) ASSERT_TRUE(Identical(one->Step(Frame(i)), two->Step(Frame(i)))) << i;
   EXPECT_EQ(HashState(one->Snapshot()), HashState(two->Snapshot()));
 }
 
 TEST_P(EngineState, GoesBackToTheUncutBone) {
-  // deep enough that clusters of 64 balls are gone as a whole before the bone is given back
+  // deep enough that whole clusters of 64 balls are gone before the bone is restored
   const auto engine = Make(Bench(), BallTool(6e-3), {.law = RemovalLaw::kImmediate}),
              fresh = Make(Bench(), BallTool(6e-3), {.law = RemovalLaw::kImmediate});
   const CarvedState uncut = engine->Snapshot();
@@ -82,7 +82,7 @@ TEST_P(EngineState, OfAnotherBoneIsRefused) {
   EXPECT_THROW(engine->Restore(state), std::invalid_argument);
 }
 
-// What is written to arrays of fixed size by a count of the state's must not be believed.
+// A state's count must be checked before its items are written to an array of fixed size.
 TEST_P(EngineState, WhoseCountsAreBeyondTheirArraysIsRefusedAndChangesNothing) {
   const auto engine = Make(Bench(), BallTool(4e-3));
   for (int i = 0; i < 30; ++i) engine->Step(Frame(i));

@@ -13,7 +13,7 @@
 #include "simulation/tools/swept_tool.h"
 #include "simulation/tools/tool_kinds.h"
 
-// What a plan is made of: levels of packing and arm, a tool with fewer balls, what a frame costs.
+// Parts of a plan: levels of packing and arm, a tool with fewer balls, the time of a frame.
 
 namespace osteon::simulation {
 namespace {
@@ -32,7 +32,7 @@ TEST(PackingLevel, IsTheCoarsestThatKeepsTheError) {
         const auto level = CoarsestLevel(kind, error_m, cut, 1e-3);
         ASSERT_TRUE(level) << KindName(kind);
         EXPECT_LE(PredictRemovalError(level->fine, cut).total_m(), error_m);
-        // 2 % coarser it is beyond the error, or beyond what the forms hold for
+        // 2 % coarser exceeds the error, or the range of the closed forms
         const PackingLevel coarser = Scaled(*level, 1.02, cut);
         const bool beyond = PredictRemovalError(coarser.fine, cut).total_m() > error_m,
                    large = coarser.fine.radius_m > 0.6 * cut.tool_radius_m ||
@@ -76,13 +76,13 @@ TEST(ThinTool, LeavesOutWhatOthersHoldAndSaysWhatThatCosts) {
   const double gap = MeanCuttingGap(drill, thin);
   EXPECT_GT(gap, 0.0);
   EXPECT_LT(gap, 0.3e-3);
-  // head, and balls of both kinds, are still there
+  // the head, and balls of both kinds, remain
   EXPECT_EQ(CuttingHead(thin)->radius_m, CuttingHead(drill)->radius_m);
   EXPECT_EQ(EffectiveCuttingRadius(thin), EffectiveCuttingRadius(drill));
   std::set<bool> kinds;
   for (const ToolBall& ball : thin.balls) kinds.insert(ball.cutting);
   EXPECT_EQ(kinds.size(), 2u);
-  // what cuts does not stand for what only touches
+  // cutting balls may not replace touching balls
   Tool both = drill;
   both.balls = {{.center_m = Vector3(0, 0, -5e-3), .radius_m = 5e-3, .cutting = true},
                 {.center_m = Vector3(0, 0, -4e-3), .radius_m = 2e-3, .cutting = false}};
@@ -111,8 +111,8 @@ TEST(FrameCost, FindsTheLineAndSetsInterruptedFramesApart) {
   EXPECT_GT(cost.tail_ratio, 1.0);
 }
 
-// Threads of one process on few cores wait for each other: frames that happen not to are few, and those that
-// took long for another reason are no calmer than the rest.
+// Threads of one process on few cores wait for each other: frames without a wait are few, and frames that are
+// long for another reason are not calmer than the rest.
 TEST(FrameCost, MedianIsOfAllFramesAndALongFrameMayNotWaitLonger) {
   std::vector<FrameSample> samples;
   for (int k = 0; k < 900; ++k)
@@ -124,7 +124,7 @@ TEST(FrameCost, MedianIsOfAllFramesAndALongFrameMayNotWaitLonger) {
   EXPECT_NEAR(group.p50_us, 205.0, 2.0);
   EXPECT_EQ(group.interrupted, 1000u);
   EXPECT_EQ(group.p999_us, 220.0);
-  // every frame interrupted: what there is
+  // every frame interrupted: all are used
   for (FrameSample& sample : samples) sample.waited_us = 100.0;
   EXPECT_EQ(GroupOf(samples).interrupted, samples.size());
   EXPECT_GT(GroupOf(samples).p999_us, 1000.0);
@@ -148,7 +148,7 @@ TEST(FrameCost, IsNeverNegative) {
 }
 
 TEST(ArmFidelity, IsTheLowestThatPutsTheToolWhereItIs) {
-  // 5 mm/s behind by 3 ms and twice the time constant of 15 Hz: .121 mm; 100 N on 2 N/um: .05 mm
+  // 5 mm/s with a delay of 3 ms and twice the time constant of 15 Hz: 0.121 mm; 100 N on 2 N/um: 0.05 mm
   const ArmFigures arm{.stiffness_N_per_m = 2e6};
   EXPECT_NEAR(ArmError(ArmFidelity::kKinematic, arm), 0.121e-3 + 0.05e-3, 0.001e-3);
   EXPECT_DOUBLE_EQ(ArmError(ArmFidelity::kServo, arm), 0.05e-3);

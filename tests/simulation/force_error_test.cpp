@@ -31,10 +31,10 @@ TEST(ForceErrors, OfATurnedForceAreItsAngle) {
   const ForceErrors errors = CompareForces(felt, exact, 1000.0);
   EXPECT_NEAR(errors.normal_rms_deg, 2.0, 1e-9);
   EXPECT_NEAR(errors.normal_max_deg, 2.0, 1e-9);
-  EXPECT_NEAR(errors.force_rms_N, 20.0 * std::sin(0.5 * angle), 1e-9);  // a chord
+  EXPECT_NEAR(errors.force_rms_N, 20.0 * std::sin(0.5 * angle), 1e-9);  // chord of the angle
 }
 
-// One frame of 100 is off by 5 N and .2 N·m, at 2 kHz: twice as much by the millisecond.
+// One frame of 100 is off by 5 N and 0.2 N·m, at 2 kHz: twice as much by the millisecond.
 TEST(ForceErrors, SeeAJumpOfOneFrame) {
   auto felt = Steady(100, {0, 0, 10});
   const auto exact = felt;
@@ -85,7 +85,8 @@ std::vector<Pose> Circle(double radius_m, int steps) {
   return path;
 }
 
-// A spring's field has no curl: what it takes it gives back. The trapezoid is exact for a linear force.
+// A spring's field has no curl: it returns all energy that it takes. The trapezoidal rule is exact for a
+// linear force.
 TEST(PathWork, OfASpringOverAClosedCycleIsNothing) {
   const std::vector<Pose> path = Circle(0.01, 200);
   std::vector<FeltForce> felt;
@@ -95,8 +96,8 @@ TEST(PathWork, OfASpringOverAClosedCycleIsNothing) {
   EXPECT_NEAR(work.net_J(), 0.0, 1e-12);
 }
 
-// Stokes: the field c (-y, x, 0) gives 2 c times the area that the polygon encloses; friction of size F takes
-// F times its length; a torque about z the turn times the torque.
+// Stokes: the work of the field c (-y, x, 0) is 2 c times the polygon's area. Friction of size F takes F
+// times the path's length; a torque about z the turn times the torque.
 TEST(PathWork, OfKnownFieldsIsTheirs) {
   constexpr double kRadius_m = 0.01;
   constexpr int kSteps = 400;

@@ -36,7 +36,7 @@ TEST(EndOfAdvance, IsHeldBackByThePlaneThatDoesNotCut) {
   s.shaft_count = 1;
   s.shaft[0] = {.n = Vector3::UnitZ(), .gap_m = 0.05e-3};
   EXPECT_LT((EndOfAdvance(s) - Vector3(0, 0, -0.05e-3)).norm(), 1e-18);
-  s.shaft[0] = {.n = Vector3::UnitX(), .gap_m = 0.0};  // a wall along the way does not matter
+  s.shaft[0] = {.n = Vector3::UnitX(), .gap_m = 0.0};  // a wall parallel to the motion does not matter
   EXPECT_LT((EndOfAdvance(s) - Vector3(0, 0, -0.2e-3)).norm(), 1e-18);
 }
 
@@ -58,8 +58,8 @@ TEST(StepOfAdvance, GoesAlongTheNormalButAllTheWayWithTheImmediateLaw) {
 
   s.advance_m = 0.0;
   EXPECT_EQ(StepOfAdvance(immediate, still, s, goal).norm(), 0.0);
-  EXPECT_EQ(StepOfAdvance(immediate, cuts, s, goal).norm(), 0.0);  // what holds does not cut
-  s.delta.setZero();                                               // a touch in passing: nothing holds
+  EXPECT_EQ(StepOfAdvance(immediate, cuts, s, goal).norm(), 0.0);  // a ball that does not cut holds the tool
+  s.delta.setZero();                                               // passing contact: nothing holds the tool
   EXPECT_EQ(StepOfAdvance(immediate, cuts, s, goal), goal - s.origin_slid);
   EXPECT_EQ(StepOfAdvance({}, cuts, s, goal).norm(), 0.0);
 }
@@ -94,7 +94,7 @@ TEST(AdvanceOfFrame, IsTheExactSolutionOfTheRateLaw) {
 TEST(AdvanceOfFrame, InTwoHalfStepsIsOneStep) {
   for (const double dt : {1e-4, 1e-3, 10e-3}) {
     Cut cut;
-    cut.params.max_slide_m = 1.0;  // the limit on a frame's way is not part of the law
+    cut.params.max_slide_m = 1.0;  // the limit on a frame's travel is not part of the law
     const double whole = cut.Advance(dt).advance_m;
     const double first = cut.Advance(0.5 * dt).advance_m;
     cut.solution.cutting_m -= first;
@@ -106,9 +106,9 @@ TEST(AdvanceOfFrame, InTwoHalfStepsIsOneStep) {
 TEST(AdvanceOfFrame, NeverExceedsThePenetration) {
   Cut cut;
   cut.params.max_slide_m = 1.0;
-  cut.materials[0].specific_cutting_energy_J_per_m3 = 1.0;  // like air
+  cut.materials[0].specific_cutting_energy_J_per_m3 = 1.0;  // almost no resistance
   EXPECT_LE(cut.Advance(1.0).advance_m, cut.solution.cutting_m);
-  cut.solution.engaged_area_m2[0] = 0.0;  // scraps without mass hold nothing
+  cut.solution.engaged_area_m2[0] = 0.0;  // remnants without mass do not hold the tool
   EXPECT_EQ(cut.Advance(1.0).advance_m, cut.solution.cutting_m);
 }
 
@@ -158,13 +158,13 @@ TEST(AdvanceOfFrame, PaysItsDebtFirst) {
   const Cut cut;
   const double dt = 1e-3, work_J = 40.0 * 0.8 * 15e-3 * kSpindle * dt;
   const double free_m = cut.Advance(dt).advance_m;
-  // a debt of which this frame's share takes half of its work
+  // a debt whose share in this frame takes half of the frame's work
   const double debt_J = 0.5 * work_J * kDebtSeconds / dt;
   const FrameAdvance paying = cut.Advance(dt, kSpindle, debt_J);
   EXPECT_NEAR(paying.advance_m, 0.5 * free_m, 1e-2 * free_m);  // up to the law's curvature over the frame
-  // and the edge has worked as much as without the debt, up to the same
+  // and the edge has done the same work as without the debt, to the same accuracy
   EXPECT_NEAR(paying.edge_work_J, work_J, 1e-2 * work_J);
-  // a debt beyond the frame's work holds the tool, and the edge still works
+  // a debt beyond the frame's work holds the tool, while the edge still works
   const FrameAdvance held = cut.Advance(dt, kSpindle, 10.0 * debt_J);
   EXPECT_EQ(held.advance_m, 0.0);
   EXPECT_NEAR(held.edge_work_J, work_J, 1e-12);
@@ -258,7 +258,7 @@ TEST(FinishFrame, WeightsOfTheContactsAreSharesOfTheirOverlaps) {
   EXPECT_DOUBLE_EQ(model.contacts[1].weight, 0.25);
 }
 
-// Left of x = 0 the first material, right of it the second.
+// First material at x < 0, second material at x > 0.
 Bone HalfAndHalf() {
   Bone bone;
   bone.materials = {{.name = "left", .friction = 0.1}, {.name = "right", .friction = 0.4}};
@@ -278,7 +278,7 @@ TEST(FinishFrame, AShaftsContactHasTheMaterialOfItsPlace) {
     contact.cutting = false;
     frame.Add(contact);
   }
-  // what cuts beside it is in the first material, and the second contact holds more
+  // the cutting contact beside it is in the first material, and the second contact holds more
   frame.Add(At(Vector3::UnitX(), Vector3(3e-3, 0, 0), 1e-3));
   frame.solution.contacts[1].multiplier_m = 2e-3;
   frame.solution.engaged_area_m2[0] = 1e-6;
@@ -288,7 +288,7 @@ TEST(FinishFrame, AShaftsContactHasTheMaterialOfItsPlace) {
   EXPECT_EQ(model.contacts[1].mu, 0.4);
   EXPECT_EQ(model.contacts[2].material, 0) << "of what is engaged";
   EXPECT_EQ(frame.memory.contact.friction, 0.1) << "by engaged area";
-  // where nothing is engaged, a cutting ball's contact has its place's material too
+  // where nothing is engaged, a cutting ball's contact has the material of its place, too
   frame.solution.engaged_area_m2[0] = 0.0;
   model = frame.Finish();
   EXPECT_EQ(model.contacts[2].material, 1);
@@ -367,7 +367,7 @@ TEST(FrameMemory, SurvivesAState) {
 
 // ---- frames in parts
 
-// Does parts until number `fails`, which ends with a status.
+// Computes parts until part `fails`, which ends with a status.
 ContactModel InParts(int fails, EngineStatus status, FrameMemory& memory) {
   int number = 0;
   return StepInParts({.stamp = 7}, Pose::Identity(), 4, memory, [&](const FrameInput& part) {
@@ -391,7 +391,7 @@ TEST(StepInParts, AFrameThatIsRefusedHasDoneNothing) {
   EXPECT_EQ(memory.frame, 10u);
 }
 
-// What parts have cut is cut: no frame that "changed nothing".
+// The cuts of earlier parts remain: the frame is not one that "changed nothing".
 TEST(StepInParts, EndsWithThePartsThatWereDoneWhereALaterOneIsRefused) {
   FrameMemory memory{.frame = 10};
   const ContactModel model = InParts(2, EngineStatus::kOverloaded, memory);

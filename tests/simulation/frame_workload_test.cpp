@@ -38,8 +38,8 @@ TEST(PressingHand, RefusesWhatHasNoMotion) {
   EXPECT_THROW(PressingHand({.drag_Ns_per_m = NAN}), std::invalid_argument);
 }
 
-// A coarse cup on the reference engine: the hand reams until the head's centre is at the cup's, no further
-// than a frame's way, with 100 N on it; a copy of the player goes on as the player does.
+// A coarse cup on the reference engine: the hand reams until the head's centre is at the cup's, to within one
+// frame's travel, with 100 N; a copy of the player continues as the player does.
 TEST(FrameWorkload, SeatsTheReamerInTheCup) {
   FrameWorkloadParams params = CupWorkload();
   params.spheres = 5000;
@@ -55,8 +55,8 @@ TEST(FrameWorkload, SeatsTheReamerInTheCup) {
   const double head_z_m = (Pose(last.X_WP) * Vector3(work.tool.balls.front().center_m)).z();
   EXPECT_NEAR(head_z_m, 0.0, 0.03e-3 + 100.0 / work.cutting.stiffness_N_per_m);
   EXPECT_NEAR(Vector3(last.F_T_W.f).norm(), 100.0, 10.0);
-  // what a reamer of 25 mm takes out of a cup of 24 mm when seated: the shell between two hemispheres, and
-  // the rings that the head widens on its way; a coarse packing has lost some of it at the rim before
+  // volume that a reamer of 25 mm removes from a cup of 24 mm when seated: the shell between two hemispheres,
+  // and the rings by which the head widens its way; a coarse packing lacks some of it at the rim
   const double shell_m3 = 2.0 / 3.0 * M_PI * (std::pow(25e-3, 3) - std::pow(24e-3, 3));
   EXPECT_GT(last.removed_volume_m3, 0.9 * shell_m3);
 

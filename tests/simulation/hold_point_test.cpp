@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kSets = 300;
 
-/// Planes whose normals lie within a cone about +z and that pass near a point 5 mm up: they have points in
-/// common.
+/// Planes whose normals lie within a cone about +z and that pass near a point at z = 5 mm: they have points
+/// in common.
 std::vector<HalfSpace> RandomPlanes(std::mt19937& random, int count) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> u(0.0, 1.0);
@@ -38,7 +38,7 @@ TEST(FindHoldPoint, OfNoPlaneIsTheOrigin) {
   EXPECT_EQ(FindHoldPoint(std::vector<HalfSpace>{{.n = Vector3::UnitZ(), .offset = -1e-3}}).count, 0);
 }
 
-// The servo loop's projection tries every set of up to three planes: an oracle of its own.
+// Oracle: the servo loop's projection, which tries every set of up to three planes.
 TEST(FindHoldPoint, OfUpToEightPlanesIsTheServoLoopsPoint) {
   std::mt19937 random(1);
   for (int i = 0; i < kSets; ++i) {
@@ -47,16 +47,18 @@ TEST(FindHoldPoint, OfUpToEightPlanesIsTheServoLoopsPoint) {
     std::array<HalfSpace, kMaxHalfSpaces> some{};
     std::copy(planes.begin(), planes.end(), some.begin());
     const HalfSpaceProjection expected = ClosestInHalfSpaces(some, count);
-    if (expected.violation > 0.0) continue;  // gave up on planes that are nearly parallel
+    if (expected.violation > 0.0) continue;  // it gave up on planes that are nearly parallel
     const HoldPoint hold = FindHoldPoint(planes);
-    // all planes yield by the slack, which moves the point by as much over the sine of the angle between two
+    // all planes yield by the slack, which moves the point by the slack over the sine of the angle between
+    // two of them
     double multipliers = 0.0;
     for (const double m : expected.multiplier) multipliers += m;
     EXPECT_LT((hold.point_m - expected.point).norm(), 100.0 * kHoldSlack * (multipliers + 1e-3)) << i;
   }
 }
 
-// Optimality by itself: the point keeps all planes, lies on those that hold, and is made of their normals.
+// Optimality conditions: the point satisfies all planes, lies on those that hold, and is a combination of
+// their normals.
 TEST(FindHoldPoint, OfSixtyPlanesKeepsThemAllAndIsMadeOfThoseThatHold) {
   std::mt19937 random(2);
   for (int i = 0; i < kSets; ++i) {

@@ -95,8 +95,8 @@ TEST(MassProperties, OfARegionReplaceThoseOfWhatIsAroundIt) {
   EXPECT_NEAR((found.inertia_kg_m2 - Combine(halves).inertia_kg_m2).norm(), 0.0, 1e-18);
 }
 
-// A box of two materials as a lattice of points: exact but for what a ball has less than a cube of its volume
-// (2/5 (3/4π)^⅔ = .154 against 1/6 of m s²).
+// A box of two materials as a lattice of points: exact except that a ball has less inertia than a cube of its
+// volume (2/5 (3/4π)^⅔ = 0.154 against 1/6 of m s²).
 TEST(MassProperties, OfACloudApproachThoseOfTheBodyItStandsFor) {
   std::vector<MassPoint> points;
   const int n = 20;

@@ -8,7 +8,7 @@
 namespace osteon::simulation {
 namespace {
 
-// By a look at every point, at the places of floats that the map keeps.
+// Oracle: tests every point, at the float positions that the map stores.
 MaterialIndex NearestOfAll(const Bone& bone, const Vector3& p_m) {
   double nearest_m = std::numeric_limits<double>::infinity();
   MaterialIndex material = 0;
@@ -21,7 +21,7 @@ MaterialIndex NearestOfAll(const Bone& bone, const Vector3& p_m) {
   return material;
 }
 
-// Points at random in a box, each of a material of its own choice.
+// Random points in a box, each with a random material.
 Bone Cloud(int count, const Vector3& size_m, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> along(-0.5, 0.5);

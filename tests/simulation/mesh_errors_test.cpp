@@ -4,7 +4,7 @@
 
 #include "mesh_shapes.h"
 
-// What a mesh is refused for, each time with the least mesh that deserves it. Boxes are 20 mm wide.
+// Every reason to refuse a mesh, each with the smallest mesh that shows it. Boxes are 20 mm wide.
 
 namespace osteon::simulation {
 namespace {
@@ -65,7 +65,7 @@ TEST(MeshErrors, GarbageIsRefusedInEveryFormat) {
   }
 }
 
-// Found by review: a library's parser never returned from a header without an end.
+// A regression test: a library's parser never returned from a header without an end.
 TEST(MeshErrors, PlyWithoutTheEndOfItsHeaderIsRefused) {
   const TemporaryFile file(".ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n");
   const MeshError error = LoadRefusal(file.path());
@@ -174,7 +174,7 @@ TEST(MeshErrors, ADentThroughTheOppositeWallIsASelfIntersection) {
 }
 
 TEST(MeshErrors, TouchingByRoundingIsLetPass) {
-  TriangleMesh mesh = Join(Cube(), MakeBox({0.019995, 0.001, 0.001}, {0.04, 0.019, 0.019}));  // .005 mm deep
+  TriangleMesh mesh = Join(Cube(), MakeBox({0.019995, 0.001, 0.001}, {0.04, 0.019, 0.019}));  // 0.005 mm deep
   const auto checked = CheckMesh(mesh, "the mesh");
   EXPECT_TRUE(checked) << checked.error().message;
 }

@@ -6,7 +6,7 @@
 #include "simulation/packing/cover_index.h"
 #include "simulation/scenes.h"
 
-// The real thing: a hip bone of 50 000 triangles, where the folder of anatomical meshes is at hand.
+// A real hip bone of 50 000 triangles, where the folder of anatomical meshes is available.
 
 namespace osteon::simulation {
 namespace {

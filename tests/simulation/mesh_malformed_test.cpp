@@ -7,8 +7,8 @@
 
 #include "mesh_shapes.h"
 
-// Files that no solid can be made of, each with the least damage that shows the case. Each is answered with
-// the file, where in it, what was found and what is accepted; no two alike.
+// Files that give no solid, each with the smallest damage that shows the case. Each error names the file, the
+// place in it, what was found and what is accepted; no two are alike.
 
 namespace osteon::simulation {
 namespace {
@@ -292,8 +292,8 @@ TEST(MeshMalformed, AFolderIsNoFile) {
   EXPECT_THAT(loaded.error().message, HasSubstr("osteon_folder.stl: found a folder, accepted a file"));
 }
 
-// Cut, flipped, doubled and swapped bytes of small sound files: what comes back is a mesh or an error that
-// names the file. Nothing may crash, hang or throw. What is accepted is closed.
+// Cut, flipped, doubled and swapped bytes of small valid files: the result is a mesh or an error that names
+// the file. Nothing may crash, hang or throw. An accepted mesh is closed.
 TEST(MeshMalformed, DamagedBytesGiveAMeshOrAnError) {
   const TriangleMesh mesh = MakeIcosphere({0.01, 0.02, 0.03}, 0.01, 1);
   std::mt19937 random{2024};
@@ -307,7 +307,7 @@ TEST(MeshMalformed, DamagedBytesGiveAMeshOrAnError) {
     for (int n = 0; n < 300; ++n) {
       std::string content = sound;
       for (std::size_t edits = 1 + below(3); edits > 0; --edits) {
-        // half of the time near the beginning, where headers are
+        // half of the changes near the beginning, where headers are
         const std::size_t at =
             below(below(2) == 0 ? std::min<std::size_t>(content.size(), 300) : content.size());
         switch (below(6)) {

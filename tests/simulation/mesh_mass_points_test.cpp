@@ -7,14 +7,14 @@
 #include "simulation/solids/mass_properties.h"
 #include "simulation/solids/mesh_solid.h"
 
-// Mass points of the anatomical meshes against the meshes' own closed forms, where their folder is at hand.
+// Mass points of the anatomical meshes against the meshes' own closed forms, where their folder is available.
 
 namespace osteon::simulation {
 namespace {
 
 class MeshMassPoints : public testing::TestWithParam<const char*> {};
 
-// Twice as coarse as the default: the bars hold with room, and the test is quick.
+// Twice as coarse as the default: the tolerances hold with a margin, and the test is fast.
 TEST_P(MeshMassPoints, HaveTheMeshsVolumeMassAndCenterOfMass) {
   const char* folder = std::getenv("OSTEON_DATA_DIR");
   const std::filesystem::path path = std::filesystem::path(folder ? folder : "") / GetParam();

@@ -7,8 +7,8 @@
 #include "mesh_shapes.h"
 #include "simulation/mesh/mesh_file.h"
 
-// Sound files as programs write them, and as hands and tools leave them: each is read, whole. Volumes are by
-// hand.
+// Valid files as programs write them, and as people and tools change them: each is read completely. Volumes
+// are calculated by hand.
 
 namespace osteon::simulation {
 namespace {
@@ -29,7 +29,7 @@ void AppendBigEndian(std::string& bytes, T value) {
   bytes += some;
 }
 
-/// The cube with a camera, as a text or bytes, where `place` says: 0 before the vertices, 1 between, 2 behind
+/// The cube with a camera element, as text or bytes, at `place`: 0 before the vertices, 1 between, 2 behind
 /// the faces.
 std::string PlyWithCamera(int place, bool is_text) {
   const TriangleMesh cube = Cube();
@@ -55,8 +55,7 @@ std::string PlyWithCamera(int place, bool is_text) {
   return head + "end_header\n" + body;
 }
 
-/// A body of faces first, then vertices, in doubles of the other byte order, with lists and colours around
-/// what counts.
+/// A body with the faces before the vertices, in big-endian doubles, with further lists and colours.
 std::string BigEndianPly() {
   const TriangleMesh cube = Cube();
   std::string bytes =
@@ -82,7 +81,7 @@ std::string BigEndianPly() {
   return bytes;
 }
 
-/// Six quads, wound outwards, in `statements` of a form that takes four corners.
+/// Six quads, wound outwards, as statements of a form with four corners.
 std::string QuadCube(const std::string& head, const std::string& begin, int first) {
   std::string text = head;
   const int quads[6][4] = {{3, 2, 1, 0}, {4, 5, 6, 7}, {0, 1, 5, 4},
@@ -270,7 +269,7 @@ TEST(MeshReading, PartsOfOneNameAreOne) {
   EXPECT_EQ(raw->part_of_triangle, std::vector<std::uint32_t>(24, 0));
 }
 
-// A fan where it is one; the corner that is cut first elsewhere has the polygon's sense.
+// A fan where one is possible; elsewhere the first corner to be cut is convex.
 TEST(MeshReading, PolygonsAreCutIntoTrianglesOfTheirOwnSense) {
   const TemporaryFile file(".obj", "v 0 20 0\nv 10 0 0\nv 20 20 0\nv 10 10 0\nf 1 2 3 4\n");  // a dart
   const auto raw = ReadMeshFile(file.path());

@@ -7,7 +7,7 @@
 #include "simulation/solids/mass_properties.h"
 #include "simulation/solids/mesh_solid.h"
 
-// Shells within shells: cavities bound the solid, regions tell its tissues apart.
+// Shells within shells: cavities bound the solid, regions separate its tissues.
 
 namespace osteon::simulation {
 namespace {
@@ -57,7 +57,7 @@ TEST(MeshRegions, ABoxInABoxIsARegionWhereItIsWoundAlike) {
   EXPECT_EQ(loaded.report.shells[1].triangles, 12u);
   ASSERT_EQ(loaded.regions.size(), 1u);
   EXPECT_EQ(loaded.regions[0].name, "Nerve");
-  EXPECT_NEAR(SignedVolume_m3(loaded.mesh), 8e-6, 1e-14);  // the region takes nothing away
+  EXPECT_NEAR(SignedVolume_m3(loaded.mesh), 8e-6, 1e-14);  // the region removes nothing
 
   const MeshSolid solid(loaded, Cores({1, 2}));
   std::mt19937 random(3);
@@ -85,7 +85,7 @@ TEST(MeshRegions, ABoxInABoxIsACavityWhereItIsWoundInwards) {
 
 TEST(MeshRegions, ABallInABallHasLayersBelowItsOwnSurface) {
   const Vector3 center(0.1, -0.05, 0.02);
-  for (const bool inside_out : {false, true}) {  // the whole file: only one reading makes sense
+  for (const bool inside_out : {false, true}) {  // the whole mesh inside out: only one reading makes sense
     TriangleMesh outer = MakeIcosphere(center, 0.02, 4), inner = MakeIcosphere(center, 0.01, 4);
     if (inside_out) {
       outer = InsideOut(outer);
@@ -99,7 +99,7 @@ TEST(MeshRegions, ABallInABallHasLayersBelowItsOwnSurface) {
     map.shells[1].layers = {{.material = 2, .thickness_m = 0.003}};
     const MeshSolid solid(loaded, map);
     const Vector3 u = Vector3(0.3, -0.5, 0.8).normalized();
-    // the mesh lies at most .04 mm inside its sphere (20 mm, four rounds)
+    // the mesh lies at most 0.04 mm inside its sphere (20 mm, four rounds)
     for (const auto& [radius_mm, material] :
          {std::pair{19.9, 0}, {18.1, 0}, {17.8, 1}, {10.1, 1}, {9.8, 2}, {7.1, 2}, {6.8, 3}, {0.1, 3}})
       EXPECT_EQ(solid.MaterialAt(center + radius_mm * 1e-3 * u), material) << radius_mm;
@@ -186,7 +186,7 @@ TEST_F(Tooth, PulpIsToldFromDentine) {
   EXPECT_EQ(loaded->regions[0].name, "Nerve");
   const MeshSolid solid(*loaded, Cores({1, 2}));
   EXPECT_NEAR(solid.Bounds().sizes().maxCoeff(), 0.0206, 1e-4);  // the data's README
-  // volumes by counting against the exact ones; the pulp lies inside everywhere
+  // volumes by counting against the exact ones; the pulp is entirely inside
   const Vector3 low = solid.Bounds().min(), size = solid.Bounds().sizes();
   const int n = 40;
   double all = 0.0, pulp = 0.0;
@@ -202,7 +202,7 @@ TEST_F(Tooth, PulpIsToldFromDentine) {
 }
 
 TEST_F(Tooth, UnscaledIsTooLargeOrSmallerThanAMetreAsTheFileSays) {
-  const auto loaded = LoadMesh(path_);  // 502 mm: accepted, if hardly a tooth
+  const auto loaded = LoadMesh(path_);  // 502 mm: accepted, although no tooth is that large
   ASSERT_TRUE(loaded) << loaded.error().message;
   const auto refused = LoadMesh(path_, {.scale = 4.0});
   ASSERT_FALSE(refused);

@@ -4,14 +4,14 @@
 
 #include "mesh_shapes.h"
 
-// What loading repairs, how it counts it, and what it leaves alone.
+// Repairs of a mesh at loading, their counts in the report, and meshes that need none.
 
 namespace osteon::simulation {
 namespace {
 
 using testing::HasSubstr;
 
-/// An STL of a sphere whose triangles were each moved by up to so much: no two share a corner exactly.
+/// An STL of a sphere whose triangles were each moved by up to `amplitude_m`: no two share a corner exactly.
 std::string Shaken(double amplitude_m) {
   const TriangleMesh mesh = MakeIcosphere({0, 0, 0}, 0.02, 2);
   TriangleMesh soup;
@@ -49,7 +49,7 @@ TEST(MeshRepair, WiderSlitsAreRefusedWithTheToleranceAndClosedByAWiderOne) {
   EXPECT_FALSE(LoadMesh(file.path(), {.weld_tolerance_m = 0.0}));
 }
 
-// Edges of .02 mm, a tolerance of .1 mm: what is closed is left as it is.
+// Edges of 0.02 mm, a tolerance of 0.1 mm: a closed mesh is not changed.
 TEST(MeshRepair, AClosedMeshIsNotWeldedHoweverFine) {
   const TriangleMesh fine = MakeIcosphere({0, 0, 0}, 0.7e-3, 4);
   const TemporaryFile file(".stl", BinaryStl(fine));
@@ -60,7 +60,7 @@ TEST(MeshRepair, AClosedMeshIsNotWeldedHoweverFine) {
   EXPECT_EQ(loaded->mesh.vertices_m.size(), fine.vertices_m.size());
 }
 
-// The fine ball beside a shaken one: the weld may touch the slits' ends only.
+// A fine ball beside a shaken one: only the slits' ends may be welded.
 TEST(MeshRepair, AWeldTouchesOpenEdgesOnly) {
   TriangleMesh mesh = MakeIcosphere({0.005, 0, 0}, 0.7e-3, 4);
   const std::size_t fine = mesh.triangles.size();
@@ -76,7 +76,7 @@ TEST(MeshRepair, AWeldTouchesOpenEdgesOnly) {
   EXPECT_EQ(loaded->mesh.triangles.size(), fine + 12);
 }
 
-// A surface that an exporter spread over two groups, one a material.
+// A surface that an exporter split into two groups, one for each material.
 TEST(MeshRepair, GroupsThatAreOpenByThemselvesAreWeldedWithEachOther) {
   const TriangleMesh box = MakeBox({0, 0, 0}, {0.02, 0.02, 0.02});
   TriangleMesh lower = box, upper = box;

@@ -11,7 +11,7 @@
 
 #include "simulation/mesh/triangle_mesh.h"
 
-// Small meshes for tests, and files of them. Sizes in metres, files in millimetres.
+// Small meshes for tests, and mesh files of them. Sizes in metres, files in millimetres.
 
 namespace osteon::simulation {
 
@@ -26,7 +26,7 @@ inline TriangleMesh MakeBox(const Vector3& low, const Vector3& high) {
   return mesh;
 }
 
-/// Sphere of 20·4^rounds triangles, its vertices on the sphere.
+/// Sphere of 20·4^rounds triangles with all vertices on it.
 inline TriangleMesh MakeIcosphere(const Vector3& center, double radius_m, int rounds) {
   const double t = 0.5 * (1.0 + std::sqrt(5.0));
   TriangleMesh mesh;
@@ -67,7 +67,7 @@ inline TriangleMesh InsideOut(TriangleMesh mesh) {
   return mesh;
 }
 
-/// A file of its own for the running test; removed with the object.
+/// A temporary file of the running test; removed with the object.
 class TemporaryFile {
  public:
   TemporaryFile(const std::string& extension, const std::string& content) {
@@ -125,7 +125,7 @@ inline std::string PlyText(const TriangleMesh& mesh) {
   return text;
 }
 
-/// Adds the bytes of a value, little-endian like the machines we run on.
+/// Appends the bytes of a value, little-endian as on all supported machines.
 template <typename T>
 void AppendBytes(std::string& bytes, T value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
@@ -139,7 +139,7 @@ inline std::string BinaryStl(const TriangleMesh& mesh) {
   std::string bytes(80, '\0');
   AppendBytes(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const auto& t : mesh.triangles) {
-    AppendPoint(bytes, Vector3::Zero());  // a normal that nobody reads
+    AppendPoint(bytes, Vector3::Zero());  // the normal, which is not read
     for (const std::uint32_t v : t) AppendPoint(bytes, mesh.vertices_m[v]);
     AppendBytes(bytes, std::uint16_t{0});
   }

@@ -15,7 +15,7 @@ TEST(MeshSolid, AnIcosphereIsASphereUpToItsSagitta) {
   const Vector3 center(0.1, -0.13, 0.5);
   const double radius = 0.02;
   const TriangleMesh mesh = MakeIcosphere(center, radius, 4);
-  // The mesh lies inside the sphere, and outside the one that its innermost triangle's plane touches.
+  // The mesh lies inside the sphere, and outside the sphere that touches its innermost triangle's plane.
   double sag = 0.0;
   for (const auto& t : mesh.triangles) {
     const Vector3 a = mesh.vertices_m[t[0]];
@@ -52,7 +52,8 @@ TEST(MeshSolid, TheDistanceToABoxIsExactAtItsFacesEdgesAndCorners) {
 }
 
 // Where the nearest feature is a sharp vertex, the normal of one of its faces may point the wrong way; only
-// the angle-weighted pseudonormal may decide. Oracle: parity of crossings of a ray with all triangles.
+// the angle-weighted pseudonormal gives the sign. Oracle: parity of the crossings of a ray with all
+// triangles.
 TEST(MeshSolid, TheSignAgreesWithCountedCrossingsOnASpikyMesh) {
   TriangleMesh mesh = MakeIcosphere({0, 0, 0}, 0.02, 2);
   std::mt19937 random(9);
@@ -81,7 +82,7 @@ TEST(MeshSolid, TheSignAgreesWithCountedCrossingsOnASpikyMesh) {
   EXPECT_GT(inside, 200);
 }
 
-/// The nearest of all triangles, the first of equally near ones: each one asked by itself.
+/// Oracle: tests every triangle; the first one among equally near ones.
 class NearestOfAll {
  public:
   explicit NearestOfAll(const TriangleMesh& mesh) {
@@ -107,13 +108,13 @@ class NearestOfAll {
   std::vector<std::unique_ptr<MeshBvh>> triangles_;
 };
 
-// Embree only proposes triangles, in floats; what it leaves out must not matter to the last bit. Needles
-// are where floats know no normal; small meshes are where nodes and leaves are not full.
+// Embree only proposes triangles, in floats; the ones that it leaves out must not matter to the last bit.
+// Needles have no normal in floats; small meshes have partly filled nodes and leaves.
 TEST(MeshBvh, FindsTheNearestOfAllTrianglesToTheLastBit) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   const auto point = [&](double size) -> Vector3 { return size * Vector3(u(random), u(random), u(random)); };
-  TriangleMesh needles;  // .1 um wide, 30 mm long, half a metre from the origin
+  TriangleMesh needles;  // 0.1 um wide, 30 mm long, half a metre from the origin
   for (int i = 0; i < 40; ++i) {
     const Vector3 a = Vector3(0.3, 0.4, 0.1) + point(0.02), along = point(0.015), across = point(1e-7);
     needles.vertices_m.insert(needles.vertices_m.end(), {a, a + along, a + along + across});
@@ -150,8 +151,7 @@ TEST(MeshBvh, FindsTheNearestOfAllTrianglesToTheLastBit) {
 }
 
 TEST(MeshSolid, TissueOfACupInABlockIsLayeredAndTheRestHasACorticalShell) {
-  // A hollow cup: a sphere's lower half would do, but a cavity (a whole sphere wound inwards) has the same
-  // floor.
+  // A hollow cup: a cavity (a whole sphere wound inwards) has the same floor as a sphere's lower half.
   const Cup cup{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.02};
   const TriangleMesh mesh =
       Join(MakeBox({-0.04, -0.04, -0.04}, {0.04, 0.04, 0.04}), InsideOut(MakeIcosphere({0, 0, 0}, 0.02, 4)));

@@ -14,7 +14,7 @@
 #include "simulation/methods/paper_math.h"
 #include "simulation/metrics/carved_shape.h"
 
-// The methods that the engine is compared with: each must do what its kind can do, so that a comparison is
+// The methods that the engine is compared with: each must perform as its kind can, so that the comparison is
 // fair.
 
 namespace osteon::simulation {
@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kVoxel_m = 0.25e-3;
 
-/// A slab with its upper face in z = 0, for all methods: balls, points and, for voxels, the solid.
+/// A slab with its upper face at z = 0, for all methods: balls, points and, for voxels, the solid.
 struct Plate {
   explicit Plate(double width_m, double thickness_m, double u_c = kSpongy)
       : bone(Slab(width_m, thickness_m, true, u_c)),
@@ -37,7 +37,7 @@ struct Plate {
   BoxSolid solid;
 };
 
-/// 20 mm wide, 6 mm thick: its mass points take longer to make than a test takes.
+/// 20 mm wide, 6 mm thick; shared, since making its mass points takes longer than a test.
 const Plate& SpongyPlate() {
   static const Plate plate(0.02, 0.006);
   return plate;
@@ -56,7 +56,7 @@ std::string NameOf(const testing::TestParamInfo<Method>& method) {
 class Methods : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(, Methods, testing::ValuesIn(kMethods), NameOf);
 
-/// Lowers the apex in steps of .05 mm and returns the last frame.
+/// Lowers the apex in steps of 0.05 mm and returns the last frame.
 ContactModel LowerTo(CuttingEngine& engine, double from_z_m, double to_z_m, double spindle_rad_per_s = 0.0) {
   ContactModel model;
   const int steps = static_cast<int>(std::ceil((from_z_m - to_z_m) / 0.05e-3 - 1e-9));
@@ -70,15 +70,15 @@ TEST_P(Methods, FeelAPlaneWithTheCouplingsForce) {
   const auto engine = plate.Make(GetParam(), BallTool(0.004));
   constexpr double kDepth_m = 0.5e-3;
   const ContactModel model = LowerTo(*engine, 0.5e-3, -kDepth_m);
-  // K times the depth, upwards. The felt plane lies up to half a voxel, or .02 mm of the packing's roughness,
-  // below the face; the pointshell's penalty gives way by 1/20 of the depth, if ten points touch, and by a
-  // third if one does.
+  // K times the depth, upwards. The felt plane is below the face by up to half a voxel or the packing's
+  // roughness of 0.02 mm. The pointshell's penalty gives way by 1/20 of the depth if ten points touch, and by
+  // a third if one does.
   const double expected_N = 20e3 * kDepth_m, surface_N = 20e3 * 0.5 * kVoxel_m;
   const double least =
       GetParam() == Method::kPointshell ? (expected_N - surface_N) / 1.35 : expected_N - surface_N;
   EXPECT_GE(model.F_T_W.f.z, least - 0.6);
   EXPECT_LE(model.F_T_W.f.z, expected_N + 0.2);
-  // straight up, as far as a packing's rows of balls or a staircase of voxels tell
+  // straight up, to the accuracy of a packing's rows of balls or a staircase of voxels
   EXPECT_LT(std::hypot(model.F_T_W.f.x, model.F_T_W.f.y), 0.05 * model.F_T_W.f.z);
   EXPECT_LT(Vector3(model.F_T_W.t).norm(), 0.05 * model.F_T_W.f.z * 0.004);
 }
@@ -98,8 +98,8 @@ TEST_P(Methods, RemoveAPlungesVolume) {
   constexpr double kDepth_m = 2e-3, kR_m = 4e-3;
   const ContactModel model = LowerTo(*engine, 0.5e-3, -kDepth_m, kSpindle_rad_per_s);
   const double cap_m3 = M_PI * kDepth_m * kDepth_m * (kR_m - kDepth_m / 3.0);
-  // points of .5 mm carry the books of all with balls, voxels of .25 mm the others': half a voxel of the
-  // cap's height of 2 mm is 6 %
+  // points of 0.5 mm give the volume of methods with balls, voxels of 0.25 mm that of the others: half a
+  // voxel of the cap's height of 2 mm is 6 %
   EXPECT_NEAR(model.removed_volume_m3, cap_m3, 0.06 * cap_m3);
   EXPECT_NEAR(model.removed_mass_kg, 500.0 * model.removed_volume_m3, 1e-12);
   EXPECT_NEAR(model.cutting_work_J, kSpongy * model.removed_volume_m3, 1e-9);
@@ -111,11 +111,11 @@ TEST_P(Methods, LeaveAHoleWhereTheyCut) {
   const auto before = engine->Shape();
   EXPECT_EQ(before->Distance({0, 0, -1.1e-3}, 1e-3), 0.0);
   EXPECT_NEAR(before->Distance({0, 0, 0.8e-3}, 5e-3), 0.8e-3,
-              0.09e-3);                                   // the lattice's hollows are .08 mm deep
-  EXPECT_EQ(before->Distance({0, 0, 8e-3}, 1e-3), 1e-3);  // farther than asked
+              0.09e-3);                                   // the lattice's hollows are 0.08 mm deep
+  EXPECT_EQ(before->Distance({0, 0, 8e-3}, 1e-3), 1e-3);  // farther than the limit
   LowerTo(*engine, 0.5e-3, -2e-3, kSpindle_rad_per_s);
-  // the deepest point of the hole, seen from 1.1 mm above it: a lattice ball of .75 mm loses up to that to a
-  // cut, a voxel half a diagonal
+  // the deepest point of the hole, seen from 1.1 mm above it: a cut removes up to 0.75 mm more from a lattice
+  // ball, half a diagonal more from voxels
   EXPECT_NEAR(engine->Shape()->Distance({0, 0, -0.9e-3}, 5e-3), 1.1e-3, 0.5e-3);
   EXPECT_EQ(before->Distance({0, 0, -1.1e-3}, 1e-3), 0.0);  // a copy
 }
@@ -127,7 +127,7 @@ std::vector<Method> AllButThePrintedPaper() {
   return methods;
 }
 
-// The printed paper has no law.
+// All methods with a removal law: the printed paper has none.
 class LawfulMethods : public Methods {};
 INSTANTIATE_TEST_SUITE_P(, LawfulMethods, testing::ValuesIn(AllButThePrintedPaper()), NameOf);
 
@@ -143,9 +143,9 @@ TEST_P(LawfulMethods, CutAtTheRateOfTheEnergyBalance) {
     work_J = model.cutting_work_J;
   }
   EXPECT_GT(work_J, 0.01);
-  // points and voxels come in lumps, and a shallow cut is charged too much at first: that debt is paid over
-  // .1 s of cutting, a quarter of this run. (The pointshell's advance frees its deepest voxel alone: it pays
-  // later.) Energy does not come from nowhere.
+  // Points and voxels are removed in lumps, and a shallow cut is charged too much at first; that debt is paid
+  // over 0.1 s of cutting, a quarter of this run. (The pointshell's advance frees only its deepest voxel, so
+  // it pays later.) The work never exceeds this bound.
   EXPECT_NEAR(work_J, edge_J, (GetParam() == Method::kPointshell ? 0.5 : 0.25) * edge_J);
 }
 
@@ -156,9 +156,9 @@ TEST_P(LawfulMethods, SpindleTorqueIsTheMeanOfALongFrame) {
   const double dt_s = 0.05, depth_m = Vector3(pressed.F_T_W.f).norm() / 20e3;
   const ContactModel model =
       engine->Step({.X_WT = Down({0, 0, -0.2e-3}), .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = dt_s});
-  // the bone gives way by a good part of the depth, so that at the frame's end the force is much less
+  // the bone gives way by a large part of the depth, so the force is much smaller at the frame's end
   EXPECT_GT(model.advance_m_per_s * dt_s, 0.3 * depth_m);
-  // what the spindle did is what the edge's way took, to rounding
+  // the spindle's work equals that of the edge's travel, to rounding
   const double work_J = kSoft * model.engaged_area_m2 * model.advance_m_per_s * dt_s;
   EXPECT_NEAR(model.spindle_torque_Nm * kSpindle_rad_per_s * dt_s, work_J, 1e-9 * work_J);
 }
@@ -236,18 +236,18 @@ TEST_P(Methods, NameWhatTheyCannotTake) {
 // ---- what sets them apart
 
 TEST(PaperPrinted, LensVolumeFlipsForALargeBoneBall) {
-  // in metres a contained or much larger bone ball has a negative weight: the normal turns round; the
-  // corrected one never has
+  // in metres a contained or much larger bone ball has a negative weight, which flips the normal; the
+  // corrected equation never has one
   for (const double d : {1e-3, 2e-3, 3e-3}) {
     EXPECT_LT(printed::LensVolume(1e-3, 4e-3, d), 0.0);
     EXPECT_GT(LensVolume(1e-3, 4e-3, d), 0.0);
   }
-  // and it depends on the unit: in millimetres the same pair weighs a positive amount
+  // the printed equation depends on the unit: in millimetres the same pair has a positive weight
   EXPECT_LT(printed::LensVolume(1e-3, 4e-3, 2e-3) * printed::LensVolume(1.0, 4.0, 2.0), 0.0);
 }
 
 TEST(PaperPrinted, DropsPairsThatOverlap) {
-  // straight inwards, .1 mm of overlap: the paper sees nothing, the corrected root is contact at once
+  // straight inwards, 0.1 mm of overlap: the paper finds nothing, the corrected root is contact at once
   const Vector3 dc(0, 0, -2.9e-3), m(0, 0, -1e-3);
   EXPECT_LT(printed::ContactFraction(dc, m, 3e-3), 0.0);
   EXPECT_EQ(FirstContactFraction(dc, m, 3e-3), 0.0);
@@ -256,15 +256,15 @@ TEST(PaperPrinted, DropsPairsThatOverlap) {
 }
 
 TEST(PaperPrinted, RemovesTheLessTheNearerTheAxis) {
-  // equation 5 does not know the tool's radius: of two balls in its way the one on its axis stays whole
+  // equation 5 ignores the tool's radius: of two balls in the tool's way, the one on its axis stays whole
   Vector3 c(0.1, 0, 0);
   double r = 1.0;
   printed::Shrink(c, r, Vector3(-0.1, 0, 0));
   EXPECT_NEAR(r, 0.95, 1e-12);
-  EXPECT_NEAR(c.x(), 0.6, 1e-12);  // half a millimetre aside all the same
+  EXPECT_NEAR(c.x(), 0.6, 1e-12);  // moved aside by half a millimetre nevertheless
   printed::Shrink(c, r, Vector3::Zero());
   EXPECT_NEAR(r, 0.95, 1e-12);
-  // as corrected it is gone
+  // with the corrected equation it is gone
   Vector3 corrected(0.1, 0, 0);
   double left = 1.0;
   EXPECT_TRUE(ShrinkBall(corrected, left, Vector3(0, 0, -5), Vector3(0, 0, 5), 4.0));
@@ -298,7 +298,7 @@ TEST(PaperCorrected, ContactSphereAloneLeavesBoneInTheWay) {
 }
 
 TEST(Pointshell, TunnelsThroughAThinSheetThatTheProxiesKeep) {
-  const Plate sheet(0.02, 1.5e-3);  // the thinnest that lattice balls fill; 1 m/s is 1 mm a frame
+  const Plate sheet(0.02, 1.5e-3);  // the thinnest sheet that lattice balls fill; 1 m/s is 1 mm a frame
   for (const Method method : {Method::kPointshell, Method::kVoxelProxy, Method::kPaperCorrected}) {
     const auto engine = sheet.Make(method, BallTool(0.5e-3));
     ContactModel model;
@@ -331,7 +331,7 @@ TEST(VoxelProxy, SlidesAlongAFace) {
   ContactModel model;
   for (int i = 1; i <= 50; ++i) model = engine->Step(At(Down({0.05e-3 * i, 0, -0.3e-3})));
   const Vector3 p = Pose(model.X_WP).translation();
-  EXPECT_NEAR(p.x(), 2.5e-3, 0.2e-3);  // within a voxel of where the hand is
+  EXPECT_NEAR(p.x(), 2.5e-3, 0.2e-3);  // within a voxel of the hand's position
   EXPECT_GT(p.z(), -0.15e-3);
 }
 

@@ -31,13 +31,13 @@ ToolMotion Example() {
 
 std::string ExampleText() { return MotionText(Example()); }
 
-// What the loader says, or "accepted".
+// The loader's error, or "accepted".
 std::string Answer(const std::string& text) {
   const auto motion = ParseMotion(text, "file.csv");
   return motion ? "accepted" : motion.error();
 }
 
-// The example with its third row (line 12) made another.
+// The example with another third row (line 12).
 std::string WithRow(const std::string& row) {
   std::string text = ExampleText();
   std::size_t begin = 0;
@@ -62,7 +62,7 @@ TEST(MotionFile, GivesBackWhatWasWrittenToItsRounding) {
     EXPECT_EQ(Rounded(a).p_GT_m, b.p_GT_m);
     EXPECT_EQ(Rounded(a).R_GT.coeffs(), b.R_GT.coeffs());
   }
-  // and what was read is written the same
+  // and it is written again in the same bytes
   EXPECT_EQ(MotionText(*read), MotionText(written));
 }
 
@@ -138,7 +138,7 @@ TEST(MotionFile, RefusesAnotherHeader) {
 
 TEST(MotionFile, RefusesATornOrShortFile) {
   const std::string text = ExampleText();
-  // cut off anywhere: an error, except after two whole rows or more
+  // truncated anywhere: an error, except after two or more whole rows
   int accepted = 0;
   for (std::size_t length = 0; length < text.size(); ++length) {
     const std::string torn = text.substr(0, length);

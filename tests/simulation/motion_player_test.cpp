@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTau = 2.0 * std::numbers::pi;
 
-// A hand that trembles: .2 mm at 11 Hz, on a slow way with a turn.
+// A trembling hand: 0.2 mm at 11 Hz, on a slow path with a turn.
 MotionSample Trembling(double t) {
   const Vector3 r(0.3 * std::sin(kTau * 0.4 * t), 0.2 * t, 0.01 * std::sin(kTau * 9.0 * t));
   return {.time_s = t,
@@ -50,7 +50,7 @@ TEST(MotionCurve, GoesThroughItsSamples) {
   EXPECT_LT((curve.X_GT(99.0).translation() - samples.back().p_GT_m).norm(), 1e-15);
 }
 
-// Fourth order in the step: half of it, a sixteenth of the error.
+// Fourth order: half the step, a sixteenth of the error.
 TEST(MotionCurve, IsOfFourthOrder) {
   const double coarse_m = CurveError(0.01), fine_m = CurveError(0.005);
   EXPECT_LT(coarse_m, 5e-6);
@@ -68,7 +68,7 @@ TEST(MotionCurve, TakesTheShorterWayWhereAQuaternionChangesItsSign) {
 }
 
 TEST(MotionCurve, IsTwiceContinuouslyDifferentiable) {
-  // a knot that is as abrupt as a spline can take: steps of 1 ms beside one of 50
+  // the most abrupt knots that a spline must handle: steps of 1 ms beside one of 50
   const std::vector<MotionSample> samples{Trembling(0.0), Trembling(0.05), Trembling(0.051), Trembling(0.052),
                                           Trembling(0.1)};
   const MotionCurve curve(samples);
@@ -102,7 +102,7 @@ TEST(FitMotion, StaysWithinItsToleranceOfEveryRecordedSample) {
   EXPECT_LT(fitted.samples.size(), 400u);  // of 3001
 }
 
-// An impact is where samples must lie close, and only there.
+// Samples must be dense at an impact, and only there.
 TEST(FitMotion, KeepsTheSamplesOfAnImpact) {
   std::vector<MotionSample> recorded;
   for (int k = 0; k <= 1000; ++k)
@@ -141,8 +141,8 @@ TEST(MotionPlayer, PlaysAtAnyRate) {
 class PlayedMotion : public Engine {};
 OSTEON_ON_BOTH_ENGINES(PlayedMotion);
 
-// A ball that is led 1 mm into a slab and across it: the proxy goes where the motion says, at 250 and at 1000
-// frames a second, and the same is cut.
+// A ball is moved 1 mm into a slab and across it: the proxy follows the motion at 250 and at 1000 frames a
+// second, and the cuts are equal.
 TEST_P(PlayedMotion, CutsTheSameAtEveryFrameRate) {
   ToolMotion motion;
   const auto at = [&](double t, const Vector3& apex, double spindle_rad_per_s) {
@@ -163,10 +163,10 @@ TEST_P(PlayedMotion, CutsTheSameAtEveryFrameRate) {
       ASSERT_EQ(last.status, EngineStatus::kOk);
     }
     removed_mm3[i] = 1e9 * last.removed_volume_m3;
-    // at the motion's end, but for the overlap that a frame leaves and what it has still to cut of its slide
+    // at the motion's end, except for the overlap of a frame and the rest of its slide
     EXPECT_LT((Pose(last.X_WP).translation() - Vector3(3e-3, 0, -1e-3)).norm(), 0.25e-3);
   }
-  // swept: half a lens of 1 mm depth, and the segment's area times 3 mm; a mass point is .125 mm^3
+  // swept: half a lens of 1 mm depth, and the segment's area times 3 mm; a mass point is 0.125 mm^3
   const double R = 4.0, h = 1.0,
                area = R * R * std::acos(1.0 - h / R) - (R - h) * std::sqrt(2 * R * h - h * h);
   const double swept_mm3 = std::numbers::pi * h * h * (R - h / 3.0) + 3.0 * area;

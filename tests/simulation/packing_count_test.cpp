@@ -10,12 +10,12 @@
 #include "simulation/solids/acetabulum_solid.h"
 #include "simulation/solids/mesh_solid.h"
 
-// Packings of so many balls as asked for.
+// Packings with a wanted number of balls.
 
 namespace osteon::simulation {
 namespace {
 
-/// A ball of bone around the origin: everything about it is known.
+/// A ball of bone around the origin, for which everything is known.
 class RoundSolid final : public Solid {
  public:
   explicit RoundSolid(double radius_m) : radius_m_(radius_m) {}
@@ -53,7 +53,7 @@ struct Cover {
   double gap_mean_m{0.0}, coverage{0.0};
 };
 
-/// Of the round solid, by points spread evenly over its surface and inside it.
+/// Measures the cover of the round solid, at points spread evenly over its surface and inside it.
 Cover Measure(const std::vector<Ball>& balls, double radius_m) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -115,12 +115,12 @@ TEST(PackingCount, MoreBallsLeaveSmallerGapsAndCoverMore) {
     const Cover cover =
         Measure(Pack(RoundSolid(kRound_m), EverywhereZone(), {.count = count, .greatest_radius_m = kCap_m}),
                 kRound_m);
-    // gaps go with the area of a foot: a quarter of it each time
+    // gaps are proportional to the area of a foot: a quarter each time
     EXPECT_LT(cover.gap_mean_m, 0.4 * last.gap_mean_m) << count;
     EXPECT_GE(cover.coverage, last.coverage) << count;
     last = cover;
   }
-  EXPECT_GE(last.coverage, 0.99);  // a gap of .05 mm all over is .75 % of the volume
+  EXPECT_GE(last.coverage, 0.99);  // a gap of 0.05 mm everywhere is 0.75 % of the volume
 }
 
 TEST(PackingCount, NoBitDependsOnTheNumberOfThreads) {
@@ -223,7 +223,7 @@ TEST(CoverIndex, TellsTheDistanceToTheUnion) {
   EXPECT_LT(outside, 4500);
 }
 
-// Issue 3's bar, with a fifth of its balls: 25 000 must cover .985 and leave .15 mm.
+// Issue 3's requirement, with a fifth of its balls: 25 000 must cover 0.985 and leave 0.15 mm.
 TEST(PackingCount, CoversTheHipBone) {
   const char* folder = std::getenv("OSTEON_DATA_DIR");
   const auto path = std::filesystem::path(folder ? folder : "") / "hip_bone_left.obj";

@@ -17,8 +17,8 @@ using namespace test;
 
 struct Malformed {
   const char* name;
-  std::function<void(std::string&)> damage;  ///< of a good file
-  std::vector<std::string> message;          ///< parts of the answer
+  std::function<void(std::string&)> damage;  ///< applied to a valid file
+  std::vector<std::string> message;          ///< parts of the error
 };
 
 std::string MaterialLines(const std::string& name) {
@@ -33,14 +33,14 @@ std::string At(std::size_t byte) { return ": byte " + std::to_string(byte) + ": 
 
 std::vector<Malformed> MalformedFiles(const std::string& good) {
   const auto section = [&good](std::size_t i) { return SectionAt(good, i); };
-  /// Changes a field of the table, and seals it.
+  /// Changes a field of the table and recomputes the checksum.
   const auto entry = [](std::size_t i, const std::string& field, auto value) {
     return [=](std::string& bytes) {
       Put(bytes, EntryAt(i, field), value);
       SealHeader(bytes);
     };
   };
-  /// Changes bytes of a section, and seals it.
+  /// Changes bytes of a section and recomputes the checksum.
   const auto within = [](std::size_t at, auto value) {
     return [=](std::string& bytes) {
       Put(bytes, at, value);

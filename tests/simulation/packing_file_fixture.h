@@ -11,11 +11,11 @@
 
 namespace osteon::simulation::test {
 
-/// Order of the sections of a file with all of them.
+/// Order of the sections of a file that has all of them.
 inline constexpr std::size_t kBallSection = 0, kPointSection = 1, kPointMaterialSection = 2,
                              kMaterialSection = 3, kSiteSection = 4, kProvenanceSection = 5;
 
-/// A folder of its own, and files in it: good ones, and ones that must be refused.
+/// A temporary folder with files: valid ones, and ones that must be refused.
 class PackingFileTest : public testing::Test {
  protected:
   std::filesystem::path Path(const std::string& name = "bone.osp") const { return folder_.path() / name; }

@@ -57,7 +57,7 @@ TEST_F(PackingFileTest, WhatIsSavedIsWhatIsLoaded) {
   EXPECT_EQ(file->provenance(), SomeProvenance());
 }
 
-// Neither protrusion nor overlap may grow by what saving rounds.
+// The rounding of a saved ball may increase neither protrusion nor overlap.
 TEST_F(PackingFileTest, EachBallSavedLiesWithinTheBallGiven) {
   const Bone bone = SomeBone(5000, 0);
   Saved(bone);
@@ -105,7 +105,7 @@ TEST_F(PackingFileTest, AZeroLosesItsSign) {
   EXPECT_FALSE(std::signbit(file->balls().front().x_mm));
 }
 
-// The middle of these lies on half a millimetre, where rounding it could go either way.
+// The middle of these balls is at half a millimetre, where rounding could go either way.
 TEST_F(PackingFileTest, TheOriginOfASymmetricPackingStaysWhenItIsSavedAgain) {
   Bone bone = SomeBone(1, 0);
   for (const double width_mm : {1.0, 1.0 - 1e-6, 3.0, 20.0 + 1.0 / 3.0, 21.0 + 1e-5}) {
@@ -138,7 +138,7 @@ TEST_F(PackingFileTest, TheBytesLieWhereTheFormatSays) {
   EXPECT_NE(bytes.find("material=enamel\ndensity_kg_per_m3="), std::string::npos);
   EXPECT_NE(bytes.find("bone=some bone\nprogram=osteon 0.1.0\nsource=some bone.obj\nsource_crc32=00beef42\n"),
             std::string::npos);
-  // what the test's own hands seal is what the writer sealed
+  // the test's own checksums equal the writer's
   std::string sealed = bytes;
   Seal(sealed);
   EXPECT_TRUE(sealed == bytes);
@@ -155,7 +155,7 @@ TEST_F(PackingFileTest, PointsAndSiteMayBeAbsent) {
   EXPECT_EQ(file->ToBone().cup.radius_m, 0.0);
 }
 
-/// The file's bytes are the same however many threads read it, and so is the verdict.
+/// The verdict on a file is the same for any number of threads.
 TEST_F(PackingFileTest, TheFirstBadBallIsNamedForAnyNumberOfThreads) {
   std::string bytes = Saved(SomeBone(200'000, 0));  // three pieces of a mebibyte, and a rest
   for (const std::size_t i : {199'999u, 150'000u, 140'001u})
@@ -238,7 +238,7 @@ TEST_F(PackingFileTest, ADiskThatIsFullIsReportedAndTheOldFileStays) {
   ASSERT_FALSE(folder);
   EXPECT_THAT(folder.error().Text(), HasSubstr("Is a directory"));
 
-  // a file that may not grow: what was there stays, and no half file is left
+  // a file that may not grow: the old file stays, and no partial file is left
   const std::string before = Saved(SomeBone());
   rlimit whole{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &whole), 0);

@@ -24,8 +24,8 @@ double BallVolume_m3(double r) { return 4.0 / 3.0 * pi * r * r * r; }
 /// A cube about the origin.
 BoxSolid Cube(double side_m) { return {Vector3::Constant(-0.5 * side_m), Vector3::Constant(0.5 * side_m)}; }
 
-/// Balls of radii from .1 to 20 mm, as many in each octave, anywhere in a cube of 100 mm: small ones inside
-/// large ones, large ones that overlap by centimetres.
+/// Balls of radii from 0.1 to 20 mm, equally many in each octave, anywhere in a cube of 100 mm: small ones
+/// inside large ones, large ones that overlap by centimetres.
 std::vector<Ball> WildBalls(std::size_t count) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
@@ -47,7 +47,7 @@ TEST(PackingQuality, CoverageOfOneBallIsItsShareOfTheBox) {
   EXPECT_NEAR(quality.coverage, exact, 3.0 * quality.coverage_standard_error);
 }
 
-// Two unit-like balls whose centres are d apart have a lens of volume pi (4r + d)(2r - d)^2 / 12 in common.
+// Two balls of radius r whose centres are d apart share a lens of volume pi (4r + d)(2r - d)^2 / 12.
 TEST(PackingQuality, CoverageCountsWhatBallsShareOnce) {
   const double r = 6e-3, d = 5e-3;
   const std::vector<Ball> balls{{.center_m = Vector3(-0.5 * d, 0, 0), .radius_m = r},
@@ -59,8 +59,8 @@ TEST(PackingQuality, CoverageCountsWhatBallsShareOnce) {
   EXPECT_NEAR(quality.overlap_max_m, 2 * r - d, 1e-15);
 }
 
-// Touching balls on a cubic lattice fill pi/6. The mean gap over a face: a ball's cap leaves
-// sqrt(r^2 + rho^2) - r above its square's point at rho from the middle.
+// Touching balls on a cubic lattice fill pi/6. The mean gap over a face: a ball's cap leaves sqrt(r^2 +
+// rho^2) - r above the point of its square at rho from the centre.
 TEST(PackingQuality, CubicLatticeHasItsDensityItsGapsAndNoOverlap) {
   const double r = 0.5e-3;
   std::vector<Ball> balls;
@@ -81,8 +81,8 @@ TEST(PackingQuality, CubicLatticeHasItsDensityItsGapsAndNoOverlap) {
                       r);
   std::sort(exact.begin(), exact.end());
   const double mean = std::accumulate(exact.begin(), exact.end(), 0.0) / static_cast<double>(exact.size());
-  // 100 000 samples: .3 % of the mean, whose spread is as large as itself; the cube's edges, which have .5 %
-  // of the samples too many, lie .2 mm off a ball where the mean is .14
+  // 100 000 samples: 0.3 % of the mean, whose spread equals it; the cube's edges, which have 0.5 % of the
+  // samples too many, are 0.2 mm off a ball where the mean is 0.14
   EXPECT_NEAR(quality.surface_gap_mean_m, mean, 0.012 * mean);
   EXPECT_NEAR(quality.surface_gap_p95_m, exact[exact.size() * 95 / 100], 0.02 * exact.back());
   EXPECT_NEAR(quality.surface_gap_max_m, (std::sqrt(3.0) - 1.0) * r, 0.02 * r);  // a corner of the cube
@@ -103,7 +103,7 @@ TEST(PackingQuality, ProtrusionIsThatOfTheWorstBall) {
   EXPECT_EQ(outside.r_max_m, 2.3e-3);
 }
 
-// With more than 4096 balls, boxes are passed over: one small ball that protrudes least of all must still be
+// With more than 4096 balls, boxes are skipped: a single small ball that protrudes slightly must still be
 // found.
 TEST(PackingQuality, ProtrusionIsFoundAmongManyBallsDeepInside) {
   std::mt19937 random(5);
@@ -146,7 +146,7 @@ TEST(PackingQuality, SamplesMeasureTheAcetabulumsVolumeAndArea) {
       MeasurePacking(AcetabulumSolid({}), {}, {.samples = 200'000, .surface_samples = 100'000});
   EXPECT_NEAR(quality.solid_volume_m3, 0.08 * 0.08 * 0.06 - 0.5 * BallVolume_m3(R),
               0.003 * quality.solid_volume_m3);
-  // 2 (80² + 2·80·60) mm² of faces, with the cup's mouth, pi R², become 2 pi R². Samples: .3 %.
+  // 2 (80² + 2·80·60) mm² of faces, with the cup's mouth, pi R², become 2 pi R². Samples: 0.3 %.
   EXPECT_NEAR(quality.surface_area_m2, 2 * 0.08 * 0.08 + 4 * 0.08 * 0.06 + pi * R * R,
               0.01 * quality.surface_area_m2);
   EXPECT_EQ(quality.coverage, 0.0);

@@ -8,8 +8,8 @@
 
 #include "simulation/packing/packing_file.h"
 
-// A bone for packing files, and hands on a file's bytes that know the layout from docs/packing.md only:
-// offsets and the checksum are written out here once more, not taken from the code under test.
+// A bone for packing files, and functions that change a file's bytes. They rely only on the layout in
+// docs/packing.md: offsets and the checksum are repeated here, not taken from the code under test.
 
 namespace osteon::simulation::test {
 
@@ -53,7 +53,7 @@ inline PackingProvenance SomeProvenance() {
           .parameters = {{"mode", "overlap"}, {"seed", "7"}, {"r_max_mm", "4"}}};
 }
 
-/// Bit by bit, from the polynomial (IEEE 802.3): nothing that zlib had a hand in.
+/// CRC bit by bit, from the polynomial (IEEE 802.3), independent of zlib.
 inline std::uint32_t SlowCrc(const std::string& bytes) {
   std::uint32_t crc = ~0u;
   for (const char c : bytes) {
@@ -63,7 +63,7 @@ inline std::uint32_t SlowCrc(const std::string& bytes) {
   return ~crc;
 }
 
-/// A number of the machine's own byte order at a place of the file.
+/// Reads a number in the machine's byte order at a byte of the file.
 template <typename T>
 void Put(std::string& bytes, std::size_t at, T value) {
   std::memcpy(bytes.data() + at, &value, sizeof(value));
@@ -90,12 +90,12 @@ inline std::size_t SectionAt(const std::string& bytes, std::size_t section) {
   return static_cast<std::size_t>(Get<std::uint64_t>(bytes, EntryAt(section, "offset")));
 }
 
-/// Makes header and table believe each other again.
+/// Recomputes the checksum of header and table.
 inline void SealHeader(std::string& bytes) {
   const std::size_t table = 32 * std::size_t{Get<std::uint32_t>(bytes, kSectionsAt)};
   Put(bytes, kHeaderCrcAt, SlowCrc(bytes.substr(0, kHeaderCrcAt) + bytes.substr(kTableAt, table)));
 }
-/// The same for every section, then the header.
+/// Recomputes every section's checksum, then the header's.
 inline void Seal(std::string& bytes) {
   for (std::size_t i = 0; i < Get<std::uint32_t>(bytes, kSectionsAt); ++i)
     Put(bytes, EntryAt(i, "crc"),
@@ -103,8 +103,8 @@ inline void Seal(std::string& bytes) {
   SealHeader(bytes);
 }
 
-/// Seals what can be sealed of damaged bytes, as somebody would who wants them believed; a table that leads
-/// outside stays as it is.
+/// Recomputes the checksums of damaged bytes where possible, so that other checks must find the damage; a
+/// table that points outside the file stays as it is.
 inline void SealIfPossible(std::string& bytes) {
   if (bytes.size() < kTableAt) return;
   const std::size_t sections = Get<std::uint32_t>(bytes, kSectionsAt);
@@ -136,7 +136,7 @@ inline std::vector<SampleSection> Sections(const std::string& bytes) {
   return sections;
 }
 
-/// A file with a good file's header and these sections, sealed.
+/// A file with a valid file's header and these sections, with checksums.
 inline std::string Compose(const std::string& good, const std::vector<SampleSection>& sections) {
   std::string bytes = good.substr(0, kTableAt) + std::string(32 * sections.size(), '\0');
   Put(bytes, kSectionsAt, static_cast<std::uint32_t>(sections.size()));

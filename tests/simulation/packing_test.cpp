@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kCup_m = 0.024;
 
-/// Distance from p to the union of the balls, 0 inside; all of them, no index.
+/// Distance from p to the union of the balls, 0 inside; tests all balls, without an index.
 double Gap(const std::vector<Ball>& balls, const Vector3& p) {
   double gap = 1.0;
   for (const Ball& ball : balls) gap = std::min(gap, (p - Vector3(ball.center_m)).norm() - ball.radius_m);
@@ -38,7 +38,7 @@ class Packing : public testing::Test {
   static void SetUpTestSuite() {
     balls_ = BuildPacking(AcetabulumSolid{{}}, CupZone{AcetabulumSolid{{}}.cup()}, {});
   }
-  /// Uniform on the lower half of the unit sphere.
+  /// A direction uniform on the lower half of the unit sphere.
   Vector3 Downwards() {
     Vector3 u = Vector3(normal_(random_), normal_(random_), normal_(random_)).normalized();
     u.z() = -std::abs(u.z());
@@ -113,9 +113,9 @@ TEST_F(Packing, HasNoHolesWithinAReamersReachAndNoneWorthNamingElsewhere) {
   EXPECT_GE(deep_covered, 0.999 * deep);
 }
 
-// The point of overlapping balls: what a cut takes beyond the tool's sweep. A 50 mm reamer goes in along the
-// axis; each ball it meets shrinks to the largest ball inside itself and outside the sweep (cutting.md, pass
-// 3).
+// The purpose of overlapping balls: a small loss beyond the tool's sweep. A 50 mm reamer goes in along the
+// axis; each ball that it meets shrinks to the largest ball inside itself and outside the sweep (cutting.md,
+// pass 3).
 TEST_F(Packing, StaysCloseToAReamersSweepOnceCut) {
   const double reamer = 0.025;
   for (const double depth : {0.5e-3, 2e-3, 4e-3}) {
@@ -136,7 +136,7 @@ TEST_F(Packing, StaysCloseToAReamersSweepOnceCut) {
     const Spread gap = Summarize(gaps);
     std::printf("cut %.1f mm: lost beyond the sweep mean %.4f, p95 %.4f mm\n", depth * 1e3, gap.mean_mm,
                 gap.p95_mm);
-    EXPECT_LE(gap.mean_mm, 0.024);  // a lattice with scrambled tangent balls; split.md's line to beat is .035
+    EXPECT_LE(gap.mean_mm, 0.024);  // a lattice with scrambled tangent balls; split.md's best was 0.035
     EXPECT_LE(gap.p95_mm, 0.06);
   }
 }
@@ -175,7 +175,7 @@ TEST_F(Packing, RefusesWrongParametersByName) {
   EXPECT_THAT(message(params), testing::HasSubstr("surface gap: found 0 mm"));
 }
 
-// Interleaving by hand: x = 1, y = 2, z = 3 in the last bits.
+// Interleaved by hand: x = 1, y = 2, z = 3 in the last bits.
 TEST(MortonCode, InterleavesBitsWithXLowest) {
   const double cells = 2097152.0;
   const Eigen::AlignedBox3d box(Vector3(0, 0, 0), Vector3(cells, cells, cells));

@@ -19,7 +19,7 @@ std::vector<Vector3> IndependentPoints(std::size_t count) {
   std::uniform_real_distribution<double> u(0.0, 1.0);
   std::vector<Vector3> points(count);
   for (Vector3& p : points) {
-    const double x = u(random), y = u(random), z = u(random);  // in this order, whatever the compiler's is
+    const double x = u(random), y = u(random), z = u(random);  // independent of the compiler's order
     p = kBox.min() + kBox.sizes().cwiseProduct(Vector3(x, y, z));
   }
   return points;
@@ -33,8 +33,8 @@ std::vector<Vector3> Lattice(int n) {
   return points;
 }
 
-// The power of a wave over independent points is exponentially distributed about 1: a bin's mean over 48
-// waves has a deviation of .14, and more where the taper makes neighbours of them alike.
+// The power of a wave over independent points is exponentially distributed about 1. The mean of a bin of 48
+// waves has a deviation of 0.14, and more where the taper makes neighbouring waves similar.
 TEST(RadialSpectrum, OfIndependentPointsIsWhite) {
   const RadialSpectrum spectrum = ComputeRadialSpectrum(IndependentPoints(4000), std::vector{kBox});
   ASSERT_GE(spectrum.power.size(), 50u);
@@ -53,7 +53,7 @@ TEST(RadialSpectrum, OfALatticeIsLines) {
   double between = 0.0, line = 0.0;
   for (std::size_t i = 0; i < spectrum.power.size(); ++i) {
     const double f = spectrum.frequency_per_mean_spacing[i];
-    // the taper widens a line by one wave along each side, .1 of the lattice's
+    // the taper widens a line by one wave along each side, 0.1 of the lattice's
     const bool near_line = std::min(std::abs(f - 1.0), std::abs(f - std::sqrt(2.0))) < 0.2;
     if (near_line) line = std::max(line, spectrum.power[i]);
     if (f < 0.8) between = std::max(between, spectrum.power[i]);
@@ -120,7 +120,8 @@ TEST(NeighborDistances, OfALatticeAreItsSpacing) {
   EXPECT_NEAR(d.mean_over_spacing, 0.5, 1e-12);
 }
 
-// Hertz 1909: the nearest neighbour of independent points lies .554 mean spacings away; borders add to it.
+// Hertz 1909: the nearest neighbour of independent points is 0.554 mean spacings away on average; borders
+// increase this.
 TEST(NeighborDistances, OfIndependentPointsAreAsTheoryHasThem) {
   const std::vector<Vector3> points = IndependentPoints(8000);
   const NeighborDistances d =

@@ -18,7 +18,7 @@ FrameRecord FrameAt(std::uint64_t number, const Pose& X_WP) {
   return frame;
 }
 
-// A way that comes back on itself, and a tremor on it; a tool that leans.
+// A path that returns on itself, with a tremor, and a tilting tool.
 Pose PoseAt(double t) {
   Pose X = Pose::Identity();
   X.translation() = Vector3(0.02 * std::sin(0.9 * t), 0.01 * std::cos(1.3 * t), -1e-4 * t);
@@ -58,8 +58,8 @@ TEST(ProxyPath, LeavesOutWhatIsNoFrameOrAnError) {
   EXPECT_TRUE(path.X_GP().empty());
 }
 
-// Oracle: the whole path's sweep. Every ball's centre, on every pose that was recorded, lies within the
-// tolerance of what the thinned path has it pass through.
+// Oracle: the whole path's sweep. Every ball's centre, at every recorded pose, lies within the tolerance of
+// its path along the thinned poses.
 TEST(ProxyPath, EachBallStaysWithinTheToleranceOfWhereItWas) {
   const Tool tool = TwoBalls();
   ProxyPath path(tool, Pose::Identity(), 2000);

@@ -14,7 +14,7 @@
 #include "simulation/tool_path.h"
 #include "simulation/tools/swept_tool.h"
 
-// Another packing of the same solid, carved as a first one was, in its place.
+// Repacking during a cut: another packing of the same solid, carved as the first one was, replaces it.
 
 namespace osteon::simulation {
 namespace {
@@ -85,7 +85,7 @@ TEST_F(Recarve, ACoarserPackingIsCarvedAsTheFinerOneWas) {
   EXPECT_FALSE(
       Arrived(carved, Pose(counted.X_GP) * Pose(Eigen::Translation3d(0, 0, 2e-6)), ToolLever(tool_), 1e-6));
 
-  // what is left keeps clear of the tool's way, and lacks as much as if the tool had cut it itself
+  // the remaining bone keeps clear of the tool's way, and lacks as much as if the tool had cut it directly
   ReferenceEngine direct = Engine(bone);
   for (std::size_t k = 0; k < work_.cut_end; ++k) direct.Step(work_.frames[k]);
   const auto measured = [&](const ReferenceEngine& engine) {
@@ -97,7 +97,7 @@ TEST_F(Recarve, ACoarserPackingIsCarvedAsTheFinerOneWas) {
   EXPECT_LT(cut.MeanLeft_m(), 0.02e-3);
   EXPECT_NEAR(cut.depth_error_m, own.depth_error_m, 0.05 * own.depth_error_m);
 
-  // it goes on from there: what was counted goes on, and the tool finds the face where it was
+  // it continues from there: the books go on, and the tool finds the face at the same place
   coarse.Restore(TakeOver(carved, counted));
   const FrameInput& pressed = work_.frames[work_.feel_begin];
   const ContactModel a = fine.Step(pressed), b = coarse.Step(pressed);
@@ -110,7 +110,7 @@ TEST_F(Recarve, ACoarserPackingIsCarvedAsTheFinerOneWas) {
   EXPECT_GT(depth_m, 0.1e-3) << "it holds the tool";
 }
 
-// A packing that was not carved would be all in the tool's way: that the way was gone is what makes it free.
+// A packing that was not carved would stand in the tool's way; only carving along the trail makes it free.
 TEST_F(Recarve, WhatTheToolHasNotGoneStays) {
   ReferenceEngine fine = Engine(Packed(0.8e-3));
   ProxyTrail half(ToolLever(tool_), 20e-6);

@@ -51,8 +51,8 @@ Carved Carve(const DepthScene& scene, const CutShape& cut, const PackingLevel& l
   return carved;
 }
 
-// The band is the header's: a plan takes .8 of the error, so that 1.2 of the prediction still keeps it, and a
-// level of twice the spacing is beyond it.
+// The tolerances are the header's: a plan uses 0.8 of the error, so that 1.2 times the prediction still meets
+// it, and a level of twice the spacing does not.
 TEST(RemovalError, HoldsInACup) {
   const DepthScene scene = MakeCupScene();
   for (const auto& [spacing_mm, ratio] : {std::pair{4.0, 1.25}, {2.5, 1.6}, {1.5, 2.0}}) {
@@ -76,8 +76,8 @@ TEST(RemovalError, HoldsInATrench) {
   }
 }
 
-// Of large balls that overlap heavily the face is finer, the rim coarser: without its term the form would say
-// less than half of what is lost.
+// With large balls that overlap heavily the face is finer and the rim coarser: without the rim's term the
+// form would predict less than half of the loss.
 TEST(RemovalError, CountsTheRim) {
   const CutShape cut = BlockShapeOfCut();
   PackingLevel level = MakeLevel(PackingKind::kGraded, 0.7e-3, 1.5, cut, 0.0);
@@ -98,7 +98,7 @@ TEST(RemovalError, HoldsWhereBallsAreSplit) {
   }
 }
 
-// Cogging: a ball that slides over equal balls in a row, l apart, has slopes that are known exactly.
+// Cogging: the slopes of a ball that slides over equal balls in a row, l apart, are known exactly.
 TEST(RemovalError, CoggingIsTheSlopeOverARowOfBalls) {
   const PackingFineness fine{.radius_m = 2e-3, .surface_gap_m = 0.05e-3};
   const double R = 5e-3, apart = std::sqrt(fine.surface_gap_m * fine.radius_m / 0.25);

@@ -47,7 +47,7 @@ constexpr double kBurr_m = 0.001;
 const SceneEventParams kPulpAndWall{
     .regions = {{.name = "pulp", .material = "pulp"}}, .least_wall_m = 0.0015, .wall_spacing_m = 0.5e-3};
 
-// Poses of a burr, each of which has cut.
+// Steps a burr through poses, each of which removes bone.
 class Burr {
  public:
   explicit Burr(const SceneEventParams& params)
@@ -66,7 +66,7 @@ class Burr {
 };
 
 TEST(SceneEvents, PulpIsReachedWhereTheApexMeetsIt) {
-  // a drop of a micrometre makes the difference, wherever above the pulp
+  // a further micrometre down triggers the event, anywhere above the pulp
   for (const Vector3& off : {Vector3(0, 0, 0), Vector3(0.0011, -0.0007, 0)}) {
     Burr burr({.regions = kPulpAndWall.regions});
     EXPECT_TRUE(burr.At(off + Vector3(0, 0, -0.001)).empty());
@@ -93,7 +93,7 @@ TEST(SceneEvents, EachComesOnce) {
   EXPECT_TRUE(burr.At(in_the_pulp).empty());
   EXPECT_EQ(burr.At(at_the_wall).size(), 1u);
   EXPECT_TRUE(burr.At(at_the_wall + Vector3(1e-4, 0, 0)).empty());
-  EXPECT_NEAR(*burr.watch().least_wall_m(), 0.4e-3, 1e-9);  // it is still watched
+  EXPECT_NEAR(*burr.watch().least_wall_m(), 0.4e-3, 1e-9);  // the wall is still watched
   EXPECT_TRUE(burr.At(in_the_pulp).empty());
 }
 
@@ -105,8 +105,8 @@ TEST(SceneEvents, NothingHappensWhereNothingIsCut) {
   EXPECT_FALSE(burr.At({0.0035, 0, -0.003}, true).empty());
 }
 
-// A slot that runs towards the side: thickness = way to the side's plane less the radius, at any height and
-// place, samples .5 mm apart or not.
+// A slot towards the side: thickness = distance to the side's plane less the radius, at any height and place,
+// also between samples 0.5 mm apart.
 TEST(SceneEvents, WallOfASlotIsWhatIsLeftToTheSide) {
   for (const double spacing_m : {0.2e-3, 0.5e-3, 1.3e-3}) {
     SceneEventParams params = kPulpAndWall;
@@ -117,7 +117,7 @@ TEST(SceneEvents, WallOfASlotIsWhatIsLeftToTheSide) {
     for (double x = 0.0; x < 0.0039; x += 0.13e-3) {
       const Vector3 apex(x, 0.3e-3, -0.0031 - 0.1 * x);
       const auto events = burr.At(apex);
-      // the nearest of: +x side, +y side (4 - .3 mm away)
+      // the nearest of: +x side, +y side (4 - 0.3 mm away)
       const double wall_m = std::min(0.005 - x, 0.004 - 0.3e-3) - kBurr_m;
       EXPECT_NEAR(*burr.watch().least_wall_m(), wall_m, 1e-9) << spacing_m << " " << x;
       const bool thin = wall_m < params.least_wall_m;
@@ -130,7 +130,7 @@ TEST(SceneEvents, WallOfASlotIsWhatIsLeftToTheSide) {
       before = thin;
     }
     EXPECT_TRUE(before);
-    // through the wall: nothing is left, which is an event of its own, once
+    // through the wall: nothing is left, which is a separate event, once
     const auto through = burr.At({0.0043, 0, -0.003});
     ASSERT_EQ(through.size(), 1u);
     EXPECT_EQ(through[0].name, "breakthrough");
@@ -141,7 +141,7 @@ TEST(SceneEvents, WallOfASlotIsWhatIsLeftToTheSide) {
   }
 }
 
-// A drill that is through between two frames: both events at once, and no wall of less than nothing.
+// A drill that breaks through between two frames: both events at once, and no negative wall.
 TEST(SceneEvents, AFastCutThroughIsTooThinAndThrough) {
   SceneEventParams params = kPulpAndWall;
   params.regions.clear();
@@ -155,19 +155,19 @@ TEST(SceneEvents, AFastCutThroughIsTooThinAndThrough) {
   EXPECT_EQ(*burr.watch().least_wall_m(), 0.0);
 }
 
-// The floor is a wall, the face with the opening is none.
+// The floor is a wall, the face with the opening is not.
 TEST(SceneEvents, OpeningIsNoWall) {
   SceneEventParams params = kPulpAndWall;
   params.regions.clear();
   Burr burr(params);
   burr.At({0, 0, -0.0022});
-  EXPECT_NEAR(*burr.watch().least_wall_m(), 0.003, 1e-9);  // to the sides along y; .2 mm below the top
+  EXPECT_NEAR(*burr.watch().least_wall_m(), 0.003, 1e-9);  // to the sides along y; 0.2 mm below the top
   burr.At({0, 0, -0.0089});
   EXPECT_NEAR(*burr.watch().least_wall_m(), 0.0011, 1e-9);  // to the floor at -10 mm
 }
 
-// Above a molar's site lie fissures and the cusps' inner slopes, steep as they are: none of it is a wall. The
-// crown's sides are, some 3 mm away from an opening in the middle.
+// Above a molar's site there are fissures and the cusps' steep inner slopes: none of them is a wall. The
+// crown's sides are, about 3 mm from an opening in the middle.
 TEST(SceneEvents, CuspsAreNoWall) {
   const MolarSolid molar({});
   Bone bone = DentineAndPulp();
@@ -185,7 +185,7 @@ TEST(SceneEvents, CuspsAreNoWall) {
   EXPECT_LT(*watch.least_wall_m(), 0.0045);
 }
 
-// Outside of the wall, cutting it from there, is not a cut behind it.
+// Cutting the wall from outside is not a cut behind it.
 TEST(SceneEvents, WallIsSeenFromWithinOnly) {
   SceneEventParams params = kPulpAndWall;
   params.regions.clear();
@@ -195,7 +195,7 @@ TEST(SceneEvents, WallIsSeenFromWithinOnly) {
   EXPECT_FALSE(burr.watch().least_wall_m());
 }
 
-// A solid that does not know where its tissues end: the first mass point that is cut.
+// For a solid without distances to its tissues: the event occurs at the first mass point that is cut.
 TEST(SceneEvents, RegionOfUnknownShapeIsReachedWithItsFirstPoint) {
   const BoxSolid solid({-0.005, -0.005, -0.010}, {0.005, 0.005, 0.0});
   Bone bone = DentineAndPulp();
@@ -203,7 +203,7 @@ TEST(SceneEvents, RegionOfUnknownShapeIsReachedWithItsFirstPoint) {
                  {.p_m = Vector3(0, 0.0006, -0.004), .volume_m3 = 1e-12, .material = 1},
                  {.p_m = Vector3(0, 0, -0.005), .volume_m3 = 1e-12, .material = 1}};
   SceneWatch watch(&solid, bone, BallTool(kBurr_m), {.regions = {{.name = "pulp", .material = "pulp"}}});
-  // the ball meets the point .6 mm off the axis with its apex .2 mm below it
+  // the ball meets the point 0.6 mm off the axis with its apex 0.2 mm below it
   EXPECT_TRUE(watch.Step(Down({0, 0, -0.0042 + 1e-7}), 1e-9, 1).empty());
   const auto events = watch.Step(Down({0, 0, -0.0042 - 1e-7}), 2e-9, 2);
   ASSERT_EQ(events.size(), 1u);
@@ -241,8 +241,8 @@ TEST(SceneEvents, RefusesWhatTheSceneHasNot) {
   EXPECT_THROW(make({.least_wall_m = 1e-3, .wall_spacing_m = 0.0}), std::invalid_argument);
 }
 
-// The generated molar knows its pulp exactly: where the distance is negative, and there alone, the tissue is
-// pulp; the nearest point lies on its border.
+// The generated molar knows its pulp exactly: the tissue is pulp exactly where the distance is negative, and
+// the nearest point lies on the pulp's border.
 TEST(SceneEvents, MolarKnowsItsPulp) {
   const MolarSolid molar({});
   int inside = 0;
@@ -273,7 +273,7 @@ TEST(SurfaceSamples, CoverABoxAtTheirSpacing) {
     EXPECT_LT(std::abs(solid.SignedDistance(sample.p_m)), 1e-9);
     EXPECT_NEAR(sample.normal.norm(), 1.0, 1e-12);
   }
-  // no point of a face is further from a sample than a cell's diagonal in the plane
+  // no point of a face is farther from a sample than a cell's diagonal in the plane
   for (double x = low.x(); x <= high.x(); x += 0.31e-3)
     for (double z = low.z(); z <= high.z(); z += 0.37e-3) {
       const Vector3 p(x, high.y(), z);
@@ -283,7 +283,7 @@ TEST(SurfaceSamples, CoverABoxAtTheirSpacing) {
     }
 }
 
-// The index gives what a look at every sample gives.
+// Oracle for the index: tests every sample.
 TEST(SurfaceSamples, IndexFindsTheNearest) {
   const std::vector<OrientedPoint> all =
       PointsOfSurface(BoxSolid({-0.01, -0.01, -0.02}, {0.01, 0.01, 0.0}), 0.9e-3);

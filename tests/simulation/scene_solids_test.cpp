@@ -41,7 +41,7 @@ void ExpectLipschitzAndFeetOnTheSurface(const Solid& solid) {
   }
 }
 
-/// Volume of each material by the middles of cubic cells, the first of which has its corner in the box's.
+/// Volume of each material from the centres of cubic cells; the first cell's corner is the box's.
 std::array<double, 8> Volumes(const Solid& solid, double cell_m) {
   std::array<double, 8> volumes{};
   const Eigen::AlignedBox3d box = solid.Bounds();
@@ -125,7 +125,7 @@ class Molar : public testing::Test {
     delete mesh_;
     delete solid_;
   }
-  /// Where the surface is first met from above.
+  /// Height at which a vertical line first meets the surface from above.
   static double Top(double x_m, double y_m) {
     double z = 0.009;
     while (solid_->SignedDistance({x_m, y_m, z}) > 0.0) z -= 2e-6;
@@ -152,7 +152,7 @@ TEST_F(Molar, IsOneClosedShellWithAPulpWellInsideIt) {
   const auto tooth = CheckMesh(mesh.mesh, "tooth");
   ASSERT_TRUE(tooth) << tooth.error().message;
   EXPECT_EQ(tooth->shells.size(), 1u);
-  // the narrowest is the one that could come apart, the widest the one that could come too near the surface
+  // the narrowest pulp could come apart, the widest could come too near the surface
   LoadedMesh narrow = MolarMesh({.pulp_width = 0.6});
   const auto pulp = CheckMesh(narrow.regions.at(0).mesh, "pulp");
   ASSERT_TRUE(pulp) << pulp.error().message;
@@ -185,14 +185,14 @@ TEST_F(Molar, EnamelIsThickOnTopAndEndsAtTheNeck) {
     double z = top - 5e-6;
     while (solid_->MaterialAt({at.x(), at.y(), z}) == MolarSolid::kEnamel) z -= 5e-6;
     EXPECT_EQ(solid_->MaterialAt({at.x(), at.y(), z}), MolarSolid::kDentine);
-    // along a slope the way down is longer than the enamel is thick
+    // on a slope the vertical distance exceeds the enamel's thickness
     EXPECT_GT(top - z, 1.95e-3);
     EXPECT_LT(top - z, 2.6e-3);
   }
   EXPECT_NEAR(solid_->EnamelThickness(0.008), 0.002, 1e-12);
   EXPECT_NEAR(solid_->EnamelThickness(0.1e-3), 0.0, 0.1e-3);
   EXPECT_EQ(solid_->EnamelThickness(-0.001), 0.0);
-  // no enamel below the neck, none at all where none is asked for
+  // no enamel below the neck, and none at a thickness of 0
   int below = 0;
   const MolarSolid bare(MolarShape{.enamel_m = 0.0});
   for (const Vector3& p : PointsAround(solid_->Bounds(), 4000, 0.0)) {
@@ -262,7 +262,7 @@ TEST(FemurSolid, IsAClosedTubeWithTheVolumeOfItsOvals) {
     ASSERT_NEAR(femur.SignedDistance(p), BruteSignedDistance(mesh, p), 1e-9);
 }
 
-/// Where the material changes along a line from the canal's axis, until outside.
+/// Material changes along a line from the canal's axis outwards.
 std::vector<std::pair<MaterialIndex, double>> Across(const FemurSolid& femur, const Vector3& from,
                                                      const Vector3& direction) {
   std::vector<std::pair<MaterialIndex, double>> met;
@@ -333,7 +333,7 @@ TEST(FemoralHeadSolid, IsAClosedBallOnANeckWithTheVolumeOfBoth) {
   const auto report = CheckMesh(mesh, "femoral head");
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_FALSE(report->flipped);
-  // ball; and the rod from where it leaves the ball, with the ball's cap in it taken off: the fillet adds to
+  // the ball, plus the rod from where it leaves the ball, without the ball's cap in it; the fillet adds to
   // both
   const double R = shape.head_radius_m, r = shape.neck_radius_m, leaves_m = std::sqrt(R * R - r * r);
   const double cap_m = R - leaves_m, cap_m3 = kPi * cap_m * cap_m * (3.0 * R - cap_m) / 3.0;
@@ -348,7 +348,7 @@ TEST(FemoralHeadSolid, IsAClosedBallOnANeckWithTheVolumeOfBoth) {
     ASSERT_NEAR(head.SignedDistance(p), BruteSignedDistance(mesh, p), 1e-9);
 }
 
-// What the scene is for: no point of a chord between two places of the upper half lies outside.
+// The scene's requirement: every point of a chord between two places of the upper half is inside.
 TEST(FemoralHeadSolid, IsConvexWhereAToolComesFromAboveAndRound) {
   const FemoralHeadShape shape;
   const FemoralHeadSolid head(shape);

@@ -21,7 +21,7 @@ std::vector<Material> Named(const std::vector<std::string>& names) {
   return materials;
 }
 
-/// A plate of 20 × 20 × 2 mm, coarse, with a hole to be drilled through it.
+/// A coarse plate of 20 × 20 × 2 mm, with a hole to be drilled through it.
 SceneParams Plate() {
   SceneParams scene;
   scene.shape = BlockShape{.width_m = 0.020, .depth_m = 0.020, .height_m = 0.002, .layers = {}};
@@ -139,8 +139,8 @@ TEST(Scenes, TheSameParametersGiveTheSameBone) {
     ASSERT_EQ(Vector3(a.points[i].p_m), Vector3(b.points[i].p_m));
 }
 
-// A burr goes into a cube by its own depth, and along. Split balls must be worth it: fewer, and a cut that
-// loses less.
+// A burr moves into a cube by its own depth, and along. Splitting must be worth it: fewer balls, and a
+// smaller loss at the cut.
 TEST(Scenes, BallsThatAreSplitAreFewerAndLoseLessToACut) {
   SceneParams scene = Plate();
   scene.shape = BlockShape{.width_m = 0.012, .depth_m = 0.012, .height_m = 0.006, .layers = {}};
@@ -188,7 +188,7 @@ TEST(Scenes, MaterialsMustBeThoseThatTheSceneNames) {
 
 // ---------------------------------------------------------------- a mesh in a scene's place
 
-/// A tooth of the simplest kind: a box with a ball in it, each an object with a name, in units of `unit_mm`.
+/// A simple tooth: a box with a ball in it, each a named object, in units of `unit_mm`.
 std::string NamedShells(double unit_mm) {
   const TriangleMesh outer = MakeBox({-0.005, -0.004, 0.0}, {0.005, 0.004, 0.010}),
                      inner = MakeIcosphere({0, 0, 0.005}, 0.002, 3);
@@ -227,7 +227,7 @@ TEST(MeshScenes, ARegionHasTheTissueOfItsNameAndAScaleMakesTheSize) {
   EXPECT_EQ(solid->solid->MaterialAt({0, 0, 0.0099}), 0);
   EXPECT_EQ(solid->solid->MaterialAt({0, 0, 0.0090}), 1);
   EXPECT_EQ(solid->solid->MaterialAt({0, 0, 0.0060}), 2);
-  // the region bounds nothing: the depth in its middle is that below the tooth's surface
+  // the region bounds nothing: the depth at its centre is that below the tooth's surface
   EXPECT_NEAR(solid->solid->SignedDistance({0, 0, 0.005}), -0.004, 1e-6);
   const Bone bone = PackScene(*solid, scene);
   std::array<double, 3> volumes{};

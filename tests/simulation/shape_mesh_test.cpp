@@ -59,7 +59,7 @@ TEST(MeshOfLevel, KeepsTheHoleOfARing) {
   EXPECT_NEAR(SignedVolume_m3(mesh), exact, 0.03 * exact);
 }
 
-// Random fields have every configuration of signs there is, cells with saddles in them too.
+// Random fields have every configuration of signs, including cells with saddles.
 TEST(MeshOfLevel, AnyFieldGivesAClosedManifoldThatDoesNotCutItself) {
   for (int seed = 1; seed <= 4; ++seed) {
     const auto waves = [seed](const Vector3& p) {
@@ -70,7 +70,7 @@ TEST(MeshOfLevel, AnyFieldGivesAClosedManifoldThatDoesNotCutItself) {
       return sum + 40.0 * std::max(0.0, p.norm() - 0.006) / 0.001;
     };
     TriangleMesh mesh = MeshOfLevel(waves, Cube(0.0079), 0.6e-3);
-    // shells of any sign: only the local rules are asked of them
+    // shells of any sign: only the local rules are checked
     const auto report = CheckMesh(mesh, "waves");
     if (!report) {
       EXPECT_EQ(report.error().kind, MeshErrorKind::kContradictory) << seed << report.error().message;

@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
-// Depth of the hull's deepest dent at random points of the head's sphere, that part of it which is asked for.
+// Depth of the hull's deepest dent at random points of the head's sphere with u_z >= least_z.
 double DeepestDent(const Tool& shell, const ToolBall& head, double least_z) {
   double deepest_m = 0.0;
   for (std::uint64_t i = 0; i < 3000; ++i) {
@@ -29,7 +29,7 @@ double DeepestDent(const Tool& shell, const ToolBall& head, double least_z) {
 
 struct Case {
   std::size_t count;
-  double deepest_dent_m;  // .13 d, d = R sqrt(2 pi / count)
+  double deepest_dent_m;  // 0.13 d, d = R sqrt(2 pi / count)
 };
 
 TEST(ShellTool, IsAHemisphereOfManyBallsThatNoneLeaves) {

@@ -30,8 +30,7 @@ TEST(SplitTemplate, ChildrenLieInTheirParentInSinglePrecisionToo) {
   }
 }
 
-// Where a parent is split its neighbours may be too: what lies near its centre is covered by its own
-// children.
+// A split parent's neighbours may be split, too, so its own children must cover the region near its centre.
 TEST(SplitTemplate, ChildrenCoverTheMiddleOfTheirParent) {
   const SplitTemplate shapes(24);
   std::mt19937_64 random(1);
@@ -106,7 +105,7 @@ TEST(SplitPacking, KeepsInTheSolidAndItsGaps) {
     worst_inside = std::max(worst_inside, shape.Distance(p, 1.0));
     worst_top = std::max(worst_top, shape.Distance({p.x(), p.y(), 0.0}, 1.0));
   }
-  // samples lie .3 mm apart: between them a gap may be larger
+  // samples lie 0.3 mm apart; a gap between them may be larger
   EXPECT_LT(worst_top, 1.5 * params.surface_gap_m);
   EXPECT_LT(worst_inside, 0.2e-3);
   EXPECT_THROW((void)BuildSplitPacking(box, EverywhereZone(), {.radius_over_spacing = 0.5}),
@@ -116,7 +115,7 @@ TEST(SplitPacking, KeepsInTheSolidAndItsGaps) {
                std::invalid_argument);
 }
 
-// Below a surface that is going to be cut balls may not grow before the cut's depth is reached.
+// Below a surface that will be cut, balls may not grow before the cut's depth is reached.
 TEST(SplitPacking, IsFineDownToItsFineDepth) {
   const BoxSolid box({-6e-3, -6e-3, -16e-3}, {6e-3, 6e-3, 0.0});
   const SurfaceZone zone(box,

@@ -12,7 +12,8 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Dense rim, soft core: 1800 at the surface, 600 at 2 mm, 200 from 4 mm on; the last column half as dense.
+/// Dense rim, soft core: 1800 at the surface, 600 at 2 mm, 200 from 4 mm on; the last column is half as
+/// dense.
 DensityImage Graded() {
   return {.rows = 3,
           .columns = 2,
@@ -57,7 +58,7 @@ TEST(DensityImage, ClassesChangeWhereTheDensityCrossesThem) {
   EXPECT_EQ(image.MaterialAt(0.00251, -0.01), 3);
   DensityImage capped = image;
   capped.classes = {{.below_kg_per_m3 = 500, .material = 3}, {.below_kg_per_m3 = 1000, .material = 2}};
-  EXPECT_EQ(capped.MaterialAt(0.0, -0.01), 2);  // the last class takes what is denser
+  EXPECT_EQ(capped.MaterialAt(0.0, -0.01), 2);  // the last class includes higher densities
 }
 
 TEST(TissueMap, AGradedBoneHasADenseRimAndASoftCore) {

@@ -15,8 +15,8 @@ constexpr double kPi = std::numbers::pi;
 
 static_assert(std::is_trivially_copyable_v<PlainInertia>);
 
-/// Mass, centre and inertia of what `inside` says, from the midpoints of n^3 cells of a box: second order,
-/// and for cells on the surface of random sign.
+/// Mass, centre and inertia of the region where `density` is positive, from the midpoints of n^3 cells of a
+/// box: second order, with a random sign for cells on the surface.
 template <typename Density>
 MassProperties Integrate(const Eigen::AlignedBox3d& box, int n, const Density& density) {
   const Vector3 step = box.sizes() / n;
@@ -97,7 +97,7 @@ TEST(ToolMass, OfTheReamerIsTheIntegralOverShellShaftAndHolder) {
   const MassProperties counted =
       Integrate({Vector3(-wide, -wide, -0.180), Vector3(wide, wide, 0)}, 180, density);
   const Tool tool = MakeReamer(p).tool;
-  // 180 cells: .35 mm across; a cylinder of 31.5 mm is counted to a few thousandths of its section
+  // 180 cells: 0.35 mm across; a cylinder of 31.5 mm is counted to a few thousandths of its section
   EXPECT_NEAR(tool.mass_kg, counted.mass_kg, 4e-3 * tool.mass_kg);
   EXPECT_NEAR(tool.center_of_mass_m.z, counted.center_of_mass_m.z(), 0.2e-3);
   const Matrix3 I = tool.inertia_kg_m2;

@@ -1,5 +1,5 @@
-// Balls against the exact shapes they were fitted to. Gaps are measured at other points than those that the
-// fit saw.
+// Balls against the exact shapes that they were fitted to. Gaps are measured at other points than those of
+// the fit.
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -104,7 +104,7 @@ TEST(PackedBurr, UnionLiesWithinTheStatedGapOfItsOutlineAndNowhereOutside) {
       EXPECT_LE(quality.cutting_gap_max_m, gap_m) << built.tool.name << " " << built.tool.balls.size();
       EXPECT_LE(quality.touching_gap_max_m, 0.15e-3) << built.tool.name;
       EXPECT_LT(quality.protrusion_max_m, 1e-12) << built.tool.name;
-      // not finer by far than was asked for: the balls are few
+      // not much finer than requested: the balls are few
       EXPECT_GT(quality.cutting_gap_max_m, 0.5 * gap_m) << built.tool.name;
     }
 }
@@ -127,7 +127,7 @@ TEST(TwistDrill, PointsUnionLiesWithinTheStatedGapOfTheExactCone) {
   const BuiltTool built = MakeTwistDrill(params);
   const double R = 1.6e-3, half = 59.0 * kDegree, depth = R / std::tan(half);
   double worst = 0.0;
-  // the cone by its own equation, r = z tan(59 deg), not by the profile
+  // the cone by its own equation, r = z tan(59 deg), independent of the profile
   for (int i = 0; i <= 200; ++i)
     for (int k = 0; k < 97; ++k) {
       const double z = depth * i / 200.0, phi = 2.0 * std::numbers::pi * k / 97.0, r = z * std::tan(half);
@@ -135,14 +135,14 @@ TEST(TwistDrill, PointsUnionLiesWithinTheStatedGapOfTheExactCone) {
     }
   EXPECT_LE(worst, 0.1e-3);
   EXPECT_GT(worst, 0.0);
-  // no ball leaves the cone: |axis distance| of its sphere in every direction of the cone's normal
+  // no ball leaves the cone, in any direction of the cone's normal
   for (const ToolBall& ball : built.tool.balls) {
     const double r = std::hypot(ball.center_m.x, ball.center_m.y), z = -ball.center_m.z;
     EXPECT_LE(ball.radius_m, (z * std::sin(half) - r * std::cos(half)) + 1e-12);
     EXPECT_LE(r + ball.radius_m, R + 1e-12);
   }
   EXPECT_NEAR(CuttingReach(built.tool), R, 1e-6);
-  // 2R/3, where cutting.md puts a drill's cutting force
+  // 2R/3, the radius of a drill's cutting force in cutting.md
   EXPECT_NEAR(EffectiveCuttingRadius(built.tool), 2.0 * R / 3.0, 1e-6);
 }
 
@@ -150,7 +150,7 @@ TEST(TwistDrill, PointAndFlutesCutAndTheShankTouches) {
   const BuiltTool built = MakeTwistDrill({});
   const Eigen::AlignedBox3d cutting = ToolBounds(built.tool, ToolPart::kCutting),
                             touching = ToolBounds(built.tool, ToolPart::kTouching);
-  // balls end within the flute's gap; beside its border a ball may reach over it below the surface
+  // balls end within the flute's gap; beside its border a ball may extend beyond it below the surface
   EXPECT_NEAR(cutting.max().z(), 0.0, 0.128e-3);
   EXPECT_NEAR(cutting.min().z(), -36e-3, 1.6e-3);
   EXPECT_NEAR(touching.max().z(), -36e-3, 1.6e-3);
@@ -199,7 +199,7 @@ TEST(Kinds, ImpossibleSizesAreRefused) {
   EXPECT_THROW(static_cast<void>(MakeReamer({.shell_m = 0.025})), std::invalid_argument);
 }
 
-// A ball as a mesh, packed, beside the analytic one.
+// A ball as a mesh, packed, compared with the analytic ball.
 TEST(MeshTool, OfABallIsTheBallToWithinGapAndFacets) {
   const double R = 3e-3;
   const TriangleMesh ball = MakeIcosphere(Vector3(0, 0, -R), R, 3);

@@ -13,8 +13,8 @@
 namespace osteon::simulation {
 namespace {
 
-// What the exact force rests on: along the feel the tool's centre lies off its own way by the offset, and the
-// nearest point of the way is where it says (found here by brute force over the cut's poses).
+// Basis of the exact force: during the touch the tool's centre is off its own path by the offset, and the
+// nearest point of the path is the expected one (found by brute force over the cut's poses).
 TEST(CutWorkload, ExactForceIsTheSpringToTheNearestPlaceOnTheWay) {
   for (const CutTask task : kCutTasks)
     for (const std::uint64_t seed : {0u, 3u}) {
@@ -29,7 +29,7 @@ TEST(CutWorkload, ExactForceIsTheSpringToTheNearestPlaceOnTheWay) {
         for (std::size_t k = 0; k < work.cut_end; ++k)
           if ((center(k) - at).norm() < (nearest - at).norm()) nearest = center(k);
         const Vector3 exact = work.cutting.stiffness_N_per_m * (nearest - at);
-        // the way's poses are .02 mm apart: .4 N along it, and an arc of 6 mm between them is straight to
+        // the way's poses are 0.02 mm apart: 0.4 N along it, and an arc of 6 mm between them is straight to
         // 1e-5
         EXPECT_NEAR((exact - work.exact[i].f_N).norm(), 0.0, 0.25) << TaskName(task) << " " << i;
         EXPECT_NEAR(work.exact[i].f_N.norm(), 10.0, 1e-9);
@@ -55,7 +55,7 @@ TEST(CutWorkload, GoesInSmallStepsFromFreeSpaceAndStopsTheSpindleToFeel) {
   }
 }
 
-// The cut stays within the solid whatever the seed: its sides and its bottom are not met.
+// The cut stays within the solid for every seed: it reaches neither sides nor bottom.
 TEST(CutWorkload, LeavesWallsWhereverTheSeedMovesIt) {
   for (const CutTask task : {CutTask::kPlunge, CutTask::kSlide, CutTask::kChannel})
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -76,8 +76,8 @@ TEST(CutWorkload, RefusesWhatHasNoWay) {
   EXPECT_THROW((void)MakeCutWorkload(CutTask::kPlunge, {.offset_m = 2e-3}), std::invalid_argument);
 }
 
-// The engine itself on a coarse packing: the plunge's volume and force are near the closed forms, from which
-// the workload's exact ones are then not far either; and what a method leaves or loses is told.
+// The engine on a coarse packing: the plunge's volume and force are near the closed forms, so the workload's
+// exact values are right; and the scores show what a method leaves or removes in excess.
 TEST(WorkloadScores, OfThePlungeOnTheReferenceEngineAreSmall) {
   const CutWorkload work = MakeCutWorkload(CutTask::kPlunge, {.feed_m_per_s = 0.060});
   Bone bone;
@@ -101,7 +101,7 @@ TEST(WorkloadScores, OfThePlungeOnTheReferenceEngineAreSmall) {
   EXPECT_GT(scores.lost_m, 0.005e-3);
   EXPECT_LT(scores.lost_m, 0.08e-3);
   EXPECT_LT(scores.left_m, 1e-6);
-  // .06 mm at most of give at .5 mm of offset; its tilt shows whether the direction is the exact one's
+  // at most 0.06 mm of give at 0.5 mm of offset; the tilt shows whether the direction is the exact one's
   EXPECT_LT(scores.force.force_relative, 0.12);
   EXPECT_LT(scores.force.normal_rms_deg, 6.0);
   EXPECT_LT(scores.ripple, 0.05);
