@@ -21,14 +21,14 @@
 #include "simulation/scenes.h"
 #include "simulation/tool.h"
 
-// What the files under config/ say, in SI: the parameters of the libraries, filled in, and what has no
-// library's type. Plain data; the accepted ranges are in the loaders (load.h).
+// Content of the files under config/, in SI: the libraries' parameters, and values without a type in a
+// library. Plain data; the accepted ranges are in the loaders (load.h).
 
 namespace osteon::config {
 
 /// The motor that turns a tool.
 struct ToolDriveConfig {
-  double gear_ratio{1.0};  ///< turns of the motor a turn of the tool
+  double gear_ratio{1.0};  ///< turns of the motor for each turn of the tool
   double rated_torque_Nm{0.0};
   double spin_up_s{0.0};  ///< from rest to the spindle's speed
 };
@@ -40,27 +40,27 @@ struct ToolConfig {
   ToolDriveConfig drive;
 };
 
-/// Where the arm begins: the tool looks into the cup along its axis.
+/// Where the arm begins: the tool points into the cup along its axis.
 struct StartConfig {
   double height_m{0.0};           ///< of the head's centre above the cup's, along the cup's axis
   double tool_yaw_rad{0.0};       ///< turns the tool about its axis: R_CT = Rx(pi) Rz(yaw)
-  Pose X_WT{Pose::Identity()};    ///< what follows from the two
+  Pose X_WT{Pose::Identity()};    ///< follows from the two
   double arm_angle_rad{0.0};      ///< of an LBR
-  control::JointPathParams path;  ///< of an arm that is handed over elsewhere
-  double pause_force_N{40.0};     ///< a hand that pushes harder makes it rest on that path
-  /// The same as joints [rad]: of the arm's solutions the nearest to zero, of six axes the nearest to their
-  /// usual posture, 0 -90 90 0 90 0 deg; a seventh joint that there is not is 0.
+  control::JointPathParams path;  ///< from another posture of the arm to the start
+  double pause_force_N{40.0};     ///< a hand that pushes harder pauses this path
+  /// The start as joints [rad]: the arm's solution nearest to zero, with six axes nearest to their usual
+  /// posture, 0 -90 90 0 90 0 deg. The seventh joint of a six-axis arm is 0.
   kinematics::JointVector q{kinematics::JointVector::Zero()};
 };
 
 /// An arm of seven joints.
 struct LbrConfig {
   kinematics::LbrParams params;
-  /// The same joint by joint, its last link with what hangs on the flange: force sensor and tool.
+  /// The same joint by joint; the last link includes the load on the flange: force sensor and tool.
   kinematics::ChainParams<7> chain;
 };
 
-/// An arm of six axes; no masses of one are published.
+/// An arm of six axes; their masses are not published.
 struct SixAxisConfig {
   kinematics::OrthoParallelParams params;
   kinematics::ChainParams<6> chain;  ///< the same joint by joint
@@ -70,12 +70,12 @@ struct RobotConfig {
   std::string name;
   std::variant<LbrConfig, SixAxisConfig> arm;
 
-  /// Null where it is the other one.
+  /// Null if the arm is of the other kind.
   [[nodiscard]] const LbrConfig* lbr() const { return std::get_if<LbrConfig>(&arm); }
   [[nodiscard]] const SixAxisConfig* six_axis() const { return std::get_if<SixAxisConfig>(&arm); }
 };
 
-/// Where the arm's messages arrive, and what they are; the simulated arm sends there. An LBR speaks FRI, an
+/// Where the arm's messages arrive, and their protocol; the simulated arm sends there. An LBR speaks FRI, an
 /// arm of six axes RSI.
 struct ArmLinkConfig {
   std::string host;  ///< dotted IPv4, of this machine
@@ -84,7 +84,7 @@ struct ArmLinkConfig {
   std::uint16_t port{0};
   std::variant<io::FriSessionParams, io::RsiSessionParams> session;
 
-  /// Null where it is the other one.
+  /// Null if it is the other one.
   [[nodiscard]] const io::FriSessionParams* fri() const {
     return std::get_if<io::FriSessionParams>(&session);
   }
@@ -93,34 +93,34 @@ struct ArmLinkConfig {
   }
 };
 
-/// The independent supervisor between arm and controller: the arm sends to it, it sends on to the link's
-/// place.
+/// The independent supervisor between arm and controller: the arm sends to it, and it relays to the link's
+/// address.
 struct GuardConfig {
   std::string host;  ///< dotted IPv4, of this machine, where the arm's messages arrive
   std::uint16_t port{0};
   double margin{0.25};     ///< beyond the controller's own limits, as a share of them
-  double silence_s{0.05};  ///< of the controller
+  double silence_s{0.05};  ///< largest silence of the controller
 };
 
-/// A cell, with the files it names already read.
+/// A cell, with the contents of the files that it names.
 struct CellConfig {
   RobotConfig robot;
   ToolConfig tool;
-  simulation::SceneParams scene;  ///< with those of the cell's materials that it needs
+  simulation::SceneParams scene;  ///< with the materials that it needs
   Pose X_WB{Pose::Identity()};    ///< robot base in world
   Pose X_WG{Pose::Identity()};    ///< bone in world: the frame C of its site
   StartConfig start;
   control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
-  control::Gains own_gains;           ///< of the cell's file, before another one was laid over it
+  control::Gains own_gains;           ///< from the cell's file, before a gains file overrides them
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   ArmLinkConfig link;
-  std::optional<GuardConfig> guard;    ///< absent: the arm sends to the link's place itself
-  io::DeviceParams devices;            ///< force sensor, reamer drive, PLC: where they are
-  hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that stand in for the real ones
-  hil::SimulatedDeviceParams simulated_devices;  ///< the same devices' other ends
+  std::optional<GuardConfig> guard;    ///< absent: the arm sends to the link's address itself
+  io::DeviceParams devices;            ///< force sensor, reamer drive, PLC: their addresses
+  hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that replace the real ones
+  hil::SimulatedDeviceParams simulated_devices;  ///< simulation of the same devices
   std::optional<hil::PlcServerParams> simulated_plc;
-  hil::InjectionParams injections;  ///< what goes wrong on the simulated cell's wires
-  hil::ScriptParams script;         ///< what the operator is told to do
+  hil::InjectionParams injections;  ///< faults on the simulated cell's wires
+  hil::ScriptParams script;         ///< the operator's script
 };
 
 }  // namespace osteon::config

@@ -15,11 +15,11 @@ namespace osteon::config {
 namespace {
 
 constexpr double kMillimetre_m = 1e-3, kDegree = std::numbers::pi / 180.0;
-constexpr double kFoot_mm = 150.0;  // half of an arm's foot, and of a small bone beside it
+constexpr double kFoot_mm = 150.0;  // half of an arm's foot, and half of a small bone beside it
 constexpr double kLongestTool_mm = 600.0;
 constexpr double kInMetres_mm = 5.0;    // a cell is smaller than 5 m and larger than 5 mm
-constexpr double kSteepest_deg = 60.0;  // of the tool into the bone
-constexpr double kUpright_deg = 0.1;    // below that a tilt is the levelling's
+constexpr double kSteepest_deg = 60.0;  // tilt of the tool into the bone
+constexpr double kUpright_deg = 0.1;    // a smaller tilt is due to levelling
 constexpr double kRotation = 1e-6;
 constexpr const char* kLooksLikeMetres = "looks like metres where millimetres are expected";
 
@@ -27,7 +27,7 @@ double AngleBetween_deg(const Vector3& a, const Vector3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
-// Radius of the ball around the site in which the work is: its own, and its depth.
+// Radius of the ball around the site that contains the work: the site's radius plus its depth.
 double WorkRadius(const simulation::SceneParams& scene) {
   if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&scene.shape))
     return 2.0 * cup->cup_radius_m;
@@ -36,7 +36,7 @@ double WorkRadius(const simulation::SceneParams& scene) {
   return scene.site.radius_m + depth_m;
 }
 
-// Where the arm's reach is measured from, and how far its flange gets from there at most.
+// Origin of the arm's reach, and the largest distance of its flange from there.
 struct Reach {
   Vector3 p_BS{Vector3::Zero()};  // the shoulder, on A1
   double reach_m{0.0};
@@ -228,19 +228,18 @@ std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
 
 [[noreturn]] void RefuseIn(const Reader& reader, const char* section, const char* key,
                            const std::string& what) {
-  Reader at = reader;  // a view: the mapping is read again for its lines alone
+  Reader at = reader;  // a view: the mapping is read again only for its line numbers
   at.Section(section).Refuse(key, what);
 }
 
-// Whether a position was written in metres where millimetres are read: it is nearly at the origin, and not
-// there.
+// Whether a position looks like metres where millimetres are expected: close to the origin, but not at it.
 bool LooksLikeMetres(const Pose& X) {
   const double from_origin_mm = X.translation().norm() / kMillimetre_m;
   return from_origin_mm > 0.0 && from_origin_mm < kInMetres_mm;
 }
 
-// Refuses the base that was written in metres, if in millimetres all rows hold. (A bone in metres lies in the
-// arm's foot: it has a row.)
+// Refuses a base written in metres, if all rows hold with millimetres. (A bone in metres lies in the arm's
+// foot, which has a row of its own.)
 void RefuseBaseInMetres(const CellConfig& cell, const Reader& reader) {
   if (!LooksLikeMetres(cell.X_WB)) return;
   CellConfig other = cell;
@@ -256,7 +255,7 @@ void RefuseBaseInMetres(const CellConfig& cell, const Reader& reader) {
 void Refuse(const std::vector<RegistrationRow>& rows, const Reader& reader) {
   for (const RegistrationRow& row : rows) {
     if (row.holds()) continue;
-    Reader at = reader;  // a view: the mapping is read again for its lines alone
+    Reader at = reader;  // a view: the mapping is read again only for its line numbers
     if (!row.section.empty()) at = at.Section(row.section);
     at.Refuse(row.key,
               fmt::format("found {:.6g}{}{} {}, accepted {}{}{}", row.value, row.unit.empty() ? "" : " ",

@@ -31,8 +31,8 @@ std::uint32_t BigEndian(const Bytes& bytes, std::size_t at) {
          (static_cast<std::uint32_t>(bytes[at + 2]) << 8u) | bytes[at + 3];
 }
 
-/// Header, data and end of a PNG, without what else it holds: with a gamma or a profile libpng would turn the
-/// samples into light, but they are densities.
+/// Keeps only header, data and end of a PNG: with a gamma or a profile libpng would convert the samples to
+/// light, but they are densities.
 tl::expected<Bytes, std::string> SamplesOnly(const Bytes& png) {
   constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   constexpr std::size_t kAroundChunk = 12, kHeaderChunk = 13 + kAroundChunk;  // length, type, checksum
@@ -59,7 +59,7 @@ tl::expected<Bytes, std::string> SamplesOnly(const Bytes& png) {
   return Refusal(fmt::format("a PNG cut off after {} bytes", png.size()));
 }
 
-/// What the header says, against what is accepted.
+/// Checks the header against what is accepted.
 tl::expected<void, std::string> CheckHeader(const png_image& header) {
   const bool transparent = (header.format & PNG_FORMAT_FLAG_ALPHA) != 0;
   if ((header.format & PNG_FORMAT_FLAG_COLOR) != 0) return Refusal("a PNG in colour");
@@ -80,7 +80,7 @@ bool ReadSamples(png_image& header, GreyImage& image) {
   return true;
 }
 
-/// Frees what libpng keeps between the two steps of reading.
+/// Frees libpng's memory between the two steps of reading.
 struct PngImage {
   png_image header{};
   PngImage() { header.version = PNG_IMAGE_VERSION; }
@@ -89,7 +89,7 @@ struct PngImage {
   PngImage& operator=(const PngImage&) = delete;
 };
 
-/// @param last  of the list: it takes all that is denser, so it has no bound.
+/// @param last  the list's last class takes everything denser, so it has no bound.
 simulation::DensityClass ReadClass(Reader& section, bool last, const ReadMaterial& read_material) {
   constexpr const char* kBound = "below_g_per_cm3";
   simulation::DensityClass read;

@@ -12,17 +12,17 @@
 
 namespace osteon::config {
 
-/// The samples of a grey picture as they are stored: no gamma, no colour profile is applied to them.
+/// The samples of a grey picture as stored, without gamma or colour profile.
 struct GreyImage {
   int rows{0}, columns{0};
   std::vector<float> level;  ///< rows × columns, row by row from the top: 0 black … 1 white
 };
 
 /// Reads a PNG of grey samples of 16 bits or fewer, without transparency, up to 4096 × 4096.
-/// @returns or "found …, accepted …", without the file's name.
+/// @returns the image, or "found …, accepted …", without the file's name.
 [[nodiscard]] tl::expected<GreyImage, std::string> ReadGreyPng(const std::filesystem::path& path);
 
-/// Reads the name of a material in a section, as its index.
+/// Reads the name of a material in a section and returns its index.
 using ReadMaterial = std::function<simulation::MaterialIndex(Reader& section, const std::string& key)>;
 
 /// Reads the mapping `density_image` and the picture that it names.
@@ -32,11 +32,11 @@ using ReadMaterial = std::function<simulation::MaterialIndex(Reader& section, co
 ///     density_g_per_cm3: [0, 2]             at black, at white; linear between
 ///     axis: [0, 0, 1]                       unit, in the mesh's frame, that the columns follow
 ///     column_heights_mm: [-20, 20]          of the first and the last column along the axis
-///     classes:                              ascending; the last has no bound: all that is denser
+///     classes:                              ascending; the last has no bound: everything denser
 ///       - {below_g_per_cm3: 1, material: cancellous}
 ///       - {material: cortical}
 ///
-/// @throws ConfigError with file, line, key, what was found and what is accepted. It calls Finish() for this
+/// @throws ConfigError with file, line, key, what was found and what is accepted. Calls Finish() for this
 ///   section.
 [[nodiscard]] simulation::DensityImage ReadDensityImage(Reader section, const ReadMaterial& read_material);
 

@@ -6,14 +6,14 @@
 
 namespace osteon::config {
 
-/// What a file says otherwise than the one that it is made from.
+/// One value that differs from the source file.
 struct YamlEdit {
-  std::string key;    ///< "limits.max_force_N": of a section; made where it is not there
+  std::string key;    ///< "limits.max_force_N": of a section; created if missing
   std::string value;  ///< as YAML: "150", "{port: 30209}"
 };
 
-/// Writes a configuration file that is another one but for some values. Files that it names relative to
-/// itself are named by whole paths. Comments are lost.
+/// Writes a configuration file that differs from its source in some values. Files that the source names
+/// relative to itself are named by whole paths. Comments are lost.
 /// @throws YAML::Exception or std::runtime_error naming the file that could not be read or written.
 void WriteDerived(const std::filesystem::path& source, const std::vector<YamlEdit>& edits,
                   const std::filesystem::path& target);

@@ -27,7 +27,7 @@
 namespace osteon::config {
 namespace {
 
-// An arm of six axes has no elbow to turn: what is about it is an LBR's.
+// With six axes there is no redundant elbow: keys about it belong to an LBR.
 void ReadStart(Reader section, bool lbr, StartConfig& start) {
   start.height_m = section.Number("height_mm", 0, 500);
   start.tool_yaw_rad = section.Number("tool_yaw_deg", -360, 360);
@@ -79,7 +79,7 @@ void ReadImpedance(Reader section, CellConfig& cell) {
   impedance.brake_Nms_per_rad = section.Number("brake_Nms_per_rad", 0, 100);
   impedance.twist_filter_s = section.Number("twist_filter_ms", 0, 100);
   impedance.follow_s = section.Number("follow_ms", 1, 10000);
-  // what the arm's program is set up for: the simulated one as well
+  // the set-up of the arm's program, also of the simulated one
   hil::FriServerParams& arm = cell.simulated.fri;
   const bool wrench = section.Choice("overlay", {"wrench", "torque"}) == 0;
   arm.command_mode = wrench ? control::CommandMode::kWrench : control::CommandMode::kTorque;
@@ -98,7 +98,7 @@ void ReadVibration(Reader section, control::VibrationParams& vibration) {
   vibration.most_damping = section.Number("damping_ratio", 1, 1000);
   vibration.most_mass = section.Number("mass_ratio", 1, 100);
   vibration.notch_hz = section.Number("notch_hz", 0, 20);
-  // not in cells that recordings keep from before it was tested whose vibration it is
+  // absent in recorded cells from before the loop told a hand's tremor from its own vibration
   if (section.Has("tremor_N")) vibration.reference.tremor_N = section.Number("tremor_N", 0, 50);
 }
 
@@ -113,7 +113,7 @@ void ReadSensorBias(Reader section, control::BiasParams& bias) {
     bias.max_creep_rad_per_s = section.Number("max_creep_deg_per_s", 0.1, 360);
 }
 
-// The one section of a law.
+// Reads the one section of the law.
 void ReadLaw(Reader& reader, CellConfig& cell) {
   const Reader section = reader.OneSection({"admittance", "impedance"});
   if (!reader.Has("impedance")) {
@@ -146,8 +146,8 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
 }
 
 // Bone beyond the planes of a frame (normal_enlargement) is met as deep as the tool travels until the next
-// one: the step of the coupling's force must stay below the trip on its rate, 1.5 K v_max a tick; K cancels
-// out.
+// frame. The resulting step of the coupling's force must stay below the trip on its rate, 1.5 K v_max a tick;
+// K cancels out.
 void CheckSight(const Reader& limits, const CellConfig& cell) {
   const control::ServoParams& servo = cell.servo;
   const double step_m =
@@ -160,7 +160,7 @@ void CheckSight(const Reader& limits, const CellConfig& cell) {
                               servo.model_sight_m * 1e3, most_m * 1e3));
 }
 
-// A frame moves the proxy by max_slide at most; the coupling hands it over within its return time, and a
+// A frame moves the proxy by at most max_slide, and the coupling hands it over within its return time. A
 // tick's share of it, damping included, must stay below the same trip.
 void CheckSlide(const Reader& cutting, const CellConfig& cell) {
   const control::ServoParams& servo = cell.servo;
@@ -176,7 +176,7 @@ void CheckSlide(const Reader& cutting, const CellConfig& cell) {
                     servo.twist.max_speed_m_per_s * 1e3, hand_over_s * 1e3));
 }
 
-// Of two values in ms or N of one section, the second must be the larger.
+// Checks that the second of two values in ms or N of one section is the larger one.
 void CheckOrder(const Reader& section, const std::string& smaller_key, const std::string& larger_key,
                 double smaller, double larger) {
   if (smaller < larger) return;
@@ -184,7 +184,7 @@ void CheckOrder(const Reader& section, const std::string& smaller_key, const std
                  fmt::format("found {:.10g}, accepted more than {} ({:.10g})", larger, smaller_key, smaller));
 }
 
-// Of the part that cuts: the hand guides the point so far behind the apex.
+// Radius of the cutting head: the hand guides the point that lies this far behind the apex.
 double HeadRadius(const simulation::Tool& tool) {
   const simulation::ToolBall* head = simulation::CuttingHead(tool);
   return head ? head->radius_m : tool.balls.front().radius_m;
@@ -204,10 +204,10 @@ bool PlaceArm(const SixAxisConfig& arm, const Pose& X_BF, StartConfig& start) {
   return true;
 }
 
-// Places the arm at the start; why not, where that is not where the cell may be, or where the arm can be.
+// Places the arm at the start. Returns an error if the start is outside the cell's or the arm's range.
 std::string PlacementError(CellConfig& cell) {
   StartConfig& start = cell.start;
-  const Pose& X_WC = cell.X_WG;  // the site's frame, wherever the bone's own is
+  const Pose& X_WC = cell.X_WG;  // the site's frame, which may differ from the bone's own
   const double head_radius_m = HeadRadius(cell.tool.tool);
   start.X_WT = X_WC * Eigen::Translation3d(0, 0, start.height_m) *
                Eigen::AngleAxisd(std::numbers::pi, Vector3::UnitX()) *
@@ -227,7 +227,7 @@ void PlaceAtStart(const Reader& reader, CellConfig& cell) {
     RefuseStart(cell, reader, wrong, [](CellConfig& other) { return PlacementError(other).empty(); });
 }
 
-// The arm that the cell names.
+// Reads the arm that the cell names.
 void ReadRobot(const Reader& reader, const std::filesystem::path& file, RobotConfig& robot) {
   const RobotModel model = LoadRobot(file);
   robot.name = model.name;
@@ -245,7 +245,7 @@ void ReadRobot(const Reader& reader, const std::filesystem::path& file, RobotCon
   }
 }
 
-// What hangs on the flange becomes part of the last link, where the links have masses.
+// Adds the load on the flange to the last link, if the links have masses.
 void CarryPayload(const kinematics::LinkInertia& sensor_F, CellConfig& cell) {
   auto* lbr = std::get_if<LbrConfig>(&cell.robot.arm);
   if (!lbr) return;
@@ -256,7 +256,7 @@ void CarryPayload(const kinematics::LinkInertia& sensor_F, CellConfig& cell) {
   lbr->chain = kinematics::WithPayload(lbr->chain, kinematics::Joined(sensor_F, tool_F));
 }
 
-// The materials that a scene needs, in its order, from those of a file.
+// Selects the materials that a scene needs, in its order, from those of a file.
 std::vector<simulation::Material> Pick(const Reader& cell, const std::filesystem::path& file,
                                        const std::vector<std::string>& names) {
   const std::vector<simulation::Material> found = LoadMaterials(file);
@@ -275,7 +275,7 @@ std::vector<simulation::Material> Pick(const Reader& cell, const std::filesystem
   return picked;
 }
 
-// The tool that was asked for, or the cell's own.
+// Loads the requested tool, or the cell's own.
 ToolConfig ChooseTool(const Reader& reader, const ToolChoice& own, const std::optional<ToolChoice>& wanted) {
   if (wanted) return LoadTool(wanted->file, wanted->diameter_m);
   try {
@@ -285,7 +285,7 @@ ToolConfig ChooseTool(const Reader& reader, const ToolChoice& own, const std::op
   }
 }
 
-// What one file says serves in several places.
+// Copies values of one file to every place that uses them.
 void Spread(CellConfig& cell) {
   control::ServoParams& servo = cell.servo;
   std::visit(
@@ -299,7 +299,7 @@ void Spread(CellConfig& cell) {
   servo.posture_load.axial_N = servo.wrench.max_force_N;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
-  // so far they are ratios: a cell takes other tools as well
+  // ratios so far, since a cell accepts other tools as well
   if (const double rated_Nm = cell.tool.drive.rated_torque_Nm * cell.tool.drive.gear_ratio; rated_Nm > 0.0) {
     servo.spindle_limits.max_torque_Nm *= rated_Nm;
     servo.spindle_limits.max_speed_rad_per_s *= cell.tool.spindle_rad_per_s;
@@ -390,7 +390,7 @@ CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolC
   ReadRobot(reader, robot, cell.robot);
   CompleteArmLink(reader, cell);
   cell.tool = ChooseTool(reader, own_tool, tool);
-  cell.simulated.X_FT = cell.tool.X_FT;  // as the file says, whatever was measured
+  cell.simulated.X_FT = cell.tool.X_FT;  // from the file, whatever was measured
   servo.stabilisers.age_governor.tool_radius_m = HeadRadius(cell.tool.tool);
   CarryPayload(sensor_F, cell);
   CompleteDevices(devices, cell);

@@ -94,7 +94,7 @@ void ReadJoints(Reader& reader, RobotModel& model) {
   std::vector<JointRow> rows;
   for (const Reader& row : reader.Sections("joints", 6, 7)) rows.push_back(ReadJoint(row));
   const Pose X_LF = ReadPose(reader.Section("flange"));
-  // masses need their source, and a source its masses
+  // masses need their source, and a source needs its masses
   Reader sources = reader.Section("sources");
   for (const char* of : {"geometry", "limits", "acceleration"}) static_cast<void>(sources.Text(of));
   const bool masses = sources.Has("masses");

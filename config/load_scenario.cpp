@@ -44,7 +44,7 @@ ScenarioConfig LoadScenario(const std::filesystem::path& file) {
   if (reader.Has("pause_s")) scenario.pause_s = reader.Number("pause_s", 0, 60);
   if (reader.Has("resume_s")) scenario.resume_s = reader.Number("resume_s", 0, 60);
   if (reader.Has("tolerances")) ReadTolerances(reader.Section("tolerances"), scenario.tolerances);
-  static_cast<void>(reader.Has(kOverridesKey));  // known, and read by the overlay
+  static_cast<void>(reader.Has(kOverridesKey));  // known, but read by the overlay
   reader.Finish();
 
   if (scenario.resume_s && !(scenario.pause_s && *scenario.pause_s < *scenario.resume_s))

@@ -4,14 +4,14 @@
 
 namespace osteon::config {
 
-/// Reads a scenario's own keys: `overrides` only lies over the cell once the cell is read (Overlay::LayFile).
+/// Reads a scenario's own keys: `overrides` is applied only when the cell is read (Overlay::LayFile).
 ///
 ///     shows: the reamer meets bone, enters it and comes out again
 ///     cell: ../cells/demo.yaml
 ///     engine: reference          # plane, reference, vulkan
 ///     duration_s: 2
 ///     sample_ms: 20
-///     recovery_count: 1          # this and what follows need not be there
+///     recovery_count: 1          # this and the following keys are optional
 ///     pause_s: 0.8
 ///     resume_s: 1.2
 ///     tolerances: {force_N: 0.05}

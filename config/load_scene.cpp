@@ -12,7 +12,7 @@ namespace {
 
 using simulation::SceneParams;
 
-/// The materials that a scene speaks of: a name's place is its index.
+/// The materials that a scene names: a name's position is its index.
 class Names {
  public:
   explicit Names(std::vector<std::string> names) : names_(std::move(names)) {}
@@ -21,7 +21,7 @@ class Names {
   simulation::MaterialIndex Read(Reader& section, const std::string& key) {
     constexpr std::size_t kMost = 8;
     const std::string name = section.Text(key);
-    if (name.empty()) return 0;  // missing: Finish() says so
+    if (name.empty()) return 0;  // missing: Finish() reports it
     const auto at = std::find(names_.begin(), names_.end(), name);
     if (at == names_.end()) {
       if (names_.size() == kMost)
@@ -47,7 +47,7 @@ std::vector<simulation::TissueLayer> ReadLayers(Reader& section, Names& names) {
   return layers;
 }
 
-// The kinds of shape, with how the section `shape` of each is read.
+// The kinds of shape, and how the section `shape` of each is read.
 void ReadAcetabulum(Reader shape, SceneParams& scene, Names&) {
   simulation::AcetabulumShape s;
   s.width_m = shape.Number("width_mm", 10, 500);
@@ -102,7 +102,8 @@ void ReadFemoralHead(Reader shape, SceneParams& scene, Names&) {
   scene.shape = s;
 }
 
-// What is read after it depends on the kind: without one the rest would be refused for the wrong reason.
+// Reads a kind that decides which keys follow. Without a kind, the other keys would be refused for the wrong
+// reason.
 std::size_t ReadKind(Reader& section, std::initializer_list<const char*> accepted) {
   if (section.Text("kind").empty()) section.Finish();
   return section.Choice("kind", accepted);
@@ -119,7 +120,7 @@ void ReadZone(Reader section, simulation::ZoneParams& zone) {
       zone.path_C_m.push_back(point.Triple("at_mm", -500, 500));
 }
 
-// What a shell of a mesh encloses; its density image need not be there.
+// Reads the tissue that a mesh's shell encloses; its density image is optional.
 simulation::ShellTissue ReadShellTissue(Reader& section, Names& names) {
   simulation::ShellTissue read;
   read.layers = ReadLayers(section, names);
@@ -146,7 +147,7 @@ void ReadMeshTissue(Reader section, simulation::MeshSceneTissue& tissue, Names& 
   }
 }
 
-// Spacing in mm at the finest, and the two depths from which it may double.
+// Reads the finest spacing in mm, and the two depths from which it may double.
 simulation::GradeParams ReadGrade(Reader& section, const std::string& prefix, double min_mm, double max_mm) {
   return {.finest_m = section.Number(prefix + "spacing_mm", min_mm, max_mm),
           .coarser_from_m = section.Numbers(prefix + "coarser_from_mm", 2, 0, 500)};
@@ -170,7 +171,7 @@ void ReadPacking(Reader& section, simulation::PackingParams& packing) {
   packing.samples = ReadGrade(section, "sample_", 0.05, 10);
 }
 
-// A plan follows the scene's own cut, which a cup or a path tells.
+// Reads a fidelity, whose plan follows the scene's own cut, given by a cup or a path.
 simulation::FidelityRequest ReadFidelity(Reader section, const simulation::ZoneParams& zone) {
   using Kind = simulation::ZoneParams::Kind;
   const simulation::FidelityRequest read{.error_m = section.Number("error_mm", 0.001, 5),
@@ -180,7 +181,7 @@ simulation::FidelityRequest ReadFidelity(Reader section, const simulation::ZoneP
   return read;
 }
 
-// Sizes of a shape against each other.
+// Checks the sizes of a shape against each other.
 void CheckShape(const Reader& section, const simulation::SceneShape& shape) {
   if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&shape)) {
     constexpr double kLeastWall_m = 0.002;  // bone beside and below the cup

@@ -19,12 +19,12 @@ using simulation::HolderParams;
 constexpr double kMillimetre_m = 1e-3;
 constexpr double kSameSize_m = 1e-9;
 
-// The sizes that a tool comes in, and which one is asked for.
+// The sizes that a tool comes in, and the requested one.
 struct Sizes {
   std::vector<double> diameters_m;
   double default_m{0.0};
   std::string accepted;      // in words
-  std::vector<Reader> rows;  // one a size, where there is a list of them
+  std::vector<Reader> rows;  // one for each size, if the file lists them
 };
 
 double ChooseSize(const Reader& reader, const Sizes& sizes, const std::optional<double>& wanted_m) {
@@ -41,7 +41,7 @@ double ChooseSize(const Reader& reader, const Sizes& sizes, const std::optional<
   return *wanted_m;
 }
 
-// first to last in steps, e.g. 36 … 68 in steps of 1
+// Reads first to last in steps, e.g. 36 … 68 in steps of 1.
 Sizes ReadSteps(Reader& reader, double min_mm, double max_mm) {
   Sizes sizes;
   Reader section = reader.Section("diameters");
@@ -61,7 +61,7 @@ Sizes ReadSteps(Reader& reader, double min_mm, double max_mm) {
   return sizes;
 }
 
-// A list with a row for each size; `read` sees each row after its diameter.
+// Reads a list with a row for each size; `read` gets each row after its diameter.
 template <typename ReadRow>
 Sizes ReadRows(Reader& reader, double min_mm, double max_mm, const ReadRow& read) {
   Sizes sizes;
@@ -91,7 +91,7 @@ HolderParams ReadHolder(Reader section) {
 
 double ReadDensity(Reader& reader) { return reader.Number("density_g_per_cm3", 0.1, 25); }
 
-// What a builder refuses, at the line of what it was built from.
+// Reports a builder's refusal at the line of its input.
 template <typename Build>
 BuiltTool Built(const Reader& reader, const std::string& key, const Build& build) {
   try {
@@ -112,7 +112,7 @@ BuiltTool LoadReamer(Reader& reader, const std::optional<double>& diameter_m) {
   params.holder = ReadHolder(reader.Section("holder"));
   const Sizes sizes = ReadSteps(reader, 2, 200);
 
-  // the thinnest head decides
+  // the thinnest head limits the shaft
   const double least_radius_m = 0.5 * sizes.diameters_m.front();
   if (params.shaft_radius_m >= least_radius_m)
     shaft.Refuse("radius_mm",

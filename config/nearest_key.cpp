@@ -5,7 +5,7 @@
 namespace osteon::config {
 namespace {
 
-constexpr std::size_t kLongestKey = 100;  // longer ones are not worth the quadratic work
+constexpr std::size_t kLongestKey = 100;  // longer keys are not worth the quadratic work
 
 // Optimal string alignment distance: Levenshtein's with swaps of neighbours, by rows.
 std::size_t Distance(const std::string& a, const std::string& b) {

@@ -5,8 +5,8 @@
 
 namespace osteon::config {
 
-/// The candidate that the fewest edits (insert, delete, replace a letter, or swap two neighbours) turn into
-/// `key`; empty where all are further than a third of its length: a guess that is no help.
+/// The candidate that turns into `key` with the fewest edits (insert, delete, replace a letter, or swap two
+/// neighbours); empty if all need more edits than a third of its length, as such a guess does not help.
 [[nodiscard]] std::string NearestKey(const std::string& key, const std::vector<std::string>& candidates);
 
 }  // namespace osteon::config

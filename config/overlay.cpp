@@ -19,7 +19,7 @@ std::filesystem::path Whole(const std::filesystem::path& path) {
   return std::filesystem::absolute(path).lexically_normal();
 }
 
-// "limits.max_force_N": words with dots between them.
+// "limits.max_force_N": words separated by dots.
 bool IsKey(const std::string& key) {
   return !key.empty() && key.front() != '.' && key.back() != '.' && key.find("..") == std::string::npos;
 }
@@ -29,7 +29,7 @@ constexpr const char* kAcceptedKey = "accepted keys with dots between them, e.g.
 }  // namespace
 
 struct Overlay::Value {
-  std::string key;  // the whole of it
+  std::string key;  // the complete key
   YAML::Node value;
   std::filesystem::path file;
   int line{0};

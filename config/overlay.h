@@ -12,47 +12,48 @@ class Node;
 
 namespace osteon::config {
 
-/// For Reader: a value that is laid over a mapping's.
+/// For Reader: a value that overrides a mapping's.
 struct OverlaidValue {
   const std::string& key;
   int line{0};  ///< of the key
   const YAML::Node& value;
-  const std::filesystem::path& file;  ///< that says it
-  bool only_where_missing{false};     ///< a section that values are laid into: the mapping's own stays
+  const std::filesystem::path& file;  ///< that contains the value
+  bool only_where_missing{false};     ///< a section created for values inside it: the mapping's own stays
 };
 
-/// While one lives, a configuration file and those that it names read as if they said otherwise here and
-/// there, in this thread. An error in such a value names the file and the line that say it.
+/// While an object exists, a configuration file and the files that it names are read with some values
+/// overridden, in this thread. An error in such a value names the file and the line that contain it.
 ///
 ///     overrides:
-///       limits.max_force_N: 150            # of a section; made where it is not there
+///       limits.max_force_N: 150            # of a section; created if missing
 ///       injections: [{wire: arm, …}]       # a whole section or list
 ///       scene.packing.spacing_mm: 3        # of the file that the key `scene` names
 ///
-/// Relative files in it start from the folder of who says it. One at a time in a thread.
+/// Relative files in an override start from the folder of the file that contains it. At most one in a thread
+/// at a time.
 class Overlay {
  public:
-  /// @param root  the file that keys begin at
+  /// @param root  the file in which keys begin
   explicit Overlay(const std::filesystem::path& root);
   ~Overlay();
   Overlay(const Overlay&) = delete;
   Overlay& operator=(const Overlay&) = delete;
 
-  /// Lays the values of the mapping `key` of a YAML file over the root; without such a key nothing.
-  /// @throws ConfigError where it is no mapping of different keys.
+  /// Overrides values of the root by the mapping `key` of a YAML file; does nothing without such a key.
+  /// @throws ConfigError if it is not a mapping of different keys.
   void LayFile(const std::filesystem::path& file, const std::string& key);
-  /// Lays one value over it. @param assignment  "limits.max_force_N=150"; in errors it is named as it stands
-  /// here, behind `said_by`. @throws ConfigError where it is none.
+  /// Overrides one value of the root. @param assignment  "limits.max_force_N=150"; errors quote it, after
+  /// `said_by`. @throws ConfigError if it is not an assignment.
   void Lay(const std::string& assignment, const std::string& said_by);
-  /// Once the root was read. @throws ConfigError where a value was laid over nothing: a key that leads
-  /// through a number, or a file that was not read.
+  /// Call after the root was read. @throws ConfigError if a value had no effect: a key that leads through a
+  /// number, or into a file that was not read.
   void Finish() const;
 
-  /// For Reader: the beginning of the keys of a file that was named; nothing where none is laid over it.
+  /// For Reader: the prefix of the keys of a named file; empty if no override concerns it.
   [[nodiscard]] static std::optional<std::string> PlaceOf(const std::filesystem::path& file);
-  /// For Reader: a file is named by a key. @param place  the key and a dot behind it
+  /// For Reader: records that a key names a file. @param place  the key followed by a dot
   static void Name(const std::filesystem::path& file, const std::string& place);
-  /// For Reader: the values that are laid over the mapping at a place.
+  /// For Reader: passes on the values that override the mapping at a place.
   static void Over(const std::string& place, const std::function<void(const OverlaidValue&)>& take);
 
  private:

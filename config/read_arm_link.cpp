@@ -42,7 +42,7 @@ void ReadLinkQuality(Reader section, hil::FriServerParams& fri) {
                           : hil::SessionEnd::kIdleMessages;
 }
 
-// What hil::LinkQuality would refuse, at the line that is to blame.
+// Refuses at the right line what hil::LinkQuality would refuse.
 void CheckLinkQuality(const Reader& section, const hil::FriServerParams& fri) {
   const hil::QualityPolicyParams& quality = fri.quality;
   const auto at_least = [&](const char* key, int value, const char* other_key, int other) {
@@ -83,7 +83,7 @@ io::RsiSessionParams ReadRsi(Reader section, bool& jump_accepted) {
   return session;
 }
 
-// What the arm's end has to have in common.
+// Copies the parameters that the arm's end must share with the session.
 hil::RsiArmParams ArmEndOf(const io::RsiSessionParams& session) {
   hil::RsiArmParams arm;
   arm.controller.cycle_ms = session.cycle_ms;
@@ -136,7 +136,7 @@ ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell) {
 }
 
 void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell) {
-  // where a network reaches, anybody's datagram could be the arm's first
+  // on a network, anybody's datagram could be taken for the arm's first
   const std::string& host = cell.guard ? cell.guard->host : cell.link.host;
   if (!host.starts_with("127.") && cell.link.arm_host.empty())
     sections.link.Refuse("arm_host",

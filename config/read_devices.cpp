@@ -11,7 +11,7 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kOverspeed = 1.2;  // of a spindle's nominal speed: what its drive may be told
+constexpr double kOverspeed = 1.2;  // largest speed command of a drive, over the spindle's nominal speed
 constexpr double kQuickStop = 4.0;  // times as steep as the usual ramp
 
 rt::Nanoseconds ToNanoseconds(double seconds) {
@@ -33,7 +33,7 @@ std::vector<io::CanBusParams> ReadBuses(Reader& cell) {
   return buses;
 }
 
-// Which of the buses a device is on: after Finish().
+// Index of a device's bus; after Finish().
 std::size_t BusOf(const DeviceBus& device, const std::vector<io::CanBusParams>& buses) {
   std::string all;
   for (std::size_t i = 0; i < buses.size(); ++i) {
@@ -93,7 +93,7 @@ void ReadPlc(Reader section, CellConfig& cell) {
   server.logic.guard = section.Bool("guard");
 }
 
-// Without a PLC nothing that osteon reads takes the permission to move back: that is not left to a gap in the
+// Without a PLC no input of osteon can withdraw the permission to move, so its absence must be stated in the
 // file.
 void RequirePlcOrItsAbsence(const DeviceSections& sections, const CellConfig& cell) {
   if (cell.devices.plc && sections.without_plc)

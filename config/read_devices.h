@@ -14,21 +14,21 @@ struct DeviceBus {
   std::string name;
 };
 
-/// What CompleteDevices needs of the file.
+/// Parts of the file that CompleteDevices needs.
 struct DeviceSections {
   Reader cell;
   DeviceBus sensor;
   std::optional<DeviceBus> drive;
-  bool without_plc{false};  ///< the file says without_plc: accepted
+  bool without_plc{false};  ///< the file contains without_plc: accepted
 };
 
-/// Sections `can`, `force_sensor` (its bus, make and pose), `plc` or `without_plc`, and `drive` where there
-/// is one: both sides of each wire.
+/// Reads sections `can`, `force_sensor` (its bus, make and pose), `plc` or `without_plc`, and `drive` if
+/// there is one: both sides of each wire.
 [[nodiscard]] DeviceSections ReadDevices(Reader& cell_section, Reader& force_sensor, CellConfig& cell);
 
-/// After Finish() and with the tool loaded: its drive's figures, the sensor's load, and what of the buses
-/// only shows together. Refuses a bus that there is not, devices that use the same identifiers, and a cell
-/// that has no PLC and does not say so.
+/// After Finish() and with the tool loaded: completes the drive's values and the sensor's load, and checks
+/// the buses together. Refuses an unknown bus, devices that use the same identifiers, and a cell that has no
+/// PLC without saying so.
 void CompleteDevices(const DeviceSections& sections, CellConfig& cell);
 
 }  // namespace osteon::config

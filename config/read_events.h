@@ -5,7 +5,8 @@
 
 namespace osteon::config {
 
-/// A section `events`: regions that a cutting ball should not reach or is to reach, and the least wall.
+/// Reads a section `events`: regions that a cutting ball must not reach or should reach, and the thinnest
+/// wall.
 [[nodiscard]] simulation::SceneEventParams ReadEvents(Reader section);
 
 }  // namespace osteon::config

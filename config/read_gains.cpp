@@ -7,7 +7,7 @@
 namespace osteon::config {
 namespace {
 
-// Which keys must be there: all of a cell's file, any of one that is laid over it.
+// Which keys must be present: all in a cell's file, any in a file that overrides it.
 enum class Keys { kAll, kAny };
 
 bool Wants(Reader& section, Keys keys, const char* key) { return keys == Keys::kAll || section.Has(key); }
@@ -84,7 +84,7 @@ control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law la
   control::CouplingParams coupling;
   control::Lay(own, admittance, coupling);
   LayGainsOver(file, law, admittance, coupling, most_stiffness_N_per_m);
-  // a file that does not say it leaves the cell's own, as far as it can be had
+  // if the file does not set it, the cell's own is used, up to the allowed maximum
   coupling.max_stiffness_N_per_m = std::min(coupling.max_stiffness_N_per_m, most_stiffness_N_per_m);
   return control::GainsOf(admittance, coupling);
 }

@@ -17,14 +17,14 @@ constexpr double kLongest_s = 86400.0, kLongest_ms = 200.0;
 constexpr std::array kFaults{"loss_ratio", "duplicate_ratio", "reorder_ratio", "corrupt_ratio",
                              "delay_ms",   "jitter_ms",       "silence"};
 
-// A share, 0 where the section does not say.
+// Reads a share, 0 if absent.
 double Share(Reader& section, const char* key) { return section.Has(key) ? section.Number(key, 0, 1) : 0.0; }
 
 rt::Nanoseconds Time(Reader& section, const char* key) {
   return section.Has(key) ? std::llround(section.Number(key, 0, kLongest_ms) * 1e9) : 0;
 }
 
-// Modbus runs over TCP: nothing of a stream is reordered, damaged or lost, and a stream has two ways.
+// Modbus runs over TCP: nothing in a stream is reordered, damaged or lost, and a stream has both directions.
 void RefuseOnTcp(Reader& section, const hil::Injection& injection) {
   for (const char* key : {"duplicate_ratio", "reorder_ratio", "corrupt_ratio", "burst_count"})
     if (section.Has(key))
@@ -53,7 +53,7 @@ hil::Injection ReadInjection(Reader& section) {
   faults.delay = Time(section, "delay_ms");
   faults.jitter = Time(section, "jitter_ms");
   faults.silence = section.Has("silence") && section.Bool("silence");
-  section.Finish();  // a gap or a misspelt key is said first
+  section.Finish();  // report a gap or a misspelt key first
 
   if (injection.to_s <= injection.from_s)
     section.Refuse("to_s", fmt::format("found {:.10g}, accepted more than from_s ({:.10g})", injection.to_s,

@@ -5,8 +5,8 @@
 
 namespace osteon::config {
 
-/// A cell's `injections`, a list of faults on wires, and `injection_seed`. Neither need be there: then
-/// nothing is injected.
+/// Reads a cell's `injections`, a list of faults on wires, and `injection_seed`. Both are optional: without
+/// them nothing is injected.
 [[nodiscard]] hil::InjectionParams ReadInjections(Reader& cell);
 
 }  // namespace osteon::config

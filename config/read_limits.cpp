@@ -8,10 +8,10 @@ namespace osteon::config {
 namespace {
 
 constexpr double kRoom_mm = 5000;
-// Where a cell names no bound: twice the way at which the coupling reaches its force limit, and this.
+// Default bound: twice the depth at which the coupling reaches its force limit, plus this.
 constexpr double kBeyondTwice_m = 3e-3;
 
-// The shape's own keys, in W: a half-space's face or another shape's centre, and its measures.
+// Reads the shape's own keys, in W: a half-space's face or another shape's centre, and its dimensions.
 void ReadShape(Reader& section, safety::ZoneParams& zone) {
   using safety::ZoneShape;
   zone.shape =
@@ -62,7 +62,7 @@ void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
   servo.max_tracking_error_m = section.Number("max_tracking_error_mm", 1, 200);
   if (lbr) servo.arm_angle_rate_rad_per_s = section.Number("arm_angle_rate_deg_per_s", 0.1, 57);
   servo.model_sight_m = section.Number("model_sight_mm", 0.01, 100);
-  // each of these is a bound of its own: where two bound the same, the tighter one holds
+  // each is a bound of its own: if two limit the same, the tighter one applies
   if (section.Has("max_elbow_speed_mm_per_s"))
     servo.max_elbow_speed_m_per_s = section.Number("max_elbow_speed_mm_per_s", 1, 2000);
   if (section.Has("max_stored_J")) servo.energy.max_stored_J = section.Number("max_stored_J", 0.01, 1000);
@@ -76,7 +76,8 @@ void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
     servo.energy.max_kinetic_J = section.Number("max_kinetic_J", 0.001, 100);
     servo.energy.moving_mass_kg = section.Number("moving_mass_kg", 0.1, 500);
   }
-  if (section.Has("spindle_torque_ratio")) {  // of the tool's; load_cell makes torques and speeds of them
+  if (section.Has("spindle_torque_ratio")) {  // of the tool's values; load_cell converts them to torques and
+                                              // speeds
     servo.spindle_limits.max_torque_Nm = section.Number("spindle_torque_ratio", 0.1, 100);
     servo.spindle_limits.max_speed_rad_per_s = section.Number("spindle_speed_ratio", 1.01, 10);
     servo.spindle_limits.trip_s = section.Number("spindle_trip_ms", 0, 10000);

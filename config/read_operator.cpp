@@ -7,7 +7,7 @@
 namespace osteon::config {
 namespace {
 
-// What a grip step and a clamp have in common. @param stiffest by how much it may exceed a hand.
+// Reads the keys that grip step and clamp share. @param stiffest  largest factor over a hand's stiffness
 template <typename Held>
 Held ReadHeld(Reader& section, double stiffest) {
   Held held;
@@ -54,7 +54,7 @@ hil::HandIncident ReadIncident(Reader& section, double max_force_N) {
 
 hil::HandIncidents ReadIncidents(Reader& section, double max_force_N) {
   hil::HandIncidents incidents;
-  double free_s = 0.0;  // from when on the next may begin
+  double free_s = 0.0;  // earliest begin of the next incident
   for (Reader& one : section.Sections("incidents", 1, hil::HandIncidents::kMax)) {
     const hil::HandIncident incident = ReadIncident(one, max_force_N);
     const hil::IncidentTimes times = hil::TimesOf(incident);

@@ -5,8 +5,7 @@
 
 namespace osteon::config {
 
-/// A section `operator`: the hand, and optionally `incidents`, a list of what happens to it beside its
-/// script:
+/// Reads a section `operator`: the hand, and optionally `incidents`, a list of events beside its script:
 ///
 ///     incidents:
 ///       - {kind: grip_step, at_s: 3, until_s: 5, stiffness_N_per_m: 6000, damping_Ns_per_m: 60,
@@ -16,9 +15,10 @@ namespace osteon::config {
 ///          away_ms: 200, return_ms: 300}
 ///
 /// Without until_s and away_ms an incident never ends. jerk_axis is in the site's frame (+z out of the bone).
-/// What they do: hil/operator_incidents.h. The section is finished: its gaps and typos are refused here.
-/// @throws ConfigError, also where one begins before that ahead of it in the list is over, ends before it
-/// begins, or jerks with more than max_force_N.
+/// Their effects: hil/operator_incidents.h. This function finishes the section, so gaps and typos are refused
+/// here.
+/// @throws ConfigError, also if an incident begins before the one ahead of it in the list is over, ends
+///   before it begins, or jerks with more than max_force_N.
 void ReadOperator(Reader section, hil::OperatorHandParams& hand);
 
 }  // namespace osteon::config

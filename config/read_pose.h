@@ -4,7 +4,8 @@
 
 namespace osteon::config {
 
-/// A section with position_mm and rpy_deg: turns about the fixed x, then y, then z axis (as in URDF).
+/// Reads a section with position_mm and rpy_deg: rotations about the fixed x, then y, then z axis (as in
+/// URDF).
 [[nodiscard]] Pose ReadPose(Reader section);
 
 }  // namespace osteon::config

@@ -5,12 +5,12 @@
 
 namespace osteon::config {
 
-/// A section `script`, whose `kind` says which keys it has: reaming, drilling or opening. Where the site and
-/// the tool are, and the hand that follows, stay the defaults.
+/// Reads a section `script`; its `kind` determines the keys: reaming, drilling or opening. Site, tool and
+/// hand stay at their defaults.
 [[nodiscard]] hil::ScriptParams ReadScript(Reader section);
 
-/// What the values of a script, with its tool and hand, would be refused for: at the section's line.
-/// @param hand  the section that says the hand's max_force_N
+/// Refuses, at the section's line, a script whose values do not fit its tool and hand.
+/// @param hand  the section that contains the hand's max_force_N
 void CheckScript(const Reader& section, const hil::ScriptParams& script, const Reader& hand,
                  double hand_max_force_N);
 

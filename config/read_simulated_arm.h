@@ -5,15 +5,15 @@
 
 namespace osteon::config {
 
-/// What of the section needs the robot.
+/// Parts of the section that need the robot.
 struct SimulatedArmSection {
   Reader section;
   hil::ArmLevel level{};
-  double coulomb_share{0.0};  ///< friction: of a drive's torque limit
-  double viscous_share{0.0};  ///< of its torque limit, at its velocity limit
+  double coulomb_share{0.0};  ///< friction, as a share of a drive's torque limit
+  double viscous_share{0.0};  ///< as a share of the torque limit, at the velocity limit
 };
 
-/// Section `simulated_arm`, after the link's (ReadArmLink):
+/// Reads section `simulated_arm`, after the link's (ReadArmLink):
 ///
 ///     level: kinematic | servo | dynamic, bandwidth_hz, damping_ratio, dead_time_ms, [start_offset_deg]
 ///     dynamic: {…}, of an LBR
@@ -21,8 +21,8 @@ struct SimulatedArmSection {
 ///     [delay_in_a_row], [ask_again], [start_again_s]
 [[nodiscard]] SimulatedArmSection ReadSimulatedArm(Reader section, CellConfig& cell);
 
-/// After Finish() and with the robot read: the simulated arm is the real one, with friction. Refuses a level
-/// that needs masses which the robot has not.
+/// After Finish() and with the robot read: gives the simulated arm the robot's parameters, with friction.
+/// Refuses a level that needs masses if the robot has none.
 void CompleteSimulatedArm(const SimulatedArmSection& section, CellConfig& cell);
 
 }  // namespace osteon::config

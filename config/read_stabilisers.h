@@ -5,8 +5,7 @@
 
 namespace osteon::config {
 
-/// The sections `age_governor`, `passivity` and `energy_tank` of a cell, as far as it has them; after its
-/// law.
+/// Reads a cell's optional sections `age_governor`, `passivity` and `energy_tank`; after its law.
 void ReadStabilisers(Reader& cell, control::Law law, control::StabiliserParams& stabilisers);
 
 }  // namespace osteon::config

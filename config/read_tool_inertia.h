@@ -5,8 +5,8 @@
 
 namespace osteon::config {
 
-/// What the cell's `force_sensor` says of the tool's inertia: inertia_share_ratio and acceleration_hz;
-/// absent, nothing is made up for.
+/// Reads the tool's inertia from the cell's `force_sensor`: inertia_share_ratio and acceleration_hz; if
+/// absent, inertia is not compensated.
 void ReadToolInertia(Reader& section, control::ForceSensorParams& sensor);
 
 }  // namespace osteon::config

@@ -24,7 +24,7 @@ constexpr std::uintmax_t kLargestFile = 1 << 20;  // bytes; ours have a few kB
 
 int LineOf(const YAML::Node& node) { return node.Mark().is_null() ? 0 : node.Mark().line + 1; }
 
-// What a user wrote, short enough for an error.
+// The user's input, shortened for an error.
 std::string Shown(const YAML::Node& node) {
   if (node.IsMap()) return "a mapping";
   if (node.IsSequence()) return fmt::format("a list of {}", node.size());
@@ -35,11 +35,11 @@ std::string Shown(const YAML::Node& node) {
   return node.Tag() == "!" ? '"' + text + '"' : text;
 }
 
-// Notes how many documents a parser finds, and whether there is anything in them.
+// Counts the documents that a parser finds, and notes whether they have content.
 class DocumentCounter final : public YAML::EventHandler {
  public:
   int count{0};
-  int line{0};  // where the last one begins
+  int line{0};  // first line of the last document
   bool has_content{false};
 
   void OnDocumentStart(const YAML::Mark& mark) override {
@@ -75,7 +75,7 @@ bool ParseNumber(const YAML::Node& node, T& value) {
   return error == std::errc() && stop == end && std::isfinite(static_cast<double>(value));
 }
 
-// Whether a tab indents the line, which YAML forbids and its parser answers in several ways.
+// Whether a tab indents the line, which YAML forbids and its parser reports in several ways.
 bool HasTabInIndentation(const std::string& text, int line) {
   std::istringstream lines(text);
   std::string each;
@@ -98,21 +98,21 @@ ConfigError::ConfigError(const std::string& file, int line, const std::string& w
       file_(file),
       line_(line) {}
 
-// One mapping and what has been asked of it. A missing section is a Mapping too: absent, and it notes
+// One mapping and the keys requested of it. A missing section is a Mapping too: it is absent, and notes
 // nothing.
 struct Reader::Mapping {
   struct Entry {
     std::string key;
     int line{0};  // of the key
     YAML::Node value;
-    std::filesystem::path file;  // that says it: an overlay's is another one
+    std::filesystem::path file;  // that contains the entry; an overlay's is another file
   };
   struct Missing {
     std::string key, accepted;
   };
 
   std::filesystem::path file;
-  std::optional<std::string> place;  // within what an overlay lies over; nothing: none does
+  std::optional<std::string> place;  // key prefix within an overlay; empty: no overlay concerns it
   bool absent{false};
   int line{0};
   std::vector<Entry> entries;
@@ -124,7 +124,8 @@ struct Reader::Mapping {
           std::optional<std::string> place_in = {})
       : file(std::move(file_in)), place(std::move(place_in)), line(line_in) {
     if (!node.IsMap()) Fail(line, fmt::format("{}found {}, accepted a mapping", key, Shown(node)));
-    std::unordered_map<std::string, int> lines;  // of the keys: a hostile file has a hundred thousand
+    std::unordered_map<std::string, int> lines;  // of the keys; a map, as a hostile file may have a hundred
+                                                 // thousand
     for (const auto& pair : node) {
       if (!pair.first.IsScalar()) Fail(LineOf(pair.first), "a key must be a word");
       const Entry entry{pair.first.Scalar(), LineOf(pair.first), pair.second, file};
@@ -160,8 +161,8 @@ struct Reader::Mapping {
     return entry == entries.end() ? file : entry->file;
   }
 
-  // YAML marks a value that is not there at what comes next: then the key's line. What a command line has
-  // laid over has none.
+  // YAML marks an absent value at the next token, so the key's line is used instead. An override from the
+  // command line has no line.
   [[nodiscard]] int LineOfValue(const std::string& key, const YAML::Node& node) const {
     const auto entry = std::ranges::find(entries, key, &Entry::key);
     if (!node.IsNull() && !(entry != entries.end() && entry->line == 0)) return LineOf(node);
@@ -184,8 +185,7 @@ struct Reader::Mapping {
   }
 
   void Finish() const {
-    // a key that is not known, beside the missing keys first: it is one of them, misspelt, more likely than
-    // not
+    // report an unknown key before the missing keys: it is probably one of them, misspelt
     for (const Entry& entry : entries) {
       if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
       std::vector<std::string> candidates;
@@ -219,8 +219,8 @@ Reader Reader::Load(const std::filesystem::path& path) {
 Reader Reader::Parse(const std::string& text, const std::filesystem::path& name) {
   YAML::Node document;
   try {
-    // YAML::LoadAll goes on for ever over a text that begins with what no document can (", a"): it takes
-    // nothing of it, and finds the same again. So documents are counted first, to the second one.
+    // YAML::LoadAll loops for ever on a text that begins with an invalid token (", a"): it consumes nothing
+    // and finds the same again. So documents are counted first, up to the second one.
     std::istringstream stream(text);
     YAML::Parser parser(stream);
     DocumentCounter counter;

@@ -11,10 +11,10 @@
 
 namespace osteon::config {
 
-/// What is wrong in a configuration file, as "file:line: key: found …, accepted …".
+/// An error in a configuration file, as "file:line: key: found …, accepted …".
 class ConfigError : public std::runtime_error {
  public:
-  /// @param line  counted from 1; 0 where the whole file is meant, and then left out of the text.
+  /// @param line  counted from 1; 0 for the whole file, and then left out of the text.
   ConfigError(const std::string& file, int line, const std::string& what);
 
   [[nodiscard]] const std::string& file() const { return file_; }
@@ -31,57 +31,56 @@ class ConfigError : public std::runtime_error {
 ///     const double radius_m = reader.Number("radius_mm", 1, 100);   // found in mm, given in m
 ///     reader.Finish();                                              // refuses unknown and missing keys
 ///
-/// A number's unit is the end of its key (units.h) and its value comes back in SI. A value of the wrong type
-/// or out of range throws at once. A missing key is noted, gives a value that is accepted, and throws in
-/// Finish(), where a typo can be told from a gap: so use nothing that was read before Finish() has returned.
-/// Copies are views of the same mapping. One thread at a time.
+/// A number's unit is the end of its key (units.h), and its value is returned in SI. A value of the wrong
+/// type or out of range throws at once. A missing key is noted, returns an accepted value, and throws in
+/// Finish(), where a typo can be told from a gap: so use no value before Finish() has returned. Copies are
+/// views of the same mapping. One thread at a time.
 class Reader {
  public:
-  /// @throws ConfigError where the file can not be read, is no YAML, not one document, or not a mapping with
-  /// unique keys.
+  /// @throws ConfigError if the file cannot be read, is not YAML, not one document, or not a mapping with
+  ///   unique keys.
   [[nodiscard]] static Reader Load(const std::filesystem::path& path);
-  /// The same for a text; `name` is the file name that errors show, and whose folder File() starts from.
+  /// The same for a text; `name` is the file name for errors and for the folder of File().
   [[nodiscard]] static Reader Parse(const std::string& text, const std::filesystem::path& name);
 
-  /// Whether the file has a key that need not be there.
+  /// Whether the file has this optional key.
   [[nodiscard]] bool Has(const std::string& key);
 
-  /// A finite number, min and max in the unit of the key. @returns it in SI.
-  /// @throws std::logic_error where the key names no unit: a mistake of the program, not of the file.
+  /// Reads a finite number, min and max in the unit of the key. @returns it in SI.
+  /// @throws std::logic_error if the key names no unit: a mistake of the program, not of the file.
   [[nodiscard]] double Number(const std::string& key, double min, double max);
-  /// A list of `size` numbers. @returns them in SI.
+  /// Reads a list of `size` numbers. @returns them in SI.
   [[nodiscard]] std::vector<double> Numbers(const std::string& key, std::size_t size, double min, double max);
-  /// Three numbers. @returns them in SI.
+  /// Reads three numbers. @returns them in SI.
   [[nodiscard]] Vector3 Triple(const std::string& key, double min, double max);
-  /// Three numbers of length 1 to within 1e-3. @returns them normalised.
+  /// Reads three numbers of length 1 to within 1e-3. @returns them normalised.
   [[nodiscard]] Vector3 Direction(const std::string& key);
-  /// A whole number.
+  /// Reads a whole number.
   [[nodiscard]] int Whole(const std::string& key, int min, int max);
   [[nodiscard]] bool Bool(const std::string& key);
-  /// A text that is not empty.
+  /// Reads a text that is not empty.
   [[nodiscard]] std::string Text(const std::string& key);
-  /// One of the accepted words. @returns its place among them.
+  /// Reads one of the accepted words. @returns its index among them.
   [[nodiscard]] std::size_t Choice(const std::string& key, std::initializer_list<const char*> accepted);
-  /// A list of some of the accepted words, none twice. @returns their places among them, as listed.
+  /// Reads a list of some of the accepted words, none twice. @returns their indices among them, as listed.
   [[nodiscard]] std::vector<std::size_t> Words(const std::string& key,
                                                std::initializer_list<const char*> accepted);
-  /// An existing file, relative to this file's folder.
+  /// Reads the name of an existing file, relative to this file's folder.
   [[nodiscard]] std::filesystem::path File(const std::string& key);
 
   /// A mapping inside this one.
   [[nodiscard]] Reader Section(const std::string& key);
-  /// The one of these mappings that there is; refuses a second one.
+  /// The one of these mappings that is present; refuses a second one.
   [[nodiscard]] Reader OneSection(std::initializer_list<const char*> keys);
   /// A list of mappings, min to max of them.
   [[nodiscard]] std::vector<Reader> Sections(const std::string& key, std::size_t min, std::size_t max);
 
   /// @throws ConfigError naming the first unknown key (with the nearest known one) or missing key of this
-  /// mapping and of
-  ///   those inside it.
+  ///   mapping and of those inside it.
   void Finish() const;
 
-  /// For what only the caller can check, such as one value against another. @throws ConfigError at the key's
-  /// line, with the key and `what`.
+  /// Refuses a key for a reason that only the caller can check, such as one value against another. @throws
+  /// ConfigError at the key's line, with the key and `what`.
   [[noreturn]] void Refuse(const std::string& key, const std::string& what) const;
 
  private:

@@ -5,9 +5,9 @@
 
 namespace osteon::config {
 
-/// Factor from the unit that a key names to SI: 1e-3 for "radius_mm", pi/180 for "tilt_deg", 1 for
-/// "sphere_count". Nothing where the key ends in no known unit. The unit is the longest known ending after an
-/// underscore, or the whole key.
+/// Factor from the unit in a key to SI: 1e-3 for "radius_mm", pi/180 for "tilt_deg", 1 for "sphere_count".
+/// Empty if the key ends in no known unit. The unit is the longest known ending after an underscore, or the
+/// whole key.
 [[nodiscard]] std::optional<double> UnitOf(std::string_view key);
 
 }  // namespace osteon::config

@@ -20,20 +20,20 @@ namespace osteon::hil {
 
 struct CellHostParams {
   CellThreadParams arm;    ///< its injections are those of all wires
-  io::DeviceParams wires;  ///< as the controller has them: its tunnels' other ends are ours
+  io::DeviceParams wires;  ///< the controller's parameters: we open the other ends of its tunnels
   SimulatedDeviceParams devices;
   std::optional<PlcServerParams> plc;
-  rt::Nanoseconds device_period{rt::kMillisecond / 2};  ///< how often buses and panel are looked after
+  rt::Nanoseconds device_period{rt::kMillisecond / 2};  ///< interval at which buses and panel are served
   rt::RealtimeThreadParams device_thread{.priority = 75};
 };
 
-/// What the cell was, at its end or now. Plain data.
+/// State of the cell, now or at its end. Plain data.
 struct CellHostState {
   CellThreadStatistics arm;
   DeviceWireCounters devices;
   PlcLogicOutputs plc;
   PlcServerCounters plc_counters;
-  double tool_speed_rad_per_s{0.0};  ///< of the drive
+  double tool_speed_rad_per_s{0.0};  ///< of the reamer drive
 };
 
 /// The whole simulated cell in wall time, on its real protocols: arm, operator, force sensor, reamer drive,
@@ -47,7 +47,7 @@ class CellHost {
   CellHost(const CellHost&) = delete;
   CellHost& operator=(const CellHost&) = delete;
 
-  /// One reader thread. Complete after Stop().
+  /// Call from one reader thread. Complete after Stop().
   [[nodiscard]] CellHostState State();
 
   /// Ends all threads; sockets close. Safe to call twice.

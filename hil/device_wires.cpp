@@ -5,7 +5,7 @@
 namespace osteon::hil {
 namespace {
 
-// Of a device, in either direction.
+// The identifiers of a device's frames, in both directions.
 std::vector<io::CanFilter> FramesOf(const std::vector<io::IdClaim>& claims) {
   std::vector<io::CanFilter> frames;
   for (const io::IdClaim& claim : claims)

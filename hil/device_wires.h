@@ -10,32 +10,33 @@
 
 namespace osteon::hil {
 
-/// What was injected into the wires of a simulated cell's CAN devices. Plain data.
+/// Counts the faults injected into the wires of a simulated cell's CAN devices. Plain data.
 struct DeviceWireCounters {
   WireCounters sensor_to_controller, sensor_from_controller;
   WireCounters drive_to_controller, drive_from_controller;
 };
 
-/// The simulated devices on their ends of the CAN buses, with what a scenario does to each one's frames. In
-/// either clock. One thread at a time.
+/// The simulated devices on their ends of the CAN buses, with the faults that a scenario injects into each
+/// device's frames. Works with wall time and virtual time. One thread at a time.
 class DeviceWires {
  public:
-  /// @param buses  the devices' ends, in the order of wires.buses; they and the devices outlive this
-  /// @param wires  the cell as its controller has it: which device is on which bus, with which identifiers
-  /// @param virtual_now  as ImpairedCanBus
+  /// @param buses  the devices' ends, in the order of wires.buses; they and the devices must outlive this
+  ///   object
+  /// @param wires  the controller's view: which device is on which bus, with which identifiers
+  /// @param virtual_now  see ImpairedCanBus
   /// @throws std::invalid_argument from Validate(injections).
   DeviceWires(const std::vector<io::CanBus*>& buses, SimulatedDevices& devices, const io::DeviceParams& wires,
               const InjectionParams& injections, const rt::Nanoseconds* virtual_now = nullptr);
 
-  /// COMMANDING_ACTIVE is seen at `now`; later calls change nothing.
+  /// Records `now` as the time at which COMMANDING_ACTIVE was seen; later calls change nothing.
   void Begin(rt::Nanoseconds now);
-  /// Everybody takes what has come and sends what is due.
+  /// Every device takes the frames received and sends those due.
   void Pump(rt::Nanoseconds now);
 
   [[nodiscard]] DeviceWireCounters counters() const;
 
  private:
-  std::unique_ptr<ImpairedCanBus> sensor_, drive_;  // drive_: null without one
+  std::unique_ptr<ImpairedCanBus> sensor_, drive_;  // drive_: null if there is no drive
   std::vector<io::CanPump> pumps_;
 };
 

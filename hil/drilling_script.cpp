@@ -18,7 +18,7 @@ HandScript MakeDrillingScript(const DrillingScriptParams& p) {
   const auto add = [&](const std::string& name, double share, double height_m, double force_N) {
     phases.Add(name, share, {.height_m = height_m, .force_limit_N = force_N});
   };
-  // height of the head's centre with the tip so far above the surface
+  // height of the head's centre when the tip is this far above the surface
   const auto tip = [&](double above_m) { return above_m + p.head_radius_m; };
   const double beyond_m = p.push_force_N / p.hand_stiffness_N_per_m;
   const double peck = 0.76 / p.pecks;

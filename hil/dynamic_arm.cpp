@@ -96,7 +96,7 @@ DynamicArm::DynamicArm(const DynamicArmParams& params, const kinematics::ChainPa
 }
 
 void DynamicArm::Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT {
-  delay_[next_] = drive;  // the newest command in, the one of dead_cycles ago out
+  delay_[next_] = drive;  // store the newest command, read the one of dead_cycles ago
   next_ = (next_ + 1) % delay_size_;
   const ArmDrive& told = delay_[next_];
 
@@ -115,10 +115,10 @@ void DynamicArm::Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT {
     if (mount_) mount_->Step(arm_, q_, qd_, F_T_B, arm_.FlangePose(q_) * p_FT_m_, h);
   }
   qdd_ = Acceleration(told, F_T_B, mount_ ? mount_->Torques(arm_, q_) : Joints::Zero(), q_, qd_);
-  tau_ = DriveTorque(told, q_, qd_) - arm_.Friction(qd_);  // the sensors sit behind the gears
+  tau_ = DriveTorque(told, q_, qd_) - arm_.Friction(qd_);  // the torque sensors sit behind the gears
 }
 
-// What the controller asks of the drives.
+// The controller's torque command to the drives.
 DynamicArm::Joints DynamicArm::Command(const ArmDrive& drive, const Joints& q,
                                        const Joints& qd) const OSTEON_RT {
   switch (drive.control) {
@@ -150,7 +150,7 @@ DynamicArm::Joints DynamicArm::CartesianTorque(const ArmDrive& drive, const Join
                     LogRotation(posture.X_BF.linear().transpose() * X_wanted.linear()) -
                 cartesian_damping_Nms_per_rad_ * V.tail<3>() + drive.F_T_B.t;
 
-  // what would move the flange is taken out of the rest, to first order in the damping of the projection
+  // remove the components that would move the flange, to first order in the damping of the projection
   const Joints own = kNullShare * params_.stiffness_Nm_per_rad.cwiseProduct(drive.q_cmd - q) -
                      std::sqrt(kNullShare) * joint_damping_.cwiseProduct(qd);
   Eigen::Matrix<double, 6, 6> JJt = J * J.transpose();

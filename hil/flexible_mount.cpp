@@ -49,7 +49,7 @@ FlexibleMount::Whole FlexibleMount::Sum(const kinematics::SerialChain<7>& chain,
   for (int i = 0; i < 7; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const Vector3 p = posture.p_BL[at];
-    v += w.cross(p - p_before);  // of this link's origin, which lies on its joint's axis
+    v += w.cross(p - p_before);  // velocity of this link's origin, which lies on its joint's axis
     w += qd[i] * posture.axis_B(i);
     p_before = p;
     const kinematics::LinkInertia& link = links_[at];
@@ -77,7 +77,7 @@ void FlexibleMount::Step(const kinematics::SerialChain<7>& chain, const Joints& 
   outside << F_B.f, F_B.t + p_B.cross(F_B.f);
   const Matrix6 inertia = mount_inertia_ + whole.inertia;
 
-  // backward Euler of the momentum of base and arm together, inertia rate + H, under springs and weight
+  // backward Euler of the total momentum of base and arm, inertia × rate + H, under springs and weight
   Matrix6 left = inertia;
   left.diagonal() += dt_s * damping_ + dt_s * dt_s * stiffness_;
   const Vector6 rate = left.ldlt().solve(
@@ -93,7 +93,7 @@ FlexibleMount::Joints FlexibleMount::Torques(const kinematics::SerialChain<7>& c
                                              const Joints& q) const OSTEON_RT {
   const kinematics::SerialChain<7>::Posture posture = chain.Place(q);
   const Vector3 a = acceleration_.head<3>(), alpha = acceleration_.tail<3>();
-  // what the links from joint i on need in all, about joint i
+  // wrench that the links from joint i on need, about joint i
   Joints tau;
   Vector3 f = Vector3::Zero(), t = Vector3::Zero();  // t about B's origin
   for (int i = 6; i >= 0; --i) {

@@ -24,7 +24,7 @@ class FriArm final : public ArmController {
   [[nodiscard]] ArmStatus status() const override;
   [[nodiscard]] double period_s() const override { return server_.period_s(); }
 
-  /// The session, for what the robot's program and its operator do.
+  /// The session's server, for actions of the robot's program and its operator.
   [[nodiscard]] FriServer& server() { return server_; }
 
  private:

@@ -12,14 +12,14 @@ using io::FriFamily;
 
 constexpr double kMmPerM = 1e3;
 constexpr std::size_t kHead = 4, kTail = 4;
-constexpr const char* kMotionCentre = "flange";  // how poses of the arm are named
+constexpr const char* kMotionCentre = "flange";  // name of the frame of the arm's poses
 
 void Put(const control::JointArray& from, fri::JointValues& to) {
   to.clear_value();
   for (const double v : from) to.add_value(v);
 }
 
-// Bit by bit, from the definition: io has zlib's, so that each checks the other.
+// Bit by bit, from the definition: io uses zlib's, so that each checks the other.
 std::uint32_t Crc32(std::span<const std::uint8_t> bytes) {
   std::uint32_t crc = 0xffffffffu;
   for (const std::uint8_t byte : bytes) {
@@ -39,7 +39,7 @@ std::uint32_t Word(const std::uint8_t* from) {
   return value;
 }
 
-// The message in its frame; empty where the frame is wrong (an empty message would have no header).
+// The message without its frame; empty if the frame is wrong (an empty message has no header).
 std::span<const std::uint8_t> Unframed(std::span<const std::uint8_t> datagram) {
   if (datagram.size() <= kHead + kTail) return {};
   const auto body = datagram.subspan(kHead, datagram.size() - kHead - kTail);
@@ -63,7 +63,7 @@ void PutPose(FriFamily family, const std::string& name, const Pose& X, fri::Tran
     to.add_element(element);
 }
 
-// By the angle of the redundant joint.
+// Redundancy, given by the angle of the redundant joint.
 void PutRedundancy(const control::JointArray& q, fri::Redundancy& to) {
   to.set_strategy(0);
   to.set_value(q[2]);
@@ -187,7 +187,7 @@ std::span<const std::uint8_t> FriCodec::Encode(const FriMonitoring& c) {
 }
 
 bool FriCodec::Parse(std::span<const std::uint8_t> body) {
-  // "partial", then asked for completeness: the strict call writes to stderr whatever a stranger sends
+  // parse as "partial", then check completeness: the strict call writes to stderr for any foreign datagram
   fri::CommandMessage& m = messages_->command;
   return !body.empty() && m.ParsePartialFromArray(body.data(), static_cast<int>(body.size())) &&
          m.IsInitialized() && m.header().message_identifier() == kFriCommandId;

@@ -20,7 +20,7 @@ inline constexpr std::size_t kFriMaxDatagram = 1500;
 inline constexpr std::uint32_t kFriMonitoringId = 0x245142;
 inline constexpr std::uint32_t kFriCommandId = 0x34001;
 
-/// An input or output that the robot program registered. Only one of the values counts, by type.
+/// An input or output that the robot program registered. Only the value of its type counts.
 struct ArmIo {
   enum class Type : std::uint8_t { kBoolean = 0, kDigital = 1, kAnalog = 2 };
   std::string name;
@@ -36,8 +36,8 @@ struct ArmFrame {
   PlainPose X{};
 };
 
-/// What a monitoring message says, as plain data. Joints in rad and N·m. What a version does not have is not
-/// sent.
+/// Content of a monitoring message, as plain data. Joints in rad and N·m. Fields that a version does not have
+/// are not sent.
 struct FriMonitoring {
   std::uint32_t sequence{0};
   std::uint32_t reflected_sequence{0};
@@ -52,17 +52,17 @@ struct FriMonitoring {
   control::JointArray q_meas{}, tau_meas{}, q_cmd{}, tau_cmd{}, tau_ext{};
   std::array<double, 6> wire_force{};  ///< external, in the wire's order; 2.7
   PlainPose X_meas{}, X_ipo{};         ///< of the motion centre, in the robot's base; 2.x
-  /// Commanding states: q_ipo, the command mode and overlay JOINT are sent.
+  /// True in commanding states: q_ipo, the command mode and overlay JOINT are sent.
   bool has_ipo{false};
   control::CommandMode command_mode{control::CommandMode::kPosition};
   control::JointArray q_ipo{};
   double tracking_performance{0.0};
   rt::Nanoseconds stamp{0};  ///< >= 0
   std::span<const ArmIo> ios{};
-  std::span<const ArmFrame> frames{};  ///< asked for, as they are
+  std::span<const ArmFrame> frames{};  ///< requested by the robot program, with their present values
 };
 
-/// What a client's command message says. Values as sent: they may be NaN.
+/// Content of a client's command message. Values as sent: they may be NaN.
 struct FriCommand {
   std::uint32_t sequence{0};
   std::uint32_t reflected_sequence{0};
@@ -72,12 +72,12 @@ struct FriCommand {
   std::array<double, 6> wire_wrench{};                   ///< N, N·m in the wire's order
   control::JointArray tau{};                             ///< [N·m]
   std::vector<ArmIo> ios;
-  std::vector<ArmFrame> frames;  ///< those whose elements are a rigid motion
+  std::vector<ArmFrame> frames;  ///< only those whose elements are a rigid motion
 };
 
-/// Writes monitoring messages and reads command messages with libprotobuf, and frames them in 2.7 with a
-/// CRC-32 of its own. Reuses its message objects, so that it does not allocate once each kind of message has
-/// passed (an odd message may make it allocate again).
+/// Writes monitoring messages and reads command messages with libprotobuf; for 2.7 it adds a frame with a
+/// CRC-32 of its own. Message objects are reused, so nothing is allocated after the first message of each
+/// kind (a malformed message may cause an allocation again).
 class FriCodec {
  public:
   explicit FriCodec(io::FriVersion version = io::FriVersion::k1_15);
@@ -88,11 +88,11 @@ class FriCodec {
   /// The datagram; valid until the next call.
   [[nodiscard]] std::span<const std::uint8_t> Encode(const FriMonitoring& content);
 
-  /// Empty where the bytes are not a complete command message (too long, undecodable, a required field or the
-  /// id wrong, frame or no frame against the version).
+  /// Empty if the bytes are not a complete command message (too long, undecodable, a required field missing,
+  /// a wrong id, or framed otherwise than the version demands).
   [[nodiscard]] std::optional<FriCommand> Decode(std::span<const std::uint8_t> datagram);
 
-  /// Whether Decode refused this for its frame alone: a client of another version.
+  /// Whether Decode refused this datagram for its frame alone: the client speaks another version.
   [[nodiscard]] bool IsOfOtherVersion(std::span<const std::uint8_t> datagram);
 
  private:

@@ -4,8 +4,8 @@
 
 namespace osteon::hil {
 
-/// The arm's safety state and drives. A stop takes the drives off at once; after its acknowledgement they
-/// need their time.
+/// The arm's safety state and drives. A stop switches the drives off at once. After its acknowledgement they
+/// take start_s to become active.
 ///
 ///     ACTIVE ──Stop(level)──▶ OFF ──Acknowledge()──▶ TRANSITIONING ──start_s──▶ ACTIVE
 ///

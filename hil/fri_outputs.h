@@ -13,12 +13,11 @@ class FriOutputs {
  public:
   static constexpr std::size_t kMaxIos = 10, kMaxFrames = 5, kMaxName = 63;
 
-  /// @throws std::invalid_argument on more than a message can carry, a name that is empty, too long or there
-  /// twice.
+  /// @throws std::invalid_argument on more entries than a message can carry, or a name that is empty, too
+  ///   long or used twice.
   FriOutputs(std::vector<ArmIo> ios, std::vector<ArmFrame> frames);
 
-  /// Takes what a command asks for. @returns how many of its requests were refused: of no registered name, to
-  /// an input, of another type.
+  /// Applies a command's requests. @returns how many were refused: no such name, an input, or another type.
   std::uint64_t Take(const FriCommand& command);
 
   /// An input of the robot changes. False where there is none of that name.

@@ -16,7 +16,7 @@ using control::SessionState;
 using kinematics::JointVector;
 
 constexpr int kGood = 2;
-constexpr int kIdleMessages = 10;  // how many an arm sends is not published
+constexpr int kIdleMessages = 10;  // the number that an arm sends is not published
 constexpr int kWrenchSize = 6;
 
 void Require(bool accepted, std::string_view name, double found, std::string_view range) {
@@ -42,7 +42,7 @@ bool IsCompliant(ControlMode mode) {
   return mode == ControlMode::kCartesianImpedance || mode == ControlMode::kJointImpedance;
 }
 
-// The control mode that a command mode needs; the present one where any does.
+// The control mode that a command mode needs; the present one if any will do.
 ControlMode Needed(CommandMode command, ControlMode present) {
   if (command == CommandMode::kWrench) return ControlMode::kCartesianImpedance;
   if (command == CommandMode::kTorque) return ControlMode::kJointImpedance;
@@ -156,8 +156,8 @@ bool FriServer::Receive(std::span<const std::uint8_t> datagram) {
     if (!command && codec_.IsOfOtherVersion(datagram)) ++counters_.other_version;
     return false;
   }
-  // Counters wrap at 2^32, so "how long ago" is a difference. More than half the range ago is the future:
-  // made up.
+  // Counters wrap at 2^32, so the age is a difference. More than half the range means a future message, so
+  // the reflected number is invented.
   const std::uint32_t messages_ago = sequence_ - command->reflected_sequence;
   if (messages_ago > 0x7fffffffu) {
     ++counters_.malformed;
@@ -188,7 +188,7 @@ void FriServer::CountClientSequence(std::uint32_t sequence) {
     counters_.client_gap += step - 1;
 }
 
-// What a client that does not know of a stop commands is dropped without a word: on arms as here.
+// Commands of a client that does not know of a stop are dropped silently, as on real arms.
 void FriServer::CountIgnored() {
   if (!has_pending_ || Commanding() || !pending_.has_joint_position) return;
   const auto q = Eigen::Map<const JointVector>(pending_.q.data());
@@ -342,7 +342,7 @@ void FriServer::WalkCommandingWait() {
       return SafetyStop(StopReason::kCount, 0, pending_.joint_count, control::kJoints);
     for (int i = 0; i < control::kJoints; ++i) {
       const double off_rad = std::abs(pending_.q[static_cast<std::size_t>(i)] - q_ipo_[i]);
-      if (!(off_rad <= params_.mirror_tolerance_rad))  // NaN as well
+      if (!(off_rad <= params_.mirror_tolerance_rad))  // also true for NaN
         return SafetyStop(StopReason::kNotMirrored, i + 1, off_rad, params_.mirror_tolerance_rad);
     }
     ++mirrored_;
@@ -378,7 +378,7 @@ void FriServer::Follow() {
   cycles_since_command_ = 0;
 }
 
-// The wrench or torque of the present mode. False where the arm stopped over it.
+// Applies the wrench or torque of the present mode. False if this stopped the arm.
 bool FriServer::TakeOverlay() {
   if (params_.command_mode == CommandMode::kWrench) {
     if (pending_.wrench_count != kWrenchSize) {

@@ -63,7 +63,7 @@ HandScript::HandScript(const Pose& X_WC, double head_radius_m, double tool_yaw_r
 }
 
 HandTarget HandScript::Sample(double time_s) const noexcept {
-  // the phase, and how far into it
+  // find the phase and the time into it
   double elapsed_s = std::max(time_s, 0.0);
   HandKey from = start_, to = start_;
   Blend blend{1.0, 0.0};
@@ -98,7 +98,7 @@ HandTarget HandScript::Sample(double time_s) const noexcept {
   target.X_WT.translation() = X_WC_.translation() + height.value * axis_W + p_center_apex_W;
   target.V_WT.v = height.rate * axis_W + target.V_WT.w.cross(p_center_apex_W);
 
-  // off the axis, on its circle; rate zero outside the script, where the swing is zero as well
+  // off the axis, on its circle; the rate is zero outside the script, where the swing is zero as well
   if (swings_) {
     const Moving swing = Between(from.swing_m, to.swing_m, blend, duration_s);
     const double q = swing_rad_per_s_ * std::clamp(time_s, 0.0, duration_s_);

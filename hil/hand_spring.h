@@ -11,7 +11,8 @@ struct HandSpring {
   double stiffness_Nm_per_rad{20.0};
   double damping_Nms_per_rad{0.8};
 
-  /// What it exerts at a point of the tool, in W. Poses at the point, velocities of the point, all in W.
+  /// Wrench that the hand exerts at a point of the tool, in W. Poses at the point, velocities of the point,
+  /// all in W.
   [[nodiscard]] Wrench Pull(const Pose& X, const Twist& V, const Pose& X_target,
                             const Twist& V_target) const noexcept {
     const Vector3 turn = X.linear() * LogRotation(X.linear().transpose() * X_target.linear());

@@ -24,7 +24,7 @@ void Require(const char* name, double value, double low, double high) {
                                 ", accepted " + std::to_string(low) + " … " + std::to_string(high));
 }
 
-// Bias, drift, sine and cosine of a uniformly sampled signal, by least squares; and what is left.
+// Least-squares fit of bias, drift, sine and cosine to a uniformly sampled signal, and its residual.
 struct SineFit {
   std::complex<double> phasor;  // value = Re(phasor exp(i w t))
   double residual_rms{0.0};
@@ -66,7 +66,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
   servo.has_spindle = servo.has_interlock = false;
   servo.start.reset();
   if (!params.sensor_feels_inertia) servo.sensor = {};
-  servo.vibration.acts = false;  // it would take the shaking for what it is there to calm
+  servo.vibration.acts = false;  // the vibration index would treat the shaking as vibration and damp it
   const kinematics::LbrArm arm(params.arm.lbr);
   control::ServoLoop loop(servo, arm, params.X_WB, params.X_FT, params.arm_angle_rad);
   const auto body = MakeSimulatedArm(params.arm, servo.period_s);
@@ -100,7 +100,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
   control::ArmCommand command;
   struct Load {
     Wrench F_T_W;
-    Twist V_WT, A_WT;  // of the tool, whose inertia is felt
+    Twist V_WT, A_WT;  // of the tool, whose inertia the sensor feels
   };
   std::vector<Load> loads(static_cast<std::size_t>(params.sensor_delay_ticks) + 1);  // newest first
   const auto tool_twist = [&]() -> Twist {
@@ -178,7 +178,7 @@ std::vector<HandlePoint> SweepFree(const HandleBenchParams& params, const Handle
 }
 
 HandleFit FitMassAndDrag(const std::vector<HandlePoint>& points, double most_hz) {
-  // real and imaginary part are fitted apart: b to Re Z, m w to Im Z, each weighed by 1 / |Z|
+  // real and imaginary part are fitted separately: b to Re Z, m w to Im Z, each weighted by 1 / |Z|
   double drag = 0.0, drag_weight = 0.0, mass = 0.0, mass_weight = 0.0;
   for (const HandlePoint& point : points) {
     if (point.frequency_hz > most_hz || point.fault) continue;

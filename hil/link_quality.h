@@ -6,8 +6,8 @@
 namespace osteon::hil {
 
 /// When the simulated arm trusts the connection. KUKA publishes neither which losses cost which quality nor
-/// how many end COMMANDING; this is ours, explicit, to be varied in tests. Reference points: iiQKA tolerates
-/// 5 lost in a row and 25 a second; Franka stops after 20 missed.
+/// how many end COMMANDING. This explicit policy is ours and can be varied in tests. Reference points: iiQKA
+/// tolerates 5 lost in a row and 25 a second; Franka stops after 20 missed.
 ///
 /// Counted over the answers due in the last second:
 ///
@@ -25,7 +25,7 @@ struct QualityPolicyParams {
   double good_timeout_s{10.0};     ///< an opened session that is not GOOD by then is closed
 };
 
-/// One answer that was due.
+/// The outcome of one due answer.
 enum class Answer : std::uint8_t {
   kExcused,  ///< none came, and the arm itself is to blame
   kReceived,
@@ -38,7 +38,7 @@ class LinkQuality {
   static constexpr int kMaxWindow = 1000;
 
   /// @param answers_per_s answers due in one second, 1 … kMaxWindow.
-  /// @throws std::invalid_argument where a level of the policy can not be reached.
+  /// @throws std::invalid_argument if a level of the policy cannot be reached.
   LinkQuality(const QualityPolicyParams& params, int answers_per_s);
 
   void Reset();

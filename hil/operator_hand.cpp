@@ -15,7 +15,7 @@ Vector3 Limited(const Vector3& v, double max_size) {
   return size > max_size ? Vector3(v * (max_size / size)) : v;
 }
 
-// The part along a unit axis bounded, the rest as it is.
+// Bounds the part along a unit axis and leaves the rest.
 Vector3 AxiallyLimited(const Vector3& f, const Vector3& axis, double most_N) {
   const double axial_N = axis.dot(f);
   return f + (std::clamp(axial_N, -most_N, most_N) - axial_N) * axis;
@@ -83,11 +83,11 @@ Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, cons
   const Wrench F = Exerted(holding_, moment.grip, handle, {.f = fade * kept_.f, .t = fade * kept_.t});
   if (moment.clamped) return {.f = F.f, .t = F.t + handle.p_T_head_W.cross(F.f)};
 
-  // along the axis the hand presses no harder than the script says
+  // along the axis the hand pushes at most with the script's limit
   const double most_N = moment.grip * std::lerp(params_.max_force_N, target.force_limit_N, moment.back);
   Vector3 f = AxiallyLimited(F.f, script_.X_WC().linear().col(2), most_N);
 
-  // and in all not harder than a hand can
+  // and in total at most with the hand's own maximum
   const double grip = moment.after_clamp ? std::lerp(1.0, target.grip, moment.back) : target.grip;
   f = Limited(grip * f + script_.X_WC().linear() * moment.jerk_C_N, params_.max_force_N);
   return {.f = f, .t = Limited(grip * F.t + handle.p_T_head_W.cross(f), params_.max_torque_Nm)};
@@ -96,7 +96,7 @@ Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, cons
 OperatorHand::Handle OperatorHand::HandleAt(double time_s, double period_s, double grip,
                                             const HandTarget& target, const Pose& X_WT,
                                             const Twist& V_WT) noexcept {
-  // head's centre, of the tool and of the target, relative to T's origin
+  // centre of the head, of the tool and of the target, relative to T's origin
   const Vector3 p_T_head_W = -script_.head_radius_m() * X_WT.linear().col(2);
   const Vector3 p_T_head_target_W = -script_.head_radius_m() * target.X_WT.linear().col(2);
   Handle handle{.p_T_head_W = p_T_head_W,
@@ -131,7 +131,7 @@ void OperatorHand::Change(const IncidentMoment& moment, double force_limit_N, co
     X_W_clamped_ = handle.X;
     kept_ = {};
   } else {
-    // as bounded as it was until now
+    // with the same bound as before the change
     Wrench before = Exerted(holding_, moment.grip, handle, own ? Wrench{} : kept_);
     if (own) before.f = AxiallyLimited(before.f, script_.X_WC().linear().col(2), force_limit_N);
     before.f = Limited(before.f, params_.max_force_N);

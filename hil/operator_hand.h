@@ -10,8 +10,7 @@
 
 namespace osteon::hil {
 
-/// The operator's arm and grip. Published human arms spread over k 50 … 10000 N/m, b 2 … 80 N s/m, m 0.3 … 4
-/// kg.
+/// The operator's arm and grip. Published human arms: k 50 … 10000 N/m, b 2 … 80 N s/m, m 0.3 … 4 kg.
 struct OperatorHandParams {
   double stiffness_N_per_m{2000.0};
   double damping_Ns_per_m{60.0};
@@ -19,25 +18,25 @@ struct OperatorHandParams {
   double stiffness_Nm_per_rad{20.0};
   double damping_Nms_per_rad{0.8};
   double inertia_kgm2{0.01};
-  double grip_time_s{0.005};  ///< how fast the handle takes the hand's mass along
-  double max_force_N{150.0};  ///< what the hand can do at all; directions are kept
+  double grip_time_s{0.005};  ///< time constant with which the hand's mass follows the handle
+  double max_force_N{150.0};  ///< the hand's own maximum; directions are kept
   double max_torque_Nm{10.0};
   double tremor_N{0.0};  ///< peak of the tremor's force along each axis; 0: none
   std::uint64_t tremor_seed{1};
-  HandIncidents incidents{};  ///< what happens to the hand beside its script; none unless said
+  HandIncidents incidents{};  ///< events beside the script; none by default
 
   [[nodiscard]] HandSpring spring() const {
     return {stiffness_N_per_m, damping_Ns_per_m, stiffness_Nm_per_rad, damping_Nms_per_rad};
   }
 };
 
-/// Spring, damper and mass between a point of the tool and where the hand wants it: the laws of OperatorHand
-/// below, without script, tremor, incidents and bounds.
+/// Spring, damper and mass between a point of the tool and the hand's target: the laws of OperatorHand below,
+/// without script, tremor, incidents and bounds.
 class HandImpedance {
  public:
   explicit HandImpedance(const OperatorHandParams& params) : params_(params) {}
 
-  /// The hand's mass at rest.
+  /// Sets the hand's mass to rest.
   void Begin() noexcept { V_mass_ = {}; }
 
   /// One period. Poses at the point, velocities of the point, all in W. @param period_s > 0
@@ -45,10 +44,10 @@ class HandImpedance {
   [[nodiscard]] Wrench Step(double period_s, const Pose& X, const Twist& V, const Pose& X_target,
                             const Twist& V_target) noexcept;
 
-  /// One period of the mass alone. @param grip share of the hand that holds on, 0 … 1: of the damper by which
-  /// the mass hangs on the handle. At 0 the mass comes to rest by itself, so that no grip, however it
-  /// changes, gives back more than was taken.
-  /// @returns what it takes to bring the mass along: the negative of what it exerts.
+  /// Advances the mass alone by one period.
+  /// @param grip  share of the hand that holds on, 0 … 1. It scales the damper between mass and handle. At 0
+  ///   the mass comes to rest by itself, so no change of grip gives back more energy than was taken.
+  /// @returns the wrench that moves the mass: the negative of what the mass exerts.
   [[nodiscard]] Wrench Carry(double period_s, const Twist& V, double grip) noexcept;
 
  private:
@@ -58,16 +57,17 @@ class HandImpedance {
 
 /// A hand that holds the tool and follows a script: an impedance toward the script's target, with a mass.
 ///
-/// At the centre of the reamer's head, which is what a surgeon guides (the tool is rigid, so where the hand
-/// really holds it changes nothing), with n the cup's axis and x the head's centre:
+/// The laws act at the centre of the reamer's head, which a surgeon guides (the tool is rigid, so the true
+/// place of the grip changes nothing). With n the cup's axis and x the head's centre:
 ///
 ///     f = k (x_target - x) + b (v_target - v) - f_mass,   n·f bounded by the script's force limit
 ///     t = k_r R_WT log(R_T,target) + b_r (w_target - w) - t_mass
 ///
-/// **The push** is that bound: the script's target lies out of reach, so that the hand presses with what the
-/// script allows and follows across the axis with its spring. Measured acceleration times mass would need a
-/// derivative of a measured speed, and would close a loop of gain mass / virtual mass through the arm's lag.
-/// So **the mass** hangs on the handle by a damper, as flesh does: its own speed v_m is the state,
+/// **The push** is that bound: the script's target lies out of reach, so the hand presses at the script's
+/// limit, and across the axis it follows with its spring. **The mass** is not measured acceleration times
+/// mass, which would need a derivative of a measured speed and would close a loop of gain mass / virtual mass
+/// through the arm's lag. Instead it is coupled to the handle by a damper, like flesh, and its own speed v_m
+/// is the state,
 ///
 ///     f_mass = m v_m' = (m / tau) (v - v_m),   tau = grip_time_s
 ///
@@ -75,16 +75,16 @@ class HandImpedance {
 /// stable and passive at any period. Then f and t are carried to the tool's origin, scaled by the grip, and
 /// limited to what a hand can do.
 ///
-/// **Incidents** (operator_incidents.h) change the hand for a while, with c the way back to the script, from
-/// 0 to 1, and G the grip that is left:
+/// **Incidents** (operator_incidents.h) change the hand for a while. With c the progress of the return to the
+/// script, from 0 to 1, and G the remaining grip:
 ///
 ///     f = G (k' (x_target - x) + b' (v_target - v)) - f_mass + (1 - c) f_kept
 ///     |n·f| <= G (max_force + c (force limit - max_force))
 ///
-/// f_kept is what makes the wrench the same on both sides of a change of spring, so the change itself moves
-/// nothing. A stiffer spring under the same force stores less, a softer one more: f^2 / 2 (1/k' - 1/k), which
-/// muscles pay for. Apart from that, the moving target, the jerk, the return and the tremor, all of the hand
-/// is passive.
+/// f_kept keeps the wrench continuous across a change of spring, so the change itself moves nothing. A
+/// stiffer spring under the same force stores less energy, a softer one more: f^2 / 2 (1/k' - 1/k), which
+/// muscles supply. Apart from this, the moving target, the jerk, the return and the tremor, the hand is
+/// passive.
 class OperatorHand {
  public:
   /// @throws std::invalid_argument on a parameter out of range.
@@ -93,32 +93,32 @@ class OperatorHand {
   /// Starts the script, with the tool and the hand at rest.
   void Begin() noexcept;
 
-  /// One period.
+  /// Advances by one period.
   /// @param time_s since Begin; @param period_s > 0.
   /// @param X_WT tool pose; @param V_WT velocity of T, in W.
-  /// @returns F_T_W: what the hand exerts on the tool, at T's origin, in W. |f| <= max_force, |f·n| <= the
-  /// script's force
-  ///   limit at time_s, |t| <= max_torque, but for what incidents lift. Finite for finite input.
+  /// @returns F_T_W, what the hand exerts on the tool, at T's origin, in W. |f| <= max_force, |f·n| <= the
+  ///   script's force limit at time_s, |t| <= max_torque, except for bounds that incidents lift. Finite for
+  ///   finite input.
   [[nodiscard]] Wrench Step(double time_s, double period_s, const Pose& X_WT, const Twist& V_WT) noexcept;
 
   [[nodiscard]] const HandScript& script() const { return script_; }
 
  private:
-  // The tool as the hand sees it, at the head's centre, and where it wants it.
+  // The tool at the head's centre, where the hand guides it, and its target.
   struct Handle {
     Vector3 p_T_head_W;
     Pose X, X_target;
     Twist V, V_target;
-    Wrench F_mass;  // what it takes to bring the mass along
+    Wrench F_mass;  // moves the mass
     Vector3 tremor_N;
   };
   [[nodiscard]] Handle HandleAt(double time_s, double period_s, double grip, const HandTarget& target,
                                 const Pose& X_WT, const Twist& V_WT) noexcept;
-  // What an incident's spring (kNone: the hand's own) exerts there, the mass, the tremor and a kept wrench
-  // with it.
+  // The wrench at the handle: of an incident's spring (kNone: the hand's own), the mass, the tremor and a
+  // kept wrench.
   [[nodiscard]] Wrench Exerted(std::size_t holding, double grip, const Handle& handle,
                                const Wrench& kept) const noexcept;
-  // Another spring holds the tool from now on.
+  // Changes the spring that holds the tool.
   void Change(const IncidentMoment& moment, double force_limit_N, const Handle& handle) noexcept;
   [[nodiscard]] bool IsClamp(std::size_t holding) const noexcept;
 
@@ -126,7 +126,7 @@ class OperatorHand {
   HandScript script_;
   HandImpedance impedance_;  // at the head's centre
   Tremor tremor_;
-  std::size_t holding_{IncidentMoment::kNone};  // whose spring holds the tool
+  std::size_t holding_{IncidentMoment::kNone};  // the incident whose spring holds the tool
   Wrench kept_;                                 // offset to that spring
   Pose X_W_clamped_{Pose::Identity()};          // where the head was when it was clamped
 };

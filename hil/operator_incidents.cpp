@@ -15,9 +15,9 @@ namespace {
 
 double EndOf(const StartledRelease& r) { return r.begin_s + r.jerk_s + r.release_s + r.away_s; }
 
-// How far something that takes so long has come, from 0 to 1.
+// Progress of an event of this duration, from 0 to 1.
 double Progress(double since_s, double takes_s) {
-  return std::clamp(Quintic(std::clamp(since_s / takes_s, 0.0, 1.0)).s, 0.0, 1.0);  // rounding: 1 at most
+  return std::clamp(Quintic(std::clamp(since_s / takes_s, 0.0, 1.0)).s, 0.0, 1.0);  // rounding: at most 1
 }
 
 void Release(const StartledRelease& release, double time_s, IncidentMoment& moment) {
@@ -32,7 +32,7 @@ void Release(const StartledRelease& release, double time_s, IncidentMoment& mome
                                : Progress(time_s - end_s, release.return_s);
 }
 
-// What is wrong with an incident, by name.
+// Throws for a wrong value of an incident, by name.
 class Checker {
  public:
   explicit Checker(std::size_t number) : number_(number) {}
@@ -85,7 +85,7 @@ void CheckIncidents(const HandIncidents& incidents) {
   if (incidents.count > HandIncidents::kMax)
     throw std::invalid_argument(fmt::format("operator's incidents: found {}, accepted at most {}",
                                             incidents.count, HandIncidents::kMax));
-  double free_s = 0.0;  // from when on the next may begin
+  double free_s = 0.0;  // earliest begin of the next incident
   for (std::size_t i = 0; i < incidents.count; ++i) {
     const HandIncident& incident = incidents.list[i];
     const Checker check(i + 1);
@@ -104,7 +104,7 @@ const HandSpring& SpringOf(const HandIncident& incident) noexcept {
 }
 
 IncidentMoment MomentOf(const HandIncidents& incidents, double time_s) noexcept {
-  // periods are added up in floating point: a nanosecond, so that they reach what they were meant to reach
+  // periods are added up in floating point: a nanosecond more makes sums reach the intended times
   time_s += 1e-9;
   IncidentMoment moment;
   for (std::size_t i = 0; i < incidents.count; ++i) {

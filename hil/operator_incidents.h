@@ -10,14 +10,14 @@
 
 namespace osteon::hil {
 
-// What may happen to an operator beside the script. Times are the script's. An incident begins, may end, and
+// Events that change an operator beside the script. Times are the script's. An incident begins, may end, and
 // is over when the hand is back at its script, return_s after its end.
 
-/// The hand stiffens at once, as in fright: muscles and their antagonists contract together. That changes how
-/// the hand resists, and not what it exerts at that moment, so the present wrench is kept as an offset to the
-/// new spring (which then rests at another place: where the hand is, all but). Stiff, the hand holds a place
-/// rather than press with a bounded force: the script's force limit does not act, the hand's max_force_N
-/// does. At the end the wrench is kept once more, and fades with the hand's return to its script.
+/// The hand stiffens at once, as in fright: muscles and their antagonists contract together. This changes the
+/// hand's resistance but not the wrench at that moment, so the present wrench is kept as an offset to the new
+/// spring, whose rest position becomes nearly the hand's present place. A stiff hand holds its place and does
+/// not press with a bounded force: its limit is max_force_N instead of the script's force limit. At the end
+/// the wrench is kept once more, and fades while the hand returns to its script.
 struct GripStep {
   double begin_s{0.0};
   double end_s{std::numeric_limits<double>::infinity()};
@@ -25,10 +25,10 @@ struct GripStep {
   HandSpring spring{.stiffness_N_per_m = 6000.0, .stiffness_Nm_per_rad = 60.0};
 };
 
-/// The handle is clamped where it is at that moment, with no preload: what the hand exerted until then is
-/// gone. A clamp has no muscles: neither the script's force limit nor the hand's max_force_N and
-/// max_torque_Nm act, and it does not tremble. At the end the hand takes over what the clamp held, as far as
-/// it can, and goes back to its script.
+/// The handle is clamped where it is at that moment, without preload: the hand's wrench drops to zero. A
+/// clamp has no muscles: neither the script's force limit nor the hand's max_force_N and max_torque_Nm act,
+/// and it does not tremble. At the end the hand takes over the clamp's wrench, as far as it can, and returns
+/// to its script.
 struct RigidClamp {
   double begin_s{0.0};
   double end_s{std::numeric_limits<double>::infinity()};
@@ -39,13 +39,14 @@ struct RigidClamp {
                     .damping_Nms_per_rad = 0.5};
 };
 
-/// A jerk, F sin^2(pi t / jerk_s), that no will bounds but the hand's max_force_N; then the hand opens within
+/// A jerk F sin^2(pi t / jerk_s), bounded only by the hand's max_force_N. Then the hand opens within
 /// release_s, is away, and grasps again, or never does.
 struct StartledRelease {
   double begin_s{0.0};
   double jerk_N{0.0};                     ///< peak; the impulse is half of it times jerk_s
   double jerk_s{0.05};                    ///< 0: none
-  PlainVector3 jerk_C{Vector3::UnitZ()};  ///< unit: where to, in the site's frame (+z out of the bone)
+  PlainVector3 jerk_C{Vector3::UnitZ()};  ///< unit vector: direction, in the site's frame (+z out of the
+                                          ///< bone)
   double release_s{0.03};
   double away_s{std::numeric_limits<double>::infinity()};  ///< from the open hand to the grasp's beginning
   double return_s{0.3};                                    ///< of the grasp
@@ -53,11 +54,11 @@ struct StartledRelease {
 
 using HandIncident = std::variant<GripStep, RigidClamp, StartledRelease>;
 
-/// What an operator meets, one after the other. Plain data, without a heap.
+/// The incidents of an operator, one after the other. Plain data, without a heap.
 struct HandIncidents {
   static constexpr std::size_t kMax = 8;
   std::array<HandIncident, kMax> list{};
-  std::size_t count{0};  ///< of the list, from its front
+  std::size_t count{0};  ///< used entries, from the front of the list
 };
 
 /// When an incident begins, when it ends, and when the hand is back at its script; the last two may be
@@ -68,23 +69,23 @@ struct IncidentTimes {
 [[nodiscard]] IncidentTimes TimesOf(const HandIncident& incident) noexcept;
 
 /// @throws std::invalid_argument "operator's incident N: NAME: found …, accepted …" on more incidents than
-/// fit, a value out of range, an end before its beginning, or one that begins before that ahead of it is
-/// over.
+///   fit, a value out of range, an end before its beginning, or an incident that begins before the one ahead
+///   of it is over.
 void CheckIncidents(const HandIncidents& incidents);
 
-/// What the incidents make of the hand at one moment; without one, the defaults.
+/// The effect of the incidents on the hand at one moment; without an incident, the defaults.
 struct IncidentMoment {
   static constexpr std::size_t kNone = HandIncidents::kMax;
 
   std::size_t holding{kNone};  ///< the incident whose spring holds the tool instead of the hand's own
-  bool clamped{false};         ///< that is a RigidClamp
-  bool after_clamp{false};     ///< the hand is on its way back from one
-  double back{1.0};  ///< share of the way back to the script: 0 while a spring is another, then up to 1
-  double grip{1.0};  ///< share of the hand that holds on: 0 while it is away
+  bool clamped{false};         ///< the spring is that of a RigidClamp
+  bool after_clamp{false};     ///< the hand is returning from a clamp
+  double back{1.0};            ///< progress of the return to the script: 0 under another spring, then up to 1
+  double grip{1.0};            ///< share of the hand that holds on: 0 while it is away
   Vector3 jerk_C_N{Vector3::Zero()};
 };
 
-/// Of checked incidents. A pure function of time.
+/// The effect of incidents that CheckIncidents accepted. A pure function of time.
 [[nodiscard]] IncidentMoment MomentOf(const HandIncidents& incidents, double time_s) noexcept;
 
 /// The spring of a GripStep or RigidClamp.

@@ -6,14 +6,14 @@
 
 #include "hil/hand_script.h"
 
-// What the scripts of hand_script.h, drilling_script.h and opening_script.h are made with.
+// Helpers that build the scripts of hand_script.h, drilling_script.h and opening_script.h.
 
 namespace osteon::hil {
 
 /// @throws std::invalid_argument "operator's script: NAME: found …, accepted RANGE" unless accepted.
 void RequireInScript(bool accepted, std::string_view name, double found, std::string_view range);
 
-/// What the parameters of every script have. @throws std::invalid_argument as RequireInScript does.
+/// Checks the parameters that all scripts share. @throws std::invalid_argument as RequireInScript does.
 template <typename Params>
 void RequireCommon(const Params& p) {
   RequireInScript(p.seconds >= 0.1 && p.seconds <= 36000.0, "seconds", p.seconds, "0.1 … 36000");
@@ -27,23 +27,23 @@ void RequireCommon(const Params& p) {
 
 struct ScriptBounds {
   double seconds{10.0};            ///< of the whole script
-  double max_target_m_per_s{0.2};  ///< along the axis, and of a swing that grows or shrinks
+  double max_target_m_per_s{0.2};  ///< along the axis, and of a growing or shrinking swing
   double max_tilt_rad_per_s{0.5};
 };
 
-/// Phases one after the other, each as far toward its key as the bounds on the targets' speed let it go: a
-/// short script falls short rather than move faster.
+/// Builds phases one after the other. Each goes as far toward its key as the bounds on the targets' speed
+/// allow: a short script stops short of its targets rather than move faster.
 class ScriptPhases {
  public:
   ScriptPhases(const ScriptBounds& bounds, const HandKey& start);
 
-  /// How far a target may travel in a phase of this share.
+  /// Largest travel of a target in a phase of this share.
   [[nodiscard]] static double Reach(const ScriptBounds& bounds, double share);
 
-  /// A phase of this share of the script, at full grip.
+  /// Adds a phase of this share of the script, at full grip.
   void Add(std::string_view name, double share, const HandKey& wanted);
 
-  /// Where the last phase ends.
+  /// State at the end of the last phase.
   [[nodiscard]] const HandKey& key() const { return key_; }
   [[nodiscard]] const HandKey& start() const { return start_; }
   [[nodiscard]] std::vector<HandPhase> Take() { return std::move(phases_); }

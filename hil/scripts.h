@@ -8,7 +8,7 @@
 
 namespace osteon::hil {
 
-/// What an operator may be told to do. All have X_WC, head_radius_m, tool_yaw_rad, seconds, start_height_m,
+/// The scripts of an operator. All have X_WC, head_radius_m, tool_yaw_rad, seconds, start_height_m,
 /// retract_height_m, push_force_N, approach_force_N, hand_stiffness_N_per_m and max_target_m_per_s in common.
 using ScriptParams = std::variant<ReamingScriptParams, DrillingScriptParams, OpeningScriptParams>;
 

@@ -54,7 +54,7 @@ ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::Jo
 }
 
 void ServoArm::Step(const kinematics::JointVector& q_cmd) OSTEON_RT {
-  // the newest command in, the one of dead_cycles ago out
+  // store the newest command, read the one of dead_cycles ago
   delay_[next_] = q_cmd;
   next_ = (next_ + 1) % delay_size_;
   const kinematics::JointVector& target = delay_[next_];

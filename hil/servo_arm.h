@@ -8,14 +8,13 @@
 
 namespace osteon::hil {
 
-/// How the simulated arm follows its commands. Assumptions to vary: no lag of a real arm was measured.
+/// How the simulated arm follows its commands. Assumptions to vary: the lag of no real arm was measured.
 struct ServoArmParams {
   double bandwidth_hz{15.0};  ///< natural frequency of each joint
   double damping_ratio{1.0};  ///< z
   int dead_cycles{3};         ///< periods from a command to its first effect, 0 … ServoArm::kMaxDeadCycles
   /// Bound on |q''|. None by default: the figures published for the iiwa are planning limits, far below what
-  /// its drives can do, and a servo that saturates is another arm than the one that the stability rows were
-  /// computed for.
+  /// its drives can do, and a saturating servo is not the arm that the stability rows were computed for.
   double max_acceleration_rad_per_s2{std::numeric_limits<double>::infinity()};
 };
 
@@ -23,15 +22,15 @@ struct ServoArmParams {
 ///
 ///     q'' = w^2 (q_cmd[k - dead] - q) - 2 z w q',   w = 2 pi bandwidth_hz
 ///
-/// Between two steps the command is constant (zero-order hold), so the state is advanced by the equation's
-/// closed-form solution: exact to rounding for any period, while no limit acts. Where |q'| or |q''| would
-/// pass its limit, the step has the constant acceleration that keeps it. What presses on the tool does not
-/// deflect the arm. Deterministic, does not allocate.
+/// Between two steps the command is constant (zero-order hold), so the equation's closed-form solution
+/// advances the state: exact to rounding for any period while no limit acts. If |q'| or |q''| would pass its
+/// limit, the step uses the constant acceleration that keeps the limit. Forces on the tool do not deflect the
+/// arm. Deterministic, does not allocate.
 class ServoArm {
  public:
   static constexpr int kMaxDeadCycles = 32;
 
-  /// At rest at q_start [rad]. Of the limits, velocity is used.
+  /// Starts at rest at q_start [rad]. Only the velocity limits are used.
   /// @throws std::invalid_argument on a parameter out of range.
   ServoArm(const ServoArmParams& params, const std::array<kinematics::JointLimits, 7>& limits,
            double period_s, const kinematics::JointVector& q_start);

@@ -7,7 +7,7 @@ namespace {
 
 using kinematics::JointVector;
 
-// Nothing deflects it, so what it feels is told by the wrench alone.
+// The arm is stiff, so its external torque follows from the wrench alone.
 class StiffArm : public SimulatedArm {
  public:
   StiffArm(const kinematics::LbrParams& lbr, const Vector3& p_FT_m) : arm_(lbr), p_FT_m_(p_FT_m) {}

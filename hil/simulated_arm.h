@@ -14,7 +14,7 @@ struct SimulatedArmParams {
   kinematics::LbrParams lbr{};  ///< kKinematic, kServo
   ServoArmParams servo{};       ///< kServo
   DynamicArmParams dynamic{};   ///< kDynamic
-  /// kDynamic: the same arm with masses, with what hangs on its flange.
+  /// kDynamic: the same arm with masses, including the load on its flange.
   kinematics::ChainParams<7> chain{};
   Vector3 gravity_B_m_per_s2{kinematics::kGravity_W_m_per_s2};
   Vector3 p_FT_m{Vector3::Zero()};  ///< the motion's centre, in the flange's frame

@@ -44,12 +44,12 @@ SimulatedCell::SimulatedCell(const SimulatedCellParams& params, HandScript scrip
       hand_(params.hand, std::move(script)) {}
 
 std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool client_had_its_time) {
-  // the client's answer, and the arm's move with it
+  // apply the client's answer and move the arm
   arm_->Move(client_had_its_time, F_hand_T_B_);
   static_cast<ArmStatus&>(state_) = arm_->status();
   const bool active = state_.session == control::SessionState::kCommandingActive;
 
-  // the tool, as it is
+  // the tool's true pose
   const ArmMotion arm = arm_->motion();
   const Pose X_WT = X_WB_ * arm.X_BBnow * arm.X_BT;
   const Twist V_WT{.v = X_WB_.linear() * arm.V_BT.v, .w = X_WB_.linear() * arm.V_BT.w};
@@ -74,7 +74,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
 
   ++state_.cycle;
   state_.stamp = now;
-  static_cast<ArmStatus&>(state_) = arm_->status();  // with the message that was made
+  static_cast<ArmStatus&>(state_) = arm_->status();  // again, with the message that was just made
   state_.active_once |= active;
   state_.script_done = state_.active_once && state_.cell_time_s >= hand_.script().duration_s();
   state_.q_meas = arm.q_meas;
@@ -85,7 +85,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   state_.F_hand_T_W = F_T_W;
   state_.F_S = SensorLoad(sensor_, X_WT, X_WT * X_TF_, F_T_W);
   if (feels_inertia_) {
-    // over the period that has passed; none is known of the first
+    // acceleration over the past period; unknown in the first
     const Twist& V_before = has_twist_ ? V_WT_before_ : V_WT;
     const Twist A_WT{.v = (V_WT.v - V_before.v) / period_s(), .w = (V_WT.w - V_before.w) / period_s()};
     state_.F_S = LessInertia(sensor_, state_.F_S, X_WT, X_WT * X_TF_, V_WT, A_WT);
@@ -95,8 +95,8 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   return datagram;
 }
 
-// An arm that is brought to the start is let alone until it has arrived. A soft arm may sag beside the
-// start: there the operator takes a tool that has not gone anywhere for a while.
+// During the start path the hand leaves the arm alone until it has arrived. A soft arm may sag beside the
+// start: the operator then takes the tool once it has stood still for a while.
 bool SimulatedCell::IsAtStart(const Pose& X_WT, const Twist& V_WT) {
   constexpr double kArrived_m = 0.003, kArrived_rad = 0.03;
   constexpr double kWithinReach_m = 0.03, kWithinReach_rad = 0.3;

@@ -34,7 +34,7 @@ void SimulatedCellThread::Run() {
       if (!cell_.EndSession()) break;
       ends = true;
     }
-    // until the next message is due, and until the client has had a whole period, unless its answer is here
+    // wait until the next message is due and the client has had a whole period, unless its answer is here
     rt::Nanoseconds target = due;
     WaitUntil(target, statistics);
     rt::Nanoseconds lateness = rt::MonotonicNow() - target;
@@ -51,7 +51,7 @@ void SimulatedCellThread::Run() {
     const rt::Nanoseconds now = rt::MonotonicNow();
     cell_.SetPower(power_.load(std::memory_order_relaxed));
     const auto datagram = cell_.Step(now, on_time);
-    loads_.Store(cell_.force());  // before the message, so that who answers it finds the load
+    loads_.Store(cell_.force());  // before the message, so that the load is ready when the client answers
     answered_ = false;
     if (cell_.state().active_once) {
       wires_.Begin(now);
@@ -70,7 +70,7 @@ void SimulatedCellThread::Run() {
   }
 }
 
-// Sleeps; where something is injected, moves what is due meanwhile.
+// Sleeps; with injections, moves due datagrams meanwhile.
 void SimulatedCellThread::WaitUntil(rt::Nanoseconds target, CellThreadStatistics& statistics) {
   if (!wires_.injects()) {
     rt::SleepUntil(target);
@@ -84,10 +84,9 @@ void SimulatedCellThread::WaitUntil(rt::Nanoseconds target, CellThreadStatistics
   }
 }
 
-// True where the answer to the message last sent has come.
+// True if the answer to the message last sent has come.
 bool SimulatedCellThread::ReceiveAll(CellThreadStatistics& statistics) {
-  std::array<std::uint8_t, kFriMaxDatagram + 1>
-      bytes;  // one more, so that an oversized datagram shows as such
+  std::array<std::uint8_t, kFriMaxDatagram + 1> bytes;  // one more byte, to detect an oversized datagram
   const rt::Nanoseconds now = rt::MonotonicNow();
   statistics.undelivered += client_.ReceiveAll(
       bytes, [&](std::span<const std::uint8_t> datagram) { wires_.from_controller.Push(datagram, now); });
@@ -95,7 +94,7 @@ bool SimulatedCellThread::ReceiveAll(CellThreadStatistics& statistics) {
   return answered_;
 }
 
-// What is due leaves its wire: messages toward the client, answers to the arm.
+// Moves due datagrams out of their wires: messages to the client, answers to the arm.
 void SimulatedCellThread::MoveDue(rt::Nanoseconds now, CellThreadStatistics& statistics) {
   while (wires_.to_controller.NextDue() <= now)
     if (!client_.Send(wires_.to_controller.Next(now))) ++statistics.undelivered;

@@ -20,43 +20,44 @@ struct CellThreadParams {
       "127.0.0.1"};                  ///< dotted IPv4; the loopback unless the client really is elsewhere
   std::uint16_t client_port{30200};  ///< where the client listens
   rt::RealtimeThreadParams thread{.priority = 80};
-  InjectionParams injections{};              ///< of the arm's wire; others are not this thread's
-  rt::SpscRing<CellState>* cycles{nullptr};  ///< each cycle is put there; none: nowhere
+  InjectionParams injections{};              ///< only those of the arm's wire are used
+  rt::SpscRing<CellState>* cycles{nullptr};  ///< each cycle is pushed there; null: nowhere
 };
 
-/// What the thread did. Plain data.
+/// Statistics of the thread. Plain data.
 struct CellThreadStatistics {
   CellState cell;
   std::uint64_t overruns{0};  ///< cycles in which this thread itself woke more than half a period late
   rt::Nanoseconds worst_wakeup_ns{0};
-  std::uint64_t undelivered{0};  ///< messages that the system could not hand on, e.g. as nobody listens yet
+  std::uint64_t undelivered{0};  ///< messages that the system could not deliver, e.g. because nobody listens
+                                 ///< yet
   rt::RealtimeGrant thread;      ///< what the system granted it
-  CellWireCounters wires;        ///< what was injected
+  CellWireCounters wires;        ///< injected faults
 };
 
 /// The simulated cell in wall time: its own thread, FRI or RSI over a UDP socket, an absolute
 /// schedule of the arm's period.
 ///
-/// The arm is the clock: it sends, sleeps until its next period and then reads what the client answered. Only
-/// the client's address is listened to (the socket is connected to it; the system drops the rest).
+/// The arm is the clock: it sends, sleeps until its next period and then reads the client's answers. Only the
+/// client's address is heard (the socket is connected to it; the system drops the rest).
 ///
-/// **Whose lateness.** A cycle is held against the client only if this thread woke on time and the client had
-/// a whole period from the message: where the message left late within its period, the thread waits that much
-/// longer for a missing answer. Woken more than half a period late, it counts an overrun of its own, excuses
-/// a missing answer, and begins its schedule anew instead of sending the missed cycles in a burst.
+/// **Who was late.** A cycle counts against the client only if this thread woke on time and the client had a
+/// whole period from the message on. If the message left late within its period, the thread waits that much
+/// longer for a missing answer. If the thread wakes more than half a period late, it counts an overrun of its
+/// own, excuses a missing answer, and restarts its schedule instead of sending the missed cycles in a burst.
 ///
-/// **Injections** act on the datagrams as they leave and arrive here; the thread wakes when one is due, so
-/// that delays below a period are what they say. What they cost the client is held against it.
+/// **Injections** act on the datagrams as they leave and arrive here. The thread wakes when one is due, so
+/// delays below a period are accurate. Their effects count against the client.
 class SimulatedCellThread {
  public:
-  /// Starts at once. @throws std::system_error where there is no socket, std::invalid_argument on the
-  /// address, the port or an injection.
+  /// Starts at once. @throws std::system_error if there is no socket, std::invalid_argument on the address,
+  /// the port or an injection.
   SimulatedCellThread(const CellThreadParams& params, SimulatedCell cell);
   ~SimulatedCellThread();
   SimulatedCellThread(const SimulatedCellThread&) = delete;
   SimulatedCellThread& operator=(const SimulatedCellThread&) = delete;
 
-  /// Ends the thread after its present period, or after the messages by which the arm ends its session
+  /// Ends the thread after its present period, or after the messages with which the arm ends its session
   /// (SessionEnd); the socket closes. Safe to call twice.
   void Stop();
 

@@ -11,8 +11,8 @@
 
 namespace osteon::hil {
 
-/// A hand's physiological tremor as a force: along each axis three lines between 8 and 12 Hz, of phases of
-/// their own, so that it beats.
+/// A hand's physiological tremor as a force: along each axis three lines between 8 and 12 Hz, each with its
+/// own phase, so that it beats.
 class Tremor {
  public:
   /// @param peak_N  along each axis; 0: none

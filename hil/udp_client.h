@@ -13,11 +13,11 @@
 
 namespace osteon::hil {
 
-/// A device's end of a UDP link in which the device speaks first: connected to the one who should answer, so
-/// that the system drops what anybody else sends.
+/// A device's end of a UDP link in which the device speaks first. The socket is connected to the peer that
+/// should answer, so the system drops datagrams from anybody else.
 class UdpClient {
  public:
-  static constexpr int kMostAtOnce = 64;  ///< one answer is owed; the rest of a flood waits
+  static constexpr int kMostAtOnce = 64;  ///< bounds the time spent on a flood; the rest waits
 
   /// @param who  "simulated arm", @param what  "client": for errors
   /// @throws std::invalid_argument on the address or port, std::system_error where there is no socket.
@@ -46,10 +46,10 @@ class UdpClient {
     if (socket_ >= 0) close(socket_);
     socket_ = -1;
   }
-  /// That this side sends from.
+  /// Local port that this side sends from.
   [[nodiscard]] std::uint16_t port() const { return port_; }
 
-  /// False where the system could not hand it on, e.g. as nobody listens yet.
+  /// False if the system could not deliver it, e.g. because nobody listens yet.
   bool Send(std::span<const std::uint8_t> datagram) {
     return send(socket_, datagram.data(), datagram.size(), MSG_NOSIGNAL) >= 0;
   }
@@ -57,8 +57,8 @@ class UdpClient {
   /// Sleeps until `time` on CLOCK_MONOTONIC, or until something has come.
   void WaitUntil(rt::Nanoseconds time) const { static_cast<void>(io::WaitReadable(socket_, time)); }
 
-  /// take(datagram) for each that waits. @returns how many of ours found nobody, as far as it is reported
-  /// now.
+  /// Calls take(datagram) for each waiting datagram. @returns how many of ours were undeliverable, as far as
+  /// reported by now.
   template <class Take>
   std::uint64_t ReceiveAll(std::span<std::uint8_t> room, Take&& take) {
     std::uint64_t undelivered = 0;

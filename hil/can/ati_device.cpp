@@ -9,7 +9,7 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kFullScale_counts = 30000.0;  // of a gauge, at the range on one axis
+constexpr double kFullScale_counts = 30000.0;  // reading of a gauge at the range on one axis
 
 std::array<int, 4> BigEndian(std::uint32_t value) {
   return {static_cast<int>(value / 16777216), static_cast<int>(value / 65536 % 256),
@@ -29,7 +29,7 @@ std::array<int, 2> TwoBytes(double gauge) {
   return {on_the_wire / 256, on_the_wire % 256};
 }
 
-// It is the gauges that have a range.
+// The gauges have a range, not the axes, so the model itself does not clamp.
 SensorModelParams Unclamped(SensorModelParams params) {
   params.range_N = params.range_Nm = 1e9;
   return params;
@@ -43,8 +43,8 @@ AtiDevice::AtiDevice(const AtiDeviceParams& params) : params_(params), model_(Un
                                 ", accepted 0 … 127");
   if (params.counts_per_N == 0 || params.counts_per_Nm == 0)
     throw std::invalid_argument("ATI sensor: counts a unit: accepted more than 0");
-  // Diagonally dominant, so that it can be inverted, and every gauge tells in every axis. In float, as it is
-  // sent.
+  // Diagonally dominant, so it can be inverted, and full, so every gauge affects every axis. In float, as it
+  // is sent.
   for (int row = 0; row < 6; ++row) {
     const double range =
         row < 3 ? params.model.range_N * params.counts_per_N : params.model.range_Nm * params.counts_per_Nm;

@@ -12,25 +12,25 @@
 namespace osteon::hil {
 
 struct AtiDeviceParams {
-  SensorModelParams model{.range_N = 660.0, .range_Nm = 60.0};  ///< a gauge is at its end 9 % beyond
+  SensorModelParams model{.range_N = 660.0, .range_Nm = 60.0};  ///< a gauge reaches its end 9 % beyond
   int base{0x20};
   std::uint32_t counts_per_N{1'000'000}, counts_per_Nm{1'000'000};
   int force_unit{2},
-      torque_unit{3};  ///< as it tells them; N and N·m. Its counts are always those of N and N·m
+      torque_unit{3};  ///< unit codes in its reply; N and N·m. Counts always refer to N and N·m
 };
 
-/// Plays an ATI NETCANOEM force sensor: six strain gauges behind a calibration matrix that mixes them,
-/// written apart from io/can. The gauges follow from the load by the inverse of the matrix that it gives
-/// away.
+/// Simulates an ATI NETCANOEM force sensor: six strain gauges, mixed by a calibration matrix. Written
+/// independently of io/can. Gauge values are the inverse of the calibration matrix, which the device reports,
+/// times the load.
 class AtiDevice final : public io::CanClient {
  public:
   /// @throws std::invalid_argument on a base outside 0 … 0x7F, counts of 0, or from the model.
   explicit AtiDevice(const AtiDeviceParams& params);
 
-  /// The load on the tool side at S, in S, from now on.
+  /// Sets the load on the tool side at S, in S, from now on.
   void SetLoad(const Wrench& F_S) { load_ = F_S; }
   void SetSilent(bool silent);
-  /// Bits that its status carries, e.g. 0x4000: bus error (with bit 15, "any error", as it does).
+  /// Sets the status bits, e.g. 0x4000: bus error (bit 15, "any error", is added, as on the real device).
   void SetStatus(int bits) { status_ = bits; }
 
   void Accept(const io::CanArrival& arrival) OSTEON_RT override;

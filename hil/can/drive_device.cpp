@@ -11,11 +11,11 @@ namespace {
 
 constexpr int kPreOperational = 127, kOperational = 5, kStopped = 4;
 constexpr int kBlocked = 0x7121, kHeartbeatError = 0x8130;
-constexpr int kGenericError = 0x01;  // bit 0 of the error register, the one that every device has
+constexpr int kGenericError = 0x01;  // bit 0 of the error register, which every device has
 constexpr double kStep_s = 1e-4;
-constexpr rt::Nanoseconds kLongest =
-    100 * rt::kMillisecond;                             // of one advance: after a pause the rest is forgotten
-constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;  // rad/s
+constexpr rt::Nanoseconds kLongest = 100 * rt::kMillisecond;  // of one advance: after a longer pause the rest
+                                                              // is skipped
+constexpr double kRpm = 2.0 * std::numbers::pi / 60.0;        // rad/s
 constexpr double kAtRest_rad_per_s = 0.1;
 
 std::vector<DictionaryEntry> Dictionary(const DriveDeviceParams& params) {
@@ -26,7 +26,7 @@ std::vector<DictionaryEntry> Dictionary(const DriveDeviceParams& params) {
       {.index = 0x1016, .sub = 0, .bytes = 1, .value = 1},
       {.index = 0x1016, .sub = 1, .writable = true},
       {.index = 0x1017, .bytes = 2, .writable = true},
-      {.index = 0x1018, .sub = 0, .bytes = 1, .value = 4},  // identity; a vendor of 0: nobody's device
+      {.index = 0x1018, .sub = 0, .bytes = 1, .value = 4},  // identity; vendor 0: none
       {.index = 0x1018, .sub = 1},                          // vendor
       {.index = 0x1018, .sub = 2, .value = 0x4F535444},     // product: "OSTD"
       {.index = 0x1018, .sub = 3, .value = 0x00010000},     // revision 1.0
@@ -49,7 +49,7 @@ std::vector<DictionaryEntry> Dictionary(const DriveDeviceParams& params) {
       {.index = 0x60FF, .writable = true, .mappable = true},
       {.index = 0x3201, .sub = 1, .bytes = 2, .mappable = true, .value = 250},
   };
-  // PDOs as they come from the maker: on, mapped to the word of state or command alone, without SYNC.
+  // PDOs as delivered by the maker: enabled, mapped to statusword or controlword alone, without SYNC.
   const struct {
     int communication, mapping;
     std::uint32_t id, object;
@@ -177,7 +177,7 @@ void DriveDevice::Nmt(int command) noexcept {
   if (command == 0x81 || command == 0x82) Boot();
 }
 
-// What may not be written just now.
+// Refuses values that are not allowed in the present state.
 std::uint32_t DriveDevice::Guard(void* self, const DictionaryEntry& entry, std::uint32_t value) {
   constexpr std::uint32_t kNotNow = 0x08000022, kRange = 0x06090030, kNotMappable = 0x06040041,
                           kTooLong = 0x06040042;
@@ -235,7 +235,7 @@ void DriveDevice::Accept(const io::CanArrival& arrival) OSTEON_RT {
   }
 }
 
-// A PDO shorter than its mapping is not taken (CiA 301: EMCY 8210).
+// A PDO shorter than its mapping is refused (CiA 301: EMCY 8210).
 void DriveDevice::TakeRpdo() noexcept {
   rpdo_fresh_ = false;
   const int count = static_cast<int>(objects_.Get(0x1600, 0));
@@ -271,7 +271,7 @@ void DriveDevice::SendTpdo(int number) noexcept {
     for (std::uint32_t i = 0; i < entry % 256 / 8 && at < 8; ++i, value /= 256)
       bytes[at++] = static_cast<int>(value % 256);
   }
-  // FrameQueue takes lists: the sizes that occur.
+  // FrameQueue takes initializer lists, so one for each possible size.
   const auto cob = static_cast<std::uint16_t>(id);
   const auto& b = bytes;
   if (at == 2) queue_.Push(cob, {b[0], b[1]});

@@ -13,35 +13,36 @@ struct DriveDeviceParams {
   DriveMotorParams motor{};
   int node{16};
   double friction_Nm{0.0};  ///< of motor and gear, at the motor
-  double stall_s{0.2};      ///< at its torque limit and at rest for so long: error 7121, motor blocked
+  double stall_s{0.2};      ///< time at the torque limit and at rest until error 7121, motor blocked
   rt::Nanoseconds boot{100 * rt::kMillisecond};  ///< from power-on to the boot-up message
 };
 
-/// Plays the reamer's drive: a CiA 402 servo on CANopen, written apart from io/can. It does what it is told
-/// by the protocol alone: object dictionary by SDO, PDOs as they are mapped (and changed only while they are
-/// off and the drive is pre-operational), NMT, SYNC, heartbeats both ways, EMCY, the whole state machine,
-/// ramps, quick stop, faults with their reaction.
+/// Simulates the reamer's drive: a CiA 402 servo on CANopen, written independently of io/can. It is
+/// controlled by the protocol alone: object dictionary by SDO, PDO mapping (changeable only while the PDO is
+/// off and the drive is pre-operational), NMT, SYNC, heartbeats in both directions, EMCY, the whole state
+/// machine, ramps, quick stop, faults with their reaction.
 ///
-/// The motor turns in virtual time: up to the time of each call, in steps of 0.1 ms. Frames in and out as any
-/// CanClient, so that a CanPump runs it over a bus and a VirtualCan in virtual time.
+/// The motor turns in virtual time: each call advances it to the call's time, in steps of 0.1 ms. Frames pass
+/// as for any CanClient: a CanPump runs it over a bus, a VirtualCan in virtual time.
 class DriveDevice final : public io::CanClient {
  public:
   /// @throws std::invalid_argument on a node outside 1 … 127, or from the motor.
   explicit DriveDevice(const DriveDeviceParams& params);
 
-  /// What the cut asks of the tool from now on: a braking torque at the tool, its sign is ignored.
+  /// Sets the cutting torque from now on: a braking torque at the tool; its sign is ignored.
   void SetCuttingTorque(double at_the_tool_Nm);
-  /// A fault of its own, e.g. 0x4310 (drive too hot): stays until `Mend`, whatever is reset.
+  /// Starts a fault of the device, e.g. 0x4310 (drive too hot). It stays until `Mend`, and no reset clears
+  /// it.
   void Break(int error_code);
   void Mend() { broken_ = 0; }
-  /// A fault that it boots with from now on, e.g. 0x3220 (under-voltage of the DC link); a reset clears it.
-  /// 0: none.
+  /// Sets a fault that the drive boots with from now on, e.g. 0x3220 (under-voltage of the DC link); a reset
+  /// clears it. 0: none.
   void SetBootError(int error_code) { boot_error_ = error_code; }
-  /// An EMCY that says no more than itself: its state stays.
+  /// Sends an EMCY without a change of state.
   void SendEmergency(int error_code);
-  /// Off: silent, coasting, everything forgotten. On: boots.
+  /// Off: silent, coasting, all settings lost. On: boots.
   void SetPower(bool on);
-  /// Rising edges of controlword bit 7 so far, whatever its state was.
+  /// Rising edges of controlword bit 7 so far, in any state.
   [[nodiscard]] int resets() const { return resets_; }
 
   void Accept(const io::CanArrival& arrival) OSTEON_RT override;
@@ -85,7 +86,7 @@ class DriveDevice final : public io::CanClient {
   bool power_{true};
   int last_control_{0}, error_{0}, broken_{0}, boot_error_{0}, resets_{0};
   double cutting_Nm_{0.0};
-  double ramp_rad_per_s_{0.0};  // what the velocity loop follows
+  double ramp_rad_per_s_{0.0};  // set point of the velocity loop
   double stalled_s_{0.0};
   rt::Nanoseconds time_{-1}, boot_due_{0}, heartbeat_due_{0}, master_heard_{-1};
   io::CanFrame rpdo_;

@@ -8,8 +8,8 @@
 
 namespace osteon::hil {
 
-/// Frames that a simulated device still has to send, oldest first. What finds no room is dropped, as a real
-/// device's mailbox would drop it.
+/// Frames that a simulated device still has to send, oldest first. If the queue is full, new frames are
+/// dropped, as in a real device's mailbox.
 class FrameQueue {
  public:
   void Push(std::uint16_t id, std::initializer_list<int> bytes) noexcept {

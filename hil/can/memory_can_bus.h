@@ -7,11 +7,11 @@
 
 namespace osteon::hil {
 
-/// An end of a CAN bus of two ends in memory, in virtual time: what one sends, the other can have at once.
-/// One thread; no allocation.
+/// One end of a CAN bus with two ends in memory, in virtual time: a frame sent at one end can be received at
+/// the other at once. One thread; no allocation.
 class MemoryCanBus final : public io::CanBus {
  public:
-  /// @param now  what time it is, read at each call; outlives this
+  /// @param now  the virtual time, read at each call; must outlive this object
   explicit MemoryCanBus(const rt::Nanoseconds& now) : now_(now) {}
 
   /// Joins the two ends of a bus. Both must stay where they are.
@@ -22,7 +22,7 @@ class MemoryCanBus final : public io::CanBus {
 
   io::CanResult Send(const io::CanFrame& frame) OSTEON_RT override;
   io::CanResult TryReceive(io::CanArrival& arrival) OSTEON_RT override;
-  /// As TryReceive: time does not pass by waiting.
+  /// Same as TryReceive: virtual time does not pass while waiting.
   io::CanResult Receive(io::CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT override;
   [[nodiscard]] const io::CanStatus& status() const OSTEON_RT override { return status_; }
 

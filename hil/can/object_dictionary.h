@@ -15,22 +15,22 @@ struct DictionaryEntry {
   std::uint32_t value{0};
 };
 
-/// A CANopen object dictionary with its SDO server, expedited transfers only; anything else is aborted with
-/// the code that CiA 301 has for it.
+/// A CANopen object dictionary with its SDO server. Only expedited transfers; anything else is aborted with
+/// the code of CiA 301.
 class ObjectDictionary {
  public:
   explicit ObjectDictionary(std::vector<DictionaryEntry> entries) : entries_(std::move(entries)) {}
 
   [[nodiscard]] DictionaryEntry* Find(int index, int sub) noexcept;
-  /// 0 where there is no such entry.
+  /// 0 if there is no such entry.
   [[nodiscard]] std::uint32_t Get(int index, int sub = 0) const noexcept;
   [[nodiscard]] int GetSigned(int index, int sub = 0) const noexcept;
   void Set(int index, int sub, long value) noexcept;
 
-  /// Called before a write is done: an abort code, or 0 to allow it.
+  /// Called before a write takes effect: returns an abort code, or 0 to allow it.
   using Guard = std::uint32_t (*)(void* self, const DictionaryEntry& entry, std::uint32_t value);
 
-  /// Answers one request of 8 bytes into `out`. True where an entry was written.
+  /// Answers one request of 8 bytes into `out`. True if an entry was written.
   bool Serve(const io::CanFrame& request, std::uint16_t answer_id, FrameQueue& out, Guard guard,
              void* self) noexcept;
 

@@ -11,7 +11,7 @@ namespace {
 constexpr std::array<int, 9> kRateHz{200, 10, 20, 50, 100, 200, 300, 500, 1000};
 constexpr std::array<int, 15> kCutoffHz{0, 1, 2, 3, 5, 10, 20, 30, 40, 50, 100, 150, 200, 300, 500};
 constexpr int kErrorUnsupported = 1, kErrorRange = 2;
-constexpr rt::Nanoseconds kCatchUp = 50 * rt::kMillisecond;  // behind by more, the schedule begins anew
+constexpr rt::Nanoseconds kCatchUp = 50 * rt::kMillisecond;  // the schedule restarts if it is behind by more
 
 }  // namespace
 
@@ -27,7 +27,7 @@ void RobotousDevice::SetFaults(const RobotousDeviceFaults& faults) {
   faults_ = faults;
 }
 
-// An answer is 16 bytes, of which these are the first.
+// A reply has 16 bytes; these are the first.
 void RobotousDevice::Reply(int echo, int a, int b) noexcept {
   queue_.Push(static_cast<std::uint16_t>(params_.first_id), {echo, a, b, 0, 0, 0, 0, 0});
   queue_.Push(static_cast<std::uint16_t>(params_.second_id), {0, 0, 0, 0, 0, 0, 0, 0});

@@ -15,27 +15,27 @@ struct RobotousDeviceParams {
   int counts_per_N{50}, counts_per_Nm{2000};
 };
 
-/// What can be wrong with it.
+/// Faults of the device.
 struct RobotousDeviceFaults {
   bool silent{false};           ///< no supply: forgets its settings, answers nothing
-  bool keeps_its_rate{false};   ///< does as told, and reads back the rate that it had
-  bool lies_about_rate{false};  ///< reads back what was asked for, and sends at 200 Hz
-  int refuse_code{0};           ///< this command is answered with the error "not supported"
+  bool keeps_its_rate{false};   ///< confirms a new rate but keeps the old one, and reads that back
+  bool lies_about_rate{false};  ///< reads back the requested rate but sends at 200 Hz
+  int refuse_code{0};           ///< the command that is answered with the error "not supported"
 };
 
-/// Plays a Robotous RFT force sensor: the sensor's end of the protocol, written apart from io/can.
+/// Simulates a Robotous RFT force sensor: the sensor's end of the protocol, written independently of io/can.
 ///
-/// As the manual has it: nothing is sent until "start"; of the commands only "stop" and "bias" are heard
-/// while it sends; rate (200 Hz) and low-pass (off) are kept, bias is not. Commands answered here: set and
-/// read filter, read once, start, stop, set and read rate, bias, overload count.
+/// Behaviour of the manual: nothing is sent until "start"; while sending, only the commands "stop" and "bias"
+/// are heard; rate (200 Hz) and low-pass (off) are kept, bias is not. Commands answered here: set and read
+/// filter, read once, start, stop, set and read rate, bias, overload count.
 ///
-/// Frames in and out as any CanClient, so that a CanPump runs it over a bus and a VirtualCan in virtual time.
+/// Frames pass as for any CanClient: a CanPump runs it over a bus, a VirtualCan in virtual time.
 class RobotousDevice final : public io::CanClient {
  public:
   /// @throws std::invalid_argument from the model.
   explicit RobotousDevice(const RobotousDeviceParams& params);
 
-  /// The load on the tool side at S, in S, from now on.
+  /// Sets the load on the tool side at S, in S, from now on.
   void SetLoad(const Wrench& F_S) { load_ = F_S; }
   void SetFaults(const RobotousDeviceFaults& faults);
 

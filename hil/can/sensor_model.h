@@ -9,12 +9,13 @@
 
 namespace osteon::hil {
 
-/// What lies between the load on a force sensor and its reading; by default nothing.
+/// Errors between the load on a force sensor and its reading; none by default.
 struct SensorModelParams {
   double noise_N{0.0}, noise_Nm{0.0};              ///< rms, white
   PlainWrench bias{};                              ///< of the zero
   PlainVector3 drift_N_per_s{}, drift_Nm_per_s{};  ///< of the zero, since the first sample
-  double range_N{1e9}, range_Nm{1e9};              ///< an axis beyond it reads the range, and says so
+  double range_N{1e9}, range_Nm{1e9};              ///< beyond its range an axis reads the range and is
+                                                   ///< flagged as saturated
   std::uint32_t seed{1};
 };
 

@@ -12,23 +12,23 @@ namespace osteon::hil {
 
 using SensorDeviceParams = std::variant<RobotousDeviceParams, AtiDeviceParams>;
 
-/// What a simulated cell has on its CAN buses.
+/// The devices on a simulated cell's CAN buses.
 struct SimulatedDeviceParams {
   SensorDeviceParams sensor;
   std::optional<DriveDeviceParams> drive;
 };
 
-/// Force sensor, of whichever make, and reamer drive.
+/// The force sensor, of either make, and the reamer drive.
 class SimulatedDevices {
  public:
   /// @throws std::invalid_argument from the devices.
   explicit SimulatedDevices(const SimulatedDeviceParams& params);
 
-  /// On the sensor's tool side at S, in S, from now on.
+  /// Sets the load on the sensor's tool side at S, in S, from now on.
   void SetLoad(const Wrench& F_S);
 
   [[nodiscard]] io::CanClient& sensor();
-  /// Null where there is none.
+  /// Null if there is no drive.
   [[nodiscard]] DriveDevice* drive() { return drive_ ? &*drive_ : nullptr; }
 
  private:

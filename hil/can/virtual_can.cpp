@@ -5,8 +5,9 @@
 namespace osteon::hil {
 namespace {
 
-constexpr int kMaxRounds = 8;    // of answers to answers in one step
-constexpr int kMaxFrames = 256;  // of one node in one round: a node that never stops is a bug, not a hang
+constexpr int kMaxRounds = 8;    // of replies to replies in one step
+constexpr int kMaxFrames = 256;  // of one node in one round, so that a node that never stops shows as a bug
+                                 // and not as a hang
 
 }  // namespace
 

@@ -8,19 +8,19 @@
 
 namespace osteon::hil {
 
-/// What becomes of frames on the way, as shares of 1; by default nothing.
+/// Faults of frames on the bus, as shares of 1; none by default.
 struct VirtualCanParams {
   double loss{0.0};       ///< never arrives
   double duplicate{0.0};  ///< arrives twice
-  double reorder{0.0};    ///< changes places with the next one of its step
-  double corrupt{0.0};    ///< one byte or the size is another
+  double reorder{0.0};    ///< changes places with the next frame of its step
+  double corrupt{0.0};    ///< one byte or the size changes
   std::uint32_t seed{1};
-  rt::Nanoseconds frame_time{130'000};  ///< of 8 bytes at 1 Mbit/s, with some stuffing
+  rt::Nanoseconds frame_time{130'000};  ///< of a frame with 8 bytes at 1 Mbit/s, with some stuffing
 };
 
-/// A CAN bus in virtual time: clients and simulated devices on one wire, frames handed over in memory. In
-/// each step everybody hears what everybody else sends at `now`, one frame after the other; answers to what
-/// was heard come in the same step while there are any. Two runs with the same calls are the same.
+/// A CAN bus in virtual time: clients and simulated devices share one wire, and frames are passed in memory.
+/// In each step every node receives what the others send at `now`, one frame after the other; replies follow
+/// in the same step until none is left. Equal calls give equal results.
 class VirtualCan {
  public:
   explicit VirtualCan(const VirtualCanParams& params = {}) : params_(params), random_(params.seed) {}
@@ -28,7 +28,7 @@ class VirtualCan {
   /// The node must outlive the bus.
   void Add(io::CanClient& node) { nodes_.push_back({&node, true}); }
 
-  /// Takes a node's plug out, or puts it in again.
+  /// Disconnects a node, or connects it again.
   void Connect(const io::CanClient& node, bool connected);
 
   void SetParams(const VirtualCanParams& params) { params_ = params; }
@@ -36,7 +36,7 @@ class VirtualCan {
   void Step(rt::Nanoseconds now);
 
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
-  /// Of the last step: how long the wire was busy.
+  /// Time that the wire was busy in the last step.
   [[nodiscard]] rt::Nanoseconds busy() const { return busy_; }
 
  private:

@@ -12,10 +12,10 @@ namespace {
 using kinematics::JointVector;
 
 constexpr double kDt_s = 1e-3;
-constexpr rt::Nanoseconds kHandOver = 10 * rt::kSecond;  // the waiting before it has stamps, too
+constexpr rt::Nanoseconds kHandOver = 10 * rt::kSecond;  // the waiting before it has time stamps, too
 
-// Arm and scene around whatever commands the joints. `command` gets the tick (below 0: the arm waits), the
-// measured joints and what is exerted on the tool, and fills in what it has to say of its tick.
+// Simulates arm and scene around any source of joint commands. `command` receives the tick (below 0: the arm
+// waits), the measured joints and the wrench on the tool, and fills in its part of the tick.
 using Commander =
     std::function<JointVector(int tick, const JointVector& q_meas, const Wrench& F_T_W, ArmRideTick&)>;
 
@@ -145,7 +145,7 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const ArmSce
                 Eigen::Map<JointVector>(state.q_ipo.data()) = q_meas;
                 const simulation::ContactModel model =
                     scene.bone ? scene.bone(i, now, X_WT_cmd) : FreshModel(++frame, now);
-                // as a sensor without mounting and tool reads it: at the flange, in its frame
+                // reading of a sensor without mounting and tool: at the flange, in its frame
                 const Pose X_WF = arm.FlangePose(q_meas);
                 Wrench F_S = SensorLoad({}, X_WF * params.X_FT, X_WF, F_T_W);
                 if (scene.sensor) F_S = scene.sensor(i, X_WF, F_S);
@@ -176,7 +176,7 @@ std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath&
   JointVector q = params.q_start;
   Twist V;
   const auto step = [&](int, const JointVector&, const Wrench& F_T_W, ArmRideTick& tick) -> JointVector {
-    // the virtual tool is where the joints are, as in the loop
+    // the virtual tool is at the joints' pose, as in the loop
     Twist V_next;
     tick.fault =
         !control::NextTwist(same.admittance, arm.FlangePose(q) * params.X_FT, V, F_T_W, kDt_s, V_next);

@@ -18,13 +18,13 @@ namespace {
 
 constexpr double kPush_N = 100.0, kMass_kg = 2.0, kDamping_Ns_per_m = 200.0, kDt_s = 1e-3;
 constexpr double kRadius_m = 1.6e-3, kHalfWidth_m = 4e-3, kMargin_m = 1e-3;
-// The depth limit that ours has on.
+// Parameters of our depth limit.
 constexpr double kSoft_m = 3e-3, kSpindleStop_m = 0.5e-3, kLimit_N_per_m = 20e3, kStop_m_per_s2 = 3.0;
-constexpr int kAfter = 100;  // frames that are watched after the breakthrough
+constexpr int kAfter = 100;  // frames observed after the breakthrough
 
 struct Course {
-  double overshoot_m{0.0};              ///< of the hand, below where it was at the breakthrough
-  double lead_m{-1.0};                  ///< of the proxy over the tool, greatest; -1: none seen
+  double overshoot_m{0.0};              ///< travel of the hand below its height at the breakthrough
+  double lead_m{-1.0};                  ///< largest lead of the proxy over the tool; -1: none seen
   std::optional<int> through, flagged;  ///< frames
   FailureSeries hand;
 };
@@ -37,8 +37,8 @@ Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, co
   const safety::DepthLimitParams floor{
       .acts = held,
       .bound = {.shape = safety::ZoneShape::kHalfSpace,
-                // pushed, the tool is ahead of its proxy by the coupling's give: the wall is cut through to
-                // the end
+                // a pushed tool is ahead of its proxy by the coupling's deflection: the limit lies below it,
+                // so the wall is cut through
                 .p_W_m = {0.0, 0.0, -thickness_m - kPush_N / params.stiffness_N_per_m - kMargin_m}},
       .soft_m = kSoft_m,
       .spindle_stop_m = kSpindleStop_m,

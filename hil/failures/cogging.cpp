@@ -25,7 +25,7 @@ simulation::Tool PackedHead() {
   constexpr int kBalls = 160;
   const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
   for (int i = 0; i < kBalls; ++i) {
-    const double z = 1.0 - (i + 0.5) / kBalls;  // the half ahead
+    const double z = 1.0 - (i + 0.5) / kBalls;  // the front half
     const double s = std::sqrt(1.0 - z * z);
     const Vector3 out(s * std::cos(turn * i), s * std::sin(turn * i), z);
     tool.balls.push_back(

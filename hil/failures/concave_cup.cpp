@@ -47,7 +47,7 @@ FailureResult RunConcaveCup(const FailureSetting& setting) {
   cup.shape.width_m = 56e-3;
   cup.shape.height_m = 30e-3;
   cup.shape.cup_radius_m = kCup_m;
-  // contact alone: coarse away from the wall, and no mass to speak of
+  // contact only: coarse points away from the wall, as mass does not matter
   cup.points.cells = {.finest_m = 3e-3, .coarser_from_m = {}};
   if (!setting.full()) cup.packing.surface_gap_m = 0.1e-3;
   const simulation::Bone bone = WithFriction(simulation::MakeAcetabulum(cup), 0.0);
@@ -68,7 +68,7 @@ FailureResult RunConcaveCup(const FailureSetting& setting) {
     const int count = frames + kLanding;
     for (int i = 1; i <= count && complete; ++i) {
       const double angle = kSpeed_deg_per_s * kDt_s * std::max(0, i - kLanding) +
-                           (setting.full() ? 0.0 : 25.0);  // where a wall's packing shows most
+                           (setting.full() ? 0.0 : 25.0);  // where a wall's packing has the largest effect
       const double a = angle * std::numbers::pi / 180.0;
       const Vector3 out(0.8 * std::sin(a), 0.6 * std::sin(a), -std::cos(a));
       const double offset = kCup_m - R + kDepth_m * std::min(1.0, 2.0 * i / kLanding);

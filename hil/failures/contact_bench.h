@@ -6,27 +6,27 @@
 #include "hil/failures/failure.h"
 #include "hil/failures/single_contact.h"
 
-// What the contact scenarios share beyond scenario_bench.h.
+// Helpers of the contact scenarios, in addition to scenario_bench.h.
 
 namespace osteon::hil {
 
-/// Balls and mass points of `from` added to those of `to`; the materials are to's.
+/// Adds balls and mass points of `from` to those of `to`; the materials stay those of `to`.
 void Append(const simulation::Bone& from, simulation::Bone& to);
 
-/// The bone with one coefficient of friction throughout.
+/// The same bone with one coefficient of friction throughout.
 [[nodiscard]] simulation::Bone WithFriction(simulation::Bone bone, double friction);
 
-/// Feed straight down, then turned by a rotation vector; apex at p.
+/// A pose whose feed points straight down, then turned by a rotation vector; apex at p.
 [[nodiscard]] Pose Down(const Vector3& p_m, const Vector3& turn = Vector3::Zero());
 
-/// Angle between two directions [deg]; 180 where one is zero.
+/// Angle between two directions [deg]; 180 if one is zero.
 [[nodiscard]] double AngleDeg(const Vector3& a, const Vector3& b);
 
-/// How deep the tool lies in the balls: the greatest overlap of a pair, 0 where none overlaps.
+/// Penetration of the tool into the balls: the largest overlap of a pair, 0 if none overlaps.
 [[nodiscard]] double DeepestOverlap(const std::vector<simulation::Ball>& balls, const simulation::Tool& tool,
                                     const Pose& X_GT);
 
-/// The largest value; 0 of none.
+/// The largest value; 0 if there are none.
 [[nodiscard]] double Largest(const std::vector<double>& values);
 
 /// The largest change from one sample to the next.

@@ -15,7 +15,7 @@ namespace {
 constexpr double kRadius_m = 3e-3, kHalfApart_m = 5e-3, kRock_m = 0.1e-3, kRock_hz = 2.0;
 constexpr double kForce_N = 200.0, kStiffness_N_per_m = 20e3, kDt_s = 1e-3;
 
-// The tool's pose while it rocks about the middle between its balls, pressed down to 200 N.
+// The tool's pose while it rocks about the midpoint between its balls, pressed down to 200 N.
 Pose RockingPose(int frame, int landing) {
   const double press = std::min(1.0, static_cast<double>(frame) / landing);
   const double t = std::max(0, frame - landing) * kDt_s;

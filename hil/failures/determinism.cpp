@@ -50,8 +50,8 @@ std::vector<simulation::ContactModel> Play(simulation::CuttingEngine& engine, in
   return models;
 }
 
-/// Lens-weighted normal in single precision over the balls near the tool, groups of 64 in the order of a
-/// schedule.
+/// Lens-weighted normal in single precision over the balls near the tool, summed in groups of 64 in a
+/// schedule's order.
 Eigen::Vector3f SumOnSchedule(const simulation::Bone& bone, const Vector3& center_m, std::uint64_t schedule) {
   constexpr std::size_t kGroup = 64;
   std::vector<std::size_t> groups((bone.balls.size() + kGroup - 1) / kGroup);
@@ -92,7 +92,7 @@ Agreement Compare(const std::vector<simulation::ContactModel>& ours, const simul
         std::max(agreement.contact_mm,
                  1e3 * std::abs(ours[i].contact_fraction - reference[i].contact_fraction) * way.norm());
     const Vector3 a = ours[i].n_W, b = reference[i].n_W;
-    // the direction of a force of next to nothing is nothing to compare
+    // a near-zero force has no direction to compare
     if (a.isZero() || b.isZero() || Vector3(reference[i].F_T_W.f).norm() < 1.0) continue;
     agreement.normal_deg =
         std::max(agreement.normal_deg, std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / M_PI);

@@ -14,27 +14,28 @@ namespace {
 constexpr double kRadius_m = 2e-3, kTop_m = 0.3e-3, kDepth_m = 1.6e-3, kRowStep_m = 1.5e-3;
 constexpr int kFramesPerCycle = 300, kRow = 5;
 constexpr double kSpindle_rad_per_s = 4000.0 * 2.0 * M_PI / 60.0;
-constexpr double kCuttingEnergy_J_per_m3 = 0.48e9;  // sawbones, MacAvelia 2012: .45 to .53 J/mm³
+constexpr double kCuttingEnergy_J_per_m3 = 0.48e9;  // sawbones, MacAvelia 2012: 0.45 to 0.53 J/mm³
 
 struct Ledger {
   double drive_J{0.0}, feed_J{0.0}, cut_J{0.0};
-  double returned_J{0.0};  ///< the most that a closed cycle gave to the hand; never negative
-  double stored_J{0.0};    ///< the most that the coupling's spring held
+  double returned_J{0.0};  ///< largest energy that a closed cycle gave to the hand; never negative
+  double stored_J{0.0};    ///< largest energy stored in the coupling's spring
   FailureSeries drive_and_feed, cut;
 
   [[nodiscard]] double Imbalance() const {
     return std::abs(drive_J + feed_J - cut_J) / std::max(cut_J, 1e-12);
   }
-  /// Energy that a cycle gave, over what the spring held; below a thousandth: the trapezoidal rule's.
+  /// Energy that a cycle gave, over the spring's largest energy; below a thousandth it is the trapezoidal
+  /// rule's error.
   [[nodiscard]] double Returned() const { return returned_J / std::max(stored_J, 1e-12); }
 };
 
-/// Where a cycle's dimple lies, on the surface.
+/// Position of a cycle's dimple on the surface.
 Vector3 PlaceOf(int cycle) {
   return {(cycle % kRow - kRow / 2) * kRowStep_m, cycle / kRow * kRowStep_m, 0.0};
 }
 
-/// Apex at a share of a cycle: down, aside and round, up, back to the same place.
+/// Apex at a share of a cycle: down, sideways and round, up, back to the same place.
 Vector3 OnCycle(int cycle, double depth_m, double share) {
   const double phase = 2.0 * M_PI * share;
   return PlaceOf(cycle) + Vector3(0.3e-3 * std::sin(phase), 0.15e-3 * std::sin(2.0 * phase),

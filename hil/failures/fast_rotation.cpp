@@ -27,18 +27,19 @@ double Overlap(const simulation::Bone& bone, const Vector3& center_m) {
 }
 
 struct Entry {
-  double arc_m{0.0};  ///< how deep the ball was in bone on its way to first contact
-  double end_m{0.0};  ///< and where the proxy ended
+  double arc_m{0.0};  ///< deepest penetration of the ball on its path to first contact
+  double end_m{0.0};  ///< penetration of the proxy at the end
 };
 
-/// Turns by `angle` in one frame.
+/// Turns the tool by `angle` in one frame.
 Entry TurnInto(simulation::CuttingEngine& engine, const simulation::Bone& bone, double lever_m,
                double angle_rad) {
   engine.Step(FrameAt(Turned(0.0)));
   const auto model = engine.Step(FrameAt(Turned(angle_rad), 0.0, kStall_s));
   const Vector3 ball_T(lever_m, 0, 0);
   Entry entry{.end_m = Overlap(bone, Pose(model.X_WP) * ball_T)};
-  constexpr int kSamples = 2000;  // some 0.04 mm apart: the overlap of two balls there misses less than 1 um
+  constexpr int kSamples = 2000;  // about 0.04 mm apart: the overlap of two balls there errs by less than 1
+                                  // um
   for (int i = 0; i <= kSamples; ++i)
     entry.arc_m = std::max(entry.arc_m,
                            Overlap(bone, Turned(model.contact_fraction * angle_rad * i / kSamples) * ball_T));
@@ -70,7 +71,7 @@ FailureResult RunFastRotation(const FailureSetting& setting) {
       const double rate_rad_per_s = speed * M_PI / 180.0, angle = rate_rad_per_s * kStall_s;
       const double sagitta_m = lever_m * (1.0 - std::cos(0.5 * angle));
       const double once = rate_rad_per_s * 1e-3, allowed_m = lever_m * once * once / 8.0;
-      // the post, made on the x axis and turned to the arc's middle
+      // the post, made on the x axis and rotated to the arc's middle
       simulation::Bone post = MakeBlock({.low_m = {lever_m + kRadius_m - 0.5 * sagitta_m, -1.5e-3, -2e-3},
                                          .high_m = {lever_m + kRadius_m + 3e-3, 1.5e-3, 2e-3},
                                          .ball_radius_m = 0.4e-3});

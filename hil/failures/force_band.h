@@ -8,12 +8,12 @@
 #include "control/biquad.h"
 #include "kinematics/spatial.h"
 
-// Measuring vibration.
+// Filters that measure vibration.
 
 namespace osteon::hil {
 
-/// A series of vectors between two frequencies: fourth-order Butterworth above low_hz and below high_hz. It
-/// starts from its first value, at rest.
+/// A series of vectors, filtered to a band of frequencies: fourth-order Butterworth above low_hz and below
+/// high_hz. Starts at rest at the series' first value.
 [[nodiscard]] inline std::vector<Vector3> Band(const std::vector<Vector3>& series, double low_hz,
                                                double high_hz, double period_s) {
   constexpr double kQa = 0.5411961001461970, kQb = 1.3065629648763766;
@@ -27,7 +27,7 @@ namespace osteon::hil {
   return band;
 }
 
-/// Effective value of a part of a series; 0 where it is empty.
+/// Effective value of a part of a series; 0 if that part is empty.
 [[nodiscard]] inline double EffectiveValue(const std::vector<Vector3>& series, std::size_t from,
                                            std::size_t to) {
   double sum = 0.0;
@@ -35,9 +35,9 @@ namespace osteon::hil {
   return to > from ? std::sqrt(sum / static_cast<double>(to - from)) : 0.0;
 }
 
-/// Effective value of part of a series between two frequencies, by itself: what was before it does not ring
-/// in it. A Hann window of `count` values, less their line, and its discrete Fourier transform (bins at
-/// multiples of 1 / duration).
+/// Effective value of a part of a series between two frequencies, without ringing from earlier values.
+/// Applies a Hann window to `count` values less their regression line, and a discrete Fourier transform (bins
+/// at multiples of 1 / duration).
 [[nodiscard]] inline double EffectiveInBand(const std::vector<Vector3>& series, std::size_t from,
                                             std::size_t count, double low_hz, double high_hz,
                                             double period_s) {

@@ -18,7 +18,7 @@ constexpr double kServo_hz = 4000.0;
 constexpr int kPlotEvery = 8;  // ticks
 constexpr double kRun_s = 1.0, kPlunge_s = 0.4;
 
-/// Smooth from 0 to 1.
+/// Smooth step from 0 to 1.
 double Blend(double s) {
   s = std::clamp(s, 0.0, 1.0);
   return s * s * (3.0 - 2.0 * s);
@@ -29,13 +29,13 @@ Vector3 HandAt(double t_s) {
 }
 
 struct Run {
-  std::array<double, 2> mean_force_N{};  ///< over the plunge, and over the way across
+  std::array<double, 2> mean_force_N{};  ///< over the plunge, and over the traverse
   double removed_m3{0.0};
   FailureSeries force;
 };
 
-/// Frames at `rate_hz`, each of the hand's pose then; between them the servo loop renders the newest frame's
-/// planes at kServo_hz, as it does on the arm (control::EvaluateCoupling, without damping).
+/// Plays frames at `rate_hz`, each for the hand's pose of that time. Between them the servo loop renders the
+/// newest frame's planes at kServo_hz, as it does on the arm (control::EvaluateCoupling, without damping).
 Run Play(simulation::CuttingEngine& engine, double rate_hz) {
   Run run;
   std::array<int, 2> ticks{};

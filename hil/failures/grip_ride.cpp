@@ -48,7 +48,7 @@ GripRide RideGrip(const GripRideParams& params) {
             if (t < params.step_s) {
               F = loose_mass.Step(kDt_s, X_WT, V_WT, X_goal, V_goal);
             } else {
-              if (!stepped) {  // what it exerted stays; a clamp has no muscles
+              if (!stepped) {  // the hand's wrench is kept; a clamp has no muscles
                 stepped = true;
                 X_held = X_WT;
                 const Wrench before = loose.spring().Pull(X_WT, V_WT, X_goal, V_goal);

@@ -7,12 +7,12 @@
 
 namespace osteon::hil {
 
-/// A hand of 300 N/m swings the tool of an arm of 15 Hz through free space, .5 Hz over 30 mm, through the
-/// servo loop; the sensor's noise is .1 N rms. At step_s it stiffens, keeping what it exerts, or a clamp
+/// A hand of 300 N/m swings the tool of an arm of 15 Hz through free space, at 0.5 Hz over 30 mm, through the
+/// servo loop; the sensor's noise is 0.1 N rms. At step_s the hand stiffens with the same wrench, or a clamp
 /// closes.
 struct GripRideParams {
   GridHand after{"stiff", 6000.0, 13.0, 1.1};
-  bool clamp{false};  ///< keeps nothing of what the hand exerted
+  bool clamp{false};  ///< without the hand's wrench of that moment
   control::ServoParams loop{};
   double step_s{1.3};
   double seconds{4.0};   ///< after the step
@@ -22,18 +22,19 @@ struct GripRideParams {
 
 struct GripRide {
   static constexpr double kWindow_s = 0.2, kEvery_s = 0.02;
-  double calm_N{0.0};    ///< greatest effective value of a window, from .5 s after the step on
-  double most_N{0.0};    ///< and at any time
-  double tremor_N{0.0};  ///< the same of the tremor by itself, at any time
+  double calm_N{0.0};    ///< largest effective value of a window, from 0.5 s after the step on
+  double most_N{0.0};    ///< the same at any time
+  double tremor_N{0.0};  ///< the same for the tremor alone, at any time
   double index{0.0};     ///< largest
   double heavy_s{0.0};   ///< time with more than twice the law's drag
   bool fault{false};
-  std::vector<double> window_N;               ///< of the hand's force between 5 and 40 Hz, every kEvery_s
-  std::vector<double> indices, references_N;  ///< of the vibration index, by tick
+  std::vector<double> window_N;               ///< effective value of the hand's force between 5 and 40 Hz,
+                                              ///< every kEvery_s
+  std::vector<double> indices, references_N;  ///< of the vibration index, for each tick
   std::vector<double> damping_factors;
 };
 
-/// Deterministic.
+/// Simulates the ride. Deterministic.
 [[nodiscard]] GripRide RideGrip(const GripRideParams& params);
 
 }  // namespace osteon::hil

@@ -69,7 +69,7 @@ FailureResult RunGripStep(const FailureSetting& setting) {
     const GripRide ours = RideGrip(ride);
     ride.loop = Baseline();
     const GripRide fixed = RideGrip(ride);
-    // a cell that has stopped is calm, and no operator's tool any more
+    // a stopped cell shows no vibration, but it cannot be used either
     const double fixed_N = fixed.fault ? fixed.most_N : fixed.calm_N;
     baselines_fail &= fixed_N > result.bound;
     result.baseline = std::min(result.baseline, fixed_N);

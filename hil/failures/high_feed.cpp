@@ -13,20 +13,19 @@ namespace osteon::hil {
 namespace {
 
 constexpr double kLength_m = 24e-3;      // of the block, along x
-constexpr double kLeastDrawn_mm = 1e-7;  // what is less, or none, is drawn there
+constexpr double kLeastDrawn_mm = 1e-7;  // smaller values, or none, are drawn here
 
 struct Case {
   double radius_m, speed_m_per_s, rate_hz;
 };
 
-/// Apex at a share of the way: in from one side, a wave across, out at the other.
+/// Apex at a share of the path: in from one side, a wave across, out at the other.
 Vector3 OnSlot(double share, double R) {
   const double x = (share - 0.5) * (kLength_m + 6.0 * R);
   return {x, 0.5 * R * std::sin(2.0 * M_PI * x / (0.5 * kLength_m)), -R};
 }
 
-/// What the engine says its proxy went through in a frame: to first contact, along the surface, into the
-/// bone.
+/// The proxy's path in a frame, as the engine reports it: to first contact, along the surface, into the bone.
 void AddPath(const simulation::ContactModel& model, const Pose& X_WT, std::vector<Pose>& path) {
   const Vector3 from = path.back().translation();
   const auto at = [&](const Vector3& p) {
@@ -40,8 +39,8 @@ void AddPath(const simulation::ContactModel& model, const Pose& X_WT, std::vecto
 }
 
 struct Outcome {
-  double residue_m{0.0};  ///< how deep what is left reaches into the sweep
-  double behind_m{0.0};   ///< the farthest that the proxy ended a frame from where the hand was
+  double residue_m{0.0};  ///< how deep the remaining balls reach into the sweep
+  double behind_m{0.0};   ///< largest distance of the proxy from the hand at the end of a frame
 };
 
 Outcome Mill(simulation::CuttingEngine& engine, const simulation::Tool& tool, const Case& c, bool has_path) {
@@ -118,7 +117,7 @@ FailureResult RunHighFeed(const FailureSetting& setting) {
     our_points.y.push_back(std::max(kLeastDrawn_mm, mine));
   }
   result.baseline_fails = result.baseline > result.bound;
-  // who cuts nothing leaves nothing in a path of no length: the law is to end every frame where the hand is
+  // a law that cuts nothing leaves no residue on a path of no length, so every frame must end at the hand
   result.ours_passes = complete && result.ours <= result.bound && 1e3 * behind_m <= result.bound;
   result.note = fmt::format("{} feeds; the proxy ends every frame within {:.1e} mm of the hand",
                             points.size(), 1e3 * behind_m);

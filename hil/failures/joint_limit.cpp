@@ -17,8 +17,8 @@ namespace {
 
 using kinematics::JointVector;
 
-// A joint may turn back at the limit, where the hand turns, and where the elbow has made way; a joint that
-// chatters does so hundreds of times.
+// Allowed reversals: a joint may turn back at the limit, where the hand turns, and after the elbow has made
+// way. A chattering joint reverses hundreds of times.
 constexpr int kMostReversals = 12;
 constexpr double kSpeed_m_per_s = 0.1, kRamp_s = 0.1, kRest_s = 0.3;
 
@@ -36,7 +36,7 @@ Case MakeCase(int joint, double room_rad, double out_m) {
   c.params.X_FT = ScenarioTool();
   c.params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
   const kinematics::JointLimits& limit = c.params.arm.limits[static_cast<std::size_t>(joint)];
-  // toward the limit on the side where the joint stands
+  // toward the limit on the joint's own side
   const double side = c.params.q_start[joint] < 0.0 ? -1.0 : 1.0;
   c.params.q_start[joint] = side > 0.0 ? limit.upper_rad - room_rad : limit.lower_rad + room_rad;
   const kinematics::LbrArm arm(c.params.arm);
@@ -48,11 +48,11 @@ Case MakeCase(int joint, double room_rad, double out_m) {
   return c;
 }
 
-// Constant speed between short ramps, out, rest, back.
+// Constant speed between short ramps: out, rest, back.
 HandPath There(const Case& c) {
   return [X_start = c.X_start, direction = c.direction, out_m = c.out_m](double t) {
     const double leg_s = out_m / kSpeed_m_per_s + kRamp_s;
-    const auto way = [&](double s) {  // of one leg: position and speed
+    const auto way = [&](double s) {  // position and speed on one leg
       s = std::clamp(s, 0.0, leg_s);
       if (s < kRamp_s) return std::pair{0.5 * kSpeed_m_per_s / kRamp_s * s * s, kSpeed_m_per_s * s / kRamp_s};
       if (s < leg_s - kRamp_s) return std::pair{kSpeed_m_per_s * (s - 0.5 * kRamp_s), kSpeed_m_per_s};
@@ -70,12 +70,13 @@ HandPath There(const Case& c) {
 }
 
 struct Measured {
-  double beside_m{0.0};     // of the line
-  double backward_m{0.0};   // against the push, on the way out
-  double beyond_rad{-1.0};  // of a limit, the farthest joint
+  double beside_m{0.0};     // distance from the line
+  double backward_m{0.0};   // travel against the push, on the way out
+  double beyond_rad{-1.0};  // largest overrun of a limit, over all joints
   double force_step_N{0.0};
   double turned_rad{0.0};
-  int reversals{0};  // of a joint's velocity, .01 rad/s and more on both sides: the most of any joint
+  int reversals{0};  // of a joint's velocity, counted from 0.01 rad/s on both sides; the largest count of any
+                     // joint
   bool fault{false};
 };
 

@@ -17,14 +17,15 @@ namespace {
 
 constexpr double kProbe_m = 0.1e-3, kPush_m = 4e-3;
 
-// How deep the probe's apex gets below the face, pushed straight down at (x, y) and led a little about there.
+// Depth of the probe's apex below the face, when it is pushed straight down at (x, y) and moved a little
+// about there.
 double DepthAt(simulation::CuttingEngine& engine, double x, double y) {
   simulation::ContactModel model;
   double deepest_m = 0.0;
   constexpr int kFrames = 120;
   for (int i = 0; i <= kFrames; ++i) {
     const double share = static_cast<double>(i) / kFrames;
-    // a hand that looks for a way in
+    // the hand searches for a way in
     const Vector3 p(x + 0.3e-3 * std::sin(40.0 * share), y + 0.3e-3 * std::cos(31.0 * share) - 0.3e-3,
                     0.3e-3 - (kPush_m + 0.3e-3) * std::min(1.0, 1.5 * share));
     model = engine.Step(FrameAt(Downwards(p)));

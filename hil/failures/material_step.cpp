@@ -29,8 +29,8 @@ Vector3 HandAt(int frame) {
   return {kTo_m + (kFrom_m - kTo_m) * smooth(static_cast<double>(i - kPress - kDraw - kLift) / kBack), 0, up};
 }
 
-// A penalty along +z whose stiffness goes with the density of the nearest ball: 2 N/mm in the soft half, 20
-// in the hard.
+// A penalty along +z whose stiffness follows the density of the nearest ball: 2 N/mm in the soft half, 20 in
+// the hard.
 Vector3 DensityPenalty(const simulation::Bone& bone, const Vector3& apex) {
   if (apex.z() >= 0.0) return Vector3::Zero();
   const Vector3 center = apex + Vector3(0, 0, kRadius_m);
@@ -44,7 +44,7 @@ Vector3 DensityPenalty(const simulation::Bone& bone, const Vector3& apex) {
   return Vector3(0, 0, (x < 0.0 ? 2e3 : 20e3) * -apex.z());
 }
 
-// Work that the hand gets out, by the trapezoidal rule.
+// Work that the hand gains, by the trapezoidal rule.
 class HandWork {
  public:
   void Add(const Vector3& p, const Vector3& f) {

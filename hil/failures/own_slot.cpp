@@ -14,7 +14,7 @@ namespace {
 constexpr double kHead_m = 2e-3, kShaft_m = 1.85e-3, kDepth_m = 4e-3;
 constexpr double kTilt_rad = 0.22;
 
-// Tilted about the head's centre where the slot ends, and raised.
+// The pose tilted about the head's centre at the slot's end, and raised.
 Pose Tilted(double tilt_rad, double up_m) {
   const Vector3 turn(tilt_rad, 0.5 * tilt_rad, 0.0), head(3e-3, 0, kHead_m - kDepth_m);
   return Down(head + Vector3(0, 0, up_m) + Down(Vector3::Zero(), turn).linear() * Vector3(0, 0, kHead_m),
@@ -38,7 +38,7 @@ FailureResult RunOwnSlot(const FailureSetting& setting) {
   params.law = simulation::RemovalLaw::kImmediate;
   const auto engine = setting.make_engine(bone, tool, Pose::Identity(), params);
 
-  // the slot: 6 mm long, 4 mm deep, in passes of 1 mm to and fro
+  // the slot: 6 mm long, 4 mm deep, in passes of 1 mm back and forth
   const int steps = setting.full() ? 200 : 60;
   engine->Step(FrameAt(Down({-3e-3, 0, 0.1e-3}), kScenarioSpindle_rad_per_s));
   for (int pass = 1; pass <= 5; ++pass)
@@ -73,7 +73,7 @@ FailureResult RunOwnSlot(const FailureSetting& setting) {
   result.ours = Largest(of_ours.y);
   result.baseline = Largest(of_baseline.y);
   result.baseline_fails = result.baseline > result.bound;
-  // it comes out: the collision-free pose follows the hand
+  // the tool comes out if the collision-free pose follows the hand
   result.ours_passes = complete && result.ours < result.bound && lag_m < 0.1e-3;
   result.note = fmt::format("above the slot the proxy is off the tool by {:.3f} mm at most", 1e3 * lag_m);
   result.plot = {

@@ -18,19 +18,19 @@ using simulation::ContactModel;
 constexpr double kDt_s = 1e-3, kTap_N = 2.0, kTap_s = 0.02, kWindow_s = 0.5;
 constexpr double kToolRadius_m = 0.025;
 
-// What crosses the wires. Newer ones have the higher stamp.
+// Messages on the wires. A newer message has a higher stamp.
 struct PoseDatagram {
   rt::Nanoseconds stamp{-1};
   PlainVector3 p_W_m;
 };
 struct ForceDatagram {
-  rt::Nanoseconds stamp{-1};       // of its making
-  rt::Nanoseconds pose_stamp{-1};  // of the pose that it is the answer to
+  rt::Nanoseconds stamp{-1};       // time of creation
+  rt::Nanoseconds pose_stamp{-1};  // of the pose that it answers
   PlainVector3 f_W{};
 };
 
-// Takes what has come; true where there was something. Those who know the stamps keep the newest, a naive
-// client what came last.
+// Takes the messages that have come; true if there were any. Clients that use the stamps keep the newest
+// message, a naive client the last one received.
 enum class Keep { kNewest, kLast };
 template <class T>
 bool TakeDue(ImpairedWire& wire, rt::Nanoseconds now, Keep keep, T& value) {
@@ -50,13 +50,13 @@ void Send(ImpairedWire& wire, rt::Nanoseconds now, const T& value) {
   wire.Push({reinterpret_cast<const std::uint8_t*>(&value), sizeof value}, now);
 }
 
-// The model of a frame, which has its stamp beside it.
+// A frame's contact model and its stamp.
 struct ModelDatagram {
   rt::Nanoseconds stamp{-1};
   ContactModel model;
 };
 
-// The tool's ball in the cup's sphere, centred on W's origin: one contact, toward the centre.
+// Contact of the tool's ball in the cup's sphere, centred on W's origin: one contact, toward the centre.
 ModelDatagram Frame(const PacketRideParams& params, const PoseDatagram& pose, rt::Nanoseconds now,
                     std::uint64_t frame) {
   const Vector3 p = pose.p_W_m;
@@ -82,7 +82,7 @@ Vector3 TapForce(double t_s, double tap_s) {
   return u < 0.0 || u > 1.0 ? Vector3::Zero() : Vector3(kTap_N * Vector3(1.0, 0.0, -1.0).normalized());
 }
 
-// Diagonal of the box that holds the positions of a time.
+// Diagonal of the bounding box of the positions in a time span.
 double Swing(const std::vector<Vector3>& p_W_m, double from_s, double to_s) {
   Vector3 low = Vector3::Constant(1e9), high = -low;
   for (auto i = static_cast<std::size_t>(from_s / kDt_s); i < static_cast<std::size_t>(to_s / kDt_s); ++i) {
@@ -92,18 +92,18 @@ double Swing(const std::vector<Vector3>& p_W_m, double from_s, double to_s) {
   return (high - low).norm();
 }
 
-// The controller: wall and hand as they are known to it, and the shipped law.
+// The controller: its knowledge of wall and hand, and the shipped law.
 class Controller {
  public:
   explicit Controller(const PacketRideParams& params) : params_(params) {
     law_.mass_kg.setConstant(params.mass_kg);
     law_.damping_Ns_per_m.setConstant(params.damping_Ns_per_m);
     coupling_.max_stiffness_N_per_m = params.wall_N_per_m;
-    coupling_.damping_Ns_per_m = 0.0;  // the drag alone, as with the other methods
+    coupling_.damping_Ns_per_m = 0.0;  // only the drag dissipates, as with the other methods
     state_.X_WT.translation() = Vector3(0.0, 0.0, -params.clearance_m);
   }
 
-  // One tick with what has come over the wires.
+  // Runs one tick with the messages received over the wires.
   void Tick(rt::Nanoseconds now, ImpairedWire& wall, ImpairedWire& hand, PacketRide& ride) {
     const bool planes = params_.method == WallMethod::kPlanes;
     const Keep keep = planes ? Keep::kNewest : Keep::kLast;
@@ -115,7 +115,7 @@ class Controller {
       TakeDue(wall, now, keep, model_);
       const control::CouplingOutput out = control::EvaluateCoupling(coupling_, model_.model, state_.X_WT,
                                                                     state_.V_WT, now, false, coupling_state_);
-      // as ServoLoop: the age slows the hand's force and the motion as it fades the coupling
+      // as in ServoLoop: age slows the hand's force and the motion by the same factor that fades the coupling
       fade = out.fade;
       const double hand_age_s = safety::AgeSeconds(now, hand_.stamp);
       f_hand *= fade * safety::AgeShare(hand_age_s, watchdog_.sensor_full_s, watchdog_.sensor_stop_s);
@@ -171,7 +171,7 @@ PacketRide RidePackets(const PacketRideParams& params) {
 
   PacketRide ride;
   Controller controller(params);
-  const Vector3 p_held = controller.p_W_m();  // where the hand's spring is at rest
+  const Vector3 p_held = controller.p_W_m();  // rest position of the hand's spring
   PoseDatagram seen, commanded;
   std::uint64_t frame = 0;
   const auto ticks = std::llround(params.seconds / kDt_s);
@@ -195,7 +195,7 @@ PacketRide RidePackets(const PacketRideParams& params) {
                  .stamp = now, .pose_stamp = seen.stamp, .f_W = Vector3(push_N * Vector3(contact.n_W))});
     }
 
-    // the arm has gone where it was told to, and the sensor reads every period
+    // the arm has reached its command, and the sensor reads every period
     TakeDue(command, now, Keep::kNewest, commanded);
     if (commanded.stamp >= 0) {
       const Vector3 spring = params.hand_N_per_m * (p_held - Vector3(commanded.p_W_m));

@@ -35,7 +35,7 @@ std::vector<Case> MakeCases(bool full) {
   return cases;
 }
 
-// How far the tool is from where it rested before the first tap: the greatest distance in each 20 ms.
+// Distance of the tool from its rest before the first tap: the largest in each 20 ms.
 FailureSeries Distance(const std::string& name, const PacketRideParams& params, const PacketRide& ride) {
   constexpr std::size_t kEach = 20;
   FailureSeries series{.name = name, .ours = params.method == WallMethod::kPlanes};

@@ -33,19 +33,19 @@ Buzz Rest(double push_N, double stiffness_N_per_m, bool force_alone, double seco
   params.X_FT = ScenarioTool();
   params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
   params.hand = OperatorWith({"firm", 500.0, 20.0, 1.5});
-  params.servo = {.bandwidth_hz = 1000.0, .dead_cycles = 0};  // no lag that would hide it
+  params.servo = {.bandwidth_hz = 1000.0, .dead_cycles = 0};  // no lag that would hide the vibration
   params.seconds = kStart_s + seconds;
   params.loop.coupling.max_stiffness_N_per_m = stiffness_N_per_m;
-  // a force of a millisecond ago knows of no depth in bone
+  // the baseline's force has no depth in bone, so the depth reaction is replaced by yielding
   if (force_alone) params.loop.on_force_limit.reaction = safety::OnForceLimit::kYield;
   if (force_alone) {
     params.loop.stabilisers = control::NoStabilisers();
-    params.loop.coupling.return_s = kDt_s;  // planes where the frame has them, at once
+    params.loop.coupling.return_s = kDt_s;  // a frame's planes return at once
   }
   const Pose X_start = kinematics::LbrArm(params.arm).FlangePose(params.q_start) * params.X_FT;
   const Vector3 down = X_start.linear().col(2);
 
-  // a spring that would rest where both, stretched, carry the push
+  // the spring's rest position is such that the push results when hand and wall are both deformed
   Pose X_goal = X_start;
   HandImpedance hand(params.hand);
   double depth_before_m = 0.0;
@@ -62,8 +62,8 @@ Buzz Rest(double push_N, double stiffness_N_per_m, bool force_alone, double seco
           [&](int tick, rt::Nanoseconds now, const Pose& X_WT) {
             simulation::Contact plane = PlaneAt(X_start.translation(), -down, stiffness_N_per_m);
             const double depth_m = down.dot(X_WT.translation() - X_start.translation());
-            // a force that was computed elsewhere, a millisecond ago: a plane that has it, wherever the tool
-            // is
+            // a force computed elsewhere a millisecond ago: a plane that gives this force at any position of
+            // the tool
             if (force_alone) plane.p_W_m = Vector3(X_WT.translation() - std::max(0.0, depth_before_m) * down);
             depth_before_m = depth_m;
             return FreshModel(static_cast<std::uint64_t>(tick + 1), now, {&plane, 1});
@@ -86,7 +86,7 @@ Buzz Rest(double push_N, double stiffness_N_per_m, bool force_alone, double seco
 }
 
 FailureSeries Drawn(const char* name, const Buzz& buzz, bool ours) {
-  constexpr std::size_t kEach = 20;  // ms: five turns at 250 Hz
+  constexpr std::size_t kEach = 20;  // ms: five cycles at 250 Hz
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i + kEach <= buzz.band.size(); i += kEach) {
     series.x.push_back(1e-3 * static_cast<double>(i));
@@ -110,7 +110,7 @@ FailureResult RunRestingBuzz(const FailureSetting& setting) {
   bool complete = true, faulted = false, baselines_fail = true;
   result.baseline = 1e9;
   for (const double push_N : {5.0, 50.0, 200.0}) {
-    // at the limiter's 200 N the force is clipped, and a stiffness that is never felt does not ring
+    // at the limiter's 200 N the force is clipped, and a stiffness that is not felt does not ring
     const double above_N = std::min(push_N, 195.0);
     const Buzz ours = Rest(push_N, kStable_N_per_m, false, seconds);
     const Buzz above = Rest(above_N, kAbove_N_per_m, true, seconds);

@@ -21,15 +21,15 @@ using kinematics::JointVector;
 constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kPush_N = 200.0, kCeiling_N = 200.0;
 constexpr double kPress_s = 0.5, kDrawBack_s = 0.7, kEnd_s = 1.6;
 constexpr double kDeepest_m = 12e-3, kSoft_m = 7e-3;  // of the depth limit, from the wall's face
-constexpr double kWhole = 0.99;                       // of the force: it is back
+constexpr double kWhole = 0.99;                       // share of the force from which it counts as back
 constexpr double kMostRecovery_s = 0.05;
-constexpr double kCounts_N = 1.0;      // a force whose direction counts
-constexpr double kSlack = 1.0 + 1e-9;  // of a torque limit: rounding
+constexpr double kCounts_N = 1.0;      // smallest force whose direction counts
+constexpr double kSlack = 1.0 + 1e-9;  // on a torque limit, for rounding
 
 struct Saturated {
   double angle_rad{0.0}, clipped_angle_rad{0.0};
   double torque_share{0.0};  // largest (|J^T F| + |g|) / limit
-  double least_share{1.0};   // of the wanted force that was let through
+  double least_share{1.0};   // of the wanted force that passed the limiter
   double most_N{0.0}, most_wanted_N{0.0};
   double recovery_s{0.0};
   bool saturates{false}, recovers{false}, fault{false};
@@ -38,7 +38,7 @@ struct Saturated {
 
 double Angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-// @param depth_limited  the depth limit's resistance adds to the wall's, from half the way in
+// @param depth_limited  the depth limit's resistance adds to the wall's, from half the depth on
 Saturated Press(double tool_m, double side_rad, bool depth_limited) {
   ArmRideParams params;
   params.arm = ScenarioArm();
@@ -51,7 +51,7 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
   const kinematics::LbrArm arm(params.arm);
   const kinematics::SerialChain<7> body(ScenarioBody());
   const Pose X_start = arm.FlangePose(params.q_start) * params.X_FT;
-  // out of the plane, across the tool
+  // direction out of the plane, across the tool
   const Vector3 n = X_start.linear() * Vector3(std::cos(side_rad), std::sin(side_rad), 0.0);
 
   if (depth_limited)
@@ -84,18 +84,19 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
                                  PlaneAt(X_start.translation(), n, kWall_N_per_m);
                              return FreshModel(static_cast<std::uint64_t>(tick + 1), now, {&plane, 1});
                            }};
-  // the limiter alone: a force that comes back makes energy, which the passivity controller would damp
+  // test the limiter alone: a force that returns adds energy, which the passivity controller would damp
   params.loop.stabilisers.passivity.acts = false;
-  params.loop.coupling.damping_Ns_per_m = 0.0;  // what was to be is then known from the pose alone
+  params.loop.coupling.damping_Ns_per_m = 0.0;  // without damping the wanted force follows from the pose
+                                                // alone
   const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
 
   Saturated result;
-  double could_since_s = 0.0;  // hold all of it
+  double could_since_s = 0.0;  // start of the time in which the arm could hold the whole force
   bool whole = true;
   for (std::size_t i = 1; i < ride.size(); ++i) {
     const ArmRideTick& tick = ride[i];
     result.fault |= tick.fault;
-    // what was to be: the planes' force at the pose that was commanded before
+    // the wanted force: of the planes at the pose commanded before
     const double depth_m = -n.dot(ride[i - 1].X_WT.translation() - X_start.translation());
     double wanted_N = kWall_N_per_m * std::max(0.0, depth_m);
     if (depth_limited) wanted_N += kWall_N_per_m * std::max(0.0, depth_m - (kDeepest_m - kSoft_m));
@@ -127,7 +128,7 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
       result.angle_deg.push_back(0.0);
       result.clipped_deg.push_back(0.0);
     }
-    // and how long until all of it is there again
+    // and the time until the whole force is back
     result.saturates |= !can;
     if (!can) could_since_s = static_cast<double>(i + 1) * kDt_s;
     if (can && result.saturates && f.norm() < kWhole * wanted_N)

@@ -20,8 +20,8 @@ constexpr double kDeadZone_N = 5.0, kDeadZone_Nm = 1.0, kPush_N = 10.0, kPushes_
 
 struct Drifted {
   double speed_m_per_s{0.0};  // of the released tool
-  double way_m{0.0};          // of its origin, until the push
-  double push_m_per_s{0.0};   // while it is pushed at the end
+  double way_m{0.0};          // travel of its origin, until the push
+  double push_m_per_s{0.0};   // under the push at the end
   bool fault{false};
   std::vector<double> way_mm;  // by time since the release
 };
@@ -34,7 +34,7 @@ Drifted Release(double bias_N, int axis, bool ours, double seconds) {
   params.waiting_s = kWaiting_s;
   params.seconds = kReleases_s + seconds + kPushes_s;
   params.loop.sensor_bias.acts = ours;
-  // nobody holds the tool while it waits, and the payload's error looks like a bias as well
+  // nobody holds the tool while the arm waits, and the payload's error looks like a bias as well
   params.loop.sensor_bias.max_creep_m_per_s = 0.3;
   params.loop.sensor_bias.max_creep_rad_per_s = 1.0;
   if (ours) {
@@ -43,7 +43,7 @@ Drifted Release(double bias_N, int axis, bool ours, double seconds) {
   }
   const Pose X_start = kinematics::LbrArm(params.arm).FlangePose(params.q_start) * params.X_FT;
 
-  // the zero's errors, and a payload that the cell does not know of
+  // errors of the zero, and a payload that is missing in the cell's file
   SensorModelParams errors{.noise_N = 0.1, .noise_Nm = 0.005, .seed = 15};
   const Vector3 direction = Vector3::Unit(axis), across = Vector3::Unit((axis + 1) % 3);
   errors.bias.f = bias_N * direction;
@@ -109,7 +109,7 @@ FailureResult RunSensorErrors(const FailureSetting& setting) {
   const std::vector<double> biases_N =
       setting.full() ? std::vector{0.5, 1.0, 2.0, 5.0} : std::vector{0.5, 5.0};
   const int axes = setting.full() ? 3 : 1;
-  // waiting and turning count as well: the zero drifts all the while
+  // waiting and turning count as well, since the zero drifts during them
   const double seconds = setting.full() ? 27.0 : 4.0;
   result.baseline = 1e9;
   int done = 0;
@@ -118,7 +118,7 @@ FailureResult RunSensorErrors(const FailureSetting& setting) {
   for (const double bias_N : biases_N) {
     for (int axis = 0; axis < axes && complete; ++axis) {
       const Drifted ours = Release(bias_N, axis, true, seconds);
-      // it leaves the arm's reach before long
+      // without bias estimate the tool soon leaves the arm's reach
       const Drifted bare = Release(bias_N, axis, false, 2.5);
       result.ours = std::max(result.ours, 1e3 * ours.speed_m_per_s);
       result.baseline = std::min(result.baseline, 1e3 * bare.speed_m_per_s);

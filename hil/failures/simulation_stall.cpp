@@ -16,9 +16,9 @@ namespace osteon::hil {
 namespace {
 
 constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kBowl_m = 0.025, kPush_N = 80.0;
-constexpr double kPressed_s = 0.6;   // it rests there until the motion begins
-constexpr double kStalls_s = 0.65;   // 50 ms into it
-constexpr double kResumed_s = 0.15;  // after the stall: the ramp back is over
+constexpr double kPressed_s = 0.6;   // the tool rests there until the motion begins
+constexpr double kStalls_s = 0.65;   // 50 ms into the motion
+constexpr double kResumed_s = 0.15;  // after the stall: the ramp back has ended
 constexpr double kMostStep = 0.10;
 
 enum class Motion { kOut, kDeeper, kAlong };
@@ -33,7 +33,7 @@ constexpr std::array<Case, 3> kMotions{{{Motion::kOut, "out of the bone", 0.25, 
 
 struct Stalled {
   double returned_J{0.0};
-  double step_share{0.0};  // of the force, where frames come again
+  double step_share{0.0};  // largest change of the force when frames come again
   bool fault{false};
   std::vector<double> given_J;  // by time
 };
@@ -52,7 +52,7 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
   const Vector3 down = X_start.linear().col(2), along = X_start.linear().col(0);
   const Vector3 center = X_start.translation() - kBowl_m * down;
 
-  // pressed, the motion, a rest, and out of the bone: every cycle ends free
+  // pressed, the motion, a rest, and out of the bone: every cycle ends without contact
   const double pressed_m = kPush_N * (1.0 / params.hand.stiffness_N_per_m + 1.0 / kWall_N_per_m);
   const auto led = [](double t_s, double takes_s) { return Quintic(std::clamp(t_s / takes_s, 0.0, 1.0)).s; };
   const HandPath path = [&](double t) {
@@ -89,7 +89,8 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
                                last = FreshModel(static_cast<std::uint64_t>(tick + 1), now, {&plane, 1});
                                last_N = kWall_N_per_m * std::max(0.0, out.norm() - kBowl_m);
                              } else if (held) {
-                               // the force that was, wherever the tool is by now: a plane that comes along
+                               // the last force, at any position of the tool: a plane that moves along with
+                               // it
                                const Vector3 n_last = last.contacts[0].n_W;
                                plane = PlaneAt(X_WT.translation() + last_N / kWall_N_per_m * n_last, n_last,
                                                kWall_N_per_m);
@@ -105,7 +106,7 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
   const auto begins = static_cast<std::size_t>(std::lround(kStalls_s / kDt_s));
   const double before_N = ride[begins - 1].f_coupling_N.norm();
   for (std::size_t i = 1; i + 1 < ride.size(); ++i) {
-    // the force at both ends of the way: a spring gives back what it took
+    // the mean force of both ends of the step, so a spring gives back exactly what it took
     given_J += 0.5 * (ride[i].f_coupling_N + ride[i + 1].f_coupling_N)
                          .dot(ride[i].X_WT.translation() - ride[i - 1].X_WT.translation());
     result.returned_J = std::max(result.returned_J, given_J);

@@ -7,38 +7,38 @@
 
 namespace osteon::hil {
 
-/// How a single-contact law goes about it.
+/// Variants of the single-contact law.
 struct SingleContactParams {
   double stiffness_N_per_m{20e3};
-  bool positive_roots_only{false};  ///< pairs that overlap already are dropped, as equation 3 is printed
+  bool positive_roots_only{false};  ///< drops pairs that already overlap, as equation 3 is printed
   int slides{
       0};  ///< times the rest of the way is projected on the touching pair's plane; 0: stops at first contact
 };
 
-/// One frame of it, in G.
+/// Result of one frame, in G.
 struct SingleContactFrame {
   Vector3 p_G{Vector3::Zero()};  ///< proxy: T's origin
   Wrench F_T_G;                  ///< on the tool, at T's origin
-  Vector3 n{Vector3::Zero()};    ///< of the pair that was met last; zero where free
+  Vector3 n{Vector3::Zero()};    ///< of the pair touched last; zero where free
   bool touching{false};
 };
 
-/// The baseline of the contact scenarios: what a god-object feels that knows one pair of balls at a time.
+/// Baseline of the contact scenarios: the force of a god-object that knows one pair of balls at a time.
 ///
 ///     P' = first contact on the way P ──▶ T (equation 3)      n = from bone ball to tool ball of that pair
 ///     F = k (P' - T)    (1)                                   tau = (p_s - p_COM) x F    (2)
 ///
-/// with p_s the pair's touching point. Rotation is the tool's: it never blocks. Nothing is cut; plain loops.
-/// Source: Kaluschke et al., IEEE VR 2019, equations 1 to 3; the slide: Zilles and Salisbury 1995 with one
-/// plane.
+/// with p_s the pair's touching point. Rotation is the tool's: contact never blocks it. Nothing is cut; plain
+/// loops. Source: Kaluschke et al., IEEE VR 2019, equations 1 to 3; the slide: Zilles and Salisbury 1995 with
+/// one plane.
 class SingleContact {
  public:
-  /// @param balls  the bone, in G;  the tool's centre of mass is what torques are about in (2), and F_T_G's
-  ///   torque is that one
+  /// @param balls  the bone, in G
+  /// @param tool  torques in (2), and so F_T_G's torque, are about its centre of mass
   SingleContact(std::vector<simulation::Ball> balls, const simulation::Tool& tool,
                 const SingleContactParams& params);
 
-  /// The first frame's pose counts as free.
+  /// Advances by one frame. The first frame's pose counts as free.
   SingleContactFrame Step(const Pose& X_GT);
 
  private:

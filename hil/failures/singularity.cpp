@@ -24,7 +24,7 @@ struct Case {
   bool wrist{false};
 };
 
-// From 0 to 1 and its slope, within the time; twice continuously differentiable.
+// A blend from 0 to 1 and its slope over the given time; twice continuously differentiable.
 struct Blend {
   double s, slope_per_s;
 };
@@ -33,7 +33,7 @@ Blend Smooth(double t_s, double duration_s) {
   return {u * u * u * (10.0 + u * (-15.0 + 6.0 * u)), 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration_s};
 }
 
-// Out by `out_m` along a direction and back, the greatest speed as given; and sideways all the while.
+// Out by `out_m` along a direction and back with the given peak speed, and sideways during the whole path.
 HandPath OutAndBack(const Pose& X_start, const Vector3& direction, double out_m, double speed_m_per_s,
                     const Vector3& side_m) {
   const double leg_s = 1.875 * std::abs(out_m) / speed_m_per_s, rest_s = 0.5;
@@ -57,7 +57,7 @@ Case ElbowCase(const std::string& name, double beyond_m, const Vector3& side_m) 
   const Vector3 p_SW =
       X_WF * Vector3(0, 0, -c.params.arm.wrist_to_flange_m) - Vector3(0, 0, c.params.arm.base_to_shoulder_m);
   const double left_m =
-      c.params.arm.shoulder_to_elbow_m + c.params.arm.elbow_to_wrist_m - p_SW.norm();  // of the reach
+      c.params.arm.shoulder_to_elbow_m + c.params.arm.elbow_to_wrist_m - p_SW.norm();  // remaining reach
   const double out_m = left_m + beyond_m;
   c.path = OutAndBack(X_WF * c.params.X_FT, p_SW.normalized(), out_m, 0.1, side_m);
   c.params.seconds = 2.0 * 1.875 * out_m / 0.1 + 0.5 + 1.0;
@@ -74,8 +74,8 @@ Case CandleCase() {
   return c;
 }
 
-// A6 goes from .5 to -.5 rad with A5 at 90 deg, all other joints still; then everything is turned by `miss`
-// in the direction that the arm loses where it is straight.
+// A6 goes from 0.5 to -0.5 rad with A5 at 90 deg, all other joints still. Then the whole path is turned by
+// `miss` about the axis of rotation that the arm loses when the wrist is straight.
 Case WristCase(double miss_rad) {
   constexpr double kSwing_rad = 0.5, kRate_rad_per_s = 1.0;
   Case c{.name = fmt::format("wrist, missed by {:g} rad", miss_rad), .wrist = true};
@@ -91,7 +91,7 @@ Case WristCase(double miss_rad) {
   const Vector3 axis = lost.tail<3>().normalized();
   const double duration_s = 1.875 * 2.0 * kSwing_rad / kRate_rad_per_s;
   const JointVector start = c.params.q_start;
-  // the miss comes in with the first third of the way, so that the start is where the arm is
+  // the miss grows over the first third of the path, so the path starts at the arm's pose
   c.path = [=](double t) {
     const Blend turn = Smooth(t, duration_s), off = Smooth(t, duration_s / 3.0);
     JointVector q = start;
@@ -119,7 +119,7 @@ Measured Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
     m.speed_share = std::max(m.speed_share, JointSpeedShare(c.params.arm, tick.qd));
     m.fault |= tick.fault;
   }
-  // where the hand ends, the tool is
+  // the tool must be where the hand ends
   const ArmRideTick& last = ride.back();
   m.left_m = (last.X_WT.translation() - last.goal.X_WT.translation()).norm();
   m.left_rad = LogRotation(last.X_WT.linear().transpose() * last.goal.X_WT.linear()).norm();

@@ -16,13 +16,13 @@ namespace {
 constexpr double kThickness_m = 1e-3, kVoxel_m = 0.25e-3;
 constexpr double kAim_m = 3e-3, kHighest_m = 2e-3, kBeyond_m = 2e-3, kMostTilt_rad = M_PI / 6.0;
 
-/// How far the hand goes below where a shot starts.
+/// Travel of the hand below the start of a shot.
 double Below(double height_m, double tool_radius_m) {
   return height_m + kThickness_m + 2.0 * tool_radius_m + kBeyond_m;
 }
 
-/// So wide that a shot aslant ends over the sheet, a millimetre from its edge: every ball counts in every
-/// frame of the reference engine.
+/// Wide enough that an inclined shot ends over the sheet, a millimetre from its edge, but no wider: the
+/// reference engine visits every ball in every frame.
 double HalfWidth(double tool_radius_m) {
   return kAim_m + std::tan(kMostTilt_rad) * Below(kHighest_m, tool_radius_m) + 1e-3;
 }
@@ -40,20 +40,20 @@ Shot MakeShot(std::uint64_t n, double tool_radius_m) {
     return low + (high - low) * simulation::Uniform(bits);
   };
   Shot shot{};
-  // one in five evenly over the logarithm: slow shots take most frames, and fast ones are where it matters
+  // one in five uniform in the logarithm: slow shots take most frames, and fast ones matter most
   shot.speed_m_per_s = n % 5 == 0 ? 0.01 * std::pow(100.0, uniform(0.0, 1.0)) : uniform(0.01, 1.0);
   const double tilt = uniform(0.0, kMostTilt_rad), about = uniform(0.0, 2.0 * M_PI);
   const Vector3 aim(uniform(-kAim_m, kAim_m), uniform(-kAim_m, kAim_m), 0.0);
   const Vector3 direction(std::sin(tilt) * std::cos(about), std::sin(tilt) * std::sin(about),
                           -std::cos(tilt));
-  // at random within a frame's way and a millimetre, so that discrete poses fall anywhere in the sheet
+  // random within a frame's travel plus a millimetre, so discrete poses fall anywhere in the sheet
   const double height_m = uniform(0.05e-3, kHighest_m - 1e-3 + 1e-3 * shot.speed_m_per_s);
   shot.start_m = aim + Vector3(0, 0, height_m);
   shot.way_m = direction * Below(height_m, tool_radius_m) / std::cos(tilt);
   return shot;
 }
 
-/// Shots of like speeds, five to a decade.
+/// Shots of similar speeds, five bins to a decade.
 struct Tally {
   int shots{0}, passed{0};
   int Add(bool has_passed) {

@@ -6,7 +6,7 @@
 namespace osteon::hil {
 namespace {
 
-// As a cell's file would say it: the tool of the rig turns at 26 rad/s.
+// Parameters as a cell's file would give them: the tool of the rig turns at 26 rad/s.
 io::DeviceParams Wires() {
   io::DeviceParams wires;
   wires.buses = {{.name = "tool", .interface = "", .port = 1, .device_port = 2}};

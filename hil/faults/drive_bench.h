@@ -10,24 +10,24 @@
 
 namespace osteon::hil {
 
-/// The reamer's drive on its bus as a cell has it, in virtual time: io::DeviceClients on one end, the
-/// simulated drive on the other, and somebody between the two who may keep frames back or forge them.
+/// The reamer's drive on its bus as in a cell, in virtual time: io::DeviceClients on one end, the simulated
+/// drive on the other. Between them frames can be withheld or forged.
 class DriveBench {
  public:
   /// The drive is switched on at `now`.
-  /// @throws std::logic_error where the clients refuse the bench's parameters.
+  /// @throws std::logic_error if the clients refuse the bench's parameters.
   explicit DriveBench(rt::Nanoseconds now);
 
-  /// Runs until `now`, a millisecond a step, with the same commands.
+  /// Runs until `now` in steps of a millisecond, with the same commands.
   control::SpindleReading RunTo(rt::Nanoseconds now, const control::CellCommands& commands);
 
-  /// A frame that the drive never sent.
+  /// Inserts a frame that the drive never sent.
   void Forge(const io::CanFrame& frame) { forged_ = {true, frame}; }
 
   [[nodiscard]] DriveDevice& device() { return device_; }
   [[nodiscard]] io::DeviceClients& clients() { return *clients_; }
 
-  /// Whether a frame of the drive's reaches the controller; absent: each does.
+  /// Whether a frame from the drive reaches the controller; empty: each does.
   std::function<bool(const io::CanFrame&)> passes{};
 
  private:

@@ -22,13 +22,14 @@ constexpr std::uint8_t kPreOperational = 0x7F;
 constexpr int kAtOnce = 1;
 constexpr int kStatusLost = 46;      // ten cycles of 4 ms
 constexpr int kHeartbeatLost = 152;  // three of 50 ms
-constexpr int kLong = 500;           // that a fault lasts
-constexpr int kAllResets = 2400;     // half a second between them
+constexpr int kLong = 500;           // ticks that a fault lasts
+constexpr int kAllResets = 2400;     // half a second between resets
 
-/// What is done to the drive; `since` as in RigInjection.
+/// Applies the fault to the drive; `since` as in RigInjection.
 using Harm = std::function<void(DriveBench& bench, int since, bool before_motion)>;
 
-// The drive of a run, and who looks at its resets: before the first motion and in a recovery, a few at most.
+// A run's drive with a check of its resets: a few are allowed before the first motion and in a recovery, none
+// otherwise.
 class WatchedDrive {
  public:
   WatchedDrive(Harm harm, bool runs_before) : harm_(std::move(harm)), runs_before_(runs_before) {}
@@ -59,8 +60,8 @@ class WatchedDrive {
   std::shared_ptr<DriveBench> bench_;
 };
 
-// Before the first motion it is reset or configured anew and the cell begins; in mid-run it stops the cell,
-// and what has moved waits for who is to decide.
+// Expected reactions: before the first motion the drive is reset or configured again and the cell begins.
+// During a run the fault stops the cell, and the drive is not reset until a person decides.
 FaultCase Drive(const char* name, const char* injected, int ticks, bool runs_before, Harm harm) {
   safety::FaultSet fault;
   fault.Latch(Fault::kSpindle);
@@ -82,7 +83,7 @@ io::CanFrame HeartbeatOf(std::uint8_t nmt_state) {
   return {.id = kHeartbeat, .size = 1, .data = {nmt_state}};
 }
 
-// It loses its supply and has it back, or is switched on for the first time.
+// The drive loses its supply and gets it back, or is switched on for the first time.
 void Boot(DriveBench& bench, int since, bool before_motion) {
   if (before_motion) return;
   if (since == 0) bench.device().SetPower(false);

@@ -8,16 +8,16 @@
 
 namespace osteon::hil {
 
-/// What the cell has to make of a fault. Nothing is ignored: that it goes on is a claim as well.
+/// The cell's required reaction to a fault. No fault is without a claim: to go on is a claim as well.
 enum class Reaction : std::uint8_t {
-  kGoesOn,    ///< within every limit, and no fault
-  kWaits,     ///< does not begin, has no fault, and begins once it is over
-  kStops,     ///< latches the fault, comes to rest by the category, stays there
+  kGoesOn,    ///< within every limit, without a fault
+  kWaits,     ///< does not begin, has no fault, and begins once the injection is over
+  kStops,     ///< latches the fault, stops by the category, stays there
   kFaults,    ///< latches the fault at rest, does not move
-  kBacksOff,  ///< leaves its way, waits anew, and begins again once it is over
-  kPauses,    ///< rests on its way, and goes on along it once it is over
-  kAlignsOn,  ///< goes on to the start, and renders nothing before it is over
-  kBrakesOn,  ///< brakes on to the end of the stop that is under way
+  kBacksOff,  ///< leaves its path, waits again, and begins once the injection is over
+  kPauses,    ///< pauses on its path, and continues once the injection is over
+  kAlignsOn,  ///< continues to the start, and renders nothing until the injection is over
+  kBrakesOn,  ///< brakes on to the end of the stop in progress
   kRests,     ///< stays at rest
 };
 inline constexpr int kReactions = 9;
@@ -26,13 +26,13 @@ inline constexpr int kReactions = 9;
 
 struct Expected {
   Reaction reaction{Reaction::kGoesOn};
-  safety::FaultSet faults{};  ///< of these at least one is latched, and no other
-  int ticks{0};               ///< from the injection's first tick to the latching, at most
+  safety::FaultSet faults{};  ///< at least one of these is latched, and no other
+  int ticks{0};               ///< largest number of ticks from the injection to the latching
   safety::StopCategory stop{safety::StopCategory::kStop1};
 };
 
-/// One fault: what is injected, for how long, and what it must come to in each state. In the states of stop 0
-/// and fault the cell rests, whatever else happens: kRests.
+/// One fault: what is injected, for how long, and the required reaction in each state. In the states of stop
+/// 0 and fault the cell always rests: kRests.
 struct FaultCase {
   std::string name;      ///< "force sensor silent"
   std::string injected;  ///< "no reading any more"
@@ -43,7 +43,7 @@ struct FaultCase {
   [[nodiscard]] Expected In(safety::CellState state) const;
 };
 
-/// All of them.
+/// All fault cases.
 [[nodiscard]] std::span<const FaultCase> FaultCases();
 
 }  // namespace osteon::hil

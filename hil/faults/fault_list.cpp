@@ -23,16 +23,16 @@ constexpr double kHuge = 1e308;
 
 // Ticks to detection.
 constexpr int kAtOnce = 1;
-constexpr int kNextTick = 2;            // what is seen once a tick is over
+constexpr int kNextTick = 2;            // detected after the tick in which it happens
 constexpr int kSilentDevice = 102;      // 100 ms
 constexpr int kSilentSimulation = 254;  // 250 ms after the newest pose
 constexpr int kPushed = 5;              // SensorForceParams::ticks
 constexpr int kMissed = 5;              // WatchdogParams::arm_misses
 constexpr int kSpindleBeyond = 52;      // the rig's trip_s
 constexpr int kDrifted = 450;           // max_tracking_error at the speed along the plane
-constexpr int kDriftedOnItsWay = 800;   // the same at the path's
-constexpr int kLong = 500;              // that such a fault lasts
-constexpr int kThrownAgain = 40;        // after so many ticks
+constexpr int kDriftedOnItsWay = 800;   // the same at the start path's speed
+constexpr int kLong = 500;              // ticks that such a fault lasts
+constexpr int kThrownAgain = 40;        // ticks from one jump to the next
 
 safety::FaultSet Of(std::initializer_list<Fault> faults) {
   safety::FaultSet set;
@@ -57,9 +57,9 @@ bool HasAny(safety::FaultSet faults, std::initializer_list<Fault> of) {
   return std::any_of(of.begin(), of.end(), [&](Fault fault) { return faults.Has(fault); });
 }
 
-// A device that rendering needs: nothing begins without it, rendering stops, and a stop 2 becomes a stop 1
-// where it is noticed before rest. The force sensor is watched wherever the arm moves, the spindle on the way
-// to the start as well; that way goes on without the others.
+// Expected reactions to a fault of a device that rendering needs: nothing begins without it, rendering stops,
+// and a stop 2 becomes a stop 1 if the fault is noticed before rest. The force sensor is watched wherever the
+// arm moves, and the spindle also on the start path; the start path continues without the others.
 FaultCase Device(const char* name, const char* injected, safety::FaultSet faults, int ticks,
                  RigInjection inject) {
   const bool sensor =
@@ -76,7 +76,7 @@ FaultCase Device(const char* name, const char* injected, safety::FaultSet faults
           .stop1 = sensor && ticks <= kPushed ? Stops(faults, ticks) : kBrakesOn,
           .stop2 = ticks <= kPushed ? Stops(faults, ticks) : kBrakesOn};
 }
-// The same of what only rendering takes in: a stop 2 looks at no more of it than its age.
+// The same for an input that only rendering uses: during a stop 2 only its age is checked.
 FaultCase Model(const char* name, const char* injected, safety::FaultSet faults, int ticks,
                 RigInjection inject) {
   FaultCase made = Device(name, injected, faults, ticks, std::move(inject));
@@ -85,7 +85,7 @@ FaultCase Model(const char* name, const char* injected, safety::FaultSet faults,
   if (!faults.Has(Fault::kModelStale) || ticks > kPushed) made.stop2 = kBrakesOn;
   return made;
 }
-// What the loop lives with.
+// A fault that the loop tolerates.
 FaultCase Ridden(const char* name, const char* injected, int lasts, RigInjection inject) {
   return {.name = name,
           .injected = injected,
@@ -98,11 +98,11 @@ FaultCase Ridden(const char* name, const char* injected, int lasts, RigInjection
           .stop1 = kBrakesOn,
           .stop2 = kBrakesOn};
 }
-// The arm is in another session state: what it does then is its own.
+// The arm is in another session state, in which it moves on its own.
 FaultCase Left(const char* name, SessionState session) {
   const Expected stops = Stops(Of({Fault::kSession}), kAtOnce, StopCategory::kStop0);
   Expected ends = stops;
-  ends.faults = {};  // an end that was asked for is one without a fault
+  ends.faults = {};  // a requested end is not a fault
   return {.name = name,
           .injected = "the arm's messages say so, its joints stand",
           .inject =
@@ -120,7 +120,7 @@ FaultCase Left(const char* name, SessionState session) {
           .stop1 = ends,
           .stop2 = stops};
 }
-// Seen in the tick, whatever the state: nothing is to go on.
+// Noticed in the same tick in every state: nothing may go on.
 FaultCase AtOnce(const char* name, const char* injected, safety::FaultSet faults, RigInjection inject,
                  int ticks = kAtOnce) {
   return {.name = name,
@@ -133,11 +133,11 @@ FaultCase AtOnce(const char* name, const char* injected, safety::FaultSet faults
           .stop1 = Stops(faults, ticks),
           .stop2 = Stops(faults, ticks)};
 }
-// A message that is not to be believed.
+// A message with values that are not finite.
 FaultCase NotFinite(const char* name, const char* injected, RigInjection inject) {
   return AtOnce(name, injected, Of({Fault::kNotFinite}), std::move(inject));
 }
-// The arm can not be commanded.
+// The arm cannot be commanded.
 FaultCase Lost(const char* name, const char* injected, safety::FaultSet faults, int ticks, Expected waiting,
                RigInjection inject) {
   const Expected stops = Stops(faults, ticks, StopCategory::kStop0);
@@ -204,7 +204,7 @@ void AddArm(std::vector<FaultCase>& cases) {
     FaultCase made = Left("arm left and came back unseen", SessionState::kCommandingActive);
     made.injected = "handed over anew between two messages";
     made.inject = [](RigInputs& in, int since, FaultRig& rig) {
-      if (since != 0 || safety::Waits(rig.loop().state())) return;  // nothing to leave yet
+      if (since != 0 || safety::Waits(rig.loop().state())) return;  // no session to leave yet
       rig.HandOver();
       ++in.arm.activation;
       in.arm.session = SessionState::kCommandingActive;
@@ -246,7 +246,7 @@ void AddArm(std::vector<FaultCase>& cases) {
                      .stop2 = stops});
   }
   {
-    // as corrections do that fall back to zero where an answer was lost (RSI, HOLDON 0)
+    // like corrections that drop to zero when an answer is lost (RSI, HOLDON 0)
     const Expected stops = Stops(Of({Fault::kArmSpeed}), kAtOnce);
     const Expected begins = Stops(Of({Fault::kArmSpeed}), kThrownAgain);
     cases.push_back({.name = "arm thrown back",
@@ -310,7 +310,7 @@ void AddArm(std::vector<FaultCase>& cases) {
 
 void AddModel(std::vector<FaultCase>& cases) {
   const auto stale = Of({Fault::kModelStale}), not_credible = Of({Fault::kNotFinite});
-  const auto held = [](int pause) {  // frames pause for so long, then come for as long
+  const auto held = [](int pause) {  // frames pause for this many ticks, then come for as many
     return [pause, model = simulation::ContactModel{}](RigInputs& in, int since, FaultRig&) mutable {
       if (since % (2 * pause) == 0) model = in.model;
       if (since % (2 * pause) < pause) in.model = model;
@@ -400,7 +400,7 @@ void AddPlcAndSpindle(std::vector<FaultCase>& cases) {
                            if (since == 0) held = in.readings.spindle;
                            in.readings.spindle = held;
                          }));
-  // what only a moving cell looks at: it begins, and stops
+  // faults that only a moving cell checks for: it begins, and stops
   const auto trip = [&](const char* name, const char* injected, auto spoil) {
     FaultCase made = Device(name, injected, beyond, kSpindleBeyond,
                             [spoil](RigInputs& in, int, FaultRig&) { spoil(in.readings.spindle); });
@@ -431,7 +431,7 @@ void AddLoop(std::vector<FaultCase>& cases) {
                              in.readings.spindle.stamp += by;
                              in.readings.interlock.stamp += by;
                            });
-    made.aligning = made.paused = made.waiting = kGoesOn;  // the next frame is of the new time
+    made.aligning = made.paused = made.waiting = kGoesOn;  // the next frame has the new time
     cases.push_back(std::move(made));
   };
   jump("clock jumps forward", "10 s, for all but the frame under way", 10 * rt::kSecond);
@@ -454,7 +454,7 @@ void AddLoop(std::vector<FaultCase>& cases) {
                            try {
                              rig.loop().RequestGains(gains);
                            } catch (const std::invalid_argument&) {
-                             return;  // as it should: the loop never hears of it
+                             return;  // correct: the gains are refused before they reach the loop
                            }
                            throw std::logic_error("the loop took gains that are none");
                          }));

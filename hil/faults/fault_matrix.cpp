@@ -15,10 +15,10 @@ using control::TickRecord;
 using safety::CellState;
 using Records = std::vector<TickRecord>;
 
-constexpr int kBefore = 300;   // ticks of a fault before a cell that waits may begin
-constexpr int kAfter = 80;     // until it begins once the fault is over
+constexpr int kBefore = 300;   // ticks of a fault before a waiting cell may begin
+constexpr int kAfter = 80;     // ticks until it begins after the fault
 constexpr int kSettles = 200;  // until everything is at rest
-constexpr int kRefused = 20;   // that a recovery is looked at which is not allowed
+constexpr int kRefused = 20;   // ticks for which a forbidden recovery is attempted
 constexpr double kSlack = 1.0 + 1e-9;
 constexpr double kStands_rad_per_s = 1e-3;
 constexpr double kDistanceSlack_m = 20e-6;  // the plane's spring turns the velocity a little
@@ -27,7 +27,7 @@ CellState StateOf(const TickRecord& record) { return static_cast<CellState>(reco
 Vector3 Apex(const TickRecord& record) { return Pose(record.X_WT_cmd).translation(); }
 bool IsWaiting(CellState state) { return safety::Waits(state); }
 
-/// One run, and what is wrong with it: the first thing that is.
+/// One run, and the first error found in it.
 class Trial {
  public:
   Trial(const FaultCase& fault, CellState state)
@@ -121,7 +121,7 @@ class Trial {
     return Vector3(Apex(records()[i]) - Apex(records()[i - 1])).isZero(0.0);
   }
 
-  // The fault, for its time. A cell that waits is handed over, and a pause ended, in the midst of it.
+  // Injects the fault for its time. In the middle of it a waiting cell is handed over and a pause ends.
   void Inject() {
     const bool waits = IsWaiting(state_), pauses = state_ == CellState::kPaused;
     const bool to_its_end = verdict_.expected.reaction == Reaction::kAlignsOn;
@@ -138,7 +138,7 @@ class Trial {
     begins_ = first_ + static_cast<std::size_t>(begins);
   }
 
-  // When it was noticed, and how far the tool went from there.
+  // Measures when the fault was noticed, and the tool's travel from there.
   void Measure(std::size_t over) {
     const std::uint32_t before = first_ == 0 ? 0 : records()[first_ - 1].faults;
     noticed_ = over;
@@ -175,7 +175,7 @@ class Trial {
 
   void JudgeDistance() {
     if (stops_ == 0) return;
-    // a tool that follows the arm is not commanded
+    // ends where the tool follows the arm, as it is not commanded there
     double most_m = 0.0;
     for (std::size_t i = stops_; i < records().size() && safety::Brakes(StateAt(i)); ++i)
       most_m = std::max(most_m, (Apex(records()[i]) - Apex(records()[stops_ - 1])).norm());
@@ -199,14 +199,14 @@ class Trial {
     JudgeEnd();
   }
 
-  // At rest, and how one goes on.
+  // Checks that the cell is at rest, and how it can continue.
   void JudgeEnd() {
     control::ServoLoop& loop = rig_.loop();
     const bool faulty = verdict_.expected.faults.Any();
     Need(loop.state() == (faulty ? CellState::kFault : CellState::kOff), "not at rest");
     Need(rig_.qd().cwiseAbs().maxCoeff() < kStands_rad_per_s, "the arm moves");
     Need(!loop.cell_commands().motion_requested, "it still asks for motion");
-    // who was asked to end does not begin again
+    // a cell that was asked to end does not begin again
     const bool recovers = safety::AllowsRecovery(loop.faults()) && state_ != CellState::kStop1;
     Need(loop.CanRecover() == recovers, "recovery");
     rig_.TakeBack();
@@ -238,7 +238,7 @@ class Trial {
     Need(rig_.loop().state() == CellState::kAligning && !Stood(records().size() - 1), "it did not go on");
   }
 
-  // Of every tick of the run.
+  // Checks every tick of the run.
   void JudgeAll() {
     const auto& limits = ScenarioArm().limits;
     std::uint64_t gaps = 0;
@@ -267,7 +267,7 @@ class Trial {
     Need(records().size() + gaps == rig_.ticks(), "a tick that was neither recorded nor refused");
   }
 
-  // An arm whose messages said that it left is handed over anew.
+  // Hands over again an arm whose messages said that it left.
   void Rehand() {
     if (rig_.last().session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive))
       return;

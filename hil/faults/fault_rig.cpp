@@ -15,8 +15,8 @@ using safety::CellState;
 
 constexpr double kPeriod_s = 1e-3;
 constexpr double kPlaneAhead_m = 0.005, kPlaneStiffness_N_per_m = 20e3;
-constexpr int kRenders = 300;   // ticks: in contact, and moving along it
-constexpr int kOnItsWay = 500;  // ticks of the path, about its middle
+constexpr int kRenders = 300;   // ticks until the tool is in contact and moves along the plane
+constexpr int kOnItsWay = 500;  // ticks of the start path, about its middle
 constexpr int kMisses = 5;      // WatchdogParams::arm_misses
 
 Pose ToolAt(const JointVector& q) { return kinematics::LbrArm(ScenarioArm()).FlangePose(q) * ScenarioTool(); }
@@ -45,7 +45,8 @@ control::ServoParams FaultRig::Params(Way way) {
   params.spindle_rad_per_s = 26.0;
   params.spindle_limits = {.max_torque_Nm = 5.0, .max_speed_rad_per_s = 60.0, .trip_s = 0.05};
   params.arm_body = ScenarioBody();
-  // the rig's hand pushes all the time: no bias is taken, and the way to the start is gone in spite of it
+  // the rig's hand pushes all the time: no bias is estimated, and the start path is followed in spite of the
+  // push
   params.sensor_bias.acts = false;
   if (way == Way::kToStart) {
     JointVector goal = StartJoints();
@@ -64,7 +65,7 @@ FaultRig::FaultRig(Way way, const JointVector& q)
   const Pose X_WT = ToolNow();
   feed_W_ = X_WT.linear().col(2);
   side_W_ = X_WT.linear().col(0);
-  // on the way to the start nothing is near
+  // on the start path nothing is near
   plane_W_ = X_WT.translation() + (way == Way::kNone ? kPlaneAhead_m : 5.0) * feed_W_;
 }
 
@@ -76,7 +77,7 @@ void FaultRig::HandOver() {
   q_ipo_ = q_told_ = arm_.q();
 }
 
-// A frame of the command of the tick before.
+// Computes a frame for the command of the last tick.
 void FaultRig::Simulate(rt::Nanoseconds now) {
   const simulation::ToolCommand command = loop_.tool_command();
   if (command.stamp == 0 || ticks_ % 2 != 0) return;
@@ -122,7 +123,7 @@ const control::TickRecord& FaultRig::Tick(const RigInjection& inject, int since)
   recorder_.Push(last_);
   if (recorder_.Stalled()) loop_.ReportRecorder();
   ++ticks_;
-  // an arm that has not got an answer holds the last one; one that is not handed over where it is
+  // an arm without an answer holds the last command; an arm that is not handed over holds its position
   if (in.received == ReceiveResult::kOk) {
     if (in.arm.session != SessionState::kCommandingActive)
       q_told_ = arm_.q();

@@ -14,7 +14,7 @@
 
 namespace osteon::hil {
 
-/// What a tick is given. An injection changes it between the cell and the loop.
+/// Inputs of a tick. An injection changes them between the cell and the loop.
 struct RigInputs {
   control::ArmState arm;
   control::ReceiveResult received{control::ReceiveResult::kOk};
@@ -27,7 +27,7 @@ class FaultRig;
 /// @param since  ticks since the injection began, from 0
 using RigInjection = std::function<void(RigInputs& inputs, int since, FaultRig& rig)>;
 
-/// Takes every tick.
+/// Records every tick.
 class RigRecorder final : public control::TickRecorder {
  public:
   bool Push(const control::TickRecord& record) OSTEON_RT override {
@@ -46,21 +46,21 @@ class FaultRig {
   static constexpr rt::Nanoseconds kTick = rt::kMillisecond;
   enum class Way { kNone, kToStart };
 
-  /// The loop's parameters of every run: the shipped limits, a path to a start where it is wanted.
+  /// The loop's parameters of every run: the shipped limits, and a path to a start if requested.
   [[nodiscard]] static control::ServoParams Params(Way way);
   [[nodiscard]] static kinematics::JointVector StartJoints();
 
   explicit FaultRig(Way way = Way::kNone, const kinematics::JointVector& q = StartJoints());
 
   /// Leads the cell into a state, as a user would.
-  /// @throws std::logic_error where it does not get there.
+  /// @throws std::logic_error if it does not get there.
   void Lead(safety::CellState state);
-  /// One tick, and its record.
+  /// Runs one tick and returns its record.
   const control::TickRecord& Tick(const RigInjection& inject = {}, int since = 0);
   void Run(int ticks);
-  /// The arm is handed over, from another session state; a new activation.
+  /// Hands the arm over, from another session state; a new activation.
   void HandOver();
-  /// It is taken back.
+  /// Takes the arm back.
   void TakeBack() { session_ = control::SessionState::kCommandingWait; }
 
   [[nodiscard]] control::ServoLoop& loop() { return loop_; }
@@ -76,7 +76,7 @@ class FaultRig {
   bool permitted{true};              ///< by the PLC
   double spindle_rad_per_s{25.0};    ///< while it is asked to turn
   double push_N{40.0}, side_N{3.0};  ///< the hand, along the feed and across it
-  rt::Nanoseconds clock_offset{0};   ///< of the loop's clock, from now on
+  rt::Nanoseconds clock_offset{0};   ///< added to the loop's clock, from now on
 
  private:
   [[nodiscard]] Pose ToolNow() const;

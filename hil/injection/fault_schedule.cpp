@@ -8,7 +8,7 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kLongest_s = 1e9;  // a run has ended long before; still fits the nanoseconds
+constexpr double kLongest_s = 1e9;  // longer than any run, and still within the range of nanoseconds
 constexpr rt::Nanoseconds kLongestDelay = 10 * rt::kSecond;
 
 rt::Nanoseconds ToNanoseconds(double time_s) {

@@ -8,14 +8,14 @@
 
 namespace osteon::hil {
 
-/// The faults of one wire in one direction, by time. No allocation once made.
+/// The faults of one wire in one direction, by time. No allocation after construction.
 class FaultSchedule {
  public:
-  /// @param direction  kBoth: of either direction
+  /// @param direction  kBoth: faults of either direction
   /// @throws std::invalid_argument from Validate.
   FaultSchedule(const InjectionParams& params, Wire wire, Direction direction);
 
-  /// COMMANDING_ACTIVE is seen at `now`: time begins. Later calls change nothing.
+  /// Starts the schedule's time at `now`, when COMMANDING_ACTIVE is seen. Later calls change nothing.
   void Begin(rt::Nanoseconds now) OSTEON_RT {
     if (!begun_) begun_at_ = now;
     begun_ = true;
@@ -23,7 +23,7 @@ class FaultSchedule {
 
   [[nodiscard]] WireFaults At(rt::Nanoseconds now) const OSTEON_RT;
 
-  /// Whether there is never anything.
+  /// Whether no fault is scheduled.
   [[nodiscard]] bool empty() const { return windows_.empty(); }
 
  private:

@@ -9,7 +9,7 @@ namespace {
 
 using io::CanResult;
 
-constexpr int kMaxReads = 128;  // of one call: a flood must not hold it
+constexpr int kMaxReads = 128;  // in one call, so that a flood does not block it
 constexpr std::size_t kIdBytes = 2;
 constexpr WireRoom kRoom{
     .datagrams = 8192, .bytes = kIdBytes + 8, .intact = kIdBytes};  // a second of a full bus
@@ -68,7 +68,7 @@ CanResult ImpairedCanBus::Send(const io::CanFrame& frame) OSTEON_RT {
   return SendDue(now);
 }
 
-// False where it is none of the wire's frames.
+// False if the frame is not one of the wire's.
 bool ImpairedCanBus::TakeIn(const io::CanArrival& arrival) OSTEON_RT {
   if (!IsOfWire(arrival.frame)) return false;
   gap_ |= arrival.after_gap;
@@ -114,7 +114,7 @@ CanResult ImpairedCanBus::Receive(io::CanArrival& arrival, rt::Nanoseconds deadl
       return waited;
     }
     if (waited != CanResult::kOk && Now() < due)
-      return CanResult::kEmpty;  // the deadline was first, or time stands still
+      return CanResult::kEmpty;  // the deadline came first, or time is virtual
   }
 }
 

@@ -8,31 +8,29 @@
 
 namespace osteon::hil {
 
-/// The simulated device's end of a CAN bus, with what a scenario does to its frames: those that the device
+/// The simulated device's end of a CAN bus, with a scenario's faults on its frames: those that the device
 /// sends (to the controller) and those that it receives (from it).
 ///
-/// A frame's identifier is never damaged, its data and size may be. Frames move whenever this bus is called;
-/// Receive() wakes where one is due. As a device would not know of it, Send() says kOk for a frame that is
-/// lost.
+/// A frame's identifier is never damaged; its data and size may be. Frames move whenever this bus is called;
+/// Receive() wakes when one is due. Send() returns kOk for a frame that is lost, as a device would not know.
 ///
-/// Several devices on one bus: wrap it once for each, with the identifiers that are its wire's; others pass
-/// as they are.
+/// With several devices on one bus, wrap the bus once for each, with the identifiers of that device's wire;
+/// other frames pass unchanged.
 class ImpairedCanBus final : public io::CanBus {
  public:
-  /// @param bus  must outlive this  @param frames  the wire's identifiers; none: all
-  /// @param virtual_now  where time is virtual: what it is, read at each call; outlives this. Null:
-  /// CLOCK_MONOTONIC
+  /// @param bus  must outlive this object  @param frames  the wire's identifiers; none: all
+  /// @param virtual_now  the virtual time, read at each call; must outlive this object. Null: CLOCK_MONOTONIC
   /// @throws std::invalid_argument from Validate(params).
   ImpairedCanBus(io::CanBus& bus, const InjectionParams& params, Wire wire,
                  std::vector<io::CanFilter> frames = {}, const rt::Nanoseconds* virtual_now = nullptr);
 
-  /// COMMANDING_ACTIVE is seen at `now`; later calls change nothing.
+  /// Records `now` as the time at which COMMANDING_ACTIVE was seen; later calls change nothing.
   void Begin(rt::Nanoseconds now) OSTEON_RT;
 
   io::CanResult Send(const io::CanFrame& frame) OSTEON_RT override;
   io::CanResult TryReceive(io::CanArrival& arrival) OSTEON_RT override;
   io::CanResult Receive(io::CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT override;
-  /// Of the bus behind: what was lost on purpose is in the wires' counters.
+  /// Status of the underlying bus; injected losses are in the wires' counters.
   [[nodiscard]] const io::CanStatus& status() const OSTEON_RT override { return bus_.status(); }
 
   [[nodiscard]] const WireCounters& to_controller() const OSTEON_RT { return to_controller_.counters(); }
@@ -51,7 +49,7 @@ class ImpairedCanBus final : public io::CanBus {
   std::vector<io::CanFilter> frames_;
   const rt::Nanoseconds* virtual_now_;
   ImpairedWire to_controller_, from_controller_;
-  bool gap_{false};  // the bus behind knows of a loss
+  bool gap_{false};  // the underlying bus reported a loss
 };
 
 }  // namespace osteon::hil

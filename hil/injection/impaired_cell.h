@@ -5,8 +5,8 @@
 
 namespace osteon::hil {
 
-/// A simulated cell in virtual time behind wires that a scenario impairs. Used in lockstep as the cell itself
-/// is, but for the messages: none, one or several reach the client in a period, each at its own time.
+/// A simulated cell in virtual time behind impaired wires. Used in lockstep like the cell itself, except that
+/// none, one or several messages reach the client in a period, each at its own time.
 ///
 ///     ImpairedCell cell(SimulatedCell(params, script), injections);
 ///     for (rt::Nanoseconds now = 0; …; now += period) {
@@ -18,14 +18,14 @@ namespace osteon::hil {
 ///       if (accepted) cell.Receive(session.Answer(command));
 ///     }
 ///
-/// Without injections every byte and every time is the cell's own.
+/// Without injections every byte and every time is the same as the cell's.
 class ImpairedCell {
  public:
   /// @throws std::invalid_argument from Validate(injections).
   ImpairedCell(SimulatedCell cell, const InjectionParams& injections);
 
-  /// One period of the cell; then take(message, arrival) for each message that reaches the client before the
-  /// next one. A message's span is valid during the call.
+  /// Advances the cell by one period, then calls take(message, arrival) for each message that reaches the
+  /// client before the next period. A message's span is valid during the call.
   template <class Take>
   void Step(rt::Nanoseconds now, Take&& take) {
     StepCell(now);
@@ -38,7 +38,7 @@ class ImpairedCell {
     }
   }
 
-  /// What the client sends, as soon as it has the newest message. Empty: nothing.
+  /// Takes the client's answer to the newest message. Empty: nothing.
   void Receive(std::span<const std::uint8_t> answer) {
     if (!answer.empty()) wires_.from_controller.Push(answer, client_time_);
   }
@@ -54,7 +54,7 @@ class ImpairedCell {
   SimulatedCell cell_;
   CellWires wires_;
   rt::Nanoseconds period_;
-  rt::Nanoseconds client_time_{0};  // of the client's present tick
+  rt::Nanoseconds client_time_{0};  // time of the client's present tick
 };
 
 }  // namespace osteon::hil

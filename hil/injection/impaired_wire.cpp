@@ -31,8 +31,8 @@ std::uint64_t ImpairedWire::Bits(Draw draw) const OSTEON_RT {
 
 bool ImpairedWire::Happens(Draw draw, double share) const OSTEON_RT { return Uniform(Bits(draw)) < share; }
 
-// Outside a burst one begins with a chance p that makes `loss` the share in the long run: from one burst's
-// end to the next one's beginning (1 - p) / p datagrams pass on average, so loss = b / (b + (1 - p) / p).
+// Outside a burst, a new one begins with a chance p that makes `loss` the share in the long run: between two
+// bursts (1 - p) / p datagrams pass on average, so loss = b / (b + (1 - p) / p).
 bool ImpairedWire::IsLost(const WireFaults& faults) OSTEON_RT {
   if (faults.loss <= 0.0) {
     burst_left_ = 0;
@@ -48,7 +48,8 @@ bool ImpairedWire::IsLost(const WireFaults& faults) OSTEON_RT {
   return true;
 }
 
-// One in four loses its end, the others change bits of one byte. @returns the size that is left.
+// Damages a datagram: one in four is truncated, the others get bit errors in one byte. @returns the remaining
+// size.
 std::size_t ImpairedWire::Damage(std::span<std::uint8_t> datagram) OSTEON_RT {
   const std::size_t size = datagram.size(), kept = room_.intact;
   if (size <= kept) return size;  // nothing that may be damaged
@@ -103,7 +104,7 @@ void ImpairedWire::Push(std::span<const std::uint8_t> datagram, rt::Nanoseconds 
 
 void ImpairedWire::Enqueue(std::span<const std::uint8_t> datagram, int copies, rt::Nanoseconds due,
                            rt::Nanoseconds now) OSTEON_RT {
-  last_due_ = std::max(last_due_, due);  // never before the one ahead
+  last_due_ = std::max(last_due_, due);  // never before the datagram ahead
   for (int i = 0; i < copies; ++i) {
     if (count_ == slots_.size()) {
       ++counters_.overflow;

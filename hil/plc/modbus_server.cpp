@@ -16,7 +16,7 @@ void PutU16(std::vector<std::uint8_t>& bytes, unsigned value) {
   bytes.push_back(static_cast<std::uint8_t>(value));
 }
 
-// Header of the request with another length, then the function and what follows.
+// The request's header with another length, then the function and its data.
 std::vector<std::uint8_t> Adu(std::span<const std::uint8_t> request, std::span<const std::uint8_t> pdu) {
   std::vector<std::uint8_t> answer(request.begin(), request.begin() + 4);
   PutU16(answer, static_cast<unsigned>(pdu.size() + 1));
@@ -28,7 +28,7 @@ std::vector<std::uint8_t> Adu(std::span<const std::uint8_t> request, std::span<c
 }  // namespace
 
 MbapFrame FrameOf(std::span<const std::uint8_t> stream) {
-  // each field is judged as soon as it is there
+  // judge each field as soon as it is complete
   if (stream.size() >= 4 && U16(stream, 2) != 0) return {.state = MbapState::kBroken};
   if (stream.size() < 6) return {};
   const std::size_t length = U16(stream, 4);

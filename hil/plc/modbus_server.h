@@ -6,14 +6,13 @@
 #include <span>
 #include <vector>
 
-// Modbus TCP as a server speaks it, bytes in and bytes out: written apart from libmodbus, which the product
+// Modbus TCP, server side, bytes in and bytes out. Written independently of libmodbus, which the product
 // uses.
 //
 //     transaction u16 | protocol u16 = 0 | length u16 | unit u8 | function u8 | data        big-endian
 //
-// Functions 3 (read holding registers), 6 and 16 (write one, several). Others get exception 1, addresses that
-// are not there 2, counts that are not allowed 3. Source: MODBUS Application Protocol 1.1b3; Messaging on
-// TCP/IP 1.0b.
+// Functions 3 (read holding registers), 6 and 16 (write one, several). Others get exception 1, unknown
+// addresses 2, invalid counts 3. Source: MODBUS Application Protocol 1.1b3; Messaging on TCP/IP 1.0b.
 
 namespace osteon::hil {
 
@@ -22,7 +21,7 @@ inline constexpr std::size_t kModbusMaxAdu = 260;
 
 /// The registers behind the server.
 struct ModbusRegisters {
-  /// The value, or nothing where there is no such register to read.
+  /// The register's value, or nothing if there is no such register to read.
   std::function<std::optional<std::uint16_t>(std::uint16_t address)> read;
   /// Whether there is such a register to write.
   std::function<bool(std::uint16_t address)> writable;
@@ -30,9 +29,9 @@ struct ModbusRegisters {
 };
 
 enum class MbapState : std::uint8_t {
-  kIncomplete,  ///< more bytes belong to it
-  kWhole,       ///< size bytes are one request
-  kBroken,      ///< no Modbus TCP: the connection has to be closed
+  kIncomplete,  ///< more bytes of the request must follow
+  kWhole,       ///< the first size bytes are one request
+  kBroken,      ///< not Modbus TCP: close the connection
 };
 
 struct MbapFrame {
@@ -40,7 +39,7 @@ struct MbapFrame {
   std::size_t size{0};
 };
 
-/// What a stream's first bytes are.
+/// Classifies the first bytes of a stream.
 [[nodiscard]] MbapFrame FrameOf(std::span<const std::uint8_t> stream);
 
 /// Refuses one whole request with an exception code, e.g. kServerBusy.
@@ -48,7 +47,8 @@ struct MbapFrame {
                                                      std::uint8_t exception);
 inline constexpr std::uint8_t kServerBusy = 6;
 
-/// Answers one whole request (FrameOf said kWhole). A write happens as a whole or not at all. Never empty.
+/// Answers one whole request (FrameOf returned kWhole). A write takes effect as a whole or not at all. Never
+/// empty.
 [[nodiscard]] std::vector<std::uint8_t> AnswerModbus(std::span<const std::uint8_t> request,
                                                      const ModbusRegisters& registers);
 

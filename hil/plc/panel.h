@@ -4,7 +4,7 @@
 
 namespace osteon::hil {
 
-/// What an operator has in his hands.
+/// The operator's controls.
 struct PlcPanel {
   bool emergency_stop{false};
   EnablingSwitch enabling{EnablingSwitch::kReleased};

@@ -3,7 +3,8 @@
 namespace osteon::hil {
 namespace {
 
-constexpr rt::Nanoseconds kPress = 100 * rt::kMillisecond;  // as long as the pause before the next
+constexpr rt::Nanoseconds kPress = 100 * rt::kMillisecond;  // also the length of the pause before the next
+                                                            // press
 
 }  // namespace
 

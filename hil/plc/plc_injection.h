@@ -7,27 +7,27 @@
 
 namespace osteon::hil {
 
-/// What a scenario does to the PLC's wire. Modbus runs over TCP, which knows no lost datagrams, so of the
-/// faults these have a meaning:
+/// A scenario's faults on the PLC's wire. Modbus runs over TCP, which loses no datagrams, so only these
+/// faults have a meaning:
 ///
 ///     silence         the server hangs as long as it lasts
 ///     loss            connections are dropped when it begins, whatever its share
 ///     delay, jitter   answers come so much later
 ///
-/// The direction plays no part. One thread at a time.
+/// The direction has no effect. One thread at a time.
 class PlcInjection {
  public:
-  /// @throws std::invalid_argument from Validate(params), and on a fault that has no meaning here.
+  /// @throws std::invalid_argument from Validate(params), and on a fault without a meaning here.
   PlcInjection(PlcServer& server, const InjectionParams& params);
 
-  /// COMMANDING_ACTIVE is seen at `now`; later calls change nothing.
+  /// Starts the schedule at `now`, when COMMANDING_ACTIVE is seen; later calls change nothing.
   void Begin(rt::Nanoseconds now) { schedule_.Begin(now); }
 
-  /// Orders what the scenario has for `now`, on CLOCK_MONOTONIC; to be called as often as its times shall be
-  /// kept.
+  /// Applies the scenario's faults of `now`, on CLOCK_MONOTONIC. Call it as often as its times must be
+  /// accurate.
   void Step(rt::Nanoseconds now);
 
-  [[nodiscard]] std::uint64_t hangs() const { return hangs_; }  ///< silences that have begun
+  [[nodiscard]] std::uint64_t hangs() const { return hangs_; }  ///< silences begun
   [[nodiscard]] std::uint64_t drops() const { return drops_; }  ///< times that connections were dropped
 
  private:

@@ -55,7 +55,7 @@ PlcLogic::PlcLogic(const PlcLogicParams& params) : params_(params), latched_(Bit
 const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs& inputs) {
   now_ = std::max(now_, now);
 
-  // what latches
+  // causes that latch
   std::uint16_t latching = 0;
   if (inputs.emergency_stop) latching |= Bit(PlcBlock::kEmergencyStop);
   if (controller_.Watch(now_, inputs.controller_heartbeat, params_.heartbeat_timeout))
@@ -66,7 +66,7 @@ const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs&
   latched_ |= latching;
   const bool guarded = !params_.guard || guard_.lives;
 
-  // the reset button, pressed: what has its cause gone is cleared
+  // a press of the reset button clears what has no cause any more
   if (inputs.reset && !reset_before_) {
     int standing = latching;
     if (!controller_.lives) standing |= Bit(PlcBlock::kControllerLost);
@@ -80,7 +80,7 @@ const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs&
   if (inputs.enabling == EnablingSwitch::kReleased) must_release_ = false;
   const bool enabled = inputs.enabling == EnablingSwitch::kMiddle && !must_release_;
 
-  // the request: made while nothing is latched, and taken back by what latches or another mode
+  // the request: valid if made while nothing is latched; a latching cause or a change of mode drops it
   if (latched_ != 0 || inputs.mode != mode_before_ || !inputs.motion_request)
     requested_ = false;
   else if (!request_before_)

@@ -70,7 +70,7 @@ PlcServer::PlcServer(const PlcServerParams& params) : params_(params), logic_(pa
         return out.power_on;
       case 983:
         return out.heartbeat;
-      case kControllerHeartbeat:  // holding registers: what was written can be read
+      case kControllerHeartbeat:  // holding registers: written values can be read back
         return controller_heartbeat_;
       case kMotionRequest:
         return motion_request_;
@@ -150,7 +150,7 @@ void PlcServer::Run() {
       clients_.clear();
     }
 
-    // until the next cycle, an answer is due, or somebody has something to say
+    // wait until the next cycle, a due answer, or a client's data
     const bool hung = hung_.load(std::memory_order_relaxed);
     if (!hung) SendDueAnswers();
     std::array<pollfd, 1 + kMaxClients> waiting{};
@@ -183,7 +183,7 @@ void PlcServer::Accept() {
   clients_.push_back({.socket = client, .received = {}, .answers = {}});
 }
 
-// Reads what is there once and answers what is whole; false where the connection has to be closed.
+// Reads the waiting bytes once and answers complete requests; false if the connection must be closed.
 bool PlcServer::Serve(Client& client) {
   std::array<std::uint8_t, 2 * kModbusMaxAdu> bytes;
   const ssize_t size = recv(client.socket, bytes.data(), bytes.size(), 0);
@@ -200,7 +200,7 @@ bool PlcServer::Serve(Client& client) {
     const rt::Nanoseconds now = rt::MonotonicNow();
     const rt::Nanoseconds delay =
         std::max(delay_.load(std::memory_order_relaxed), delay_once_.exchange(0, std::memory_order_relaxed));
-    // never before the one ahead
+    // never before the answer ahead
     const rt::Nanoseconds due =
         client.answers.empty() ? now + delay : std::max(now + delay, client.answers.back().due);
     const auto request = std::span<const std::uint8_t>(client.received).first(frame.size);
@@ -219,12 +219,12 @@ bool PlcServer::Serve(Client& client) {
   }
 }
 
-// False where the connection has to be closed.
+// False if the connection must be closed.
 bool PlcServer::SendDue(Client& client, rt::Nanoseconds now) {
   while (!client.answers.empty() && client.answers.front().due <= now) {
     const std::vector<std::uint8_t> bytes = std::move(client.answers.front().bytes);
     client.answers.pop_front();
-    // an answer is small; who does not take it has stopped reading
+    // an answer is small; a client that does not take it has stopped reading
     if (send(client.socket, bytes.data(), bytes.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(bytes.size()))
       return false;
   }

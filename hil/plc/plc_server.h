@@ -15,7 +15,7 @@
 namespace osteon::hil {
 
 struct PlcServerParams {
-  std::string bind_address{"127.0.0.1"};  ///< dotted IPv4; the loopback unless told otherwise
+  std::string bind_address{"127.0.0.1"};  ///< dotted IPv4; the loopback by default
   std::uint16_t port{1502};               ///< 0: any free one
   int cycle_ms{10};                       ///< of the program, 1 … 100
   PlcLogicParams logic{};
@@ -23,17 +23,17 @@ struct PlcServerParams {
 
 struct PlcServerCounters {
   std::uint64_t requests{0}, connections{0};
-  std::uint64_t refused{0};  ///< connections beyond the few that are served at once
-  std::uint64_t broken{0};   ///< connections closed for bytes that are no Modbus
+  std::uint64_t refused{0};  ///< connections beyond the maximum number
+  std::uint64_t broken{0};   ///< connections closed because their bytes are not Modbus
   std::uint64_t dropped{0};  ///< connections closed by DropConnections()
   std::uint64_t delayed{0};  ///< answers that DelayAnswers() held back
 };
 
 /// The simulated PLC in wall time: PlcLogic, its panel, and a Modbus TCP server of a few connections, in one
-/// thread. The register map is that of io/modbus/register_map.h, written down here once more.
+/// thread. The register map is that of io/modbus/register_map.h, written independently.
 class PlcServer {
  public:
-  /// Starts at once. @throws std::system_error where the port cannot be had, std::invalid_argument on a
+  /// Starts at once. @throws std::system_error if the port is not available, std::invalid_argument on a
   /// parameter.
   explicit PlcServer(const PlcServerParams& params);
   ~PlcServer();
@@ -42,18 +42,18 @@ class PlcServer {
 
   // Any thread.
   void SetPanel(const PlcPanel& panel);
-  /// Fault: connections stay open, and nothing is answered any more; or is again.
+  /// Fault: connections stay open without any answer. False ends it.
   void Hang(bool hung) { hung_.store(hung, std::memory_order_relaxed); }
   /// Fault: the program stands still while the server answers.
   void StopProgram(bool stopped) { program_stopped_.store(stopped, std::memory_order_relaxed); }
   /// Fault: all connections are closed now.
   void DropConnections() { drop_.store(true, std::memory_order_relaxed); }
-  /// Fault: answers to requests from now on are sent so much later, >= 0, in their order; what was read or
-  /// written has happened at once.
+  /// Fault: delays answers to requests from now on by this time, >= 0, in their order; reads and writes
+  /// themselves take effect at once.
   void DelayAnswers(rt::Nanoseconds delay) { delay_.store(delay, std::memory_order_relaxed); }
-  /// Fault: the next answer alone is sent so much later, >= 0.
+  /// Fault: delays only the next answer by this time, >= 0.
   void DelayNextAnswer(rt::Nanoseconds delay) { delay_once_.store(delay, std::memory_order_relaxed); }
-  /// Fault: so many requests from now on are refused as "busy" (exception 6); the connection stays.
+  /// Fault: refuses this many requests from now on as "busy" (exception 6); the connection stays.
   void RefuseAsBusy(int requests) { busy_.store(requests, std::memory_order_relaxed); }
   [[nodiscard]] PlcLogicOutputs outputs() const;
   [[nodiscard]] PlcServerCounters counters() const;

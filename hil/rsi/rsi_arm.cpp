@@ -46,7 +46,7 @@ void RsiArm::Move(bool client_had_its_time, const Wrench&) {
 
 std::span<const std::uint8_t> RsiArm::Message(const Wrench&, rt::Nanoseconds) { return message_; }
 
-// Whether somebody at the pad would.
+// Whether an operator at the pad would start the program again.
 bool RsiArm::StartsAgain() const {
   const RsiControllerState& state = controller_.state();
   if (!power_ || state.stop.reason != RsiStopReason::kTimeout) return false;
@@ -55,7 +55,7 @@ bool RsiArm::StartsAgain() const {
 
 void RsiArm::Restart() {
   before_ = Sum(before_, controller_.state().counters);
-  // nobody is to blame where nobody was there yet
+  // without any answer there was no client to blame
   if (controller_.state().counters.answered > 0) last_stop_ = controller_.state().stop;
   controller_.Restart();
   idle_cycles_ = 0;

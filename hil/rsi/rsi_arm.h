@@ -5,28 +5,28 @@
 
 namespace osteon::hil {
 
-/// A KR with its controller, and the person at its pad.
+/// A KR with its controller, and the operator at its pad.
 struct RsiArmParams {
-  RsiControllerParams controller{};  ///< its start_deg is the cell's
-  /// Answers of a session before whoever stands at the arm takes it for handed over: those that the PC gives
-  /// without a correction (io::RsiSessionParams::settle_messages); >= 1.
+  RsiControllerParams controller{};  ///< the cell sets its start_deg
+  /// Answers of a session until the arm counts as handed over: those that the PC gives without a correction
+  /// (io::RsiSessionParams::settle_messages); >= 1.
   int handed_over_answers{10};
-  double start_again_s{1.0};  ///< from the end of RSI to the program's next RSI_ON, where there is one; >= 0
-  /// After a Timeout that ended a session with answers the program is started again; without it that takes
+  double start_again_s{1.0};  ///< from the end of RSI to the program's next RSI_ON, if there is one; >= 0
+  /// Restarts the program after a Timeout that ended a session with answers. Otherwise a restart takes
   /// another run of the cell.
   bool start_again_after_loss{false};
 };
 
-/// A KR over RSI: RsiController, and when its program has RSI on.
+/// A KR over RSI: RsiController, and the program that turns RSI on.
 ///
 ///     power on ──▶ RSI runs ──Timeout, nobody ever answered──▶ start_again_s ──▶ RSI runs
 ///                     │ power off, <Stop>, a monitor, Timeout after answers
 ///                     ▼
 ///                  RSI has ended: until the power is back after it was off, or by start_again_after_loss
 ///
-/// What stands for FRI's states: IDLE where RSI has ended, MONITORING_WAIT until the first answer,
-/// COMMANDING_WAIT for handed_over_answers, then COMMANDING_ACTIVE. Counts go on over sessions. The arm is
-/// stiff: what presses on the tool does not deflect it, and its messages say nothing of it.
+/// Equivalents of FRI's states: IDLE after RSI has ended, MONITORING_WAIT until the first answer,
+/// COMMANDING_WAIT for handed_over_answers, then COMMANDING_ACTIVE. Counters continue over sessions. The arm
+/// is stiff: a wrench on the tool does not deflect it and is not in its messages.
 class RsiArm final : public ArmController {
  public:
   /// @param q_start  [rad], six of them
@@ -51,7 +51,7 @@ class RsiArm final : public ArmController {
   Pose X_FT_;
   RsiController controller_;
   kinematics::OrthoParallelArm arm_;
-  RsiCounters before_;  // of the sessions before this one
+  RsiCounters before_;  // of earlier sessions
   RsiStopReport last_stop_;
   bool power_{true};
   int idle_cycles_{0};

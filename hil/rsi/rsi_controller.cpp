@@ -24,7 +24,7 @@ Six ToDegrees(const Joints& q) {
   return axes_deg;
 }
 
-// Seven joints for ServoArm; the last is not there.
+// Pads six joints to seven for ServoArm.
 kinematics::JointVector Seven(const kinematics::JointVectorN<6>& q) {
   kinematics::JointVector seven = kinematics::JointVector::Zero();
   seven.head<6>() = q;
@@ -122,7 +122,7 @@ RsiController::RsiController(const RsiControllerParams& params)
 }
 
 void RsiController::Restart() {
-  // The arm has come to rest at its last set point; there RSI begins, with a number of its own.
+  // The arm has come to rest at its last set point. RSI begins there, with a new IPOC.
   start_deg_ = ToDegrees(q_set_);
   X_BF_start_ = chain_.FlangePose(q_set_);
   last_ = state_.correction = {};
@@ -131,7 +131,7 @@ void RsiController::Restart() {
   state_.delay = excused_delay_ = 0;
   state_.stop = {};
   state_.counters = {};
-  first_ipoc_ = params_.ipoc_step == 1 ? 1 : state_.ipoc + 10'000u;  // counts from the start, or is a clock
+  first_ipoc_ = params_.ipoc_step == 1 ? 1 : state_.ipoc + 10'000u;  // a counter starts at 1; a clock goes on
   state_.ipoc = first_ipoc_ - static_cast<std::uint64_t>(params_.ipoc_step);
 }
 
@@ -181,7 +181,7 @@ std::span<const std::uint8_t> RsiController::Step(bool client_had_its_time) {
   return {reinterpret_cast<const std::uint8_t*>(text_.data()), text_.size()};
 }
 
-// The cycle that ends: what its answer, or the lack of one, does to the correction in force.
+// Ends a cycle: updates the correction in force by its answer, or by the lack of one.
 void RsiController::Judge(bool client_had_its_time) {
   if (answered_) {
     ++state_.counters.answered;
@@ -206,7 +206,7 @@ void RsiController::Judge(bool client_had_its_time) {
   Correct();
 }
 
-// The monitors, and the set point of the correction in force.
+// Applies the monitors, and computes the set point of the correction in force.
 void RsiController::Correct() {
   const Six& correction = state_.correction;
   for (std::size_t i = 0; i < 6; ++i)
@@ -239,7 +239,7 @@ void RsiController::Correct() {
   q_set_ = q;
 }
 
-// The arm follows its set point for a cycle.
+// Moves the arm toward its set point for one cycle.
 void RsiController::Drive() {
   if (params_.level == ArmLevel::kKinematic) {
     qd_ = (q_set_ - q_) / period_s();

@@ -20,7 +20,7 @@ std::string Element(std::string_view name, const std::array<std::string_view, 6>
   return text + "/>";
 }
 
-// Walks along a text; the first thing that is not as expected stops it.
+// Parses a text by position; the first unexpected part stops it.
 class Cursor {
  public:
   explicit Cursor(std::string_view text) : text_(text) {}
@@ -43,7 +43,7 @@ class Cursor {
     }
     at_ = static_cast<std::size_t>(end - text_.data());
   }
-  // Up to the next of `stop`, which is not taken.
+  // Reads up to the next `stop`, which is not consumed.
   std::string_view Until(std::string_view stop) {
     const std::size_t end = text_.find(stop, at_);
     if (!error_.empty() || end == std::string_view::npos) {
@@ -118,7 +118,7 @@ tl::expected<SenMessage, std::string> ReadSen(std::span<const std::uint8_t> data
       } else if (cursor.Is("<IPOC>") && !numbered) {
         read_ipoc();
         numbered = true;
-      } else {  // somebody else's element
+      } else {  // unknown element
         cursor.Expect("<");
         const std::string name(cursor.Until(">"));
         cursor.Expect(">");

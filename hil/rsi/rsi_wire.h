@@ -7,14 +7,14 @@
 
 #include <tl/expected.hpp>
 
-// The controller's side of RSI's XML: <Rob> out, <Sen> in. Written apart from io/rsi, from the same table, so
-// that the two check each other. Text with fmt, a reader that walks by position; allocates.
+// The controller's side of RSI's XML: <Rob> out, <Sen> in. Written independently of io/rsi, from the same
+// table, so that the two check each other. Text with fmt, a reader that parses by position; allocates.
 
 namespace osteon::hil {
 
 enum class RsiFormat : std::uint8_t {
   kImFree,  ///< elements of <Sen> in any order, unknown ones skipped
-  kKroshu,  ///< <Sen> read by position: one byte off and it is refused
+  kKroshu,  ///< <Sen> read by position: refused if a single byte is off
 };
 
 using Six = std::array<double, 6>;
@@ -22,10 +22,10 @@ using Six = std::array<double, 6>;
 /// <Rob>. Degrees and millimetres.
 struct RobMessage {
   RsiFormat format{RsiFormat::kImFree};
-  Six pose_measured{}, pose_set{};  ///< X Y Z A B C; set: in ImFree's alone
-  Six axes_measured{}, axes_set{};  ///< A1 … A6; set: in ImFree's alone
+  Six pose_measured{}, pose_set{};  ///< X Y Z A B C; set: only in kImFree
+  Six axes_measured{}, axes_set{};  ///< A1 … A6; set: only in kImFree
   Six external{};                   ///< E1 … E6
-  Six currents{};                   ///< A1 … A6 [%]; in ImFree's alone
+  Six currents{};                   ///< A1 … A6 [%]; only in kImFree
   std::uint32_t delay{0};
   std::uint64_t ipoc{0};
 };
@@ -35,7 +35,7 @@ struct RobMessage {
 /// <Sen>.
 struct SenMessage {
   bool stop{false};
-  Six correction{};  ///< of AK or RKorr, whichever was expected
+  Six correction{};  ///< of AK or RKorr, as expected
   std::uint64_t ipoc{0};
 };
 

@@ -20,7 +20,7 @@ const AdmittanceRunParams& Validated(const AdmittanceRunParams& params) {
   return params;
 }
 
-// One axis of the shipped arm, with room for any speed.
+// One axis of the shipped arm, without a speed limit.
 ServoArm Arm(const AdmittanceLoopParams& loop) {
   std::array<kinematics::JointLimits, 7> unlimited;
   for (kinematics::JointLimits& limits : unlimited)
@@ -28,7 +28,7 @@ ServoArm Arm(const AdmittanceLoopParams& loop) {
   return {loop.arm, unlimited, loop.period_s, kinematics::JointVector::Zero()};
 }
 
-// The plane z = 0 of a turned frame, as an engine would report it, never older than the tick.
+// The plane z = 0 of a rotated frame, as an engine would report it, always fresh.
 simulation::ContactModel Plane(const Vector3& n_W, double stiffness_N_per_m) {
   simulation::ContactModel model;
   model.frame = 1;
@@ -40,7 +40,7 @@ simulation::ContactModel Plane(const Vector3& n_W, double stiffness_N_per_m) {
 
 }  // namespace
 
-// Positions are seen from where all is at rest, so that what is small keeps its digits.
+// Positions are relative to the rest position, so small motions keep their digits.
 AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
     : params_(Validated(params)),
       preload_N_(params.loop.wall.stiffness_N_per_m > 0.0 ? params.preload_N : 0.0),
@@ -66,7 +66,7 @@ AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
 
 double AdmittanceAxis::Uniform() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
 
-// The command's way to the arm.
+// Sends the command to the arm, with losses and jitter.
 void AdmittanceAxis::SendCommand() {
   commands_.Push(x_c_m_);
   late_ = params_.command_jitter == 0
@@ -84,7 +84,7 @@ double AdmittanceAxis::HandForce() const {
   return -(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a);
 }
 
-// The shipped coupling, on the pose that it acts through.
+// The shipped coupling, at the pose that the wall acts on.
 double AdmittanceAxis::WallForce(std::int64_t tick) {
   const LoopWall& wall = params_.loop.wall;
   poses_.Push(x_c_m_);
@@ -121,7 +121,7 @@ AxisTick AdmittanceAxis::Step() {
   tool_.X_WT.translation() = x_c_m_ * axis_W;
   tool_.V_WT.v = v_c_m_per_s_ * axis_W;
   control::AdmittanceParams law = law_;
-  if (vibration_) {  // as ServoLoop does it
+  if (vibration_) {  // as in ServoLoop
     tick.index = vibration_->Step({.f = (told_N - preload_N_) * axis_W, .t = Vector3::Zero()}, 0.0);
     tick.damping_factor = vibration_->damping_factor();
     tick.reference_N = vibration_->reference_N();

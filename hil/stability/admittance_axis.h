@@ -12,31 +12,32 @@
 
 namespace osteon::hil {
 
-/// The loop of Model B run in time, part by part: what the matrix leaves out is in it.
+/// Parameters of Model B as a simulation in time of the real parts, including effects that the loop's matrix
+/// leaves out.
 struct AdmittanceRunParams {
   AdmittanceLoopParams loop;
-  double preload_N{60.0};     ///< the hand presses on the wall with this; without a wall it pushes nothing
-  double kick_m_per_s{1e-4};  ///< of the virtual tool, at the beginning
+  double preload_N{60.0};     ///< force of the hand on the wall; without a wall there is no preload
+  double kick_m_per_s{1e-4};  ///< initial velocity of the virtual tool
   double command_loss{0.0};   ///< share of commands that never reach the arm, which then holds its last one
-  int command_jitter{0};      ///< a command is late by 0 … so many ticks more; their order stays
-  double seconds{4.0};        ///< a growth is that of the second half
+  int command_jitter{0};      ///< a command is late by 0 … this many ticks more; the order stays
+  double seconds{4.0};        ///< growth is measured over the second half
   std::uint64_t seed{1};
   double noise_N{0.0};                                  ///< of the sensor, rms
-  std::optional<control::VibrationParams> vibration{};  ///< raises drag and mass; none: the law as it is
+  std::optional<control::VibrationParams> vibration{};  ///< raises drag and mass; none: the law unchanged
 };
 
-/// What happened in a tick.
+/// State of the axis in a tick.
 struct AxisTick {
-  double x_m{0.0};     ///< of the virtual tool, from where all is at rest
-  double hand_N{0.0};  ///< what the hand exerts, less its preload
+  double x_m{0.0};     ///< of the virtual tool, from its rest position
+  double hand_N{0.0};  ///< force of the hand, less its preload
   double wall_N{0.0};
   double index{0.0}, damping_factor{1.0}, reference_N{0.0};  ///< of the vibration index
-  bool valid{true};                                          ///< false: the law refused what it was given
+  bool valid{true};                                          ///< false: the law refused its input
 };
 
-/// One axis of the cell: EvaluateCoupling on a plane (a wall on commanded poses as old as asked),
-/// VibrationIndex and StepAdmittance, ServoArm with its dead time, the hand's linear spring, damper and mass;
-/// commands that get lost or come late. Deterministic.
+/// One axis of the cell: EvaluateCoupling on a plane (a wall for commanded poses of the given age),
+/// VibrationIndex and StepAdmittance, ServoArm with its dead time, the hand's linear spring, damper and mass,
+/// and commands that get lost or come late. Deterministic.
 class AdmittanceAxis {
  public:
   /// @throws std::invalid_argument on a parameter out of range.
@@ -45,7 +46,7 @@ class AdmittanceAxis {
   [[nodiscard]] AxisTick Step();
 
  private:
-  // The newest values of the past, the present one first.
+  // The newest values of a signal, the present one first.
   class History {
    public:
     explicit History(int oldest) : values_(static_cast<std::size_t>(oldest) + 1, 0.0) {}
@@ -64,8 +65,9 @@ class AdmittanceAxis {
   [[nodiscard]] double Uniform();
 
   AdmittanceRunParams params_;
-  double preload_N_, rest_m_;  ///< x where all is at rest
-  Matrix3 R_WT_;               ///< the axis is z of a turned tool: the law's changes of frame are in it
+  double preload_N_, rest_m_;  ///< rest_m_: x in equilibrium
+  Matrix3 R_WT_;               ///< the axis is z of a rotated tool, so the law's changes of frame are
+                               ///< exercised
   ServoArm arm_;
   History targets_, felt_, poses_, speeds_, commands_;
   double x_c_m_{0.0}, v_c_m_per_s_, told_arm_m_{0.0};

@@ -14,7 +14,7 @@
 namespace osteon::hil {
 namespace {
 
-constexpr int kMostDelay = 1000;  // ticks: a second
+constexpr int kMostDelay = 1000;  // ticks: a second at 1 kHz
 
 const Matrix3& TurnedTool() {
   static const Matrix3 R = ExpRotation({0.3, -0.4, 0.2});
@@ -53,7 +53,8 @@ Eigen::Matrix<double, 2, 3> ServoStep(const ServoArmParams& params, double perio
   std::array<kinematics::JointLimits, 7> unlimited;
   for (kinematics::JointLimits& limits : unlimited)
     limits.velocity_rad_per_s = std::numeric_limits<double>::max();
-  // An arm starts at rest, so the column of its speed comes from a second step of one that has begun to move.
+  // An arm starts at rest, so the column of its speed comes from the second step of an arm that is already
+  // moving.
   ServoArm arm(prompt, unlimited, period_s, kinematics::JointVector::Constant(1.0));
   const kinematics::JointVector home = kinematics::JointVector::Zero();
   arm.Step(home);
@@ -85,7 +86,7 @@ Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
   const GridHand& hand = params_.hand;
   const double x = s[arm_], v = s[arm_ + 1], target = s[params_.arm.dead_cycles];
 
-  // what the sensor carries of the hand now, and what the law is told
+  // the hand's present load on the sensor, and the law's input
   const double w = 2.0 * std::numbers::pi * params_.arm.bandwidth_hz;
   const double a = w * w * (target - x) - 2.0 * params_.arm.damping_ratio * w * v;
   const double felt_N =
@@ -147,7 +148,7 @@ Boundary GreatestWall(AdmittanceLoopParams params, const BoundaryScan& scan) {
 }
 
 double LeastDrag(AdmittanceLoopParams params, const BoundaryScan& scan) {
-  // scanned in 1 / b: upward there is downward here
+  // scans in 1 / b: an upward scan there is a downward scan in b
   const Boundary found = FirstCrossing(
       [&](double inverse) {
         params.damping_Ns_per_m = 1.0 / inverse;

@@ -11,9 +11,9 @@
 
 namespace osteon::hil {
 
-/// What a wall's force is computed from.
+/// The pose from which a wall's force is computed.
 enum class WallOn {
-  kCommanded,  ///< the commanded pose, age_ticks samples old; 0: planes that are evaluated in the tick
+  kCommanded,  ///< the commanded pose, age_ticks samples old; 0: planes evaluated in the tick
   kMeasured,   ///< the measured pose
 };
 
@@ -31,17 +31,17 @@ struct AdmittanceLoopParams {
   double damping_Ns_per_m{20.0};  ///< b_v
   LoopWall wall;
   ServoArmParams arm;            ///< bandwidth, damping ratio, and the command's dead time: dc = dead_cycles
-  int sensor_delay{1};           ///< df [ticks]: from what the hand exerts to what the law is told
-  double tool_mass_kg{0.0};      ///< m_t: what the sensor carries, and its inertia feels like more hand
-  double inertia_share{0.0};     ///< of that inertia, what the loop makes up for (control/tool_inertia.h)
-  double acceleration_hz{15.0};  ///< corner of that one's filters
+  int sensor_delay{1};           ///< df [ticks]: from the hand's force to the law's input
+  double tool_mass_kg{0.0};      ///< m_t: the load of the sensor; its inertia feels like more hand mass
+  double inertia_share{0.0};     ///< share of that inertia that the loop compensates (control/tool_inertia.h)
+  double acceleration_hz{15.0};  ///< corner frequency of the compensation's filters
   double period_s{0.001};        ///< T
 };
 
 /// @throws std::invalid_argument naming the field, what was found and what is accepted.
 void Validate(const AdmittanceLoopParams& params);
 
-/// The loop around its equilibrium, linear:
+/// The linear loop around its equilibrium:
 ///
 ///     arm     x_r'' = w^2 (x_c[k-dc] - x_r) - 2 z w x_r'             one step of the shipped ServoArm
 ///     felt    f = -(k_h x_r + b_h x_r' + (m_h + m_t) x_r''),  told df ticks later, and
@@ -50,13 +50,13 @@ void Validate(const AdmittanceLoopParams& params);
 ///             the shipped StepAdmittance
 ///     wall    F_wall = -K x - B x',  x by WallOn
 ///
-/// The law runs along z of a tool that is turned, so that its changes of frame are in the loop too.
+/// The law runs along z of a rotated tool, so its changes of frame are in the loop too.
 class AdmittanceLoop {
  public:
   explicit AdmittanceLoop(const AdmittanceLoopParams& params);
 
-  /// State: x_c now and before, x_r, x_r', v, forces felt before; x_r before and its filtered velocity and
-  /// acceleration where the tool's inertia is made up for.
+  /// Size of the state: x_c now and before, x_r, x_r', v, earlier felt forces; with inertia compensation also
+  /// the previous x_r and its filtered velocity and acceleration.
   [[nodiscard]] int size() const { return motion_ + (params_.inertia_share > 0.0 ? 3 : 0); }
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
   [[nodiscard]] Eigen::MatrixXd Matrix() const;
@@ -65,18 +65,18 @@ class AdmittanceLoop {
  private:
   AdmittanceLoopParams params_;
   Eigen::Matrix<double, 2, 3> arm_step_;  // (x_r, x_r')+ of (x_r, x_r', command)
-  int arm_, speed_, felt_, motion_;       // where these begin in the state
+  int arm_, speed_, felt_, motion_;       // their first indices in the state
 };
 
-/// One period of the shipped ServoArm's joint, within its limits: (q, q')+ = S (q, q', q_cmd), its dead time
-/// apart.
+/// One period of the shipped ServoArm's joint, within its limits and without dead time: (q, q')+ = S (q, q',
+/// q_cmd).
 [[nodiscard]] Eigen::Matrix<double, 2, 3> ServoStep(const ServoArmParams& params, double period_s);
 
-/// The greatest wall stiffness before the first crossing [N/m].
+/// The largest wall stiffness before the first crossing [N/m].
 [[nodiscard]] Boundary GreatestWall(AdmittanceLoopParams params,
                                     const BoundaryScan& scan = {.from = 100.0, .to = 2e6});
-/// The least drag b_v [N s/m] above which the loop is stable up to scan.to: scanned downward from there, as
-/// more drag may hide a window below. 0 where every drag of the scan will do.
+/// The smallest drag b_v [N s/m] above which the loop is stable up to scan.to. Scans downward from there, as
+/// an upward scan could stop below a second unstable range. 0 if every drag of the scan is stable.
 [[nodiscard]] double LeastDrag(AdmittanceLoopParams params,
                                const BoundaryScan& scan = {.from = 1.0, .to = 2000.0});
 

@@ -9,12 +9,13 @@ namespace osteon::hil {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kDied = 1e-9;      // of the greatest motion: below, rounding is what is left
-constexpr double kOutgrown = 0.5;   // of the preload: nearer to it the wall is no longer a linear spring
-constexpr double kFarFree_m = 0.1;  // without a wall: a kick of .1 mm/s has become this
+constexpr double kDied = 1e-9;      // share of the largest motion, below which only rounding is left
+constexpr double kOutgrown = 0.5;   // share of the preload, from which on the wall is no longer a linear
+                                    // spring
+constexpr double kFarFree_m = 0.1;  // without a wall: the size that a kick of 0.1 mm/s has grown to
 
-// Growth of an oscillation, from its first to its last turning point in the second half of a run; of a motion
-// that does not turn, from the middle to the end.
+// Growth of a run's second half: of an oscillation, from its first to its last turning point there; of a
+// motion that does not turn, from the middle to the end.
 class Envelope {
  public:
   explicit Envelope(int ticks) : middle_(ticks / 2), end_(ticks - 1) {}

@@ -5,13 +5,12 @@
 namespace osteon::hil {
 
 /// Steps AdmittanceAxis.
-/// @returns the logarithm of the growth of the motion a period. +infinity where the tool has left the wall or
-/// the
-///   motion has outgrown the preload; -infinity where it has died out.
+/// @returns the logarithm of the motion's growth in a period. +infinity if the tool has left the wall or the
+///   motion has outgrown the preload; -infinity if it has died out.
 /// @throws std::invalid_argument on a parameter out of range.
 [[nodiscard]] double SimulatedGrowth(const AdmittanceRunParams& params);
 
-/// The greatest wall stiffness that is seen stable: scanned upward, then bisected.
+/// The largest wall stiffness that is observed stable: scans upward, then bisects.
 [[nodiscard]] Boundary SimulatedGreatestWall(AdmittanceRunParams params, const BoundaryScan& scan);
 
 }  // namespace osteon::hil

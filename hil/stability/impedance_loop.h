@@ -4,8 +4,8 @@
 
 namespace osteon::hil {
 
-/// Model A of the design's stability page: an impedance device, a mass on a viscous axis that is told a
-/// force.
+/// Model A of the design's stability page: an impedance device, a mass on a viscous axis that receives a
+/// force command.
 struct ImpedanceLoopParams {
   double mass_kg{0.5};                 ///< m
   double damping_Ns_per_m{2.0};        ///< b, the device's own; > 0
@@ -20,7 +20,7 @@ struct ImpedanceLoopParams {
 ///     m x'' + b x' = u,   u_k = -K x_{k-d} - B (x_{k-d} - x_{k-d-1}) / T
 ///
 /// State: x now and before (d + 2 samples), x'.
-/// @throws std::invalid_argument where m, b or T is not > 0, or d < 0.
+/// @throws std::invalid_argument if m, b or T is not > 0, or d < 0.
 class ImpedanceLoop {
  public:
   explicit ImpedanceLoop(const ImpedanceLoopParams& params);
@@ -32,17 +32,17 @@ class ImpedanceLoop {
   ImpedanceLoopParams params_;
 };
 
-/// The greatest wall stiffness before the first crossing [N/m].
+/// The largest wall stiffness before the first crossing [N/m].
 [[nodiscard]] Boundary GreatestWall(ImpedanceLoopParams params,
                                     const BoundaryScan& scan = {.from = 1.0, .to = 1e6});
 
-/// Whether the same device is passive in any hand, which is more than stable by itself:
+/// The device's own damping that makes it passive in any hand, which is stricter than stable alone:
 ///
 ///     b > max over th of (K T / 2) sin((2d+1) th/2) / sin(th/2) - B cos((d+1) th)
 ///
 /// Source: Colgate and Schenkel, Passivity of a class of sampled-data systems, J. Robotic Systems 14, 1997,
 /// with a delay of d samples.
-/// @returns the least b [N s/m] for it.
+/// @returns the smallest such b [N s/m].
 [[nodiscard]] double PassiveDamping(const ImpedanceLoopParams& params);
 
 }  // namespace osteon::hil

@@ -21,14 +21,15 @@ enum Code : std::uint16_t {
 };
 constexpr int kStepCounts = 6, kStepUnits = 7, kStepRunning = 8;
 
-// By the wire's code; code 0 is none. The pound-force is 4.4482216152605 N by definition, the inch 0.0254 m.
+// Indexed by the wire's code; code 0 is unused. The pound-force is 4.4482216152605 N by definition, the inch
+// 0.0254 m.
 constexpr double kPound_N = 4.4482216152605, kInch_m = 0.0254, kKilopond_N = 9.80665;
 constexpr std::array<double, 7> kForceUnit_N{0.0,         kPound_N,          1.0, 1e3 * kPound_N, 1e3,
                                              kKilopond_N, 1e-3 * kKilopond_N};
 constexpr std::array<double, 7> kTorqueUnit_Nm{
     0.0, kPound_N* kInch_m, kPound_N * 12 * kInch_m, 1.0, 1e-3, 0.01 * kKilopond_N, 1e3};
 
-// The sensor's own bits.
+// Status bits of the sensor.
 constexpr std::uint16_t kStatusFault =
     0x19FE;  // 1 … 8 converter, ground, supply, calibration, memory; 11, 12 temperature
 constexpr std::uint16_t kStatusBus = 0x4000;
@@ -87,7 +88,7 @@ void AtiSensor::Accept(const CanArrival& arrival) OSTEON_RT {
     ++unexpected_;
 }
 
-// A row is taken whole: its three parts in order, or it is asked for again.
+// A row is accepted as a whole: its three parts in order; otherwise it is requested again.
 void AtiSensor::TakeMatrix(const CanFrame& frame, std::size_t part) OSTEON_RT {
   if (frame.size != 8) {
     ++malformed_;
@@ -203,7 +204,7 @@ bool AtiSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
   if (phase_ == SensorPhase::kFailed || now < due_) return false;
   frame = {.id = Id(params_.base, kReadings)};
   if (step_ == kStepRunning) {
-    joiner_.GiveUp();  // the other half of an earlier answer: it never joins this one's
+    joiner_.GiveUp();  // drop half of an earlier answer, so that it never joins this one's
     due_ = now - due_ > params_.period ? now + params_.period : due_ + params_.period;
     return true;
   }
@@ -233,7 +234,7 @@ std::string AtiSensor::failure() const {
   const std::string place =
       fmt::format("ATI NETCANOEM sensor (base 0x{:02X}, ids 0x{:03X} … 0x{:03X}): ", params_.base,
                   Id(params_.base, 0), Id(params_.base, 0xF));
-  // what was found may be a count, which is no int
+  // the value found may be a count, which does not fit an int
   const int step = wrong_ == Wrong::kSilent || wrong_ == Wrong::kMatrix ? static_cast<int>(found_) : 0;
   switch (wrong_) {
     case Wrong::kNothing:

@@ -15,13 +15,13 @@ namespace osteon::io {
 
 struct AtiParams {
   std::uint8_t base{0x20};                   ///< 0 … 0x7F; its ids are base << 4 … base << 4 | 0xF
-  rt::Nanoseconds period{rt::kMillisecond};  ///< of requests: one reading each
+  rt::Nanoseconds period{rt::kMillisecond};  ///< of requests: one reading for each
   rt::Nanoseconds answer_timeout{50 * rt::kMillisecond};  ///< for each answer of the set-up
-  int attempts{3};                                        ///< of each of its requests
+  int attempts{3};                                        ///< of each set-up request
   int bias_readings{100};                                 ///< averaged for a bias
 };
 
-/// ATI NETCANOEM: strain gauges with their calibration matrix, on request.
+/// ATI NETCANOEM force sensor: strain gauges with their calibration matrix, read by requests.
 ///
 ///     id = base << 4 | code
 ///     code 0  readings: answers 0 (status u16, gauges 0, 2, 4) and 1 (gauges 1, 3, 5), i16 big-endian
@@ -29,11 +29,11 @@ struct AtiParams {
 ///     code 7  counts a force unit and a torque unit: two u32 big-endian
 ///     code 8  units: a byte each
 ///
-///     F_S = (matrix · gauges) / counts, in N and N·m whatever the units
+///     F_S = (matrix · gauges) / counts, in N and N·m for any units
 ///
 /// Set-up reads matrix, counts and units; then a request goes out each period and its answer is the reading.
-/// A gauge at the end of its range is an overload: the matrix would spread it over all axes. The sensor has
-/// no bias of its own: the mean of the next readings is subtracted here.
+/// A gauge at the end of its range is an overload, as the matrix would spread its error over all axes. The
+/// sensor has no bias function: the mean of the next readings is subtracted here.
 ///
 /// Source: ATI manual 9610-05-1030 as quoted by public drivers.
 class AtiSensor final : public WrenchSensor {
@@ -85,7 +85,7 @@ class AtiSensor final : public WrenchSensor {
   std::uint64_t readings_{0}, unexpected_{0}, malformed_{0};
 };
 
-/// What the bus has to deliver for this sensor.
+/// Identifiers that the bus must deliver for this sensor.
 [[nodiscard]] std::vector<CanFilter> Filters(const AtiParams& params);
 
 }  // namespace osteon::io

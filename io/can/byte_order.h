@@ -6,7 +6,7 @@
 
 #include "control/rt/marker.h"
 
-// Integers in frames. Signed ones go through their unsigned twin, as C++20 defines it.
+// Integers in frames. Signed ones are converted through their unsigned type, as C++20 defines it.
 
 namespace osteon::io {
 

@@ -14,19 +14,19 @@ namespace osteon::io {
 enum class CanResult : std::uint8_t {
   kOk,
   kEmpty,  ///< nothing came (until the deadline)
-  kFull,   ///< the system's send queue is full, or nobody takes the frame: not sent
+  kFull,   ///< the system's send queue is full, or no node acknowledges: not sent
   kDown,   ///< the interface is down or gone, the controller is off the bus
 };
 
-/// What has become of frames so far, and what the controller says about the bus.
+/// Frame counts so far, and the controller's state of the bus.
 struct CanStatus {
   std::uint64_t received{0}, sent{0};
-  std::uint64_t unsent{0};  ///< Send() said kFull or kDown
-  std::uint64_t lost{0};    ///< known to be lost on the way here: queue overflow, a gap in the tunnel's count
+  std::uint64_t unsent{0};  ///< Send() returned kFull or kDown
+  std::uint64_t lost{0};    ///< known losses on the way here: queue overflow, a gap in the tunnel's sequence
   std::uint64_t rejected{
       0};  ///< not a classical data frame with an 11-bit id, or a datagram that is none of ours
   std::uint64_t duplicate{0};     ///< tunnel: seen before, or overtaken; not delivered
-  std::uint64_t error_frames{0};  ///< SocketCAN: reports of the controller
+  std::uint64_t error_frames{0};  ///< SocketCAN: reports of the CAN controller
   bool error_warning{false}, error_passive{false}, bus_off{false};
 };
 
@@ -44,27 +44,27 @@ class CanBus {
   CanBus(const CanBus&) = delete;
   CanBus& operator=(const CanBus&) = delete;
 
-  /// Hands the frame over at once or not at all. A frame beyond 8 bytes or 11 bits is kFull: it never fits.
+  /// Sends the frame at once or not at all. A frame beyond 8 bytes or 11 bits is kFull: it never fits.
   virtual CanResult Send(const CanFrame& frame) OSTEON_RT = 0;
 
-  /// Hands over as many as it can, in their order; what it can't is counted (CanStatus::unsent).
-  /// @returns kOk: all of them; otherwise the gravest of what was wrong.
+  /// Sends as many as it can, in their order; the rest is counted (CanStatus::unsent).
+  /// @returns kOk: all were sent; otherwise the gravest error.
   virtual CanResult SendAll(std::span<const CanFrame> frames) OSTEON_RT {
     CanResult result = CanResult::kOk;
     for (const CanFrame& frame : frames) result = std::max(result, Send(frame));
     return result;
   }
 
-  /// The next frame that has arrived; never waits.
+  /// Takes the next frame that has arrived; never waits.
   virtual CanResult TryReceive(CanArrival& arrival) OSTEON_RT = 0;
 
-  /// Waits for a frame until `deadline` on CLOCK_MONOTONIC; takes one that has arrived even where it has
-  /// passed.
+  /// Waits for a frame until `deadline` on CLOCK_MONOTONIC; takes one that has arrived even if the deadline
+  /// has passed.
   virtual CanResult Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTEON_RT = 0;
 
-  /// What has arrived, at most as many as there is room for; never waits.
-  /// @param[out] count  so many: the first of `room`
-  /// @returns kEmpty where there was none; kDown where the bus is, whatever came before it was.
+  /// Takes the frames that have arrived, at most as many as there is room for; never waits.
+  /// @param[out] count  number of frames, at the front of `room`
+  /// @returns kEmpty if there was none; kDown if the bus is down, even after frames were taken.
   virtual CanResult ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT {
     for (count = 0; count < room.size(); ++count) {
       const CanResult result = TryReceive(room[count]);
@@ -74,7 +74,7 @@ class CanBus {
     return count > 0 ? CanResult::kOk : CanResult::kEmpty;
   }
 
-  /// The same, for whom a bus that is down is one that is silent. @returns how many came.
+  /// As ReceiveAll, for callers that treat a bus that is down like a silent one. @returns how many came.
   std::size_t Drain(std::span<CanArrival> room) OSTEON_RT {
     std::size_t count = 0;
     static_cast<void>(ReceiveAll(room, count));

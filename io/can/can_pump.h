@@ -9,14 +9,14 @@
 
 namespace osteon::io {
 
-/// One device of a bus as its client sees it, all of it but the bus: frames in, frames out. Wall time drives
-/// it through a CanPump, virtual time through memory. One thread at a time; no allocation.
+/// One device on a bus, seen from its client, without the bus itself: frames in, frames out. A CanPump drives
+/// it in wall time, memory in virtual time. One thread at a time; no allocation.
 class CanClient {
  public:
   virtual ~CanClient() = default;
-  /// A frame of the bus, whoever it is meant for.
+  /// Takes a frame of the bus, even one for another device.
   virtual void Accept(const CanArrival& arrival) OSTEON_RT = 0;
-  /// The next frame that this client wants to send at `now`; false where there is none.
+  /// The next frame that this client wants to send at `now`; false if there is none.
   virtual bool Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT = 0;
 };
 
@@ -24,21 +24,21 @@ class CanClient {
 class CanPump {
  public:
   static constexpr std::size_t kMaxClients = 4;
-  static constexpr std::size_t kMaxReads = 128;  ///< of one call: a flood must not hold the tick
+  static constexpr std::size_t kMaxReads = 128;  ///< in one call, so that a flood does not hold up the tick
   static constexpr std::size_t kMaxSends = 16;   ///< of one client in one call
 
   explicit CanPump(CanBus& bus) : bus_(bus) {}
 
-  /// False where there are kMaxClients already. The client must outlive the pump.
+  /// False if there are already kMaxClients. The client must outlive the pump.
   bool Add(CanClient& client) {
     if (count_ == kMaxClients) return false;
     clients_[count_++] = &client;
     return true;
   }
 
-  /// Hands on what has arrived, then sends what is due: a call of ReceiveAll, and one of SendAll where
-  /// anything is due. kDown where the bus is; a frame that finds no room in the queue is counted
-  /// (CanStatus::unsent) and forgotten: every client repeats what matters.
+  /// Distributes the frames that have arrived, then sends those due: one call of ReceiveAll, and one of
+  /// SendAll if anything is due. kDown if the bus is down. A frame without room in the queue is counted
+  /// (CanStatus::unsent) and dropped: every client repeats what matters.
   CanResult Pump(rt::Nanoseconds now) OSTEON_RT;
 
  private:

@@ -47,7 +47,7 @@ std::optional<SdoAnswer> DecodeSdo(const CanFrame& frame) OSTEON_RT {
     answer.kind = SdoAnswer::Kind::kWritten;
   } else if (command == 0x80) {
     answer.value = data;
-  } else if ((command & 0xE2) == 0x42) {  // a value in this frame
+  } else if ((command & 0xE2) == 0x42) {  // the value is in this frame
     answer.kind = SdoAnswer::Kind::kValue;
     answer.size = (command & 0x01) != 0 ? static_cast<std::uint8_t>(4 - (command >> 2 & 3)) : std::uint8_t{4};
     answer.value = answer.size == 4 ? data : data & ((1u << 8 * answer.size) - 1);

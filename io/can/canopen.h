@@ -16,7 +16,7 @@ inline constexpr std::uint16_t kNmt = 0x000, kSync = 0x080, kEmergency = 0x080, 
 
 enum class NmtCommand : std::uint8_t { kStart = 0x01, kStop = 0x02, kPreOperational = 0x80, kReset = 0x81 };
 
-/// What a heartbeat says.
+/// NMT state in a heartbeat.
 enum class NmtState : std::uint8_t {
   kBootUp = 0x00,
   kStopped = 0x04,
@@ -42,17 +42,17 @@ struct Object {
 [[nodiscard]] CanFrame SdoWrite(std::uint8_t node, const Object& object, std::uint32_t value) OSTEON_RT;
 [[nodiscard]] CanFrame SdoRead(std::uint8_t node, const Object& object) OSTEON_RT;
 
-/// What a server answered.
+/// A server's answer.
 struct SdoAnswer {
   enum class Kind : std::uint8_t { kWritten, kValue, kAbort };
   Kind kind{Kind::kAbort};
   std::uint16_t index{0};
   std::uint8_t sub{0};
-  std::uint8_t size{0};    ///< of a value; 4 where the server does not say
+  std::uint8_t size{0};    ///< of a value; 4 if the server does not say
   std::uint32_t value{0};  ///< the value, or the abort code
 };
 
-/// Empty where the data is no answer to an expedited transfer.
+/// Empty if the data is no answer to an expedited transfer.
 [[nodiscard]] std::optional<SdoAnswer> DecodeSdo(const CanFrame& frame) OSTEON_RT;
 
 /// Text of an abort code; not for the tick.

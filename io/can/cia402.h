@@ -4,7 +4,7 @@
 
 #include "control/rt/marker.h"
 
-// CiA 402's state machine of a drive, as its client sees it: states from the statusword (6041), commands by
+// CiA 402's state machine of a drive, from its client's side: states from the statusword (6041), commands by
 // the controlword (6040).
 
 namespace osteon::io {
@@ -18,13 +18,13 @@ enum class DriveState : std::uint8_t {
   kQuickStop,
   kFaultReaction,
   kFault,
-  kUnknown,  ///< a statusword of no state
+  kUnknown,  ///< a statusword that matches no state
 };
 
-/// What is wanted of the drive.
+/// What the client wants of the drive.
 enum class DriveGoal : std::uint8_t {
   kOff,        ///< no torque
-  kEnabled,    ///< turning as told
+  kEnabled,    ///< turning at the commanded speed
   kQuickStop,  ///< braked to rest along its quick-stop ramp, then held there
 };
 
@@ -32,8 +32,7 @@ inline constexpr std::uint16_t kControlDisableVoltage = 0x00, kControlShutdown =
                                kControlSwitchOn = 0x07, kControlEnable = 0x0F, kControlQuickStop = 0x02,
                                kControlFaultReset = 0x80;
 
-/// The state that a statusword says: mask 0x6F for ready, switched on, enabled and quick stop, 0x4F for the
-/// others.
+/// The state in a statusword: mask 0x6F for ready, switched on, enabled and quick stop, 0x4F for the others.
 [[nodiscard]] DriveState StateOf(std::uint16_t statusword) OSTEON_RT;
 
 /// The controlword that leads from `state` one step toward `goal`:
@@ -42,8 +41,8 @@ inline constexpr std::uint16_t kControlDisableVoltage = 0x00, kControlShutdown =
 ///     to quick stop   enabled ─02─▶ quick stop; from below enabled there is nothing to stop: off
 ///     to off          00, from anywhere
 ///
-/// Quick stop is left through off only, so that a drive that was stopped never turns by itself. A fault needs
-/// its reset (0x80, a rising edge), which this never gives.
+/// Quick stop is left through off only, so a stopped drive never turns by itself. A fault needs its reset
+/// (0x80, a rising edge), which this function never gives.
 [[nodiscard]] std::uint16_t ControlToward(DriveGoal goal, DriveState state) OSTEON_RT;
 
 /// E.g. "switch on disabled"; not for the tick.

@@ -16,8 +16,8 @@ struct CodeText {
   const char* text;
 };
 
-// CiA 402 (IEC 61800-7-201), table of error codes, and CiA 301's of communication: those that a servo drive
-// of a tool has.
+// CiA 402 (IEC 61800-7-201), table of error codes, and communication errors of CiA 301: those that apply to a
+// tool's servo drive.
 constexpr std::array kCodes{
     CodeText{0x2130, "short circuit at the input"},
     CodeText{0x2220, "continuous over-current inside the drive"},
@@ -95,7 +95,7 @@ const char* Find(const std::array<CodeText, N>& table, unsigned code) {
   return found == table.end() ? nullptr : found->text;
 }
 
-// An NMT state by name and number.
+// Text of an NMT state, with its number.
 std::string NmtText(std::uint8_t state) {
   switch (static_cast<canopen::NmtState>(state)) {
     case canopen::NmtState::kBootUp:

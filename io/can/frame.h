@@ -21,14 +21,14 @@ struct CanFrame {
   friend bool operator==(const CanFrame&, const CanFrame&) = default;
 };
 
-/// A frame as it came from a bus.
+/// A frame as received from a bus.
 struct CanArrival {
   CanFrame frame;
-  rt::Nanoseconds stamp{0};  ///< when it reached this machine, CLOCK_MONOTONIC (or virtual time)
+  rt::Nanoseconds stamp{0};  ///< arrival at this machine, CLOCK_MONOTONIC (or virtual time)
   bool after_gap{false};     ///< the transport knows that frames before this one were lost
 };
 
-/// As candump and cansend write it, e.g. "064#0B00"; for errors and tests, not for the tick.
+/// The frame in the notation of candump and cansend, e.g. "064#0B00"; for errors and tests, not for the tick.
 [[nodiscard]] std::string ToText(const CanFrame& frame);
 
 /// An identifier as errors print it, e.g. "0x064".

@@ -2,7 +2,7 @@
 
 namespace osteon::io {
 
-/// Whether this kernel speaks SocketCAN (many containers and virtual machines do not).
+/// Whether this kernel supports SocketCAN (many containers and virtual machines do not).
 [[nodiscard]] bool HasSocketCan();
 
 }  // namespace osteon::io

@@ -14,18 +14,18 @@ struct PairJoinerParams {
   std::uint16_t first_id{0}, second_id{0};
   std::uint8_t first_size{8}, second_size{8};
   /// The halves of a pair arrive within this time. Well below the time between pairs, so that a second half
-  /// never joins the first one of another pair when the two frames between them are lost.
+  /// never joins the first half of another pair when the two frames between them are lost.
   rt::Nanoseconds window{rt::kMillisecond / 2};
 };
 
-/// Joins halves that carry no number of their own. A first half waits for its second one; it is given up when
-/// another first half comes, when the transport says that frames are missing (after_gap), or when the second
-/// half comes too late. A second half without a waiting first one is dropped.
+/// Joins halves that carry no number of their own. A first half waits for its second one. It is dropped when
+/// another first half comes, when the transport reports lost frames (after_gap), or when the second half
+/// comes too late. A second half without a waiting first one is dropped.
 class PairJoiner {
  public:
   enum class Result : std::uint8_t {
     kForeign,  ///< another id
-    kWaiting,  ///< half a pair, or half of none
+    kWaiting,  ///< half a pair, or a half without its partner
     kJoined,   ///< bytes() is the pair, stamp() its arrival
   };
 
@@ -47,7 +47,7 @@ class PairJoiner {
       for (std::size_t i = 0; i < 8; ++i) bytes_[i] = arrival.frame.data[i];
       return Result::kWaiting;
     }
-    // The stamps come from two clocks: a little backwards is no sign of another pair.
+    // The stamps come from two clocks: a small negative difference does not mean another pair.
     const rt::Nanoseconds apart = arrival.stamp - stamp_;
     if (!waiting_ || apart > params_.window || apart < -params_.window) {
       GiveUp();
@@ -59,7 +59,7 @@ class PairJoiner {
     return Result::kJoined;
   }
 
-  /// Forgets the half that waits; it is counted.
+  /// Drops the half that waits; it is counted.
   void GiveUp() OSTEON_RT {
     halves_ += waiting_ ? 1 : 0;
     waiting_ = false;
@@ -67,7 +67,7 @@ class PairJoiner {
 
   [[nodiscard]] const std::array<std::uint8_t, 16>& bytes() const OSTEON_RT { return bytes_; }
   [[nodiscard]] rt::Nanoseconds stamp() const OSTEON_RT { return stamp_; }
-  [[nodiscard]] std::uint64_t halves() const OSTEON_RT { return halves_; }  ///< that never found the other
+  [[nodiscard]] std::uint64_t halves() const OSTEON_RT { return halves_; }  ///< without their other half
   [[nodiscard]] std::uint64_t malformed() const OSTEON_RT { return malformed_; }  ///< frames of a wrong size
 
  private:

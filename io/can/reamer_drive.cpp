@@ -24,8 +24,9 @@ constexpr Object kAbortConnection{0x6007, 0, 2}, kControlword{0x6040, 0, 2}, kSt
     kQuickStopDeceleration{0x6085, 0, 4}, kTargetVelocity{0x60FF, 0, 4};
 
 constexpr std::uint32_t kDriveProfile = 402;
-constexpr std::uint32_t kStopAndStay = 6;      // 605A: along the quick-stop ramp, then stay in quick stop
-constexpr std::uint32_t kQuickStopRamp = 2;    // 605E: along the quick-stop ramp
+constexpr std::uint32_t kStopAndStay = 6;      // 605A: brake along the quick-stop ramp, then stay in quick
+                                               // stop
+constexpr std::uint32_t kQuickStopRamp = 2;    // 605E: brake along the quick-stop ramp
 constexpr std::uint32_t kFaultOnLoss = 1;      // 6007: a lost connection is a fault
 constexpr std::uint32_t kPdoOff = 0x80000000;  // in a PDO's identifier
 constexpr std::uint32_t kAtSync = 1;           // a PDO's transmission type: every SYNC
@@ -160,7 +161,7 @@ void ReamerDrive::TakeSdo(const CanFrame& frame) OSTEON_RT {
   }
   if (phase_ != DrivePhase::kStarting || step_ >= steps_.size() || attempts_ == 0) return;
   const Step& step = steps_[step_];
-  if (answer->index != step.object.index || answer->sub != step.object.sub) return;  // to an earlier attempt
+  if (answer->index != step.object.index || answer->sub != step.object.sub) return;  // of an old attempt
   if (answer->kind == canopen::SdoAnswer::Kind::kAbort) return Fail(Wrong::kAborted, answer->value);
   if ((step.kind == Step::Kind::kRead) != (answer->kind == canopen::SdoAnswer::Kind::kValue)) return;
   if (step.kind == Step::Kind::kRead) {
@@ -189,11 +190,11 @@ void ReamerDrive::TakeHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) OS
     set_up_lost_ = true;
     if (state != static_cast<std::uint8_t>(NmtState::kBootUp)) return Latch(kDriveLeftOperational);
     Latch(kDriveRestarted);
-    status_.state = DriveState::kNotReady;  // what it said before is of another life
+    status_.state = DriveState::kNotReady;  // the earlier state is from before the boot
     status_.speed_rad_per_s = status_.torque_Nm = 0.0;
     was_enabled_ = false;
   } else if (frame.data[0] == static_cast<std::uint8_t>(NmtState::kBootUp)) {
-    Restart();  // whatever was configured is gone
+    Restart();  // the boot cleared the configuration
   } else if (step_ > steps_.size() && operational) {
     phase_ = DrivePhase::kReady;
     ready_since_ = stamp;
@@ -312,7 +313,7 @@ bool ReamerDrive::NextOfSetUp(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
     return false;
   }
   ++attempts_;
-  if (step_ >= steps_.size()) {  // configured: start, and wait until its heartbeat says that it is
+  if (step_ >= steps_.size()) {  // configured: start, and wait for the heartbeat to confirm
     step_ = steps_.size() + 1;
     due_ = now + params_.answer_timeout + 2 * params_.heartbeat;
     frame = canopen::Nmt(NmtCommand::kStart, params_.node);
@@ -327,7 +328,7 @@ bool ReamerDrive::NextOfSetUp(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
 
 std::uint16_t ReamerDrive::Controlword() OSTEON_RT {
   if (reset_cycles_ > 0) {
-    // Low once, so that the edge is one; then high until the state follows.
+    // Low once to make a rising edge; then high until the state follows.
     const bool low = reset_cycles_ == kResetCycles;
     --reset_cycles_;
     return low ? kControlDisableVoltage : kControlFaultReset;

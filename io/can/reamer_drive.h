@@ -16,44 +16,46 @@ namespace osteon::io {
 
 struct ReamerDriveParams {
   std::uint8_t node{16};            ///< 1 … 127; at least 16 beside an ATI sensor
-  std::uint8_t master_node{127};    ///< ours, for the heartbeat that the drive watches
+  std::uint8_t master_node{127};    ///< of the controller, for the heartbeat that the drive watches
   std::int8_t mode{3};              ///< 3 profile velocity, 9 cyclic synchronous velocity
-  double gear_ratio{1.0};           ///< turns of the motor a turn of the tool
-  double rated_torque_Nm{0.0};      ///< of the motor; no default. Has to match the drive's 6076 within 1 %
-  int direction{1};                 ///< 1 or -1: the motor's sense for a positive tool speed
+  double gear_ratio{1.0};           ///< turns of the motor for each turn of the tool
+  double rated_torque_Nm{0.0};      ///< of the motor; no default. Must match the drive's 6076 within 1 %
+  int direction{1};                 ///< 1 or -1: the motor's direction for a positive tool speed
   double max_speed_rad_per_s{0.0};  ///< of the tool; commands beyond are clamped. No default
-  double acceleration_rad_per_s2{100.0};                   ///< of the tool, to speed and from it
+  double acceleration_rad_per_s2{100.0};                   ///< of the tool, both up and down
   double quick_stop_rad_per_s2{400.0};                     ///< of the tool
   rt::Nanoseconds cycle{4 * rt::kMillisecond};             ///< of command, SYNC and status
-  rt::Nanoseconds heartbeat{50 * rt::kMillisecond};        ///< asked of the drive, and sent by us; whole ms
-  int missed_heartbeats{3};                                ///< in a row are a loss, on both sides
-  int missed_cycles{10};                                   ///< status PDOs missing in a row are a loss
+  rt::Nanoseconds heartbeat{50 * rt::kMillisecond};        ///< requested of the drive, and sent by us; whole
+                                                           ///< ms
+  int missed_heartbeats{3};                                ///< this many in a row are a loss, on both sides
+  int missed_cycles{10};                                   ///< this many missing status PDOs in a row are a
+                                                           ///< loss
   rt::Nanoseconds answer_timeout{100 * rt::kMillisecond};  ///< of an SDO
   int attempts{3};                                         ///< of an SDO
   /// Temperature has no standard object: the maker's, i16. Accepted size 2 bytes.
   canopen::Object temperature{0x3201, 0x01, 2};
 };
 
-/// What happened to the drive; latched until ResetFaults().
+/// Faults of the drive; latched until ResetFaults().
 enum DriveFault : std::uint32_t {
   kDriveHeartbeatLost = 1u << 0,    ///< silent for longer than it may be
-  kDriveStatusLost = 1u << 1,       ///< its PDOs do not come any more
+  kDriveStatusLost = 1u << 1,       ///< its PDOs no longer come
   kDriveEmergency = 1u << 2,        ///< it sent an EMCY; DriveStatus::emergency_code
   kDriveInFault = 1u << 3,          ///< its state is fault or fault reaction; DriveStatus::error_code
-  kDriveRestarted = 1u << 4,        ///< it booted: its configuration is gone
-  kDriveLeftEnabled = 1u << 5,      ///< was enabled, and is not although nobody told it so
-  kDriveLeftOperational = 1u << 6,  ///< its heartbeat says another NMT state; DriveStatus::nmt_state
+  kDriveRestarted = 1u << 4,        ///< the drive booted and lost its configuration
+  kDriveLeftEnabled = 1u << 5,      ///< was enabled and left that state without a command
+  kDriveLeftOperational = 1u << 6,  ///< its heartbeat reports another NMT state; DriveStatus::nmt_state
 };
 
 enum class DrivePhase : std::uint8_t {
   kStarting,  ///< being configured
   kReady,     ///< operational; status comes
-  kFailed,    ///< refused; failure() says why. Restart() tries again
+  kFailed,    ///< refused; failure() gives the reason. Restart() tries again
 };
 
 struct DriveCommand {
   DriveGoal goal{DriveGoal::kOff};
-  double speed_rad_per_s{0.0};  ///< of the tool; counts where the goal is kEnabled. Not finite: 0
+  double speed_rad_per_s{0.0};  ///< of the tool; used if the goal is kEnabled. Not finite: 0
 };
 
 struct DriveStatus {
@@ -61,27 +63,27 @@ struct DriveStatus {
   DriveState state{DriveState::kNotReady};
   double speed_rad_per_s{0.0};  ///< of the tool
   double torque_Nm{0.0};        ///< at the tool: per mille of rated × rated torque × gear ratio; no losses
-  double temperature{0.0};      ///< as the maker counts it
+  double temperature{0.0};      ///< in the maker's unit
   std::uint16_t statusword{0};
-  std::uint8_t nmt_state{0xFF};     ///< canopen::NmtState, by its heartbeat
+  std::uint8_t nmt_state{0xFF};     ///< canopen::NmtState, from its heartbeat
   std::uint16_t error_code{0};      ///< 603F
-  std::uint16_t emergency_code{0};  ///< of the last EMCY; 0 once it said "reset" and nothing is latched
+  std::uint16_t emergency_code{0};  ///< of the last EMCY; 0 after an EMCY "reset" with nothing latched
   std::uint32_t faults{0};          ///< DriveFault
 };
 
 /// The reamer's drive: a CiA 402 servo on CANopen.
 ///
-/// Set-up: NMT pre-operational; 1000 has to say profile 402 and 6076 the rated torque; ramps, heartbeats,
+/// Set-up: NMT pre-operational; 1000 must contain profile 402 and 6076 the rated torque; ramps, heartbeats,
 /// quick stop and the three PDOs by SDO; NMT start.
 ///
-///     RPDO1  controlword u16, mode i8, target velocity i32 (motor rpm)      taken over at SYNC
+///     RPDO1  controlword u16, mode i8, target velocity i32 (motor rpm)      applied at SYNC
 ///     TPDO1  statusword u16, mode i8, velocity i32 (motor rpm)              after each SYNC
 ///     TPDO2  torque i16 (per mille of rated), error u16, temperature i16    after each SYNC
 ///
-/// Then a cycle each `cycle`: RPDO1 and SYNC. Both sides watch the other's heartbeat: silence of the drive is
-/// a latched fault here, silence of ours a fault of the drive, which stops along its quick-stop ramp.
+/// Then each `cycle` sends RPDO1 and SYNC. Both sides watch the other's heartbeat. A silent drive is a
+/// latched fault here. If we are silent, the drive faults and stops along its quick-stop ramp.
 ///
-/// Any fault turns the goal to kOff (kQuickStop where the drive can still hear it and turns) until
+/// Any fault changes the goal to kOff (kQuickStop if the drive can still be reached and turns) until
 /// ResetFaults(): the drive never starts by itself. A fault of the drive itself is then reset by a rising
 /// edge of controlword bit 7.
 ///
@@ -98,26 +100,26 @@ class ReamerDrive final : public CanClient {
   [[nodiscard]] const DriveStatus& status() const OSTEON_RT { return status_; }
   [[nodiscard]] DrivePhase phase() const OSTEON_RT { return phase_; }
 
-  /// Clears what is latched, and resets a fault of the drive; configures it anew where it has booted or left
-  /// OPERATIONAL. The command has to be kOff: with any other the drive would start by itself. False, and
-  /// nothing done, otherwise.
+  /// Clears latched faults, and resets a fault of the drive; configures the drive again if it has booted or
+  /// left OPERATIONAL. The command must be kOff, as with any other the drive would start by itself. Otherwise
+  /// returns false and does nothing.
   bool ResetFaults() OSTEON_RT;
 
-  /// It is heard, so that a reset has somebody to reach: heartbeat and status come, or it has just booted.
+  /// Whether a reset can reach the drive: heartbeat and status come, or it has just booted.
   [[nodiscard]] bool IsHeard(rt::Nanoseconds now) const OSTEON_RT {
     return set_up_lost_ || (!HeartbeatIsLost(now) && !StatusIsLost(now));
   }
-  /// Refused, something is latched, or the drive's state is a fault: also while a reset is on its way, when
-  /// nothing is latched.
+  /// Refused, something is latched, or the drive's state is a fault. Also true during a reset, when nothing
+  /// is latched any more.
   [[nodiscard]] bool faulty() const OSTEON_RT {
     return phase_ == DrivePhase::kFailed || status_.faults != 0 || status_.state == DriveState::kFault ||
            status_.state == DriveState::kFaultReaction;
   }
 
-  /// Configures the drive anew, e.g. after kDriveRestarted.
+  /// Configures the drive again, e.g. after kDriveRestarted.
   void Restart() OSTEON_RT;
 
-  /// kFailed, as it never answered or never came up: it may be switched on yet.
+  /// kFailed because it never answered or never became operational: it may not be switched on yet.
   [[nodiscard]] bool silent() const OSTEON_RT {
     return phase_ == DrivePhase::kFailed && (wrong_ == Wrong::kSilent || wrong_ == Wrong::kNotStarted);
   }
@@ -132,8 +134,8 @@ class ReamerDrive final : public CanClient {
   struct Step {
     enum class Kind : std::uint8_t { kRead, kWrite } kind;
     canopen::Object object;
-    std::uint32_t value;  // to write, or that has to be read
-    std::uint32_t mask;   // of what is read; 0: the rated torque
+    std::uint32_t value;  // to write, or expected when read
+    std::uint32_t mask;   // for the value read; 0: the rated torque
   };
   enum class Wrong : std::uint8_t { kNothing, kSilent, kAborted, kValue, kNotStarted };
 
@@ -154,7 +156,7 @@ class ReamerDrive final : public CanClient {
   std::vector<Step> steps_;  // filled once
   DrivePhase phase_{DrivePhase::kStarting};
   std::size_t step_{0};
-  bool quiet_{false};  // pre-operational was ordered
+  bool quiet_{false};  // NMT pre-operational was sent
   int attempts_{0};
   rt::Nanoseconds due_{0};
   Wrong wrong_{Wrong::kNothing};
@@ -163,7 +165,7 @@ class ReamerDrive final : public CanClient {
   DriveCommand command_;
   DriveStatus status_;
   bool was_enabled_{false};
-  bool set_up_lost_{false};  // it booted, or left OPERATIONAL
+  bool set_up_lost_{false};  // the drive booted, or left OPERATIONAL
   int reset_cycles_{0};      // controlwords of a fault reset still to send
   bool sync_due_{false};
   rt::Nanoseconds next_cycle_{0}, next_heartbeat_{0};
@@ -171,7 +173,7 @@ class ReamerDrive final : public CanClient {
   std::uint64_t rejected_{0};
 };
 
-/// What the bus has to deliver for this drive.
+/// Identifiers that the bus must deliver for this drive.
 [[nodiscard]] std::vector<CanFilter> Filters(const ReamerDriveParams& params);
 
 }  // namespace osteon::io

@@ -10,17 +10,17 @@
 
 namespace osteon::io {
 
-/// What a call that took nothing means.
+/// Meaning of a call that took nothing.
 enum class Taken : std::uint8_t {
-  kNothing,  ///< none waits
+  kNothing,  ///< nothing waits
   kDown,     ///< the bus is down
-  kReport,   ///< of an earlier frame: another may wait
+  kReport,   ///< report about an earlier frame: another message may wait
 };
 
-/// CanBus::ReceiveAll over a batch: as few calls as there is room, in the order of arrival.
-/// @param most_skipped  messages that are no frames to be delivered, and are passed over in one call
-/// @param judge  () → Taken, by errno  @param take  (message, CanArrival&) → whether it is one to be
-/// delivered
+/// CanBus::ReceiveAll over a batch: as few system calls as the room allows, in the order of arrival.
+/// @param most_skipped  largest number of messages skipped in one call because they are not deliverable
+///   frames
+/// @param judge  () → Taken, by errno  @param take  (message, CanArrival&) → whether to deliver it
 template <class Batch, class Judge, class Take>
 CanResult ReceiveBatches(Batch& batch, int socket, std::size_t most_skipped, std::span<CanArrival> room,
                          std::size_t& count, const Judge& judge, const Take& take) OSTEON_RT {
@@ -40,7 +40,7 @@ CanResult ReceiveBatches(Batch& batch, int socket, std::size_t most_skipped, std
     left -= came;
     for (std::size_t i = 0; i < came; ++i)
       if (take(i, room[count])) ++count;
-    if (came < asked) break;  // that was all
+    if (came < asked) break;  // nothing more waits
   }
   return count > 0 ? CanResult::kOk : CanResult::kEmpty;
 }

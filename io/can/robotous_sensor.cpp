@@ -24,7 +24,7 @@ struct Choice {
   int hz;
   std::uint8_t code;
 };
-// Code 6 is 300 or 333 Hz, by source: not offered.
+// Code 6 is 300 or 333 Hz, depending on the source: not offered.
 constexpr std::array<Choice, 7> kRates{{{10, 1}, {20, 2}, {50, 3}, {100, 4}, {200, 5}, {500, 7}, {1000, 8}}};
 constexpr std::array<Choice, 15> kFilters{{{0, 0},
                                            {1, 1},
@@ -69,7 +69,8 @@ const char* ErrorText(int code) {
   }
 }
 
-// Slower than this share of the nominal period is another rate: the next one down is half.
+// A period beyond these shares of the nominal one means another rate: the next lower rate has twice the
+// period.
 constexpr double kSlowest = 1.5, kFastest = 0.6;
 
 }  // namespace
@@ -113,7 +114,7 @@ void RobotousSensor::Accept(const CanArrival& arrival) OSTEON_RT {
   if (joiner_.Add(arrival) != PairJoiner::Result::kJoined || phase_ == SensorPhase::kFailed) return;
   const auto& bytes = joiner_.bytes();
   if (bytes[0] == kStartOutput && step_ >= Step::kStart) {
-    if (step_ == Step::kStart && attempts_ == 0) return;  // not asked for yet
+    if (step_ == Step::kStart && attempts_ == 0) return;  // not requested yet
     TakeReading(bytes, joiner_.stamp());
   } else {
     Answer(bytes);
@@ -121,7 +122,7 @@ void RobotousSensor::Accept(const CanArrival& arrival) OSTEON_RT {
 }
 
 void RobotousSensor::Answer(const std::array<std::uint8_t, 16>& bytes) OSTEON_RT {
-  // Readings from before "stop" are still on their way for a while.
+  // Readings from before "stop" still arrive for a while.
   const Step step = attempts_ > 0 ? step_ : Step::kStop;
   if (step == Step::kSetFilter && bytes[0] == kSetFilter) {
     if (bytes[2] != 0) return Fail(Wrong::kRefused, bytes[2]);
@@ -198,7 +199,7 @@ void RobotousSensor::Restart() OSTEON_RT {
 bool RobotousSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
   if (phase_ == SensorPhase::kFailed) return false;
   if (step_ == Step::kMeasureRate || step_ == Step::kRunning) {
-    // Readings that never come (again) while the rate is measured are silence, too.
+    // Missing readings during the measurement of the rate are silence, too.
     if (step_ == Step::kMeasureRate) {
       const rt::Nanoseconds whole = rt::kSecond / params_.rate_hz * params_.rate_readings;
       if (due_ == 0) due_ = now + 2 * whole + params_.answer_timeout;
@@ -214,7 +215,7 @@ bool RobotousSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
     return true;
   }
   if (attempts_ > 0 && now < due_) return false;
-  if (step_ == Step::kStop && attempts_ > 0) Advance();  // it answers nothing
+  if (step_ == Step::kStop && attempts_ > 0) Advance();  // the sensor does not answer "stop"
   if (attempts_ == params_.attempts) {
     Fail(Wrong::kSilent, attempts_);
     return false;

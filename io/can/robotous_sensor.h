@@ -15,32 +15,33 @@ namespace osteon::io {
 
 struct RobotousParams {
   std::uint16_t command_id{0x64}, first_id{0x01},
-      second_id{0x02};        ///< the maker's; an id a sensor can be set
+      second_id{0x02};        ///< the maker's; each id can be set in the sensor
   int rate_hz{1000};          ///< accepted: 10, 20, 50, 100, 200, 500, 1000
   int filter_hz{0};           ///< low-pass in the sensor; 0: off; 1, 2, 3, 5, 10, 20, 30, 40, 50, 100 … 500
   double counts_per_N{50.0};  ///< by model; 50 for most
   double counts_per_Nm{2000.0};                            ///< by model; 2000 for most
-  rt::Nanoseconds settle{20 * rt::kMillisecond};           ///< after "stop", for what is still on its way
+  rt::Nanoseconds settle{20 * rt::kMillisecond};           ///< after "stop", until readings in transit have
+                                                           ///< arrived
   rt::Nanoseconds answer_timeout{100 * rt::kMillisecond};  ///< for each answer
   int attempts{3};                                         ///< of each command
-  int rate_readings{100};  ///< over which the true rate is looked at before the sensor is ready
+  int rate_readings{100};  ///< number of readings for the check of the true rate before the sensor is ready
 };
 
-/// Robotous RFT on CAN.
+/// Robotous RFT force sensor on CAN.
 ///
 ///     command   8 bytes to command_id: code, parameters, zeros
 ///     answer    16 bytes in two frames, first_id then second_id: byte 0 echoes the code
-///     reading   byte 0 0x0B; 1 … 12 Fx Fy Fz Tx Ty Tz, int16 big-endian; 13 overloaded axes, a bit each
+///     reading   byte 0 0x0B; 1 … 12 Fx Fy Fz Tx Ty Tz, int16 big-endian; 13 overloaded axes, one bit each
 ///
 /// Set-up: stop (0x0C), low-pass (0x08) and rate (0x0F) set and read back (0x09, 0x10), start (0x0B); then
-/// the rate of what comes is measured. A sensor whose rate is not confirmed, by its word or by its readings,
-/// is refused: at 200 Hz, its default, the loop would feel 5 ms old forces and not know it.
+/// the rate of the readings is measured. A sensor is refused if its reply or its readings do not confirm the
+/// rate: at 200 Hz, its default, the loop would use forces up to 5 ms old without knowing.
 ///
-/// The bias is the sensor's own (0x11 with 1 or 0); it answers nothing to that.
+/// The bias is the sensor's own function (0x11 with 1 or 0), which it does not answer.
 ///
 /// Source: RFT series manual 1.8 (communication), and the maker's published sample for the codes of rates and
-/// cut-off frequencies. Whether "result" of a set command is 0 or 1 on success differs by source: its error
-/// code and the value read back decide.
+/// cut-off frequencies. Sources differ on whether "result" of a set command is 0 or 1 on success, so the
+/// error code and the value read back decide.
 class RobotousSensor final : public WrenchSensor {
  public:
   /// The error names the parameter, the value found and what is accepted.
@@ -87,7 +88,7 @@ class RobotousSensor final : public WrenchSensor {
   SensorPhase phase_{SensorPhase::kStarting};
   Step step_{Step::kStop};
   int attempts_{0};         // of this step's command
-  rt::Nanoseconds due_{0};  // when to try again
+  rt::Nanoseconds due_{0};  // time of the next attempt
   Wrong wrong_{Wrong::kNothing};
   Step wrong_step_{Step::kStop};
   double found_{0.0};
@@ -98,7 +99,7 @@ class RobotousSensor final : public WrenchSensor {
   int rate_count_{0};
 };
 
-/// What the bus has to deliver for this sensor.
+/// Identifiers that the bus must deliver for this sensor.
 [[nodiscard]] std::vector<CanFilter> Filters(const RobotousParams& params);
 
 }  // namespace osteon::io

@@ -18,9 +18,9 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMaxSkipped = 64;  // error frames and odd frames passed over in one call
+constexpr std::size_t kMaxSkipped = 64;  // error frames and invalid frames skipped in one call
 
-// Whether `name` is an interface of type CAN that is up; otherwise what is wrong with it.
+// Empty if `name` is an interface of type CAN that is up; otherwise text that says what is wrong.
 std::string WrongWithInterface(int fd, const std::string& name, int& index) {
   ifreq request{};
   if (name.empty() || name.size() >= sizeof request.ifr_name)
@@ -43,13 +43,13 @@ tl::expected<std::unique_ptr<SocketCanBus>, std::string> SocketCanBus::Open(cons
   if (fd < 0)
     return tl::unexpected(place + "this kernel does not speak SocketCAN (" + SystemReason(errno) +
                           "); as root: modprobe can-raw, or use the UDP tunnel for a simulated cell");
-  std::unique_ptr<SocketCanBus> bus(new SocketCanBus(fd));  // closes fd on every way out
+  std::unique_ptr<SocketCanBus> bus(new SocketCanBus(fd));  // closes fd on every exit
 
   int index = 0;
   if (const std::string wrong = WrongWithInterface(fd, params.interface, index); !wrong.empty())
     return tl::unexpected(place + wrong);
 
-  // Before bind, so that nothing else ever enters the queue.
+  // Set before bind, so that no other frames ever enter the queue.
   std::vector<can_filter> filters;
   for (const CanFilter& filter : params.filters)
     filters.push_back({.can_id = filter.id, .can_mask = filter.mask | CAN_EFF_FLAG | CAN_RTR_FLAG});
@@ -63,7 +63,7 @@ tl::expected<std::unique_ptr<SocketCanBus>, std::string> SocketCanBus::Open(cons
       setsockopt(fd, SOL_CAN_RAW, CAN_RAW_LOOPBACK, &loopback, sizeof loopback) != 0 ||
       setsockopt(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &off, sizeof off) != 0)
     return tl::unexpected(place + "cannot set the socket up: " + SystemReason(errno));
-  // Without these the time of reading serves, and an overflow goes unseen.
+  // Without these the time of reading is used, and an overflow is not noticed.
   (void)setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
   (void)setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
 
@@ -88,7 +88,7 @@ CanResult SocketCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
     result = std::max(result, why);
   };
   while (!frames.empty()) {
-    std::size_t count = 0;  // up to one that is no frame
+    std::size_t count = 0;  // valid frames before the first invalid one
     for (; count < std::min(frames.size(), out_.kMost); ++count) {
       const CanFrame& frame = frames[count];
       if (frame.id > kCanMaxId || frame.size > CAN_MAX_DLEN) break;
@@ -133,14 +133,14 @@ CanResult SocketCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& coun
   return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, judge, take);
 }
 
-// Whether it is a frame to be delivered; what the kernel or the controller reports is taken either way.
+// Whether to deliver the frame; reports of kernel and controller are processed in any case.
 bool SocketCanBus::Take(std::span<const std::uint8_t> bytes, msghdr& message, CanArrival& arrival) OSTEON_RT {
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
     std::uint32_t dropped = 0;
     std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
     gap_ = gap_ || dropped != overflow_;
-    status_.lost += dropped - overflow_;  // modulo 2^32, as the kernel counts
+    status_.lost += dropped - overflow_;  // modulo 2^32, like the kernel's counter
     overflow_ = dropped;
   }
   can_frame wire{};
@@ -187,7 +187,7 @@ void SocketCanBus::TakeErrorFrame(std::uint32_t error_class, const std::uint8_t*
   if ((state & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0) status_.error_passive = true;
   if ((state & CAN_ERR_CRTL_ACTIVE) != 0) status_.error_passive = status_.error_warning = false;
   if ((state & CAN_ERR_CRTL_RX_OVERFLOW) != 0) {
-    ++status_.lost;  // at least one, in the controller
+    ++status_.lost;  // at least one frame, in the controller
     gap_ = true;
   }
 }

@@ -19,21 +19,20 @@ namespace osteon::io {
 
 struct SocketCanParams {
   std::string interface { "can0" };  ///< a network interface of type CAN that is up
-  std::vector<CanFilter> filters{};  ///< what is delivered; none: everything
-  /// Show what we send to other programs of this machine (candump, a simulated device on vcan). Our own
-  /// socket never gets its own frames.
+  std::vector<CanFilter> filters{};  ///< frames to deliver; none: everything
+  /// Show our frames to other programs of this machine (candump, a simulated device on vcan). Our own socket
+  /// never gets its own frames.
   bool local_loopback{false};
 };
 
-/// Linux SocketCAN: a raw socket on one interface, classical frames with 11-bit ids. The kernel filters:
-/// 29-bit ids and remote requests never come here. Reports of the controller (error frames) are counted and
-/// end in status(); off the bus, Send says kDown until the controller has restarted (`restart-ms`).
+/// Linux SocketCAN: a raw socket on one interface, classical frames with 11-bit ids. The kernel filters
+/// 29-bit ids and remote requests out. Reports of the CAN controller (error frames) are counted and go to
+/// status(). After bus-off, Send returns kDown until the controller has restarted (`restart-ms`).
 ///
-/// Stamps are the arrival in the kernel. What the socket's queue had no room for is counted as lost, and the
-/// next frame says after_gap. However many frames wait or are sent at once, it is one system call for each
-/// 32.
+/// Stamps are the arrival in the kernel. Frames without room in the socket's queue are counted as lost, and
+/// the next frame has after_gap. One system call receives or sends up to 32 frames.
 ///
-/// Setting an interface up is the system's business, once, as root:
+/// The system sets an interface up once, as root:
 ///
 ///     ip link set can0 up type can bitrate 1000000 restart-ms 100
 class SocketCanBus final : public CanBus {
@@ -58,7 +57,7 @@ class SocketCanBus final : public CanBus {
 
   int socket_;
   CanStatus status_;
-  std::uint32_t overflow_{0};  // the kernel's count of frames that found no room in our queue
+  std::uint32_t overflow_{0};  // the kernel's count of frames without room in our queue
   bool gap_{false};
   MessageBatch<sizeof(can_frame), 0> out_;
   MessageBatch<sizeof(can_frame), CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> in_;

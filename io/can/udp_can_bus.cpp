@@ -14,7 +14,7 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMaxSkipped = 64;  // datagrams passed over in one call
+constexpr std::size_t kMaxSkipped = 64;  // datagrams skipped in one call
 
 std::string Place(const std::string& address, std::uint16_t port) {
   return "UDP " + address + ":" + std::to_string(port);
@@ -33,22 +33,22 @@ tl::expected<std::unique_ptr<UdpCanBus>, std::string> UdpCanBus::Open(const UdpC
   const auto bound = BindUdp("CAN tunnel", params.bind_address, params.bind_port);
   if (!bound) return tl::unexpected(bound.error());
   const int fd = bound->socket;
-  std::unique_ptr<UdpCanBus> bus(new UdpCanBus(fd, params.filters));  // closes fd on every way out
-  // Connected, the system drops what anybody else sends.
+  std::unique_ptr<UdpCanBus> bus(new UdpCanBus(fd, params.filters));  // closes fd on every exit
+  // On a connected socket the system drops datagrams from anybody else.
   if (connect(fd, reinterpret_cast<const sockaddr*>(&*peer), sizeof *peer) != 0)
     return tl::unexpected("CAN tunnel: " + Place(params.bind_address, params.bind_port) +
                           ": cannot reach the peer " + Place(params.peer_address, params.peer_port) + ": " +
                           SystemReason(errno));
   bus->port_ = bound->port;
-  // what came from anybody between the two
+  // discard datagrams that arrived from others before the connect
   for (std::size_t i = 0; i < kMaxSkipped && bus->in_.Receive(fd, 1) > 0; ++i) {
   }
   return bus;
 }
 
 tl::expected<UdpCanBus::Pair, std::string> UdpCanBus::OpenPair() {
-  // The first end learns the second's port afterwards: until then it is connected to the discard port, so
-  // that at no time anybody is listened to.
+  // The first end learns the second's port only afterwards. Until then it is connected to the discard port,
+  // so that it never receives from others.
   auto a = Open({.bind_port = 0, .peer_port = 9});
   if (!a) return tl::unexpected(a.error());
   auto b = Open({.bind_port = 0, .peer_port = (*a)->port_});
@@ -66,7 +66,7 @@ CanResult UdpCanBus::Send(const CanFrame& frame) OSTEON_RT { return SendAll({&fr
 CanResult UdpCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
   CanResult result = CanResult::kOk;
   while (!frames.empty()) {
-    // up to one that is no frame; one that is not sent has no number
+    // valid frames before the first invalid one; a frame that is not sent gets no sequence number
     std::size_t count = 0;
     for (; count < std::min(frames.size(), out_.kMost); ++count) {
       const auto number = sequence_ + static_cast<std::uint32_t>(count);
@@ -81,8 +81,8 @@ CanResult UdpCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
     sequence_ += static_cast<std::uint32_t>(went);
     frames = frames.subspan(went);
     if (count > 0 && went == count) continue;
-    // the next was refused: with it all, where there is no room or no socket; alone, where it is no frame or
-    // the system reports by it that an earlier one found nobody
+    // the next frame was refused. All frames fail if there is no room or no socket; it alone fails if it is
+    // invalid, or if the system uses it to report that an earlier datagram was undeliverable
     const bool down = sent < 0 && (errno == EBADF || errno == ENOTSOCK);
     const bool full = sent < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS);
     const std::size_t refused = down || full ? frames.size() : 1;
@@ -111,7 +111,7 @@ CanResult UdpCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) 
   return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, judge, take);
 }
 
-// Whether it is a frame to be delivered.
+// Whether to deliver the frame.
 bool UdpCanBus::Take(std::span<const std::uint8_t> datagram, CanArrival& arrival) OSTEON_RT {
   UdpCanMessage parsed;
   if (DecodeUdpCan(datagram, parsed) != UdpCanError::kNone) {
@@ -133,7 +133,7 @@ CanResult UdpCanBus::Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTE
   }
 }
 
-// Counts what the sequence number tells; false where the frame is old.
+// Updates the counts by the sequence number; false if the frame is old.
 bool UdpCanBus::InOrder(const UdpCanMessage& message) OSTEON_RT {
   if (!heard_ || message.session != peer_session_) {
     heard_ = true;

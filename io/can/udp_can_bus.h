@@ -19,27 +19,27 @@
 namespace osteon::io {
 
 struct UdpCanParams {
-  std::string bind_address{"127.0.0.1"};  ///< IPv4 address of ours
+  std::string bind_address{"127.0.0.1"};  ///< IPv4 address of this end
   std::uint16_t bind_port{29536};
   std::string peer_address{
       "127.0.0.1"};  ///< the one peer; everybody else's datagrams are dropped by the system
   std::uint16_t peer_port{29537};
-  std::vector<CanFilter> filters{};  ///< what is delivered; none: everything
+  std::vector<CanFilter> filters{};  ///< frames to deliver; none: everything
 };
 
-/// A CAN bus of two ends over UDP, for simulated cells only: kernels without CAN, and machines where nobody
-/// may set an interface up. Datagrams as in udp_can_codec.h; hostile until decoded.
+/// A CAN bus with two ends over UDP, for simulated cells only: kernels without CAN, and machines on which
+/// nobody may set an interface up. Datagrams as in udp_can_codec.h; untrusted until decoded.
 ///
-/// What arrives out of order or twice is counted and not delivered; a gap in the sender's count is counted as
-/// lost, and the next frame says after_gap. A new session of the peer (it was started again) begins its count
-/// anew. Nobody listening at the other end is kFull, as an unconnected bus would be: nothing acknowledges.
-/// However many frames wait or are sent at once, it is one system call for each 32.
+/// Frames out of order or received twice are counted and not delivered. A gap in the sender's sequence is
+/// counted as lost, and the next frame has after_gap. A new session of the peer (it was restarted) starts a
+/// new sequence. If nobody listens at the other end, Send returns kFull, like an unconnected bus on which
+/// nothing acknowledges. One system call receives or sends up to 32 frames.
 class UdpCanBus final : public CanBus {
  public:
   /// The error names address and port, and says what to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<UdpCanBus>, std::string> Open(const UdpCanParams& params);
 
-  /// Two ends of one bus in this process, on the loopback at ports that the system chooses.
+  /// Two ends of one bus in this process, on the loopback, at ports that the system chooses.
   using Pair = std::pair<std::unique_ptr<UdpCanBus>, std::unique_ptr<UdpCanBus>>;
   [[nodiscard]] static tl::expected<Pair, std::string> OpenPair();
 
@@ -69,7 +69,7 @@ class UdpCanBus final : public CanBus {
   bool heard_{false}, gap_{false};
   MessageBatch<kUdpCanMaxDatagram, 0> out_;
   MessageBatch<kUdpCanMaxDatagram + 1, CMSG_SPACE(sizeof(timespec))>
-      in_;  // one more, to see what is too long
+      in_;  // one more, to detect oversized datagrams
 };
 
 }  // namespace osteon::io

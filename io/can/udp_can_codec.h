@@ -8,15 +8,16 @@
 #include "control/rt/marker.h"
 #include "io/can/frame.h"
 
-// The UDP tunnel's datagram: one CAN frame, for simulated cells on kernels without CAN. Ours; big-endian.
+// The UDP tunnel's datagram: one CAN frame, for simulated cells on kernels without CAN. Our own format;
+// big-endian.
 //
 //     byte  0  u32  magic "OCAN"
 //           4  u8   version, 1
 //           5  u8   length of the data, 0 … 8
 //           6  u16  identifier, 0 … 0x7FF
-//           8  u32  session: chosen when the sender opened, another one each time
-//          12  u32  sequence: counts the sender's frames of a session from 0, modulo 2^32
-//          16       the data: exactly `length` bytes end the datagram
+//           8  u32  session: chosen anew each time the sender opens
+//          12  u32  sequence: number of the frame in the sender's session, from 0, modulo 2^32
+//          16       the data: exactly `length` bytes to the end of the datagram
 
 namespace osteon::io {
 
@@ -37,18 +38,18 @@ enum class UdpCanError : std::uint8_t {
   kTooShort,  ///< less than a header
   kMagic,
   kVersion,
-  kLength,  ///< more than 8 data bytes, or not as many as the header says
+  kLength,  ///< more than 8 data bytes, or not as many as in the header
   kId,      ///< beyond 11 bits
 };
 
 /// One line for screens and logs; not for the tick.
 [[nodiscard]] const char* Describe(UdpCanError error);
 
-/// `message` changes on kNone only.
+/// `message` is changed only on kNone.
 [[nodiscard]] UdpCanError DecodeUdpCan(std::span<const std::uint8_t> datagram,
                                        UdpCanMessage& message) OSTEON_RT;
 
-/// The datagram is the first `returned` bytes of `buffer`; 0 where the frame is no classical one.
+/// The datagram is the first `returned` bytes of `buffer`; 0 if the frame is not a classical one.
 [[nodiscard]] std::size_t EncodeUdpCan(const UdpCanMessage& message,
                                        std::array<std::uint8_t, kUdpCanMaxDatagram>& buffer) OSTEON_RT;
 

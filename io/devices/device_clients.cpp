@@ -13,7 +13,7 @@ namespace {
 constexpr rt::Nanoseconds kGrantedWithin = 400 * rt::kMillisecond;
 constexpr rt::Nanoseconds kWithdrawnFor = 150 * rt::kMillisecond;  // longer than a heartbeat's 100 ms
 constexpr rt::Nanoseconds kAgainAfter = rt::kSecond;
-constexpr double kStands_rad_per_s = 0.5;  // slower than this a spindle may be switched off
+constexpr double kStands_rad_per_s = 0.5;  // below this speed a spindle may be switched off
 
 template <class Sensor, class Params>
 tl::expected<std::unique_ptr<WrenchSensor>, std::string> MakeOne(const Params& params) {
@@ -27,7 +27,7 @@ struct MakeSensor {
   auto operator()(const AtiParams& params) const { return MakeOne<AtiSensor>(params); }
 };
 
-// A fault of the drive by its names and numbers, and what became of its resets.
+// Text for the drive's faults, with names and numbers, and for its resets.
 std::string DriveFaultText(const DriveStatus& status, bool heard, int resets) {
   return fmt::format(
       "reamer drive: {}: {}; {}", Describe(status.state),

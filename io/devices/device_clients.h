@@ -12,39 +12,39 @@
 
 namespace osteon::io {
 
-/// Force sensor and reamer drive as the loop wants them, and what it asks of the PLC: all of it but the
-/// wires. Wall time puts it on buses (WiredDevices), virtual time hands frames over in memory. One thread at
-/// a time; nothing allocates once made.
+/// The loop's view of force sensor and reamer drive, and its request to the PLC, without the wires. Wall time
+/// puts it on buses (WiredDevices), virtual time passes frames in memory. One thread at a time; no allocation
+/// after construction.
 class DeviceClients {
  public:
   /// The error names the device, the parameter, the value found and what is accepted.
   [[nodiscard]] static tl::expected<std::unique_ptr<DeviceClients>, std::string> Make(
       const DeviceParams& params);
 
-  /// Adds those of a bus (in DeviceParams::buses) to the pump of its end.
+  /// Adds the devices of a bus (in DeviceParams::buses) to the pump of its end.
   void PutOn(CanPump& pump, std::size_t bus);
 
-  /// To the drive: turning as told; ramped down and then off with speed 0. One with a fault is reset where
-  /// the command allows it, DriveReset::kAttempts times at most. A device that never answered is begun anew
-  /// each second: it may be switched on later than the controller.
+  /// Commands the drive: the given speed, or ramp down and then off with speed 0. A drive with a fault is
+  /// reset if the command allows it, at most DriveReset::kAttempts times. A device that never answered is set
+  /// up again each second: it may be switched on later than the controller.
   void Command(const control::CellCommands& commands, rt::Nanoseconds now) OSTEON_RT;
 
-  /// MOTION_REQUEST for the PLC. A request that is not granted within .4 s is withdrawn for a moment and
-  /// made anew: a PLC that was reset meanwhile wants to see it made.
+  /// MOTION_REQUEST for the PLC. A request that is not granted within 0.4 s is withdrawn for a moment and
+  /// made again: a PLC that was reset meanwhile needs a new request.
   [[nodiscard]] bool MotionRequest(const control::CellCommands& commands, const PlcReading& plc,
                                    rt::Nanoseconds now) OSTEON_RT;
 
   [[nodiscard]] control::CellReadings Readings(const PlcReading& plc, rt::Nanoseconds now) const OSTEON_RT;
 
-  /// What keeps the cell from moving, in a sentence for each device; empty where nothing does. For screens
-  /// and logs: allocates.
+  /// What keeps the cell from moving, one sentence for each device; empty if nothing does. For screens and
+  /// logs: allocates.
   [[nodiscard]] std::string Diagnosis(const PlcReading& plc, rt::Nanoseconds now) const;
 
  private:
   DeviceClients(const DeviceParams& params, std::unique_ptr<WrenchSensor> sensor)
       : params_(params), sensor_(std::move(sensor)) {}
 
-  /// One that has been silent for a second is to be begun anew.
+  /// Detects a device that has been silent for a second and must be set up again.
   class Silence {
    public:
     [[nodiscard]] bool Lasts(bool silent, rt::Nanoseconds now) OSTEON_RT;

@@ -16,15 +16,15 @@ namespace osteon::io {
 
 /// A CAN bus of the cell.
 struct CanBusParams {
-  std::string name;              ///< as the cell's file calls it
+  std::string name;              ///< name in the cell's file
   std::string interface;         ///< of SocketCAN, e.g. can0; empty: the tunnel to a simulated cell, below
-  std::uint16_t port{0};         ///< of the tunnel: ours, on the loopback
-  std::uint16_t device_port{0};  ///< the same of the simulated devices
+  std::uint16_t port{0};         ///< of our end of the tunnel, on the loopback
+  std::uint16_t device_port{0};  ///< of the simulated devices' end
 };
 
 using WrenchSensorParams = std::variant<RobotousParams, AtiParams>;
 
-/// The cell's devices beside the arm: which there are, and where.
+/// The cell's devices beside the arm, and their buses.
 struct DeviceParams {
   std::vector<CanBusParams> buses;
   WrenchSensorParams sensor;
@@ -32,11 +32,11 @@ struct DeviceParams {
   std::optional<ReamerDriveParams> drive;  ///< absent: a tool without one
   std::size_t drive_bus{0};
   std::optional<PlcClientParams> plc;
-  rt::Nanoseconds plc_max_age{100 * rt::kMillisecond};  ///< of the PLC's block; of its heartbeat twice that
+  rt::Nanoseconds plc_max_age{100 * rt::kMillisecond};  ///< of the PLC's block; twice that for its heartbeat
 };
 
-/// What each bus has to carry: text naming two devices of one bus that use the same identifier; empty where
-/// there are none.
+/// Checks the identifiers on each bus: text naming two devices of one bus that use the same identifier; empty
+/// if there are none.
 [[nodiscard]] std::optional<std::string> FindOverlap(const DeviceParams& params);
 
 }  // namespace osteon::io

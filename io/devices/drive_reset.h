@@ -5,15 +5,15 @@
 
 namespace osteon::io {
 
-/// When a drive that is found in fault is reset: a few times, with a pause between, and only while it is
-/// allowed (control::CellCommands::clear_faults). A fault that comes back after each reset is for a person.
+/// When a drive in fault is reset: a few times, with a pause between, and only while it is allowed
+/// (control::CellCommands::clear_faults). A fault that comes back after each reset needs a person.
 class DriveReset {
  public:
   static constexpr int kAttempts = 3;
   static constexpr rt::Nanoseconds kBetween =
       rt::kSecond / 2;  ///< longer than a drive takes to boot and answer
 
-  /// Once a tick. True where a reset should be tried now; Count() it where it was one.
+  /// Call once a tick. True if a reset should be tried now; call Count() after a reset.
   [[nodiscard]] bool IsDue(bool allowed, bool faulty, rt::Nanoseconds now) OSTEON_RT {
     if (!allowed) attempts_ = 0;
     return allowed && faulty && attempts_ < kAttempts && (attempts_ == 0 || now - last_ >= kBetween);
@@ -22,7 +22,7 @@ class DriveReset {
     ++attempts_;
     last_ = now;
   }
-  /// Since it was allowed.
+  /// Resets since they were allowed.
   [[nodiscard]] int attempts() const OSTEON_RT { return attempts_; }
 
  private:

@@ -6,7 +6,7 @@
 namespace osteon::io {
 namespace {
 
-// A bus as the one interface, whatever it is made of.
+// Either kind of bus as a CanBus.
 template <class Bus>
 tl::expected<std::unique_ptr<CanBus>, std::string> AsBus(
     tl::expected<std::unique_ptr<Bus>, std::string> opened) {

@@ -17,8 +17,8 @@ namespace osteon::io {
 /// Exchange() never waits. One thread at a time.
 class WiredDevices final : public control::CellDevices {
  public:
-  /// Opens buses and connection; what is at their other end may come later. The error names bus or device,
-  /// and says what to do.
+  /// Opens buses and connection; the devices at their other end may come later. The error names bus or
+  /// device, and says what to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<WiredDevices>, std::string> Open(
       const DeviceParams& params);
 

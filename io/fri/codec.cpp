@@ -15,7 +15,7 @@ using control::SessionState;
 
 constexpr std::uint32_t kMaxPeriodMs = 100, kMaxMultiplier = 100;
 
-// The bare message inside a datagram of the family.
+// Finds the bare message inside a datagram of the family.
 CodecError Open(FriFamily family, std::span<const std::uint8_t> datagram,
                 std::span<const std::uint8_t>& body) OSTEON_RT {
   if (datagram.size() > kFriMaxDatagram) return CodecError::kTooLong;
@@ -32,13 +32,13 @@ CodecError Open(FriFamily family, std::span<const std::uint8_t> datagram,
   return CodecError::kMalformed;
 }
 
-// @param[out] wire  to be as constructed
+// @param[out] wire  must be default-constructed
 CodecError Parse(std::span<const std::uint8_t> body, WireMonitoring& wire) OSTEON_RT {
   if (!ReadMonitoring(body, wire)) return CodecError::kMalformed;
   return wire.header.id == kFriMonitoringId ? CodecError::kNone : CodecError::kWrongId;
 }
 
-// By the fields that no other family has; a bare message without them is of nobody.
+// Detects the family by fields that no other one has; empty for a bare message without them.
 std::optional<FriFamily> FamilyOfFields(const WireMonitoring& wire) OSTEON_RT {
   if (wire.monitor.pose || wire.monitor.redundancy || wire.ipo.pose || wire.ipo.redundancy)
     return FriFamily::k2_5;
@@ -88,7 +88,7 @@ std::optional<FriFamily> TellFamily(std::span<const std::uint8_t> datagram) OSTE
 
 namespace {
 
-// The bytes; where they make no sense, maybe they do to another version.
+// Parses the bytes; if that fails, checks whether another version could read them.
 CodecError ReadWire(FriFamily family, std::span<const std::uint8_t> datagram,
                     WireMonitoring& wire) OSTEON_RT {
   std::span<const std::uint8_t> body;
@@ -167,7 +167,7 @@ CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> data
   for (const WireTransformation& transformation : wire.transformations)
     check.Transformation(family, transformation, m.transformations);
 
-  // what the session state promises
+  // fields that the session state requires
   const bool commanding = m.session >= SessionState::kCommandingWait;
   if ((m.session != SessionState::kIdle && !m.q_meas) || (commanding && !m.q_ipo))
     check.Fail(CodecError::kMissingField);
@@ -178,7 +178,7 @@ CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> data
 
 CodecError EncodeCommand(FriFamily family, const CommandMessage& message, std::span<std::uint8_t> buffer,
                          std::size_t& size) OSTEON_RT {
-  // the protobuf, at its place within the frame
+  // the protobuf, at its position in the frame
   const bool framed = family == FriFamily::k2_7;
   const std::size_t head = framed ? kFriFrameHead : 0, around = framed ? head + kFriFrameTail : 0;
   const std::size_t room = std::min(buffer.size(), kFriMaxDatagram);

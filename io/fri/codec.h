@@ -9,9 +9,9 @@
 #include "io/fri/messages.h"
 #include "io/fri/version.h"
 
-// FRI datagrams to plain structs and back, in the caller's memory: what a client reads and writes. The
-// simulated arm (hil) has a codec of its own, over libprotobuf, so that the two check each other. What comes
-// in is hostile until DecodeMonitoring has said kNone.
+// FRI datagrams to plain structs and back, in the caller's memory, for the client's side. The simulated arm
+// (hil) has a codec of its own, over libprotobuf, so that the two check each other. Input is untrusted until
+// DecodeMonitoring returns kNone.
 
 namespace osteon::io {
 
@@ -24,34 +24,35 @@ enum class CodecError : std::uint8_t {
   kNone = 0,
   kTooLong,       ///< more than 1500 bytes
   kMalformed,     ///< not a protobuf of this message, or an array longer than the wire's fixed size
-  kWrongId,       ///< the header's message identifier is another one
+  kWrongId,       ///< another message identifier in the header
   kMissingField,  ///< without connection info, measured position (beyond IDLE) or ipo position (COMMANDING_*)
-  kWrongCount,    ///< joint values, drive states, matrix or quaternion elements: not as many as there must be
+  kWrongCount,    ///< wrong number of joint values, drive states, matrix or quaternion elements
   kNotFinite,     ///< NaN or infinity
   kOutOfRange,    ///< an enum, a period, a multiplier or a rotation that does not exist
-  kNoSpace,       ///< the caller's buffer is too small, or the message beyond 1500 bytes
-  kChecksum,      ///< 2.7: the frame's CRC-32 is not the message's
+  kNoSpace,       ///< the caller's buffer is too small, or the message exceeds 1500 bytes
+  kChecksum,      ///< 2.7: the frame's CRC-32 does not match the message
   kOtherVersion,  ///< a message of another family of versions: TellFamily says which
 };
 
 /// One line for screens and logs; not for the tick.
 [[nodiscard]] const char* Describe(CodecError error);
 
-/// Parses and checks a message from an arm of that family. `message` changes on kNone only.
+/// Parses and checks a message from an arm of that family. `message` is changed only on kNone.
 [[nodiscard]] CodecError DecodeMonitoring(FriFamily family, std::span<const std::uint8_t> datagram,
                                           MonitoringMessage& message) OSTEON_RT;
 
-/// The measured joints [rad] of a message that was refused since one of them is NaN or infinite: which, and
-/// what it is. Nothing where it is not they.
+/// The measured joints [rad] of a message that was refused because one of them is NaN or infinite. Empty if
+/// it was refused for another reason.
 [[nodiscard]] std::optional<control::JointArray> JointsNotFinite(
     FriFamily family, std::span<const std::uint8_t> datagram) OSTEON_RT;
 
-/// Which family a monitoring message comes from, by its frame and by the fields that only one has. Empty
-/// where it is none, or has none of those fields (an arm that tells nothing but its session state).
+/// Which family a monitoring message comes from, by its frame and by the fields that only one has. Empty if
+/// it is no monitoring message, or has none of those fields (an arm that reports nothing but its session
+/// state).
 [[nodiscard]] std::optional<FriFamily> TellFamily(std::span<const std::uint8_t> datagram) OSTEON_RT;
 
 /// Writes a client's answer; `size` is the datagram's length on kNone. Never encodes a value that is not
-/// finite. Poses are left out where the family has none.
+/// finite. Poses are left out if the family has none.
 [[nodiscard]] CodecError EncodeCommand(FriFamily family, const CommandMessage& message,
                                        std::span<std::uint8_t> buffer, std::size_t& size) OSTEON_RT;
 

@@ -13,7 +13,7 @@ constexpr std::uint32_t kVarint = 0, kFixed64 = 1, kBytes = 2;
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Protobuf fields one after the other; `good` turns false for ever where the bytes make no sense.
+/// Reads protobuf fields one after the other; `good` stays false after the first malformed byte.
 class Fields {
  public:
   explicit Fields(Bytes bytes) : rest_(bytes) {}
@@ -65,7 +65,7 @@ class Fields {
   bool good_{true};
 };
 
-/// Field numbers that have come: what comes twice is refused.
+/// Field numbers seen so far: a repeated field is refused.
 class Once {
  public:
   bool operator()(std::uint32_t number) OSTEON_RT {

@@ -4,7 +4,7 @@
 #include "io/fri/fri_session.h"
 #include "io/fri/session_name.h"
 
-// What FriSession::Diagnosis says. Apart from the tick: it makes text.
+// Text of FriSession::Diagnosis. Not in the tick: it allocates.
 
 namespace osteon::io {
 namespace {
@@ -34,7 +34,7 @@ std::string FriSession::Diagnosis() const {
   const auto say = [&text](const std::string& sentence) { text += (text.empty() ? "" : " ") + sentence; };
   const auto count = [](std::uint32_t n) { return std::to_string(n); };
 
-  // what can not be read
+  // messages that cannot be read
   if (other_family_ && !has_last_)
     say("The arm speaks " + std::string(Describe(*other_family_)) + ", configured is " +
         Name(params_.version) + " (" + count(counters_.other_version) +
@@ -47,7 +47,7 @@ std::string FriSession::Diagnosis() const {
         "and port?");
   if (!has_last_) return text;
 
-  // what the arm says of itself
+  // the arm's own state
   if (last_.safety != FriSafetyState::kNormal)
     say("The arm is in a safety stop (level " + count(static_cast<std::uint32_t>(last_.safety) - 1) +
         ") and ignores commands until that is acknowledged.");
@@ -69,7 +69,7 @@ std::string FriSession::Diagnosis() const {
   if (last_.session == SessionState::kMonitoringReady && last_.quality >= FriQuality::kGood)
     say("The robot program has not asked for commanding.");
 
-  // what it asks for
+  // the robot program's requests
   if (last_.command_mode == CommandMode::kWrench && last_.control != ControlMode::kCartesianImpedance)
     say("The robot program asks for WRENCH, which needs Cartesian impedance control; the arm is in " +
         std::string(Name(last_.control)) + ".");

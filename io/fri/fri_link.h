@@ -18,28 +18,28 @@ namespace osteon::io {
 struct FriLinkParams {
   std::string bind_address{"127.0.0.1"};  ///< IPv4 address of the network card that the arm is on
   std::string
-      arm_address{};  ///< IPv4; of others every datagram is rejected. Empty: the first that speaks is the arm
-  std::uint16_t port{30200};  ///< 30200 … 30209 on KUKA's side, one an arm; 0 lets the system choose
+      arm_address{};  ///< IPv4; datagrams from others are rejected. Empty: the first valid sender is the arm
+  std::uint16_t port{30200};  ///< 30200 … 30209 on KUKA's side, one for each arm; 0 lets the system choose
   FriSessionParams session{};
 };
 
-/// FRI over UDP. The arm speaks first; answers go to where its message came from. The first sender of a valid
-/// message is the peer: others are counted as rejected, until the peer has been silent for a second (an arm
-/// that was restarted may come back from another port). Of several messages that wait, the newest counts and
-/// the others are late.
+/// FRI over UDP. The arm speaks first; answers go to the source of its message. The first sender of a valid
+/// message is the peer. Others are counted as rejected, until the peer has been silent for a second (a
+/// restarted arm may come back from another port). If several messages wait, the newest is used and the
+/// others count as late.
 ///
-/// ArmState::stamp is the arrival in the kernel where the system tells it (SO_TIMESTAMPNS, carried over to
-/// CLOCK_MONOTONIC), so that the loop can see its own wake-up latency; the time of reading otherwise.
-/// One thread at a time; no allocation, no system calls but the socket's and the clock's.
+/// ArmState::stamp is the arrival in the kernel if the system provides it (SO_TIMESTAMPNS, converted to
+/// CLOCK_MONOTONIC), so that the loop can see its own wake-up latency; otherwise the time of reading. One
+/// thread at a time; no allocation, no system calls except the socket's and the clock's.
 class FriLink final : public control::ArmLink {
  public:
   /// The error names address and port, and says what to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<FriLink>, std::string> Open(const FriLinkParams& params);
 
-  /// `deadline` is on CLOCK_MONOTONIC; messages that have arrived are taken even where it has passed.
+  /// `deadline` is on CLOCK_MONOTONIC; messages that have arrived are taken even if it has passed.
   control::ReceiveResult Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT override;
 
-  /// True as well where the session state owes no answer.
+  /// Also true if the session state owes no answer.
   bool Send(const control::ArmCommand& command) OSTEON_RT override;
 
   bool Await(rt::Nanoseconds time) OSTEON_RT override { return peer_.Await(time); }
@@ -48,12 +48,13 @@ class FriLink final : public control::ArmLink {
   /// The bound port.
   [[nodiscard]] std::uint16_t port() const { return peer_.port(); }
 
-  /// Outputs, the last message in full, and what keeps the arm from being commanded; from the link's thread.
+  /// Outputs, the last message in full, and what keeps the arm from being commanded; from the link's thread
+  /// only.
   [[nodiscard]] FriSession& session() { return session_; }
   [[nodiscard]] const FriSession& session() const { return session_; }
 
  private:
-  static constexpr std::size_t kRoom = kFriMaxDatagram + 1;  // one more, to see what is too long
+  static constexpr std::size_t kRoom = kFriMaxDatagram + 1;  // one more, to detect oversized datagrams
 
   FriLink(const BoundUdp& bound, std::optional<in_addr> arm, const FriLinkParams& params)
       : peer_(bound, arm),

@@ -12,7 +12,7 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMostAtOnce = 64;  // a flood must not hold the relay
+constexpr std::size_t kMostAtOnce = 64;  // bounds the time that a flood can take
 
 safety::GuardSession SessionOf(control::SessionState state) {
   switch (state) {
@@ -43,7 +43,7 @@ struct FriRelay::Judge {
   }
   void Reject() OSTEON_RT { ++relay.counters_.rejected; }
   void StartOver() OSTEON_RT { relay.monitor_.StartOver(); }
-  void Superseded() OSTEON_RT {}  // it was relayed as well: the controller counts
+  void Superseded() OSTEON_RT {}  // it was relayed as well: the controller counts it
 };
 
 tl::expected<std::unique_ptr<FriRelay>, std::string> FriRelay::Open(const FriRelayParams& params,

@@ -17,8 +17,8 @@ namespace osteon::io {
 
 struct FriRelayParams {
   std::string arm_address{"127.0.0.1"};  ///< IPv4 address of the network card that the arm is on
-  std::uint16_t arm_port{30209};         ///< where the arm sends to; 0: any free one
-  std::string arm_host{};  ///< IPv4 of the arm; others are rejected. Empty: the first that speaks is the arm
+  std::uint16_t arm_port{30209};         ///< port that the arm sends to; 0: any free one
+  std::string arm_host{};  ///< IPv4 of the arm; others are rejected. Empty: the first valid sender is the arm
   std::string controller_address{"127.0.0.1"};
   std::uint16_t controller_port{30200};  ///< where the controller waits for the arm
   FriVersion version{FriVersion::k1_15};
@@ -26,36 +26,35 @@ struct FriRelayParams {
 
 struct FriRelayCounters {
   std::uint64_t to_controller{0}, to_arm{0};  ///< messages relayed
-  std::uint64_t rejected{0};     ///< to the arm's port: of strangers, or no message of this version
-  std::uint64_t undelivered{0};  ///< the system did not take it, or nobody listens
+  std::uint64_t rejected{0};     ///< to the arm's port: from strangers, or no message of this version
+  std::uint64_t undelivered{0};  ///< the system did not accept it, or nobody listens
 };
 
-/// An FRI session's datagrams from arm to controller and back, bit for bit, as far as a GuardMonitor lets
-/// them pass: FRI speaks to one peer only, so whoever supervises it has to stand in the line.
+/// Relays an FRI session's datagrams between arm and controller, bit for bit, as far as a GuardMonitor lets
+/// them pass. FRI speaks to one peer only, so a supervisor must stand in the line.
 ///
 ///     arm ──▶ arm_port ──▶ (a port of ours) ──▶ controller_port
 ///     arm ◀── arm_port ◀── monitor ◀── the same ◀── controller_port
 ///
-/// The arm is the first sender of a valid message, as for FriLink; of the other side only datagrams from the
-/// controller's address and port are read. Answers that wait are looked at before messages that wait, or a
-/// guard that was late would turn answers in time into late ones. One thread at a time; no allocation once
-/// opened.
+/// The arm is the first sender of a valid message, as for FriLink; on the other side only datagrams from the
+/// controller's address and port are read. Waiting answers are handled before waiting messages; otherwise a
+/// late guard would turn answers in time into late ones. One thread at a time; no allocation after opening.
 class FriRelay {
  public:
-  /// `monitor` outlives the relay. The error names address and port, and says what to do.
+  /// `monitor` must outlive the relay. The error names address and port, and says what to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<FriRelay>, std::string> Open(
       const FriRelayParams& params, safety::GuardMonitor& monitor);
   ~FriRelay();
   FriRelay(const FriRelay&) = delete;
   FriRelay& operator=(const FriRelay&) = delete;
 
-  /// Relays what has come, and what comes until `deadline` on CLOCK_MONOTONIC; looks at the controller's
-  /// silence each time. False where a socket is gone.
+  /// Relays waiting datagrams and those that come until `deadline` on CLOCK_MONOTONIC; checks the
+  /// controller's silence each time. False if a socket is gone.
   bool Serve(rt::Nanoseconds deadline) OSTEON_RT;
 
   [[nodiscard]] std::uint16_t port() const { return arm_.port(); }
   [[nodiscard]] const FriRelayCounters& counters() const { return counters_; }
-  /// From a datagram's arrival in this machine's kernel to the system having taken it on its way.
+  /// From a datagram's arrival in this machine's kernel until the system has accepted it for sending.
   [[nodiscard]] const rt::DurationHistogram& message_delay() const { return message_delay_; }
   [[nodiscard]] const rt::DurationHistogram& answer_delay() const { return answer_delay_; }
 
@@ -68,10 +67,10 @@ class FriRelay {
   bool TakeAnswers() OSTEON_RT;
   void TakeAnswer(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT;
 
-  struct Judge;  // what UdpPeer asks of a protocol
+  struct Judge;  // UdpPeer's protocol interface
 
-  UdpPeer<kFriMaxDatagram + 1> arm_;  // one more, to see what is too long
-  int controller_;                    // connected: nobody else is heard
+  UdpPeer<kFriMaxDatagram + 1> arm_;  // one more, to detect oversized datagrams
+  int controller_;                    // connected, so nobody else is heard
   FriFamily family_;
   safety::GuardMonitor& monitor_;
   MonitoringMessage message_;

@@ -37,7 +37,7 @@ PlainWrench FromWire(const std::array<double, 6>& wire, FriTorqueOrder order) OS
   return F;
 }
 
-// The entry of that name, null where there is none.
+// The entry with this name, null if there is none.
 template <class List>
 auto* Find(const List& list, const FriName& name) OSTEON_RT {
   const auto* at =
@@ -45,7 +45,7 @@ auto* Find(const List& list, const FriName& name) OSTEON_RT {
   return at == list.end() ? nullptr : at;
 }
 
-// The list with this item in the place of the one of its name, or at its end. False where it is full.
+// Replaces the list's item of the same name, or appends the item. False if the list is full.
 template <class List, class Item>
 bool Replace(List& list, const Item& item) OSTEON_RT {
   List next;
@@ -69,7 +69,7 @@ FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
       ++counters_.other_version;
       other_family_ = TellFamily(datagram);
     }
-    // an arm that does not know where it is: the loop has to see which joint, and stops
+    // the arm does not know its own posture: the loop must see which joint is concerned, and stops
     if (const auto q = has_last_ && error == CodecError::kNotFinite ? JointsNotFinite(family_, datagram)
                                                                     : std::nullopt) {
       state.stamp = stamp;
@@ -115,7 +115,7 @@ bool FriSession::IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_
 }
 
 FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT {
-  // The difference modulo 2^32, read as signed, is right across the counter's wrap.
+  // The difference modulo 2^32, read as signed, is correct across the counter's wrap.
   const auto step = static_cast<std::int32_t>(message.sequence - last_.sequence);
   const bool restarted = step <= -kWindow && message.session <= SessionState::kMonitoringReady;
   if (!has_last_ || restarted) {
@@ -129,7 +129,7 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
     seen_ = step < kWindow ? (seen_ << ahead) | 1u : 1u;
     counters_.lost += ahead - 1;
     due_ += ahead;
-    if (step >= kWindow) active_ = false;  // it may have left COMMANDING_ACTIVE and come back unseen
+    if (step >= kWindow) active_ = false;  // it may have left COMMANDING_ACTIVE and returned unnoticed
     return FriAccept::kAccepted;
   }
   if (step > -kWindow) {
@@ -146,28 +146,28 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
 }
 
 void FriSession::BeginSession() OSTEON_RT {
-  held_.reset();  // sent to another arm, or to this one before it moved by itself
+  held_.reset();  // it was sent to another arm, or to this one before it moved by itself
   first_answer_ = command_sequence_;
   any_reflected_ = active_ = false;
   outputs_ = {};
 }
 
-// Of this session's answers the arm names the newest that it has seen.
+// The arm reflects the newest of this session's answers that it has received.
 void FriSession::CheckReflected(const MonitoringMessage& message) OSTEON_RT {
   const std::uint32_t at = message.reflected_sequence - first_answer_;
-  if (at >= command_sequence_ - first_answer_) {  // none of them: not yet, or another client's
+  if (at >= command_sequence_ - first_answer_) {  // none of ours: none received yet, or another client's
     if (any_reflected_) ++counters_.answers_foreign;
     return;
   }
   const std::uint32_t step = any_reflected_ ? message.reflected_sequence - reflected_ : at + 1;
-  if (step > at + 1) {  // back
+  if (step > at + 1) {  // backwards
     ++counters_.answers_foreign;
     return;
   }
   if (step > 0) counters_.answers_lost += step - 1;
   any_reflected_ = true;
   reflected_ = message.reflected_sequence;
-  // so the writes that this answer, or one before it, carried have arrived
+  // the writes of this answer, or of an earlier one, have arrived
   if (writes_sent_ && at >= writes_since_ - first_answer_) {
     outputs_.writes.Clear();
     writes_sent_ = false;
@@ -192,7 +192,7 @@ std::span<const std::uint8_t> FriSession::Answer(const control::ArmCommand& comm
   PutOutputs(answer.outputs);
   std::size_t size = 0;
   CodecError error = EncodeCommand(family_, answer, buffer_, size);
-  if (error != CodecError::kNone) {  // the arm needs the motion; what does not fit beside it can wait
+  if (error != CodecError::kNone) {  // the arm needs the motion; outputs that do not fit beside it wait
     answer.outputs = {};
     error = EncodeCommand(family_, answer, buffer_, size);
   } else if (!answer.outputs.writes.empty() && !writes_sent_) {
@@ -235,7 +235,7 @@ void FriSession::PutMotion(const control::ArmCommand& command, CommandMessage& a
     answer.tau = follows && IsFinite(command.tau) ? command.tau : JointArray{};
 }
 
-// The robot program takes outputs once the connection stands.
+// The robot program accepts outputs once the connection is established.
 void FriSession::PutOutputs(FriOutputs& outputs) OSTEON_RT {
   if (last_.session < SessionState::kMonitoringReady) return;
   outputs.writes = outputs_.writes;

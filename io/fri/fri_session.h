@@ -11,16 +11,16 @@
 
 namespace osteon::io {
 
-/// What became of a datagram.
+/// Result for a datagram.
 enum class FriAccept : std::uint8_t {
-  kAccepted,   ///< newer than all before: the state is its content. Or a joint was measured as NaN or
-               ///< infinite: the state has the joints, nothing else of it counts, and it is not answered
+  kAccepted,   ///< newer than all before: its content is in the state. Or a measured joint is NaN or
+               ///< infinite: the state then has the joints alone, and the message is not answered
   kDuplicate,  ///< seen before
   kReordered,  ///< overtaken by a newer one
-  kRejected,   ///< not a valid message; last_error() says why
+  kRejected,   ///< not a valid message; last_error() gives the reason
 };
 
-/// Which torque comes first in a Cartesian wrench on the wire.
+/// Order of the torques in a Cartesian wrench on the wire.
 enum class FriTorqueOrder : std::uint8_t {
   kZyx,  ///< about z, y, x: KUKA's A, B, C
   kXyz,
@@ -29,88 +29,87 @@ enum class FriTorqueOrder : std::uint8_t {
 struct FriSessionParams {
   FriVersion version{FriVersion::k1_15};
   FriTorqueOrder torque_order{FriTorqueOrder::kZyx};  ///< not confirmed on an arm
-  /// The first command of an activation is followed where no joint is further from the interpolator's
-  /// position than this; > 0.
+  /// Largest distance of a joint from the interpolator's position in the first command of an activation; > 0.
+  /// Beyond it the command is not followed.
   double entry_step_rad{0.02};
 };
 
-/// Why an output could not be taken.
+/// Why an output was refused.
 enum class FriOutputError : std::uint8_t {
   kNone = 0,
-  kUnknown,    ///< the robot program registered none of that name
+  kUnknown,    ///< the robot program registered no such name
   kNotOutput,  ///< it is an input
-  kWrongType,  ///< boolean, digital or analog, and the value for it
+  kWrongType,  ///< boolean, digital or analog does not match the value
   kFull,       ///< more than a message can carry
 };
 
-/// The client's side of an FRI session, all of it but the socket: wall time drives it through FriLink,
-/// virtual time through memory.
+/// The client's side of an FRI session without the socket: FriLink drives it in wall time, memory in virtual
+/// time.
 ///
-/// **Counters** are compared modulo 2^32. A gap counts as lost until the missing message comes after all; the
-/// last 64 counters are remembered to tell reordered ones from duplicates. A counter further back than that
-/// belongs to a new session of the arm, and is believed where the message says MONITORING or IDLE: sessions
-/// begin there. The other way round, the counter that the arm reflects tells which of our answers it took.
+/// **Counters** are compared modulo 2^32. A gap counts as lost until the missing message arrives; the last 64
+/// counters are remembered to tell reordered messages from duplicates. A counter further back belongs to a
+/// new session of the arm, and is accepted if the message's state is MONITORING or IDLE, as sessions begin
+/// there. In the other direction, the counter that the arm reflects tells which of our answers it received.
 ///
-/// **What the client owes**, in answer to every receiveMultiplier-th message:
+/// **Answers owed**, to every receiveMultiplier-th message:
 ///
 ///     IDLE                nothing
 ///     MONITORING_*        1.x: the arm's commanded position, mirrored; 2.x: the header alone
-///     COMMANDING_WAIT     the arm's interpolator position, mirrored; with it a zero wrench or torque in
-///     WRENCH
-///                         or TORQUE mode, whose absence would end the session
+///     COMMANDING_WAIT     the arm's interpolator position, mirrored; in WRENCH or TORQUE mode also a zero
+///                         wrench or torque, without which the session would end
 ///     COMMANDING_ACTIVE   the loop's position, and its wrench or torque
 ///
-/// **No jump on coming back.** Each time that COMMANDING_ACTIVE begins (or a gap of 64 messages might have
-/// hidden it) the interpolator's position is held, without wrench or torque, until a command names this
+/// **No jump on return.** Each time COMMANDING_ACTIVE begins (or a gap of 64 messages might have hidden its
+/// beginning) the interpolator's position is held, without wrench or torque, until a command names this
 /// activation and starts near that position. A command that is not finite is never sent: the last position is
-/// held. Where the arm asks for Cartesian poses, its own is mirrored.
+/// held. If the arm requests Cartesian poses, its own pose is mirrored.
 ///
-/// Allocation-free but where said otherwise; one thread at a time.
+/// Allocation-free unless noted; one thread at a time.
 class FriSession {
  public:
   explicit FriSession(const FriSessionParams& params = {}) OSTEON_RT : params_(params),
                                                                        family_(FamilyOf(params.version)) {}
 
-  /// Takes a datagram that arrived at `stamp`. The counters of `state` are always set, the rest on kAccepted
-  /// only.
+  /// Takes a datagram that arrived at `stamp`. Always sets the counters of `state`, and the rest only on
+  /// kAccepted.
   FriAccept Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp,
                    control::ArmState& state) OSTEON_RT;
 
-  /// It can be read as a message of the arm; nothing is changed by looking.
+  /// Whether the datagram can be read as a message of the arm; changes nothing.
   [[nodiscard]] bool IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT;
 
-  /// The datagram that answers the message last accepted; empty where none is owed (yet), or it was answered
-  /// before. Valid until the next call.
+  /// The datagram that answers the message last accepted; empty if no answer is due (yet) or it was already
+  /// given. Valid until the next call.
   [[nodiscard]] std::span<const std::uint8_t> Answer(const control::ArmCommand& command) OSTEON_RT;
 
-  /// Sets an output of the robot's field buses, if the last message listed it. Goes along with the answers
-  /// until the arm has taken one of them.
+  /// Sets an output of the robot's field buses, if the last message listed it. Sent with the answers until
+  /// the arm has received one of them.
   FriOutputError Write(const FriIo& output) OSTEON_RT;
 
-  /// Moves a frame that the last message asked for. Goes along with each answer to a message that asks for
-  /// it.
+  /// Moves a frame that the last message requested. Sent with each answer to a message that requests it.
   FriOutputError Transform(const FriTransformation& transformation) OSTEON_RT;
 
-  /// The message accepted before the last was never looked at: a newer one was already waiting behind it.
+  /// Counts the message accepted before the last as late: it was not used, as a newer one was already
+  /// waiting.
   void CountLate(control::ArmState& state) OSTEON_RT;
-  /// A datagram was refused before it came here, e.g. for its sender.
+  /// Counts a datagram that was refused before it came here, e.g. for its sender.
   void CountRejected(control::ArmState& state) OSTEON_RT;
 
-  /// The next message begins a session, whatever its counter; the counts of ArmState go on.
+  /// Lets the next message begin a session, whatever its counter; the counts of ArmState continue.
   void StartOver() OSTEON_RT;
 
   /// Why the last kRejected datagram was refused.
   [[nodiscard]] CodecError last_error() const OSTEON_RT { return last_error_; }
-  /// The message last accepted: robot info, inputs and outputs, what ArmState has no room for. As constructed
-  /// before the first.
+  /// The message last accepted: robot info, inputs and outputs, and other content that ArmState does not
+  /// have. Default-constructed before the first.
   [[nodiscard]] const MonitoringMessage& message() const OSTEON_RT { return last_; }
-  /// The arm's estimate of the external force at its motion centre, where it sends one (2.7).
+  /// The arm's estimate of the external force at its motion centre, if it sends one (2.7).
   [[nodiscard]] std::optional<PlainWrench> external_force() const OSTEON_RT;
-  /// What the arm speaks, where it was refused for speaking another version than configured.
+  /// The arm's version family, if the arm was refused for another version than configured.
   [[nodiscard]] std::optional<FriFamily> other_family() const OSTEON_RT { return other_family_; }
 
-  /// What keeps the arm from being commanded, in one or a few sentences; empty where nothing does. For
-  /// screens and logs: allocates.
+  /// What keeps the arm from being commanded, in one or a few sentences; empty if nothing does. For screens
+  /// and logs: allocates.
   [[nodiscard]] std::string Diagnosis() const;
 
  private:
@@ -131,28 +130,28 @@ class FriSession {
   FriSessionParams params_;
   FriFamily family_;
   MonitoringMessage last_;
-  control::SessionState session_before_{control::SessionState::kIdle};  // before the one of last_
+  control::SessionState session_before_{control::SessionState::kIdle};  // before that of last_
   bool has_last_{false};
   std::uint64_t seen_{0};  // bit i: counter last_.sequence - i has arrived
-  std::uint32_t due_{0};   // messages of the arm since our last answer, lost ones included
+  std::uint32_t due_{0};   // messages of the arm since our last answer, including lost ones
   bool pending_{false};    // last_ is not answered yet
   Counters counters_;
   CodecError last_error_{CodecError::kNone};
   std::optional<FriFamily> other_family_;
 
   // our answers
-  std::uint32_t command_sequence_{1};  // of the next; an arm that has seen none reflects 0
+  std::uint32_t command_sequence_{1};  // of the next answer; an arm that has seen none reflects 0
   std::uint32_t first_answer_{1};      // of this session
-  std::uint32_t reflected_{0};         // the newest of ours that the arm has seen
+  std::uint32_t reflected_{0};         // our newest answer that the arm has seen
   bool any_reflected_{false};
-  std::optional<control::JointArray> held_;  // what was last sent in this session
+  std::optional<control::JointArray> held_;  // position last sent in this session
 
   // handing over
   std::uint32_t activation_{0};
   bool active_{false};
   bool holding_{false};
 
-  // what goes along
+  // outputs that go with the answers
   FriOutputs outputs_;
   std::uint32_t writes_since_{0};  // the first answer that carried all of outputs_.writes
   bool writes_sent_{false};

@@ -11,8 +11,8 @@
 #include "control/ports.h"
 #include "kinematics/spatial.h"
 
-// FRI messages as plain data, of all versions: what a version does not have stays empty. The enums' numbers
-// are the wire's.
+// FRI messages as plain data, for all versions: fields that a version does not have stay empty. The enums'
+// numbers are those of the wire.
 
 namespace osteon::io {
 
@@ -32,12 +32,13 @@ struct FriTime {
   bool operator==(const FriTime&) const = default;
 };
 
-/// A name as the wire bounds it: at most 63 characters, none of them NUL. From the arm it may be any bytes.
+/// A name within the wire's bounds: at most 63 characters, none of them NUL. From the arm it may be any
+/// bytes.
 class FriName {
  public:
   static constexpr std::size_t kMaxLength = 63;
   constexpr FriName() = default;
-  /// Longer ones are cut, and any at their first NUL: Fits() tells.
+  /// Cuts longer names, and any name at its first NUL: see Fits().
   explicit constexpr FriName(std::string_view name) noexcept
       : length_(std::min({name.size(), name.find('\0'), kMaxLength})) {
     for (std::size_t i = 0; i < length_; ++i) text_[i] = name[i];
@@ -62,7 +63,7 @@ struct FriTransformation {
   std::optional<FriTime> time{};
 };
 
-/// An input or output of the robot's field buses. `digital` counts for kBoolean and kDigital, `analog` for
+/// An input or output of the robot's field buses. `digital` is used by kBoolean and kDigital, `analog` by
 /// kAnalog.
 struct FriIo {
   FriName name;
@@ -72,8 +73,7 @@ struct FriIo {
   std::optional<double> analog{};
 };
 
-/// Up to N of something, in fixed memory. Only what was added costs anything: the rest is neither set nor
-/// copied.
+/// Up to N items in fixed memory. Unused items cost nothing: they are neither set nor copied.
 template <class T, std::size_t N>
 class FriList {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -87,7 +87,7 @@ class FriList {
     for (const T& item : other) Add(item);
     return *this;
   }
-  /// False where it is full.
+  /// False if the list is full.
   bool Add(const T& item) noexcept {
     if (size_ == N) return false;
     std::construct_at(items_ + size_++, item);
@@ -109,13 +109,13 @@ class FriList {
 using FriTransformations = FriList<FriTransformation, kFriMaxTransformations>;
 using FriIos = FriList<FriIo, kFriMaxIos>;
 
-/// 2.x: which of the elbow positions that share a pose.
+/// 2.x: selects one of the elbow positions that share a pose.
 struct FriRedundancy {
   std::uint32_t strategy{0};  ///< 0: the angle E1, 4: none
   double value{0.0};
 };
 
-/// 2.x: a pose of the arm, as it crosses the wire and may go back: tx ty tz [mm], qw qx qy qz.
+/// 2.x: a pose of the arm in the wire's form, so that it can be sent back: tx ty tz [mm], qw qx qy qz.
 struct FriPose {
   FriName name;
   std::array<double, 7> element{};
@@ -123,21 +123,21 @@ struct FriPose {
   std::optional<FriRedundancy> redundancy{};
 };
 
-/// What the arm sends each period.
+/// The arm's message of each period.
 struct MonitoringMessage {
   std::uint32_t sequence{0};
   std::uint32_t reflected_sequence{0};  ///< of the last command that the arm has seen
   control::SessionState session{control::SessionState::kIdle};
   FriQuality quality{FriQuality::kPoor};
   std::uint32_t send_period_ms{1};      ///< 1 … 100
-  std::uint32_t receive_multiplier{1};  ///< the client answers every so many messages; 1 … 100
+  std::uint32_t receive_multiplier{1};  ///< the client answers one message in this many; 1 … 100
   FriSafetyState safety{FriSafetyState::kNormal};
   FriOperationMode operation{FriOperationMode::kT1};
   control::ControlMode control{control::ControlMode::kPosition};
   std::array<FriDriveState, control::kJoints> drives{};
   std::optional<control::JointArray> q_meas;    ///< [rad]
   std::optional<control::JointArray> tau_meas;  ///< [N·m]
-  std::optional<control::JointArray> q_cmd;     ///< [rad] what the arm took as commanded; 1.x
+  std::optional<control::JointArray> q_cmd;     ///< [rad] commanded position according to the arm; 1.x
   std::optional<control::JointArray> tau_cmd;   ///< [N·m]
   std::optional<control::JointArray> tau_ext;   ///< [N·m] external, the arm's estimate
   /// External force, the arm's estimate: Fx Fy Fz [N], torques [N·m] in the wire's order; 2.7.
@@ -150,16 +150,16 @@ struct MonitoringMessage {
   double tracking_performance{0.0};  ///< 0 … 1; 0 outside COMMANDING_ACTIVE
   std::optional<FriTime> time;
   FriIos ios;                          ///< inputs and outputs that the robot program registered, with values
-  FriTransformations transformations;  ///< frames that it asks the client for
+  FriTransformations transformations;  ///< frames that the robot program requests of the client
 };
 
-/// What a client may give along with its motion.
+/// Outputs that a client may send with its motion.
 struct FriOutputs {
-  FriTransformations transformations;  ///< those that the arm asks for
+  FriTransformations transformations;  ///< those that the arm requests
   FriIos writes;                       ///< outputs to set
 };
 
-/// What the client answers. Without joint positions, torques and wrench it is the header alone.
+/// The client's answer. Without joint positions, torques and wrench it is the header alone.
 struct CommandMessage {
   std::uint32_t sequence{0};
   std::uint32_t reflected_sequence{0};     ///< of the monitoring message that it answers

@@ -27,11 +27,11 @@ bool ProtoReader::Expect(WireType expected) OSTEON_RT {
 }
 
 std::uint64_t ProtoReader::Varint() OSTEON_RT {
-  if (at_ != end_ && *at_ < 0x80) return *at_++;  // most of them
+  if (at_ != end_ && *at_ < 0x80) return *at_++;  // the common case
   std::uint64_t value = 0;
   for (unsigned shift = 0; at_ != end_; shift += 7) {
     const std::uint64_t byte = *at_++;
-    if (shift == 63 && byte > 1) break;  // the tenth byte has the 64th bit alone
+    if (shift == 63 && byte > 1) break;  // the tenth byte holds only the 64th bit
     value |= (byte & 0x7f) << shift;
     if (byte < 0x80) return value;
   }
@@ -117,7 +117,7 @@ void ProtoReader::AppendDoubles(double* to, std::size_t room, std::size_t& count
     const double value = Double();
     if (count == room) return Fail();
     to[count++] = value;
-    // the others, which nearly always come right behind, each with this tag in one byte
+    // the other elements, which nearly always follow directly, each with this tag in one byte
     for (; count < room && left() > sizeof value && *at_ == tag_; at_ += 1 + sizeof value)
       std::memcpy(to + count++, at_ + 1, sizeof value);
     return;

@@ -8,8 +8,8 @@
 
 #include "control/rt/marker.h"
 
-// A protobuf message's bytes, field by field, in place: no allocation, and no step that does not move on, so
-// that a message costs no more than its length. Which fields there are is the caller's affair:
+// Reads a protobuf message field by field, in place: no allocation, and every step advances, so the cost is
+// bounded by the message's length. The caller decides which fields exist:
 //
 //     ProtoReader in(bytes);
 //     while (in.Next()) switch (in.number()) {
@@ -18,9 +18,9 @@
 //       }
 //     if (!in.ok()) …
 //
-// The first thing that is wrong ends the reading, and values read from then on are 0. Wrong is: bytes that
-// end within a field; a varint of more than 64 bits or ten bytes; a tag or length of more than 32 bits or
-// five bytes; field number 0; a group (only long-dead schemas have them); another wire type than the field's.
+// The first error ends the reading, and values read from then on are 0. Errors: bytes that end within a
+// field; a varint of more than 64 bits or ten bytes; a tag or length of more than 32 bits or five bytes;
+// field number 0; a group (only obsolete schemas have them); another wire type than the field's.
 
 namespace osteon::io {
 
@@ -29,8 +29,8 @@ class ProtoReader {
   explicit ProtoReader(std::span<const std::uint8_t> bytes) OSTEON_RT : at_(bytes.data()),
                                                                         end_(bytes.data() + bytes.size()) {}
 
-  /// To the next field, whose value one of the functions below must then take. False at the end, or where
-  /// something is wrong.
+  /// Moves to the next field, whose value one of the functions below must then take. False at the end or on
+  /// an error.
   [[nodiscard]] bool Next() OSTEON_RT;
   [[nodiscard]] std::uint32_t number() const OSTEON_RT { return tag_ >> 3; }
   [[nodiscard]] bool ok() const OSTEON_RT { return ok_; }
@@ -39,30 +39,30 @@ class ProtoReader {
     at_ = end_;
   }
 
-  /// Whatever it is.
+  /// Skips a value of any type.
   void Skip() OSTEON_RT;
 
   [[nodiscard]] std::uint64_t Uint64() OSTEON_RT { return Expect(kVarint) ? Varint() : 0; }
-  /// Wrong beyond 32 bits.
+  /// Fails if the value exceeds 32 bits.
   [[nodiscard]] std::uint32_t Uint32() OSTEON_RT;
-  /// The low 32 bits, as libprotobuf reads it: some write a negative one in five bytes, most in ten.
+  /// The low 32 bits, as in libprotobuf: some writers encode a negative number in five bytes, most in ten.
   [[nodiscard]] std::int32_t Int32() OSTEON_RT { return static_cast<std::int32_t>(Uint64()); }
-  /// As a number, whatever the enum: a negative one is large, not wrong. Wrong beyond 32 bits.
+  /// An enum's number: a negative value becomes a large one. Fails if the value exceeds 32 bits.
   [[nodiscard]] std::uint32_t Enum() OSTEON_RT { return Expect(kVarint) ? EnumValue() : 0; }
   [[nodiscard]] double Double() OSTEON_RT { return Expect(kFixed64) ? Fixed64() : 0.0; }
-  /// A string, bytes or message, where it lies.
+  /// A string, bytes or message, in place.
   [[nodiscard]] std::span<const std::uint8_t> Bytes() OSTEON_RT;
-  /// Wrong where it is longer.
+  /// Fails if it is longer than max_size.
   [[nodiscard]] std::string_view Text(std::size_t max_size) OSTEON_RT;
 
-  // One or more elements of a repeated field, packed or not, behind the `count` that are there. Wrong where
-  // they are more than the array holds.
+  // Appends one or more elements of a repeated field, packed or not, after the first `count`. Fails if the
+  // array is too small.
 
   template <std::size_t N>
   void Append(std::array<double, N>& to, std::size_t& count) OSTEON_RT {
     AppendDoubles(to.data(), N, count);
   }
-  /// Enums.
+  /// The same for enums.
   template <std::size_t N>
   void Append(std::array<std::uint32_t, N>& to, std::size_t& count) OSTEON_RT {
     AppendEnums(to.data(), N, count);

@@ -77,7 +77,7 @@ std::size_t ProtoWriter::Begin(std::uint32_t number) OSTEON_RT {
 
 void ProtoWriter::End(std::size_t begin) OSTEON_RT {
   if (!ok_) return;
-  // a length of more than 127 wants more than the byte left for it
+  // a length of more than 127 needs more than the one byte left for it
   std::uint64_t length = size_ - begin;
   const std::size_t more = VarintSize(length) - 1;
   if (Take(more) == nullptr) return;

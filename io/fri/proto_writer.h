@@ -7,8 +7,8 @@
 
 #include "control/rt/marker.h"
 
-// Writes a protobuf message into the caller's memory, field by field in the order of the calls. A message
-// inside it lies between Begin and End, whose length goes where Begin left a byte for it:
+// Writes a protobuf message into the caller's memory, field by field in the order of the calls. A nested
+// message lies between Begin and End, which writes its length into the byte that Begin left free:
 //
 //     ProtoWriter out(buffer);
 //     const std::size_t header = out.Begin(1);
@@ -16,7 +16,7 @@
 //     out.End(header);
 //     if (!out.ok()) …
 //
-// Where the memory does not suffice, nothing is written any more and ok() is false.
+// If the memory does not suffice, nothing more is written and ok() is false.
 
 namespace osteon::io {
 
@@ -30,10 +30,10 @@ class ProtoWriter {
   void Text(std::uint32_t number, std::string_view text) OSTEON_RT;
   /// A repeated field: each value with a tag of its own.
   void Unpacked(std::uint32_t number, std::span<const double> values) OSTEON_RT;
-  /// A repeated field behind one tag; nothing at all where there are no values.
+  /// A repeated field behind one tag; nothing if there are no values.
   void Packed(std::uint32_t number, std::span<const double> values) OSTEON_RT;
 
-  /// @returns what End needs.
+  /// @returns the argument for End.
   [[nodiscard]] std::size_t Begin(std::uint32_t number) OSTEON_RT;
   void End(std::size_t begin) OSTEON_RT;
 
@@ -42,7 +42,7 @@ class ProtoWriter {
   [[nodiscard]] std::size_t size() const OSTEON_RT { return size_; }
 
  private:
-  /// The next bytes, null where there are none.
+  /// The next bytes, null if there is no room.
   std::uint8_t* Take(std::size_t bytes) OSTEON_RT;
   void PutVarint(std::uint64_t value) OSTEON_RT;
   void PutBytes(const void* bytes, std::size_t size) OSTEON_RT;

@@ -4,7 +4,7 @@
 
 namespace osteon::io {
 
-/// A session's state as FRI names it, "COMMANDING_ACTIVE"; "unknown" for a number that is none of them.
+/// A session state's name in FRI, "COMMANDING_ACTIVE"; "unknown" for an invalid number.
 [[nodiscard]] constexpr const char* FriName(control::SessionState state) {
   switch (state) {
     case control::SessionState::kIdle:

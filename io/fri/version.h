@@ -5,12 +5,12 @@
 #include <optional>
 #include <string_view>
 
-// The versions of FRI that are spoken, and what tells them apart on the wire. Header alone: the simulated arm
-// names its version by it too.
+// The supported versions of FRI, and how they differ on the wire. Header only: the simulated arm uses it,
+// too.
 
 namespace osteon::io {
 
-/// Versions with one and the same wire.
+/// Versions that share one wire format.
 enum class FriFamily : std::uint8_t {
   k1,    ///< 1.11 … 1.16: bare protobuf; the arm sends its commanded position, the client mirrors it
   k2_5,  ///< bare protobuf; the arm sends Cartesian poses instead, the client a header while monitoring
@@ -23,13 +23,13 @@ inline constexpr std::array<FriVersion, 8> kFriVersions{
     FriVersion::k1_11, FriVersion::k1_12, FriVersion::k1_13, FriVersion::k1_14,
     FriVersion::k1_15, FriVersion::k1_16, FriVersion::k2_5,  FriVersion::k2_7};
 
-/// As the robot program's library and the cell's YAML write it, e.g. "1.15".
+/// The version's name in the robot program's library and the cell's YAML, e.g. "1.15".
 [[nodiscard]] constexpr const char* Name(FriVersion version) noexcept {
   constexpr std::array<const char*, 8> names{"1.11", "1.12", "1.13", "1.14", "1.15", "1.16", "2.5", "2.7"};
   return names[static_cast<std::size_t>(version)];
 }
 
-/// Empty where it is none of kFriVersions.
+/// Empty if it is none of kFriVersions.
 [[nodiscard]] constexpr std::optional<FriVersion> FriVersionNamed(std::string_view name) noexcept {
   for (const FriVersion version : kFriVersions)
     if (name == Name(version)) return version;
@@ -41,7 +41,7 @@ inline constexpr std::array<FriVersion, 8> kFriVersions{
   return version == FriVersion::k2_5 ? FriFamily::k2_5 : FriFamily::k1;
 }
 
-/// One family as a sentence names it.
+/// A family's name in a sentence.
 [[nodiscard]] constexpr const char* Describe(FriFamily family) noexcept {
   constexpr std::array<const char*, 3> names{"FRI 1.11 to 1.16", "FRI 2.5", "FRI 2.7 (framed)"};
   return names[static_cast<std::size_t>(family)];

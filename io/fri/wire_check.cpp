@@ -3,14 +3,15 @@
 namespace osteon::io {
 namespace {
 
-constexpr double kRotationTolerance = 1e-3;  // of an orthonormal matrix's products, of a quaternion's length
+constexpr double kRotationTolerance = 1e-3;  // for products of an orthonormal matrix's columns, for a
+                                             // quaternion's length
 
 bool IsRotation(const Matrix3& R) OSTEON_RT {
   return (R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < kRotationTolerance &&
          R.determinant() > 0.0;
 }
 
-// False where the elements are no rotation.
+// False if the elements are not a rotation.
 bool FromMatrix(const double* element, PlainPose& X) OSTEON_RT {
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> M(element);
   if (!IsRotation(M.leftCols<3>())) return false;

@@ -4,11 +4,11 @@
 #include "io/fri/wire_message.h"
 #include "io/fri/wire_units.h"
 
-// From the wire's numbers to ours: values are checked on the way in. Private to the codec.
+// Converts the wire's numbers to ours and checks the values. Private to the codec.
 
 namespace osteon::io {
 
-/// Collects what is wrong with a message: the first error found is the one reported.
+/// Collects the errors of a message; the first one found is reported.
 class WireCheck {
  public:
   [[nodiscard]] CodecError error() const OSTEON_RT { return error_; }
@@ -24,7 +24,7 @@ class WireCheck {
     value = static_cast<E>(*wire);
   }
 
-  /// Joint values or a wrench: all of them, where there are any.
+  /// Joint values or a wrench: complete, or absent.
   template <std::size_t N>
   void Vector(const std::optional<WireArray<double, N>>& wire,
               std::optional<std::array<double, N>>& value) OSTEON_RT {
@@ -36,7 +36,7 @@ class WireCheck {
 
   void Pose(const std::optional<WireTransformation>& wire, const std::optional<WireRedundancy>& redundancy,
             std::optional<FriPose>& value) OSTEON_RT;
-  /// A 3x4 matrix in 1.x, a quaternion in 2.x; no elements at all are the identity: a frame not set yet.
+  /// A 3x4 matrix in 1.x, a quaternion in 2.x; no elements mean the identity: a frame not set yet.
   void Transformation(FriFamily family, const WireTransformation& wire, FriTransformations& list) OSTEON_RT;
   void Io(const WireIo& wire, FriIos& list) OSTEON_RT;
 

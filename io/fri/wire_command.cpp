@@ -6,7 +6,7 @@
 namespace osteon::io {
 namespace {
 
-// All but PutTime: false where a value is not finite.
+// All except PutTime return false if a value is not finite.
 
 bool PutJoints(std::uint32_t number, const control::JointArray& joints, ProtoWriter& out) OSTEON_RT {
   const std::size_t part = out.Begin(number);

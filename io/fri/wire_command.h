@@ -5,12 +5,12 @@
 #include "io/fri/proto_writer.h"
 #include "io/fri/version.h"
 
-// A client's answer as it lies on the wire (fri.proto). Private to the codec.
+// A client's answer in the wire's format (fri.proto). Private to the codec.
 
 namespace osteon::io {
 
-/// Poses are left out where the family has none. Whether there was room, `out` says.
-/// @returns false where a value is not finite: what was written is then not to be sent.
+/// Leaves poses out if the family has none. `out` tells whether there was room.
+/// @returns false if a value is not finite: the bytes written must then not be sent.
 [[nodiscard]] bool WriteCommand(FriFamily family, const CommandMessage& message, ProtoWriter& out) OSTEON_RT;
 
 }  // namespace osteon::io

@@ -7,7 +7,7 @@
 namespace osteon::io {
 namespace {
 
-// One function a message of fri.proto, by its field numbers; the depth is the schema's.
+// One function for each message of fri.proto, by its field numbers; the depth is the schema's.
 struct WireChecksum {};
 struct WireEndOf {};
 template <std::size_t N>
@@ -246,7 +246,7 @@ bool Read(ProtoReader in, WireIpo& wire) OSTEON_RT {
   return in.ok();
 }
 
-// Nobody needs a message's end, but it is known, so it must be one.
+// The end of a message is not used, but as a known field it must be valid.
 
 bool Read(ProtoReader in, WireChecksum& /*wire*/) OSTEON_RT {
   while (in.Next()) {
@@ -303,7 +303,7 @@ bool Read(ProtoReader in, WireMonitoring& wire) OSTEON_RT {
   return in.ok();
 }
 
-// Whether what is required is there, once all has come: a message may come in parts.
+// Whether the required fields are present, checked after all parts: a message may come in parts.
 
 bool Complete(const WireHeader& wire) OSTEON_RT { return wire.id && wire.sequence && wire.reflected; }
 bool Complete(const WireTime& wire) OSTEON_RT { return wire.sec && wire.nanosec; }

@@ -11,15 +11,15 @@
 #include "control/rt/marker.h"
 #include "io/fri/messages.h"
 
-// A monitoring message as it lies on the wire (fri.proto): which fields have come, as numbers, not yet
-// checked for what they mean. Private to the codec.
+// A monitoring message in the wire's format (fri.proto): the fields received, as numbers whose meaning is not
+// yet checked. Private to the codec.
 
 namespace osteon::io {
 
-/// A repeated field. Only the first `count` values are any.
+/// A repeated field. Only the first `count` values are set.
 template <class T, std::size_t N>
 struct WireArray {
-  WireArray() OSTEON_RT {}  // user-provided, so that making one leaves the values alone
+  WireArray() OSTEON_RT {}  // user-provided, so that construction leaves the values unset
   std::size_t count{0};
   std::array<T, N> value;
 };
@@ -89,17 +89,18 @@ struct WireMonitoring {
   FriList<WireTransformation, kFriMaxTransformations> transformations;
 };
 
-/// Reads a protobuf as its specification says: unknown fields are passed over, of a field that comes again
-/// the last value counts, a message that comes again adds to the one before. Stricter than libprotobuf:
+/// Reads a protobuf as its specification says: unknown fields are skipped, the last value of a repeated
+/// occurrence counts, and a nested message that comes again is merged. Stricter than libprotobuf:
 ///
-///   - a known field of another wire type is wrong, not unknown; groups are wrong (proto_reader.h, with its
+///   - a known field of another wire type is an error, not unknown; groups are errors (proto_reader.h, with
+///   its
 ///     bounds of numbers)
-///   - integers of 32 bits must be some, enums too
-///   - more repeated elements than there is room for, and names of more than 63 bytes, are wrong, even if a
+///   - integers and enums of 32 bits must fit 32 bits
+///   - more repeated elements than there is room for, and names of more than 63 bytes, are errors, even if a
 ///     later value replaces them
 ///
-/// @param[out] wire  to be as constructed; its names lie in `body`.
-/// @returns false where it is not such a message, or a required field is missing.
+/// @param[out] wire  must be default-constructed; its names point into `body`.
+/// @returns false if it is no such message, or a required field is missing.
 [[nodiscard]] bool ReadMonitoring(std::span<const std::uint8_t> body, WireMonitoring& wire) OSTEON_RT;
 
 }  // namespace osteon::io

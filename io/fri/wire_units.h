@@ -7,7 +7,7 @@
 
 #include "control/rt/marker.h"
 
-// What both directions of the wire know of its numbers. Private to the codec.
+// Constants and helpers of both directions of the wire. Private to the codec.
 
 namespace osteon::io {
 

@@ -11,7 +11,7 @@
 namespace osteon::io {
 namespace {
 
-constexpr rt::Nanoseconds kSlice = 10 * rt::kMillisecond;  // how soon a pause sees Stop()
+constexpr rt::Nanoseconds kSlice = 10 * rt::kMillisecond;  // longest delay until a pause notices Stop()
 
 void Require(bool accepted, const char* name, double found, const char* range) {
   if (!accepted)
@@ -25,7 +25,7 @@ struct PlcClient::Connection {
   explicit Connection(const PlcClientParams& params)
       : context(modbus_new_tcp(params.address.c_str(), params.port)) {
     if (context != nullptr)
-      modbus_set_byte_timeout(context, 0, 0);  // the response timeout holds for all of it
+      modbus_set_byte_timeout(context, 0, 0);  // the response timeout applies to the whole answer
   }
   ~Connection() {
     if (context == nullptr) return;
@@ -82,7 +82,7 @@ PlcClient::Answer PlcClient::NoteFailure(int error) {
     if (error == ETIMEDOUT) ++reading_.counters.timeouts;
     return Answer::kNone;
   }
-  ++reading_.counters.rejected;  // libmodbus' own numbers
+  ++reading_.counters.rejected;  // error numbers of libmodbus
   return error >= EMBXILFUN && error <= EMBXGTAR ? Answer::kException : Answer::kNonsense;
 }
 
@@ -100,7 +100,7 @@ void PlcClient::Run() {
       ++reading_.counters.lost;
       if (has_read) {
         pause_ms = params_.first_pause_ms;
-        if (reading_.link == PlcLink::kConnected) continue;  // at once: the reading grows older
+        if (reading_.link == PlcLink::kConnected) continue;  // at once, as the reading grows older
       }
     }
     if (stop_.load(std::memory_order_relaxed)) break;
@@ -166,14 +166,15 @@ PlcClient::Answer PlcClient::ReadBlock(Connection& connection) {
   reading_.last_error = 0;
   const bool first = reading_.link != PlcLink::kConnected;
   const bool changed = first || inputs.heartbeat != reading_.inputs.heartbeat;
-  // squeezed through, the switch has to be let go before its middle counts again (IEC 60204-1, 10.9)
+  // after being squeezed through, the switch must be released before its middle position counts again (IEC
+  // 60204-1, 10.9)
   if (reading_.inputs.enabling == PlcEnabling::kSqueezed && inputs.enabling == PlcEnabling::kEnabled)
     inputs.enabling = PlcEnabling::kSqueezed;
   reading_.inputs = inputs;
   reading_.stamp = asked;
   if (inputs.version != kPlcVersion) {
     reading_.link = PlcLink::kWrongVersion;
-    return Answer::kNonsense;  // nothing may be written; asks again after a pause
+    return Answer::kNonsense;  // nothing may be written; tries again after a pause
   }
   if (changed) reading_.heartbeat_changed = asked;
   reading_.link = PlcLink::kConnected;
@@ -183,11 +184,11 @@ PlcClient::Answer PlcClient::ReadBlock(Connection& connection) {
 
 PlcClient::Answer PlcClient::WriteHeartbeat(Connection& connection) {
   const std::uint32_t beats = beats_.load(std::memory_order_relaxed);
-  if (beats == beats_written_) return Answer::kWhole;  // the loop stands still: so does the heartbeat
+  if (beats == beats_written_) return Answer::kWhole;  // if the loop stops, so does the heartbeat
   const std::array<std::uint16_t, 2> values{
       static_cast<std::uint16_t>(heartbeat_ + 1u),
       static_cast<std::uint16_t>(motion_.load(std::memory_order_relaxed) ? 1 : 0)};
-  // MOTION_REQUEST and GUARD_PERMITS follow their heartbeats
+  // MOTION_REQUEST or GUARD_PERMITS is in the register after the heartbeat
   const int count = static_cast<int>(values.size());
   const int address = params_.role == PlcRole::kController ? kPlcControllerHeartbeat : kPlcGuardHeartbeat;
   if (modbus_write_registers(connection.context, address, count, values.data()) != count)

@@ -11,7 +11,7 @@
 
 namespace osteon::io {
 
-/// Which registers a client writes.
+/// The registers that a client writes.
 enum class PlcRole : std::uint8_t {
   kController,  ///< CONTROLLER_HEARTBEAT and MOTION_REQUEST
   kGuard,       ///< GUARD_HEARTBEAT and GUARD_PERMITS
@@ -22,45 +22,45 @@ struct PlcClientParams {
   std::uint16_t port{kPlcDefaultPort};
   PlcRole role{PlcRole::kController};
   int read_every_ms{10};        ///< 1 … 100
-  int heartbeat_every_ms{50};   ///< 1 … 100: what the PLC allows
+  int heartbeat_every_ms{50};   ///< 1 … 100, the PLC's limit
   int response_timeout_ms{20};  ///< 1 … 1000: for a whole answer
   int connect_timeout_ms{200};  ///< 1 … 5000
-  int first_pause_ms{50};       ///< after a failure; doubles with each further one
+  int first_pause_ms{50};       ///< after a failure; doubles with each further failure
   int longest_pause_ms{2000};   ///< >= first_pause_ms
 };
 
-/// Modbus TCP to the cell's PLC, by libmodbus in a thread of its own: the tick never waits, it takes the
+/// Modbus TCP to the cell's PLC, by libmodbus in a thread of its own. The tick never waits: it takes the
 /// newest reading with its age.
 ///
-/// Each cycle reads the block 970 … 983; where VERSION is right, the heartbeat follows as often as it is due.
-/// What fails is told apart:
+/// Each cycle reads the block 970 … 983; if VERSION is right, the heartbeat follows when it is due. Failures
+/// are distinguished:
 ///
-/// - An exception (e.g. 6, the PLC is busy) is a whole answer: the connection stays, the next cycle asks
-/// again.
-/// - A time-out or a connection that ends costs the connection, since later answers would belong to earlier
-///   questions. It is made again at once. The reading stays meanwhile and grows older: how old it may be is
-///   the cell's `max_age_ms`. Where the new connection is refused or silent as well, the reading says "not
-///   connected", and further attempts come after pauses.
-/// - An answer out of protocol and a value that does not exist end the connection, and the reading says "not
-///   connected" from then until a block has been read.
+/// - An exception (e.g. 6, the PLC is busy) is a complete answer: the connection stays, and the next cycle
+///   asks again.
+/// - A time-out or a closed connection ends the connection, since later answers would belong to earlier
+///   requests. It is opened again at once. The reading stays meanwhile and grows older: the cell's
+///   `max_age_ms` limits its age. If the new connection is refused or silent as well, the reading becomes
+///   "not connected", and further attempts come after pauses.
+/// - An answer that violates the protocol or a value that does not exist ends the connection, and the reading
+///   is "not connected" from then until a block has been read.
 ///
-/// The heartbeat is the loop's, not this thread's: it is written only where Beat() was called since it was
-/// written last. A loop that hangs is found out by the PLC.
+/// The heartbeat is the loop's, not this thread's: it is written only if Beat() was called since the last
+/// write. So the PLC notices a loop that hangs.
 class PlcClient {
  public:
-  /// Starts at once. @throws std::invalid_argument where a parameter is out of range, naming it.
+  /// Starts at once. @throws std::invalid_argument if a parameter is out of range, naming it.
   explicit PlcClient(const PlcClientParams& params);
   ~PlcClient();
   PlcClient(const PlcClient&) = delete;
   PlcClient& operator=(const PlcClient&) = delete;
 
-  /// One reader thread.
+  /// Call from one reader thread.
   [[nodiscard]] const PlcReading& Latest() OSTEON_RT { return published_.Load(); }
 
-  /// From the loop, each tick: it lives. Any thread.
+  /// Called by the loop each tick to show that it is alive. Any thread.
   void Beat() OSTEON_RT { beats_.fetch_add(1, std::memory_order_relaxed); }
 
-  /// MOTION_REQUEST, of a guard GUARD_PERMITS: written with the next heartbeat. Any thread.
+  /// Sets MOTION_REQUEST (GUARD_PERMITS for a guard), written with the next heartbeat. Any thread.
   void RequestMotion(bool wanted) OSTEON_RT { motion_.store(wanted, std::memory_order_relaxed); }
 
   /// Ends the thread. Safe to call twice.
@@ -69,10 +69,10 @@ class PlcClient {
  private:
   struct Connection;  // libmodbus' context
   enum class Answer {
-    kWhole,      ///< what was asked for
+    kWhole,      ///< a complete answer
     kException,  ///< refused: the connection stays
-    kNone,       ///< in time: the connection ends
-    kNonsense,   ///< the connection ends, and with it the reading
+    kNone,       ///< no answer in time: the connection ends
+    kNonsense,   ///< invalid: the connection ends, and the reading becomes "not connected"
   };
 
   void Run();
@@ -99,7 +99,7 @@ class PlcClient {
 /// One line for screens, e.g. "PLC 127.0.0.1:1502: no connection: Connection refused (3 attempts)". Not for
 /// the tick.
 [[nodiscard]] std::string Describe(const PlcClientParams& params, const PlcReading& reading);
-/// The same of a verdict: "not permitted: RUN_PERMITTED (974) is 0".
+/// One line for a verdict: "not permitted: RUN_PERMITTED (974) is 0".
 [[nodiscard]] const char* Describe(PlcVerdict verdict);
 
 }  // namespace osteon::io

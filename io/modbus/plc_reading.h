@@ -14,27 +14,27 @@ enum class PlcLink : std::uint8_t {
   kWrongVersion,  ///< VERSION is not kPlcVersion: nothing is written to this PLC
 };
 
-/// Since the client began.
+/// Counts since the client began.
 struct PlcCounters {
   std::uint32_t reads{0}, writes{0};  ///< answered
   std::uint32_t timeouts{0};          ///< no answer within the response timeout
-  std::uint32_t lost{0};              ///< connections that ended, whatever for
+  std::uint32_t lost{0};              ///< connections that ended, for any reason
   std::uint32_t refused{0};           ///< attempts to connect that failed
   std::uint32_t rejected{0};  ///< answers with an exception, out of protocol, or a value that does not exist
 };
 
-/// What the tick sees of the PLC. Plain data.
+/// The tick's view of the PLC. Plain data.
 struct PlcReading {
-  rt::Nanoseconds stamp{0};  ///< when the block was asked for: it is no older; 0: none yet
+  rt::Nanoseconds stamp{0};  ///< time of the request for the block, which is no older; 0: none yet
   PlcLink link{PlcLink::kConnecting};
   PlcInputs inputs{};
-  rt::Nanoseconds heartbeat_changed{0};  ///< when PLC_HEARTBEAT was last seen to change (stamp of that block)
+  rt::Nanoseconds heartbeat_changed{0};  ///< stamp of the block in which PLC_HEARTBEAT last changed
   PlcBadRegister bad{};                  ///< the last register that was out of range; address 0: none
   int last_error{0};                     ///< errno (libmodbus' included) of the last failure; 0: none
   PlcCounters counters{};
 };
 
-/// Why motion is not permitted; the first that holds.
+/// Why motion is not permitted; the first reason that applies.
 enum class PlcVerdict : std::uint8_t {
   kRun = 0,
   kNoConnection,   ///< Stop 1
@@ -45,7 +45,7 @@ enum class PlcVerdict : std::uint8_t {
   kNotPermitted,   ///< RUN_PERMITTED is 0: Stop 1
 };
 
-/// May the arm move? @param max_age of the block, and of the PLC's heartbeat twice that [ns]
+/// Whether the arm may move. @param max_age of the block [ns]; twice that for the PLC's heartbeat
 [[nodiscard]] inline PlcVerdict Judge(const PlcReading& reading, rt::Nanoseconds now,
                                       rt::Nanoseconds max_age) OSTEON_RT {
   if (reading.link == PlcLink::kWrongVersion) return PlcVerdict::kWrongVersion;

@@ -8,13 +8,13 @@
 
 #include "control/rt/marker.h"
 
-// The holding registers between the controller and the cell's PLC: the one place. Addresses are those in a
-// Modbus frame, counted from 0. 970, 973, 974 and 977 are as in Pilz's published map for the PSS4000; the
+// The holding registers between the controller and the cell's PLC, defined only here. Addresses are those in
+// a Modbus frame, counted from 0. 970, 973, 974 and 977 are as in Pilz's published map for the PSS4000; the
 // others are ours.
 //
 //     970 OPERATION_MODE      0 none, 1 T1, 2 T2, 3 AUTO
 //     973 BRAKETEST_REQUEST   1 a brake test is due
-//     974 RUN_PERMITTED       1 motion is allowed; 0: ramp down now, power goes after the PLC's delay
+//     974 RUN_PERMITTED       1 motion is allowed; 0: ramp down now, power is cut after the PLC's delay
 //     977 VERSION             3, of this map; checked before anything is written
 //     978 EMERGENCY_STOP      1 pressed, or not reset since
 //     979 ENABLING_SWITCH     0 released, 1 middle: enabled, 2 squeezed through
@@ -22,12 +22,12 @@
 //     981 SPINDLE_PERMITTED   1 the reamer may turn
 //     982 POWER_ON            1 the arm's drives have power
 //     983 PLC_HEARTBEAT       changes with each cycle of the PLC's program
-//     990 CONTROLLER_HEARTBEAT  written by the controller, another number each <= 100 ms
+//     990 CONTROLLER_HEARTBEAT  written by the controller, another number at least every 100 ms
 //     991 MOTION_REQUEST        written by the controller: 1 wants to move
-//     992 GUARD_HEARTBEAT       written by the guard, another number each <= 100 ms
+//     992 GUARD_HEARTBEAT       written by the guard, another number at least every 100 ms
 //     993 GUARD_PERMITS         written by the guard: 1 the motion request may stand, 0 it is withdrawn
 //
-// 970 … 983 are read as one block; 971, 972, 975 and 976 are nobody's. 990 … 993 are write-only for us.
+// 970 … 983 are read as one block; 971, 972, 975 and 976 are unused. We only write 990 … 993.
 
 namespace osteon::io {
 
@@ -43,7 +43,7 @@ inline constexpr std::uint16_t kPlcDefaultPort = 1502;  ///< of the simulated ce
 enum class PlcMode : std::uint8_t { kNone = 0, kT1 = 1, kT2 = 2, kAutomatic = 3 };
 enum class PlcEnabling : std::uint8_t { kReleased = 0, kEnabled = 1, kSqueezed = 2 };
 
-/// What the PLC says, checked. Plain data.
+/// The PLC's inputs, checked. Plain data.
 struct PlcInputs {
   PlcMode mode{PlcMode::kNone};
   bool brake_test_requested{false};
@@ -57,15 +57,15 @@ struct PlcInputs {
   std::uint16_t heartbeat{0};
 };
 
-/// A register whose value does not exist.
+/// A register with an invalid value.
 struct PlcBadRegister {
   int address{0};
   std::uint16_t found{0};
   std::uint16_t accepted_most{0};  ///< 0 … this
 };
 
-/// Checks one block read. @returns the first register that is out of its range; `inputs` is set where none
-/// is, and where VERSION is another one to `version` alone.
+/// Checks one block. @returns the first register out of its range. `inputs` is set if there is none; if
+/// VERSION is another one, only `version` is set.
 [[nodiscard]] std::optional<PlcBadRegister> DecodePlc(std::span<const std::uint16_t, kPlcReadCount> block,
                                                       PlcInputs& inputs) OSTEON_RT;
 

@@ -7,9 +7,9 @@
 
 namespace osteon::io {
 
-/// The first of `count` ports of the loopback in a row that are free just now, UDP and TCP alike, below those
-/// that systems hand out by themselves. Processes begin to look at different places, so that two that start
-/// together seldom meet. The error says that there are none.
+/// The first of `count` consecutive ports of the loopback that are free now for UDP and TCP, below the range
+/// that systems assign themselves. Processes start the search at different ports, so two that start together
+/// seldom collide. The error says that there are none.
 [[nodiscard]] tl::expected<std::uint16_t, std::string> FindFreePorts(int count);
 
 }  // namespace osteon::io

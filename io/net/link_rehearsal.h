@@ -14,15 +14,15 @@
 
 namespace osteon::io {
 
-/// A message's way through the system, the protocol and back, on two sockets of the loopback and in a session
-/// of their own: whoever goes it shortly before the next message finds code and tables near. The session is
-/// in step with the link's as long as it is given every message that the link has accepted; what it says
-/// counts for nothing.
+/// Keeps the message path warm: sends a message through the system, the protocol and back, over two loopback
+/// sockets and a session of their own. Done shortly before the next message, it leaves code and tables in the
+/// caches. The session stays in step with the link's if it is given every message that the link has accepted;
+/// its results are discarded.
 /// @tparam Session  of a protocol: see SessionJudge
 template <class Session, std::size_t kMostBytes>
 class LinkRehearsal {
  public:
-  /// Null where the system gives no such sockets: then nothing is rehearsed.
+  /// Null if the system provides no such sockets: then nothing is rehearsed.
   [[nodiscard]] static std::unique_ptr<LinkRehearsal> Make(const char* who, const Session& session) {
     const auto near = BindUdp(who, kLoopback, 0);
     if (!near) return nullptr;
@@ -32,14 +32,14 @@ class LinkRehearsal {
       return nullptr;
     }
     auto made = std::unique_ptr<LinkRehearsal>(new LinkRehearsal(*near, *far, session));
-    // to each other alone: the system drops what anybody else sends there
+    // connect them to each other: the system drops datagrams from anybody else
     return Join(near->socket, far->port) && Join(far->socket, near->port) ? std::move(made) : nullptr;
   }
   ~LinkRehearsal() { close(far_.socket); }
   LinkRehearsal(const LinkRehearsal&) = delete;
   LinkRehearsal& operator=(const LinkRehearsal&) = delete;
 
-  /// `message`: what the link accepted last; empty: nothing.
+  /// @param message  the message that the link accepted last; empty: does nothing
   void Go(std::span<const std::uint8_t> message, const control::ArmCommand& command) OSTEON_RT {
     if (message.empty()) return;
     (void)send(far_.socket, message.data(), message.size(), MSG_DONTWAIT | MSG_NOSIGNAL);

@@ -12,12 +12,12 @@
 
 namespace osteon::io {
 
-/// Whether a batch keeps who sent each message.
+/// Whether a batch keeps each message's sender.
 enum class Sender : std::uint8_t { kDropped, kKept };
 
 /// Room for several datagrams, or raw CAN frames, that cross a socket in one system call: a tick costs one
-/// call each way and not one a message. Made once; no allocation after that.
-/// @tparam kBytes  of one message at most  @tparam kControl  of what the system says about it (cmsg), or 0
+/// call in each direction instead of one for each message. No allocation after construction.
+/// @tparam kBytes  largest message  @tparam kControl  control data of a message (cmsg), or 0
 template <std::size_t kBytes, std::size_t kControl, Sender kSender = Sender::kDropped>
 class MessageBatch {
  public:
@@ -34,11 +34,11 @@ class MessageBatch {
   MessageBatch(const MessageBatch&) = delete;
   MessageBatch& operator=(const MessageBatch&) = delete;
 
-  /// Takes what waits, at most `most` (and kMost) messages; never waits itself. @returns how many; below 0:
-  /// errno says why none, EAGAIN that none waits.
+  /// Takes the waiting messages, at most `most` (and kMost); never waits. @returns how many; below 0: errno
+  /// gives the reason, EAGAIN if none waits.
   int Receive(int socket, std::size_t most) OSTEON_RT {
     if (most > kMost) most = kMost;
-    // the system wrote over what it had touched: the first ones, as many as came
+    // restore the headers that the system changed: the first ones, as many as came
     for (; used_ > 0; --used_) {
       msghdr& header = messages_[used_ - 1].msg_hdr;
       if constexpr (kControl > 0) {
@@ -48,26 +48,27 @@ class MessageBatch {
       if constexpr (kSender == Sender::kKept) header.msg_namelen = sizeof(sockaddr_in);
     }
     const int came = recvmmsg(socket, messages_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
-    used_ = came < 0 ? 1 : static_cast<std::size_t>(came) + 1;  // it may have begun one that it did not take
+    used_ = came < 0 ? 1 : static_cast<std::size_t>(came) + 1;  // the system may also have started one that
+                                                                // it did not take
     if (used_ > kMost) used_ = kMost;
     return came;
   }
-  /// Of message i as it came; cut where the room ended.
+  /// Bytes of message i as received; cut if the room was too small.
   [[nodiscard]] std::span<const std::uint8_t> bytes(std::size_t i) const OSTEON_RT {
     return {bytes_[i].data(), messages_[i].msg_len};
   }
   [[nodiscard]] msghdr& header(std::size_t i) OSTEON_RT { return messages_[i].msg_hdr; }
-  /// Of an IPv4 socket's message i.
+  /// Sender of an IPv4 socket's message i.
   [[nodiscard]] const sockaddr_in& sender(std::size_t i) const OSTEON_RT requires(kSender == Sender::kKept) {
     return senders_[i];
   }
 
-  /// Room of message i that is to be sent, and how much of it.
+  /// Room for the bytes of outgoing message i; SetSize sets how many are sent.
   [[nodiscard]] std::array<std::uint8_t, kBytes>& room(std::size_t i) OSTEON_RT { return bytes_[i]; }
   void SetSize(std::size_t i, std::size_t size) OSTEON_RT { parts_[i].iov_len = size; }
 
-  /// Sends the first `count` messages in their order; never waits. @returns how many the system took; below
-  /// 0: errno says why it refused the first.
+  /// Sends the first `count` messages in their order; never waits. @returns how many the system accepted;
+  /// below 0: errno says why it refused the first.
   int Send(int socket, std::size_t count) OSTEON_RT {
     return sendmmsg(socket, messages_.data(), static_cast<unsigned>(count), MSG_DONTWAIT | MSG_NOSIGNAL);
   }
@@ -81,7 +82,7 @@ class MessageBatch {
   std::array<sockaddr_in, kSender == Sender::kKept ? kMost : 0> senders_{};
   std::array<iovec, kMost> parts_{};
   std::array<mmsghdr, kMost> messages_{};
-  std::size_t used_{kMost};  // headers to be set up again before the next call
+  std::size_t used_{kMost};  // headers to restore before the next call
 };
 
 }  // namespace osteon::io

@@ -16,7 +16,7 @@
 
 namespace osteon::io {
 
-/// What UdpPeer asks of a protocol whose sessions judge the arm's messages: FriSession, RsiSession.
+/// UdpPeer's protocol interface for sessions that judge the arm's messages: FriSession, RsiSession.
 template <class Session>
 struct SessionJudge {
   Session& session;
@@ -36,19 +36,18 @@ struct SessionJudge {
 template <class Session>
 SessionJudge(Session&, control::ArmState&) -> SessionJudge<Session>;
 
-/// The PC's end of a protocol in which the other side speaks first: answers go to where its message came
-/// from. Where the peer's address is known, nobody else is heard. The first sender of a valid message is the
-/// peer: others are rejected, until the peer has been silent for a second (one that was restarted may come
-/// back from another port). Of several messages that wait, the
-/// newest counts. One thread at a time; no allocation once opened, no system calls but the socket's and the
-/// clock's.
-/// @tparam kMostBytes  of a datagram; a longer one is cut
+/// The PC's end of a protocol in which the other side speaks first: answers go to the source of its message.
+/// If the peer's address is known, nobody else is heard. The first sender of a valid message is the peer.
+/// Others are rejected, until the peer has been silent for a second (a restarted peer may come back from
+/// another port). If several messages wait, the newest is used. One thread at a time; no allocation after
+/// opening, no system calls except the socket's and the clock's.
+/// @tparam kMostBytes  largest datagram; a longer one is cut
 template <std::size_t kMostBytes>
 class UdpPeer {
  public:
   static constexpr rt::Nanoseconds kSilence = rt::kSecond;
 
-  /// @param from  the peer's address; none: anybody's
+  /// @param from  the peer's address; none: any
   explicit UdpPeer(const BoundUdp& bound, std::optional<in_addr> from = {}) : bound_(bound), from_(from) {}
   ~UdpPeer() {
     if (bound_.socket >= 0) close(bound_.socket);
@@ -57,21 +56,21 @@ class UdpPeer {
   UdpPeer& operator=(const UdpPeer&) = delete;
 
   [[nodiscard]] std::uint16_t port() const { return bound_.port; }
-  /// For who waits on several sockets at once: to be polled, no more.
+  /// For callers that wait on several sockets at once: only for polling.
   [[nodiscard]] int socket() const OSTEON_RT { return bound_.socket; }
   [[nodiscard]] bool has_peer() const OSTEON_RT { return has_peer_; }
 
-  /// Waits for valid messages until `deadline` on CLOCK_MONOTONIC; takes what has arrived even where it has
-  /// passed. `protocol` judges them, without allocation:
+  /// Waits for valid messages until `deadline` on CLOCK_MONOTONIC; takes those that have arrived even if it
+  /// has passed. `protocol` judges them, without allocation:
   ///
   ///     bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival)   valid?
   ///     bool IsMessage(std::span<const std::uint8_t> datagram)   could be valid; changes nothing
-  ///     void Reject()      a stranger's
-  ///     void StartOver()   what comes next is of another peer than what came before
-  ///     void Superseded()  a valid message was overtaken by a newer one that waited, too
+  ///     void Reject()      a datagram from a stranger
+  ///     void StartOver()   the next message is from another peer than those before
+  ///     void Superseded()  a valid message was overtaken by a newer one that was also waiting
   template <class Protocol>
   control::ReceiveResult Receive(Protocol&& protocol, rt::Nanoseconds deadline) OSTEON_RT {
-    constexpr std::size_t kMostAtOnce = 64;  // a flood must not hold the tick
+    constexpr std::size_t kMostAtOnce = 64;  // bounds the time that a flood can take
     for (;;) {
       bool received = false;
       for (std::size_t left = kMostAtOnce; left > 0;) {
@@ -85,8 +84,9 @@ class UdpPeer {
           if (received) protocol.Superseded();
           received = true;
         }
-        if (taken > 0 && came < asked) break;    // that was all
-        left -= std::max<std::size_t>(came, 1);  // none: the system reports that one of ours found nobody
+        if (taken > 0 && came < asked) break;    // nothing more waits
+        left -= std::max<std::size_t>(came, 1);  // none: the system reports that one of our datagrams was
+                                                 // undeliverable
       }
       if (received) return control::ReceiveResult::kOk;
       if (rt::MonotonicNow() >= deadline) return control::ReceiveResult::kTimeout;
@@ -94,15 +94,15 @@ class UdpPeer {
     }
   }
 
-  /// What came last; until the next Receive.
+  /// The newest valid message; until the next Receive.
   [[nodiscard]] std::span<const std::uint8_t> newest() const OSTEON_RT { return newest_; }
 
-  /// Sleeps until `time` on CLOCK_MONOTONIC, or until something is there: true.
+  /// Sleeps until `time` on CLOCK_MONOTONIC, or until something can be read: true.
   [[nodiscard]] bool Await(rt::Nanoseconds time) OSTEON_RT {
     return WaitReadable(bound_.socket, time) != Wait::kNothing;
   }
 
-  /// To the peer. False where there is none, or the system did not take it whole.
+  /// Sends to the peer. False if there is none, or the system did not accept all of it.
   bool Send(std::span<const std::uint8_t> answer) OSTEON_RT {
     if (!has_peer_) return false;
     return sendto(bound_.socket, answer.data(), answer.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
@@ -122,7 +122,7 @@ class UdpPeer {
       protocol.Reject();
       return false;
     }
-    // what a stranger said before is nobody's beginning; and noise ends no session
+    // only a possible message from a new sender starts a session: noise must not end the present one
     if (!known && protocol.IsMessage(in_.bytes(i))) protocol.StartOver();
     if (!protocol.Accept(in_.bytes(i), arrival)) return false;
     newest_ = in_.bytes(i);
@@ -140,7 +140,7 @@ class UdpPeer {
   sockaddr_in peer_{};
   bool has_peer_{false};
   std::span<const std::uint8_t> newest_;
-  rt::Nanoseconds heard_{0};  // when the peer last sent a valid message
+  rt::Nanoseconds heard_{0};  // time of the peer's last valid message
 };
 
 }  // namespace osteon::io

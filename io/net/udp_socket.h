@@ -13,8 +13,8 @@
 #include "control/rt/clock.h"
 #include "control/rt/marker.h"
 
-// What every socket of ours needs: to be opened with errors that say what to do, to wait with a deadline, and
-// to know when a datagram reached this machine.
+// Common functions of all our sockets: opening with errors that say what to do, waiting with a deadline, and
+// the arrival time of a datagram.
 
 namespace osteon::io {
 
@@ -24,13 +24,13 @@ enum class Wait : std::uint8_t {
   kGone,     ///< the socket is closed
 };
 
-/// Waits until the socket has something to read, at most until `deadline` on CLOCK_MONOTONIC; looks once even
-/// where it has passed.
+/// Waits until the socket has something to read, at most until `deadline` on CLOCK_MONOTONIC; checks once
+/// even if it has passed.
 [[nodiscard]] Wait WaitReadable(int socket, rt::Nanoseconds deadline) OSTEON_RT;
 
-/// When a received message reached this machine, on CLOCK_MONOTONIC: the kernel stamps it on CLOCK_REALTIME
-/// (SO_TIMESTAMPNS), its age carries over. The time of this call where there is no such stamp, or somebody
-/// has set that clock in between.
+/// Arrival time of a received message on CLOCK_MONOTONIC: the kernel stamps it on CLOCK_REALTIME
+/// (SO_TIMESTAMPNS), and its age is carried over. The time of this call if there is no such stamp, or if the
+/// real-time clock was set in between.
 [[nodiscard]] rt::Nanoseconds ArrivalTime(msghdr& message) OSTEON_RT;
 
 /// One datagram.
@@ -38,35 +38,35 @@ struct Datagram {
   enum class Read : std::uint8_t {
     kTaken,
     kNone,      ///< nothing waits
-    kReported,  ///< the system reports that an earlier datagram of ours found nobody: look again
+    kReported,  ///< the system reports that an earlier datagram of ours was undeliverable: read again
     kGone,      ///< the socket is closed
   };
   Read read{Read::kNone};
-  std::span<const std::uint8_t> bytes{};  ///< cut where the room ended
+  std::span<const std::uint8_t> bytes{};  ///< cut if the room was too small
   sockaddr_in sender{};
   rt::Nanoseconds arrival{0};
 };
-/// What waits first; never waits itself.
+/// Takes the first waiting datagram; never waits.
 [[nodiscard]] Datagram ReadDatagram(int socket, std::span<std::uint8_t> room) OSTEON_RT;
 
-/// @param what  "FRI: bind": who asks, for the error
+/// @param what  "FRI: bind": names the caller in the error
 [[nodiscard]] tl::expected<sockaddr_in, std::string> Ipv4(const std::string& what, const std::string& address,
                                                           std::uint16_t port);
 
-/// The address alone. Empty: none
+/// The address alone. Empty string: none
 [[nodiscard]] tl::expected<std::optional<in_addr>, std::string> PeerAddress(const std::string& what,
                                                                             const std::string& address);
 
 struct BoundUdp {
-  int socket{-1};  ///< the caller's to close
+  int socket{-1};  ///< the caller must close it
   std::uint16_t port{0};
 };
-/// A UDP socket on an address of this machine, with times of arrival where the system has them. The error
-/// names who asks, address and port, and says what to do. @param port  0: any free one
+/// Opens a UDP socket on an address of this machine, with arrival times if the system has them. The error
+/// names the caller, address and port, and says what to do. @param port  0: any free one
 [[nodiscard]] tl::expected<BoundUdp, std::string> BindUdp(const std::string& who, const std::string& address,
                                                           std::uint16_t port);
 
-/// "no such file …" of an errno.
+/// Text of an errno, "no such file …".
 [[nodiscard]] std::string SystemReason(int error);
 
 }  // namespace osteon::io

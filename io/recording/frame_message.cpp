@@ -7,7 +7,7 @@ using simulation::FrameRecord;
 
 namespace {
 
-// Emptied, with the memory of the one before: a recording of hours has a hundred million.
+// Reuses the memory of the last message: a recording of hours has a hundred million.
 Frame& ReusedFrame() {
   static thread_local Frame message;
   message.Clear();
@@ -84,7 +84,8 @@ std::string Decode(std::span<const char> bytes, FrameRecord& record) {
       return "material " + std::to_string(plane.material()) + ", accepted 0 … 255";
     contact.material = static_cast<simulation::MaterialIndex>(plane.material());
   }
-  if (message.has_contact_count()) {  // beside the planes only where there could not be so many
+  // a count beside the planes is valid only if that many planes cannot exist
+  if (message.has_contact_count()) {
     const std::int32_t count = message.contact_count();
     const bool too_few = count < 0 && model.contact_count == 0;
     const bool too_many = count > simulation::kMaxContacts && model.contact_count == simulation::kMaxContacts;

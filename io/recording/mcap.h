@@ -9,8 +9,8 @@
 //     magic | Header | Chunk, MessageIndex … | DataEnd | Schema …, Channel …, Statistics, ChunkIndex … |
 //     Footer | magic
 //
-// Chunks hold Schema, Channel and Message records, compressed by zstd. They and their indexes let a standard
-// reader seek.
+// Chunks hold Schema, Channel and Message records, compressed by zstd. Chunks and their indexes let a
+// standard reader seek.
 
 namespace osteon::io::mcap {
 

@@ -10,7 +10,7 @@
 
 #include "io/recording/mcap.h"
 
-// Little-endian fields of MCAP records, both ways.
+// Little-endian fields of MCAP records, reading and writing.
 
 namespace osteon::io::mcap {
 
@@ -36,7 +36,7 @@ inline std::uint32_t Crc(std::uint32_t crc, std::string_view bytes) {
       crc32_z(crc, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
 }
 
-/// Fields of one record. Reading past the end gives zeros and is remembered.
+/// Reads the fields of one record. Reading past the end gives zeros and clears ok().
 class Cursor {
  public:
   explicit Cursor(std::span<const char> bytes) : rest_(bytes) {}

@@ -15,7 +15,7 @@ struct FreeContext {
   void operator()(LZ4F_dctx* context) const { LZ4F_freeDecompressionContext(context); }
 };
 
-/// How many bytes came out, or why it stopped.
+/// The number of bytes unpacked, or why it stopped.
 tl::expected<std::size_t, std::string> UnpackLz4(std::span<const char> bytes, std::string& out) {
   LZ4F_dctx* made = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&made, LZ4F_VERSION)) != 0)
@@ -77,7 +77,7 @@ std::string DecompressTorn(std::string_view compression, std::span<const char> b
   std::string out(size, '\0');
   ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
   ZSTD_outBuffer unpacked{out.data(), out.size(), 0};
-  // each call takes what it can; the last one neither takes nor gives
+  // each call processes what it can; the last one neither consumes nor produces bytes
   for (std::size_t taken = 0, given = 0;; taken = in.pos, given = unpacked.pos) {
     if (ZSTD_isError(ZSTD_decompressStream(context.get(), &unpacked, &in)) != 0) break;
     if (in.pos == taken && unpacked.pos == given) break;

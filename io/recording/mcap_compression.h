@@ -13,15 +13,15 @@ struct ZSTD_CCtx_s;  // ZSTD_CCtx
 namespace osteon::io::mcap {
 
 /// Unpacks a chunk's records.
-/// @param compression  as the chunk names it: "zstd", "lz4" (its frame format), or "" for none
-/// @param size  of the records, as the chunk announces it; no more is allocated
-/// @returns them, or what was found and what is accepted.
+/// @param compression  name in the chunk: "zstd", "lz4" (its frame format), or "" for none
+/// @param size  of the records, announced by the chunk; no more is allocated
+/// @returns the records, or what was found and what is accepted.
 [[nodiscard]] tl::expected<std::string, std::string> Decompress(std::string_view compression,
                                                                 std::span<const char> bytes,
                                                                 std::uint64_t size);
 
-/// What there is of the records of a chunk that is cut off: of one that is compressed by zstd its complete
-/// blocks (128 KiB of records each), of one by lz4 nothing.
+/// The recoverable records of a truncated chunk: with zstd its complete blocks (128 KiB of records each),
+/// with lz4 nothing.
 [[nodiscard]] std::string DecompressTorn(std::string_view compression, std::span<const char> bytes,
                                          std::uint64_t size);
 
@@ -30,7 +30,7 @@ class ZstdCompressor {
  public:
   ZstdCompressor();
 
-  /// @returns a zstd frame, until the next call; empty where it would be no smaller.
+  /// @returns a zstd frame, valid until the next call; empty if it would be no smaller.
   [[nodiscard]] std::string_view Compress(std::string_view records);
 
  private:

@@ -14,7 +14,7 @@ namespace {
 using mcap::Crc;
 using mcap::Cursor;
 
-constexpr std::uint64_t kMaxRecord = 64u << 20;  // [bytes] ours have at most a configuration's files
+constexpr std::uint64_t kMaxRecord = 64u << 20;  // [bytes] the largest of ours holds a configuration's files
 constexpr std::uint64_t kChunkHead =
     8 + 8 + 8 + 4 + 4 + 8;  // without compression: times, sizes, CRC, no name
 constexpr std::uint64_t kFooterRecord = mcap::kRecordHead + 8 + 8 + 4;
@@ -70,7 +70,8 @@ std::string McapReader::ErrorAt(const std::string& reason) const {
          (in_chunk_ ? "in the chunk's byte " + std::to_string(last_at_) + ": " : "") + reason;
 }
 
-// The next record of the file; its messages, if any, into records_. An empty string, or what is wrong.
+// Reads the file's next record; puts its messages, if any, into records_. Returns an empty string, or the
+// error.
 std::string McapReader::ReadRecord() {
   std::string record;
   const std::uint64_t rest = size_ - offset_;
@@ -82,7 +83,7 @@ std::string McapReader::ReadRecord() {
   const auto opcode = head.Int<std::uint8_t>();
   const auto length = head.Int<std::uint64_t>();
   const bool skip = on_damage_ == OnDamage::kSkip;
-  if (opcode == 0 && IsZeroToTheEnd()) {  // room that a file system had not filled when the power went
+  if (opcode == 0 && IsZeroToTheEnd()) {  // space that the file system had not filled when the power failed
     ended_ = true;
     return {};
   }
@@ -90,7 +91,7 @@ std::string McapReader::ReadRecord() {
   if (length > kMaxRecord) {
     reason = "record of " + std::to_string(length) + " bytes, accepted up to " + std::to_string(kMaxRecord);
   } else if (length > rest - mcap::kRecordHead) {
-    // cut off here, or a length that was damaged: then sound chunks follow
+    // truncated here, or a damaged length, which sound chunks follow
     if (skip && Resync("record of " + std::to_string(length) + " bytes, more than the file has")) return {};
     if (opcode == mcap::kChunk) OnTornChunk();
     ended_ = true;
@@ -144,7 +145,7 @@ std::string McapReader::OnRecord(std::uint8_t opcode, std::span<const char> cont
       const auto expected = cursor.Int<std::uint32_t>();
       if (!cursor.ok()) return "end of data is cut off";
       data_ended_ = true;
-      if (on_damage_ == OnDamage::kSkip && !damage_.empty()) return {};  // known, and noted
+      if (on_damage_ == OnDamage::kSkip && !damage_.empty()) return {};  // the damage is known and noted
       return expected != 0 && expected != crc_ ? "the data does not match its CRC: the file was changed" : "";
     }
     case mcap::kFooter:
@@ -176,7 +177,7 @@ std::string McapReader::OnChunk(std::span<const char> content) {
   return {};
 }
 
-// The chunk that was being written when the process died: what is there of it.
+// Reads what exists of the chunk that was being written when the process died.
 void McapReader::OnTornChunk() {
   std::string content;
   const std::uint64_t start = offset_ + mcap::kRecordHead;
@@ -197,7 +198,7 @@ void McapReader::OnTornChunk() {
   in_chunk_ = torn_ = true;
 }
 
-// One record of those being handed out. An empty string, or what is wrong: then at_ stays before it.
+// Reads one record of the present chunk. Returns an empty string, or the error: at_ then stays before it.
 std::string McapReader::OnInner(McapMessage& message, bool& found) {
   Cursor head(std::span<const char>(records_).subspan(at_));
   const auto opcode = head.Int<std::uint8_t>();
@@ -249,7 +250,7 @@ std::string McapReader::OnChannel(std::span<const char> content) {
   if (!cursor.ok()) return "channel is cut off";
   static const Schema kNoSchema;
   const auto found = schemas_.find(schema);
-  if (found == schemas_.end() && schema != 0)  // 0: a channel without one, such as of JSON
+  if (found == schemas_.end() && schema != 0)  // 0: a channel without a schema, such as of JSON
     return "channel " + std::to_string(id) + " names schema " + std::to_string(schema) +
            ", which is not in the file";
   const Schema& described = schema == 0 ? kNoSchema : found->second;
@@ -272,8 +273,8 @@ std::string McapReader::ReadClosingMagic() {
   return {};
 }
 
-// Schemas and channels as a whole file repeats them at its end: what is left of a file whose first chunk is
-// damaged can then still be read.
+// Reads the schemas and channels that a whole file repeats at its end, so that a file whose first chunk is
+// damaged can still be read.
 void McapReader::ReadSummary() {
   std::string footer, record;
   const std::uint64_t tail = kFooterRecord + mcap::kMagic.size();
@@ -293,7 +294,7 @@ void McapReader::ReadSummary() {
   }
 }
 
-// From a record that makes no sense to the next chunk that is sound. False where there is none.
+// Moves from an invalid record to the next sound chunk. False if there is none.
 bool McapReader::Resync(const std::string& reason) {
   constexpr std::uint64_t kBlock = 1u << 20, kHead = mcap::kRecordHead + kChunkHead;
   std::string block;
@@ -310,7 +311,7 @@ bool McapReader::Resync(const std::string& reason) {
       const auto unpacked_size = cursor.Int<std::uint64_t>();
       cursor.Int<std::uint32_t>();
       const auto name_size = cursor.Int<std::uint32_t>();
-      // what can be told from its head, before the chunk is read
+      // checks on the head, before the chunk is read
       const bool may_be = name_size == 0 ? unpacked_size == length - kChunkHead
                                          : name_size == 3 || name_size == 4;  // "lz4", "zstd"
       if (!may_be || !IsSoundChunk(start + i, length)) continue;

@@ -12,11 +12,11 @@
 
 namespace osteon::io {
 
-/// What a message's channel says about it.
+/// Channel of a message.
 struct McapChannel {
   std::uint16_t id{0};
   std::string topic, message_encoding;
-  /// Of protobuf: a FileDescriptorSet. Empty where the channel has no schema.
+  /// For protobuf: a FileDescriptorSet. Empty if the channel has no schema.
   std::string schema_name, schema_encoding, schema;
 
   friend bool operator==(const McapChannel&, const McapChannel&) = default;
@@ -24,52 +24,52 @@ struct McapChannel {
 
 /// One message as it lies in the file.
 struct McapMessage {
-  const McapChannel* channel{nullptr};  ///< lives as long as the reader
+  const McapChannel* channel{nullptr};  ///< valid as long as the reader
   std::uint64_t log_time_ns{0};
-  std::span<const char> bytes;  ///< until the next call of Next
-  bool checked{true};           ///< false: of a chunk that is cut off, whose CRC can not be checked
+  std::span<const char> bytes;  ///< valid until the next call of Next
+  bool checked{true};           ///< false: from a truncated chunk, whose CRC cannot be checked
 };
 
-/// A part of a file that was passed over.
+/// A skipped part of a file.
 struct McapDamage {
   std::uint64_t offset{0}, bytes{0};
   std::string reason;
 };
 
-/// Reads the messages of an MCAP file in their order in the file; one chunk at a time is in memory.
+/// Reads the messages of an MCAP file in their order in the file; only one chunk at a time is in memory.
 ///
-/// Files of any writer are understood: chunks that are not compressed, or by zstd or lz4; channels with a
-/// schema or without. Records beyond schemas, channels and messages are skipped. No byte is trusted: a length
-/// that is not there ends the file (it is torn), never the program. Of a chunk that is cut off the complete
-/// messages are still given, unchecked; of one that is compressed as far as it can be unpacked
+/// Files of any writer are accepted: chunks without compression, or with zstd or lz4; channels with or
+/// without a schema. Records other than schemas, channels and messages are skipped. No byte is trusted: a
+/// length beyond the file ends the file (it is torn), never the program. The complete messages of a truncated
+/// chunk are still returned, unchecked; those of a compressed one as far as it can be unpacked
 /// (mcap_compression.h).
 class McapReader {
  public:
   enum class OnDamage {
     kRefuse,  ///< an error that names the byte
-    kSkip,    ///< goes on with the next chunk that is sound, and notes what was left out
+    kSkip,    ///< goes on with the next sound chunk, and notes what was skipped
   };
 
   /// The error names the file and the reason: cannot be read, or not MCAP.
   [[nodiscard]] static tl::expected<McapReader, std::string> Open(const std::filesystem::path& path,
                                                                   OnDamage on_damage = OnDamage::kRefuse);
 
-  /// The next message. False at the file's end. The error names file, byte and reason; it is final.
+  /// Reads the next message. False at the file's end. The error names file, byte and reason; it is final.
   [[nodiscard]] tl::expected<bool, std::string> Next(McapMessage& message);
 
-  /// After the end: closing magic and everything before it were there, and nothing behind it.
+  /// Valid at the end: closing magic and everything before it were present, and nothing follows it.
   [[nodiscard]] bool complete() const { return complete_ && offset_ == size_; }
-  /// After the end: the closing magic was there; bytes up to file_bytes() are behind it.
+  /// Valid at the end: the closing magic was present; bytes up to file_bytes() follow it.
   [[nodiscard]] bool closed() const { return closed_; }
-  /// Up to the end, or up to the first byte that is of no use: the rest of a torn file. A compressed chunk
-  /// that is cut off counts as the rest, although messages of it may be given.
+  /// Bytes up to the end, or up to the first unusable byte: the rest of a torn file. A truncated compressed
+  /// chunk counts as the rest, although messages of it may be returned.
   [[nodiscard]] std::uint64_t read_bytes() const { return offset_; }
   [[nodiscard]] std::uint64_t file_bytes() const { return size_; }
-  /// Where the last message's record, or the chunk that holds it, begins.
+  /// Offset of the last message's record, or of its chunk.
   [[nodiscard]] std::uint64_t message_offset() const { return records_offset_; }
   [[nodiscard]] const std::vector<McapDamage>& damage() const { return damage_; }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Of the header: what wrote the file.
+  /// The program that wrote the file, from the header.
   [[nodiscard]] const std::string& library() const { return library_; }
   /// "file: byte N: reason" of the last message.
   [[nodiscard]] std::string ErrorAt(const std::string& reason) const;
@@ -102,7 +102,7 @@ class McapReader {
   OnDamage on_damage_;
   std::string library_;
   std::map<std::uint16_t, Schema> schemas_;
-  std::map<std::uint16_t, McapChannel> channels_;  // nodes stay where they are
+  std::map<std::uint16_t, McapChannel> channels_;  // nodes keep their addresses
   std::vector<McapDamage> damage_;
 
   std::uint64_t offset_{0};  // of the next record
@@ -111,9 +111,9 @@ class McapReader {
 
   // the records being handed out: a chunk's, or a single one outside any chunk
   std::string records_;
-  std::uint64_t records_offset_{0};  // in the file, of the record that holds them
+  std::uint64_t records_offset_{0};  // offset in the file of the record that contains them
   std::uint64_t at_{0}, last_at_{0};
-  std::uint64_t torn_records_{0};  // in the file, where a torn chunk is not compressed; else 0
+  std::uint64_t torn_records_{0};  // offset in the file, if a torn chunk is not compressed; else 0
   bool in_chunk_{false}, torn_{false};
 };
 

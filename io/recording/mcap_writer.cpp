@@ -24,13 +24,14 @@ std::string Explain(const std::filesystem::path& path, const char* what, int err
   return path.string() + ": " + what + ": " + std::generic_category().message(error);
 }
 
-// Empty, and this process's alone. Null: errno says why; EWOULDBLOCK: another process has it.
+// Opens the file emptied and locked by this process. Null: errno gives the reason; EWOULDBLOCK: another
+// process has it.
 std::FILE* OpenLocked(const std::filesystem::path& path) {
   const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) return nullptr;
   struct stat status;  // NOLINT: filled by the call
   const bool is_file = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
-  // a file system that knows no locks gives none
+  // a file system without locks refuses none
   const bool is_taken = is_file && flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   std::FILE* file = nullptr;
   if (!is_taken && (!is_file || ftruncate(descriptor, 0) == 0)) file = fdopen(descriptor, "wb");
@@ -100,7 +101,7 @@ void McapWriter::Write(std::uint16_t channel_id, std::int64_t stamp_ns, std::str
   if (chunk_times_.messages > 0 && time > chunk_times_.first_ns + std::uint64_t{kChunkTime_ns}) EndChunk();
   chunk_times_.Add(time);
 
-  // a channel's first message brings its schema and itself along
+  // a channel's first message is preceded by its schema and channel records
   Channel& channel = channels_[channel_id];
   if (channel.messages == 0) {
     chunk_ += channel.schema_record;
@@ -140,7 +141,7 @@ void McapWriter::EndChunk() {
   std::string index_offsets;
   PutMessageIndexes(index_offsets);
 
-  // where in the file the chunk is, for the summary
+  // the chunk's position in the file, for the summary
   content.clear();
   AppendInt(content, chunk_times_.first_ns);
   AppendInt(content, chunk_times_.last_ns);
@@ -156,10 +157,11 @@ void McapWriter::EndChunk() {
   ++chunks_;
   chunk_.clear();
   chunk_times_ = {};
-  if (failed()) lost_ += messages;  // all of them, as far as is known: a part of the chunk may be there
+  if (failed()) lost_ += messages;  // counts all of them, although a part of the chunk may be in the file
 }
 
-// Where in the chunk each channel's messages are; `offsets` gets where in the file each of these indexes is.
+// Writes the positions of each channel's messages in the chunk; `offsets` receives the position of each such
+// index in the file.
 void McapWriter::PutMessageIndexes(std::string& offsets) {
   std::string content, record;
   for (std::size_t id = 0; id < channels_.size(); ++id) {
@@ -189,7 +191,7 @@ void McapWriter::Flush() {
   if (!failed() && std::fflush(file_.get()) != 0) Fail(errno);
 }
 
-// A file that was removed or replaced takes every byte, and is gone once it is closed.
+// A file that was removed or replaced still accepts every byte, and disappears when it is closed.
 std::string McapWriter::WhyGone() const {
   struct stat now, made;  // NOLINT: filled by the calls
   if (fstat(fileno(file_.get()), &made) != 0) return Explain(path_, "cannot write the recording", errno);
@@ -201,7 +203,7 @@ std::string McapWriter::WhyGone() const {
 std::string McapWriter::Sync() const {
   std::string gone = WhyGone();
   if (!gone.empty()) return gone;
-  // what knows no fdatasync (a pipe, a device) has no disk to wait for
+  // a pipe or a device does not support fdatasync and has no disk to wait for
   if (fdatasync(fileno(file_.get())) != 0 && errno != EINVAL && errno != EROFS)
     return Explain(path_, "cannot bring the recording to the disk", errno);
   return {};

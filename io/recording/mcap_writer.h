@@ -15,55 +15,56 @@
 namespace osteon::io {
 
 struct McapWriterParams {
-  /// Records that are gathered before they are written: at 1 kHz ticks and frames, some 0.2 s of them.
+  /// Records collected before they are written: at 1 kHz ticks and frames, about 0.2 s of them.
   std::size_t chunk_bytes{256u << 10};
   bool compress{true};  ///< chunks, by zstd
 };
 
 /// Writes one MCAP file, front to back. The same calls give the same bytes with the same libzstd: no clock,
-/// no address, no version but the string given. After the first failed write nothing more is written, lost
-/// messages are counted, and Finish tells.
+/// no address, no version except the given string. After the first failed write nothing more is written, lost
+/// messages are counted, and Finish reports the error.
 class McapWriter {
  public:
   /// Longest chunk, from the first of its messages to the last, by their log times.
   static constexpr std::int64_t kChunkTime_ns = 250'000'000;
 
-  /// Creates or overwrites the file, which is locked (flock) as long as it is open: what another process
-  /// writes is refused, and left as it is. The error names the path and the system's reason.
+  /// Creates or overwrites the file, which is locked (flock) while it is open: a file that another process is
+  /// writing is refused and left unchanged. The error names the path and the system's reason.
   [[nodiscard]] static tl::expected<McapWriter, std::string> Create(const std::filesystem::path& path,
                                                                     std::string_view library,
                                                                     const McapWriterParams& params = {});
 
-  /// Adds a topic. Of protobuf messages the schema is a serialised FileDescriptorSet that holds
+  /// Adds a topic. The schema of protobuf messages is a serialised FileDescriptorSet that contains
   /// `message_type`.
   /// @returns the channel for Write.
   std::uint16_t AddChannel(std::string_view topic, std::string_view message_type, std::string_view schema,
                            std::string_view schema_encoding = "protobuf",
                            std::string_view message_encoding = "protobuf");
 
-  /// One message. Its log and publish time are `stamp_ns` (negative: 0, MCAP has no times before zero).
+  /// Writes one message. Its log and publish time are `stamp_ns` (negative: 0, MCAP has no times before
+  /// zero).
   void Write(std::uint16_t channel, std::int64_t stamp_ns, std::string_view bytes);
 
-  /// Ends the chunk being filled, so that the next Flush hands over every message so far.
+  /// Ends the present chunk, so that the next Flush passes on every message so far.
   void EndChunk();
 
-  /// Hands the complete chunks to the system, so that they outlive this process.
+  /// Passes the complete chunks to the system, so that they outlive this process.
   void Flush();
 
-  /// Brings what was flushed to the disk itself (fdatasync), so that it outlives the machine, and sees
-  /// whether the file is still where it was made. May wait for the disk. Any thread, beside the one that
-  /// writes; neither during nor after Finish. @returns an empty string, or what is wrong, with the path.
+  /// Brings flushed data to the disk itself (fdatasync), so that it outlives the machine, and checks that the
+  /// file is still at its path. May wait for the disk. Any thread, beside the one that writes; neither during
+  /// nor after Finish. @returns an empty string, or the error, with the path.
   [[nodiscard]] std::string Sync() const;
 
-  /// Summary, footer, closed file; on the disk itself, where asked for. @returns the file's size in bytes.
-  /// The error names the path and the reason: it could not be written, or it is not where it was made any
-  /// more.
+  /// Writes summary and footer and closes the file; on request brings it to the disk itself. @returns the
+  /// file's size in bytes. The error names the path and the reason: it could not be written, or it is no
+  /// longer at its path.
   tl::expected<std::uint64_t, std::string> Finish(bool to_disk = false);
 
   [[nodiscard]] bool failed() const { return !error_.empty(); }
-  /// With the path; empty where nothing failed.
+  /// With the path; empty if nothing failed.
   [[nodiscard]] const std::string& error() const { return error_; }
-  /// Messages taken and those of them that could not be written.
+  /// Messages accepted, and those of them that could not be written.
   [[nodiscard]] std::uint64_t messages() const { return times_.messages; }
   [[nodiscard]] std::uint64_t lost_messages() const { return lost_; }
 
@@ -93,14 +94,14 @@ class McapWriter {
   McapWriterParams params_;
   mcap::ZstdCompressor compressor_;
   std::vector<Channel> channels_;
-  std::string chunk_;  // the records of the chunk being filled
+  std::string chunk_;  // records of the present chunk
   TimeRange chunk_times_;
   std::string chunk_indexes_;  // ChunkIndex records so far, for the summary
   std::uint32_t chunks_{0};
   std::uint64_t lost_{0};
   TimeRange times_;
   std::uint64_t size_{0};  // bytes so far
-  std::uint32_t crc_{0};   // of all of them
+  std::uint32_t crc_{0};   // of all these bytes
   std::string error_;
 };
 

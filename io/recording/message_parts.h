@@ -9,8 +9,8 @@
 
 #include "kinematics/spatial.h"
 
-// Parts that several messages have, between plain data and protobuf. For the sources of this folder that see
-// libprotobuf.
+// Conversions between plain data and protobuf for parts that several messages share. Only for the sources of
+// this folder that include libprotobuf.
 
 namespace osteon::io {
 

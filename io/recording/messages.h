@@ -9,35 +9,35 @@
 #include "control/tick_record.h"
 #include "simulation/frame_record.h"
 
-// The records as recording.proto's messages. Only messages.cpp, tick_message.cpp and
-// frame_message.cpp see libprotobuf.
+// The records as recording.proto's messages. Only messages.cpp, tick_message.cpp and frame_message.cpp
+// include libprotobuf.
 
 namespace osteon::io {
 
 /// A file that the configuration was read from.
 struct ConfigFile {
-  std::string name;  ///< from the folder that all of them lie in, e.g. cells/demo.yaml
+  std::string name;  ///< relative to the common folder, e.g. cells/demo.yaml
   std::string content;
 };
 
-/// A cell's configuration, whole: nothing else is needed to read it again.
+/// A cell's complete configuration: nothing else is needed to load it again.
 struct ConfigSource {
   std::vector<ConfigFile> files;
   std::string cell_file;                    ///< its name among them
-  std::string tool_file;                    ///< of a tool instead of the cell's; empty: the cell's
-  std::optional<double> tool_diameter_m{};  ///< asked for with it; none: the file's default
-  std::string gains_file{};                 ///< laid over the cell's gains; empty: none
-  std::string folder;  ///< where they lay; empty where none names another by its whole path
+  std::string tool_file;                    ///< of a tool that replaces the cell's; empty: the cell's
+  std::optional<double> tool_diameter_m{};  ///< requested with the tool; none: the file's default
+  std::string gains_file{};                 ///< overrides the cell's gains; empty: none
+  std::string folder;  ///< the common folder; empty unless a file names another by its whole path
 };
 
-/// What was run, with what: the first message of a recording.
+/// What was run, and with what: the first message of a recording.
 struct SessionInfo {
   rt::Nanoseconds stamp{0};    ///< when the session began, on the clock of the ticks
   std::string version;         ///< of osteon
   std::string engine, device;  ///< of the simulation
   std::string scene, tool;
   double force_limit_N{0.0};
-  std::vector<std::string> limits{};  ///< in force at the start, a line each
+  std::vector<std::string> limits{};  ///< in force at the start, one line each
   std::string config_text;            ///< the configuration as it was read
   ConfigSource config{};
   rt::Nanoseconds utc{0};  ///< at `stamp`, since 1970; 0 in virtual time
@@ -45,7 +45,7 @@ struct SessionInfo {
   std::string machine{};   ///< processor, cores, system
 };
 
-/// Something worth a line, e.g. a fault.
+/// An event worth a line, e.g. a fault.
 struct RecordedEvent {
   rt::Nanoseconds stamp{0};
   std::string text;
@@ -60,8 +60,8 @@ void Encode(const control::TickRecord& record, std::string& bytes);
 void Encode(const simulation::FrameRecord& record, std::string& bytes);
 void Encode(const RecordedEvent& event, std::string& bytes);
 
-/// Each parses what Encode wrote: bit for bit the same values. An empty string on success, else the reason.
-/// Values that are not finite pass: they were recorded so.
+/// Each parses the output of Encode, to the same values bit for bit. Returns an empty string on success, else
+/// the reason. Values that are not finite are accepted, as they were recorded so.
 [[nodiscard]] std::string Decode(std::span<const char> bytes, SessionInfo& session);
 [[nodiscard]] std::string Decode(std::span<const char> bytes, control::TickRecord& record);
 [[nodiscard]] std::string Decode(std::span<const char> bytes, simulation::FrameRecord& record);

@@ -32,7 +32,7 @@ tl::expected<std::unique_ptr<Recorder>, std::string> Recorder::Open(const Record
   file.Write(session_channel, session.stamp, recorder->bytes_);
   file.EndChunk();
   file.Flush();
-  if (file.failed()) return tl::unexpected(file.error());  // a full disk shows at once
+  if (file.failed()) return tl::unexpected(file.error());  // reports a full disk at once
 
   if (params.writer_thread) {
     recorder->to_disk_ = true;
@@ -64,7 +64,7 @@ bool Recorder::WaitForStop(std::chrono::milliseconds time) {
   return stop_changed_.wait_for(lock, time, [this] { return stop_; });
 }
 
-// A chunk ends by the log times of what comes in; where nothing comes in any more, by this clock.
+// A chunk ends by the log times of its messages; if none come any more, by this clock.
 void Recorder::RunWriter() {
   rt::NameThread("recorder");
   auto chunk_ended = std::chrono::steady_clock::now();
@@ -115,7 +115,7 @@ void Recorder::Write(bool end_chunk) {
     events.swap(events_);
   }
 
-  // Three queues, each in its own order, merged by stamp.
+  // Merges three queues, each in its own order, by stamp.
   control::TickRecord tick;
   simulation::FrameRecord frame;
   bool has_tick = ticks_.Pop(tick), has_frame = frames_.Pop(frame);
@@ -141,7 +141,7 @@ void Recorder::Write(bool end_chunk) {
       ++event;
     }
   }
-  // an event and what led to it must survive a crash
+  // an event and the ticks before it must survive a crash
   if (end_chunk || !events.empty()) writer_.EndChunk();
   writer_.Flush();
 }

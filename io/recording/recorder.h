@@ -25,17 +25,18 @@ struct RecorderParams {
   std::filesystem::path path;
   std::size_t tick_capacity{8192};   ///< ticks that wait for the disk: 8 s at 1 kHz
   std::size_t frame_capacity{8192};  ///< frames that wait for the disk
-  /// So many that wait mean that the writer stands still: early enough for a stop that is recorded to its
-  /// end.
+  /// Number of waiting ticks from which the writer counts as stalled: early enough that the stop is recorded
+  /// to its end.
   std::size_t stalled_ticks{2048};
   bool writer_thread{true};  ///< false: the owner calls Drain (virtual time)
 };
 
-/// What a closed recording holds, and what it could not take.
+/// Counts of a closed recording, including losses.
 struct RecordingCounts {
   std::uint64_t ticks{0}, frames{0}, events{0};
-  std::uint64_t dropped_ticks{0}, dropped_frames{0};  ///< the disk was behind: refused by a full ring
-  std::uint64_t unwritten{0};  ///< messages of all kinds that the disk would not take (it is full, say)
+  std::uint64_t dropped_ticks{0}, dropped_frames{0};  ///< refused by a full ring, as the disk was too slow
+  std::uint64_t unwritten{0};  ///< messages of all kinds that the disk did not accept (for example because it
+                               ///< is full)
   std::uint64_t bytes{0};
 };
 
@@ -46,30 +47,30 @@ struct RecordingCounts {
 ///     anybody ───PushEvent──▶ list ─┘
 ///
 /// In wall time a thread drains every 20 ms; in virtual time the owner does, and two equal runs give equal
-/// bytes. Among equal stamps: tick, frame, event.
+/// bytes. Order among equal stamps: tick, frame, event.
 ///
-/// What a kill -9 takes is what was pushed in the last 0.3 s: a chunk is handed to the system once it is
-/// 64 KiB or 0.25 s old. In wall time a second thread brings it to the disk itself (fdatasync) every second,
-/// so that neither the tick nor the writer waits for the disk; a power cut takes about that second more. In
-/// virtual time nothing is synchronised: such a run can be had again.
+/// A kill -9 loses what was pushed in the last 0.3 s: a chunk is passed to the system once it has 64 KiB or
+/// is 0.25 s old. In wall time a second thread brings it to the disk itself (fdatasync) every second, so that
+/// neither the tick nor the writer waits for the disk; a power cut loses about that second more. In virtual
+/// time nothing is synchronised, as such a run can be repeated.
 ///
-/// A disk that is full, or a file that was removed, stops the recording and nothing else: error() says so at
-/// once, the rings are emptied as before, what is lost is counted.
+/// A full disk, or a removed file, stops only the recording: error() reports it at once, the rings are
+/// emptied as before, and losses are counted.
 class Recorder final : public control::TickRecorder {
  public:
   /// Creates or overwrites the file. The error names the path and the reason.
   [[nodiscard]] static tl::expected<std::unique_ptr<Recorder>, std::string> Open(const RecorderParams& params,
                                                                                  const SessionInfo& session);
-  /// Closes; an error is then lost, so call Close where it matters.
+  /// Closes without reporting an error, so call Close if errors matter.
   ~Recorder() override;
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Servo thread only. False, and counted, where the disk is behind.
+  /// Servo thread only. False, and counted, if the disk is too slow.
   bool Push(const control::TickRecord& record) OSTEON_RT override;
   /// Servo thread only: RecorderParams::stalled_ticks wait, 2 s at 1 kHz.
   [[nodiscard]] bool Stalled() const OSTEON_RT override { return ticks_.waiting() >= stalled_ticks_; }
-  /// Simulation thread only. False, and counted, where the disk is behind.
+  /// Simulation thread only. False, and counted, if the disk is too slow.
   bool PushFrame(const simulation::FrameRecord& record) OSTEON_RT;
   /// Any thread but those of the tick: allocates and locks.
   void PushEvent(rt::Nanoseconds stamp, std::string text);
@@ -77,13 +78,13 @@ class Recorder final : public control::TickRecorder {
   /// Writes everything pushed so far. Any one thread; meant for virtual time.
   void Drain();
 
-  /// What went wrong with the file so far, with its path; empty where nothing did. Any thread but the tick's.
+  /// The file's first error so far, with its path; empty if there was none. Any thread except the tick's.
   [[nodiscard]] std::string error() const;
-  /// So far; bytes only after Close. Any thread but the tick's.
+  /// Counts so far; bytes only after Close. Any thread except the tick's.
   [[nodiscard]] RecordingCounts counts() const;
 
-  /// Writes the rest, the summary and the footer. To be called once the pushing threads have ended; calling
-  /// it again gives the same answer. The error names the path, the reason (a full disk, say) and how much was
+  /// Writes the rest, the summary and the footer. Call it after the pushing threads have ended; a second call
+  /// gives the same result. The error names the path, the reason (a full disk, for example) and how much was
   /// lost.
   tl::expected<RecordingCounts, std::string> Close();
 
@@ -100,12 +101,12 @@ class Recorder final : public control::TickRecorder {
   std::mutex events_mutex_;
   std::vector<RecordedEvent> events_;  // guarded by events_mutex_
 
-  mutable std::mutex writer_mutex_;  // guards what follows: the file's side
+  mutable std::mutex writer_mutex_;  // guards the members that follow: the file's side
   McapWriter writer_;
   std::uint16_t tick_channel_{0}, frame_channel_{0}, event_channel_{0};
   std::string bytes_;  // scratch
   RecordingCounts counts_;
-  bool to_disk_{false};  // wall time: what is closed is on the disk
+  bool to_disk_{false};  // wall time: a closed file is on the disk
   bool closed_{false};
   std::string close_error_;
 

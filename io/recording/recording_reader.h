@@ -20,28 +20,27 @@ struct Recording {
   std::vector<control::TickRecord> ticks;
   std::vector<simulation::FrameRecord> frames;
   std::vector<RecordedEvent> events;
-  bool complete{false};  ///< false: the file ends early (the process died); what came before is all here
-  std::uint64_t read_bytes{0};  ///< up to the end, or up to the first message that is cut off
+  bool complete{false};  ///< false: the file ends early (the process died); everything before the end is here
+  std::uint64_t read_bytes{0};  ///< up to the end, or up to the first truncated message
 };
 
-/// Reads what Recorder wrote. Topics and records that it does not know are skipped.
-/// The error names the file, the byte and the reason: not MCAP, not of this project, or damaged (the data's
-/// CRC is checked). No byte of the file is trusted: a length that is not there ends the recording
-/// (incomplete), never the program.
+/// Reads a file of Recorder. Unknown topics and records are skipped. The error names the file, the byte and
+/// the reason: not MCAP, not of this project, or damaged (the data's CRC is checked). No byte of the file is
+/// trusted: a length beyond the file ends the recording (incomplete), never the program.
 [[nodiscard]] tl::expected<Recording, std::string> ReadRecording(const std::filesystem::path& path);
 
-/// What a message of a recording is, by its schema's name.
+/// Type of a recording's message, from its schema's name.
 enum class RecordedTopic : std::uint8_t { kOther, kSession, kTick, kFrame, kEvent };
 [[nodiscard]] RecordedTopic TopicOf(const McapChannel& channel);
 
-/// The same, one message after the other: a recording of hours needs no more memory than one of seconds.
+/// Reads a recording one message after the other: hours need no more memory than seconds.
 class RecordingStream {
  public:
   /// The error names the file and the reason.
   [[nodiscard]] static tl::expected<RecordingStream, std::string> Open(const std::filesystem::path& path);
 
-  /// The next message of a topic that is known; the member of its topic then holds it. kOther at the end.
-  /// The error names file, byte and reason; also where the end comes without an osteon.Session.
+  /// Reads the next message of a known topic into that topic's member. kOther at the end. The error names
+  /// file, byte and reason; a file that ends without an osteon.Session is an error as well.
   [[nodiscard]] tl::expected<RecordedTopic, std::string> Next();
 
   SessionInfo session;
@@ -49,7 +48,7 @@ class RecordingStream {
   simulation::FrameRecord frame;
   RecordedEvent event;
 
-  /// After the end, as in Recording.
+  /// Valid at the end, as in Recording.
   [[nodiscard]] bool complete() const { return reader_.complete() && !cut_off_; }
   [[nodiscard]] const McapReader& file() const { return reader_; }
 

@@ -11,7 +11,7 @@
 namespace osteon::io {
 namespace {
 
-// Counts what is kept. An empty string, or why the message is none.
+// Counts the messages kept. Returns an empty string, or why a message is invalid.
 class Census {
  public:
   explicit Census(Recovery& recovery) : recovery_(recovery) {}
@@ -58,8 +58,7 @@ class Census {
   bool has_session_{false};
 };
 
-// The channels of the file that is written. A damaged file may give one number to two of them, one after the
-// other.
+// The channels of the output file. A damaged file may use one number for two channels, one after the other.
 class Channels {
  public:
   explicit Channels(McapWriter& writer) : writer_(writer) {}
@@ -89,9 +88,9 @@ class Channels {
   std::size_t count_{0};
 };
 
-// Why a file in which nothing was passed over cannot be read as it is. What skips damage also makes good use
-// of the summary's schemas and channels: a message whose channel is nowhere else is kept here, and refused
-// there.
+// Why a file in which nothing was skipped still cannot be read as it is. A reader that skips damage also uses
+// the summary's schemas and channels, so it keeps a message whose channel is nowhere else; a strict reader
+// refuses that message.
 std::string WhyNotReadable(const std::filesystem::path& path) {
   auto stream = RecordingStream::Open(path);
   if (!stream) return stream.error();
@@ -114,7 +113,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
   if (std::filesystem::equivalent(from, to, ignored))
     return tl::unexpected(to.string() + ": found the torn recording itself, accepted another file");
 
-  // into a file beside it, which then takes its place
+  // write a file beside it, which then replaces it
   const std::filesystem::path part = to.string() + ".part";
   auto writer = McapWriter::Create(part, reader->library());
   if (!writer) return tl::unexpected(writer.error());
@@ -132,7 +131,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
     const Recovery before = recovery;
     if (const std::string wrong = census.Take(message); !wrong.empty()) {
       recovery = before;
-      if (!message.checked) break;  // where the file was cut off
+      if (!message.checked) break;  // the file is truncated here
       recovery.damage.push_back({reader->message_offset(), message.bytes.size(), wrong});
       continue;
     }

@@ -22,7 +22,7 @@ void Put(const control::Gains& from, osteon::Gains* to) {
   to->set_damping_share(from.damping_share);
 }
 
-// An empty string, or what is wrong: a replay hands them to a loop, which takes no others.
+// Returns an empty string, or the error: a replay passes the gains to a loop, which accepts only valid ones.
 std::string Get(const osteon::Gains& from, control::Gains& to) {
   io::Get(from.mass_kg(), to.mass_kg);
   io::Get(from.inertia_kg_m2(), to.inertia_kg_m2);
@@ -93,7 +93,7 @@ void Put(const control::TickInput& from, osteon::TickInput* to) {
   if (from.has_gains) Put(from.gains, to->mutable_gains());
 }
 
-// An empty string, or what is wrong.
+// Returns an empty string, or the error.
 std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   if (!osteon::TickInput::Received_IsValid(from.received()))
     return "received " + std::to_string(from.received()) + ", accepted 0 … 2";
@@ -168,7 +168,7 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   return to.has_gains ? Get(from.gains(), to.gains) : std::string();
 }
 
-// Emptied, with the memory of the one before: a recording of hours has a hundred million.
+// Reuses the memory of the last message: a recording of hours has a hundred million.
 Tick& ReusedTick() {
   static thread_local Tick message;
   message.Clear();

@@ -11,7 +11,7 @@ namespace {
 
 using Event = XmlReader::Event;
 
-// The elements' names, and how their attributes are called: a prefix and 1 … 6, or six names of their own.
+// Names of the elements and their attributes: a prefix and 1 … 6, or six names of their own.
 struct ElementName {
   RsiElement element;
   std::string_view name;
@@ -36,7 +36,7 @@ const ElementName* Find(std::string_view name) OSTEON_RT {
   return nullptr;
 }
 
-// 1 … 6 of an attribute that the element knows, 0 of another.
+// 1 … 6 for an attribute of the element, 0 for any other.
 int AttributeNumber(const ElementName& element, std::string_view name) OSTEON_RT {
   if (element.prefix == 'D') return name == "D" ? 1 : 0;
   if (element.prefix == 'X') {
@@ -66,7 +66,7 @@ bool ReadNumber(std::string_view text, double& value) OSTEON_RT {
   return error == std::errc{} && end == text.data() + text.size() && std::abs(value) <= kRsiMaxValue;
 }
 
-// What has been read of one message.
+// Content of one message read so far.
 struct Reading {
   RsiRobotMessage message;
   std::uint16_t seen{0};
@@ -118,7 +118,7 @@ struct Reading {
   RsiError ReadElement(XmlReader& reader) OSTEON_RT;
 };
 
-// One child of the root, whose kOpen has just been seen, to its kClose.
+// Reads one child of the root, from after its kOpen to its kClose.
 RsiError Reading::ReadElement(XmlReader& reader) OSTEON_RT {
   const ElementName* element = Find(reader.name());
   if (element != nullptr) {
@@ -193,7 +193,7 @@ RsiError DecodeRobot(std::span<const std::uint8_t> datagram, std::uint16_t neede
       case Event::kOpen:
         if (const RsiError error = reading.ReadElement(reader)) return error;
         break;
-      case Event::kText:  // between elements; nobody's
+      case Event::kText:  // text between elements is ignored
       case Event::kClose:
         break;
       case Event::kError:

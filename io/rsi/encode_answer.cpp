@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kAxisNumbers = "123456", kFrameNames = "XYZABC";
 
-// Writes into a buffer, and remembers where it was too small.
+// Writes into a buffer, and remembers whether it was too small.
 class Writer {
  public:
   explicit Writer(std::span<std::uint8_t> buffer) OSTEON_RT : begin_(reinterpret_cast<char*>(buffer.data())),
@@ -87,7 +87,7 @@ RsiErrorCode EncodeAnswer(const RsiAnswer& answer, int decimals, std::span<std::
 }
 
 double RsiRounded(double value, int decimals) OSTEON_RT {
-  // By way of the text itself: to the last bit what the controller reads.
+  // Computed from the text itself, so it equals the controller's number to the last bit.
   std::array<char, 32> digits;
   if (!(std::abs(value) <= kRsiMaxValue) || decimals < 0 || decimals > 9) return value;
   const auto end =

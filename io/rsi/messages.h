@@ -11,7 +11,7 @@ namespace osteon::io {
 inline constexpr int kRsiAxes = 6;
 /// A1 … A6 or E1 … E6 [deg] (motor currents: per cent of the rated one).
 using RsiAxes = std::array<double, kRsiAxes>;
-/// X Y Z [mm], A B C [deg]: turns about Z, then the new Y, then the new X.
+/// X Y Z [mm], A B C [deg]: rotations about Z, then the new Y, then the new X.
 using RsiFrame = std::array<double, 6>;
 
 /// The elements of <Rob> that are read; others are skipped. The numbers are bits of a set.
@@ -23,25 +23,25 @@ enum class RsiElement : std::uint16_t {
   kASPos = 1u << 3,  ///< axes, set point
   kEIPos = 1u << 4,  ///< external axes, measured
   kMACur = 1u << 5,  ///< motor currents
-  kDelay = 1u << 6,  ///< answers that came too late
+  kDelay = 1u << 6,  ///< number of late answers
   kIpoc = 1u << 7,   ///< the message's number
 };
 
-/// What the controller sends each cycle: <Rob>. Only what its Ethernet configuration names is there.
+/// The controller's message of each cycle: <Rob>. It contains only what the Ethernet configuration names.
 struct RsiRobotMessage {
   std::uint64_t ipoc{0};       ///< always there
-  std::uint8_t ipoc_digits{};  ///< as written, leading zeros included: the answer echoes them
+  std::uint8_t ipoc_digits{};  ///< as written, with leading zeros: the answer repeats them
   std::optional<std::uint32_t> delay;
   std::optional<RsiFrame> pose_measured, pose_set;  ///< RIst, RSol
   std::optional<RsiAxes> axes_measured, axes_set;   ///< AIPos, ASPos
-  std::optional<RsiAxes> external_axes;             ///< EIPos; axes that are not written are 0
+  std::optional<RsiAxes> external_axes;             ///< EIPos; missing axes are 0
   std::optional<RsiAxes> motor_currents;            ///< MACur
 };
 
-/// Which <Sen> the controller's Ethernet configuration expects.
+/// The <Sen> that the controller's Ethernet configuration expects.
 enum class RsiLayout : std::uint8_t {
   kImFree,  ///< <Sen Type="ImFree">, correction, IPOC
-  kKroshu,  ///< <Sen Type="KROSHU">, Stop, correction, IPOC: read by position, so byte for byte
+  kKroshu,  ///< <Sen Type="KROSHU">, Stop, correction, IPOC: read by position, so exact to the byte
 };
 
 enum class RsiCorrection : std::uint8_t {
@@ -49,17 +49,17 @@ enum class RsiCorrection : std::uint8_t {
   kCartesian,  ///< <RKorr X Y Z A B C> [mm, deg]
 };
 
-/// What the PC answers: <Sen>.
+/// The PC's answer: <Sen>.
 struct RsiAnswer {
   RsiLayout layout{RsiLayout::kImFree};
   RsiCorrection kind{RsiCorrection::kAxes};
   std::array<double, 6> correction{};
-  bool stop{false};             ///< ends RSI; KROSHU's layout alone can say so
+  bool stop{false};             ///< ends RSI; only KROSHU's layout has it
   std::uint64_t ipoc{0};        ///< of the message that it answers
-  std::uint8_t ipoc_digits{0};  ///< at least as many; 0: as many as it takes
+  std::uint8_t ipoc_digits{0};  ///< smallest number of digits; 0: as many as needed
 };
 
-/// Decimals of the corrections: what each layout's controllers are known to read.
+/// Decimals of the corrections that each layout's controllers are known to read.
 [[nodiscard]] constexpr int RsiDecimals(RsiLayout layout) { return layout == RsiLayout::kImFree ? 4 : 6; }
 
 }  // namespace osteon::io

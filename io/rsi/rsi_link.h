@@ -18,26 +18,26 @@ namespace osteon::io {
 struct RsiLinkParams {
   std::string bind_address{"127.0.0.1"};  ///< IPv4 address of the network card that the controller is on
   std::string
-      arm_address{};  ///< IPv4; of others every datagram is rejected. Empty: the first that speaks is the arm
+      arm_address{};  ///< IPv4; datagrams from others are rejected. Empty: the first valid sender is the arm
   std::uint16_t port{49152};  ///< as in the controller's Ethernet configuration; 0: any free one
   RsiSessionParams session{};
 };
 
-/// RSI over UDP: this side is the server, the controller speaks first, and answers go to where its message
-/// came from. The first sender of a valid message is the peer: others are counted as rejected, until the peer
-/// has been silent for a second. Of several messages that wait, the newest counts and the others are late.
+/// RSI over UDP: this side is the server, the controller speaks first, and answers go to the source of its
+/// message. The first sender of a valid message is the peer. Others are counted as rejected, until the peer
+/// has been silent for a second. If several messages wait, the newest is used and the others count as late.
 ///
-/// ArmState::stamp is the arrival in the kernel where the system tells it, the time of reading otherwise.
-/// One thread at a time; no allocation, no system calls but the socket's and the clock's.
+/// ArmState::stamp is the arrival in the kernel if the system provides it, otherwise the time of reading. One
+/// thread at a time; no allocation, no system calls except the socket's and the clock's.
 class RsiLink final : public control::ArmLink {
  public:
   /// The error names address and port, or the session's parameter, and says what to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<RsiLink>, std::string> Open(const RsiLinkParams& params);
 
-  /// `deadline` is on CLOCK_MONOTONIC; messages that have arrived are taken even where it has passed.
+  /// `deadline` is on CLOCK_MONOTONIC; messages that have arrived are taken even if it has passed.
   control::ReceiveResult Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT override;
 
-  /// True as well where nothing is owed.
+  /// Also true if no answer is due.
   bool Send(const control::ArmCommand& command) OSTEON_RT override;
 
   bool Await(rt::Nanoseconds time) OSTEON_RT override { return peer_.Await(time); }
@@ -52,7 +52,7 @@ class RsiLink final : public control::ArmLink {
   [[nodiscard]] std::uint16_t port() const { return peer_.port(); }
 
  private:
-  static constexpr std::size_t kRoom = kRsiMaxDatagram + 1;  // one more, to see what is too long
+  static constexpr std::size_t kRoom = kRsiMaxDatagram + 1;  // one more, to detect oversized datagrams
 
   RsiLink(const BoundUdp& bound, std::optional<in_addr> arm, const RsiLinkParams& params)
       : peer_(bound, arm),

@@ -14,7 +14,7 @@ using control::SessionState;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::int64_t kWindow = 64;  // messages that seen_ remembers
 constexpr std::size_t kAxes = kRsiAxes;
-// So many messages tell the period that they come at; a period that is another one is so far off at least.
+// The period is measured over this many messages; a different period deviates at least by this factor.
 constexpr std::uint32_t kPeriodMessages = 10;
 constexpr double kOtherPeriod = 2.0;
 
@@ -117,7 +117,7 @@ RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
     state.session = in_session_ <= settled ? SessionState::kCommandingWait : SessionState::kCommandingActive;
     state.quality = 3;
     state.safety_state = 0;
-    state.drives_active = true;  // RSI runs in motion alone
+    state.drives_active = true;  // RSI runs only in motion
     state.control_mode = control::ControlMode::kPosition;
     state.command_mode = control::CommandMode::kPosition;
     state.period_s = Period_s(stamp);
@@ -139,14 +139,14 @@ bool RsiSession::IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_
 
 RsiSession::Order RsiSession::CheckSequence(std::uint64_t ipoc, rt::Nanoseconds stamp,
                                             std::uint32_t& ahead) OSTEON_RT {
-  // unsigned difference, read as signed: right wherever two numbers are less than 2^63 apart
+  // unsigned difference, read as signed: correct if two numbers are less than 2^63 apart
   const auto apart = static_cast<std::int64_t>(ipoc - last_ipoc_);
   const std::int64_t steps = apart / params_.ipoc_step;
   const rt::Nanoseconds timeout = rt::kMillisecond * params_.cycle_ms * params_.timeout_cycles;
   if (!has_last_ || stamp - last_stamp_ > timeout || steps > params_.timeout_cycles || steps <= -kWindow)
     return Order::kFirst;
   if (apart > 0) {
-    // a leap of less than a step is not ours to judge: it is newer
+    // a leap of less than a step is accepted as newer
     ahead = static_cast<std::uint32_t>(std::max<std::int64_t>(1, steps));
     seen_ = ahead < kWindow ? (seen_ << ahead) | 1u : 1u;
     counters_.lost += ahead - 1;
@@ -189,10 +189,10 @@ void RsiSession::Begin(const RsiRobotMessage& message) OSTEON_RT {
   if (!joined_late_) ++status_.sessions;
 }
 
-// What the controller has in force after `ahead` cycles, from what its Delay says of them. Each cycle but the
-// first had no answer for sure, since its message never came; the first has one where ours was in time.
+// Computes the controller's sum after `ahead` cycles from the rise of Delay. Each cycle but the first
+// certainly had no answer, since its message never came; the first had one if ours was in time.
 void RsiSession::FollowSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT {
-  // Delay counts on, or (other controllers) begins anew after an answer in time.
+  // Delay keeps counting, or (on other controllers) restarts after an answer in time.
   const std::uint32_t risen = delay >= status_.delay ? delay - status_.delay : delay;
   const bool in_time = awaiting_ && risen < ahead;
   if (in_time) applied_ = sent_;
@@ -207,7 +207,7 @@ void RsiSession::FollowSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT {
   awaiting_ = false;
 }
 
-// Whether the loop's commands count: it has seen that the arm is handed over, and began where it stands.
+// Whether the loop's commands are followed: the loop has seen the hand-over, and began at the arm's pose.
 bool RsiSession::MayMove(const control::ArmCommand& command) OSTEON_RT {
   if (in_session_ <= static_cast<std::uint32_t>(params_.settle_messages)) return false;
   if (command.activation != activation_) return false;
@@ -217,7 +217,7 @@ bool RsiSession::MayMove(const control::ArmCommand& command) OSTEON_RT {
   return true;
 }
 
-// The correction from the start pose that the command asks for; false where it may not be sent.
+// Computes the correction from the start pose for the command; false if it may not be sent.
 bool RsiSession::Wanted(const control::ArmCommand& command, Six& correction) OSTEON_RT {
   kinematics::JointVectorN<6> q;
   for (std::size_t i = 0; i < kAxes; ++i) q[static_cast<int>(i)] = command.q[i];

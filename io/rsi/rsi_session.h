@@ -12,110 +12,111 @@
 
 namespace osteon::io {
 
-/// How the controller's program has set RSI up. The PC cannot ask: the two have to agree.
+/// Set-up of RSI in the controller's program. The PC cannot query it: the two must agree.
 struct RsiSessionParams {
   RsiLayout layout{RsiLayout::kImFree};
   RsiCorrection kind{RsiCorrection::kAxes};
   bool absolute{
       true};           ///< corrections count from the pose at RSI's start; false: each adds to the sum before
-  bool hold_on{true};  ///< HOLDON: a cycle without an answer repeats the last correction; false: it has none
+  bool hold_on{true};  ///< HOLDON: a cycle without an answer repeats the last correction; false: it has no
+                       ///< correction
   int cycle_ms{4};     ///< 4 (IPO_FAST) or 12 (IPO)
-  int ipoc_step{4};    ///< by which IPOC grows each cycle: 1, or the cycle's milliseconds; >= 1
-  int timeout_cycles{100};  ///< the controller's Timeout: after so many late answers RSI has ended; >= 1
+  int ipoc_step{4};    ///< increase of IPOC in each cycle: 1, or the cycle's milliseconds; >= 1
+  int timeout_cycles{100};  ///< the controller's Timeout: RSI ends after this many late answers; >= 1
   double entry_step_deg{
       1.0};                 ///< the first command of an activation may be so far off q_start, each axis; > 0
-  int settle_messages{10};  ///< answered with no correction before the loop may move the arm; >= 1
-  /// Delay that RSI may begin with and still count as just begun, where the first answers are always lost; >=
-  /// 0. A correction that another program had in force before would then be a jump.
+  int settle_messages{10};  ///< answered without a correction before the loop may move the arm; >= 1
+  /// Largest Delay at which RSI counts as just begun, for set-ups in which the first answers are always lost;
+  /// >= 0. A correction left in force by another program would then be a jump.
   int late_at_start{0};
-  /// Bound on each correction, either way, counted from the start pose [deg; of RKorr mm for X Y Z]; > 0. Set
-  /// it inside of the controller's own, whose monitor ends RSI.
+  /// Bound on each correction, in both directions, counted from the start pose [deg; of RKorr mm for X Y Z];
+  /// > 0. Set it inside the controller's own range, whose monitor ends RSI.
   std::array<double, 6> range{90.0, 90.0, 90.0, 90.0, 90.0, 90.0};
   int decimals{-1};  ///< of a correction, 0 … 9; -1: RsiDecimals(layout)
-  /// Needed where kind is kCartesian: joint positions become poses by it.
+  /// Needed for kCartesian: converts joint positions to poses.
   std::optional<kinematics::OrthoParallelParams> arm{};
 };
 
-/// What became of a datagram.
+/// Result for a datagram.
 enum class RsiAccept : std::uint8_t {
-  kAccepted,    ///< newer than all before: the state is its content
+  kAccepted,    ///< newer than all before: its content is in the state
   kDuplicate,   ///< seen before
   kLate,        ///< overtaken by a newer one
-  kRejected,    ///< not a valid message; last_error() says why
-  kJoinedLate,  ///< RSI was running before this side was there: it is never answered, and ends by its Timeout
+  kRejected,    ///< not a valid message; last_error() gives the reason
+  kJoinedLate,  ///< RSI was running before this side started: it is never answered, and ends by its Timeout
 };
 
-/// What the session knows beside control::ArmState. Plain data.
+/// State of the session that control::ArmState does not contain. Plain data.
 struct RsiStatus {
-  std::uint32_t delay{0};         ///< late answers, as the controller says
+  std::uint32_t delay{0};         ///< late answers, as counted by the controller
   std::uint32_t sessions{0};      ///< begun so far
-  std::uint32_t out_of_range{0};  ///< commands held as a correction was beyond its range
-  std::uint32_t not_finite{0};    ///< commands held as they were not finite
+  std::uint32_t out_of_range{0};  ///< commands held because a correction was beyond its range
+  std::uint32_t not_finite{0};    ///< commands held because they were not finite
   std::uint8_t worst{0};          ///< 1 … 6: the axis (X Y Z A B C) last held for its range; 0: none yet
   std::array<double, 6> sum{};    ///< correction in force [deg; mm, deg], from the start pose
 };
 
-/// The PC's side of RSI, all of it but the socket: wall time drives it through RsiLink, virtual time through
-/// memory.
+/// The PC's side of RSI without the socket: RsiLink drives it in wall time, memory in virtual time.
 ///
 /// Every message is answered once, with its IPOC. The first settle_messages of a session get no correction
-/// (COMMANDING_WAIT to the loop), then the loop's joint positions become corrections (COMMANDING_ACTIVE):
+/// (the loop sees COMMANDING_WAIT). Then the loop's joint positions become corrections (COMMANDING_ACTIVE):
 ///
 ///     absolute   q_cmd - q_start                    q_start: ASPos of the first message, or AIPos
-///     relative   q_cmd - q_start - sum, sum: what the controller has added up so far
+///     relative   q_cmd - q_start - sum, sum: corrections that the controller has added up so far
 ///
-/// In the relative mode `sum` is made of the numbers as written, so that rounding does not add up, and is put
-/// right where Delay rises: the answer to the message before came too late and was dropped, and by HOLDON the
-/// correction before it was added once more for each late cycle, or not.
+/// In the relative mode `sum` is made of the numbers as written, so that rounding does not add up. It is
+/// corrected when Delay rises: the answer to the message before came too late and was dropped, and HOLDON
+/// decides whether the correction before it was added once more for each late cycle.
 ///
 /// Cartesian corrections are those of the flange, about the base's axes at the flange's origin:
 ///
 ///     p = p_start + (X Y Z),   R = Rz(A) Ry(B) Rx(C) R_start
 ///
-/// which a real controller's configuration (reference system, tool) has to match.
+/// which the configuration of a real controller (reference system, tool) must match.
 ///
-/// The first command that names the activation (control::ArmState) has to be within entry_step_deg of
-/// q_start; until then the arm is held there.
+/// The first command that names the activation (control::ArmState) must be within entry_step_deg of q_start;
+/// until then the arm is held there.
 ///
-/// RSI's messages do not say their period. They are timed from the session's first on: where they come at
-/// half the configured cycle or less, or at twice or more, ArmState::period_s is what they come at, in whole
-/// milliseconds, from the hand-over on (of at least ten intervals).
+/// RSI's messages do not state their period. Messages are timed from the session's first on. If their
+/// interval is at most half or at least twice the configured cycle, ArmState::period_s is the measured
+/// interval, in whole milliseconds, from the hand-over on (over at least ten intervals).
 ///
 /// A command that is not finite, or whose correction is beyond its range, is not sent: the last one is held
-/// and counted. A session ends where IPOC falls far back, leaps by more than the Timeout, or nothing came for
-/// as long. One that begins with Delay > late_at_start has been running without us, so that its start pose is
-/// not known and a correction could be a jump: it is not answered. Without the element Delay nobody can tell;
-/// configure it.
+/// and counted. A session ends if IPOC falls far back or leaps by more than the Timeout, or if nothing came
+/// for as long. A session that begins with Delay > late_at_start has been running without us. Its start pose
+/// is unknown and a correction could be a jump, so it is not answered. Without the element Delay this cannot
+/// be detected; configure it.
 ///
-/// To the loop's seven joints: A7 is zero, external torques are zero, the interpolator rests at q_start.
+/// For the loop's seven joints, A7 and external torques are zero, and the interpolator stays at q_start.
 /// Allocation-free after construction; one thread at a time.
 class RsiSession {
  public:
-  /// @throws std::invalid_argument where a parameter is out of range, naming it.
+  /// @throws std::invalid_argument if a parameter is out of range, naming it.
   explicit RsiSession(const RsiSessionParams& params);
 
-  /// It can be read as a message of the controller; nothing is changed by looking.
+  /// Whether the datagram can be read as a message of the controller; changes nothing.
   [[nodiscard]] bool IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_RT;
 
-  /// Takes a datagram that arrived at `stamp`. The counters of `state` are always set, the rest on kAccepted
-  /// only.
+  /// Takes a datagram that arrived at `stamp`. Always sets the counters of `state`, and the rest only on
+  /// kAccepted.
   RsiAccept Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp,
                    control::ArmState& state) OSTEON_RT;
 
-  /// The datagram that answers the message last accepted; empty where it was answered before. Valid until the
-  /// next call. Joint 7 of the command is nobody's.
+  /// The datagram that answers the message last accepted; empty if it was already answered. Valid until the
+  /// next call. Joint 7 of the command is not used.
   [[nodiscard]] std::span<const std::uint8_t> Answer(const control::ArmCommand& command) OSTEON_RT;
 
-  /// The answers to come ask the controller to end RSI (KROSHU's layout); with ImFree they hold where they
-  /// are.
+  /// Makes the next answers ask the controller to end RSI (KROSHU's layout); with ImFree they hold the
+  /// present correction.
   void RequestStop() OSTEON_RT { stop_ = true; }
 
-  /// The message accepted before the last was never looked at: a newer one was already waiting behind it.
+  /// Counts the message accepted before the last as late: it was not used, as a newer one was already
+  /// waiting.
   void CountLate(control::ArmState& state) OSTEON_RT;
-  /// A datagram was refused before it came here, e.g. for its sender.
+  /// Counts a datagram that was refused before it came here, e.g. for its sender.
   void CountRejected(control::ArmState& state) OSTEON_RT;
 
-  /// The next message begins a session, whatever its IPOC; the counts go on.
+  /// Lets the next message begin a session, whatever its IPOC; the counts continue.
   void StartOver() OSTEON_RT { has_last_ = pending_ = false; }
 
   [[nodiscard]] const RsiStatus& status() const OSTEON_RT { return status_; }
@@ -155,11 +156,11 @@ class RsiSession {
   bool has_last_{false};
   bool joined_late_{false};
   bool pending_{false};   // the message last accepted is not answered yet
-  bool awaiting_{false};  // an answer was sent; the next message's Delay says whether it came in time
+  bool awaiting_{false};  // an answer was sent; the next message's Delay tells whether it came in time
   bool stop_{false};
-  Six total_{};       // correction from the start pose that was last sent, rounded
+  Six total_{};       // last correction sent, from the start pose, rounded
   Six sent_{};        // as written in that answer
-  Six applied_{};     // the last that the controller took in time
+  Six applied_{};     // the last correction that the controller received in time
   Six sum_before_{};  // relative: the sum without sent_
   RsiStatus status_;
   Counters counters_;

@@ -13,7 +13,7 @@ bool BeginsName(char c) OSTEON_RT {
 
 bool InName(char c) OSTEON_RT { return BeginsName(c) || (c >= '0' && c <= '9') || c == '.' || c == '-'; }
 
-// What XML 1.0 allows as a character; bytes from 0x80 on belong to UTF-8 and only matter in what is skipped.
+// Characters that XML 1.0 allows; bytes from 0x80 on belong to UTF-8 and matter only in skipped parts.
 bool IsText(char c) OSTEON_RT { return static_cast<unsigned char>(c) >= 0x20 || IsSpace(c); }
 
 }  // namespace
@@ -27,7 +27,7 @@ void XmlReader::SkipSpace() OSTEON_RT {
   while (More() && IsSpace(text_[at_])) ++at_;
 }
 
-// Past begin … end, where that is next and whole.
+// Skips begin … end, if that comes next and is complete.
 bool XmlReader::Skip(std::string_view begin, std::string_view end) OSTEON_RT {
   if (!Starts(begin)) return false;
   const std::size_t found = text_.find(end, at_ + begin.size());
@@ -74,7 +74,7 @@ XmlReader::Event XmlReader::Next() OSTEON_RT {
     if (text_[at_] != '<') return Error();
     if (Starts("</")) return CloseTag();
 
-    // an element begins
+    // start of an element
     if ((depth_ == 0 && had_root_) || depth_ == kMaxDepth) return Error();
     ++at_;
     if (!ReadName()) return Error();
@@ -100,7 +100,7 @@ XmlReader::Event XmlReader::InTag() OSTEON_RT {
     name_ = open_[depth_ - 1];
     return Event::kClose;
   }
-  if (at_ == before || !ReadName()) return Error();  // white space has to come before an attribute
+  if (at_ == before || !ReadName()) return Error();  // an attribute must be preceded by white space
   SkipSpace();
   if (!More() || text_[at_] != '=') return Error();
   ++at_;

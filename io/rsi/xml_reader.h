@@ -9,16 +9,16 @@
 
 namespace osteon::io {
 
-/// Reads the XML of small messages piece by piece, in place: no tree, no allocation, one pass.
+/// Reads the XML of small messages token by token, in place: no tree, no allocation, one pass.
 ///
 ///     <Rob Type="KUKA"><Delay D="0"/><IPOC>7</IPOC></Rob>
 ///     Open Rob, Attribute Type, Open Delay, Attribute D, Close Delay, Open IPOC, Text 7, Close IPOC, Close
 ///     Rob, End
 ///
-/// Takes one element with what is in it, either kind of quotes, white space wherever XML has it, comments and
-/// an XML declaration before and after. Refuses what RSI has no use for (DOCTYPE, CDATA, processing
-/// instructions, more than kMaxDepth levels) and what is not well-formed; entities are left as they are. At
-/// the end white space and NULs may follow.
+/// Accepts one element with its content, both kinds of quotes, white space wherever XML allows it, comments,
+/// and an XML declaration. Refuses what RSI does not use (DOCTYPE, CDATA, processing instructions, more than
+/// kMaxDepth levels) and what is not well-formed; entities are left unchanged. White space and NULs may
+/// follow at the end.
 class XmlReader {
  public:
   static constexpr std::size_t kMaxDepth = 8;
@@ -27,9 +27,9 @@ class XmlReader {
     kOpen,       ///< name()
     kAttribute,  ///< name(), value(): of the element opened last
     kText,       ///< value(), trimmed, never empty
-    kClose,      ///< name(), also where the element closed itself
-    kEnd,        ///< the message is over, and was whole
-    kError,      ///< at() says where; stays so
+    kClose,      ///< name(), also if the element closed itself
+    kEnd,        ///< the end of a complete message
+    kError,      ///< at() gives the place; stays in this state
   };
 
   /// @param text must outlive the reader
@@ -38,9 +38,9 @@ class XmlReader {
   [[nodiscard]] Event Next() OSTEON_RT;
   [[nodiscard]] std::string_view name() const OSTEON_RT { return name_; }
   [[nodiscard]] std::string_view value() const OSTEON_RT { return value_; }
-  /// Elements open now: 1 after the root's kOpen, and until its kClose.
+  /// Number of open elements: 1 after the root's kOpen, and until its kClose.
   [[nodiscard]] std::size_t depth() const OSTEON_RT { return depth_; }
-  /// Byte that is read next; after kError, the one that was refused.
+  /// Offset of the next byte; after kError, of the refused one.
   [[nodiscard]] std::size_t at() const OSTEON_RT { return at_; }
 
  private:
@@ -59,8 +59,8 @@ class XmlReader {
   std::size_t at_{0}, depth_{0};
   std::array<std::string_view, kMaxDepth> open_{};
   bool in_tag_{false};    // between an element's name and its '>'
-  bool had_root_{false};  // nothing but white space, comments and NULs may follow it
-  bool closing_{false};   // a kClose was returned: depth_ sinks with the next event
+  bool had_root_{false};  // only white space, comments and NULs may follow it
+  bool closing_{false};   // a kClose was returned: depth_ decreases with the next event
   bool failed_{false};
 };
 

@@ -10,7 +10,7 @@
 #include "config/read_gains.h"
 #include "tests/config/cell_text.h"
 
-// The virtual tool's centre, its locked axes, the tool's inertia, and gains that are read again in a run.
+// The virtual tool's centre, its locked axes, the tool's inertia, and gains that are read again during a run.
 
 namespace osteon::config {
 namespace {

@@ -12,8 +12,8 @@
 
 namespace osteon::config {
 
-/// Text of a shipped cell's file with the files that it names by whole paths, so that it may be read from any
-/// folder. @param name  under config/cells
+/// Text of a shipped cell's file, with whole paths for the files that it names, so that it can be read from
+/// any folder. @param name  under config/cells
 inline std::string CellText(const std::string& name) {
   std::ifstream stream(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml");
   std::string text(std::istreambuf_iterator<char>(stream), {});
@@ -22,7 +22,7 @@ inline std::string CellText(const std::string& name) {
   return text;
 }
 
-/// The cell of a text, through a file that goes again.
+/// Loads a cell from a text, through a temporary file.
 inline CellConfig LoadText(const std::string& yaml) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("osteon_cell_text_" + std::to_string(::getpid()) + ".yaml");
@@ -37,7 +37,7 @@ inline CellConfig LoadText(const std::string& yaml) {
   }
 }
 
-/// What is said against it; empty where it is taken.
+/// Error of a text; empty if it is accepted.
 inline std::string Refusal(const std::string& yaml) {
   try {
     static_cast<void>(LoadText(yaml));
@@ -47,7 +47,7 @@ inline std::string Refusal(const std::string& yaml) {
   return "";
 }
 
-/// The text with its first `before` replaced.
+/// The text with the first `before` replaced.
 inline std::string With(std::string yaml, const std::string& before, const std::string& after) {
   const std::size_t at = yaml.find(before);
   if (at == std::string::npos) throw std::logic_error("the cell has changed: " + before);

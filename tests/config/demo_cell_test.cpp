@@ -103,7 +103,7 @@ TEST_F(DemoCellTest, ToolStartsAboveTheCupPointingIntoIt) {
   const Vector3 p_GT = cell_.X_WG.inverse() * cell_.start.X_WT.translation();
   EXPECT_NEAR(std::hypot(p_GT.x(), p_GT.y()), 0.0, 1e-12);
   EXPECT_GT(p_GT.z(), 0.0);
-  // the operator's script begins exactly where the arm does
+  // the operator's script begins exactly at the arm's start
   const Pose X_script = hil::MakeScript(cell_.script).Sample(0.0).X_WT;
   EXPECT_LT((X_script.matrix() - cell_.start.X_WT.matrix()).cwiseAbs().maxCoeff(), 1e-12);
   // forward kinematics of the start's joints, by the whole chain W B F T
@@ -113,9 +113,9 @@ TEST_F(DemoCellTest, ToolStartsAboveTheCupPointingIntoIt) {
 }
 
 // Where reaming happens: the head's centre from 100 mm above the cup's to 40 mm below it and 20 mm to each
-// side, tilted by up to 15 deg any way about that centre. Everywhere the arm must have room in its joints,
-// and move the tool in every direction: the smallest singular value of the apex's Jacobian, with rotation
-// weighed at the head's radius of .1 m/rad.
+// side, tilted about that centre by up to 15 deg in any direction. Everywhere the arm must have room in its
+// joints, and move the tool in every direction: the smallest singular value of the apex's Jacobian, with
+// rotation weighted at the head's radius of 0.1 m/rad.
 TEST_F(DemoCellTest, ArmReachesAllThatReamingNeedsFarFromLimitsAndSingularities) {
   const kinematics::LbrArm arm(cell_.robot.lbr()->params);
   const double head_m = cell_.tool.tool.balls.front().radius_m;
@@ -155,8 +155,8 @@ TEST_F(DemoCellTest, ArmReachesAllThatReamingNeedsFarFromLimitsAndSingularities)
   RecordProperty("least_singular_value", std::to_string(least_singular));
   EXPECT_EQ(poses, 8 * 9 * 13);
   EXPECT_GE(least_margin_rad, 20.0 * kDegree);
-  // .0384 found; to move at .25 m/s in the worst direction then takes less than .25/.035 = 7.1 rad/s of all
-  // joints together
+  // 0.0384 found; motion at 0.25 m/s in the worst direction then takes less than 0.25/0.035 = 7.1 rad/s of
+  // all joints together
   EXPECT_GE(least_singular, 0.035);
 }
 

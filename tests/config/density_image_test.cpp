@@ -27,8 +27,8 @@ struct Picture {
   std::uint32_t width{1}, height{2};
   int depth{8};  // bits
   int kind{PNG_COLOR_TYPE_GRAY};
-  std::vector<std::uint8_t> bytes;  // row by row as the file has them: 16 bits with the high byte first
-  double gamma{0.0};                // 0: the file names none
+  std::vector<std::uint8_t> bytes;  // row by row as in the file: 16 bits with the high byte first
+  double gamma{0.0};                // 0: none in the file
 };
 
 void WritePng(const fs::path& path, const Picture& picture) {
@@ -64,7 +64,7 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
-// What a scene says of its image; the picture is 2 × 3: black to half dense below, denser to the right.
+// A scene's section about its image; the picture is 2 × 3: black to half dense below, denser to the right.
 constexpr const char* kImage =
     "\n  density_image:\n"
     "    file: profile.png\n"
@@ -98,7 +98,7 @@ class DensityImages : public ::testing::Test {
                                 "\n  layers: []\n  core: cortical\n  regions",
                                 "\n  layers: []\n  core: cortical" + image + "  regions"));
   }
-  /// What is said to the scene, from its line on.
+  /// The scene's error, from its line on.
   std::string Refusal() {
     try {
       static_cast<void>(LoadScene(scene()));
@@ -132,7 +132,7 @@ TEST_F(DensityImages, CornersOf8BitsAreTheirDensities) {
   EXPECT_NEAR(image.DensityAt(0.001, 0.010), 70.0, kRounding);
 }
 
-// A picture's gamma is for eyes: 0x8000 is half, whatever the file says of it.
+// A picture's gamma is for display: 0x8000 is half, whatever gamma the file contains.
 TEST_F(DensityImages, SamplesOf16BitsAreNotTurnedIntoLight) {
   for (const double gamma : {0.0, 0.45455, 1.0}) {
     WritePng(picture(), {.width = 2,
@@ -175,7 +175,7 @@ TEST_F(DensityImages, PicturesThatAreNoneAreRefused) {
                                 (size < 8 ? std::string("no PNG") : std::string("a PNG cut off after "))));
     ASSERT_THAT(what, HasSubstr(accepted));
   }
-  // a byte changed anywhere but in the end's checksum, behind all that is read
+  // change each byte except those of the last checksum, which is behind everything that is read
   for (std::size_t at = 0; at + 4 < whole.size(); ++at) {
     std::string changed = whole;
     changed[at] = static_cast<char>(changed[at] ^ 0x11);
@@ -255,7 +255,8 @@ TEST_F(DensityImages, AMeshsMaterialFollowsItWithDepthAndHeight) {
       folder_ / "box.obj", 1.0,
       {.center_m = Vector3(0, 0, 0.020), .axis = Vector3(0, 0, 1), .radius_m = 0.002}, params);
   ASSERT_TRUE(solid) << solid.error().message;
-  // g/cm^3: 2 at the lower end and 1 at the upper one down to 2 mm, then to 0.2 at 4 mm; a core of cortical
+  // g/cm^3: 2 at the lower end and 1 at the upper one down to 2 mm, then falling to 0.2 at 4 mm; the core is
+  // cortical
   const auto at = [&](double depth_m, double height_m) {
     return params.material_names.at(solid->solid->MaterialAt({0.010 - depth_m, 0.0, height_m}));
   };
@@ -270,7 +271,7 @@ TEST_F(DensityImages, AMeshsMaterialFollowsItWithDepthAndHeight) {
   EXPECT_EQ(at(0.0039, 0.0100), "cancellous");
   EXPECT_EQ(at(0.0041, 0.0100), "cortical") << "the core";
 
-  // packed: every material of the image has its share
+  // when packed, every material of the image has its share
   const auto materials = LoadMaterials(kConfig / "materials/bone.yaml");
   for (const std::string& name : params.material_names)
     params.materials.push_back(*std::ranges::find(materials, name, &simulation::Material::name));

@@ -10,7 +10,7 @@ namespace {
 
 const std::filesystem::path kCells = OSTEON_SOURCE_DIR "/config/cells";
 
-// The whole cell is read from another folder: what is said otherwise is, and nothing else.
+// The whole cell is read from another folder: the edited values differ, and nothing else.
 TEST(DerivedFile, SaysOtherwiseWhatIsAskedForAndNothingElse) {
   const io::test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "derived.yaml";

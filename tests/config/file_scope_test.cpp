@@ -7,7 +7,7 @@
 #include "config/load.h"
 #include "tests/io/temporary_folder.h"
 
-// Which files a configuration is read from, and that it can be held to one folder.
+// Records which files a configuration is read from, and restricts it to one folder.
 
 namespace osteon::config {
 namespace {
@@ -54,7 +54,7 @@ class HeldToAFolder : public testing::Test {
     fs::copy(kConfig, folder_.path() / "in", fs::copy_options::recursive);
     text_ = io::test::ReadAll(kConfig / "cells/demo.yaml");
   }
-  // The demo cell with its robot named otherwise, loaded from the folder; an empty string, or the error.
+  // Loads the demo cell with another robot file from the folder; returns an empty string, or the error.
   std::string Load(const std::string& robot, FileScope::Params params) {
     std::string text = text_;
     const std::string name = "../robots/lbr_iiwa_14_r820.yaml";

@@ -27,7 +27,7 @@ std::string ReadText(const fs::path& path) {
   return text.str();
 }
 
-// Reads a file of config/ by its folder, as its user would.
+// Loads a file of config/ according to its folder, as its user would.
 void LoadAny(const fs::path& path) {
   const std::string folder = path.parent_path().filename().string();
   if (folder == "robots") return static_cast<void>(LoadRobot(path));
@@ -45,18 +45,18 @@ void LoadAny(const fs::path& path) {
   FAIL() << path << ": no loader for this folder";
 }
 
-// An overlay's key is a way: it is read, and refused, by its parts.
+// An overlay's key is a path: it is read, and refused, part by part.
 std::string FirstPart(const std::string& key) { return key.substr(0, key.find('.')); }
 std::string LastPart(const std::string& key) { return key.substr(key.rfind('.') + 1); }
 
 struct Scalar {
-  std::string key;  // the nearest mapping's
+  std::string key;  // of the nearest mapping
   std::size_t begin;
   int line;
   std::string text;
 };
 
-// All plain scalars that are numbers, with where they stand in the text.
+// All plain scalars that are numbers, with their positions in the text.
 void CollectNumbers(const YAML::Node& node, const std::string& key, std::vector<Scalar>& numbers) {
   if (node.IsMap())
     for (const auto& pair : node) CollectNumbers(pair.second, pair.first.Scalar(), numbers);
@@ -73,7 +73,7 @@ void CollectNumbers(const YAML::Node& node, const std::string& key, std::vector<
   numbers.push_back({key, static_cast<std::size_t>(node.Mark().pos), node.Mark().line + 1, node.Scalar()});
 }
 
-// A copy of config/ in a folder of its own, one file of which a test may change.
+// A copy of config/ in a folder of its own; a test may change one of its files.
 class ConfigFilesTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -144,7 +144,7 @@ TEST_F(ConfigFilesTest, EveryNumberHasAUnitIsReadAndIsBounded) {
   EXPECT_GT(total, 100u);
 }
 
-// Not one key can go: each is read, and none has a silent default.
+// No key can be left out: each is read, and none has a silent default.
 TEST_F(ConfigFilesTest, EveryKeyIsNeeded) {
   for (const fs::path& file : files_) {
     const std::string text = ReadText(file);
@@ -170,8 +170,7 @@ TEST_F(ConfigFilesTest, EveryKeyIsNeeded) {
         LoadAny(file);
         ADD_FAILURE() << expected << " was not said";
       } catch (const ConfigError& error) {
-        // what a scenario's keys say together is looked at before a key that nobody knows: a list's length by
-        // its kind
+        // a scenario's keys are checked against each other before unknown keys: a list's length by its kind
         if (std::string(error.what()).find("_deg: found a list of") == std::string::npos) {
           EXPECT_EQ(error.what(), expected);
         }
@@ -272,8 +271,8 @@ TEST_F(ConfigFilesTest, ValuesThatContradictEachOtherAreRefused) {
   }
 }
 
-// Cut, flipped, doubled and shuffled bytes: a file loads or is refused with a ConfigError; nothing else may
-// come out.
+// Cut, flipped, doubled and shuffled bytes: a file loads or is refused with a ConfigError, and nothing else
+// happens.
 TEST_F(ConfigFilesTest, DamagedFilesAreRefusedInOrder) {
   std::mt19937 random{99};
   const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };

@@ -10,7 +10,7 @@
 #include "config/load.h"
 #include "tests/config/cell_text.h"
 
-// What a cell may say of its link: both ends hear it.
+// Keys of a cell's link, which apply to both ends.
 
 namespace osteon::config {
 namespace {

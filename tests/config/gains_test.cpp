@@ -8,7 +8,7 @@
 
 #include "config/load.h"
 
-// Gains in a file of their own, laid over a cell's.
+// Gains in a file of their own that overrides a cell's.
 
 namespace osteon::config {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "cell_text.h"
 
-// What a cell may say of its guard.
+// Keys of a cell's guard.
 
 namespace osteon::config {
 namespace {

@@ -7,8 +7,8 @@
 #include "control/virtual_coupling.h"
 #include "tests/config/cell_text.h"
 
-// A cell's own figures against each other: what a frame may move, and what the trip on the wrench's rate
-// accepts.
+// A cell's own values against each other: how far a frame may move the proxy, and the trip on the wrench's
+// rate.
 
 namespace osteon::config {
 namespace {
@@ -27,9 +27,8 @@ TEST(HandOverKeys, ASlideThatAHandOverCanNotTakeIsRefusedAtItsLine) {
       << "the other figure of the two";
 }
 
-/// The greatest step of the force, over what the trip accepts: the tool presses with all that the cell may
-/// give, and a frame moves its proxy by max_slide across that, pushing on at the coupling's full damping
-/// share.
+/// Largest step of the force, relative to the trip's limit: the tool presses with the cell's largest force,
+/// and a frame moves its proxy by max_slide across that, with the coupling's full damping share.
 double WorstShare(const CellConfig& cell, bool hands_over) {
   const control::ServoParams& servo = cell.servo;
   control::CouplingParams coupling = servo.coupling;
@@ -51,7 +50,7 @@ double WorstShare(const CellConfig& cell, bool hands_over) {
   const auto period = static_cast<rt::Nanoseconds>(servo.period_s * 1e9);
   for (int tick = 0; tick < 60; ++tick) {
     const rt::Nanoseconds now = rt::kSecond + tick * period;
-    if (tick % 20 == 10) {  // leans to one side and to the other
+    if (tick % 20 == 10) {  // leans to one side and then to the other
       const double lean = tick < 20 ? lean_rad : 0.0;
       model.contacts[0].n_W = Vector3(std::sin(lean), 0.0, std::cos(lean));
       ++model.frame;

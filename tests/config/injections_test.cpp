@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-// Faults on wires, as a cell's file may ask for them.
+// Faults on wires in a cell's file.
 
 namespace osteon::config {
 namespace {
@@ -30,7 +30,7 @@ std::string Refusal(const std::string& text) {
   return "accepted";
 }
 
-// One injection of these keys besides its place and time.
+// One injection with these keys in addition to its wire and direction.
 std::string One(const std::string& keys, const std::string& wire = "arm",
                 const std::string& direction = "both") {
   return "injections:\n  - {wire: " + wire + ", direction: " + direction + ", from_s: 1, to_s: 2, " + keys +

@@ -38,7 +38,7 @@ TEST(LawKeys, OneLawAndAnArmThatHasIt) {
   EXPECT_THAT(Refusal(With(cell, "level: dynamic", "level: servo")),
               AllOf(HasSubstr("level"), HasSubstr("dynamic")));
   EXPECT_THAT(Refusal(With(cell, "\n  overlay: wrench", "\n  overlay: position")), HasSubstr("wrench"));
-  // an arm over RSI takes positions alone
+  // an arm over RSI accepts only positions
   const std::size_t law = cell.find("\nimpedance:"), law_end = cell.find("\n#", law);
   std::string kr = CellText("kr_16_thin_plate");
   const std::size_t old = kr.find("\nadmittance:"), old_end = kr.find("\n#", old);

@@ -74,7 +74,7 @@ TEST(Limits, WhatHappensAtTheForceLimitIsTheCellsChoice) {
             OnForceLimit::kYield);
   EXPECT_EQ(reaction(With(CellText("demo"), "on_force_limit: slow", "on_force_limit: stop")).reaction,
             OnForceLimit::kStop);
-  // where a cell says nothing: twice 200 N / 20 N/mm, and 3 mm
+  // default: twice 200 N / 20 N/mm, and 3 mm
   EXPECT_EQ(reaction(CellText("demo")).reaction, OnForceLimit::kSlow);
   EXPECT_NEAR(reaction(CellText("demo")).max_tool_in_bone_m, 0.023, 1e-12);
   EXPECT_NEAR(reaction(with("demo", "max_tool_in_bone_mm: 11")).max_tool_in_bone_m, 0.011, 1e-15);

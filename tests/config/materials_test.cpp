@@ -20,7 +20,7 @@ std::vector<std::string> Names(const std::vector<simulation::Material>& material
   return names;
 }
 
-/// A file of one material, one line of which is replaced.
+/// Error of a file of one material with one line replaced.
 std::string Refusal(const std::string& from, const std::string& to) {
   std::string text =
       "materials:\n"
@@ -66,7 +66,7 @@ TEST(MaterialsConfig, EachShippedListIsSoundAndInTheOrderItsScenesExpect) {
     EXPECT_NO_THROW(simulation::CheckMaterials(LoadMaterials(Shipped(name)))) << name;
 }
 
-// A pound a cubic foot is 16.018 kg/m^3; the file gives three digits.
+// A pound per cubic foot is 16.018 kg/m^3; the file gives three digits.
 TEST(MaterialsConfig, FoamsHaveTheDensityOfTheirGrade) {
   const std::vector<simulation::Material> foams = LoadMaterials(Shipped("sawbone.yaml"));
   for (int i = 0; i < 4; ++i) {

@@ -28,7 +28,7 @@ TEST(NamedFile, SaysWhereItLooked) {
   EXPECT_EQ(FindNamedFile(folder.path(), "c").error(), folder.path() / "c.yaml");
   EXPECT_EQ(FindNamedFile(folder.path(), "c.yaml").error(), "c.yaml");
   EXPECT_EQ(FindNamedFile(folder.path(), "").error(), folder.path() / ".yaml");
-  // a name in the folder has no folders of its own
+  // a name in the folder cannot contain a path
   std::filesystem::create_directory(folder.path() / "inner");
   WriteAll(folder.path() / "inner" / "d.yaml", "");
   EXPECT_FALSE(FindNamedFile(folder.path(), "inner/d"));

@@ -78,14 +78,14 @@ TEST(OperatorSection, IncidentsComeInSI) {
   EXPECT_DOUBLE_EQ(clamp.begin_s, 6.0);
   EXPECT_TRUE(std::isinf(clamp.end_s)) << "never ends";
   EXPECT_DOUBLE_EQ(clamp.spring.stiffness_N_per_m, 50000.0);
-  // what is read is what a hand takes
+  // a hand accepts the values read
   EXPECT_NO_THROW(hil::CheckIncidents(hand.incidents));
   const std::string first_two = kIncidents.substr(0, kIncidents.find("    - kind: clamp"));
   const auto forever = Operator(kHand + Changed(first_two, "      away_ms: 200\n", ""));
   EXPECT_TRUE(std::isinf(std::get<hil::StartledRelease>(forever.incidents.list[1]).away_s));
 }
 
-// Every line of the list that holds a number: absurd values are refused where they stand.
+// Every line of the list that contains a number: absurd values are refused at their line.
 TEST(OperatorSection, EveryNumberOfAnIncidentIsBounded) {
   std::istringstream stream(kHand + kIncidents);
   std::vector<std::string> lines;

@@ -5,7 +5,7 @@
 #include "config/load.h"
 #include "tests/io/temporary_folder.h"
 
-// What is said otherwise is read, nothing else changes, and errors name who says it.
+// Overridden values are read, nothing else changes, and errors name the source of the value.
 
 namespace osteon::config {
 namespace {
@@ -16,7 +16,7 @@ const fs::path kCell = kConfig / "cells/demo.yaml";
 
 class OverlayTest : public testing::Test {
  protected:
-  /// The cell under a file of overrides.
+  /// Loads the cell with a file of overrides.
   CellConfig Load(const std::string& overrides) {
     io::test::WriteAll(File(), "shows: a test\n" + overrides);
     Overlay overlay(kCell);
@@ -25,7 +25,7 @@ class OverlayTest : public testing::Test {
     overlay.Finish();
     return cell;
   }
-  /// What is said against it.
+  /// The error of these overrides.
   std::string Refusal(const std::string& overrides) {
     try {
       static_cast<void>(Load(overrides));
@@ -88,7 +88,7 @@ TEST_F(OverlayTest, ErrorsNameFileAndLineThatSayIt) {
   ExpectRefused("overrides: 5\n", 2, {"overrides", "no mapping"});
 }
 
-// A check that holds one key against another blames the file of the key that it names.
+// A check of one key against another blames the file of the key that it names.
 TEST_F(OverlayTest, ARefusalOfTheCellsOwnKeyNamesTheCell) {
   const std::string refusal = Refusal("overrides:\n  start.height_mm: 499\n");
   EXPECT_TRUE(refusal.starts_with(File().string() + ":3: height_mm")) << refusal;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kName = "config/tools/reamer.yaml";
 
-// The text of the error that reading and finishing gives; empty where there is none.
+// The error of reading and finishing; empty if there is none.
 template <typename Read>
 std::string ErrorOf(const std::string& text, Read read) {
   try {
@@ -90,7 +90,7 @@ TEST(ReaderTest, UnknownKeyComesWithTheNearestKnownOne) {
             "config/tools/reamer.yaml:1: unknown key \"raduis_mm\"; did you mean \"radius_mm\"?");
   EXPECT_EQ(ErrorOf("radius_mm: 25\ncolour: red\n", ReadRadius),
             "config/tools/reamer.yaml:2: unknown key \"colour\"");
-  // a missing key is the better guess, even where one that is there is spelt more alike
+  // a missing key is the better guess, even if a present one is spelt more similarly
   const auto two = [](Reader& reader) {
     static_cast<void>(reader.Number("stiffness_N_per_m", 1, 100));
     static_cast<void>(reader.Number("stiffness_N_per_mm", 1, 100));
@@ -182,7 +182,7 @@ TEST(ReaderTest, ATabThatIndentsIsNamed) {
     EXPECT_EQ(ErrorOf(text, nothing), "config/tools/reamer.yaml:" + std::to_string(line) +
                                           ": not YAML: found a tab before the text, accepted blanks alone")
         << text;
-  // elsewhere a tab is a blank, and what is wrong is something else
+  // elsewhere a tab is a blank, and the error is another one
   EXPECT_EQ(ErrorOf("a: [1,\n\t2]\nb: [1, 2\n", nothing).find("tab"), std::string::npos);
   EXPECT_EQ(ErrorOf("a:\tb\n", [](Reader& reader) { EXPECT_EQ(reader.Text("a"), "b"); }), "");
 }

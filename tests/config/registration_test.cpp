@@ -11,7 +11,7 @@
 
 #include "config/load.h"
 
-// A cell whose poses do not fit each other is refused where the one that is to blame stands.
+// A cell whose poses do not fit each other is refused at the pose to blame.
 
 namespace osteon::config {
 namespace {
@@ -23,7 +23,7 @@ using testing::HasSubstr;
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 const fs::path kDemo = kConfig / "cells/demo.yaml";
 
-// The error of a check on the demo cell, after it was changed in memory; empty where there is none.
+// The error of a check on the demo cell after a change in memory; empty if there is none.
 template <typename Change>
 std::string ErrorOf(void (*check)(const CellConfig&, const Reader&), Change change) {
   CellConfig cell = LoadCell(kDemo);
@@ -40,7 +40,7 @@ class Registration : public testing::Test {
  protected:
   void SetUp() override { fs::copy(kConfig, folder_, fs::copy_options::recursive); }
   void TearDown() override { fs::remove_all(folder_); }
-  // The error of the demo cell with a text of one of its files replaced where it first stands.
+  // The error of the demo cell with the first occurrence of a text in one of its files replaced.
   std::string ErrorWith(const std::string& file, const std::string& before, const std::string& after) const {
     std::stringstream text;
     text << std::ifstream(folder_ / file).rdbuf();
@@ -87,7 +87,7 @@ TEST_F(Registration, ABoneInTheArmsFootIsRefused) {
 }
 
 TEST_F(Registration, ABoneOutOfTheArmsReachIsRefused) {
-  // shoulder at 360 mm; .42 + .4 + .126 + .18 m of arm and tool
+  // shoulder at 360 mm; 0.42 + 0.4 + 0.126 + 0.18 m of arm and tool
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", kBone, BoneAt("[1200, 0, 360]")),
       HasSubstr("demo.yaml:14: position_mm: found 1200 mm from the arm's shoulder to the site, accepted "
@@ -100,7 +100,7 @@ TEST_F(Registration, ABaseThatWasTurnedTheWrongWayShowsAtTheReach) {
               HasSubstr("base_in_world says where the arm stands"));
 }
 
-// What is wrong with the registration shows at the workspace or at the start: the pose is named all the same.
+// An error of the registration shows at the workspace or at the start, but the pose is named.
 TEST_F(Registration, ABoneOutsideOfTheWorkspaceIsNamedAndNotTheWorkspace) {
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", kBone, BoneAt("[900, 0, 210]")),
@@ -139,7 +139,7 @@ TEST(RegistrationRows, ABaseInMetresIsNamed) {
   EXPECT_THAT(
       ErrorOf(CheckFrames,
               [](CellConfig& cell) {
-                const Vector3 base(0.9, 0.0, 0.4);  // the cell, moved there as a whole
+                const Vector3 base(0.9, 0.0, 0.4);  // the whole cell, moved there
                 cell.X_WG.translation() += base;
                 cell.servo.workspace.sphere_center_W_m += base;
                 cell.servo.workspace.plane_offset_m += cell.servo.workspace.plane_normal_W.dot(base);
@@ -159,7 +159,7 @@ TEST_F(Registration, AToolAsLongAsAnArmIsRefused) {
 }
 
 TEST_F(Registration, TheWholeSiteMustBeInTheWorkspace) {
-  // the cup's centre is 70 mm above the plane, its work goes 2 × 24 mm from there
+  // the cup's centre is 70 mm above the plane, and its work extends 2 × 24 mm from there
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", "plane_offset_mm: 140", "plane_offset_mm: 170"),
       HasSubstr("plane_offset_mm: found 40 mm from the site to the workspace's plane, accepted at least "
@@ -169,7 +169,7 @@ TEST_F(Registration, TheWholeSiteMustBeInTheWorkspace) {
 }
 
 TEST_F(Registration, TheStartKeepsTheJointsMargin) {
-  // an elbow turned so far that a joint comes to within 30 deg of its limit, in a cell that wants 30
+  // an elbow turned until a joint comes within 30 deg of its limit, in a cell that requires 30
   EXPECT_THAT(ErrorWith("cells/demo.yaml", "joint_margin_deg: 1 ", "joint_margin_deg: 30 "), "");
   EXPECT_THAT(ErrorWith("cells/demo.yaml", "arm_angle_deg: 0 ", "arm_angle_deg: 100 "),
               HasSubstr(": arm_angle_deg: found "));
@@ -195,13 +195,13 @@ TEST(RegistrationRows, ATiltedBaseIsNotedAndAccepted) {
   EXPECT_EQ(noted, 1);
 }
 
-// What the start's joints say, whatever it was made from: here they are changed alone.
+// The start is measured on its joints, whatever they were computed from: here only the joints are changed.
 TEST(RegistrationRows, TheStartIsMeasuredOnItsJoints) {
   EXPECT_THAT(ErrorOf(CheckStart, [](CellConfig& cell) { cell.start.q[0] += 1.0; }),
               HasSubstr(": height_mm: found -"));
   EXPECT_THAT(ErrorOf(CheckStart, [](CellConfig& cell) { cell.start.q[5] = 2.094; }),
               HasSubstr(": arm_angle_deg: found 0.0"));
-  // the wrist turned away from the bone, the apex where it was
+  // the wrist turned away from the bone, with the apex in its place
   EXPECT_THAT(
       ErrorOf(CheckStart,
               [](CellConfig& cell) {

@@ -30,7 +30,7 @@ ChainParams<N> ChainOf(const std::string& name) {
   return std::get<ChainParams<N>>(LoadRobot(RobotFile(name)).chain);
 }
 
-// To the last bits: millimetres and degrees of a file against metres and radians written down by hand.
+// To the last bits: the file's millimetres and degrees, and metres and radians written by hand.
 TEST(RobotFiles, Iiwa14IsThatOfTheRobotDescription) {
   const ChainParams<7> chain = ChainOf<7>("lbr_iiwa_14_r820"), expected = kinematics::Iiwa14Chain();
   EXPECT_TRUE(chain.has_masses);
@@ -52,7 +52,7 @@ TEST(RobotFiles, Iiwa14IsThatOfTheRobotDescription) {
   EXPECT_LT((chain.X_LF.matrix() - expected.X_LF.matrix()).cwiseAbs().maxCoeff(), 1e-16);
 }
 
-// Bit for bit: the demo's hash hangs on it.
+// Bit for bit, as the demo's hash depends on it.
 TEST(RobotFiles, SummedOriginsGiveTheLengthsOfTheCatalogueExactly) {
   const kinematics::LbrParams lbr = kinematics::LbrParamsFrom(ChainOf<7>("lbr_iiwa_14_r820"));
   EXPECT_EQ(lbr.base_to_shoulder_m, 0.360);
@@ -61,7 +61,8 @@ TEST(RobotFiles, SummedOriginsGiveTheLengthsOfTheCatalogueExactly) {
   EXPECT_EQ(lbr.wrist_to_flange_m, 0.126);
 }
 
-// Catalogue: flange heights upright; the arms weigh 29.9 and 23.9 kg with their bases of 7.05 and 4.86 kg.
+// Catalogue: flange heights when upright; the arms weigh 29.9 and 23.9 kg with their bases of 7.05 and 4.86
+// kg.
 TEST(RobotFiles, LbrsStandAndWeighWhatTheirCatalogueSays) {
   struct Arm {
     const char* name;
@@ -83,7 +84,7 @@ TEST(RobotFiles, LbrsStandAndWeighWhatTheirCatalogueSays) {
   }
 }
 
-// The seven lengths, offsets and signs against the joint origins of kuka_experimental, in any posture.
+// Compares the seven lengths, offsets and signs with the joint origins of kuka_experimental, in any posture.
 TEST(RobotFiles, Kr6IsThatOfTheRobotDescription) {
   const SerialChain<6> arm(ChainOf<6>("kr_6_r900_2")), described(kinematics::Kr6R900());
   std::mt19937_64 random{61};
@@ -93,8 +94,8 @@ TEST(RobotFiles, Kr6IsThatOfTheRobotDescription) {
   }
 }
 
-// KUKA's zero: upper arm and forearm along x, flange looking along x; at A2 -90, A3 90 the upper arm stands.
-// Reach is that of the wrist from A1's axis, with the arm straight.
+// KUKA's zero: upper arm and forearm along x, flange pointing along x; at A2 -90, A3 90 the upper arm is
+// upright. Reach is the distance of the wrist from A1's axis, with the arm straight.
 TEST(RobotFiles, KrsHaveKukasZeroAndPublishedReach) {
   struct Arm {
     const char* name;
@@ -132,14 +133,14 @@ TEST(RobotFiles, CellCarriesItsToolAndSensor) {
   const kinematics::LinkInertia bare = kinematics::Iiwa14Chain().joints.back().link,
                                 loaded = cell.robot.lbr()->chain.joints.back().link;
   EXPECT_NEAR(loaded.mass_kg, bare.mass_kg + 0.5 + cell.tool.tool.mass_kg, 1e-12);
-  // first moments add up: link, sensor 35 + 15 mm ahead of A7, tool where its centre is in the flange's frame
+  // first moments add up: link, sensor 35 + 15 mm ahead of A7, tool at its centre in the flange's frame
   const Vector3 p_FTcm = cell.tool.X_FT * Vector3(cell.tool.tool.center_of_mass_m);
   const Vector3 moment = bare.mass_kg * bare.p_LLcm_m + 0.5 * Vector3(0, 0, 0.05) +
                          cell.tool.tool.mass_kg * (p_FTcm + Vector3(0, 0, 0.035));
   EXPECT_LT((loaded.mass_kg * loaded.p_LLcm_m - moment).norm(), 1e-12);
 }
 
-// Each of these is one edit of a good file, with its own answer at its own line.
+// Each case is one edit of a good file, with its own error at its own line.
 TEST(RobotFiles, MalformedFilesAreRefusedWithTheirReason) {
   struct Case {
     const char *robot, *from, *to, *expected;
@@ -195,7 +196,7 @@ TEST(RobotFiles, MalformedFilesAreRefusedWithTheirReason) {
   fs::remove_all(folder);
 }
 
-// A cell is driven over FRI: no KR, and no arm that only looks like an LBR.
+// A cell over FRI accepts no KR, and no arm that only resembles an LBR.
 TEST(RobotFiles, CellRefusesAnArmThatIsNoLbr) {
   const fs::path root = fs::path(OSTEON_SOURCE_DIR) / "config",
                  copy = fs::path(::testing::TempDir()) / ("osteon_arms_" + std::to_string(::getpid()));

@@ -12,7 +12,7 @@
 #include "config/load.h"
 #include "kinematics/ortho_parallel_arm.h"
 
-// A cell that chooses RSI: what it may say of its link, of its arm, and what does not go together.
+// A cell that chooses RSI: keys of its link and arm, and combinations that are refused.
 
 namespace osteon::config {
 namespace {
@@ -29,7 +29,7 @@ class RsiKeys : public testing::Test {
     fs::copy(fs::path(OSTEON_SOURCE_DIR) / "config", folder_, fs::copy_options::recursive);
   }
   void TearDown() override { fs::remove_all(folder_); }
-  // A cell with texts of its file replaced where they first stand.
+  // Loads a cell with the first occurrences of texts in its file replaced.
   CellConfig LoadWith(const Edits& edits, const std::string& name = "kr_16_thin_plate") const {
     std::stringstream text;
     text << std::ifstream(folder_ / "cells" / (name + ".yaml")).rdbuf();
@@ -157,7 +157,7 @@ TEST_F(RsiKeys, ValuesThatContradictEachOtherAreRefused) {
               HasSubstr("from the arm's shoulder to the site, accepted at most"));
 }
 
-// A lost answer would throw the arm back to where RSI began: nobody has that by oversight.
+// A lost answer would move the arm abruptly back to RSI's start: this must not happen by oversight.
 TEST_F(RsiKeys, AbsoluteCorrectionsThatAreNotHeldNeedAWord) {
   const std::pair<std::string, std::string> not_held{"hold_on: true ", "hold_on: false "};
   const std::pair<std::string, std::string> added{

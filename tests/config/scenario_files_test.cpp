@@ -40,8 +40,7 @@ std::string Refusal(const std::string& text) {
   return "taken";
 }
 
-// Both laws, both arms, what the hand does, faults: all of them can be read, and each has what it is held
-// against.
+// Both laws, both arms, hands, faults: every scenario can be read, and each has its golden trace.
 TEST(ScenarioFiles, EveryShippedOneLoadsWithItsCell) {
   std::set<std::string> cells;
   std::set<ScenarioEngine> engines;

@@ -9,7 +9,7 @@
 
 #include "config/load.h"
 
-// The scenes and cells of config/: that each holds what it says, and what is answered to one that does not.
+// The scenes and cells of config/: each has the promised content, and errors of changed ones.
 
 namespace osteon::config {
 namespace {
@@ -76,7 +76,7 @@ TEST(SceneFiles, LayersAndTissuesNameTheirMaterialsOnce) {
   ASSERT_TRUE(Scene("acetabulum").mesh_tissue.lining);
 }
 
-// The cells choose the materials: so this packs each cell's scene.
+// The cells choose the materials, so this packs each cell's scene.
 TEST(SceneFiles, EachCellsSceneIsPackedWithItsMaterialsWithin40000Balls) {
   for (const fs::path& file : FilesOf("cells")) {
     SCOPED_TRACE(file.filename());
@@ -98,7 +98,7 @@ TEST(SceneFiles, EachCellsSceneIsPackedWithItsMaterialsWithin40000Balls) {
       const double outside_m = bone.balls[i].radius_m + solid.solid->SignedDistance(bone.balls[i].center_m);
       ASSERT_LE(outside_m, 1e-9) << "ball " << i << " leaves the solid";
     }
-    // the tool goes into bone, and comes from where there is none
+    // the tool goes into bone, and starts outside of it
     const Vector3 site = bone.cup.center_m, axis = bone.cup.axis;
     EXPECT_GT(solid.solid->SignedDistance(site + 1e-3 * axis), 0.0);
     EXPECT_LT(solid.solid->SignedDistance(site - 1.05 * bone.cup.radius_m * axis), 1.1e-3);
@@ -114,7 +114,7 @@ class SceneRefusals : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(root_); }
 
-  /// What is said to a scene or a cell in which one text stands for another.
+  /// The error of a scene or a cell in which one text is replaced.
   std::string Refusal(const char* name, const std::string& from, const std::string& to) {
     const fs::path file = root_ / name;
     std::ostringstream before;

@@ -65,7 +65,7 @@ TEST(ScriptSection, RefusesAnotherKindsKeys) {
       << ErrorOf([&] { (void)Script(text); });
 }
 
-// What only tool, hand and script together can tell.
+// Checks that need tool, hand and script together.
 TEST(ScriptSection, IsCheckedAgainstToolAndHand) {
   Reader reader = Reader::Parse(kOpening + "operator:\n  max_force_N: 60\n", "cell.yaml");
   const Reader section = reader.Section("script"), hand = reader.Section("operator");

@@ -9,7 +9,7 @@
 
 #include "config/load.h"
 
-// A cell may say how balls are split; most do not.
+// A cell may set how balls are split; most do not.
 
 namespace osteon::config {
 namespace {

@@ -6,7 +6,7 @@
 #include "config/load.h"
 #include "tests/config/cell_text.h"
 
-// The sections of the stabilisers: each may be left out, and says with its line what it does not accept.
+// The sections of the stabilisers: each is optional, and reports at its line what it does not accept.
 
 namespace osteon::config {
 namespace {
@@ -43,7 +43,7 @@ TEST(StabiliserKeys, ReachTheLoop) {
   EXPECT_EQ(s.energy_tank.ramp_s, 0.1);
 }
 
-// Found by the fuzz target cell: each value was in its range, and the loop threw when it was made.
+// Found by the fuzz target cell: each value was in its range, but the loop's constructor threw.
 TEST(StabiliserKeys, AnAgeGovernorWithoutAnyDampingIsRefusedWithTheFile) {
   const std::string text = With(CellText("thin_plate_impedance"), "damping_Ns_per_m: [40, 40, 40]",
                                 "damping_Ns_per_m: [40, 40, 0]");

@@ -12,8 +12,8 @@
 #include "config/load_robot.h"
 #include "io/fri/fri_link.h"
 
-// The arm's program (config/controllers/sunrise) against the cell that it is to work with. Its constants are
-// read as text: no Sunrise library is part of this repository.
+// The arm's program (config/controllers/sunrise) and its cell. Its constants are read as text: no Sunrise
+// library is part of this repository.
 
 namespace osteon::config {
 namespace {
@@ -56,7 +56,7 @@ TEST_F(SunriseApplication, AsksForTheCommandModeThatTheSimulatedArmAsksFor) {
   EXPECT_EQ(cell_.simulated.fri.command_mode, control::CommandMode::kPosition);
 }
 
-// The load that its tool has to have is what the cell believes to hang on the flange.
+// The load of the program's tool must equal the cell's load on the flange.
 TEST_F(SunriseApplication, ChecksTheLoadThatTheCellHas) {
   const RobotModel bare = LoadRobot(kRoot / "config/robots/lbr_iiwa_14_r820.yaml");
   const double payload_kg = cell_.robot.lbr()->chain.joints.back().link.mass_kg -

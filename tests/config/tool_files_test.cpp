@@ -63,7 +63,7 @@ TEST(ToolSets, DefaultIsOneOfThemAndOthersAreRefusedWithTheList) {
   }
 }
 
-// A row that can not be built is named at its own line, not at the list's.
+// A row that cannot be built is named at its own line, not at the list's.
 TEST(ToolSets, ARowThatIsNoToolIsRefusedAtItsLine) {
   std::string text = io::test::ReadAll(kTools + "round_burr.yaml");
   const std::string row = "  - {diameter_mm: 1.4, neck_mm: 0.77}";
@@ -84,7 +84,7 @@ TEST(ToolSets, ARowThatIsNoToolIsRefusedAtItsLine) {
   EXPECT_NO_THROW(static_cast<void>(LoadTool(file, 0.0018))) << "the other rows are as they were";
 }
 
-// The shipped tools that demos use, in all sizes: within what the Vulkan engine takes today.
+// The shipped tools of the demos, in all sizes: within the present limits of the Vulkan engine.
 TEST(ToolSets, BurrsAndDrillsFitTheEngineInEverySize) {
   for (const char* file :
        {"round_burr", "pear_burr", "cylinder_burr", "taper_burr", "twist_drill", "canal_reamer"})

@@ -7,7 +7,7 @@
 #include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/hil/can_sensor_cell.h"
 
-// The simulated ATI sensor: its frames, and both sides against each other in virtual time.
+// The simulated ATI sensor: its frames, and client against device in virtual time.
 
 namespace osteon::hil {
 namespace {
@@ -27,7 +27,7 @@ TEST(AtiDevice, AnswersWithTheKnownFrames) {
   device.Accept(At(0, "208#"));
   EXPECT_EQ(Sent(device, 0), Frames{"208#0203"});
   device.Accept(At(0, "202#00"));
-  // 660 N · 100 / 30000 = 2.2 on the diagonal: 400CCCCD; 0.02 · (0, 2, -1, 1, -2) of it beside.
+  // 660 N · 100 / 30000 = 2.2 on the diagonal: 400CCCCD; off the diagonal 0.02 · (0, 2, -1, 1, -2) of it.
   const Frames row = Sent(device, 0);
   ASSERT_EQ(row.size(), 3u);
   EXPECT_EQ(row[0], "202#400CCCCD00000000");
@@ -56,8 +56,8 @@ TEST(Ati, TheMatrixArrivesAsItWasGivenAway) {
 TEST(Ati, TheLoadArrivesWithinTheGaugesRounding) {
   Cell cell;
   cell.Start();
-  // Half a count of each gauge through a row of the matrix: 660 / 30000 · (1 + 5 · 0.04) / 2 N, the same of
-  // 60 N·m.
+  // Half a count of each gauge through a row of the matrix: 660 / 30000 · (1 + 5 · 0.04) / 2 N, and the same
+  // with 60 N·m.
   const double force = 660.0 / 30000 * 1.2 / 2, torque = 60.0 / 30000 * 1.2 / 2;
   cell.ExpectLoadsWithin({20, -10, 5}, force, torque);
 }
@@ -103,7 +103,8 @@ TEST(Ati, LossDuplicationAndReorderNeverMixTwoReadings) {
     cell.Start();
     cell.bus.SetParams({.loss = 0.2, .duplicate = 0.1, .reorder = 0.1, .seed = seed});
     for (int i = 0; i < 5'000; ++i) {
-      // Fx comes by the first frame, Fy by the second, mostly: a mixed reading would be off by whole newtons.
+      // Fx comes mostly from the first frame, Fy from the second: a mixed reading would be off by whole
+      // newtons.
       const double n = 5.0 * (i % 80);
       cell.device.SetLoad(Load(n, n, 0, 0, 0, 0));
       cell.Run(1);

@@ -11,8 +11,8 @@
 #include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/io/can_frames.h"
 
-// The simulated drive: its frames as CiA 301 and 402 draw them, its physics, and both sides against each
-// other in virtual time.
+// The simulated drive: its frames as in CiA 301 and 402, its physics, and client against drive in virtual
+// time.
 
 namespace osteon::hil {
 namespace {
@@ -25,7 +25,7 @@ using io::test::Frames;
 using io::test::kMs;
 using io::test::Sent;
 
-// The device alone, talked to in frames.
+// The device alone, driven by frames.
 struct Bench {
   Bench() {
     Sent(device, 0);
@@ -60,7 +60,7 @@ TEST(DriveDevice, AnswersSdoAsCia301Says) {
   EXPECT_EQ(bench.Say("611#4000100000000000"), Frames{}) << "another node's";
 }
 
-// CiA 301 wants 1000, 1001 and 1018 of every device: any CANopen master asks for them.
+// CiA 301 requires 1000, 1001 and 1018 of every device, and any CANopen master reads them.
 TEST(DriveDevice, HasTheObjectsThatEveryDeviceHas) {
   Bench bench;
   EXPECT_EQ(bench.Say("610#4001100000000000"), Frames{"590#4F01100000000000"}) << "no error";
@@ -92,7 +92,7 @@ TEST(DriveDevice, ChangesAPdoOnlyWhileItIsOff) {
   EXPECT_EQ(bench.Say("610#2F00160000000000"), Frames{"590#8000160022000008"}) << "operational";
 }
 
-// Every state with every command, by SDO: where CiA 402's state machine goes.
+// Every command in every state, by SDO: the transitions of CiA 402's state machine.
 TEST(DriveDevice, EveryCommandInEveryStateGoesWhereCia402Says) {
   const std::string path[]{"610#2B40600006000000", "610#2B40600007000000", "610#2B4060000F000000",
                            "610#2B40600002000000"};
@@ -220,10 +220,10 @@ TEST(Drive, RampsAsConfigured) {
   cell.Start();
   cell.Turn(0.0);
   cell.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 30});
-  cell.Run(4);  // the cycle
+  cell.Run(4);  // one cycle
   const double start = cell.device.tool_speed_rad_per_s();
   cell.Run(100);
-  // 100 rad/s² for 0.1 s, less what the loop (20 Hz) lags: at most 2/w of the ramp.
+  // 100 rad/s² for 0.1 s, less the loop's lag (20 Hz): at most 2/w of the ramp.
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s() - start, 10.0, 100.0 * 2 / (2 * std::numbers::pi * 20));
 }
 
@@ -240,7 +240,7 @@ TEST(Drive, QuickStopBrakesAlongItsRampAndStays) {
   cell.Run(200);
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
   EXPECT_EQ(cell.status().state, DriveState::kQuickStop);
-  // Not straight on: through off.
+  // Not directly to enabled: through off.
   cell.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 20});
   cell.Run(4);
   EXPECT_NE(cell.status().state, DriveState::kEnabled);
@@ -253,7 +253,7 @@ TEST(Drive, AStalledToolIsAFaultWithTheTorqueLimitReported) {
   Cell cell;
   cell.Start();
   cell.Turn(26.0);
-  cell.device.SetCuttingTorque(40.0);  // 2 N·m at the motor, which has 1.5
+  cell.device.SetCuttingTorque(40.0);  // 2 N·m at the motor, whose limit is 1.5
   cell.Run(150);
   EXPECT_NEAR(cell.status().torque_Nm, 3.0 * 0.5 * 20, kTorqueStep) << "while it tries";
   cell.Run(400);
@@ -261,7 +261,7 @@ TEST(Drive, AStalledToolIsAFaultWithTheTorqueLimitReported) {
   EXPECT_EQ(cell.status().error_code, 0x7121);
   EXPECT_EQ(cell.status().state, DriveState::kFault);
   EXPECT_EQ(cell.status().faults, io::kDriveEmergency | io::kDriveInFault);
-  // Free again and reset, it waits for a command.
+  // With the torque removed and the fault reset, it waits for a command.
   cell.device.SetCuttingTorque(0.0);
   cell.drive.Command({.goal = DriveGoal::kOff});
   cell.Run(10);
@@ -297,7 +297,7 @@ TEST(Drive, WhenTheControllerFallsSilentTheDriveStops) {
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
   EXPECT_EQ(cell.device.statusword() & 0x4F, 0x08);
   EXPECT_NE(cell.status().faults & (io::kDriveHeartbeatLost | io::kDriveStatusLost), 0u) << "and we know";
-  // Plugged in again, nothing turns by itself.
+  // After reconnection, nothing turns by itself.
   cell.bus.Connect(cell.drive, true);
   cell.Run(1000);
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);

@@ -14,7 +14,7 @@ inline Wrench Load(double fx, double fy, double fz, double tx, double ty, double
   return {.f = {fx, fy, fz}, .t = {tx, ty, tz}};
 }
 
-/// A client and a simulated force sensor on one bus, in virtual time: a step a millisecond.
+/// A client and a simulated force sensor on one bus, in virtual time, with steps of a millisecond.
 template <class Device, class DeviceParams, class Sensor, class SensorParams>
 struct SensorCell {
   explicit SensorCell(const DeviceParams& device_params = {}, const SensorParams& params = {},
@@ -31,7 +31,8 @@ struct SensorCell {
   }
   [[nodiscard]] Wrench F() const { return sensor.Latest().F_S; }
 
-  /// Loads that turn about all axes, up to 300 N and `torque_Nm`, arrive within the bounds and a period.
+  /// Loads that turn about all axes, up to 300 N and `torque_Nm`, arrive within the error bounds and one
+  /// period.
   void ExpectLoadsWithin(const Vector3& torque_Nm, double force_error_N, double torque_error_Nm) {
     for (int i = 0; i < 200; ++i) {
       const double a = 0.1 * i;

@@ -7,8 +7,7 @@
 #include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/hil/can_sensor_cell.h"
 
-// Simulated Robotous sensors: their frames as the manual draws them, and both sides against each other in
-// virtual time.
+// Simulated Robotous sensors: their frames as in the manual, and client against sensor in virtual time.
 
 namespace osteon::hil {
 namespace {
@@ -93,7 +92,7 @@ TEST(Robotous, DriftIsWhatWasAskedForAndNoiseHasItsRms) {
     squares += noisy.F().f.y() * noisy.F().f.y();
     torque_squares += noisy.F().t.z() * noisy.F().t.z();
   }
-  // Five standard errors of mean and rms, and the rounding to counts.
+  // Tolerance: five standard errors of mean and rms, and the rounding to counts.
   EXPECT_NEAR(sum / kReadings, 0.0, 5 * 0.5 / std::sqrt(kReadings));
   EXPECT_NEAR(std::sqrt(squares / kReadings), 0.5, 5 * 0.5 / std::sqrt(2.0 * kReadings) + 0.01);
   EXPECT_NEAR(std::sqrt(torque_squares / kReadings), 0.02, 5 * 0.02 / std::sqrt(2.0 * kReadings) + 0.0005);
@@ -171,12 +170,12 @@ TEST(Robotous, FindsASensorThatIsAlreadySending) {
   Cell cell;
   cell.Start();
   cell.Run(10);
-  cell.sensor = *io::RobotousSensor::Make({});  // the controller was started again
+  cell.sensor = *io::RobotousSensor::Make({});  // the controller restarts
   cell.Start();
   EXPECT_EQ(cell.sensor.phase(), SensorPhase::kReady) << cell.sensor.failure();
 }
 
-// Forces in one half and torques in the other, all from one counter: a mixed reading would show.
+// All forces and torques, in both halves, come from one counter: a mixed reading would show.
 TEST(Robotous, LossDuplicationAndReorderNeverMixTwoReadings) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     SCOPED_TRACE(seed);
@@ -191,7 +190,7 @@ TEST(Robotous, LossDuplicationAndReorderNeverMixTwoReadings) {
       ASSERT_EQ(std::lround(cell.F().f.x() * 50), std::lround(cell.F().t.y() * 2000)) << i;
     }
     const auto after = cell.sensor.counters();
-    // Both halves have to arrive, in order: 0.8² of the readings, less what changed places.
+    // Both halves must arrive, in order: 0.8² of the readings, less those whose halves changed places.
     EXPECT_GT(after.readings - before.readings, 10'000u);
     EXPECT_LT(after.readings - before.readings, 14'000u);
     EXPECT_GT(after.halves - before.halves, 3'000u);

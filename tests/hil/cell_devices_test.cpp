@@ -1,4 +1,4 @@
-// Force sensor and drive as the loop has them, over the simulated devices' own ends of the buses, in virtual
+// Force sensor and drive as the loop sees them, with the simulated devices' own ends of the buses, in virtual
 // time.
 
 #include <deque>
@@ -34,7 +34,7 @@ SimulatedDeviceParams Devices(bool ati) {
   return params;
 }
 
-// Both sides, a millisecond a step.
+// Both sides, in steps of a millisecond.
 class Cell {
  public:
   explicit Cell(bool ati = false, bool two_buses = false, const InjectionParams& injections = {})
@@ -93,7 +93,7 @@ TEST_P(BothSides, WhatTheSensorCarriesAndTheDriveTurnsComesBack) {
   const control::CellReadings readings = cell.Run(1000);
   EXPECT_TRUE(readings.force.trusted);
   EXPECT_LE(cell.now - readings.force.stamp, 2 * rt::kMillisecond);
-  // a count is 1/50 N and 1/2000 N·m of the one make, a gauge's of some thousand of the range of the other
+  // a count is 1/50 N and 1/2000 N·m for one make; the other's gauges have some thousand counts in the range
   EXPECT_LT((Vector3(readings.force.F_S.f) - cell.load_S.f).norm(), 0.1);
   EXPECT_LT((Vector3(readings.force.F_S.t) - cell.load_S.t).norm(), 0.02);
   EXPECT_TRUE(readings.spindle.ready);
@@ -146,7 +146,7 @@ TEST(CellDevices, AFaultOfTheDriveStaysUntilARecoveryClearsIt) {
   EXPECT_LT(readings.spindle.speed_rad_per_s, 0.5) << "and does not start by itself";
 }
 
-// Controlword bit 7 goes out before the first motion: the drive is ready without a hand at it.
+// Controlword bit 7 is sent before the first motion, so the drive becomes ready without manual help.
 TEST(CellDevices, ADriveThatBootsInFaultIsReset) {
   Cell cell;
   cell.drive().SetBootError(0x3220);
@@ -187,7 +187,7 @@ TEST(CellDevices, ADriveThatStaysInFaultIsResetThreeTimesAndThenLeftAlone) {
   cell.commands.clear_faults = false;
   cell.Run(100);
   cell.drive().Mend();
-  cell.WaitForTheFirstMotion();  // a recovery: it may be tried again
+  cell.WaitForTheFirstMotion();  // a recovery: the reset may be tried again
   EXPECT_FALSE(cell.Run(1000).spindle.fault);
 }
 
@@ -265,7 +265,7 @@ TEST(CellDevices, DevicesOfOneBusThatShareIdentifiersAreRefused) {
 }
 
 TEST(CellDevices, OneThatIsSwitchedOnLateIsFoundAndOneThatWasRefusedIsNotAskedAgain) {
-  // both are silent for the first two seconds, longer than the clients ask
+  // both are silent for the first two seconds, longer than the clients try
   const InjectionParams silence{
       .injections = {{.wire = Wire::kForceSensor, .from_s = -1.0, .to_s = 2.0, .faults = {.silence = true}},
                      {.wire = Wire::kDrive, .from_s = -1.0, .to_s = 2.0, .faults = {.silence = true}}}};

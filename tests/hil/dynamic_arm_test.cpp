@@ -63,8 +63,8 @@ kinematics::Jacobian ToolJacobian(const JointVector& q) {
   return chain.JacobianAt(posture, posture.X_BF * kTool_m);
 }
 
-// 1e-9: Runge-Kutta with steps of 1/8 ms on an oscillator of 15 Hz leaves (w h)^4 / 120, some 1e-11 of a
-// step.
+// 1e-9: Runge-Kutta with steps of 1/8 ms on an oscillator of 15 Hz has an error of (w h)^4 / 120, about 1e-11
+// of a step.
 TEST(DynamicArm, WithARightModelPositionControlIsTheServosOwnEquation) {
   auto limits = Iiwa().joints;
   std::array<kinematics::JointLimits, 7> fast;
@@ -136,7 +136,7 @@ TEST(DynamicArm, AWrenchDeflectsItByEachControllersCompliance) {
 }
 
 TEST(DynamicArm, OverlaysActAsWhatTheyAre) {
-  // a torque that undoes the wrench, and the wrench that does
+  // the overlays cancel the wrench: a torque for the joint arm, a wrench for the Cartesian arm
   const Wrench F{.f = {20.0, 10.0, -30.0}, .t = {0.5, -1.0, 2.0}};
   DynamicArm joint = Arm({}), cartesian = Arm({});
   ArmDrive torque = HeldIn(control::ControlMode::kJointImpedance),
@@ -144,7 +144,7 @@ TEST(DynamicArm, OverlaysActAsWhatTheyAre) {
   wrench.F_T_B = {.f = -F.f, .t = -F.t};
   for (int k = 0; k < 500; ++k) {
     torque.tau_Nm = -ToolJacobian(joint.q()).transpose() * Stacked(F);
-    joint.Step(torque, k < 4 ? Wrench{} : F);  // the overlay has the dead time, the outside has none
+    joint.Step(torque, k < 4 ? Wrench{} : F);  // the overlay has the dead time, the external wrench has none
     cartesian.Step(wrench, k < 3 ? Wrench{} : F);
   }
   EXPECT_LT((cartesian.q() - Start()).cwiseAbs().maxCoeff(), 1e-9);
@@ -211,16 +211,16 @@ TEST(DynamicArm, AMountingGivesByItsComplianceUnderAWrench) {
   const kinematics::SerialChain<7> chain(Iiwa(), kGravity);
   const Vector3 p_B = chain.FlangePose(arm.q()) * kTool_m;
   EXPECT_LT((2e5 * X.translation() - F.f).norm(), 1e-3 * F.f.norm());
-  // the joints' own deflection moves the arm's weight a little, which the mounting feels
+  // the joints' own deflection moves the arm's weight a little, which adds to the mount's load
   EXPECT_LT((5e4 * LogRotation(X.linear()) - (F.t + p_B.cross(F.f))).norm(),
             0.05 * (F.t + p_B.cross(F.f)).norm());
 }
 
-// Free in space but for a trace of spring, the drives push for 50 ms and then no more.
+// Floating in space, with only a trace of spring stiffness. The drives push for 50 ms and then no more.
 struct FreeFlight {
-  double momentum{0.0};       ///< greatest of the whole [kg m/s]
-  double base_momentum{0.0};  ///< greatest of the base alone
-  double energy_change{0.0};  ///< after the push, as a share
+  double momentum{0.0};       ///< largest total momentum [kg m/s]
+  double base_momentum{0.0};  ///< largest momentum of the base alone
+  double energy_change{0.0};  ///< after the push, relative
 };
 FreeFlight Fly(double push) {
   constexpr double kStep_s = 2e-5, kMass_kg = 10.0, kInertia_kg_m2 = 0.5;
@@ -234,7 +234,7 @@ FreeFlight Fly(double push) {
                       params, Vector3::Zero(), Start());
   JointVector q = Start(), qd = JointVector::Zero();
   FreeFlight flight;
-  // each body's own velocity, the base's and what the joints add
+  // velocity of each body: the base's plus the joints' contribution
   const auto energy = [&] {
     const Vector3 U = mount.rate().head<3>(), W = mount.rate().tail<3>();
     double sum = 0.5 * (kMass_kg * U.squaredNorm() + kInertia_kg_m2 * W.squaredNorm());
@@ -270,9 +270,9 @@ FreeFlight Fly(double push) {
   return flight;
 }
 
-// What drives do between links moves neither the whole's momentum nor, once they are still, its energy: an
-// oracle of both halves of the coupling. What the links would feel of the turning base is left out, and shows
-// in the energy, the less the slower all is.
+// Drive torques between links change neither the total momentum nor, once they end, the energy: an oracle of
+// both halves of the coupling. The links' Coriolis and centrifugal loads from the turning base are left out,
+// which shows in the energy, the less the slower the motion.
 TEST(DynamicArm, JointsAndBaseExchangeMomentumAndNoEnergyIsMade) {
   const FreeFlight fast = Fly(0.5), slow = Fly(0.03);
   EXPECT_GT(fast.base_momentum, 0.1) << "the base must move to prove anything";

@@ -7,8 +7,7 @@
 #include "hil/failures/failure.h"
 #include "simulation/reference_engine.h"
 
-// The scenarios in which methods fail, small, on the reference engine. What they claim is theirs: see their
-// headers.
+// The failure scenarios, at small size, on the reference engine. Their headers state their claims.
 
 namespace osteon::hil {
 namespace {

@@ -16,7 +16,7 @@ const FaultCase& CaseNamed(const std::string& name) {
   throw std::logic_error("no fault " + name);
 }
 
-// One test a state, so that they may run side by side.
+// One test for each state, so that they may run in parallel.
 class FaultMatrix : public ::testing::TestWithParam<int> {};
 TEST_P(FaultMatrix, EveryFaultComesToWhatIsStated) {
   const auto state = static_cast<CellState>(GetParam());
@@ -45,14 +45,14 @@ TEST(FaultList, HasEveryFaultOfTheLoopThatCanBeInjectedAndNamesEachOnce) {
       seen.Latch(expected.faults);
   }
   EXPECT_GE(names.size(), 40u);
-  // those of the loop's own mathematics have tests of their own (servo_loop, servo_zones, servo_limit)
+  // faults of the loop's own mathematics have tests of their own (servo_loop, servo_zones, servo_limit)
   for (const Fault own : {Fault::kToolSpeed, Fault::kWorkspace, Fault::kJointLimit, Fault::kInverseKinematics,
                           Fault::kToolInBone, Fault::kForceLimit})
     seen.Latch(own);
   EXPECT_EQ(seen.bits(), (1u << safety::kFaultCount) - 1u);
 }
 
-// A matrix that can not fail shows nothing.
+// A matrix that cannot fail proves nothing.
 TEST(FaultMatrixItself, FailsWhereAnExpectationDoesNotHold) {
   FaultCase fault = CaseNamed("drive's fault");
   ASSERT_TRUE(RunFault(fault, CellState::kCutting).passed());

@@ -51,7 +51,7 @@ TEST(FriCodec, EveryFieldLiesUnderItsNumber) {
   EXPECT_EQ(UintAt(bytes, {1, 3}), 8u);
   EXPECT_EQ(UintAt(bytes, {2, 1}), 7u);
   EXPECT_EQ(UintAt(bytes, {2, 2}), 0u);
-  ASSERT_EQ(At(bytes, {2, 5}).size(), 7u);  // one tag a drive: unpacked
+  ASSERT_EQ(At(bytes, {2, 5}).size(), 7u);  // unpacked: one tag for each drive
   for (const Field& drive : At(bytes, {2, 5})) EXPECT_EQ(drive.value, 2u);
   EXPECT_EQ(UintAt(bytes, {2, 6}), 2u);
   EXPECT_EQ(UintAt(bytes, {2, 7}), 0u);
@@ -117,7 +117,7 @@ TEST(FriCodec, ReadsCommandsOfEveryVersion) {
     EXPECT_EQ(command->wrench_count, 6);
     EXPECT_EQ(command->wire_wrench, (std::array<double, 6>{1, 2, 3, 4, 5, 6}));
     EXPECT_FALSE(command->has_torque);
-    // the other kind is told apart
+    // the other framing is detected
     const Bytes other = golden::FromHex(framed ? golden::kPositionWrench : golden::kPositionWrenchFramed);
     EXPECT_FALSE(codec.Decode(other));
     EXPECT_TRUE(codec.IsOfOtherVersion(other));
@@ -187,7 +187,7 @@ TEST(FriCodec, RefusesWhatIsNoCommand) {
   framed.insert(framed.end(), good.begin(), good.end());
   EXPECT_FALSE(codec.Decode(framed));
   for (std::size_t n = 1; n < good.size(); ++n) {
-    if (n == 10) continue;  // the header alone is an answer without joints
+    if (n == 10) continue;  // the header alone is a valid answer without joints
     EXPECT_FALSE(codec.Decode(Bytes(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(n)))) << n;
   }
 }
@@ -211,7 +211,7 @@ TEST(FriCodec, SurvivesRandomAndMutatedBytes) {
   }
   EXPECT_GT(taken, 100) << "where a changed byte lies in a number, it is a message";
   EXPECT_LT(taken, 10'000) << "noise is none";
-  ASSERT_TRUE(codec.Decode(good));  // nothing of it stayed
+  ASSERT_TRUE(codec.Decode(good));  // no state of the refused messages remains
   EXPECT_EQ(codec.Decode(good)->joint_count, 7);
 }
 

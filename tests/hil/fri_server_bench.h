@@ -7,7 +7,7 @@
 
 namespace osteon::hil {
 
-/// An arm that is where it is told to be, and a client that answers when asked to.
+/// An arm that is exactly at its command, and a client that answers when asked to.
 struct Session {
   explicit Session(const FriServerParams& params = {},
                    const kinematics::JointVector& q_start = kinematics::JointVector::Constant(0.5))

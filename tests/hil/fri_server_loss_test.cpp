@@ -2,7 +2,7 @@
 
 #include "tests/hil/fri_server_bench.h"
 
-// Which answers count, and what missing ones cost.
+// Which answers count, and the effect of missing ones.
 
 namespace osteon::hil {
 namespace {
@@ -42,7 +42,7 @@ TEST(FriServer, EndsCommandingAtTwentyFiveLostASecondAndNotAtTwentyFour) {
   }
 }
 
-// 20 a second, for ever: each is forgotten after a second.
+// 20 a second, indefinitely: each loss is forgotten after a second.
 TEST(FriServer, LossesOfMoreThanASecondAgoAreForgotten) {
   Session s;
   ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));

@@ -4,7 +4,7 @@
 
 #include "tests/hil/fri_server_bench.h"
 
-// Command modes and the wrench or torque that goes with them.
+// Command modes, and the wrench or torque that they require.
 
 namespace osteon::hil {
 namespace {
@@ -42,7 +42,7 @@ TEST(FriServer, CommandModesNeedTheirControlMode) {
             "control mode: POSITION control, the program's command mode needs CARTESIAN_IMPEDANCE control");
 }
 
-// Its presence is checked while waiting, its value while active.
+// Presence is checked in COMMANDING_WAIT, values in COMMANDING_ACTIVE.
 TEST(FriServer, WrenchOrTorqueMustComeEachTime) {
   for (const bool torque : {false, true}) {
     const FriServerParams params{
@@ -50,7 +50,7 @@ TEST(FriServer, WrenchOrTorqueMustComeEachTime) {
         .command_mode = torque ? CommandMode::kTorque : CommandMode::kWrench};
     Session lacking(params);
     ASSERT_TRUE(lacking.WalkTo(SessionState::kCommandingWait));
-    for (int i = 0; i < 5; ++i) lacking.Cycle();  // the position alone
+    for (int i = 0; i < 5; ++i) lacking.Cycle();  // only the position
     EXPECT_EQ(lacking.server.counters().incomplete, 5u);
     EXPECT_EQ(lacking.server.stop().reason, StopReason::kLostInARow);
 

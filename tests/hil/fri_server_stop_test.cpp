@@ -13,7 +13,7 @@ using control::ControlMode;
 using control::SessionState;
 using kinematics::JointVector;
 
-// One illegal command each; the arm must stop for this reason, name the joint, and stay where it was.
+// One illegal command each: the arm must stop for this reason, name the joint, and stay where it was.
 void ExpectStop(const std::vector<double>& q, StopReason reason, int joint, const std::string& text,
                 SessionState from = SessionState::kCommandingActive) {
   Session s;
@@ -25,7 +25,7 @@ void ExpectStop(const std::vector<double>& q, StopReason reason, int joint, cons
   EXPECT_EQ(s.server.q_commanded(), JointVector::Constant(0.5));
   EXPECT_EQ(UintAt(s.message, {2, 2}), 2u);  // STOP_LEVEL_1
   EXPECT_EQ(UintAt(s.message, {2, 5}), 0u);  // drives off
-  // the stop lasts, however well the client answers
+  // the stop lasts, even with perfect answers
   for (int i = 0; i < 1000; ++i) s.Cycle();
   EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
   EXPECT_EQ(UintAt(s.message, {2, 2}), 2u);
@@ -56,8 +56,7 @@ TEST(FriServer, StopsOnAnIllegalCommand) {
   ExpectStop(q, StopReason::kNotMirrored, 1, "not mirrored: A1", SessionState::kCommandingWait);
 }
 
-// A stop is taken back by its acknowledgement; the drives need their half second, then the program asks
-// again.
+// An acknowledgement ends a stop; the drives need their half second, then the program asks again.
 TEST(FriServer, AfterAStopTheArmIgnoresCommandsUntilItIsAcknowledged) {
   for (const int level : {0, 1, 2}) {
     Session s;
@@ -68,7 +67,7 @@ TEST(FriServer, AfterAStopTheArmIgnoresCommandsUntilItIsAcknowledged) {
     EXPECT_EQ(s.server.stop().reason, StopReason::kEmergencyStop);
     EXPECT_EQ(UintAt(s.message, {2, 2}), static_cast<std::uint64_t>(level) + 1);
     EXPECT_EQ(UintAt(s.message, {2, 5}), 0u);
-    for (int i = 0; i < 1000; ++i) s.Command(std::vector<double>(7, 0.6));  // a client that did not notice
+    for (int i = 0; i < 1000; ++i) s.Command(std::vector<double>(7, 0.6));  // a client unaware of the stop
     EXPECT_EQ(s.server.counters().ignored, 1000u);
     EXPECT_EQ(s.server.q_commanded(), JointVector::Constant(0.5));
     EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
@@ -87,7 +86,8 @@ TEST(FriServer, AfterAStopTheArmIgnoresCommandsUntilItIsAcknowledged) {
   }
 }
 
-// "Illegal axis delta": compliant, the arm may be pushed away from what it is told; position control holds.
+// "Illegal axis delta": under impedance control the arm may be pushed away from its command; position control
+// holds.
 TEST(FriServer, ACommandFarFromTheMeasuredPositionStopsACompliantArm) {
   for (const auto control :
        {ControlMode::kPosition, ControlMode::kCartesianImpedance, ControlMode::kJointImpedance})
@@ -117,7 +117,7 @@ TEST(FriServer, StepJustWithinTheVelocityLimitIsFollowed) {
   q[3] += step;
   s.Command(q);
   EXPECT_EQ(s.server.stop().reason, StopReason::kNone);
-  // two lost ones leave time for three steps
+  // two lost ones allow three steps
   s.Cycle(false);
   s.Cycle(false);
   q[3] += 3.0 * step;

@@ -6,7 +6,7 @@
 
 #include "tests/hil/fri_server_bench.h"
 
-// The session's states and what its messages say.
+// The session's states and the content of its messages.
 
 namespace osteon::hil {
 namespace {
@@ -48,7 +48,7 @@ TEST(FriServer, StatesChangeAfterTheStatedCycles) {
 
 TEST(FriServer, ReflectsTheClientsCounterAndCountsItsOwn) {
   Session s;
-  s.client.sequence = 0xfffffffd;  // wraps within the test
+  s.client.sequence = 0xfffffffd;  // wraps during the test
   for (int i = 0; i < 10; ++i) {
     const auto before = UintAt(s.message, {1, 2});
     s.Cycle();
@@ -60,13 +60,13 @@ TEST(FriServer, ReflectsTheClientsCounterAndCountsItsOwn) {
 TEST(FriServer, FollowsTheCommandOnlyWhenActive) {
   Session s;
   ASSERT_TRUE(s.WalkTo(SessionState::kMonitoringReady));
-  s.Command(std::vector<double>(7, 0.9));  // not asked for
+  s.Command(std::vector<double>(7, 0.9));  // not requested
   EXPECT_EQ(s.server.q_commanded(), JointVector::Constant(0.5));
   ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
   s.client.offset.fill(1e-3);
   s.Cycle();
   EXPECT_TRUE(s.server.q_commanded().isApprox(JointVector::Constant(0.501), 1e-15));
-  EXPECT_EQ(DoublesAt(s.message, {5, 1, 1}), Start());  // the interpolator rests
+  EXPECT_EQ(DoublesAt(s.message, {5, 1, 1}), Start());  // the interpolator stays
   EXPECT_DOUBLE_EQ(DoublesAt(s.message, {3, 3, 1}).front(), 0.501);
 }
 
@@ -84,7 +84,7 @@ TEST(FriServer, ClosingTakesFiveSeconds) {
   EXPECT_TRUE(s.WalkTo(SessionState::kCommandingActive));
 }
 
-// As a public log of an arm has it; by default it falls silent.
+// As in a public log of an arm; by default it falls silent.
 TEST(FriServer, ASessionMayEndWithMessagesThatSayIdle) {
   for (const SessionEnd end : {SessionEnd::kSilence, SessionEnd::kIdleMessages}) {
     Session s({.session_end = end});

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-// A hand whose tremor is felt, and one that stiffens, at the servo loop and an arm that lags.
+// A hand with tremor, and one that stiffens, with the servo loop and an arm that lags.
 
 namespace osteon::hil {
 namespace {
@@ -34,8 +34,7 @@ TEST(GripRide, AStiffGripIsCalmedWithinHalfASecond) {
   }
 }
 
-// The calm loop, close to where it oscillates, gives a tremor back enlarged: twice in a hand, more in a
-// clamp.
+// Close to its stability limit, the loop amplifies a tremor: twofold in a hand, more in a clamp.
 TEST(GripRide, AStiffGripIsCalmedInATremor) {
   for (const double tremor_N : {0.5, 1.0, 2.0})
     for (const GridHand& hand :

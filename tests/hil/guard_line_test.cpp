@@ -1,4 +1,4 @@
-// Arm, guard and controller on real sockets: whichever of them fails, the arm comes to rest.
+// Arm, guard and controller on real sockets: if any of them fails, the arm comes to rest.
 
 #include <atomic>
 #include <functional>
@@ -39,7 +39,7 @@ safety::GuardParams Limits() {
   return params;
 }
 
-// Something done over and over in a thread of its own, until the end.
+// Repeats an action in a thread of its own, until the end.
 class Loop {
  public:
   explicit Loop(std::function<void()> step)
@@ -77,7 +77,7 @@ class GuardLine : public testing::Test {
     ASSERT_TRUE(Until([this] { return moved_.load() > 200; })) << "the arm follows";
   }
 
-  // A1 creeps at .05 rad/s.
+  // A1 moves slowly at 0.05 rad/s.
   void StepController() {
     if (link_->Receive(state_, rt::MonotonicNow() + 20 * rt::kMillisecond) != control::ReceiveResult::kOk)
       return;
@@ -98,7 +98,7 @@ class GuardLine : public testing::Test {
     return false;
   }
   CellState Arm() { return cell_->statistics().cell; }
-  // It has ended commanding by the answers that it missed, and stands where it was told last.
+  // The arm has ended commanding because of missed answers, and stands at its last command.
   void ExpectArmAtRest() {
     ASSERT_TRUE(Until([this] { return Arm().session < SessionState::kCommandingWait; }));
     EXPECT_EQ(Arm().stop.reason, StopReason::kLostInARow) << "nothing else reached it";

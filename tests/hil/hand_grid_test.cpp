@@ -45,24 +45,24 @@ TEST(HandGrid, OperatorKeepsWhatTheGridDoesNotSay) {
   EXPECT_NEAR(hand.stiffness_Nm_per_rad, 30.0, 1e-12);
 }
 
-// One millisecond of the hand as shipped, on a free virtual tool: M v' + D v = f, damping implicit. The state
-// is the tool's place and speed along an axis and the speed of the hand's mass.
+// One millisecond of the shipped hand on a free virtual tool: M v' + D v = f, damping implicit. The state is
+// the tool's position and speed along an axis and the speed of the hand's mass.
 Eigen::Vector3d Next(const OperatorHandParams& params, const Eigen::Vector3d& s) {
   HandImpedance hand(params);
   hand.Begin();
-  // a mass at rest that is dragged at v goes at share v after a period
+  // a mass that starts at rest and is dragged at v has the speed share v after a period
   const double share = kDt_s / (params.grip_time_s + kDt_s);
   (void)hand.Carry(kDt_s, {.v = {s[2] / share, 0, 0}}, 1.0);
   Pose X = Pose::Identity();
   X.translation().x() = s[0];
   const double f = hand.Step(kDt_s, X, {.v = {s[1], 0, 0}}, Pose::Identity(), {}).f.x();
   const double v = (s[1] + kDt_s / kToolMass_kg * f) / (1.0 + kDt_s * kToolDamping_Ns_per_m / kToolMass_kg);
-  // held at rest, the mass gives away its share of its speed
+  // if the handle is held at rest, the mass loses its share of its speed
   const double given_Ns = -kDt_s * hand.Carry(kDt_s, {}, 1.0).f.x();
   return {s[0] + kDt_s * v, v, params.mass_kg > 0.0 ? given_Ns / params.mass_kg / share : 0.0};
 }
 
-// Slowest decay, as log of the growth in a period, against the poles of the continuous model.
+// Slowest decay, as the log of the growth in a period, compared with the poles of the continuous model.
 TEST(HandGrid, EveryHandIsStableOnTheFreeToolAtAMillisecond) {
   for (const GridHand& hand : HandGrid()) {
     const OperatorHandParams params = OperatorWith(hand);
@@ -72,14 +72,14 @@ TEST(HandGrid, EveryHandIsStableOnTheFreeToolAtAMillisecond) {
     EXPECT_LT(growth, 0.0) << hand.name;
 
     const double tau_s = params.grip_time_s + 0.5 * kDt_s;  // backward Euler lags by half a period more
-    const double drag = hand.mass_kg / tau_s;               // of the damper by which the mass hangs on
+    const double drag = hand.mass_kg / tau_s;               // of the damper between mass and handle
     Eigen::Matrix3d C;
     C << 0.0, 1.0, 0.0,                                                                        //
         -hand.stiffness_N_per_m, -hand.damping_Ns_per_m - kToolDamping_Ns_per_m - drag, drag,  //
         0.0, 1.0 / tau_s, -1.0 / tau_s;
     C.row(1) /= kToolMass_kg;
     const double expected = kDt_s * C.eigenvalues().real().maxCoeff();
-    // explicit Euler of the hand's damping: half of rate times period, at most 7 % here
+    // explicit Euler of the hand's damping: error is half of rate times period, at most 7 % here
     EXPECT_NEAR(growth, expected, 0.07 * std::abs(expected) + 2e-5) << hand.name;
   }
 }

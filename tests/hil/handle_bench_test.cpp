@@ -14,10 +14,11 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kTick_s = 0.001;
-// Of the cell, at low frequencies: 2 z / w of the arm, its dead time, a tick of the sensor, half of sampling.
+// Lag of the cell at low frequencies: 2 z / w of the arm, its dead time, a tick of the sensor, half a tick of
+// sampling.
 constexpr double kLag_s = 2.0 / (2.0 * std::numbers::pi * 15.0) + 0.003 + 0.001 + 0.0005;
 
-// The scenarios' arm, a shoulder and elbow away from every limit and singular posture.
+// The scenarios' arm, with shoulder and elbow away from every limit and singular posture.
 HandleBenchParams Params(ArmLevel level) {
   HandleBenchParams params;
   params.arm.level = level;
@@ -34,8 +35,8 @@ HandleBenchParams Params(ArmLevel level) {
   return params;
 }
 
-// z-transform of the cell, written apart from it. Law: v+ = (v + (T/m) F) / (1 + (T/m) b), x+ = x + T v+;
-// the force is `delay` ticks old; a kinematic arm is there a tick later.
+// z-transform of the cell, written independently of it. Law: v+ = (v + (T/m) F) / (1 + (T/m) b), x+ = x + T
+// v+; the force is `delay` ticks old; a kinematic arm follows a tick later.
 Complex LawTravel(double m, double b, int delay, double hz) {
   const Complex z = std::exp(Complex(0.0, 2.0 * std::numbers::pi * hz * kTick_s));
   const Complex v = (kTick_s / m) / ((1.0 + kTick_s / m * b) - 1.0 / z);
@@ -47,8 +48,8 @@ Complex ImpedanceOf(const Complex& travel_per_force, double hz) {
   return 1.0 / (Complex(0.0, 2.0 * std::numbers::pi * hz) * travel_per_force);
 }
 
-// The servo's w^2 / (s^2 + 2 z w s + w^2) under a held command, from its state matrix by Euler steps of a
-// nanosecond's order: slow and independent of the closed form that the arm uses.
+// The servo's w^2 / (s^2 + 2 z w s + w^2) under a held command, from its state matrix by Euler steps of about
+// a nanosecond: slow, and independent of the arm's closed form.
 Complex ServoLag(double bandwidth_hz, double damping, int dead, double hz) {
   const double w = 2.0 * std::numbers::pi * bandwidth_hz;
   Eigen::Matrix2d A;
@@ -56,11 +57,12 @@ Complex ServoLag(double bandwidth_hz, double damping, int dead, double hz) {
   Eigen::Matrix2d transition = Eigen::Matrix2d::Identity();
   constexpr int kSteps = 20000;
   for (int i = 0; i < kSteps; ++i) transition += A * (kTick_s / kSteps) * transition;
-  const Eigen::Vector2d input = Eigen::Vector2d(1.0, 0.0) - transition.col(0);  // rests at the command
+  const Eigen::Vector2d input = Eigen::Vector2d(1.0, 0.0) - transition.col(0);  // the equilibrium is the
+                                                                                // command
   const Complex z = std::exp(Complex(0.0, 2.0 * std::numbers::pi * hz * kTick_s));
   const Eigen::Matrix2cd system = z * Eigen::Matrix2cd::Identity() - transition.cast<Complex>();
   const Eigen::Vector2cd answer = system.inverse() * input.cast<Complex>();
-  return answer[0] * z * std::pow(z, -dead);  // z: the kinematic arm's tick is in it already
+  return answer[0] * z * std::pow(z, -dead);  // z: the kinematic arm's tick is already included
 }
 
 TEST(HandleBench, OfAnArmWithoutLagIsTheLawToWithinItsOwnSampling) {
@@ -69,7 +71,7 @@ TEST(HandleBench, OfAnArmWithoutLagIsTheLawToWithinItsOwnSampling) {
     const std::vector<HandlePoint> points = SweepFree(params, {.axis = 2, .frequencies_hz = {hz}});
     const Complex expected = ImpedanceOf(LawTravel(3.0, 20.0, 1, hz), hz);
     EXPECT_FALSE(points[0].fault);
-    // the joints' motion is not quite straight: some 1e-3 at 5 mm
+    // the joints' motion is not quite straight: about 1e-3 at 5 mm
     EXPECT_NEAR(std::abs(points[0].impedance / expected - 1.0), 0.0, 5e-3) << hz;
   }
 }
@@ -106,7 +108,7 @@ TEST(HandleBench, AWallIsFeltWithItsOwnStiffness) {
   const double w = 2.0 * std::numbers::pi * 0.2;
   const Complex stiffness = point.impedance * Complex(0.0, w);
   EXPECT_NEAR(stiffness.real(), 20e3, 0.01 * 20e3);
-  // what the arm lags behind the spring is felt as damping, beside the law's and the coupling's
+  // the arm's lag behind the spring is felt as damping, in addition to that of law and coupling
   EXPECT_NEAR(stiffness.imag(), w * (20.0 + 100.0 + 20e3 * kLag_s), 0.1 * w * 20e3 * kLag_s);
 }
 

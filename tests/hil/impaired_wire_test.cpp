@@ -18,7 +18,7 @@ namespace {
 
 constexpr rt::Nanoseconds kMs = rt::kMillisecond;
 
-// A datagram that says its number, n times over.
+// A datagram that contains its number, n times.
 constexpr std::size_t kSize = 64;
 using Numbered = std::array<std::uint64_t, kSize / 8>;
 std::span<const std::uint8_t> Bytes(const Numbered& datagram) {
@@ -32,7 +32,7 @@ struct Arrived {
   bool intact;
 };
 
-// One datagram a millisecond, taken as soon as it is due.
+// Sends one datagram a millisecond, taken as soon as it is due.
 std::vector<Arrived> Send(ImpairedWire& wire, int count) {
   std::vector<Arrived> arrived;
   const auto take = [&](rt::Nanoseconds until) {
@@ -62,7 +62,7 @@ ImpairedWire Of(const WireFaults& faults, std::uint64_t seed = 1) {
   return {Always(faults, Wire::kArm, Direction::kBoth, seed), Wire::kArm, Direction::kToController};
 }
 
-// Within five standard deviations of a binomial (once in two million seeds beyond).
+// Within five standard deviations of a binomial distribution (exceeded once in two million seeds).
 void ExpectShare(std::uint64_t found, double share, double trials) {
   EXPECT_NEAR(static_cast<double>(found), share * trials, 5.0 * std::sqrt(share * (1.0 - share) * trials));
 }
@@ -100,7 +100,7 @@ TEST(ImpairedWire, EachKindHappensAsOftenAsItIsAskedFor) {
   ExpectShare(damaged.counters().corrupted, 0.01, kMany);
   ExpectShare(short_ones, 0.25, static_cast<double>(not_intact));
 
-  // one that passes is not asked: of n asked p n are held, and p n pass unasked
+  // one that passes a held one is not drawn: of n drawn, p n are held, and p n pass undrawn
   std::uint64_t behind = 0, newest = 0;
   for (const Arrived& a : Send(swapped, kMany)) {
     behind += a.number < newest ? 1 : 0;
@@ -115,7 +115,7 @@ TEST(ImpairedWire, BurstsAreAsLongAsTheyAreAskedForAndKeepTheShare) {
     ImpairedWire wire = Of({.loss = 0.05, .burst = burst});
     std::vector<bool> came(kMany, false);
     for (const Arrived& a : Send(wire, kMany)) came[a.number] = true;
-    // bursts that touch are one run; the last may be cut off
+    // adjacent bursts count as one run; the last may be cut off
     int run = 0;
     std::uint64_t runs = 0;
     for (const bool c : came) {
@@ -143,7 +143,7 @@ TEST(ImpairedWire, EverythingIsLostWhereItIsAskedFor) {
 }
 
 TEST(ImpairedWire, DelayAndJitterKeepTheOrderAndTheirBounds) {
-  constexpr rt::Nanoseconds kDelay = 400'000, kJitter = 3 * kMs;  // below a period, and several of them
+  constexpr rt::Nanoseconds kDelay = 400'000, kJitter = 3 * kMs;  // below a period, and several periods
   ImpairedWire wire = Of({.delay = kDelay, .jitter = kJitter});
   const auto arrived = Send(wire, 10'000);
   ASSERT_EQ(arrived.size(), 10'000u);
@@ -186,7 +186,7 @@ TEST(ImpairedWire, InjectsInItsTimeOnlyCountedFromTheBeginning) {
   std::vector<int> missing;
   for (int i = 0; i < 200; ++i) {
     if (i == 100) wire.Begin(i * kMs);
-    if (i == 115) wire.Begin(i * kMs);  // commanding begins again: time goes on
+    if (i == 115) wire.Begin(i * kMs);  // commanding begins again: time continues
     const std::uint8_t byte = 1;
     wire.Push({&byte, 1}, i * kMs);
     if (wire.Next(i * kMs).empty()) missing.push_back(i);
@@ -214,7 +214,7 @@ TEST(ImpairedWire, TheSameSeedDoesTheSameAndOtherFaultsChangeNoLoss) {
     ImpairedWire w(Always(faults, wire, direction, seed), wire, direction);
     std::vector<bool> came(5000, false);
     for (const Arrived& a : Send(w, 5000)) came[a.number] = true;
-    came.pop_back();  // the last one may still wait for a next one to let pass
+    came.pop_back();  // the last one may still be held until a next one passes
     return came;
   };
   const auto first = lost({.loss = 0.1}, 5, Wire::kArm, Direction::kToController);

@@ -1,5 +1,5 @@
-// The servo loop's impedance law round an arm with masses, in Cartesian and joint impedance: what is rendered
-// is what the hand has to exert.
+// The servo loop's impedance law with an arm with masses, in Cartesian and joint impedance: the rendered
+// force equals the hand's force.
 
 #include <cmath>
 #include <string>
@@ -71,7 +71,7 @@ class ImpedanceBench {
     plane_W = Tool().translation() + 0.002 * feed_W;
   }
 
-  // A wrench that gives and takes little of its own: joints are held by the overlay alone.
+  // Little stiffness and damping of its own: only the overlay holds the joints.
   static DynamicArmParams Dynamics(int dead_cycles) {
     return {.dead_cycles = dead_cycles,
             .stiffness_Nm_per_rad = JointVector::Constant(50.0),
@@ -133,7 +133,7 @@ TEST(ImpedanceLoop, AHandThatPushesOnAWallIsHeldByItsSpringWithEitherOverlay) {
     bench.Run(4000);
     ASSERT_FALSE(bench.loop.faults().Any()) << bench.loop.faults().bits();
     const control::TickRecord record = bench.Run(1);
-    // the arm's own equilibrium goes along, so that the coupling alone carries the hand: 1 % of it
+    // the arm's own equilibrium follows, so the coupling alone carries the hand, to 1 %
     EXPECT_NEAR(Vector3(record.F_coupling_T_W.f).dot(-bench.feed_W), 40.0, 0.4);
     EXPECT_NEAR(bench.Depth(), 40.0 / 10e3, 4e-5);
     EXPECT_LT(bench.arm.qd().norm(), 1e-3) << "at rest: it does not buzz";
@@ -168,7 +168,8 @@ TEST(ImpedanceLoop, BeyondTheToolsSpeedItIsBrakedAndAtHalfAsMuchAgainItStops) {
   bench.push_W_N = -8.0 * bench.feed_W;
   bench.Run(600);
   EXPECT_FALSE(bench.loop.faults().Any());
-  // 8 N = 10 v + 250 (v - .05) + what the arm itself takes: at most .08 m/s without that, where it would stop
+  // 8 N = 10 v + 250 (v - 0.05) + the arm's own losses: at most 0.08 m/s without those; at that speed it
+  // would stop
   EXPECT_LT(bench.loop.statistics().peak_tool_speed_m_per_s, 0.075);
   EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kToolSpeed).ticks, 100u);
 
@@ -195,8 +196,8 @@ TEST(ImpedanceLoop, AStopTakesTheWrenchAwayAndTheArmsOwnSpringHoldsIt) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// At a brake of 250 N·s/m and four cycles of dead time the wrist swings up to four times its speed, and on,
-// where the brake keeps its gain.
+// With a brake of 250 N·s/m and four cycles of dead time the wrist would swing up to four times its speed,
+// and keep swinging, if the brake kept its gain.
 TEST(ImpedanceLoop, AStopDoesNotShakeAToolThatNobodyHolds) {
   for (const CommandMode mode : {CommandMode::kWrench, CommandMode::kTorque}) {
     ImpedanceBench bench(Params(), mode, 4);

@@ -6,18 +6,18 @@
 
 #include "hil/injection/impaired_wire.h"
 
-// What the tests of injected faults share.
+// Shared helpers of the tests of injected faults.
 
 namespace osteon::hil {
 
-/// One kind of faults from the very start to the end.
+/// One kind of fault from the very start to the end.
 inline InjectionParams Always(const WireFaults& faults, Wire wire = Wire::kArm,
                               Direction direction = Direction::kBoth, std::uint64_t seed = 1) {
   return {.injections = {{.wire = wire, .direction = direction, .from_s = -1.0, .faults = faults}},
           .seed = seed};
 }
 
-/// Everything that is pushed somewhere is accounted for.
+/// Every pushed datagram is accounted for.
 inline bool Balances(const ImpairedWire& wire) {
   const WireCounters& n = wire.counters();
   return n.pushed + n.duplicated == n.passed + n.lost + n.silenced + n.overflow + wire.waiting();

@@ -20,7 +20,7 @@ using io::test::Frame;
 
 rt::Nanoseconds virtual_now = 0;
 
-// The bus behind: what the device sent, and what is there for it.
+// The underlying bus: frames that the device sent, and frames waiting for it.
 class MemoryBus final : public io::CanBus {
  public:
   CanResult Send(const io::CanFrame& frame) noexcept override {
@@ -35,7 +35,7 @@ class MemoryBus final : public io::CanBus {
     arrival = coming[taken++];
     return CanResult::kOk;
   }
-  // time passes until something has come
+  // time passes until something arrives
   CanResult Receive(io::CanArrival& arrival, rt::Nanoseconds deadline) noexcept override {
     const rt::Nanoseconds next = taken == coming.size() ? deadline : std::min(deadline, coming[taken].stamp);
     virtual_now = std::max(virtual_now, next);
@@ -44,7 +44,7 @@ class MemoryBus final : public io::CanBus {
   [[nodiscard]] const io::CanStatus& status() const noexcept override { return status_; }
 
   std::vector<io::CanArrival> sent, coming;
-  std::size_t taken{0};  // of those that come
+  std::size_t taken{0};  // number of `coming` frames taken
   bool down{false};
 
  private:

@@ -57,7 +57,7 @@ struct Lockstep {
   control::ArmState arm;
   rt::Nanoseconds now{0};
   std::vector<std::uint8_t> bytes;
-  std::vector<rt::Nanoseconds> arrivals;  // after the message's making
+  std::vector<rt::Nanoseconds> arrivals;  // relative to the time the message was made
 };
 
 TEST(InjectionCell, WithoutInjectionsEveryByteIsTheCellsOwn) {
@@ -132,8 +132,8 @@ TEST(InjectionCell, TwoRunsOfOneSeedAreTheSame) {
   EXPECT_NE(run(3), run(4));
 }
 
-// Of the times only lower bounds. Moved at the end of a period, every answer would be one to the message
-// before.
+// Only lower bounds on times. If datagrams moved only at the end of a period, every answer would belong to
+// the message before.
 TEST(InjectionCellThread, WakesForADelayBelowItsPeriod) {
   constexpr rt::Nanoseconds kDelay = 5 * rt::kMillisecond;
   auto link = io::FriLink::Open({.port = 0});
@@ -176,7 +176,7 @@ TEST(InjectionCellThread, CountsWhatItInjectedAndTheClientDoes) {
   EXPECT_GT(n.duplicated, 5u);
   EXPECT_EQ(n.passed, n.pushed - n.lost + n.duplicated);
   EXPECT_EQ(arm.duplicate, n.duplicated);
-  // those that were lost before the first that came, or after the last, are nobody's gap
+  // losses before the first received answer, or after the last, leave no gap
   EXPECT_LE(arm.lost, n.lost);
 }
 

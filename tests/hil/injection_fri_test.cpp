@@ -1,5 +1,5 @@
-// What is injected into FRI's datagrams is what both sides count: the simulated arm (libprotobuf) and the
-// product's client, in lockstep.
+// Both sides count what is injected into FRI's datagrams: the simulated arm (libprotobuf) and the product's
+// client, in lockstep.
 
 #include <string>
 
@@ -16,15 +16,15 @@ namespace {
 
 constexpr int kDatagrams = 20'000, kFewer = 5'000;
 
-// Arm and client with a wire of each direction between them: the faults last for the first cycles,
-// a hundred without follow.
+// Arm and client with a wire for each direction between them: faults last for the first cycles, and a hundred
+// cycles without faults follow.
 struct FriPair {
   FriPair(const WireFaults& faults, Direction direction, int count = kDatagrams)
       : params{.injections = {{.direction = direction, .to_s = count * 1e-3, .faults = faults}}},
         to_controller(params, Wire::kArm, Direction::kToController),
         from_controller(params, Wire::kArm, Direction::kFromController),
         server(Server(), kinematics::Iiwa14().limits, kinematics::JointVector::Constant(0.1)),
-        session({.version = io::FriVersion::k2_7}) {  // whose checksum finds every damage
+        session({.version = io::FriVersion::k2_7}) {  // its checksum finds every damage
     server.Open();
     to_controller.Begin(0);
     from_controller.Begin(0);
@@ -34,7 +34,7 @@ struct FriPair {
 
   static FriServerParams Server() {
     FriServerParams p{.version = io::FriVersion::k2_7};
-    p.quality.good_timeout_s = 3600.0;  // the session shall live, whatever is lost
+    p.quality.good_timeout_s = 3600.0;  // the session must survive any loss
     return p;
   }
 

@@ -53,16 +53,16 @@ TEST(FriInterop, SessionWalksToActiveAndEveryFigureArrives) {
   const FriCounters& n = cell.state().counters;
   EXPECT_EQ(n.answered, n.sent - 1);
   EXPECT_EQ(n.lost + n.stale + n.duplicate + n.malformed + n.incomplete, 0u);
-  EXPECT_NEAR(arm.q_meas[0], command.q[0], 5e-3);  // 0.1 rad/s behind a lag of some 25 ms
+  EXPECT_NEAR(arm.q_meas[0], command.q[0], 5e-3);  // 0.1 rad/s behind a lag of about 25 ms
   EXPECT_GT(arm.q_meas[0], 0.11);
 }
 
-// The client of a cell in lockstep, whose loop starts where the arm was handed over.
+// The client of a cell in lockstep, whose loop starts at the hand-over.
 struct Pair {
   Pair(const SimulatedCellParams& params, const io::FriSessionParams& client)
       : cell(params, MakeReamingScript({})), session(client) {}
 
-  // One message and its answer. True where the client understood it.
+  // One message and its answer. True if the client understood the message.
   bool Step() {
     const auto message = cell.Step(++cycle * rt::kMillisecond);
     if (message.empty()) return false;
@@ -81,7 +81,7 @@ struct Pair {
   io::FriSession session;
   control::ArmState arm;
   control::ArmCommand command;
-  bool follow{true};  // the loop notices that it is handed the arm
+  bool follow{true};  // the loop notices the hand-over
   PlainWrench F;
   control::JointArray tau{};
   rt::Nanoseconds cycle{0};
@@ -132,7 +132,7 @@ TEST(FriInterop, VersionsThatDifferAreToldApartOnBothSides) {
       EXPECT_EQ(pair.arm.other_version, 100u);
       EXPECT_EQ(pair.session.other_family(), io::FamilyOf(arm));
       EXPECT_NE(pair.session.Diagnosis().find(Describe(io::FamilyOf(arm))), std::string::npos);
-      // a client of the other framing that answers all the same
+      // a client of the other framing that answers nevertheless
       FriServer server(params.fri, params.arm.limits, kinematics::JointVector::Constant(0.1));
       server.Open();
       (void)server.BeginCycle({}, 1);
@@ -223,7 +223,7 @@ TEST(FriInterop, ReEntryHoldsTheArmUntilTheLoopTakesIt) {
     pair.Step();
     pair.command.q[0] += 1e-4;
   }
-  pair.follow = false;  // the loop goes on as if nothing had been
+  pair.follow = false;  // the loop continues as if nothing had happened
   for (int i = 0; i < 6; ++i) (void)pair.cell.Step(++pair.cycle * rt::kMillisecond);
   ASSERT_EQ(pair.cell.state().stop.reason, StopReason::kLostInARow);
   pair.Step();

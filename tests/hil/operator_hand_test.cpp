@@ -74,8 +74,8 @@ TEST(HandScript, VelocityIsTheDerivativeOfThePose) {
   }
 }
 
-// Across each change of phase the velocity's slope must not jump. A blend that is C1 only would jump by 6 d /
-// T^2: 2.6 m/s^2 at the end of unloading; the quintic's jerk (60 d / T^3 = 40 m/s^3) times 4 h leaves 2e-3.
+// Across each change of phase the velocity's slope must not jump. A blend that is only C1 would jump by 6 d /
+// T^2: 2.6 m/s^2 at the end of unloading. The quintic's jerk (60 d / T^3 = 40 m/s^3) times 4 h leaves 2e-3.
 TEST(HandScript, TargetsAreTwiceContinuouslyDifferentiable) {
   const HandScript script = Reaming();
   const double h = 1e-5;
@@ -133,8 +133,8 @@ TEST(OperatorHand, PullsTheToolBackToItsTarget) {
   EXPECT_TRUE(F.t.isApprox(-20.0 * r, 1e-9));
 }
 
-// At the tool's origin the same hand has the torque of its force about there: checked by virtual work at the
-// head's centre.
+// At the tool's origin the same hand also has the torque of its force about this point: checked by virtual
+// work at the head's centre.
 TEST(OperatorHand, WrenchIsThatOfTheHeadsCentreCarriedToT) {
   OperatorHand hand({}, Hold());
   hand.Begin();
@@ -170,7 +170,7 @@ TEST(OperatorHand, PressesWithTheScriptedForceIntoWhatDoesNotYield) {
   }
 }
 
-// Thrown about at random, far beyond what it can follow, with tremor: every bound holds at every moment.
+// Moved at random, far beyond what the hand can follow, with tremor: every bound holds at every moment.
 TEST(OperatorHand, ForcesAreBoundedWhateverTheToolDoes) {
   const Vector3 n = TiltedCup().linear().col(2);
   std::mt19937 random(99);
@@ -205,13 +205,13 @@ TEST(OperatorHand, TakesItsMassAlong) {
   Wrench F;
   for (int k = 1; k <= 100; ++k)
     F = hand.Step(k * 1e-3, 1e-3, X_WT, {.v = a * (k * 1e-3), .w = alpha * (k * 1e-3)});
-  // after 20 time constants only the mass is left: f = -m a_head, t about T = -I alpha + r x f
+  // after 20 time constants only the mass remains: f = -m a_head, t about T = -I alpha + r x f
   const Vector3 f = -1.5 * (a + alpha.cross(p_T_head));
   EXPECT_LT((F.f - f).norm(), 1e-6);
   EXPECT_LT((F.t - (-0.01 * alpha + p_T_head.cross(f))).norm(), 1e-6);
 }
 
-// The mass never gives back more than it got, however the handle is shaken and however slow its filter.
+// The mass never returns more energy than it received, for any motion of the handle and any filter time.
 TEST(OperatorHand, MassIsPassive) {
   std::mt19937 random(5);
   std::normal_distribution<double> gauss;

@@ -32,7 +32,7 @@ Pose Moved(Pose X, const Vector3& by) {
   return X;
 }
 
-// A virtual tool that turns nowhere: M v' + D v = f_hand + f_load. Begins at rest at the hand's target.
+// A virtual tool that does not rotate: M v' + D v = f_hand + f_load. Begins at rest at the hand's target.
 struct FreeTool {
   double mass_kg{3.0}, damping_Ns_per_m{20.0};
   Vector3 x{Vector3::Zero()}, v{Vector3::Zero()};  // from the target
@@ -45,7 +45,7 @@ struct FreeTool {
   }
 };
 
-// A tool that is moved by something strong, smoothly and without repeating itself.
+// A tool under strong, smooth, non-periodic motion.
 Vector3 Shaken(double t) {
   return {4e-3 * std::sin(21 * t), 3e-3 * std::sin(13 * t + 1), 5e-3 * std::sin(34 * t + 2)};
 }
@@ -53,8 +53,8 @@ Vector3 ShakenSpeed(double t) {
   return {84e-3 * std::cos(21 * t), 39e-3 * std::cos(13 * t + 1), 170e-3 * std::cos(34 * t + 2)};
 }
 
-// Pressed out of reach, shaken, at full tilt of its bounds: what the hand exerts has no step where its spring
-// changes, neither when it stiffens nor when that ends.
+// Out of reach, shaken, with all its bounds active: the hand's force has no step when its spring changes,
+// neither when it stiffens nor when that ends.
 TEST(GripStep, ChangesTheHandAndNotItsWrench) {
   const HandScript script = Hold(20.0, -0.05);
   const OperatorHandParams plain{.damping_Ns_per_m = 30.0, .tremor_N = 1.0};
@@ -83,7 +83,7 @@ TEST(GripStep, ChangesTheHandAndNotItsWrench) {
       ASSERT_EQ(a.f, b.f) << t;
       ASSERT_EQ(a.t, b.t) << t;
     }
-    if (k == 500) {  // the same, in another sum
+    if (k == 500) {  // equal, but summed in another order
       EXPECT_LT((a.f - b.f).norm(), 1e-9);
       EXPECT_LT((a.t - b.t).norm(), 1e-9);
     }
@@ -93,13 +93,13 @@ TEST(GripStep, ChangesTheHandAndNotItsWrench) {
     }
     before = b;
   }
-  // the stiff spring at .2 m/s makes 1.2 N a tick, its damper at 6 m/s^2 and the mass 0.7 N; a change that
-  // did not keep the wrench would make the 80 N that the script's limit cut off
+  // the stiff spring at 0.2 m/s contributes 1.2 N a tick, its damper at 6 m/s^2 and the mass 0.7 N; a change
+  // that did not keep the wrench would add the 80 N that the script's limit cut off
   EXPECT_LT(largest_step, 2.5);
   EXPECT_LT(largest_torque_step, 0.6);
 }
 
-// Held against a load, a tool does not so much as move when the hand stiffens, or eases again.
+// A tool at rest under a load does not move when the hand stiffens, or relaxes again.
 TEST(GripStep, DoesNotMoveATool) {
   const Vector3 load(6.0, -3.0, 4.0);
   OperatorHand hand({.stiffness_N_per_m = 300.0,
@@ -113,7 +113,7 @@ TEST(GripStep, DoesNotMoveATool) {
   }
 }
 
-// From then on it resists with the new spring, in all directions, pressed by a script or not.
+// After that it resists with the new spring in all directions, with or without a script that pushes.
 TEST(GripStep, ResistsWithTheNewSpringWhateverTheScriptPresses) {
   const HandScript script = Hold(20.0, -0.05);
   OperatorHand hand({.stiffness_N_per_m = 300.0,
@@ -151,9 +151,9 @@ TEST(GripStep, ToolRingsAtTheFirmHandsFrequency) {
       x_before = tool.x.x();
     }
     ASSERT_EQ(crossings_s.size(), 6u);
-    const double hz = 4.0 / (crossings_s[5] - crossings_s[1]);  // the first is the start's
+    const double hz = 4.0 / (crossings_s[5] - crossings_s[1]);  // the first one is from the start
     const double expected_hz = std::sqrt((firm ? 6000.0 : 300.0) / (3.0 + 1.5)) / (2.0 * std::numbers::pi);
-    // the mass lags by tau and a period: (w (tau + T))^2 = .3 % of a third of the inertia
+    // the mass lags by tau and a period: (w (tau + T))^2 = 0.3 % of a third of the inertia
     EXPECT_NEAR(hz / expected_hz, 1.0, 3e-3);
   }
 }
@@ -169,7 +169,7 @@ TEST(RigidClamp, HoldsWithinForceByStiffness) {
     for (int k = 1; k <= 3000; ++k) {
       tool.Step(hand, k * kDt_s, k < 500 ? Vector3::Zero() : load);
       if (k == 499) x_closed = tool.x;
-      if (k > 499) {  // a step of load swings to twice its deflection at most
+      if (k > 499) {  // after a step of load the swing is at most twice the static deflection
         ASSERT_LE((tool.x - x_closed).norm(), 2.0 * load_N / 50000.0) << k;
       }
     }
@@ -178,7 +178,8 @@ TEST(RigidClamp, HoldsWithinForceByStiffness) {
   }
 }
 
-// Without preload where the tool is, not where the script wants it; and over to the hand without a jolt.
+// Without preload at the tool's place, not at the script's target; and without a jolt when the hand takes
+// over.
 TEST(RigidClamp, ClosesWhereTheToolIsAndHandsOverSmoothly) {
   const Vector3 load(30.0, 0, -20.0);
   OperatorHand hand({.incidents = Of({RigidClamp{.begin_s = 0.5, .end_s = 1.5, .return_s = 0.4}})}, Hold());
@@ -231,7 +232,7 @@ TEST(StartledRelease, JerksAsToldThenOpensInTime) {
   for (int k = 1; k <= 1500; ++k) {
     const double t = k * kDt_s;
     const Wrench a = hand.Step(t, kDt_s, X_WT, {}), b = jumpy.Step(t, kDt_s, X_WT, {});
-    if (k < 500 || k >= 1030) {  // as if nothing had happened
+    if (k < 500 || k >= 1030) {  // as without an incident
       ASSERT_EQ(a.f, b.f) << t;
     }
     if (k >= 500 && k < 550) impulse_Ns += kDt_s * (b.f - a.f);
@@ -242,7 +243,7 @@ TEST(StartledRelease, JerksAsToldThenOpensInTime) {
       ASSERT_EQ(b.f, Vector3::Zero()) << t;
       ASSERT_EQ(b.t, Vector3::Zero()) << t;
     }
-    if (k > 1) {  // no step beyond the opening's steepest: 1.875 times 49 N, and tremor, in 30 ms
+    if (k > 1) {  // no step larger than the opening's steepest: 1.875 times 49 N, and tremor, in 30 ms
       ASSERT_LT((b.f - f_before).norm(), 1.9 * 52.0 / 30.0) << t;
     }
     f_before = b.f;
@@ -252,7 +253,7 @@ TEST(StartledRelease, JerksAsToldThenOpensInTime) {
   EXPECT_LT((impulse_Ns - expected_Ns).norm(), 1e-9);
 }
 
-// What the hand lets go flies as a free body does: v falls by 1 / (1 + T D / M) a tick, for ever.
+// The released tool moves like a free body: v falls by 1 / (1 + T D / M) a tick, indefinitely.
 TEST(StartledRelease, ToolIsFreeAfterwards) {
   StartledRelease never = kStartled;
   never.away_s = std::numeric_limits<double>::infinity();
@@ -269,8 +270,8 @@ TEST(StartledRelease, ToolIsFreeAfterwards) {
   EXPECT_EQ(hand.Step(3600.0, kDt_s, Moved(Hold().Sample(0.0).X_WT, {0.3, 0, 0}), {}).f, Vector3::Zero());
 }
 
-// The handle is let go at rest, grasped again at speed and then braked, over and over: the hand's mass gives
-// back no more than it took. One that had followed the handle while the hand was away would.
+// The handle is released at rest, grasped again at speed and then braked, repeatedly: the hand's mass returns
+// no more energy than it received. A mass that had followed the handle while the hand was away would.
 TEST(StartledRelease, MassStaysPassive) {
   std::mt19937 random(5);
   std::normal_distribution<double> gauss;
@@ -305,9 +306,9 @@ TEST(StartledRelease, MassStaysPassive) {
   }
 }
 
-// While the target rests, a tool that is shaken gets out of the hand what spring and mass held when the
-// incident began, what the jerk gives, and nothing else. Work as a sum of f v T at T = 0.1 ms: its error is
-// half a tick of the power at either end, 1 mJ at 20 W.
+// While the target rests, a shaken tool gains from the hand the energy that spring and mass held when the
+// incident began, plus the jerk's energy, and nothing else. Work is the sum of f v T at T = 0.1 ms: its error
+// is half a tick of the power at either end, 1 mJ at 20 W.
 TEST(HandIncidents, GiveNoEnergyButTheJerks) {
   const double T = 1e-4, begin_s = 0.213, k_own = 1000.0, b = 20.0, mass_kg = 1.0;
   const HandSpring stiff{.stiffness_N_per_m = 6000.0, .damping_Ns_per_m = b};
@@ -334,8 +335,9 @@ TEST(HandIncidents, GiveNoEnergyButTheJerks) {
       const Vector3 f = hand.Step(t, T, Moved(X_WT, Shaken(t)), {.v = v}).f;
       if (t < begin_s) continue;
       if (ticks++ == 0) {
-        held_J = 0.5 * mass_kg * 0.2 * 0.2;              // no shaking is faster than .2 m/s, nor than 8 m/s^2
-        if (std::holds_alternative<GripStep>(incident))  // what pulls with f, beside damper and mass
+        held_J = 0.5 * mass_kg * 0.2 * 0.2;              // no shaking is faster than 0.2 m/s, nor than 8
+                                                         // m/s^2
+        if (std::holds_alternative<GripStep>(incident))  // the spring's pull balances f, damper and mass
           held_J += std::pow(f.norm() + b * v.norm() + mass_kg * 8.0, 2) / (2.0 * 6000.0);
         if (std::holds_alternative<StartledRelease>(incident))
           held_J += 0.5 * k_own * Shaken(t).squaredNorm();
@@ -349,7 +351,7 @@ TEST(HandIncidents, GiveNoEnergyButTheJerks) {
   }
 }
 
-// Whatever comes, and in whatever order: bounds hold, but for the clamp's.
+// For any incidents in any order, bounds hold, except for the clamp's.
 TEST(HandIncidents, KeepTheHandsBounds) {
   std::mt19937 random(99);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
@@ -381,8 +383,7 @@ OperatorHandParams Eventful() {
                        RigidClamp{.begin_s = 1.1, .end_s = 1.3, .return_s = 0.1}, GripStep{.begin_s = 1.5}})};
 }
 
-// The same input, the same bits; also after Begin(); and an incident that is yet to come changes none of
-// them.
+// The same input gives the same bits, also after Begin(); and an incident still to come changes none of them.
 TEST(HandIncidents, AreTheSameToTheBit) {
   const auto run = [](OperatorHand& hand) {
     hand.Begin();

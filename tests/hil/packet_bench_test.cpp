@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-// The bench of scenario 14: that its condition D > a_max K separates what grows from what does not.
+// The bench of scenario 14: its condition D > a_max K separates the cases that grow from the others.
 
 namespace osteon::hil {
 namespace {
@@ -21,8 +21,8 @@ TEST(PacketBench, AgesAreTheWiresDelaysAndATickAtLeast) {
 
 // x'' m + x' D + K x(t - a): the first crossing of a pure delay, w^2 m = K cos(w a), w D = K sin(w a).
 TEST(PacketBench, HeldForcesGrowFromTheDelayThatTheoryGives) {
-  // K 20e3, D 80, m 3: w = 79.5 rad/s, a = 4.07 ms (the hold is worth half a tick more): at rest with ages of
-  // 2 ms, growing with 6
+  // K 20e3, D 80, m 3: w = 79.5 rad/s, a = 4.07 ms (the hold adds half a tick): at rest with ages of 2 ms,
+  // growing with 6
   const PacketRideParams below = Delayed(WallMethod::kHeld, 1 * rt::kMillisecond),
                          above = Delayed(WallMethod::kHeld, 3 * rt::kMillisecond);
   const PacketRide small = RidePackets(below), large = RidePackets(above);
@@ -40,7 +40,7 @@ TEST(PacketBench, PlanesDoNotMindAnAgeThatForcesDo) {
   EXPECT_LT(ride.Growth(), 1e-3);
 }
 
-// Planes that turn under the tool act with an age as well: force over clearance is their stiffness.
+// Planes that turn under the tool act with an age as well; their stiffness is force over clearance.
 TEST(PacketBench, PlanesThatTurnTooFastForTheirAgeGrow) {
   PacketRideParams params = Delayed(WallMethod::kPlanes, 10 * rt::kMillisecond);
   params.clearance_m = 1e-3;  // 30 N: 30 kN/m, 20 ms old

@@ -20,7 +20,7 @@ PlaneEngine Plane() {
           {.stiffness_N_per_m = kStiffness_N_per_m, .normal_enlargement_m = 0.24e-3}};
 }
 
-// The tool looks down, tilted about x, its apex at a height above the plane; @returns its pose.
+// The tool points down, tilted about x, its apex at a height above the plane; @returns its pose.
 Pose Above(double height_m, double tilt_rad = 0.0) {
   Pose X_WT = Pose::Identity();
   X_WT.linear() = Eigen::AngleAxisd(3.14159265358979 + tilt_rad, Vector3::UnitX()).toRotationMatrix();

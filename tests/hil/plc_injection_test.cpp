@@ -4,7 +4,7 @@
 
 #include "tests/hil/modbus_context.h"
 
-// What a scenario does to the simulated PLC's wire, seen by libmodbus' client.
+// A scenario's faults on the simulated PLC's wire, seen by libmodbus' client.
 
 namespace osteon::hil {
 namespace {
@@ -28,7 +28,7 @@ TEST(PlcInjection, ASilenceHangsTheServerAsLongAsItLasts) {
   injection.Step(rt::kSecond);
   EXPECT_EQ(injection.hangs(), 1u);
   modbus_set_response_timeout(client.get(), 0, 50'000);
-  // a request that was being served just now may still be answered
+  // a request in progress may still be answered
   EXPECT_FALSE(Read(client) && Read(client) && Read(client));
   injection.Step(2 * rt::kSecond);
   const Context next = Connect(server, 5000);
@@ -52,7 +52,7 @@ TEST(PlcInjection, ALossDropsConnectionsOnceWhenItBegins) {
 }
 
 TEST(PlcInjection, AnswersComeSoMuchLaterInTheirOrder) {
-  constexpr rt::Nanoseconds kDelay = 30 * rt::kMillisecond;  // not in whole cycles of the program
+  constexpr rt::Nanoseconds kDelay = 30 * rt::kMillisecond;  // not a multiple of the program's cycle
   PlcServer server({.port = 0, .cycle_ms = 100});
   PlcInjection injection(server, Plc(0.0, 1.0, {.delay = kDelay, .jitter = 5 * rt::kMillisecond}));
   const Context client = Connect(server, 5000);

@@ -13,7 +13,7 @@ namespace {
 using io::PlcLink;
 using io::PlcVerdict;
 
-// Two clients as in the cell: controller and guard, with their loops.
+// Two clients as in a cell: controller and guard, with their loops.
 class PlcCell : public ::testing::Test {
  protected:
   void Open(const PlcServerParams& params, int response_timeout_ms = 500) {
@@ -29,7 +29,7 @@ class PlcCell : public ::testing::Test {
     guard_ = client(io::PlcRole::kGuard);
     guard_->RequestMotion(true);
   }
-  // Loops turn until it holds; false after a long time.
+  // Runs both loops until `holds` is true; false after a long time.
   bool Until(const std::function<bool()>& holds) {
     for (int i = 0; i < 20'000; ++i) {
       if (controller_lives_) controller_->Beat();
@@ -51,7 +51,7 @@ class PlcCell : public ::testing::Test {
     return Until([&] { return Verdict() == PlcVerdict::kRun; });
   }
 
-  // an hour: but where the heartbeat is the subject, no test of how busy the machine is
+  // an hour, so that only tests of the heartbeat depend on how busy the machine is
   PlcServerParams params_{.port = 0, .logic = {.heartbeat_timeout = 3600 * rt::kSecond}};
   std::unique_ptr<PlcServer> server_;
   std::unique_ptr<io::PlcClient> controller_, guard_;
@@ -69,7 +69,7 @@ TEST_F(PlcCell, AGuardThatTakesTheRequestBackStopsMotionUntilItIsReset) {
   const auto written = guard_->Latest().counters.writes;
   ASSERT_TRUE(Until([&] { return guard_->Latest().counters.writes > written + 2; }));
   EXPECT_EQ(Verdict(), PlcVerdict::kNotPermitted) << "latched";
-  controller_->RequestMotion(false);  // and anew
+  controller_->RequestMotion(false);  // and again
   const auto withdrawn = controller_->Latest().counters.writes;
   ASSERT_TRUE(Until([&] { return controller_->Latest().counters.writes > withdrawn + 2; }));
   EXPECT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
@@ -92,7 +92,7 @@ TEST_F(PlcCell, ComesUpAndEveryRegisterArrives) {
   EXPECT_TRUE(Until([&] { return !controller_->Latest().inputs.power_on; })) << "whatever the software does";
 }
 
-// Whatever the PLC's program makes of it: a hand that lets go of a squeezed switch passes its middle.
+// Independent of the PLC's program: a squeezed switch that is released passes its middle position.
 TEST_F(PlcCell, ASwitchThatWasSqueezedThroughCountsAgainOnceItWasLetGo) {
   Open(params_);
   const auto shows = [&](EnablingSwitch set, io::PlcEnabling counts) {
@@ -114,7 +114,7 @@ TEST_F(PlcCell, ALoopThatHangsIsFoundOut) {
     Open(params_);
     controller_lives_ = guard_lives_ = true;
     ASSERT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
-    (guard ? guard_lives_ : controller_lives_) = false;  // its Modbus thread goes on
+    (guard ? guard_lives_ : controller_lives_) = false;  // its Modbus thread continues
     EXPECT_TRUE(Until([&] { return Verdict() == PlcVerdict::kNotPermitted; }));
     const auto lost = static_cast<std::uint16_t>(guard ? PlcBlock::kGuardLost : PlcBlock::kControllerLost);
     EXPECT_TRUE(server_->outputs().blocks & lost) << DescribeBlocks(server_->outputs().blocks);
@@ -140,7 +140,7 @@ TEST_F(PlcCell, ALostConnectionStopsAndIsMadeAgain) {
   EXPECT_GE(server_->counters().connections, 3u);
 }
 
-// One answer 30 ms late, where 20 are waited for: the reading grows older, which the cell's max_age_ms
+// One answer comes 30 ms late with a timeout of 20 ms: the reading grows older, which the cell's max_age_ms
 // judges.
 TEST_F(PlcCell, OneLateAnswerIsNoLostConnection) {
   Open(params_, 20);
@@ -170,7 +170,7 @@ TEST_F(PlcCell, APlcThatIsBusyKeepsItsConnectionAndItsReadingAges) {
   EXPECT_EQ(controller_->Latest().counters.lost, before.lost);
   EXPECT_GT(controller_->Latest().stamp, stamp);
   EXPECT_EQ(Verdict(), PlcVerdict::kRun);
-  // for good: the registers are too old, and the screen says why
+  // permanently: the registers are too old, and the screen gives the reason
   server_->RefuseAsBusy(1'000'000);
   ASSERT_TRUE(Until([&] { return Verdict() == PlcVerdict::kStale; }));
   EXPECT_EQ(controller_->Latest().counters.lost, before.lost);

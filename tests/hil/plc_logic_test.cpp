@@ -8,7 +8,7 @@
 namespace osteon::hil {
 namespace {
 
-// A bench in virtual time: both heartbeats beat unless told not to.
+// A bench in virtual time: both heartbeats beat unless switched off.
 class Bench {
  public:
   explicit Bench(const PlcLogicParams& params = {}) : plc(params) {}
@@ -34,7 +34,7 @@ class Bench {
     in.motion_request = true;
     Run(10);
   }
-  // Everything as it has to be.
+  // Sets every input to its permitted state.
   Bench& Start() {
     in.mode = ModeSelector::kT1;
     in.enabling = EnablingSwitch::kMiddle;
@@ -65,7 +65,7 @@ TEST(PlcLogic, StartsClosedAndOpensStepByStep) {
   b.in.mode = ModeSelector::kT1;
   b.in.enabling = EnablingSwitch::kMiddle;
   EXPECT_EQ(DescribeBlocks(b.Run(10).blocks), "not requested, not reset");
-  b.in.motion_request = true;  // too early: it has to be made where nothing is latched
+  b.in.motion_request = true;  // too early: it must be made while nothing is latched
   b.Run(10);
   b.PressReset();
   EXPECT_EQ(DescribeBlocks(b.plc.outputs().blocks), "not requested");
@@ -75,18 +75,17 @@ TEST(PlcLogic, StartsClosedAndOpensStepByStep) {
   EXPECT_TRUE(b.plc.outputs().run_permitted && b.plc.outputs().power_on);
 }
 
-// Each cause alone, from a cell that runs: what blocks, whether it goes by itself, and what brings motion
-// back.
+// Each cause alone, on a running cell: what it blocks, whether it clears by itself, and what restores motion.
 TEST(PlcLogic, EachCauseStopsAndComesBackAsItsRowSays) {
   using Change = std::function<void(Bench&)>;
   struct Row {
     const char* name;
     Change cause;
-    int ms;  // until it has to block
+    int ms;  // until it must block
     std::uint16_t blocks;
     Change undo;
-    bool alone;    // motion is back with the cause gone
-    bool request;  // with the request made anew; otherwise a reset comes before that
+    bool alone;    // motion returns when the cause is gone
+    bool request;  // motion returns after a new request; otherwise a reset is needed first
   };
   const auto nothing = [](Bench&) {};
   const std::uint16_t asked = Bit(PlcBlock::kNotRequested);
@@ -135,7 +134,7 @@ TEST(PlcLogic, EachCauseStopsAndComesBackAsItsRowSays) {
     EXPECT_FALSE(b.plc.outputs().run_permitted);
     EXPECT_EQ(b.plc.outputs().blocks, row.blocks) << DescribeBlocks(b.plc.outputs().blocks);
 
-    // power goes 500 ms after the permission, whatever happens
+    // power is cut 500 ms after the permission, in any case
     EXPECT_TRUE(b.Run(480).power_on);
     EXPECT_FALSE(b.Run(30).power_on);
 
@@ -172,7 +171,7 @@ TEST(PlcLogic, ResetDoesNothingWhileItsCauseStands) {
 TEST(PlcLogic, AHeldResetButtonResetsOnce) {
   Bench b;
   b.Start();
-  b.in.reset = true;  // held from now on: somebody taped it
+  b.in.reset = true;  // held from now on, as if taped down
   b.Run(50);
   b.in.emergency_stop = true;
   b.Run(10);

@@ -11,7 +11,7 @@
 #include "tests/hil/modbus_context.h"
 #include "tests/io/loopback_socket.h"
 
-// Our server against libmodbus' own client, and against bytes that are none.
+// Our server with libmodbus' own client, and with bytes that are not Modbus.
 
 namespace osteon::hil {
 namespace {
@@ -50,7 +50,7 @@ class Raw : public io::test::LoopbackSocket {
  public:
   explicit Raw(std::uint16_t port) : LoopbackSocket(SOCK_STREAM) { Connect(port); }
 
-  // How many bytes come next: 0 where the server closed, -1 where nothing came for five seconds.
+  // Number of bytes received next: 0 if the server closed, -1 if nothing came for five seconds.
   [[nodiscard]] ssize_t Receive() const {
     const auto bytes = LoopbackSocket::Receive(5000);
     return bytes ? static_cast<ssize_t>(bytes->size()) : -1;
@@ -66,7 +66,7 @@ TEST(PlcServer, ClosesOnWhatIsNoModbusAndServesTheOthers) {
     const Raw hostile(server.port());
     std::vector<std::uint8_t> noise(6 + random() % 600);
     for (auto& byte : noise) byte = static_cast<std::uint8_t>(random() % 256);
-    noise[2] = 0xff;  // no Modbus for sure
+    noise[2] = 0xff;  // certainly not Modbus
     hostile.Send(noise);
     closed += hostile.Receive() == 0 ? 1 : 0;
     std::uint16_t version = 0;

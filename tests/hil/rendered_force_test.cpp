@@ -12,9 +12,9 @@
 #include "simulation/reference_engine.h"
 #include "simulation/scenes.h"
 
-// The force that the servo loop renders, against what an ideal wall, cup and corner would give at the pose of
-// the same tick: bone packed with balls, frames of the engine at 500 Hz that arrive 3 ms after their pose,
-// the coupling each millisecond. Lengths in metres, W and G coincide; the spindle stands.
+// The force that the servo loop renders, compared with the force of an ideal wall, cup and corner at the same
+// tick's pose: bone packed with balls, frames of the engine at 500 Hz that arrive 3 ms after their pose, the
+// coupling each millisecond. Lengths in metres, W and G coincide; the spindle stands still.
 
 namespace osteon::hil {
 namespace {
@@ -23,9 +23,9 @@ constexpr double kK = 20e3;        // the engine's
 constexpr int kFrameEvery_ms = 2;  // 500 Hz
 constexpr int kFrameTakes_ms = 3;
 constexpr int kApproach_ms = 300, kHold_ms = 300, kAfter_ms = 100;
-constexpr int kNoticed_ms = 10;  // design's figure of what a hand notices of a step
+constexpr int kNoticed_ms = 10;  // the design's figure for when a hand notices a step
 
-/// A way of the tool's apex, and the force of the ideal bone there.
+/// A path of the tool's apex, and the ideal bone's force there.
 struct Course {
   simulation::Bone bone;
   double head_m;
@@ -34,7 +34,7 @@ struct Course {
 };
 
 struct Errors {
-  double rest{0.0};     ///< of a held tool, share of the ideal force
+  double rest{0.0};     ///< of a tool at rest, relative to the ideal force
   double noticed{0.0};  ///< the largest from 10 ms after the step on
   double at_once{0.0};  ///< the largest before
   double ideal_N{0.0};  ///< after the step
@@ -102,7 +102,7 @@ TEST(RenderedForce, OfAWallIsTheWalls) {
               .ideal_N = [](const Vector3& p) { return Vector3(0, 0, kK * std::max(0.0, -p.z())); }});
 }
 
-// Of the wall's and the floor's force each; the tool steps along both and into both.
+// Relative to the force of wall and floor each; the tool steps along both and into both.
 TEST(RenderedForce, OfACornerIsTheSumOfBothFaces) {
   constexpr double kWall_m = -4e-3, kHead_m = 6e-3;
   simulation::Bone bone = Block({-6e-3, -8e-3, -2e-3}, {10e-3, 8e-3, 0});
@@ -125,7 +125,7 @@ TEST(RenderedForce, OfACupIsTheSpheres) {
   cup.shape.width_m = 56e-3;
   cup.shape.height_m = 30e-3;
   cup.shape.cup_radius_m = kCup_m;
-  cup.points.cells = {.finest_m = 3e-3, .coarser_from_m = {}};  // contact alone
+  cup.points.cells = {.finest_m = 3e-3, .coarser_from_m = {}};  // contact only
   cup.packing.surface_gap_m = 0.1e-3;
   const auto apex = [=](double deg, double depth_m) {
     const double a = deg * M_PI / 180.0;

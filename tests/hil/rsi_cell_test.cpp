@@ -1,5 +1,5 @@
 // A simulated cell whose arm is a KR over RSI, in lockstep with the product's session: hand, power, restarts,
-// and what is injected into its wire.
+// and faults on its wire.
 
 #include <cmath>
 #include <numbers>
@@ -53,7 +53,7 @@ HandScript Script(const SimulatedCellParams& params) {
   return MakeReamingScript({.X_WC = X_WC, .seconds = 4});
 }
 
-// The loop's part: it asks for a slow sine about where the arm was handed over.
+// The loop's part: commands a slow sine about the pose at the hand-over.
 class Client {
  public:
   explicit Client(const io::RsiSessionParams& params) : session(params) {}
@@ -119,7 +119,7 @@ TEST(RsiCell, TheHandHoldsTheToolWhereTheArmReallyIs) {
   EXPECT_EQ(run.end.counters.answered, run.end.counters.sent - 1) << "the last is not judged yet";
 }
 
-// The velocity of the tool by differences of its pose, at both levels that are modelled.
+// The velocity of the tool by differences of its pose, at both available levels.
 TEST(RsiCell, VelocityIsThePosesDerivative) {
   for (const ArmLevel level : {ArmLevel::kKinematic, ArmLevel::kServo}) {
     SimulatedCellParams params = Params();
@@ -135,7 +135,7 @@ TEST(RsiCell, VelocityIsThePosesDerivative) {
     const Vector3 before = states[297].X_WT_meas.p, after = states[299].X_WT_meas.p;
     const Vector3 v = states[298].v_WT_meas_m_per_s, difference = (after - before) / 0.008;
     EXPECT_GT(v.norm(), 0.01);
-    // kinematic: a backward difference, half a cycle older; the motion's acceleration is below .1 m/s^2
+    // kinematic: a backward difference, half a cycle older; the motion's acceleration is below 0.1 m/s^2
     EXPECT_LT((v - difference).norm(), 0.1 * 0.004) << static_cast<int>(level);
   }
 }
@@ -144,7 +144,7 @@ TEST(RsiCell, WithoutPowerRsiEndsAndBeginsAnewWithIt) {
   const SimulatedCellParams params = Params();
   SimulatedCell cell(params, Script(params));
   Client client(SessionParams(params));
-  cell.SetPower(false);  // a PLC has not given it yet
+  cell.SetPower(false);  // the PLC has not switched it on yet
   EXPECT_TRUE(cell.Step(kCycle).empty());
   EXPECT_EQ(cell.state().session, SessionState::kIdle);
   EXPECT_EQ(DescribeStop(cell.state()), "the drives have no power");
@@ -177,8 +177,7 @@ TEST(RsiCell, WithoutPowerRsiEndsAndBeginsAnewWithIt) {
   EXPECT_EQ(cell.state().counters.sent, 300u + 105u) << "counts go on";
 }
 
-// The program is started again where nobody was there to answer: a PC that comes later finds RSI at its
-// beginning.
+// The program restarts if nobody was there to answer, so a PC that comes later finds RSI at its beginning.
 TEST(RsiCell, APcThatComesLateIsWaitedFor) {
   const SimulatedCellParams params = Params();
   SimulatedCell cell(params, Script(params));
@@ -210,7 +209,7 @@ TEST(RsiCell, AfterALossItBeginsAgainOnlyWhereThatIsAskedFor) {
       client.Accept(cell.Step(now), now);
       cell.Receive(client.Answer());
     }
-    for (int k = 0; k < 200; ++k) cell.Step(now += kCycle);  // the PC is away for .8 s
+    for (int k = 0; k < 200; ++k) cell.Step(now += kCycle);  // the PC is away for 0.8 s
     EXPECT_EQ(cell.state().rsi_stop.reason, RsiStopReason::kTimeout);
     EXPECT_EQ(cell.state().delay, 20u);
     for (int k = 0; k < 200; ++k) {
@@ -224,7 +223,7 @@ TEST(RsiCell, AfterALossItBeginsAgainOnlyWhereThatIsAskedFor) {
   }
 }
 
-// Lateness of this side raises Delay, as the PC reads from it what became of its answers, and ends nothing.
+// Lateness of this side raises Delay, from which the PC reads what became of its answers, but ends nothing.
 TEST(RsiCell, ItsOwnLatenessEndsNothing) {
   const SimulatedCellParams params = Params();
   SimulatedCell cell(params, Script(params));
@@ -241,7 +240,7 @@ TEST(RsiCell, ItsOwnLatenessEndsNothing) {
   EXPECT_EQ(cell.state().delay, 29u);
 }
 
-// What is lost on either way costs exactly the cycles that it was lost in; Delay counts them.
+// Each loss in either direction costs exactly its own cycle; Delay counts them.
 TEST(RsiCell, LossesOnItsWireAreCountedAtBothEnds) {
   SimulatedCellParams params = Params();
   params.kr->controller.timeout_cycles = 1000;

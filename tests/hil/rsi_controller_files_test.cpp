@@ -13,9 +13,9 @@
 #include "tests/io/rsi_oracle.h"
 #include "tests/io/xml_tree.h"
 
-// What a KR's controller is given (config/controllers/rsi) against what io/rsi reads and writes and what the
-// simulated controller does: messages derived from the Ethernet configuration, byte for byte; signals by
-// their numbers.
+// The files for a KR's controller (config/controllers/rsi) compared with what io/rsi reads and writes and
+// what the simulated controller does: messages derived from the Ethernet configuration, byte for byte;
+// signals by their numbers.
 
 namespace osteon::hil {
 namespace {
@@ -26,7 +26,7 @@ using testing::HasSubstr;
 
 const std::filesystem::path kFiles = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/controllers/rsi";
 
-// An Ethernet configuration with its contexts, and what it stands for on our side.
+// An Ethernet configuration with its contexts, and the matching parameters on our side.
 struct Configuration {
   std::string ethernet;
   std::vector<std::string> contexts;
@@ -56,7 +56,7 @@ const std::vector<XmlNode>& Elements(const XmlNode& root, const char* direction)
   return root.At(direction).At("ELEMENTS").children;
 }
 
-// The numbers that stand for DEF_RIst and so on, all different.
+// Values for DEF_RIst and so on, all different.
 const RobMessage kNumbers{.pose_measured = {1180.5, -20.25, 1290.125, -180.0, 0.5, 179.75},
                           .pose_set = {1180.0, -20.0, 1290.0, -179.0, 0.25, 180.0},
                           .axes_measured = {1.5, -90.25, 90.125, 0.0, 89.5, -0.0625},
@@ -66,8 +66,8 @@ const RobMessage kNumbers{.pose_measured = {1180.5, -20.25, 1290.125, -180.0, 0.
                           .delay = 7,
                           .ipoc = 4'208'163'634};
 
-// What a controller with this configuration sends, by the rules of RSI: DEF_ names an internal value, whose
-// attributes are fixed; IPOC is always the last; `precision` decimals.
+// The message of a controller with this configuration, by the rules of RSI: DEF_ names an internal value with
+// fixed attributes; IPOC is always the last; `precision` decimals.
 std::string RobOf(const XmlNode& root, int precision) {
   const std::map<std::string, std::pair<const Six*, std::array<const char*, 6>>> internal{
       {"RIst", {&kNumbers.pose_measured, {"X", "Y", "Z", "A", "B", "C"}}},
@@ -96,10 +96,10 @@ std::string RobOf(const XmlNode& root, int precision) {
   return text + fmt::format("<IPOC>{}</IPOC></Rob>", kNumbers.ipoc);
 }
 
-// The answer that it expects: RECEIVE's tags in order, those with a dot as attributes of one element.
+// The expected answer: RECEIVE's tags in order; tags with a dot are attributes of one element.
 std::string SenOf(const XmlNode& root, const Six& correction, bool stop, int decimals) {
   std::string text = "<Sen Type=\"" + root.At("CONFIG").At("SENTYPE").text + "\">";
-  std::string open;  // the element whose attributes are being written
+  std::string open;  // element that is being written
   std::size_t next = 0;
   for (const XmlNode& element : Elements(root, "RECEIVE")) {
     const std::string tag = element.Of("TAG");
@@ -188,7 +188,7 @@ TEST(RsiControllerFiles, NameThePortWhereTheLinkListens) {
   EXPECT_EQ(port("OsteonEthernetKroshu.xml"), "59152") << "the layout's own";
 }
 
-// An RSI object of a context, of either format: RSI 3 counts channels and axes from 1, later ones from 0.
+// An RSI object of a context, in either format: RSI 3 counts channels and axes from 1, later versions from 0.
 struct Object {
   std::map<int, int> source;  // input, from 1 → channel of the Ethernet object, from 1
   std::map<std::string, std::string> parameters;
@@ -243,8 +243,8 @@ TEST(RsiControllerFiles, ContextsLeadEachCorrectionToItsAxis) {
     }
 }
 
-// From inside out: the session holds a command, the monitor ends RSI with a message, the object clips
-// without.
+// From the innermost bound out: the session holds a command, the monitor ends RSI with a message, the object
+// clips silently.
 TEST(RsiControllerFiles, MonitorsStandBetweenTheSessionsRangeAndTheSilentLimits) {
   const io::RsiSessionParams session;
   for (const char* context : {"OsteonContext.rsi.xml", "OsteonContext.rsix", "OsteonContextKroshu.rsix"}) {
@@ -274,7 +274,7 @@ TEST(RsiControllerFiles, TheProgramRunsThemAsTheSessionAssumes) {
   EXPECT_THAT(program, HasSubstr("RSI_CREATE(\"OsteonContext\""));
   EXPECT_THAT(program, HasSubstr(fmt::format("RSI_ON({},{})", session.absolute ? "#ABSOLUTE" : "#RELATIVE",
                                              session.cycle_ms == 4 ? "#IPO_FAST" : "#IPO")));
-  // The link has to listen before RSI begins: a stop of the program in between.
+  // The link must listen before RSI begins: the program halts in between.
   EXPECT_LT(program.find("RSI_CREATE("), program.find("RSI_ON("));
   EXPECT_LT(program.rfind("\nHALT\n", program.find("RSI_ON(")), program.find("RSI_ON("));
 }

@@ -18,7 +18,7 @@ RsiControllerParams Params() {
   RsiControllerParams params;
   params.arm = kinematics::Kr6R900Params();
   params.first_ipoc = 1000;
-  params.axis_speed_ratio = std::numeric_limits<double>::infinity();  // corrections here are steps
+  params.axis_speed_ratio = std::numeric_limits<double>::infinity();  // corrections in these tests are steps
   return params;
 }
 
@@ -33,7 +33,7 @@ bool Send(RsiController& controller, std::uint64_t ipoc, const Six& c, bool cart
   return controller.Receive({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-// One cycle that is answered in time.
+// Runs one cycle with an answer in time.
 void Cycle(RsiController& controller, const Six& correction, bool cartesian = false) {
   ASSERT_FALSE(controller.Step().empty());
   ASSERT_TRUE(Send(controller, controller.state().ipoc, correction, cartesian)) << controller.last_error();
@@ -73,7 +73,7 @@ TEST(RsiController, RelativeCorrectionsAddUp) {
   EXPECT_NEAR(controller.state().axes_set_deg[0], 10.0, 1e-9);
 }
 
-// The table of README.md: what a cycle without an answer does.
+// The table of README.md: the effect of a cycle without an answer.
 TEST(RsiController, WithoutAnAnswerHoldOnDecides) {
   struct Row {
     bool absolute, hold_on;
@@ -192,7 +192,7 @@ TEST(RsiController, MonitorsEndRsi) {
   }
 }
 
-// KSS01102: 28.64 deg in a cycle of 4 ms were 7160 deg/s.
+// KSS01102: 28.64 deg in a cycle of 4 ms would be 7160 deg/s.
 TEST(RsiController, ASetPointFasterThanItsAxisEndsRsiAndIsNotFollowed) {
   RsiControllerParams params = Params();
   params.axis_speed_ratio = 1.0;
@@ -204,12 +204,12 @@ TEST(RsiController, ASetPointFasterThanItsAxisEndsRsiAndIsNotFollowed) {
   EXPECT_EQ(Describe(controller.state().stop),
             "axis speed: A5 told to move at 7160 deg/s, accepted 450 (KSS01102)");
   EXPECT_NEAR(controller.state().axes_set_deg[4], 90.0, 1e-9) << "the set point stays";
-  RsiController slower(params);  // 447.5 deg/s for a while, the axis's own limit is 450
+  RsiController slower(params);  // 447.5 deg/s for a while; the axis's own limit is 450
   for (int k = 1; k <= 15; ++k) Cycle(slower, {0, 0, 0, 0, -1.79 * k, 0});
   EXPECT_FALSE(slower.Step().empty()) << Describe(slower.state().stop);
 }
 
-// What HOLDON 0 does with absolute corrections, on an arm that watches its axes.
+// Effect of HOLDON 0 with absolute corrections on an arm that monitors its axes.
 TEST(RsiController, ALostAnswerWithHoldOnZeroIsAnAxisSpeed) {
   RsiControllerParams params = Params();
   params.axis_speed_ratio = 1.0;

@@ -1,5 +1,5 @@
-// The simulated KR against the product's RSI: two readers and two writers of one protocol, in lockstep and
-// over UDP.
+// The simulated KR and the product's RSI: two readers and two writers of one protocol, in lockstep and over
+// UDP.
 
 #include <cmath>
 #include <limits>
@@ -35,7 +35,8 @@ BothSides Make(bool kroshu, bool cartesian, bool absolute, bool hold_on, int cyc
   setup.controller.ipoc_step = ipoc_step;
   setup.controller.timeout_cycles = 1'000'000;
   setup.controller.range = {900, 900, 900, 90, 90, 90};
-  setup.controller.axis_speed_ratio = std::numeric_limits<double>::infinity();  // some steps, some jumps
+  setup.controller.axis_speed_ratio = std::numeric_limits<double>::infinity();  // the tests contain steps and
+                                                                                // jumps
   setup.session = {.layout = kroshu ? io::RsiLayout::kKroshu : io::RsiLayout::kImFree,
                    .kind = cartesian ? io::RsiCorrection::kCartesian : io::RsiCorrection::kAxes,
                    .absolute = absolute,
@@ -48,7 +49,7 @@ BothSides Make(bool kroshu, bool cartesian, bool absolute, bool hold_on, int cyc
   return setup;
 }
 
-// The joints over time that the loop asks for: a slow sine about the start.
+// The joint command over time: a slow sine about the start.
 control::ArmCommand Command(const Six& start_deg, double t_s, std::uint32_t activation) {
   control::ArmCommand command;
   command.activation = activation;
@@ -76,7 +77,7 @@ TEST(RsiInterop, ArmFollowsInEveryMode) {
             for (int k = 0; k < 300; ++k) {
               const rt::Nanoseconds now = (1 + k) * rt::kMillisecond * cycle_ms;
               const auto message = controller.Step();
-              if (k > 11) {  // the answer before is in force now
+              if (k > 11) {  // the previous answer is in force now
                 for (std::size_t i = 0; i < 6; ++i)
                   ASSERT_NEAR(controller.state().axes_set_deg[i], command.q[i] / kDegree, 2e-3) << k;
               }
@@ -93,7 +94,7 @@ TEST(RsiInterop, ArmFollowsInEveryMode) {
           }
 }
 
-// Whatever is lost or late on the way, the PC's sum is the controller's: nothing creeps.
+// For any losses and delays, the PC's sum equals the controller's: no drift.
 TEST(RsiInterop, RelativeSumSurvivesLosses) {
   for (const bool hold_on : {false, true})
     for (const bool in_a_row : {false, true}) {

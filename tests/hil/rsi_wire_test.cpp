@@ -48,7 +48,7 @@ TEST(RsiWire, ReadsAnswers) {
   const auto frame = Read(kImFree, RsiFormat::kImFree, true);
   ASSERT_TRUE(frame) << frame.error();
   EXPECT_EQ(frame->correction, (Six{1.5, -2, 0, 4, 5, 6}));
-  // elements of ImFree in any order, others between them
+  // ImFree's elements in any order, with others between them
   const auto mixed = Read(R"(<Sen Type="ImFree"><EStr>hello</EStr><IPOC>7</IPOC><Tech T21="1.09"/>)"
                           R"(<AK A1="1" A2="2" A3="3" A4="4" A5="5" A6="6"/></Sen>)",
                           RsiFormat::kImFree);

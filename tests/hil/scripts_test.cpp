@@ -12,7 +12,7 @@
 namespace osteon::hil {
 namespace {
 
-// A site that looks in no special direction.
+// A site with a general orientation.
 Pose TiltedSite() {
   Pose X_WC = Pose::Identity();
   X_WC.linear() = ExpRotation({0.7, -0.4, 0.3});
@@ -35,7 +35,7 @@ double TipHeight(const HandTarget& target) {
   return (TiltedSite().inverse() * target.X_WT.translation()).z();
 }
 
-// What every script promises, on both.
+// Promises of every script, tested on both kinds.
 class Scripts : public testing::TestWithParam<const char*> {
  protected:
   static HandScript Make(double seconds = 10.0) {
@@ -72,8 +72,8 @@ TEST_P(Scripts, VelocityIsTheDerivativeOfThePose) {
   }
 }
 
-// Across each change of phase the velocity's slope must not jump: a blend that is C1 only would jump by 6 d /
-// T^2, at least 0.1 m/s^2 here; the quintic's jerk, below 500 m/s^3 in the shortest peck, times 4 h leaves
+// Across each change of phase the velocity's slope must not jump. A blend that is only C1 would jump by 6 d /
+// T^2, at least 0.1 m/s^2 here. The quintic's jerk, below 500 m/s^3 in the shortest peck, times 4 h leaves
 // less than 2e-2.
 TEST_P(Scripts, TargetsAreTwiceContinuouslyDifferentiable) {
   const HandScript script = Make();
@@ -98,7 +98,7 @@ TEST_P(Scripts, AnyLengthKeepsTheTargetsSpeed) {
       const HandTarget target = script.Sample(u * seconds);
       const Vector3 v_C = TiltedSite().linear().transpose() * target.V_WT.v;
       ASSERT_LE(std::abs(v_C.z()), 0.2 + 1e-9) << seconds;
-      // across the axis the loop's run and its widening, each within the bound
+      // across the axis: motion along the loop and its widening, each within the bound
       ASSERT_LE(v_C.head<2>().norm(), std::numbers::sqrt2 * 0.2 + 1e-9) << seconds;
       ASSERT_EQ(target.V_WT.w.norm(), 0.0);
     }
@@ -134,7 +134,7 @@ TEST(DrillingScript, PecksDeeperEachTimeAndClearsTheHoleBetween) {
       EXPECT_LT(TipHeight(target), deepest_m);
       deepest_m = TipHeight(target);
     } else if (phase.name.starts_with("back")) {
-      // back to where the peck before ended, no harder than an approach
+      // back to the depth of the previous peck, with the approach's force
       EXPECT_NEAR(TipHeight(target), -params.depth_m * pushes / 3.0, 1e-9);
       EXPECT_NEAR(target.force_limit_N, params.approach_force_N, 1e-9);
     }
@@ -160,10 +160,10 @@ TEST(OpeningScript, LoopsWidenToTheCircleWhileTheyDeepen) {
     widest_found = std::max(widest_found, radius);
   }
   EXPECT_NEAR(widest_found, widest_m, 1e-12);
-  // apex below the full depth by what makes the hand push with the full force
+  // the apex is below the full depth by the distance at which the hand pushes with the full force
   const double beyond_m = params.push_force_N / params.hand_stiffness_N_per_m;
   EXPECT_NEAR(TipHeight(script.Sample(7.5)), -params.depth_m - beyond_m, 1e-12);
-  // a loop a period
+  // one loop for each period
   for (double t = 7.05; t < 7.35; t += 0.1)
     EXPECT_LT((HeadInSite(script, script.Sample(t)) - HeadInSite(script, script.Sample(t + 0.8))).norm(),
               1e-12);
@@ -171,7 +171,7 @@ TEST(OpeningScript, LoopsWidenToTheCircleWhileTheyDeepen) {
 
 TEST(OpeningScript, RefusesALoopFasterThanTheTargetMayBe) {
   OpeningScriptParams params = Opening();
-  params.site_radius_m = 0.0308;  // 30 mm of swing in .8 s: .236 m/s
+  params.site_radius_m = 0.0308;  // 30 mm of swing in 0.8 s: 0.236 m/s
   EXPECT_THROW((void)MakeOpeningScript(params), std::invalid_argument);
   params.loop_period_s = 1.0;
   EXPECT_NO_THROW((void)MakeOpeningScript(params));
@@ -188,8 +188,8 @@ TEST(HandScript, RefusesToBeginOrEndOffTheAxis) {
                std::invalid_argument);
 }
 
-// A burr that is held still in the middle of a widening loop feels the hand's spring sideways, and the
-// script's force along the axis.
+// A burr held still in the middle of a widening loop feels the hand's spring sideways, and the script's force
+// along the axis.
 TEST(OpeningScript, HandPressesSidewaysWithItsSpring) {
   const HandScript script = MakeOpeningScript(Opening());
   OperatorHand hand({.damping_Ns_per_m = 0.0, .mass_kg = 0.0}, script);
@@ -202,7 +202,7 @@ TEST(OpeningScript, HandPressesSidewaysWithItsSpring) {
   EXPECT_NEAR(f_C.z(), -4.0, 1e-9);
 }
 
-// Physiological tremor: of the force that tremor adds along a script, all power lies in 8 … 12 Hz.
+// Physiological tremor: all power of the force that tremor adds along a script lies in 8 … 12 Hz.
 TEST(DrillingScript, TremorIsPhysiological) {
   const HandScript script = MakeDrillingScript(Drilling());
   const double force_N = 0.5;

@@ -20,7 +20,7 @@ std::array<kinematics::JointLimits, 7> FastLimits() {
   return limits;
 }
 
-// Step response of q'' = w^2 (1 - q) - 2 z w q' from rest, from its textbook form for each case of damping.
+// Step response of q'' = w^2 (1 - q) - 2 z w q' from rest, in its textbook form for each case of damping.
 double StepResponse(double w, double z, double t) {
   if (t <= 0.0) return 0.0;
   if (z == 1.0) return 1.0 - (1.0 + w * t) * std::exp(-w * t);
@@ -32,7 +32,7 @@ double StepResponse(double w, double z, double t) {
   return 1.0 - (p2 * std::exp(-p1 * t) - p1 * std::exp(-p2 * t)) / (p2 - p1);
 }
 
-// The closed form makes no error of its own; 1e-12 leaves room for 500 roundings.
+// The closed form has no truncation error; 1e-12 leaves room for 500 roundings.
 TEST(ServoArm, FollowsTheAnalyticStepResponse) {
   for (const double z : {0.3, 1.0, 1.7}) {
     for (const double period_s : {0.001, 0.005}) {
@@ -61,7 +61,8 @@ TEST(ServoArm, DeadTimeIsExact) {
   }
 }
 
-// Behind a ramp a servo lags by 2 z / w plus the dead time; the hold adds nothing where the ramp is sampled.
+// A servo follows a ramp with a lag of 2 z / w plus the dead time; the hold adds nothing if the ramp is
+// sampled.
 TEST(ServoArm, LagsBehindARampByItsTimeConstant) {
   const double w = 2.0 * std::numbers::pi * 15.0, T = 1e-3, speed = 0.5;
   ServoArm arm({}, FastLimits(), T, JointVector::Zero());

@@ -6,7 +6,7 @@
 #include "kinematics/lbr_arm.h"
 #include "tests/control/rt/checked_no_alloc_scope.h"
 
-// What all levels of the arm have in common, and what each adds.
+// Common behaviour of all levels of the arm, and what each adds.
 
 namespace osteon::hil {
 namespace {
@@ -42,7 +42,7 @@ TEST(SimulatedArm, EachLevelArrivesAndTheSpeedIsThatOfThePosition) {
       const JointVector before = arm->q(), speed_before = arm->qd();
       arm->Step(To(params.q_start + std::min(1.0, k / 300.0) * way), {});
       sum += arm->q() - before;
-      // over a cycle the mean of a smooth speed's ends, to the second order: what 15 Hz turn it by
+      // over a cycle the mean of a smooth speed's end values, accurate to second order for 15 Hz
       if (level != ArmLevel::kKinematic && k > 10) {
         EXPECT_LT((arm->q() - before - 0.5e-3 * (speed_before + arm->qd())).cwiseAbs().maxCoeff(), 1e-6);
       }
@@ -62,7 +62,7 @@ TEST(SimulatedArm, TheKinematicLevelIsWhereItWasToldToBe) {
   EXPECT_LT((arm->qd() - JointVector::Constant(0.5)).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-// tau = J^T F: by the stiff levels from the wrench, by the dynamic one from the torques that hold it.
+// tau = J^T F: the stiff levels compute it from the wrench, the dynamic one from the holding torques.
 TEST(SimulatedArm, EachLevelReportsTheSameExternalTorqueOnceAtRest) {
   const Wrench F{.f = {20.0, -10.0, 30.0}, .t = {1.0, 0.5, -2.0}};
   Eigen::Matrix<double, 6, 1> stacked;

@@ -32,7 +32,7 @@ Pose ToolPose(const SimulatedCellParams& params, const JointVector& q) {
   return Pose(params.X_WB) * kinematics::LbrArm(params.arm).FlangePose(q) * Pose(params.X_FT);
 }
 
-// A cup right below the tool's start pose.
+// A cup directly below the tool's start pose.
 HandScript ScriptBelow(const SimulatedCellParams& params, double seconds) {
   const Pose X_WT = ToolPose(params, Eigen::Map<const JointVector>(params.q_start.data()));
   Pose X_WC;
@@ -41,8 +41,8 @@ HandScript ScriptBelow(const SimulatedCellParams& params, double seconds) {
   return MakeReamingScript({.X_WC = X_WC, .seconds = seconds});
 }
 
-// A small admittance controller, as a client: M V' + D V = F_sensor + wall, joints by closed-form inverse.
-// The wall is a spring-damper below height 0 on the cup's axis, on the commanded pose.
+// A small admittance controller as a client: M V' + D V = F_sensor + wall, joints by closed-form inverse. The
+// wall is a spring-damper below height 0 on the cup's axis, acting on the commanded pose.
 class AdmittanceClient {
  public:
   AdmittanceClient(const SimulatedCellParams& params, const HandScript& script)
@@ -114,8 +114,8 @@ Outcome RunCell(double seconds) {
   return run;
 }
 
-// The whole circle: session, hand, sensor, client, arm. A hand that pushes with 120 N is felt with 120 N at
-// the wall.
+// The whole circle: session, hand, sensor, client, arm. A hand that pushes with 120 N results in 120 N at the
+// wall.
 TEST(SimulatedCell, AHandReamsThroughAnAdmittanceClient) {
   const Outcome run = RunCell(10.0);
   EXPECT_TRUE(run.end.script_done);
@@ -157,8 +157,8 @@ TEST(SimulatedCell, TheHandHoldsOnlyWhileTheArmIsCommanded) {
   EXPECT_EQ(Vector3(cell.state().F_hand_T_W.f).norm(), 0.0);
 }
 
-// The load on the sensor, and what the controller makes of it: written apart, with tool and sensor at odd
-// places.
+// The load on the sensor, and the hand wrench that the controller derives from it: independent code, with
+// tool and sensor at odd places.
 TEST(SimulatedCell, TheControllerFindsTheHandInTheSensorsLoad) {
   SimulatedCellParams params = CellParams();
   Pose X_FS = Pose::Identity();
@@ -205,14 +205,14 @@ TEST(SimulatedCell, WithoutPowerTheDrivesStopAndComeBackWithIt) {
   EXPECT_EQ(cell.state().stop.reason, StopReason::kPowerOff);
 }
 
-// A session that does not become GOOD within ten seconds closes. Where nobody was there at all, the program
-// is started again; a client that was there and is gone is no such case.
+// A session that does not become GOOD within ten seconds closes. If no client was ever there, the program is
+// restarted; a client that was there and left does not count.
 TEST(SimulatedCell, WaitsForAClientLongerThanASessionDoes) {
   const SimulatedCellParams params = CellParams();
   SimulatedCell cell(params, ScriptBelow(params, 10.0));
   TestClient client;
   int now_ms = 0;
-  cell.SetPower(false);  // as a PLC that nobody asks has it
+  cell.SetPower(false);  // as with a PLC that nobody has asked for power
   for (int k = 0; k < 25'000; ++k) cell.Step(++now_ms * rt::kMillisecond);
   EXPECT_EQ(cell.state().session, SessionState::kMonitoringWait);
   EXPECT_EQ(cell.state().stop.reason, StopReason::kPowerOff) << "started again, still without power";
@@ -235,7 +235,7 @@ TEST(SimulatedCell, WaitsForAClientLongerThanASessionDoes) {
   EXPECT_EQ(other.state().stop.reason, StopReason::kQualityTimeout);
 }
 
-// tau_i is the work of the hand's wrench for a unit turn of joint i: from differences of the forward
+// tau_i is the work of the hand's wrench for a unit turn of joint i, from differences of the forward
 // kinematics alone. The wrench of a step acts in the next one.
 TEST(SimulatedCell, ExternalTorqueIsTheHandsVirtualWork) {
   const SimulatedCellParams params = CellParams();
@@ -276,11 +276,11 @@ TEST(SimulatedCell, MeasuredToolPoseIsTheArmsAndLagsTheCommand) {
   ASSERT_EQ(s.session, SessionState::kCommandingActive);
   const Pose X_WT = ToolPose(params, Eigen::Map<const JointVector>(s.q_meas.data()));
   EXPECT_TRUE(Pose(s.X_WT_meas).isApprox(X_WT, 1e-12));
-  // 2 z / w = 21.2 ms, dead time 3 ms, hold 0.5 ms, and the state shown is one period after the command
+  // 2 z / w = 21.2 ms, dead time 3 ms, hold 0.5 ms; the state shown is one period after the command
   EXPECT_NEAR(s.q_cmd[0] - s.q_meas[0], 0.2 * (0.02122 + 0.0030 + 0.0005 - 0.001), 1e-5);
 }
 
-// Central difference over 2 ms, all joints moving: off by T^2/6 of the jerk (about 1 m/s^3 once the start has
+// Central difference over 2 ms, all joints moving: error T^2/6 of the jerk (about 1 m/s^3 after the start has
 // died away).
 TEST(SimulatedCell, MeasuredToolVelocityIsTheDerivativeOfItsPose) {
   const SimulatedCellParams params = CellParams();

@@ -19,7 +19,7 @@ class ClientSocket : public io::test::LoopbackSocket {
   [[nodiscard]] Bytes Receive() const { return LoopbackSocket::Receive(2000).value_or(Bytes{}); }
 };
 
-// A cell that no delay of a busy machine can end: these tests look at what crosses the socket, not at time.
+// A cell that no delay of a busy machine can end: these tests check what crosses the socket, not time.
 SimulatedCell PatientCell(SessionEnd session_end = SessionEnd::kSilence) {
   SimulatedCellParams params;
   params.fri.session_end = session_end;
@@ -66,7 +66,7 @@ TEST(SimulatedCellThread, AnArmThatSaysSoEndsItsSessionFromReadyToIdle) {
     };
     for (int i = 0; i < 5000 && seen != SessionState::kCommandingActive; ++i) take(socket.Receive());
     ASSERT_EQ(seen, SessionState::kCommandingActive);
-    cell.Stop();  // what it sent until then waits in the socket
+    cell.Stop();  // earlier messages wait in the socket
     std::vector<SessionState> states;
     for (auto message = socket.LoopbackSocket::Receive(0); message;
          message = socket.LoopbackSocket::Receive(0)) {
@@ -104,7 +104,7 @@ TEST(SimulatedCellThread, StopsInOrderThoughNobodyListens) {
   const std::uint64_t cycles = cell.statistics().cell.cycle;
   EXPECT_EQ(cell.statistics().cell.session, SessionState::kMonitoringWait);
   EXPECT_GT(cell.statistics().undelivered, 0u);
-  cell.Stop();  // again: nothing happens
+  cell.Stop();  // a second call has no effect
   EXPECT_EQ(cell.statistics().cell.cycle, cycles);
 }
 

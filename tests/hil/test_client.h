@@ -14,7 +14,7 @@
 #include "tests/kinematics/iiwa14.h"
 
 // A client of FRI for the tests: writes and reads the wire by hand, byte by byte, from the table of field
-// numbers, so that it checks the simulated arm's libprotobuf schema rather than sharing it.
+// numbers, so that it checks the simulated arm's libprotobuf schema instead of sharing it.
 
 namespace osteon::hil {
 
@@ -42,7 +42,7 @@ inline void PutDouble(Bytes& out, unsigned field, double v) {
   for (int i = 0; i < 8; ++i) out.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
 }
 
-/// A command message; without joints where q is empty.
+/// A command message; without joints if q is empty.
 inline Bytes Command(std::uint32_t sequence, std::uint32_t reflected, const std::vector<double>& q,
                      std::uint32_t id = 0x34001) {
   Bytes header, message;
@@ -59,7 +59,7 @@ inline Bytes Command(std::uint32_t sequence, std::uint32_t reflected, const std:
   return message;
 }
 
-/// One field of a message as it lies on the wire.
+/// One field of a message in the wire's format.
 struct Field {
   unsigned number{0}, type{0};
   std::uint64_t value{0};  // of a varint or a fixed64
@@ -104,7 +104,7 @@ inline std::optional<std::vector<Field>> Fields(std::span<const std::uint8_t> by
   return fields;
 }
 
-/// The fields at a path of field numbers, e.g. {3, 1} the first field of monitorData. Empty where there are
+/// The fields at a path of field numbers, e.g. {3, 1} the first field of monitorData. Empty if there are
 /// none.
 inline std::vector<Field> At(std::span<const std::uint8_t> message, std::initializer_list<unsigned> path) {
   std::vector<Field> found;
@@ -133,8 +133,8 @@ inline std::vector<double> DoublesAt(std::span<const std::uint8_t> message,
   return values;
 }
 
-/// A command message with joints and a wrench (six elements, packed) or torques (seven, unpacked); each
-/// absent where empty.
+/// A command message with joints and a wrench (six elements, packed) or torques (seven, unpacked); empty
+/// vectors are left out.
 inline Bytes OverlayCommand(std::uint32_t sequence, std::uint32_t reflected, const std::vector<double>& q,
                             const std::vector<double>& wrench, const std::vector<double>& tau) {
   Bytes message = Command(sequence, reflected, {}), data, part;
@@ -154,7 +154,7 @@ inline Bytes OverlayCommand(std::uint32_t sequence, std::uint32_t reflected, con
 }
 
 /// Answers as a client of 1.15 must: mirrors, and in COMMANDING_ACTIVE sends the interpolator's position plus
-/// an offset; while commanding with a wrench and torques, where it has them.
+/// an offset; while commanding also wrench and torques, if set.
 struct TestClient {
   std::uint32_t sequence{0};
   std::array<double, 7> offset{};

@@ -8,7 +8,7 @@
 #include "hil/sensor_load.h"
 #include "tests/kinematics/iiwa14.h"
 
-// The tool's inertia: what the simulated sensor carries of it, and what the loop takes out of that.
+// The tool's inertia: its part in the simulated sensor's load, and the loop's compensation.
 
 namespace osteon::hil {
 namespace {
@@ -23,7 +23,8 @@ control::ForceSensorParams Sensor() {
       .X_FS = X_FS, .tool_mass_kg = 1.2, .tool_center_F_m = Vector3(0.005, 0.0, 0.09), .tool_inertia_F = I};
 }
 
-// Written apart: forces at T and Euler in the body there, flange and world here. Together they find the hand.
+// Independent formulas: forces at T and Euler in the body there, flange and world here. Together they find
+// the hand.
 TEST(ToolInertiaLoad, TheControllerFindsTheHandInIt) {
   const control::ForceSensorParams sensor = Sensor();
   Pose X_FT = Pose::Identity();
@@ -63,7 +64,7 @@ HandleBenchParams Bench(double share) {
   params.servo.workspace.plane_offset_m = -3.0;
   params.servo.max_tracking_error_m = 0.1;
   params.servo.spindle_rad_per_s = 0.0;
-  // no lever: what a push along an axis feels is a mass and nothing that turns
+  // no lever: a push along an axis meets a mass and no rotation
   params.servo.sensor = {.tool_mass_kg = 1.2, .tool_center_F_m = params.X_FT.translation()};
   params.servo.sensor.inertia_share = share;
   params.sensor_feels_inertia = true;

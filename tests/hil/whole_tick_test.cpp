@@ -1,4 +1,4 @@
-// The bar: no allocation and no lock in the tick, from the datagram's arrival to the record in the ring.
+// Requirement: no allocation and no lock in the tick, from the datagram's arrival to the record in the ring.
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@ namespace {
 
 using control::Phase;
 
-// The simulated arm's socket: connected to the client's port, answers taken where they wait.
+// The simulated arm's socket: connected to the client's port, takes waiting answers.
 class ArmSocket : public io::test::LoopbackSocket {
  public:
   explicit ArmSocket(std::uint16_t client_port) { Connect(client_port); }
@@ -32,7 +32,7 @@ class ArmSocket : public io::test::LoopbackSocket {
   }
 };
 
-// The cell of the hand's tests: a cup right below the tool, its bottom a plane for the contact model.
+// The cell of the hand's tests: a cup directly below the tool, its bottom a plane for the contact model.
 struct Cell {
   Cell() {
     params.arm = kinematics::Iiwa14();
@@ -62,7 +62,7 @@ struct Cell {
   Pose X_WT;
 };
 
-// The loop in position mode, an arm of each family of versions.
+// The loop in position mode, with an arm of each family of versions.
 class WholeTick : public ::testing::TestWithParam<io::FriVersion> {};
 
 TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
@@ -88,7 +88,7 @@ TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
   std::array<int, 4> ticks_in_phase{};
   double peak_N = 0.0;
   for (int tick = 0; tick < 3500 && loop.phase() != Phase::kStopped; ++tick) {
-    // the arm and the simulation, which may do as they like
+    // arm and simulation, which may allocate
     const rt::Nanoseconds now = (tick + 1) * rt::kMillisecond;  // virtual: the test does not wait for a clock
     arm.Send(cell.Step(now));
     sensor.Store(cell.force());
@@ -134,8 +134,8 @@ INSTANTIATE_TEST_SUITE_P(Families, WholeTick,
                          ::testing::Values(io::FriVersion::k1_15, io::FriVersion::k2_5,
                                            io::FriVersion::k2_7));
 
-// The link alone, in every version and mode, with all that a message can carry, from the first message to
-// following and through a stop.
+// The link alone, in every version and mode, with full messages, from the first message to following and
+// through a stop.
 TEST(LinkTick, NeitherAllocatesNorLocksInAnyVersionAndMode) {
   using control::CommandMode;
   using control::ControlMode;

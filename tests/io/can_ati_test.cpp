@@ -5,7 +5,7 @@
 #include "io/can/id_claims.h"
 #include "tests/io/can_frames.h"
 
-// The client's side against frames as public descriptions of the NETCANOEM draw them.
+// The client's side with frames from public descriptions of the NETCANOEM.
 
 namespace osteon::io {
 namespace {
@@ -112,7 +112,7 @@ TEST(AtiSensor, AHalfNeverJoinsAnotherReading) {
   sensor.Accept(At(12 * kMs, "201#000000000000"));
   EXPECT_EQ(sensor.counters().readings, 0u);
   EXPECT_EQ(sensor.counters().halves, 3u);
-  sensor.Accept(At(13 * kMs, "200#"));  // another master's request
+  sensor.Accept(At(13 * kMs, "200#"));  // a request from another master
   sensor.Accept(At(13 * kMs, "201#0000000000000000"));
   EXPECT_EQ(sensor.counters().malformed, 2u);
   EXPECT_EQ(sensor.counters().readings, 0u);
@@ -122,10 +122,10 @@ TEST(AtiSensor, AMatrixRowIsTakenWholeOrAskedForAgain) {
   auto sensor = Sensor();
   Sent(sensor, 0);
   sensor.Accept(At(0, Row(0)[0]));
-  sensor.Accept(At(0, Row(0)[2]));  // the middle is lost
+  sensor.Accept(At(0, Row(0)[2]));  // the middle one is lost
   EXPECT_EQ(Sent(sensor, 49 * kMs), Frames{});
   EXPECT_EQ(Sent(sensor, 50 * kMs), Frames{"202#00"});
-  sensor.Accept(At(50 * kMs, Row(0)[1]));  // of no row
+  sensor.Accept(At(50 * kMs, Row(0)[1]));  // belongs to no row
   for (const std::string& frame : Row(0)) sensor.Accept(At(50 * kMs, frame));
   EXPECT_EQ(Sent(sensor, 50 * kMs), Frames{"202#01"});
 }

@@ -13,7 +13,7 @@
 #include "io/can/id_claims.h"
 #include "tests/io/can_frames.h"
 
-// The drive's client against frames and states as CiA 301 and CiA 402 draw them.
+// The drive's client with frames and states from CiA 301 and CiA 402.
 
 namespace osteon::io {
 namespace {
@@ -24,7 +24,7 @@ using test::Frames;
 using test::kMs;
 using test::Sent;
 
-// The table of states as CiA 402 prints it: x is any bit.
+// The table of states as in CiA 402: x is any bit.
 struct StateRow {
   const char* bits;  // statusword bits 15 … 0
   DriveState state;
@@ -55,7 +55,7 @@ TEST(Cia402, EveryStatuswordIsTheStateOfTheTable) {
     ASSERT_EQ(StateOf(static_cast<std::uint16_t>(word)), FromTable(word)) << std::bitset<16>(word);
 }
 
-// Every statusword with every goal: what the controlword may be.
+// Every statusword with every goal: the allowed controlwords.
 TEST(Cia402, EveryStatuswordAndGoalGivesTheCommandOfTheTable) {
   for (unsigned word = 0; word < 65536; ++word) {
     const DriveState state = FromTable(word);
@@ -118,7 +118,7 @@ ReamerDrive Drive(const ReamerDriveParams& params = Params()) {
   return *drive;
 }
 
-// Answers whatever the client asks, as a drive that agrees; returns what was asked.
+// Answers every request like a drive that agrees; returns the requests.
 Frames Agree(ReamerDrive& drive, rt::Nanoseconds& now) {
   Frames asked;
   for (int i = 0; i < 400 && drive.phase() == DrivePhase::kStarting; ++i, now += kMs) {
@@ -148,10 +148,10 @@ TEST(ReamerDrive, ConfiguresWithExactlyTheseFrames) {
   rt::Nanoseconds now = 0;
   const Frames golden{
       "000#8010",              // pre-operational
-      "610#4000100000000000",  // 1000: what is it?
+      "610#4000100000000000",  // 1000: device type
       "610#4076600000000000",  // 6076: rated torque
       "610#2B17100032000000",  // 1017: heartbeat each 50 ms
-      "610#2316100196007F00",  // 1016: ours, node 127, 150 ms
+      "610#2316100196007F00",  // 1016: our heartbeat, node 127, 150 ms
       "610#2B07600001000000",  // 6007: a lost connection is a fault
       "610#2B5E600002000000",  // 605E: along the quick-stop ramp
       "610#2B5A600006000000",  // 605A: ramp, then stay
@@ -174,11 +174,11 @@ TEST(ReamerDrive, ConfiguresWithExactlyTheseFrames) {
   for (std::size_t i = 0; i < pdos.size(); ++i) EXPECT_EQ(asked[10 + i], pdos[i]) << i;
 }
 
-// A configured drive and its clock; statuses by hand.
+// A configured drive and its clock; statuses are made by hand.
 struct Running {
   explicit Running(const ReamerDriveParams& params = Params()) : drive(Drive(params)) { Agree(drive, now); }
 
-  // One cycle: the command that goes out, then the drive's status and heartbeat.
+  // One cycle: our command, then the drive's status and heartbeat.
   std::string Cycle(unsigned statusword, int rpm = 0, int permille = 0) {
     std::string command;
     now += 4 * kMs;
@@ -268,7 +268,7 @@ TEST(ReamerDrive, SilenceIsAFaultThatStopsAndStays) {
   const rt::Nanoseconds last = r.now;
   for (; r.now < last + 150 * kMs; r.now += kMs) {
     Sent(r.drive, r.now);
-    r.Status(0x237, 0, 0);  // status goes on, the heartbeat does not
+    r.Status(0x237, 0, 0);  // status continues, the heartbeat stops
   }
   EXPECT_EQ(r.drive.status().faults, 0u);
   r.now = last + 151 * kMs;

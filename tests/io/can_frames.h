@@ -11,12 +11,12 @@
 
 #include "io/can/can_pump.h"
 
-// Frames in the tests, as candump writes them: "064#0B00".
+// Frames in the tests, in candump's notation: "064#0B00".
 
 namespace osteon::io::test {
 
 inline constexpr rt::Nanoseconds kMs = rt::kMillisecond;
-inline constexpr rt::Nanoseconds kFrameTime = 130'000;  ///< that 8 bytes take on a bus of 1 Mbit/s
+inline constexpr rt::Nanoseconds kFrameTime = 130'000;  ///< of 8 bytes on a bus of 1 Mbit/s
 
 inline CanFrame Frame(const std::string& text) {
   const std::size_t hash = text.find('#');
@@ -30,7 +30,7 @@ inline CanArrival At(rt::Nanoseconds stamp, const std::string& text, bool after_
   return {.frame = Frame(text), .stamp = stamp, .after_gap = after_gap};
 }
 
-/// What the client wants to send now.
+/// Frames that the client sends now.
 inline std::vector<std::string> Sent(CanClient& client, rt::Nanoseconds now) {
   std::vector<std::string> frames;
   for (CanFrame frame; frames.size() < 100 && client.Next(now, frame);) frames.push_back(ToText(frame));
@@ -39,7 +39,7 @@ inline std::vector<std::string> Sent(CanClient& client, rt::Nanoseconds now) {
 
 using Frames = std::vector<std::string>;
 
-/// A sensor's client, whose parameters are right.
+/// A sensor's client with valid parameters.
 template <class Sensor, class Params>
 [[nodiscard]] Sensor Made(const Params& params) {
   auto sensor = Sensor::Make(params);

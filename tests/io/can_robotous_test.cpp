@@ -4,7 +4,7 @@
 
 #include "tests/io/can_frames.h"
 
-// The client's side against frames as the manual and the maker's sample draw them.
+// The client's side with frames from the manual and the maker's sample.
 
 namespace osteon::io {
 namespace {
@@ -23,7 +23,7 @@ void Answer(RobotousSensor& sensor, rt::Nanoseconds now, const std::string& firs
   sensor.Accept(At(now + kFrameTime, "002#" + second));
 }
 
-// Set up and measured; the next reading comes at the returned time.
+// Sets the sensor up and measures its rate; the next reading comes at the returned time.
 rt::Nanoseconds Ready(RobotousSensor& sensor) {
   rt::Nanoseconds now = 0;
   Sent(sensor, now);  // stop
@@ -109,12 +109,12 @@ TEST(RobotousSensor, AHalfNeverJoinsAnotherReading) {
   const auto second = [&](rt::Nanoseconds at, bool gap = false) {
     sensor.Accept(At(at, "002#0000000000000000", gap));
   };
-  // second half of one and first of the next lost: a whole period apart
+  // second half of one and first half of the next are lost: a whole period apart
   first(t);
   second(t + kMs + kFrameTime);
   // the second half alone
   second(t + 2 * kMs);
-  // first half twice: the newer one counts
+  // first half twice: the newer one is used
   first(t + 3 * kMs);
   first(t + 4 * kMs);
   EXPECT_EQ(sensor.counters().readings, before);
@@ -123,7 +123,7 @@ TEST(RobotousSensor, AHalfNeverJoinsAnotherReading) {
   EXPECT_EQ(sensor.Latest().stamp, t + 4 * kMs);
   // the second half twice
   second(t + 4 * kMs + 2 * kFrameTime);
-  // close together, but the transport knows that frames are missing in between
+  // close together, but the transport reports lost frames between them
   first(t + 5 * kMs);
   second(t + 5 * kMs + kFrameTime, true);
   EXPECT_EQ(sensor.counters().readings, before + 1);
@@ -159,7 +159,7 @@ TEST(RobotousSensor, AnEchoOfAnotherCommandIsNoReading) {
 
 TEST(RobotousSensor, OldReadingsDuringSetUpAnswerNothing) {
   auto sensor = Sensor();
-  Answer(sensor, 0, "0B00000000000000");  // before anything was sent
+  Answer(sensor, 0, "0B00000000000000");  // before anything was requested
   Sent(sensor, 0);
   Answer(sensor, kMs, "0B00000000000000");
   Sent(sensor, 20 * kMs);
@@ -186,7 +186,7 @@ TEST(RobotousSensor, RepeatsACommandAndThenSaysThatItIsSilent) {
   EXPECT_TRUE(sensor.failure().empty());
 }
 
-// Set-up with one answer exchanged for another.
+// Set-up with one answer replaced by another; returns the failure.
 std::string FailureAfter(const std::string& filter, const std::string& filter_back, const std::string& rate,
                          const std::string& rate_back) {
   auto sensor = Sensor();

@@ -21,7 +21,7 @@ CanFrame Frame(std::uint16_t id, std::initializer_list<std::uint8_t> data) {
   return frame;
 }
 
-// Golden: the layout as udp_can_codec.h draws it, byte for byte.
+// Golden bytes: the layout of udp_can_codec.h, byte for byte.
 const Bytes kGolden{0x4F, 0x43, 0x41, 0x4E, 0x01, 0x03, 0x07, 0xFE, 0xA1, 0xA2,
                     0xA3, 0xA4, 0x00, 0x00, 0x01, 0x02, 0xDE, 0xAD, 0xBE};
 const UdpCanMessage kGoldenMessage{
@@ -206,7 +206,7 @@ TEST(UdpCanBus, NobodyListeningIsAFrameUnsentNotAnEnd) {
   EXPECT_EQ(bus->Receive(arrival, rt::MonotonicNow() + rt::kMillisecond), CanResult::kEmpty);
 }
 
-// The system reports a frame that found nobody with the next one, which it then does not take.
+// The system reports an undelivered frame on the next send, which it then refuses.
 TEST(UdpCanBus, NobodyListeningIsCountedWithinABatchAsOneByOne) {
   const auto counted = [](bool batch) {
     auto peer = std::make_unique<Peer>();
@@ -238,7 +238,7 @@ TEST(UdpCanBus, ErrorsSayWhatIsWrong) {
   says({.bind_port = 0, .peer_port = 0}, "peer port: found 0");
 }
 
-// Echoes each frame with the next id once.
+// Echoes each frame once, with the next id.
 class Echo final : public CanClient {
  public:
   void Accept(const CanArrival& arrival) OSTEON_RT override {
@@ -280,7 +280,7 @@ TEST(CanPump, CarriesBothWaysAndDoesNotAllocate) {
   EXPECT_EQ(a->Drain(room), 1u) << "both clients answered";
 }
 
-// Sends frames numbered from 0, as many a call as there is room for; keeps what it hears.
+// Sends frames numbered from 0, as many in a call as there is room for; keeps the frames received.
 class Counter final : public CanClient {
  public:
   explicit Counter(std::uint16_t id) : id_(id) {}
@@ -324,7 +324,7 @@ TEST(CanPump, ManyFramesOfOneTickArriveAllAndInTheirOrder) {
 
 TEST(UdpCanBus, AFullQueueLosesNoFrameSilently) {
   const auto [a, b] = OpenPair();
-  // far more than a socket's queue holds, whatever this system's is: some find no room
+  // far more than the socket queue of any system holds: some frames find no room
   constexpr std::size_t kFrames = 100'000, kAtOnce = 50;
   std::vector<CanFrame> frames;
   for (std::size_t i = 0; i < kAtOnce; ++i) frames.push_back(Frame(0x123, {static_cast<std::uint8_t>(i)}));
@@ -334,7 +334,7 @@ TEST(UdpCanBus, AFullQueueLosesNoFrameSilently) {
   std::uint64_t got = 0;
   for (std::size_t count = 0; b->ReceiveAll(room, count) == CanResult::kOk;) got += count;
   ASSERT_LT(got, a->status().sent) << "the queue was never full: nothing was shown";
-  // what comes next tells the receiver how many there were
+  // the next frame tells the receiver how many there were
   ASSERT_EQ(a->Send(Frame(0x123, {255})), CanResult::kOk);
   CanArrival last;
   ASSERT_EQ(b->Receive(last, rt::MonotonicNow() + rt::kSecond), CanResult::kOk);

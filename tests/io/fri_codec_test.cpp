@@ -106,7 +106,7 @@ TEST(FriGolden, MonitoringMessagesOfEveryVersion) {
   }
 }
 
-// Which version an arm speaks, and that the others refuse it for that reason.
+// Detects which version an arm speaks; the other versions refuse it for that reason.
 TEST(FriVersion, IsToldFromAMessage) {
   for (const FriFamily arm : kFamilies) {
     const auto bytes = Datagram(arm, Monitoring(8, fri::MONITORING_READY, arm));
@@ -117,7 +117,7 @@ TEST(FriVersion, IsToldFromAMessage) {
   }
   EXPECT_FALSE(TellFamily({}));
   EXPECT_FALSE(TellFamily(Encoded(CommandMessage{}))) << "not a monitoring message";
-  fri::FRIMonitoringMessage idle;  // an idle arm need not say more than its state
+  fri::FRIMonitoringMessage idle;  // an idle arm need not report more than its state
   *idle.mutable_header() = Monitoring(1, fri::IDLE).header();
   *idle.mutable_connectioninfo() = Monitoring(1, fri::IDLE).connectioninfo();
   EXPECT_FALSE(TellFamily(Bytes(idle)));
@@ -307,7 +307,7 @@ TEST(FriMonitoring, RefusesPosesThatAreNone) {
   EXPECT_EQ(with(matrix, FriFamily::k1, std::string(64, 'n')), CodecError::kMalformed);
 }
 
-// A protobuf reader must take repeated scalars packed as well.
+// A protobuf reader must accept packed repeated scalars as well.
 TEST(FriMonitoring, AcceptsPackedJointValues) {
   std::string packed(1, '\x0a');
   packed += '\x38';  // 56 bytes
@@ -335,7 +335,7 @@ TEST(FriMonitoring, SkipsFieldsOfLaterVersions) {
   EXPECT_EQ(ErrorOf(bytes), CodecError::kNone);
 }
 
-// Hostile input: each change to a valid message has its reason.
+// Hostile input: each change to a valid message has its own reason of refusal.
 TEST(FriMonitoring, RefusesWithTheReason) {
   using Change = std::function<void(fri::FRIMonitoringMessage&)>;
   const auto with = [](const Change& change) {
@@ -396,7 +396,7 @@ TEST(FriMonitoring, RefusesEmptyTruncatedAndOversized) {
   auto bytes = Bytes(Monitoring(1, fri::COMMANDING_ACTIVE));
   for (std::size_t size = 0; size < bytes.size(); ++size)
     EXPECT_NE(ErrorOf({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)}), CodecError::kNone);
-  // unknown fields are legal protobuf, but not beyond the datagram's size
+  // unknown fields are legal in protobuf, but not beyond the datagram's size
   while (bytes.size() <= kFriMaxDatagram) bytes.insert(bytes.end(), {0x88, 0x01, 0x01});
   EXPECT_EQ(ErrorOf(bytes), CodecError::kTooLong);
 }

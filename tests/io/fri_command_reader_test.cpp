@@ -18,7 +18,7 @@ using test::golden::FromHex;
 
 constexpr std::array kFamilies{FriFamily::k1, FriFamily::k2_5, FriFamily::k2_7};
 
-// A datagram as the controller writes it.
+// A datagram written like the controller's.
 std::vector<std::uint8_t> Written(FriFamily family, const CommandMessage& message) {
   std::vector<std::uint8_t> bytes(kFriMaxDatagram);
   std::size_t size = 0;
@@ -81,7 +81,7 @@ TEST(FriCommandReader, ReadsWhatTheControllerWritesInEveryFamily) {
   }
 }
 
-// Two readers of one datagram must not see two commands: what could be read otherwise is refused.
+// Two readers of one datagram must not see two commands: an ambiguous datagram is refused.
 TEST(FriCommandReader, RefusesWhatAnArmMightReadOtherwise) {
   EXPECT_EQ(Read(Valid()), FriCommandError::kNone);
   auto twice = test::Bytes(Valid());
@@ -120,8 +120,8 @@ TEST(FriCommandReader, RefusesWhatAnArmMightReadOtherwise) {
   EXPECT_EQ(ReadCommand(FriFamily::k2_7, framed, command), FriCommandError::kChecksum);
 }
 
-// Damaged datagrams: whatever is taken, libprotobuf reads the same joints, wrench and counters out of it, or
-// takes none of it.
+// Damaged datagrams: if one is accepted, libprotobuf reads the same joints, wrench and counters from it, or
+// accepts none of it.
 TEST(FriCommandReader, WhatItTakesLibprotobufReadsTheSame) {
   google::protobuf::SetLogHandler(nullptr);
   std::mt19937 random(20261122);
@@ -154,7 +154,8 @@ TEST(FriCommandReader, WhatItTakesLibprotobufReadsTheSame) {
     ++taken;
     changed += bytes != whole;
     const auto oracle = test::Command(bytes);
-    if (!oracle) {  // broken in what the guard does not read, a frame or an output: no arm takes any of it
+    if (!oracle) {  // damaged in a part that the guard does not read, a frame or an output: no arm accepts
+                    // any of it
       ++refused;
       continue;
     }

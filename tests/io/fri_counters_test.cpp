@@ -4,7 +4,7 @@
 
 #include "tests/io/fri_session_fixture.h"
 
-// Which messages and answers were lost, doubled, overtaken or somebody else's.
+// Which messages and answers were lost, doubled, overtaken or foreign.
 
 namespace osteon::io {
 namespace {
@@ -21,7 +21,7 @@ TEST_F(FriSessionTest, CountsAnswersThatTheArmDidNotTake) {
     EXPECT_EQ(session_.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
     return Answer(Joints(0.0)).header().sequencecounter();
   };
-  EXPECT_EQ(take(10, 0), 1u);  // none of ours seen
+  EXPECT_EQ(take(10, 0), 1u);  // none of ours received
   EXPECT_EQ(take(11, 0), 2u);
   EXPECT_EQ(take(12, 2), 3u);  // 1 was lost
   EXPECT_EQ(state_.answers_lost, 1u);
@@ -67,7 +67,7 @@ TEST_F(FriSessionTest, CountsLossDuplicatesAndReordering) {
   EXPECT_EQ(Take(11), FriAccept::kDuplicate);
   EXPECT_EQ(Take(15), FriAccept::kAccepted);  // 12, 13, 14 missing
   EXPECT_EQ(state_.lost, 3u);
-  EXPECT_EQ(Take(13), FriAccept::kReordered);  // came after all
+  EXPECT_EQ(Take(13), FriAccept::kReordered);  // arrived after all
   EXPECT_EQ(Take(13), FriAccept::kDuplicate);
   EXPECT_EQ(Take(10), FriAccept::kDuplicate);
   EXPECT_EQ(state_.sequence, 15u) << "never goes back";

@@ -7,7 +7,7 @@
 
 #include "tests/io/fri_session_fixture.h"
 
-// What keeps the arm from being commanded, in words.
+// Text about what keeps the arm from being commanded.
 
 namespace osteon::io {
 namespace {
@@ -72,8 +72,8 @@ TEST_F(FriSessionTest, DiagnosisNamesWhatKeepsTheArmFromMoving) {
                        "Not all drives"));
 }
 
-// As a public log has it: MONITORING_WAIT, MONITORING_READY, and 83 ms later IDLE. The quality of an arm that
-// has ended its session says nothing of the network.
+// As in a public log: MONITORING_WAIT, MONITORING_READY, and 83 ms later IDLE. The quality of an arm that has
+// ended its session says nothing about the network.
 TEST_F(FriSessionTest, ASessionThatTheArmEndedIsNoPoorConnection) {
   ASSERT_EQ(Take(1, fri::MONITORING_WAIT), FriAccept::kAccepted);
   ASSERT_EQ(Take(2, fri::MONITORING_READY), FriAccept::kAccepted);
@@ -96,7 +96,7 @@ TEST_F(FriSessionTest, AnArmThatLeftCommandingIsSaidToHave) {
             "commanding.");
 }
 
-// A message with such a joint is no silence of the arm's: the loop sees the joint, and nothing else of it.
+// A message with such a joint does not count as silence: the loop sees the joint, and nothing else of it.
 TEST_F(FriSessionTest, AJointThatIsNotANumberReachesTheLoopAndIsNotAnswered) {
   ASSERT_EQ(Take(1, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
   (void)Answer(state_.q_ipo);
@@ -115,7 +115,7 @@ TEST_F(FriSessionTest, AJointThatIsNotANumberReachesTheLoopAndIsNotAnswered) {
   ASSERT_EQ(Take(3, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
   EXPECT_EQ(state_.lost, 1u);
 
-  // anything else that is not a number stays a refusal
+  // any other value that is not a number is still refused
   fri::FRIMonitoringMessage torque = Monitoring(4, fri::COMMANDING_ACTIVE);
   torque.mutable_monitordata()->mutable_measuredtorque()->set_value(2, std::nan(""));
   EXPECT_EQ(session_.Accept(Bytes(torque), 78'000, state_), FriAccept::kRejected);

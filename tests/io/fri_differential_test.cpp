@@ -7,9 +7,9 @@
 #include "tests/io/fri_oracle.h"
 #include "tests/io/fri_wire_tree.h"
 
-// Changed messages, read by the codec and by libprotobuf under the same rules: both must take or refuse the
-// same ones, for the same reason, and read the same values. fri_wide_oracle.h lists where libprotobuf is
-// looser by itself, and fri_expected.h the rules.
+// Changed messages, read by the codec and by libprotobuf under the same rules: both must accept or refuse the
+// same ones, for the same reason, and read the same values. fri_wide_oracle.h lists where libprotobuf alone
+// is looser, and fri_expected.h the rules.
 
 namespace osteon::io {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 constexpr unsigned kSeed = 20240901;
 constexpr std::array kFamilies{FriFamily::k1, FriFamily::k2_5, FriFamily::k2_7};
 
-// Everything that a version has, twice where it may come more than once.
+// Every field of a version, twice if it is repeated.
 fri::FRIMonitoringMessage Full(std::uint32_t sequence, fri::SessionState state, FriFamily family) {
   fri::FRIMonitoringMessage m = test::Monitoring(sequence, state, family);
   for (const char* name : {"Drill.On", "Pump.Flow"}) {
@@ -42,7 +42,7 @@ fri::FRIMonitoringMessage Full(std::uint32_t sequence, fri::SessionState state, 
   return m;
 }
 
-// Whether there may be a tag beyond 32 bits, or a varint beyond 64: libprotobuf cuts them off.
+// Whether there may be a tag beyond 32 bits, or a varint beyond 64, which libprotobuf truncates.
 bool MayHaveCutNumber(std::span<const std::uint8_t> bytes) {
   int high = 0;
   for (const std::uint8_t byte : bytes) {
@@ -64,7 +64,7 @@ class FriDifferential : public testing::Test {
       EXPECT_EQ(error, CodecError::kTooLong);
       return error;
     }
-    // refused for such a number alone: without it, as libprotobuf writes it, the message is one
+    // refused only for such a number: rewritten by libprotobuf without it, the message is valid
     if (error == CodecError::kMalformed && error != expected.error() && MayHaveCutNumber(inside)) {
       ++cut_numbers_;
       return DecodeAsRewritten(family, expected);
@@ -108,7 +108,7 @@ TEST_F(FriDifferential, ChangedFieldsAreReadAlike) {
     ++verdicts[Compare(family, test::WriteTree(*tree))];
   }
   EXPECT_LT(cut_numbers_, 100);
-  // each reason there is has been met, and so has none
+  // each reason has occurred, and so has success
   for (const CodecError error :
        {CodecError::kNone, CodecError::kMalformed, CodecError::kWrongId, CodecError::kMissingField,
         CodecError::kWrongCount, CodecError::kNotFinite, CodecError::kOutOfRange, CodecError::kOtherVersion})
@@ -135,7 +135,7 @@ TEST_F(FriDifferential, ChangedBytesAreReadAlike) {
   EXPECT_GT(accepted, 5'000) << "most doubles, names and stamps may change";
 }
 
-// What the wire format allows beyond what arms send, one rule a case.
+// Forms that the wire format allows beyond those of arms, one rule for each case.
 TEST_F(FriDifferential, EachRuleOfTheWireFormatIsKept) {
   using Bytes = std::vector<std::uint8_t>;
   const Bytes whole = test::Bytes(test::Monitoring(300, fri::MONITORING_READY));
@@ -151,7 +151,7 @@ TEST_F(FriDifferential, EachRuleOfTheWireFormatIsKept) {
     return m.sequence;
   };
 
-  // the last value counts, and a message that comes again adds to the one before
+  // the last value counts, and a repeated nested message is merged
   Bytes again = whole;
   again.insert(again.end(), {0x0a, 0x02, 0x10, 0x05});
   EXPECT_EQ(sequence_of(again), 5u);
@@ -162,7 +162,7 @@ TEST_F(FriDifferential, EachRuleOfTheWireFormatIsKept) {
       << "a header in two parts is one";
   EXPECT_EQ(Compare(FriFamily::k1, {0x0a, 0x04, 0x08, 0x01, 0x10, 0x02}), kMalformed) << "and in one is none";
 
-  // unknown fields of every type are passed over; groups are not
+  // unknown fields of every type are skipped; groups are errors
   EXPECT_EQ(with({0x80, 0x01, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x01}), kNone);
   EXPECT_EQ(with({0x81, 0x01, 1, 2, 3, 4, 5, 6, 7, 8}), kNone);
   EXPECT_EQ(with({0x82, 0x01, 0x02, 1, 2}), kNone);

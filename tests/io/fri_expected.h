@@ -10,11 +10,12 @@
 #include "io/fri/codec.h"
 #include "tests/io/fri_wide_oracle.h"
 
-// What a monitoring message says, by libprotobuf, and the codec's rules (codec.h) written down a second time.
+// Content of a monitoring message according to libprotobuf, and the codec's rules (codec.h) written a second
+// time.
 
 namespace osteon::io::test {
 
-/// The rules in their order: the first that is broken is what the codec answers.
+/// The rules in their order: the first broken one is the codec's answer.
 class Expected {
  public:
   Expected(FriFamily family, std::span<const std::uint8_t> inside, const WideOracle& oracle)
@@ -23,15 +24,15 @@ class Expected {
   }
 
   [[nodiscard]] CodecError error() const { return error_; }
-  /// The bytes that libprotobuf makes of what it read.
+  /// The bytes that libprotobuf writes for what it read.
   [[nodiscard]] std::vector<std::uint8_t> Rewritten() const {
     const std::string text = message_->SerializePartialAsString();
     return {text.begin(), text.end()};
   }
   [[nodiscard]] WirePart message() const { return WirePart(message_.get()); }
 
-  /// Whether the codec's message is what libprotobuf read, to the last bit but for poses, whose lengths are
-  /// scaled; empty where it is, else what is not.
+  /// Compares the codec's message with libprotobuf's, to the last bit except for poses, whose lengths are
+  /// scaled. Empty if they are equal, else the differing fields.
   [[nodiscard]] std::string Difference(const MonitoringMessage& m) const {
     const WirePart w = message(), header = w.Part("header"), connection = w.Part("connectionInfo"),
                    robot = w.Part("robotInfo"), monitor = w.Part("monitorData"), ipo = w.Part("ipoData");
@@ -145,7 +146,7 @@ class Expected {
                         : std::nullopt);
   }
 
-  // The rules. Each adds its reason where it is broken, and the first stays.
+  // The rules. Each adds its reason if it is broken, and the first one is kept.
 
   void Need(bool holds, CodecError reason) {
     if (!holds && first_ == CodecError::kNone) first_ = reason;

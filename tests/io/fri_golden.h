@@ -11,7 +11,7 @@
 
 namespace osteon::io::test::golden {
 
-/// Counter 8, reflected 8, nothing else: what 2.5 answers while monitoring (10 bytes)
+/// Counter 8, reflected 8, nothing else: the answer of 2.5 while monitoring (10 bytes)
 inline constexpr const char* kHeaderOnly = "0a080881800d10081808";
 
 /// With joint position (77 bytes)

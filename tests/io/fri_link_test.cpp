@@ -103,7 +103,7 @@ TEST(FriLink, KeepsToTheFirstPeer) {
   EXPECT_FALSE(arm.Answer().empty());
 }
 
-// Another address of the loopback stands for another machine.
+// Another address of the loopback represents another machine.
 TEST(FriLink, HearsNobodyButTheArmsAddress) {
   auto link = FriLink::Open({.arm_address = "127.0.0.2", .port = 0});
   ASSERT_TRUE(link) << link.error();
@@ -148,7 +148,7 @@ TEST(FriLink, TakesANewPeerAfterASecondOfSilence) {
 
 TEST(FriLink, ErrorsSayWhatIsWrong) { test::ExpectAddressErrors<FriLink, FriLinkParams>("FRI"); }
 
-// Each arm has a link of its own, as the arms have ports of their own.
+// Each arm has a link and a port of its own.
 TEST(FriLink, SeveralArmsOfDifferentVersionsDoNotDisturbEachOther) {
   struct Arm {
     FriVersion version;
@@ -192,12 +192,12 @@ TEST(FriLink, SaysThatTheArmSpeaksAnotherVersion) {
       << link->session().Diagnosis();
 }
 
-// Whether it rehearses or not, the arm gets the same answers and nothing else.
+// With or without rehearsal, the arm gets the same answers and nothing else.
 TEST(FriLink, ARehearsalChangesNothingAndTellsTheArmNothing) {
   const auto link = OpenAnywhere(), plain = OpenAnywhere();
   const Peer arm(link->port()), plain_arm(plain->port());
   ArmState state, plain_state;
-  link->Rehearse(ArmCommand{});  // before anything came
+  link->Rehearse(ArmCommand{});  // before any message
   for (std::uint32_t i = 1; i <= 50; ++i) {
     const auto session = i < 5 ? fri::COMMANDING_WAIT : fri::COMMANDING_ACTIVE;
     arm.Send(i, session);

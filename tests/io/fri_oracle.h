@@ -35,8 +35,8 @@ inline void PutPose(fri::Transformation* to) {
   for (const double element : {100.0, -200.0, 350.5, 0.5, 0.5, -0.5, 0.5}) to->add_element(element);
 }
 
-/// A monitoring message as an arm sends it: 1.x five joint vectors, 2.x four and its pose, 2.7 its external
-/// force too; time stamp, and the interpolator's position (and pose) while commanding.
+/// A monitoring message of an arm: 1.x five joint vectors, 2.x four and its pose, 2.7 also its external
+/// force; time stamp, and the interpolator's position (and pose) while commanding.
 inline fri::FRIMonitoringMessage Monitoring(std::uint32_t sequence, fri::SessionState state,
                                             FriFamily family = FriFamily::k1) {
   fri::FRIMonitoringMessage m;
@@ -107,13 +107,13 @@ inline std::vector<std::uint8_t> Datagram(FriFamily family, const google::protob
   return family == FriFamily::k2_7 ? Framed(Bytes(message)) : Bytes(message);
 }
 
-/// The message inside a datagram of that family, whose frame the codec's own tests look at.
+/// The message inside a datagram of that family; the codec's own tests check the frame.
 inline std::span<const std::uint8_t> Inside(FriFamily family, std::span<const std::uint8_t> datagram) {
   return family == FriFamily::k2_7 && datagram.size() >= 8 ? datagram.subspan(4, datagram.size() - 8)
                                                            : datagram;
 }
 
-/// A client's datagram as libprotobuf reads it; empty where it is none.
+/// A client's datagram as libprotobuf reads it; empty if it is none.
 inline std::optional<fri::FRICommandMessage> Command(std::span<const std::uint8_t> datagram,
                                                      FriFamily family = FriFamily::k1) {
   datagram = Inside(family, datagram);
@@ -123,7 +123,7 @@ inline std::optional<fri::FRICommandMessage> Command(std::span<const std::uint8_
   return m;
 }
 
-/// The first seven of the values; NaN where there are fewer.
+/// The first seven of the values; NaN if there are fewer.
 inline control::JointArray Values(const fri::JointValues& joints) {
   control::JointArray q;
   q.fill(std::numeric_limits<double>::quiet_NaN());
@@ -131,7 +131,7 @@ inline control::JointArray Values(const fri::JointValues& joints) {
   return q;
 }
 
-/// With an input or output and a transformation as well, so that mutations reach every part of the parser.
+/// Also with an input or output and a transformation, so that mutations reach every part of the parser.
 inline fri::FRIMonitoringMessage FullMonitoring(std::uint32_t sequence, fri::SessionState state,
                                                 FriFamily family) {
   fri::FRIMonitoringMessage m = Monitoring(sequence, state, family);

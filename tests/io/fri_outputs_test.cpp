@@ -5,7 +5,7 @@
 
 #include "tests/io/fri_session_fixture.h"
 
-// Outputs and frames that go along with the answers.
+// Outputs and frames that are sent with the answers.
 
 namespace osteon::io {
 namespace {
@@ -14,7 +14,7 @@ using test::Bytes;
 using test::Joints;
 using test::Monitoring;
 
-// What the robot program registered, no more: unknown names would end its session.
+// Only what the robot program registered: unknown names would end its session.
 class FriOutputsTest : public FriSessionTest {
  protected:
   fri::FRICommandMessage Cycle(std::uint32_t reflected) {
@@ -90,7 +90,7 @@ TEST_F(FriOutputsTest, FramesGoAlongWhereTheArmAsksForThem) {
   EXPECT_EQ(Cycle(0).commanddata().commandedtransformations_size(), 0);
 }
 
-// Ten outputs and five frames of the longest names do not fit 1500 bytes; the motion does.
+// Ten outputs and five frames with the longest names exceed 1500 bytes; the motion fits.
 TEST_F(FriSessionTest, WhatDoesNotFitBesideTheMotionIsLeftOut) {
   fri::FRIMonitoringMessage m = Monitoring(1, fri::COMMANDING_ACTIVE);
   const auto name = [](char kind, int i) { return std::string(62, kind) + static_cast<char>('0' + i); };

@@ -19,10 +19,10 @@ class Line {
  public:
   explicit Line(FriVersion version = FriVersion::k1_15) : family_(FamilyOf(version)) {
     safety::GuardParams params{.arm = kinematics::ChainFrom(kinematics::Iiwa14())};
-    params.max_tracking_error_m = 10.0;  // the arm of these messages measures where it never was
+    params.max_tracking_error_m = 10.0;  // the measured pose in these messages is arbitrary
     params.workspace.sphere_radius_m = 10.0;
     params.workspace.plane_offset_m = -10.0;
-    params.answer_age_s = params.silence_s = 3600.0;  // no test of how busy the machine is
+    params.answer_age_s = params.silence_s = 3600.0;  // so that no test depends on how busy the machine is
     monitor_.emplace(params);
     auto opened =
         FriRelay::Open({.arm_port = 0, .controller_port = controller.port(), .version = version}, *monitor_);
@@ -31,12 +31,12 @@ class Line {
     arm.Connect(relay_->port());
   }
 
-  /// The arm's message, and what the controller gets of it.
+  /// Sends the arm's message; returns what the controller receives.
   std::optional<Bytes> Message(std::uint32_t sequence, fri::SessionState state) {
     arm.Send(Datagram(family_, Monitoring(sequence, state, family_)));
     return Relayed(controller);
   }
-  /// The controller's answer, and what the arm gets of it.
+  /// Sends the controller's answer; returns what the arm receives.
   std::optional<Bytes> Answer(const Bytes& bytes) {
     controller.SendTo(relay_port_, bytes);
     return Relayed(arm);
@@ -49,7 +49,7 @@ class Line {
     test::PutJoints(first, m.mutable_commanddata()->mutable_jointposition());
     return Datagram(family_, m);
   }
-  /// From where the relay speaks to the controller.
+  /// Port from which the relay speaks to the controller.
   void Learn() {
     arm.Send(Datagram(family_, Monitoring(0, fri::MONITORING_READY, family_)));
     EXPECT_TRUE(relay_->Serve(0));

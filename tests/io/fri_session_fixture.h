@@ -15,7 +15,7 @@ class FriSessionTest : public ::testing::Test {
   FriAccept Take(std::uint32_t sequence, fri::SessionState state = fri::MONITORING_READY) {
     return session_.Accept(test::Bytes(test::Monitoring(sequence, state)), ++now_, state_);
   }
-  // The answer, by a loop that knows of the present activation, as the arm would read it.
+  // The answer of a loop that knows the present activation, as the arm reads it.
   fri::FRICommandMessage Answer(const control::JointArray& q) {
     const auto bytes = session_.Answer(control::ArmCommand{.q = q, .activation = state_.activation});
     fri::FRICommandMessage answer;

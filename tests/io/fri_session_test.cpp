@@ -5,7 +5,7 @@
 #include "tests/control/rt/checked_no_alloc_scope.h"
 #include "tests/io/fri_session_fixture.h"
 
-// What the client owes the arm, by state, version and mode, and when it hands over.
+// The client's duties by state, version and mode, and when it hands over.
 
 namespace osteon::io {
 namespace {
@@ -66,7 +66,7 @@ TEST_F(FriSessionTest, SendsTheHeaderAloneWhereThereIsNothingToMirror) {
   EXPECT_EQ(answer.header().reflectedsequencecounter(), 1u);
 }
 
-// While waiting its value is ignored and its presence checked: a zero one goes along each time.
+// While waiting its value is ignored and its presence checked: a zero one is sent each time.
 TEST_F(FriSessionTest, SendsTheLoopsWrenchOrTorqueWhereTheArmAsksForOne) {
   ArmCommand command{.q = Joints(0.3)};
   command.F.f = Vector3(1, 2, 3);
@@ -122,7 +122,7 @@ TEST_F(FriSessionTest, OrderOfTheWrenchsTorquesIsAsConfigured) {
     const auto& element = sent->commanddata().cartesianwrenchfeedforward().element();
     EXPECT_EQ(std::vector<double>(element.begin(), element.end()),
               xyz ? (std::vector<double>{10, 20, 30, 4, 5, 6}) : (std::vector<double>{10, 20, 30, 6, 5, 4}));
-    // the arm's own force, 1 … 6 on the wire, by the same order
+    // the arm's own force, 1 … 6 on the wire, in the same order
     ASSERT_TRUE(session.external_force());
     EXPECT_EQ(Vector3(session.external_force()->f), Vector3(1, 2, 3));
     EXPECT_EQ(Vector3(session.external_force()->t), xyz ? Vector3(4, 5, 6) : Vector3(6, 5, 4));
@@ -195,7 +195,7 @@ TEST_F(FriSessionTest, HoldsTheInterpolatorUntilACommandNamesTheActivation) {
   EXPECT_EQ(state_.activation, 2u);
   EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 2), Joints(0.31));
 
-  sequence += 63;  // 63 lost: it may have left and come back
+  sequence += 63;  // 63 lost: it may have left and returned
   EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 2), Joints(0.3));
   EXPECT_EQ(state_.activation, 3u);
   EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 3), Joints(0.31));
@@ -217,7 +217,7 @@ TEST_F(FriSessionTest, HoldsTheLastPositionWhereTheCommandIsNotFinite) {
   EXPECT_EQ(Position(Answer(bad)), Joints(0.4));
 }
 
-// What was sent to another arm, or to this one before it moved by itself, is nothing to hold.
+// A position sent to another arm, or to this one before it moved by itself, must not be held.
 TEST_F(FriSessionTest, ANewSessionHoldsNothingOfTheOneBefore) {
   control::JointArray bad{};
   bad.fill(std::numeric_limits<double>::quiet_NaN());

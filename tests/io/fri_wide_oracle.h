@@ -11,13 +11,13 @@
 #include <google/protobuf/descriptor.pb.h>
 #include <google/protobuf/dynamic_message.h>
 
-// libprotobuf's reading of a monitoring message's bytes, with nothing of what lay on the wire lost: fri.proto
-// with 64 bits in the place of its enums and 32 bits, and bytes in that of its strings. A second schema,
-// where each number and string may come more than once, shows the values that a later one replaced.
+// Reads a monitoring message's bytes by libprotobuf without loss: fri.proto with 64-bit fields instead of
+// enums and 32-bit ones, and bytes instead of strings. A second schema, in which each number and string is
+// repeated, shows the values that a later one replaced.
 
 namespace osteon::io::test {
 
-/// One message, as libprotobuf holds it. Absent where `message` is null: then nothing is in it.
+/// One message as libprotobuf holds it. If `message` is null the message is absent and empty.
 class WirePart {
  public:
   explicit WirePart(const google::protobuf::Message* message) : message_(message) {}
@@ -68,13 +68,15 @@ class WideOracle {
  public:
   WideOracle() : last_(Build(pool_, factory_, false)), all_(Build(all_pool_, all_factory_, true)) {}
 
-  /// Null where libprotobuf refuses the bytes, or where they break a rule that it does not have:
+  /// Null if libprotobuf refuses the bytes, or if they break a rule that libprotobuf does not have:
   ///
-  ///   - a known field of another wire type, a group: libprotobuf takes both for unknown fields
-  ///   - an integer or enum beyond 32 bits: it cuts them off
-  ///   - more repeated elements than the wire's fixed sizes, a name of more than 63 bytes: it knows neither
+  ///   - a known field of another wire type, a group: libprotobuf treats both as unknown fields
+  ///   - an integer or enum beyond 32 bits: libprotobuf truncates it
+  ///   - more repeated elements than the wire's fixed sizes, a name of more than 63 bytes: it has no such
+  ///   limits
   ///
-  /// A tag of more than 32 bits and a varint of more than 64, which it cuts off too, can't be seen here.
+  /// A tag of more than 32 bits and a varint of more than 64, which it truncates too, cannot be detected
+  /// here.
   [[nodiscard]] std::unique_ptr<google::protobuf::Message> Parse(std::span<const std::uint8_t> bytes) const {
     auto last = Parsed(*last_, bytes), all = Parsed(*all_, bytes);
     if (last == nullptr || !last->IsInitialized() || !Keeps(*last)) return nullptr;
@@ -133,7 +135,8 @@ class WideOracle {
     return type == FieldDescriptor::TYPE_UINT64;
   }
 
-  // @param all  of the schema where each value is kept; else of the other, where unknown fields tell
+  // @param all  for the schema that keeps each value; false: for the other one, whose unknown fields are
+  //   checked
   static bool Keeps(const Message& message, bool all = false) {
     const auto& refl = *message.GetReflection();
     const auto& unknown = refl.GetUnknownFields(message);

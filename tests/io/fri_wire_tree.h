@@ -7,16 +7,16 @@
 #include <span>
 #include <vector>
 
-// A protobuf message as a tree, read without a schema, so that a test may change it anywhere and write it
-// back with the right lengths: changes to the bytes alone hardly ever get past the first length.
+// A protobuf message as a tree, read without a schema, so that a test can change it anywhere and write it
+// back with correct lengths: changes to the bytes alone hardly ever get past the first length.
 
 namespace osteon::io::test {
 
 struct WireNode {
   std::uint32_t number{0};
   unsigned type{0};                 ///< wire type
-  std::vector<std::uint8_t> bytes;  ///< its value: after the tag, after the length
-  std::vector<WireNode> parts;      ///< instead of bytes, where those of type 2 are a message
+  std::vector<std::uint8_t> bytes;  ///< its value: after tag and length
+  std::vector<WireNode> parts;      ///< instead of bytes, if type 2 contains a message
 };
 
 inline void PutVarint(std::uint64_t value, std::vector<std::uint8_t>& to) {
@@ -35,7 +35,7 @@ inline std::vector<std::uint8_t> WriteTree(const std::vector<WireNode>& nodes) {
   return bytes;
 }
 
-/// Empty where it is none. Text may pass for a message by chance, which does no harm.
+/// Empty if it is not a message. Text may pass for a message by chance, which does no harm.
 inline std::optional<std::vector<WireNode>> ReadTree(std::span<const std::uint8_t> bytes) {
   std::size_t at = 0;
   const auto varint = [&]() -> std::optional<std::uint64_t> {
@@ -77,8 +77,8 @@ inline std::optional<std::vector<WireNode>> ReadTree(std::span<const std::uint8_
   return nodes;
 }
 
-/// Changes one place of a tree: a field comes twice, goes, moves, gets another type or number, a hostile
-/// value, or is cut in two; or an unknown one comes in.
+/// Changes one place of a tree: a field is doubled, removed, moved, gets another type or number, a hostile
+/// value, or is cut in two; or an unknown field is inserted.
 class TreeMutator {
  public:
   explicit TreeMutator(unsigned seed) : random_(seed) {}
@@ -127,7 +127,8 @@ class TreeMutator {
     std::vector<std::uint8_t> bytes;
     PutVarint(kValues[Below(std::size(kValues))], bytes);
     if (Below(4) != 0) return bytes;
-    for (std::size_t more = Below(10); more > 0; --more) {  // the same number in more bytes, ten or too many
+    for (std::size_t more = Below(10); more > 0; --more) {  // the same number in more bytes, up to ten or too
+                                                            // many
       bytes.back() |= 0x80;
       bytes.push_back(0);
     }
@@ -149,7 +150,7 @@ class TreeMutator {
     }
   }
 
-  // A message in two parts, to be merged; a number or bytes cut short.
+  // Splits a message into two parts that must be merged; truncates a number or bytes.
   void Halve(std::vector<WireNode>& nodes, std::size_t at) {
     WireNode& node = nodes[at];
     if (node.parts.empty()) {

@@ -9,7 +9,7 @@
 #include "control/ports.h"
 #include "tests/control/rt/checked_no_alloc_scope.h"
 
-// What is claimed of every arm's UDP link.
+// Claims that hold for every arm's UDP link.
 
 namespace osteon::io::test {
 
@@ -23,8 +23,8 @@ std::unique_ptr<Link> OpenAnywhere() {
   return std::move(*link);
 }
 
-/// A port that is taken and addresses that are none, or not this machine's, are refused in words.
-/// @param who  how the errors name the protocol
+/// A taken port and addresses that are invalid, or not this machine's, are refused with text.
+/// @param who  name of the protocol in the errors
 template <class Link, class Params>
 void ExpectAddressErrors(const std::string& who) {
   const auto expect = [](const Params& params, const std::string& text) {
@@ -35,11 +35,11 @@ void ExpectAddressErrors(const std::string& who) {
   const auto first = OpenAnywhere<Link>();
   expect({.port = first->port()}, who + ": UDP 127.0.0.1:" + std::to_string(first->port()) + " is taken");
   expect({.bind_address = "localhost", .port = 0}, "'localhost' is not an IPv4 address");
-  expect({.bind_address = "192.0.2.1", .port = 0},  // TEST-NET-1: nobody's
+  expect({.bind_address = "192.0.2.1", .port = 0},  // TEST-NET-1: unused
          "no network card with that address");
 }
 
-/// Takes the message that waits and answers it, without heap or lock.
+/// Takes the waiting message and answers it, without heap or lock.
 inline void ExpectNoAllocation(control::ArmLink& link) {
   control::ArmState state;
   rt::CheckedNoAllocScope no_alloc;

@@ -15,7 +15,7 @@
 
 #include <gtest/gtest.h>
 
-// The other side of what is under test, without any of our code.
+// The peer of the code under test, without any of our code.
 
 namespace osteon::io::test {
 
@@ -27,8 +27,8 @@ inline sockaddr_in Loopback(std::uint16_t port) {
   return address;
 }
 
-/// A plain UDP or TCP socket of 127.0.0.1, at a port that the system chooses. A descriptor that cannot be had
-/// throws; what the far side does not take fails the test.
+/// A plain UDP or TCP socket of 127.0.0.1, at a port that the system chooses. Throws if there is no
+/// descriptor; data that the far side does not accept fails the test.
 class LoopbackSocket {
  public:
   explicit LoopbackSocket(int type = SOCK_DGRAM) : socket_(socket(AF_INET, type, 0)) {
@@ -45,7 +45,7 @@ class LoopbackSocket {
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
 
-  /// From now on Send() goes there, and only what comes from there is received.
+  /// From now on Send() goes to this port, and only its datagrams are received.
   void Connect(std::uint16_t port) const {
     const sockaddr_in to = Loopback(port);
     EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
@@ -60,8 +60,8 @@ class LoopbackSocket {
         static_cast<ssize_t>(bytes.size()));
   }
 
-  /// What comes next, up to 3000 bytes; nothing where nothing came in time. TCP: empty where the far side has
-  /// closed. Loopback delivers within the sender's call, so what is not here without waiting was never sent.
+  /// The next data, up to 3000 bytes; nullopt if nothing came in time. TCP: empty if the far side has closed.
+  /// Loopback delivers within the sender's call, so data that is not here without waiting was never sent.
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> Receive(int wait_ms = 0) const {
     pollfd waiting{.fd = socket_, .events = POLLIN, .revents = 0};
     if (poll(&waiting, 1, wait_ms) != 1) return std::nullopt;
@@ -72,7 +72,7 @@ class LoopbackSocket {
     return bytes;
   }
 
-  /// Takes what comes next, without waiting. @returns the port that it came from; 0: nothing was there
+  /// Takes the next datagram, without waiting. @returns the port that it came from; 0: none was there
   [[nodiscard]] std::uint16_t ReceiveFrom() const {
     std::array<std::uint8_t, 3000> bytes;
     sockaddr_in from{};

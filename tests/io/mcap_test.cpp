@@ -85,8 +85,9 @@ TEST(McapWriter, NamesThePathOnAFullDisk) {
   EXPECT_EQ(size.error(), "/dev/full: cannot write the recording: No space left on device");
 }
 
-// Files of other writers, put together record by record as https://mcap.dev/spec says. The packed bytes are
-// those of the programs `zstd -3` 1.5.4 and `lz4 -9` 1.9.4 (with its content checksum) for MadeRecords().
+// Files of other writers, built record by record according to https://mcap.dev/spec. The compressed bytes are
+// the output of the programs `zstd -3` 1.5.4 and `lz4 -9` 1.9.4 (with its content checksum) for
+// MadeRecords().
 
 std::string Bytes(const std::string& hex) {
   std::string bytes;
@@ -101,7 +102,7 @@ std::string Record(mcap::Opcode opcode, const std::string& content) {
   return record;
 }
 
-/// A channel without a schema, and three messages of it, the last long.
+/// A channel without a schema, and three messages of it, the last one long.
 std::string MadeRecords() {
   std::string channel, records;
   mcap::AppendInt(channel, std::uint16_t{5});
@@ -192,7 +193,7 @@ TEST(McapReader, ReadsChunksThatOthersCompressedAndChannelsWithoutASchema) {
   std::string error;
   for (const auto& [name, bytes] :
        {std::pair<std::string, std::string>{"", records}, {"zstd", kZstd}, {"lz4", kLz4}})
-    for (const std::uint32_t sum : {crc, 0u}) {  // 0: not told
+    for (const std::uint32_t sum : {crc, 0u}) {  // 0: not given
       EXPECT_EQ(TextsOf(FileOf({{name, bytes, records.size(), sum}}), McapReader::OnDamage::kRefuse, error),
                 kTexts)
           << name;

@@ -15,7 +15,7 @@
 
 #include "tests/control/rt/checked_no_alloc_scope.h"
 
-// The client against libmodbus' own server, and against servers that misbehave.
+// The client with libmodbus' own server, and with servers that misbehave.
 
 namespace osteon::io {
 namespace {
@@ -23,7 +23,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 // A TCP server of one connection at a time on the loopback; `serve` gets each accepted socket that has bytes,
-// and says whether it stays open.
+// and returns whether it stays open.
 class Listener {
  public:
   explicit Listener(std::function<bool(int)> serve) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
@@ -71,7 +71,7 @@ class Listener {
   std::thread thread_;
 };
 
-// libmodbus' own server side over registers of ours.
+// libmodbus' own server side with our registers.
 class LibmodbusServer {
  public:
   LibmodbusServer()
@@ -102,7 +102,7 @@ class LibmodbusServer {
   // Before the first Serve only.
   void Set(int address, std::uint16_t value) { mapping_->tab_registers[address - 970] = value; }
 
-  std::atomic<std::uint32_t> heartbeats{0};  // controller's in the upper half, guard's in the lower
+  std::atomic<std::uint32_t> heartbeats{0};  // the controller's in the upper half, the guard's in the lower
   std::atomic<int> motion{0}, guard_permits{0};
 
  private:
@@ -114,7 +114,7 @@ PlcClientParams Quick(std::uint16_t port) {
   return {.port = port, .response_timeout_ms = 200, .first_pause_ms = 5, .longest_pause_ms = 20};
 }
 
-// Until it holds; false after a long time.
+// Waits until `holds` is true; false after a long time.
 bool Until(PlcClient& client, const std::function<bool(const PlcReading&)>& holds) {
   for (int i = 0; i < 20'000; ++i) {
     if (holds(client.Latest())) return true;
@@ -197,7 +197,7 @@ TEST(PlcClient, NobodyThereIsSaid) {
       << text;
 }
 
-// Servers that misbehave, each after its own fashion. None is ever taken for a connection.
+// Servers that misbehave in different ways. None ever counts as a connection.
 TEST(PlcClient, MisbehaviourIsNeverAReading) {
   const auto answer = [](int socket, const Bytes& bytes) {
     std::array<std::uint8_t, 300> request;
@@ -245,7 +245,7 @@ TEST(PlcClient, MisbehaviourIsNeverAReading) {
     EXPECT_EQ(client.Latest().stamp, 0);
     EXPECT_EQ(client.Latest().counters.writes, 0u);
   }
-  // the table's own sanity: unchanged, it is a reading
+  // check of the table itself: the unchanged answer is a reading
   const Listener listener([&](int socket) { return answer(socket, good); });
   PlcClient client(Quick(listener.port()));
   EXPECT_TRUE(Until(client, [](const PlcReading& r) { return r.inputs.run_permitted; }));

@@ -6,7 +6,7 @@
 #include "io/recording/messages.h"
 #include "tests/io/recording_samples.h"
 
-// What a record holds comes back from its bytes, each field of it.
+// Each field of a record is restored from its bytes.
 
 namespace osteon::io {
 namespace {
@@ -15,7 +15,7 @@ using test::Encoded;
 using test::SomeFrame;
 using test::SomeTick;
 
-// Equal bytes of an encoding can not show a field that it forgets: each is read back by hand.
+// Equal encoded bytes cannot show a field that the encoder forgets: each is read back by hand.
 TEST(RecordingFields, CarriesEveryFieldOfATick) {
   const control::TickRecord sent = SomeTick(7);
   control::TickRecord r;
@@ -143,7 +143,7 @@ TEST(RecordingFields, CarriesAContactCountThatIsNoCount) {
   }
 }
 
-// Field 20 laid behind a frame of three contacts: the last one of a field counts.
+// Field 20 appended to a frame of three contacts: the last occurrence of a field counts.
 TEST(RecordingFields, RefusesAContactCountBesideOtherContacts) {
   for (const unsigned char count : {'\x02', '\x08', '\x14', '\x01'}) {  // sint32: 1, 4, 10, -1
     simulation::FrameRecord r;
@@ -214,7 +214,7 @@ TEST(RecordingFields, KeepsNegativeZeroAndNaN) {
   EXPECT_EQ(r.q_cmd[3], sent.q_cmd[3]);
 }
 
-// Fields are written in their order: 20, its tag in two bytes and the double, before 21, the inputs.
+// Fields are written in order: 20, its tag in two bytes and the double, before 21, the inputs.
 TEST(RecordingFields, ATickFromBeforeTheArmsShareAndTheInputsWereRecordedReadsAsNone) {
   const std::string now = Encoded(SomeTick(2));
   const std::size_t share = now.rfind("\xA1\x01");

@@ -16,7 +16,7 @@
 #include "tests/io/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
-// What a recording loses when its process is killed, when the disk is full, and when its file vanishes.
+// Losses of a recording when its process is killed, when the disk is full, and when its file vanishes.
 
 namespace osteon::io {
 namespace {
@@ -28,13 +28,13 @@ using test::TemporaryFolder;
 
 constexpr unsigned kSeed = 20261122;
 
-// What the child tells, in memory that outlives it.
+// The child's progress, in memory that outlives it.
 struct Shared {
   std::atomic<std::uint64_t> pushed{0};
   std::atomic<rt::Nanoseconds> last_stamp{0};
 };
 
-// A process of its own, for as long as the object lives.
+// A child process that lives as long as the object.
 class Child {
  public:
   Child(Shared& shared, const std::function<void(Shared&)>& work) : pid_(fork()) {
@@ -51,7 +51,7 @@ class Child {
     waitpid(pid_, &status_, 0);
     pid_ = -1;
   }
-  /// Its exit code.
+  /// Waits, and returns its exit code.
   int Wait() {
     waitpid(pid_, &status_, 0);
     pid_ = -1;
@@ -77,7 +77,7 @@ class RecordingLoss : public testing::Test {
   Shared* shared_;
 };
 
-// Ticks at 1 kHz and a frame beside every second one, until somebody ends it.
+// Records ticks at 1 kHz and a frame beside every second one, until the process is ended.
 void RecordForEver(const std::filesystem::path& path, Shared& shared) {
   auto recorder = Recorder::Open({.path = path}, SomeSession());
   if (!recorder) _exit(3);
@@ -121,7 +121,7 @@ TEST_F(RecordingLoss, AKilledProcessLosesAtMostOneSecond) {
     EXPECT_LE(rt::ToSeconds(last - kept), 1.0) << "killed after tick " << pushed;
     for (std::uint64_t i = 0; i < torn->ticks.size(); ++i) ASSERT_EQ(torn->ticks[i].tick, i);
 
-    // made whole
+    // recover it
     const auto whole_path = folder_.path() / "whole.mcap";
     const auto recovery = RecoverRecording(path_, whole_path);
     ASSERT_TRUE(recovery) << recovery.error();
@@ -137,7 +137,7 @@ TEST_F(RecordingLoss, AKilledProcessLosesAtMostOneSecond) {
   }
 }
 
-// Where nothing comes in any more, what is there still reaches the file: by the writer's clock.
+// If nothing new comes in, waiting data still reaches the file by the writer's clock.
 TEST_F(RecordingLoss, WhatWasPushedBeforeASilenceIsKept) {
   Child child(*shared_, [&](Shared& shared) {
     auto recorder = Recorder::Open({.path = path_}, SomeSession());
@@ -154,7 +154,7 @@ TEST_F(RecordingLoss, WhatWasPushedBeforeASilenceIsKept) {
   EXPECT_EQ(found, 3u);
 }
 
-// A limit on the file's size stands in for a full disk: the system refuses the write in the same place.
+// A limit on the file's size replaces a full disk: the system refuses the write at the same place.
 TEST_F(RecordingLoss, AFullDiskIsAnErrorAndNotTheTicksConcern) {
   constexpr std::uint64_t kTicks = 1000;
   Child child(*shared_, [&](Shared& shared) {
@@ -165,7 +165,7 @@ TEST_F(RecordingLoss, AFullDiskIsAnErrorAndNotTheTicksConcern) {
         Recorder::Open({.path = path_, .tick_capacity = 64, .writer_thread = false}, SomeSession());
     if (!recorder) _exit(4);
     for (std::uint64_t i = 0; i < kTicks; ++i) {
-      if (!(*recorder)->Push(SomeTick(i))) _exit(5);  // the ring is emptied, disk or not
+      if (!(*recorder)->Push(SomeTick(i))) _exit(5);  // the ring is emptied in any case
       (*recorder)->Drain();
       shared.pushed.store(i + 1);
     }
@@ -216,7 +216,7 @@ TEST_F(RecordingLoss, AFileThatWasRemovedIsReportedWhileItIsRecorded) {
   EXPECT_NE(error.find("removed or replaced"), std::string::npos) << error;
 }
 
-// By log time: a chunk holds no more than a quarter of a second, however few messages there are.
+// By log time: a chunk spans at most a quarter of a second, however few messages there are.
 TEST_F(RecordingLoss, SlowMessagesDoNotWaitForAFullChunk) {
   auto recorder = Recorder::Open({.path = path_, .writer_thread = false}, SomeSession());
   ASSERT_TRUE(recorder) << recorder.error();

@@ -8,7 +8,7 @@
 #include "tests/io/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
-// Torn and damaged recordings, and what RecoverRecording makes of them.
+// Torn and damaged recordings, and what RecoverRecording recovers.
 
 namespace osteon::io {
 namespace {
@@ -26,7 +26,7 @@ std::uint64_t IntAt(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-// Where the file's chunks are: offset and size of each record.
+// Positions of the file's chunks: offset and size of each record.
 std::vector<std::pair<std::size_t, std::size_t>> Chunks(const std::string& bytes) {
   std::vector<std::pair<std::size_t, std::size_t>> chunks;
   for (std::size_t at = 8; at + 9 <= bytes.size();) {
@@ -55,7 +55,7 @@ class RecoverRecordingTest : public testing::Test {
     std::filesystem::remove(out_);
   }
 
-  /// Recovers these bytes, and expects a whole file of what it says that it kept.
+  /// Recovers these bytes, and expects a whole file with the reported content.
   Recovery Recover(const std::string& bytes) {
     WriteAll(torn_, bytes);
     std::filesystem::remove(out_);
@@ -81,12 +81,12 @@ class RecoverRecordingTest : public testing::Test {
     return *recovery;
   }
 
-  /// The last tick that was kept.
+  /// The last tick kept.
   [[nodiscard]] std::uint64_t LastTick() const { return kept_.ticks.empty() ? 0 : kept_.ticks.back().tick; }
 
   test::TemporaryFolder folder_;
   std::filesystem::path torn_{folder_.path() / "torn.mcap"}, out_{folder_.path() / "whole.mcap"};
-  std::string whole_;       // not compressed, in many chunks: a message's bytes can be found in it
+  std::string whole_;       // uncompressed, in many chunks: a message's bytes can be found in it
   std::string compressed_;  // as it was recorded
   Recording kept_;
 };
@@ -100,7 +100,7 @@ TEST_F(RecoverRecordingTest, AWholeOneIsLeftAlone) {
 
 TEST_F(RecoverRecordingTest, WithoutItsEndLosesNothing) {
   const auto chunks = Chunks(whole_);
-  // all chunks and their indexes, cut where the end of data begins
+  // all chunks and their indexes, cut at the end of the data
   std::size_t end = chunks.back().first + chunks.back().second;
   while (whole_[end] == 7) end += 9 + IntAt(whole_, end + 1);
   const Recovery recovery = Recover(whole_.substr(0, end));
@@ -112,8 +112,8 @@ TEST_F(RecoverRecordingTest, WithoutItsEndLosesNothing) {
   EXPECT_EQ(McapReader::Open(out_)->library(), "osteon 0.1.0") << "what recorded it";
 }
 
-// Whatever the byte where a file ends: all messages before it are kept, the complete ones of the last chunk
-// too.
+// For any length of the file: all messages before its end are kept, including the complete ones of the last
+// chunk.
 TEST_F(RecoverRecordingTest, KeepsEveryCompleteMessage) {
   const auto chunks = Chunks(whole_);
   ASSERT_GT(chunks.size(), 4u);
@@ -135,13 +135,13 @@ TEST_F(RecoverRecordingTest, KeepsEveryCompleteMessage) {
     ASSERT_TRUE(read) << read.error();
     EXPECT_EQ(read->ticks.size(), recovery.ticks) << "a reader sees as much as is recovered";
   }
-  // cut in the middle of a chunk of many messages, nearly half of them are there
+  // cut in the middle of a chunk of many messages, nearly half of them remain
   const Recovery recovery = Recover(whole_.substr(0, start + size / 2));
   EXPECT_GT(recovery.unchecked, 10u);
 }
 
-// Of a compressed chunk that is cut off what can be unpacked is kept: all but the block (128 KiB of records)
-// that is not whole, and nothing else is lost.
+// In a truncated compressed chunk, everything that can be unpacked is kept: all but the incomplete block (128
+// KiB of records), and nothing else is lost.
 TEST_F(RecoverRecordingTest, KeepsTheWholeBlocksOfACompressedChunkThatIsCutOff) {
   const auto chunks = Chunks(compressed_);
   ASSERT_GE(chunks.size(), 3u);  // the session, up to the event at tick 250, the rest
@@ -206,7 +206,7 @@ TEST_F(RecoverRecordingTest, PassesOverADamagedChunkAndSaysWhere) {
 
 TEST_F(RecoverRecordingTest, FindsTheNextChunkBehindALengthThatWasDamaged) {
   const auto chunks = Chunks(whole_);
-  for (const unsigned byte : {1u, 4u, 8u}) {  // a little, beyond the file's end, beyond all sense
+  for (const unsigned byte : {1u, 4u, 8u}) {  // slightly wrong, beyond the file's end, absurd
     std::string bytes = whole_;
     bytes[chunks[2].first + byte] = static_cast<char>(bytes[chunks[2].first + byte] ^ 0x41);
     const Recovery recovery = Recover(bytes);
@@ -217,7 +217,7 @@ TEST_F(RecoverRecordingTest, FindsTheNextChunkBehindALengthThatWasDamaged) {
   }
 }
 
-// The first chunk of ticks brings their schema; a whole file says it again at its end.
+// The first chunk of ticks contains their schema; a whole file repeats it at its end.
 TEST_F(RecoverRecordingTest, LosesNoMoreThanTheChunkThatBroughtTheSchema) {
   const auto chunks = Chunks(whole_);
   std::string bytes = whole_;
@@ -227,8 +227,8 @@ TEST_F(RecoverRecordingTest, LosesNoMoreThanTheChunkThatBroughtTheSchema) {
   EXPECT_EQ(LastTick(), kTicks - 1);
 }
 
-// What recovers also knows the channels that the summary repeats; what reads does not wait for them. Found by
-// libFuzzer (tests/fuzz/targets/recording.cpp): "nothing to recover", of a file that could not be read.
+// Recovery also uses the channels that the summary repeats; the reader does not wait for them. Found by
+// libFuzzer (tests/fuzz/targets/recording.cpp): "nothing to recover", for a file that could not be read.
 TEST_F(RecoverRecordingTest, WhatCanNotBeReadIsNotCalledWhole) {
   std::string bytes = whole_;
   const std::size_t chunk = Chunks(bytes).front().first;
@@ -237,7 +237,7 @@ TEST_F(RecoverRecordingTest, WhatCanNotBeReadIsNotCalledWhole) {
     if (bytes[at] == 0x0f) bytes.replace(at + 9, 4, 4, '\0');
   bool changed = false;
   for (std::size_t at = chunk + 9 + 40; !changed; at += 9 + IntAt(bytes, at + 1))
-    if (bytes[at] == 4) {  // the first channel has another number, and its messages have none
+    if (bytes[at] == 4) {  // the first channel gets another number, and its messages have no channel
       bytes[at + 9] = 77;
       changed = true;
     }
@@ -269,7 +269,7 @@ TEST_F(RecoverRecordingTest, AChannelsNumberThatIsGivenAgainIsAnotherChannel) {
   EXPECT_EQ(LastTick(), kTicks - 1);
 }
 
-// A power cut may leave room that was never written.
+// A power cut may leave space that was never written.
 TEST_F(RecoverRecordingTest, ZerosAtTheEndAreATornEnd) {
   const auto chunks = Chunks(whole_);
   const std::string bytes = whole_.substr(0, chunks[3].first) + std::string(5000, '\0');

@@ -201,7 +201,7 @@ inline SessionInfo SomeSession() {
           .machine = "a processor"};
 }
 
-/// A record's bytes. Equal ones have equal fields.
+/// A record's bytes. Equal bytes mean equal fields.
 template <class Record>
 std::string Encoded(const Record& record) {
   std::string bytes;
@@ -209,8 +209,8 @@ std::string Encoded(const Record& record) {
   return bytes;
 }
 
-/// The messages of a whole recording in chunks that are not compressed, 64 KiB each: for tests that change a
-/// message's bytes in the file, and as recordings were before they were compressed.
+/// Writes the messages of a whole recording in uncompressed chunks of 64 KiB: for tests that change a
+/// message's bytes in the file, and like recordings from before compression.
 inline void WriteUncompressed(const std::filesystem::path& from, const std::filesystem::path& to) {
   auto reader = McapReader::Open(from);
   auto writer =

@@ -95,7 +95,7 @@ TEST(Recording, TwoEqualRunsGiveEqualBytes) {
   EXPECT_TRUE(first == second);
 }
 
-// As recordings were before they were compressed; and a fifth of it is saved at least, of values that are all
+// Like recordings from before compression. Compression saves at least a fifth, even for values that are all
 // different.
 TEST(Recording, IsCompressedAndComesBackFromWhatIsNot) {
   const TemporaryFolder folder;
@@ -183,14 +183,14 @@ TEST(Recording, CountsWhatTheDiskWasTooSlowFor) {
   EXPECT_EQ((*recorder)->Close()->dropped_ticks, 6u) << "closing again gives the same answer";
 }
 
-// The loop hears of a writer that stands still while there is room for a stop that is recorded to its end.
+// The loop is told of a stalled writer while there is still room to record a stop to its end.
 TEST(Recording, IsStalledWhileTooManyTicksWaitForItsWriter) {
   const TemporaryFolder folder;
   const RecorderParams params{.path = folder.path() / "stalled.mcap", .writer_thread = false};
   auto recorder = Recorder::Open(params, SomeSession());
   ASSERT_TRUE(recorder) << recorder.error();
   std::uint64_t tick = 0;
-  // so often that the ring has gone round
+  // often enough that the ring wraps around
   for (int time = 0; time < 6; ++time) {
     for (std::size_t i = 0; i < params.stalled_ticks; ++i) {
       ASSERT_FALSE((*recorder)->Stalled()) << i;
@@ -245,7 +245,7 @@ TEST(Recording, ATornFileGivesWhatCameBefore) {
   EXPECT_EQ(nearly->ticks.size(), kTicks);
 }
 
-// As another program would find the file now, were this one killed.
+// The file as another program would find it if this one were killed now.
 TEST(Recording, AProcessThatDiedLeavesWhatWasDrained) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "live.mcap";
@@ -330,7 +330,7 @@ TEST(Recording, ErrorsNameByteAndReason) {
   bad[8 + 1 + 7] = '\x7f';  // top byte of the header's length
   EXPECT_EQ(error_of(bad).find(": byte 8: record of 9151314442816847"), 0u) << error_of(bad);
 
-  // one bit of one double: still a message, no longer what was recorded
+  // one bit of one double: still a valid message, but not the recorded one
   WriteUncompressed(folder.path() / "whole.mcap", path);
   bad = ReadAll(path);
   std::string double_bytes(sizeof(double), '\0');

@@ -61,7 +61,7 @@ TEST(RsiCodec, ReadsTheShortLayoutAndSaysWhatIsNotThere) {
   EXPECT_FALSE(m.axes_set || m.pose_set || m.motor_currents);
 }
 
-// The bytes as the controllers' examples have them.
+// The bytes of the controllers' examples.
 TEST(RsiCodec, WritesByteForByte) {
   RsiAnswer answer{.correction = {1.5, -0.25, 0.0, -1e-7, 90.0, 0.12345}, .ipoc = 4208163634};
   EXPECT_EQ(Encode(answer, 4),
@@ -125,12 +125,12 @@ TEST(RsiCodec, TakesXmlAsItIsAllowedToBe) {
            // attributes in another order, single quotes, white space, TYPE, a sign
            "\r\n <Rob TYPE='KUKA' >\n <AIPos A6=' 6 ' A5=\"5\" A4 = '4' A3='3.0e0'\tA2='+2' A1='1' />\n"
            "<IPOC> 42 </IPOC > </Rob >\n"sv,
-           // elements in another order, and some that nobody here knows
+           // elements in another order, and unknown ones
            "<?xml version=\"1.0\"?><!-- a > b --><Rob><Tech C11='1' A1='x'><AIPos A1='9'/>text</Tech><IPOC>42"
            "</IPOC><Digout o1=\"0\"/><ST_Source>44.0 &lt; 45</ST_Source><AIPos A1='1' A2='2' A3='3' A4='4' "
            "A5='5' "
            "A6='6' A7='8' B='&amp;'></AIPos><!----></Rob>"sv,
-           // a NUL behind it, as C programs send
+           // followed by a NUL, as C programs send it
            "<Rob Type=\"KUKA\"><AIPos A1='1' A2='2' A3='3' A4='4' A5='5' A6='6'/><IPOC>42</IPOC></Rob>\0\0"sv,
        }) {
     m = {};
@@ -203,7 +203,7 @@ TEST(RsiCodec, RefusesWhatIsCutOffAnywhere) {
     }
 }
 
-// C++'s global locale always, for streams; C's, for strtod and printf, where the system has one with a comma.
+// C++'s global locale always, for streams; C's, for strtod and printf, if the system has one with a comma.
 TEST(RsiCodec, NumbersDoNotFollowTheLocale) {
   struct Comma : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }

@@ -68,7 +68,7 @@ TEST(RsiLink, KeepsToTheFirstPeer) {
   const Controller kr(link->port()), stranger(link->port());
   ArmState state;
   stranger.Send("noise");  // does not make a peer
-  stranger.Send(120, 50);  // nor does RSI that ran without us; its numbers are forgotten
+  stranger.Send(120, 50);  // nor does an RSI that ran without us; its numbers are forgotten
   kr.Send(100);
   ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
   EXPECT_EQ(state.sequence, 100u);

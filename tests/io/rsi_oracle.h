@@ -10,11 +10,11 @@
 
 #include "tests/io/xml_tree.h"
 
-// Samples of RSI's XML, and expat as a second reader of what is read and written.
+// Samples of RSI's XML, and expat as a second reader of what our code reads and writes.
 
 namespace osteon::io::test {
 
-/// As a KR C4 sends it with every internal element configured.
+/// The message of a KR C4 with every internal element configured.
 inline const std::string kFullRobot =
     R"(<Rob Type="KUKA"><RIst X="1180.5" Y="-20.25" Z="1290.125" A="-180.0" B="0.5" C="179.75"/>)"
     R"(<RSol X="1180.0" Y="-20.0" Z="1290.0" A="-180.0" B="0.0" C="180.0"/>)"
@@ -34,10 +34,10 @@ inline const std::string kShortRobot =
 inline std::vector<std::uint8_t> Bytes(std::string_view text) { return {text.begin(), text.end()}; }
 inline std::string Text(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
 
-/// "element/attribute" → value, "element" → text; of the root's children, and of the root itself.
+/// "element/attribute" → value, "element" → text; for the root and its children.
 using XmlValues = std::map<std::string, std::string>;
 
-/// What expat makes of it; nothing where it is not well-formed.
+/// The message as expat reads it; empty if it is not well-formed.
 inline std::optional<XmlValues> ReadByExpat(std::string_view text) {
   XmlNode root;
   try {

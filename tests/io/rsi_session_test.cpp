@@ -27,7 +27,7 @@ std::string Robot(std::uint64_t ipoc, std::uint32_t delay = 0) {
 
 class RsiSessionTest : public ::testing::Test {
  protected:
-  // The loop may begin anywhere, unless a test is about that.
+  // The loop may begin anywhere, except in tests about the entry step.
   void Open(RsiSessionParams params, double entry_step_deg = 180.0) {
     params.entry_step_deg = entry_step_deg;
     session_.emplace(params);
@@ -36,7 +36,7 @@ class RsiSessionTest : public ::testing::Test {
     now_ += 4 * rt::kMillisecond;
     return session_->Accept(test::Bytes(Robot(ipoc, delay)), now_, state_);
   }
-  // A1 of the answer, by expat; NaN where there is none.
+  // A1 of the answer, read by expat; NaN if there is none.
   double Answer(double a1_deg) {
     ArmCommand command{{a1_deg * kDegree, -80 * kDegree, 70 * kDegree, 0, 50 * kDegree, -5 * kDegree, 9.9}};
     command.activation = activation_.value_or(state_.activation);
@@ -47,7 +47,7 @@ class RsiSessionTest : public ::testing::Test {
     EXPECT_TRUE(read) << text_;
     return read ? std::stod(read->at("AK/A1")) : std::nan("");
   }
-  // Through the messages that settle; the next IPOC is then first + settle * step.
+  // Passes the settling messages; the next IPOC is then first + settle * step.
   std::uint64_t Settle(std::uint64_t ipoc, int messages, int step = 4) {
     for (int i = 0; i < messages; ++i, ipoc += static_cast<std::uint64_t>(step)) {
       EXPECT_EQ(Take(ipoc), RsiAccept::kAccepted);
@@ -60,7 +60,7 @@ class RsiSessionTest : public ::testing::Test {
   ArmState state_;
   rt::Nanoseconds now_{rt::kSecond};
   std::string text_;
-  std::optional<std::uint32_t> activation_;  // that the loop believes in, where it is not the state's
+  std::optional<std::uint32_t> activation_;  // the loop's activation, if it differs from the state's
 };
 
 TEST_F(RsiSessionTest, StateIsTheMessage) {
@@ -75,7 +75,8 @@ TEST_F(RsiSessionTest, StateIsTheMessage) {
   EXPECT_EQ(state_.q_meas[6], 0.0);
 }
 
-// RSI's messages do not say their period: it is timed, and another one than configured is told as it is.
+// RSI's messages do not state their period: it is measured, and a deviation from the configured one is
+// reported.
 TEST_F(RsiSessionTest, APeriodThatIsNotTheConfiguredOneIsToldAsItComes) {
   struct Case {
     int configured_ms, comes_ms;
@@ -119,7 +120,7 @@ TEST_F(RsiSessionTest, RelativeCorrectionsAddUpWithoutRounding) {
   std::uint64_t ipoc = Settle(1000, 2);
   double sum = 0.0, wanted = 10.0;
   for (int i = 0; i < 3000; ++i, ipoc += 4) {
-    wanted += 1.0 / 30000.0;  // a third of the last decimal: rounded alone, it would never move
+    wanted += 1.0 / 30000.0;  // a third of the last decimal: rounded on its own, it would never move
     ASSERT_EQ(Take(ipoc), RsiAccept::kAccepted);
     sum += Answer(wanted);
   }
@@ -136,7 +137,7 @@ TEST_F(RsiSessionTest, RelativeSumKnowsWhatTheControllerDidWithoutAnAnswer) {
     EXPECT_NEAR(Answer(11.0), 1.0, 1e-9);
     Take(ipoc += 4);  // in time
     EXPECT_NEAR(Answer(13.0), 2.0, 1e-9);
-    Take(ipoc += 4, 1);  // that came too late: dropped, and with HOLDON the 1.0 is taken again
+    Take(ipoc += 4, 1);  // that answer came too late: dropped, and with HOLDON the 1.0 is applied again
     EXPECT_NEAR(Answer(13.0), hold_on ? 1.0 : 2.0, 1e-9);
     Take(ipoc += 12, 3);  // in time, then two cycles whose messages were lost
     EXPECT_NEAR(Answer(13.0), hold_on ? -2.0 : 0.0, 1e-9);
@@ -204,7 +205,7 @@ TEST_F(RsiSessionTest, HoldsUntilTheLoopNamesTheActivationAndBeginsAtTheStart) {
   Take(ipoc += 4);
   EXPECT_FALSE(state_.holding);
   EXPECT_NEAR(Answer(12.5), 2.5, 1e-9);
-  ipoc = Settle(500, 1);  // RSI began anew
+  ipoc = Settle(500, 1);  // RSI restarted
   Take(ipoc);
   EXPECT_EQ(state_.activation, 2u);
   activation_ = 1;
@@ -241,7 +242,7 @@ TEST_F(RsiSessionTest, BeginsAnewWhereRsiDid) {
   std::uint64_t ipoc = correct(1'000'000);
   ipoc = correct(500);             // IPOC fell far back
   ipoc = correct(ipoc + 101 * 4);  // it leapt beyond the Timeout
-  now_ += 400 * rt::kMillisecond;  // nothing came for as long
+  now_ += 400 * rt::kMillisecond;  // nothing came for as long as the Timeout
   correct(ipoc + 4);
   EXPECT_EQ(session_->status().sessions, 4u);
   EXPECT_EQ(state_.lost, 0u);
@@ -259,7 +260,7 @@ TEST_F(RsiSessionTest, AsksForTheEndWhereTheLayoutCan) {
   EXPECT_NE(text_.find("<Stop>1</Stop><AK A1=\"1.000000\""), std::string::npos) << text_;
 }
 
-// The flange's displacement by numbers of its own: A1 turns the pose about the base's -z (sign -1).
+// The flange's displacement by independent numbers: A1 turns the pose about the base's -z (sign -1).
 TEST_F(RsiSessionTest, CartesianCorrectionIsTheFlangesDisplacement) {
   Open({.kind = RsiCorrection::kCartesian,
         .settle_messages = 1,

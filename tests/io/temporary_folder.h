@@ -10,7 +10,7 @@
 
 namespace osteon::io::test {
 
-/// A fresh folder that is gone with the object.
+/// A fresh folder that is deleted with the object.
 class TemporaryFolder {
  public:
   explicit TemporaryFolder(const std::filesystem::path& in = std::filesystem::temp_directory_path()) {

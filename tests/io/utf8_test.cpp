@@ -7,7 +7,7 @@
 namespace osteon::io {
 namespace {
 
-// The sequences of the Unicode Standard, table 3-7, at the ends of each row, and just beyond.
+// The sequences of the Unicode Standard, table 3-7, at the limits of each row, and just beyond.
 TEST(Utf8, KnowsWhereASequenceEnds) {
   const std::pair<const char*, std::size_t> kSequences[] = {
       {"\x7f", 1},         {"\xc2\x80", 2},     {"\xdf\xbf", 2},         {"\xe0\xa0\x80", 3},
@@ -25,8 +25,8 @@ TEST(Utf8, ReplacesWhatIsNoneAndLeavesTheRest) {
   EXPECT_EQ(Utf8(std::string("\xe1\x80\0", 3)), std::string("\xef\xbf\xbd\xef\xbf\xbd\0", 7));
 }
 
-// Found by the fuzz target recording_message: libprotobuf writes such a string, and then reads the whole
-// message back as none. A comment in Latin-1 in a cell's file is enough.
+// Found by the fuzz target recording_message: libprotobuf writes such a string, but then fails to read the
+// whole message. A comment in Latin-1 in a cell's file is enough.
 TEST(Utf8, ARecordingOfTextInAnotherEncodingCanBeRead) {
   SessionInfo session = test::SomeSession();
   session.config_text = "# \xb5m, K\xf6nig\nradius_mm: 3\n";

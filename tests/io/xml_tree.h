@@ -11,11 +11,11 @@
 #include <string_view>
 #include <vector>
 
-// Small XML documents as trees, by expat.
+// Small XML documents as trees, read by expat.
 
 namespace osteon::io::test {
 
-/// @throws std::runtime_error where it cannot be read.
+/// @throws std::runtime_error if it cannot be read.
 inline std::string ReadText(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error("cannot be read");
@@ -29,13 +29,13 @@ struct XmlNode {
   std::map<std::string, std::string> attributes;
   std::vector<XmlNode> children;
 
-  /// The first child of that name. @throws std::runtime_error where there is none.
+  /// The first child with this name. @throws std::runtime_error if there is none.
   [[nodiscard]] const XmlNode& At(const std::string& child) const {
     for (const XmlNode& node : children)
       if (node.name == child) return node;
     throw std::runtime_error("<" + name + "> has no <" + child + ">");
   }
-  /// @throws std::runtime_error where there is none.
+  /// @throws std::runtime_error if there is none.
   [[nodiscard]] const std::string& Of(const std::string& attribute) const {
     const auto found = attributes.find(attribute);
     if (found == attributes.end()) throw std::runtime_error("<" + name + "> has no attribute " + attribute);
@@ -43,10 +43,10 @@ struct XmlNode {
   }
 };
 
-/// The root of a document. @throws std::runtime_error where it is not well-formed XML, saying why.
+/// The root of a document. @throws std::runtime_error if it is not well-formed XML, with the reason.
 inline XmlNode ParseXml(std::string_view text) {
   struct Reading {
-    XmlNode above;  // of the root
+    XmlNode above;  // the root's parent
     std::vector<XmlNode*> open;
   } reading;
   reading.open = {&reading.above};
@@ -56,7 +56,7 @@ inline XmlNode ParseXml(std::string_view text) {
       parser,
       [](void* data, const XML_Char* name, const XML_Char** attributes) {
         auto& r = *static_cast<Reading*>(data);
-        // Only the innermost open node grows, so that the pointers to the outer ones hold.
+        // Only the innermost open node grows, so pointers to the outer ones stay valid.
         XmlNode& node = r.open.back()->children.emplace_back();
         node.name = name;
         for (; *attributes != nullptr; attributes += 2) node.attributes[attributes[0]] = attributes[1];
@@ -76,7 +76,7 @@ inline XmlNode ParseXml(std::string_view text) {
   return reading.above.children.front();
 }
 
-/// The same of a file, which the error names.
+/// The root of a file, which the error names.
 inline XmlNode ReadXmlTree(const std::filesystem::path& file) {
   try {
     return ParseXml(ReadText(file));

@@ -1,5 +1,5 @@
 // Simulated devices and their clients over a real kernel's vcan, in wall time: see run_in_uml.sh. Each side
-// has its own socket. Nothing here is asserted about the time that it takes.
+// has its own socket. There are no assertions on timing.
 
 #include <cstdlib>
 
@@ -24,7 +24,7 @@ std::unique_ptr<SocketCanBus> Open(std::vector<CanFilter> filters) {
   return std::move(*bus);
 }
 
-// Both ends of a bus, turned by hand in this thread until `done`.
+// Runs both ends of a bus in this thread until `done`.
 struct Wire {
   Wire(CanClient& client, CanClient& device, std::vector<CanFilter> filters)
       : near(Open(std::move(filters))), far(Open({})), client_pump(*near), device_pump(*far) {
@@ -47,7 +47,7 @@ struct Wire {
 
 const Wrench kLoad{.f = {10, -20, 30}, .t = {0.5, -1, 2}};
 
-// The rate is left at what a busy machine keeps up with.
+// The rate is one that a busy machine can keep up with.
 TEST(CanDevices, RobotousOverVcan) {
   const RobotousParams params{.rate_hz = 100, .rate_readings = 20};
   auto sensor = *RobotousSensor::Make(params);
@@ -74,7 +74,8 @@ TEST(CanDevices, AtiOverVcan) {
 
 TEST(CanDevices, DriveOverVcan) {
   ReamerDriveParams params{.node = 16, .gear_ratio = 20, .rated_torque_Nm = 0.5, .max_speed_rad_per_s = 40};
-  params.heartbeat = 200 * rt::kMillisecond;  // a busy machine may hold a guest for longer than a cell would
+  params.heartbeat = 200 * rt::kMillisecond;  // a busy machine may stall a guest for longer than a cell would
+                                              // allow
   params.missed_cycles = 250;
   auto drive = *ReamerDrive::Make(params);
   hil::DriveDevice device({});

@@ -1,6 +1,6 @@
-// launch COMMAND …: runs the command without the processor's extended register sets as ptrace shows them
-// (NT_X86_XSTATE), so that a user-mode Linux falls back on the basic ones. Its buffer for the extended ones
-// is of a fixed size, and processors with larger registers (AMX) end it with "ptrace set fp regs failed".
+// launch COMMAND …: runs the command without the processor's extended register sets as seen by ptrace
+// (NT_X86_XSTATE), so that user-mode Linux uses the basic ones. Its buffer for the extended sets has a fixed
+// size, and on processors with larger registers (AMX) it ends with "ptrace set fp regs failed".
 
 #include <linux/audit.h>
 #include <linux/filter.h>

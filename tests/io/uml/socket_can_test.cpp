@@ -1,6 +1,5 @@
-// SocketCanBus against a real kernel's vcan, with can-utils as the other side. Runs in the guest of
-// run_in_uml.sh, or by hand on a machine with a vcan: OSTEON_VCAN=vcan0 (as root for the tests that set it
-// down).
+// SocketCanBus on a real kernel's vcan, with can-utils as the other side. Runs in the guest of run_in_uml.sh,
+// or by hand on a machine with a vcan: OSTEON_VCAN=vcan0 (as root for the tests that set it down).
 
 #include "io/can/socket_can_bus.h"
 
@@ -40,7 +39,8 @@ void CanSend(const std::string& frame) { Shell("cansend " + std::string(Interfac
 
 rt::Nanoseconds Soon() { return rt::MonotonicNow() + 20 * rt::kSecond; }
 
-// What comes, until nothing has come for a while: a busy kernel hands a frame on after send() has returned.
+// Frames received until nothing has come for a while: a busy kernel passes a frame on after send() has
+// returned.
 std::vector<std::string> Received(SocketCanBus& bus) {
   constexpr rt::Nanoseconds kQuiet = 100 * rt::kMillisecond;
   std::vector<std::string> frames;
@@ -49,7 +49,7 @@ std::vector<std::string> Received(SocketCanBus& bus) {
   return frames;
 }
 
-// candump, listening: what it wrote once it has seen its number of frames.
+// A listening candump: its output once it has seen its number of frames.
 class Candump {
  public:
   explicit Candump(int frames) {
@@ -105,7 +105,7 @@ TEST(SocketCan, WeSeeWhatCansendSends) {
   ASSERT_EQ(bus->Receive(arrival, Soon()), CanResult::kOk);
   EXPECT_EQ(arrival.frame, Frame(0x201, {0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}));
   EXPECT_FALSE(arrival.after_gap);
-  // The two clocks are read one after the other: a stamp may be off by what lies between.
+  // The two clocks are read one after the other: a stamp may be off by the time in between.
   EXPECT_GT(arrival.stamp, before - rt::kSecond);
   EXPECT_LE(arrival.stamp, rt::MonotonicNow());
   ASSERT_EQ(bus->Receive(arrival, 0), CanResult::kOk);
@@ -116,7 +116,7 @@ TEST(SocketCan, WeSeeWhatCansendSends) {
 TEST(SocketCan, TheKernelFilters) {
   const auto bus = Open({.filters = {{.id = 0x200, .mask = 0x7F0}, {.id = 0x001}}});
   for (const char* frame : {"001#AA", "002#AA", "1FF#AA", "200#AA", "20F#AA", "210#AA",
-                            "00000201#AA",  // 29 bits, 11 of them ours
+                            "00000201#AA",  // 29 bits, 11 of them equal to ours
                             "201#R"})       // a request
     CanSend(frame);
   EXPECT_EQ(Received(*bus), (std::vector<std::string>{"001#AA", "200#AA", "20F#AA"}));
