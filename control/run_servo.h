@@ -20,7 +20,7 @@ struct RunServoParams {
   double deadline_s{0.005};  ///< wait for an arm message; each missed message counts toward arm stale
   double seconds{10.0};      ///< of rendering; then an orderly stop. 0: until stopped
   double give_up_s{30.0};    ///< longest wait until rendering begins, and until rest after the end
-  double at_rest_s{0.0};  ///< how long the arm is still answered and recorded once it rests (RestTime)
+  double at_rest_s{0.0};     ///< how long the arm is still answered and recorded once it rests (RestTime)
   /// Of the calling thread. A tick uses some 20 KiB of stack; the rest is for the functions that it calls.
   rt::RealtimeThreadParams thread{
       .priority = 80, .lock_memory = true, .keep_cpus_awake = true, .prefault_stack_bytes = 256 * 1024};
