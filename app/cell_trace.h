@@ -14,7 +14,7 @@
 
 namespace osteon::app {
 
-/// What really happened in a cycle of the simulated arm: a row of `osteon cell --trace`.
+/// The true state in one cycle of the simulated arm: a row of `osteon cell --trace`.
 struct CellCycle {
   rt::Nanoseconds stamp{0};  ///< the system's monotonic clock, the same for every process of a machine
   control::SessionState session{control::SessionState::kIdle};
