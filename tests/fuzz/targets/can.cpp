@@ -25,7 +25,7 @@ namespace {
 enum Op : unsigned {
   kGap = 1u << 4,      // frames before this one were lost
   kLater = 1u << 5,    // 10 ms later, else 1 ms
-  kExtra = 1u << 6,    // a bias; a fault reset
+  kExtra = 1u << 6,    // only together with kExtra
   kRestart = 1u << 7,  // only if the next bit is set, too
 };
 constexpr std::size_t kMaxFrames = 4096;
