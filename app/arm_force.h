@@ -10,8 +10,7 @@
 namespace osteon::app {
 
 /// The forces at the tool's apex that an arm can hold in one posture, or the least over several [N]. Help
-/// from gravity counts only in axial_exact_N; the other figures are those that the servo loop's limiter lets
-/// through.
+/// from gravity counts only in axial_exact_N; the others are what the servo loop's limiter permits.
 struct ToolForce {
   double axial_N{std::numeric_limits<double>::infinity()};  ///< along the tool, no other load
   double lateral_N{
@@ -20,8 +19,7 @@ struct ToolForce {
       std::numeric_limits<double>::infinity()};  ///< across it while the needed axial force and torque act
   double axial_exact_N{
       std::numeric_limits<double>::infinity()};  ///< resisting along the tool, gravity's help counted
-  /// Fraction of the whole need, applied at once, that can be held: 1 or more if the arm can do what is
-  /// asked.
+  /// Fraction of the whole need, applied at once, that can be held: at least 1 if the arm is sufficient.
   double factor{std::numeric_limits<double>::infinity()};
   int factor_joint{-1}, axial_joint{-1},
       lateral_joint{-1};  ///< 0 … 6: the joint that reaches its torque limit first; -1: the cap

@@ -17,8 +17,7 @@
 
 namespace osteon::app {
 
-/// Names the protocol: "FRI 1.15", "RSI im_free, axes, 4 ms". The text warns if a lost answer makes the arm
-/// jump.
+/// Names the protocol: "FRI 1.15", "RSI im_free, axes, 4 ms". Warns if a lost answer makes the arm jump.
 [[nodiscard]] std::string Describe(const config::ArmLinkConfig& link);
 
 /// Whether the arm's program can be asked to end the session. If not, it has to notice by itself.
@@ -36,11 +35,10 @@ class ArmSession {
   /// io::RsiSession::Accept.
   bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp, control::ArmState& state);
   /// Returns the datagram that answers the last accepted message; empty if no answer is due. Valid until the
-  /// next call.
+  /// next.
   [[nodiscard]] std::span<const std::uint8_t> Answer(const control::ArmCommand& command);
 
-  /// Makes the following answers ask the arm's program to end the session. Returns false if the protocol
-  /// cannot.
+  /// Makes the next answers ask the arm's program to end the session. False if the protocol cannot.
   bool RequestStop();
 
   /// Says what keeps the arm from being commanded; empty if nothing does.

@@ -39,8 +39,7 @@ BaseSearch::BaseSearch(const kinematics::ChainParams<7>& arm, const Matrix3& R_W
       task_(task),
       params_(params) {}
 
-// Returns the base's pose whose x axis (A1 = 0) points toward the site, so that A1's range extends to both
-// sides.
+// Returns the base's pose whose x axis (A1 = 0) points toward the site, the middle of A1's range.
 Pose BaseSearch::Facing(const Vector3& p_WB) const {
   const Vector3 p_B_site = R_WB_.transpose() * (task_.X_WC.translation() - p_WB);
   const double turn = std::atan2(p_B_site.y(), p_B_site.x());

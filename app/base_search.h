@@ -63,12 +63,11 @@ class BaseSearch {
   /// @returns nothing if the task can't be done from any place within the ranges.
   [[nodiscard]] std::optional<BaseFigure> Best(const std::function<bool()>& stop) const;
 
-  /// Turns the base about its axis, by whole degrees, until A1's range over the task lies in the middle of
-  /// its limits.
+  /// Turns the base about its axis, by whole degrees, until A1's range over the task is centred in its
+  /// limits.
   [[nodiscard]] BaseFigure Centred(const BaseFigure& figure) const;
 
-  /// Returns the worst of each figure over the finely sampled task, in the first of the base's
-  /// configurations.
+  /// The worst of each figure over the finely sampled task, in the first of the base's configurations.
   [[nodiscard]] ToolForce Forces(const BaseFigure& figure) const;
 
  private:

@@ -55,8 +55,7 @@ struct Pairing {
   double ours_ns{0.0}, kdl_ns{0.0};
 };
 
-// Wraps a batch of calls into one function, so that the compiler optimises the loop and the indirect call is
-// made once.
+// Wraps a batch of calls into one function, so that the compiler optimises the loop.
 template <class Call>
 std::function<double(std::size_t, std::size_t)> Batch(Call call) {
   return [call](std::size_t first, std::size_t calls) mutable {

@@ -78,8 +78,7 @@ class Devices {
     devices_.SetLoad(F_S);
     wires_->Pump(now);
   }
-  // Our side of the exchange, as WiredDevices::Exchange, but without the PLC, whose block another thread
-  // reads.
+  // Our side of the exchange, as WiredDevices::Exchange without the PLC, which another thread reads.
   control::CellReadings Exchange(const control::CellCommands& commands, rt::Nanoseconds now) {
     clients_->Command(commands, now);
     for (io::CanPump& pump : pumps_) pump.Pump(now);
@@ -306,8 +305,7 @@ class TemporaryFile {
   std::string path_;
 };
 
-// The demo cell reduced to what this loop can use: no PLC, whose block is another thread's, and no
-// injections.
+// The demo cell reduced to what this loop can use: no PLC (another thread's) and no injections.
 config::CellConfig BenchCell(const std::filesystem::path& config_root) {
   config::CellConfig cell = config::LoadCell(config_root / "cells" / "demo.yaml");
   cell.devices.plc.reset();

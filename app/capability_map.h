@@ -51,8 +51,7 @@ class CapabilityMap {
   [[nodiscard]] Task AtOwnArmAngle() const;
 
  private:
-  /// Returns the figures at the arm angle with the best factor of the need; nothing if the pose has no
-  /// posture.
+  /// Returns the figures at the arm angle with the best factor of the need; nothing without a posture.
   [[nodiscard]] std::optional<ToolForce> Best(const Pose& X_WT) const;
   [[nodiscard]] std::optional<ToolForce> Own(const Pose& X_WT) const;
 

@@ -67,8 +67,7 @@ Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
   return outline;
 }
 
-// Outlines where the cell's workspace permits the centre of an upright tool's head: sphere and plane, shifted
-// from the apex.
+// Outlines where the cell's workspace permits the centre of an upright tool's head: shifted from the apex.
 Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel) {
   constexpr int kSides = 180;
   const safety::WorkspaceParams& space = task.workspace;

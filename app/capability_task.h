@@ -28,8 +28,8 @@ struct CapabilityNeed {
   std::string lateral_from;  ///< source of lateral_N
 };
 
-/// The working volume and the tilt cone, in the site's frame C. Poses whose apex lies outside the cell's
-/// workspace are excluded.
+/// The working volume and the tilt cone, in the site's frame C. Without poses whose apex lies outside the
+/// workspace.
 struct TaskVolume {
   Pose X_WC{Pose::Identity()};
   double radius_m{0.0};

@@ -305,8 +305,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     if (params.ticked) params.ticked(record, model);
     recovering = false;
     if (const auto answer = session.Answer(command); accepted && !answer.empty()) cell.Receive(answer);
-    // before the loop has a pose there is nothing to render, and a frame would drag the proxy through the
-    // bone
+    // without a pose there is nothing to render, and a frame would drag the proxy through the bone
     if (tick % frame_ticks == 0 && loop.tool_command().stamp != 0) pending = runner.Run(loop.tool_command());
 
     RecordFaults(recorder, now, loop.faults(), known);

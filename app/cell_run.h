@@ -29,8 +29,7 @@ struct CellRunParams {
   /// its program can be asked to end (CanAskToEnd).
   double at_rest_s{0.5};
   int cpu{-1};  ///< wall time: the servo thread is pinned to it; -1: any
-  /// Wall time: the simulated cell to start as a process of its own; absent: the devices that are connected
-  /// are used.
+  /// Wall time: the simulated cell to start as a process of its own; absent: connected devices are used.
   std::optional<CellProcessParams> cell{};
   std::filesystem::path recording;  ///< the MCAP file to write
   /// Called after everything could be opened and the recording's folder exists, before the recording is made
@@ -43,8 +42,7 @@ struct CellRunParams {
   std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
   ZoneGovernor* governor{nullptr};  ///< may coarsen the zones during the run; null: they stay
-  /// Virtual time: returns the time that a frame counts as having taken [us], for the governor; empty: the
-  /// governor gets none.
+  /// Virtual time: a frame's assumed time [us], for the governor; empty: none.
   std::function<double(const simulation::FrameRecord&)> frame_us{};
   /// Virtual time: called after each tick with the contact model that the tick saw.
   std::function<void(const control::TickRecord&, const simulation::ContactModel&)> ticked{};

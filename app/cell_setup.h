@@ -61,8 +61,7 @@ void PackAsScene(CellSetup& setup);
     const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh,
     const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {});
 
-/// Makes the engine. @param engine  "vulkan" or "reference";  @param device  part of a Vulkan device's name,
-/// or empty
+/// @param engine  "vulkan" or "reference";  @param device  part of a Vulkan device's name, or empty
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeEngine(
     const CellSetup& setup, const std::string& engine, const std::string& device);
 

@@ -20,8 +20,7 @@ struct ChildParams {
   std::filesystem::path err{};     ///< file for its stderr; empty: this process's
 };
 
-/// This program as another process. It ends with this one, however this one ends, and gets no Ctrl-C of its
-/// own.
+/// This program as another process. It ends with this one, however this one ends, and gets no Ctrl-C.
 class ChildProcess {
  public:
   /// Starts it. The error says why that failed.

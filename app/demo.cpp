@@ -24,7 +24,7 @@ namespace osteon::app {
 namespace {
 
 // Checks the output paths before anything runs. RunCell creates the folder, so that a refused run leaves
-// nothing.
+// none.
 std::string WrongPlace(const DemoOptions& options) {
   if (options.out.empty()) return "--out: found no name, accepted a folder";
   if (std::string wrong = WhyNoFolder("--out", options.out); !wrong.empty()) return wrong;

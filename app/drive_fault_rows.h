@@ -19,8 +19,7 @@ struct DriveFaultRow {
   std::string text;                 ///< with the codes' meaning
 };
 
-/// Collects the rows from the ticks: one whenever a further fault was latched, and one when they were
-/// cleared.
+/// Collects the rows from the ticks: one per further latched fault, and one when they were cleared.
 class DriveFaultRows {
  public:
   void Add(const control::TickRecord& tick);

@@ -21,8 +21,8 @@ class FrameRunner {
  public:
   /// @param watch  examines every frame's proxy
   /// @param governor  coarsens zones when frames take too long; null: none
-  /// @param dt_limit_s  the longest time that a single frame may cut for: the cutting missed in a stall is
-  /// not made up for
+  /// @param dt_limit_s  the longest time that a single frame may cut for: a stall's cutting is not made up
+  /// for
   FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth,
               simulation::SceneWatch& watch, const Pose& X_WG, ZoneGovernor* governor = nullptr,
               double dt_limit_s = 0.1);

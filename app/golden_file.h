@@ -47,8 +47,7 @@ struct Golden {
 ///     end
 [[nodiscard]] std::string GoldenText(const Golden& golden);
 
-/// Parses such a text. The text is not trusted: every count, number and name is checked, and so are the
-/// sizes.
+/// Parses such a text. The text is not trusted: every count, number and name is checked, all sizes too.
 /// @param name  the file's name, for errors
 /// @returns an error "file:line: what was found, what is accepted".
 [[nodiscard]] tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std::string& name);

@@ -23,8 +23,7 @@ struct PauseSignals {
 [[nodiscard]] PauseSignals& AskedPauses();
 void InstallPause();
 
-/// Exit code of a run that was ended by Ctrl-C, as a shell reports it: 128 + SIGINT. Used for SIGTERM as
-/// well.
+/// Exit code of a run that was ended by Ctrl-C, as a shell reports it: 128 + SIGINT. Also for SIGTERM.
 inline constexpr int kExitInterrupted = 130;
 
 /// Exit code of an interrupted process: 129 (128 + SIGHUP) if the terminal was closed, 141 (128 + SIGPIPE) if

@@ -29,7 +29,7 @@ struct EffectiveLimit {
 /// Lists the finite limits, as "force 200 N (cell)", and where apex, flange and elbow may be.
 [[nodiscard]] std::vector<std::string> LimitLines(const control::ServoParams& params);
 
-/// What one limit did in a run.
+/// The actions of one limit in a run.
 struct ActedLimit {
   std::string name;  ///< safety::kLimitNames
   std::uint64_t ticks{0}, events{0};

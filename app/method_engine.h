@@ -17,8 +17,7 @@ namespace osteon::app {
 /// The names that `--method` accepts: ours (Vulkan), brute (the same engine without culling), reference
 /// (double precision), and the methods of comparison (simulation/methods/method.h).
 [[nodiscard]] const std::vector<std::string>& MethodNames();
-/// Whether the method works on our packings and their state: it can begin from what another such method
-/// carved.
+/// Whether the method works on our packings and their state: it can continue another such method's carving.
 [[nodiscard]] bool SharesState(const std::string& method);
 /// Whether the method works on disjoint packings, as the paper's does.
 [[nodiscard]] bool WantsDisjoint(const std::string& method);

@@ -13,7 +13,7 @@ namespace osteon::app {
 namespace {
 
 constexpr double kReamer_m = 25e-3, kZone_m = 6.5e-3;  // the cut is 5.5 mm deep at most
-// Of the spacing; see SplitParams and SplitPackingParams.
+// Least radius over the spacing; see SplitParams and SplitPackingParams.
 constexpr double kLeastSplit = 0.4 / 2.5;
 
 double ToolRadius(const simulation::CutWorkload& work) { return work.tool.balls.front().radius_m; }

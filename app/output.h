@@ -18,8 +18,7 @@ void InstallOutput();
 class OutputQueue;
 
 struct OutputThreadParams {
-  /// Treat a reader that closed stderr as one that went away, too. Not for a process whose stderr is its
-  /// parent's.
+  /// Treat a reader that closed stderr as one that went away, too. Not if stderr is the parent's.
   bool watch_stderr{false};
 };
 

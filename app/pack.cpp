@@ -46,8 +46,7 @@ std::string WrongPlace(const PackOptions& options) {
   return WhyNoParent("--json", options.json);
 }
 
-/// Default spacing of the mass points: some 200 000 of them in an even cloud; below a zone the finest level
-/// is at most 0.75 mm.
+/// Default spacing of the mass points: some 200 000 if even; below a zone the finest is at most 0.75 mm.
 simulation::MassPointParams PointParams(const PackOptions& options, const PackSource& source,
                                         double volume_m3) {
   constexpr double kPoints = 200'000.0, kFinest_m = 0.1e-3, kCoarsest_m = 3e-3, kMostAtZone_m = 0.75e-3;

@@ -28,8 +28,7 @@ struct PackOptions {
 /// Fills a mesh or shape with balls and mass points and saves them, or saves a packing file in other formats.
 /// Prints figures of its quality.
 /// @returns the process's exit code: 0 done; 1 a tolerance was not kept, or a result could not be written; 2
-/// wrong input, nothing was written (both said on stderr); 130 ended by Ctrl-C, with every present file
-/// complete.
+/// wrong input, nothing was written (both said on stderr); 130 ended by Ctrl-C, all present files complete.
 [[nodiscard]] int RunPack(const PackOptions& options);
 
 }  // namespace osteon::app

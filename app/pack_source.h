@@ -21,7 +21,7 @@ struct PathChoice {
   double radius_m{0.0};  ///< of the tool
 };
 
-/// What is to be packed, as stated on the command line.
+/// The object to pack, as stated on the command line.
 struct SourceOptions {
   std::string input;        ///< mesh file, scene's YAML or name, ball:R or box:X,Y,Z (mm)
   bool scenes_only{false};  ///< the input can only be a scene
@@ -36,7 +36,7 @@ struct SourceOptions {
       false};  ///< the packing grows coarser with depth: below the whole surface if nothing else is named
 };
 
-/// What is to be packed, loaded: a solid, where it is cut, and its materials.
+/// The loaded object to pack: a solid, where it is cut, and its materials.
 struct PackSource {
   std::string name;  ///< of the bone
   std::shared_ptr<const simulation::Solid> solid;

@@ -18,8 +18,7 @@ struct PlanRequest {
   double rate_hz{1000.0};
   std::string device;  ///< part of a Vulkan device's name
   int rounds{3};       ///< number of times that the scene's cut is timed
-  /// False: plan by the closed forms alone, alike on any machine; frame times are not predicted, and the rate
-  /// is ignored.
+  /// False: plan by the closed forms alone, alike on any machine; no frame times, the rate is ignored.
   bool timed{true};
 };
 
@@ -97,8 +96,7 @@ struct PlanCheck {
   double lost_m{0.0}, left_m{0.0};             ///< its two parts
   double leak_m{0.0};
   simulation::FrameGroup frames;
-  /// Frame time fitted to the other packings, timed in turn with the plan: shows the model's error without
-  /// the machine's variation.
+  /// Frame time fitted to the other packings, timed in turn with the plan: excludes the machine's variation.
   double same_time_us{0.0};
   std::vector<std::string> missed;  ///< promises that were not kept
 };

@@ -41,14 +41,12 @@ struct PlanScene {
 
 /// Makes the scene to plan for from a cell's own cut of a solid.
 /// @param name  of the scene  @param cell_name  of the cell's file
-/// @throws std::invalid_argument if the scene's zone is neither cup nor path, or the tool has no cutting
-/// balls.
+/// @throws std::invalid_argument if the scene's zone is neither cup nor path, or the tool cuts nothing.
 [[nodiscard]] PlanScene MakePlanScene(const simulation::SceneSolid& solid,
                                       const simulation::SceneParams& scene, const config::CellConfig& cell,
                                       const std::string& cell_name);
 
-/// Loads the scene to plan for. @returns an error that names file or option, what was found and what is
-/// accepted.
+/// Loads the scene. @returns an error that names file or option, what was found and what is accepted.
 /// @throws config::ConfigError, config::ToolSizeError, std::invalid_argument
 [[nodiscard]] tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice);
 
@@ -69,8 +67,7 @@ struct LevelRun {
 
 /// Runs the scene's cut on Vulkan at several finenesses. The CPUs are kept awake as in a run
 /// (rt::KeepCpusAwake). Frames of the finenesses alternate in short turns, so that other load on the machine
-/// affects all alike; the first frames of a turn, which find another engine's data in the caches, are not
-/// samples.
+/// affects all alike; the first frames of a turn, with another engine's data in the caches, do not count.
 /// @param tool    replaces the scene's own
 /// @param device  part of a Vulkan device's name
 /// @param rounds  number of times that the whole cut runs; forces and remaining balls are those of the last

@@ -18,8 +18,7 @@ namespace osteon::app {
 
 /// Measures how late a thread wakes that sleeps to absolute times, a millisecond apart, for `seconds`. Runs
 /// in a thread of its own.
-/// @param[in,out] realtime  in: ask for SCHED_FIFO, as the servo loop's thread does; out: whether it was
-/// granted
+/// @param[in,out] realtime  in: ask for SCHED_FIFO, as the servo thread does; out: granted
 /// @param progress  called now and then with the time spent; may be empty
 [[nodiscard]] DurationFigures TimerLatency(double seconds, bool& realtime,
                                            const std::function<void(double at_s)>& progress = {});

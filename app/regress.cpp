@@ -42,8 +42,8 @@ std::string WrongOptions(const RegressOptions& options) {
   return "";
 }
 
-// Whether all bits are the same although a source file has changed since: a later difference would be
-// attributed to that file.
+// Whether all bits are the same although a source file has changed since: later differences would be blamed
+// on it.
 bool IsOfOtherFiles(const RegressResult& result) {
   return result.identical() && !ChangedSources(result.golden->head.sources, result.run->sources).empty();
 }

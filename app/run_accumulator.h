@@ -25,7 +25,7 @@ struct ActiveTicks {
 
   double fresh_s{0.0}, sensor_full_s{0.0};     ///< ages up to which model and sensor count in full
   std::optional<rt::Nanoseconds> first, last;  ///< stamps
-  /// Of the last tick in which the loop was not at rest after a stop.
+  /// Stamp of the last tick in which the loop was not at rest after a stop.
   rt::Nanoseconds stopped_at{0};
   DurationCounts step, wakeup, compute;  ///< step: from one stamp to the next
   /// Number of ticks in which a limit reduced the coupling's wrench, and in which the arm's torques would

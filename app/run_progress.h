@@ -4,8 +4,8 @@
 
 namespace osteon::app {
 
-/// Shows a run's progress on stderr: a bar on a terminal, elsewhere a line for each tenth. A run without an
-/// end shows its time.
+/// Shows a run's progress on stderr: a bar on a terminal, elsewhere a line for each tenth. Without an end:
+/// the time.
 class RunProgress {
  public:
   /// @param name  the command's  @param seconds  of the run; 0: no end

@@ -28,8 +28,7 @@ struct ScenarioRun {
   double seconds_set_up{0.0};         ///< wall time of the set-up: reading files, packing bone
 };
 
-/// Reads a scenario's cell with the overrides, without running anything, so that errors are found before any
-/// run.
+/// Reads a scenario's cell with the overrides, without running anything, so that errors are found early.
 /// @throws config::ConfigError
 void CheckScenario(const config::ScenarioConfig& scenario, const ScenarioRunParams& params);
 

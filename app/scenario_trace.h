@@ -76,8 +76,7 @@ struct ScenarioTrace {
   std::uint64_t ticks{0};   ///< of the run
   std::uint64_t active{0};  ///< those that rendered
   std::uint64_t hash{
-      /// Over every bit of every tick's record, of the models that the ticks saw and of the carved bone.
-      0};
+      0};  ///< over every bit of every tick's record, of the models that ticks saw and of the carved bone
   std::string ended;  ///< how it ended: "completed", or what never came
   std::vector<TraceEvent> events;
   std::vector<TraceSample> samples;     ///< at multiples of the interval, from the arm's first motion on

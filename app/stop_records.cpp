@@ -24,8 +24,7 @@ constexpr rt::Nanoseconds kBefore = 5 * rt::kSecond, kAfter = rt::kSecond / 2;
 
 bool Moves(Phase phase) { return phase == Phase::kAligning || phase == Phase::kHaptic; }
 bool Ends(Phase phase) { return phase == Phase::kStopping || phase == Phase::kStopped; }
-// Whether the arm rests: neither braking nor without control. A stop 0 is over once the arm is measured to
-// stand still.
+// Whether the arm rests: neither braking nor without control. A stop 0 is over once the arm stands still.
 bool Rests(const TickRecord& tick) {
   return tick.phase != Phase::kStopping &&
          tick.cell_state != static_cast<std::uint8_t>(safety::CellState::kStop0);

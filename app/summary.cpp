@@ -19,7 +19,7 @@
 namespace osteon::app {
 namespace {
 
-// Of the grid that measures the swept volume.
+// Cells of the grid that measures the swept volume.
 constexpr double kSweepCell_m = 0.4e-3, kSweepCellsARadius = 25.0;
 
 // Returns 1 / the median.

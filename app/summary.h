@@ -59,9 +59,9 @@ struct RunSummary {
   double peak_force_N{0.0}, peak_torque_Nm{0.0}, peak_sensor_force_N{0.0}, force_limit_N{0.0};
   double peak_tool_in_bone_m{0.0};  ///< from the commanded tool to its collision-free pose
   double peak_power_W{0.0};         ///< from the coupling to the hand
-  /// Of the rendering time: the contact model was too old to count in full.
+  /// Part of the rendering time in which the contact model was too old to count in full.
   double stale_share{0.0};
-  /// Of the rendering time: the force sensor's reading was too old to count in full.
+  /// Part of the rendering time in which the sensor's reading was too old to count in full.
   double sensor_late_share{0.0};
   double peak_tool_speed_m_per_s{0.0};           ///< commanded, while it rendered
   double peak_measured_tool_speed_m_per_s{0.0};  ///< measured, while the arm was commanded
@@ -69,17 +69,15 @@ struct RunSummary {
   /// have; then the least shares that were rendered and that the arm could hold.
   std::uint64_t cut_ticks{0}, arm_cut_ticks{0};
   double least_wrench_share{1.0}, least_arm_share{1.0};
-  /// Number of ticks in which each stabiliser acted, its extremes, and the tank's least energy while
-  /// rendering.
+  /// Number of ticks in which each stabiliser acted, its extremes, and the tank's least energy in rendering.
   std::uint64_t age_governor_ticks{0}, passivity_ticks{0}, tank_ticks{0};
   double most_age_damping{1.0}, least_age_share{1.0}, least_tank_J{0.0};
   bool rendered{false};  ///< at any time; if not, there is no cut to report
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
-  /// Of the solid, by the proxy's cutting surface; counted on a grid, independent of the engine.
+  /// Volume of the solid swept by the proxy's cutting surface; counted on a grid, without the engine.
   double swept_volume_m3{0.0};
   double swept_path_tolerance_m{
-      /// Tolerance by which the proxy's path was thinned; 0: it holds each frame's pose.
-      0.0};
+      0.0};                    ///< by which the proxy's path was thinned; 0: each frame's pose is in it
   double cup_depth_m{0.0};     ///< deepest proxy apex below the cup's first floor; negative: it stayed above
   double reamed_depth_m{0.0};  ///< how far the apex went into the bone while it cut (simulation::ReamedDepth)
   double cavity_depth_m{0.0};  ///< floor of the carved balls below the first floor; < 0: carved through
@@ -117,7 +115,7 @@ struct RunSummary {
 /// Prints the rows on the terminal, under `title`, scene and tool.
 void PrintTable(const RunSummary& summary, const std::string& title);
 
-/// Exit code of a process that ran: 0 done, 1 ended by a fault or never begun, InterruptExitCode() ended by a
+/// Exit code of a process that ran: 0 done, 1 ended by a fault or never begun, InterruptExitCode() by a
 /// signal.
 [[nodiscard]] int ExitCode(const CellRunResult& result);
 

@@ -22,8 +22,7 @@ struct TransparencyOptions {
 };
 
 inline constexpr double kTransparencyLeast_hz = 0.1, kTransparencyMost_hz = 30.0;
-/// Mass and drag are fitted, and the residual is computed, up to this frequency: the band of a hand's own
-/// motion.
+/// Mass and drag are fitted, and the residual is computed, up to this frequency: the band of hand motion.
 inline constexpr double kTransparencyFit_hz = 3.0;
 
 /// The measurement of one direction of the tool in free motion.
@@ -32,8 +31,7 @@ struct TransparencyAxis {
   std::vector<hil::HandlePoint> points;
   hil::HandleFit fit;
   double asked_mass{0.0}, asked_drag{0.0};  ///< [kg, N s/m], about an axis [kg m^2, N m s/rad]
-  /// rms over the band of |Z - asked| / |asked|: the part of the felt impedance that the law does not ask
-  /// for.
+  /// rms over the band of |Z - asked| / |asked|: felt, but not asked for by the law.
   double residual{0.0};
 };
 
@@ -42,7 +40,7 @@ struct TransparencyResult {
   std::vector<TransparencyAxis> axes;     ///< six
   std::vector<hil::HandlePoint> contact;  ///< along z, against a plane across z
   double asked_stiffness_N_per_m{0.0};    ///< of the plane
-  /// Of the coupling, as long as it adds less than its share of the force.
+  /// The coupling's damping, as long as it adds less than its share of the force.
   double asked_damping_Ns_per_m{0.0};
   double stiffness_N_per_m{0.0};  ///< as felt at the lowest frequency
   double preload_N{0.0}, contact_amplitude_N{0.0};
@@ -54,8 +52,7 @@ struct TransparencyResult {
 };
 
 /// Bad if the loop stopped, or if the hand feels something entirely different from the law's request. To be
-/// looked at if, in free motion or in contact, the difference is larger than a hand can be expected not to
-/// notice.
+/// looked at if, in free motion or in contact, a hand may notice the difference.
 [[nodiscard]] Verdict Judge(const TransparencyResult& result);
 
 /// Excites the cell's own loop and simulated arm at the cell's start. The hand is a known wrench, so the

@@ -5,7 +5,7 @@
 
 namespace osteon::app {
 
-/// Collects the limits that a cell's stop pages show. @param virtual_time  an arm message is missed after one
+/// Collects the limits that a cell's stop pages show. @param virtual_time  a message is missed after one
 /// period
 [[nodiscard]] TripLimits TripLimitsOf(const config::CellConfig& cell, bool virtual_time);
 

@@ -31,8 +31,8 @@ constexpr int kWalls = 32;  // of the map
 constexpr double kLeastDamping = 5.0, kMostDamping = 500.0;
 constexpr double kTie = 1.05;  // drags within this ratio count as equal: the lighter tool then wins
 
-// Everything that a result depends on, besides its own parameters. Change the number in front when the method
-// changes.
+// Everything that a result depends on, besides its own parameters. The number in front changes with the
+// method.
 std::string Text(const TuneTask& t) {
   return fmt::format("1 {} {} {} {} {} {} {} {} {} {} {}", t.loop.arm.bandwidth_hz, t.loop.arm.damping_ratio,
                      t.loop.arm.dead_cycles, t.loop.sensor_delay, t.loop.period_s, t.wall_N_per_m,

@@ -11,8 +11,7 @@
 
 namespace osteon::app {
 
-/// The least drag for one virtual mass that is stable with every hand at the margin; infinite if there is
-/// none.
+/// The least drag for one virtual mass that is stable with every hand at the margin; infinite if none.
 struct TuneTrade {
   double mass_kg{0.0};
   double human_Ns_per_m{0.0}, stiffest_Ns_per_m{0.0};

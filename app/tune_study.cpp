@@ -53,8 +53,7 @@ hil::AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains,
   return run;
 }
 
-// The greatest delay of a command. Lost commands appear only in simulated runs: a matrix has no chance
-// events.
+// The greatest delay of a command. Lost commands are simulated only: a matrix has no chance events.
 int LatestDeadCycles(const TuneTask& task) { return task.loop.arm.dead_cycles + task.command_jitter; }
 
 }  // namespace

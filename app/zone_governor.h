@@ -61,8 +61,7 @@ class ZoneGovernor {
   /// Ends the work after the last frame. Zones still in the making are abandoned, with a notice.
   void End();
 
-  /// Returns the notice since the last call: that coarser zones are being made, or why they can't. Empty:
-  /// none.
+  /// Returns the notice since the last call: coarser zones are being made, or why they can't. Empty: none.
   [[nodiscard]] std::string TakeNotice();
 
  private:

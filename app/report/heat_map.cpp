@@ -156,8 +156,7 @@ Taken NumberBox(const std::string& text, const PlotPoint& at) {
   return {.left = at.x - half, .top = at.y - 8.0, .right = at.x + half, .bottom = at.y + 8.0};
 }
 
-/// Draws the levels' lines, each with its number where there is room. @param taken  the numbers are added to
-/// it
+/// Draws the levels' lines, each with its number where there is room. @param taken  numbers are added
 std::string ContourLines(const HeatMap& map, const PlotArea& area, TakenList& taken) {
   std::string out;
   for (const double level : map.contours) {

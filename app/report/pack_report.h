@@ -41,8 +41,8 @@ struct PackReportInput {
 /// assumptions.
 [[nodiscard]] tl::expected<std::string, std::string> MakePackReport(const PackReportInput& input);
 
-/// Writes MakePackReport's page to a file, which appears complete or not at all; creates its folder. The
-/// error names the file.
+/// Writes MakePackReport's page to a file, complete or not at all; creates its folder. The error names the
+/// file.
 [[nodiscard]] tl::expected<void, std::string> WritePackReport(const PackReportInput& input,
                                                               const std::filesystem::path& path);
 

@@ -102,8 +102,7 @@ class Tracer {
         const double in = (dc - root) / d2, out = (dc + root) / d2;
         double plane = -std::numeric_limits<double>::infinity();
         if (cut_) {
-          // the eye is on the side that is cut away: the ray enters the remaining half where it crosses the
-          // plane
+          // the eye is on the side that is cut away: the ray enters the bone where it crosses the plane
           const double along = ray.dot(cut_->normal);
           if (!(along < 0.0)) continue;
           plane = (cut_->point - camera_.eye).dot(cut_->normal) / along;
@@ -165,7 +164,7 @@ Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int wid
   box.sizes().maxCoeff(&longest);
   Vector3 up = bone.cup.radius_m > 0.0 ? Vector3(bone.cup.axis) : Vector3(Vector3::Unit(longest));
   up -= up.dot(plane.normal) * plane.normal;
-  // Of a cube, the longest extent may be the thinnest as well.
+  // The longest extent of a cube may be the thinnest as well.
   if (up.norm() < 0.1) up = plane.normal.unitOrthogonal();
   up.normalize();
   const Vector3 side = up.cross(plane.normal);

@@ -18,8 +18,8 @@ struct CutAway {
 /// axis if there is a site.
 [[nodiscard]] CutAway MiddlePlane(const simulation::Bone& bone);
 
-/// A camera that sees that plane from the side that is cut away, from a little above, with the whole packing
-/// in view.
+/// A camera that sees that plane from the side that is cut away, from a little above, all of the packing in
+/// view.
 [[nodiscard]] Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int width, int height);
 
 /// The colour (sRGB 0 … 1) of ball i at a place on its surface, or in the plane that cuts the ball. Called

@@ -11,8 +11,7 @@
 
 namespace osteon::app {
 
-/// Draws one marker of about 9 px. Shapes differ as well as colours, so that they can be told apart in a grey
-/// print.
+/// Draws one marker of about 9 px. Shapes differ as well as colours, so that a grey print tells them apart.
 [[nodiscard]] std::string DrawMarker(double x, double y, Marker marker, std::string_view color,
                                      double opacity = 1.0);
 

@@ -108,8 +108,7 @@ float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vecto
       const Vector3f to = position(u, v, there.z) - p;
       const float distance = to.norm();
       if (distance < 1e-6f) continue;
-      // a neighbour much nearer to the viewer than its distance in the picture does not close the sky behind
-      // it
+      // a neighbour much nearer to the viewer than its distance in the picture does not close the sky
       const float fade = std::clamp(2.0f - distance / (2.0f * radius), 0.0f, 1.0f);
       horizon = std::max(horizon, fade * to.dot(normal) / distance);
     }

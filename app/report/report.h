@@ -68,8 +68,7 @@ struct Report {
 };
 [[nodiscard]] tl::expected<Report, std::string> MakeReport(const ReportInput& input);
 
-/// Writes MakeReport's page to a file, which appears complete or not at all. @returns an error that names the
-/// file.
+/// Writes MakeReport's page to a file, complete or not at all. @returns an error that names the file.
 [[nodiscard]] tl::expected<ReportFigures, std::string> WriteReport(const ReportInput& input,
                                                                    const std::filesystem::path& path);
 

@@ -31,7 +31,7 @@ struct RunCurves {
   std::optional<rt::Nanoseconds> first_tick, last_tick;  ///< stamps
   std::vector<PhaseStretch> phases;
   ThinCurve coupling_N, axial_N, hand_N;  ///< NaN if nothing was computed
-  /// Of the coupling's wrench: the rendered part, and the part that the arm can hold.
+  /// The parts of the coupling's wrench that are rendered, and that the arm can hold.
   ThinCurve rendered_percent, arm_percent;
   ThinCurve speed_mm_per_s, in_bone_mm, model_age_ms;
   bool wrench_cut{false};  ///< in any tick; if not, rendered_percent has no meaning

@@ -29,7 +29,7 @@ struct Series {
   Marker marker{Marker::kNone};
   std::vector<double> y_low{}, y_high{};  ///< ends of error bars; empty, or as many as x
   std::vector<std::string> labels{};      ///< beside the points; empty, or as many as x
-  /// Of line and points; labels of pale points are the first to be left out.
+  /// Opacity of line and points; labels of pale points are the first to be left out.
   double opacity{1.0};
   std::string dash{};  ///< of the line, as SVG's stroke-dasharray; empty: solid
 };

@@ -22,8 +22,7 @@ inline constexpr const char* kFontFamily =
 /// bytes that are not UTF-8 and control characters other than tab and newline become U+FFFD.
 [[nodiscard]] std::string Escape(std::string_view text);
 
-/// Upper estimate of the width [px] of `text` at a font size, from the metrics of DejaVu Sans, the widest
-/// font of kFontFamily.
+/// Upper estimate of the width [px] of `text` at a font size, by DejaVu Sans, the widest font of kFontFamily.
 [[nodiscard]] double TextWidth(std::string_view text, double size_px);
 
 /// Formats a pixel coordinate with one decimal, without a trailing ".0"; 0 if `value` is not finite, so that

@@ -134,8 +134,7 @@ TEST(CellProcess, ARunThatIsKilledLeavesACellThatWaitsForTheNext) {
   EXPECT_FALSE(report.at("arm").at("stop").get<std::string>().empty());
 }
 
-// As after a controller was killed in contact: the file is right, but the arm stands where a run may not
-// begin.
+// As after a controller was killed in contact: the file is right, but a run may not begin here.
 TEST(CellProcess, ARunWhoseArmStandsInBoneFailsAndSaysHowDeep) {
   const TemporaryFolder folder, cell_folder;
   const auto higher = folder.path() / "higher.yaml";

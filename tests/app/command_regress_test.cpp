@@ -136,8 +136,8 @@ TEST_F(Regress, AnArmThatNeverComesBackEndsTheRun) {
   EXPECT_LT(json["scenarios"][0]["seconds_simulated"], 40.0);
 }
 
-// Every effect of a change in a cell's file must be seen, however small: none of these is in the golden
-// traces.
+// Every effect of a change in a cell's file must be seen, however small: the golden traces have none of
+// these.
 struct Mutation {
   const char *scenario, *set;
 };

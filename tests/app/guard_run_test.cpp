@@ -11,8 +11,7 @@ namespace {
 
 using control::SessionState;
 
-// The answer that the link sends for a tick's command: FriSession mirrors, and holds until the loop names the
-// activation.
+// The link's answer to a tick's command: FriSession mirrors, and holds until the loop names the activation.
 safety::GuardCommand AnswerOf(const control::TickRecord& tick) {
   const control::TickInput& in = tick.input;
   const bool mirrors = tick.session_state != static_cast<std::uint8_t>(SessionState::kCommandingActive) ||

@@ -167,8 +167,8 @@ class GuardHangUp : public HangUp {
   }
   [[nodiscard]] std::string file() const { return (folder_.path() / "guarded.yaml").string(); }
 
-  // The PLC makes the controller stop, and the arm keeps getting answers until it rests. False: the machine
-  // was late.
+  // The PLC makes the controller stop, and the arm keeps getting answers until it rests. False: a late
+  // machine.
   bool GuardEnds(End end, int exit_code) {
     Pipe pipe;
     const TemporaryFolder cell_folder, guard_folder, run_folder;

@@ -55,7 +55,7 @@ TEST(KillTable, ShowsWhatIsWrongAndWhatWasNotToBeHad) {
   EXPECT_EQ(json.at("kills")[1].at("error"), "no full contact in 3 attempts");
 }
 
-// Such a trial may be repeated, but only if everything else was as required.
+// A trial with another fault first is made anew only if everything else was as required.
 TEST(KillTable, TellsADeathFromAnotherFaultThatCameFirst) {
   const auto run = [](KillVictim victim, std::vector<std::string> faults, std::string wrong = "") {
     return KillResult{.victim = victim, .faults = std::move(faults), .wrong = std::move(wrong)};

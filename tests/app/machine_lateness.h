@@ -11,14 +11,12 @@
 #include "tests/app/command.h"
 
 // A run in wall time may stall because this machine is overloaded, and then proves nothing about the product.
-// The overload is measured, not assumed: a test is skipped only if its own threads were woken late at that
-// time.
+// The overload is measured, not assumed: a test is skipped only if its threads were woken late.
 
 namespace osteon::app {
 
 /// Measures from its construction on how late this machine wakes threads: one on each CPU sleeps for a
-/// millisecond at a time. They have no real-time rights, as the simulation and the simulated devices have
-/// none.
+/// millisecond at a time. Like the simulation and the simulated devices, they have no real-time rights.
 class WakeupWatch {
  public:
   WakeupWatch();
@@ -42,8 +40,8 @@ inline constexpr rt::Nanoseconds kLateWakeup = 10 * rt::kMillisecond;
 [[nodiscard]] bool IsStall(const nlohmann::json& summary);
 
 /// Whether this machine's lateness explains that a run ended with exit code 1: its faults are those of a
-/// stall, and a thread was woken late meanwhile. A crash, another fault, or a stall on a punctual machine is
-/// a failure.
+/// stall, and a thread was woken late meanwhile. Crashes, other faults, or stalls on a punctual machine are
+/// failures.
 /// @param summary  the run's, with `faults`
 [[nodiscard]] testing::AssertionResult MachineWasLate(const CommandResult& run, const nlohmann::json& summary,
                                                       rt::Nanoseconds worst_wakeup);

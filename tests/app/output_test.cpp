@@ -27,8 +27,7 @@ std::vector<std::string> Demo(const std::vector<std::string>& more) {
 
 int Open(const char* path) { return open(path, O_WRONLY | O_CLOEXEC); }
 
-// A soft limit on the size of files that this process and its children may write; it stands in for a full
-// disk.
+// A soft limit on the size of files that this process and its children may write; stands in for a full disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {

@@ -52,8 +52,7 @@ TEST(PointMarks, AreDrawnOncePerPointWithinTheAxes) {
   EXPECT_EQ(CountOf(svg, "beyond"), 0u);
 }
 
-// Stairs over three decades: a corner that shares a pixel column of a linear axis with its neighbours must
-// stay.
+// Stairs over three decades: corners that share a pixel column of a linear axis must stay.
 TEST(PointMarks, LinesOverLogarithmicAxesKeepTheirCorners) {
   LineChart chart = Points();
   chart.series = {{.x = {1.5, 2.0, 2.0, 3.0, 3.0, 900}, .y = {900, 900, 500, 500, 100, 100}}};

@@ -54,7 +54,7 @@ CallGraph CallGraph::Read(std::istream& disassembly) {
     const std::size_t begin = line.rfind('<') + 1;
     const std::string operand = line.substr(begin, line.size() - 1 - begin), symbol = SymbolOf(operand);
     if (symbol == name) continue;
-    // a symbol with a version of ours belongs to the program; a vtable or type of the standard library is
+    // a symbol with a version of ours belongs to the program; the standard library's vtables and types are
     // data
     if (operand.find('@') != std::string::npos && operand.find("@@Base") == std::string::npos &&
         !symbol.starts_with("_ZT"))

@@ -83,8 +83,8 @@ TEST(FriFuzz, AMessageCutAtAnyLengthIsRefusedOrWhole) {
       const CodecError error = DecodeMonitoring(family, cut, m);
       (void)TellFamily(cut);
       no_alloc.End();
-      // a message without a frame may end before its last field (5 or 6) and be accepted: all required fields
-      // are there
+      // a message without a frame may be accepted without its last field (5 or 6), if the required ones are
+      // there
       if (error == CodecError::kNone) {
         ASSERT_TRUE(m.q_meas && m.q_ipo) << size;
         ASSERT_TRUE(family != FriFamily::k2_7 || size == whole.size());

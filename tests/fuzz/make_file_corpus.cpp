@@ -16,8 +16,7 @@
 #include "tests/simulation/mesh_shapes.h"
 #include "tests/simulation/packing_samples.h"
 
-// The seeds of all file readers: each valid, of a few kB, written by the program's own writers if there are
-// any.
+// The seeds of all file readers: each valid, of a few kB, by the program's own writers if any exist.
 
 namespace osteon {
 namespace {

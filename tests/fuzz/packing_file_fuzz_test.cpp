@@ -7,8 +7,7 @@
 #include "tests/simulation/packing_samples.h"
 
 // Fixed-seed damage to a packing file. An unsealed file is always refused, with byte and reason. A resealed
-// file (with recomputed checksums, as by an attacker) may be accepted; then an engine can work with every
-// value.
+// file (with recomputed checksums, as by an attacker) may be accepted; then every value suits an engine.
 
 namespace osteon::simulation {
 namespace {

@@ -6,8 +6,7 @@
 #include "io/rsi/rsi_session.h"
 #include "tests/io/rsi_oracle.h"
 
-// Fixed-seed fuzzing of RSI: valid messages with bytes changed, cut, repeated and moved, and noise made of
-// XML's characters.
+// Fixed-seed fuzzing of RSI: valid messages with bytes changed, cut, repeated and moved, and XML-like noise.
 
 namespace osteon::io {
 namespace {

@@ -16,8 +16,7 @@ namespace osteon::property {
 class TorqueOracle {
  public:
   /// The torque [N·m] by which some joint will exceed its limit one message from now, without help from
-  /// gravity, if its torque keeps changing at the same rate; negative: none will. NaN if the estimate is not
-  /// finite.
+  /// gravity, if its torque keeps changing at the same rate; negative: none will. NaN if not finite.
   double Beyond_Nm(const kinematics::ChainParams<7>& arm, const control::JointArray& q,
                    const control::JointArray& tau_external_Nm);
 

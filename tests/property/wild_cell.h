@@ -28,8 +28,7 @@ void showValue(const Choice& choice, std::ostream& out);
 
 class WildCell {
  public:
-  /// Ranges of Op::what: from kPushes on the hand's pushes, below it errors; a value without a meaning does
-  /// nothing.
+  /// Ranges of Op::what: from kPushes on the hand's pushes, below it errors; other values do nothing.
   static constexpr int kPushes = 44, kKinds = 48;
 
   WildCell(const Choice& choice, hil::ArmLevel level);

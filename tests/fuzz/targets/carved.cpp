@@ -7,8 +7,7 @@
 #include "tests/fuzz/targets/file_claims.h"
 #include "tests/simulation/carved_samples.h"
 
-// A carved state of a small bone: byte 0 says whether its checksums are corrected first (bit 0); then the
-// file.
+// A carved state of a small bone: byte 0 (bit 0): its checksums are corrected first; then the file.
 
 namespace osteon::fuzz {
 namespace {

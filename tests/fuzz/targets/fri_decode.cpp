@@ -1,7 +1,6 @@
 #include "tests/fuzz/targets/fri_claims.h"
 
-// One FRI datagram: byte 0 gives the family (two bits) and says whether 2.7's frame is put around the rest
-// (bit 2).
+// One FRI datagram: byte 0 gives the family (two bits) and whether 2.7's frame is added (bit 2).
 
 namespace osteon::fuzz {
 namespace {

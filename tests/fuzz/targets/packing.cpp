@@ -4,8 +4,7 @@
 #include "tests/fuzz/targets/file_claims.h"
 #include "tests/simulation/packing_samples.h"
 
-// A packing file: byte 0 says whether its checksums are corrected first (bit 0), as by an attacker; then the
-// file.
+// A packing file: byte 0 (bit 0): its checksums are corrected first, as by an attacker; then the file.
 
 namespace osteon::fuzz {
 namespace {
