@@ -101,7 +101,8 @@ class Scaling {
     if (!timed) return tl::unexpected(timed.error());
     if (!Add(series, count, work, timed->front()) || uniform) return {};
 
-    // without culling a frame's time is proportional to the number: skip points that would take too long
+    // without culling a frame's time is proportional to the number of spheres: skip points that would take
+    // too long
     const double expected_s = brute_us_per_sphere_ * 1e-6 * static_cast<double>(work.bone.balls.size()) *
                               static_cast<double>(kMinFrames);
     if (brute_refused_) return {};

@@ -31,7 +31,7 @@ struct RezonedRow {
   double time_s{0.0};
   std::size_t balls{0};
   CoarserZones zones;
-  double seen_us{0.0};  ///< the frames that led to it
+  double seen_us{0.0};  ///< frame time that led to it
   std::string text;
 };
 
@@ -49,7 +49,7 @@ struct RunSummary {
   control::RunEnd end{control::RunEnd::kSeconds};
   double wanted_s{0.0};            ///< asked for; 0: until it is stopped
   double period_s{0.0};            ///< of a tick
-  bool without_plc{false};         ///< the cell has no PLC, whose permission motion would need
+  bool without_plc{false};         ///< the cell has no PLC that would have to permit motion
   rt::RealtimeGrant servo_thread;  ///< wall time: scheduling that the system granted
   std::size_t balls{0}, points{0};
   double seconds{0.0};  ///< in COMMANDING_ACTIVE, without the rest at the end

@@ -109,7 +109,7 @@ bool Drawable(const PlotArea& area, double x, double y) {
 
 /// Draws error bars and markers of every series, the pale ones first, then the names for which there is room.
 std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::vector<std::string>& colors) {
-  constexpr std::size_t kMaxPieces = 500;  // of a line that names avoid
+  constexpr std::size_t kMaxPieces = 500;  // into which a line is cut, so that names avoid it
   std::string out;
   if (std::ranges::none_of(panel.series, [](const Series& series) { return series.marker != Marker::kNone; }))
     return out;
